@@ -1,0 +1,429 @@
+"""The door: what comes in is exact, what stays out is named in one line per fault."""
+
+import copy
+import math
+from collections import OrderedDict
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+from jsonschema import Draft202012Validator
+
+from snapmap import config
+from snapmap.config import ConfigError, History, load_device, load_study, read_document
+from snapmap.device import Beam, Device
+from snapmap.quantity import KINDS, read
+
+ROOT = Path(__file__).parents[1]
+DEFAULT = read_document(ROOT / "config/config.yaml")
+SCHEMA = yaml.safe_load(Path(config.__file__).with_name("schema.yaml").read_text(encoding="utf-8"))
+MISSING = object()
+
+
+def changed(**values):
+    """The default document with values set, or MISSING, at paths such as device__beam__span."""
+    document = copy.deepcopy(DEFAULT)
+    for path, value in values.items():
+        *parents, last = path.split("__")
+        section = document
+        for key in parents:
+            section = section[key]
+        section[last] = value
+        if value is MISSING:
+            del section[last]
+    return document
+
+
+def faults(document):
+    with pytest.raises(ConfigError) as caught:
+        load_study(document)
+    lines = str(caught.value).splitlines()
+    assert lines == list(caught.value.args)
+    assert all(len(line) < 200 for line in lines)
+    return lines
+
+
+def only_fault(document):
+    (line,) = faults(document)
+    return line
+
+
+def test_default_study_is_exact():
+    study = load_study(DEFAULT)
+    assert study.device == Device(
+        beam=Beam(
+            span=600.0,
+            rise=10.0,
+            thickness=2.0,
+            depth=22.0,
+            youngs_modulus=150000.0,
+            density=0.00233,
+        ),
+        mass=10000.0,
+        spring=5.5,
+        contact=40.0,
+        gravity=9.81e-6,
+    )
+    assert study.model == DEFAULT["model"]
+    assert np.array_equal(study.N, np.arange(600.0, 2401.0, 20.0))
+    assert np.array_equal(study.C, [0.025, 25.0, 200.0])
+    assert (study.f0.size, study.f0[0], study.f0[-1]) == (31, 100.0, 30000.0)
+    assert np.allclose(study.f0[1:] / study.f0[:-1], 300 ** (1 / 30), rtol=1e-13)
+    assert study.horizon == 1500.0
+    assert study.histories == (History(N=1000.0, f0=1500.0, C=0.025),)
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "value"),
+    [
+        ("600um", "length", 600.0),
+        ("600 \N{MICRO SIGN}m", "length", 600.0),
+        ("600 \N{GREEK SMALL LETTER MU}m", "length", 600.0),
+        (" 0.6 mm\n", "length", 600.0),
+        (".6e0 mm", "length", 600.0),
+        ("2.33 g/cm**3", "density", 0.00233),
+        ("2330 kg/m³", "density", 0.00233),
+        ("2330 kg m^-3", "density", 0.00233),
+        ("150000 N/mm^2", "modulus", 150000.0),
+        ("4e-4 /us", "rate", 4e-4),
+        ("4e-4/us", "rate", 4e-4),
+        ("4e-4 1/us", "rate", 4e-4),
+        ("4e-4 1 / us", "rate", 4e-4),
+        ("0 /us", "rate", 0.0),
+        ("0.1 ug", "mass", 100.0),
+        ("5.5e-3 N/mm", "stiffness", 5.5),
+        ("hard", "contact", math.inf),
+        ("1.5 kHz", "frequency", 1500.0),
+        ("0.2 mN*s/m", "damper", 200.0),
+        ("0.025 mg/s", "damper", 0.025),
+        ("1.5 ms", "duration", 1500.0),
+        ("1e3", "number", 1000.0),
+        (1000, "number", 1000.0),
+    ],
+)
+def test_conversion_adds_no_noise(text, kind, value):
+    assert read(text, kind) == value
+
+
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "number"])
+@pytest.mark.parametrize(
+    ("value", "complaint"),
+    [
+        (600, "600 has no unit"),
+        ("600", "'600' has no unit"),
+        (math.nan, "nan has no unit"),
+        (None, "an empty value is not a number with a unit"),
+        (True, "true is not a number with a unit"),
+        ([], "an empty list is not a number with a unit"),
+        ({"a": 1}, "a mapping is not a number with a unit"),
+        ("long", "'long' is not a number with a unit"),
+        ("nan um", "'nan um' is not a number with a unit"),
+        ("inf um", "'inf um' is not a number with a unit"),
+        ("1,5 um", "'1,5 um' is not a number with a unit"),
+        ("(1+1) um", "'(1+1) um' is not a number with a unit"),
+        ("2**9**9**9 um", "'2**9**9**9 um' is not a number with a unit"),
+        ("2 um**9**9", "'2 um**9**9' is not a number with a unit"),
+        ("2 um^99", "'2 um^99' is not a number with a unit"),
+        ("2 3 um", "'2 3 um' is not a number with a unit"),
+        ("1e1000 um", "'1e1000 um' is not a number with a unit"),
+        ("1" * 99 + " um", "is not a number with a unit"),
+        ("600 foo", "'600 foo' has an unknown unit, 'foo'"),
+        ("600 nan", "'600 nan' has an unknown unit, 'nan'"),
+        ("600 um*dB", "'600 um*dB' has an unknown unit, 'um*dB'"),
+        ("600 Pa^0", "'600 Pa^0' has an unknown unit, 'Pa^0'"),
+        ("20 degC", "'20 degC' does not convert to "),
+        ("3 dB", "'3 dB' does not convert to "),
+        ("3 %", "'3 %' does not convert to "),
+    ],
+)
+def test_not_a_quantity(kind, value, complaint):
+    with pytest.raises(ValueError) as caught:
+        read(value, kind)
+    assert complaint in str(caught.value)
+    assert str(caught.value).endswith(f"; write {KINDS[kind].name} such as {KINDS[kind].example}")
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "complaint"),
+    [
+        ("600 kg", "length", "'600 kg' does not convert to um"),
+        ("1e999 um", "length", "'1e999 um' is not finite"),
+        ("0 um", "length", "'0 um' is not positive"),
+        ("1e-999 um", "length", "'1e-999 um' is not positive"),
+        ("-2 um", "length", "'-2 um' is not positive"),
+        ("-1 us", "duration", "'-1 us' is negative"),
+        ("-1 N*s/m", "damper", "'-1 N*s/m' is negative"),
+        ("Hard", "contact", "'Hard' is not a number with a unit"),
+        ("hard", "stiffness", "'hard' is not a number with a unit"),
+        ("10 krad/s", "frequency", "counts angles or events, which is not Hz"),
+        ("10 deg/s", "frequency", "counts angles or events, which is not Hz"),
+        ("10 cycle/s", "frequency", "counts angles or events, which is not Hz"),
+        ("10 rpm", "frequency", "counts angles or events, which is not Hz"),
+        ("10 Bq", "frequency", "counts angles or events, which is not Hz"),
+        ("10 rad/us", "rate", "counts angles or events, which is not 1/us"),
+        ("nan", "number", "'nan' is not a plain number"),
+        ("600 g", "number", "'600 g' is not a plain number"),
+        (True, "number", "true is not a plain number"),
+        (math.inf, "number", "inf is not finite"),
+        (10**400, "number", "is not finite"),
+    ],
+)
+def test_not_this_quantity(text, kind, complaint):
+    with pytest.raises(ValueError) as caught:
+        read(text, kind)
+    assert complaint in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "start"),
+    [
+        ("device__beam__span", "600", "device.beam.span: '600' has no unit; write a length"),
+        ("device__beam__span", MISSING, "device.beam.span: missing; write a length"),
+        ("device__beam__rise", "4 um", "device.beam.rise: 4 um gives Q = rise/thickness = 2;"),
+        ("device__beam", None, "device.beam: an empty value is not a mapping"),
+        ("device__weight", "1 kg", "device.weight: unknown key; known here are beam, mass"),
+        ("device__contact", "soft", "device.contact: 'soft' is not a number with a unit"),
+        ("model__name", "nodal", "model.name: 'nodal' is not one of reference, handout"),
+        ("model__name", MISSING, "model.name: missing; write one of reference, handout"),
+        ("model__elements", 0, "model.elements: 0 is not a whole number >= 1"),
+        ("model__elements", 5.0, "model.elements: 5.0 is not a whole number"),
+        ("model__elements", True, "model.elements: true is not a whole number"),
+        ("model__modes", "5", "model.modes: '5' is not a whole number"),
+        ("model__cosines", -1, "model.cosines: -1 is not a whole number"),
+        ("model__mass_matrix", "lumped", "model.mass_matrix: 'lumped' is not one of"),
+        ("model__step", 0, "model.step: 0 is not a number such as 0.8, > 0 and <= 1"),
+        ("model__step", 1.5, "model.step: 1.5 is not a number such as 0.8, > 0 and <= 1"),
+        ("model__step", True, "model.step: true is not a number"),
+        ("model__step", math.nan, "model.step: nan is not a number"),
+        ("sweep__horizon", 1500, "sweep.horizon: 1500 has no unit; write a duration"),
+        ("sweep__N", 1000, "sweep.N: 1000 is not a list of at least one value, or a range"),
+        ("sweep__N", [], "sweep.N: an empty list is not a list of at least one value"),
+        ("sweep__N", [1, math.nan], "sweep.N[1]: nan is not finite"),
+        ("sweep__N", [1, 2, 1.0], "sweep.N: 1 comes twice"),
+        ("sweep__f0", ["1 kHz", "1000 Hz"], "sweep.f0: 1000 Hz comes twice"),
+        ("sweep__f0", ["10 krad/s"], "sweep.f0[0]: '10 krad/s' counts angles or events"),
+        ("sweep__f0__from", "0 Hz", "sweep.f0.from: '0 Hz' is not positive"),
+        ("sweep__f0__spacing", "lin", "sweep.f0.spacing: 'lin' is not one of linear, log"),
+        ("sweep__N__step", 20, "sweep.N.step: unknown key; known here are from, to, points"),
+        ("sweep__N__points", MISSING, "sweep.N.points: missing; write a whole number"),
+        ("sweep__N__points", 0, "sweep.N.points: 0 is not a whole number from 1 to 1000000"),
+        ("sweep__N__points", 10**7, "sweep.N.points: 10000000 is not a whole number from 1"),
+        ("sweep__N__points", 2.5, "sweep.N.points: 2.5 is not a whole number"),
+        ("sweep__N__points", 1, "sweep.N.points: 1 needs equal ends"),
+        ("sweep__N__to", 600, "sweep.N.points: 91 needs from and to that differ"),
+        ("histories", {}, "histories: a mapping is not a list of cells"),
+        ("histories", [3], "histories[0]: 3 is not a mapping"),
+    ],
+)
+def test_one_line_names_key_and_value(path, value, start):
+    assert only_fault(changed(**{path: value})).startswith(start)
+
+
+@pytest.mark.parametrize(
+    ("axis", "complaint"),
+    [
+        ({"from": -1, "to": 5, "points": 3, "spacing": "log"}, "sweep.N.spacing: log needs"),
+        ({"from": 0, "to": 5, "points": 3, "spacing": "log"}, "sweep.N.spacing: log needs"),
+        ({"from": -1e308, "to": 1e308, "points": 3}, "sweep.N: from and to are too far apart"),
+        ({"from": 1, "to": 1 + 1e-15, "points": 30}, "sweep.N: 1 comes twice"),
+    ],
+)
+def test_range_that_is_none(axis, complaint):
+    assert only_fault(changed(sweep__N=axis)).startswith(complaint)
+
+
+@pytest.mark.parametrize(
+    ("axis", "values"),
+    [
+        ([3, -2, "1e3", 0], [-2.0, 0.0, 3.0, 1000.0]),
+        ((2, 1), [1.0, 2.0]),
+        ({"from": 7, "to": 7, "points": 1}, [7.0]),
+        ({"from": 3, "to": 1, "points": 3}, [1.0, 2.0, 3.0]),
+        ({"from": "1e1", "to": 1000, "points": 3, "spacing": "log"}, [10.0, 100.0, 1000.0]),
+        ({"from": -0.1, "to": 0.7, "points": 2, "spacing": "linear"}, [-0.1, 0.7]),
+    ],
+)
+def test_axes_ascend(axis, values):
+    assert np.array_equal(load_study(changed(sweep__N=axis)).N, values)
+
+
+def test_histories():
+    cell = {"N": "1e3", "f0": "2 kHz", "C": "0 kg/s"}
+    assert load_study(changed(histories=[cell])).histories == (History(1000.0, 2000.0, 0.0),)
+    assert load_study(changed(histories=[])).histories == ()
+
+
+def test_hard_contact_and_damping():
+    device = load_study(changed(device__contact="hard", device__beam__damping="4e-4 /us")).device
+    assert (device.contact, device.beam.damping) == (math.inf, 4e-4)
+
+
+def test_ordered_mappings_are_mappings():
+    document = OrderedDict({key: OrderedDict(value) for key, value in DEFAULT.items()})
+    assert load_study(document).device == load_study(DEFAULT).device
+
+
+def test_all_faults_are_reported_in_order():
+    document = changed(
+        device__beam__rise="1 um",
+        model__step=2,
+        sweep__C=["1 kg/s", "2 kg", 3],
+        sweep__N=[1, 1],
+        sweep__horizon=MISSING,
+    )
+    document |= {1: 2, None: 3, "a\nb": 4}
+    keys = [line.split(": ")[0] for line in faults(document)]
+    assert keys == [
+        "[1]",
+        "[an empty value]",
+        "['a\\nb']",
+        "device.beam.rise",
+        "model.step",
+        "sweep.C[1]",
+        "sweep.C[2]",
+        "sweep.N",
+        "sweep.horizon",
+    ]
+
+
+@pytest.mark.parametrize("document", [None, 3, "device", [], [DEFAULT]])
+def test_document_is_a_mapping(document):
+    assert only_fault(document).startswith("config: ")
+
+
+def test_load_device_looks_at_the_device_only(tmp_path):
+    path = tmp_path / "config.yaml"
+    path.write_text(yaml.safe_dump({"device": DEFAULT["device"], "model": 1, "more": 2}))
+    assert load_device(path) == load_study(DEFAULT).device
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("sweep: {}", "device: missing; write a mapping: "),
+        ("device: 3", "device: 3 is not a mapping: "),
+        ("[1, 2]", "{path}: a list is not a mapping of device, model, sweep"),
+        ("", "{path}: an empty value is not a mapping of device, model, sweep"),
+        ("a: 1\nb: [", "{path}: line 2 is not valid YAML: "),
+        ("a: 1\na: 2", "{path}: line 2 is not valid YAML: 'a' comes twice"),
+        ("a: \x00", "{path}: not valid YAML: "),
+        ("a: 2026-13-45", "{path}: not valid YAML: "),
+        ("[" * 2000, "{path}: not valid YAML: "),
+        ("a: !!python/object:os.system x", "{path}: line 1 is not valid YAML: "),
+    ],
+)
+def test_load_device_refuses(tmp_path, text, fault):
+    path = tmp_path / "config.yaml"
+    path.write_text(text)
+    with pytest.raises(ConfigError) as caught:
+        load_device(path)
+    (line,) = str(caught.value).splitlines()
+    assert line.startswith(fault.format(path=path))
+
+
+def test_missing_file(tmp_path):
+    with pytest.raises(ConfigError, match=r"none\.yaml: cannot be read: No such file"):
+        load_device(tmp_path / "none.yaml")
+
+
+def test_schema_is_closed_and_described():
+    Draft202012Validator.check_schema(SCHEMA)
+    assert "default" not in str(SCHEMA)
+    for section in sections(SCHEMA):
+        assert section.get("additionalProperties") is False
+        assert all("description" in value for value in section["properties"].values())
+
+
+def sections(schema):
+    """Every part of the schema that lists the keys of a mapping by itself, not through $ref."""
+    if isinstance(schema, dict):
+        if "properties" in schema and "$ref" not in schema:
+            yield schema
+        for part in schema.values():
+            yield from sections(part)
+
+
+def paths(section, at=()):
+    yield at
+    if isinstance(section, dict | list):
+        keys = section if isinstance(section, dict) else range(len(section))
+        for key in keys:
+            yield from paths(section[key], (*at, key))
+
+
+NUMBERS = st.one_of(
+    st.from_regex(r"[+-]?[0-9]{1,3}(\.[0-9]{0,2})?(e-?[0-9]{1,4})?", fullmatch=True),
+    st.sampled_from(["", "nan", "-inf", "2**9**9", "0x10", "1_0", "."]),
+)
+UNITS = st.one_of(
+    st.from_regex(r"(/ ?)?[a-z\u00b5%]{1,4}([*/ ]{1,2}[A-Za-z]{1,3}(\^|\*\*)?-?[0-9]?){0,3}"),
+    st.sampled_from(["um", "Hz", "kg", "N/m", "us", "uN*us/um", "rad/s", "degC", "/", "m^"]),
+)
+QUANTITIES = st.builds(lambda *parts: "".join(parts), NUMBERS, st.sampled_from(["", " "]), UNITS)
+SCALARS = st.one_of(
+    st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=8), QUANTITIES
+)
+KEYS = st.one_of(
+    st.sampled_from(["from", "to", "points", "spacing", "N", "f0", "C", "damping"]),
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+)
+VALUES = st.recursive(
+    SCALARS,
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(KEYS, inner, max_size=4),
+    max_leaves=5,
+)
+PATHS = [path for path in paths(DEFAULT) if path]
+
+
+@st.composite
+def damaged(draw):
+    document = copy.deepcopy(DEFAULT)
+    for *parents, last in draw(st.lists(st.sampled_from(PATHS), min_size=1, max_size=3)):
+        section = document
+        for key in parents:
+            section = section[key] if isinstance(section, dict) and key in section else None
+        if isinstance(section, dict):
+            section.pop(last, None)
+            section |= draw(st.fixed_dictionaries({}, optional={last: VALUES}))
+            section |= draw(st.dictionaries(KEYS, VALUES, max_size=1))
+    return document
+
+
+def study_or_faults(document):
+    try:
+        study = load_study(document)
+    except ConfigError as error:
+        assert error.args and not any("\n" in line for line in error.args)
+        return
+    for axis in (study.N, study.f0, study.C):
+        assert np.isfinite(axis).all() and (np.diff(axis) > 0).all()
+
+
+@settings(max_examples=300, derandomize=True, deadline=None, database=None)
+@given(damaged())
+def test_a_damaged_document_is_a_study_or_faults(document):
+    study_or_faults(document)
+
+
+@settings(max_examples=100, derandomize=True, deadline=None, database=None)
+@given(VALUES)
+def test_any_document_is_a_study_or_faults(document):
+    study_or_faults(document)
+
+
+@settings(max_examples=500, derandomize=True, deadline=None, database=None)
+@given(
+    QUANTITIES | st.text(alphabet="0123456789.eE+-*/^ umNkgHzrad\N{MICRO SIGN}%()²", max_size=30)
+)
+@example("0 Qs^9*Rs^9/us^9/ns^8")
+def test_any_text_is_a_finite_quantity_or_a_fault(text):
+    for kind in ("length", "damper", "number"):
+        try:
+            value = read(text, kind)
+        except ValueError as error:
+            assert "\n" not in str(error)
+        else:
+            assert math.isfinite(value)

@@ -1,0 +1,69 @@
+"""The device's closed forms and limits."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from snapmap.device import Beam, Device
+
+BEAM = Beam(span=600.0, rise=10.0, thickness=2.0, depth=22.0, youngs_modulus=1.5e5, density=0.00233)
+DEVICE = Device(beam=BEAM, mass=1e4, spring=5.5, contact=40.0, gravity=9.81e-6)
+
+
+def test_section():
+    assert BEAM.area == 44.0
+    assert BEAM.inertia == pytest.approx(44 / 3, rel=1e-15)
+    assert BEAM.mass_per_length == pytest.approx(0.10252, rel=1e-15)
+    assert BEAM.bending_stiffness == pytest.approx(2.2e6, rel=1e-15)
+    assert BEAM.axial_stiffness == pytest.approx(5500.0, rel=1e-15)
+
+
+def test_second_equilibrium():
+    assert BEAM.bistability == 5.0
+    assert BEAM.second_equilibrium == pytest.approx(-9.43471, abs=1e-5)
+
+
+def test_second_equilibrium_is_half_the_rise_at_the_limit():
+    beam = replace(BEAM, rise=8 / math.sqrt(3) * (1 + 1e-12))
+    assert beam.second_equilibrium == pytest.approx(-beam.rise / 2, rel=1e-5)
+
+
+def test_beam_needs_a_second_equilibrium():
+    with pytest.raises(
+        ValueError, match=r"^device\.beam\.rise: 4 um gives Q = .* = 2; .*> 2\.309$"
+    ):
+        replace(BEAM, rise=4.0)
+
+
+BEAM_SIZES = ["span", "rise", "thickness", "depth", "youngs_modulus", "density"]
+
+
+@pytest.mark.parametrize("name", BEAM_SIZES)
+@pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
+def test_beam_sizes_are_positive_and_finite(name, value):
+    with pytest.raises(ValueError, match=rf"^device\.beam\.{name}: {value} is not .*$"):
+        replace(BEAM, **{name: value})
+
+
+@pytest.mark.parametrize("value", [-1e-9, math.nan, math.inf])
+def test_beam_damping_is_not_negative(value):
+    with pytest.raises(ValueError, match=rf"^device\.beam\.damping: {value} is not .*$"):
+        replace(BEAM, damping=value)
+
+
+@pytest.mark.parametrize("name", ["mass", "spring", "gravity"])
+@pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
+def test_device_values_are_positive_and_finite(name, value):
+    with pytest.raises(ValueError, match=rf"^device\.{name}: {value} is not .*$"):
+        replace(DEVICE, **{name: value})
+
+
+@pytest.mark.parametrize("value", [0.0, -40.0, -math.inf, math.nan])
+def test_contact_is_positive(value):
+    with pytest.raises(ValueError, match=rf"^device\.contact: {value} is not .*$"):
+        replace(DEVICE, contact=value)
+
+
+def test_contact_may_be_hard():
+    assert replace(DEVICE, contact=math.inf).contact == math.inf

@@ -1,0 +1,172 @@
+"""The lane kernel against the plain loop, against itself, and past its limits."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import snapmap
+from snapmap.cells import _follow_once, follow_cells, to_cells
+from snapmap.lanes import LANES, device_coefficients, follow_lanes
+from snapmap.models import build_model
+from snapmap.outcome import FAILED, label
+
+SMALL = {"N": np.linspace(700, 2300, 9), "f0": [500.0, 1500.0, 6000.0], "C": [0.025, 200.0]}
+
+
+def threshold(device, f0, C=0.025, horizon=300.0, low=700.0, high=1100.0, **model):
+    """Lowest N that snaps, by refining a grid of one lane call at a time, to 1e-6."""
+    while high - low > 1e-6 * high:
+        N = np.linspace(low, high, 17)
+        cube = snapmap.sweep(device, N=N, f0=[f0], C=[C], horizon=horizon, **model)
+        first = int(np.argmax(cube.outcome.values.ravel() == 2))
+        low, high = N[first - 1], N[first]
+    return high
+
+
+@pytest.fixture(scope="module")
+def hard(handout):
+    return dataclasses.replace(handout, contact=np.inf)
+
+
+@pytest.mark.parametrize("mass_matrix", ["consistent", "hrz"])
+def test_handout_by_lanes_is_the_reference(handout, mass_matrix):
+    options = {"horizon": 300.0, "mass_matrix": mass_matrix}
+    lanes = snapmap.sweep(handout, **SMALL, model="handout", **options)
+    plain = snapmap.sweep(handout, **SMALL, model="reference", **options)
+    dt = build_model(handout, "handout", mass_matrix=mass_matrix).dt
+    assert (lanes.outcome == plain.outcome).all()
+    assert np.nanmax(abs(lanes.t_snap - plain.t_snap)) < dt
+
+
+def test_the_history_is_the_sweeps_run(handout):
+    """Both see the same midpoint at the same instants: the snap times agree to the last bit."""
+    cell = {"N": 1000.0, "f0": 1500.0, "C": 0.025, "model": "cosines", "horizon": 300.0}
+    run = snapmap.simulate(handout, **cell, step=0.1)
+    after = int(np.argmax(run.w_mid.values <= handout.beam.second_equilibrium))
+    t, w = run.time.values[after - 1 : after + 1], run.w_mid.values[after - 1 : after + 1]
+    crossing = t[0] + (w[0] - handout.beam.second_equilibrium) / (w[0] - w[1]) * (t[1] - t[0])
+    cube = snapmap.sweep(
+        handout, **{k: [cell[k]] for k in ("N", "f0", "C")}, model="cosines", step=0.1
+    )
+    assert crossing == pytest.approx(float(cube.t_snap.squeeze()), rel=1e-4)
+
+
+@pytest.mark.parametrize("model", ["handout", "cosines", "elements"])
+def test_no_pulse_no_motion_to_the_last_bit(handout, model):
+    run = snapmap.simulate(handout, N=0.0, f0=1500.0, C=0.025, model=model)
+    assert (run.w_mid == handout.beam.rise).all() and (run.z_mass == handout.beam.rise).all()
+    assert not run.kinetic_energy.any() and not run.bending_energy.any()
+
+
+@pytest.mark.parametrize("f0", [500.0, 1500.0])
+def test_few_cosines_give_the_converged_threshold(handout, hard, f0):
+    for device in (handout, hard):
+        converged = threshold(device, f0, model="cosines", modes=12, step=0.25)
+        for modes in (3, 4):
+            found = threshold(device, f0, model="cosines", modes=modes)
+            assert found == pytest.approx(converged, rel=5e-4)
+
+
+def test_elements_converge_to_the_cosines(handout):
+    converged = threshold(handout, 1500.0, model="cosines", modes=12, step=0.25)
+    errors = [
+        threshold(handout, 1500.0, model="elements", elements=n) / converged - 1 for n in (5, 10)
+    ]
+    assert errors[0] == pytest.approx(1.5e-3, rel=0.1)
+    assert 3.5 < np.log2(errors[0] / errors[1]) < 4.5
+
+
+def test_hard_contact_is_the_limit_of_a_rising_penalty(handout, hard):
+    limit = threshold(hard, 1500.0, model="cosines", modes=8, step=0.25)
+    by_elements = threshold(hard, 1500.0, model="elements", elements=20, modes=8, step=0.25)
+    assert by_elements == pytest.approx(limit, rel=2e-4)
+    shifts = [
+        threshold(
+            dataclasses.replace(handout, contact=penalty),
+            1500.0,
+            model="elements",
+            elements=20,
+            modes=8,
+        )
+        / limit
+        - 1
+        for penalty in (40.0, 400.0, 4000.0)
+    ]
+    assert shifts[0] == pytest.approx(0.08, abs=0.005)
+    assert shifts[0] > 8 * shifts[1] > 0 and shifts[1] > 5 * shifts[2] > 0
+
+
+def test_lanes_with_different_devices_give_what_each_gives_alone(handout):
+    """To the last bit, for the same model and step, however the cells are mixed."""
+    beam = handout.beam
+    others = [
+        handout,
+        dataclasses.replace(handout, mass=0.8e4, spring=7.0, contact=60.0),
+        dataclasses.replace(handout, beam=dataclasses.replace(beam, thickness=2.2, span=620.0)),
+    ]
+    dt = np.full(3, 0.05)
+    rows = [
+        device_coefficients(
+            build_model(device, "cosines", modes=4).modal,
+            device,
+            0.05,
+            device.beam.second_equilibrium - device.beam.rise,
+        )
+        for device in others
+    ]
+    cells = to_cells(
+        handout, np.linspace(700, 1900, 75), np.full(75, 1500.0), np.full(75, 5.0), 300.0
+    )
+    device_of = np.arange(75) % 3
+    mixed = follow_lanes(4, np.array(rows), dt, device_of, *cells)
+    for device in range(3):
+        mine = device_of == device
+        alone = follow_lanes(
+            4,
+            np.array(rows[device])[np.newaxis],
+            dt[:1],
+            np.zeros(mine.sum(), int),
+            *(values[mine] for values in cells),
+        )
+        for together, single in zip(mixed, alone, strict=True):
+            np.testing.assert_array_equal(together[mine], single)
+    assert np.isfinite(mixed[0]).any() and np.isnan(mixed[0]).any()
+
+
+def test_a_cell_does_not_depend_on_order_number_or_threads(handout):
+    rng = np.random.default_rng(5)
+    model = build_model(handout, "cosines", modes=3)
+    N, f0 = rng.uniform(600, 2400, 5 * LANES + 3), rng.uniform(300, 2e4, 5 * LANES + 3)
+    cells = to_cells(handout, N, f0, np.full(N.size, 0.025), 300.0)
+    together = follow_cells(handout, model, cells)
+    order = rng.permutation(N.size)
+    shuffled = follow_cells(handout, model, type(cells)(*(v[order] for v in cells)), threads=2)
+    one = follow_cells(handout, model, type(cells)(*(v[:1] for v in cells)))
+    for whole, mixed, single in zip(together, shuffled, one, strict=True):
+        np.testing.assert_array_equal(whole[order], mixed)
+        np.testing.assert_array_equal(whole[:1], single)
+
+
+@pytest.mark.parametrize("factor", [1.3, 2.0, 50.0])
+def test_a_blow_up_is_failed_although_the_kernel_is_fast(handout, factor):
+    """Steps over the limit: no cell may pass for unsnapped or snapped."""
+    model = build_model(handout, "handout", step=1.0)
+    model = model._replace(dt=factor * model.dt)
+    N = np.linspace(600, 2400, 40)
+    cells = to_cells(handout, N, np.full(40, 1500.0), np.full(40, 0.025), 1500.0)
+    assert (label(*_follow_once(handout, model, cells, 1)) == FAILED).all()
+
+
+def test_a_hopeless_cell_is_failed_and_the_rest_goes_on(handout):
+    cube = snapmap.sweep(handout, N=[900.0, 1e30], f0=[1500.0], C=[0.025], model="cosines")
+    assert cube.outcome.values.ravel().tolist() == [0, FAILED]
+
+
+def test_a_failed_ledger_is_given_smaller_steps(handout):
+    """At a rough step some ledgers do not close; the retries close them."""
+    model = build_model(handout, "cosines", modes=3, step=0.8)
+    N, f0 = np.meshgrid(np.linspace(600, 2400, 12), np.geomspace(100, 3e4, 12))
+    cells = to_cells(handout, N.ravel(), f0.ravel(), np.full(144, 0.025), 300.0)
+    assert (label(*_follow_once(handout, model, cells, 1)) == FAILED).any()
+    assert not (label(*follow_cells(handout, model, cells)) == FAILED).any()

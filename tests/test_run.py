@@ -1,0 +1,265 @@
+"""The script `run`, driven with a stand-in for Python that makes venvs and installs nothing."""
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+PYTHONS = ["python3", "python3.13", "python3.12", "python3.11"]
+
+# Notes each venv that it is asked for; a file beside it named `fault` holds shell code to run then.
+FAKE_PYTHON = f"""#!/bin/sh
+fakes='@fakes@'
+case "$1 $2" in
+"-m venv")
+    echo "$4" >>"$fakes/venvs"
+    mkdir -p "$4/bin"
+    cp "$0" "$4/bin/python"
+    echo '#!/bin/sh' >"$4/bin/uv"
+    chmod +x "$4/bin/uv"
+    if [ -f "$fakes/fault" ]; then . "$fakes/fault"; fi ;;
+"-m pip") ;;
+*) exec '{sys.executable}' "$@" ;;
+esac
+"""
+
+
+class Clone:
+    """A copy of `run` with a lock of its own, and stand-ins for Python first on PATH."""
+
+    def __init__(self, folder: Path, tmp: Path):
+        self.folder, self.fakes = folder, tmp / "fakes"
+        folder.mkdir()
+        self.fakes.mkdir()
+        shutil.copy(ROOT / "run", folder)
+        (folder / "requirements.lock").write_text("# nothing\n")
+        self.fake_python(FAKE_PYTHON.replace("@fakes@", str(self.fakes)))
+        self.environment = {
+            "HOME": str(tmp / "home"),
+            "TMPDIR": str(tmp),
+            "PATH": f"{self.fakes}:{os.environ['PATH']}",
+        }
+
+    def fake_python(self, text: str, names: list[str] = PYTHONS) -> None:
+        for name in names:
+            (self.fakes / name).write_text(text)
+            (self.fakes / name).chmod(0o755)
+
+    def fault(self, shell_code: str) -> None:
+        (self.fakes / "fault").write_text(shell_code)
+
+    def start(self, *command: str, **options) -> subprocess.Popen:
+        return subprocess.Popen(
+            [self.folder / "run", *command],
+            env=self.environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            **options,
+        )
+
+    def run(self, *command: str, **options) -> subprocess.CompletedProcess:
+        process = self.start(*command, **options)
+        out, err = process.communicate(timeout=60)
+        return subprocess.CompletedProcess(command, process.returncode, out, err)
+
+    def venvs_made(self) -> list[str]:
+        return (self.fakes / "venvs").read_text().splitlines()
+
+
+@pytest.fixture
+def clone(tmp_path):
+    return Clone(tmp_path / "clone", tmp_path)
+
+
+def wait_for(path: Path) -> None:
+    end = time.monotonic() + 30
+    while not path.exists():
+        assert time.monotonic() < end, f"{path} did not appear"
+        time.sleep(0.01)
+
+
+def one_line_of_failure(done: subprocess.CompletedProcess) -> str:
+    (line,) = done.stderr.splitlines()
+    assert done.returncode == 1 and done.stdout == ""
+    return line
+
+
+def test_passes_on_folder_arguments_output_and_status(clone, tmp_path):
+    elsewhere = tmp_path / "some where"
+    elsewhere.mkdir()
+    words = ["a  b", "", "*", "$HOME", "--flag='x'"]
+    script = "import os, sys; print(os.getcwd(), sys.argv[1:]); sys.exit(7)"
+    done = clone.run("python", "-c", script, *words, cwd=elsewhere)
+    assert (done.returncode, done.stdout) == (7, f"{elsewhere} {words}\n")
+
+
+def test_install_leaves_input_and_output_to_the_command(clone):
+    clone.fault("cat; echo noise")
+    process = clone.start("cat", stdin=subprocess.PIPE)
+    assert process.communicate("line\n", timeout=60)[0] == "line\n"
+
+
+def test_the_callers_pythonpath_stays(clone, tmp_path):
+    clone.environment["PYTHONPATH"] = str(tmp_path)
+    out = clone.run("python", "-c", "import sys; print(sys.path)").stdout
+    assert f"'{tmp_path}'" in out
+
+
+def test_works_through_a_link(clone, tmp_path):
+    link = tmp_path / "link"
+    link.symlink_to(clone.folder / "run")
+    out = subprocess.check_output([link, "printenv", "VIRTUAL_ENV"], env=clone.environment)
+    assert out.decode() == f"{clone.folder}/.venv\n"
+
+
+def test_installs_once_with_one_line(clone):
+    first, second = clone.run("true"), clone.run("true")
+    venv = str(clone.folder / ".venv")
+    assert len(first.stderr.splitlines()) == 1 and venv in first.stderr
+    assert second.stderr == ""
+    assert clone.venvs_made() == [venv]
+
+
+def test_installs_again_after_the_lock_or_the_path_changes(clone, tmp_path):
+    clone.run("true")
+    (clone.folder / "requirements.lock").write_text("# another\n")
+    clone.run("true")
+    assert len(clone.venvs_made()) == 2
+    clone.folder = clone.folder.rename(tmp_path / "moved")
+    clone.run("true")
+    assert clone.venvs_made()[2:] == [str(tmp_path / "moved" / ".venv")]
+
+
+@pytest.mark.parametrize("name", ["my clone", "R&D", "it's (1)"])
+def test_no_special_sign_in_the_path_of_the_venv(tmp_path, name):
+    clone = Clone(tmp_path / name, tmp_path)
+    done = clone.run("printenv", "VIRTUAL_ENV")
+    assert done.stdout.startswith(f"{tmp_path}/home/.cache/snapmap/venv-")
+    assert done.stdout.strip() in done.stderr
+    assert sorted(path.name for path in clone.folder.iterdir()) == ["requirements.lock", "run"]
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root can write to every folder")
+def test_read_only_clone_is_left_alone(clone, tmp_path):
+    clone.folder.chmod(0o555)
+    done = clone.run("printenv", "VIRTUAL_ENV")
+    clone.folder.chmod(0o755)
+    assert done.stdout.startswith(f"{tmp_path}/home/.cache/snapmap/venv-")
+    assert done.stdout.strip() in done.stderr
+
+
+@pytest.mark.parametrize("home", ["", "/dev/null/home", "@tmp@/a home"])
+def test_unusable_home_gets_another_cache_folder(clone, tmp_path, home):
+    clone.environment["HOME"] = home.replace("@tmp@", str(tmp_path))
+    cache = Path(clone.run("printenv", "XDG_CACHE_HOME").stdout.strip())
+    assert cache == tmp_path / f"snapmap-{os.getuid()}" and cache.is_dir()
+
+
+def test_usable_home_leaves_the_environment_alone(clone):
+    assert clone.run("printenv", "XDG_CACHE_HOME").stdout == ""
+
+
+def test_failed_install_is_reported_and_begun_again(clone):
+    clone.fault("exit 1")
+    failed = clone.run("echo", "reached")
+    assert failed.returncode != 0 and failed.stdout == ""
+    assert failed.stderr.splitlines()[-1].startswith("run: the install failed")
+    clone.fault("")
+    assert clone.run("echo", "reached").stdout == "reached\n"
+
+
+def test_killed_install_is_begun_again(clone):
+    clone.fault("sleep 60")
+    process = clone.start("true", start_new_session=True)
+    wait_for(clone.fakes / "venvs")
+    os.killpg(process.pid, signal.SIGKILL)
+    process.communicate()
+    clone.fault("")
+    assert clone.run("echo", "reached").stdout == "reached\n"
+    assert len(clone.venvs_made()) == 2
+
+
+def test_second_of_two_at_once_waits_and_does_not_install(clone):
+    go_on = clone.fakes / "go on"
+    clone.fault(f"until [ -f '{go_on}' ]; do sleep 0.05; done")
+    first = clone.start("true")
+    wait_for(clone.fakes / "venvs")
+    second = clone.start("true")
+    waiting = second.stderr.readline()
+    go_on.touch()
+    assert waiting.startswith("run: waiting for the run that is installing")
+    for process in first, second:
+        process.communicate(timeout=60)
+        assert process.returncode == 0
+    assert len(clone.venvs_made()) == 1
+
+
+def test_lock_is_not_held_while_the_command_runs(clone):
+    first = clone.start("sleep", "60")
+    wait_for(clone.folder / ".venv" / "stamp")
+    (clone.folder / "requirements.lock").write_text("# another\n")
+    second = clone.run("true")
+    first.kill()
+    first.communicate()
+    assert second.returncode == 0 and "waiting" not in second.stderr
+
+
+def test_one_line_without_a_suitable_python(clone):
+    too_old = "import sys; sys.version_info = (3, 10, 9); exec(sys.argv.pop(1))"
+    clone.fake_python(f"#!/bin/sh\nshift\nexec '{sys.executable}' -c '{too_old}' \"$@\"\n")
+    line = one_line_of_failure(clone.run("true"))
+    assert line == "run: Python 3.11, 3.12 or 3.13 is needed, and none is on PATH"
+
+
+def test_passes_over_an_unsuitable_python3(clone):
+    clone.fake_python("#!/bin/sh\nexit 1\n", ["python3", "python3.13"])
+    assert clone.run("echo", "reached").stdout == "reached\n"
+
+
+def test_one_line_without_the_venv_module(clone):
+    fail_on_ensurepip = 'case "$2" in *ensurepip*) exit 1 ;; esac'
+    clone.fake_python(f"#!/bin/sh\n{fail_on_ensurepip}\nexec '{sys.executable}' \"$@\"\n")
+    assert one_line_of_failure(clone.run("true")).endswith("apt install python3-venv")
+
+
+def test_one_line_without_a_command(clone):
+    assert "no command given" in one_line_of_failure(clone.run())
+
+
+@pytest.mark.parametrize("lock", ["requirements.lock", "requirements-bench.lock"])
+def test_lock_holds_only_exact_versions_and_hashes(lock):
+    text = (ROOT / lock).read_text()
+    for line in text.replace("\\\n", " ").splitlines():
+        assert re.fullmatch(r"[a-z0-9-]+==\S+( ; [^:]+?)?\s+(--hash=sha256:[0-9a-f]{64}\s*)+", line)
+
+
+def test_lock_names_every_dependency():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    wanted = project["project"]["dependencies"] + project["dependency-groups"]["test"]
+    locked = set(re.findall(r"^[a-z0-9-]+(?===)", (ROOT / "requirements.lock").read_text(), re.M))
+    assert {re.match(r"[a-z0-9-]+", name)[0] for name in wanted} <= locked
+
+
+@pytest.mark.long
+def test_install_from_nothing(tmp_path):
+    folder, home = tmp_path / "my clone", tmp_path / "home"
+    folder.mkdir()
+    home.mkdir()
+    for name in ["run", "pyproject.toml", "requirements.lock"]:
+        shutil.copy(ROOT / name, folder)
+    environment = os.environ | {"HOME": str(home), "XDG_CACHE_HOME": ""}
+
+    def run(*command: str) -> str:
+        return subprocess.check_output([folder / "run", *command], env=environment, text=True)
+
+    assert run("python", "-c", "import numba; print(numba.njit(lambda x: x + 1)(1))") == "2\n"
+    assert re.fullmatch(r"9\.\d+\.\d+\n", run("snakemake", "--version"))

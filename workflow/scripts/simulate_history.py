@@ -1,0 +1,22 @@
+"""Rule simulate_history: follow one cell in full."""
+
+from snapmap.cube import write
+from snapmap.device import device_from
+from snapmap.history import simulate
+
+
+def simulate_history(device, model, cell, horizon, path):
+    """Simulate one cell beyond its snap and write its history."""
+    name, options = model["name"], {key: model[key] for key in model if key != "name"}
+    history = simulate(device_from(device), **cell, model=name, horizon=horizon, **options)
+    write(history, path)
+
+
+if __name__ == "__main__":
+    simulate_history(
+        device=snakemake.params.device,
+        model=snakemake.params.model,
+        cell=snakemake.params.cell,
+        horizon=snakemake.params.horizon,
+        path=snakemake.output.history,
+    )

@@ -1,0 +1,15 @@
+"""Snap maps of a bistable beam under shock: load_device, simulate, sweep."""
+
+from importlib import import_module
+
+__version__ = "0.1.0"
+
+_HOME = {"load_device": "config", "simulate": "history", "sweep": "cube"}
+__all__ = ["load_device", "simulate", "sweep"]
+
+
+def __getattr__(name):
+    # Imported on first use: a solver job must not pay for xarray.
+    if name in _HOME:
+        return getattr(import_module(f".{_HOME[name]}", __name__), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,0 +1,121 @@
+"""Follow many cells with one model: choose the loop, share out threads, repeat what failed."""
+
+from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
+
+import numpy as np
+
+from .device import Device
+from .lanes import device_coefficients, follow_lanes
+from .models import Model
+from .outcome import is_believed
+from .reference import follow, nodal_system
+
+HALVINGS = 4
+"""How often a cell whose energy ledger does not close is followed again with half the step."""
+
+
+class Facts(NamedTuple):
+    """What was observed of each cell; arrays of one length.
+
+    t_snap: first arrival of the midpoint at w2 after the pulse's start, us; NaN if not seen
+    energy_error: residual of the energy ledger over the gross work of the pulse
+    """
+
+    t_snap: np.ndarray
+    energy_error: np.ndarray
+
+
+class Cells(NamedTuple):
+    """Cells in internal units; arrays of one length.
+
+    amplitude: N g, um/us^2; f0: 1/us; damping: C, uN us/um; t_end: us
+    """
+
+    amplitude: np.ndarray
+    f0: np.ndarray
+    damping: np.ndarray
+    t_end: np.ndarray
+
+
+def check_cells(**values) -> None:
+    """Raise ValueError, one line, unless N is finite, f0 above 0, C and horizon from 0."""
+    least = {"N": -np.inf, "f0": np.nextafter(0, 1), "C": 0.0, "horizon": 0.0}
+    need = {"N": "any size", "f0": "above 0", "C": "0 or above", "horizon": "0 or above"}
+    for key, given in values.items():
+        given = np.atleast_1d(np.asarray(given, float))
+        if given.size == 0:
+            raise ValueError(f"{key}: empty; give one value or more")
+        wrong = given[~(np.isfinite(given) & (given >= least[key]))]
+        if wrong.size:
+            raise ValueError(f"{key}: {wrong[0]:g} cannot be; it must be finite and {need[key]}")
+
+
+def to_cells(device: Device, N, f0, C, horizon: float) -> Cells:
+    """Convert cells from multiples of g, Hz, uN us/um and a horizon after the pulse in us."""
+    f0 = np.asarray(f0, float) * 1e-6
+    return Cells(
+        amplitude=np.asarray(N, float) * device.gravity,
+        f0=f0,
+        damping=np.asarray(C, float),
+        t_end=1 / f0 + horizon,
+    )
+
+
+def follow_cells(device: Device, model: Model, cells: Cells, threads: int = 1) -> Facts:
+    """Follow every cell to its snap or the horizon.
+
+    A cell whose ledger does not close is followed again with half the step, up to HALVINGS times:
+    hard impacts ask for less than the stability limit does.
+    """
+    facts = _follow_once(device, model, cells, threads)
+    for _ in range(HALVINGS):
+        doubtful = np.flatnonzero(~is_believed(facts.energy_error))
+        if doubtful.size == 0:
+            break
+        model = model._replace(dt=model.dt / 2)
+        again = _follow_once(device, model, Cells(*(a[doubtful] for a in cells)), threads)
+        for known, new in zip(facts, again, strict=True):
+            known[doubtful] = new
+    return facts
+
+
+def _follow_once(device, model, cells, threads):
+    facts = Facts(*(np.empty(cells.f0.size) for _ in Facts._fields))
+    follow_some = _follow_reference if model.name == "reference" else _follow_lanes
+    shares = [np.arange(first, cells.f0.size, threads) for first in range(threads)]
+
+    def follow_share(share):
+        share = share[np.argsort(cells.f0[share], kind="stable")]
+        some = follow_some(device, model, Cells(*(a[share] for a in cells)))
+        for whole, part in zip(facts, some, strict=True):
+            whole[share] = part
+
+    with ThreadPoolExecutor(threads) as pool:
+        list(pool.map(follow_share, shares))
+    facts.t_snap[facts.t_snap > cells.t_end] = np.nan
+    return facts
+
+
+def _follow_lanes(device, model, cells):
+    coefficients = device_coefficients(model.modal, device, model.dt, _target(device))
+    device_of = np.zeros(cells.f0.size, np.int64)
+    modes = model.modal.load.size
+    dt = np.array([model.dt])
+    return follow_lanes(modes, coefficients[np.newaxis], dt, device_of, *cells)
+
+
+def _follow_reference(device, model, cells):
+    system = nodal_system(device, model.basis)
+    no_history = np.empty((0, 2 * system.load.size + 4))
+    steps = np.ceil(cells.t_end / model.dt).astype(int)
+    facts = [
+        follow(system, amplitude, f0, damping, _target(device), model.dt, n, no_history)
+        for amplitude, f0, damping, n in zip(*cells[:3], steps, strict=True)
+    ]
+    t_snap, energy_error = np.array(facts).reshape(-1, 2).T
+    return t_snap, energy_error
+
+
+def _target(device):
+    return device.beam.second_equilibrium - device.beam.rise

@@ -1,0 +1,246 @@
+"""The door: a config document to a `Study` in internal units, or one line for every fault."""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import yaml
+from jsonschema import Draft202012Validator, ValidationError, validators
+
+from .device import Beam, Device
+from .quantity import KINDS, read, show
+
+
+class ConfigError(ValueError):
+    """Faults of a config, one line each in `args`; its text is these lines."""
+
+    def __str__(self):
+        return "\n".join(self.args)
+
+
+class History(NamedTuple):
+    """A cell whose time history is drawn: N in multiples of g, f0 in Hz, C in uN us/um."""
+
+    N: float
+    f0: float
+    C: float
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """A device, a model and the cells of a sweep.
+
+    model: name and options, as given
+    N, f0, C: ascending axes; multiples of g, Hz, uN us/um
+    horizon: time followed after the pulse's end, us
+    """
+
+    device: Device
+    model: dict
+    N: np.ndarray
+    f0: np.ndarray
+    C: np.ndarray
+    horizon: float
+    histories: tuple[History, ...]
+
+
+# ASSUME: without a list of histories, the handout's own case is drawn.
+HANDOUT_CASE = History(N=1000.0, f0=1500.0, C=0.025)
+
+_AXES = {"N": "number", "f0": "frequency", "C": "damper"}
+
+
+def load_study(document: Mapping) -> Study:
+    """Check a whole config document and convert it; raises ConfigError naming every fault."""
+    faults = _schema_faults(document)
+    device = _part(document, ("device",), faults, _device)
+    axes = {key: _part(document, ("sweep", key), faults, _axis, key) for key in _AXES}
+    _refuse(faults)
+    cells = document.get("histories")
+    return Study(
+        device=device,
+        model=dict(document["model"]),
+        **axes,
+        horizon=read(document["sweep"]["horizon"], "duration"),
+        histories=(HANDOUT_CASE,) if cells is None else tuple(_history(cell) for cell in cells),
+    )
+
+
+def load_device(path: str | Path) -> Device:
+    """Read the device of a config file, whatever its other sections; raises ConfigError."""
+    document = read_document(path)
+    faults = {at: line for at, line in _schema_faults(document).items() if at[0] == "device"}
+    device = _part(document, ("device",), faults, _device)
+    _refuse(faults)
+    return device
+
+
+def read_document(path: str | Path) -> dict:
+    """Read a YAML file that holds one mapping without repeated keys; raises ConfigError."""
+    try:
+        document = yaml.load(Path(path).read_text(encoding="utf-8"), Loader=_Loader)
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from None
+    except yaml.MarkedYAMLError as error:
+        line = error.problem_mark.line + 1
+        raise ConfigError(f"{path}: line {line} is not valid YAML: {error.problem}") from None
+    except Exception as error:  # PyYAML lets errors of several types through
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise ConfigError(f"{path}: not valid YAML: {reason}") from None
+    if not isinstance(document, dict):
+        raise ConfigError(f"{path}: {show(document)} is not a mapping of device, model, sweep")
+    return document
+
+
+class _Loader(yaml.SafeLoader):
+    """PyYAML keeps the last of two equal keys without a word; this one refuses them."""
+
+    def construct_mapping(self, node, deep=False):
+        seen = set()
+        for key, _ in node.value:
+            if key.value in seen:
+                problem = f"{show(key.value)} comes twice"
+                raise yaml.MarkedYAMLError(problem=problem, problem_mark=key.start_mark)
+            seen.add(key.value)
+        return super().construct_mapping(node, deep)
+
+
+def device_document(device: Device) -> dict:
+    """The device section of a config, with units, for a device in internal units."""
+    formats = _validator().schema["properties"]["device"]["properties"]
+    beam = _write_out(device.beam, formats["beam"]["properties"])
+    return {"beam": beam} | _write_out(device, {k: formats[k] for k in formats if k != "beam"})
+
+
+def _write_out(section, formats):
+    values = {key: (getattr(section, key), KINDS[formats[key]["format"]].unit) for key in formats}
+    return {
+        key: "hard" if value == math.inf else f"{value!r} {unit}"
+        for key, (value, unit) in values.items()
+    }
+
+
+def _part(document, path, faults, convert, *options):
+    """Convert the section at `path` unless it is faulty; a fault found here joins `faults`."""
+    if any(at[: len(path)] == path[: len(at)] for at in faults):
+        return None
+    for key in path:
+        document = document[key]
+    try:
+        return convert(document, *options)
+    except ValueError as error:
+        faults[path] = str(error)
+    return None
+
+
+def _refuse(faults):
+    if faults:
+        raise ConfigError(*(faults[path] for path in sorted(faults, key=_order)))
+
+
+def _device(section):
+    formats = _validator().schema["properties"]["device"]["properties"]
+    return Device(
+        beam=Beam(**_convert(section["beam"], formats["beam"]["properties"])),
+        **_convert({key: section[key] for key in section if key != "beam"}, formats),
+    )
+
+
+def _convert(section, formats):
+    return {key: read(value, formats[key]["format"]) for key, value in section.items()}
+
+
+def _history(cell):
+    return History(**{key: read(cell[key], kind) for key, kind in _AXES.items()})
+
+
+def _axis(section, key):
+    kind = _AXES[key]
+    if isinstance(section, Mapping):
+        values = _range(section, f"sweep.{key}", kind)
+    else:
+        values = np.array([read(value, kind) for value in section])
+    values = np.sort(values)
+    repeated = values[1:][values[1:] == values[:-1]]
+    if repeated.size:
+        value = f"{repeated[0]:.15g} {KINDS[kind].unit}".strip()
+        raise ValueError(f"sweep.{key}: {value} comes twice; write every value once")
+    return values
+
+
+def _range(section, key, kind):
+    start, stop, points = read(section["from"], kind), read(section["to"], kind), section["points"]
+    if (points == 1) != (start == stop):
+        need = "equal ends" if points == 1 else "from and to that differ"
+        raise ValueError(f"{key}.points: {points} needs {need}; write other ends or points")
+    if section.get("spacing") != "log":
+        if not math.isfinite(stop - start):
+            raise ValueError(f"{key}: from and to are too far apart; write a shorter range")
+        return np.linspace(start, stop, points)
+    if min(start, stop) <= 0:
+        raise ValueError(f"{key}.spacing: log needs from and to above 0; write linear, or a list")
+    return np.geomspace(start, stop, points)
+
+
+def _schema_faults(document):
+    """Where the document breaks the schema: {path: line}."""
+    errors = _validator().iter_errors(document)
+    return {
+        path: f"{_name(path)}: {message}" for error in errors for path, message in _explain(error)
+    }
+
+
+def _explain(error) -> Iterator[tuple[tuple, str]]:
+    path, value, schema = tuple(error.absolute_path), error.instance, error.schema
+    known = schema.get("properties", {})
+    if error.validator == "required":
+        for key in error.validator_value:
+            if key not in value:
+                yield (*path, key), f"missing; write {known[key]['description']}"
+    elif error.validator == "additionalProperties":
+        for key in value:
+            if key not in known:
+                yield (*path, key), f"unknown key; known here are {', '.join(known)}"
+    elif error.validator == "format":
+        yield path, error.message
+    elif "format" not in schema:
+        yield path, f"{show(value)} is not {schema['description']}"
+
+
+def _name(path):
+    """device.beam.span, sweep.f0[2]; the document itself is `config`."""
+    name = ""
+    for key in path:
+        plain = isinstance(key, str) and key.isidentifier()
+        name += f".{key}" if plain else f"[{show(key)}]"
+    return name.removeprefix(".") or "config"
+
+
+def _order(path):
+    return [f"{key:07d}" if isinstance(key, int) else str(key) for key in path]
+
+
+@cache
+def _validator():
+    schema = yaml.safe_load(Path(__file__).with_name("schema.yaml").read_text(encoding="utf-8"))
+    types = Draft202012Validator.TYPE_CHECKER.redefine_many(
+        {
+            "object": lambda _, value: isinstance(value, Mapping),
+            "array": lambda _, value: isinstance(value, list | tuple),
+            "integer": lambda _, value: type(value) is int,
+            "number": lambda _, value: type(value) in (int, float) and abs(value) < math.inf,
+        }
+    )
+    strict = validators.extend(Draft202012Validator, {"format": _check_format}, type_checker=types)
+    return strict(schema)
+
+
+def _check_format(validator, kind, value, schema):
+    try:
+        read(value, kind)
+    except ValueError as error:
+        yield ValidationError(str(error))

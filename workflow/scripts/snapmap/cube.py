@@ -1,0 +1,117 @@
+"""The results as xarray datasets: what a cube looks like, built, collected and written here."""
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import dask
+import numpy as np
+import xarray as xr
+
+from .cells import check_cells
+from .config import device_document
+from .device import Device
+from .grid import AXES, follow_grid
+from .models import build_model
+from .outcome import OUTCOMES, count
+from .provenance import provenance
+
+COORDINATES = {
+    "C": {"long_name": "damping coefficient of the mass", "units": "uN us um-1"},
+    "f0": {"long_name": "frequency of the pulse", "units": "Hz"},
+    "N": {"long_name": "amplitude of the pulse in multiples of g", "units": "1"},
+}
+VARIABLES = {
+    "t_snap": {
+        "long_name": "first arrival of the midpoint at the second equilibrium",
+        "units": "us",
+        "comment": "counted from the start of the pulse; NaN: not within the horizon",
+    },
+    "outcome": {
+        "long_name": "outcome of the cell",
+        "flag_values": np.arange(len(OUTCOMES), dtype=np.int8),
+        "flag_meanings": " ".join(OUTCOMES),
+    },
+}
+ENCODING = {"zlib": True, "complevel": 4, "shuffle": True}
+
+
+def sweep(
+    device: Device,
+    N: Sequence[float],
+    f0: Sequence[float],
+    C: Sequence[float],
+    model: str = "handout",
+    horizon: float = 1500.0,
+    threads: int = 1,
+    **options,
+) -> xr.Dataset:
+    """Simulate every cell of a grid and return it as in cube.nc.
+
+    N: multiples of g; f0: Hz, above 0; C: uN us/um, from 0; horizon: us followed after the pulse
+    model, options: as in the config's model section
+    Raises ValueError, one line, for a value that cannot be.
+    """
+    check_cells(N=N, f0=f0, C=C, horizon=horizon)
+    built = build_model(device, model, **options)
+    axes = [np.atleast_1d(np.asarray(values, float)) for values in (C, f0, N)]
+    variables = follow_grid(device, built, axes, horizon, threads)
+    document = {
+        "device": device_document(device),
+        "model": {"name": model, **options},
+        "sweep": {"horizon": f"{horizon!r} us"},
+    }
+    return dress(axes, variables, document)
+
+
+def collect_slabs(
+    paths: Sequence[str | Path], names: Sequence[Sequence[str]], document: Mapping
+) -> xr.Dataset:
+    """Join slabs lazily into one cube; raises ValueError for a file that is not its slab.
+
+    paths: one after the other as in names
+    names: a row for each C, in each the slabs' names in order of f0
+    document: the config, kept in the attributes
+    """
+    files = iter(paths)
+    rows = [xr.concat([_open_slab(next(files), name) for name in row], dim="f0") for row in names]
+    joined = xr.concat(rows, dim="C")
+    variables = {key: joined[key].data for key in VARIABLES}
+    return dress([joined[key].values for key in AXES], variables, document)
+
+
+def _open_slab(path, name):
+    slab = xr.open_dataset(path, engine="netcdf4", chunks={})
+    if slab.attrs.get("slab") != name:
+        raise ValueError(f"{path}: holds slab {slab.attrs.get('slab')}, not {name}; remove it")
+    return slab
+
+
+def dress(axes: Sequence, variables: Mapping, document: Mapping) -> xr.Dataset:
+    """Give axes and variables, (C, f0, N), their CF attributes, and the whole its provenance."""
+    coordinates = zip(AXES, axes, strict=True)
+    cube = xr.Dataset(
+        {key: (AXES, variables[key], VARIABLES[key]) for key in VARIABLES},
+        {key: (key, values, COORDINATES[key]) for key, values in coordinates},
+    )
+    return cube.assign_attrs(
+        Conventions="CF-1.11",
+        title="Snap-through of a bistable beam under a versed-sine shock",
+        **provenance(document),
+    )
+
+
+def count_outcomes(cube: xr.Dataset) -> dict[str, int]:
+    """How many cells of a cube have which outcome, by name, without the absent ones."""
+    with dask.config.set(scheduler="synchronous"):
+        return count(cube.outcome.values)
+
+
+def write(dataset: xr.Dataset, path: str | Path) -> None:
+    """Write a dataset compressed, under a temporary name until it is whole."""
+    temporary = f"{path}.part"
+    encoding = {key: ENCODING for key in dataset.data_vars}
+    # netCDF4 is not safe in threads, so dask must work in this one.
+    with dask.config.set(scheduler="synchronous"):
+        dataset.to_netcdf(temporary, engine="netcdf4", encoding=encoding)
+    os.replace(temporary, path)

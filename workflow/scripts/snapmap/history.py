@@ -1,0 +1,174 @@
+"""One cell in full: motion, contact force and every energy over time."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from .cells import check_cells, to_cells
+from .config import device_document
+from .device import Device
+from .lanes import BLOCK, device_coefficients, follow_one
+from .modal import contact_stiffness
+from .models import build_model
+from .provenance import provenance
+from .reference import follow, nodal_system
+
+SAMPLES = 4000
+"""A history keeps this many instants, up to twice as many, or all that there are."""
+
+VARIABLES = {
+    "w_mid": ("deflection of the beam's midpoint", "um"),
+    "z_mass": ("position of the mass", "um"),
+    "contact_force": ("force between mass and beam", "uN"),
+    "acceleration": ("acceleration of the frame", "um us-2"),
+    "axial_force": ("compressive axial force in the beam", "uN"),
+    "kinetic_energy": ("kinetic energy of mass and beam", "pJ"),
+    "spring_energy": ("energy of the mass's spring", "pJ"),
+    "bending_energy": ("bending energy of the beam", "pJ"),
+    "axial_energy": ("axial energy of the beam", "pJ"),
+    "contact_energy": ("energy of the contact", "pJ"),
+    "dissipated_energy": ("energy taken by the damping C", "pJ"),
+    "pulse_work": ("work of the pulse on mass and beam", "pJ"),
+}
+
+
+class Motion(NamedTuple):
+    """Samples over time of the beam's n coordinates u, of y = z_M - rise, and of the ledger.
+
+    u, u_velocity: (samples, n); time, y, y_velocity, work (pJ), swept (integral of (dy/dt)^2,
+    um^2/us): (samples,)
+    """
+
+    time: np.ndarray
+    u: np.ndarray
+    u_velocity: np.ndarray
+    y: np.ndarray
+    y_velocity: np.ndarray
+    work: np.ndarray
+    swept: np.ndarray
+
+
+class Form(NamedTuple):
+    """The matrices that the coordinates u of a motion belong to, as in `Basis` and `ModalBeam`."""
+
+    inertia: np.ndarray
+    bending: np.ndarray
+    geometric: np.ndarray
+    slope_start: np.ndarray
+    midpoint: np.ndarray
+    residual: float
+
+
+def simulate(
+    device: Device,
+    N: float,
+    f0: float,
+    C: float,
+    model: str = "handout",
+    horizon: float = 1500.0,
+    **options,
+) -> xr.Dataset:
+    """Follow one cell to the horizon, beyond its snap, and return its history over time.
+
+    N: multiples of g; f0: Hz; C: uN us/um; horizon: us followed after the pulse
+    model, options: as in the config's model section
+    """
+    built = build_model(device, model, **options)
+    check_cells(N=[N], f0=[f0], C=[C], horizon=[horizon])
+    cell = [float(value[0]) for value in to_cells(device, [N], [f0], [C], horizon)]
+    move = _reference_motion if model == "reference" else _modal_motion
+    motion, form = move(device, built, *cell)
+    values = _observe(device, form, motion) | {
+        "acceleration": _acceleration(motion.time, *cell[:2]),
+        "dissipated_energy": C * motion.swept,
+        "pulse_work": motion.work,
+    }
+    document = {
+        "device": device_document(device),
+        "model": {"name": model, **options},
+        "histories": [{"N": N, "f0": f"{f0!r} Hz", "C": f"{C!r} uN*us/um"}],
+    }
+    return _dress(motion.time, values, document).assign_attrs(
+        second_equilibrium=device.beam.second_equilibrium, gravity=device.gravity
+    )
+
+
+def _modal_motion(device, model, amplitude, f0, damping, t_end):
+    modal, modes = model.modal, model.modal.load.size
+    steps, stride = _sampling(t_end, model.dt)
+    row = device_coefficients(modal, device, model.dt, target=-np.inf)
+    motion = follow_one(modes, row, model.dt, amplitude, f0, damping, steps, stride)
+    form = Form(
+        np.eye(modes),
+        np.diag(modal.stiffness),
+        modal.geometric,
+        modal.slope_start,
+        modal.midpoint,
+        modal.residual,
+    )
+    return Motion(np.arange(len(motion[0])) * stride * model.dt, *motion), form
+
+
+def _reference_motion(device, model, amplitude, f0, damping, t_end):
+    system, n = nodal_system(device, model.basis), model.basis.load.size
+    steps, stride = _sampling(t_end, model.dt)
+    kept = np.zeros((steps, 2 * n + 4))
+    follow(system, amplitude, f0, damping, -np.inf, model.dt, steps, kept)
+    kept = kept[::stride]
+    form = Form(
+        system.inertia,
+        system.bending,
+        system.geometric,
+        system.slope_start,
+        system.midpoint,
+        0.0,
+    )
+    time = np.arange(len(kept)) * stride * model.dt
+    return Motion(time, kept[:, :n], kept[:, n : 2 * n], *kept[:, 2 * n :].T), form
+
+
+def _sampling(t_end, dt):
+    """Steps to t_end, and the largest power of two between samples that keeps SAMPLES or more."""
+    steps = int(np.ceil(t_end / dt))
+    stride = 2 ** max(0, math.floor(math.log2(max(1, steps / SAMPLES))))
+    return steps, min(stride, BLOCK)
+
+
+def _acceleration(time, amplitude, f0):
+    pulse = amplitude / 2 * (1 - np.cos(2 * np.pi * f0 * time))
+    return np.where(time * f0 < 1, pulse, 0.0)
+
+
+def _observe(device, form, motion):
+    """Deflections, forces and energies from the coordinates."""
+    u, velocity = motion.u, motion.u_velocity
+    overlap = u @ form.midpoint - motion.y
+    stiffness = contact_stiffness(device, form.residual)
+    contact = stiffness * np.maximum(0.0, overlap)
+    stretch = np.sum(u * (u @ form.geometric + 2 * form.slope_start), axis=1)
+    axial_force = -device.beam.axial_stiffness * stretch
+    kinetic = np.sum(velocity * (velocity @ form.inertia), axis=1) / 2
+    return {
+        "w_mid": device.beam.rise + u @ form.midpoint - form.residual * contact,
+        "z_mass": device.beam.rise + motion.y,
+        "contact_force": contact,
+        "axial_force": axial_force,
+        "kinetic_energy": kinetic + device.mass * motion.y_velocity**2 / 2,
+        "spring_energy": device.spring * motion.y**2 / 2,
+        "bending_energy": np.sum(u * (u @ form.bending), axis=1) / 2,
+        "axial_energy": axial_force**2 / (4 * device.beam.axial_stiffness),
+        "contact_energy": contact**2 / (2 * stiffness),
+    }
+
+
+def _dress(time, values, document):
+    data = {
+        key: ("time", values[key], {"long_name": name, "units": unit})
+        for key, (name, unit) in VARIABLES.items()
+    }
+    axis = ("time", time, {"long_name": "time after the start of the pulse", "units": "us"})
+    return xr.Dataset(data, {"time": axis}).assign_attrs(
+        title="Time history of one cell", **provenance(document)
+    )

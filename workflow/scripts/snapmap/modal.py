@@ -1,0 +1,88 @@
+"""The small reduced form that every discretisation shares: the beam's own modes, a few of them."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .bases.basis import Basis
+from .device import Device
+
+# ASSUME: no run bends the beam further than this multiple of its start; see docs/stability.md.
+TENSION_REACH = 1.25
+
+
+class ModalBeam(NamedTuple):
+    """Beam in k mass-normalised modes p of its bending, u = V p measured from the start w0.
+
+    p'' = -stiffness p + N (geometric p + slope_start) - load a - midpoint P,
+    N = -axial (p.geometric.p + 2 p.slope_start),  w(L/2) = rise + midpoint.p - residual P
+
+    stiffness: (k,), 1/us^2
+    geometric: (k, k), V^T G V, 1/(um ng)
+    slope_start: (k,), V^T G q0, 1/ng^0.5
+    load: (k,), ng^0.5
+    midpoint: (k,), ng^-0.5
+    axial: E A / (2 L), uN/um
+    residual: static flexibility of the modes left out, um/uN; 0 when none is
+    """
+
+    stiffness: np.ndarray
+    geometric: np.ndarray
+    slope_start: np.ndarray
+    load: np.ndarray
+    midpoint: np.ndarray
+    axial: float
+    residual: float
+
+
+def reduce_to_modes(device: Device, basis: Basis, modes: int | None = None) -> ModalBeam:
+    """Solve K v = kappa M v and keep the lowest `modes` modes; None keeps all."""
+    lower = np.linalg.cholesky(basis.mass)
+    scaled = np.linalg.solve(lower, np.linalg.solve(lower, basis.bending).T)
+    stiffness, vectors = np.linalg.eigh((scaled + scaled.T) / 2)
+    shapes = np.linalg.solve(lower.T, vectors)[:, :modes]
+    modal = ModalBeam(
+        stiffness=stiffness[:modes],
+        geometric=shapes.T @ basis.geometric @ shapes,
+        slope_start=shapes.T @ basis.geometric @ basis.start,
+        load=shapes.T @ basis.load,
+        midpoint=shapes.T @ basis.midpoint,
+        axial=device.beam.axial_stiffness,
+        residual=0.0,
+    )
+    return modal._replace(residual=_residual_flexibility(device.beam, basis, modal))
+
+
+def contact_stiffness(device: Device, residual: float) -> float:
+    """Contact force per overlap of mass and kept modes, 1 / (1/lambda + residual), uN/um.
+
+    residual: static flexibility of the modes left out, um/uN; hard contact without it gives inf.
+    """
+    flexibility = 1 / device.contact + residual
+    return 1 / flexibility if flexibility > 0 else np.inf
+
+
+def step_limit(device: Device, modal: ModalBeam) -> float:
+    """Largest stable step 2/omega_max, us, of the stiffest state that a run is expected to meet.
+
+    The tangent stiffness kappa + T S + EA/L (S q)(S q)^T + contact, with q the start or its mirror
+    image, TENSION_REACH times as far, and T the tension there.
+    """
+    slope = TENSION_REACH * modal.slope_start
+    stretch = modal.slope_start @ np.linalg.solve(modal.geometric, modal.slope_start)
+    tension = modal.axial * (TENSION_REACH**2 - 1) * stretch
+    tangent = np.diag(modal.stiffness) + tension * modal.geometric
+    tangent += 2 * modal.axial * np.outer(slope, slope)
+    tangent += contact_stiffness(device, modal.residual) * np.outer(modal.midpoint, modal.midpoint)
+    return float(2 / np.sqrt(np.linalg.eigvalsh(tangent)[-1]))
+
+
+def _residual_flexibility(beam, basis, modal):
+    # ASSUME: the modes left out follow the contact force statically, softened by the axial force
+    # half way between the start (0) and the saddle (4 N_1).
+    if modal.stiffness.size == basis.load.size and basis.complete:
+        return 0.0
+    axial_force = 2 * beam.bending_stiffness * (2 * np.pi / beam.span) ** 2
+    tangent = np.diag(modal.stiffness) - axial_force * modal.geometric
+    kept = modal.midpoint @ np.linalg.solve(tangent, modal.midpoint)
+    return max(0.0, basis.flexibility(axial_force) - kept)

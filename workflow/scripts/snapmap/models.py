@@ -1,0 +1,96 @@
+"""Models by name: which basis, how many modes and which step stand behind each."""
+
+import math
+from typing import NamedTuple
+
+from .bases.basis import Basis
+from .bases.cosines import symmetric_cosines
+from .bases.elements import hermite_elements
+from .device import Device
+from .modal import ModalBeam, contact_stiffness, reduce_to_modes, step_limit
+
+ELEMENT_OPTIONS = ("elements", "mass_matrix", "step")
+OPTIONS = {
+    "reference": ELEMENT_OPTIONS,
+    "handout": ELEMENT_OPTIONS,
+    "elements": (*ELEMENT_OPTIONS, "modes"),
+    "cosines": ("cosines", "modes", "step"),
+}
+
+
+class Model(NamedTuple):
+    """A device's beam, discretised.
+
+    name: "reference" is marched by the plain loop, the others by the lane kernel
+    basis, modal: its matrices, and their reduced form
+    dt: time step, us
+    """
+
+    name: str
+    basis: Basis
+    modal: ModalBeam
+    dt: float
+
+
+def build_model(device: Device, name: str = "handout", **options) -> Model:
+    """Discretise a device's beam; a ValueError names an option that cannot be, in one line.
+
+    elements (of the half beam), mass_matrix ("consistent", "hrz"), cosines, modes (kept)
+    step: fraction of the stability limit, above 0 and up to 1
+    """
+    _check_options(device, name, options)
+    basis = _basis(device, options, name)
+    modes = options.get("modes", _default_modes(device, name, basis))
+    if modes > basis.load.size:
+        raise ValueError(f"model.modes: {modes} is too many; this beam has {basis.load.size}")
+    modal = reduce_to_modes(device, basis, modes)
+    if math.isinf(contact_stiffness(device, modal.residual)):
+        raise ValueError(
+            f"device.contact: hard needs a residual flexibility, and the {name} model leaves none "
+            f"with {modes} of {basis.load.size} modes; write fewer modes, or a contact in N/m"
+        )
+    step = options.get("step", _default_step(device, name))
+    return Model(name, basis, modal, step * step_limit(device, modal))
+
+
+def _check_options(device, name, options):
+    if name not in OPTIONS:
+        raise ValueError(f"model.name: {name!r} is unknown; known are {', '.join(OPTIONS)}")
+    for key, value in options.items():
+        if key not in OPTIONS[name]:
+            known = ", ".join(OPTIONS[name])
+            raise ValueError(f"model.{key}: not an option of {name}; its options are {known}")
+        if key == "mass_matrix":
+            if value not in ("consistent", "hrz"):
+                raise ValueError(f"model.mass_matrix: {value!r} is not consistent or hrz")
+        elif key == "step":
+            if not 0 < value <= 1:
+                raise ValueError(f"model.step: {value} is not above 0 and up to 1, the limit")
+        elif isinstance(value, bool) or value != int(value) or value < 1:
+            raise ValueError(f"model.{key}: {value!r} is not a whole number from 1")
+    if name == "reference" and math.isinf(device.contact):
+        raise ValueError("device.contact: hard is not for the reference model; write handout")
+
+
+def _basis(device, options, name):
+    if name == "cosines":
+        cosines = options.get("cosines", options.get("modes", 4))
+        return symmetric_cosines(device.beam, cosines)
+    chosen = {key: options[key] for key in ("elements", "mass_matrix") if key in options}
+    return hermite_elements(device.beam, **chosen)
+
+
+def _default_modes(device, name, basis):
+    """All modes; but hard contact on elements needs some left out, and the upper half is poor."""
+    unknowns = basis.load.size
+    if math.isinf(device.contact) and name != "cosines":
+        return max(1, (unknowns + 1) // 2)
+    return unknowns
+
+
+def _default_step(device, name):
+    # ASSUME: chosen by measurement, see docs/performance.md; a cell whose energy ledger asks for
+    # less is followed again with less.
+    if math.isinf(device.contact):
+        return 0.3
+    return 0.6 if name == "cosines" else 0.8

@@ -1,0 +1,135 @@
+"""Text with a unit to a number in internal units: um, ng, us; frequencies stay in Hz."""
+
+import math
+import re
+from collections.abc import Mapping
+from decimal import Context, Decimal
+from functools import cache
+from typing import NamedTuple
+
+import pint
+
+
+class Kind(NamedTuple):
+    """What a key expects: its name with article, internal unit, an example, and whether 0 fits."""
+
+    name: str
+    unit: str
+    example: str
+    zero: bool = False
+
+
+KINDS = {
+    "number": Kind("a plain number", "", "1000"),
+    "length": Kind("a length", "um", "'600 um'"),
+    "modulus": Kind("a modulus", "MPa", "'150 GPa'"),
+    "density": Kind("a density", "ng/um^3", "'2330 kg/m^3'"),
+    "rate": Kind("a damping rate", "1/us", "'4e-4 /us'", zero=True),
+    "mass": Kind("a mass", "ng", "'1e-8 kg'"),
+    "stiffness": Kind("a stiffness", "uN/um", "'5.5 N/m'"),
+    "contact": Kind("a stiffness", "uN/um", "'40 N/m', or the word hard"),
+    "acceleration": Kind("an acceleration", "um/us^2", "'9.81 m/s^2'"),
+    "frequency": Kind("a frequency", "Hz", "'1500 Hz'"),
+    "damper": Kind("a damper constant", "uN*us/um", "'25 uN*us/um'", zero=True),
+    "duration": Kind("a duration", "us", "'1500 us'", zero=True),
+}
+
+# Pint evaluates arithmetic such as 9**9**9: a unit reaches it only if it has the form below.
+_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
+_FACTOR = r"[A-Za-z\u00b5\u03bc%]+(?: *(?:\^|\*\*) *-?\d|[²³])?"  # both the micro sign and mu
+_UNIT = rf"(?:(?<= )1 *(?=/))?(/? *{_FACTOR}(?:(?: *[*/] *| +){_FACTOR})*)"
+_PLAIN = re.compile(_NUMBER, re.ASCII)
+_QUANTITY = re.compile(rf"({_NUMBER}) *{_UNIT}", re.ASCII)
+_LONGEST = 60
+_ARITHMETIC = Context(prec=40, traps=[])
+
+
+def read(value: object, kind: str) -> float:
+    """Convert a value of the config to the internal unit of its kind, a key of KINDS.
+
+    Raises ValueError with one line: the value, what is wrong, what would be right.
+    """
+    if kind == "number":
+        return _read_number(value)
+    if kind == "contact" and value == "hard":
+        return math.inf
+    return _read_quantity(value, KINDS[kind])
+
+
+def show(value: object) -> str:
+    """Quote a value in a message, in one short line."""
+    if isinstance(value, Mapping):
+        return "a mapping"
+    if isinstance(value, list | tuple):
+        return "a list" if value else "an empty list"
+    if value is None or isinstance(value, bool):
+        return {None: "an empty value", True: "true", False: "false"}[value]
+    text = repr(value)
+    return text if len(text) <= _LONGEST else f"{text[:40]}...{text[-1]}"
+
+
+def _read_number(value):
+    if not _is_number(value) and not _matches(_PLAIN, value):
+        raise _fault(value, "is not a plain number", KINDS["number"])
+    number = float(str(value))  # float() of an int beyond its range raises; of text it is inf
+    if not math.isfinite(number):
+        raise _fault(value, "is not finite", KINDS["number"])
+    return number
+
+
+def _read_quantity(value, kind):
+    if _is_number(value) or _matches(_PLAIN, value):
+        raise _fault(value, "has no unit", kind)
+    match = _matches(_QUANTITY, value)
+    if not match:
+        raise _fault(value, "is not a number with a unit", kind)
+    number, unit = match.groups()
+    try:
+        factor = _factor(unit, kind.unit)
+    except ValueError as error:
+        raise _fault(value, str(error), kind) from None
+    # The product is rounded once: 2330 kg/m^3 is exactly the float 0.00233.
+    result = float(_ARITHMETIC.multiply(Decimal(number), factor))
+    if not math.isfinite(result):
+        raise _fault(value, "is not finite", kind)
+    if result < 0 or (result == 0 and not kind.zero):
+        raise _fault(value, "is negative" if kind.zero else "is not positive", kind)
+    return result
+
+
+def _is_number(value):
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _matches(pattern, value):
+    if isinstance(value, str) and len(value) <= _LONGEST:
+        return pattern.fullmatch(value.strip())
+    return None
+
+
+def _fault(value, complaint, kind):
+    return ValueError(f"{show(value)} {complaint}; write {kind.name} such as {kind.example}")
+
+
+@cache
+def _factor(unit, target):
+    """How many `target` make one `unit`; ValueError says what is wrong with `unit`."""
+    registry = _registry()
+    wanted, root_wanted = registry.get_root_units(registry.parse_units(target))
+    try:
+        unit_given = registry.parse_units(f"1{unit}" if unit.startswith("/") else unit)
+        given, root_given = registry.get_root_units(unit_given)
+    except Exception:  # pint lets errors of a dozen types through
+        raise ValueError(f"has an unknown unit, {show(unit)}") from None
+    if root_given.dimensionality != root_wanted.dimensionality:
+        raise ValueError(f"does not convert to {target}")
+    # Radians, turns and counts have no dimension: pint would take 1 rad/s for 1 Hz.
+    if root_given != root_wanted:
+        raise ValueError(f"counts angles or events, which is not {target} (1 Hz is 2 pi rad/s)")
+    # Pint's own factor carries noise (1 kg = 999999999999.9999 ng); 14 digits shed it.
+    return Decimal(f"{given / wanted:.14g}")
+
+
+@cache
+def _registry():
+    return pint.UnitRegistry()
