@@ -39,7 +39,7 @@ def code(*modules):
 
 
 SOLVER = code(
-    *["device.py", "bases/*.py", "modal.py", "models.py", "lanes.py", "reference.py", "cells.py"]
+    *["device.py", "bases/*.py", "modal.py", "wells.py", "models.py", "lanes.py", "reference.py"]
 )
 
 
@@ -60,14 +60,14 @@ rule simulate_slab:
     message:
         "Simulate slab {wildcards.slab}"
     input:
-        code=[*SOLVER, *code("outcome.py", "grid.py", "slab.py")],
+        code=[*SOLVER, *code("cells.py", "protocol.py", "outcome.py", "grid.py", "slab.py")],
     output:
         slab="results/slabs/{slab}.nc",
     params:
         device=asdict(study.device),
         model=study.model,
         axes=lambda wildcards: slabs[wildcards.slab]._asdict(),
-        horizon=study.horizon,
+        protocol=study.protocol._asdict(),
     threads: 1
     script:
         "workflow/scripts/simulate_slab.py"
@@ -93,7 +93,7 @@ rule draw_map:
         "Draw the map for C = {wildcards.damping} uN us/um"
     input:
         cube="results/cube.nc",
-        code=code("figures/maps.py", "figures/style.py", "figures/paper.mplstyle"),
+        code=code("figures/maps.py", "figures/style.py", "figures/paper.mplstyle", "quantity.py"),
     output:
         pdf="results/figures/map_C{damping}.pdf",
         png="results/figures/map_C{damping}.png",
@@ -107,14 +107,14 @@ rule simulate_history:
     message:
         "Follow one cell in full: {wildcards.cell}"
     input:
-        code=[*SOLVER, *code("history.py", "provenance.py")],
+        code=[*SOLVER, *code("cells.py", "history.py", "provenance.py")],
     output:
         history="results/histories/{cell}.nc",
     params:
         device=asdict(study.device),
         model=study.model,
         cell=lambda wildcards: cells[wildcards.cell]._asdict(),
-        horizon=study.horizon,
+        horizon=study.protocol.horizon,
     script:
         "workflow/scripts/simulate_history.py"
 
@@ -124,7 +124,7 @@ rule draw_history:
         "Draw the history of {wildcards.cell}"
     input:
         history="results/histories/{cell}.nc",
-        code=code("figures/histories.py", "figures/style.py", "figures/paper.mplstyle"),
+        code=code("figures/histories.py", "figures/style.py", "figures/paper.mplstyle", "quantity.py"),
     output:
         pdf="results/figures/history_{cell}.pdf",
         png="results/figures/history_{cell}.png",

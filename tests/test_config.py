@@ -15,6 +15,7 @@ from jsonschema import Draft202012Validator
 from snapmap import config
 from snapmap.config import ConfigError, History, load_device, load_study, read_document
 from snapmap.device import Beam, Device
+from snapmap.protocol import Protocol
 from snapmap.quantity import KINDS, read
 
 ROOT = Path(__file__).parents[1]
@@ -72,7 +73,7 @@ def test_default_study_is_exact():
     assert np.array_equal(study.C, [0.025, 25.0, 200.0])
     assert (study.f0.size, study.f0[0], study.f0[-1]) == (31, 100.0, 30000.0)
     assert np.allclose(study.f0[1:] / study.f0[:-1], 300 ** (1 / 30), rtol=1e-13)
-    assert study.horizon == 1500.0
+    assert study.protocol == Protocol(1500.0, "settled", True, 1e-3)
     assert study.histories == (History(N=1000.0, f0=1500.0, C=0.025),)
 
 

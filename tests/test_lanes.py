@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 import snapmap
-from snapmap.cells import _follow_once, follow_cells, to_cells
+from snapmap.cells import follow_cells, follow_once, to_cells
 from snapmap.lanes import LANES, device_coefficients, follow_lanes
 from snapmap.models import build_model
-from snapmap.outcome import FAILED, label
+from snapmap.outcome import FAILED, NEVER, label
+from snapmap.protocol import Protocol
 
 SMALL = {"N": np.linspace(700, 2300, 9), "f0": [500.0, 1500.0, 6000.0], "C": [0.025, 200.0]}
 
@@ -18,10 +19,14 @@ def threshold(device, f0, C=0.025, horizon=300.0, low=700.0, high=1100.0, **mode
     """Lowest N that snaps, by refining a grid of one lane call at a time, to 1e-6."""
     while high - low > 1e-6 * high:
         N = np.linspace(low, high, 17)
-        cube = snapmap.sweep(device, N=N, f0=[f0], C=[C], horizon=horizon, **model)
-        first = int(np.argmax(cube.outcome.values.ravel() == 2))
+        cube = snapmap.sweep(device, N=N, f0=[f0], C=[C], horizon=horizon, until="snap", **model)
+        first = int(np.argmax(np.isfinite(cube.t_snap.values.ravel())))
         low, high = N[first - 1], N[first]
     return high
+
+
+def labels(follow, device, model, cells):
+    return label(*follow(device, model, cells, Protocol()), Protocol().energy_tolerance)
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +40,7 @@ def test_handout_by_lanes_is_the_reference(handout, mass_matrix):
     lanes = snapmap.sweep(handout, **SMALL, model="handout", **options)
     plain = snapmap.sweep(handout, **SMALL, model="reference", **options)
     dt = build_model(handout, "handout", mass_matrix=mass_matrix).dt
-    assert (lanes.outcome == plain.outcome).all()
+    assert (lanes.t_snap.isnull() == plain.t_snap.isnull()).all()
     assert np.nanmax(abs(lanes.t_snap - plain.t_snap)) < dt
 
 
@@ -108,8 +113,9 @@ def test_lanes_with_different_devices_give_what_each_gives_alone(handout):
     dt = np.full(3, 0.05)
     rows = [
         device_coefficients(
-            build_model(device, "cosines", modes=4).modal,
+            (model := build_model(device, "cosines", modes=4)).modal,
             device,
+            model.barrier,
             0.05,
             device.beam.second_equilibrium - device.beam.rise,
         )
@@ -119,15 +125,14 @@ def test_lanes_with_different_devices_give_what_each_gives_alone(handout):
         handout, np.linspace(700, 1900, 75), np.full(75, 1500.0), np.full(75, 5.0), 300.0
     )
     device_of = np.arange(75) % 3
-    mixed = follow_lanes(4, np.array(rows), dt, device_of, *cells)
+    mixed = follow_lanes(4, np.array(rows), dt, (device_of, *cells))
     for device in range(3):
         mine = device_of == device
         alone = follow_lanes(
             4,
             np.array(rows[device])[np.newaxis],
             dt[:1],
-            np.zeros(mine.sum(), int),
-            *(values[mine] for values in cells),
+            (np.zeros(mine.sum(), int), *(values[mine] for values in cells)),
         )
         for together, single in zip(mixed, alone, strict=True):
             np.testing.assert_array_equal(together[mine], single)
@@ -139,10 +144,12 @@ def test_a_cell_does_not_depend_on_order_number_or_threads(handout):
     model = build_model(handout, "cosines", modes=3)
     N, f0 = rng.uniform(600, 2400, 5 * LANES + 3), rng.uniform(300, 2e4, 5 * LANES + 3)
     cells = to_cells(handout, N, f0, np.full(N.size, 0.025), 300.0)
-    together = follow_cells(handout, model, cells)
+    together = follow_cells(handout, model, cells, Protocol())
     order = rng.permutation(N.size)
-    shuffled = follow_cells(handout, model, type(cells)(*(v[order] for v in cells)), threads=2)
-    one = follow_cells(handout, model, type(cells)(*(v[:1] for v in cells)))
+    mixed = type(cells)(*(values[order] for values in cells))
+    first = type(cells)(*(values[:1] for values in cells))
+    shuffled = follow_cells(handout, model, mixed, Protocol(), threads=2)
+    one = follow_cells(handout, model, first, Protocol())
     for whole, mixed, single in zip(together, shuffled, one, strict=True):
         np.testing.assert_array_equal(whole[order], mixed)
         np.testing.assert_array_equal(whole[:1], single)
@@ -155,12 +162,12 @@ def test_a_blow_up_is_failed_although_the_kernel_is_fast(handout, factor):
     model = model._replace(dt=factor * model.dt)
     N = np.linspace(600, 2400, 40)
     cells = to_cells(handout, N, np.full(40, 1500.0), np.full(40, 0.025), 1500.0)
-    assert (label(*_follow_once(handout, model, cells, 1)) == FAILED).all()
+    assert (labels(follow_once, handout, model, cells) == FAILED).all()
 
 
 def test_a_hopeless_cell_is_failed_and_the_rest_goes_on(handout):
-    cube = snapmap.sweep(handout, N=[900.0, 1e30], f0=[1500.0], C=[0.025], model="cosines")
-    assert cube.outcome.values.ravel().tolist() == [0, FAILED]
+    cube = snapmap.sweep(handout, N=[900.0, 1e30], f0=[1500.0], C=[25.0], model="cosines")
+    assert cube.outcome.values.ravel().tolist() == [NEVER, FAILED]
 
 
 def test_a_failed_ledger_is_given_smaller_steps(handout):
@@ -168,5 +175,5 @@ def test_a_failed_ledger_is_given_smaller_steps(handout):
     model = build_model(handout, "cosines", modes=3, step=0.8)
     N, f0 = np.meshgrid(np.linspace(600, 2400, 12), np.geomspace(100, 3e4, 12))
     cells = to_cells(handout, N.ravel(), f0.ravel(), np.full(144, 0.025), 300.0)
-    assert (label(*_follow_once(handout, model, cells, 1)) == FAILED).any()
-    assert not (label(*follow_cells(handout, model, cells)) == FAILED).any()
+    assert (labels(follow_once, handout, model, cells) == FAILED).any()
+    assert not (labels(follow_cells, handout, model, cells) == FAILED).any()

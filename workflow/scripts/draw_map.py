@@ -1,14 +1,14 @@
-"""Draw the map of one C of the cube."""
+"""Rule draw_map: draw the map of one C of the cube."""
 
 import xarray as xr
 
 from snapmap.figures import maps, style
 
 
-def draw_map(cube_path: str, damping_index: int, pdf_path: str, png_path: str) -> None:
-    """Read a cube and draw its map at one index along C."""
+def draw_map(cube_path, damping_index, pdf_path, png_path):
+    """Read a cube and draw its map at one index along C, as wide as one column."""
     with xr.open_dataset(cube_path, engine="netcdf4") as cube, style.paper():
-        figure = style.single_column(height=3.1)
+        figure = style.single_column(height=3.4)
         maps.draw_map(figure.subplots(), cube.isel(C=damping_index))
         style.save(figure, pdf_path, png_path, cube.attrs)
 

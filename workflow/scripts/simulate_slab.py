@@ -1,12 +1,14 @@
 """Rule simulate_slab: follow the cells of one slab of the grid."""
 
 from snapmap.device import device_from
+from snapmap.protocol import Protocol
 from snapmap.slab import Slab, write_slab
 
 
-def simulate_slab(device, model, axes, horizon, path, threads):
+def simulate_slab(device, model, axes, protocol, path, threads):
     """Simulate one slab and write it; values in internal units, axes as in the cube."""
-    counts = write_slab(device_from(device), model, Slab(**axes), horizon, path, threads)
+    cells, asked = Slab(**axes), Protocol(**protocol)
+    counts = write_slab(device_from(device), model, cells, asked, path, threads)
     print(f"slab {path}: {counts}")
 
 
@@ -15,7 +17,7 @@ if __name__ == "__main__":
         device=snakemake.params.device,
         model=snakemake.params.model,
         axes=snakemake.params.axes,
-        horizon=snakemake.params.horizon,
+        protocol=snakemake.params.protocol,
         path=snakemake.output.slab,
         threads=snakemake.threads,
     )

@@ -8,7 +8,7 @@ import numpy as np
 from .device import Device
 from .lanes import device_coefficients, follow_lanes
 from .models import Model
-from .outcome import is_believed
+from .protocol import Protocol
 from .reference import follow, nodal_system
 
 HALVINGS = 4
@@ -19,10 +19,14 @@ class Facts(NamedTuple):
     """What was observed of each cell; arrays of one length.
 
     t_snap: first arrival of the midpoint at w2 after the pulse's start, us; NaN if not seen
+    t_settled: when the beam was seen to be settled in a well for ever, us; NaN if it was not
+    well: that well, 1 or 2; 0 if it was not
     energy_error: residual of the energy ledger over the gross work of the pulse
     """
 
     t_snap: np.ndarray
+    t_settled: np.ndarray
+    well: np.ndarray
     energy_error: np.ndarray
 
 
@@ -39,9 +43,9 @@ class Cells(NamedTuple):
 
 
 def check_cells(**values) -> None:
-    """Raise ValueError, one line, unless N is finite, f0 above 0, C and horizon from 0."""
-    least = {"N": -np.inf, "f0": np.nextafter(0, 1), "C": 0.0, "horizon": 0.0}
-    need = {"N": "any size", "f0": "above 0", "C": "0 or above", "horizon": "0 or above"}
+    """Raise ValueError, one line, unless N is finite, f0 above 0 and C from 0."""
+    least = {"N": -np.inf, "f0": np.nextafter(0, 1), "C": 0.0}
+    need = {"N": "any size", "f0": "above 0", "C": "0 or above"}
     for key, given in values.items():
         given = np.atleast_1d(np.asarray(given, float))
         if given.size == 0:
@@ -62,59 +66,73 @@ def to_cells(device: Device, N, f0, C, horizon: float) -> Cells:
     )
 
 
-def follow_cells(device: Device, model: Model, cells: Cells, threads: int = 1) -> Facts:
-    """Follow every cell to its snap or the horizon.
+def follow_cells(
+    device: Device, model: Model, cells: Cells, protocol: Protocol, threads: int = 1
+) -> Facts:
+    """Follow every cell as the protocol asks.
 
     A cell whose ledger does not close is followed again with half the step, up to HALVINGS times:
     hard impacts ask for less than the stability limit does.
     """
-    facts = _follow_once(device, model, cells, threads)
+    facts = follow_once(device, model, cells, protocol, threads)
     for _ in range(HALVINGS):
-        doubtful = np.flatnonzero(~is_believed(facts.energy_error))
+        doubtful = np.flatnonzero(~(facts.energy_error <= protocol.energy_tolerance))
         if doubtful.size == 0:
             break
         model = model._replace(dt=model.dt / 2)
-        again = _follow_once(device, model, Cells(*(a[doubtful] for a in cells)), threads)
+        some = Cells(*(values[doubtful] for values in cells))
+        again = follow_once(device, model, some, protocol, threads)
         for known, new in zip(facts, again, strict=True):
             known[doubtful] = new
     return facts
 
 
-def _follow_once(device, model, cells, threads):
-    facts = Facts(*(np.empty(cells.f0.size) for _ in Facts._fields))
+def follow_once(
+    device: Device, model: Model, cells: Cells, protocol: Protocol, threads: int = 1
+) -> Facts:
+    """Follow every cell with the model's own step, whatever its ledger then says."""
+    n_cells = cells.f0.size
+    facts = Facts(*(np.empty(n_cells, kind) for kind in (float, float, np.int8, float)))
     follow_some = _follow_reference if model.name == "reference" else _follow_lanes
-    shares = [np.arange(first, cells.f0.size, threads) for first in range(threads)]
+    shares = [np.arange(first, n_cells, threads) for first in range(threads)]
 
     def follow_share(share):
         share = share[np.argsort(cells.f0[share], kind="stable")]
-        some = follow_some(device, model, Cells(*(a[share] for a in cells)))
-        for whole, part in zip(facts, some, strict=True):
+        some = Cells(*(values[share] for values in cells))
+        for whole, part in zip(facts, follow_some(device, model, some, protocol), strict=True):
             whole[share] = part
 
     with ThreadPoolExecutor(threads) as pool:
         list(pool.map(follow_share, shares))
     facts.t_snap[facts.t_snap > cells.t_end] = np.nan
+    late = facts.t_settled > cells.t_end
+    facts.t_settled[late], facts.well[late] = np.nan, 0
     return facts
 
 
-def _follow_lanes(device, model, cells):
-    coefficients = device_coefficients(model.modal, device, model.dt, _target(device))
+def _follow_lanes(device, model, cells, protocol):
+    row = device_coefficients(model.modal, device, model.barrier, model.dt, _target(device))
     device_of = np.zeros(cells.f0.size, np.int64)
-    modes = model.modal.load.size
-    dt = np.array([model.dt])
-    return follow_lanes(modes, coefficients[np.newaxis], dt, device_of, *cells)
+    return follow_lanes(
+        model.modal.load.size,
+        row[np.newaxis],
+        np.array([model.dt]),
+        (device_of, *cells),
+        protocol.until == "snap",
+    )
 
 
-def _follow_reference(device, model, cells):
+def _follow_reference(device, model, cells, protocol):
+    """The plain loop proves nothing: it ends at the snap or the horizon, whatever is asked."""
     system = nodal_system(device, model.basis)
     no_history = np.empty((0, 2 * system.load.size + 4))
     steps = np.ceil(cells.t_end / model.dt).astype(int)
-    facts = [
+    found = [
         follow(system, amplitude, f0, damping, _target(device), model.dt, n, no_history)
         for amplitude, f0, damping, n in zip(*cells[:3], steps, strict=True)
     ]
-    t_snap, energy_error = np.array(facts).reshape(-1, 2).T
-    return t_snap, energy_error
+    t_snap, energy_error = np.array(found).reshape(-1, 2).T
+    return t_snap, np.full(t_snap.size, np.nan), np.zeros(t_snap.size, np.int8), energy_error
 
 
 def _target(device):

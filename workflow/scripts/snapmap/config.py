@@ -12,6 +12,7 @@ import yaml
 from jsonschema import Draft202012Validator, ValidationError, validators
 
 from .device import Beam, Device
+from .protocol import Protocol
 from .quantity import KINDS, read, show
 
 
@@ -36,7 +37,7 @@ class Study:
 
     model: name and options, as given
     N, f0, C: ascending axes; multiples of g, Hz, uN us/um
-    horizon: time followed after the pulse's end, us
+    protocol: how each cell is followed
     """
 
     device: Device
@@ -44,7 +45,7 @@ class Study:
     N: np.ndarray
     f0: np.ndarray
     C: np.ndarray
-    horizon: float
+    protocol: Protocol
     histories: tuple[History, ...]
 
 
@@ -65,7 +66,7 @@ def load_study(document: Mapping) -> Study:
         device=device,
         model=dict(document["model"]),
         **axes,
-        horizon=read(document["sweep"]["horizon"], "duration"),
+        protocol=_protocol(document["sweep"]),
         histories=(HANDOUT_CASE,) if cells is None else tuple(_history(cell) for cell in cells),
     )
 
@@ -152,6 +153,12 @@ def _device(section):
 
 def _convert(section, formats):
     return {key: read(value, formats[key]["format"]) for key, value in section.items()}
+
+
+def _protocol(section):
+    given = {key: section[key] for key in ("until", "repeat", "energy_tolerance") if key in section}
+    given.setdefault("repeat", given.get("until", "settled") == "settled")
+    return Protocol(horizon=read(section["horizon"], "duration"), **given)
 
 
 def _history(cell):

@@ -14,6 +14,7 @@ from .device import Device
 from .grid import AXES, follow_grid
 from .models import build_model
 from .outcome import OUTCOMES, count
+from .protocol import Protocol, check_protocol
 from .provenance import provenance
 
 COORDINATES = {
@@ -22,15 +23,29 @@ COORDINATES = {
     "N": {"long_name": "amplitude of the pulse in multiples of g", "units": "1"},
 }
 VARIABLES = {
+    "outcome": {
+        "long_name": "outcome of the cell",
+        "flag_values": np.arange(len(OUTCOMES), dtype=np.int8),
+        "flag_meanings": " ".join(OUTCOMES),
+    },
     "t_snap": {
         "long_name": "first arrival of the midpoint at the second equilibrium",
         "units": "us",
         "comment": "counted from the start of the pulse; NaN: not within the horizon",
     },
-    "outcome": {
-        "long_name": "outcome of the cell",
-        "flag_values": np.arange(len(OUTCOMES), dtype=np.int8),
-        "flag_meanings": " ".join(OUTCOMES),
+    "t_settled": {
+        "long_name": "time at which the beam was proven to stay in its well for ever",
+        "units": "us",
+        "comment": "counted from the start of the pulse; NaN: not proven within the horizon",
+    },
+    "energy_error": {
+        "long_name": "residual of the energy ledger over the gross work of the pulse",
+        "units": "1",
+    },
+    "reproduced": {
+        "long_name": "whether a run with another time step had the same outcome",
+        "flag_values": np.arange(2, dtype=np.int8),
+        "flag_meanings": "not_reproduced reproduced",
     },
 }
 ENCODING = {"zlib": True, "complevel": 4, "shuffle": True}
@@ -43,23 +58,31 @@ def sweep(
     C: Sequence[float],
     model: str = "handout",
     horizon: float = 1500.0,
+    until: str = "settled",
+    repeat: bool | None = None,
+    energy_tolerance: float = 1e-3,
     threads: int = 1,
     **options,
 ) -> xr.Dataset:
     """Simulate every cell of a grid and return it as in cube.nc.
 
-    N: multiples of g; f0: Hz, above 0; C: uN us/um, from 0; horizon: us followed after the pulse
+    N: multiples of g; f0: Hz, above 0; C: uN us/um, from 0
+    horizon (us), until, repeat, energy_tolerance: as in `Protocol`; only settled cells are
+        repeated unless told
     model, options: as in the config's model section
     Raises ValueError, one line, for a value that cannot be.
     """
-    check_cells(N=N, f0=f0, C=C, horizon=horizon)
+    check_cells(N=N, f0=f0, C=C)
+    repeat = until == "settled" if repeat is None else repeat
+    protocol = Protocol(horizon, until, repeat, energy_tolerance)
+    check_protocol(protocol)
     built = build_model(device, model, **options)
     axes = [np.atleast_1d(np.asarray(values, float)) for values in (C, f0, N)]
-    variables = follow_grid(device, built, axes, horizon, threads)
+    variables = follow_grid(device, built, axes, protocol, threads)
     document = {
         "device": device_document(device),
         "model": {"name": model, **options},
-        "sweep": {"horizon": f"{horizon!r} us"},
+        "sweep": protocol._asdict() | {"horizon": f"{horizon!r} us"},
     }
     return dress(axes, variables, document)
 
@@ -76,7 +99,7 @@ def collect_slabs(
     files = iter(paths)
     rows = [xr.concat([_open_slab(next(files), name) for name in row], dim="f0") for row in names]
     joined = xr.concat(rows, dim="C")
-    variables = {key: joined[key].data for key in VARIABLES}
+    variables = {key: joined[key].data for key in VARIABLES if key in joined}
     return dress([joined[key].values for key in AXES], variables, document)
 
 
@@ -91,7 +114,7 @@ def dress(axes: Sequence, variables: Mapping, document: Mapping) -> xr.Dataset:
     """Give axes and variables, (C, f0, N), their CF attributes, and the whole its provenance."""
     coordinates = zip(AXES, axes, strict=True)
     cube = xr.Dataset(
-        {key: (AXES, variables[key], VARIABLES[key]) for key in VARIABLES},
+        {key: (AXES, variables[key], VARIABLES[key]) for key in variables},
         {key: (key, values, COORDINATES[key]) for key, values in coordinates},
     )
     return cube.assign_attrs(

@@ -12,6 +12,7 @@ from .device import Device
 from .lanes import BLOCK, device_coefficients, follow_one
 from .modal import contact_stiffness
 from .models import build_model
+from .protocol import Protocol, check_protocol
 from .provenance import provenance
 from .reference import follow, nodal_system
 
@@ -29,7 +30,7 @@ VARIABLES = {
     "bending_energy": ("bending energy of the beam", "pJ"),
     "axial_energy": ("axial energy of the beam", "pJ"),
     "contact_energy": ("energy of the contact", "pJ"),
-    "dissipated_energy": ("energy taken by the damping C", "pJ"),
+    "dissipated_energy": ("energy taken by the damping of mass and beam", "pJ"),
     "pulse_work": ("work of the pulse on mass and beam", "pJ"),
 }
 
@@ -37,8 +38,8 @@ VARIABLES = {
 class Motion(NamedTuple):
     """Samples over time of the beam's n coordinates u, of y = z_M - rise, and of the ledger.
 
-    u, u_velocity: (samples, n); time, y, y_velocity, work (pJ), swept (integral of (dy/dt)^2,
-    um^2/us): (samples,)
+    u, u_velocity: (samples, n); the others (samples,)
+    work, lost: work of the pulse and energy lost to damping, pJ
     """
 
     time: np.ndarray
@@ -47,7 +48,7 @@ class Motion(NamedTuple):
     y: np.ndarray
     y_velocity: np.ndarray
     work: np.ndarray
-    swept: np.ndarray
+    lost: np.ndarray
 
 
 class Form(NamedTuple):
@@ -76,13 +77,14 @@ def simulate(
     model, options: as in the config's model section
     """
     built = build_model(device, model, **options)
-    check_cells(N=[N], f0=[f0], C=[C], horizon=[horizon])
+    check_cells(N=[N], f0=[f0], C=[C])
+    check_protocol(Protocol(horizon))
     cell = [float(value[0]) for value in to_cells(device, [N], [f0], [C], horizon)]
     move = _reference_motion if model == "reference" else _modal_motion
     motion, form = move(device, built, *cell)
     values = _observe(device, form, motion) | {
         "acceleration": _acceleration(motion.time, *cell[:2]),
-        "dissipated_energy": C * motion.swept,
+        "dissipated_energy": motion.lost,
         "pulse_work": motion.work,
     }
     document = {
@@ -91,15 +93,23 @@ def simulate(
         "histories": [{"N": N, "f0": f"{f0!r} Hz", "C": f"{C!r} uN*us/um"}],
     }
     return _dress(motion.time, values, document).assign_attrs(
-        second_equilibrium=device.beam.second_equilibrium, gravity=device.gravity
+        N=N,
+        f0=f0,
+        C=C,
+        second_equilibrium=device.beam.second_equilibrium,
+        barrier=built.barrier.energy,
+        gravity=device.gravity,
     )
 
 
 def _modal_motion(device, model, amplitude, f0, damping, t_end):
     modal, modes = model.modal, model.modal.load.size
     steps, stride = _sampling(t_end, model.dt)
-    row = device_coefficients(modal, device, model.dt, target=-np.inf)
-    motion = follow_one(modes, row, model.dt, amplitude, f0, damping, steps, stride)
+    row = device_coefficients(modal, device, model.barrier, model.dt, target=-np.inf)
+    *motion, swept, beam_swept = follow_one(
+        modes, row, model.dt, amplitude, f0, damping, steps, stride
+    )
+    lost = damping * swept + device.beam.damping * beam_swept
     form = Form(
         np.eye(modes),
         np.diag(modal.stiffness),
@@ -108,7 +118,7 @@ def _modal_motion(device, model, amplitude, f0, damping, t_end):
         modal.midpoint,
         modal.residual,
     )
-    return Motion(np.arange(len(motion[0])) * stride * model.dt, *motion), form
+    return Motion(np.arange(len(motion[0])) * stride * model.dt, *motion, lost), form
 
 
 def _reference_motion(device, model, amplitude, f0, damping, t_end):

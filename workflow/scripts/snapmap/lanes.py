@@ -17,13 +17,28 @@ from .modal import contact_stiffness
 LANES = 16
 BLOCK = 128
 """Steps between two looks at the lanes; the pulse's recurrence is restarted at each look."""
+MARGIN = 2.0
+"""A proof must hold by this many times the residual of the run's energy ledger."""
 
 # Rows of one number: the state at instant n; the device's; the cell's.
-Y, Y_STEP, PULSE, PULSE_STEP, PULSE_LEFT, W_BEFORE, W, COUNT, WORK, GROSS_WORK, LOST = range(11)
-AXIAL, RESIDUAL, CONTACT, MASS, SPRING, TARGET = range(11, 17)
-AMPLITUDE, TURN, KEEP, PUSH = range(17, 21)
+(
+    Y,
+    Y_STEP,
+    PULSE,
+    PULSE_STEP,
+    PULSE_LEFT,
+    W_BEFORE,
+    W,
+    COUNT,
+    WORK,
+    GROSS_WORK,
+    SWEPT,
+    BEAM_SWEPT,
+) = range(12)
+AXIAL, RESIDUAL, CONTACT, MASS, SPRING, TARGET, BARRIER, SADDLE, BEAM_DAMPING = range(12, 21)
+AMPLITUDE, TURN, KEEP, PUSH, BEAM_KEEP, BEAM_PUSH = range(21, 27)
 # Vectors of k rows, from row VECTORS on: the state and scratch; the device's; S, k vectors.
-VECTORS = 21
+VECTORS = 27
 P, P_STEP, SCRATCH, STIFFNESS, SLOPE_START, LOAD, MIDPOINT, GEOMETRIC = range(8)
 
 # Fused multiply-adds are allowed and nothing else: NaN stays visible, sums keep their order.
@@ -53,19 +68,19 @@ def stretch(X, l, modes, first, last):
 
 @njit(inline="always")
 def move(X, l, modes, first, last, axial, contact, a):
-    """p_i+ = 2 p_i - p_i- + dt^2 force_i; returns their share of load.(p+ - p-)."""
-    swept = 0.0
+    """One step of p_i; returns their share of load.(p+ - p-) and of |p+ - p-|^2."""
+    swept, squared = 0.0, 0.0
     for i in range(first, last):
         p = X[at(P, i, modes, l)]
         before = X[at(P_STEP, i, modes, l)]
-        after = before + axial * X[at(SCRATCH, i, modes, l)]
-        after -= X[at(STIFFNESS, i, modes, l)] * p
-        after -= X[at(MIDPOINT, i, modes, l)] * contact
-        after -= X[at(LOAD, i, modes, l)] * a
+        force = axial * X[at(SCRATCH, i, modes, l)] - X[at(STIFFNESS, i, modes, l)] * p
+        force -= X[at(MIDPOINT, i, modes, l)] * contact + X[at(LOAD, i, modes, l)] * a
+        after = X[BEAM_KEEP * LANES + l] * before + X[BEAM_PUSH * LANES + l] * force
         X[at(P_STEP, i, modes, l)] = after
         X[at(P, i, modes, l)] = p + after
         swept += X[at(LOAD, i, modes, l)] * (before + after)
-    return swept
+        squared += (before + after) ** 2
+    return swept, squared
 
 
 @njit(**FAST)
@@ -73,7 +88,7 @@ def advance(X, shape, steps):
     """Advance every lane by `steps` steps of the modal form of eqs. (2), (4) and (5).
 
     N = -EA/2L (p.S p + 2 p.S q0),  w = e.p - c P,  P = <e.p - y>+ / (1/lambda + c)
-    p+ - 2 p + p- = dt^2 (-kappa p + N (S p + S q0) - f a - e P)
+    p+ - 2 p + p- + alpha dt/2 (p+ - p-) = dt^2 (-kappa p + N (S p + S q0) - f a - e P)
     M (y+ - 2 y + y-) + C dt/2 (y+ - y-) = dt^2 (-M a - K y + P)
 
     w is latched, with the value before, at the first instant at or below the target.
@@ -109,10 +124,12 @@ def advance(X, shape, steps):
             X[W * LANES + l] = w_now if above else w_last
             X[COUNT * LANES + l] += 1.0 if above else 0.0
 
-            swept = move(X, l, modes, 0, cut_1, axial, contact, a)
-            swept += move(X, l, modes, cut_1, cut_2, axial, contact, a)
-            swept += move(X, l, modes, cut_2, cut_3, axial, contact, a)
-            swept += move(X, l, modes, cut_3, modes, axial, contact, a)
+            swept_1, squared_1 = move(X, l, modes, 0, cut_1, axial, contact, a)
+            swept_2, squared_2 = move(X, l, modes, cut_1, cut_2, axial, contact, a)
+            swept_3, squared_3 = move(X, l, modes, cut_2, cut_3, axial, contact, a)
+            swept_4, squared_4 = move(X, l, modes, cut_3, modes, axial, contact, a)
+            swept = swept_1 + swept_2 + swept_3 + swept_4
+            X[BEAM_SWEPT * LANES + l] += squared_1 + squared_2 + squared_3 + squared_4
             mass = X[MASS * LANES + l]
             before = X[Y_STEP * LANES + l]
             pull = contact - X[SPRING * LANES + l] * y - mass * a
@@ -123,7 +140,7 @@ def advance(X, shape, steps):
             work = -a * (swept + mass * (before + after))
             X[WORK * LANES + l] += work
             X[GROSS_WORK * LANES + l] += abs(work)
-            X[LOST * LANES + l] += (before + after) ** 2
+            X[SWEPT * LANES + l] += (before + after) ** 2
 
 
 @njit(**EXACT)
@@ -136,7 +153,7 @@ def state_size(modes):
 def fill(X, shape, l, coefficients, damping, amplitude, f0, dt):
     """Put a cell at rest into lane l."""
     X[l::LANES] = 0.0
-    scalars = TARGET + 1 - AXIAL
+    scalars = BEAM_DAMPING + 1 - AXIAL
     vectors = VECTORS + STIFFNESS * len(shape)
     for i in range(coefficients.size):
         row = AXIAL + i if i < scalars else vectors + i - scalars
@@ -148,6 +165,9 @@ def fill(X, shape, l, coefficients, damping, amplitude, f0, dt):
     X[PULSE_LEFT * LANES + l] = np.ceil(1 / (f0 * dt))
     X[KEEP * LANES + l] = (mass - drag) / (mass + drag)
     X[PUSH * LANES + l] = 1 / (mass + drag)
+    beam_drag = X[BEAM_DAMPING * LANES + l] / 2
+    X[BEAM_KEEP * LANES + l] = (1 - beam_drag) / (1 + beam_drag)
+    X[BEAM_PUSH * LANES + l] = 1 / (1 + beam_drag)
 
 
 @njit(**EXACT)
@@ -159,13 +179,13 @@ def restart_pulse(X, l, angle_step, steps):
 
 
 @njit(**EXACT)
-def ledger(X_before, X, shape, l, drag):
-    """Energy, work of the pulse, its gross work and what C took, all times dt^2, pJ us^2.
+def energies(X_before, X, shape, l):
+    """Energy of the beam, of the mass on its spring, and of the contact; and w; times dt^2.
 
     At the instant of X_before, one step before X, so that velocities are centred.
     """
     modes = len(shape)
-    quadratic, kinetic, potential, w = 0.0, 0.0, 0.0, 0.0
+    quadratic, beam, w = 0.0, 0.0, 0.0
     for i in range(modes):
         p = X_before[at(P, i, modes, l)]
         slope = 2 * X[at(SLOPE_START, i, modes, l)]
@@ -174,16 +194,38 @@ def ledger(X_before, X, shape, l, drag):
         quadratic += p * slope
         w += X[at(MIDPOINT, i, modes, l)] * p
         velocity = (X_before[at(P_STEP, i, modes, l)] + X[at(P_STEP, i, modes, l)]) / 2
-        kinetic += velocity**2 / 2
-        potential += X[at(STIFFNESS, i, modes, l)] * p**2 / 2
+        beam += velocity**2 / 2 + X[at(STIFFNESS, i, modes, l)] * p**2 / 2
+    beam += X[AXIAL * LANES + l] * quadratic**2 / 4
     y = X_before[Y * LANES + l]
     velocity = (X_before[Y_STEP * LANES + l] + X[Y_STEP * LANES + l]) / 2
-    kinetic += X[MASS * LANES + l] * velocity**2 / 2
-    potential += X[AXIAL * LANES + l] * quadratic**2 / 4 + X[SPRING * LANES + l] * y**2 / 2
-    potential += X[CONTACT * LANES + l] * max(0.0, w - y) ** 2 / 2
+    mass = X[MASS * LANES + l] * velocity**2 / 2 + X[SPRING * LANES + l] * y**2 / 2
+    contact = X[CONTACT * LANES + l] * max(0.0, w - y) ** 2 / 2
+    return beam, mass, contact, w
+
+
+@njit(**EXACT)
+def ledger_residual(X_before, X, l, energy, drag):
+    """energy + losses - work of the pulse, times dt^2, by the trapezoidal rule; drag: C dt."""
     work = (X_before[WORK * LANES + l] + X[WORK * LANES + l]) / 4
-    lost = drag * (X_before[LOST * LANES + l] + X[LOST * LANES + l]) / 8
-    return kinetic + potential, work, X[GROSS_WORK * LANES + l] / 2, lost
+    swept = drag * (X_before[SWEPT * LANES + l] + X[SWEPT * LANES + l]) / 8
+    beam_swept = X_before[BEAM_SWEPT * LANES + l] + X[BEAM_SWEPT * LANES + l]
+    return energy + swept + X[BEAM_DAMPING * LANES + l] * beam_swept / 8 - work
+
+
+@njit(**EXACT)
+def proven_well(X, l, beam, mass, contact, w, margin):
+    """The well (1 or 2) that the beam can never leave without a shock, or 0 if that is open.
+
+    Energy only falls after the pulse. 1 or 2: all of it is below the barrier. 2: the beam's alone
+    is, and the mass on its spring cannot swing as low as the beam can rise, the saddle.
+    """
+    barrier, saddle = X[BARRIER * LANES + l], X[SADDLE * LANES + l]
+    if beam + mass + contact + margin < barrier:
+        return 1 if w > saddle else 2
+    lowest_mass = -np.sqrt(2 * (mass + margin) / X[SPRING * LANES + l])
+    if beam + margin < barrier and w < saddle < lowest_mass:
+        return 2
+    return 0
 
 
 @njit(**EXACT)
@@ -195,25 +237,26 @@ def snap_time(X, l, dt):
 
 
 @njit(**EXACT)
-def follow_all(
-    X, shape, devices, dt, device_of, amplitude, f0, damping, t_end, t_snap, energy_error
-):
-    """Follow every cell until its snap or past t_end, refilling each lane as it falls free.
+def follow_all(X, shape, devices, dt, cells, stop_at_snap, facts):
+    """Follow every cell until its well is proven or t_end is past, refilling each free lane.
 
     X: work array; devices: (n_devices, coefficients), dt: (n_devices,), us
-    device_of, amplitude (um/us^2), f0 (1/us), damping (C, uN us/um), t_end (us): (cells,)
-    t_snap (us, NaN if not seen), energy_error (residual of the energy ledger over the
-    gross work of the pulse, not finite after a blow-up): (cells,), modified in place
+    cells: device_of, amplitude (um/us^2), f0 (1/us), damping (C, uN us/um), t_end (us); (cells,)
+    stop_at_snap: whether a cell also ends at its snap
+    facts, modified in place: t_snap, t_settled (us, NaN if not seen), well (1, 2, or 0 for open),
+        energy_error (residual of the energy ledger over the gross work of the pulse, not finite
+        after a blow-up); (cells,)
     """
-    cells = t_snap.size
+    device_of, amplitude, f0, damping, t_end = cells
+    t_snap, t_settled, well, energy_error = facts
     cell_in = np.full(LANES, -1)
     steps = np.zeros(LANES, np.int64)
     next_cell, running = 0, 0
     X[:] = 0.0
     X_before = X[: state_size(len(shape))].copy()
-    while next_cell < cells or running > 0:
+    while next_cell < t_snap.size or running > 0:
         for l in range(LANES):
-            if cell_in[l] < 0 and next_cell < cells:
+            if cell_in[l] < 0 and next_cell < t_snap.size:
                 device = device_of[next_cell]
                 load = damping[next_cell], amplitude[next_cell], f0[next_cell]
                 fill(X, shape, l, devices[device], *load, dt[device])
@@ -232,29 +275,41 @@ def follow_all(
                 continue
             steps[l] += BLOCK
             step = dt[device_of[cell]]
-            w = X[W * LANES + l]
-            snapped = w <= X[TARGET * LANES + l]
-            if not snapped and np.isfinite(w) and steps[l] * step <= t_end[cell]:
+            snapped = X[W * LANES + l] <= X[TARGET * LANES + l]
+            in_pulse = X_before[PULSE_LEFT * LANES + l] > 0
+            ended = steps[l] * step > t_end[cell] or not np.isfinite(X[Y * LANES + l])
+            ended |= snapped and stop_at_snap
+            if in_pulse and not ended:
                 continue
-            energy, work, gross_work, lost = ledger(X_before, X, shape, l, damping[cell] * step)
-            residual = abs(energy + lost - work)
-            energy_error[cell] = residual / gross_work if gross_work > 0 else residual
+
+            beam, mass, contact, w = energies(X_before, X, shape, l)
+            residual = ledger_residual(X_before, X, l, beam + mass + contact, damping[cell] * step)
+            found = 0
+            if not in_pulse:
+                found = proven_well(X, l, beam, mass, contact, w, MARGIN * abs(residual))
+            proven = found == 1 or (found == 2 and snapped)
+            if not ended and not proven:
+                continue
+            gross_work = X[GROSS_WORK * LANES + l] / 2
+            energy_error[cell] = abs(residual) / (gross_work if gross_work > 0 else 1.0)
             t_snap[cell] = snap_time(X, l, step) if snapped else np.nan
+            t_settled[cell] = (steps[l] - 1) * step if proven else np.nan
+            well[cell] = found if proven else 0
             cell_in[l] = -1
             running -= 1
             X[l::LANES] = 0.0
 
 
-def follow_lanes(modes, devices, dt, device_of, amplitude, f0, damping, t_end):
-    """Follow cells of one or several devices; returns (t_snap, energy_error).
+def follow_lanes(modes, devices, dt, cells, stop_at_snap=False):
+    """Follow cells of one or several devices; returns the facts of `follow_all`.
 
     devices: (n_devices, coefficients), rows made by `device_coefficients`, each of `modes` modes
-    The other arguments and the results are those of `follow_all`.
+    dt, cells: as in `follow_all`
     """
-    t_snap, energy_error = np.empty(f0.size), np.empty(f0.size)
-    cells = device_of, amplitude, f0, damping, t_end
-    follow_all(_work_array(modes), (0,) * modes, devices, dt, *cells, t_snap, energy_error)
-    return t_snap, energy_error
+    n_cells = cells[0].size
+    facts = *(np.empty(n_cells) for _ in range(2)), np.empty(n_cells, np.int8), np.empty(n_cells)
+    follow_all(_work_array(modes), (0,) * modes, devices, dt, cells, stop_at_snap, facts)
+    return facts
 
 
 def follow_one(modes, device, dt, amplitude, f0, damping, steps, stride):
@@ -262,7 +317,7 @@ def follow_one(modes, device, dt, amplitude, f0, damping, steps, stride):
 
     device: its row of coefficients; stride: a divisor of BLOCK
     Returns p and dp/dt, (samples, modes); y, dy/dt, the pulse's work (pJ) and the integral of
-    (dy/dt)^2 (um^2/us), (samples,)
+    (dy/dt)^2 (um^2/us), and that of |dp/dt|^2, (samples,)
     """
     X, shape, size = _work_array(modes), (0,) * modes, state_size(modes)
     fill(X, shape, 0, device, damping, amplitude, f0, dt)
@@ -283,13 +338,15 @@ def follow_one(modes, device, dt, amplitude, f0, damping, steps, stride):
         before[:, Y],
         middle[:, Y_STEP] / dt,
         middle[:, WORK] / (2 * dt**2),
-        middle[:, LOST] / (4 * dt),
+        middle[:, SWEPT] / (4 * dt),
+        middle[:, BEAM_SWEPT] / (4 * dt),
     )
 
 
-def device_coefficients(modal, device, dt, target):
+def device_coefficients(modal, device, barrier, dt, target):
     """One device's row of coefficients, in the order of the rows of X, with forces times dt^2.
 
+    barrier: of the modal beam, a `Barrier`
     target: w(L/2) - rise at which a run counts as snapped, um; -inf for never
     """
     contact = contact_stiffness(device, modal.residual)
@@ -297,6 +354,7 @@ def device_coefficients(modal, device, dt, target):
         [
             [modal.axial * dt**2, modal.residual / dt**2, contact * dt**2],
             [device.mass, device.spring * dt**2, target],
+            [barrier.energy * dt**2, barrier.midpoint, device.beam.damping * dt],
             modal.stiffness * dt**2,
             modal.slope_start,
             modal.load,

@@ -8,6 +8,7 @@ from .bases.cosines import symmetric_cosines
 from .bases.elements import hermite_elements
 from .device import Device
 from .modal import ModalBeam, contact_stiffness, reduce_to_modes, step_limit
+from .wells import Barrier, find_barrier
 
 ELEMENT_OPTIONS = ("elements", "mass_matrix", "step")
 OPTIONS = {
@@ -23,12 +24,14 @@ class Model(NamedTuple):
 
     name: "reference" is marched by the plain loop, the others by the lane kernel
     basis, modal: its matrices, and their reduced form
+    barrier: between the two shapes of that form
     dt: time step, us
     """
 
     name: str
     basis: Basis
     modal: ModalBeam
+    barrier: Barrier
     dt: float
 
 
@@ -50,7 +53,7 @@ def build_model(device: Device, name: str = "handout", **options) -> Model:
             f"with {modes} of {basis.load.size} modes; write fewer modes, or a contact in N/m"
         )
     step = options.get("step", _default_step(device, name))
-    return Model(name, basis, modal, step * step_limit(device, modal))
+    return Model(name, basis, modal, find_barrier(modal), step * step_limit(device, modal))
 
 
 def _check_options(device, name, options):
@@ -93,4 +96,4 @@ def _default_step(device, name):
     # less is followed again with less.
     if math.isinf(device.contact):
         return 0.3
-    return 0.6 if name == "cosines" else 0.8
+    return 0.4 if name == "cosines" else 0.8

@@ -5,23 +5,27 @@ import numpy as np
 OUTCOMES = ("unsnapped", "never", "snapped", "latched", "returned", "failed")
 UNSNAPPED, NEVER, SNAPPED, LATCHED, RETURNED, FAILED = range(len(OUTCOMES))
 
-# ASSUME: a run is believed when its energy ledger closes within this share of the pulse's work.
-ENERGY_TOLERANCE = 1e-2
 
+def label(
+    t_snap: np.ndarray,
+    t_settled: np.ndarray,
+    well: np.ndarray,
+    energy_error: np.ndarray,
+    tolerance: float,
+) -> np.ndarray:
+    """Outcome of each cell as an index into OUTCOMES, int8; the arguments are `Facts`.
 
-def is_believed(energy_error: np.ndarray) -> np.ndarray:
-    """Whether a run's energy ledger closes; False after a blow-up, whatever it left behind."""
-    return energy_error <= ENERGY_TOLERANCE
-
-
-def label(t_snap: np.ndarray, energy_error: np.ndarray) -> np.ndarray:
-    """Outcome of each cell as an index into OUTCOMES, int8.
-
-    t_snap: us, NaN where w2 was not reached
-    energy_error: residual of the energy ledger over the gross work of the pulse
+    Proven for ever: `never` left well 1, `latched` in well 2, `returned` to well 1 after a snap.
+    Open at the horizon: `unsnapped`, `snapped`. A run whose ledger does not close within the
+    tolerance has `failed`, whatever else it seems to show.
     """
-    outcome = np.where(np.isnan(t_snap), UNSNAPPED, SNAPPED)
-    return np.where(is_believed(energy_error), outcome, FAILED).astype(np.int8)
+    snapped, settled = ~np.isnan(t_snap), ~np.isnan(t_settled)
+    outcome = np.select(
+        [~(energy_error <= tolerance), snapped & settled, snapped, settled],
+        [FAILED, np.where(well == 2, LATCHED, RETURNED), SNAPPED, NEVER],
+        UNSNAPPED,
+    )
+    return outcome.astype(np.int8)
 
 
 def count(outcome: np.ndarray) -> dict[str, int]:

@@ -19,6 +19,7 @@ class System(NamedTuple):
     slope_start: (n,), G q0
     axial: E A / (2 L), uN/um
     mass, spring, penalty: M (ng), K (uN/um), lambda (uN/um)
+    beam_damping: rate alpha of the force -alpha Mb du/dt on the beam, 1/us
     """
 
     inertia: np.ndarray
@@ -32,6 +33,7 @@ class System(NamedTuple):
     mass: float
     spring: float
     penalty: float
+    beam_damping: float
 
 
 def nodal_system(device: Device, basis: Basis) -> System:
@@ -48,6 +50,7 @@ def nodal_system(device: Device, basis: Basis) -> System:
         mass=device.mass,
         spring=device.spring,
         penalty=device.contact,
+        beam_damping=device.beam.damping,
     )
 
 
@@ -111,12 +114,12 @@ def follow(system, amplitude, f0, damping, target, dt, steps, history):
     With u = q - q0 and y = z_M - rise, from rest, at t = n dt:
 
         N = -EA/2L (2 u.G q0 + u.G u),  P = lambda <u(L/2) - y>+
-        Mb (u+ - 2 u + u-)/dt^2 = -Kb u + N (G u + G q0) - f a - e P
+        Mb (u+ - 2 u + u-)/dt^2 + alpha Mb (u+ - u-)/(2 dt) = -Kb u + N (G u + G q0) - f a - e P
         M (y+ - 2 y + y-)/dt^2 + C (y+ - y-)/(2 dt) = -M a - K y + P
 
     amplitude: N g, um/us^2; f0: 1/us; damping: C, uN us/um; target: w2 - rise, um
-    history: (samples, 2 n + 4), modified in place: u, du/dt, y, dy/dt, the pulse's work (pJ) and
-        the integral of (dy/dt)^2 (um^2/us), at as many of the first instants as it holds
+    history: (samples, 2 n + 4), modified in place: u, du/dt, y, dy/dt, work of the pulse and
+        energy lost to damping (pJ), at as many of the first instants as it holds
     Returns (t_snap, energy_error): us, NaN if the target is not reached; the energy ledger's
     residual over the gross work of the pulse, not finite after a blow-up.
     """
@@ -126,7 +129,8 @@ def follow(system, amplitude, f0, damping, target, dt, steps, history):
     force, acceleration = np.zeros(n), np.zeros(n)
     y, y_before = 0.0, 0.0
     inertia, drag = system.mass / dt**2, damping / (2 * dt)
-    power, work, gross_work, speed_squared, swept = 0.0, 0.0, 0.0, 0.0, 0.0
+    beam_drag = system.beam_damping * dt / 2
+    power, work, gross_work, loss, lost = 0.0, 0.0, 0.0, 0.0, 0.0
     t_snap, residual = np.nan, 0.0
 
     for step in range(steps):
@@ -139,26 +143,30 @@ def follow(system, amplitude, f0, damping, target, dt, steps, history):
             force[i] -= system.load[i] * a + system.midpoint[i] * contact
         multiply(system.inverse_inertia, force, acceleration)
         for i in range(n):
-            u_after[i] = 2 * u[i] - u_before[i] + dt**2 * acceleration[i]
+            u_after[i] = 2 * u[i] - (1 - beam_drag) * u_before[i] + dt**2 * acceleration[i]
+            u_after[i] /= 1 + beam_drag
             velocity[i] = (u_after[i] - u_before[i]) / (2 * dt)
         pull = contact - system.spring * y - system.mass * a
         y_after = (pull + inertia * (2 * y - y_before) + drag * y_before) / (inertia + drag)
         y_velocity = (y_after - y_before) / (2 * dt)
 
-        power_before, speed_before = power, speed_squared
+        power_before, loss_before = power, loss
         power = -a * (system.mass * y_velocity + dot(system.load, velocity))
-        speed_squared = y_velocity**2
+        loss = damping * y_velocity**2
+        if system.beam_damping > 0:
+            multiply(system.inertia, velocity, force)
+            loss += system.beam_damping * dot(velocity, force)
         work += (power_before + power) * dt / 2
         gross_work += abs(power) * dt
-        swept += (speed_before + speed_squared) * dt / 2
+        lost += (loss_before + loss) * dt / 2
         if step < history.shape[0]:
             history[step, :n], history[step, n : 2 * n] = u, velocity
-            history[step, 2 * n :] = y, y_velocity, work, swept
+            history[step, 2 * n :] = y, y_velocity, work, lost
 
         w_after = dot(system.midpoint, u_after)
         if w_after <= target or step == steps - 1 or not np.isfinite(w_after):
             energy = total_energy(system, u, velocity, y, y_velocity, compression)
-            residual = energy + damping * swept - work
+            residual = energy + lost - work
             if w_after <= target:
                 t_snap = (step + (w_mid - target) / (w_mid - w_after)) * dt
             break

@@ -16,6 +16,7 @@ from .device import Device
 from .grid import follow_grid
 from .models import Model, build_model
 from .outcome import count
+from .protocol import Protocol
 
 JOB_SECONDS = 20
 """Aim for the run time of one slab; short enough to show progress, long against a job's start."""
@@ -32,7 +33,7 @@ class Slab(NamedTuple):
 def cut(study: Study) -> list[list[Slab]]:
     """Cut the grid into one row of slabs for each C, along f0, each row in ascending order."""
     model = build_model(study.device, **study.model)
-    cost = _seconds(model, 1e6 / study.f0 + study.horizon) * study.N.size
+    cost = _seconds(model, 1e6 / study.f0 + study.protocol.horizon) * study.N.size
     pieces = int(np.ceil(cost.sum() / JOB_SECONDS))
     ends = np.searchsorted(np.cumsum(cost), cost.sum() * np.arange(1, pieces) / pieces) + 1
     chunks = [chunk for chunk in np.split(study.f0, np.unique(ends)) if chunk.size]
@@ -49,25 +50,25 @@ def _seconds(model: Model, duration):
 
 def slab_name(study: Study, slab: Slab) -> str:
     """Name a slab by a hash of all that its numbers depend on but the code."""
-    return _name(study.device, study.model, slab, study.horizon)
+    return _name(study.device, study.model, slab, study.protocol)
 
 
-def _name(device, model, slab, horizon):
-    what = [asdict(device), model, slab._asdict(), horizon]
+def _name(device, model, slab, protocol):
+    what = [asdict(device), model, slab._asdict(), protocol._asdict()]
     return hashlib.sha256(json.dumps(what, sort_keys=True).encode()).hexdigest()[:16]
 
 
 def write_slab(
-    device: Device, model: Mapping, slab: Slab, horizon: float, path: str | Path, threads: int
+    device: Device, model: Mapping, slab: Slab, protocol: Protocol, path: str | Path, threads: int
 ) -> dict[str, int]:
     """Follow the cells of one slab and write it to `path`; returns how many had which outcome.
 
-    model: name and options; horizon: us after the pulse
+    model: name and options
     """
-    variables = follow_grid(device, build_model(device, **model), slab, horizon, threads)
+    variables = follow_grid(device, build_model(device, **model), slab, protocol, threads)
     temporary = f"{path}.part"
     with netCDF4.Dataset(temporary, "w") as file:
-        file.slab = _name(device, model, slab, horizon)
+        file.slab = _name(device, model, slab, protocol)
         for axis, values in slab._asdict().items():
             file.createDimension(axis, len(values))
             file.createVariable(axis, "f8", (axis,))[:] = values

@@ -8,27 +8,24 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from .style import typeset
+from ..quantity import read
+from .style import damping
 
-BEAM, MASS, FORCE, AID = "C5", "C1", "C0", "0.45"
+BEAM, MASS, FORCE, AID = "C5", "C1", "C0", "0.3"
+FINE = 0.5  # pt, for what oscillates fast
 
 
-def draw_history(
-    axes: Sequence[Axes], history: xr.Dataset, second_equilibrium: float, gravity: float
-) -> Sequence[Axes]:
-    """Draw w(L/2) and z_M, the contact force and the acceleration on three axes over time in ms.
-
-    second_equilibrium: of the midpoint, um; gravity: um/us^2
-    """
+def draw_history(axes: Sequence[Axes], history: xr.Dataset) -> Sequence[Axes]:
+    """Draw w(L/2) and z_M, the contact force and the acceleration on three axes over time in ms."""
     positions, force, shock = axes
     time = history.time / 1e3
-    _draw_positions(positions, time, history, second_equilibrium)
-    force.plot(time, history.contact_force, color=FORCE, linewidth=0.5)
+    _draw_positions(positions, time, history)
+    force.plot(time, history.contact_force, color=FORCE, linewidth=FINE)
     force.set_ylabel("contact force (µN)")
-    shock.plot(time, history.acceleration / gravity, color=FORCE)
+    shock.plot(time, history.acceleration / history.gravity, color=FORCE)
     shock.set_ylabel("acceleration\n(multiples of $g$)")
     shock.set_xlabel("time after the start of the pulse (ms)")
-    _mark_snap(axes, snap_time(history, second_equilibrium) / 1e3, second_equilibrium)
+    _mark_snap(axes, history)
     for ax in axes:
         ax.margins(x=0)
     positions.figure.align_ylabels(axes)
@@ -36,30 +33,34 @@ def draw_history(
     return axes
 
 
-def snap_time(history: xr.Dataset, second_equilibrium: float) -> float:
-    """First arrival of the midpoint at the second equilibrium (um), us; NaN if not seen."""
+def snap_time(history: xr.Dataset) -> float:
+    """First arrival of the midpoint at the second equilibrium, us; NaN if not seen."""
     time, w = history.time.values, history.w_mid.values
-    arrived = np.flatnonzero(w <= second_equilibrium)
+    arrived = np.flatnonzero(w <= history.second_equilibrium)
     if arrived.size == 0:
         return math.nan
-    after, before = arrived[0], arrived[0] - 1
-    return float(np.interp(second_equilibrium, w[[after, before]], time[[after, before]]))
+    around = [arrived[0], arrived[0] - 1]
+    return float(np.interp(history.second_equilibrium, w[around], time[around]))
 
 
-def _draw_positions(ax, time, history, second_equilibrium):
-    ax.plot(time, history.w_mid, color=BEAM, linewidth=0.5, label="midpoint of the beam $w(L/2)$")
+def _draw_positions(ax, time, history):
+    beam = {"color": BEAM, "linewidth": FINE, "label": "midpoint of the beam $w(L/2)$"}
+    ax.plot(time, history.w_mid, **beam)
     ax.plot(time, history.z_mass, color=MASS, label="mass $z_M$")
-    ax.axhline(second_equilibrium, color=AID, linestyle="--", label="second equilibrium $w_2$")
+    second = {"color": AID, "linestyle": "--", "label": "second equilibrium $w_2$"}
+    ax.axhline(history.second_equilibrium, **second)
     ax.set_ylabel("position (µm)")
 
 
-def _mark_snap(axes, time, second_equilibrium):
+def _mark_snap(axes, history):
+    time = snap_time(history) / 1e3
     if math.isnan(time):
         return
     for ax in axes:
         ax.axvline(time, color=AID, linestyle=":")
+    dot = {"linestyle": "", "marker": "o", "color": "black", "markeredgecolor": "white"}
     label = f"snap at {time:.4g} ms"
-    axes[0].plot(time, second_equilibrium, "o", color="black", linestyle="", label=label)
+    axes[0].plot(time, history.second_equilibrium, **dot, label=label)
 
 
 def _draw_legend(ax, history):
@@ -73,9 +74,10 @@ def _draw_legend(ax, history):
 
 
 def _caption(history):
-    settings = json.loads(history.attrs.get("config", "{}"))
-    if "cell" not in settings:
+    if "config" not in history.attrs:
         return None
-    N, f0, C = (settings["cell"][key] for key in ("N", "f0", "C"))
-    damping = f"$C$ = {C:g} {typeset('uN us um-1')}"
-    return f"$N$ = {N:g}, $f_0$ = {f0:g} Hz, {damping}, {settings['model']['name']} model"
+    config = json.loads(history.attrs["config"])
+    cell = config["histories"][0]
+    f0, C = read(cell["f0"], "frequency"), read(cell["C"], "damper")
+    model = config["model"]["name"]
+    return f"$N = {cell['N']:g}$, $f_0$ = {f0:g} Hz, {damping(C)}, {model} model"

@@ -5,12 +5,12 @@ import json
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.collections import QuadMesh
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 from matplotlib.transforms import ScaledTranslation
 
-from .style import typeset
+from ..quantity import read
+from .style import damping
 
 COLOURS = {
     "unsnapped": "#eef4f8",
@@ -36,11 +36,12 @@ def draw_map(ax: Axes, cells: xr.Dataset) -> Axes:
     """Draw the outcomes of one C over f0 (Hz) and N (multiples of g), and the threshold."""
     cells = cells.sortby(["f0", "N"])
     ax.set_xscale("log")
-    mesh = _draw_cells(ax, cells)
-    lines = _draw_threshold(ax, cells)
-    _label_axes(ax)
+    _draw_cells(ax, cells)
+    _draw_failed(ax, cells)
+    _draw_threshold(ax, cells)
+    _label_axes(ax, cells)
     ax.set_title(_caption(cells))
-    _draw_legend(ax, [*_count_classes(cells, mesh), *lines])
+    _draw_legend(ax, cells)
     return ax
 
 
@@ -48,7 +49,7 @@ def arithmetic_edges(values: np.ndarray) -> np.ndarray:
     """Edges of the cells about n ascending values: halfway between neighbours; (n + 1,)."""
     if values.size == 1:
         half = abs(values[0]) / 10 or 0.5
-        return values + [-half, half]
+        return values + np.array([-half, half])
     middle = (values[:-1] + values[1:]) / 2
     return np.array([2 * values[0] - middle[0], *middle, 2 * values[-1] - middle[-1]])
 
@@ -56,7 +57,7 @@ def arithmetic_edges(values: np.ndarray) -> np.ndarray:
 def geometric_edges(values: np.ndarray) -> np.ndarray:
     """Edges of the cells about n ascending values above 0: geometric means; (n + 1,)."""
     if values.size == 1:
-        return values * [1 / 1.1, 1.1]
+        return values * np.array([1 / 1.1, 1.1])
     middle = np.sqrt(values[:-1] * values[1:])
     return np.array([values[0] ** 2 / middle[0], *middle, values[-1] ** 2 / middle[-1]])
 
@@ -66,50 +67,61 @@ def lowest_snap(cells: xr.Dataset) -> np.ndarray:
 
     NaN where the grid does not show it: nothing snaps, the first N does, or a failure lies below.
     """
-    outcome, code = cells.outcome.transpose("f0", "N").values, _codes(cells)
-    quiet = np.isin(outcome, [code["unsnapped"], code["never"]])
+    outcome, codes = cells.outcome.transpose("f0", "N").values, _codes(cells)
+    quiet = np.isin(outcome, [codes["unsnapped"], codes["never"]])
     below = np.logical_and.accumulate(quiet, axis=1).sum(axis=1)
-    following = outcome[np.arange(below.size), np.minimum(below, outcome.shape[1] - 1)]
-    seen = (below > 0) & ~np.isin(following, [code["unsnapped"], code["never"], code["failed"]])
-    return np.where(seen, arithmetic_edges(cells.N.values)[below], np.nan)
+    last = outcome.shape[1] - 1
+    first_other = outcome[np.arange(below.size), np.minimum(below, last)]
+    shown = (below > 0) & (below <= last) & (first_other != codes["failed"])
+    return np.where(shown, arithmetic_edges(cells.N.values)[below], np.nan)
 
 
-def _draw_cells(ax, cells) -> QuadMesh:
+def _draw_cells(ax, cells):
     codes = _codes(cells)
     edges = np.array([-0.5, *(code + 0.5 for code in codes.values())])
-    return ax.pcolormesh(
+    ax.pcolormesh(
         geometric_edges(cells.f0.values),
         arithmetic_edges(cells.N.values),
         cells.outcome.transpose("N", "f0").values,
         cmap=ListedColormap([COLOURS[name] for name in codes]),
         norm=BoundaryNorm(edges, len(codes)),
-        edgecolors="face",
-        linewidth=0.1,
+        edgecolors="face",  # viewers show the paper between cells that merely touch
+        linewidth=0.2,
+        antialiased=True,
     )
 
 
+def _draw_failed(ax, cells):
+    """Cross out each failed cell, as one alone is too small to see on a fine grid."""
+    i, j = np.nonzero((cells.outcome.transpose("f0", "N") == _codes(cells)["failed"]).values)
+    for colour, width in {"white": 2.0, COLOURS["failed"]: 0.8}.items():
+        cross = {"marker": "x", "color": colour, "markeredgewidth": width}
+        ax.plot(cells.f0.values[i], cells.N.values[j], linestyle="", **cross)
+
+
 def _draw_threshold(ax, cells):
-    """Draw the threshold as steps, in a list; an empty one where the grid shows none."""
     threshold = lowest_snap(cells)
-    if np.isnan(threshold).all():
-        return []
-    return [
-        ax.stairs(
-            threshold,
-            geometric_edges(cells.f0.values),
-            baseline=None,
-            color="black",
-            linewidth=1.0,
-            label="lowest $N$ that snaps",
-        )
-    ]
+    if not np.isnan(threshold).all():
+        edges = geometric_edges(cells.f0.values)
+        label = "lowest $N$ that snaps"
+        ax.stairs(threshold, edges, baseline=None, color="black", linewidth=1.0, label=label)
 
 
-def _label_axes(ax):
+def _label_axes(ax, cells):
     ax.set_xlabel("pulse frequency $f_0$ (Hz)")
     ax.set_ylabel("pulse amplitude $N$ (multiples of $g$)")
     top = ax.secondary_xaxis("top", functions=(_reciprocal, _reciprocal))
     top.set_xlabel("pulse duration $1/f_0$ (ms)")
+    _mark_alone(ax.xaxis, cells.f0.values)
+    _mark_alone(ax.yaxis, cells.N.values)
+    _mark_alone(top.xaxis, _reciprocal(cells.f0.values), digits=3)
+
+
+def _mark_alone(axis, values, digits=6):
+    """Give an axis of one value no other tick: how far its cells reach means nothing."""
+    if values.size == 1:
+        axis.set_ticks(values, [f"{values[0]:.{digits}g}"])
+        axis.set_ticks([], minor=True)
 
 
 def _reciprocal(values):
@@ -119,41 +131,36 @@ def _reciprocal(values):
 
 
 def _caption(cells):
-    settings = json.loads(cells.attrs.get("config", "{}"))
-    caption = f"$C$ = {cells.C.item():g} {typeset(cells.C.attrs.get('units', ''))}"
-    if "model" not in settings:
+    caption = damping(cells.C.item())
+    if "config" not in cells.attrs:
         return caption
-    horizon = _horizon(settings)
-    return f"{caption}\n{settings['model']['name']} model, followed {horizon} beyond the pulse"
+    config = json.loads(cells.attrs["config"])
+    horizon = read(config["sweep"]["horizon"], "duration")
+    return f"{caption}\n{config['model']['name']} model, followed {horizon:g} µs beyond the pulse"
 
 
-def _horizon(settings):
-    """Text with a unit: `sweep` keeps a number of us, the pipeline its config's own words."""
-    if "horizon" in settings:
-        return typeset(f"{settings['horizon']:g} us")
-    return typeset(settings["sweep"]["horizon"])
-
-
-def _count_classes(cells, mesh):
-    """A patch for the legend for each class present."""
-    patches = []
-    for name, code in _codes(cells).items():
-        count = int((cells.outcome == code).sum())
-        if count:
-            words = f"{WORDS[name]} ({count} cell{'s' if count > 1 else ''})"
-            patches.append(Patch(facecolor=COLOURS[name], edgecolor="black", label=words))
-    return patches
-
-
-def _draw_legend(ax, handles):
+def _draw_legend(ax, cells):
+    """List the classes that are there, and the threshold, below the axis' own labels."""
     below = ScaledTranslation(0, -30 / 72, ax.figure.dpi_scale_trans)
     ax.legend(
-        handles=handles,
+        handles=[*_class_patches(cells), *ax.get_legend_handles_labels()[0]],
+        title="outcome (number of cells)",
         ncols=2,
         loc="upper center",
         bbox_to_anchor=(0.5, 0),
         bbox_transform=ax.transAxes + below,
     )
+
+
+def _class_patches(cells):
+    """A labelled patch for each class that is there."""
+    outcome = cells.outcome.values
+    counts = {name: np.count_nonzero(outcome == code) for name, code in _codes(cells).items()}
+    return [
+        Patch(facecolor=COLOURS[name], edgecolor="black", label=f"{WORDS[name]} ({count})")
+        for name, count in counts.items()
+        if count
+    ]
 
 
 def _codes(cells):

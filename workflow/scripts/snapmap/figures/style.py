@@ -1,7 +1,6 @@
 """What every figure for print shares: the style sheet, the sizes, and how it is saved."""
 
 import os
-import re
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -35,7 +34,7 @@ def double_column(height: float) -> Figure:
 def save(
     figure: Figure, path_pdf: str | Path, path_png: str | Path, attributes: Mapping[str, str]
 ) -> None:
-    """Write a figure as PDF and PNG, the same bytes every time, each whole or not at all.
+    """Write a figure as PDF and PNG, without dates, each whole or not at all.
 
     attributes: of the dataset drawn; title, code_version and config go into the files' metadata
     """
@@ -45,10 +44,9 @@ def save(
         os.replace(temporary, path)
 
 
-def typeset(units: str) -> str:
-    """Write units such as `uN us um-1` with the micro sign and raised exponents."""
-    units = re.sub(r"\bu(?=[A-Za-z])", "µ", units)
-    return re.sub(r"(?<=[A-Za-z])-?\d+", r"$^{\g<0>}$", units)
+def damping(C: float) -> str:
+    """Typeset the damping coefficient of the mass; C: uN us/um."""
+    return f"$C$ = {C:g} µN µs µm$^{{-1}}$"
 
 
 def _metadata(kind, attributes):

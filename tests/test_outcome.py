@@ -1,0 +1,181 @@
+"""What is called proven: the barrier, the labels, and runs that try to prove the labels wrong."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import snapmap
+from snapmap.cells import follow_cells, follow_once, to_cells
+from snapmap.models import build_model
+from snapmap.outcome import FAILED, LATCHED, NEVER, OUTCOMES, RETURNED, SNAPPED, UNSNAPPED, label
+from snapmap.protocol import Protocol
+from snapmap.wells import find_barrier
+
+PROVEN = (NEVER, LATCHED, RETURNED)
+
+
+def with_damping(device, rate):
+    return dataclasses.replace(device, beam=dataclasses.replace(device.beam, damping=rate))
+
+
+def test_labels_say_what_the_facts_say():
+    nan = np.nan
+    facts = np.array(
+        [
+            [nan, nan, 0, 0.0],
+            [nan, 9.0, 1, 0.0],
+            [5.0, nan, 0, 0.0],
+            [5.0, 9.0, 2, 0.0],
+            [5.0, 9.0, 1, 0.0],
+            [5.0, 9.0, 2, 0.1],
+            [nan, nan, 0, nan],
+            [nan, 9.0, 1, np.inf],
+        ]
+    )
+    expected = [UNSNAPPED, NEVER, SNAPPED, LATCHED, RETURNED, FAILED, FAILED, FAILED]
+    assert label(*facts.T, 1e-3).tolist() == expected
+    assert OUTCOMES[LATCHED] == "latched"
+
+
+def test_the_barrier_of_two_and_more_cosines_is_the_exact_saddle(handout):
+    for modes in (2, 3, 4, 8):
+        barrier = find_barrier(build_model(handout, "cosines", modes=modes).modal)
+        assert barrier.energy == pytest.approx(486.805, abs=1e-3)
+        assert barrier.midpoint == pytest.approx(-4 / 3 * handout.beam.rise)
+
+
+def test_a_models_barrier_is_its_own(handout):
+    one = find_barrier(build_model(handout, "cosines", modes=1).modal)
+    assert one.energy == pytest.approx(1034.93, abs=0.01)
+    errors = [
+        find_barrier(build_model(handout, "elements", elements=n).modal).energy / 486.8049389 - 1
+        for n in (5, 10)
+    ]
+    assert 3.7 < np.log2(errors[0] / errors[1]) < 4.3
+
+
+@pytest.mark.parametrize(("rise", "midpoint"), [(4.62, None), (4.85, None), (4.95, -1.65)])
+def test_a_flat_beams_saddle_has_one_mode(handout, rise, midpoint):
+    """Mode 2 takes part only for Q > sqrt 6; then the saddle lies at -rise / 3."""
+    device = dataclasses.replace(handout, beam=dataclasses.replace(handout.beam, rise=rise))
+    barrier = find_barrier(build_model(device, "cosines", modes=4).modal)
+    ratio = 16 / 3 / device.beam.bistability**2
+    inner = -rise * (1 - np.sqrt(1 - ratio)) / 2
+    expected = inner if midpoint is None else midpoint
+    assert rise + barrier.midpoint == pytest.approx(expected, rel=1e-6)
+    assert barrier.energy > 0
+
+
+def random_cells(device, number, seed, C):
+    rng = np.random.default_rng(seed)
+    f0 = np.exp(rng.uniform(np.log(400), np.log(2e4), number))
+    return rng.uniform(700, 1500, number), f0, rng.choice(C, number)
+
+
+def follow(device, cells, horizon, model, **options):
+    built = build_model(device, model, **options)
+    N, f0, C = cells
+    facts = follow_cells(device, built, to_cells(device, N, f0, C, horizon), Protocol(horizon))
+    return facts, label(*facts, Protocol().energy_tolerance)
+
+
+def test_never_stays_never_ten_times_as_long_on_a_finer_mesh(handout):
+    """`never` cells 2 % below the threshold: no run of another kind sees them snap."""
+    cells = random_cells(handout, 400, 1, [0.025, 25.0, 200.0])
+    _, outcome = follow(handout, cells, 1500.0, "cosines", modes=4)
+    kept = outcome == NEVER
+    N, f0, C = (values[kept] for values in cells)
+    assert kept.sum() > 100
+    facts, _ = follow(
+        handout, (0.98 * N, f0, C), 15000.0, "elements", elements=12, modes=8, step=0.3
+    )
+    assert np.isnan(facts.t_snap).all()
+
+
+def test_latched_stays_in_well_two(handout):
+    """Without the proof's early end, the midpoint of a latched beam never rises past the saddle."""
+    device = with_damping(handout, 4e-4)
+    found = 0
+    for N, f0, C in zip(*random_cells(device, 30, 2, [25.0, 200.0]), strict=True):
+        facts, outcome = follow(device, ([N], [f0], [C]), 6000.0, "cosines", modes=4)
+        if outcome[0] not in (LATCHED, RETURNED):
+            continue
+        run = snapmap.simulate(
+            device, N=N, f0=f0, C=C, model="cosines", modes=4, horizon=2.0e4, step=0.4
+        )
+        after = run.w_mid.values[run.time.values >= facts.t_settled[0]]
+        saddle = -device.beam.rise / 3
+        assert (after < saddle).all() if outcome[0] == LATCHED else (after > saddle).all()
+        found += 1
+    assert found > 10
+
+
+@pytest.mark.parametrize("model", [("cosines", {"modes": 3}), ("handout", {})])
+@pytest.mark.parametrize("contact", [40.0, np.inf])
+def test_no_proof_from_a_run_whose_energy_error_exceeds_its_margin(handout, model, contact):
+    """On purpose: the roughest steps. What is proven must be what a fine step shows."""
+    device = dataclasses.replace(handout, contact=contact)
+    name, options = model
+    cells = random_cells(device, 200, 3, [0.025, 25.0])
+    fine, _ = follow(device, cells, 3000.0, name, **options, step=0.1)
+    for step in (0.8, 1.0):
+        facts, outcome = follow(device, cells, 3000.0, name, **options, step=step)
+        proven = np.isin(outcome, PROVEN)
+        assert (facts.energy_error[proven] <= Protocol().energy_tolerance).all()
+        never = outcome == NEVER
+        assert np.isnan(fine.t_snap[never]).mean() > 0.97
+    built = build_model(device, name, **options, step=1.0)
+    built = built._replace(dt=1.5 * built.dt)
+    wild = follow_once(device, built, to_cells(device, *cells, 3000.0), Protocol(3000.0))
+    assert not np.isin(label(*wild, Protocol().energy_tolerance), PROVEN).any()
+
+
+def test_with_a_damped_beam_everything_settles(handout):
+    device = with_damping(handout, 4e-3)
+    cells = random_cells(device, 200, 4, [25.0])
+    _, outcome = follow(device, cells, 6000.0, "cosines", modes=4)
+    assert np.isin(outcome, PROVEN).all() and LATCHED in outcome and NEVER in outcome
+
+
+def test_beam_damping_is_the_same_in_both_loops(handout):
+    device = with_damping(handout, 4e-3)
+    cell = {"N": 1000.0, "f0": 1500.0, "C": 25.0, "horizon": 500.0}
+    lanes = snapmap.simulate(device, **cell, model="handout")
+    plain = snapmap.simulate(device, **cell, model="reference")
+    early = lanes.time < 400
+    np.testing.assert_allclose(lanes.w_mid[early], plain.w_mid[early], atol=1e-6)
+    np.testing.assert_allclose(
+        lanes.dissipated_energy[early], plain.dissipated_energy[early], atol=1e-5
+    )
+    assert lanes.dissipated_energy[-1] > 200
+
+
+def test_the_undamped_ledger_closes_over_a_second(handout):
+    """1 s without damping: residual below 1e-3 at the default step, falling as dt^2 or faster."""
+    errors = []
+    for factor in (1.0, 0.5):
+        model = build_model(handout, "cosines", modes=4)
+        model = model._replace(dt=factor * model.dt, barrier=model.barrier._replace(energy=0.0))
+        cells = to_cells(handout, [880.0, 1500.0], [1500.0] * 2, [0.0] * 2, 1e6)
+        errors.append(follow_once(handout, model, cells, Protocol(1e6)).energy_error)
+    assert (errors[0] < 1e-3).all() and (errors[1] < errors[0] / 2).all()
+
+
+def test_hard_contact_without_damping_is_given_the_step_it_needs(handout):
+    """Thousands of impacts, each with an error of its own, against the tolerance of the ledger."""
+    device = dataclasses.replace(handout, contact=np.inf)
+    model = build_model(device, "cosines", modes=3)
+    model = model._replace(barrier=model.barrier._replace(energy=0.0))
+    cells = to_cells(device, [880.0, 1500.0], [1500.0] * 2, [0.0] * 2, 2e4)
+    rough = follow_once(device, model, cells, Protocol(2e4)).energy_error
+    assert (follow_cells(device, model, cells, Protocol(2e4)).energy_error < 1e-3).all()
+    assert (rough > 1e-3).any()
+
+
+def test_most_cells_under_the_threshold_end_with_the_pulse(handout):
+    N, f0 = np.meshgrid(np.linspace(600, 900, 30), np.geomspace(100, 1.5e3, 20))
+    cells = (N.ravel(), f0.ravel(), np.full(N.size, 0.025))
+    facts, outcome = follow(handout, cells, 1500.0, "cosines", modes=4)
+    early = facts.t_settled < 1e6 / f0.ravel() + 40
+    assert (outcome == NEVER).mean() > 0.9 and early.mean() > 0.7

@@ -1,0 +1,183 @@
+"""The workflow itself: run, rerun, refuse; in folders and with devices of its own."""
+
+import os
+import shutil
+import subprocess
+
+import pytest
+import xarray as xr
+import yaml
+
+import snapmap
+from snapmap.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
+
+TINY = """
+device:
+  beam: {span: 500 um, rise: 8 um, thickness: 1.9 um, depth: 20 um, youngs_modulus: 160 GPa,
+         density: 2330 kg/m^3}
+  mass: 6e-9 kg
+  spring: 4 N/m
+  contact: 60 N/m
+  gravity: 9.81 m/s^2
+model: {name: handout, elements: 3}
+sweep:
+  N: {from: 200, to: 3000, points: 8}
+  f0: [800 Hz, 2 kHz]
+  C: [0.5 uN*us/um, 30 uN*us/um]
+  horizon: 200 us
+"""
+RULES = ("simulate_slab", "collect", "draw_map", "simulate_history", "draw_history")
+
+
+def snakemake(root, folder, config, *options, check=True):
+    """Run the workflow of the clone `root` in `folder`; returns its exit code and output."""
+    command = ["snakemake", "--snakefile", root / "Snakefile", "--directory", folder]
+    command += ["--configfile", config, "--cores", "2", *options]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600)
+    output = done.stdout + done.stderr
+    assert not check or done.returncode == 0, output
+    return done.returncode, output
+
+
+def planned_rules(output):
+    """The rules that a dry run would execute, with the number of their jobs."""
+    table = output.split("Job stats:")[1].split("total")[0] if "Job stats:" in output else ""
+    lines = (line.split() for line in table.splitlines())
+    return {line[0]: int(line[1]) for line in lines if line and line[0] in RULES}
+
+
+def tracked_state(root):
+    skip = {".venv", ".git", ".pytest_cache", ".ruff_cache", ".snakemake", "results", "tests"}
+    files = (path for path in root.rglob("*") if path.is_file())
+    kept = (path for path in files if not skip & set(path.relative_to(root).parts))
+    return sorted((path.as_posix(), path.stat().st_mtime_ns) for path in kept)
+
+
+@pytest.fixture(scope="module")
+def clone(root, tmp_path_factory):
+    """A copy of the project's files alone, in a folder whose name has a space."""
+    clone = tmp_path_factory.mktemp("a clone") / "snap map"
+    ignore = shutil.ignore_patterns(
+        ".venv", ".git", "results", "__pycache__", ".snakemake", ".*_cache", ".hypothesis"
+    )
+    shutil.copytree(root, clone, ignore=ignore)
+    return clone
+
+
+@pytest.fixture(scope="module")
+def finished(clone, tmp_path_factory):
+    """A finished run: its folder, its config and what it printed."""
+    folder = tmp_path_factory.mktemp("a study")
+    config = folder / "mine.yaml"
+    config.write_text(TINY)
+    before = tracked_state(clone)
+    _, output = snakemake(clone, folder, config)
+    assert tracked_state(clone) == before, "the run wrote into the clone"
+    return folder, config, output
+
+
+def test_the_cube_keeps_the_contract(finished):
+    folder, _, output = finished
+    with xr.open_dataset(folder / "results" / "cube.nc") as cube:
+        assert cube.outcome.dims == ("C", "f0", "N") and cube.outcome.shape == (2, 2, 8)
+        assert cube.C.units == "uN us um-1" and cube.f0.units == "Hz"
+        assert cube.f0.values.tolist() == [800.0, 2000.0] and cube.N.values[-1] == 3000.0
+        assert cube.outcome.dtype == "int8"
+        assert cube.outcome.flag_meanings == "unsnapped never snapped latched returned failed"
+        assert cube.outcome.flag_values.tolist() == list(range(6))
+        assert cube.t_snap.dtype == "float64" and cube.t_snap.units == "us"
+        snapped = cube.outcome.isin([SNAPPED, LATCHED, RETURNED])
+        assert snapped.any() and not snapped.all() and not (cube.outcome == FAILED).any()
+        assert (cube.t_snap.notnull() == snapped).all()
+        proven = cube.outcome.isin([NEVER, LATCHED, RETURNED])
+        assert (cube.t_settled.notnull() == proven).all()
+        assert cube.energy_error.max() <= 1e-3
+        assert set(cube.reproduced.values.ravel()) <= {0, 1}
+        assert yaml.safe_load(cube.config) == yaml.safe_load(TINY)
+        assert snapmap.__version__ in cube.code_version and "numba" in cube.packages
+    assert "'never': " in output
+
+
+def test_the_cube_is_what_python_gives(finished):
+    folder, config, _ = finished
+    with xr.open_dataset(folder / "results" / "cube.nc") as cube:
+        axes = {"N": cube.N, "f0": cube.f0, "C": cube.C}
+        device = snapmap.load_device(config)
+        direct = snapmap.sweep(device, **axes, model="handout", elements=3, horizon=200.0)
+        xr.testing.assert_equal(cube, direct)
+
+
+def test_every_figure_is_there(finished):
+    figures = {path.name for path in (finished[0] / "results" / "figures").iterdir()}
+    stems = ["map_C0.5", "map_C30", "history_N1000_f1500_C0.025"]
+    assert figures == {f"{stem}.{kind}" for stem in stems for kind in ("pdf", "png")}
+
+
+def test_a_second_run_has_nothing_to_do(clone, finished):
+    folder, config, _ = finished
+    assert "Nothing to be done" in snakemake(clone, folder, config)[1]
+
+
+@pytest.mark.parametrize(
+    ("module", "rules"),
+    [
+        ("figures/maps.py", {"draw_map"}),
+        ("cube.py", {"collect", "draw_map"}),
+        ("lanes.py", set(RULES)),
+        ("bases/elements.py", set(RULES)),
+    ],
+)
+def test_an_edit_reruns_what_depends_on_it(clone, finished, module, rules):
+    folder, config, _ = finished
+    path = clone / "workflow" / "scripts" / "snapmap" / module
+    before = path.stat()
+    os.utime(path)
+    try:
+        _, output = snakemake(clone, folder, config, "--dry-run")
+    finally:
+        os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
+    assert set(planned_rules(output)) == rules
+
+
+def test_another_value_leaves_the_old_slabs_alone(clone, finished):
+    folder, _, _ = finished
+    grown = folder / "grown.yaml"
+    grown.write_text(TINY.replace("30 uN*us/um]", "30 uN*us/um, 60 uN*us/um]"))
+    _, output = snakemake(clone, folder, grown, "--dry-run")
+    assert planned_rules(output)["simulate_slab"] == 1
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key"),
+    [
+        ("span: 500 um", "span: 500", "device.beam.span"),
+        ("span: 500 um", "span: 500 kg", "device.beam.span"),
+        ("mass: 6e-9 kg", "mass: 6e-9 kg\n  colour: red", "device.colour"),
+        ("thickness: 1.9 um", "thickness: -1.9 um", "device.beam.thickness"),
+        ("[800 Hz, 2 kHz]", "[]", "sweep.f0"),
+        ("spring: 4 N/m", "spring: .nan", "device.spring"),
+        ("rise: 8 um", "rise: 4 um", "device.beam.rise"),
+        ("elements: 3", "elements: 3, step: 1.2", "model.step"),
+        ("elements: 3", "cosines: 3", "model.cosines"),
+        ("elements: 3", "elements: 0", "model.elements"),
+    ],
+)
+def test_bad_input_is_one_line_and_no_result(clone, tmp_path, old, new, key):
+    config = tmp_path / "bad.yaml"
+    assert old in TINY
+    config.write_text(TINY.replace(old, new, 1))
+    code, output = snakemake(clone, tmp_path, config, check=False)
+    assert code != 0 and "Traceback" not in output
+    assert sum(key in line for line in output.splitlines()) == 1, output
+    assert not (tmp_path / "results").exists()
+
+
+def test_a_foreign_slab_is_refused_by_name(clone, finished, tmp_path):
+    folder = tmp_path / "study"
+    shutil.copytree(finished[0], folder)
+    first, second = sorted((folder / "results" / "slabs").glob("*.nc"))[:2]
+    shutil.copyfile(first, second)
+    (folder / "results" / "cube.nc").unlink()
+    code, output = snakemake(clone, folder, folder / "mine.yaml", check=False)
+    assert code != 0 and f"{second.name}: holds slab {first.stem}" in output
+    assert not (folder / "results" / "cube.nc").exists()
