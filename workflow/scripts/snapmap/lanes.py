@@ -10,7 +10,8 @@ compiler knows. All kernels stand in this one file: numba's cache does not see e
 """
 
 import numpy as np
-from numba import njit
+from numba import float64, njit
+from numba.extending import intrinsic
 
 from .modal import contact_stiffness
 
@@ -41,9 +42,19 @@ AMPLITUDE, TURN, KEEP, PUSH, BEAM_KEEP, BEAM_PUSH = range(21, 27)
 VECTORS = 27
 P, P_STEP, SCRATCH, STIFFNESS, SLOPE_START, LOAD, MIDPOINT, GEOMETRIC = range(8)
 
-# Fused multiply-adds are allowed and nothing else: NaN stays visible, sums keep their order.
-FAST = {"fastmath": {"contract"}, "error_model": "numpy", "nogil": True, "cache": True}
-EXACT = {"error_model": "numpy", "nogil": True, "cache": True}
+# No fast maths: NaN stays visible, and a result does not depend on how a call was compiled. What
+# speed needs is written out: fused multiply-adds, and sums in an order that vectorises over lanes.
+JIT = {"error_model": "numpy", "nogil": True, "cache": True}
+
+
+@intrinsic
+def fma(context, a, b, c):
+    """a b + c in one rounding."""
+
+    def build(_, builder, __, arguments):
+        return builder.fma(*arguments)
+
+    return float64(float64, float64, float64), build
 
 
 @njit(inline="always")
@@ -60,9 +71,9 @@ def stretch(X, l, modes, first, last):
         slope = X[at(SLOPE_START, i, modes, l)]
         total = slope
         for j in range(modes):
-            total += X[at(GEOMETRIC + i, j, modes, l)] * X[at(P, j, modes, l)]
+            total = fma(X[at(GEOMETRIC + i, j, modes, l)], X[at(P, j, modes, l)], total)
         X[at(SCRATCH, i, modes, l)] = total
-        quadratic += X[at(P, i, modes, l)] * (total + slope)
+        quadratic = fma(X[at(P, i, modes, l)], total + slope, quadratic)
     return quadratic
 
 
@@ -73,17 +84,18 @@ def move(X, l, modes, first, last, axial, contact, a):
     for i in range(first, last):
         p = X[at(P, i, modes, l)]
         before = X[at(P_STEP, i, modes, l)]
-        force = axial * X[at(SCRATCH, i, modes, l)] - X[at(STIFFNESS, i, modes, l)] * p
-        force -= X[at(MIDPOINT, i, modes, l)] * contact + X[at(LOAD, i, modes, l)] * a
-        after = X[BEAM_KEEP * LANES + l] * before + X[BEAM_PUSH * LANES + l] * force
+        force = fma(-X[at(STIFFNESS, i, modes, l)], p, axial * X[at(SCRATCH, i, modes, l)])
+        force = fma(-X[at(MIDPOINT, i, modes, l)], contact, force)
+        force = fma(-X[at(LOAD, i, modes, l)], a, force)
+        after = fma(X[BEAM_KEEP * LANES + l], before, X[BEAM_PUSH * LANES + l] * force)
         X[at(P_STEP, i, modes, l)] = after
         X[at(P, i, modes, l)] = p + after
-        swept += X[at(LOAD, i, modes, l)] * (before + after)
-        squared += (before + after) ** 2
+        swept = fma(X[at(LOAD, i, modes, l)], before + after, swept)
+        squared = fma(before + after, before + after, squared)
     return swept, squared
 
 
-@njit(**FAST)
+@njit(**JIT)
 def advance(X, shape, steps):
     """Advance every lane by `steps` steps of the modal form of eqs. (2), (4) and (5).
 
@@ -102,7 +114,7 @@ def advance(X, shape, steps):
             pulse = X[PULSE * LANES + l]
             left = X[PULSE_LEFT * LANES + l]
             a = X[AMPLITUDE * LANES + l] * pulse if left > 0.0 else 0.0
-            pulse_step = X[PULSE_STEP * LANES + l] + X[TURN * LANES + l] * (1.0 - pulse)
+            pulse_step = fma(X[TURN * LANES + l], 1.0 - pulse, X[PULSE_STEP * LANES + l])
             X[PULSE_STEP * LANES + l] = pulse_step
             X[PULSE * LANES + l] = pulse + pulse_step
             X[PULSE_LEFT * LANES + l] = left - 1.0
@@ -112,14 +124,14 @@ def advance(X, shape, steps):
             axial = -X[AXIAL * LANES + l] * quadratic
             w = 0.0
             for i in range(modes):
-                w += X[at(MIDPOINT, i, modes, l)] * X[at(P, i, modes, l)]
+                w = fma(X[at(MIDPOINT, i, modes, l)], X[at(P, i, modes, l)], w)
             y = X[Y * LANES + l]
             contact = X[CONTACT * LANES + l] * (w - y)
             contact = contact if contact > 0.0 else 0.0
 
             w_last = X[W * LANES + l]
             above = w_last > X[TARGET * LANES + l]
-            w_now = w - X[RESIDUAL * LANES + l] * contact
+            w_now = fma(-X[RESIDUAL * LANES + l], contact, w)
             X[W_BEFORE * LANES + l] = w_last if above else X[W_BEFORE * LANES + l]
             X[W * LANES + l] = w_now if above else w_last
             X[COUNT * LANES + l] += 1.0 if above else 0.0
@@ -132,24 +144,24 @@ def advance(X, shape, steps):
             X[BEAM_SWEPT * LANES + l] += squared_1 + squared_2 + squared_3 + squared_4
             mass = X[MASS * LANES + l]
             before = X[Y_STEP * LANES + l]
-            pull = contact - X[SPRING * LANES + l] * y - mass * a
-            after = X[KEEP * LANES + l] * before + X[PUSH * LANES + l] * pull
+            pull = fma(-mass, a, fma(-X[SPRING * LANES + l], y, contact))
+            after = fma(X[KEEP * LANES + l], before, X[PUSH * LANES + l] * pull)
             X[Y_STEP * LANES + l] = after
             X[Y * LANES + l] = y + after
 
-            work = -a * (swept + mass * (before + after))
+            work = -a * fma(mass, before + after, swept)
             X[WORK * LANES + l] += work
             X[GROSS_WORK * LANES + l] += abs(work)
-            X[SWEPT * LANES + l] += (before + after) ** 2
+            X[SWEPT * LANES + l] = fma(before + after, before + after, X[SWEPT * LANES + l])
 
 
-@njit(**EXACT)
+@njit(**JIT)
 def state_size(modes):
     """How much of X, from its start, holds all that a step changes."""
     return (VECTORS + SCRATCH * modes) * LANES
 
 
-@njit(**EXACT)
+@njit(**JIT)
 def fill(X, shape, l, coefficients, damping, amplitude, f0, dt):
     """Put a cell at rest into lane l."""
     X[l::LANES] = 0.0
@@ -170,7 +182,7 @@ def fill(X, shape, l, coefficients, damping, amplitude, f0, dt):
     X[BEAM_PUSH * LANES + l] = 1 / (1 + beam_drag)
 
 
-@njit(**EXACT)
+@njit(**JIT)
 def restart_pulse(X, l, angle_step, steps):
     """Set 1 - cos(2 pi f0 t) and its last increment afresh, at t = steps dt."""
     angle = angle_step * steps
@@ -178,7 +190,7 @@ def restart_pulse(X, l, angle_step, steps):
     X[PULSE_STEP * LANES + l] = 2 * np.sin(angle_step / 2) * np.sin(angle - angle_step / 2)
 
 
-@njit(**EXACT)
+@njit(**JIT)
 def energies(X_before, X, shape, l):
     """Energy of the beam, of the mass on its spring, and of the contact; and w; times dt^2.
 
@@ -203,7 +215,7 @@ def energies(X_before, X, shape, l):
     return beam, mass, contact, w
 
 
-@njit(**EXACT)
+@njit(**JIT)
 def ledger_residual(X_before, X, l, energy, drag):
     """energy + losses - work of the pulse, times dt^2, by the trapezoidal rule; drag: C dt."""
     work = (X_before[WORK * LANES + l] + X[WORK * LANES + l]) / 4
@@ -212,7 +224,7 @@ def ledger_residual(X_before, X, l, energy, drag):
     return energy + swept + X[BEAM_DAMPING * LANES + l] * beam_swept / 8 - work
 
 
-@njit(**EXACT)
+@njit(**JIT)
 def proven_well(X, l, beam, mass, contact, w, margin):
     """The well (1 or 2) that the beam can never leave without a shock, or 0 if that is open.
 
@@ -228,7 +240,7 @@ def proven_well(X, l, beam, mass, contact, w, margin):
     return 0
 
 
-@njit(**EXACT)
+@njit(**JIT)
 def snap_time(X, l, dt):
     """Time at which w passed the target, linear between the two instants around it."""
     before, after = X[W_BEFORE * LANES + l], X[W * LANES + l]
@@ -236,7 +248,7 @@ def snap_time(X, l, dt):
     return (X[COUNT * LANES + l] - 2 + fraction) * dt
 
 
-@njit(**EXACT)
+@njit(**JIT)
 def follow_all(X, shape, devices, dt, cells, stop_at_snap, facts):
     """Follow every cell until its well is proven or t_end is past, refilling each free lane.
 
