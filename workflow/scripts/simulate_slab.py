@@ -9,7 +9,7 @@ def simulate_slab(device, model, axes, protocol, path, threads):
     """Simulate one slab and write it; values in internal units, axes as in the cube."""
     cells, asked = Slab(**axes), Protocol(**protocol)
     counts = write_slab(device_from(device), model, cells, asked, path, threads)
-    print(f"slab {path}: {counts}")
+    print(f"{path}: " + ", ".join(f"{n} {outcome}" for outcome, n in counts.items()))
 
 
 if __name__ == "__main__":

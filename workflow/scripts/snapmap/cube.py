@@ -13,7 +13,7 @@ from .config import device_document
 from .device import Device
 from .grid import AXES, follow_grid
 from .models import build_model
-from .outcome import OUTCOMES, count
+from .outcome import OUTCOMES, count, shares
 from .protocol import Protocol, check_protocol
 from .provenance import provenance
 
@@ -84,7 +84,7 @@ def sweep(
         "model": {"name": model, **options},
         "sweep": protocol._asdict() | {"horizon": f"{horizon!r} us"},
     }
-    return dress(axes, variables, document)
+    return with_summary(dress(axes, variables, document))
 
 
 def collect_slabs(
@@ -100,7 +100,7 @@ def collect_slabs(
     rows = [xr.concat([_open_slab(next(files), name) for name in row], dim="f0") for row in names]
     joined = xr.concat(rows, dim="C")
     variables = {key: joined[key].data for key in VARIABLES if key in joined}
-    return dress([joined[key].values for key in AXES], variables, document)
+    return with_summary(dress([joined[key].values for key in AXES], variables, document))
 
 
 def _open_slab(path, name):
@@ -124,10 +124,19 @@ def dress(axes: Sequence, variables: Mapping, document: Mapping) -> xr.Dataset:
     )
 
 
-def count_outcomes(cube: xr.Dataset) -> dict[str, int]:
-    """How many cells of a cube have which outcome, by name, without the absent ones."""
+def with_summary(cube: xr.Dataset) -> xr.Dataset:
+    """Add the number of cells of each outcome and the shares of `outcome.shares` as attributes."""
     with dask.config.set(scheduler="synchronous"):
-        return count(cube.outcome.values)
+        outcome = cube.outcome.values
+        reproduced = cube.reproduced.values if "reproduced" in cube else None
+    counts = {f"cells_{name}": number for name, number in count(outcome).items()}
+    return cube.assign_attrs(counts | shares(outcome, reproduced))
+
+
+def summary(cube: xr.Dataset) -> str:
+    """One line of what `with_summary` added."""
+    found = {key: cube.attrs[key] for key in cube.attrs if key.startswith(("cells_", "share_"))}
+    return ", ".join(f"{key.replace('_', ' ')} {value:g}" for key, value in found.items())
 
 
 def write(dataset: xr.Dataset, path: str | Path) -> None:

@@ -32,3 +32,13 @@ def count(outcome: np.ndarray) -> dict[str, int]:
     """How many cells have which outcome, by name, without the absent ones."""
     numbers = np.bincount(np.ravel(outcome), minlength=len(OUTCOMES))
     return {name: int(n) for name, n in zip(OUTCOMES, numbers, strict=True) if n}
+
+
+def shares(outcome: np.ndarray, reproduced: np.ndarray | None = None) -> dict[str, float]:
+    """Shares of the cells that are proven, open and failed; and reproduced, if that is known."""
+    proven = np.isin(outcome, (NEVER, LATCHED, RETURNED)).mean()
+    still_open = np.isin(outcome, (UNSNAPPED, SNAPPED)).mean()
+    found = {"proven": proven, "open": still_open, "failed": (outcome == FAILED).mean()}
+    if reproduced is not None:
+        found["reproduced"] = (reproduced == 1).mean()
+    return {f"share_{name}": round(float(share), 6) for name, share in found.items()}

@@ -5,8 +5,9 @@ import json
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.collections import PatchCollection
 from matplotlib.colors import BoundaryNorm, ListedColormap
-from matplotlib.patches import Patch
+from matplotlib.patches import Patch, Rectangle
 from matplotlib.transforms import ScaledTranslation
 
 from ..quantity import read
@@ -21,6 +22,8 @@ COLOURS = {
     "failed": "#000000",
 }
 """Ever darker, so that a grey print keeps the classes apart."""
+
+HATCHED = {"facecolor": "none", "edgecolor": "0.15", "hatch": "//////", "linewidth": 0}
 
 WORDS = {
     "unsnapped": "no snap seen",
@@ -37,6 +40,7 @@ def draw_map(ax: Axes, cells: xr.Dataset) -> Axes:
     cells = cells.sortby(["f0", "N"])
     ax.set_xscale("log")
     _draw_cells(ax, cells)
+    _draw_unreproduced(ax, cells)
     _draw_failed(ax, cells)
     _draw_threshold(ax, cells)
     _label_axes(ax, cells)
@@ -91,6 +95,22 @@ def _draw_cells(ax, cells):
     )
 
 
+def _draw_unreproduced(ax, cells):
+    """Hatch the cells whose outcome another step did not reproduce."""
+    j, i = np.nonzero(~_reproduced(cells))
+    x, y = geometric_edges(cells.f0.values), arithmetic_edges(cells.N.values)
+    corners = zip(x[i], y[j], np.diff(x)[i], np.diff(y)[j], strict=True)
+    patches = [Rectangle((left, low), width, height) for left, low, width, height in corners]
+    ax.add_collection(PatchCollection(patches, **HATCHED))
+
+
+def _reproduced(cells):
+    """Whether each cell, (N, f0), was reproduced; True where no second run was made."""
+    if "reproduced" not in cells:
+        return np.ones((cells.sizes["N"], cells.sizes["f0"]), bool)
+    return cells.reproduced.transpose("N", "f0").values == 1
+
+
 def _draw_failed(ax, cells):
     """Cross out each failed cell, as one alone is too small to see on a fine grid."""
     i, j = np.nonzero((cells.outcome.transpose("f0", "N") == _codes(cells)["failed"]).values)
@@ -143,13 +163,19 @@ def _draw_legend(ax, cells):
     """List the classes that are there, and the threshold, below the axis' own labels."""
     below = ScaledTranslation(0, -30 / 72, ax.figure.dpi_scale_trans)
     ax.legend(
-        handles=[*_class_patches(cells), *ax.get_legend_handles_labels()[0]],
+        handles=[*_class_patches(cells), *ax.get_legend_handles_labels()[0], *_hatched(cells)],
         title="outcome (number of cells)",
         ncols=2,
         loc="upper center",
         bbox_to_anchor=(0.5, 0),
         bbox_transform=ax.transAxes + below,
     )
+
+
+def _hatched(cells):
+    """A labelled patch for the cells that were not reproduced, if there are any."""
+    count = np.count_nonzero(~_reproduced(cells))
+    return [Patch(**HATCHED, label=f"not reproduced ({count})")] if count else []
 
 
 def _class_patches(cells):
