@@ -60,7 +60,10 @@ rule simulate_slab:
     message:
         "Simulate slab {wildcards.slab}"
     input:
-        code=[*SOLVER, *code("cells.py", "protocol.py", "outcome.py", "grid.py", "slab.py")],
+        code=[*SOLVER, *code(
+            *["cells.py", "protocol.py", "thresholds.py", "ladder.py"],
+            *["outcome.py", "grid.py", "slab.py"],
+        )],
     output:
         slab="results/slabs/{slab}.nc",
     params:

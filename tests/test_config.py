@@ -109,7 +109,7 @@ def test_conversion_adds_no_noise(text, kind, value):
     assert read(text, kind) == value
 
 
-@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "number"])
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in ("number", "share")])
 @pytest.mark.parametrize(
     ("value", "complaint"),
     [
@@ -187,8 +187,8 @@ def test_not_this_quantity(text, kind, complaint):
         ("device__beam", None, "device.beam: an empty value is not a mapping"),
         ("device__weight", "1 kg", "device.weight: unknown key; known here are beam, mass"),
         ("device__contact", "soft", "device.contact: 'soft' is not a number with a unit"),
-        ("model__name", "nodal", "model.name: 'nodal' is not one of reference, handout"),
-        ("model__name", MISSING, "model.name: missing; write one of reference, handout"),
+        ("model__name", "nodal", "model.name: 'nodal' is not one of auto, cosines"),
+        ("model__name", MISSING, "model.name: missing; write one of auto, cosines"),
         ("model__elements", 0, "model.elements: 0 is not a whole number >= 1"),
         ("model__elements", 5.0, "model.elements: 5.0 is not a whole number"),
         ("model__elements", True, "model.elements: true is not a whole number"),
@@ -428,3 +428,12 @@ def test_any_text_is_a_finite_quantity_or_a_fault(text):
             assert "\n" not in str(error)
         else:
             assert math.isfinite(value)
+
+
+def test_a_tolerance_is_a_share_in_percent():
+    assert read("0.1 %", "share") == 0.001 and read("5%", "share") == 0.05
+    for wrong in ("0.1", 0.1, "3 dB", "0 %", "-1 %", "100 %", "0.1 um"):
+        with pytest.raises(ValueError, match=r"write a share such as '0\.1 %'$"):
+            read(wrong, "share")
+    document = changed(model={"name": "auto", "tolerance": "0.1 %"})
+    assert load_study(document).model == {"name": "auto", "tolerance": 0.001}

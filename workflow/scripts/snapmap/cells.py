@@ -79,7 +79,7 @@ def follow_cells(
         doubtful = np.flatnonzero(~(facts.energy_error <= protocol.energy_tolerance))
         if doubtful.size == 0:
             break
-        model = model._replace(dt=model.dt / 2)
+        model = model.with_step(0.5)
         some = Cells(*(values[doubtful] for values in cells))
         again = follow_once(device, model, some, protocol, threads)
         for known, new in zip(facts, again, strict=True):

@@ -64,7 +64,7 @@ def load_study(document: Mapping) -> Study:
     cells = document.get("histories")
     return Study(
         device=device,
-        model=dict(document["model"]),
+        model=_model(document["model"]),
         **axes,
         protocol=_protocol(document["sweep"]),
         histories=(HANDOUT_CASE,) if cells is None else tuple(_history(cell) for cell in cells),
@@ -153,6 +153,14 @@ def _device(section):
 
 def _convert(section, formats):
     return {key: read(value, formats[key]["format"]) for key, value in section.items()}
+
+
+def _model(section):
+    formats = _validator().schema["properties"]["model"]["properties"]
+    return {
+        key: read(value, formats[key]["format"]) if "format" in formats[key] else value
+        for key, value in section.items()
+    }
 
 
 def _protocol(section):

@@ -12,7 +12,7 @@ from .cells import check_cells
 from .config import device_document
 from .device import Device
 from .grid import AXES, follow_grid
-from .models import build_model
+from .ladder import choose_model
 from .outcome import OUTCOMES, count, shares
 from .protocol import Protocol, check_protocol
 from .provenance import provenance
@@ -41,6 +41,16 @@ VARIABLES = {
     "energy_error": {
         "long_name": "residual of the energy ledger over the gross work of the pulse",
         "units": "1",
+    },
+    "level": {
+        "long_name": "level of the model that decided the cell",
+        "flag_values": np.arange(2, dtype=np.int8),
+        "flag_meanings": "base top",
+    },
+    "agreed": {
+        "long_name": "whether no two levels that decided the cell disagree on whether it snaps",
+        "flag_values": np.arange(2, dtype=np.int8),
+        "flag_meanings": "disputed agreed",
     },
     "reproduced": {
         "long_name": "whether a run with another time step had the same outcome",
@@ -76,7 +86,7 @@ def sweep(
     repeat = until == "settled" if repeat is None else repeat
     protocol = Protocol(horizon, until, repeat, energy_tolerance)
     check_protocol(protocol)
-    built = build_model(device, model, **options)
+    built = choose_model(device, model, **options)
     axes = [np.atleast_1d(np.asarray(values, float)) for values in (C, f0, N)]
     variables = follow_grid(device, built, axes, protocol, threads)
     document = {

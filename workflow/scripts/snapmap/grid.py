@@ -6,6 +6,7 @@ import numpy as np
 
 from .cells import follow_cells, to_cells
 from .device import Device
+from .ladder import Ladder, climb
 from .models import Model
 from .outcome import label
 from .protocol import Protocol
@@ -17,7 +18,7 @@ REPEATED_STEP = 0.75
 
 def follow_grid(
     device: Device,
-    model: Model,
+    model: Model | Ladder,
     axes: Sequence[Sequence[float]],
     protocol: Protocol,
     threads: int = 1,
@@ -26,19 +27,33 @@ def follow_grid(
 
     axes: values of C (uN us/um), f0 (Hz) and N (multiples of g)
     """
-    C, f0, N = (values.ravel() for values in np.meshgrid(*axes, indexing="ij"))
+    order = np.argsort(axes[2], kind="stable")
+    ascending = *axes[:2], np.asarray(axes[2])[order]
+    C, f0, N = (values.ravel() for values in np.meshgrid(*ascending, indexing="ij"))
     cells = to_cells(device, N, f0, C, protocol.horizon)
-    facts = follow_cells(device, model, cells, protocol, threads)
-    variables = {
+    columns = len(axes[0]) * len(axes[1])
+    variables = _follow(device, model, cells, columns, protocol, threads)
+    if protocol.repeat:
+        other = model.with_step(REPEATED_STEP)
+        again = _follow(device, other, cells, columns, protocol, threads)
+        same = again["outcome"] == variables["outcome"]
+        variables["reproduced"] = same.astype(np.int8)
+    shape = [len(values) for values in axes]
+    as_given = np.argsort(order)
+    return {key: values.reshape(shape)[..., as_given] for key, values in variables.items()}
+
+
+def _follow(device, model, cells, columns, protocol, threads):
+    decided = {}
+    if isinstance(model, Ladder):
+        facts, level, agreed = climb(device, model, cells, columns, protocol, threads)
+        decided = {"level": level, "agreed": agreed}
+    else:
+        facts = follow_cells(device, model, cells, protocol, threads)
+    return {
         "outcome": label(*facts, protocol.energy_tolerance),
         "t_snap": facts.t_snap,
         "t_settled": facts.t_settled,
         "energy_error": facts.energy_error,
+        **decided,
     }
-    if protocol.repeat:
-        other = model._replace(dt=REPEATED_STEP * model.dt)
-        again = follow_cells(device, other, cells, protocol, threads)
-        same = label(*again, protocol.energy_tolerance) == variables["outcome"]
-        variables["reproduced"] = same.astype(np.int8)
-    shape = [len(values) for values in axes]
-    return {key: values.reshape(shape) for key, values in variables.items()}

@@ -9,9 +9,9 @@ import xarray as xr
 from .cells import HALVINGS, check_cells, to_cells
 from .config import device_document
 from .device import Device
+from .ladder import Ladder, choose_model
 from .lanes import BLOCK, device_coefficients, follow_one
 from .modal import contact_stiffness
-from .models import build_model
 from .protocol import Protocol, check_protocol
 from .provenance import provenance
 from .reference import follow, nodal_system
@@ -76,7 +76,8 @@ def simulate(
     N: multiples of g; f0: Hz; C: uN us/um; horizon: us followed after the pulse
     model, options: as in the config's model section
     """
-    built = build_model(device, model, **options)
+    built = choose_model(device, model, **options)
+    built = built.top if isinstance(built, Ladder) else built
     check_cells(N=[N], f0=[f0], C=[C])
     check_protocol(Protocol(horizon))
     cell = [float(value[0]) for value in to_cells(device, [N], [f0], [C], horizon)]
@@ -105,7 +106,7 @@ def _closed_motion(device, model, cell):
     """Follow a cell with ever smaller steps until its energy ledger closes, as a sweep does."""
     move = _reference_motion if model.name == "reference" else _modal_motion
     for halvings in range(HALVINGS + 1):
-        motion, form = move(device, model._replace(dt=model.dt / 2**halvings), *cell)
+        motion, form = move(device, model.with_step(0.5**halvings), *cell)
         values = _observe(device, form, motion)
         stored = sum(energy for key, energy in values.items() if key.endswith("_energy"))
         gross_work = np.abs(np.diff(motion.work)).sum()

@@ -278,9 +278,9 @@ def follow_all(X, shape, devices, dt, cells, stop_at_snap, facts):
             if X[PULSE_LEFT * LANES + l] > 0:
                 cell = cell_in[l]
                 restart_pulse(X, l, 2 * np.pi * f0[cell] * dt[device_of[cell]], steps[l])
-        advance(X, shape, BLOCK - 1)
-        X_before[:] = X[: X_before.size]
-        advance(X, shape, 1)
+        for n_steps in (BLOCK - 1, 1):
+            X_before[:] = X[: X_before.size]
+            advance(X, shape, n_steps)
         for l in range(LANES):
             cell = cell_in[l]
             if cell < 0:

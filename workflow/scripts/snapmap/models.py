@@ -1,6 +1,7 @@
 """Models by name: which basis, how many modes and which step stand behind each."""
 
 import math
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from .bases.basis import Basis
@@ -16,6 +17,7 @@ OPTIONS = {
     "handout": ELEMENT_OPTIONS,
     "elements": (*ELEMENT_OPTIONS, "modes"),
     "cosines": ("cosines", "modes", "step"),
+    "auto": ("tolerance",),
 }
 
 
@@ -34,6 +36,10 @@ class Model(NamedTuple):
     barrier: Barrier
     dt: float
 
+    def with_step(self, factor: float) -> "Model":
+        """The same model with its step multiplied by `factor`."""
+        return self._replace(dt=factor * self.dt)
+
 
 def build_model(device: Device, name: str = "handout", **options) -> Model:
     """Discretise a device's beam; a ValueError names an option that cannot be, in one line.
@@ -41,7 +47,7 @@ def build_model(device: Device, name: str = "handout", **options) -> Model:
     elements (of the half beam), mass_matrix ("consistent", "hrz"), cosines, modes (kept)
     step: fraction of the stability limit, above 0 and up to 1
     """
-    _check_options(device, name, options)
+    check_options(device, name, options)
     basis = _basis(device, options, name)
     modes = options.get("modes", _default_modes(device, name, basis))
     if modes > basis.load.size:
@@ -56,7 +62,8 @@ def build_model(device: Device, name: str = "handout", **options) -> Model:
     return Model(name, basis, modal, find_barrier(modal), step * step_limit(device, modal))
 
 
-def _check_options(device, name, options):
+def check_options(device: Device, name: str, options: Mapping) -> None:
+    """Raise ValueError, one line, for a model or an option that cannot be."""
     if name not in OPTIONS:
         raise ValueError(f"model.name: {name!r} is unknown; known are {', '.join(OPTIONS)}")
     for key, value in options.items():
@@ -69,6 +76,9 @@ def _check_options(device, name, options):
         elif key == "step":
             if not 0 < value <= 1:
                 raise ValueError(f"model.step: {value} is not above 0 and up to 1, the limit")
+        elif key == "tolerance":
+            if not 0 < value < 1:
+                raise ValueError(f"model.tolerance: {value} is not between 0 and 1")
         elif isinstance(value, bool) or value != int(value) or value < 1:
             raise ValueError(f"model.{key}: {value!r} is not a whole number from 1")
     if name == "reference" and math.isinf(device.contact):

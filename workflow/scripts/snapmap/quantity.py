@@ -31,6 +31,7 @@ KINDS = {
     "acceleration": Kind("an acceleration", "um/us^2", "'9.81 m/s^2'"),
     "frequency": Kind("a frequency", "Hz", "'1500 Hz'"),
     "damper": Kind("a damper constant", "uN*us/um", "'25 uN*us/um'", zero=True),
+    "share": Kind("a share", "%", "'0.1 %'"),
     "duration": Kind("a duration", "us", "'1500 us'", zero=True),
 }
 
@@ -84,6 +85,8 @@ def _read_quantity(value, kind):
     if not match:
         raise _fault(value, "is not a number with a unit", kind)
     number, unit = match.groups()
+    if kind.unit == "%":
+        return _read_share(value, number, unit, kind)
     try:
         factor = _factor(unit, kind.unit)
     except ValueError as error:
@@ -95,6 +98,14 @@ def _read_quantity(value, kind):
     if result < 0 or (result == 0 and not kind.zero):
         raise _fault(value, "is negative" if kind.zero else "is not positive", kind)
     return result
+
+
+def _read_share(value, number, unit, kind):
+    """Percent to a fraction; decibels have no dimension either, so the sign itself is asked for."""
+    share = float(Decimal(number) / 100)
+    if unit.strip() != "%" or not 0 < share < 1:
+        raise _fault(value, "is not between 0 % and 100 %", kind)
+    return share
 
 
 def _is_number(value):

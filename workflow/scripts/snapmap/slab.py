@@ -14,7 +14,8 @@ import numpy as np
 from .config import Study
 from .device import Device
 from .grid import follow_grid
-from .models import Model, build_model
+from .ladder import RUNGS, choose_model
+from .models import Model, build_model, check_options
 from .outcome import count
 from .protocol import Protocol
 
@@ -32,13 +33,22 @@ class Slab(NamedTuple):
 
 def cut(study: Study) -> list[list[Slab]]:
     """Cut the grid into one row of slabs for each C, along f0, each row in ascending order."""
-    model = build_model(study.device, **study.model)
+    model = _cheapest(study)
     cost = _seconds(model, 1e6 / study.f0 + study.protocol.horizon) * study.N.size
     pieces = int(np.ceil(cost.sum() / JOB_SECONDS))
     ends = np.searchsorted(np.cumsum(cost), cost.sum() * np.arange(1, pieces) / pieces) + 1
     chunks = [chunk for chunk in np.split(study.f0, np.unique(ends)) if chunk.size]
     N = tuple(study.N.tolist())
     return [[Slab((float(C),), tuple(f0.tolist()), N) for f0 in chunks] for C in study.C]
+
+
+def _cheapest(study):
+    """The model that follows every cell; building it also checks the model's options."""
+    if study.model["name"] != "auto":
+        return build_model(study.device, **study.model)
+    options = {key: value for key, value in study.model.items() if key != "name"}
+    check_options(study.device, "auto", options)
+    return build_model(study.device, "cosines", modes=RUNGS[0])
 
 
 def _seconds(model: Model, duration):
@@ -65,7 +75,7 @@ def write_slab(
 
     model: name and options
     """
-    variables = follow_grid(device, build_model(device, **model), slab, protocol, threads)
+    variables = follow_grid(device, choose_model(device, **model), slab, protocol, threads)
     temporary = f"{path}.part"
     with netCDF4.Dataset(temporary, "w") as file:
         file.slab = _name(device, model, slab, protocol)
