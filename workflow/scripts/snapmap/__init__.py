@@ -1,11 +1,11 @@
-"""Snap maps of a bistable beam under shock: load_device, simulate, sweep."""
+"""Snap maps of a bistable beam under shock: load_device, simulate, sweep, threshold."""
 
 from importlib import import_module
 
 __version__ = "0.1.0"
 
-_HOME = {"load_device": "config", "simulate": "history", "sweep": "cube"}
-__all__ = ["load_device", "simulate", "sweep"]
+_HOME = {"load_device": "config", "simulate": "history", "sweep": "cube", "threshold": "cube"}
+__all__ = ["load_device", "simulate", "sweep", "threshold"]
 
 
 def __getattr__(name):

@@ -16,6 +16,7 @@ from .ladder import choose_model
 from .outcome import OUTCOMES, count, shares
 from .protocol import Protocol, check_protocol
 from .provenance import provenance
+from .survey import survey
 
 COORDINATES = {
     "C": {"long_name": "damping coefficient of the mass", "units": "uN us um-1"},
@@ -58,6 +59,19 @@ VARIABLES = {
         "flag_meanings": "not_reproduced reproduced",
     },
 }
+THRESHOLDS = {
+    "N_first": {"long_name": "lowest amplitude that snaps, in multiples of g", "units": "1"},
+    "N_always": {
+        "long_name": "lowest amplitude above which all snap, in multiples of g",
+        "units": "1",
+        "comment": "looked for up to twice N_first",
+    },
+    "N_error": {
+        "long_name": "uncertainty of N_first from space, time and refinement",
+        "units": "1",
+    },
+    "islands": {"long_name": "stretches of N below N_always that snap", "units": "1"},
+}
 ENCODING = {"zlib": True, "complevel": 4, "shuffle": True}
 
 
@@ -95,6 +109,47 @@ def sweep(
         "sweep": protocol._asdict() | {"horizon": f"{horizon!r} us"},
     }
     return with_summary(dress(axes, variables, document))
+
+
+def threshold(
+    device: Device,
+    f0: Sequence[float],
+    C: Sequence[float],
+    horizon: float = 1500.0,
+    model: str = "auto",
+    tolerance: float = 1e-4,
+    threads: int = 1,
+    **options,
+) -> xr.Dataset:
+    """Find where snapping begins over C (uN us/um) and f0 (Hz), with error bars.
+
+    horizon: us followed after the pulse; tolerance: of the refinement in N, relative
+    model, options: as in the config's model section; `auto` takes its own default tolerance
+    The variables are those of `survey.Survey`, (C, f0).
+    """
+    check_cells(f0=f0, C=C)
+    axes = [np.atleast_1d(np.asarray(values, float)) for values in (C, f0)]
+    rows = [values.ravel() for values in np.meshgrid(*axes, indexing="ij")]
+    chosen = choose_model(device, model, **options)
+    found = survey(device, chosen, rows[1], rows[0], Protocol(horizon), tolerance, threads)
+    shape = [values.size for values in axes]
+    variables = {
+        key: (AXES[:2], values.reshape(shape), THRESHOLDS[key])
+        for key, values in found._asdict().items()
+    }
+    coordinates = {
+        key: (key, values, COORDINATES[key]) for key, values in zip(AXES, axes, strict=False)
+    }
+    document = {
+        "device": device_document(device),
+        "model": {"name": model, **options},
+        "sweep": {"horizon": f"{horizon!r} us"},
+    }
+    return xr.Dataset(variables, coordinates).assign_attrs(
+        Conventions="CF-1.11",
+        title="Thresholds of snap-through under a versed-sine shock",
+        **provenance(document),
+    )
 
 
 def collect_slabs(

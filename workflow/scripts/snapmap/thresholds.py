@@ -1,6 +1,6 @@
 """The lowest amplitude that snaps, bracketed and refined by the lane kernel."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -9,8 +9,10 @@ from .device import Device
 from .models import Model
 from .protocol import Protocol
 
+SCAN_STEP = 0.03
+"""Relative distance of the amplitudes that are tried before any is refined."""
 SECTIONS = 16
-"""Parts into which each round cuts the bracket: as many cells as the kernel has lanes, less one."""
+"""Parts into which each round of refinement cuts an interval."""
 
 
 def lowest_snap(
@@ -23,45 +25,55 @@ def lowest_snap(
     tolerance: float = 1e-4,
     threads: int = 1,
 ) -> np.ndarray:
-    """Refine the lowest N that snaps, (rows,), for rows of f0 (Hz) and C (uN us/um).
+    """Find the lowest N that snaps, (rows,), for rows of f0 (Hz) and C (uN us/um).
 
-    bracket: multiples of g between which to look, scanned first in steps of 3 %
+    bracket: multiples of g between which to look
     tolerance: of N, relative; the result is the upper end of an interval that narrow
     NaN where nothing in the bracket snaps, or its lower end does.
     """
-    f0, C = (np.asarray(values, float) for values in (f0, C))
-    snaps = _asker(device, model, f0, C, protocol._replace(until="snap", repeat=False), threads)
-    scan = np.geomspace(*bracket, 2 + int(np.log(bracket[1] / bracket[0]) / 0.03))
-    low, high = _first_interval(np.tile(scan, (f0.size, 1)), snaps)
-    while np.nanmax(high / low, initial=1.0) > 1 + tolerance:
-        inner = np.linspace(low, high, SECTIONS + 1, axis=1)
-        low, high = _first_interval(inner, snaps, known_ends=True)
-    return high
+    snaps = asker(device, model, f0, C, protocol, threads)
+    count = 2 + int(np.log(bracket[1] / bracket[0]) / SCAN_STEP)
+    N = np.tile(np.geomspace(*bracket, count), (len(f0), 1))
+    return refine(snaps, *first_snap(N, snaps(N)), tolerance)[1]
 
 
-def _asker(device, model, f0, C, protocol, threads):
-    """A function that tells which of N, (rows, n), snap."""
+def asker(
+    device: Device,
+    model: Model,
+    f0: Sequence[float],
+    C: Sequence[float],
+    protocol: Protocol,
+    threads: int = 1,
+) -> Callable[[np.ndarray], np.ndarray]:
+    """Make a function that tells which of N, (rows, n), snap; rows of f0 (Hz) and C (uN us/um)."""
+    f0, C = (np.asarray(values, float)[:, np.newaxis] for values in (f0, C))
+    asked = protocol._replace(until="snap", repeat=False)
 
     def snaps(N):
-        shape = N.shape
-        rows = np.broadcast_to(f0[:, None], shape), np.broadcast_to(C[:, None], shape)
-        cells = to_cells(device, N.ravel(), *(values.ravel() for values in rows), protocol.horizon)
-        t_snap = follow_cells(device, model, cells, protocol, threads).t_snap
-        return np.isfinite(t_snap).reshape(shape)
+        rows = (np.broadcast_to(values, N.shape).ravel() for values in (N, f0, C))
+        cells = to_cells(device, *rows, asked.horizon)
+        return np.isfinite(follow_cells(device, model, cells, asked, threads).t_snap).reshape(
+            N.shape
+        )
 
     return snaps
 
 
-def _first_interval(N, snaps, known_ends=False):
-    """The interval of each row of ascending N above which lies the first that snaps."""
-    snapped = np.zeros(N.shape, bool)
-    if known_ends:
-        snapped[:, 1:-1] = snaps(np.nan_to_num(N[:, 1:-1]))
-        snapped[:, -1] = True
-    else:
-        snapped[:] = snaps(N)
+def first_snap(N: np.ndarray, snapped: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Ends of the interval below the first of ascending N, (rows, n), that snaps; NaN if none."""
     first = np.argmax(snapped, axis=1)
     rows = np.arange(len(N))
-    found = snapped.any(axis=1) & (first > 0)
-    low, high = N[rows, first - 1], N[rows, first]
-    return np.where(found, low, np.nan), np.where(found, high, np.nan)
+    found = snapped[rows, first] & (first > 0)
+    return tuple(np.where(found, N[rows, end], np.nan) for end in (first - 1, first))
+
+
+def refine(
+    snaps: Callable, low: np.ndarray, high: np.ndarray, tolerance: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Narrow intervals, (rows,), whose upper ends snap and lower ends do not, to the tolerance."""
+    while np.nanmax(high / low, initial=1.0) > 1 + tolerance:
+        N = np.linspace(low, high, SECTIONS + 1, axis=1)
+        snapped = snaps(np.nan_to_num(N[:, 1:-1]))
+        ends = np.zeros((len(N), 1), bool)
+        low, high = first_snap(N, np.hstack([ends, snapped, ~ends & np.isfinite(high)[:, None]]))
+    return low, high
