@@ -52,7 +52,7 @@ def test_thresholds_lie_within_their_error_bars(handout):
 def test_a_threshold_is_where_the_sweep_changes(handout):
     found = snapmap.threshold(handout, f0=[1500.0], C=[0.025], model="handout", horizon=300.0)
     N = float(found.N_first.squeeze())
-    assert N == pytest.approx(984.73, abs=0.1)
+    assert pytest.approx(984.73, abs=0.1) == N
     cube = snapmap.sweep(handout, N=[0.9997 * N, 1.0001 * N], f0=[1500.0], C=[0.025], horizon=300.0)
     assert np.isfinite(cube.t_snap.values).ravel().tolist() == [False, True]
 

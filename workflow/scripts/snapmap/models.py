@@ -107,4 +107,4 @@ def _default_step(device, name):
     # less is followed again with less.
     if math.isinf(device.contact):
         return 0.3
-    return 0.4 if name == "cosines" else 0.8
+    return 0.5 if name == "cosines" else 0.8

@@ -1,0 +1,159 @@
+"""What the errors are held against, what beats what, and what the report and its figure state."""
+
+import dataclasses
+import warnings
+
+import numpy as np
+import pytest
+
+from snapmap.accuracy import (
+    CONVERGED,
+    Refinement,
+    converge,
+    decided,
+    disagreement,
+    gap,
+    list_cases,
+    make_probe,
+    measure,
+    pareto_front,
+)
+from snapmap.accuracy import PLANS as plans
+from snapmap.device import Beam, Device
+from snapmap.figures import accuracy, style
+from snapmap.models import build_model
+from snapmap.protocol import Protocol
+from snapmap.thresholds import lowest_snap
+
+SNAP = Protocol(300.0, "snap", False)
+REFINEMENT = Refinement((8, 6), (12, 6), (8, 6))
+TINY = plans["quick"]._replace(
+    elements=(3, 5),
+    most_modes=9,
+    cosines=(3,),
+    penalties=(1,),
+    converged=Refinement((8, 3)),
+    hard=Refinement((5, 3)),
+    side=4,
+)
+
+
+@pytest.fixture(scope="module")
+def other():
+    """A stiffer, flatter device."""
+    beam = Beam(450.0, 6.5, 1.8, 30.0, 169e3, 2.33e-3)
+    return Device(beam, mass=4e3, spring=9.0, contact=150.0, gravity=9.81e-6)
+
+
+@pytest.fixture(scope="module")
+def found(handout):
+    """A report of few cases."""
+    axes = ([0.025, 200.0], [500.0, 1500.0], [800.0, 1200.0])
+    return measure(handout, axes, SNAP, TINY, threads=2)
+
+
+def probe_of(f0, N):
+    return make_probe(([25.0], f0, N), side=2)
+
+
+def test_the_front_is_what_no_other_beats_in_both():
+    time = np.array([1.0, 2.0, 3.0, 4.0, 2.0, 1.0, np.nan, 0.5])
+    error = np.array([5.0, 3.0, 3.0, 1.0, 4.0, 5.0, 0.1, np.nan])
+    front = [True, True, False, True, False, True, False, False]
+    assert pareto_front(time, error).tolist() == front
+
+
+def test_labels_disagree_where_one_snaps_and_the_other_does_not():
+    f0 = np.array([1e3, 2e3])
+    reference = np.array([[[900.0, 1100.0, np.nan], [400.0, 600.0, np.nan]]])
+    t_snap = np.array([[[np.nan, 1200.0, np.nan], [410.0, np.nan, 5.0]]])
+    assert disagreement(t_snap, reference, f0) == (3 / 6, 1 / 2)
+    assert np.isnan(disagreement(t_snap, 0 * t_snap + np.nan, f0)[1])
+
+
+def test_what_is_asked_lies_within_the_sweep():
+    probe = make_probe(([200.0, 1.0, 5.0], np.geomspace(100, 1e4, 5), [-50.0, 0.0, 900.0]), 3)
+    assert probe.C.tolist() == [1.0, 200.0]
+    assert probe.f0 == pytest.approx([100 * 10**0.5, 1000, 1000 * 10**0.5])
+    assert probe.bracket == (25.0, 1800.0)
+    C, f0, N = probe.axes
+    assert C.tolist() == [1.0, 200.0] and f0 == pytest.approx([100, 1000, 1e4])
+    assert N.tolist() == [-50.0, 425.0, 900.0]
+    assert make_probe(([1.0], [1e3], [0.0]), 3).axes[2].tolist() == [0.0]
+
+
+@pytest.mark.parametrize("hard", [False, True])
+def test_two_discretisations_agree_within_their_own_errors(handout, other, hard):
+    for device, f0, N in [(handout, [457.7, 1500.0], [1000.0]), (other, [1000.0], [3000.0])]:
+        device = dataclasses.replace(device, contact=np.inf) if hard else device
+        run = converge(device, probe_of(f0, N), SNAP, REFINEMENT, threads=2)
+        assert gap(run) < 1 and decided(run).all()
+        known = run.error[0] + run.other_error[0]
+        assert (known < 1e-3 * run.answer.values[0]).all()
+
+
+def test_disagreement_beyond_the_own_errors_is_seen(handout):
+    run = converge(handout, probe_of([1500.0], [900.0, 1100.0]), SNAP, Refinement((4, 3)))
+    assert np.isnan(gap(run))
+    off = run._replace(other=run.answer.values + 3 * run.error, other_error=run.error)
+    assert gap(off) == pytest.approx(1.5)
+    assert gap(off._replace(error=run.answer.values)) == 0.0
+
+
+def test_elements_converge_with_order_four(handout):
+    """Against Richardson's value of the two finest of three meshes, each twice as fine."""
+
+    def threshold(elements):
+        model = build_model(handout, "elements", elements=elements, modes=8, step=0.3)
+        rows = [457.7, 1500.0], [25.0, 25.0]
+        return lowest_snap(handout, model, *rows, (850.0, 1100.0), SNAP, tolerance=1e-9)
+
+    coarse, middle, fine = (threshold(elements) for elements in (5, 10, 20))
+    order = np.log2((coarse - middle) / (middle - fine))
+    assert (np.abs(order - 4) < 0.3).all()
+
+
+def test_every_case_has_a_name_and_something_to_be_held_against(handout):
+    hard = dataclasses.replace(handout, contact=np.inf)
+    for device, plan in [(handout, plans["full"]), (hard, plans["full"]), (hard, plans["quick"])]:
+        cases = list(list_cases(device, SNAP, plan))
+        names = [case.name for case in cases]
+        assert len(set(names)) == len(names)
+        assert {case.against for case in cases} <= {*names, CONVERGED, "converged, hard contact"}
+        assert {accuracy.HANDOUT, accuracy.HANDOUT_STEP} <= set(names)
+        families = {case.family for case in cases}
+        assert ("penalty" in families) == ("cosines_uncorrected" in families) == (device is handout)
+
+
+def test_the_report_states_the_largest_sources(found):
+    worst = found.threshold_worst
+    assert worst.sel(model="contact x 1") == pytest.approx(0.1, abs=0.02)
+    assert worst.sel(model="5 elements, consistent") == pytest.approx(0.0016, abs=3e-4)
+    assert worst.sel(model="3 cosines") < 1e-3 < worst.sel(model="3 cosines, uncorrected")
+    assert worst.sel(model="step 0.8") < 3e-5
+    assert worst.sel(model="step 0.4") == 0 and np.isnan(found.discretisations_gap)
+    assert (found.time_per_simulation > 0).all() and found.on_front.sel(model="3 cosines") == 1
+
+
+def test_the_figure_marks_the_front_and_the_handouts_setting(found):
+    with style.paper(), warnings.catch_warnings(action="error"):
+        ax = accuracy.draw_accuracy(style.double_column(height=3.6).subplots(), found)
+        ax.figure.canvas.draw()
+    drawn = {line.get_label(): line.get_xydata() for line in ax.lines}
+    case = found.sel(model=accuracy.HANDOUT)
+    at = [case.time_per_simulation.item(), case.threshold_worst.item()]
+    assert drawn["the handout's setting"].tolist() == [at]
+    (front,) = (points for label, points in drawn.items() if label.startswith("Pareto"))
+    assert len(front) == found.on_front.sum()
+    sources = accuracy.other_sources(found)
+    assert sources["contact 40 N/m, not hard"] == found.threshold_worst.sel(model="contact x 1")
+    low, high = ax.get_ylim()
+    assert all(low < error < high for error in sources.values())
+
+
+def test_a_report_without_any_threshold_can_be_drawn(handout):
+    found = measure(handout, ([1.0], [1500.0], [0.0]), SNAP, TINY)
+    assert not found.threshold_decided.any() and found.threshold.isnull().all()
+    with style.paper(), warnings.catch_warnings(action="error"):
+        ax = accuracy.draw_accuracy(style.double_column(height=3.6).subplots(), found)
+        ax.figure.canvas.draw()

@@ -1,0 +1,18 @@
+"""Rule measure_stability: follow the hard cases with every model at many steps."""
+
+from snapmap.cube import write
+from snapmap.device import device_from
+from snapmap.stability import measure
+
+
+def measure_stability(device, path, threads):
+    """Follow the hard cases and write what each was; device in internal units."""
+    write(measure(device_from(device), threads=threads), path)
+
+
+if __name__ == "__main__":
+    measure_stability(
+        device=snakemake.params.device,
+        path=snakemake.output.stability,
+        threads=snakemake.threads,
+    )

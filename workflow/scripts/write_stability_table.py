@@ -1,0 +1,107 @@
+"""Rule write_stability_table: the tables of docs/stability.md."""
+
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from snapmap.outcome import FAILED, LATCHED, NEVER, OUTCOMES, RETURNED, SNAPPED, UNSNAPPED
+from snapmap.stability import CAUGHT, LEFT_OUT, REFUSED, SENSITIVE, SHIFTED, UNSEEN, VERDICTS
+
+MARKS = {
+    SENSITIVE: "*{}*",
+    SHIFTED: "**shifted** {}",
+    CAUGHT: "**caught** {}",
+    UNSEEN: "**UNSEEN** {}",
+}
+
+
+def write_stability_table(stability_path, settled_path, table_path):
+    """Read the hard cases and the settled cells and write their tables as Markdown."""
+    with xr.open_dataset(stability_path, engine="netcdf4") as cases:
+        tables = [default_table(cases), step_table(cases), wrong_list(cases)]
+    with xr.open_dataset(settled_path, engine="netcdf4") as settled:
+        tables.append(settled_table(settled))
+    Path(table_path).write_text("\n\n".join(tables) + "\n", encoding="utf-8")
+
+
+def default_table(cases):
+    """What a sweep gives for every case (rows) and model (columns)."""
+    rows = [
+        [case, *(_default_entry(cases.sel(case=case, model=model)) for model in cases.model.values)]
+        for case in cases.case.values
+    ]
+    return _table(["case", *cases.model.values], rows)
+
+
+def _default_entry(pair):
+    verdict = int(pair.default_verdict)
+    if verdict in (REFUSED, LEFT_OUT):
+        return {REFUSED: "refused", LEFT_OUT: "–"}[verdict]
+    outcome, error = OUTCOMES[int(pair.default_outcome)], float(pair.default_energy_error)
+    halved = f", dt/{2 ** int(pair.halvings)}" if pair.halvings > 0 else ""
+    return MARKS.get(verdict, "{}").format(f"{outcome} {error:.0e}{halved}")
+
+
+def step_table(cases):
+    """How many pairs of case and model have which verdict, for each step."""
+    shown = [code for code, name in enumerate(VERDICTS) if name != "unchecked"]
+    rows = [
+        [f"{step:g}", *((cases.verdict.sel(step=step) == code).sum().item() for code in shown)]
+        for step in cases.step.values
+    ]
+    rows.append(["default", *((cases.default_verdict == code).sum().item() for code in shown)])
+    return _table(["step / limit", *(VERDICTS[code] for code in shown)], rows)
+
+
+def wrong_list(cases):
+    """All that was believed and is wrong, or whose snap time is."""
+    at_default = cases[["default_verdict", "default_snap_shift"]].rename(
+        default_verdict="verdict", default_snap_shift="snap_shift"
+    )
+    runs = {f"step {step:g}": cases.sel(step=step) for step in cases.step.values}
+    lines = []
+    for name, run in {**runs, "default step": at_default}.items():
+        for i, j in zip(*np.nonzero(np.isin(run.verdict, (SHIFTED, UNSEEN))), strict=True):
+            one = run.isel(case=i, model=j)
+            place = f"{name}, {one.case.item()}, {one.model.item()}"
+            shift = f"snap time off by {one.snap_shift.item():.1%}"
+            lines.append(f"- {place}: {VERDICTS[int(one.verdict)]}, {shift}")
+    return "\n".join(lines or ["None is believed and wrong."])
+
+
+def settled_table(settled):
+    """Shares of the cells that are proven, open and reproduced, by damping of beam and mass."""
+    head = ["beam damping (1/µs)", "C (µN µs/µm)", "do not snap", "of these proven", "snap"]
+    head += ["of these latched", "returned", "open", "failed", "all: reproduced"]
+    head += ["proven: reproduced"]
+    rows = [
+        [f"{damping:g}", f"{C:g}", *_settled_shares(settled.sel(beam_damping=damping, C=C))]
+        for damping, C in product(settled.beam_damping.values, settled.C.values)
+    ]
+    return _table(head, rows)
+
+
+def _settled_shares(cells):
+    outcome, reproduced = cells.outcome.values, cells.reproduced.values == 1
+    quiet = np.isin(outcome, (UNSNAPPED, NEVER))
+    snapped = np.isin(outcome, (SNAPPED, LATCHED, RETURNED))
+    proven = np.isin(outcome, (NEVER, LATCHED, RETURNED))
+    shares = [quiet.mean(), proven[quiet].mean(), snapped.mean()]
+    shares += [(outcome[snapped] == code).mean() for code in (LATCHED, RETURNED, SNAPPED)]
+    shares += [(outcome == FAILED).mean(), reproduced.mean(), reproduced[proven].mean()]
+    return [f"{share:.1%}" for share in shares]
+
+
+def _table(head, rows):
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join(f"| {' | '.join(map(str, line))} |" for line in lines)
+
+
+if __name__ == "__main__":
+    write_stability_table(
+        stability_path=snakemake.input.stability,
+        settled_path=snakemake.input.settled,
+        table_path=snakemake.output.table,
+    )
