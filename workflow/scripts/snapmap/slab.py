@@ -6,18 +6,20 @@ import os
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import netCDF4
 import numpy as np
 
-from .config import Study
 from .device import Device
 from .grid import follow_grid
 from .ladder import RUNGS, choose_model
 from .models import Model, build_model, check_options
 from .outcome import count
 from .protocol import Protocol
+
+if TYPE_CHECKING:  # a job has no use for the config and what it imports
+    from .config import Study
 
 JOB_SECONDS = 20
 """Aim for the run time of one slab; short enough to show progress, long against a job's start."""
@@ -31,7 +33,7 @@ class Slab(NamedTuple):
     N: tuple[float, ...]
 
 
-def cut(study: Study) -> list[list[Slab]]:
+def cut(study: "Study") -> list[list[Slab]]:
     """Cut the grid into one row of slabs for each C, along f0, each row in ascending order."""
     model = _cheapest(study)
     cost = _seconds(model, 1e6 / study.f0 + study.protocol.horizon) * study.N.size
@@ -58,7 +60,7 @@ def _seconds(model: Model, duration):
     return duration / model.dt * nanoseconds * 1e-9
 
 
-def slab_name(study: Study, slab: Slab) -> str:
+def slab_name(study: "Study", slab: Slab) -> str:
     """Name a slab by a hash of all that its numbers depend on but the code."""
     return _name(study.device, study.model, slab, study.protocol)
 
