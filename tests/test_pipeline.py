@@ -108,7 +108,7 @@ def test_the_cube_is_what_python_gives(finished):
 
 def test_every_figure_is_there(finished):
     figures = {path.name for path in (finished[0] / "results" / "figures").iterdir()}
-    stems = ["map_C0.5", "map_C30", "history_N1000_f1500_C0.025"]
+    stems = ["map_C0.5", "map_C30", "history_N1000_f1500_C0.025", "accuracy_quick"]
     assert figures == {f"{stem}.{kind}" for stem in stems for kind in ("pdf", "png")}
 
 
