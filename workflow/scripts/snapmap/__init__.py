@@ -4,7 +4,7 @@ from importlib import import_module
 
 __version__ = "0.1.0"
 
-_HOME = {"load_device": "config", "simulate": "history", "sweep": "cube", "threshold": "cube"}
+_HOME = {"load_device": "config", "simulate": "history", "sweep": "cube", "threshold": "surface"}
 __all__ = ["load_device", "simulate", "sweep", "threshold"]
 
 

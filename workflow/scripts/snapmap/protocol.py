@@ -3,6 +3,8 @@
 from typing import NamedTuple
 
 UNTIL = ("settled", "snap")
+THRESHOLD_TOLERANCE = 1e-4
+"""How closely thresholds in N are refined, relative, unless told."""
 
 
 class Protocol(NamedTuple):

@@ -1,6 +1,6 @@
 """Thresholds as a product: where snapping begins and where it is certain, with an error bar."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -8,28 +8,64 @@ import numpy as np
 from .device import Device
 from .ladder import Ladder, build_ladder
 from .models import Model
-from .protocol import Protocol
-from .thresholds import asker, first_snap, refine
+from .protocol import THRESHOLD_TOLERANCE, Protocol
+from .statics import static_threshold
+from .thresholds import SCAN_STEP, amplitudes, asker, first_snap, refine
 
 FINE_STEP = 0.005
 """Relative distance of the amplitudes between which islands are looked for."""
+FINEST_STEP = 0.001
+"""The same where the ringing after the pulse decides: there labels change back and forth."""
+MOST_STEPS = 400
+"""A row's finest scan takes no more steps than this, unless they are as wide as FINE_STEP."""
 BELOW, ABOVE = 0.7, 2.0
 """Where islands are looked for, as multiples of the threshold found first."""
+BESIDE, FAR_BESIDE = 1.02, 1.05
+"""How far around what the cheapest level sees the deciding one looks, in clean and ragged rows."""
+FARTHEST = 0.25
+"""Relative distance up to which another level's threshold is looked for; beyond, N_error is inf."""
 
 
 class Survey(NamedTuple):
     """Thresholds of rows, (rows,), in multiples of g; NaN where none was found.
 
     N_first: the lowest N that snaps
-    N_always: the lowest above which every N looked at snaps, up to ABOVE times N_first
     N_error: of N_first: what the finer levels, half the step and the refinement leave open
+    N_always: the lowest above which every N looked at snaps
+    N_pulse: the lowest N that snaps while the pulse lasts
+    t_snap: at N_first, us after the pulse's start
     islands: number of separate stretches of N below N_always that snap
+    island_from, island_to: their ends, (rows, most islands), NaN where a row has fewer
     """
 
     N_first: np.ndarray
-    N_always: np.ndarray
     N_error: np.ndarray
+    N_always: np.ndarray
+    N_pulse: np.ndarray
+    t_snap: np.ndarray
     islands: np.ndarray
+    island_from: np.ndarray
+    island_to: np.ndarray
+
+
+class _Window(NamedTuple):
+    """Where each row is scanned, (rows,): from low to high in relative steps."""
+
+    low: np.ndarray
+    high: np.ndarray
+    step: np.ndarray
+
+
+class _Edges(NamedTuple):
+    """Changes between what snaps and what does not along N; each lies between low and high.
+
+    row: which row; rising: whether it is high that snaps
+    """
+
+    row: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    rising: np.ndarray
 
 
 def survey(
@@ -38,63 +74,174 @@ def survey(
     f0: Sequence[float],
     C: Sequence[float],
     protocol: Protocol,
-    tolerance: float = 1e-4,
+    tolerance: float = THRESHOLD_TOLERANCE,
     threads: int = 1,
+    highest: float | None = None,
 ) -> Survey:
     """Find thresholds for rows of f0 (Hz) and C (uN us/um), to a relative tolerance.
 
-    The cheapest level scans; the model itself (of a ladder the top) refines what it found.
+    highest: up to which N islands are looked for; ABOVE times the threshold if not given
+    The cheapest level scans; the model itself (of a ladder the top) looks again where labels
+    change, and refines; another level and half the step tell what that is worth.
     """
+    f0, C = (np.asarray(values, float) for values in (f0, C))
     ladder = model if isinstance(model, Ladder) else build_ladder(device)
     decides, doubts = (ladder.top, ladder.check) if model is ladder else (model, ladder.top)
 
-    f0, C = (np.asarray(values, float) for values in (f0, C))
+    def ask(level, rows=slice(None), horizon=protocol.horizon):
+        asked = protocol._replace(horizon=horizon)
+        return asker(device, level, f0[rows], C[rows], asked, threads)
 
-    def refined(level, guess):
-        def ask(rows):
-            return asker(device, level, f0[rows], C[rows], protocol, threads)
-
-        return _refine_about(ask, guess, tolerance)
-
-    scan = asker(device, ladder.base, f0, C, protocol, threads)
-    first = first_snap(wide := _wide_scan(device, f0), scan(wide))[1]
-    first, always, islands = _islands(scan, first)
-    N_first = refined(decides, first)
-    N_error = abs(N_first - refined(doubts, N_first)) + tolerance * N_first
-    N_error += abs(N_first - refined(decides.with_step(0.5), N_first))
-    # Where nothing lies between, both are one threshold, and the finer level knows it better.
-    N_always = np.where(islands == 0, N_first, always)
-    return Survey(N_first, N_always, N_error, islands)
-
-
-def _wide_scan(device, f0):
-    """Amplitudes, (rows, n), from far below any threshold to far above, also of short pulses."""
-    own_frequency = np.sqrt(device.spring / device.mass) / (2 * np.pi) * 1e6
-    weight = device.spring * device.beam.rise / (device.mass * device.gravity)
-    highest = 30 * weight * (1 + np.asarray(f0) / own_frequency)
-    count = 2 + int(np.log(np.max(highest) / weight * 30) / 0.04)
-    return np.geomspace(np.full(len(f0), weight / 30), highest, count, axis=1)
+    whole = _whole_window(ask(ladder.base), _wide_scan(device, f0, C), highest)
+    window, ragged = _closer_window(ask(ladder.base), whole, f0)
+    edges, open_end, window, ragged = _decide(ask(decides), window, whole, ragged)
+    edges = _refine_edges(lambda rows: ask(decides, rows), edges, tolerance)
+    N_first, N_always, islands = _stretches(edges, open_end)
+    if highest is not None:
+        N_always = np.where(N_always <= highest, N_always, np.nan)
+    clean = np.where(ragged, np.nan, N_first)
+    near = sum(_distance(ask(m), clean, tolerance) for m in (doubts, decides.with_step(0.5)))
+    far = _difference(ask(doubts), N_first, window, ragged)
+    return Survey(
+        N_first,
+        np.where(ragged, far, near) + tolerance * N_first,
+        N_always,
+        *_pulse(ask, decides, f0, N_first, highest, tolerance),
+        np.count_nonzero(np.isfinite(islands[0]), axis=1),
+        *islands,
+    )
 
 
-def _islands(scan, first):
-    """First and last threshold on a fine scan, and the number of islands between them."""
-    count = 1 + int(np.log(ABOVE / BELOW) / FINE_STEP)
-    N = np.nan_to_num(first)[:, np.newaxis] * np.geomspace(BELOW, ABOVE, count)
-    snapped = scan(N) & np.isfinite(first)[:, np.newaxis]
-    rises = np.count_nonzero(snapped[:, 1:] & ~snapped[:, :-1], axis=1)
-    last_quiet = snapped.shape[1] - 1 - np.argmax(~snapped[:, ::-1], axis=1)
-    always = N[np.arange(len(N)), np.minimum(last_quiet + 1, count - 1)]
-    closed = np.isfinite(first) & (last_quiet < count - 1)
-    return first_snap(N, snapped)[1], np.where(closed, always, np.nan), np.maximum(rises - 1, 0)
+def _wide_scan(device, f0, C):
+    """Amplitudes, (rows, n), from below any threshold to far above, also of short pulses."""
+    static, own = static_threshold(device), np.sqrt(device.spring / device.mass)
+    # A pulse amplifies at most 1.7 times; a short one must bring a velocity, against damping.
+    lowest = np.full(f0.size, static / 3)
+    highest = 5 * static * (1 + 2e-6 * np.pi * f0 / own) * (1 + C / (2 * own * device.mass))
+    return amplitudes(lowest, highest, SCAN_STEP)
 
 
-def _refine_about(ask, guess, tolerance):
-    """Refine with another model what one found; ask(rows) gives its `snaps` for some rows."""
-    found = np.full(guess.size, np.nan)
-    for reach, count in ((0.02, 9), (0.15, 61)):  # ragged thresholds of short pulses lie far apart
-        rows = np.flatnonzero(np.isfinite(guess) & np.isnan(found))
-        if rows.size:
-            snaps = ask(rows)
-            N = guess[rows, np.newaxis] * np.linspace(1 - reach, 1 + reach, count)
-            found[rows] = refine(snaps, *first_snap(N, snaps(N)), tolerance)[1]
-    return found
+def _whole_window(ask, wide, highest):
+    """Where islands are looked for, about the first of wide amplitudes that snaps."""
+    rough = first_snap(wide, np.isfinite(ask(wide)))[1]
+    top = ABOVE * rough if highest is None else np.fmax(highest, FAR_BESIDE * rough)
+    high = np.where(np.isfinite(rough), top, np.nan)
+    return _Window(BELOW * rough, high, np.full(rough.size, FINE_STEP))
+
+
+def _closer_window(ask, whole, f0):
+    """Where labels change along N, as the cheapest level sees it, and which rows are ragged.
+
+    A row is ragged where they change more than once; after a late snap this is looked at closely.
+    """
+    edges, *_ = _scan(ask, whole)
+    first, last = _outermost(edges.row, edges.high, f0.size)
+    ragged = np.bincount(edges.row, minlength=f0.size) > 1
+    late = ask(first[:, np.newaxis])[:, 0] * f0 * 1e-6 > 1
+    close = _around(whole, np.where(late, first, np.nan), last, np.full(f0.size, True))
+    edges, *_ = _scan(ask, close)
+    ragged |= np.bincount(edges.row, minlength=f0.size) > 1
+    least, largest = _outermost(edges.row, edges.high, f0.size)
+    return _around(whole, np.fmin(first, least), np.fmax(last, largest), ragged), ragged
+
+
+def _around(whole, first, last, ragged):
+    """A window about the first and the last change, wider and with finer steps in ragged rows."""
+    beside = np.where(ragged, FAR_BESIDE, BESIDE)
+    low, high = np.maximum(whole.low, first / beside), np.minimum(whole.high, last * beside)
+    fine = np.clip(np.log(high / low) / MOST_STEPS, FINEST_STEP, FINE_STEP)
+    return _Window(low, high, np.where(ragged, fine, FINE_STEP))
+
+
+def _decide(ask, window, whole, ragged):
+    """Edges as the deciding level sees them; whether a row's highest N is quiet; what is ragged.
+
+    Rows in which it sees other than the cheapest level did are ragged too, and scanned wider.
+    """
+    edges, begins, ends = _scan(ask, window)
+    surprising = begins | (~ends & (window.high < whole.high))
+    surprising |= ~ragged & (np.bincount(edges.row, minlength=ragged.size) != 1)
+    first = np.where(surprising, window.low, np.nan)
+    wider = _around(whole, first, window.high, np.full(ragged.size, True))
+    more, begins_wider, ends_wider = _scan(ask, wider)
+    window = _Window(*(np.where(surprising, b, a) for a, b in zip(window, wider, strict=True)))
+    begins, ends = np.where(surprising, [begins_wider, ends_wider], [begins, ends])
+    kept, found = ~surprising[edges.row], ~begins[more.row]
+    edges = _Edges(*(np.append(a[kept], b[found]) for a, b in zip(edges, more, strict=True)))
+    return edges, ~ends, window, ragged | surprising
+
+
+def _scan(ask: Callable, window):
+    """Edges on a scan of each row's window, and whether its first and its last amplitude snap."""
+    N = amplitudes(*window)
+    snapped, known = np.isfinite(ask(N)), np.isfinite(N)
+    row, k = np.nonzero((snapped[:, 1:] != snapped[:, :-1]) & known[:, 1:])
+    last = np.maximum(np.count_nonzero(known, axis=1) - 1, 0)
+    edges = _Edges(row, N[row, k], N[row, k + 1], snapped[row, k + 1])
+    return edges, snapped[:, 0], snapped[np.arange(len(N)), last]
+
+
+def _outermost(row, N, n_rows):
+    """Least and largest N of each row; NaN where there is none."""
+    least, largest = np.full((2, n_rows), np.nan)
+    np.fmin.at(least, row, N)
+    np.fmax.at(largest, row, N)
+    return least, largest
+
+
+def _refine_edges(ask_rows, edges, tolerance):
+    """Narrow every edge with the deciding level."""
+    found = np.array([edges.low, edges.high])
+    for rising in (True, False):
+        some = np.flatnonzero(edges.rising == rising)
+        ask = ask_rows(edges.row[some])
+        told = ask if rising else lambda N, ask=ask: np.where(np.isnan(ask(N)), 0.0, np.nan)
+        found[:, some] = refine(told, *found[:, some], tolerance)
+    return edges._replace(low=found[0], high=found[1])
+
+
+def _stretches(edges, open_end):
+    """N_first and N_always, and the ends of every stretch that snaps and ends, as matrices."""
+    n_rows = open_end.size
+    row, starts = edges.row[edges.rising], edges.high[edges.rising]
+    N_first, N_always = _outermost(row, starts, n_rows)
+    ends_row, ends = edges.row[~edges.rising], edges.low[~edges.rising]
+    most = np.bincount(ends_row, minlength=1).max()
+    islands = np.full((2, n_rows, most), np.nan)
+    for i in np.unique(ends_row):
+        to = np.sort(ends[ends_row == i])
+        islands[0, i, : to.size] = np.sort(starts[row == i])[: to.size]
+        islands[1, i, : to.size] = to
+    return N_first, np.where(open_end, np.nan, N_always), islands
+
+
+def _difference(ask, N_first, window, ragged):
+    """How far N_first of ragged rows is from the one that another level finds on the same scan."""
+    edges, *_ = _scan(ask, window._replace(low=np.where(ragged, window.low, np.nan)))
+    other, _ = _outermost(edges.row[edges.rising], edges.high[edges.rising], ragged.size)
+    lost = np.where(np.isnan(N_first), np.nan, np.inf)
+    return np.where(np.isnan(other), lost, abs(N_first - other))
+
+
+def _distance(ask, N_first, tolerance):
+    """How far from N_first, at most, another level changes from quiet to snap."""
+    distance = np.where(np.isnan(N_first), np.nan, np.inf)
+    reach = tolerance / 4
+    while reach < FARTHEST and np.isinf(distance).any():
+        around = np.where(np.isinf(distance), N_first, np.nan)[:, np.newaxis]
+        snapped = np.isfinite(ask(around * np.array([1 - reach, 1 + reach])))
+        distance = np.where(~snapped[:, 0] & snapped[:, 1], reach * N_first, distance)
+        reach *= 2
+    return distance
+
+
+def _pulse(ask, decides, f0, N_first, highest, tolerance):
+    """N_pulse and t_snap at N_first."""
+    t_snap = ask(decides)(N_first[:, np.newaxis])[:, 0]
+    N_pulse = N_first.copy()
+    late = np.flatnonzero(t_snap * f0 * 1e-6 > 1)
+    high = N_first[late] * ABOVE if highest is None else np.fmax(highest, N_first[late])
+    in_pulse = ask(decides, late, horizon=0.0)
+    N = amplitudes(N_first[late], high, SCAN_STEP)
+    N_pulse[late] = refine(in_pulse, *first_snap(N, np.isfinite(in_pulse(N))), tolerance)[1]
+    return N_pulse, t_snap

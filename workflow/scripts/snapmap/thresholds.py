@@ -7,12 +7,12 @@ import numpy as np
 from .cells import follow_cells, to_cells
 from .device import Device
 from .models import Model
-from .protocol import Protocol
+from .protocol import THRESHOLD_TOLERANCE, Protocol
 
 SCAN_STEP = 0.03
 """Relative distance of the amplitudes that are tried before any is refined."""
-SECTIONS = 16
-"""Parts into which each round of refinement cuts an interval."""
+SECTIONS = 4
+"""Parts into which each round of refinement cuts an interval; more cost more runs a digit."""
 
 
 def lowest_snap(
@@ -22,7 +22,7 @@ def lowest_snap(
     C: Sequence[float],
     bracket: tuple[float, float],
     protocol: Protocol,
-    tolerance: float = 1e-4,
+    tolerance: float = THRESHOLD_TOLERANCE,
     threads: int = 1,
 ) -> np.ndarray:
     """Find the lowest N that snaps, (rows,), for rows of f0 (Hz) and C (uN us/um).
@@ -31,10 +31,9 @@ def lowest_snap(
     tolerance: of N, relative; the result is the upper end of an interval that narrow
     NaN where nothing in the bracket snaps, or its lower end does.
     """
-    snaps = asker(device, model, f0, C, protocol, threads)
-    count = 2 + int(np.log(bracket[1] / bracket[0]) / SCAN_STEP)
-    N = np.tile(np.geomspace(*bracket, count), (len(f0), 1))
-    return refine(snaps, *first_snap(N, snaps(N)), tolerance)[1]
+    ask = asker(device, model, f0, C, protocol, threads)
+    N = amplitudes(*(np.full(len(f0), end) for end in bracket), SCAN_STEP)
+    return refine(ask, *first_snap(N, np.isfinite(ask(N))), tolerance)[1]
 
 
 def asker(
@@ -45,18 +44,34 @@ def asker(
     protocol: Protocol,
     threads: int = 1,
 ) -> Callable[[np.ndarray], np.ndarray]:
-    """Make a function that tells which of N, (rows, n), snap; rows of f0 (Hz) and C (uN us/um)."""
+    """Make a function that tells when cells snap, for rows of f0 (Hz) and C (uN us/um).
+
+    It takes N, (rows, n), and returns t_snap, us; NaN where a cell does not snap, or N is NaN.
+    """
     f0, C = (np.asarray(values, float)[:, np.newaxis] for values in (f0, C))
     asked = protocol._replace(until="snap", repeat=False)
 
-    def snaps(N):
-        rows = (np.broadcast_to(values, N.shape).ravel() for values in (N, f0, C))
+    def ask(N):
+        given = np.isfinite(N)
+        rows = (np.broadcast_to(values, N.shape)[given] for values in (N, f0, C))
         cells = to_cells(device, *rows, asked.horizon)
-        return np.isfinite(follow_cells(device, model, cells, asked, threads).t_snap).reshape(
-            N.shape
-        )
+        t_snap = np.full(N.shape, np.nan)
+        t_snap[given] = follow_cells(device, model, cells, asked, threads).t_snap
+        return t_snap
 
-    return snaps
+    return ask
+
+
+def amplitudes(low: np.ndarray, high: np.ndarray, step: float | np.ndarray) -> np.ndarray:
+    """Amplitudes from low to high in relative steps, each (rows,): (rows, n), NaN beyond high."""
+    steps = np.log(high / low) / step
+    count = 2 + int(np.nanmax(steps, initial=0.0))
+    N = low[:, np.newaxis] * np.exp(
+        np.broadcast_to(step, low.shape)[:, np.newaxis] * np.arange(count)
+    )
+    N = np.minimum(N, high[:, np.newaxis])
+    N[:, 1:][N[:, 1:] == N[:, :-1]] = np.nan
+    return N
 
 
 def first_snap(N: np.ndarray, snapped: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -68,12 +83,15 @@ def first_snap(N: np.ndarray, snapped: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def refine(
-    snaps: Callable, low: np.ndarray, high: np.ndarray, tolerance: float
+    ask: Callable, low: np.ndarray, high: np.ndarray, tolerance: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Narrow intervals, (rows,), whose upper ends snap and lower ends do not, to the tolerance."""
+    """Narrow intervals, (rows,), between what snaps and what does not, to a relative tolerance.
+
+    ask: gives t_snap of N, (rows, n), finite where a cell snaps at `high` and NaN at `low`
+    """
     while np.nanmax(high / low, initial=1.0) > 1 + tolerance:
         N = np.linspace(low, high, SECTIONS + 1, axis=1)
-        snapped = snaps(np.nan_to_num(N[:, 1:-1]))
+        snapped = np.isfinite(ask(N[:, 1:-1]))
         ends = np.zeros((len(N), 1), bool)
         low, high = first_snap(N, np.hstack([ends, snapped, ~ends & np.isfinite(high)[:, None]]))
     return low, high

@@ -40,7 +40,7 @@ def _equilibria(modal):
     N is a buckling load N_k and c_k is free, or N is a root of the stretch equation alone. The
     start is a multiple of the first mode, but for a small remainder that `_polish` adds.
     """
-    loads, shapes = _buckling(modal)
+    loads, shapes = buckling(modal)
     starts = shapes.T @ modal.slope_start
     first, start = loads[0], starts[0]
     for load, shape in zip(loads[1:], shapes.T[1:], strict=True):
@@ -54,8 +54,8 @@ def _equilibria(modal):
             yield (along.real - start) * shapes[:, 0]
 
 
-def _buckling(modal):
-    """Buckling loads N_j, ascending, and modes v_j with v.S v = 1."""
+def buckling(modal: ModalBeam) -> tuple[np.ndarray, np.ndarray]:
+    """Buckling loads N_j, ascending, uN, and modes v_j, the columns, with v.S v = 1."""
     lower = np.linalg.cholesky(modal.geometric)
     scaled = np.linalg.solve(lower, np.linalg.solve(lower, np.diag(modal.stiffness)).T)
     loads, vectors = np.linalg.eigh((scaled + scaled.T) / 2)

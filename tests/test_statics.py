@@ -1,0 +1,67 @@
+"""The static path against closed forms, and the static threshold against slow pulses."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import snapmap
+from snapmap.statics import force_displacement, static_threshold
+
+
+@pytest.fixture(scope="module")
+def path(handout):
+    return force_displacement(handout)
+
+
+def test_the_path_has_the_exact_wells_and_saddle(path, handout):
+    """F = 0 in both shapes and at the saddle w_s = -rise/3, with the exact energies."""
+    followed = path.sel(branch="followed")
+    way, force, energy = (followed[key].values for key in ("displacement", "force", "energy"))
+    crossing = np.flatnonzero(np.diff(np.sign(force[1:]))) + 1
+    w2 = handout.beam.second_equilibrium
+    np.testing.assert_allclose(way[crossing], [40 / 3, 10 - w2], rtol=5e-3)
+    np.testing.assert_allclose(energy[crossing], [486.805, 385.962], rtol=1e-4)
+    assert path.saddle == pytest.approx(-10 / 3) and path.barrier == pytest.approx(
+        486.805, rel=1e-5
+    )
+    assert way[0] == force[0] == energy[0] == 0
+
+
+def test_the_path_has_the_exact_forces(path, handout):
+    """Top and bottom, and the stiffness 192 EI/L^3 of the start and that of the straight part."""
+    assert path.top_force == pytest.approx(70.67, abs=0.01)
+    assert path.bottom_force == pytest.approx(-32.54, abs=0.01)
+    followed = path.sel(branch="followed")
+    way, force = followed.displacement.values, followed.force.values
+    assert way[np.argmax(force)] == pytest.approx(2.349, abs=2e-3)
+    assert way[np.argmin(np.where(way < 19, force, 0))] == pytest.approx(18.39, abs=0.01)
+    straight = np.polyfit(way[410:790], force[410:790], 1)
+    assert straight[0] == pytest.approx(-6.434, abs=1e-3)
+    np.testing.assert_allclose(np.polyval(straight, way[410:790]), force[410:790], atol=1e-9)
+
+
+def test_the_energy_is_the_work_of_the_force(path):
+    for branch in path.branch.values:
+        one = path.sel(branch=branch)
+        steps = np.diff(one.displacement.values)
+        force = one.force.values
+        work = np.append(0, np.cumsum((force[1:] + force[:-1]) / 2 * steps))
+        np.testing.assert_allclose(one.energy, work, atol=0.05)
+
+
+def test_the_path_of_one_mode_is_stiffer(path):
+    assert path.force.sel(branch="one_mode").max() > 1.2 * path.top_force
+
+
+@pytest.mark.parametrize(
+    ("spring", "contact"), [(5.5, 40.0), (2.0, np.inf), (7.0, np.inf), (20.0, 40.0)]
+)
+def test_slow_pulses_tend_to_the_static_threshold(handout, spring, contact):
+    """A soft spring lets go at the top of the path, a stiff one where the beam leaves the mass."""
+    device = replace(handout, spring=spring, contact=contact)
+    own = np.sqrt(spring / device.mass) / (2 * np.pi) * 1e6
+    slow = snapmap.threshold(
+        device, f0=[own / 80], C=[25.0], horizon=0.0, model="cosines", modes=4, tolerance=1e-3
+    )
+    assert slow.N_first.item() == pytest.approx(static_threshold(device), rel=3e-3)

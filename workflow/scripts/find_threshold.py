@@ -1,0 +1,33 @@
+"""Rule find_threshold: find where snapping begins, for each C and f0."""
+
+from snapmap.cube import write
+from snapmap.device import device_from
+from snapmap.surface import summary, threshold
+
+
+def find_threshold(device, model, axes, highest, horizon, tolerance, path, threads):
+    """Find the thresholds and write them; values in internal units, axes as in the cube."""
+    found = threshold(
+        device_from(device),
+        **axes,
+        **{"model" if key == "name" else key: value for key, value in model.items()},
+        horizon=horizon,
+        tolerance=tolerance,
+        highest=highest,
+        threads=threads,
+    )
+    write(found, path)
+    print(f"{path}: {summary(found)}")
+
+
+if __name__ == "__main__":
+    find_threshold(
+        device=snakemake.params.device,
+        model=snakemake.params.model,
+        axes=snakemake.params.axes,
+        highest=snakemake.params.highest,
+        horizon=snakemake.params.horizon,
+        tolerance=snakemake.params.tolerance,
+        path=snakemake.output.threshold,
+        threads=snakemake.threads,
+    )

@@ -1,0 +1,14 @@
+"""Rule trace_statics: push the beam slowly through."""
+
+from snapmap.cube import write
+from snapmap.device import device_from
+from snapmap.statics import force_displacement
+
+
+def trace_statics(device, path):
+    """Trace the static force over displacement and write it; device in internal units."""
+    write(force_displacement(device_from(device)), path)
+
+
+if __name__ == "__main__":
+    trace_statics(device=snakemake.params.device, path=snakemake.output.statics)
