@@ -1,5 +1,6 @@
 """The door: a config document to a `Study` in internal units, or one line for every fault."""
 
+import itertools
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -12,7 +13,7 @@ import yaml
 from jsonschema import Draft202012Validator, ValidationError, validators
 
 from .device import Beam, Device
-from .protocol import Protocol
+from .protocol import THRESHOLD_TOLERANCE, Protocol
 from .quantity import KINDS, read, show
 
 
@@ -38,6 +39,7 @@ class Study:
     model: name and options, as given
     N, f0, C: ascending axes; multiples of g, Hz, uN us/um
     protocol: how each cell is followed
+    threshold_tolerance: of the thresholds in N, relative
     """
 
     device: Device
@@ -46,6 +48,7 @@ class Study:
     f0: np.ndarray
     C: np.ndarray
     protocol: Protocol
+    threshold_tolerance: float
     histories: tuple[History, ...]
 
 
@@ -53,6 +56,8 @@ class Study:
 HANDOUT_CASE = History(N=1000.0, f0=1500.0, C=0.025)
 
 _AXES = {"N": "number", "f0": "frequency", "C": "damper"}
+_DEEPEST, _MOST_PARTS = 8, 3_000_000
+_LONGEST_KEY = 40
 
 
 def load_study(document: Mapping) -> Study:
@@ -67,6 +72,7 @@ def load_study(document: Mapping) -> Study:
         model=_model(document["model"]),
         **axes,
         protocol=_protocol(document["sweep"]),
+        threshold_tolerance=document["sweep"].get("threshold_tolerance", THRESHOLD_TOLERANCE),
         histories=(HANDOUT_CASE,) if cells is None else tuple(_history(cell) for cell in cells),
     )
 
@@ -94,6 +100,8 @@ def read_document(path: str | Path) -> dict:
         raise ConfigError(f"{path}: not valid YAML: {reason}") from None
     if not isinstance(document, dict):
         raise ConfigError(f"{path}: {show(document)} is not a mapping of device, model, sweep")
+    if "__use_yte__" in document:  # by which Snakemake would evaluate expressions
+        raise ConfigError(f"{path}: __use_yte__ is not allowed; write values, not expressions")
     return document
 
 
@@ -180,7 +188,7 @@ def _axis(section, key):
     else:
         values = np.array([read(value, kind) for value in section])
     values = np.sort(values)
-    repeated = values[1:][values[1:] == values[:-1]]
+    repeated = values[1:][np.diff(values) <= 1e-14 * np.abs(values[1:])]
     if repeated.size:
         value = f"{repeated[0]:.15g} {KINDS[kind].unit}".strip()
         raise ValueError(f"sweep.{key}: {value} comes twice; write every value once")
@@ -193,8 +201,6 @@ def _range(section, key, kind):
         need = "equal ends" if points == 1 else "from and to that differ"
         raise ValueError(f"{key}.points: {points} needs {need}; write other ends or points")
     if section.get("spacing") != "log":
-        if not math.isfinite(stop - start):
-            raise ValueError(f"{key}: from and to are too far apart; write a shorter range")
         return np.linspace(start, stop, points)
     if min(start, stop) <= 0:
         raise ValueError(f"{key}.spacing: log needs from and to above 0; write linear, or a list")
@@ -203,10 +209,37 @@ def _range(section, key, kind):
 
 def _schema_faults(document):
     """Where the document breaks the schema: {path: line}."""
+    if unwieldy := _unwieldy_part(document):
+        path, complaint = unwieldy
+        return {path: f"{_name(path)}: {complaint}"}
     errors = _validator().iter_errors(document)
     return {
         path: f"{_name(path)}: {message}" for error in errors for path, message in _explain(error)
     }
+
+
+def _unwieldy_part(document):
+    """The first part too deep, too large or too long to be quoted, which the validator would do.
+
+    A few lines of YAML can hold themselves, or a billion parts, by aliases.
+    """
+    parts = [((), document)]
+    for count in itertools.count():
+        if not parts:
+            return None
+        path, value = parts.pop()
+        if count > _MOST_PARTS:
+            return (), f"has more than {_MOST_PARTS} parts; write fewer, axes as from, to, points"
+        if isinstance(value, int) and value.bit_length() > 10_000:
+            return path, "has thousands of digits; write a shorter number"
+        if isinstance(value, Mapping | list | tuple | set) and len(path) > _DEEPEST:
+            return path[:_DEEPEST], "is nested deeper than any key of a config; write a value"
+        if isinstance(value, Mapping):
+            parts += [(path, key) for key in value if isinstance(key, int | tuple)]
+            parts += [((*path, key), part) for key, part in value.items()]
+        elif isinstance(value, list | tuple):
+            parts += [((*path, place), part) for place, part in enumerate(value)]
+    return None
 
 
 def _explain(error) -> Iterator[tuple[tuple, str]]:
@@ -230,7 +263,7 @@ def _name(path):
     """device.beam.span, sweep.f0[2]; the document itself is `config`."""
     name = ""
     for key in path:
-        plain = isinstance(key, str) and key.isidentifier()
+        plain = isinstance(key, str) and key.isidentifier() and len(key) <= _LONGEST_KEY
         name += f".{key}" if plain else f"[{show(key)}]"
     return name.removeprefix(".") or "config"
 

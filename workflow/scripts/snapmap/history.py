@@ -194,5 +194,8 @@ def _dress(time, values, document):
     }
     axis = ("time", time, {"long_name": "time after the start of the pulse", "units": "us"})
     return xr.Dataset(data, {"time": axis}).assign_attrs(
-        title="Time history of one cell", **provenance(document)
+        Conventions="CF-1.11, ACDD-1.3",
+        title="Time history of one cell",
+        summary="Motion, forces and energies of beam and mass under one versed-sine shock",
+        **provenance(document),
     )

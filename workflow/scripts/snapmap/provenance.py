@@ -10,15 +10,20 @@ from pathlib import Path
 
 from . import __version__
 
+KEYWORDS = "bistable beam, snap-through, MEMS, shock sensor"
 PACKAGES = ("numpy", "numba", "xarray", "netCDF4", "dask", "matplotlib", "snakemake")
 _SOURCES = Path(__file__).parent
 
 
 def provenance(document: Mapping) -> dict[str, str]:
     """Attributes of every product: what was asked for, the code's version and the packages'."""
+    code = code_version()
     return {
+        "source": "numerical simulation",
+        "history": f"computed by snapmap {code}",  # no date: the same input gives the same file
+        "keywords": KEYWORDS,
         "config": json.dumps(document),
-        "code_version": code_version(),
+        "code_version": code,
         "packages": " ".join(f"{name} {version(name)}" for name in PACKAGES),
         "python": platform.python_version(),
     }

@@ -35,6 +35,9 @@ KINDS = {
     "duration": Kind("a duration", "us", "'1500 us'", zero=True),
 }
 
+LEAST, MOST = 1e-15, 1e15
+"""In internal units: no device has values beyond, and they would overflow further on."""
+
 # Pint evaluates arithmetic such as 9**9**9: a unit reaches it only if it has the form below.
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
 _FACTOR = r"[A-Za-z\u00b5\u03bc%]+(?: *(?:\^|\*\*) *-?\d|[²³])?"  # both the micro sign and mu
@@ -65,16 +68,24 @@ def show(value: object) -> str:
         return "a list" if value else "an empty list"
     if value is None or isinstance(value, bool):
         return {None: "an empty value", True: "true", False: "false"}[value]
-    text = repr(value)
+    try:
+        text = repr(value)
+    except ValueError:  # an int of more than 4300 digits
+        return "a number of thousands of digits"
     return text if len(text) <= _LONGEST else f"{text[:40]}...{text[-1]}"
 
 
 def _read_number(value):
     if not _is_number(value) and not _matches(_PLAIN, value):
         raise _fault(value, "is not a plain number", KINDS["number"])
-    number = float(str(value))  # float() of an int beyond its range raises; of text it is inf
+    try:
+        number = float(value)
+    except OverflowError:  # of an int; text beyond the range is inf
+        number = math.inf
     if not math.isfinite(number):
         raise _fault(value, "is not finite", KINDS["number"])
+    if abs(number) > MOST:
+        raise _fault(value, f"is not between {-MOST:g} and {MOST:g}", KINDS["number"])
     return number
 
 
@@ -97,6 +108,8 @@ def _read_quantity(value, kind):
         raise _fault(value, "is not finite", kind)
     if result < 0 or (result == 0 and not kind.zero):
         raise _fault(value, "is negative" if kind.zero else "is not positive", kind)
+    if result and not LEAST <= result <= MOST:
+        raise _fault(value, f"is not between {LEAST:g} and {MOST:g} {kind.unit}", kind)
     return result
 
 

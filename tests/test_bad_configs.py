@@ -1,0 +1,512 @@
+"""Bad input at scale: a config gives a study, or clear single lines; its text is never run."""
+
+import ast
+import copy
+import datetime
+import math
+import re
+import subprocess
+
+import pytest
+import yaml
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from snapmap.config import ConfigError, load_study, read_document
+from snapmap.quantity import KINDS, show
+from snapmap.slab import cut
+
+DEFAULT = yaml.safe_load("""
+device:
+  beam: {span: 600 um, rise: 10 um, thickness: 2 um, depth: 22 um, youngs_modulus: 150 GPa,
+         density: 2330 kg/m^3, damping: 4e-4 /us}
+  mass: 1e-8 kg
+  spring: 5.5 N/m
+  contact: 40 N/m
+  gravity: 9.81 m/s^2
+model: {name: handout, elements: 5, mass_matrix: consistent, step: 0.8}
+sweep:
+  N: {from: 600, to: 2400, points: 7}
+  f0: {from: 100 Hz, to: 30 kHz, points: 5, spacing: log}
+  C: [0.025 uN*us/um, 25 uN*us/um]
+  horizon: 1500 us
+  until: settled
+  repeat: true
+  energy_tolerance: 0.001
+  threshold_tolerance: 0.0001
+histories:
+  - {N: 1000, f0: 1500 Hz, C: 25 uN*us/um}
+""")
+OPTIONAL = {"damping", "elements", "mass_matrix", "step", "spacing", "until", "repeat"}
+OPTIONAL |= {"energy_tolerance", "threshold_tolerance", "histories"}
+KIND = {
+    **dict.fromkeys(("span", "rise", "thickness", "depth"), "length"),
+    **{"youngs_modulus": "modulus", "density": "density", "damping": "rate", "mass": "mass"},
+    **{"spring": "stiffness", "contact": "contact", "gravity": "acceleration"},
+    **{"horizon": "duration", "f0": "frequency", "C": "damper", "N": "number"},
+}
+HOSTILE = [
+    "$(touch PWNED)",
+    "`touch PWNED`",
+    "; touch PWNED #",
+    "600 um; touch PWNED",
+    "__import__('os').system('touch PWNED')",
+    "?open('PWNED', 'w')",
+    "{workflow}",
+    "{open('PWNED', 'w')}",
+    "{{ cycler.__init__.__globals__.os.system('touch PWNED') }}",
+    "%(name)s",
+    "../../PWNED",
+    "\x1b[31m\r\n\t\x07",
+    "\N{RIGHT-TO-LEFT OVERRIDE}mu 006",
+    "a\N{LINE SEPARATOR}b\N{NEXT LINE}c",
+]
+
+
+def leaves(part, at=()):
+    """Paths of every value that is no mapping and no list."""
+    if not isinstance(part, dict | list):
+        yield at
+        return
+    for key in part if isinstance(part, dict) else range(len(part)):
+        yield from leaves(part[key], (*at, key))
+
+
+def get(document, path):
+    for key in path:
+        document = document[key]
+    return document
+
+
+def name_of(path):
+    name = "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in path)
+    return name.removeprefix(".")
+
+
+def kind_of(path):
+    """The kind of quantity at a path; None for words, whole numbers and true or false."""
+    if path[-1] in ("points", "spacing"):
+        return None
+    return next((KIND[key] for key in reversed(path) if key in KIND), None)
+
+
+LEAVES = list(leaves(DEFAULT))
+SECTIONS = sorted({path[:-1] for path in LEAVES if path[:-1]}, key=str)
+MAPPINGS = [path for path in SECTIONS if isinstance(get(DEFAULT, path), dict)]
+RATES = {KINDS["rate"].unit, KINDS["frequency"].unit}
+UNITS = [kind.unit for kind in KINDS.values() if kind.unit]
+
+numbers = st.from_regex(r"[+-]?[1-9][0-9]{0,2}(\.[0-9]{1,2})?(e-?[0-9]{1,2})?", fullmatch=True)
+no_value = st.one_of(
+    st.sampled_from([None, {}, [], math.nan, math.inf, b"\0", datetime.date(2026, 1, 1), *HOSTILE]),
+    st.text(alphabet=st.characters(exclude_characters="0123456789"), max_size=8).filter(
+        lambda text: text not in {"hard", "settled", "snap", "linear", "log", "hrz", "consistent"}
+    ),
+    st.text(min_size=80, max_size=300),
+    st.lists(st.integers() | st.none(), min_size=1, max_size=3),
+    st.dictionaries(st.text(max_size=3), st.integers(), min_size=1, max_size=2),
+)
+
+
+def no_quantity(kind):
+    """Values that the given kind of quantity cannot have."""
+    unit, sign = KINDS[kind].unit, st.sampled_from(["-3 ", "nan ", "inf ", "1e25 ", "1e-40 "])
+    wrong_size = st.sampled_from(["0 "]) | sign if not KINDS[kind].zero else sign
+    others = [other for other in UNITS if {unit, other} != RATES and other != unit]
+    return st.one_of(
+        no_value,
+        st.booleans(),
+        numbers,
+        st.integers() | st.floats(),
+        st.builds(" ".join, st.tuples(numbers, st.sampled_from(others))),
+        wrong_size.map(lambda size: size + unit),
+        st.sampled_from(["1 furlong^9", "1 rad/s", "3 dB", "20 degC", "9**9**9 m", "1_0 um"]),
+    )
+
+
+NO_NUMBER = no_value | st.sampled_from(["1 g", "1,5", "0x10", True, "nan", 1e300, "1e999", -2e15])
+NO_WORD = no_value | st.booleans() | st.floats() | st.integers(max_value=0) | numbers
+BAD_LEAF = {
+    "elements": st.one_of(no_value, st.integers(max_value=0), st.integers(101), st.booleans()),
+    "points": st.one_of(no_value, st.integers(max_value=0), st.integers(10**6 + 1), st.floats()),
+    "step": no_value | st.floats(max_value=0.0) | st.floats(min_value=1.01) | st.just("0.8"),
+    "energy_tolerance": no_value | st.floats(max_value=0) | st.floats(min_value=1) | numbers,
+    "threshold_tolerance": no_value | st.floats(max_value=0) | st.floats(min_value=0.02) | numbers,
+    "repeat": no_value | numbers | st.integers() | st.sampled_from(["true", "yes", "no"]),
+}
+
+
+@st.composite
+def wrong(draw):
+    """A document with one to three faults in it, and where they are to be reported."""
+    document, places = copy.deepcopy(DEFAULT), []
+    for _ in range(draw(st.integers(1, 3))):
+        path, damage = draw(st.sampled_from(DAMAGES))
+        if any(path[: len(at)] == at[: len(path)] for at, _ in places):
+            continue  # one fault must not hide another
+        places += [(path, named) for named in damage(draw, document, path)]
+    return document, [named for _, named in places]
+
+
+def set_badly(draw, document, path):
+    kind = kind_of(path)
+    values = {None: NO_WORD, "number": NO_NUMBER}
+    values = values[kind] if kind in values else no_quantity(kind)
+    value = draw(BAD_LEAF.get(path[-1], values))
+    get(document, path[:-1])[path[-1]] = value
+    return [(name_of(path), show(value))]
+
+
+def delete(draw, document, path):
+    del get(document, path[:-1])[path[-1]]
+    return [(name_of(path), "missing; write ")]
+
+
+def rename(draw, document, path):
+    section = get(document, path[:-1])
+    new = draw(st.sampled_from([path[-1].upper() + "s", f" {path[-1]}", 1, None, "é" * 300]))
+    section[new] = section.pop(path[-1])
+    missing = [] if path[-1] in OPTIONAL else [(name_of(path), "missing; write ")]
+    return [*missing, (name_of(path[:-1]), "unknown key; known here are ")]
+
+
+def add_key(draw, document, path):
+    key = draw(st.text(max_size=50).map(lambda text: f"{text}+") | st.integers() | st.none())
+    get(document, path)[key] = draw(no_value)
+    return [(name_of(path), "unknown key; known here are ")]
+
+
+def flatten(draw, document, path):
+    value = draw(st.sampled_from(["text", 3, True, None, math.nan, datetime.date(2026, 1, 1)]))
+    get(document, path[:-1])[path[-1]] = value
+    return [(name_of(path), f"{show(value)} is not a")]
+
+
+NAMED = [path for path in LEAVES if isinstance(path[-1], str)]
+DAMAGES = [
+    *[(path, set_badly) for path in LEAVES] * 4,
+    *[(path, delete) for path in NAMED if path[-1] not in OPTIONAL],
+    *[(path, rename) for path in NAMED],
+    *[(path, add_key) for path in MAPPINGS],
+    *[(path, flatten) for path in SECTIONS],
+]
+
+
+def lines_of(document):
+    """The faults of a document, each a clear single line; empty if it gives slabs."""
+    try:
+        cut(load_study(document))
+    except ConfigError as error:
+        lines = list(error.args)
+    except ValueError as error:
+        lines = str(error).split("\n")
+    else:
+        return []
+    assert lines
+    for line in lines:
+        assert line.isprintable() and 10 < len(line) <= 300, line
+        assert re.match(r"\S.*: \S.*\S$", line), line
+    return lines
+
+
+def all_wrong(document, places):
+    lines = lines_of(document)
+    for name, complaint in places:
+        assert any(line.startswith(name) and complaint in line for line in lines), (name, lines)
+
+
+@settings(max_examples=2000, derandomize=True, deadline=None, database=None)
+@given(wrong())
+def test_every_fault_is_named_with_its_value(damaged):
+    all_wrong(*damaged)
+
+
+@pytest.mark.long
+@settings(max_examples=30_000, deadline=None, database=None)
+@given(wrong())
+def test_every_fault_is_named_with_its_value_at_length(damaged):
+    all_wrong(*damaged)
+
+
+EXTREME = st.builds(
+    "{}e{} {}".format,
+    st.integers(0, 99),
+    st.integers(-25, 25),
+    st.sampled_from(UNITS) | st.just(""),
+)
+JUNK = st.recursive(
+    EXTREME | st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=9),
+    lambda part: st.lists(part, max_size=3) | st.dictionaries(st.text(max_size=9), part),
+    max_leaves=4,
+)
+
+
+@st.composite
+def odd(draw):
+    """A document of extreme values, which may happen to be valid, or junk."""
+    document = copy.deepcopy(DEFAULT)
+    document["model"] = {"name": draw(st.sampled_from(["handout", "cosines", "auto", "reference"]))}
+    for path in draw(st.lists(st.sampled_from(LEAVES), min_size=1, max_size=4, unique=True)):
+        if path[0] != "model":
+            extreme = st.integers(-17, 17).map(
+                f"1e{{}} {KINDS[kind_of(path) or 'number'].unit}".format
+            )
+            get(document, path[:-1])[path[-1]] = draw(extreme | EXTREME | JUNK)
+    return document
+
+
+@settings(max_examples=400, derandomize=True, deadline=None, database=None)
+@given(odd())
+def test_extreme_values_give_slabs_or_lines(document):
+    lines_of(document)
+
+
+@pytest.mark.long
+@settings(max_examples=10_000, deadline=None, database=None)
+@given(odd())
+def test_extreme_values_give_slabs_or_lines_at_length(document):
+    lines_of(document)
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "start"),
+    [
+        (("device", "beam", "span"), "1e300 m", "device.beam.span: '1e300 m' is not between"),
+        (("sweep", "f0"), ["1e-300 Hz"], "sweep.f0[0]: '1e-300 Hz' is not between"),
+        (("sweep", "f0"), ["1e-15 Hz"], "sweep: up to "),
+        (("sweep", "horizon"), "1e30 us", "sweep.horizon: '1e30 us' is not between"),
+        (("sweep", "horizon"), "1e14 us", "sweep: up to "),
+        (("histories", 0, "f0"), "1e-14 Hz", "sweep: up to "),
+        (("model", "elements"), 10**9, "model.elements: 1000000000 is not a whole number"),
+        (("model", "step"), 5e-324, "model.step: 5e-324 is not a number"),
+        (("sweep", "N"), [10**5000], "sweep.N[0]: has thousands of digits"),
+        (("sweep", "C"), ["0.1 kg/s", "0.10000000000000002 kg/s"], "sweep.C: 100000 "),
+        (
+            ("sweep", "C"),
+            {"from": "1 kg/s", "to": "2 kg/s", "points": 1001},
+            "sweep.C: 1001 values; write at most 1000",
+        ),
+        (("device", "beam", "thickness"), "1e-15 um", "device: no finite model of a beam of span"),
+    ],
+)
+def test_absurd_values_are_refused(path, value, start):
+    document = copy.deepcopy(DEFAULT)
+    get(document, path[:-1])[path[-1]] = value
+    (line,) = lines_of(document)
+    assert line.startswith(start)
+
+
+def test_a_grid_of_a_million_cubed_is_refused():
+    document = copy.deepcopy(DEFAULT)
+    for key in ("N", "f0", "C"):
+        unit = KINDS[KIND[key]].unit
+        document["sweep"][key] = {"from": f"1 {unit}", "to": f"9 {unit}", "points": 10**6}
+    document["sweep"]["N"] |= {"from": 1, "to": 9}
+    assert lines_of(document) == ["sweep: 1e+18 cells, more than 1e+08; write fewer points"]
+
+
+def test_documents_that_hold_themselves_or_a_billion_parts_are_refused():
+    endless, billion = [1], [0] * 10
+    endless.append(endless)
+    for _ in range(9):
+        billion = [billion] * 10
+    for value, complaint in ((endless, "is nested deeper"), (billion, "is nested deeper")):
+        (line,) = lines_of({**DEFAULT, "histories": value})
+        assert complaint in line
+    wide = {f"k{i}": [[[[0] * 60] * 60] * 60] * 60 for i in range(3)}
+    (line,) = lines_of({**DEFAULT, "device": wide})
+    assert line.startswith("config: has more than 3000000 parts")
+
+
+TEXT = yaml.safe_dump(DEFAULT, sort_keys=False)
+ODDITIES = [
+    "!!python/object/apply:os.system ['touch PWNED']",
+    "!!python/name:os.system",
+    "!!python/object/new:os.system [touch PWNED]",
+    "!!python/tuple [1, 2]",
+    "!!binary aGVsbG8=",
+    "!!set {a, b}",
+    "!!omap [a: 1]",
+    "&a [*a]",
+    "*nobody",
+    "&a 600 um",
+    "{<<: {a: 1}}",
+    "<<: *a",
+    "2026-01-01",
+    "12:30:45",
+    "0o17",
+    "0x" + "f" * 5000,
+    "9" * 5000,
+    "yes",
+    "~",
+    "? [a, b]\n: 1",
+    "|\n  text\n",
+    "'unclosed",
+    "{a: 1, a: 2}",
+    "\t",
+    "---\n",
+    "%TAG ! x\n",
+    "\x00",
+    "\ufeff",
+    "__use_yte__: true\n",
+]
+
+
+@st.composite
+def odd_text(draw):
+    """The default document as text, with odd pieces put in or in place of others."""
+    text = TEXT
+    for _ in range(draw(st.integers(1, 3))):
+        begin = draw(st.sampled_from([m.end() for m in re.finditer(r"[:\n-] ?", text)] or [0]))
+        length = draw(st.integers(0, 12))
+        piece = draw(st.sampled_from([*ODDITIES, *HOSTILE]) | st.text(max_size=5))
+        text = text[:begin] + piece + text[begin + length :]
+    return text
+
+
+def read_oddly(path, text):
+    path.write_text(text, encoding="utf-8")
+    try:
+        document = read_document(path)
+    except ConfigError as error:
+        (line,) = error.args
+        assert line.isprintable() and len(line.removeprefix(f"{path}: ")) in range(10, 300), line
+    else:
+        lines_of(document)
+
+
+@pytest.fixture(scope="module")
+def odd_file(tmp_path_factory):
+    return tmp_path_factory.mktemp("odd") / "config.yaml"
+
+
+@settings(max_examples=300, derandomize=True, deadline=None, database=None)
+@given(text=odd_text())
+def test_odd_yaml_gives_slabs_or_lines(odd_file, text):
+    read_oddly(odd_file, text)
+
+
+@pytest.mark.long
+@settings(max_examples=5000, deadline=None, database=None)
+@given(text=odd_text())
+def test_odd_yaml_gives_slabs_or_lines_at_length(odd_file, text):
+    read_oddly(odd_file, text)
+
+
+def snakemake(root, folder, text):
+    """Run the workflow on a config of this text; its exit code and the lines it prints."""
+    (folder / "bad.yaml").write_text(text)
+    command = ["snakemake", "--snakefile", root / "Snakefile", "--directory", folder]
+    command += ["--configfile", folder / "bad.yaml", "--cores", "1"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, cwd=folder)
+    return done.returncode, (done.stdout + done.stderr).splitlines()
+
+
+def dump(**changes):
+    document = copy.deepcopy(DEFAULT)
+    for path, value in changes.items():
+        *parents, last = path.split("__")
+        get(document, parents)[last] = value
+    return yaml.safe_dump(document)
+
+
+@pytest.mark.parametrize(
+    ("text", "faults"),
+    [
+        (
+            dump(device__mass="{workflow}"),
+            ["device.mass: '{workflow}' is not a number with a unit"],
+        ),
+        (
+            dump(device__beam__span="600", sweep__horizon="$(touch PWNED)", model__steps="x"),
+            [
+                "device.beam.span: '600' has no unit",
+                "model.steps: unknown key",
+                "sweep.horizon: '$(touch PWNED)' is not a number with a unit",
+            ],
+        ),
+        (dump(sweep__horizon="1e14 us"), ["sweep: up to "]),
+        (TEXT.replace("mass:", "spring:", 1), ["line 11 is not valid YAML: 'spring' comes twice"]),
+        (TEXT.replace("handout", ODDITIES[0]), ["Config file is not valid JSON or YAML"]),
+        (TEXT + "__use_yte__: true", ["__use_yte__ is not allowed; write values"]),
+    ],
+)
+def test_the_workflow_prints_a_line_for_each_fault(root, tmp_path, text, faults):
+    code, lines = snakemake(root, tmp_path, text)
+    assert code != 0 and not any("Traceback" in line for line in lines), lines
+    found = [line for line in lines if any(fault in line for fault in faults)]
+    assert [fault in line for fault, line in zip(faults, found, strict=True)] == [True] * len(
+        faults
+    )
+    assert {path.name for path in tmp_path.iterdir()} <= {"bad.yaml", ".snakemake"}
+
+
+def hostile_documents():
+    """The hostile text in every place of a value, then as the name of every key."""
+    for text in HOSTILE:
+        document = copy.deepcopy(DEFAULT)
+        for path in LEAVES:
+            get(document, path[:-1])[path[-1]] = text
+        yield document
+        for path in NAMED:
+            document = copy.deepcopy(DEFAULT)
+            section = get(document, path[:-1])
+            section[text] = section.pop(path[-1])
+            yield document
+
+
+def test_no_text_of_a_config_is_run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for document in hostile_documents():
+        assert lines_of(document)
+        read_oddly(tmp_path / "config.yaml", yaml.safe_dump(document))
+    for oddity in ODDITIES:
+        for text in (TEXT.replace("handout", oddity), oddity + TEXT, TEXT + oddity):
+            read_oddly(tmp_path / "config.yaml", text)
+    assert [path.name for path in tmp_path.iterdir()] == ["config.yaml"]
+
+
+def test_the_workflow_runs_no_text_of_a_config(root, tmp_path):
+    documents = list(hostile_documents())[:: 1 + len(NAMED)]
+    merged = documents[0]
+    for path, text in zip(LEAVES, HOSTILE * len(LEAVES), strict=False):
+        get(merged, path[:-1])[path[-1]] = text
+    code, lines = snakemake(root, tmp_path, yaml.safe_dump(merged))
+    assert code != 0 and any("device.beam.span: '$(touch PWNED)'" in line for line in lines)
+    assert {path.name for path in tmp_path.iterdir()} <= {"bad.yaml", ".snakemake"}
+
+
+def calls(tree):
+    """Every call in a module, as the text of what is called, with its node."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call):
+            yield ast.unparse(node.func), node
+
+
+BUILT_IN = {"eval", "exec", "compile", "__import__"}
+SHELLS = re.compile(r"(os\.(system|popen|exec\w*|spawn\w*)|pty\..*|pickle\..*|shell)")
+
+
+def test_no_code_evaluates_text_or_starts_a_shell(root):
+    modules = [*root.glob("workflow/**/*.py"), *root.glob("benchmarks/*.py")]
+    assert len(modules) > 30
+    for path in modules:
+        for name, call in calls(ast.parse(path.read_text(encoding="utf-8"))):
+            assert name not in BUILT_IN and not SHELLS.fullmatch(name), (path, name)
+            if name.startswith("yaml."):
+                given = {word.arg: ast.unparse(word.value) for word in call.keywords}
+                assert name != "yaml.load" or given == {"Loader": "_Loader"}, (path, name)
+                assert name not in {"yaml.full_load", "yaml.unsafe_load"}, (path, name)
+            if name.startswith("subprocess."):
+                assert (path.name, name) in SUBPROCESSES, (path, name)
+                assert "shell" not in {word.arg for word in call.keywords}
+
+
+# git, to say which version made a file, and the benchmark's own Python: neither sees a config.
+SUBPROCESSES = {("provenance.py", "subprocess.run"), ("start.py", "subprocess.Popen")}
+
+
+def test_the_rules_are_scripts_only(root):
+    text = (root / "Snakefile").read_text(encoding="utf-8")
+    assert not re.search(r"^\s*(shell|run|notebook|wrapper|cwl|template_engine)\s*:", text, re.M)
+    assert not re.search(r"\b(eval|exec|subprocess|popen|os\.system)\b", text)

@@ -1,0 +1,84 @@
+"""The project's own files agree with each other."""
+
+import re
+import runpy
+import subprocess
+import tomllib
+
+import pytest
+import yaml
+from jsonschema import Draft202012Validator
+
+import snapmap
+
+HOSTS = ("pypi" + ".org", "pythonhosted" + ".org", "conda" + ".anaconda", "anaconda" + ".org")
+DOWNLOAD = re.compile(r"github\.com/\S*/(releases/download|archive|raw)/|://\S+\.(whl|tar\.gz)\b")
+
+
+@pytest.fixture(scope="module")
+def tracked(root):
+    """Paths of the files that belong to the project, new ones too."""
+    command = ["git", "ls-files", "--cached", "--others", "--exclude-standard"]
+    listed = subprocess.run(command, cwd=root, capture_output=True, text=True)
+    if listed.returncode:
+        pytest.skip("not a git repository")
+    return [path for name in listed.stdout.splitlines() if (path := root / name).is_file()]
+
+
+def test_the_config_reference_is_what_the_schema_says(root):
+    page = (root / "docs" / "config.md").read_text(encoding="utf-8")
+    assert runpy.run_path(root / "docs" / "make_config_reference.py")["reference"]() == page
+
+
+def test_the_version_is_the_same_everywhere(root):
+    project = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    citation = yaml.safe_load((root / "CITATION.cff").read_text(encoding="utf-8"))
+    changes = re.findall(r"^## \[?(\d+\.\d+\.\d+)", (root / "CHANGELOG.md").read_text(), re.M)
+    versions = {project["version"], citation["version"], changes[0], snapmap.__version__}
+    assert len(versions) == 1, versions
+
+
+def test_the_citation_has_what_the_format_requires(root):
+    citation = yaml.safe_load((root / "CITATION.cff").read_text(encoding="utf-8"))
+    required = ["authors", "cff-version", "message", "title"]
+    author = {"type": "object", "anyOf": [{"required": ["name"]}, {"required": ["family-names"]}]}
+    schema = {
+        "required": required,
+        "properties": {
+            "cff-version": {"const": "1.2.0"},
+            "type": {"const": "software"},
+            "license": {"const": "MIT"},
+            "version": {"type": "string"},
+            "authors": {"type": "array", "minItems": 1, "items": author},
+            "keywords": {"type": "array", "items": {"type": "string"}},
+            **{key: {"type": "string"} for key in ("message", "title", "abstract")},
+        },
+        "additionalProperties": False,
+    }
+    Draft202012Validator(schema).validate(citation)
+
+
+def test_relative_links_lead_somewhere(tracked):
+    pages = [path for path in tracked if path.suffix == ".md"]
+    assert len(pages) > 5
+    for page in pages:
+        for link in re.findall(r"\]\(([^)\s]+)\)", page.read_text(encoding="utf-8")):
+            if not re.match(r"[a-z]+:", link):
+                target, _, anchor = link.partition("#")
+                path = page.parent / target if target else page
+                assert path.exists(), f"{page.name}: {link}"
+                assert not anchor or anchor in anchors(path), f"{page.name}: {link}"
+
+
+def anchors(page):
+    """Headings as the anchors that a Markdown viewer makes of them."""
+    heads = re.findall(r"^#+ (.+)$", page.read_text(encoding="utf-8"), re.M)
+    return {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
+
+
+def test_no_file_names_a_package_host(tracked):
+    for path in tracked:
+        text = path.read_bytes().decode("utf-8", errors="ignore")
+        assert not [host for host in HOSTS if host in text], path
+        if path.suffix in (".lock", ".toml", ".yaml", ".txt"):
+            assert not DOWNLOAD.search(text), path
