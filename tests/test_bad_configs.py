@@ -12,7 +12,8 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from snapmap.config import ConfigError, load_study, read_document
+from snapmap.config import load_study
+from snapmap.document import ConfigError, read_document
 from snapmap.quantity import KINDS, show
 from snapmap.slab import cut
 

@@ -1,6 +1,5 @@
 """The door: a config document to a `Study` in internal units, or one line for every fault."""
 
-import itertools
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -13,15 +12,9 @@ import yaml
 from jsonschema import Draft202012Validator, ValidationError, validators
 
 from .device import Beam, Device
+from .document import ConfigError, read_document, unwieldy_part
 from .protocol import THRESHOLD_TOLERANCE, Protocol
 from .quantity import KINDS, read, show
-
-
-class ConfigError(ValueError):
-    """Faults of a config, one line each in `args`; its text is these lines."""
-
-    def __str__(self):
-        return "\n".join(self.args)
 
 
 class History(NamedTuple):
@@ -56,7 +49,6 @@ class Study:
 HANDOUT_CASE = History(N=1000.0, f0=1500.0, C=0.025)
 
 _AXES = {"N": "number", "f0": "frequency", "C": "damper"}
-_DEEPEST, _MOST_PARTS = 8, 3_000_000
 _LONGEST_KEY = 40
 
 
@@ -84,38 +76,6 @@ def load_device(path: str | Path) -> Device:
     device = _part(document, ("device",), faults, _device)
     _refuse(faults)
     return device
-
-
-def read_document(path: str | Path) -> dict:
-    """Read a YAML file that holds one mapping without repeated keys; raises ConfigError."""
-    try:
-        document = yaml.load(Path(path).read_text(encoding="utf-8"), Loader=_Loader)
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from None
-    except yaml.MarkedYAMLError as error:
-        line = error.problem_mark.line + 1
-        raise ConfigError(f"{path}: line {line} is not valid YAML: {error.problem}") from None
-    except Exception as error:  # PyYAML lets errors of several types through
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise ConfigError(f"{path}: not valid YAML: {reason}") from None
-    if not isinstance(document, dict):
-        raise ConfigError(f"{path}: {show(document)} is not a mapping of device, model, sweep")
-    if "__use_yte__" in document:  # by which Snakemake would evaluate expressions
-        raise ConfigError(f"{path}: __use_yte__ is not allowed; write values, not expressions")
-    return document
-
-
-class _Loader(yaml.SafeLoader):
-    """PyYAML keeps the last of two equal keys without a word; this one refuses them."""
-
-    def construct_mapping(self, node, deep=False):
-        seen = set()
-        for key, _ in node.value:
-            if key.value in seen:
-                problem = f"{show(key.value)} comes twice"
-                raise yaml.MarkedYAMLError(problem=problem, problem_mark=key.start_mark)
-            seen.add(key.value)
-        return super().construct_mapping(node, deep)
 
 
 def device_document(device: Device) -> dict:
@@ -209,37 +169,13 @@ def _range(section, key, kind):
 
 def _schema_faults(document):
     """Where the document breaks the schema: {path: line}."""
-    if unwieldy := _unwieldy_part(document):
+    if unwieldy := unwieldy_part(document):
         path, complaint = unwieldy
         return {path: f"{_name(path)}: {complaint}"}
     errors = _validator().iter_errors(document)
     return {
         path: f"{_name(path)}: {message}" for error in errors for path, message in _explain(error)
     }
-
-
-def _unwieldy_part(document):
-    """The first part too deep, too large or too long to be quoted, which the validator would do.
-
-    A few lines of YAML can hold themselves, or a billion parts, by aliases.
-    """
-    parts = [((), document)]
-    for count in itertools.count():
-        if not parts:
-            return None
-        path, value = parts.pop()
-        if count > _MOST_PARTS:
-            return (), f"has more than {_MOST_PARTS} parts; write fewer, axes as from, to, points"
-        if isinstance(value, int) and value.bit_length() > 10_000:
-            return path, "has thousands of digits; write a shorter number"
-        if isinstance(value, Mapping | list | tuple | set) and len(path) > _DEEPEST:
-            return path[:_DEEPEST], "is nested deeper than any key of a config; write a value"
-        if isinstance(value, Mapping):
-            parts += [(path, key) for key in value if isinstance(key, int | tuple)]
-            parts += [((*path, key), part) for key, part in value.items()]
-        elif isinstance(value, list | tuple):
-            parts += [((*path, place), part) for place, part in enumerate(value)]
-    return None
 
 
 def _explain(error) -> Iterator[tuple[tuple, str]]:
