@@ -19,7 +19,10 @@ LANES = 16
 BLOCK = 128
 """Steps between two looks at the lanes; the pulse's recurrence is restarted at each look."""
 MARGIN = 2.0
-"""A proof must hold by this many times the residual of the run's energy ledger."""
+"""A proof must hold by this many times the largest residual of the energy ledger seen so far."""
+# ASSUME: a trace looks at every fourth instant; the ringing of w has some forty to a period.
+SAMPLE = 4
+"""Steps between two looks at w for a trace; a divisor of BLOCK."""
 
 # Rows of one number: the state at instant n; the device's; the cell's.
 (
@@ -252,6 +255,9 @@ def snap_time(X, l, dt):
 def follow_all(X, shape, devices, dt, cells, stop_at_snap, facts):
     """Follow every cell until its well is proven or t_end is past, refilling each free lane.
 
+    Modes near the step limit make the energy wobble, and one look may miss it: a proof must hold
+    at two looks after the pulse, by a margin over the largest residual of all of them.
+
     X: work array; devices: (n_devices, coefficients), dt: (n_devices,), us
     cells: device_of, amplitude (um/us^2), f0 (1/us), damping (C, uN us/um), t_end (us); (cells,)
     stop_at_snap: whether a cell also ends at its snap
@@ -263,6 +269,7 @@ def follow_all(X, shape, devices, dt, cells, stop_at_snap, facts):
     t_snap, t_settled, well, energy_error = facts
     cell_in = np.full(LANES, -1)
     steps = np.zeros(LANES, np.int64)
+    worst, found_before = np.zeros(LANES), np.zeros(LANES, np.int64)
     next_cell, running = 0, 0
     X[:] = 0.0
     X_before = X[: state_size(len(shape))].copy()
@@ -273,6 +280,7 @@ def follow_all(X, shape, devices, dt, cells, stop_at_snap, facts):
                 load = damping[next_cell], amplitude[next_cell], f0[next_cell]
                 fill(X, shape, l, devices[device], *load, dt[device])
                 cell_in[l], steps[l] = next_cell, 0
+                worst[l], found_before[l] = 0.0, 0
                 next_cell += 1
                 running += 1
             if X[PULSE_LEFT * LANES + l] > 0:
@@ -298,8 +306,10 @@ def follow_all(X, shape, devices, dt, cells, stop_at_snap, facts):
             residual = ledger_residual(X_before, X, l, beam + mass + contact, damping[cell] * step)
             found = 0
             if not in_pulse:
-                found = proven_well(X, l, beam, mass, contact, w, MARGIN * abs(residual))
-            proven = found == 1 or (found == 2 and snapped)
+                worst[l] = max(worst[l], abs(residual))
+                found = proven_well(X, l, beam, mass, contact, w, MARGIN * worst[l])
+            proven = found == found_before[l] and (found == 1 or (found == 2 and snapped))
+            found_before[l] = found
             if not ended and not proven:
                 continue
             gross_work = X[GROSS_WORK * LANES + l] / 2
@@ -312,6 +322,42 @@ def follow_all(X, shape, devices, dt, cells, stop_at_snap, facts):
             X[l::LANES] = 0.0
 
 
+@njit(**JIT)
+def trace_all(X, shape, device, dt, cells, w_range, instants):
+    """Follow up to LANES cells as `follow_all` does, bit for bit, and keep their motion in bins.
+
+    X: zeros; device: its row of coefficients, with target -inf, so that row W is never latched
+    cells: amplitude, f0 and damping as in `follow_all`, and width, steps of one bin, a multiple of
+        SAMPLE; (cells,)
+    modified in place: w_range, least and greatest w(L/2) - rise in each bin, (2, bins, cells);
+        instants, at each bin's start y, all energy and the beam's (pJ), (3, bins, cells)
+    """
+    amplitude, f0, damping, width = cells
+    bins = w_range.shape[1]
+    for l in range(width.size):
+        fill(X, shape, l, device, damping[l], amplitude[l], f0[l], dt)
+    X_before = X[: state_size(len(shape))].copy()
+    for step in range(0, bins * width.max(), SAMPLE):
+        if step % BLOCK == 0:
+            for l in range(width.size):
+                restart_pulse(X, l, 2 * np.pi * f0[l] * dt, step)
+        X_before[:] = X[: X_before.size]
+        advance(X, shape, 1)
+        for l in range(width.size):
+            bin = step // width[l]
+            if bin >= bins:
+                continue
+            w = X[W * LANES + l]
+            w_range[0, bin, l] = min(w_range[0, bin, l], w)
+            w_range[1, bin, l] = max(w_range[1, bin, l], w)
+            if step == bin * width[l]:
+                beam, mass, contact, _ = energies(X_before, X, shape, l)
+                instants[0, bin, l] = X_before[Y * LANES + l]
+                instants[1, bin, l] = (beam + mass + contact) / dt**2
+                instants[2, bin, l] = beam / dt**2
+        advance(X, shape, SAMPLE - 1)
+
+
 def follow_lanes(modes, devices, dt, cells, stop_at_snap=False):
     """Follow cells of one or several devices; returns the facts of `follow_all`.
 
@@ -322,6 +368,19 @@ def follow_lanes(modes, devices, dt, cells, stop_at_snap=False):
     facts = *(np.empty(n_cells) for _ in range(2)), np.empty(n_cells, np.int8), np.empty(n_cells)
     follow_all(_work_array(modes), (0,) * modes, devices, dt, cells, stop_at_snap, facts)
     return facts
+
+
+def trace_lanes(modes, device, dt, cells, bins):
+    """Follow up to LANES cells of one device, each through `bins` bins of its own width.
+
+    device, dt, cells: as in `trace_all`; returns w_range and instants from there
+    """
+    n_cells = cells[0].size
+    w_range = np.empty((2, bins, n_cells))
+    w_range[0], w_range[1] = np.inf, -np.inf
+    instants = np.empty((3, bins, n_cells))
+    trace_all(_work_array(modes), (0,) * modes, device, dt, cells, w_range, instants)
+    return w_range, instants
 
 
 def follow_one(modes, device, dt, amplitude, f0, damping, steps, stride):
