@@ -1,25 +1,32 @@
-"""What the figures state: cells, classes, threshold and snap; and how they are saved."""
+"""What the figures state: cells, classes, thresholds, forces and errors; how they are saved."""
 
 import io
 import json
 import math
+import os
+import re
 import subprocess
 import sys
 import warnings
 
+import draw_convergence
+import draw_damage_boundary
 import draw_history
 import draw_map
+import draw_maps
+import draw_statics
+import draw_thresholds
 import matplotlib
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.collections import QuadMesh
+from matplotlib.collections import FillBetweenPolyCollection, LineCollection, QuadMesh
 from matplotlib.colors import to_rgb, to_rgba
-from matplotlib.patches import StepPatch
+from matplotlib.patches import PathPatch, Polygon
 from PIL import Image
 
 from snapmap.cube import COORDINATES, VARIABLES, write
-from snapmap.figures import histories, maps, style
+from snapmap.figures import convergence, curves, histories, maps, statics, style, thresholds
 from snapmap.outcome import OUTCOMES
 
 CONFIG = {
@@ -46,6 +53,67 @@ def make_cells(rows, f0=None, N=None):
 TINY = make_cells(["2225", "2022", "0020", "0100"])
 
 
+F0 = np.array([100.0, 1000.0, 10000.0])
+
+
+def make_found(C=(25.0, 200.0)):
+    """Thresholds of several C at 100, 1000 and 10000 Hz; at the last two islands, and late."""
+    N = np.array([1000.0, 1100.0, 2000.0]) + np.arange(len(C))[:, np.newaxis]
+    gap = np.array([0.0, 0.0, 300.0])
+    nan = np.full((len(C), 2, 2), np.nan)
+    last = np.stack([N[:, 2:], N[:, 2:] + 100], axis=-1)
+    axes = ("C", "f0")
+    variables = {
+        "N_first": (axes, N),
+        "N_error": (axes, 0 * N + 7.0),
+        "N_always": (axes, N + gap),
+        "t_snap": (axes, np.broadcast_to([5000.0, 500.0, 400.0], N.shape)),
+        "islands": (axes, np.broadcast_to([0, 0, 2], N.shape)),
+        "island_from": ((*axes, "island"), np.concatenate([nan, last], axis=1)),
+        "island_to": ((*axes, "island"), np.concatenate([nan, last + 50], axis=1)),
+        "N_static": ((), 990.0),
+        "velocity_change": ("C", 0.5 + 0.1 * np.arange(len(C))),
+    }
+    return xr.Dataset(variables, {"C": list(C), "f0": F0}, ATTRIBUTES | {"gravity": 1e-5})
+
+
+def make_statics():
+    """A force that rises to 70, falls through the saddle at 12 um to -30, and rises again."""
+    w = np.array([0.0, 2.0, 12.0, 18.0, 19.0, 20.0])
+    force = np.array([[0.0, 70.0, 0.0, -30.0, 0.0, 40.0], [0.0, 70.0, 90.0, -30.0, 0.0, 40.0]])
+    energy = np.array(
+        [[0.0, 70.0, 490.0, 400.0, 385.0, 405.0], [0.0, 70.0, 800.0, 400.0, 385.0, 405.0]]
+    )
+    axes = ("branch", "point")
+    variables = {"displacement": (axes, [w, w]), "force": (axes, force), "energy": (axes, energy)}
+    attributes = {"rise": 10.0, "second_equilibrium": -9.0, "saddle": -2.0, "barrier": 490.0}
+    attributes |= {"top_force": 70.0, "bottom_force": -30.0} | ATTRIBUTES
+    return xr.Dataset(variables, {"branch": ["followed", "one_mode"]}, attributes)
+
+
+def make_accuracy():
+    """Errors of 3 and 6 elements of order 4, of cosines, and of steps of order 2."""
+    families = {
+        "elements_consistent": {"3 elements, consistent": 1.6e-2, "6 elements, consistent": 1e-3},
+        "elements_hrz": {"3 elements, hrz": 2e-2},
+        "cosines": {"3 cosines": 1e-3, "6 cosines": 1e-4},
+        "cosines_uncorrected": {"3 cosines, uncorrected": 8e-3, "6 cosines, uncorrected": 1e-3},
+        "step": {"step 0.1": 0.0, "step 0.4": 1e-5, "step 0.8": 4e-5},
+    }
+    names = [name for cases in families.values() for name in cases]
+    codes = [i for i, cases in enumerate(families.values()) for _ in cases]
+    worst = [error for cases in families.values() for error in cases.values()]
+    one = ("reference", "C", "f0")
+    variables = {
+        "threshold_worst": ("model", worst),
+        "converged_threshold": (one, [[[1000.0, 1000.0]]]),
+        "converged_threshold_error": (one, [[[0.02, 5.0]]]),
+        "threshold_decided": (one, [[[1, 0]]]),
+    }
+    family = ("model", codes, {"flag_meanings": " ".join(families)})
+    return xr.Dataset(variables, {"model": names, "family": family}, ATTRIBUTES)
+
+
 def make_history(w_mid):
     """A history whose midpoint takes these positions, 10 us apart, 1 um below the mass."""
     w_mid = np.array(w_mid, float)
@@ -63,8 +131,18 @@ def paper():
         yield
 
 
-def map_of(cells):
-    return maps.draw_map(style.single_column(height=3.4).subplots(), cells)
+def map_of(cells, found=None):
+    return maps.draw_map(style.single_column(height=3.6).subplots(), cells, found)
+
+
+def drawn(draw, dataset, *shape):
+    """Axes on which a function has drawn a dataset."""
+    return draw(style.double_column(height=3.4).subplots(*shape), dataset)
+
+
+def visible(line):
+    """Points of a line that are not NaN."""
+    return line.get_xydata()[~np.isnan(line.get_ydata())].tolist()
 
 
 def artists(ax, kind):
@@ -137,49 +215,90 @@ def test_colours_darken_in_grey():
 
 def test_legend_names_the_classes_present():
     assert legend_words(map_of(TINY)) == [
-        "no snap seen (7)",
+        "no snap, end open (7)",
         "never snaps (1)",
-        "snaps (7)",
+        "snaps, end open (7)",
         "failed (1)",
+    ]
+
+
+@pytest.mark.parametrize("name", OUTCOMES)
+def test_every_class_has_a_key(name):
+    cells = make_cells([str(OUTCOMES.index(name))])
+    (key,) = map_of(cells).get_legend().get_patches()
+    assert key.get_label() == f"{maps.WORDS[name]} (1)"
+    assert key.get_facecolor() == to_rgba(maps.COLOURS[name])
+    assert (key.get_hatch() is not None) == (name in ("unsnapped", "snapped"))
+
+
+def rectangles(patch):
+    """Lower left and upper right corners of the rectangles of a region."""
+    corners = patch.get_path().vertices.reshape(-1, 5, 2)
+    return [(*rectangle[0], *rectangle[2]) for rectangle in corners.tolist()]
+
+
+def test_open_cells_are_hatched_as_one_region():
+    (region,) = artists(map_of(make_cells(["345", "201"])), PathPatch)
+    assert region.get_hatch() == maps.OPEN["hatch"]
+    assert rectangles(region) == [(50.0, 950.0, 200.0, 1050.0), (200.0, 950.0, 800.0, 1050.0)]
+
+
+def test_unreproduced_cells_are_hatched_otherwise():
+    cells = make_cells(["43", "11"])
+    cells["reproduced"] = xr.ones_like(cells.outcome)
+    cells.reproduced[{"f0": 0}] = 0
+    ax = map_of(cells)
+    light, dark = artists(ax, PathPatch)
+    assert light.get_hatch() == dark.get_hatch() == maps.UNREPRODUCED["hatch"] != maps.OPEN["hatch"]
+    assert rectangles(light) == [(50.0, 950.0, 200.0, 1050.0)]
+    assert rectangles(dark) == [(50.0, 1050.0, 200.0, 1150.0)]
+    assert light.get_hatchcolor() != dark.get_hatchcolor() == to_rgba("0.8")
+    assert legend_words(ax)[-1] == "not reproduced (2)"
+
+
+def test_map_without_thresholds_has_no_line():
+    assert [visible(line) for line in map_of(make_cells(["22", "00"])).lines] == [[], []]
+
+
+def test_map_shows_the_refined_threshold_dashed_where_late():
+    ax = map_of(make_cells(["22", "00"]), make_found().isel(C=0))
+    dashed, solid = ax.lines[3:5]
+    assert (dashed.get_linestyle(), solid.get_linestyle()) == ("--", "-")
+    assert visible(solid) == [[100.0, 1000.0], [1000.0, 1100.0]]
+    assert visible(dashed) == [[1000.0, 1100.0], [10000.0, 2000.0]]
+    assert legend_words(ax)[-3:] == [
         "lowest $N$ that snaps",
+        "the same, after the pulse",
+        "static, impulsive limits",
     ]
 
 
-def test_lowest_snap_is_the_edge_below_the_first_snap():
-    assert maps.lowest_snap(TINY).tolist() == [1150.0, 1250.0, 1050.0, 1150.0]
+def test_map_keeps_its_limits_and_shows_both_asymptotes():
+    cells = make_cells(["22", "00"])
+    ax = map_of(cells, make_found().isel(C=0))
+    assert (ax.get_xlim(), ax.get_ylim()) == (map_of(cells).get_xlim(), map_of(cells).get_ylim())
+    static, short = ax.lines[-2:]
+    assert static.get_ydata() == [990.0, 990.0]
+    f0, N = short.get_xydata().T
+    assert N * 1e-5 / (2e-6 * f0) == pytest.approx(np.full(f0.size, 0.5))
 
 
-@pytest.mark.parametrize("column", ["0000", "0100", "2220", "0052", "5002", "5555"])
-def test_lowest_snap_is_unknown(column):
-    """Nothing snaps; the first N does; a failure lies below."""
-    assert np.isnan(maps.lowest_snap(make_cells(column[::-1]))).all()
+def test_all_maps_share_one_legend():
+    cube = xr.concat([TINY, TINY.assign_coords(C=200.0)], "C")
+    figure = style.double_column(height=3.4)
+    axes = maps.draw_maps(figure, cube, make_found())
+    titles = [ax.get_title(loc="left") for ax in axes.flat]
+    assert titles == [style.damping(25.0), style.damping(200.0)]
+    words = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert words[:2] == ["no snap, end open (14)", "never snaps (2)"]
+    assert all(ax.get_legend() is None for ax in axes.flat)
+    figure.draw_without_rendering()
 
 
-@pytest.mark.parametrize("snap", "234")
-def test_whatever_follows_the_snap_it_counts(snap):
-    assert maps.lowest_snap(make_cells(["0", snap, "1", "0"])).tolist() == [1150.0]
-
-
-def test_threshold_steps_between_cells():
-    (steps,) = artists(map_of(TINY), StepPatch)
-    corners = list(dict.fromkeys(map(tuple, steps.get_path().vertices.tolist())))
-    assert corners == [
-        (50.0, 1150.0),
-        (200.0, 1150.0),
-        (200.0, 1250.0),
-        (800.0, 1250.0),
-        (800.0, 1050.0),
-        (3200.0, 1050.0),
-        (3200.0, 1150.0),
-        (12800.0, 1150.0),
-    ]
-
-
-@pytest.mark.parametrize("rows", [["000", "000"], ["222", "222"], ["555", "000"]])
-def test_no_threshold_without_a_change(rows):
-    ax = map_of(make_cells(rows))
-    assert artists(ax, StepPatch) == []
-    assert len(legend_words(ax)) == len(set("".join(rows)))
+@pytest.mark.parametrize(("number", "shape"), [(1, (1, 1)), (3, (1, 3)), (4, (2, 3))])
+def test_maps_stand_in_rows_of_three(number, shape):
+    cube = xr.concat([TINY.assign_coords(C=float(C)) for C in range(number)], "C")
+    assert maps.draw_maps(style.double_column(height=5.0), cube).shape == shape
 
 
 def test_failed_cells_are_crossed_out():
@@ -225,7 +344,7 @@ def test_fine_grid_draws_without_warnings():
     rows = ["2" * 250] * 100 + ["0" * 250] * 100
     ax = map_of(make_cells(rows, f0=np.geomspace(100, 3e4, 250), N=np.linspace(600, 2400, 200)))
     ax.figure.draw_without_rendering()
-    assert legend_words(ax)[:2] == ["no snap seen (25000)", "snaps (25000)"]
+    assert legend_words(ax)[:2] == ["no snap, end open (25000)", "snaps, end open (25000)"]
 
 
 def test_snap_time_is_between_two_samples():
@@ -265,43 +384,211 @@ def test_history_states_its_case():
     assert title == "$N = 1000$, $f_0$ = 1500 Hz, $C$ = 0.025 µN µs µm$^{-1}$, handout model"
 
 
-def save_both(folder):
-    """Save a map and a history through the rules' own functions; the four files' bytes."""
-    cube, history = folder / "cube.nc", folder / "history.nc"
-    write(TINY.expand_dims("C"), cube)
-    write(make_history([10, 0, -8, -12]), history)
-    paths = [folder / name for name in ("map.pdf", "map.png", "history.pdf", "history.png")]
-    draw_map.draw_map(cube, 0, *paths[:2])
-    draw_history.draw_history(history, *paths[2:])
-    assert sorted(folder.iterdir()) == sorted([cube, history, *paths])
+def test_thresholds_are_the_data_dashed_and_hollow_where_late():
+    ax = drawn(thresholds.draw_thresholds, make_found())
+    for i, N in enumerate([1000.0, 1001.0]):
+        dashed, solid = ax.lines[3 * i + 1 : 3 * i + 3]
+        assert (dashed.get_linestyle(), solid.get_linestyle()) == ("--", "-")
+        assert dashed.get_markerfacecolor() == "white" != solid.get_markerfacecolor()
+        assert dashed.get_markevery().tolist() == [False, False, True]
+        assert visible(dashed) == [[1000.0, N + 100], [10000.0, N + 1000]]
+        assert visible(solid) == [[100.0, N], [1000.0, N + 100]]
+
+
+def test_every_C_has_a_look_of_its_own():
+    ax = drawn(thresholds.draw_thresholds, make_found(C=range(7)))
+    keys = ax.get_legend().get_lines()[:7]
+    assert len({key.get_color() for key in keys}) == len({key.get_marker() for key in keys}) == 7
+
+
+def test_first_colours_differ_in_grey():
+    grey = [np.dot(to_rgb(colour), [0.299, 0.587, 0.114]) for colour, _ in curves.LOOKS[:3]]
+    assert (np.diff(grey) > 0.1).all()
+
+
+def test_thresholds_have_error_bars():
+    bars = artists(drawn(thresholds.draw_thresholds, make_found()), LineCollection)[1]
+    assert bars.get_segments()[0].tolist() == [[100.0, 993.0], [100.0, 1007.0]]
+
+
+def test_gaps_are_shaded_and_islands_stroked():
+    ax = drawn(thresholds.draw_thresholds, make_found(C=[25.0]))
+    (gap,) = artists(ax, FillBetweenPolyCollection)
+    assert gap.get_paths()[0].vertices.max(axis=0).tolist() == [10000.0, 2300.0]
+    islands, _ = artists(ax, LineCollection)
+    ends = [line[:, 1].tolist() for line in islands.get_segments() if len(line)]
+    assert ends == [[2000.0, 2050.0], [2100.0, 2150.0]]
+    assert legend_words(ax)[-1] == "island of $N$ that snap"
+
+
+def test_without_islands_there_is_no_gap():
+    found = make_found()
+    found["islands"] = 0 * found.islands
+    ax = drawn(thresholds.draw_thresholds, found)
+    assert artists(ax, FillBetweenPolyCollection) == []
+    assert legend_words(ax)[-1] == "the same, after the pulse"
+
+
+def test_thresholds_approach_both_limits():
+    ax = drawn(thresholds.draw_thresholds, make_found())
+    static, *short = ax.lines[-3:]
+    assert static.get_ydata() == [990.0, 990.0]
+    for line, v in zip(short, [0.5, 0.6], strict=True):
+        f0, N = line.get_xydata().T
+        assert N * 1e-5 / (2e-6 * f0) == pytest.approx(np.full(f0.size, v))
+    assert legend_words(ax)[0] == r"$C$ = 25, $\Delta v$ = 0.5 m/s"
+
+
+def test_damage_boundary_is_over_the_velocity_change():
+    ax = drawn(thresholds.draw_damage_boundary, make_found())
+    # N g / (2 f0), with g = 10 m/s^2
+    assert visible(ax.lines[2]) == [pytest.approx([50.0, 1000.0]), pytest.approx([5.5, 1100.0])]
+    assert visible(ax.lines[1]) == [pytest.approx([5.5, 1100.0]), pytest.approx([1.0, 2000.0])]
+    assert ax.get_xscale() == ax.get_yscale() == "log"
+
+
+def test_damage_boundary_shades_what_snaps_of_the_first_C():
+    ax = drawn(thresholds.draw_damage_boundary, make_found())
+    (region,) = artists(ax, Polygon)
+    snaps = region.get_path().contains_points
+    assert snaps([(1.1, 2000.0), (6.0, 1100.0), (50.0, 1010.0), (0.6, 1e5), (1e3, 1000.0)]).all()
+    assert not snaps([(0.9, 1900.0), (5.4, 1000.0), (50.0, 980.0), (0.4, 1e5)]).any()
+    assert legend_words(ax)[-1] == "snaps, $C$ = 25"
+
+
+def test_damage_boundary_has_both_limits_and_guides_of_constant_duration():
+    ax = drawn(thresholds.draw_damage_boundary, make_found())
+    static, first, second, *guides = ax.lines[6:]
+    assert static.get_ydata() == [990.0, 990.0]
+    assert [first.get_xdata(), second.get_xdata()] == [[0.5, 0.5], [0.6, 0.6]]
+    v, N = guides[1].get_xydata().T
+    assert len(guides) == 3 and N * 1e-5 / v == pytest.approx(np.full(2, 2e-3))
+    assert "1 ms" in [text.get_text() for text in ax.texts]
+
+
+@pytest.mark.parametrize("draw", [thresholds.draw_thresholds, thresholds.draw_damage_boundary])
+@pytest.mark.parametrize("f0", [[0], [2], [0, 2]])
+def test_thresholds_not_found_leave_a_hole(draw, f0):
+    found = make_found()
+    for name in ("N_first", "N_error", "N_always"):
+        found[name] = found[name].where(found.f0 < 1000)
+    ax = drawn(draw, found.isel(f0=f0))
+    ax.figure.draw_without_rendering()
+    assert sum(len(visible(line)) for line in ax.lines[1:3]) == int(0 in f0)
+
+
+def test_force_and_energy_are_the_data():
+    found = make_statics()
+    force, energy = (drawn(draw, found) for draw in DRAW_STATICS)
+    for ax, values in ((force, found.force), (energy, found.energy)):
+        one_mode, followed = ax.lines[:2]
+        assert followed.get_xydata().T.tolist() == [
+            *found.displacement[:1].values.tolist(),
+            values[0].values.tolist(),
+        ]
+        assert one_mode.get_ydata().tolist() == values[1].values.tolist()
+        assert (followed.get_linestyle(), one_mode.get_linestyle()) == ("-", "--")
+        assert "µm" in ax.get_xlabel()
+
+
+DRAW_STATICS = (statics.draw_force_displacement, statics.draw_energy)
+
+
+def test_statics_mark_wells_saddle_and_peaks():
+    force, energy = (drawn(draw, make_statics()) for draw in DRAW_STATICS)
+    assert line(force, "stable").get_xydata().tolist() == [[0.0, 0.0], [19.0, 0.0]]
+    assert line(force, "saddle").get_xydata().tolist() == [[12.0, 0.0]]
+    assert line(energy, "stable").get_ydata().tolist() == [0.0, 385.0]
+    assert line(energy, "saddle").get_ydata().tolist() == [490.0]
+    words = [text.get_text() for text in (*force.texts, *energy.texts)]
+    assert [word.split("= ")[-1] for word in words] == ["70 µN", "−30 µN", "barrier 490 pJ"]
+
+
+def test_convergence_draws_the_errors_over_number_and_step():
+    number, step = drawn(convergence.draw_convergence, make_accuracy(), 1, 2)
+    assert line(number, "$n$ elements, consistent").get_xydata().tolist() == [
+        [3, 1.6e-2],
+        [6, 1e-3],
+    ]
+    assert line(number, "$n$ cosines, not").get_xydata().tolist() == [[3, 8e-3], [6, 1e-3]]
+    assert line(step, "time step").get_xydata().tolist() == [[0.4, 1e-5], [0.8, 4e-5]]
+    number.figure.draw_without_rendering()
+
+
+def test_slopes_have_the_expected_orders():
+    axes = drawn(convergence.draw_convergence, make_accuracy(), 1, 2)
+    slopes = [line for ax in axes for line in ax.lines if line.get_linestyle() == ":"]
+    ratios = [line.get_ydata()[1] / line.get_ydata()[0] for line in slopes]
+    assert ratios == pytest.approx([2.0**-4, 2.0**-3, 2.0**2])
+
+
+def test_what_the_converged_run_does_not_know_is_shaded():
+    number, _ = drawn(convergence.draw_convergence, make_accuracy(), 1, 2)
+    (shade,) = number.patches
+    assert shade.get_y() + shade.get_height() == pytest.approx(2e-5)
+
+
+def save_all(folder):
+    """Save figures through the rules' own functions; the files' bytes."""
+    made = {
+        "cube": TINY.expand_dims("C"),
+        "threshold": make_found(),
+        "history": make_history([10, 0, -8, -12]),
+        "statics": make_statics(),
+        "accuracy": make_accuracy(),
+    }
+    files = {name: folder / f"{name}.nc" for name in made}
+    for name, dataset in made.items():
+        write(dataset, files[name])
+    grid = files["cube"], files["threshold"]
+    jobs = {
+        "map": (draw_map.draw_map, *grid, 0),
+        "maps": (draw_maps.draw_maps, *grid),
+        "thresholds": (draw_thresholds.draw_thresholds, files["threshold"]),
+        "damage_boundary": (draw_damage_boundary.draw_damage_boundary, files["threshold"]),
+        "history": (draw_history.draw_history, files["history"]),
+        "statics": (draw_statics.draw_statics, files["statics"]),
+        "convergence": (draw_convergence.draw_convergence, files["accuracy"]),
+    }
+    for name, (draw, *inputs) in jobs.items():
+        draw(*inputs, *(folder / f"{name}.{kind}" for kind in ("pdf", "png")))
+    paths = {folder / f"{name}.{kind}" for name in jobs for kind in ("pdf", "png")}
+    assert set(folder.iterdir()) == {*files.values(), *paths}
     return {path.name: path.read_bytes() for path in paths}
 
 
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory):
-    return save_both(tmp_path_factory.mktemp("figures"))
+    return save_all(tmp_path_factory.mktemp("figures"))
 
 
 def test_saved_files_repeat_byte_for_byte(saved, tmp_path):
-    assert save_both(tmp_path) == saved
+    assert save_all(tmp_path) == saved
 
 
-@pytest.mark.parametrize("name", ["map.pdf", "history.pdf"])
-def test_pdf_embeds_truetype_fonts(saved, name):
-    assert b"/FontFile2" in saved[name]
-    assert b"/Type3" not in saved[name]
+STEMS = ("map", "maps", "thresholds", "damage_boundary", "history", "statics", "convergence")
 
 
-def test_pdf_carries_provenance_and_no_date(saved):
-    assert b"/Title (A title)" in saved["map.pdf"]
-    assert b"/Creator (0.1.0+abc)" in saved["map.pdf"]
-    assert b"1.5 ms" in saved["map.pdf"]
-    assert b"Date" not in saved["map.pdf"]
+@pytest.mark.parametrize("stem", STEMS)
+def test_pdf_embeds_truetype_fonts(saved, stem):
+    assert b"/FontFile2" in saved[f"{stem}.pdf"]
+    assert b"/Type3" not in saved[f"{stem}.pdf"]
 
 
-def test_png_carries_provenance_at_300_dpi(saved):
-    with Image.open(io.BytesIO(saved["map.png"])) as image:
-        assert image.size == (1020, 1020)
+@pytest.mark.parametrize("stem", STEMS)
+def test_pdf_carries_provenance_and_no_date(saved, stem):
+    pdf = saved[f"{stem}.pdf"]
+    assert b"/Title (A title)" in pdf
+    assert b"/Creator (0.1.0+abc)" in pdf
+    assert b"1.5 ms" in pdf
+    assert b"Date" not in pdf
+
+
+@pytest.mark.parametrize("stem", STEMS)
+def test_png_carries_provenance_at_300_dpi(saved, stem):
+    with Image.open(io.BytesIO(saved[f"{stem}.png"])) as image:
+        single = stem in ("map", "damage_boundary", "statics")
+        assert image.size[0] == (1020 if single else 2100)
         assert image.info["dpi"] == pytest.approx((300, 300), abs=0.01)
         assert image.info["Title"] == "A title"
         assert image.info["Software"] == "0.1.0+abc"
@@ -321,7 +608,36 @@ def test_style_leaves_the_users_own_alone():
 
 
 def test_figures_need_no_pyplot(root):
-    code = "import sys, draw_map, draw_history; print('matplotlib.pyplot' in sys.modules)"
-    command, scripts = [sys.executable, "-c", code], root / "workflow" / "scripts"
+    scripts = root / "workflow" / "scripts"
+    names = ", ".join(path.stem for path in scripts.glob("draw_*.py"))
+    code = f"import sys, {names}; print('matplotlib.pyplot' in sys.modules)"
+    command = [sys.executable, "-c", code]
     run = subprocess.run(command, cwd=scripts, capture_output=True, text=True, check=True)
     assert run.stdout == "False\n"
+
+
+def test_every_figure_is_in_the_report_with_a_caption(root):
+    """And every caption belongs to a figure, but for the words at the report's head."""
+    snakefile = (root / "Snakefile").read_text()
+    outputs = re.findall(r"png=(report\()?\s*\"results/figures/", snakefile)
+    captions = re.findall(r'caption="(workflow/report/\w+\.rst)"', snakefile)
+    assert all(outputs) and len(outputs) == len(captions) == len(set(captions))
+    written = {f"workflow/report/{path.name}" for path in (root / "workflow/report").iterdir()}
+    assert written == {*captions, "workflow/report/study.rst"}
+    assert all((root / path).read_text().strip() for path in written)
+
+
+def test_examples_of_the_page_on_figures_run(root, tmp_path):
+    """On a tiny cube, as they stand; the last has ten lines."""
+    page = (root / "docs" / "figures.md").read_text()
+    examples = re.findall(r"```python\n(.*?)```", page, re.S)
+    assert len([line for line in examples[-1].splitlines() if line.strip()]) == 10
+    (tmp_path / "results").mkdir()
+    write(TINY.expand_dims("C"), tmp_path / "results" / "cube.nc")
+    write(make_found(C=[25.0]), tmp_path / "results" / "threshold.nc")
+    path = {"PYTHONPATH": str(root / "workflow" / "scripts"), "MPLBACKEND": "agg"}
+    for code in examples:
+        subprocess.run(
+            [sys.executable, "-c", code], cwd=tmp_path, env=os.environ | path, check=True
+        )
+    assert {figure.name for figure in tmp_path.glob("*.pdf")} == {"both.pdf", "share.pdf"}

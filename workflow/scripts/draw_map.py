@@ -5,17 +5,23 @@ import xarray as xr
 from snapmap.figures import maps, style
 
 
-def draw_map(cube_path, damping_index, pdf_path, png_path):
-    """Read a cube and draw its map at one index along C, as wide as one column."""
-    with xr.open_dataset(cube_path, engine="netcdf4") as cube, style.paper():
-        figure = style.single_column(height=3.4)
-        maps.draw_map(figure.subplots(), cube.isel(C=damping_index))
+def draw_map(cube_path, threshold_path, damping_index, pdf_path, png_path):
+    """Read a cube and its thresholds and draw the map at one index along C, one column wide."""
+    with (
+        xr.open_dataset(cube_path, engine="netcdf4") as cube,
+        xr.open_dataset(threshold_path, engine="netcdf4") as found,
+        style.paper(),
+    ):
+        cells = cube.isel(C=damping_index)
+        figure = style.single_column(height=3.6)
+        maps.draw_map(figure.subplots(), cells, found.sel(C=cells.C))
         style.save(figure, pdf_path, png_path, cube.attrs)
 
 
 if __name__ == "__main__":
     draw_map(
         cube_path=snakemake.input.cube,
+        threshold_path=snakemake.input.threshold,
         damping_index=snakemake.params.damping_index,
         pdf_path=snakemake.output.pdf,
         png_path=snakemake.output.png,

@@ -1,5 +1,7 @@
 """What a cell's facts prove: the labels of the map."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 OUTCOMES = ("unsnapped", "never", "snapped", "latched", "returned", "failed")
@@ -34,11 +36,17 @@ def count(outcome: np.ndarray) -> dict[str, int]:
     return {name: int(n) for name, n in zip(OUTCOMES, numbers, strict=True) if n}
 
 
-def shares(outcome: np.ndarray, reproduced: np.ndarray | None = None) -> dict[str, float]:
-    """Shares of the cells that are proven, open and failed; and reproduced, if that is known."""
-    proven = np.isin(outcome, (NEVER, LATCHED, RETURNED)).mean()
-    still_open = np.isin(outcome, (UNSNAPPED, SNAPPED)).mean()
-    found = {"proven": proven, "open": still_open, "failed": (outcome == FAILED).mean()}
+def shares(counts: Mapping[str, int], reproduced: int | None = None) -> dict[str, float]:
+    """Shares of the cells that are proven, open and failed; and reproduced, if that is known.
+
+    counts: as from `count`; reproduced: number of cells
+    """
+    total = sum(counts.values())
+    found = {
+        "proven": sum(counts.get(name, 0) for name in ("never", "latched", "returned")),
+        "open": sum(counts.get(name, 0) for name in ("unsnapped", "snapped")),
+        "failed": counts.get("failed", 0),
+    }
     if reproduced is not None:
-        found["reproduced"] = (reproduced == 1).mean()
-    return {f"share_{name}": round(float(share), 6) for name, share in found.items()}
+        found["reproduced"] = reproduced
+    return {f"share_{name}": round(number / total, 6) for name, number in found.items()}

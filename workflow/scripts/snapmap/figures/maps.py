@@ -1,17 +1,15 @@
-"""The map of one C: the outcome of every cell of the (f0, N) plane."""
-
-import json
+"""Maps of the (f0, N) plane: the outcome of every cell, and where snapping begins."""
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.collections import PatchCollection
 from matplotlib.colors import BoundaryNorm, ListedColormap
-from matplotlib.patches import Patch, Rectangle
-from matplotlib.transforms import ScaledTranslation
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch, PathPatch
+from matplotlib.path import Path
 
-from ..quantity import read
-from .style import damping
+from . import style
+from .curves import curve_keys, draw_curve, draw_limits, freeze, limit_key
 
 COLOURS = {
     "unsnapped": "#eef4f8",
@@ -23,30 +21,57 @@ COLOURS = {
 }
 """Ever darker, so that a grey print keeps the classes apart."""
 
-HATCHED = {"facecolor": "none", "edgecolor": "0.15", "hatch": "//////", "linewidth": 0}
+OPEN = {"hatch": "." * 5, "hatchcolor": "0.35"}
+UNREPRODUCED = {"hatch": "/" * 14, "hatchcolor": "0.1"}
+UNREPRODUCED_DARK = UNREPRODUCED | {"hatchcolor": "0.8"}
+"""Hatches of what is open, and of what another step did not reproduce, on light and dark."""
+STILL_OPEN, DARK = ("unsnapped", "snapped"), ("returned", "failed")
 
 WORDS = {
-    "unsnapped": "no snap seen",
+    "unsnapped": "no snap, end open",
     "never": "never snaps",
-    "snapped": "snaps",
+    "snapped": "snaps, end open",
     "latched": "snaps and stays",
     "returned": "snaps and returns",
     "failed": "failed",
 }
+TITLE = "outcome (number of cells)"
+COLUMNS = 3
+"""Maps side by side."""
 
 
-def draw_map(ax: Axes, cells: xr.Dataset) -> Axes:
-    """Draw the outcomes of one C over f0 (Hz) and N (multiples of g), and the threshold."""
-    cells = cells.sortby(["f0", "N"])
-    ax.set_xscale("log")
-    _draw_cells(ax, cells)
-    _draw_unreproduced(ax, cells)
-    _draw_failed(ax, cells)
-    _draw_threshold(ax, cells)
-    _label_axes(ax, cells)
-    ax.set_title(_caption(cells))
-    _draw_legend(ax, cells)
+def draw_map(ax: Axes, cells: xr.Dataset, found: xr.Dataset | None = None) -> Axes:
+    """Draw the outcomes of one C over f0 (Hz) and N (multiples of g).
+
+    found: thresholds of the same C, drawn with their limits
+    """
+    _draw_panel(ax, cells, found)
+    ax.set_title("\n".join([style.damping(cells.C.item()), style.case(cells.attrs)]).strip())
+    style.legend_below(ax, [*_cell_keys(cells), *_threshold_keys(found)], TITLE, ncols=2)
     return ax
+
+
+def draw_maps(figure: Figure, cube: xr.Dataset, found: xr.Dataset | None = None) -> np.ndarray:
+    """Draw the map of every C on an empty figure, and one legend; returns the axes.
+
+    found: thresholds of the same C, drawn with their limits
+    """
+    columns = min(cube.C.size, COLUMNS)
+    shape = -(-cube.C.size // columns), columns
+    axes = figure.subplots(*shape, sharey=True, squeeze=False)
+    for ax in axes.flat[cube.C.size :]:
+        ax.set_axis_off()
+    for i in range(cube.C.size):
+        _draw_panel(axes.flat[i], cube.isel(C=i), None if found is None else found.isel(C=i))
+        axes.flat[i].set_title(style.damping(cube.C.values[i]))
+    for ax in axes[:, 1:].flat:
+        ax.set_ylabel("")
+    for ax in (ax for row in axes[1:] for ax in row if ax.child_axes):
+        ax.child_axes[0].set_visible(False)
+    keys = [*_cell_keys(cube), *_threshold_keys(found)]
+    title = "; ".join(filter(None, [TITLE, style.case(cube.attrs)]))
+    figure.legend(handles=keys, title=title, ncols=4, loc="outside lower center")
+    return axes
 
 
 def arithmetic_edges(values: np.ndarray) -> np.ndarray:
@@ -66,18 +91,18 @@ def geometric_edges(values: np.ndarray) -> np.ndarray:
     return np.array([values[0] ** 2 / middle[0], *middle, values[-1] ** 2 / middle[-1]])
 
 
-def lowest_snap(cells: xr.Dataset) -> np.ndarray:
-    """Edge below the lowest N that snaps, for each f0, in multiples of g; ascending N.
-
-    NaN where the grid does not show it: nothing snaps, the first N does, or a failure lies below.
-    """
-    outcome, codes = cells.outcome.transpose("f0", "N").values, _codes(cells)
-    quiet = np.isin(outcome, [codes["unsnapped"], codes["never"]])
-    below = np.logical_and.accumulate(quiet, axis=1).sum(axis=1)
-    last = outcome.shape[1] - 1
-    first_other = outcome[np.arange(below.size), np.minimum(below, last)]
-    shown = (below > 0) & (below <= last) & (first_other != codes["failed"])
-    return np.where(shown, arithmetic_edges(cells.N.values)[below], np.nan)
+def _draw_panel(ax, cells, found):
+    cells = cells.sortby(["f0", "N"])
+    top = style.frequency_axis(ax)
+    ax.set_ylabel("pulse amplitude $N$ (multiples of $g$)")
+    _draw_cells(ax, cells)
+    _draw_hatches(ax, cells)
+    _draw_failed(ax, cells)
+    _mark_alone(ax.xaxis, cells.f0.values)
+    _mark_alone(ax.yaxis, cells.N.values)
+    _mark_alone(top.xaxis, 1e3 / cells.f0.values, digits=3)
+    if found is not None:
+        _draw_threshold(ax, found.sortby("f0"))
 
 
 def _draw_cells(ax, cells):
@@ -95,20 +120,26 @@ def _draw_cells(ax, cells):
     )
 
 
-def _draw_unreproduced(ax, cells):
-    """Hatch the cells whose outcome another step did not reproduce."""
-    j, i = np.nonzero(~_reproduced(cells))
+def _draw_hatches(ax, cells):
+    """Hatch what is open, and what another step did not reproduce, each as one region."""
     x, y = geometric_edges(cells.f0.values), arithmetic_edges(cells.N.values)
-    corners = zip(x[i], y[j], np.diff(x)[i], np.diff(y)[j], strict=True)
-    patches = [Rectangle((left, low), width, height) for left, low, width, height in corners]
-    ax.add_collection(PatchCollection(patches, **HATCHED))
+    other, dark = _is_unreproduced(cells), _is_one_of(cells, DARK)
+    dots = _is_one_of(cells, STILL_OPEN), OPEN
+    for chosen, look in (dots, (other & ~dark, UNREPRODUCED), (other & dark, UNREPRODUCED_DARK)):
+        j, i = np.nonzero(chosen.transpose("N", "f0").values)
+        corners = [(x[i], y[j]), (x[i + 1], y[j]), (x[i + 1], y[j + 1]), (x[i], y[j + 1])]
+        if i.size:
+            region = Path.make_compound_path_from_polys(np.moveaxis(corners, 2, 0))
+            ax.add_patch(PathPatch(region, facecolor="none", linewidth=0, **look))
 
 
-def _reproduced(cells):
-    """Whether each cell, (N, f0), was reproduced; True where no second run was made."""
-    if "reproduced" not in cells:
-        return np.ones((cells.sizes["N"], cells.sizes["f0"]), bool)
-    return cells.reproduced.transpose("N", "f0").values == 1
+def _is_one_of(cells, names):
+    return cells.outcome.isin([_codes(cells)[name] for name in names])
+
+
+def _is_unreproduced(cells):
+    """Nowhere where no second run was made."""
+    return cells.get("reproduced", xr.ones_like(cells.outcome)) != 1
 
 
 def _draw_failed(ax, cells):
@@ -119,22 +150,10 @@ def _draw_failed(ax, cells):
         ax.plot(cells.f0.values[i], cells.N.values[j], linestyle="", **cross)
 
 
-def _draw_threshold(ax, cells):
-    threshold = lowest_snap(cells)
-    if not np.isnan(threshold).all():
-        edges = geometric_edges(cells.f0.values)
-        label = "lowest $N$ that snaps"
-        ax.stairs(threshold, edges, baseline=None, color="black", linewidth=1.0, label=label)
-
-
-def _label_axes(ax, cells):
-    ax.set_xlabel("pulse frequency $f_0$ (Hz)")
-    ax.set_ylabel("pulse amplitude $N$ (multiples of $g$)")
-    top = ax.secondary_xaxis("top", functions=(_reciprocal, _reciprocal))
-    top.set_xlabel("pulse duration $1/f_0$ (ms)")
-    _mark_alone(ax.xaxis, cells.f0.values)
-    _mark_alone(ax.yaxis, cells.N.values)
-    _mark_alone(top.xaxis, _reciprocal(cells.f0.values), digits=3)
+def _draw_threshold(ax, found):
+    freeze(ax)
+    draw_curve(ax, found.f0.values, found, "black")
+    draw_limits(ax, found)
 
 
 def _mark_alone(axis, values, digits=6):
@@ -144,49 +163,20 @@ def _mark_alone(axis, values, digits=6):
         axis.set_ticks([], minor=True)
 
 
-def _reciprocal(values):
-    """1/f0 in ms from f0 in Hz, and back; matplotlib asks for it at 0, too."""
-    with np.errstate(divide="ignore"):
-        return 1e3 / np.asarray(values)
+def _cell_keys(cells):
+    """A key for each class that is there, and for what was not reproduced, with the numbers."""
+    for name, code in _codes(cells).items():
+        hatch = OPEN if name in STILL_OPEN else {}
+        if count := np.count_nonzero(cells.outcome == code):
+            look = {"facecolor": COLOURS[name], "edgecolor": "black", **hatch}
+            yield Patch(**look, label=f"{WORDS[name]} ({count})")
+    if count := np.count_nonzero(_is_unreproduced(cells)):
+        look = {"facecolor": "none", "edgecolor": "black", **UNREPRODUCED}
+        yield Patch(**look, label=f"not reproduced ({count})")
 
 
-def _caption(cells):
-    caption = damping(cells.C.item())
-    if "config" not in cells.attrs:
-        return caption
-    config = json.loads(cells.attrs["config"])
-    horizon = read(config["sweep"]["horizon"], "duration")
-    return f"{caption}\n{config['model']['name']} model, followed {horizon:g} µs beyond the pulse"
-
-
-def _draw_legend(ax, cells):
-    """List the classes that are there, and the threshold, below the axis' own labels."""
-    below = ScaledTranslation(0, -30 / 72, ax.figure.dpi_scale_trans)
-    ax.legend(
-        handles=[*_class_patches(cells), *ax.get_legend_handles_labels()[0], *_hatched(cells)],
-        title="outcome (number of cells)",
-        ncols=2,
-        loc="upper center",
-        bbox_to_anchor=(0.5, 0),
-        bbox_transform=ax.transAxes + below,
-    )
-
-
-def _hatched(cells):
-    """A labelled patch for the cells that were not reproduced, if there are any."""
-    count = np.count_nonzero(~_reproduced(cells))
-    return [Patch(**HATCHED, label=f"not reproduced ({count})")] if count else []
-
-
-def _class_patches(cells):
-    """A labelled patch for each class that is there."""
-    outcome = cells.outcome.values
-    counts = {name: np.count_nonzero(outcome == code) for name, code in _codes(cells).items()}
-    return [
-        Patch(facecolor=COLOURS[name], edgecolor="black", label=f"{WORDS[name]} ({count})")
-        for name, count in counts.items()
-        if count
-    ]
+def _threshold_keys(found):
+    return [] if found is None else [*curve_keys(found, "black"), limit_key()]
 
 
 def _codes(cells):

@@ -1,12 +1,20 @@
 """What every figure for print shares: the style sheet, the sizes, and how it is saved."""
 
-import os
-from collections.abc import Mapping
+import json
+from collections.abc import Iterable, Mapping
 from contextlib import AbstractContextManager
 from pathlib import Path
 
 import matplotlib.style
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
+from matplotlib.transforms import ScaledTranslation
+
+from ..atomic import replacing
+from ..quantity import read
 
 SHEET = Path(__file__).with_name("paper.mplstyle")
 # Which metadata of each format holds which attribute of a dataset.
@@ -39,14 +47,53 @@ def save(
     attributes: of the dataset drawn; title, code_version and config go into the files' metadata
     """
     for kind, path in {"pdf": path_pdf, "png": path_png}.items():
-        temporary = f"{path}.part"
-        figure.savefig(temporary, format=kind, metadata=_metadata(kind, attributes))
-        os.replace(temporary, path)
+        with replacing(path) as temporary:
+            figure.savefig(temporary, format=kind, metadata=_metadata(kind, attributes))
 
 
 def damping(C: float) -> str:
     """Typeset the damping coefficient of the mass; C: uN us/um."""
     return f"$C$ = {C:g} µN µs µm$^{{-1}}$"
+
+
+def case(attributes: Mapping[str, str]) -> str:
+    """Which model was followed for how long, from a dataset's attributes; empty without them."""
+    if "config" not in attributes:
+        return ""
+    config = json.loads(attributes["config"])
+    horizon = read(config["sweep"]["horizon"], "duration")
+    return f"{config['model']['name']} model, followed {horizon:g} µs beyond the pulse"
+
+
+def frequency_axis(ax: Axes) -> Axes:
+    """Make x the frequency of the pulse, logarithmic, and add its duration above; returns that."""
+    ax.set_xscale("log")
+    ax.set_xlabel("pulse frequency $f_0$ (Hz)")
+    top = ax.secondary_xaxis("top", functions=(_reciprocal, _reciprocal))
+    top.set_xlabel("pulse duration $1/f_0$ (ms)")
+    return top
+
+
+def amplitude_axis(ax: Axes) -> None:
+    """Make y the amplitude of the pulse, logarithmic, ticked 1, 2, 3, 5 in every decade."""
+    ax.set_yscale("log")
+    ax.set_ylabel("pulse amplitude $N$ (multiples of $g$)")
+    ax.yaxis.set_major_locator(LogLocator(subs=(1, 2, 3, 5)))
+    ax.yaxis.set_major_formatter("{x:g}")
+    ax.yaxis.set_minor_formatter("")
+
+
+def legend_below(ax: Axes, keys: Iterable[Artist], title: str, ncols: int) -> None:
+    """Put a legend below the axis' own labels."""
+    below = ax.transAxes + ScaledTranslation(0, -30 / 72, ax.figure.dpi_scale_trans)
+    place = {"loc": "upper center", "bbox_to_anchor": (0.5, 0), "bbox_transform": below}
+    ax.legend(handles=list(keys), title=title, ncols=ncols, **place)
+
+
+def _reciprocal(values):
+    """1/f0 in ms from f0 in Hz, and back; matplotlib asks for it at 0, too."""
+    with np.errstate(divide="ignore"):
+        return 1e3 / np.asarray(values)
 
 
 def _metadata(kind, attributes):

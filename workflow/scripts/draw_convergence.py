@@ -1,0 +1,22 @@
+"""Rule draw_convergence: draw how the error of the threshold falls with number and step."""
+
+import xarray as xr
+
+from snapmap.figures import convergence, style
+
+
+def draw_convergence(accuracy_path, pdf_path, png_path):
+    """Read the measured errors and draw them as wide as two columns."""
+    with xr.open_dataset(accuracy_path, engine="netcdf4") as found, style.paper():
+        figure = style.double_column(height=3.2)
+        axes = figure.subplots(1, 2, sharey=True, width_ratios=[3, 2])
+        convergence.draw_convergence(axes, found)
+        style.save(figure, pdf_path, png_path, found.attrs)
+
+
+if __name__ == "__main__":
+    draw_convergence(
+        accuracy_path=snakemake.input.accuracy,
+        pdf_path=snakemake.output.pdf,
+        png_path=snakemake.output.png,
+    )

@@ -1,0 +1,67 @@
+"""The beam pushed slowly from its first shape to the second: force and energy."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+
+FOLLOWED = {"color": "C5", "linewidth": 1.2, "label": "followed by the beam"}
+ONE_MODE = {"color": "C6", "linestyle": "--", "label": "without the second mode: no beam"}
+STABLE = {"color": "black", "marker": "o", "markersize": 4, "linestyle": "", "zorder": 3}
+UNSTABLE = STABLE | {"markerfacecolor": "white"}
+PEAK = {"color": "0.4", "linewidth": 0.5, "linestyle": ":", "zorder": 0}
+NOTE = {"textcoords": "offset points", "fontsize": 6}
+
+
+def draw_force_displacement(ax: Axes, statics: xr.Dataset) -> Axes:
+    """Draw the force (uN) over the displacement of the midpoint (um), its peak and its trough."""
+    _draw_branches(ax, statics.displacement, statics.force)
+    ax.axhline(0, color="0.6", linewidth=0.5, zorder=0)
+    _mark_equilibria(ax, statics, np.zeros(3))
+    _mark_peaks(ax, statics)
+    ax.set_ylabel("force on the midpoint (µN)")
+    ax.legend(loc="lower left", bbox_to_anchor=(0, 1.03), ncols=2)
+    return ax
+
+
+def draw_energy(ax: Axes, statics: xr.Dataset) -> Axes:
+    """Draw the energy of the beam (pJ) over the displacement of the midpoint (um), and the barrier.
+
+    statics: as for `draw_force_displacement`
+    """
+    _draw_branches(ax, statics.displacement, statics.energy)
+    second = _energy_at(statics, statics.rise - statics.second_equilibrium)
+    _mark_equilibria(ax, statics, [0, statics.barrier, second])
+    at = statics.rise - statics.saddle, statics.barrier
+    words = f"barrier {statics.barrier:.4g} pJ"
+    ax.annotate(words, at, xytext=(0, -7), ha="center", va="top", **NOTE)
+    ax.set_ylabel("energy of the beam (pJ)")
+    return ax
+
+
+def _draw_branches(ax, displacement, values):
+    for branch, look in {"one_mode": ONE_MODE, "followed": FOLLOWED}.items():
+        ax.plot(displacement.sel(branch=branch), values.sel(branch=branch), **look)
+    ax.set_xlabel("displacement of the midpoint, downward (µm)")
+
+
+def _mark_equilibria(ax, statics, heights):
+    """Mark the first shape, the saddle and the second shape at these heights."""
+    places = 0, statics.rise - statics.saddle, statics.rise - statics.second_equilibrium
+    ax.plot(places[::2], heights[::2], **STABLE, label="stable shape")
+    ax.plot(places[1], heights[1], **UNSTABLE, label="saddle")
+
+
+def _mark_peaks(ax, statics):
+    """Draw a line at the largest and at the least force between the shapes, and name it."""
+    top = statics.top_force, r"F_\mathrm{top}", 1, (-3, 2), {"ha": "right", "va": "bottom"}
+    bottom = statics.bottom_force, r"F_\mathrm{bottom}", 0, (3, -3), {"ha": "left", "va": "top"}
+    for force, symbol, end, offset, side in (top, bottom):
+        ax.axhline(force, **PEAK)
+        words = f"${symbol}$ = {force:.4g} µN".replace("-", "−")
+        place = {"xycoords": ("axes fraction", "data"), "xytext": offset}
+        ax.annotate(words, (end, force), **place, **side, **NOTE)
+
+
+def _energy_at(statics, displacement):
+    followed = statics.sel(branch="followed").sortby("displacement")
+    return np.interp(displacement, followed.displacement, followed.energy)
