@@ -1,0 +1,256 @@
+"""The workflow on a real Slurm of one node, started here: the cube is that of a local run."""
+
+import getpass
+import os
+import shutil
+import socket
+import subprocess
+import time
+from contextlib import ExitStack, contextmanager
+
+import netCDF4
+import pytest
+import yaml
+
+from snapmap.config import load_study
+from snapmap.slab import Slab, requests
+
+PROGRAMS = ("munged", "slurmctld", "slurmd", "sinfo", "sbatch", "srun")
+SLURM = """
+ClusterName=test
+SlurmctldHost=localhost
+SlurmctldPort={ports[0]}
+SlurmdPort={ports[1]}
+SlurmUser={user}
+SlurmdUser={user}
+AuthInfo=socket={folder}/munge.socket
+StateSaveLocation={folder}/state
+SlurmdSpoolDir={folder}/spool
+SlurmctldPidFile={folder}/slurmctld.pid
+SlurmdPidFile={folder}/slurmd.pid
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_Core_Memory
+JobAcctGatherType=jobacct_gather/none
+AccountingStorageType=accounting_storage/none
+MpiDefault=none
+MinJobAge=3600
+SlurmdParameters=config_overrides
+NodeName=one NodeHostname=localhost NodeAddr=127.0.0.1 CPUs=4 RealMemory=16000
+PartitionName=all Nodes=ALL Default=YES State=UP
+"""
+# Any plugin that starts without a mounted cgroup: nothing above uses one.
+CGROUP = "CgroupPlugin=cgroup/v1\n"
+# The executor's job step drops SLURM_CONF from the environment in which it calls srun.
+SRUN = "#!/bin/sh\nSLURM_CONF='{folder}/slurm.conf' exec '{srun}' \"$@\"\n"
+
+TINY = """
+device:
+  beam: {span: 500 um, rise: 8 um, thickness: 1.9 um, depth: 20 um, youngs_modulus: 160 GPa,
+         density: 2330 kg/m^3}
+  mass: 6e-9 kg
+  spring: 4 N/m
+  contact: 60 N/m
+  gravity: 9.81 m/s^2
+model: {name: handout, elements: 3}
+sweep:
+  N: {from: 200, to: 3000, points: 8}
+  f0: [800 Hz, 2 kHz]
+  C: [0.5 uN*us/um, 30 uN*us/um]
+  horizon: 200 us
+"""
+
+
+class Cluster:
+    """Slurm's commands, told where their configuration is; a clone of the project to run there."""
+
+    def __init__(self, folder, programs):
+        self.programs = programs
+        self.environment = os.environ | {
+            "SLURM_CONF": str(folder / "slurm.conf"),
+            "PATH": f"{folder}/bin:{os.environ['PATH']}",
+        }
+
+    def ask(self, *command):
+        """What a Slurm command prints; empty where it fails, as before the daemons are up."""
+        done = subprocess.run(command, env=self.environment, capture_output=True, text=True)
+        return done.stdout.strip() if done.returncode == 0 else ""
+
+    def jobs(self, folder):
+        """The jobs of a workflow's run in `folder`, in order, each a dict of Slurm's facts."""
+        lines = self.ask("scontrol", "--oneliner", "show", "jobs").splitlines()
+        facts = [dict(word.split("=", 1) for word in line.split() if "=" in word) for line in lines]
+        mine = [job for job in facts if job.get("StdOut", "").startswith(f"{folder}/")]
+        return sorted(mine, key=lambda job: int(job["JobId"]))
+
+
+def wait_for(condition, seconds):
+    """Whether the condition came true in time."""
+    end = time.monotonic() + seconds
+    while not condition() and time.monotonic() < end:
+        time.sleep(0.2)
+    return bool(condition())
+
+
+def find_programs():
+    path = f"{os.environ['PATH']}:/usr/sbin:/sbin"
+    found = {name: shutil.which(name, path=path) for name in PROGRAMS}
+    missing = [name for name, place in found.items() if place is None]
+    if missing:
+        pytest.skip(f"not installed: {', '.join(missing)}; apt install slurmctld slurmd munge")
+    return found
+
+
+def free_ports(count):
+    with ExitStack() as stack:
+        sockets = [stack.enter_context(socket.socket()) for _ in range(count)]
+        for each in sockets:
+            each.bind(("127.0.0.1", 0))
+        return [each.getsockname()[1] for each in sockets]
+
+
+def configure(folder, programs):
+    for name in ("bin", "state", "spool"):
+        (folder / name).mkdir()
+    (folder / "munge.key").write_bytes(os.urandom(128))
+    (folder / "munge.key").chmod(0o400)
+    facts = {"folder": folder, "user": getpass.getuser(), "ports": free_ports(2)}
+    (folder / "slurm.conf").write_text(SLURM.format(**facts))
+    (folder / "cgroup.conf").write_text(CGROUP)
+    (folder / "bin" / "srun").write_text(SRUN.format(folder=folder, srun=programs["srun"]))
+    (folder / "bin" / "srun").chmod(0o755)
+
+
+@contextmanager
+def daemon(cluster, folder, name, *options):
+    """A daemon in the foreground, its output in `folder`; ended with the block."""
+    with open(folder / f"{name}.log", "w") as log:
+        command = [cluster.programs[name], *options]
+        process = subprocess.Popen(command, env=cluster.environment, stdout=log, stderr=log)
+        try:
+            yield
+        finally:
+            process.terminate()
+            try:
+                process.wait(10)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+
+
+@contextmanager
+def jobs_ended(cluster):
+    try:
+        yield
+    finally:
+        cluster.ask("scancel", "--me")
+        wait_for(lambda: not cluster.ask("squeue", "--noheader"), 30)
+
+
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory):
+    """A running Slurm with four processors of which it only believes that they are there."""
+    folder = tmp_path_factory.mktemp("slurm")
+    cluster = Cluster(folder, find_programs())
+    configure(folder, cluster.programs)
+    munge = ["munge.key", "munge.socket", "munge.pid", "munge.seed", "munge.txt"]
+    kinds = ["key-file", "socket", "pid-file", "seed-file", "log-file"]
+    files = [f"--{kind}={folder / name}" for kind, name in zip(kinds, munge, strict=True)]
+    with ExitStack() as stack:
+        start = stack.enter_context
+        start(daemon(cluster, folder, "munged", "--foreground", "--force", *files))
+        wait_for((folder / "munge.socket").exists, 10)
+        start(daemon(cluster, folder, "slurmctld", "-D"))
+        start(daemon(cluster, folder, "slurmd", "-D", "-N", "one"))
+        if not wait_for(lambda: cluster.ask("sinfo", "--noheader", "-o", "%T") == "idle", 60):
+            logs = [folder / f"{name}.log" for name in PROGRAMS[:3]]
+            last = [path.read_text().strip().rpartition("\n")[2] for path in logs if path.exists()]
+            pytest.skip(f"Slurm did not come up: {'; '.join(last)}")
+        start(jobs_ended(cluster))
+        yield cluster
+
+
+@pytest.fixture(scope="module")
+def clone(cluster, root, tmp_path_factory):
+    """A clone with Slurm's executor in a .venv of its own; not made where there is no cluster."""
+    clone = tmp_path_factory.mktemp("project") / "clone"
+    ignore = shutil.ignore_patterns(".venv*", ".git", "results", ".snakemake", "__pycache__")
+    shutil.copytree(root, clone, ignore=ignore)
+    lock = ["--require-hashes", "--requirements", "requirements-slurm.lock"]
+    subprocess.run([clone / "run", "uv", "pip", "install", *lock], cwd=clone, check=True)
+    return clone
+
+
+def workflow(clone, folder, *options):
+    """The command that makes a cube in `folder`."""
+    (folder / "tiny.yaml").write_text(TINY)
+    command = [clone / "run", "snakemake", "results/cube.nc", "--snakefile", clone / "Snakefile"]
+    return [*command, "--configfile", folder / "tiny.yaml", "--directory", folder, *options]
+
+
+@pytest.fixture(scope="module")
+def remote(cluster, clone, tmp_path_factory):
+    """A finished run on the cluster: its folder and its jobs."""
+    folder = tmp_path_factory.mktemp("remote")
+    command = workflow(clone, folder, "--profile", clone / "profiles" / "slurm")
+    done = subprocess.run(command, env=cluster.environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return folder, cluster.jobs(folder)
+
+
+def contents(path):
+    """Every variable of a netCDF file: its type, shape and bytes."""
+    with netCDF4.Dataset(path) as file:
+        file.set_auto_mask(False)
+        arrays = {name: variable[:] for name, variable in file.variables.items()}
+    return {name: (a.dtype.str, a.shape, a.tobytes()) for name, a in arrays.items()}
+
+
+def test_a_slab_asks_for_more_the_more_there_is_to_do():
+    amplitudes = tuple(range(600, 20600))
+    slabs = {
+        "one cell": Slab((1.0,), (100.0,), amplitudes[:1]),
+        "many": Slab((1.0,), (100.0,), amplitudes),
+        "longer": Slab((1.0,), (10.0,), amplitudes),
+    }
+    one, many, longer = requests(load_study(yaml.safe_load(TINY)), slabs).values()
+    assert one.mem_mb < many.mem_mb == longer.mem_mb
+    assert 1 <= one.runtime < many.runtime < longer.runtime
+
+
+@pytest.mark.long
+def test_the_cube_is_that_of_a_local_run_bit_for_bit(clone, remote, tmp_path):
+    subprocess.run(workflow(clone, tmp_path, "--cores", "2"), check=True)
+    local = contents(tmp_path / "results" / "cube.nc")
+    assert {"C", "f0", "N", "outcome", "t_snap", "energy_error"} <= set(local)
+    assert contents(remote[0] / "results" / "cube.nc") == local
+
+
+@pytest.mark.long
+def test_every_job_went_through_slurm_with_what_it_asked_for(remote):
+    folder, jobs = remote
+    assert all(job["JobState"] == "COMPLETED" and job["NodeList"] == "one" for job in jobs)
+    slabs = {path.stem for path in (folder / "results" / "slabs").glob("*.nc")}
+    asked = {job["Comment"]: job["MinMemoryNode"] for job in jobs}
+    assert len(jobs) == len(slabs) + 1 and asked.pop("rule_collect") == "2000M"
+    assert asked == {f"rule_simulate_slab_wildcards_{slab}": "1000M" for slab in slabs}
+    assert all(job["TimeLimit"] == "00:03:00" for job in jobs if "slab" in job["Comment"])
+
+
+@pytest.mark.long
+def test_a_cancelled_job_is_tried_again_with_more(cluster, clone, tmp_path):
+    command = workflow(clone, tmp_path, "--profile", clone / "profiles" / "slurm")
+    with open(tmp_path / "log", "w") as log:
+        process = subprocess.Popen(command, env=cluster.environment, stdout=log, stderr=log)
+    running = ["squeue", "--noheader", "--states=RUNNING", "--format=%i"]
+    assert wait_for(lambda: cluster.ask(*running), 300), (tmp_path / "log").read_text()
+    cancelled = cluster.ask(*running).split()[0]
+    cluster.ask("scancel", cancelled)
+    assert process.wait(600) == 0, (tmp_path / "log").read_text()
+    jobs = {job["JobId"]: job for job in cluster.jobs(tmp_path)}
+    first = jobs.pop(cancelled)
+    again = [job for job in jobs.values() if job["Comment"] == first["Comment"]]
+    assert first["JobState"] == "CANCELLED" and [job["JobState"] for job in again] == ["COMPLETED"]
+    assert (first["MinMemoryNode"], again[0]["MinMemoryNode"]) == ("1000M", "2000M")
+    assert f"'{cancelled}' failed, SLURM status is: 'CANCELLED'" in (tmp_path / "log").read_text()
