@@ -88,7 +88,7 @@ def make_statics():
     variables = {"displacement": (axes, [w, w]), "force": (axes, force), "energy": (axes, energy)}
     attributes = {"rise": 10.0, "second_equilibrium": -9.0, "saddle": -2.0, "barrier": 490.0}
     attributes |= {"top_force": 70.0, "bottom_force": -30.0} | ATTRIBUTES
-    return xr.Dataset(variables, {"branch": ["followed", "one_mode"]}, attributes)
+    return xr.Dataset(variables, {"branch": ["followed", "unbranched"]}, attributes)
 
 
 def make_accuracy():
@@ -481,13 +481,13 @@ def test_force_and_energy_are_the_data():
     found = make_statics()
     force, energy = (drawn(draw, found) for draw in DRAW_STATICS)
     for ax, values in ((force, found.force), (energy, found.energy)):
-        one_mode, followed = ax.lines[:2]
+        unbranched, followed = ax.lines[:2]
         assert followed.get_xydata().T.tolist() == [
             *found.displacement[:1].values.tolist(),
             values[0].values.tolist(),
         ]
-        assert one_mode.get_ydata().tolist() == values[1].values.tolist()
-        assert (followed.get_linestyle(), one_mode.get_linestyle()) == ("-", "--")
+        assert unbranched.get_ydata().tolist() == values[1].values.tolist()
+        assert (followed.get_linestyle(), unbranched.get_linestyle()) == ("-", "--")
         assert "µm" in ax.get_xlabel()
 
 

@@ -50,8 +50,8 @@ def test_the_energy_is_the_work_of_the_force(path):
         np.testing.assert_allclose(one.energy, work, atol=0.05)
 
 
-def test_the_path_of_one_mode_is_stiffer(path):
-    assert path.force.sel(branch="one_mode").max() > 1.2 * path.top_force
+def test_the_path_of_unbranched_is_stiffer(path):
+    assert path.force.sel(branch="unbranched").max() > 1.2 * path.top_force
 
 
 @pytest.mark.parametrize(

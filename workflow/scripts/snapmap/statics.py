@@ -45,8 +45,8 @@ class _Modes(NamedTuple):
 def force_displacement(device: Device) -> xr.Dataset:
     """Push the beam's midpoint slowly from the first shape to the second and beyond.
 
-    Branch `followed` leaves that of one mode, `one_mode`, where N reaches the second buckling
-    load, and runs straight from there to where the two meet again (Vangbo, 1998).
+    Branch `followed` leaves `unbranched`, that of a beam without the second mode, where N reaches
+    the second buckling load, and runs straight from there to where they meet again (Vangbo, 1998).
     """
     modes, barrier = _fine_modes(device)
     second = modes.buckling[1, 0]
@@ -60,7 +60,7 @@ def force_displacement(device: Device) -> xr.Dataset:
         for key, array in zip(VARIABLES, values, strict=True)
     }
     force = data["force"][1][0]
-    return xr.Dataset(data, {"branch": ["followed", "one_mode"]}).assign_attrs(
+    return xr.Dataset(data, {"branch": ["followed", "unbranched"]}).assign_attrs(
         Conventions="CF-1.11",
         title="Static force on the midpoint of the beam",
         rise=device.beam.rise,

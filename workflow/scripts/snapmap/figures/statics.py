@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 FOLLOWED = {"color": "C5", "linewidth": 1.2, "label": "followed by the beam"}
-ONE_MODE = {"color": "C6", "linestyle": "--", "label": "without the second mode: no beam"}
+UNBRANCHED = {"color": "C6", "linestyle": "--", "label": "without the second mode: no beam"}
 STABLE = {"color": "black", "marker": "o", "markersize": 4, "linestyle": "", "zorder": 3}
 UNSTABLE = STABLE | {"markerfacecolor": "white"}
 PEAK = {"color": "0.4", "linewidth": 0.5, "linestyle": ":", "zorder": 0}
@@ -39,7 +39,7 @@ def draw_energy(ax: Axes, statics: xr.Dataset) -> Axes:
 
 
 def _draw_branches(ax, displacement, values):
-    for branch, look in {"one_mode": ONE_MODE, "followed": FOLLOWED}.items():
+    for branch, look in {"unbranched": UNBRANCHED, "followed": FOLLOWED}.items():
         ax.plot(displacement.sel(branch=branch), values.sel(branch=branch), **look)
     ax.set_xlabel("displacement of the midpoint, downward (µm)")
 
