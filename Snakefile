@@ -1,3 +1,4 @@
+import fcntl
 import os
 import sys
 from dataclasses import asdict
@@ -14,8 +15,10 @@ os.environ.setdefault(
 sys.dont_write_bytecode = True
 
 # Snakemake puts the folder of the Snakefile on the path.
+from workflow.scripts.snapmap.atomic import remove_leftovers
 from workflow.scripts.snapmap.config import load_study
-from workflow.scripts.snapmap.slab import cut, slab_name
+from workflow.scripts.snapmap.document import read_document
+from workflow.scripts.snapmap.slab import cut, requests, slab_name
 
 if not workflow.overwrite_configfiles:
 
@@ -23,13 +26,14 @@ if not workflow.overwrite_configfiles:
 
 
 try:
+    for path in workflow.overwrite_configfiles:
+        read_document(path)  # Snakemake keeps the last of two equal keys without a word
     study = load_study(config)
-    rows = cut(study)
+    slabs = {slab_name(study, slab): slab for slab in cut(study)}
+    asked = requests(study, slabs)
 except ValueError as error:
     raise WorkflowError(str(error))
 
-names = [[slab_name(study, slab) for slab in row] for row in rows]
-slabs = {slab_name(study, slab): slab for row in rows for slab in row}
 dampings = [f"{C:.15g}" for C in study.C]
 cells = {"N{:.15g}_f{:.15g}_C{:.15g}".format(*cell): cell for cell in study.histories}
 
@@ -51,13 +55,28 @@ SOLVER = code(
         "reference.py",
     ]
 )
+PLOT = code("figures/style.py", "figures/paper.mplstyle", "quantity.py", "atomic.py")
+
+
+report: "workflow/report/study.rst"
 
 
 wildcard_constraints:
-    slab="[0-9a-f]+",
+    slab="[0-9a-f_]+",
     damping="[^/]+",
     cell="[^/]+",
     size="|_quick",
+
+
+onstart:
+    # Snakemake's own lock outlives a killed run, and its profile leaves it out; the system's is
+    # gone with the process that held it.
+    running = os.open(".snakemake/running", os.O_CREAT | os.O_WRONLY)
+    try:
+        fcntl.flock(running, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise WorkflowError(f"{os.getcwd()}: another run is at work in this folder")
+    remove_leftovers("results")
 
 
 rule all:
@@ -69,7 +88,18 @@ rule all:
             kind=["pdf", "png"],
         ),
         expand("results/figures/history_{cell}.{kind}", cell=cells, kind=["pdf", "png"]),
-        expand("results/figures/accuracy_quick.{kind}", kind=["pdf", "png"]),
+        expand(
+            "results/figures/{stem}.{kind}",
+            stem=[
+                "maps",
+                "thresholds",
+                "damage_boundary",
+                "statics",
+                "accuracy_quick",
+            ],
+            kind=["pdf", "png"],
+        ),
+        "results/explore.html",
 
 
 rule simulate_slab:
@@ -78,12 +108,16 @@ rule simulate_slab:
             *SOLVER,
             *code(
                 *["cells.py", "protocol.py", "thresholds.py", "ladder.py"],
-                *["outcome.py", "grid.py", "slab.py"],
+                *["outcome.py", "grid.py", "slab.py", "recall.py", "atomic.py"],
             ),
         ],
     output:
         slab="results/slabs/{slab}.nc",
+    retries: 1
     threads: 1
+    resources:
+        mem_mb=lambda wildcards, attempt: attempt * asked[wildcards.slab].mem_mb,
+        runtime=lambda wildcards, attempt: attempt * asked[wildcards.slab].runtime,
     params:
         device=asdict(study.device),
         model=study.model,
@@ -97,37 +131,156 @@ rule simulate_slab:
 
 rule collect:
     input:
-        slabs=[f"results/slabs/{name}.nc" for row in names for name in row],
-        code=code("cube.py", "provenance.py"),
+        slabs=[f"results/slabs/{name}.nc" for name in slabs],
+        code=code("collection.py", "cube.py", "provenance.py", "atomic.py"),
     output:
         cube="results/cube.nc",
+    resources:
+        mem_mb=lambda wildcards, attempt: attempt * 2000,
     params:
-        names=names,
+        axes=[study.C.tolist(), study.f0.tolist(), study.N.tolist()],
         config=config,
     message:
-        "Collect {input.slabs} into one cube"
+        "Collect the slabs into {output.cube}"
     script:
         "workflow/scripts/collect.py"
+
+
+rule find_threshold:
+    input:
+        code=[
+            *SOLVER,
+            *code(
+                "cells.py", "protocol.py", "thresholds.py", "ladder.py", "statics.py"
+            ),
+            *code("survey.py", "surface.py", "provenance.py", "atomic.py"),
+        ],
+    output:
+        threshold="results/threshold.nc",
+    threads: 4
+    resources:
+        mem_mb=lambda wildcards, attempt: attempt * 2000,
+    params:
+        device=asdict(study.device),
+        model=study.model,
+        axes={"C": study.C.tolist(), "f0": study.f0.tolist()},
+        highest=float(study.N[-1]),
+        horizon=study.protocol.horizon,
+        tolerance=study.threshold_tolerance,
+    message:
+        "Find the thresholds"
+    script:
+        "workflow/scripts/find_threshold.py"
+
+
+rule trace_statics:
+    input:
+        code=[
+            *code("device.py", "bases/*.py", "modal.py", "wells.py", "statics.py"),
+            *code("provenance.py", "atomic.py"),
+        ],
+    output:
+        statics="results/statics.nc",
+    params:
+        device=asdict(study.device),
+    message:
+        "Push the beam slowly through"
+    script:
+        "workflow/scripts/trace_statics.py"
 
 
 rule draw_map:
     input:
         cube="results/cube.nc",
-        code=code(
-            "figures/maps.py",
-            "figures/style.py",
-            "figures/paper.mplstyle",
-            "quantity.py",
-        ),
+        threshold="results/threshold.nc",
+        code=[*code("figures/maps.py", "figures/curves.py"), *PLOT],
     output:
         pdf="results/figures/map_C{damping}.pdf",
-        png="results/figures/map_C{damping}.png",
+        png=report(
+            "results/figures/map_C{damping}.png",
+            caption="workflow/report/map.rst",
+            category="Maps",
+            labels={"figure": "C = {damping} uN us/um"},
+        ),
     params:
         damping_index=lambda wildcards: dampings.index(wildcards.damping),
     message:
         "Draw the map for C = {wildcards.damping} uN us/um"
     script:
         "workflow/scripts/draw_map.py"
+
+
+rule draw_maps:
+    input:
+        cube="results/cube.nc",
+        threshold="results/threshold.nc",
+        code=[*code("figures/maps.py", "figures/curves.py"), *PLOT],
+    output:
+        pdf="results/figures/maps.pdf",
+        png=report(
+            "results/figures/maps.png",
+            caption="workflow/report/maps.rst",
+            category="Maps",
+            labels={"figure": "all C"},
+        ),
+    message:
+        "Draw the maps of all C side by side"
+    script:
+        "workflow/scripts/draw_maps.py"
+
+
+rule draw_thresholds:
+    input:
+        threshold="results/threshold.nc",
+        code=[*code("figures/thresholds.py", "figures/curves.py"), *PLOT],
+    output:
+        pdf="results/figures/thresholds.pdf",
+        png=report(
+            "results/figures/thresholds.png",
+            caption="workflow/report/thresholds.rst",
+            category="Thresholds",
+            labels={"figure": "over the pulse's frequency"},
+        ),
+    message:
+        "Draw the thresholds"
+    script:
+        "workflow/scripts/draw_thresholds.py"
+
+
+rule draw_damage_boundary:
+    input:
+        threshold="results/threshold.nc",
+        code=[*code("figures/thresholds.py", "figures/curves.py"), *PLOT],
+    output:
+        pdf="results/figures/damage_boundary.pdf",
+        png=report(
+            "results/figures/damage_boundary.png",
+            caption="workflow/report/damage_boundary.rst",
+            category="Thresholds",
+            labels={"figure": "damage boundary"},
+        ),
+    message:
+        "Draw the damage boundary"
+    script:
+        "workflow/scripts/draw_damage_boundary.py"
+
+
+rule draw_statics:
+    input:
+        statics="results/statics.nc",
+        code=[*code("figures/statics.py"), *PLOT],
+    output:
+        pdf="results/figures/statics.pdf",
+        png=report(
+            "results/figures/statics.png",
+            caption="workflow/report/statics.rst",
+            category="Device",
+            labels={"figure": "force and energy of the beam"},
+        ),
+    message:
+        "Draw the beam's force and energy"
+    script:
+        "workflow/scripts/draw_statics.py"
 
 
 rule simulate_history:
@@ -149,25 +302,68 @@ rule simulate_history:
 rule draw_history:
     input:
         history="results/histories/{cell}.nc",
-        code=code(
-            "figures/histories.py",
-            "figures/style.py",
-            "figures/paper.mplstyle",
-            "quantity.py",
-        ),
+        code=[*code("figures/histories.py"), *PLOT],
     output:
         pdf="results/figures/history_{cell}.pdf",
-        png="results/figures/history_{cell}.png",
+        png=report(
+            "results/figures/history_{cell}.png",
+            caption="workflow/report/history.rst",
+            category="Histories",
+            labels={"figure": "{cell}"},
+        ),
     message:
         "Draw the history of {wildcards.cell}"
     script:
         "workflow/scripts/draw_history.py"
 
 
+rule trace_cells:
+    input:
+        cube="results/cube.nc",
+        code=[
+            *SOLVER,
+            *code(
+                *["cells.py", "protocol.py", "thresholds.py", "ladder.py"],
+                *["outcome.py", "grid.py", "cube.py", "traces.py"],
+                *["provenance.py", "atomic.py"],
+            ),
+        ],
+    output:
+        traces="results/traces.nc",
+    threads: 4
+    resources:
+        mem_mb=lambda wildcards, attempt: attempt * 2000,
+    params:
+        device=asdict(study.device),
+        model=study.model,
+        protocol=study.protocol._asdict(),
+    message:
+        "Trace the motion of the cells of {input.cube}"
+    script:
+        "workflow/scripts/trace_cells.py"
+
+
+rule write_page:
+    input:
+        cube="results/cube.nc",
+        traces="results/traces.nc",
+        code=code("figures/explore.*", "figures/maps.py", "quantity.py", "atomic.py"),
+    output:
+        page="results/explore.html",
+    message:
+        "Write the page to explore {input.cube}"
+    script:
+        "workflow/scripts/write_page.py"
+
+
 rule accuracy:
     input:
         "results/accuracy.nc",
-        expand("results/figures/accuracy.{kind}", kind=["pdf", "png"]),
+        expand(
+            "results/figures/{stem}.{kind}",
+            stem=["accuracy", "convergence"],
+            kind=["pdf", "png"],
+        ),
 
 
 rule measure_accuracy:
@@ -202,14 +398,37 @@ rule measure_accuracy:
 rule draw_accuracy:
     input:
         accuracy="results/accuracy{size}.nc",
-        code=code("figures/accuracy.py", "figures/style.py", "figures/paper.mplstyle"),
+        code=[*code("figures/accuracy.py"), *PLOT],
     output:
         pdf="results/figures/accuracy{size}.pdf",
-        png="results/figures/accuracy{size}.png",
+        png=report(
+            "results/figures/accuracy{size}.png",
+            caption="workflow/report/accuracy.rst",
+            category="Accuracy",
+            labels={"figure": "error over time{size}"},
+        ),
     message:
         "Draw error against time: {output.pdf}"
     script:
         "workflow/scripts/draw_accuracy.py"
+
+
+rule draw_convergence:
+    input:
+        accuracy="results/accuracy.nc",
+        code=[*code("figures/convergence.py", "figures/accuracy.py"), *PLOT],
+    output:
+        pdf="results/figures/convergence.pdf",
+        png=report(
+            "results/figures/convergence.png",
+            caption="workflow/report/convergence.rst",
+            category="Accuracy",
+            labels={"figure": "error over number and step"},
+        ),
+    message:
+        "Draw error over number and step"
+    script:
+        "workflow/scripts/draw_convergence.py"
 
 
 rule stability:
@@ -267,10 +486,15 @@ rule measure_settled:
 rule draw_stability:
     input:
         stability="results/stability.nc",
-        code=code("figures/stability.py", "figures/style.py", "figures/paper.mplstyle"),
+        code=[*code("figures/stability.py"), *PLOT],
     output:
         pdf="results/figures/stability.pdf",
-        png="results/figures/stability.png",
+        png=report(
+            "results/figures/stability.png",
+            caption="workflow/report/stability.rst",
+            category="Stability",
+            labels={"figure": "hard cases"},
+        ),
     message:
         "Draw the hard cases"
     script:
@@ -280,15 +504,15 @@ rule draw_stability:
 rule draw_settled:
     input:
         settled="results/settled.nc",
-        code=code(
-            "figures/maps.py",
-            "figures/style.py",
-            "figures/paper.mplstyle",
-            "quantity.py",
-        ),
+        code=[*code("figures/maps.py", "figures/curves.py"), *PLOT],
     output:
         pdf="results/figures/settled.pdf",
-        png="results/figures/settled.png",
+        png=report(
+            "results/figures/settled.png",
+            caption="workflow/report/settled.rst",
+            category="Stability",
+            labels={"figure": "what has settled"},
+        ),
     params:
         beam_dampings=[0.0, 4e-4],
         C=25.0,

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from snapmap.atomic import replacing
 from snapmap.outcome import FAILED, LATCHED, NEVER, OUTCOMES, RETURNED, SNAPPED, UNSNAPPED
 from snapmap.stability import CAUGHT, LEFT_OUT, REFUSED, SENSITIVE, SHIFTED, UNSEEN, VERDICTS
 
@@ -23,7 +24,8 @@ def write_stability_table(stability_path, settled_path, table_path):
         tables = [default_table(cases), step_table(cases), wrong_list(cases)]
     with xr.open_dataset(settled_path, engine="netcdf4") as settled:
         tables.append(settled_table(settled))
-    Path(table_path).write_text("\n\n".join(tables) + "\n", encoding="utf-8")
+    with replacing(table_path) as temporary:
+        Path(temporary).write_text("\n\n".join(tables) + "\n", encoding="utf-8")
 
 
 def default_table(cases):

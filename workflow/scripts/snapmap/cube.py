@@ -1,13 +1,13 @@
-"""The results as xarray datasets: what a cube looks like, built, collected and written here."""
+"""The results as xarray datasets: what a cube looks like, built and written here."""
 
-import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-import dask
+import dask.array
 import numpy as np
 import xarray as xr
 
+from .atomic import replacing
 from .cells import check_cells
 from .config import device_document
 from .device import Device
@@ -16,7 +16,6 @@ from .ladder import choose_model
 from .outcome import OUTCOMES, count, shares
 from .protocol import Protocol, check_protocol
 from .provenance import provenance
-from .survey import survey
 
 COORDINATES = {
     "C": {"long_name": "damping coefficient of the mass", "units": "uN us um-1"},
@@ -59,20 +58,7 @@ VARIABLES = {
         "flag_meanings": "not_reproduced reproduced",
     },
 }
-THRESHOLDS = {
-    "N_first": {"long_name": "lowest amplitude that snaps, in multiples of g", "units": "1"},
-    "N_always": {
-        "long_name": "lowest amplitude above which all snap, in multiples of g",
-        "units": "1",
-        "comment": "looked for up to twice N_first",
-    },
-    "N_error": {
-        "long_name": "uncertainty of N_first from space, time and refinement",
-        "units": "1",
-    },
-    "islands": {"long_name": "stretches of N below N_always that snap", "units": "1"},
-}
-ENCODING = {"zlib": True, "complevel": 4, "shuffle": True}
+ENCODING = {"zlib": True, "complevel": 4, "shuffle": True, "fletcher32": True}
 
 
 def sweep(
@@ -111,70 +97,6 @@ def sweep(
     return with_summary(dress(axes, variables, document))
 
 
-def threshold(
-    device: Device,
-    f0: Sequence[float],
-    C: Sequence[float],
-    horizon: float = 1500.0,
-    model: str = "auto",
-    tolerance: float = 1e-4,
-    threads: int = 1,
-    **options,
-) -> xr.Dataset:
-    """Find where snapping begins over C (uN us/um) and f0 (Hz), with error bars.
-
-    horizon: us followed after the pulse; tolerance: of the refinement in N, relative
-    model, options: as in the config's model section; `auto` takes its own default tolerance
-    The variables are those of `survey.Survey`, (C, f0).
-    """
-    check_cells(f0=f0, C=C)
-    axes = [np.atleast_1d(np.asarray(values, float)) for values in (C, f0)]
-    rows = [values.ravel() for values in np.meshgrid(*axes, indexing="ij")]
-    chosen = choose_model(device, model, **options)
-    found = survey(device, chosen, rows[1], rows[0], Protocol(horizon), tolerance, threads)
-    shape = [values.size for values in axes]
-    variables = {
-        key: (AXES[:2], values.reshape(shape), THRESHOLDS[key])
-        for key, values in found._asdict().items()
-    }
-    coordinates = {
-        key: (key, values, COORDINATES[key]) for key, values in zip(AXES, axes, strict=False)
-    }
-    document = {
-        "device": device_document(device),
-        "model": {"name": model, **options},
-        "sweep": {"horizon": f"{horizon!r} us"},
-    }
-    return xr.Dataset(variables, coordinates).assign_attrs(
-        Conventions="CF-1.11",
-        title="Thresholds of snap-through under a versed-sine shock",
-        **provenance(document),
-    )
-
-
-def collect_slabs(
-    paths: Sequence[str | Path], names: Sequence[Sequence[str]], document: Mapping
-) -> xr.Dataset:
-    """Join slabs lazily into one cube; raises ValueError for a file that is not its slab.
-
-    paths: one after the other as in names
-    names: a row for each C, in each the slabs' names in order of f0
-    document: the config, kept in the attributes
-    """
-    files = iter(paths)
-    rows = [xr.concat([_open_slab(next(files), name) for name in row], dim="f0") for row in names]
-    joined = xr.concat(rows, dim="C")
-    variables = {key: joined[key].data for key in VARIABLES if key in joined}
-    return with_summary(dress([joined[key].values for key in AXES], variables, document))
-
-
-def _open_slab(path, name):
-    slab = xr.open_dataset(path, engine="netcdf4", chunks={})
-    if slab.attrs.get("slab") != name:
-        raise ValueError(f"{path}: holds slab {slab.attrs.get('slab')}, not {name}; remove it")
-    return slab
-
-
 def dress(axes: Sequence, variables: Mapping, document: Mapping) -> xr.Dataset:
     """Give axes and variables, (C, f0, N), their CF attributes, and the whole its provenance."""
     coordinates = zip(AXES, axes, strict=True)
@@ -183,19 +105,29 @@ def dress(axes: Sequence, variables: Mapping, document: Mapping) -> xr.Dataset:
         {key: (key, values, COORDINATES[key]) for key, values in coordinates},
     )
     return cube.assign_attrs(
-        Conventions="CF-1.11",
+        Conventions="CF-1.11, ACDD-1.3",
         title="Snap-through of a bistable beam under a versed-sine shock",
+        summary="Outcome of each cell of a grid over damping, frequency and amplitude of the shock",
         **provenance(document),
     )
 
 
 def with_summary(cube: xr.Dataset) -> xr.Dataset:
     """Add the number of cells of each outcome and the shares of `outcome.shares` as attributes."""
-    with dask.config.set(scheduler="synchronous"):
-        outcome = cube.outcome.values
-        reproduced = cube.reproduced.values if "reproduced" in cube else None
-    counts = {f"cells_{name}": number for name, number in count(outcome).items()}
-    return cube.assign_attrs(counts | shares(outcome, reproduced))
+    found = [count(block) for block in _blocks(cube.outcome)]
+    counts = {name: sum(block.get(name, 0) for block in found) for name in OUTCOMES}
+    counts = {name: number for name, number in counts.items() if number}
+    reproduced = None
+    if "reproduced" in cube:
+        reproduced = sum(int((block == 1).sum()) for block in _blocks(cube.reproduced))
+    named = {f"cells_{name}": number for name, number in counts.items()}
+    return cube.assign_attrs(named | shares(counts, reproduced))
+
+
+def _blocks(variable):
+    """The values of a variable, a block at a time, as a lazy cube may be larger than memory."""
+    for block in dask.array.asarray(variable.data).blocks.ravel():
+        yield block.compute(scheduler="synchronous")
 
 
 def summary(cube: xr.Dataset) -> str:
@@ -205,10 +137,16 @@ def summary(cube: xr.Dataset) -> str:
 
 
 def write(dataset: xr.Dataset, path: str | Path) -> None:
-    """Write a dataset compressed, under a temporary name until it is whole."""
-    temporary = f"{path}.part"
-    encoding = {key: ENCODING for key in dataset.data_vars}
+    """Write a dataset compressed and with checksums, under a temporary name until it is whole."""
     # netCDF4 is not safe in threads, so dask must work in this one.
-    with dask.config.set(scheduler="synchronous"):
-        dataset.to_netcdf(temporary, engine="netcdf4", encoding=encoding)
-    os.replace(temporary, path)
+    with replacing(path) as temporary, dask.config.set(scheduler="synchronous"):
+        dataset.drop_vars(dataset.data_vars).to_netcdf(temporary, engine="netcdf4")
+        # One by one: together, dask would write their blocks in an order of its own every time.
+        for key in dataset.data_vars:
+            kind = {key: ENCODING | _chunks(dataset[key])}
+            dataset[[key]].to_netcdf(temporary, mode="a", engine="netcdf4", encoding=kind)
+
+
+def _chunks(variable):
+    """The blocks of a lazy variable, so that each is compressed once."""
+    return {"chunksizes": [size[0] for size in variable.chunks]} if variable.chunks else {}

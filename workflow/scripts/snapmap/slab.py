@@ -2,8 +2,7 @@
 
 import hashlib
 import json
-import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -11,18 +10,27 @@ from typing import TYPE_CHECKING, NamedTuple
 import netCDF4
 import numpy as np
 
+from .atomic import replacing
 from .device import Device
 from .grid import follow_grid
 from .ladder import RUNGS, choose_model
 from .models import Model, build_model, check_options
 from .outcome import count
 from .protocol import Protocol
+from .recall import recall
 
 if TYPE_CHECKING:  # a job has no use for the config and what it imports
     from .config import Study
 
-JOB_SECONDS = 20
-"""Aim for the run time of one slab; short enough to show progress, long against a job's start."""
+JOB_SECONDS = 30
+"""At most the expected time of a slab, most take over a third: long against a job's start, and
+short enough to lose."""
+MOST_SECONDS, MOST_CELLS, MOST_DAMPINGS = 3.6e6, 10**8, 1000
+"""Grids beyond are taken for a slip: 1000 core hours, 10^8 cells, 1000 maps."""
+START_MB, CELL_MB = 1000, 5e-4
+"""Asked for a job's start and for each cell; seen: 700 MB, two Snakemakes among them, and 200 B."""
+START_MINUTES, CAUTION = 2, 20
+"""Asked for a job's start, and times the expected time; seen: 15 s, and 3 to 9 times."""
 
 
 class Slab(NamedTuple):
@@ -33,19 +41,97 @@ class Slab(NamedTuple):
     N: tuple[float, ...]
 
 
-def cut(study: "Study") -> list[list[Slab]]:
-    """Cut the grid into one row of slabs for each C, along f0, each row in ascending order."""
+class Request(NamedTuple):
+    """What a job asks of a cluster; memory in MB, run time in minutes."""
+
+    mem_mb: int
+    runtime: int
+
+
+def cut(study: "Study") -> list[Slab]:
+    """Cut the grid into slabs of one C each, along boundaries that no other value moves.
+
+    Raises ValueError, one line, for a model that cannot be built and a grid beyond all reason.
+    """
+    _check_size(study)
     model = _cheapest(study)
-    cost = _seconds(model, 1e6 / study.f0 + study.protocol.horizon) * study.N.size
-    pieces = int(np.ceil(cost.sum() / JOB_SECONDS))
-    ends = np.searchsorted(np.cumsum(cost), cost.sum() * np.arange(1, pieces) / pieces) + 1
-    chunks = [chunk for chunk in np.split(study.f0, np.unique(ends)) if chunk.size]
-    N = tuple(study.N.tolist())
-    return [[Slab((float(C),), tuple(f0.tolist()), N) for f0 in chunks] for C in study.C]
+    seconds = _seconds(model, 1e6 / study.f0 + study.protocol.horizon)
+    _check_cost(study, model, seconds.sum() * study.N.size * study.C.size)
+    by_f0 = dict(zip(study.f0.tolist(), seconds.tolist(), strict=True))
+    # `auto` looks at neighbours along N: they stay together.
+    boxes = _boxes(study.f0, study.N, by_f0, study.model["name"] != "auto")
+    planes = [(tuple(f0.tolist()), tuple(N.tolist())) for f0, N in boxes]
+    return [Slab((C,), f0, N) for C in study.C.tolist() for f0, N in planes]
+
+
+def _boxes(f0, N, seconds, cuts_N):
+    """Halve the (f0, N) plane, octaves first, until no box takes more than JOB_SECONDS.
+
+    The halves are those of a fixed binary tree over all floating-point numbers, so that a grid
+    that grows keeps every box without a new value.
+    """
+    level_f0, level_N = _level(f0), _level(N) if cuts_N else 0
+    expected = N.size * sum(seconds[value] for value in f0.tolist())
+    if expected <= JOB_SECONDS or not level_f0 + level_N:
+        return [(f0, N)]
+    if level_f0 >= level_N:
+        halves = [(half, N) for half in _halves(f0, level_f0)]
+    else:
+        halves = [(f0, half) for half in _halves(N, level_N)]
+    return [box for half in halves for box in _boxes(*half, seconds, cuts_N)]
+
+
+def _level(ascending):
+    """The highest bit in which the numbers differ, counted from 1; 0 for a single number."""
+    bits = ascending.view(np.uint64)
+    return int(bits[0] ^ bits[-1]).bit_length()
+
+
+def _halves(ascending, level):
+    upper = (ascending.view(np.uint64) >> np.uint64(level - 1)) & np.uint64(1) == 1
+    return ascending[~upper], ascending[upper]
+
+
+def _check_size(study):
+    cells = study.C.size * study.f0.size * study.N.size
+    if cells > MOST_CELLS:
+        need = f"more than {MOST_CELLS:.0e}; write fewer points"
+        raise ValueError(f"sweep: {cells:.3g} cells, {need}")
+    if study.C.size > MOST_DAMPINGS:
+        need = f"at most {MOST_DAMPINGS}, as each gets a map"
+        raise ValueError(f"sweep.C: {study.C.size} values; write {need}")
+
+
+def _check_cost(study, model, seconds):
+    longest = [_seconds(model, 1e6 / cell.f0 + study.protocol.horizon) for cell in study.histories]
+    if seconds + sum(longest) > MOST_SECONDS:
+        hours = f"{(seconds + sum(longest)) / 3600:.2g} core hours"
+        raise ValueError(
+            f"sweep: up to {hours} from f0 = {study.f0[0]:g} Hz with horizon "
+            f"{study.protocol.horizon:g} us and steps of {model.dt:.2g} us, more than "
+            f"{MOST_SECONDS / 3600:g}; write fewer points, a higher f0 or a shorter horizon"
+        )
 
 
 def _cheapest(study):
-    """The model that follows every cell; building it also checks the model's options."""
+    """The model that follows every cell; its options are checked, and its numbers finite."""
+    beam = study.device.beam
+    try:
+        with np.errstate(all="ignore"):
+            model = _build_cheapest(study)
+        usable = 0 < model.dt < np.inf and np.isfinite(model.barrier).all()
+    except (ArithmeticError, np.linalg.LinAlgError):
+        usable = False
+    if not usable:
+        raise ValueError(
+            f"device: no finite model of a beam of span {beam.span:g} um, rise {beam.rise:g} um, "
+            f"thickness {beam.thickness:g} um, modulus {beam.youngs_modulus:g} MPa, density "
+            f"{beam.density:g} ng/um^3; check their units"
+        )
+    return model
+
+
+def _build_cheapest(study):
     if study.model["name"] != "auto":
         return build_model(study.device, **study.model)
     options = {key: value for key, value in study.model.items() if key != "name"}
@@ -54,37 +140,77 @@ def _cheapest(study):
 
 
 def _seconds(model: Model, duration):
-    """Expected time of one cell followed for `duration` us; only for sharing out work."""
+    """Expected time of one cell followed once for `duration` us, to share out work by."""
     modes = model.modal.load.size
     nanoseconds = 80 if model.name == "reference" else 1 + modes**2 / 20
     return duration / model.dt * nanoseconds * 1e-9
 
 
+def requests(study: "Study", slabs: Mapping[str, Slab]) -> dict[str, Request]:
+    """Ask for memory and time, with room to spare, for the job of each named slab."""
+    model = _cheapest(study)
+    return {name: _request(model, study.protocol, slab) for name, slab in slabs.items()}
+
+
+def _request(model, protocol, slab):
+    cells = len(slab.C) * len(slab.f0) * len(slab.N)
+    mean = _seconds(model, 1e6 / np.array(slab.f0) + protocol.horizon).mean()
+    minutes = START_MINUTES + CAUTION * cells * mean / 60
+    return Request(int(START_MB + CELL_MB * cells), int(np.ceil(minutes)))
+
+
 def slab_name(study: "Study", slab: Slab) -> str:
-    """Name a slab by a hash of all that its numbers depend on but the code."""
+    """Name a slab by two hashes: what its cells have in common but the code, and its f0 and N."""
     return _name(study.device, study.model, slab, study.protocol)
 
 
 def _name(device, model, slab, protocol):
-    what = [asdict(device), model, slab._asdict(), protocol._asdict()]
-    return hashlib.sha256(json.dumps(what, sort_keys=True).encode()).hexdigest()[:16]
+    common = [asdict(device), model, protocol._asdict(), slab.C]
+    return f"{_hash(common)}_{_hash([slab.f0, slab.N])}"
+
+
+def _hash(what):
+    return hashlib.sha256(json.dumps(what, sort_keys=True).encode()).hexdigest()[:12]
 
 
 def write_slab(
-    device: Device, model: Mapping, slab: Slab, protocol: Protocol, path: str | Path, threads: int
+    device: Device,
+    model: Mapping,
+    slab: Slab,
+    protocol: Protocol,
+    path: str | Path,
+    threads: int,
+    code: Sequence[str | Path] = (),
 ) -> dict[str, int]:
     """Follow the cells of one slab and write it to `path`; returns how many had which outcome.
 
+    Cells that other slabs in the same folder hold are taken from there.
     model: name and options
+    code: files on which the numbers depend; slabs made by others are not used
     """
-    variables = follow_grid(device, choose_model(device, **model), slab, protocol, threads)
-    temporary = f"{path}.part"
-    with netCDF4.Dataset(temporary, "w") as file:
-        file.slab = _name(device, model, slab, protocol)
+    made_by = _hash([Path(file).read_text(encoding="utf-8") for file in code])
+    same_N = model["name"] == "auto"
+    variables, known = recall(path, slab.f0, slab.N, made_by, same_N)
+    _follow_unknown(device, model, slab, protocol, threads, variables, known)
+    with replacing(path) as temporary, netCDF4.Dataset(temporary, "w") as file:
+        file.slab, file.code = _name(device, model, slab, protocol), made_by
         for axis, values in slab._asdict().items():
             file.createDimension(axis, len(values))
-            file.createVariable(axis, "f8", (axis,))[:] = values
+            file.createVariable(axis, "f8", (axis,), fletcher32=True)[:] = values
         for key, values in variables.items():
-            file.createVariable(key, values.dtype, slab._fields, compression="zlib")[:] = values
-    os.replace(temporary, path)
+            kind = {"compression": "zlib", "fletcher32": True}
+            file.createVariable(key, values.dtype, slab._fields, **kind)[:] = values
     return count(variables["outcome"])
+
+
+def _follow_unknown(device, model, slab, protocol, threads, variables, known):
+    """Follow what is not known, (f0, N), and set it in the variables: rows alike at a time."""
+    f0, N = np.array(slab.f0), np.array(slab.N)
+    patterns, pattern_of = np.unique(~known, axis=0, return_inverse=True)
+    for number, pattern in enumerate(patterns):
+        rows, columns = np.flatnonzero(pattern_of == number), np.flatnonzero(pattern)
+        if columns.size:
+            axes, built = (slab.C, f0[rows], N[columns]), choose_model(device, **model)
+            for key, values in follow_grid(device, built, axes, protocol, threads).items():
+                whole = variables.setdefault(key, np.empty((1, *known.shape), values.dtype))
+                whole[0][np.ix_(rows, columns)] = values[0]

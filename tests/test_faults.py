@@ -1,0 +1,305 @@
+"""What goes wrong on real machines, done for real: nothing is lost, and nothing false is merged."""
+
+import shutil
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import psutil
+import pytest
+import xarray as xr
+import yaml
+
+from snapmap.collection import collect_slabs
+from snapmap.config import load_study
+from snapmap.slab import cut, slab_name
+
+STUDY = """
+device:
+  beam: {span: 600 um, rise: 10 um, thickness: 2 um, depth: 22 um, youngs_modulus: 150 GPa,
+         density: 2330 kg/m^3}
+  mass: 1e-8 kg
+  spring: 5.5 N/m
+  contact: 40 N/m
+  gravity: 9.81 m/s^2
+model: {name: cosines, modes: 3}
+sweep:
+  N: {from: 600, to: 2400, points: 40}
+  f0: {from: 300 Hz, to: 10 kHz, points: 20, spacing: log}
+  C: [0.025 uN*us/um, 10 uN*us/um, 25 uN*us/um, 50 uN*us/um]
+  horizon: 500 us
+  until: snap
+"""
+IN_OWN_MOUNTS = ["unshare", "--map-root-user", "--mount", "sh", "-euc"]
+
+
+class Folder:
+    """A folder with a study, and the one command that runs it."""
+
+    def __init__(self, root, path):
+        self.path, self.slabs, self.cube = path, path / "results/slabs", path / "results/cube.nc"
+        (path / "mine.yaml").write_text(STUDY)
+        self.command = ["snakemake", "--snakefile", root / "Snakefile", "--directory", path]
+        self.command += ["--configfile", path / "mine.yaml", "--cores", "2", "results/cube.nc"]
+
+    def start(self):
+        """Start the command in the background."""
+        pipe = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+        return subprocess.Popen(self.command, **pipe)
+
+    def run(self, *options):
+        """Run the command to its end; returns its exit code and output."""
+        done = subprocess.run([*self.command, *options], capture_output=True, text=True)
+        return done.returncode, done.stdout + done.stderr
+
+    def finished(self):
+        """The finished slabs: when each was written."""
+        return {path.name: path.stat().st_mtime_ns for path in self.slabs.glob("*.nc")}
+
+    def leftovers(self):
+        return list((self.path / "results").rglob("*.part"))
+
+
+def jobs_of(run):
+    """The processes that simulate slabs for a run."""
+    children = psutil.Process(run.pid).children(recursive=True)
+    found = []
+    for child in children:
+        try:
+            command = child.cmdline()
+        except psutil.NoSuchProcess:
+            continue
+        if command and command[-1].endswith("simulate_slab.py"):
+            found.append(child)
+    return found
+
+
+def wait_for(what, run):
+    """Poll until `what()` is true, and return it; the run must still be there."""
+    while not (found := what()):
+        assert run.poll() is None, run.communicate()[0]
+        time.sleep(0.02)
+    return found
+
+
+def kill_at_once(processes):
+    for process in processes:
+        process.kill()
+    psutil.wait_procs(processes)
+
+
+@pytest.fixture
+def folder(root, tmp_path):
+    return Folder(root, tmp_path)
+
+
+@pytest.fixture(scope="module")
+def undisturbed(root, tmp_path_factory):
+    folder = Folder(root, tmp_path_factory.mktemp("undisturbed"))
+    code, output = folder.run()
+    assert code == 0, output
+    assert len(folder.finished()) == 4
+    return folder
+
+
+@pytest.fixture
+def slabs(undisturbed, tmp_path):
+    """Copies of the slabs of a finished run in the order of the grid, and the grid's axes."""
+    study = load_study(yaml.safe_load(STUDY))
+    paths = [tmp_path / f"{slab_name(study, slab)}.nc" for slab in cut(study)]
+    for path in paths:
+        path.write_bytes((undisturbed.slabs / path.name).read_bytes())
+    return paths, [study.C, study.f0, study.N]
+
+
+def test_a_killed_job_is_run_again(folder, undisturbed):
+    run = folder.start()
+    wait_for(folder.finished, run)
+    kill_at_once(wait_for(lambda: jobs_of(run), run))
+    output, _ = run.communicate()
+    assert run.returncode == 0, output
+    assert "Trying to restart job" in output
+    assert folder.cube.read_bytes() == undisturbed.cube.read_bytes()
+
+
+def test_a_killed_run_goes_on_with_the_same_command(folder, undisturbed):
+    run = folder.start()
+    seen = set()
+    # With four jobs begun on two cores, two are done and on Snakemake's record.
+    wait_for(lambda: seen.update(jobs_of(run)) or len(seen) == 4, run)
+    before = folder.finished()
+    run.send_signal(signal.SIGSTOP)
+    code, output = folder.run()
+    assert code != 0 and f"{folder.path}: another run is at work in this folder" in output
+    assert "Traceback" not in output
+    assert folder.run("--dry-run")[0] == 0
+    kill_at_once([*psutil.Process(run.pid).children(recursive=True), psutil.Process(run.pid)])
+    run.communicate()
+    (folder.slabs / "0123456789abcdef.nc.99.part").touch()
+    code, output = folder.run()
+    assert code == 0, output
+    after = folder.finished()
+    assert sum(after[name] == written for name, written in before.items()) >= 2
+    assert folder.cube.read_bytes() == undisturbed.cube.read_bytes()
+    assert not folder.leftovers()
+
+
+@pytest.mark.long
+def test_jobs_that_outlive_their_run_do_no_harm(folder, undisturbed):
+    run = folder.start()
+    wait_for(lambda: jobs_of(run), run)
+    run.kill()
+    code, output = folder.run()
+    assert code == 0, output
+    assert folder.cube.read_bytes() == undisturbed.cube.read_bytes()
+    assert not folder.leftovers()
+
+
+def test_a_broken_slab_is_refused_by_name_and_made_again(folder, undisturbed):
+    shutil.copytree(undisturbed.path, folder.path, dirs_exist_ok=True)
+    broken = min(folder.slabs.glob("*.nc"))
+    broken.write_bytes(broken.read_bytes()[:20000])
+    code, output = folder.run()
+    assert code != 0 and f"collect: results/slabs/{broken.name}: not a whole slab" in output
+    assert "Traceback" not in output
+    assert not folder.cube.exists()
+    broken.unlink()
+    code, output = folder.run()
+    assert code == 0, output
+    assert folder.cube.read_bytes() == undisturbed.cube.read_bytes()
+
+
+def _truncated(path, other):
+    path.write_bytes(path.read_bytes()[:-1000])
+
+
+def _empty(path, other):
+    path.write_bytes(b"")
+
+
+def _text(path, other):
+    path.write_text("N: 600\n")
+
+
+def _foreign(path, other):
+    path.write_bytes(other.read_bytes())
+
+
+def _another_file(path, other):
+    xr.Dataset({"N": [600.0]}).to_netcdf(path)
+
+
+def _missing(path, other):
+    path.unlink()
+
+
+@pytest.mark.parametrize("fault", [_truncated, _empty, _text, _foreign, _another_file, _missing])
+def test_a_faulty_file_is_named_with_the_hole_it_leaves(slabs, fault):
+    paths, axes = slabs
+    fault(paths[1], paths[2])
+    with pytest.raises(ValueError) as refusal:
+        collect_slabs(paths, axes, {})
+    first, second = str(refusal.value).splitlines()
+    assert first.startswith(f"{paths[1]}: ")
+    hole = "hole in the grid: C = 10 uN us/um, f0 = 300 to 10000 Hz: 0 of 800 cells are there"
+    assert second == hole
+
+
+def test_every_hole_is_listed(slabs):
+    paths, axes = slabs
+    with pytest.raises(ValueError) as refusal:
+        collect_slabs([paths[0], paths[3]], axes, {})
+    lines = str(refusal.value).splitlines()
+    assert ["C = 10 uN" in lines[0], "C = 25 uN" in lines[1], len(lines)] == [True, True, 2]
+
+
+def test_a_slab_given_twice_is_refused(slabs):
+    paths, axes = slabs
+    with pytest.raises(ValueError, match=r"C = 50 .* 1600 of 800 cells"):
+        collect_slabs([*paths, paths[-1]], axes, {})
+
+
+@pytest.mark.parametrize("stride", [997, pytest.param(17, marks=pytest.mark.long)])
+def test_a_flipped_byte_is_refused_or_without_effect(slabs, stride):
+    (path, *_), (C, f0, N) = slabs
+    axes = (C[:1], f0, N)
+    whole = path.read_bytes()
+    right = collect_slabs([path], axes, {}).load(scheduler="synchronous")
+    refused = 0
+    for place in range(0, len(whole), stride):
+        path.write_bytes(whole[:place] + bytes([whole[place] ^ 0xFF]) + whole[place + 1 :])
+        try:
+            found = collect_slabs([path], axes, {}).load(scheduler="synchronous")
+        except ValueError as refusal:
+            assert str(path) in str(refusal)
+            refused += 1
+        else:
+            assert found.equals(right)
+    assert refused
+
+
+@pytest.mark.long
+def test_a_job_out_of_memory_is_reported_by_name(folder, undisturbed):
+    run = folder.start()
+    starved = set()
+    while run.poll() is None:
+        for job in set(jobs_of(run)) - starved:
+            starved.add(job)
+            job.rlimit(psutil.RLIMIT_AS, (2**28, 2**28))
+        time.sleep(0.02)
+    output, _ = run.communicate()
+    assert run.returncode != 0 and not folder.finished()
+    assert "Error in rule simulate_slab" in output and "output: results/slabs/" in output
+    code, output = folder.run()
+    assert code == 0, output
+    assert folder.cube.read_bytes() == undisturbed.cube.read_bytes()
+
+
+def in_own_mounts(script, *arguments):
+    """Run a shell script that may mount what it likes; skips where that is not permitted."""
+    if subprocess.run([*IN_OWN_MOUNTS, "mount -t tmpfs none /tmp"], capture_output=True).returncode:
+        pytest.skip("mounts are not permitted here")
+    command = [*IN_OWN_MOUNTS, script, "sh", *arguments]
+    done = subprocess.run(command, capture_output=True, text=True)
+    return done.returncode, done.stdout + done.stderr
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("kilobytes", [100, 220])  # too small for the slabs, or for the cube
+def test_a_full_disk_is_named_and_leaves_no_broken_file(folder, undisturbed, kilobytes):
+    results = folder.path / "results"
+    results.mkdir()
+    script = f"""
+        cd "$1"; shift
+        mount -t tmpfs -o size={kilobytes}k none results
+        "$@" && exit 1
+        find results -type f >full.txt
+        mount -o remount,size=100m results
+        "$@"
+        cp results/cube.nc resumed.nc
+    """
+    code, output = in_own_mounts(script, folder.path, *folder.command)
+    assert code == 0, output
+    full, *_ = [line for line in output.splitlines() if "not written" in line]
+    assert "MB are free there" in full and full.split(": ")[1].startswith("results/")
+    left = (folder.path / "full.txt").read_text().split()
+    assert all(name.endswith(".nc") and "cube" not in name for name in left)
+    assert (folder.path / "resumed.nc").read_bytes() == undisturbed.cube.read_bytes()
+
+
+@pytest.mark.long
+def test_the_clone_and_the_packages_may_be_read_only(root, folder, undisturbed):
+    script = """
+        for place in "$1" "$2"; do
+            mount --bind "$place" "$place"
+            mount -o remount,ro,bind "$place"
+            if touch "$place/written" 2>/dev/null; then exit 1; fi
+        done
+        cd "$3"; shift 3
+        exec "$@"
+    """
+    places = [root, Path(psutil.__file__).parents[1], folder.path]
+    code, output = in_own_mounts(script, *places, *folder.command)
+    assert code == 0, output
+    assert folder.cube.read_bytes() == undisturbed.cube.read_bytes()

@@ -1,0 +1,172 @@
+"""A grid that grows: what is known is kept, and the cut leaves no trace in the results."""
+
+import itertools
+
+import numpy as np
+import pytest
+import yaml
+from hypothesis import assume, given, reject, settings
+from hypothesis import strategies as st
+
+from snapmap import slab as slab_module
+from snapmap.collection import collect_slabs
+from snapmap.config import load_study
+from snapmap.cube import sweep
+from snapmap.grid import follow_grid
+from snapmap.models import build_model
+from snapmap.slab import Slab, cut, slab_name, write_slab
+
+STUDY = """
+device:
+  beam: {span: 600 um, rise: 10 um, thickness: 2 um, depth: 22 um, youngs_modulus: 150 GPa,
+         density: 2330 kg/m^3}
+  mass: 1e-8 kg
+  spring: 5.5 N/m
+  contact: 40 N/m
+  gravity: 9.81 m/s^2
+model: {name: cosines, modes: 3}
+sweep: {horizon: 200 us, until: snap}
+"""
+
+
+def study(N, f0, C=(25.0,), model="cosines"):
+    """A study of values in multiples of g, Hz and uN us/um."""
+    document = yaml.safe_load(STUDY)
+    document["sweep"] |= {
+        "N": [float(value) for value in N],
+        "f0": [f"{value!r} Hz" for value in map(float, f0)],
+        "C": [f"{value!r} uN*us/um" for value in map(float, C)],
+    }
+    if model == "auto":
+        document["model"] = {"name": "auto"}
+    return load_study(document)
+
+
+def seconds(slab):
+    """The expected time of a slab."""
+    whole = study(slab.N, slab.f0)
+    model = build_model(whole.device, **whole.model)
+    return sum(slab_module._seconds(model, 1e6 / whole.f0 + whole.protocol.horizon)) * len(slab.N)
+
+
+def cells(slabs):
+    return [(C, f0, N) for slab in slabs for C in slab.C for f0 in slab.f0 for N in slab.N]
+
+
+WHOLE = {"N": np.linspace(600, 2400, 16), "f0": np.geomspace(300, 10e3, 16), "C": [1.0, 25.0]}
+
+
+@pytest.fixture(autouse=True)
+def small_jobs(monkeypatch):
+    """Make jobs so short that a plane of 256 cells falls into some twenty slabs."""
+    plane = Slab((25.0,), tuple(WHOLE["f0"]), tuple(WHOLE["N"]))
+    monkeypatch.setattr("snapmap.slab.JOB_SECONDS", seconds(plane) / 12)
+
+
+def write_all(whole, folder, code=()):
+    """Write all slabs that are not there; returns their files and how many cells were written."""
+    slabs = cut(whole)
+    paths = [folder / f"{slab_name(whole, slab)}.nc" for slab in slabs]
+    new = [(slab, path) for slab, path in zip(slabs, paths, strict=True) if not path.exists()]
+    for slab, path in new:
+        write_slab(whole.device, whole.model, slab, whole.protocol, path, 1, code)
+    return paths, len(cells(slab for slab, _ in new))
+
+
+def follow_counted(monkeypatch):
+    """Count the cells that slabs follow from now on, in a list of their numbers."""
+    followed = []
+
+    def counted(device, model, axes, *rest):
+        followed.append(np.prod([len(values) for values in axes]))
+        return follow_grid(device, model, axes, *rest)
+
+    monkeypatch.setattr("snapmap.slab.follow_grid", counted)
+    return followed
+
+
+amplitudes = st.lists(st.floats(-1e4, 1e4), min_size=1, max_size=12, unique=True)
+frequencies = st.lists(st.floats(50, 1e5), min_size=1, max_size=12, unique=True)
+
+
+@settings(deadline=None, max_examples=50)
+@given(N=amplitudes, f0=frequencies)
+def test_every_cell_is_in_one_slab_that_is_no_longer_than_a_job(N, f0):
+    try:
+        whole = study(N, f0)
+    except ValueError:
+        reject()  # values closer than rounding
+    slabs = cut(whole)
+    expected = itertools.product(whole.C, whole.f0, whole.N)
+    assert sorted(cells(slabs)) == sorted(expected)
+    for slab in slabs:
+        assert seconds(slab) <= slab_module.JOB_SECONDS * (1 + 1e-9) or len(cells([slab])) == 1
+
+
+@settings(deadline=None, max_examples=50)
+@given(st.sampled_from(["f0", "N"]), st.floats(310, 20e3))
+def test_a_new_value_changes_only_slabs_that_hold_a_neighbour(axis, value):
+    values = WHOLE[axis]
+    assume(min(abs(values / value - 1)) > 1e-9)
+    old, new = study(**WHOLE), study(**{**WHOLE, axis: [*values, value]})
+    neighbours = {*values[values < value][-1:], *values[values > value][:1]}
+    lost = set(cut(old)) - set(cut(new))
+    assert all(neighbours & set(getattr(slab, axis)) for slab in lost)
+    assert len(lost) < len(cut(old)) / 2
+
+
+def test_a_new_damping_changes_no_slab():
+    assert set(cut(study(**WHOLE))) < set(cut(study(**{**WHOLE, "C": [1.0, 7.0, 25.0]})))
+
+
+def test_auto_keeps_all_amplitudes_together():
+    slabs = cut(study(**WHOLE, model="auto"))
+    assert len(slabs) > 2
+    assert {slab.N for slab in slabs} == {tuple(WHOLE["N"])}
+
+
+@pytest.mark.parametrize("model", ["cosines", "auto"])
+@pytest.mark.parametrize("grown", ["f0", "N", "both", "shrunk"])
+def test_only_new_cells_are_followed(tmp_path, monkeypatch, grown, model):
+    """The cube of a grid that grew is that of one sweep; refined, extended and thinned out."""
+    some = {"f0": WHOLE["f0"][4::2], "N": WHOLE["N"][:12:2], "C": [25.0]}
+    many = {"f0": WHOLE["f0"], "N": WHOLE["N"], "C": [25.0]}
+    first = {"f0": many | {"f0": some["f0"]}, "N": many | {"N": some["N"]}}
+    first |= {"both": some, "shrunk": many}
+    old, new = first[grown], some if grown == "shrunk" else many
+    write_all(study(**old, model=model), tmp_path)
+    followed = follow_counted(monkeypatch)
+    whole = study(**new, model=model)
+    paths, _ = write_all(whole, tmp_path)
+    # To `auto`, other neighbours along N are another question.
+    kept = len(set(old["f0"]) & set(new["f0"])) * len(set(old["N"]) & set(new["N"]))
+    if model == "auto" and grown != "f0":
+        kept = 0
+    assert sum(followed) == len(new["f0"]) * len(new["N"]) - kept
+    options = {"modes": 3} if model == "cosines" else {}
+    in_one = sweep(whole.device, **new, model=model, horizon=200.0, until="snap", **options)
+    cube = collect_slabs(paths, [whole.C, whole.f0, whole.N], {})
+    assert set(cube.variables) == set(in_one.variables)
+    for key in in_one.variables:
+        assert cube[key].values.tobytes() == in_one[key].values.tobytes(), key
+    counts = [key for key in in_one.attrs if key.startswith(("cells_", "share_"))]
+    assert [cube.attrs[key] for key in counts] == [in_one.attrs[key] for key in counts]
+
+
+def test_slabs_of_other_code_and_broken_ones_are_not_used(tmp_path, monkeypatch):
+    code = tmp_path / "code.py"
+    code.write_text("one")
+    old, new = study(**{**WHOLE, "f0": WHOLE["f0"][::2]}), study(**WHOLE)
+    paths, _ = write_all(old, tmp_path, [code])
+    followed = follow_counted(monkeypatch)
+    code.write_text("another")
+    made, written = write_all(new, tmp_path, [code])
+    assert sum(followed) == written > 0
+    for path in set(made) - set(paths):
+        path.unlink()
+    code.write_text("one")
+    for path in set(paths) - set(made):
+        path.write_bytes(path.read_bytes()[:-1000])
+    followed.clear()
+    written = write_all(new, tmp_path, [code])[1]
+    assert sum(followed) == written > 0

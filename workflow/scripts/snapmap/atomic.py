@@ -1,0 +1,31 @@
+"""Files that are whole or absent, whatever kills the job that writes them."""
+
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+
+@contextmanager
+def replacing(path: str | Path) -> Iterator[str]:
+    """Give a temporary name beside `path`, which is renamed to it when the block has ended well.
+
+    Raises OSError, one line with the space that is left, for what could not be written.
+    """
+    # The process is part of the name: a job that outlived its run shares no file with its heir.
+    part = f"{path}.{os.getpid()}.part"
+    try:
+        yield part
+        os.replace(part, path)
+    except (OSError, RuntimeError) as error:  # netCDF4 raises RuntimeError on a full disk
+        free = shutil.disk_usage(Path(path).parent).free / 1e6
+        raise OSError(f"{path}: not written, {free:.3g} MB are free there: {error}") from error
+    finally:
+        Path(part).unlink(missing_ok=True)
+
+
+def remove_leftovers(folder: str | Path) -> None:
+    """Remove the temporary files of killed jobs below `folder`."""
+    for part in Path(folder).rglob("*.part"):
+        part.unlink(missing_ok=True)
