@@ -8,7 +8,7 @@ import platformdirs
 from snakemake.exceptions import WorkflowError
 
 # Jobs inherit both: nothing is written beside the code, and a kernel is compiled once per user.
-os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
+os.environ.update(PYTHONDONTWRITEBYTECODE="1")
 os.environ.setdefault(
     "NUMBA_CACHE_DIR", str(platformdirs.user_cache_path("snapmap") / "numba")
 )
@@ -18,7 +18,8 @@ sys.dont_write_bytecode = True
 from workflow.scripts.snapmap.atomic import remove_leftovers
 from workflow.scripts.snapmap.config import load_study
 from workflow.scripts.snapmap.document import read_document
-from workflow.scripts.snapmap.slab import cut, requests, slab_name
+from workflow.scripts.snapmap.plan import cut, requests
+from workflow.scripts.snapmap.slab import slab_name
 
 if not workflow.overwrite_configfiles:
 
@@ -113,7 +114,11 @@ rule simulate_slab:
         ],
     output:
         slab="results/slabs/{slab}.nc",
+    log:
+        "results/logs/simulate_slab_{slab}.log",
     retries: 1
+    conda:
+        "workflow/envs/snapmap.yaml"
     threads: 1
     resources:
         mem_mb=lambda wildcards, attempt: attempt * asked[wildcards.slab].mem_mb,
@@ -135,6 +140,10 @@ rule collect:
         code=code("collection.py", "cube.py", "provenance.py", "atomic.py"),
     output:
         cube="results/cube.nc",
+    log:
+        "results/logs/collect.log",
+    conda:
+        "workflow/envs/snapmap.yaml"
     resources:
         mem_mb=lambda wildcards, attempt: attempt * 2000,
     params:
@@ -157,6 +166,10 @@ rule find_threshold:
         ],
     output:
         threshold="results/threshold.nc",
+    log:
+        "results/logs/find_threshold.log",
+    conda:
+        "workflow/envs/snapmap.yaml"
     threads: 4
     resources:
         mem_mb=lambda wildcards, attempt: attempt * 2000,
@@ -181,6 +194,10 @@ rule trace_statics:
         ],
     output:
         statics="results/statics.nc",
+    log:
+        "results/logs/trace_statics.log",
+    conda:
+        "workflow/envs/snapmap.yaml"
     params:
         device=asdict(study.device),
     message:
@@ -202,6 +219,10 @@ rule draw_map:
             category="Maps",
             labels={"figure": "C = {damping} uN us/um"},
         ),
+    log:
+        "results/logs/draw_map_{damping}.log",
+    conda:
+        "workflow/envs/snapmap.yaml"
     params:
         damping_index=lambda wildcards: dampings.index(wildcards.damping),
     message:
@@ -223,6 +244,10 @@ rule draw_maps:
             category="Maps",
             labels={"figure": "all C"},
         ),
+    log:
+        "results/logs/draw_maps.log",
+    conda:
+        "workflow/envs/snapmap.yaml"
     message:
         "Draw the maps of all C side by side"
     script:
@@ -241,6 +266,10 @@ rule draw_thresholds:
             category="Thresholds",
             labels={"figure": "over the pulse's frequency"},
         ),
+    log:
+        "results/logs/draw_thresholds.log",
+    conda:
+        "workflow/envs/snapmap.yaml"
     message:
         "Draw the thresholds"
     script:
@@ -259,6 +288,10 @@ rule draw_damage_boundary:
             category="Thresholds",
             labels={"figure": "damage boundary"},
         ),
+    log:
+        "results/logs/draw_damage_boundary.log",
+    conda:
+        "workflow/envs/snapmap.yaml"
     message:
         "Draw the damage boundary"
     script:
@@ -277,6 +310,10 @@ rule draw_statics:
             category="Device",
             labels={"figure": "force and energy of the beam"},
         ),
+    log:
+        "results/logs/draw_statics.log",
+    conda:
+        "workflow/envs/snapmap.yaml"
     message:
         "Draw the beam's force and energy"
     script:
@@ -288,6 +325,10 @@ rule simulate_history:
         code=[*SOLVER, *code("cells.py", "history.py", "provenance.py")],
     output:
         history="results/histories/{cell}.nc",
+    log:
+        "results/logs/simulate_history_{cell}.log",
+    conda:
+        "workflow/envs/snapmap.yaml"
     params:
         device=asdict(study.device),
         model=study.model,
@@ -311,6 +352,10 @@ rule draw_history:
             category="Histories",
             labels={"figure": "{cell}"},
         ),
+    log:
+        "results/logs/draw_history_{cell}.log",
+    conda:
+        "workflow/envs/snapmap.yaml"
     message:
         "Draw the history of {wildcards.cell}"
     script:
@@ -330,6 +375,10 @@ rule trace_cells:
         ],
     output:
         traces="results/traces.nc",
+    log:
+        "results/logs/trace_cells.log",
+    conda:
+        "workflow/envs/snapmap.yaml"
     threads: 4
     resources:
         mem_mb=lambda wildcards, attempt: attempt * 2000,
@@ -347,9 +396,13 @@ rule write_page:
     input:
         cube="results/cube.nc",
         traces="results/traces.nc",
-        code=code("figures/explore.*", "figures/maps.py", "quantity.py", "atomic.py"),
+        code=[*code("figures/explore.*", "figures/maps.py", "figures/curves.py"), *PLOT],
     output:
         page="results/explore.html",
+    log:
+        "results/logs/write_page.log",
+    conda:
+        "workflow/envs/snapmap.yaml"
     message:
         "Write the page to explore {input.cube}"
     script:
@@ -382,6 +435,10 @@ rule measure_accuracy:
         ],
     output:
         accuracy="results/accuracy{size}.nc",
+    log:
+        "results/logs/measure_accuracy{size}.log",
+    conda:
+        "workflow/envs/snapmap.yaml"
     # All there are: another job at the same time would spoil the times.
     threads: 1000
     params:
@@ -407,6 +464,10 @@ rule draw_accuracy:
             category="Accuracy",
             labels={"figure": "error over time{size}"},
         ),
+    log:
+        "results/logs/draw_accuracy{size}.log",
+    conda:
+        "workflow/envs/snapmap.yaml"
     message:
         "Draw error against time: {output.pdf}"
     script:
@@ -425,6 +486,10 @@ rule draw_convergence:
             category="Accuracy",
             labels={"figure": "error over number and step"},
         ),
+    log:
+        "results/logs/draw_convergence.log",
+    conda:
+        "workflow/envs/snapmap.yaml"
     message:
         "Draw error over number and step"
     script:
@@ -447,6 +512,10 @@ rule measure_stability:
         ],
     output:
         stability="results/stability.nc",
+    log:
+        "results/logs/measure_stability.log",
+    conda:
+        "workflow/envs/snapmap.yaml"
     # All there are: no other rule takes as long.
     threads: 1000
     params:
@@ -473,6 +542,10 @@ rule measure_settled:
         ],
     output:
         settled="results/settled.nc",
+    log:
+        "results/logs/measure_settled.log",
+    conda:
+        "workflow/envs/snapmap.yaml"
     threads: 1000
     params:
         device=asdict(study.device),
@@ -495,6 +568,10 @@ rule draw_stability:
             category="Stability",
             labels={"figure": "hard cases"},
         ),
+    log:
+        "results/logs/draw_stability.log",
+    conda:
+        "workflow/envs/snapmap.yaml"
     message:
         "Draw the hard cases"
     script:
@@ -513,6 +590,10 @@ rule draw_settled:
             category="Stability",
             labels={"figure": "what has settled"},
         ),
+    log:
+        "results/logs/draw_settled.log",
+    conda:
+        "workflow/envs/snapmap.yaml"
     params:
         beam_dampings=[0.0, 4e-4],
         C=25.0,
@@ -529,6 +610,10 @@ rule write_stability_table:
         code=code("stability.py", "outcome.py"),
     output:
         table="results/stability.md",
+    log:
+        "results/logs/write_stability_table.log",
+    conda:
+        "workflow/envs/snapmap.yaml"
     message:
         "Write the tables of docs/stability.md"
     script:

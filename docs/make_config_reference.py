@@ -9,7 +9,7 @@ from pathlib import Path
 
 import yaml
 
-from snapmap import config, quantity, slab
+from snapmap import config, plan, quantity
 from snapmap.bases.elements import hermite_elements
 from snapmap.config import HANDOUT_CASE, load_device, load_study
 from snapmap.device import Beam
@@ -93,9 +93,9 @@ def reference() -> str:
         least=quantity.LEAST,
         most=quantity.MOST,
         sections="\n\n".join(_sections(schema, code_defaults())),
-        cells=slab.MOST_CELLS,
-        dampings=slab.MOST_DAMPINGS,
-        hours=slab.MOST_SECONDS / 3600,
+        cells=plan.MOST_CELLS,
+        dampings=plan.MOST_DAMPINGS,
+        hours=plan.MOST_SECONDS / 3600,
         example=EXAMPLE,
     )
 

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 
 from snapmap.config import load_study
 from snapmap.document import ConfigError, read_document
+from snapmap.plan import cut
 from snapmap.quantity import KINDS, show
-from snapmap.slab import cut
 
 DEFAULT = yaml.safe_load("""
 device:
@@ -303,7 +303,7 @@ def test_a_grid_of_a_million_cubed_is_refused():
         unit = KINDS[KIND[key]].unit
         document["sweep"][key] = {"from": f"1 {unit}", "to": f"9 {unit}", "points": 10**6}
     document["sweep"]["N"] |= {"from": 1, "to": 9}
-    assert lines_of(document) == ["sweep: 1e+18 cells, more than 1e+08; write fewer points"]
+    assert lines_of(document) == ["sweep: 1e+18 cells, more than 1e+10; write fewer points"]
 
 
 def test_documents_that_hold_themselves_or_a_billion_parts_are_refused():

@@ -251,6 +251,14 @@ def test_axes_ascend(axis, values):
     assert np.array_equal(load_study(changed(sweep__N=axis)).N, values)
 
 
+def test_a_finer_range_keeps_the_values_of_a_coarser():
+    for ends in ({"from": 600, "to": 2400}, {"from": 0.1, "to": 33, "spacing": "log"}):
+        coarse, fine = (
+            load_study(changed(sweep__N={**ends, "points": points})).N for points in (91, 181)
+        )
+        assert set(coarse) < set(fine)
+
+
 def test_histories():
     cell = {"N": "1e3", "f0": "2 kHz", "C": "0 kg/s"}
     assert load_study(changed(histories=[cell])).histories == (History(1000.0, 2000.0, 0.0),)

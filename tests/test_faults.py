@@ -13,7 +13,8 @@ import yaml
 
 from snapmap.collection import collect_slabs
 from snapmap.config import load_study
-from snapmap.slab import cut, slab_name
+from snapmap.plan import cut
+from snapmap.slab import slab_name
 
 STUDY = """
 device:
@@ -161,7 +162,7 @@ def test_a_broken_slab_is_refused_by_name_and_made_again(folder, undisturbed):
     broken = min(folder.slabs.glob("*.nc"))
     broken.write_bytes(broken.read_bytes()[:20000])
     code, output = folder.run()
-    assert code != 0 and f"collect: results/slabs/{broken.name}: not a whole slab" in output
+    assert code != 0 and f"results/slabs/{broken.name}: not a whole slab" in output
     assert "Traceback" not in output
     assert not folder.cube.exists()
     broken.unlink()

@@ -8,13 +8,14 @@ import yaml
 from hypothesis import assume, given, reject, settings
 from hypothesis import strategies as st
 
-from snapmap import slab as slab_module
+from snapmap import plan
 from snapmap.collection import collect_slabs
 from snapmap.config import load_study
 from snapmap.cube import sweep
 from snapmap.grid import follow_grid
 from snapmap.models import build_model
-from snapmap.slab import Slab, cut, slab_name, write_slab
+from snapmap.plan import cut
+from snapmap.slab import Slab, slab_name, write_slab
 
 STUDY = """
 device:
@@ -46,7 +47,7 @@ def seconds(slab):
     """The expected time of a slab."""
     whole = study(slab.N, slab.f0)
     model = build_model(whole.device, **whole.model)
-    return sum(slab_module._seconds(model, 1e6 / whole.f0 + whole.protocol.horizon)) * len(slab.N)
+    return sum(plan._seconds(model, 1e6 / whole.f0 + whole.protocol.horizon)) * len(slab.N)
 
 
 def cells(slabs):
@@ -60,7 +61,7 @@ WHOLE = {"N": np.linspace(600, 2400, 16), "f0": np.geomspace(300, 10e3, 16), "C"
 def small_jobs(monkeypatch):
     """Make jobs so short that a plane of 256 cells falls into some twenty slabs."""
     plane = Slab((25.0,), tuple(WHOLE["f0"]), tuple(WHOLE["N"]))
-    monkeypatch.setattr("snapmap.slab.JOB_SECONDS", seconds(plane) / 12)
+    monkeypatch.setattr("snapmap.plan.JOB_SECONDS", seconds(plane) / 12)
 
 
 def write_all(whole, folder, code=()):
@@ -100,7 +101,7 @@ def test_every_cell_is_in_one_slab_that_is_no_longer_than_a_job(N, f0):
     expected = itertools.product(whole.C, whole.f0, whole.N)
     assert sorted(cells(slabs)) == sorted(expected)
     for slab in slabs:
-        assert seconds(slab) <= slab_module.JOB_SECONDS * (1 + 1e-9) or len(cells([slab])) == 1
+        assert seconds(slab) <= plan.JOB_SECONDS * (1 + 1e-9) or len(cells([slab])) == 1
 
 
 @settings(deadline=None, max_examples=50)

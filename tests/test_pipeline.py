@@ -25,7 +25,13 @@ sweep:
   C: [0.5 uN*us/um, 30 uN*us/um]
   horizon: 200 us
 """
-RULES = ("simulate_slab", "collect", "draw_map", "simulate_history", "draw_history")
+AFTER_THRESHOLDS = ("draw_map", "draw_maps", "draw_thresholds", "draw_damage_boundary")
+RULES = (
+    *("simulate_slab", "collect", "trace_cells", "write_page", "find_threshold"),
+    *AFTER_THRESHOLDS,
+    *("trace_statics", "draw_statics", "simulate_history", "draw_history"),
+    *("measure_accuracy", "draw_accuracy"),
+)
 
 
 def snakemake(root, folder, config, *options, check=True):
@@ -97,6 +103,34 @@ def test_the_cube_keeps_the_contract(finished):
     assert "cells never" in output
 
 
+def test_the_thresholds_are_what_python_gives(finished):
+    folder, config, output = finished
+    with xr.open_dataset(folder / "results" / "threshold.nc") as found:
+        axes = {"f0": found.f0, "C": found.C, "highest": 3000.0}
+        device = snapmap.load_device(config)
+        direct = snapmap.threshold(device, **axes, model="handout", elements=3, horizon=200.0)
+        xr.testing.assert_equal(found, direct)
+    assert "4 of 4 thresholds found" in output
+
+
+def test_every_job_has_a_log(finished):
+    """What a script prints is on the terminal and in its log."""
+    folder, _, output = finished
+    logs = {path.stem: path.read_text() for path in (folder / "results" / "logs").iterdir()}
+    assert len(logs) >= len(RULES) and logs["collect"].strip() in output
+
+
+def test_the_workflow_has_nothing_to_lint(clone):
+    command = ["snakemake", "--snakefile", clone / "Snakefile", "--lint"]
+    done = subprocess.run(command, cwd=clone, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_workflow_is_formatted(clone):
+    command = ["snakefmt", "--check", clone / "Snakefile"]
+    assert subprocess.run(command, timeout=120).returncode == 0
+
+
 def test_the_cube_is_what_python_gives(finished):
     folder, config, _ = finished
     with xr.open_dataset(folder / "results" / "cube.nc") as cube:
@@ -108,7 +142,8 @@ def test_the_cube_is_what_python_gives(finished):
 
 def test_every_figure_is_there(finished):
     figures = {path.name for path in (finished[0] / "results" / "figures").iterdir()}
-    stems = ["map_C0.5", "map_C30", "history_N1000_f1500_C0.025", "accuracy_quick"]
+    stems = ["map_C0.5", "map_C30", "maps", "thresholds", "damage_boundary", "statics"]
+    stems += ["history_N1000_f1500_C0.025", "accuracy_quick"]
     assert figures == {f"{stem}.{kind}" for stem in stems for kind in ("pdf", "png")}
 
 
@@ -120,9 +155,12 @@ def test_a_second_run_has_nothing_to_do(clone, finished):
 @pytest.mark.parametrize(
     ("module", "rules"),
     [
-        ("figures/maps.py", {"draw_map"}),
-        ("cube.py", {"collect", "draw_map"}),
-        ("lanes.py", set(RULES)),
+        ("figures/histories.py", {"draw_history"}),
+        ("figures/maps.py", {"draw_map", "draw_maps", "write_page"}),
+        ("survey.py", {"find_threshold", *AFTER_THRESHOLDS}),
+        ("statics.py", {"find_threshold", *AFTER_THRESHOLDS, "trace_statics", "draw_statics"}),
+        ("collection.py", {"collect", "draw_map", "draw_maps", "trace_cells", "write_page"}),
+        ("lanes.py", set(RULES) - {"trace_statics", "draw_statics"}),
         ("bases/elements.py", set(RULES)),
     ],
 )

@@ -38,6 +38,13 @@ def test_the_version_is_the_same_everywhere(root):
     assert len(versions) == 1, versions
 
 
+def test_the_conda_environment_asks_for_the_same_packages(root):
+    project = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    environment = yaml.safe_load((root / "workflow" / "envs" / "snapmap.yaml").read_text())
+    asked = {line.replace(" ", "") for line in environment["dependencies"]}
+    assert asked == {f"python{project['requires-python']}", *project["dependencies"]}
+
+
 def test_the_citation_has_what_the_format_requires(root):
     citation = yaml.safe_load((root / "CITATION.cff").read_text(encoding="utf-8"))
     required = ["authors", "cff-version", "message", "title"]

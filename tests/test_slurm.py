@@ -13,7 +13,8 @@ import pytest
 import yaml
 
 from snapmap.config import load_study
-from snapmap.slab import Slab, requests
+from snapmap.plan import requests
+from snapmap.slab import Slab
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sinfo", "sbatch", "srun")
 SLURM = """

@@ -1,9 +1,8 @@
 """Rule collect: join the slabs into one cube."""
 
-import sys
-
 from snapmap.collection import collect_slabs
 from snapmap.cube import summary, write
+from snapmap.journal import journal
 
 
 def collect(slab_paths, axes, config, cube_path):
@@ -14,12 +13,10 @@ def collect(slab_paths, axes, config, cube_path):
 
 
 if __name__ == "__main__":
-    try:
+    with journal(snakemake.log[0]):
         collect(
             slab_paths=snakemake.input.slabs,
             axes=snakemake.params.axes,
             config=snakemake.params.config,
             cube_path=snakemake.output.cube,
         )
-    except (OSError, ValueError) as fault:
-        sys.exit(f"collect: {fault}")

@@ -3,6 +3,7 @@
 import xarray as xr
 
 from snapmap.figures import accuracy, style
+from snapmap.journal import journal
 
 
 def draw_accuracy(accuracy_path, pdf_path, png_path):
@@ -14,8 +15,9 @@ def draw_accuracy(accuracy_path, pdf_path, png_path):
 
 
 if __name__ == "__main__":
-    draw_accuracy(
-        accuracy_path=snakemake.input.accuracy,
-        pdf_path=snakemake.output.pdf,
-        png_path=snakemake.output.png,
-    )
+    with journal(snakemake.log[0]):
+        draw_accuracy(
+            accuracy_path=snakemake.input.accuracy,
+            pdf_path=snakemake.output.pdf,
+            png_path=snakemake.output.png,
+        )

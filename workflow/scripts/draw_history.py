@@ -3,6 +3,7 @@
 import xarray as xr
 
 from snapmap.figures import histories, style
+from snapmap.journal import journal
 
 
 def draw_history(history_path, pdf_path, png_path):
@@ -15,8 +16,9 @@ def draw_history(history_path, pdf_path, png_path):
 
 
 if __name__ == "__main__":
-    draw_history(
-        history_path=snakemake.input.history,
-        pdf_path=snakemake.output.pdf,
-        png_path=snakemake.output.png,
-    )
+    with journal(snakemake.log[0]):
+        draw_history(
+            history_path=snakemake.input.history,
+            pdf_path=snakemake.output.pdf,
+            png_path=snakemake.output.png,
+        )

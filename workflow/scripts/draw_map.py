@@ -3,6 +3,7 @@
 import xarray as xr
 
 from snapmap.figures import maps, style
+from snapmap.journal import journal
 
 
 def draw_map(cube_path, threshold_path, damping_index, pdf_path, png_path):
@@ -19,10 +20,11 @@ def draw_map(cube_path, threshold_path, damping_index, pdf_path, png_path):
 
 
 if __name__ == "__main__":
-    draw_map(
-        cube_path=snakemake.input.cube,
-        threshold_path=snakemake.input.threshold,
-        damping_index=snakemake.params.damping_index,
-        pdf_path=snakemake.output.pdf,
-        png_path=snakemake.output.png,
-    )
+    with journal(snakemake.log[0]):
+        draw_map(
+            cube_path=snakemake.input.cube,
+            threshold_path=snakemake.input.threshold,
+            damping_index=snakemake.params.damping_index,
+            pdf_path=snakemake.output.pdf,
+            png_path=snakemake.output.png,
+        )

@@ -5,6 +5,7 @@ import math
 import xarray as xr
 
 from snapmap.figures import maps, style
+from snapmap.journal import journal
 
 
 def draw_maps(cube_path, threshold_path, pdf_path, png_path):
@@ -20,9 +21,10 @@ def draw_maps(cube_path, threshold_path, pdf_path, png_path):
 
 
 if __name__ == "__main__":
-    draw_maps(
-        cube_path=snakemake.input.cube,
-        threshold_path=snakemake.input.threshold,
-        pdf_path=snakemake.output.pdf,
-        png_path=snakemake.output.png,
-    )
+    with journal(snakemake.log[0]):
+        draw_maps(
+            cube_path=snakemake.input.cube,
+            threshold_path=snakemake.input.threshold,
+            pdf_path=snakemake.output.pdf,
+            png_path=snakemake.output.png,
+        )

@@ -3,6 +3,7 @@
 import xarray as xr
 
 from snapmap.figures import maps, style
+from snapmap.journal import journal
 
 
 def draw_settled(settled_path, beam_dampings, C, pdf_path, png_path):
@@ -19,10 +20,11 @@ def draw_settled(settled_path, beam_dampings, C, pdf_path, png_path):
 
 
 if __name__ == "__main__":
-    draw_settled(
-        settled_path=snakemake.input.settled,
-        beam_dampings=snakemake.params.beam_dampings,
-        C=snakemake.params.C,
-        pdf_path=snakemake.output.pdf,
-        png_path=snakemake.output.png,
-    )
+    with journal(snakemake.log[0]):
+        draw_settled(
+            settled_path=snakemake.input.settled,
+            beam_dampings=snakemake.params.beam_dampings,
+            C=snakemake.params.C,
+            pdf_path=snakemake.output.pdf,
+            png_path=snakemake.output.png,
+        )

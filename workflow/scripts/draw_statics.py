@@ -3,6 +3,7 @@
 import xarray as xr
 
 from snapmap.figures import statics, style
+from snapmap.journal import journal
 
 
 def draw_statics(statics_path, pdf_path, png_path):
@@ -17,8 +18,9 @@ def draw_statics(statics_path, pdf_path, png_path):
 
 
 if __name__ == "__main__":
-    draw_statics(
-        statics_path=snakemake.input.statics,
-        pdf_path=snakemake.output.pdf,
-        png_path=snakemake.output.png,
-    )
+    with journal(snakemake.log[0]):
+        draw_statics(
+            statics_path=snakemake.input.statics,
+            pdf_path=snakemake.output.pdf,
+            png_path=snakemake.output.png,
+        )

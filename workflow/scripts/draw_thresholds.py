@@ -3,6 +3,7 @@
 import xarray as xr
 
 from snapmap.figures import style, thresholds
+from snapmap.journal import journal
 
 
 def draw_thresholds(threshold_path, pdf_path, png_path):
@@ -14,8 +15,9 @@ def draw_thresholds(threshold_path, pdf_path, png_path):
 
 
 if __name__ == "__main__":
-    draw_thresholds(
-        threshold_path=snakemake.input.threshold,
-        pdf_path=snakemake.output.pdf,
-        png_path=snakemake.output.png,
-    )
+    with journal(snakemake.log[0]):
+        draw_thresholds(
+            threshold_path=snakemake.input.threshold,
+            pdf_path=snakemake.output.pdf,
+            png_path=snakemake.output.png,
+        )

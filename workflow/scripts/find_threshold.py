@@ -2,6 +2,7 @@
 
 from snapmap.cube import write
 from snapmap.device import device_from
+from snapmap.journal import journal
 from snapmap.surface import summary, threshold
 
 
@@ -21,13 +22,14 @@ def find_threshold(device, model, axes, highest, horizon, tolerance, path, threa
 
 
 if __name__ == "__main__":
-    find_threshold(
-        device=snakemake.params.device,
-        model=snakemake.params.model,
-        axes=snakemake.params.axes,
-        highest=snakemake.params.highest,
-        horizon=snakemake.params.horizon,
-        tolerance=snakemake.params.tolerance,
-        path=snakemake.output.threshold,
-        threads=snakemake.threads,
-    )
+    with journal(snakemake.log[0]):
+        find_threshold(
+            device=snakemake.params.device,
+            model=snakemake.params.model,
+            axes=snakemake.params.axes,
+            highest=snakemake.params.highest,
+            horizon=snakemake.params.horizon,
+            tolerance=snakemake.params.tolerance,
+            path=snakemake.output.threshold,
+            threads=snakemake.threads,
+        )

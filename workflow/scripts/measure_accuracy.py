@@ -3,6 +3,7 @@
 from snapmap.accuracy import PLANS, measure, summary
 from snapmap.cube import write
 from snapmap.device import device_from
+from snapmap.journal import journal
 from snapmap.protocol import Protocol
 
 
@@ -14,11 +15,12 @@ def measure_accuracy(device, axes, protocol, plan, path, threads):
 
 
 if __name__ == "__main__":
-    measure_accuracy(
-        device=snakemake.params.device,
-        axes=snakemake.params.axes,
-        protocol=snakemake.params.protocol,
-        plan=snakemake.params.plan,
-        path=snakemake.output.accuracy,
-        threads=snakemake.threads,
-    )
+    with journal(snakemake.log[0]):
+        measure_accuracy(
+            device=snakemake.params.device,
+            axes=snakemake.params.axes,
+            protocol=snakemake.params.protocol,
+            plan=snakemake.params.plan,
+            path=snakemake.output.accuracy,
+            threads=snakemake.threads,
+        )

@@ -8,6 +8,7 @@ import xarray as xr
 from snapmap.config import device_document
 from snapmap.cube import sweep, write
 from snapmap.device import device_from
+from snapmap.journal import journal
 from snapmap.provenance import provenance
 
 GRID = {
@@ -43,9 +44,10 @@ def measure_settled(device, beam_dampings, path, threads):
 
 
 if __name__ == "__main__":
-    measure_settled(
-        device=snakemake.params.device,
-        beam_dampings=snakemake.params.beam_dampings,
-        path=snakemake.output.settled,
-        threads=snakemake.threads,
-    )
+    with journal(snakemake.log[0]):
+        measure_settled(
+            device=snakemake.params.device,
+            beam_dampings=snakemake.params.beam_dampings,
+            path=snakemake.output.settled,
+            threads=snakemake.threads,
+        )

@@ -2,6 +2,7 @@
 
 from snapmap.cube import write
 from snapmap.device import device_from
+from snapmap.journal import journal
 from snapmap.stability import measure
 
 
@@ -11,8 +12,9 @@ def measure_stability(device, path, threads):
 
 
 if __name__ == "__main__":
-    measure_stability(
-        device=snakemake.params.device,
-        path=snakemake.output.stability,
-        threads=snakemake.threads,
-    )
+    with journal(snakemake.log[0]):
+        measure_stability(
+            device=snakemake.params.device,
+            path=snakemake.output.stability,
+            threads=snakemake.threads,
+        )

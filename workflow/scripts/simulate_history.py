@@ -3,6 +3,7 @@
 from snapmap.cube import write
 from snapmap.device import device_from
 from snapmap.history import simulate
+from snapmap.journal import journal
 
 
 def simulate_history(device, model, cell, horizon, path):
@@ -13,10 +14,11 @@ def simulate_history(device, model, cell, horizon, path):
 
 
 if __name__ == "__main__":
-    simulate_history(
-        device=snakemake.params.device,
-        model=snakemake.params.model,
-        cell=snakemake.params.cell,
-        horizon=snakemake.params.horizon,
-        path=snakemake.output.history,
-    )
+    with journal(snakemake.log[0]):
+        simulate_history(
+            device=snakemake.params.device,
+            model=snakemake.params.model,
+            cell=snakemake.params.cell,
+            horizon=snakemake.params.horizon,
+            path=snakemake.output.history,
+        )

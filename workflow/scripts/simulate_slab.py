@@ -1,8 +1,7 @@
 """Rule simulate_slab: follow the cells of one slab of the grid."""
 
-import sys
-
 from snapmap.device import device_from
+from snapmap.journal import journal
 from snapmap.protocol import Protocol
 from snapmap.slab import Slab, write_slab
 
@@ -15,7 +14,7 @@ def simulate_slab(device, model, axes, protocol, path, threads, code):
 
 
 if __name__ == "__main__":
-    try:
+    with journal(snakemake.log[0]):
         simulate_slab(
             device=snakemake.params.device,
             model=snakemake.params.model,
@@ -25,5 +24,3 @@ if __name__ == "__main__":
             threads=snakemake.threads,
             code=snakemake.input.code,
         )
-    except (MemoryError, OSError, ValueError) as fault:
-        sys.exit(f"simulate_slab: {fault}")

@@ -4,6 +4,7 @@ import xarray as xr
 
 from snapmap.cube import write
 from snapmap.device import device_from
+from snapmap.journal import journal
 from snapmap.protocol import Protocol
 from snapmap.traces import trace
 
@@ -18,11 +19,12 @@ def trace_cells(cube_path, device, model, protocol, path, threads):
 
 
 if __name__ == "__main__":
-    trace_cells(
-        cube_path=snakemake.input.cube,
-        device=snakemake.params.device,
-        model=snakemake.params.model,
-        protocol=snakemake.params.protocol,
-        path=snakemake.output.traces,
-        threads=snakemake.threads,
-    )
+    with journal(snakemake.log[0]):
+        trace_cells(
+            cube_path=snakemake.input.cube,
+            device=snakemake.params.device,
+            model=snakemake.params.model,
+            protocol=snakemake.params.protocol,
+            path=snakemake.output.traces,
+            threads=snakemake.threads,
+        )

@@ -2,6 +2,7 @@
 
 from snapmap.cube import write
 from snapmap.device import device_from
+from snapmap.journal import journal
 from snapmap.statics import force_displacement
 
 
@@ -11,4 +12,5 @@ def trace_statics(device, path):
 
 
 if __name__ == "__main__":
-    trace_statics(device=snakemake.params.device, path=snakemake.output.statics)
+    with journal(snakemake.log[0]):
+        trace_statics(device=snakemake.params.device, path=snakemake.output.statics)

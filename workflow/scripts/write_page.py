@@ -6,6 +6,7 @@ import xarray as xr
 
 from snapmap.atomic import replacing
 from snapmap.figures.explore import page
+from snapmap.journal import journal
 
 
 def write_page(cube_path, traces_path, path):
@@ -20,8 +21,9 @@ def write_page(cube_path, traces_path, path):
 
 
 if __name__ == "__main__":
-    write_page(
-        cube_path=snakemake.input.cube,
-        traces_path=snakemake.input.traces,
-        path=snakemake.output.page,
-    )
+    with journal(snakemake.log[0]):
+        write_page(
+            cube_path=snakemake.input.cube,
+            traces_path=snakemake.input.traces,
+            path=snakemake.output.page,
+        )

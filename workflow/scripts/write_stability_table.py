@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 from snapmap.atomic import replacing
+from snapmap.journal import journal
 from snapmap.outcome import FAILED, LATCHED, NEVER, OUTCOMES, RETURNED, SNAPPED, UNSNAPPED
 from snapmap.stability import CAUGHT, LEFT_OUT, REFUSED, SENSITIVE, SHIFTED, UNSEEN, VERDICTS
 
@@ -102,8 +103,9 @@ def _table(head, rows):
 
 
 if __name__ == "__main__":
-    write_stability_table(
-        stability_path=snakemake.input.stability,
-        settled_path=snakemake.input.settled,
-        table_path=snakemake.output.table,
-    )
+    with journal(snakemake.log[0]):
+        write_stability_table(
+            stability_path=snakemake.input.stability,
+            settled_path=snakemake.input.settled,
+            table_path=snakemake.output.table,
+        )

@@ -161,10 +161,15 @@ def _range(section, key, kind):
         need = "equal ends" if points == 1 else "from and to that differ"
         raise ValueError(f"{key}.points: {points} needs {need}; write other ends or points")
     if section.get("spacing") != "log":
-        return np.linspace(start, stop, points)
+        return _rounded(np.linspace(start, stop, points))
     if min(start, stop) <= 0:
         raise ValueError(f"{key}.spacing: log needs from and to above 0; write linear, or a list")
-    return np.geomspace(start, stop, points)
+    return _rounded(np.geomspace(start, stop, points))
+
+
+def _rounded(values):
+    """To 14 digits, so that a finer range has the same values where it has them at all."""
+    return np.array([float(f"{value:.14g}") for value in values.tolist()])
 
 
 def _schema_faults(document):

@@ -140,7 +140,9 @@ def write(dataset: xr.Dataset, path: str | Path) -> None:
     """Write a dataset compressed and with checksums, under a temporary name until it is whole."""
     # netCDF4 is not safe in threads, so dask must work in this one.
     with replacing(path) as temporary, dask.config.set(scheduler="synchronous"):
-        dataset.drop_vars(dataset.data_vars).to_netcdf(temporary, engine="netcdf4")
+        axes = dataset.drop_vars(dataset.data_vars)
+        no_fill = {key: {"_FillValue": None} for key in axes.coords}  # CF has none on an axis
+        axes.to_netcdf(temporary, engine="netcdf4", encoding=no_fill)
         # One by one: together, dask would write their blocks in an order of its own every time.
         for key in dataset.data_vars:
             kind = {key: ENCODING | _chunks(dataset[key])}

@@ -36,8 +36,10 @@ WORDS = {
     "failed": "failed",
 }
 TITLE = "outcome (number of cells)"
-COLUMNS = 3
-"""Maps side by side."""
+COLUMNS, PANELS = 3, 12
+"""Maps side by side, and most in one figure."""
+RESOLVED, VECTORS = 700, 100_000
+"""Most cells drawn along an axis, finer than print; and most drawn as vectors."""
 
 
 def draw_map(ax: Axes, cells: xr.Dataset, found: xr.Dataset | None = None) -> Axes:
@@ -55,7 +57,10 @@ def draw_maps(figure: Figure, cube: xr.Dataset, found: xr.Dataset | None = None)
     """Draw the map of every C on an empty figure, and one legend; returns the axes.
 
     found: thresholds of the same C, drawn with their limits
+    Of more than PANELS values of C, as many are drawn, evenly chosen.
     """
+    chosen = np.unique(np.linspace(0, cube.C.size - 1, PANELS).round().astype(int))
+    cube, found = (one if one is None else one.isel(C=chosen) for one in (cube, found))
     columns = min(cube.C.size, COLUMNS)
     shape = -(-cube.C.size // columns), columns
     axes = figure.subplots(*shape, sharey=True, squeeze=False)
@@ -92,7 +97,7 @@ def geometric_edges(values: np.ndarray) -> np.ndarray:
 
 
 def _draw_panel(ax, cells, found):
-    cells = cells.sortby(["f0", "N"])
+    cells = _thin(cells.sortby(["f0", "N"]))
     top = style.frequency_axis(ax)
     ax.set_ylabel("pulse amplitude $N$ (multiples of $g$)")
     _draw_cells(ax, cells)
@@ -103,6 +108,12 @@ def _draw_panel(ax, cells, found):
     _mark_alone(top.xaxis, 1e3 / cells.f0.values, digits=3)
     if found is not None:
         _draw_threshold(ax, found.sortby("f0"))
+
+
+def _thin(cells):
+    """Keep every nth f0 and every mth N, at most RESOLVED of each."""
+    strides = {key: -(-cells.sizes[key] // RESOLVED) for key in ("f0", "N")}
+    return cells.isel({key: slice(None, None, stride) for key, stride in strides.items()})
 
 
 def _draw_cells(ax, cells):
@@ -117,6 +128,7 @@ def _draw_cells(ax, cells):
         edgecolors="face",  # viewers show the paper between cells that merely touch
         linewidth=0.2,
         antialiased=True,
+        rasterized=cells.outcome.size > VECTORS,
     )
 
 
@@ -126,11 +138,18 @@ def _draw_hatches(ax, cells):
     other, dark = _is_unreproduced(cells), _is_one_of(cells, DARK)
     dots = _is_one_of(cells, STILL_OPEN), OPEN
     for chosen, look in (dots, (other & ~dark, UNREPRODUCED), (other & dark, UNREPRODUCED_DARK)):
-        j, i = np.nonzero(chosen.transpose("N", "f0").values)
-        corners = [(x[i], y[j]), (x[i + 1], y[j]), (x[i + 1], y[j + 1]), (x[i], y[j + 1])]
+        i, low, high = _runs(chosen.transpose("f0", "N").values)
+        corners = [(x[i], y[low]), (x[i + 1], y[low]), (x[i + 1], y[high]), (x[i], y[high])]
         if i.size:
             region = Path.make_compound_path_from_polys(np.moveaxis(corners, 2, 0))
             ax.add_patch(PathPatch(region, facecolor="none", linewidth=0, **look))
+
+
+def _runs(chosen):
+    """Row, start and end of each run of chosen cells along the rows."""
+    changes = np.diff(np.pad(chosen.astype(np.int8), ((0, 0), (1, 1))), axis=1)
+    (row, start), (_, end) = np.nonzero(changes == 1), np.nonzero(changes == -1)
+    return row, start, end
 
 
 def _is_one_of(cells, names):
