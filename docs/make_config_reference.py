@@ -153,7 +153,10 @@ def _default_steps(device):
     cosines, elements, stiff = (
         build_model(one, name).dt / build_model(one, name, step=1).dt for name, one in steps
     )
-    return f"`{elements:g}`; of cosines `{cosines:g}`; with hard contact `{stiff:g}`"
+    return (
+        f"`{elements:g}` where all modes of the elements are kept, else `{cosines:g}`; with hard "
+        f"contact `{stiff:g}`"
+    )
 
 
 def _section(name, section, defaults):

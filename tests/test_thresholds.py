@@ -64,7 +64,7 @@ def surveyed(coarse, fine, highest=None):
 
     wide = np.tile(np.geomspace(0.1, 8.0, 200), (2, 1))
     whole = _whole_window(asking(coarse), wide, highest)
-    window, ragged = _closer_window(asking(coarse), whole, np.full(2, 1500.0))
+    window, ragged = _closer_window(asking(coarse), whole)
     edges, open_end, *_ = _decide(asking(fine), window, whole, ragged)
     edges = _refine_edges(lambda rows: lambda N: asking(fine)(N, rows), edges, 1e-6)
     return _stretches(edges, open_end)

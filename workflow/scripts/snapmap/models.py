@@ -58,7 +58,7 @@ def build_model(device: Device, name: str = "handout", **options) -> Model:
             f"device.contact: hard needs a residual flexibility, and the {name} model leaves none "
             f"with {modes} of {basis.load.size} modes; write fewer modes, or a contact in N/m"
         )
-    step = options.get("step", _default_step(device, name))
+    step = options.get("step", _default_step(device, basis, modes))
     return Model(name, basis, modal, find_barrier(modal), step * step_limit(device, modal))
 
 
@@ -102,9 +102,9 @@ def _default_modes(device, name, basis):
     return unknowns
 
 
-def _default_step(device, name):
-    # ASSUME: chosen by measurement, see docs/performance.md; a cell whose energy ledger asks for
-    # less is followed again with less.
+def _default_step(device, basis, modes):
+    # ASSUME: chosen by measurement, see docs/performance.md; few modes allow steps too long for a
+    # short pulse. A cell whose energy ledger asks for less is followed again with less.
     if math.isinf(device.contact):
         return 0.3
-    return 0.5 if name == "cosines" else 0.8
+    return 0.8 if basis.complete and modes == basis.load.size else 0.5

@@ -14,14 +14,14 @@ from .thresholds import SCAN_STEP, amplitudes, asker, first_snap, refine
 
 FINE_STEP = 0.005
 """Relative distance of the amplitudes between which islands are looked for."""
-FINEST_STEP = 0.001
-"""The same where the ringing after the pulse decides: there labels change back and forth."""
+FINEST_STEP, CLOSEST_STEP = 0.001, 0.0005
+"""The same in ragged rows, where labels change back and forth, and to see which rows are."""
 MOST_STEPS = 400
-"""A row's finest scan takes no more steps than this, unless they are as wide as FINE_STEP."""
+"""A row's scan in finer steps takes no more of them, unless they are as wide as FINE_STEP."""
 BELOW, ABOVE = 0.7, 2.0
 """Where islands are looked for, as multiples of the threshold found first."""
 BESIDE, FAR_BESIDE = 1.02, 1.05
-"""How far around what the cheapest level sees the deciding one looks, in clean and ragged rows."""
+"""How far around the changes seen so far is looked closely, in clean and ragged rows."""
 FARTHEST = 0.25
 """Relative distance up to which another level's threshold is looked for; beyond, N_error is inf."""
 
@@ -93,7 +93,7 @@ def survey(
         return asker(device, level, f0[rows], C[rows], asked, threads)
 
     whole = _whole_window(ask(ladder.base), _wide_scan(device, f0, C), highest)
-    window, ragged = _closer_window(ask(ladder.base), whole, f0)
+    window, ragged = _closer_window(ask(ladder.base), whole)
     edges, open_end, window, ragged = _decide(ask(decides), window, whole, ragged)
     edges = _refine_edges(lambda rows: ask(decides, rows), edges, tolerance)
     N_first, N_always, islands = _stretches(edges, open_end)
@@ -101,7 +101,7 @@ def survey(
         N_always = np.where(N_always <= highest, N_always, np.nan)
     clean = np.where(ragged, np.nan, N_first)
     near = sum(_distance(ask(m), clean, tolerance) for m in (doubts, decides.with_step(0.5)))
-    far = _difference(ask(doubts), N_first, window, ragged)
+    far = np.fmax(_difference(ask(doubts), N_first, window, ragged), _spread(edges, N_first))
     return Survey(
         N_first,
         np.where(ragged, far, near) + tolerance * N_first,
@@ -129,28 +129,33 @@ def _whole_window(ask, wide, highest):
     return _Window(BELOW * rough, high, np.full(rough.size, FINE_STEP))
 
 
-def _closer_window(ask, whole, f0):
+def _closer_window(ask, whole):
     """Where labels change along N, as the cheapest level sees it, and which rows are ragged.
 
-    A row is ragged where they change more than once; after a late snap this is looked at closely.
+    A row is ragged where they change more than once; so it is by every level, each in its own way.
     """
+    n_rows = whole.low.size
     edges, *_ = _scan(ask, whole)
-    first, last = _outermost(edges.row, edges.high, f0.size)
-    ragged = np.bincount(edges.row, minlength=f0.size) > 1
-    late = ask(first[:, np.newaxis])[:, 0] * f0 * 1e-6 > 1
-    close = _around(whole, np.where(late, first, np.nan), last, np.full(f0.size, True))
+    first, last = _outermost(edges.row, edges.high, n_rows)
+    ragged = np.bincount(edges.row, minlength=n_rows) > 1
+    close = _around(whole, np.where(ragged, np.nan, first), last, BESIDE, CLOSEST_STEP)
     edges, *_ = _scan(ask, close)
-    ragged |= np.bincount(edges.row, minlength=f0.size) > 1
-    least, largest = _outermost(edges.row, edges.high, f0.size)
-    return _around(whole, np.fmin(first, least), np.fmax(last, largest), ragged), ragged
+    ragged |= np.bincount(edges.row, minlength=n_rows) > 1
+    least, largest = _outermost(edges.row, edges.high, n_rows)
+    clean = _around(whole, first, last, BESIDE, FINE_STEP)
+    wide = _around(whole, np.fmin(first, least), np.fmax(last, largest), FAR_BESIDE, FINEST_STEP)
+    return _chosen(ragged, wide, clean), ragged
 
 
-def _around(whole, first, last, ragged):
-    """A window about the first and the last change, wider and with finer steps in ragged rows."""
-    beside = np.where(ragged, FAR_BESIDE, BESIDE)
+def _around(whole, first, last, beside, step):
+    """A window about the first and the last change; no finer steps than MOST_STEPS allows."""
     low, high = np.maximum(whole.low, first / beside), np.minimum(whole.high, last * beside)
-    fine = np.clip(np.log(high / low) / MOST_STEPS, FINEST_STEP, FINE_STEP)
-    return _Window(low, high, np.where(ragged, fine, FINE_STEP))
+    return _Window(low, high, np.clip(np.log(high / low) / MOST_STEPS, step, FINE_STEP))
+
+
+def _chosen(rows, those, others):
+    """One window for some rows, another for the others."""
+    return _Window(*(np.where(rows, a, b) for a, b in zip(those, others, strict=True)))
 
 
 def _decide(ask, window, whole, ragged):
@@ -162,9 +167,9 @@ def _decide(ask, window, whole, ragged):
     surprising = begins | (~ends & (window.high < whole.high))
     surprising |= ~ragged & (np.bincount(edges.row, minlength=ragged.size) != 1)
     first = np.where(surprising, window.low, np.nan)
-    wider = _around(whole, first, window.high, np.full(ragged.size, True))
+    wider = _around(whole, first, window.high, FAR_BESIDE, FINEST_STEP)
     more, begins_wider, ends_wider = _scan(ask, wider)
-    window = _Window(*(np.where(surprising, b, a) for a, b in zip(window, wider, strict=True)))
+    window = _chosen(surprising, wider, window)
     begins, ends = np.where(surprising, [begins_wider, ends_wider], [begins, ends])
     kept, found = ~surprising[edges.row], ~begins[more.row]
     edges = _Edges(*(np.append(a[kept], b[found]) for a, b in zip(edges, more, strict=True)))
@@ -213,6 +218,15 @@ def _stretches(edges, open_end):
         islands[0, i, : to.size] = np.sort(starts[row == i])[: to.size]
         islands[1, i, : to.size] = to
     return N_first, np.where(open_end, np.nan, N_always), islands
+
+
+def _spread(edges, N_first):
+    """How far above N_first the last change is that lies close to it."""
+    spread = np.zeros(N_first.size)
+    above = edges.high - N_first[edges.row]
+    close = edges.high <= BESIDE * N_first[edges.row]
+    np.fmax.at(spread, edges.row[close], above[close])
+    return spread
 
 
 def _difference(ask, N_first, window, ragged):
