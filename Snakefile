@@ -162,7 +162,7 @@ rule find_threshold:
             *code(
                 "cells.py", "protocol.py", "thresholds.py", "ladder.py", "statics.py"
             ),
-            *code("survey.py", "surface.py", "provenance.py", "atomic.py"),
+            *code("edges.py", "survey.py", "surface.py", "provenance.py", "atomic.py"),
         ],
     output:
         threshold="results/threshold.nc",

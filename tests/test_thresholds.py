@@ -6,14 +6,8 @@ import numpy as np
 import pytest
 
 import snapmap
-from snapmap.survey import (
-    _closer_window,
-    _decide,
-    _distance,
-    _refine_edges,
-    _stretches,
-    _whole_window,
-)
+from snapmap.edges import refine_edges, stretches
+from snapmap.survey import _closer_window, _decide, _distance, _whole_window
 from snapmap.thresholds import amplitudes, first_snap, refine
 
 
@@ -66,8 +60,8 @@ def surveyed(coarse, fine, highest=None):
     whole = _whole_window(asking(coarse), wide, highest)
     window, ragged = _closer_window(asking(coarse), whole)
     edges, open_end, *_ = _decide(asking(fine), window, whole, ragged)
-    edges = _refine_edges(lambda rows: lambda N: asking(fine)(N, rows), edges, 1e-6)
-    return _stretches(edges, open_end)
+    edges = refine_edges(lambda rows: lambda N: asking(fine)(N, rows), edges, 1e-6)
+    return stretches(edges, open_end)
 
 
 def test_islands_are_found_and_their_ends_refined():

@@ -1,23 +1,30 @@
 """Thresholds as a product: where snapping begins and where it is certain, with an error bar."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from .device import Device
+from .edges import (
+    FINE_STEP,
+    Edges,
+    Window,
+    around,
+    chosen,
+    outermost,
+    refine_edges,
+    scan,
+    stretches,
+)
 from .ladder import Ladder, build_ladder
 from .models import Model
 from .protocol import THRESHOLD_TOLERANCE, Protocol
 from .statics import static_threshold
 from .thresholds import SCAN_STEP, amplitudes, asker, first_snap, refine
 
-FINE_STEP = 0.005
-"""Relative distance of the amplitudes between which islands are looked for."""
 FINEST_STEP, CLOSEST_STEP = 0.001, 0.0005
-"""The same in ragged rows, where labels change back and forth, and to see which rows are."""
-MOST_STEPS = 400
-"""A row's scan in finer steps takes no more of them, unless they are as wide as FINE_STEP."""
+"""Relative steps in ragged rows, where labels change back and forth, and to see which rows are."""
 BELOW, ABOVE = 0.7, 2.0
 """Where islands are looked for, as multiples of the threshold found first."""
 BESIDE, FAR_BESIDE = 1.02, 1.05
@@ -48,26 +55,6 @@ class Survey(NamedTuple):
     island_to: np.ndarray
 
 
-class _Window(NamedTuple):
-    """Where each row is scanned, (rows,): from low to high in relative steps."""
-
-    low: np.ndarray
-    high: np.ndarray
-    step: np.ndarray
-
-
-class _Edges(NamedTuple):
-    """Changes between what snaps and what does not along N; each lies between low and high.
-
-    row: which row; rising: whether it is high that snaps
-    """
-
-    row: np.ndarray
-    low: np.ndarray
-    high: np.ndarray
-    rising: np.ndarray
-
-
 def survey(
     device: Device,
     model: Model | Ladder,
@@ -95,8 +82,8 @@ def survey(
     whole = _whole_window(ask(ladder.base), _wide_scan(device, f0, C), highest)
     window, ragged = _closer_window(ask(ladder.base), whole)
     edges, open_end, window, ragged = _decide(ask(decides), window, whole, ragged)
-    edges = _refine_edges(lambda rows: ask(decides, rows), edges, tolerance)
-    N_first, N_always, islands = _stretches(edges, open_end)
+    edges = refine_edges(lambda rows: ask(decides, rows), edges, tolerance)
+    N_first, N_always, islands = stretches(edges, open_end)
     if highest is not None:
         N_always = np.where(N_always <= highest, N_always, np.nan)
     clean = np.where(ragged, np.nan, N_first)
@@ -126,7 +113,7 @@ def _whole_window(ask, wide, highest):
     rough = first_snap(wide, np.isfinite(ask(wide)))[1]
     top = ABOVE * rough if highest is None else np.fmax(highest, FAR_BESIDE * rough)
     high = np.where(np.isfinite(rough), top, np.nan)
-    return _Window(BELOW * rough, high, np.full(rough.size, FINE_STEP))
+    return Window(BELOW * rough, high, np.full(rough.size, FINE_STEP))
 
 
 def _closer_window(ask, whole):
@@ -135,27 +122,16 @@ def _closer_window(ask, whole):
     A row is ragged where they change more than once; so it is by every level, each in its own way.
     """
     n_rows = whole.low.size
-    edges, *_ = _scan(ask, whole)
-    first, last = _outermost(edges.row, edges.high, n_rows)
+    edges, *_ = scan(ask, whole)
+    first, last = outermost(edges.row, edges.high, n_rows)
     ragged = np.bincount(edges.row, minlength=n_rows) > 1
-    close = _around(whole, np.where(ragged, np.nan, first), last, BESIDE, CLOSEST_STEP)
-    edges, *_ = _scan(ask, close)
+    close = around(whole, np.where(ragged, np.nan, first), last, BESIDE, CLOSEST_STEP)
+    edges, *_ = scan(ask, close)
     ragged |= np.bincount(edges.row, minlength=n_rows) > 1
-    least, largest = _outermost(edges.row, edges.high, n_rows)
-    clean = _around(whole, first, last, BESIDE, FINE_STEP)
-    wide = _around(whole, np.fmin(first, least), np.fmax(last, largest), FAR_BESIDE, FINEST_STEP)
-    return _chosen(ragged, wide, clean), ragged
-
-
-def _around(whole, first, last, beside, step):
-    """A window about the first and the last change; no finer steps than MOST_STEPS allows."""
-    low, high = np.maximum(whole.low, first / beside), np.minimum(whole.high, last * beside)
-    return _Window(low, high, np.clip(np.log(high / low) / MOST_STEPS, step, FINE_STEP))
-
-
-def _chosen(rows, those, others):
-    """One window for some rows, another for the others."""
-    return _Window(*(np.where(rows, a, b) for a, b in zip(those, others, strict=True)))
+    least, largest = outermost(edges.row, edges.high, n_rows)
+    clean = around(whole, first, last, BESIDE, FINE_STEP)
+    wide = around(whole, np.fmin(first, least), np.fmax(last, largest), FAR_BESIDE, FINEST_STEP)
+    return chosen(ragged, wide, clean), ragged
 
 
 def _decide(ask, window, whole, ragged):
@@ -163,61 +139,17 @@ def _decide(ask, window, whole, ragged):
 
     Rows in which it sees other than the cheapest level did are ragged too, and scanned wider.
     """
-    edges, begins, ends = _scan(ask, window)
+    edges, begins, ends = scan(ask, window)
     surprising = begins | (~ends & (window.high < whole.high))
     surprising |= ~ragged & (np.bincount(edges.row, minlength=ragged.size) != 1)
     first = np.where(surprising, window.low, np.nan)
-    wider = _around(whole, first, window.high, FAR_BESIDE, FINEST_STEP)
-    more, begins_wider, ends_wider = _scan(ask, wider)
-    window = _chosen(surprising, wider, window)
+    wider = around(whole, first, window.high, FAR_BESIDE, FINEST_STEP)
+    more, begins_wider, ends_wider = scan(ask, wider)
+    window = chosen(surprising, wider, window)
     begins, ends = np.where(surprising, [begins_wider, ends_wider], [begins, ends])
     kept, found = ~surprising[edges.row], ~begins[more.row]
-    edges = _Edges(*(np.append(a[kept], b[found]) for a, b in zip(edges, more, strict=True)))
+    edges = Edges(*(np.append(a[kept], b[found]) for a, b in zip(edges, more, strict=True)))
     return edges, ~ends, window, ragged | surprising
-
-
-def _scan(ask: Callable, window):
-    """Edges on a scan of each row's window, and whether its first and its last amplitude snap."""
-    N = amplitudes(*window)
-    snapped, known = np.isfinite(ask(N)), np.isfinite(N)
-    row, k = np.nonzero((snapped[:, 1:] != snapped[:, :-1]) & known[:, 1:])
-    last = np.maximum(np.count_nonzero(known, axis=1) - 1, 0)
-    edges = _Edges(row, N[row, k], N[row, k + 1], snapped[row, k + 1])
-    return edges, snapped[:, 0], snapped[np.arange(len(N)), last]
-
-
-def _outermost(row, N, n_rows):
-    """Least and largest N of each row; NaN where there is none."""
-    least, largest = np.full((2, n_rows), np.nan)
-    np.fmin.at(least, row, N)
-    np.fmax.at(largest, row, N)
-    return least, largest
-
-
-def _refine_edges(ask_rows, edges, tolerance):
-    """Narrow every edge with the deciding level."""
-    found = np.array([edges.low, edges.high])
-    for rising in (True, False):
-        some = np.flatnonzero(edges.rising == rising)
-        ask = ask_rows(edges.row[some])
-        told = ask if rising else lambda N, ask=ask: np.where(np.isnan(ask(N)), 0.0, np.nan)
-        found[:, some] = refine(told, *found[:, some], tolerance)
-    return edges._replace(low=found[0], high=found[1])
-
-
-def _stretches(edges, open_end):
-    """N_first and N_always, and the ends of every stretch that snaps and ends, as matrices."""
-    n_rows = open_end.size
-    row, starts = edges.row[edges.rising], edges.high[edges.rising]
-    N_first, N_always = _outermost(row, starts, n_rows)
-    ends_row, ends = edges.row[~edges.rising], edges.low[~edges.rising]
-    most = np.bincount(ends_row, minlength=1).max()
-    islands = np.full((2, n_rows, most), np.nan)
-    for i in np.unique(ends_row):
-        to = np.sort(ends[ends_row == i])
-        islands[0, i, : to.size] = np.sort(starts[row == i])[: to.size]
-        islands[1, i, : to.size] = to
-    return N_first, np.where(open_end, np.nan, N_always), islands
 
 
 def _spread(edges, N_first):
@@ -231,8 +163,8 @@ def _spread(edges, N_first):
 
 def _difference(ask, N_first, window, ragged):
     """How far N_first of ragged rows is from the one that another level finds on the same scan."""
-    edges, *_ = _scan(ask, window._replace(low=np.where(ragged, window.low, np.nan)))
-    other, _ = _outermost(edges.row[edges.rising], edges.high[edges.rising], ragged.size)
+    edges, *_ = scan(ask, window._replace(low=np.where(ragged, window.low, np.nan)))
+    other, _ = outermost(edges.row[edges.rising], edges.high[edges.rising], ragged.size)
     lost = np.where(np.isnan(N_first), np.nan, np.inf)
     return np.where(np.isnan(other), lost, abs(N_first - other))
 
