@@ -13,6 +13,13 @@ def root():
 
 
 @pytest.fixture(scope="session")
+def workflow_text():
+    """The text of the workflow: the Snakefile and all that it includes."""
+    paths = [ROOT / "Snakefile", *sorted((ROOT / "workflow" / "rules").glob("*.smk"))]
+    return "\n".join(path.read_text(encoding="utf-8") for path in paths)
+
+
+@pytest.fixture(scope="session")
 def handout():
     """The handout's device."""
     return load_device(ROOT / "config" / "config.yaml")

@@ -6,19 +6,13 @@ import warnings
 import numpy as np
 import pytest
 
-from snapmap.accuracy import (
-    CONVERGED,
-    Refinement,
-    converge,
-    decided,
-    disagreement,
-    gap,
-    list_cases,
-    make_probe,
-    measure,
-    pareto_front,
-)
-from snapmap.accuracy import PLANS as plans
+from snapmap.accuracy.cases import CONVERGED, list_cases
+from snapmap.accuracy.comparison import disagreement, pareto_front
+from snapmap.accuracy.converged import converge, decided, gap
+from snapmap.accuracy.measure import measure
+from snapmap.accuracy.plans import PLANS as plans
+from snapmap.accuracy.plans import Refinement
+from snapmap.accuracy.probe import make_probe
 from snapmap.device import Beam, Device
 from snapmap.figures import accuracy, style
 from snapmap.models import build_model

@@ -127,7 +127,7 @@ def test_the_workflow_has_nothing_to_lint(clone):
 
 
 def test_the_workflow_is_formatted(clone):
-    command = ["snakefmt", "--check", clone / "Snakefile"]
+    command = ["snakefmt", "--check", clone / "Snakefile", clone / "workflow" / "rules"]
     assert subprocess.run(command, timeout=120).returncode == 0
 
 
@@ -161,6 +161,7 @@ def test_a_second_run_has_nothing_to_do(clone, finished):
         ("statics.py", {"find_threshold", *AFTER_THRESHOLDS, "trace_statics", "draw_statics"}),
         ("collection.py", {"collect", "draw_map", "draw_maps", "trace_cells", "write_page"}),
         ("lanes.py", set(RULES) - {"trace_statics", "draw_statics"}),
+        ("ladder.py", set(RULES) - {"trace_statics", "draw_statics"}),
         ("bases/elements.py", set(RULES)),
     ],
 )

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 import write_stability_table
 
-from snapmap import stability
 from snapmap.figures.stability import COLOURS, WORDS, exponent
 from snapmap.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED, UNSNAPPED
-from snapmap.stability import (
-    CASES,
+from snapmap.stability.cases import CASES, MODELS, Case
+from snapmap.stability.measure import measure
+from snapmap.stability.verdicts import (
     CAUGHT,
     LEFT_OUT,
-    MODELS,
+    NO_RUNS,
     REFUSED,
     SENSITIVE,
     SHIFTED,
@@ -19,10 +19,8 @@ from snapmap.stability import (
     UNCHECKED,
     UNSEEN,
     VERDICTS,
-    Case,
     Runs,
     judge,
-    measure,
 )
 
 NAN = np.nan
@@ -39,7 +37,7 @@ def runs(*each):
 
 
 def verdict(one, *fine):
-    return int(judge(runs(one), runs(*fine) if fine else stability.NO_RUNS)[0])
+    return int(judge(runs(one), runs(*fine) if fine else NO_RUNS)[0])
 
 
 NEVER_RUN = (NEVER, NAN, 700.0)

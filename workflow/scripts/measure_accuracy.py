@@ -1,6 +1,8 @@
 """Rule measure_accuracy: measure the error from each source, and the time of a simulation."""
 
-from snapmap.accuracy import PLANS, measure, summary
+from snapmap.accuracy.dataset import summary
+from snapmap.accuracy.measure import measure
+from snapmap.accuracy.plans import PLANS
 from snapmap.cube import write
 from snapmap.device import device_from
 from snapmap.journal import journal

@@ -3,7 +3,7 @@
 from snapmap.cube import write
 from snapmap.device import device_from
 from snapmap.journal import journal
-from snapmap.stability import measure
+from snapmap.stability.measure import measure
 
 
 def measure_stability(device, path, threads):

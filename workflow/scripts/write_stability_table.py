@@ -9,7 +9,15 @@ import xarray as xr
 from snapmap.atomic import replacing
 from snapmap.journal import journal
 from snapmap.outcome import FAILED, LATCHED, NEVER, OUTCOMES, RETURNED, SNAPPED, UNSNAPPED
-from snapmap.stability import CAUGHT, LEFT_OUT, REFUSED, SENSITIVE, SHIFTED, UNSEEN, VERDICTS
+from snapmap.stability.verdicts import (
+    CAUGHT,
+    LEFT_OUT,
+    REFUSED,
+    SENSITIVE,
+    SHIFTED,
+    UNSEEN,
+    VERDICTS,
+)
 
 MARKS = {
     SENSITIVE: "*{}*",

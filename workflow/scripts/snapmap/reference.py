@@ -8,8 +8,10 @@ from numba import njit
 from .bases.basis import Basis
 from .device import Device
 
-# The compiler may fuse and regroup sums, but never assume that NaN cannot occur.
+# The compiler may fuse and regroup sums, but never assume that NaN cannot occur. What a function
+# calls is made part of it: else the last bits depend on whether it comes fresh or from the cache.
 PLAIN = {"fastmath": {"contract", "reassoc"}, "error_model": "numpy", "nogil": True, "cache": True}
+PART = {**PLAIN, "inline": "always"}
 
 
 class System(NamedTuple):
@@ -54,7 +56,7 @@ def nodal_system(device: Device, basis: Basis) -> System:
     )
 
 
-@njit(**PLAIN)
+@njit(**PART)
 def pulse_acceleration(t, amplitude, f0):
     """a(t) = amplitude/2 (1 - cos(2 pi f0 t)) for t < 1/f0, else 0; um/us^2."""
     if t * f0 < 1.0:
@@ -62,7 +64,7 @@ def pulse_acceleration(t, amplitude, f0):
     return 0.0
 
 
-@njit(**PLAIN)
+@njit(**PART)
 def dot(a, b):
     """a . b"""
     total = 0.0
@@ -71,7 +73,7 @@ def dot(a, b):
     return total
 
 
-@njit(**PLAIN)
+@njit(**PART)
 def multiply(matrix, vector, result):
     """result = matrix vector; result is modified in place."""
     for i in range(vector.size):
@@ -81,7 +83,7 @@ def multiply(matrix, vector, result):
         result[i] = total
 
 
-@njit(**PLAIN)
+@njit(**PART)
 def beam_stresses(system, u, bending_u, geometric_u):
     """Kb u and G u, modified in place; returns N = -EA/2L (2 u.G q0 + u.G u), uN."""
     quadratic = 0.0
@@ -95,7 +97,7 @@ def beam_stresses(system, u, bending_u, geometric_u):
     return -system.axial * quadratic
 
 
-@njit(**PLAIN)
+@njit(**PART)
 def total_energy(system, u, velocity, y, y_velocity, compression):
     """Kinetic, bending, axial, spring and contact energy of beam and mass, pJ."""
     product = np.empty(u.size)

@@ -1,0 +1,74 @@
+rule accuracy:
+    input:
+        "results/accuracy.nc",
+        expand(
+            "results/figures/{stem}.{kind}",
+            stem=["accuracy", "convergence"],
+            kind=["pdf", "png"],
+        ),
+
+
+rule measure_accuracy:
+    input:
+        code=[*GRID, *code("accuracy/*.py", "provenance.py")],
+    output:
+        accuracy="results/accuracy{size}.nc",
+    log:
+        "results/logs/measure_accuracy{size}.log",
+    conda:
+        "../envs/snapmap.yaml"
+    # All there are: another job at the same time would spoil the times.
+    threads: 1000
+    params:
+        device=asdict(study.device),
+        axes=[study.C.tolist(), study.f0.tolist(), study.N.tolist()],
+        protocol=study.protocol._asdict(),
+        plan=lambda wildcards: "quick" if wildcards.size else "full",
+    message:
+        "Measure error and time of every model: {output.accuracy}"
+    script:
+        "../scripts/measure_accuracy.py"
+
+
+rule draw_accuracy:
+    input:
+        accuracy="results/accuracy{size}.nc",
+        code=[*code("figures/accuracy.py"), *PLOT],
+    output:
+        pdf="results/figures/accuracy{size}.pdf",
+        png=report(
+            "results/figures/accuracy{size}.png",
+            caption="../report/accuracy.rst",
+            category="Accuracy",
+            labels={"figure": "error over time{size}"},
+        ),
+    log:
+        "results/logs/draw_accuracy{size}.log",
+    conda:
+        "../envs/snapmap.yaml"
+    message:
+        "Draw error against time: {output.pdf}"
+    script:
+        "../scripts/draw_accuracy.py"
+
+
+rule draw_convergence:
+    input:
+        accuracy="results/accuracy.nc",
+        code=[*code("figures/convergence.py", "figures/accuracy.py"), *PLOT],
+    output:
+        pdf="results/figures/convergence.pdf",
+        png=report(
+            "results/figures/convergence.png",
+            caption="../report/convergence.rst",
+            category="Accuracy",
+            labels={"figure": "error over number and step"},
+        ),
+    log:
+        "results/logs/draw_convergence.log",
+    conda:
+        "../envs/snapmap.yaml"
+    message:
+        "Draw error over number and step"
+    script:
+        "../scripts/draw_convergence.py"

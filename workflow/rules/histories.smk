@@ -1,0 +1,40 @@
+rule simulate_history:
+    input:
+        code=[*LADDER, *code("history.py", "provenance.py")],
+    output:
+        history="results/histories/{cell}.nc",
+    log:
+        "results/logs/simulate_history_{cell}.log",
+    conda:
+        "../envs/snapmap.yaml"
+    params:
+        device=asdict(study.device),
+        model=study.model,
+        cell=lambda wildcards: cells[wildcards.cell]._asdict(),
+        horizon=study.protocol.horizon,
+    message:
+        "Follow one cell in full: {wildcards.cell}"
+    script:
+        "../scripts/simulate_history.py"
+
+
+rule draw_history:
+    input:
+        history="results/histories/{cell}.nc",
+        code=[*code("figures/histories.py"), *PLOT],
+    output:
+        pdf="results/figures/history_{cell}.pdf",
+        png=report(
+            "results/figures/history_{cell}.png",
+            caption="../report/history.rst",
+            category="Histories",
+            labels={"figure": "{cell}"},
+        ),
+    log:
+        "results/logs/draw_history_{cell}.log",
+    conda:
+        "../envs/snapmap.yaml"
+    message:
+        "Draw the history of {wildcards.cell}"
+    script:
+        "../scripts/draw_history.py"

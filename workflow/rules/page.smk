@@ -1,0 +1,38 @@
+rule trace_cells:
+    input:
+        cube="results/cube.nc",
+        code=[*GRID, *code("cube.py", "traces.py", "provenance.py", "atomic.py")],
+    output:
+        traces="results/traces.nc",
+    log:
+        "results/logs/trace_cells.log",
+    conda:
+        "../envs/snapmap.yaml"
+    threads: 4
+    resources:
+        mem_mb=lambda wildcards, attempt: attempt * 2000,
+    params:
+        device=asdict(study.device),
+        model=study.model,
+        protocol=study.protocol._asdict(),
+    message:
+        "Trace the motion of the cells of {input.cube}"
+    script:
+        "../scripts/trace_cells.py"
+
+
+rule write_page:
+    input:
+        cube="results/cube.nc",
+        traces="results/traces.nc",
+        code=[*code("figures/explore.*"), *MAPS],
+    output:
+        page="results/explore.html",
+    log:
+        "results/logs/write_page.log",
+    conda:
+        "../envs/snapmap.yaml"
+    message:
+        "Write the page to explore {input.cube}"
+    script:
+        "../scripts/write_page.py"

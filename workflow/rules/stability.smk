@@ -1,0 +1,111 @@
+rule stability:
+    input:
+        "results/stability.md",
+        expand("results/figures/stability.{kind}", kind=["pdf", "png"]),
+        expand("results/figures/settled.{kind}", kind=["pdf", "png"]),
+
+
+rule measure_stability:
+    input:
+        code=[
+            *SOLVER,
+            *code("cells.py", "protocol.py", "thresholds.py", "outcome.py"),
+            *code("stability/*.py", "cube.py", "provenance.py"),
+        ],
+    output:
+        stability="results/stability.nc",
+    log:
+        "results/logs/measure_stability.log",
+    conda:
+        "../envs/snapmap.yaml"
+    # All there are: no other rule takes as long.
+    threads: 1000
+    params:
+        device=asdict(study.device),
+    message:
+        "Follow the hard cases"
+    script:
+        "../scripts/measure_stability.py"
+
+
+rule measure_settled:
+    input:
+        code=[*GRID, *code("cube.py", "provenance.py")],
+    output:
+        settled="results/settled.nc",
+    log:
+        "results/logs/measure_settled.log",
+    conda:
+        "../envs/snapmap.yaml"
+    threads: 1000
+    params:
+        device=asdict(study.device),
+        beam_dampings=[0.0, 4e-4, 4e-3],
+    message:
+        "Sweep with less and more damping"
+    script:
+        "../scripts/measure_settled.py"
+
+
+rule draw_stability:
+    input:
+        stability="results/stability.nc",
+        code=[*code("figures/stability.py"), *PLOT],
+    output:
+        pdf="results/figures/stability.pdf",
+        png=report(
+            "results/figures/stability.png",
+            caption="../report/stability.rst",
+            category="Stability",
+            labels={"figure": "hard cases"},
+        ),
+    log:
+        "results/logs/draw_stability.log",
+    conda:
+        "../envs/snapmap.yaml"
+    message:
+        "Draw the hard cases"
+    script:
+        "../scripts/draw_stability.py"
+
+
+rule draw_settled:
+    input:
+        settled="results/settled.nc",
+        code=MAPS,
+    output:
+        pdf="results/figures/settled.pdf",
+        png=report(
+            "results/figures/settled.png",
+            caption="../report/settled.rst",
+            category="Stability",
+            labels={"figure": "what has settled"},
+        ),
+    log:
+        "results/logs/draw_settled.log",
+    conda:
+        "../envs/snapmap.yaml"
+    params:
+        beam_dampings=[0.0, 4e-4],
+        C=25.0,
+    message:
+        "Draw what is settled without and with damping of the beam"
+    script:
+        "../scripts/draw_settled.py"
+
+
+rule write_stability_table:
+    input:
+        stability="results/stability.nc",
+        settled="results/settled.nc",
+        code=code("stability/verdicts.py", "outcome.py"),
+    output:
+        table="results/stability.md",
+    log:
+        "results/logs/write_stability_table.log",
+    conda:
+        "../envs/snapmap.yaml"
+    message:
+        "Write the tables of docs/stability.md"
+    script:
+        "../scripts/write_stability_table.py"

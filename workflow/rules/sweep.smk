@@ -1,0 +1,44 @@
+rule simulate_slab:
+    input:
+        code=[*GRID, *code("slab.py", "recall.py", "atomic.py")],
+    output:
+        slab="results/slabs/{slab}.nc",
+    log:
+        "results/logs/simulate_slab_{slab}.log",
+    retries: 1
+    conda:
+        "../envs/snapmap.yaml"
+    threads: 1
+    resources:
+        mem_mb=lambda wildcards, attempt: attempt * asked[wildcards.slab].mem_mb,
+        runtime=lambda wildcards, attempt: attempt * asked[wildcards.slab].runtime,
+    params:
+        device=asdict(study.device),
+        model=study.model,
+        axes=lambda wildcards: slabs[wildcards.slab]._asdict(),
+        protocol=study.protocol._asdict(),
+    message:
+        "Simulate slab {wildcards.slab}"
+    script:
+        "../scripts/simulate_slab.py"
+
+
+rule collect:
+    input:
+        slabs=[f"results/slabs/{name}.nc" for name in slabs],
+        code=code("collection.py", "cube.py", "provenance.py", "atomic.py"),
+    output:
+        cube="results/cube.nc",
+    log:
+        "results/logs/collect.log",
+    conda:
+        "../envs/snapmap.yaml"
+    resources:
+        mem_mb=lambda wildcards, attempt: attempt * 2000,
+    params:
+        axes=[study.C.tolist(), study.f0.tolist(), study.N.tolist()],
+        config=config,
+    message:
+        "Collect the slabs into {output.cube}"
+    script:
+        "../scripts/collect.py"

@@ -1,0 +1,71 @@
+rule find_threshold:
+    input:
+        code=[
+            *LADDER,
+            *code("statics.py", "edges.py", "survey.py", "surface.py"),
+            *code("provenance.py", "atomic.py"),
+        ],
+    output:
+        threshold="results/threshold.nc",
+    log:
+        "results/logs/find_threshold.log",
+    conda:
+        "../envs/snapmap.yaml"
+    threads: 4
+    resources:
+        mem_mb=lambda wildcards, attempt: attempt * 2000,
+    params:
+        device=asdict(study.device),
+        model=study.model,
+        axes={"C": study.C.tolist(), "f0": study.f0.tolist()},
+        highest=float(study.N[-1]),
+        horizon=study.protocol.horizon,
+        tolerance=study.threshold_tolerance,
+    message:
+        "Find the thresholds"
+    script:
+        "../scripts/find_threshold.py"
+
+
+rule draw_thresholds:
+    input:
+        threshold="results/threshold.nc",
+        code=[*code("figures/thresholds.py", "figures/curves.py"), *PLOT],
+    output:
+        pdf="results/figures/thresholds.pdf",
+        png=report(
+            "results/figures/thresholds.png",
+            caption="../report/thresholds.rst",
+            category="Thresholds",
+            labels={"figure": "over the pulse's frequency"},
+        ),
+    log:
+        "results/logs/draw_thresholds.log",
+    conda:
+        "../envs/snapmap.yaml"
+    message:
+        "Draw the thresholds"
+    script:
+        "../scripts/draw_thresholds.py"
+
+
+rule draw_damage_boundary:
+    input:
+        threshold="results/threshold.nc",
+        code=[*code("figures/thresholds.py", "figures/curves.py"), *PLOT],
+    output:
+        pdf="results/figures/damage_boundary.pdf",
+        png=report(
+            "results/figures/damage_boundary.png",
+            caption="../report/damage_boundary.rst",
+            category="Thresholds",
+            labels={"figure": "damage boundary"},
+        ),
+    log:
+        "results/logs/draw_damage_boundary.log",
+    conda:
+        "../envs/snapmap.yaml"
+    message:
+        "Draw the damage boundary"
+    script:
+        "../scripts/draw_damage_boundary.py"
