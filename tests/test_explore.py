@@ -104,6 +104,16 @@ def test_traces_show_the_proofs(cube, traced):
     assert (shown >= 1e6 / cube.f0).all() and (shown >= cube.t_settled.fillna(0)).all()
 
 
+def test_traces_end_where_the_sweep_did(handout):
+    """A sweep that ends at the snap has proven its step good enough up to there, not beyond."""
+    cube = swept(handout, until="snap")
+    traced = traces.trace(handout, cube, MODEL, PROTOCOL._replace(until="snap"))
+    shown = (traced.bin_length * traced.sizes["bin"]).where(cube.t_snap.notnull())
+    assert shown.notnull().any() and (shown >= cube.t_snap).where(shown.notnull(), True).all()
+    look = SAMPLE * build_model(handout, **MODEL).dt * traced.sizes["bin"]
+    assert (shown - cube.t_snap).max() <= look
+
+
 def test_traces_do_not_depend_on_threads_or_order(handout, cube, packed):
     mixed = cube.isel(N=[2, 0, 3, 1], f0=[1, 2, 0])
     again = traces.trace(handout, mixed, MODEL, PROTOCOL, threads=1)

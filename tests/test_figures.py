@@ -396,9 +396,16 @@ def test_thresholds_are_the_data_dashed_and_hollow_where_late():
 
 
 def test_every_C_has_a_look_of_its_own():
-    ax = drawn(thresholds.draw_thresholds, make_found(C=range(7)))
-    keys = ax.get_legend().get_lines()[:7]
-    assert len({key.get_color() for key in keys}) == len({key.get_marker() for key in keys}) == 7
+    ax = drawn(thresholds.draw_thresholds, make_found(C=range(6)))
+    keys = ax.get_legend().get_lines()[:6]
+    assert len({key.get_color() for key in keys}) == len({key.get_marker() for key in keys}) == 6
+
+
+def test_of_many_C_the_first_the_last_and_some_between_are_drawn():
+    ax = drawn(thresholds.draw_thresholds, make_found(C=range(21)))
+    labels = [text.get_text() for text in ax.get_legend().get_texts()]
+    shown = [float(label.split(",")[0].split("=")[1]) for label in labels if "$C$" in label]
+    assert shown == [0, 4, 8, 12, 16, 20]
 
 
 def test_first_colours_differ_in_grey():

@@ -54,7 +54,7 @@ def trace(
     level = cube.level.values.ravel() if "level" in cube else np.zeros(cube.outcome.size, int)
     C, f0, N = (grid.ravel() for grid in np.meshgrid(*(cube[key] for key in AXES), indexing="ij"))
     cells = to_cells(device, N, f0, C, protocol.horizon)
-    window = _window(device, cube, cells)
+    window = _window(device, cube, cells, protocol)
     bins = int(np.clip(BYTES // (len(VARIABLES) * f0.size), *BINS))
     values, bin_length = np.empty((len(VARIABLES), bins, f0.size)), np.empty(f0.size)
     for number, built in enumerate(levels):
@@ -84,13 +84,15 @@ def _levels(device, model):
     return (built.base, built.top) if isinstance(built, Ladder) else (built,)
 
 
-def _window(device, cube, cells):
+def _window(device, cube, cells, protocol):
     """How long each cell is shown, us."""
     # ASSUME: a settled cell is shown for one swing of the mass beyond its proof, the others to
-    # the horizon, as what follows there is open.
+    # the horizon, as what follows there is open, or to the snap where the sweep ended there: its
+    # step need not be fine enough for what comes after.
     swing = 2 * np.pi * np.sqrt(device.mass / device.spring)
-    settled = cube.t_settled.values.ravel()
-    return np.where(np.isnan(settled), cells.t_end, settled + swing)
+    settled, snap = cube.t_settled.values.ravel(), cube.t_snap.values.ravel()
+    ended = np.fmin(cells.t_end, snap) if protocol.until == "snap" else cells.t_end
+    return np.where(np.isnan(settled), ended, settled + swing)
 
 
 def _runs(device, model, cells, chosen, protocol, threads):
@@ -167,7 +169,8 @@ def _reach(device, *positions):
     beam = device.beam
     seen = [values[np.isfinite(values)] for values in positions]
     low = min(values.min(initial=beam.second_equilibrium) for values in seen)
-    return math.floor(low), math.ceil(max(values.max(initial=beam.rise) for values in seen))
+    high = max(values.max(initial=beam.rise) for values in seen)
+    return float(math.floor(low)), float(math.ceil(high))
 
 
 def _pack(values, low, high, rounded):

@@ -9,6 +9,8 @@ from matplotlib.lines import Line2D
 
 LOOKS = (("C0", "o"), ("C6", "s"), ("C2", "^"), ("C5", "D"), ("C3", "v"), ("C7", "P"), ("C1", "X"))
 """Colour and marker of each C in turn; the first ones differ in grey, too."""
+CURVES, MARKS = 6, 45
+"""Most values of C in one figure, and most markers and error bars on a curve."""
 LIMIT = {"color": "0.4", "linewidth": 0.6, "linestyle": (0, (6, 1.5, 1, 1.5)), "zorder": 1.5}
 LATE = {"linestyle": "--", "markerfacecolor": "white", "markeredgewidth": 0.6}
 
@@ -20,9 +22,12 @@ def draw_curve(
     N, late = found.N_first.values, is_late(found).values
     beside = np.convolve(late, [1, 1, 1])[1:-1] > 0
     look = {"color": colour, "marker": marker, "markersize": size}
-    ax.errorbar(x, N, found.N_error, linestyle="", color=colour, elinewidth=0.6)
-    ax.plot(x, np.where(beside, N, np.nan), markevery=late, **look, **LATE)
-    ax.plot(x, np.where(late, np.nan, N), **look)
+    every = -(-N.size // MARKS)
+    error = found.N_error.where(np.isfinite(found.N_error)).values
+    ax.errorbar(x, N, error, linestyle="", color=colour, elinewidth=0.6, errorevery=every)
+    marked = late & (np.arange(N.size) % every == 0)
+    ax.plot(x, np.where(beside, N, np.nan), markevery=marked, **look, **LATE)
+    ax.plot(x, np.where(late, np.nan, N), markevery=every, **look)
 
 
 def draw_limits(ax: Axes, found: xr.Dataset) -> None:
@@ -63,6 +68,13 @@ def freeze(ax: Axes) -> None:
     ax.set(xlim=ax.get_xlim(), ylim=ax.get_ylim())
 
 
+def some_dampings(found: xr.Dataset) -> xr.Dataset:
+    """The thresholds in order of C and f0, for CURVES values of C at most, evenly chosen."""
+    found = found.sortby(["C", "f0"])
+    chosen = np.linspace(0, found.C.size - 1, min(found.C.size, CURVES)).round().astype(int)
+    return found.isel(C=chosen)
+
+
 def each_damping(found: xr.Dataset) -> Iterator[tuple[xr.Dataset, str, str]]:
     """Every C of the thresholds, with its colour and marker."""
     for i in range(found.C.size):
@@ -73,5 +85,5 @@ def damping_keys(found: xr.Dataset) -> Iterator[Line2D]:
     """Keys of a legend for every C, with the velocity change in the limit of short pulses."""
     for one, colour, marker in each_damping(found):
         v = one.velocity_change.item()
-        label = f"$C$ = {one.C.item():g}, $\\Delta v$ = {v:.3g} m/s"
+        label = f"$C$ = {one.C.item():.4g}, $\\Delta v$ = {v:.3g} m/s"
         yield Line2D([], [], color=colour, marker=marker, label=label)

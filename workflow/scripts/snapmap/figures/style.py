@@ -53,7 +53,7 @@ def save(
 
 def damping(C: float) -> str:
     """Typeset the damping coefficient of the mass; C: uN us/um."""
-    return f"$C$ = {C:g} µN µs µm$^{{-1}}$"
+    return f"$C$ = {C:.4g} µN µs µm$^{{-1}}$"
 
 
 def case(attributes: Mapping[str, str]) -> str:

@@ -15,6 +15,7 @@ from .curves import (
     draw_limits,
     each_damping,
     freeze,
+    some_dampings,
     velocity_change,
 )
 
@@ -29,8 +30,11 @@ FAR = 1e9
 
 
 def draw_thresholds(ax: Axes, found: xr.Dataset) -> Axes:
-    """Draw N_first of every C over f0 (Hz), what snaps below N_always, and both limits."""
-    found = found.sortby(["C", "f0"])
+    """Draw N_first over f0 (Hz) for each C, what snaps below N_always, and both limits.
+
+    Of many values of C some are drawn, evenly chosen.
+    """
+    found = some_dampings(found)
     style.frequency_axis(ax)
     style.amplitude_axis(ax)
     ax.set_xlim(found.f0.values[0] / 1.1, found.f0.values[-1] * 1.1)
@@ -46,11 +50,11 @@ def draw_thresholds(ax: Axes, found: xr.Dataset) -> Axes:
 
 
 def draw_damage_boundary(ax: Axes, found: xr.Dataset) -> Axes:
-    """Draw N_first of every C over the velocity change (m/s), and what snaps of the first C.
+    """Draw N_first over the velocity change (m/s) for each C, and what snaps of the first one.
 
-    Along dotted lines the duration of the pulse is constant.
+    Along dotted lines the duration of the pulse is constant. Of many values of C some are drawn.
     """
-    found = found.sortby(["C", "f0"])
+    found = some_dampings(found)
     ax.set_xscale("log")
     style.amplitude_axis(ax)
     ax.set_xlabel("velocity change $N g/2 f_0$ (m/s)")
@@ -62,7 +66,7 @@ def draw_damage_boundary(ax: Axes, found: xr.Dataset) -> Axes:
     _make_room(ax)
     _draw_region(ax, found.isel(C=0))
     _draw_durations(ax, found)
-    region = Patch(**SHADE, label=f"snaps, $C$ = {found.C.values[0]:g}")
+    region = Patch(**SHADE, label=f"snaps, $C$ = {found.C.values[0]:.4g}")
     keys = [*damping_keys(found), *curve_keys(found, "0.4", "o"), region]
     place = {"loc": "lower left", "bbox_to_anchor": (-0.16, 1.03), "ncols": 2}
     ax.legend(handles=keys, title=_title(found, "\n"), alignment="left", **place)
