@@ -8,8 +8,9 @@ from numba import njit
 from .bases.basis import Basis
 from .device import Device
 
-# The compiler may fuse and regroup sums, but never assume that NaN cannot occur. What a function
-# calls is made part of it: else the last bits depend on whether it comes fresh or from the cache.
+# The compiler may fuse and regroup sums, but never assume that NaN cannot occur. Small functions
+# become part of their callers: left to LLVM, which does so in a fresh process only and not with
+# what comes from the cache, the last bits would depend on that.
 PLAIN = {"fastmath": {"contract", "reassoc"}, "error_model": "numpy", "nogil": True, "cache": True}
 PART = {**PLAIN, "inline": "always"}
 
@@ -73,7 +74,7 @@ def dot(a, b):
     return total
 
 
-@njit(**PART)
+@njit(**PLAIN)
 def multiply(matrix, vector, result):
     """result = matrix vector; result is modified in place."""
     for i in range(vector.size):
@@ -83,7 +84,7 @@ def multiply(matrix, vector, result):
         result[i] = total
 
 
-@njit(**PART)
+@njit(**PLAIN)
 def beam_stresses(system, u, bending_u, geometric_u):
     """Kb u and G u, modified in place; returns N = -EA/2L (2 u.G q0 + u.G u), uN."""
     quadratic = 0.0
