@@ -1,6 +1,7 @@
 """Thresholds against hand-made answers, against the models' own sweeps, and their error bars."""
 
 import dataclasses
+import json
 
 import numpy as np
 import pytest
@@ -138,6 +139,14 @@ def test_islands_and_late_snaps_are_those_of_a_sweep(handout):
     for row in range(2):
         cube = snapmap.sweep(handout, N=N[row], f0=[f0[row]], C=[0.025], until="snap", **model)
         assert (cube.t_snap.values.ravel() * f0[row] < 1e6).tolist() == [False, True]
+
+
+def test_a_model_section_is_taken_whole(handout):
+    """Both the refinement and `auto` have a tolerance."""
+    section = {"name": "auto", "tolerance": 2e-3}
+    found = snapmap.threshold(handout, f0=[1500.0], C=[25.0], model=section, tolerance=1e-3)
+    assert found.N_first.item() == pytest.approx(990.3, rel=2e-3)
+    assert json.loads(found.config)["model"] == section
 
 
 def test_nothing_is_always_above_the_highest_amplitude(handout):

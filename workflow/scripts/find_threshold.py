@@ -11,7 +11,7 @@ def find_threshold(device, model, axes, highest, horizon, tolerance, path, threa
     found = threshold(
         device_from(device),
         **axes,
-        **{"model" if key == "name" else key: value for key, value in model.items()},
+        model=model,
         horizon=horizon,
         tolerance=tolerance,
         highest=highest,

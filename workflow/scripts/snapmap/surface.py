@@ -1,6 +1,6 @@
 """The threshold surface over damping and frequency as an xarray dataset."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -42,7 +42,7 @@ def threshold(
     f0: Sequence[float],
     C: Sequence[float],
     horizon: float = 1500.0,
-    model: str = "auto",
+    model: str | Mapping = "auto",
     tolerance: float = THRESHOLD_TOLERANCE,
     highest: float | None = None,
     threads: int = 1,
@@ -52,13 +52,15 @@ def threshold(
 
     horizon: us followed after the pulse; tolerance: of the refinement in N, relative
     highest: up to which N islands are looked for; twice the threshold if not given
-    model, options: as in the config's model section; `auto` takes its own default tolerance
+    model, options: as in the config's model section, or as a mapping the whole of it, which may
+        give `auto` a tolerance of its own
     The variables are those of `survey.Survey`, (C, f0), and the limits for slow and short pulses:
     N_static and velocity_change, (C).
     """
     protocol = Protocol(horizon)
     _check(f0, C, tolerance, highest, protocol)
-    chosen = choose_model(device, model, **options)
+    model = {"name": model, **options} if isinstance(model, str) else dict(model)
+    chosen = choose_model(device, **model)
     C, f0 = (np.atleast_1d(np.asarray(values, float)) for values in (C, f0))
     impulse = IMPULSE * np.sqrt(device.spring / device.mass) / (2 * np.pi) * 1e6
 
@@ -76,7 +78,7 @@ def threshold(
     data |= {"N_static": ((), static_threshold(device)), "velocity_change": ("C", velocity)}
     document = {
         "device": device_document(device),
-        "model": {"name": model, **options},
+        "model": model,
         "sweep": {"horizon": f"{horizon!r} us", "threshold_tolerance": tolerance},
     }
     return xr.Dataset(
