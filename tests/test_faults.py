@@ -283,9 +283,9 @@ def test_a_full_disk_is_named_and_leaves_no_broken_file(folder, undisturbed, kil
     code, output = in_own_mounts(script, folder.path, *folder.command)
     assert code == 0, output
     full, *_ = [line for line in output.splitlines() if "not written" in line]
-    assert "MB are free there" in full and full.split(": ")[1].startswith("results/")
-    left = (folder.path / "full.txt").read_text().split()
-    assert all(name.endswith(".nc") and "cube" not in name for name in left)
+    assert "MB are free there" in full and full.startswith("results/")
+    left = [Path(name) for name in (folder.path / "full.txt").read_text().split()]
+    assert all(path.suffix == ".log" or path.parent.name == "slabs" for path in left)
     assert (folder.path / "resumed.nc").read_bytes() == undisturbed.cube.read_bytes()
 
 

@@ -40,3 +40,9 @@ def test_what_nobody_foresaw_has_a_traceback(tmp_path):
         raise KeyError("f0")
     said = (tmp_path / "log").read_text()
     assert said.startswith("Traceback") and "KeyError: 'f0'" in said
+
+
+def test_where_the_log_is_full_the_terminal_hears_of_it(capsys):
+    with pytest.raises(SystemExit), journal("/dev/full"):
+        raise OSError("cube.nc: not written")
+    assert capsys.readouterr().err == "cube.nc: not written\n"

@@ -3,7 +3,7 @@
 import sys
 import traceback
 from collections.abc import Iterator
-from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from pathlib import Path
 
 
@@ -14,19 +14,29 @@ def journal(path: str | Path) -> Iterator[None]:
     Snakemake shows the log of a job that fails. A fault that the user can mend (ValueError,
     OSError, MemoryError) is one line there, any other a traceback.
     """
-    with (
-        open(path, "w", buffering=1, encoding="utf-8") as log,
-        redirect_stdout(_Both(sys.stdout, log)),
-        redirect_stderr(log),
-    ):
+    complaint = ""
+    log = open(path, "w", buffering=1, encoding="utf-8")  # noqa: SIM115, closing may fail, too
+    with redirect_stdout(_Both(sys.stdout, log)), redirect_stderr(log):
         try:
             yield
         except (MemoryError, OSError, ValueError) as fault:
-            print(str(fault) or type(fault).__name__, file=log)
-            sys.exit(1)
+            complaint = str(fault) or type(fault).__name__
         except Exception:
-            traceback.print_exc()
-            sys.exit(1)
+            complaint = traceback.format_exc()
+    if complaint:
+        _complain(complaint, log)
+    with suppress(OSError):
+        log.close()
+    if complaint:
+        sys.exit(1)
+
+
+def _complain(complaint, log):
+    """Write to the log or, where the disk is full, to the terminal."""
+    try:
+        print(complaint, file=log, flush=True)
+    except OSError:
+        print(complaint, file=sys.stderr)
 
 
 class _Both:
