@@ -149,6 +149,16 @@ def test_a_model_section_is_taken_whole(handout):
     assert json.loads(found.config)["model"] == section
 
 
+def test_the_ledger_is_asked_for_as_much_as_in_a_sweep(handout):
+    """A stricter ledger halves steps, and with them what the threshold leaves open in time."""
+    rows = {"f0": [1500.0], "C": [25.0], "model": "cosines", "modes": 3, "tolerance": 1e-6}
+    loose, strict = (
+        snapmap.threshold(handout, **rows, energy_tolerance=tolerance) for tolerance in (1e-2, 1e-7)
+    )
+    assert loose.N_first != strict.N_first
+    assert json.loads(strict.config)["sweep"]["energy_tolerance"] == 1e-7
+
+
 def test_nothing_is_always_above_the_highest_amplitude(handout):
     found = snapmap.threshold(handout, f0=[1500.0], C=[25.0], highest=900.0, model="cosines")
     assert found.N_first > 900 and np.isnan(found.N_always)

@@ -19,7 +19,10 @@ rule find_threshold:
         model=study.model,
         axes={"C": study.C.tolist(), "f0": study.f0.tolist()},
         highest=float(study.N[-1]),
-        horizon=study.protocol.horizon,
+        followed={
+            "horizon": study.protocol.horizon,
+            "energy_tolerance": study.protocol.energy_tolerance,
+        },
         tolerance=study.threshold_tolerance,
     message:
         "Find the thresholds"

@@ -6,13 +6,16 @@ from snapmap.journal import journal
 from snapmap.surface import summary, threshold
 
 
-def find_threshold(device, model, axes, highest, horizon, tolerance, path, threads):
-    """Find the thresholds and write them; values in internal units, axes as in the cube."""
+def find_threshold(device, model, axes, highest, followed, tolerance, path, threads):
+    """Find the thresholds and write them; values in internal units, axes as in the cube.
+
+    followed: horizon and energy_tolerance, as in the sweep
+    """
     found = threshold(
         device_from(device),
         **axes,
         model=model,
-        horizon=horizon,
+        **followed,
         tolerance=tolerance,
         highest=highest,
         threads=threads,
@@ -28,7 +31,7 @@ if __name__ == "__main__":
             model=snakemake.params.model,
             axes=snakemake.params.axes,
             highest=snakemake.params.highest,
-            horizon=snakemake.params.horizon,
+            followed=snakemake.params.followed,
             tolerance=snakemake.params.tolerance,
             path=snakemake.output.threshold,
             threads=snakemake.threads,

@@ -45,6 +45,7 @@ def threshold(
     model: str | Mapping = "auto",
     tolerance: float = THRESHOLD_TOLERANCE,
     highest: float | None = None,
+    energy_tolerance: float = 1e-3,
     threads: int = 1,
     **options,
 ) -> xr.Dataset:
@@ -52,12 +53,13 @@ def threshold(
 
     horizon: us followed after the pulse; tolerance: of the refinement in N, relative
     highest: up to which N islands are looked for; twice the threshold if not given
+    energy_tolerance: as in `Protocol`
     model, options: as in the config's model section, or as a mapping the whole of it, which may
         give `auto` a tolerance of its own
     The variables are those of `survey.Survey`, (C, f0), and the limits for slow and short pulses:
     N_static and velocity_change, (C).
     """
-    protocol = Protocol(horizon)
+    protocol = Protocol(horizon, energy_tolerance=energy_tolerance)
     _check(f0, C, tolerance, highest, protocol)
     model = {"name": model, **options} if isinstance(model, str) else dict(model)
     chosen = choose_model(device, **model)
@@ -79,7 +81,11 @@ def threshold(
     document = {
         "device": device_document(device),
         "model": model,
-        "sweep": {"horizon": f"{horizon!r} us", "threshold_tolerance": tolerance},
+        "sweep": {
+            "horizon": f"{horizon!r} us",
+            "energy_tolerance": energy_tolerance,
+            "threshold_tolerance": tolerance,
+        },
     }
     return xr.Dataset(
         {key: (*values, VARIABLES[key]) for key, values in data.items()},

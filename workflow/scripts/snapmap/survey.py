@@ -174,8 +174,8 @@ def _distance(ask, N_first, tolerance):
     distance = np.where(np.isnan(N_first), np.nan, np.inf)
     reach = tolerance / 4
     while reach < FARTHEST and np.isinf(distance).any():
-        around = np.where(np.isinf(distance), N_first, np.nan)[:, np.newaxis]
-        snapped = np.isfinite(ask(around * np.array([1 - reach, 1 + reach])))
+        N = np.where(np.isinf(distance), N_first, np.nan)[:, np.newaxis]
+        snapped = np.isfinite(ask(N * np.array([1 - reach, 1 + reach])))
         distance = np.where(~snapped[:, 0] & snapped[:, 1], reach * N_first, distance)
         reach *= 2
     return distance
