@@ -10,28 +10,23 @@ import psutil
 import pytest
 import xarray as xr
 import yaml
+from studies import THREE_COSINES
 
 from snapmap.collection import collect_slabs
 from snapmap.config import load_study
 from snapmap.plan import cut
 from snapmap.slab import slab_name
 
-STUDY = """
-device:
-  beam: {span: 600 um, rise: 10 um, thickness: 2 um, depth: 22 um, youngs_modulus: 150 GPa,
-         density: 2330 kg/m^3}
-  mass: 1e-8 kg
-  spring: 5.5 N/m
-  contact: 40 N/m
-  gravity: 9.81 m/s^2
-model: {name: cosines, modes: 3}
-sweep:
+STUDY = (
+    THREE_COSINES
+    + """sweep:
   N: {from: 600, to: 2400, points: 40}
   f0: {from: 300 Hz, to: 10 kHz, points: 20, spacing: log}
   C: [0.025 uN*us/um, 10 uN*us/um, 25 uN*us/um, 50 uN*us/um]
   horizon: 500 us
   until: snap
 """
+)
 IN_OWN_MOUNTS = ["unshare", "--map-root-user", "--mount", "sh", "-euc"]
 
 

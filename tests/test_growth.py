@@ -7,6 +7,7 @@ import pytest
 import yaml
 from hypothesis import assume, given, reject, settings
 from hypothesis import strategies as st
+from studies import THREE_COSINES
 
 from snapmap import plan
 from snapmap.collection import collect_slabs
@@ -17,17 +18,7 @@ from snapmap.models import build_model
 from snapmap.plan import cut
 from snapmap.slab import Slab, slab_name, write_slab
 
-STUDY = """
-device:
-  beam: {span: 600 um, rise: 10 um, thickness: 2 um, depth: 22 um, youngs_modulus: 150 GPa,
-         density: 2330 kg/m^3}
-  mass: 1e-8 kg
-  spring: 5.5 N/m
-  contact: 40 N/m
-  gravity: 9.81 m/s^2
-model: {name: cosines, modes: 3}
-sweep: {horizon: 200 us, until: snap}
-"""
+STUDY = THREE_COSINES + "sweep: {horizon: 200 us, until: snap}"
 
 
 def study(N, f0, C=(25.0,), model="cosines"):

@@ -11,6 +11,7 @@ from contextlib import ExitStack, contextmanager
 import netCDF4
 import pytest
 import yaml
+from studies import TINY
 
 from snapmap.config import load_study
 from snapmap.plan import requests
@@ -45,22 +46,6 @@ PartitionName=all Nodes=ALL Default=YES State=UP
 CGROUP = "CgroupPlugin=cgroup/v1\n"
 # The executor's job step drops SLURM_CONF from the environment in which it calls srun.
 SRUN = "#!/bin/sh\nSLURM_CONF='{folder}/slurm.conf' exec '{srun}' \"$@\"\n"
-
-TINY = """
-device:
-  beam: {span: 500 um, rise: 8 um, thickness: 1.9 um, depth: 20 um, youngs_modulus: 160 GPa,
-         density: 2330 kg/m^3}
-  mass: 6e-9 kg
-  spring: 4 N/m
-  contact: 60 N/m
-  gravity: 9.81 m/s^2
-model: {name: handout, elements: 3}
-sweep:
-  N: {from: 200, to: 3000, points: 8}
-  f0: [800 Hz, 2 kHz]
-  C: [0.5 uN*us/um, 30 uN*us/um]
-  horizon: 200 us
-"""
 
 
 class Cluster:
