@@ -74,5 +74,5 @@ def _filled(device, model):
     row = device_coefficients(model.modal, device, model.barrier, model.dt, target=-np.inf)
     for l in range(LANES):
         fill(X, shape, l, row, 0.025, 900 * device.gravity, f0, model.dt)
-        restart_pulse(X, l, 2 * np.pi * f0 * model.dt, 0)
+        restart_pulse(X, l, f0 * model.dt, 0)
     return X, shape

@@ -71,11 +71,11 @@ def with_eigenstrain(device, strain):
     # 1 - 1/s = N/N_1 = arch (1 - s^2) + push, s the new rise over the old one.
     scale = np.roots([arch, 0, 1 - arch - push, -1]).real.max()
     force = (1 - 1 / scale) * n_1
-    old = symmetric_cosines(beam, 5)
-    basis = old._replace(
-        bending=old.bending - force * old.geometric,
-        start=scale * old.start,
-        flexibility=lambda axial_force: old.flexibility(axial_force + force),
+    old, unit_force = symmetric_cosines(5), force / (beam.stiffness_unit * beam.span)
+    basis = replace(
+        old,
+        bending=old.bending - unit_force * old.geometric,
+        flexibility=lambda axial_force: old.flexibility(axial_force + unit_force),
     )
     strained = replace(device, beam=replace(beam, rise=scale * beam.rise))
     modal = reduce_to_modes(strained, basis, 5)
@@ -87,10 +87,10 @@ def stresses(device):
     model = build_model(device, "reference", elements=ELEMENTS)
     rows = []
     for N in (984, 1000, 1500, 2400):
-        u = motion(device, model, N)
-        w = device.beam.rise + u @ model.basis.midpoint
+        u, basis = motion(device, model, N), model.basis.scaled_to(device.beam)
+        w = device.beam.rise + u @ basis.midpoint
         snap = np.argmax(w <= device.beam.second_equilibrium)
-        stretch = np.sum(u * (u @ model.basis.geometric + 2 * slope(model.basis)), axis=1)
+        stretch = np.sum(u * (u @ basis.geometric + 2 * slope(basis)), axis=1)
         axial = device.beam.axial_stiffness * stretch / device.beam.area
         bending = bending_stress(device.beam, u)
         for label, part in (("to the snap", slice(snap + 1)), ("to the horizon", slice(None))):
@@ -115,11 +115,17 @@ def motion(device, model, N):
 
 def bending_stress(beam, u):
     """Largest E t/2 |w'' - w0''| at the ends of all elements, MPa."""
-    h = beam.span / 2 / ELEMENTS
+    h = 1 / 2 / ELEMENTS
     nodal = np.pad(u, ((0, 0), (2, 1)))
     ends = np.array([[-6, -4 * h, 6, -2 * h], [6, 2 * h, -6, 4 * h]]) / h**2
     of_element = [nodal[:, i : i + 4] @ ends.T for i in range(0, 2 * ELEMENTS, 2)]
-    return beam.youngs_modulus * beam.thickness / 2 * abs(np.hstack(of_element)).max(axis=1)
+    return (
+        beam.youngs_modulus
+        * beam.thickness
+        / 2
+        / beam.span**2
+        * abs(np.hstack(of_element)).max(axis=1)
+    )
 
 
 if __name__ == "__main__":

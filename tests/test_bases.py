@@ -37,7 +37,7 @@ def test_element_matrices_are_the_integrals_of_the_shape_functions():
 @pytest.mark.parametrize("mass_matrix", ["consistent", "hrz"])
 def test_a_rigid_lift_of_the_free_nodes_weighs_the_beam_less_the_clamps(handout, mass_matrix):
     beam = handout.beam
-    basis = hermite_elements(beam, 40, mass_matrix)
+    basis = hermite_elements(40, mass_matrix).scaled_to(beam)
     lift = np.zeros(79)
     lift[0::2] = 1.0
     weight = beam.mass_per_length * beam.span
@@ -47,14 +47,14 @@ def test_a_rigid_lift_of_the_free_nodes_weighs_the_beam_less_the_clamps(handout,
 
 def test_cosines_have_the_inverse_mass_of_the_formula(handout):
     beam, m = handout.beam, 7
-    basis = symmetric_cosines(beam, m)
+    basis = symmetric_cosines(m).scaled_to(beam)
     weight = beam.mass_per_length * beam.span
     inverse = 2 / weight * (np.eye(m) - 2 / (1 + 2 * m) * np.ones((m, m)))
     np.testing.assert_allclose(basis.mass @ inverse, np.eye(m), atol=1e-12)
 
 
 def bases(beam):
-    return [hermite_elements(beam, 20), symmetric_cosines(beam, 40)]
+    return [hermite_elements(20).scaled_to(beam), symmetric_cosines(40).scaled_to(beam)]
 
 
 def test_the_start_is_w0_and_the_flexibilities_agree(handout):
@@ -79,19 +79,19 @@ def initial_stiffness(beam, basis):
 
 
 def test_initial_stiffness_under_a_midpoint_force(handout):
-    exact = initial_stiffness(handout.beam, symmetric_cosines(handout.beam, 400))
+    beam = handout.beam
+    exact = initial_stiffness(beam, symmetric_cosines(400).scaled_to(beam))
     assert exact == pytest.approx(48.8, abs=0.05)
-    assert initial_stiffness(handout.beam, hermite_elements(handout.beam, 20)) == pytest.approx(
-        exact, rel=1e-4
-    )
+    finite = initial_stiffness(beam, hermite_elements(20).scaled_to(beam))
+    assert finite == pytest.approx(exact, rel=1e-4)
 
 
 def test_the_initial_stiffness_converges_with_order_four_in_h(handout):
-    exact = initial_stiffness(handout.beam, hermite_elements(handout.beam, 160))
-    error = [
-        initial_stiffness(handout.beam, hermite_elements(handout.beam, n)) - exact for n in (5, 10)
-    ]
-    assert 3.8 < np.log2(error[0] / error[1]) < 4.2
+    beam = handout.beam
+    coarse, finer, exact = (
+        initial_stiffness(beam, hermite_elements(n).scaled_to(beam)) for n in (5, 10, 160)
+    )
+    assert 3.8 < np.log2((coarse - exact) / (finer - exact)) < 4.2
 
 
 def residual_force(beam, basis, q):
@@ -109,7 +109,7 @@ def energy(beam, basis, q):
 
 def test_w2_is_an_equilibrium(handout):
     beam = handout.beam
-    basis = symmetric_cosines(beam, 6)
+    basis = symmetric_cosines(6).scaled_to(beam)
     q = np.zeros(6)
     q[0] = beam.second_equilibrium / 2
     assert abs(residual_force(beam, basis, q)).max() < 1e-9 * beam.bending_stiffness / beam.span**2
@@ -119,7 +119,7 @@ def test_w2_is_an_equilibrium(handout):
 
 def test_the_saddle_is_an_equilibrium_with_the_second_mode(handout):
     beam = handout.beam
-    basis = symmetric_cosines(beam, 6)
+    basis = symmetric_cosines(6).scaled_to(beam)
     q = np.zeros(6)
     q[0] = -beam.rise / 6
     unit = beam.bending_stiffness * (2 * np.pi / beam.span) ** 2
@@ -133,7 +133,7 @@ def test_the_saddle_is_an_equilibrium_with_the_second_mode(handout):
 def test_the_static_force_peaks_where_the_second_mode_buckles(handout):
     """At N = 4 N_1 the deflection is linear in the force: two forces meet eq. (4)."""
     beam = handout.beam
-    basis = symmetric_cosines(beam, 801)
+    basis = symmetric_cosines(801).scaled_to(beam)
     odd = np.arange(0, 801, 2)
     axial = 4 * beam.bending_stiffness * (2 * np.pi / beam.span) ** 2
     bending, geometric = np.diag(basis.bending)[odd], np.diag(basis.geometric)[odd]

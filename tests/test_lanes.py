@@ -26,7 +26,7 @@ def threshold(device, f0, C=0.025, horizon=300.0, low=700.0, high=1100.0, **mode
 
 
 def labels(follow, device, model, cells):
-    return label(*follow(device, model, cells, Protocol()), Protocol().energy_tolerance)
+    return label(*follow(device, model, cells, Protocol())[:4], Protocol().energy_tolerance)
 
 
 @pytest.fixture(scope="module")

@@ -17,7 +17,7 @@ G = 9.81e-6
 
 def march(device, N, f0, C, dt, duration, target=-np.inf, elements=5):
     """Reference history at every step: t, u, du/dt, y, dy/dt, work, swept; and the results."""
-    basis = hermite_elements(device.beam, elements)
+    basis = hermite_elements(elements)
     steps = int(np.ceil(duration / dt))
     history = np.zeros((steps, 2 * basis.load.size + 4))
     result = follow(
@@ -116,7 +116,7 @@ def test_a_step_over_the_limit_does_not_pass_for_a_result(handout):
 def test_the_handouts_own_question(handout):
     """N = 1000 at 1500 Hz snaps; without the beam's own load, as in eq. (3), it would not."""
     dt, w2 = 0.0276, handout.beam.second_equilibrium - handout.beam.rise
-    basis = hermite_elements(handout.beam, 5)
+    basis = hermite_elements(5)
     system = nodal_system(handout, basis)
     none = np.zeros((0, 22))
     steps = int(2167 / dt)

@@ -38,7 +38,7 @@ def test_amplitudes_reach_both_ends_in_even_steps():
     N = amplitudes(np.array([1.0, 2.0, np.nan]), np.array([1.5, 2.0, 3.0]), 0.1)
     assert N[0, 0] == 1.0 and np.nanmax(N[0]) == 1.5
     ratios = N[0, 1:-1] / N[0, :-2]
-    np.testing.assert_allclose(ratios[np.isfinite(ratios)], np.exp(0.1))
+    np.testing.assert_allclose(ratios[np.isfinite(ratios)], 1.1)
     assert N[1, 0] == 2.0 and np.isnan(N[1, 1:]).all() and np.isnan(N[2]).all()
 
 
@@ -122,7 +122,7 @@ def test_islands_and_late_snaps_are_those_of_a_sweep(handout):
     f0, model = [5800.0, 7036.0], {"model": "cosines", "modes": 7}
     found = snapmap.threshold(handout, f0=f0, C=[0.025], **model, highest=2400.0).squeeze("C")
     assert (found.islands >= 1).all() and (found.N_always > 1.01 * found.N_first).all()
-    assert (found.t_snap > 1e6 / found.f0).all() and (found.N_pulse > found.N_always).all()
+    assert (found.t_snap > 1e6 / found.f0).all() and (found.N_pulse > found.N_first).all()
     for row in range(2):
         one = found.isel(f0=row)
         start, end = (

@@ -11,7 +11,11 @@ rule simulate_history:
         device=asdict(study.device),
         model=study.model,
         cell=lambda wildcards: cells[wildcards.cell]._asdict(),
-        horizon=study.protocol.horizon,
+        followed={
+            "horizon": study.protocol.horizon,
+            "until": study.protocol.until,
+            "energy_tolerance": study.protocol.energy_tolerance,
+        },
     message:
         "Follow one cell in full: {wildcards.cell}"
     script:

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import numpy as np
 import xarray as xr
 
 from snapmap.config import device_document
@@ -10,10 +9,11 @@ from snapmap.cube import sweep, write
 from snapmap.device import device_from
 from snapmap.journal import journal
 from snapmap.provenance import provenance
+from snapmap.spacing import geometric, linear
 
 GRID = {
-    "N": np.linspace(600, 2400, 61),
-    "f0": np.geomspace(100, 3e4, 31),
+    "N": linear(600, 2400, 61),
+    "f0": geometric(100, 3e4, 31),
     "C": [0.025, 25.0, 200.0],
 }
 """Multiples of g, Hz, uN us/um."""

@@ -6,10 +6,13 @@ from snapmap.history import simulate
 from snapmap.journal import journal
 
 
-def simulate_history(device, model, cell, horizon, path):
-    """Simulate one cell beyond its snap and write its history."""
+def simulate_history(device, model, cell, followed, path):
+    """Simulate one cell beyond its snap and write its history.
+
+    followed: horizon, until and energy_tolerance, as in the sweep
+    """
     name, options = model["name"], {key: model[key] for key in model if key != "name"}
-    history = simulate(device_from(device), **cell, model=name, horizon=horizon, **options)
+    history = simulate(device_from(device), **cell, model=name, **followed, **options)
     write(history, path)
 
 
@@ -19,6 +22,6 @@ if __name__ == "__main__":
             device=snakemake.params.device,
             model=snakemake.params.model,
             cell=snakemake.params.cell,
-            horizon=snakemake.params.horizon,
+            followed=snakemake.params.followed,
             path=snakemake.output.history,
         )

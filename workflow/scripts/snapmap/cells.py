@@ -22,12 +22,14 @@ class Facts(NamedTuple):
     t_settled: when the beam was seen to be settled in a well for ever, us; NaN if it was not
     well: that well, 1 or 2; 0 if it was not
     energy_error: residual of the energy ledger over the gross work of the pulse
+    halvings: how often the model's step was halved for these observations
     """
 
     t_snap: np.ndarray
     t_settled: np.ndarray
     well: np.ndarray
     energy_error: np.ndarray
+    halvings: np.ndarray
 
 
 class Cells(NamedTuple):
@@ -75,7 +77,7 @@ def follow_cells(
     hard impacts ask for less than the stability limit does.
     """
     facts = follow_once(device, model, cells, protocol, threads)
-    for _ in range(HALVINGS):
+    for halvings in range(1, HALVINGS + 1):
         doubtful = np.flatnonzero(~(facts.energy_error <= protocol.energy_tolerance))
         if doubtful.size == 0:
             break
@@ -84,6 +86,7 @@ def follow_cells(
         again = follow_once(device, model, some, protocol, threads)
         for known, new in zip(facts, again, strict=True):
             known[doubtful] = new
+        facts.halvings[doubtful] = halvings
     return facts
 
 
@@ -92,14 +95,16 @@ def follow_once(
 ) -> Facts:
     """Follow every cell with the model's own step, whatever its ledger then says."""
     n_cells = cells.f0.size
-    facts = Facts(*(np.empty(n_cells, kind) for kind in (float, float, np.int8, float)))
+    kinds = float, float, np.int8, float, np.int8
+    facts = Facts(*(np.zeros(n_cells, kind) for kind in kinds))
     follow_some = _follow_reference if model.name == "reference" else _follow_lanes
     shares = [np.arange(first, n_cells, threads) for first in range(threads)]
 
     def follow_share(share):
         share = share[np.argsort(cells.f0[share], kind="stable")]
         some = Cells(*(values[share] for values in cells))
-        for whole, part in zip(facts, follow_some(device, model, some, protocol), strict=True):
+        found = follow_some(device, model, some, protocol)
+        for whole, part in zip(facts[: len(found)], found, strict=True):
             whole[share] = part
 
     with ThreadPoolExecutor(threads) as pool:

@@ -15,6 +15,7 @@ from .device import Beam, Device
 from .document import ConfigError, read_document, unwieldy_part
 from .protocol import THRESHOLD_TOLERANCE, Protocol
 from .quantity import KINDS, read, show
+from .spacing import geometric, linear
 
 
 class History(NamedTuple):
@@ -161,15 +162,10 @@ def _range(section, key, kind):
         need = "equal ends" if points == 1 else "from and to that differ"
         raise ValueError(f"{key}.points: {points} needs {need}; write other ends or points")
     if section.get("spacing") != "log":
-        return _rounded(np.linspace(start, stop, points))
+        return linear(start, stop, points)
     if min(start, stop) <= 0:
         raise ValueError(f"{key}.spacing: log needs from and to above 0; write linear, or a list")
-    return _rounded(np.geomspace(start, stop, points))
-
-
-def _rounded(values):
-    """To 14 digits, so that a finer range has the same values where it has them at all."""
-    return np.array([float(f"{value:.14g}") for value in values.tolist()])
+    return geometric(start, stop, points)
 
 
 def _schema_faults(document):

@@ -42,6 +42,10 @@ VARIABLES = {
         "long_name": "residual of the energy ledger over the gross work of the pulse",
         "units": "1",
     },
+    "halvings": {
+        "long_name": "how often the time step was halved until the energy ledger closed",
+        "units": "1",
+    },
     "level": {
         "long_name": "level of the model that decided the cell",
         "flag_values": np.arange(2, dtype=np.int8),

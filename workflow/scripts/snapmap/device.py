@@ -44,7 +44,7 @@ class Beam:
     @property
     def inertia(self) -> float:
         """I = depth thickness^3 / 12, um^4."""
-        return self.depth * self.thickness**3 / 12
+        return self.area * self.thickness * self.thickness / 12
 
     @property
     def mass_per_length(self) -> float:
@@ -62,6 +62,16 @@ class Beam:
         return self.youngs_modulus * self.area / (2 * self.span)
 
     @property
+    def weight(self) -> float:
+        """rho A span, the beam's mass, ng."""
+        return self.mass_per_length * self.span
+
+    @property
+    def stiffness_unit(self) -> float:
+        """E I / span^3, uN/um."""
+        return self.bending_stiffness / (self.span * self.span * self.span)
+
+    @property
     def bistability(self) -> float:
         """Q = rise / thickness."""
         return self.rise / self.thickness
@@ -70,7 +80,7 @@ class Beam:
     def second_equilibrium(self) -> float:
         """Midpoint of the second stable shape, w2 = -rise (1 + sqrt(1 - 16 / (3 Q^2))) / 2, um."""
         ratio = BISTABILITY_LIMIT / self.bistability
-        return -self.rise * (1 + math.sqrt(1 - ratio**2)) / 2
+        return -self.rise * (1 + math.sqrt(1 - ratio * ratio)) / 2
 
 
 @dataclass(frozen=True)

@@ -57,7 +57,7 @@ def around(
     step: relative; wider where it would take more than MOST_STEPS
     """
     low, high = np.maximum(whole.low, first / beside), np.minimum(whole.high, last * beside)
-    return Window(low, high, np.clip(np.log(high / low) / MOST_STEPS, step, FINE_STEP))
+    return Window(low, high, np.clip((high / low - 1) / MOST_STEPS, step, FINE_STEP))
 
 
 def chosen(rows: np.ndarray, those: Window, others: Window) -> Window:

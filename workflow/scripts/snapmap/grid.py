@@ -51,9 +51,10 @@ def _follow(device, model, cells, columns, protocol, threads):
     else:
         facts = follow_cells(device, model, cells, protocol, threads)
     return {
-        "outcome": label(*facts, protocol.energy_tolerance),
+        "outcome": label(*facts[:4], protocol.energy_tolerance),
         "t_snap": facts.t_snap,
         "t_settled": facts.t_settled,
         "energy_error": facts.energy_error,
+        "halvings": facts.halvings,
         **decided,
     }

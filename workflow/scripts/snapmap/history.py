@@ -6,15 +6,16 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from .cells import HALVINGS, check_cells, to_cells
+from .cells import check_cells, follow_cells, to_cells
 from .config import device_document
 from .device import Device
 from .ladder import Ladder, choose_model
 from .lanes import BLOCK, device_coefficients, follow_one
+from .linalg import multiply
 from .modal import contact_stiffness
 from .protocol import Protocol, check_protocol
 from .provenance import provenance
-from .reference import follow, nodal_system
+from .reference import follow, nodal_system, pulse_acceleration
 
 SAMPLES = 4000
 """A history keeps this many instants, up to twice as many, or all that there are."""
@@ -69,21 +70,28 @@ def simulate(
     C: float,
     model: str = "handout",
     horizon: float = 1500.0,
+    until: str = "settled",
+    energy_tolerance: float = 1e-3,
     **options,
 ) -> xr.Dataset:
     """Follow one cell to the horizon, beyond its snap, and return its history over time.
 
     N: multiples of g; f0: Hz; C: uN us/um; horizon: us followed after the pulse
+    until, energy_tolerance: of a sweep, whose step for this cell is taken
     model, options: as in the config's model section
     """
     built = choose_model(device, model, **options)
     built = built.top if isinstance(built, Ladder) else built
     check_cells(N=[N], f0=[f0], C=[C])
-    check_protocol(Protocol(horizon))
-    cell = [float(value[0]) for value in to_cells(device, [N], [f0], [C], horizon)]
-    motion, form = _closed_motion(device, built, cell)
+    protocol = Protocol(horizon, until, repeat=False, energy_tolerance=energy_tolerance)
+    check_protocol(protocol)
+    cells = to_cells(device, [N], [f0], [C], horizon)
+    built = built.with_step(0.5 ** follow_cells(device, built, cells, protocol).halvings.item())
+    cell = [values.item() for values in cells]
+    move = _reference_motion if built.name == "reference" else _modal_motion
+    motion, form = move(device, built, *cell)
     values = _observe(device, form, motion) | {
-        "acceleration": _acceleration(motion.time, *cell[:2]),
+        "acceleration": [pulse_acceleration(t, *cell[:2]) for t in motion.time.tolist()],
         "dissipated_energy": motion.lost,
         "pulse_work": motion.work,
     }
@@ -99,21 +107,8 @@ def simulate(
         second_equilibrium=device.beam.second_equilibrium,
         barrier=built.barrier.energy,
         gravity=device.gravity,
+        time_step=built.dt,
     )
-
-
-def _closed_motion(device, model, cell):
-    """Follow a cell with ever smaller steps until its energy ledger closes, as a sweep does."""
-    move = _reference_motion if model.name == "reference" else _modal_motion
-    for halvings in range(HALVINGS + 1):
-        motion, form = move(device, model.with_step(0.5**halvings), *cell)
-        values = _observe(device, form, motion)
-        stored = sum(energy for key, energy in values.items() if key.endswith("_energy"))
-        gross_work = np.abs(np.diff(motion.work)).sum()
-        residual = np.abs(stored + motion.lost - motion.work)[-1]
-        if residual <= Protocol().energy_tolerance * gross_work:
-            break
-    return motion, form
 
 
 def _modal_motion(device, model, amplitude, f0, damping, t_end):
@@ -160,28 +155,24 @@ def _sampling(t_end, dt):
     return steps, min(stride, BLOCK)
 
 
-def _acceleration(time, amplitude, f0):
-    pulse = amplitude / 2 * (1 - np.cos(2 * np.pi * f0 * time))
-    return np.where(time * f0 < 1, pulse, 0.0)
-
-
 def _observe(device, form, motion):
     """Deflections, forces and energies from the coordinates."""
     u, velocity = motion.u, motion.u_velocity
-    overlap = u @ form.midpoint - motion.y
+    w = multiply(u, form.midpoint)
+    overlap = w - motion.y
     stiffness = contact_stiffness(device, form.residual)
     contact = stiffness * np.maximum(0.0, overlap)
-    stretch = np.sum(u * (u @ form.geometric + 2 * form.slope_start), axis=1)
+    stretch = np.sum(u * (multiply(u, form.geometric) + 2 * form.slope_start), axis=1)
     axial_force = -device.beam.axial_stiffness * stretch
-    kinetic = np.sum(velocity * (velocity @ form.inertia), axis=1) / 2
+    kinetic = np.sum(velocity * multiply(velocity, form.inertia), axis=1) / 2
     return {
-        "w_mid": device.beam.rise + u @ form.midpoint - form.residual * contact,
+        "w_mid": device.beam.rise + w - form.residual * contact,
         "z_mass": device.beam.rise + motion.y,
         "contact_force": contact,
         "axial_force": axial_force,
         "kinetic_energy": kinetic + device.mass * motion.y_velocity**2 / 2,
         "spring_energy": device.spring * motion.y**2 / 2,
-        "bending_energy": np.sum(u * (u @ form.bending), axis=1) / 2,
+        "bending_energy": np.sum(u * multiply(u, form.bending), axis=1) / 2,
         "axial_energy": axial_force**2 / (4 * device.beam.axial_stiffness),
         "contact_energy": contact**2 / (2 * stiffness),
     }

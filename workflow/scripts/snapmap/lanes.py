@@ -10,9 +10,9 @@ compiler knows. All kernels stand in this one file: numba's cache does not see e
 """
 
 import numpy as np
-from numba import float64, njit
-from numba.extending import intrinsic
+from numba import njit
 
+from .arithmetic import fma, sine, widen_vectors
 from .modal import contact_stiffness
 
 LANES = 16
@@ -48,16 +48,6 @@ P, P_STEP, SCRATCH, STIFFNESS, SLOPE_START, LOAD, MIDPOINT, GEOMETRIC = range(8)
 # No fast maths: NaN stays visible, and a result does not depend on how a call was compiled. What
 # speed needs is written out: fused multiply-adds, and sums in an order that vectorises over lanes.
 JIT = {"error_model": "numpy", "nogil": True, "cache": True}
-
-
-@intrinsic
-def fma(context, a, b, c):
-    """a b + c in one rounding."""
-
-    def build(_, builder, __, arguments):
-        return builder.fma(*arguments)
-
-    return float64(float64, float64, float64), build
 
 
 @njit(inline="always")
@@ -108,6 +98,7 @@ def advance(X, shape, steps):
 
     w is latched, with the value before, at the first instant at or below the target.
     """
+    widen_vectors()
     modes = len(shape)
     # LLVM unrolls a short loop and gives up on a long one, and only what is unrolled vectorises
     # over lanes: so the loops over modes are cut in four.
@@ -176,7 +167,7 @@ def fill(X, shape, l, coefficients, damping, amplitude, f0, dt):
     drag = damping * dt / 2
     mass = X[MASS * LANES + l]
     X[AMPLITUDE * LANES + l] = amplitude / 2 * dt**2
-    X[TURN * LANES + l] = 4 * np.sin(np.pi * f0 * dt) ** 2
+    X[TURN * LANES + l] = 4 * sine(f0 * dt / 2) ** 2
     X[PULSE_LEFT * LANES + l] = np.ceil(1 / (f0 * dt))
     X[KEEP * LANES + l] = (mass - drag) / (mass + drag)
     X[PUSH * LANES + l] = 1 / (mass + drag)
@@ -186,11 +177,11 @@ def fill(X, shape, l, coefficients, damping, amplitude, f0, dt):
 
 
 @njit(**JIT)
-def restart_pulse(X, l, angle_step, steps):
-    """Set 1 - cos(2 pi f0 t) and its last increment afresh, at t = steps dt."""
-    angle = angle_step * steps
-    X[PULSE * LANES + l] = 2 * np.sin(angle / 2) ** 2
-    X[PULSE_STEP * LANES + l] = 2 * np.sin(angle_step / 2) * np.sin(angle - angle_step / 2)
+def restart_pulse(X, l, turn_step, steps):
+    """Set 1 - cos(2 pi f0 t) and its last increment afresh, at t = steps dt; turn_step: f0 dt."""
+    turn = turn_step * steps
+    X[PULSE * LANES + l] = 2 * sine(turn / 2) ** 2
+    X[PULSE_STEP * LANES + l] = 2 * sine(turn_step / 2) * sine(turn - turn_step / 2)
 
 
 @njit(**JIT)
@@ -265,6 +256,7 @@ def follow_all(X, shape, devices, dt, cells, stop_at_snap, facts):
         energy_error (residual of the energy ledger over the gross work of the pulse, not finite
         after a blow-up); (cells,)
     """
+    widen_vectors()
     device_of, amplitude, f0, damping, t_end = cells
     t_snap, t_settled, well, energy_error = facts
     cell_in = np.full(LANES, -1)
@@ -285,7 +277,7 @@ def follow_all(X, shape, devices, dt, cells, stop_at_snap, facts):
                 running += 1
             if X[PULSE_LEFT * LANES + l] > 0:
                 cell = cell_in[l]
-                restart_pulse(X, l, 2 * np.pi * f0[cell] * dt[device_of[cell]], steps[l])
+                restart_pulse(X, l, f0[cell] * dt[device_of[cell]], steps[l])
         for n_steps in (BLOCK - 1, 1):
             X_before[:] = X[: X_before.size]
             advance(X, shape, n_steps)
@@ -332,6 +324,7 @@ def trace_all(X, shape, device, dt, cells, w_range, instants):
     modified in place: w_range, least and greatest w(L/2) - rise in each bin, (2, bins, cells);
         instants, at each bin's start y, all energy and the beam's (pJ), (3, bins, cells)
     """
+    widen_vectors()
     amplitude, f0, damping, width = cells
     bins = w_range.shape[1]
     for l in range(width.size):
@@ -340,7 +333,7 @@ def trace_all(X, shape, device, dt, cells, w_range, instants):
     for step in range(0, bins * width.max(), SAMPLE):
         if step % BLOCK == 0:
             for l in range(width.size):
-                restart_pulse(X, l, 2 * np.pi * f0[l] * dt, step)
+                restart_pulse(X, l, f0[l] * dt, step)
         X_before[:] = X[: X_before.size]
         advance(X, shape, 1)
         for l in range(width.size):
@@ -395,7 +388,7 @@ def follow_one(modes, device, dt, amplitude, f0, damping, steps, stride):
     before, after = [], []
     for step in range(0, steps, stride):
         if step % BLOCK == 0:
-            restart_pulse(X, 0, 2 * np.pi * f0 * dt, step)
+            restart_pulse(X, 0, f0 * dt, step)
         before.append(X[:size:LANES].copy())
         advance(X, shape, 1)
         after.append(X[:size:LANES].copy())
@@ -420,13 +413,13 @@ def device_coefficients(modal, device, barrier, dt, target):
     barrier: of the modal beam, a `Barrier`
     target: w(L/2) - rise at which a run counts as snapped, um; -inf for never
     """
-    contact = contact_stiffness(device, modal.residual)
+    contact, square = contact_stiffness(device, modal.residual), dt * dt
     return np.concatenate(
         [
-            [modal.axial * dt**2, modal.residual / dt**2, contact * dt**2],
-            [device.mass, device.spring * dt**2, target],
-            [barrier.energy * dt**2, barrier.midpoint, device.beam.damping * dt],
-            modal.stiffness * dt**2,
+            [modal.axial * square, modal.residual / square, contact * square],
+            [device.mass, device.spring * square, target],
+            [barrier.energy * square, barrier.midpoint, device.beam.damping * dt],
+            modal.stiffness * square,
             modal.slope_start,
             modal.load,
             modal.midpoint,

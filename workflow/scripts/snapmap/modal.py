@@ -1,11 +1,14 @@
 """The small reduced form that every discretisation shares: the beam's own modes, a few of them."""
 
+import math
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
 from .bases.basis import Basis
 from .device import Device
+from .linalg import eigh, multiply, solve
 
 # ASSUME: no run bends the beam further than this multiple of its start; see docs/stability.md.
 TENSION_REACH = 1.25
@@ -36,21 +39,37 @@ class ModalBeam(NamedTuple):
 
 
 def reduce_to_modes(device: Device, basis: Basis, modes: int | None = None) -> ModalBeam:
-    """Solve K v = kappa M v and keep the lowest `modes` modes; None keeps all."""
-    lower = np.linalg.cholesky(basis.mass)
-    scaled = np.linalg.solve(lower, np.linalg.solve(lower, basis.bending).T)
-    stiffness, vectors = np.linalg.eigh((scaled + scaled.T) / 2)
-    shapes = np.linalg.solve(lower.T, vectors)[:, :modes]
+    """Give a beam its lowest `modes` modes; None keeps all that the basis has."""
+    unit, beam = unit_modes(basis, modes), device.beam
+    root = math.sqrt(beam.weight)
+    return ModalBeam(
+        stiffness=unit.stiffness * (beam.stiffness_unit / beam.weight),
+        geometric=unit.geometric / (beam.span * beam.weight),
+        slope_start=unit.slope_start * (beam.rise / (beam.span * root)),
+        load=unit.load * root,
+        midpoint=unit.midpoint / root,
+        axial=beam.axial_stiffness,
+        residual=unit.residual / beam.stiffness_unit,
+    )
+
+
+@cache
+def unit_modes(basis: Basis, modes: int | None = None) -> ModalBeam:
+    """Solve K v = kappa M v once for all beams: span, rise, rho A, EI and EA/2L are 1."""
+    stiffness, shapes = eigh(basis.bending, basis.mass)
+    shapes = shapes[:, :modes]
+    to_modes = shapes.T.copy()
+    slopes = multiply(to_modes, basis.geometric)
     modal = ModalBeam(
         stiffness=stiffness[:modes],
-        geometric=shapes.T @ basis.geometric @ shapes,
-        slope_start=shapes.T @ basis.geometric @ basis.start,
-        load=shapes.T @ basis.load,
-        midpoint=shapes.T @ basis.midpoint,
-        axial=device.beam.axial_stiffness,
+        geometric=multiply(slopes, shapes),
+        slope_start=multiply(slopes, basis.start),
+        load=multiply(to_modes, basis.load),
+        midpoint=multiply(to_modes, basis.midpoint),
+        axial=1.0,
         residual=0.0,
     )
-    return modal._replace(residual=_residual_flexibility(device.beam, basis, modal))
+    return modal._replace(residual=_residual_flexibility(basis, modal))
 
 
 def contact_stiffness(device: Device, residual: float) -> float:
@@ -69,20 +88,20 @@ def step_limit(device: Device, modal: ModalBeam) -> float:
     image, TENSION_REACH times as far, and T the tension there.
     """
     slope = TENSION_REACH * modal.slope_start
-    stretch = modal.slope_start @ np.linalg.solve(modal.geometric, modal.slope_start)
-    tension = modal.axial * (TENSION_REACH**2 - 1) * stretch
+    stretch = multiply(modal.slope_start, solve(modal.geometric, modal.slope_start))
+    tension = modal.axial * (TENSION_REACH * TENSION_REACH - 1) * stretch
     tangent = np.diag(modal.stiffness) + tension * modal.geometric
     tangent += 2 * modal.axial * np.outer(slope, slope)
     tangent += contact_stiffness(device, modal.residual) * np.outer(modal.midpoint, modal.midpoint)
-    return float(2 / np.sqrt(np.linalg.eigvalsh(tangent)[-1]))
+    return 2 / math.sqrt(eigh(tangent)[0][-1])
 
 
-def _residual_flexibility(beam, basis, modal):
+def _residual_flexibility(basis, modal):
     # ASSUME: the modes left out follow the contact force statically, softened by the axial force
     # half way between the start (0) and the saddle (4 N_1).
     if modal.stiffness.size == basis.load.size and basis.complete:
         return 0.0
-    axial_force = 2 * beam.bending_stiffness * (2 * np.pi / beam.span) ** 2
+    axial_force = 8 * math.pi * math.pi
     tangent = np.diag(modal.stiffness) - axial_force * modal.geometric
-    kept = modal.midpoint @ np.linalg.solve(tangent, modal.midpoint)
-    return max(0.0, basis.flexibility(axial_force) - kept)
+    kept = multiply(modal.midpoint, solve(tangent, modal.midpoint))
+    return max(0.0, basis.flexibility(axial_force) - float(kept))

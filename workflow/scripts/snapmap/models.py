@@ -48,7 +48,7 @@ def build_model(device: Device, name: str = "handout", **options) -> Model:
     step: fraction of the stability limit, above 0 and up to 1
     """
     check_options(device, name, options)
-    basis = _basis(device, options, name)
+    basis = _basis(options, name)
     modes = options.get("modes", _default_modes(device, name, basis))
     if modes > basis.load.size:
         raise ValueError(f"model.modes: {modes} is too many; this beam has {basis.load.size}")
@@ -85,12 +85,12 @@ def check_options(device: Device, name: str, options: Mapping) -> None:
         raise ValueError("device.contact: hard is not for the reference model; write handout")
 
 
-def _basis(device, options, name):
+def _basis(options, name):
     if name == "cosines":
         cosines = options.get("cosines", options.get("modes", 5))
-        return symmetric_cosines(device.beam, cosines)
+        return symmetric_cosines(cosines)
     chosen = {key: options[key] for key in ("elements", "mass_matrix") if key in options}
-    return hermite_elements(device.beam, **chosen)
+    return hermite_elements(**chosen)
 
 
 def _default_modes(device, name, basis):

@@ -5,14 +5,14 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from .arithmetic import fma, sine
 from .bases.basis import Basis
 from .device import Device
+from .linalg import multiply as product
+from .linalg import solve
 
-# The compiler may fuse and regroup sums, but never assume that NaN cannot occur. Small functions
-# become part of their callers: left to LLVM, which does so in a fresh process only and not with
-# what comes from the cache, the last bits would depend on that.
-PLAIN = {"fastmath": {"contract", "reassoc"}, "error_model": "numpy", "nogil": True, "cache": True}
-PART = {**PLAIN, "inline": "always"}
+# No fast maths: a result is the same on every machine, compiled afresh or taken from the cache.
+PLAIN = {"error_model": "numpy", "nogil": True, "cache": True}
 
 
 class System(NamedTuple):
@@ -41,14 +41,15 @@ class System(NamedTuple):
 
 def nodal_system(device: Device, basis: Basis) -> System:
     """Collect what the loop needs of a device (penalty contact) and its beam's basis."""
+    scaled = basis.scaled_to(device.beam)
     return System(
-        inertia=basis.mass,
-        inverse_inertia=np.linalg.inv(basis.mass),
-        bending=basis.bending,
-        geometric=basis.geometric,
-        slope_start=basis.geometric @ basis.start,
-        load=basis.load,
-        midpoint=basis.midpoint,
+        inertia=scaled.mass,
+        inverse_inertia=solve(scaled.mass, np.eye(scaled.load.size)),
+        bending=scaled.bending,
+        geometric=scaled.geometric,
+        slope_start=product(scaled.geometric, scaled.start),
+        load=scaled.load,
+        midpoint=scaled.midpoint,
         axial=device.beam.axial_stiffness,
         mass=device.mass,
         spring=device.spring,
@@ -57,20 +58,20 @@ def nodal_system(device: Device, basis: Basis) -> System:
     )
 
 
-@njit(**PART)
+@njit(**PLAIN)
 def pulse_acceleration(t, amplitude, f0):
-    """a(t) = amplitude/2 (1 - cos(2 pi f0 t)) for t < 1/f0, else 0; um/us^2."""
+    """a(t) = amplitude/2 (1 - cos(2 pi f0 t)) = amplitude sin^2(pi f0 t), t < 1/f0; um/us^2."""
     if t * f0 < 1.0:
-        return amplitude / 2 * (1 - np.cos(2 * np.pi * f0 * t))
+        return amplitude * sine(f0 * t / 2) ** 2
     return 0.0
 
 
-@njit(**PART)
+@njit(**PLAIN)
 def dot(a, b):
     """a . b"""
     total = 0.0
     for i in range(a.size):
-        total += a[i] * b[i]
+        total = fma(a[i], b[i], total)
     return total
 
 
@@ -80,7 +81,7 @@ def multiply(matrix, vector, result):
     for i in range(vector.size):
         total = 0.0
         for j in range(vector.size):
-            total += matrix[i, j] * vector[j]
+            total = fma(matrix[i, j], vector[j], total)
         result[i] = total
 
 
@@ -91,14 +92,14 @@ def beam_stresses(system, u, bending_u, geometric_u):
     for i in range(u.size):
         bending_row, geometric_row = 0.0, 0.0
         for j in range(u.size):
-            bending_row += system.bending[i, j] * u[j]
-            geometric_row += system.geometric[i, j] * u[j]
+            bending_row = fma(system.bending[i, j], u[j], bending_row)
+            geometric_row = fma(system.geometric[i, j], u[j], geometric_row)
         bending_u[i], geometric_u[i] = bending_row, geometric_row
         quadratic += u[i] * (geometric_row + 2 * system.slope_start[i])
     return -system.axial * quadratic
 
 
-@njit(**PART)
+@njit(**PLAIN)
 def total_energy(system, u, velocity, y, y_velocity, compression):
     """Kinetic, bending, axial, spring and contact energy of beam and mass, pJ."""
     product = np.empty(u.size)

@@ -64,11 +64,10 @@ def asker(
 
 def amplitudes(low: np.ndarray, high: np.ndarray, step: float | np.ndarray) -> np.ndarray:
     """Amplitudes from low to high in relative steps, each (rows,): (rows, n), NaN beyond high."""
-    steps = np.log(high / low) / step
-    count = 2 + int(np.nanmax(steps, initial=0.0))
-    N = low[:, np.newaxis] * np.exp(
-        np.broadcast_to(step, low.shape)[:, np.newaxis] * np.arange(count)
-    )
+    factor = np.broadcast_to(1 + np.asarray(step), low.shape)
+    count = 2 + int(np.nanmax(np.log(high / low) / np.log(factor), initial=0.0))
+    # Products, not powers: the library's exponential rounds by the processor.
+    N = np.multiply.accumulate(np.column_stack([low, *[factor] * (count - 1)]), axis=1)
     N = np.minimum(N, high[:, np.newaxis])
     N[:, 1:][N[:, 1:] == N[:, :-1]] = np.nan
     return N

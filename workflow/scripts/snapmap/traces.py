@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import xarray as xr
 
-from .cells import HALVINGS, Cells, follow_once, to_cells
+from .cells import Cells, to_cells
 from .cube import COORDINATES
 from .device import Device
 from .grid import AXES
@@ -42,7 +42,7 @@ _OUTWARD = {"w_low": np.floor, "w_high": np.ceil}
 def trace(
     device: Device, cube: xr.Dataset, model: Mapping, protocol: Protocol, threads: int = 1
 ) -> xr.Dataset:
-    """Follow the cells of a cube again and keep their motion, packed as netCDF packs it.
+    """Follow the cells of a cube again, at its steps, and keep their motion, packed as netCDF does.
 
     model: name and options, as the cube's; a cell of `auto` is followed by the level that decided
         it, and a cell of `reference` by the same elements in their modes
@@ -52,16 +52,18 @@ def trace(
     cube = thin(cube.sortby(list(AXES)))
     levels = _levels(device, model)
     level = cube.level.values.ravel() if "level" in cube else np.zeros(cube.outcome.size, int)
+    halvings = cube.halvings.values.ravel()
     C, f0, N = (grid.ravel() for grid in np.meshgrid(*(cube[key] for key in AXES), indexing="ij"))
     cells = to_cells(device, N, f0, C, protocol.horizon)
     window = _window(device, cube, cells, protocol)
     bins = int(np.clip(BYTES // (len(VARIABLES) * f0.size), *BINS))
     values, bin_length = np.empty((len(VARIABLES), bins, f0.size)), np.empty(f0.size)
-    for number, built in enumerate(levels):
-        for mine, stepped in _runs(device, built, cells, level == number, protocol, threads):
-            some = Cells(*(column[mine] for column in cells))
-            found = _follow(device, stepped, some, window[mine], bins, threads)
-            values[..., mine], bin_length[mine] = found
+    for number, halved in np.unique([level, halvings], axis=1).T:
+        mine = np.flatnonzero((level == number) & (halvings == halved))
+        stepped = levels[number].with_step(0.5**halved)
+        some = Cells(*(column[mine] for column in cells))
+        found = _follow(device, stepped, some, window[mine], bins, threads)
+        values[..., mine], bin_length[mine] = found
     return _dress(device, cube, dict(zip(VARIABLES, values, strict=True)), bin_length, levels[0])
 
 
@@ -93,27 +95,6 @@ def _window(device, cube, cells, protocol):
     settled, snap = cube.t_settled.values.ravel(), cube.t_snap.values.ravel()
     ended = np.fmin(cells.t_end, snap) if protocol.until == "snap" else cells.t_end
     return np.where(np.isnan(settled), ended, settled + swing)
-
-
-def _runs(device, model, cells, chosen, protocol, threads):
-    """Groups of the chosen cells, each with the model at the step that the sweep took for it."""
-    chosen = np.flatnonzero(chosen)
-    some = Cells(*(column[chosen] for column in cells))
-    halvings = _halvings(device, model, some, protocol, threads)
-    for count in np.unique(halvings):
-        yield chosen[halvings == count], model.with_step(0.5**count)
-
-
-def _halvings(device, model, cells, protocol, threads):
-    """How often `follow_cells` halves the step of each cell, (cells,)."""
-    halvings, doubtful = np.zeros(cells.f0.size, int), np.arange(cells.f0.size)
-    while doubtful.size and halvings.max() < HALVINGS:
-        some = Cells(*(column[doubtful] for column in cells))
-        built = model.with_step(0.5 ** halvings.max())
-        error = follow_once(device, built, some, protocol, threads).energy_error
-        doubtful = doubtful[~(error <= protocol.energy_tolerance)]
-        halvings[doubtful] += 1
-    return halvings
 
 
 def _follow(device, model, cells, window, bins, threads):

@@ -4,7 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .linalg import eigh, multiply, solve
 from .modal import ModalBeam
+
+NEWTON_STEPS = 30
+"""Far more than it takes from guesses as good as these."""
 
 
 class Barrier(NamedTuple):
@@ -30,7 +34,7 @@ def find_barrier(modal: ModalBeam) -> Barrier:
     if not passes:
         return Barrier(0.0, 0.0)
     lowest = min(passes, key=lambda p: _energy(modal, p))
-    return Barrier(_energy(modal, lowest), float(modal.midpoint @ lowest))
+    return Barrier(_energy(modal, lowest), float(multiply(modal.midpoint, lowest)))
 
 
 def _equilibria(modal):
@@ -41,35 +45,35 @@ def _equilibria(modal):
     start is a multiple of the first mode, but for a small remainder that `_polish` adds.
     """
     loads, shapes = buckling(modal)
-    starts = shapes.T @ modal.slope_start
+    starts = multiply(shapes.T, modal.slope_start)
     first, start = loads[0], starts[0]
     for load, shape in zip(loads[1:], shapes.T[1:], strict=True):
         along = first * start / (first - load)
-        free = start**2 - along**2 - load / modal.axial
+        free = start * start - along * along - load / modal.axial
         if free > 0:
             yield (along - start) * shapes[:, 0] + np.sqrt(free) * shape
-    # N = axial (s^2 - q^2), q = first s / (first - N): a cubic in q, of which q = s is the start.
-    for along in np.roots([1.0, start, first / modal.axial]):
-        if abs(along.imag) < 1e-9 * abs(start):
-            yield (along.real - start) * shapes[:, 0]
+    # N = axial (s^2 - q^2), q = first s / (first - N): a cubic in q, of which q = s is a root; the
+    # others solve q^2 + s q + first/axial = 0.
+    root = start * start - 4 * first / modal.axial
+    if root >= 0:
+        for along in (-start - np.sqrt(root), -start + np.sqrt(root)):
+            yield (along / 2 - start) * shapes[:, 0]
 
 
 def buckling(modal: ModalBeam) -> tuple[np.ndarray, np.ndarray]:
     """Buckling loads N_j, ascending, uN, and modes v_j, the columns, with v.S v = 1."""
-    lower = np.linalg.cholesky(modal.geometric)
-    scaled = np.linalg.solve(lower, np.linalg.solve(lower, np.diag(modal.stiffness)).T)
-    loads, vectors = np.linalg.eigh((scaled + scaled.T) / 2)
-    return loads, np.linalg.solve(lower.T, vectors)
+    return eigh(np.diag(modal.stiffness), modal.geometric)
 
 
 def _stretch(modal, p):
-    slope = modal.geometric @ p + modal.slope_start
-    return slope, -modal.axial * p @ (slope + modal.slope_start)
+    slope = multiply(modal.geometric, p) + modal.slope_start
+    return slope, -modal.axial * float(multiply(p, slope + modal.slope_start))
 
 
 def _energy(modal, p):
     _, axial_force = _stretch(modal, p)
-    return float(p @ (modal.stiffness * p) / 2 + axial_force**2 / (4 * modal.axial))
+    bending = float(multiply(p, modal.stiffness * p)) / 2
+    return bending + axial_force * axial_force / (4 * modal.axial)
 
 
 def _hessian(modal, p):
@@ -79,12 +83,12 @@ def _hessian(modal, p):
 
 
 def _polish(modal, p):
-    for _ in range(30):
+    for _ in range(NEWTON_STEPS):
         slope, axial_force = _stretch(modal, p)
         force = modal.stiffness * p - axial_force * slope
-        p = p - np.linalg.solve(_hessian(modal, p), force)
+        p = p - solve(_hessian(modal, p), force)
     return p
 
 
 def _is_unstable(modal, p):
-    return np.linalg.eigvalsh(_hessian(modal, p))[0] < 0
+    return eigh(_hessian(modal, p))[0][0] < 0

@@ -5,6 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..spacing import geometric, linear
+
 
 class Probe(NamedTuple):
     """What every case is asked.
@@ -29,6 +31,6 @@ def make_probe(axes: Sequence[Sequence[float]], side: int) -> Probe:
     ends = np.unique(C[[0, -1]])
     quarters = np.round(np.array([0.25, 0.5, 0.75]) * (f0.size - 1)).astype(int)
     sizes = np.abs(N[N != 0]) if N.any() else np.ones(1)
-    wide = np.unique(np.geomspace(f0[0], f0[-1], side)), np.unique(np.linspace(N[0], N[-1], side))
+    wide = np.unique(geometric(f0[0], f0[-1], side)), np.unique(linear(N[0], N[-1], side))
     bracket = float(sizes.min() / 2), float(2 * sizes.max())
     return Probe(ends, f0[np.unique(quarters)], bracket, (ends, *wide))

@@ -1,35 +1,39 @@
 """Hermite cubic elements on the half beam: the handout's discretisation."""
 
+from functools import cache
+from math import pi
+
 import numpy as np
 
-from ..device import Beam
+from ..arithmetic import sine
+from ..linalg import multiply, solve
 from .basis import Basis
 
 
-def hermite_elements(beam: Beam, elements: int = 5, mass_matrix: str = "consistent") -> Basis:
+@cache
+def hermite_elements(elements: int = 5, mass_matrix: str = "consistent") -> Basis:
     """Assemble `elements` uniform Hermite elements of the half beam: 2 elements - 1 unknowns.
 
-    Unknowns are (W, Phi) at each node but those fixed: W = Phi = 0 at the clamp, Phi = 0 at L/2.
+    Unknowns are (W, Phi) at each node but those fixed: W = Phi = 0 at the clamp, Phi = 0 at L/2;
+    Phi = dw/d(x/L).
     mass_matrix: "consistent" or "hrz" (diagonal, Hinton, Rock & Zienkiewicz 1976).
     """
-    h = beam.span / 2 / elements
-    rho_a = beam.mass_per_length
-    mass = rho_a * (_hrz_mass(h) if mass_matrix == "hrz" else _consistent_mass(h))
-    bending = _assemble(elements, beam.bending_stiffness * _bending(h))
+    h = 1 / (2 * elements)
+    bending = _assemble(elements, _bending(h))
     geometric = _assemble(elements, _geometric(h))
     midpoint = np.zeros(2 * elements - 1)
     midpoint[-1] = 1.0
 
     def flexibility(axial_force: float) -> float:
-        return float(midpoint @ np.linalg.solve(bending - axial_force * geometric, midpoint))
+        return float(multiply(midpoint, solve(bending - axial_force * geometric, midpoint)))
 
     return Basis(
-        mass=_assemble(elements, mass),
+        mass=_assemble(elements, _hrz_mass(h) if mass_matrix == "hrz" else _consistent_mass(h)),
         bending=bending,
         geometric=geometric,
-        load=_assemble_vector(elements, rho_a * _load(h)),
+        load=_assemble_vector(elements, _load(h)),
         midpoint=midpoint,
-        start=_interpolate_start(beam, elements),
+        start=_interpolate_start(elements),
         flexibility=flexibility,
         complete=True,
     )
@@ -37,17 +41,14 @@ def hermite_elements(beam: Beam, elements: int = 5, mass_matrix: str = "consiste
 
 def _bending(h):
     """Integral of N_i'' N_j'' over one element, 1/um^3."""
-    return (
-        np.array(
-            [
-                [12, 6 * h, -12, 6 * h],
-                [6 * h, 4 * h**2, -6 * h, 2 * h**2],
-                [-12, -6 * h, 12, -6 * h],
-                [6 * h, 2 * h**2, -6 * h, 4 * h**2],
-            ]
-        )
-        / h**3
-    )
+    return np.array(
+        [
+            [12, 6 * h, -12, 6 * h],
+            [6 * h, 4 * h * h, -6 * h, 2 * h * h],
+            [-12, -6 * h, 12, -6 * h],
+            [6 * h, 2 * h * h, -6 * h, 4 * h * h],
+        ]
+    ) / (h * h * h)
 
 
 def _geometric(h):
@@ -55,9 +56,9 @@ def _geometric(h):
     return np.array(
         [
             [36, 3 * h, -36, 3 * h],
-            [3 * h, 4 * h**2, -3 * h, -(h**2)],
+            [3 * h, 4 * h * h, -3 * h, -h * h],
             [-36, -3 * h, 36, -3 * h],
-            [3 * h, -(h**2), -3 * h, 4 * h**2],
+            [3 * h, -h * h, -3 * h, 4 * h * h],
         ]
     ) / (30 * h)
 
@@ -68,9 +69,9 @@ def _consistent_mass(h):
         np.array(
             [
                 [156, 22 * h, 54, -13 * h],
-                [22 * h, 4 * h**2, 13 * h, -3 * h**2],
+                [22 * h, 4 * h * h, 13 * h, -3 * h * h],
                 [54, 13 * h, 156, -22 * h],
-                [-13 * h, -3 * h**2, -22 * h, 4 * h**2],
+                [-13 * h, -3 * h * h, -22 * h, 4 * h * h],
             ]
         )
         * h
@@ -80,7 +81,7 @@ def _consistent_mass(h):
 
 def _hrz_mass(h):
     """Diagonal of the consistent mass, scaled so that the translations carry all of it, um."""
-    return h * np.diag([1 / 2, h**2 / 78, 1 / 2, h**2 / 78])
+    return h * np.diag([1 / 2, h * h / 78, 1 / 2, h * h / 78])
 
 
 def _load(h):
@@ -103,11 +104,9 @@ def _assemble_vector(elements, element_vector):
     return 2 * full[2:-1]
 
 
-def _interpolate_start(beam, elements):
+def _interpolate_start(elements):
     """Nodal values and slopes of w0, eq. (1): hence exactly stress-free."""
-    x = np.linspace(0, beam.span / 2, elements + 1)
-    phase = 2 * np.pi * x / beam.span
-    nodal = np.empty(2 * elements + 2)
-    nodal[0::2] = beam.rise / 2 * (1 - np.cos(phase))
-    nodal[1::2] = beam.rise * np.pi / beam.span * np.sin(phase)
-    return nodal[2:-1]
+    nodal = []
+    for node in range(elements + 1):
+        nodal += [sine(node / elements / 4) ** 2, pi * sine(node / elements / 2)]
+    return np.array(nodal[2:-1])

@@ -5,7 +5,7 @@ from functools import cache
 
 import numpy as np
 
-from ..cells import HALVINGS, follow_cells, follow_once, to_cells
+from ..cells import follow_cells, follow_once, to_cells
 from ..device import Device
 from ..lanes import LANES
 from ..modal import step_limit
@@ -58,9 +58,9 @@ def _follow(device, case, model, limit, steps):
         fine = Runs(*np.hstack([follow_at(step * limit) for step in FINE_STEPS]))
         at_steps = [_summary(follow_at(step * limit), fine) for step in steps]
         values = {key: [one[key] for one in at_steps] for key in at_steps[0]}
-    final = _to_runs(follow_cells(device, model, cells, protocol))
-    values |= {f"default_{key}": value for key, value in _summary(final, fine).items()}
-    return values | {"halvings": _halvings(follow_at, model.dt, final)}
+    facts = follow_cells(device, model, cells, protocol)
+    values |= {f"default_{key}": value for key, value in _summary(_to_runs(facts), fine).items()}
+    return values | {"halvings": facts.halvings.max()}
 
 
 def _seconds(model, case, steps):
@@ -84,7 +84,7 @@ def _cells(device, model, case, limit):
 
 
 def _to_runs(facts):
-    outcome = label(*facts, Protocol().energy_tolerance)
+    outcome = label(*facts[:4], Protocol().energy_tolerance)
     return Runs(outcome, facts.t_snap, facts.t_settled, facts.energy_error)
 
 
@@ -104,13 +104,3 @@ def _summary(runs, fine):
         "snap_shift": np.fmax.reduce(snap_shift(runs, fine)),
         "verdict": judge(runs, fine).max(),
     }
-
-
-def _halvings(follow_at, dt, final):
-    """How often the step was halved until every cell had the run that it ended with."""
-    waiting = np.ones(final.outcome.size, bool)
-    for halvings in range(HALVINGS):
-        waiting &= follow_at(dt / 2**halvings).energy_error != final.energy_error
-        if not waiting.any():
-            return halvings
-    return HALVINGS

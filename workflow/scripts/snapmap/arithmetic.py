@@ -1,0 +1,55 @@
+"""What kernels share beyond numpy: fused multiply-adds, a sine, and the width of vectors.
+
+Each is the same on every machine. numba's cache of a kernel does not see an edit here.
+"""
+
+from math import copysign, factorial, pi
+
+import numpy as np
+from numba import float64, njit, types
+from numba.extending import intrinsic
+
+VECTOR_BITS = 512
+"""Widest vectors to use where the processor has them."""
+SERIES = tuple((-1) ** n / factorial(2 * n + 1) for n in range(11, -1, -1))
+"""Of the sine, highest power first; up to a right angle the next term is below 1e-20."""
+
+
+@intrinsic
+def fma(context, a, b, c):
+    """a b + c in one rounding."""
+
+    def build(_, builder, __, arguments):
+        return builder.fma(*arguments)
+
+    return float64(float64, float64, float64), build
+
+
+@intrinsic
+def widen_vectors(context):
+    """Compile the function that calls this with vectors of VECTOR_BITS, and no other function.
+
+    LLVM stops at 256 bits on some processors that have 512, and the kernel then takes up to twice
+    the time. numba's own settings would reach the functions of whoever imports this, too.
+    """
+
+    def build(context, builder, _, __):
+        attribute = f'"prefer-vector-width"="{VECTOR_BITS}"'
+        set.add(builder.function.attributes, attribute)  # llvmlite's own `add` knows few of LLVM's
+        return context.get_dummy_value()
+
+    return types.none(), build
+
+
+@njit(error_model="numpy")
+def sine(turns):
+    """sin(2 pi turns) within two units in the last place: a C library's own depends on its age."""
+    rest = turns - np.rint(turns)
+    if abs(rest) > 0.25:
+        rest = copysign(0.5, rest) - rest
+    angle = 2 * pi * rest
+    square = angle * angle
+    total = 0.0
+    for coefficient in SERIES:
+        total = fma(total, square, coefficient)
+    return angle * total
