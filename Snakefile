@@ -3,17 +3,15 @@ import os
 import sys
 from pathlib import Path
 
-import platformdirs
 from snakemake.exceptions import WorkflowError
 
-# Jobs inherit both: nothing is written beside the code, and a kernel is compiled once per user.
-os.environ.update(PYTHONDONTWRITEBYTECODE="1")
-os.environ.setdefault(
-    "NUMBA_CACHE_DIR", str(platformdirs.user_cache_path("snapmap") / "numba")
-)
+# Nothing is written beside the code. Snakemake puts the folder of the Snakefile on the path.
 sys.dont_write_bytecode = True
+from workflow.scripts.snapmap.dependencies import code_hash, kernel_cache
 
-# Snakemake puts the folder of the Snakefile on the path.
+# Jobs inherit both: a kernel is compiled once per user.
+os.environ.update(PYTHONDONTWRITEBYTECODE="1")
+os.environ.setdefault("NUMBA_CACHE_DIR", str(kernel_cache()))
 from workflow.scripts.snapmap.atomic import remove_leftovers
 from workflow.scripts.snapmap.config import load_study
 from workflow.scripts.snapmap.document import read_document

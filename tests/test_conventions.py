@@ -8,7 +8,7 @@ import xarray as xr
 from compliance_checker.runner import CheckSuite, ComplianceChecker
 
 import snapmap
-from snapmap.cube import write
+from snapmap.netcdf import write
 from snapmap.outcome import OUTCOMES
 
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of the checker itself

@@ -13,12 +13,12 @@ from write_page import write_page
 
 import snapmap
 from snapmap import traces
-from snapmap.cube import write
 from snapmap.figures.explore import page
 from snapmap.figures.maps import WORDS
 from snapmap.ladder import Ladder
 from snapmap.lanes import SAMPLE
 from snapmap.models import build_model
+from snapmap.netcdf import write
 from snapmap.outcome import OUTCOMES
 from snapmap.protocol import Protocol
 

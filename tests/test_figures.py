@@ -25,8 +25,9 @@ from matplotlib.colors import to_rgb, to_rgba
 from matplotlib.patches import PathPatch, Polygon
 from PIL import Image
 
-from snapmap.cube import COORDINATES, VARIABLES, write
+from snapmap.cube import COORDINATES, VARIABLES
 from snapmap.figures import convergence, curves, histories, maps, statics, style, thresholds
+from snapmap.netcdf import write
 from snapmap.outcome import OUTCOMES
 
 CONFIG = {

@@ -2,6 +2,7 @@
 
 import shutil
 import subprocess
+from contextlib import contextmanager
 
 import pytest
 import xarray as xr
@@ -9,15 +10,29 @@ import yaml
 from studies import TINY
 
 import snapmap
+from snapmap.dependencies import code_files
 from snapmap.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
 
-AFTER_THRESHOLDS = ("draw_map", "draw_maps", "draw_thresholds", "draw_damage_boundary")
-RULES = (
-    *("simulate_slab", "collect", "trace_cells", "write_page", "find_threshold"),
-    *AFTER_THRESHOLDS,
-    *("trace_statics", "draw_statics", "simulate_history", "draw_history"),
-    *("measure_accuracy", "draw_accuracy"),
-)
+UPSTREAM = {
+    "simulate_slab": (),
+    "collect": ("simulate_slab",),
+    "find_threshold": (),
+    "draw_map": ("collect", "find_threshold"),
+    "draw_maps": ("collect", "find_threshold"),
+    "draw_thresholds": ("find_threshold",),
+    "draw_damage_boundary": ("find_threshold",),
+    "trace_cells": ("collect",),
+    "write_page": ("collect", "trace_cells"),
+    "trace_statics": (),
+    "draw_statics": ("trace_statics",),
+    "simulate_history": (),
+    "draw_history": ("simulate_history",),
+    "measure_accuracy": (),
+    "draw_accuracy": ("measure_accuracy",),
+}
+"""The rules of a run, each after those whose products it takes."""
+RULES = tuple(UPSTREAM)
+SOURCES = (".py", ".yaml", ".html", ".js", ".mplstyle")
 
 
 def snakemake(root, folder, config, *options, check=True):
@@ -138,29 +153,73 @@ def test_a_second_run_has_nothing_to_do(clone, finished):
     assert "Nothing to be done" in snakemake(clone, folder, config)[1]
 
 
+def reruns(scripts):
+    """The rules that run again where the code of some scripts has changed."""
+    again = set()
+    for rule, before in UPSTREAM.items():
+        if rule in scripts or again.intersection(before):
+            again.add(rule)
+    return again
+
+
+@contextmanager
+def edited(path, text):
+    """Add text to a file for a while."""
+    before = path.read_text(encoding="utf-8")
+    path.write_text(before + text, encoding="utf-8")
+    try:
+        yield
+    finally:
+        path.write_text(before, encoding="utf-8")
+
+
+def planned_after_edit(clone, finished, path, text="EDITED = 1\n"):
+    folder, config, _ = finished
+    with edited(clone / "workflow" / "scripts" / path, text):
+        return set(planned_rules(snakemake(clone, folder, config, "--dry-run")[1]))
+
+
 @pytest.mark.parametrize(
-    ("module", "rules"),
+    ("path", "rules"),
     [
-        ("figures/histories.py", {"draw_history"}),
-        ("figures/maps.py", {"draw_map", "draw_maps", "write_page"}),
-        ("survey.py", {"find_threshold", *AFTER_THRESHOLDS}),
-        ("statics.py", {"find_threshold", *AFTER_THRESHOLDS, "trace_statics", "draw_statics"}),
-        ("collection.py", {"collect", "draw_map", "draw_maps", "trace_cells", "write_page"}),
-        ("lanes.py", set(RULES) - {"trace_statics", "draw_statics"}),
-        ("ladder.py", set(RULES) - {"trace_statics", "draw_statics"}),
-        ("bases/elements.py", set(RULES)),
+        ("draw_map.py", {"draw_map"}),
+        ("snapmap/figures/maps.py", {"draw_map", "draw_maps", "write_page"}),
+        ("snapmap/survey.py", reruns({"find_threshold"})),
+        ("snapmap/lanes.py", set(RULES) - {"trace_statics", "draw_statics"}),
+        ("snapmap/plan.py", set()),
     ],
 )
-def test_an_edit_reruns_what_depends_on_it(clone, finished, module, rules):
-    folder, config, _ = finished
-    path = clone / "workflow" / "scripts" / "snapmap" / module
-    before = path.read_text()
-    path.write_text(before + "# edited\n")
+def test_an_edit_reruns_what_depends_on_it(clone, finished, path, rules):
+    assert planned_after_edit(clone, finished, path) == rules
+
+
+def test_a_comment_a_docstring_and_a_touch_rerun_nothing(clone, finished):
+    for path in (clone / "workflow" / "scripts").rglob("*.py"):
+        path.touch()
+    assert planned_after_edit(clone, finished, "snapmap/device.py", "# a comment\n") == set()
+    device = clone / "workflow" / "scripts" / "snapmap" / "device.py"
+    before = device.read_text(encoding="utf-8")
+    device.write_text(before.replace('"""', '"""In other words: ', 1), encoding="utf-8")
     try:
-        _, output = snakemake(clone, folder, config, "--dry-run")
+        assert planned_after_edit(clone, finished, "snapmap/journal.py", "\n\n") == set()
     finally:
-        path.write_text(before)
-    assert set(planned_rules(output)) == rules
+        device.write_text(before, encoding="utf-8")
+
+
+@pytest.mark.long
+def test_every_edit_reruns_the_rules_whose_code_it_is(clone, finished, capsys):
+    """By a dry run for each file; prints the table: edited file -> rules that run again."""
+    scripts = clone / "workflow" / "scripts"
+    uses = {rule: set(code_files(scripts / f"{rule}.py")) for rule in RULES}
+    rows = []
+    for path in sorted(path for path in scripts.rglob("*") if path.suffix in SOURCES):
+        text = "EDITED = 1\n" if path.suffix == ".py" else "\n"
+        name = path.relative_to(scripts).as_posix()
+        expected = reruns({rule for rule in RULES if path in uses[rule]})
+        assert planned_after_edit(clone, finished, name, text) == expected, name
+        rows.append(f"| `{name}` | {', '.join(sorted(expected)) or '–'} |")
+    with capsys.disabled():
+        print("", "| edited file | rules that run again |", "| --- | --- |", *rows, sep="\n")
 
 
 def test_another_value_leaves_the_old_slabs_alone(clone, finished):

@@ -9,8 +9,6 @@ rule accuracy:
 
 
 rule measure_accuracy:
-    input:
-        code=[*GRID, *code("accuracy/*.py", "provenance.py")],
     output:
         accuracy="results/accuracy{size}.nc",
     log:
@@ -20,6 +18,7 @@ rule measure_accuracy:
     # All there are: another job at the same time would spoil the times.
     threads: 1000
     params:
+        code=code("measure_accuracy"),
         device=asdict(study.device),
         axes=[study.C.tolist(), study.f0.tolist(), study.N.tolist()],
         protocol=study.protocol._asdict(),
@@ -33,7 +32,6 @@ rule measure_accuracy:
 rule draw_accuracy:
     input:
         accuracy="results/accuracy{size}.nc",
-        code=[*code("figures/accuracy.py"), *PLOT],
     output:
         pdf="results/figures/accuracy{size}.pdf",
         png=report(
@@ -46,6 +44,8 @@ rule draw_accuracy:
         "results/logs/draw_accuracy{size}.log",
     conda:
         "../envs/snapmap.yaml"
+    params:
+        code=code("draw_accuracy"),
     message:
         "Draw error against time: {output.pdf}"
     script:
@@ -55,7 +55,6 @@ rule draw_accuracy:
 rule draw_convergence:
     input:
         accuracy="results/accuracy.nc",
-        code=[*code("figures/convergence.py", "figures/accuracy.py"), *PLOT],
     output:
         pdf="results/figures/convergence.pdf",
         png=report(
@@ -68,6 +67,8 @@ rule draw_convergence:
         "results/logs/draw_convergence.log",
     conda:
         "../envs/snapmap.yaml"
+    params:
+        code=code("draw_convergence"),
     message:
         "Draw error over number and step"
     script:

@@ -1,6 +1,4 @@
 rule simulate_history:
-    input:
-        code=[*LADDER, *code("history.py", "provenance.py")],
     output:
         history="results/histories/{cell}.nc",
     log:
@@ -8,6 +6,7 @@ rule simulate_history:
     conda:
         "../envs/snapmap.yaml"
     params:
+        code=code("simulate_history"),
         device=asdict(study.device),
         model=study.model,
         cell=lambda wildcards: cells[wildcards.cell]._asdict(),
@@ -25,7 +24,6 @@ rule simulate_history:
 rule draw_history:
     input:
         history="results/histories/{cell}.nc",
-        code=[*code("figures/histories.py"), *PLOT],
     output:
         pdf="results/figures/history_{cell}.pdf",
         png=report(
@@ -38,6 +36,8 @@ rule draw_history:
         "results/logs/draw_history_{cell}.log",
     conda:
         "../envs/snapmap.yaml"
+    params:
+        code=code("draw_history"),
     message:
         "Draw the history of {wildcards.cell}"
     script:

@@ -2,7 +2,6 @@ rule draw_map:
     input:
         cube="results/cube.nc",
         threshold="results/threshold.nc",
-        code=MAPS,
     output:
         pdf="results/figures/map_C{damping}.pdf",
         png=report(
@@ -16,6 +15,7 @@ rule draw_map:
     conda:
         "../envs/snapmap.yaml"
     params:
+        code=code("draw_map"),
         damping_index=lambda wildcards: dampings.index(wildcards.damping),
     message:
         "Draw the map for C = {wildcards.damping} uN us/um"
@@ -27,7 +27,6 @@ rule draw_maps:
     input:
         cube="results/cube.nc",
         threshold="results/threshold.nc",
-        code=MAPS,
     output:
         pdf="results/figures/maps.pdf",
         png=report(
@@ -40,6 +39,8 @@ rule draw_maps:
         "results/logs/draw_maps.log",
     conda:
         "../envs/snapmap.yaml"
+    params:
+        code=code("draw_maps"),
     message:
         "Draw the maps of all C side by side"
     script:

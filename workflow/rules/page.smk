@@ -1,7 +1,6 @@
 rule trace_cells:
     input:
         cube="results/cube.nc",
-        code=[*GRID, *code("cube.py", "traces.py", "provenance.py", "atomic.py")],
     output:
         traces="results/traces.nc",
     log:
@@ -12,6 +11,7 @@ rule trace_cells:
     resources:
         mem_mb=lambda wildcards, attempt: attempt * 2000,
     params:
+        code=code("trace_cells"),
         device=asdict(study.device),
         model=study.model,
         protocol=study.protocol._asdict(),
@@ -25,13 +25,14 @@ rule write_page:
     input:
         cube="results/cube.nc",
         traces="results/traces.nc",
-        code=[*code("figures/explore.*"), *MAPS],
     output:
         page="results/explore.html",
     log:
         "results/logs/write_page.log",
     conda:
         "../envs/snapmap.yaml"
+    params:
+        code=code("write_page"),
     message:
         "Write the page to explore {input.cube}"
     script:

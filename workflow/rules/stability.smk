@@ -6,12 +6,6 @@ rule stability:
 
 
 rule measure_stability:
-    input:
-        code=[
-            *SOLVER,
-            *code("cells.py", "protocol.py", "thresholds.py", "outcome.py"),
-            *code("stability/*.py", "cube.py", "provenance.py"),
-        ],
     output:
         stability="results/stability.nc",
     log:
@@ -21,6 +15,7 @@ rule measure_stability:
     # All there are: no other rule takes as long.
     threads: 1000
     params:
+        code=code("measure_stability"),
         device=asdict(study.device),
     message:
         "Follow the hard cases"
@@ -29,8 +24,6 @@ rule measure_stability:
 
 
 rule measure_settled:
-    input:
-        code=[*GRID, *code("cube.py", "provenance.py")],
     output:
         settled="results/settled.nc",
     log:
@@ -39,6 +32,7 @@ rule measure_settled:
         "../envs/snapmap.yaml"
     threads: 1000
     params:
+        code=code("measure_settled"),
         device=asdict(study.device),
         beam_dampings=[0.0, 4e-4, 4e-3],
     message:
@@ -50,7 +44,6 @@ rule measure_settled:
 rule draw_stability:
     input:
         stability="results/stability.nc",
-        code=[*code("figures/stability.py"), *PLOT],
     output:
         pdf="results/figures/stability.pdf",
         png=report(
@@ -63,6 +56,8 @@ rule draw_stability:
         "results/logs/draw_stability.log",
     conda:
         "../envs/snapmap.yaml"
+    params:
+        code=code("draw_stability"),
     message:
         "Draw the hard cases"
     script:
@@ -72,7 +67,6 @@ rule draw_stability:
 rule draw_settled:
     input:
         settled="results/settled.nc",
-        code=MAPS,
     output:
         pdf="results/figures/settled.pdf",
         png=report(
@@ -86,6 +80,7 @@ rule draw_settled:
     conda:
         "../envs/snapmap.yaml"
     params:
+        code=code("draw_settled"),
         beam_dampings=[0.0, 4e-4],
         C=25.0,
     message:
@@ -98,13 +93,14 @@ rule write_stability_table:
     input:
         stability="results/stability.nc",
         settled="results/settled.nc",
-        code=code("stability/verdicts.py", "outcome.py"),
     output:
         table="results/stability.md",
     log:
         "results/logs/write_stability_table.log",
     conda:
         "../envs/snapmap.yaml"
+    params:
+        code=code("write_stability_table"),
     message:
         "Write the tables of docs/stability.md"
     script:

@@ -1,6 +1,4 @@
 rule trace_statics:
-    input:
-        code=[*BEAM, *code("statics.py", "provenance.py", "atomic.py")],
     output:
         statics="results/statics.nc",
     log:
@@ -8,6 +6,7 @@ rule trace_statics:
     conda:
         "../envs/snapmap.yaml"
     params:
+        code=code("trace_statics"),
         device=asdict(study.device),
     message:
         "Push the beam slowly through"
@@ -18,7 +17,6 @@ rule trace_statics:
 rule draw_statics:
     input:
         statics="results/statics.nc",
-        code=[*code("figures/statics.py"), *PLOT],
     output:
         pdf="results/figures/statics.pdf",
         png=report(
@@ -31,6 +29,8 @@ rule draw_statics:
         "results/logs/draw_statics.log",
     conda:
         "../envs/snapmap.yaml"
+    params:
+        code=code("draw_statics"),
     message:
         "Draw the beam's force and energy"
     script:

@@ -1,6 +1,4 @@
 rule simulate_slab:
-    input:
-        code=[*GRID, *code("slab.py", "recall.py", "atomic.py")],
     output:
         slab="results/slabs/{slab}.nc",
     log:
@@ -13,6 +11,7 @@ rule simulate_slab:
         mem_mb=lambda wildcards, attempt: attempt * asked[wildcards.slab].mem_mb,
         runtime=lambda wildcards, attempt: attempt * asked[wildcards.slab].runtime,
     params:
+        code=code("simulate_slab"),
         device=asdict(study.device),
         model=study.model,
         axes=lambda wildcards: slabs[wildcards.slab]._asdict(),
@@ -26,7 +25,6 @@ rule simulate_slab:
 rule collect:
     input:
         slabs=[f"results/slabs/{name}.nc" for name in slabs],
-        code=code("collection.py", "cube.py", "provenance.py", "atomic.py"),
     output:
         cube="results/cube.nc",
     log:
@@ -36,6 +34,7 @@ rule collect:
     resources:
         mem_mb=lambda wildcards, attempt: attempt * 2000,
     params:
+        code=code("collect"),
         axes=[study.C.tolist(), study.f0.tolist(), study.N.tolist()],
         config=config,
     message:

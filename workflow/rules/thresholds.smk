@@ -1,10 +1,4 @@
 rule find_threshold:
-    input:
-        code=[
-            *LADDER,
-            *code("statics.py", "edges.py", "survey.py", "surface.py"),
-            *code("provenance.py", "atomic.py"),
-        ],
     output:
         threshold="results/threshold.nc",
     log:
@@ -15,6 +9,7 @@ rule find_threshold:
     resources:
         mem_mb=lambda wildcards, attempt: attempt * 2000,
     params:
+        code=code("find_threshold"),
         device=asdict(study.device),
         model=study.model,
         axes={"C": study.C.tolist(), "f0": study.f0.tolist()},
@@ -33,7 +28,6 @@ rule find_threshold:
 rule draw_thresholds:
     input:
         threshold="results/threshold.nc",
-        code=[*code("figures/thresholds.py", "figures/curves.py"), *PLOT],
     output:
         pdf="results/figures/thresholds.pdf",
         png=report(
@@ -46,6 +40,8 @@ rule draw_thresholds:
         "results/logs/draw_thresholds.log",
     conda:
         "../envs/snapmap.yaml"
+    params:
+        code=code("draw_thresholds"),
     message:
         "Draw the thresholds"
     script:
@@ -55,7 +51,6 @@ rule draw_thresholds:
 rule draw_damage_boundary:
     input:
         threshold="results/threshold.nc",
-        code=[*code("figures/thresholds.py", "figures/curves.py"), *PLOT],
     output:
         pdf="results/figures/damage_boundary.pdf",
         png=report(
@@ -68,6 +63,8 @@ rule draw_damage_boundary:
         "results/logs/draw_damage_boundary.log",
     conda:
         "../envs/snapmap.yaml"
+    params:
+        code=code("draw_damage_boundary"),
     message:
         "Draw the damage boundary"
     script:

@@ -1,8 +1,9 @@
 """Rule collect: join the slabs into one cube."""
 
 from snapmap.collection import collect_slabs
-from snapmap.cube import summary, write
+from snapmap.cube import summary
 from snapmap.journal import journal
+from snapmap.netcdf import write
 
 
 def collect(slab_paths, axes, config, cube_path):

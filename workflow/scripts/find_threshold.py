@@ -1,8 +1,8 @@
 """Rule find_threshold: find where snapping begins, for each C and f0."""
 
-from snapmap.cube import write
 from snapmap.device import device_from
 from snapmap.journal import journal
+from snapmap.netcdf import write
 from snapmap.surface import summary, threshold
 
 

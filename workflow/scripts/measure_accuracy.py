@@ -3,9 +3,9 @@
 from snapmap.accuracy.dataset import summary
 from snapmap.accuracy.measure import measure
 from snapmap.accuracy.plans import PLANS
-from snapmap.cube import write
 from snapmap.device import device_from
 from snapmap.journal import journal
+from snapmap.netcdf import write
 from snapmap.protocol import Protocol
 
 

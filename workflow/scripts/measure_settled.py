@@ -5,9 +5,10 @@ from dataclasses import replace
 import xarray as xr
 
 from snapmap.config import device_document
-from snapmap.cube import sweep, write
+from snapmap.cube import sweep
 from snapmap.device import device_from
 from snapmap.journal import journal
+from snapmap.netcdf import write
 from snapmap.provenance import provenance
 from snapmap.spacing import geometric, linear
 

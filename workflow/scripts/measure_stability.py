@@ -1,8 +1,8 @@
 """Rule measure_stability: follow the hard cases with every model at many steps."""
 
-from snapmap.cube import write
 from snapmap.device import device_from
 from snapmap.journal import journal
+from snapmap.netcdf import write
 from snapmap.stability.measure import measure
 
 

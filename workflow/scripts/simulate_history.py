@@ -1,9 +1,9 @@
 """Rule simulate_history: follow one cell in full."""
 
-from snapmap.cube import write
 from snapmap.device import device_from
 from snapmap.history import simulate
 from snapmap.journal import journal
+from snapmap.netcdf import write
 
 
 def simulate_history(device, model, cell, followed, path):

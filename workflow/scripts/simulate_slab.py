@@ -22,5 +22,5 @@ if __name__ == "__main__":
             protocol=snakemake.params.protocol,
             path=snakemake.output.slab,
             threads=snakemake.threads,
-            code=snakemake.input.code,
+            code=snakemake.params.code,
         )

@@ -2,9 +2,9 @@
 
 import xarray as xr
 
-from snapmap.cube import write
 from snapmap.device import device_from
 from snapmap.journal import journal
+from snapmap.netcdf import write
 from snapmap.protocol import Protocol
 from snapmap.traces import trace
 

@@ -1,8 +1,8 @@
 """Rule trace_statics: push the beam slowly through."""
 
-from snapmap.cube import write
 from snapmap.device import device_from
 from snapmap.journal import journal
+from snapmap.netcdf import write
 from snapmap.statics import force_displacement
 
 

@@ -1,13 +1,11 @@
-"""The results as xarray datasets: what a cube looks like, built and written here."""
+"""The cube as an xarray dataset: what it looks like, built here."""
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 
 import dask.array
 import numpy as np
 import xarray as xr
 
-from .atomic import replacing
 from .cells import check_cells
 from .config import device_document
 from .device import Device
@@ -62,7 +60,6 @@ VARIABLES = {
         "flag_meanings": "not_reproduced reproduced",
     },
 }
-ENCODING = {"zlib": True, "complevel": 4, "shuffle": True, "fletcher32": True}
 
 
 def sweep(
@@ -138,21 +135,3 @@ def summary(cube: xr.Dataset) -> str:
     """One line of what `with_summary` added."""
     found = {key: cube.attrs[key] for key in cube.attrs if key.startswith(("cells_", "share_"))}
     return ", ".join(f"{key.replace('_', ' ')} {value:g}" for key, value in found.items())
-
-
-def write(dataset: xr.Dataset, path: str | Path) -> None:
-    """Write a dataset compressed and with checksums, under a temporary name until it is whole."""
-    # netCDF4 is not safe in threads, so dask must work in this one.
-    with replacing(path) as temporary, dask.config.set(scheduler="synchronous"):
-        axes = dataset.drop_vars(dataset.data_vars)
-        no_fill = {key: {"_FillValue": None} for key in axes.coords}  # CF has none on an axis
-        axes.to_netcdf(temporary, engine="netcdf4", encoding=no_fill)
-        # One by one: together, dask would write their blocks in an order of its own every time.
-        for key in dataset.data_vars:
-            kind = {key: ENCODING | _chunks(dataset[key])}
-            dataset[[key]].to_netcdf(temporary, mode="a", engine="netcdf4", encoding=kind)
-
-
-def _chunks(variable):
-    """The blocks of a lazy variable, so that each is compressed once."""
-    return {"chunksizes": [size[0] for size in variable.chunks]} if variable.chunks else {}

@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -51,20 +51,19 @@ def write_slab(
     protocol: Protocol,
     path: str | Path,
     threads: int,
-    code: Sequence[str | Path] = (),
+    code: str = "",
 ) -> dict[str, int]:
     """Follow the cells of one slab and write it to `path`; returns how many had which outcome.
 
     Cells that other slabs in the same folder hold are taken from there.
     model: name and options
-    code: files on which the numbers depend; slabs made by others are not used
+    code: hash of the code on which the numbers depend; slabs made by another are not used
     """
-    made_by = _hash([Path(file).read_text(encoding="utf-8") for file in code])
     same_N = model["name"] == "auto"
-    variables, known = recall(path, slab.f0, slab.N, made_by, same_N)
+    variables, known = recall(path, slab.f0, slab.N, code, same_N)
     _follow_unknown(device, model, slab, protocol, threads, variables, known)
     with replacing(path) as temporary, netCDF4.Dataset(temporary, "w") as file:
-        file.slab, file.code = _name(device, model, slab, protocol), made_by
+        file.slab, file.code = _name(device, model, slab, protocol), code
         for axis, values in slab._asdict().items():
             file.createDimension(axis, len(values))
             file.createVariable(axis, "f8", (axis,), fletcher32=True)[:] = values

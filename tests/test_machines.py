@@ -1,0 +1,76 @@
+"""The same bits on every processor: each is imitated in a process of its own."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+STUDY = """
+import hashlib
+import sys
+from pathlib import Path
+
+import snapmap
+from snapmap.netcdf import write
+from snapmap.spacing import geometric
+
+device, folder, names = snapmap.load_device(sys.argv[1]), Path(sys.argv[2]), sys.argv[3:]
+chaotic = {"N": [1150.0, 1600.0, 2200.0], "f0": geometric(700, 5000, 4), "C": [0.025]}
+
+
+def sweep(model, **options):
+    return snapmap.sweep(device, **chaotic, model=model, **options)
+
+
+products = {
+    "cosines": lambda: sweep("cosines", modes=4),
+    "handout": lambda: sweep("handout", elements=2),
+    "reference": lambda: sweep("reference", elements=2),
+    "history": lambda: snapmap.simulate(device, 2200.0, 1000.0, 0.025, model="cosines", modes=4),
+    "threshold": lambda: snapmap.threshold(device, [1500.0, 6000.0], [0.025], model="cosines"),
+}
+for name in names or products:
+    product = products[name]()
+    if name == "cosines":
+        assert (product.reproduced == 0).any() and (product.halvings > 0).any()
+    write(product, folder / "product.nc")
+    print(name, hashlib.sha256((folder / "product.nc").read_bytes()).hexdigest())
+"""
+WITHOUT = {
+    "BLAS for Haswell": {"OPENBLAS_CORETYPE": "Haswell"},
+    "BLAS for Zen": {"OPENBLAS_CORETYPE": "Zen"},
+    "BLAS for SkylakeX": {"OPENBLAS_CORETYPE": "SkylakeX"},
+    "numpy without wide vectors": {"NPY_DISABLE_CPU_FEATURES": "X86_V4 X86_V3"},
+}
+COMPILED = {"for Haswell": "haswell", "for all with FMA": "x86-64-v3"}
+
+
+def compute(root, folder, processor, *names):
+    """The hash of each file of the study, computed by a process with the given environment."""
+    command = [sys.executable, "-c", STUDY, root / "config" / "config.yaml", folder, *names]
+    path = {"PYTHONPATH": str(root / "workflow" / "scripts")}
+    run = subprocess.run(command, env=os.environ | path | processor, capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    return dict(line.split() for line in run.stdout.splitlines())
+
+
+@pytest.fixture(scope="module")
+def here(root, tmp_path_factory):
+    """As this machine computes them by itself, with vectors of 512 bits where it has them."""
+    found = compute(root, tmp_path_factory.mktemp("here"), {})
+    assert len(found) == 5
+    return found
+
+
+@pytest.mark.parametrize("processor", WITHOUT)
+def test_libraries_for_another_processor_change_no_bit(root, tmp_path, here, processor):
+    assert compute(root, tmp_path, WITHOUT[processor]) == here
+
+
+@pytest.mark.parametrize("processor", COMPILED)
+def test_kernels_for_another_processor_change_no_bit(root, tmp_path, here, processor):
+    """Both have vectors of 256 bits, and each takes its own order of instructions."""
+    names = "cosines", "handout", "reference"
+    found = compute(root, tmp_path, {"NUMBA_CPU_NAME": COMPILED[processor]}, *names)
+    assert found == {name: here[name] for name in names}

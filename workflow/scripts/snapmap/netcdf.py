@@ -1,0 +1,28 @@
+"""Datasets as files."""
+
+from pathlib import Path
+
+import dask
+import xarray as xr
+
+from .atomic import replacing
+
+ENCODING = {"zlib": True, "complevel": 4, "shuffle": True, "fletcher32": True}
+
+
+def write(dataset: xr.Dataset, path: str | Path) -> None:
+    """Write a dataset compressed and with checksums, under a temporary name until it is whole."""
+    # netCDF4 is not safe in threads, so dask must work in this one.
+    with replacing(path) as temporary, dask.config.set(scheduler="synchronous"):
+        axes = dataset.drop_vars(dataset.data_vars)
+        no_fill = {key: {"_FillValue": None} for key in axes.coords}  # CF has none on an axis
+        axes.to_netcdf(temporary, engine="netcdf4", encoding=no_fill)
+        # One by one: together, dask would write their blocks in an order of its own every time.
+        for key in dataset.data_vars:
+            kind = {key: ENCODING | _chunks(dataset[key])}
+            dataset[[key]].to_netcdf(temporary, mode="a", engine="netcdf4", encoding=kind)
+
+
+def _chunks(variable):
+    """The blocks of a lazy variable, so that each is compressed once."""
+    return {"chunksizes": [size[0] for size in variable.chunks]} if variable.chunks else {}
