@@ -5,18 +5,20 @@ from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
 
-# Nothing is written beside the code. Snakemake puts the folder of the Snakefile on the path.
+# Nothing is written beside the code. The package has the name that the scripts call it by, as what
+# numba keeps in its cache asks for it by name.
 sys.dont_write_bytecode = True
-from workflow.scripts.snapmap.dependencies import code_hash, kernel_cache
+sys.path.append(str(Path(workflow.basedir) / "workflow" / "scripts"))
+from snapmap.dependencies import code_hash, kernel_cache
 
 # Jobs inherit both: a kernel is compiled once per user.
 os.environ.update(PYTHONDONTWRITEBYTECODE="1")
 os.environ.setdefault("NUMBA_CACHE_DIR", str(kernel_cache()))
-from workflow.scripts.snapmap.atomic import remove_leftovers
-from workflow.scripts.snapmap.config import load_study
-from workflow.scripts.snapmap.document import read_document
-from workflow.scripts.snapmap.plan import cut, requests
-from workflow.scripts.snapmap.slab import slab_name
+from snapmap.atomic import remove_leftovers
+from snapmap.config import load_study
+from snapmap.document import read_document
+from snapmap.plan import cut, requests
+from snapmap.slab import slab_name
 
 if not workflow.overwrite_configfiles:
 

@@ -287,7 +287,7 @@ def test_extreme_values_give_slabs_or_lines_at_length(document):
             {"from": "1 kg/s", "to": "2 kg/s", "points": 1001},
             "sweep.C: 1001 values; write at most 1000",
         ),
-        (("device", "beam", "thickness"), "1e-15 um", "device: no finite model of a beam of span"),
+        (("device", "beam", "thickness"), "1e-15 um", "device.beam.thickness: 1e-15 um gives Q"),
     ],
 )
 def test_absurd_values_are_refused(path, value, start):

@@ -51,7 +51,7 @@ def test_no_module_that_a_script_loads_is_forgotten(root, scripts):
 def test_every_module_is_the_code_of_some_script_or_of_the_snakefile(root, scripts, workflow_text):
     folder = root / "workflow" / "scripts"
     used = {file for path in scripts for file in code_files(path)}
-    for name in re.findall(r"^from workflow\.scripts\.(\S+) import", workflow_text, re.M):
+    for name in re.findall(r"^from (snapmap\.\S+) import", workflow_text, re.M):
         used.update(code_files(folder.joinpath(*name.split(".")).with_suffix(".py")))
     for path in folder.rglob("*"):
         if path.is_file() and "__pycache__" not in path.parts:

@@ -5,6 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
 BISTABILITY_LIMIT = 4 / math.sqrt(3)
+THINNEST = 1e6
+"""Most of rise over thickness: beyond, the digits of a float no longer hold bending and stretch."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +36,11 @@ class Beam:
             raise ValueError(
                 f"device.beam.rise: {self.rise:g} um gives Q = rise/thickness = "
                 f"{self.bistability:.6g}; a second stable shape needs Q > {BISTABILITY_LIMIT:.3f}"
+            )
+        if self.bistability > THINNEST:
+            raise ValueError(
+                f"device.beam.thickness: {self.thickness:g} um gives Q = rise/thickness = "
+                f"{self.bistability:.6g}; write one that gives Q up to {THINNEST:g}"
             )
 
     @property

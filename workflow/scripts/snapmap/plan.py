@@ -94,24 +94,7 @@ def _check_cost(study, model, seconds):
 
 
 def _cheapest(study):
-    """The model that follows every cell; its options are checked, and its numbers finite."""
-    beam = study.device.beam
-    try:
-        with np.errstate(all="ignore"):
-            model = _build_cheapest(study)
-        usable = 0 < model.dt < np.inf and np.isfinite(model.barrier).all()
-    except (ArithmeticError, np.linalg.LinAlgError):
-        usable = False
-    if not usable:
-        raise ValueError(
-            f"device: no finite model of a beam of span {beam.span:g} um, rise {beam.rise:g} um, "
-            f"thickness {beam.thickness:g} um, modulus {beam.youngs_modulus:g} MPa, density "
-            f"{beam.density:g} ng/um^3; check their units"
-        )
-    return model
-
-
-def _build_cheapest(study):
+    """The model that follows every cell; its options are checked."""
     if study.model["name"] != "auto":
         return build_model(study.device, **study.model)
     options = {key: value for key, value in study.model.items() if key != "name"}
