@@ -17,8 +17,8 @@ os.environ.setdefault("NUMBA_CACHE_DIR", str(kernel_cache()))
 from snapmap.atomic import remove_leftovers
 from snapmap.config import load_study
 from snapmap.document import read_document
+from snapmap.partition import slab_name
 from snapmap.plan import cut, requests
-from snapmap.slab import slab_name
 
 if not workflow.overwrite_configfiles:
 

@@ -14,8 +14,8 @@ from studies import THREE_COSINES
 
 from snapmap.collection import collect_slabs
 from snapmap.config import load_study
+from snapmap.partition import slab_name
 from snapmap.plan import cut
-from snapmap.slab import slab_name
 
 STUDY = (
     THREE_COSINES

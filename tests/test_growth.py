@@ -15,8 +15,9 @@ from snapmap.config import load_study
 from snapmap.cube import sweep
 from snapmap.grid import follow_grid
 from snapmap.models import build_model
+from snapmap.partition import Slab, slab_name
 from snapmap.plan import cut
-from snapmap.slab import Slab, slab_name, write_slab
+from snapmap.slab import write_slab
 
 STUDY = THREE_COSINES + "sweep: {horizon: 200 us, until: snap}"
 

@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 from snapmap.outcome import LATCHED, NEVER
-from snapmap.slab import Slab
+from snapmap.partition import Slab
 
 AXES = {
     "C": np.linspace(0.5, 50, 100),

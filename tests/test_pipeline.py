@@ -10,8 +10,10 @@ import yaml
 from studies import TINY
 
 import snapmap
+from snapmap.config import load_study
 from snapmap.dependencies import code_files
 from snapmap.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
+from snapmap.plan import cut
 
 UPSTREAM = {
     "simulate_slab": (),
@@ -230,24 +232,34 @@ def test_another_value_leaves_the_old_slabs_alone(clone, finished):
     assert planned_rules(output)["simulate_slab"] == 1
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "key"),
-    [
-        ("span: 500 um", "span: 500", "device.beam.span"),
-        ("span: 500 um", "span: 500 kg", "device.beam.span"),
-        ("mass: 6e-9 kg", "mass: 6e-9 kg\n  colour: red", "device.colour"),
-        ("thickness: 1.9 um", "thickness: -1.9 um", "device.beam.thickness"),
-        ("[800 Hz, 2 kHz]", "[]", "sweep.f0"),
-        ("spring: 4 N/m", "spring: .nan", "device.spring"),
-        ("rise: 8 um", "rise: 4 um", "device.beam.rise"),
-        ("elements: 3", "elements: 3, step: 1.2", "model.step"),
-        ("elements: 3", "cosines: 3", "model.cosines"),
-        ("elements: 3", "elements: 0", "model.elements"),
-    ],
-)
-def test_bad_input_is_one_line_and_no_result(clone, tmp_path, old, new, key):
-    config = tmp_path / "bad.yaml"
+BAD = [
+    ("span: 500 um", "span: 500", "device.beam.span"),
+    ("span: 500 um", "span: 500 kg", "device.beam.span"),
+    ("mass: 6e-9 kg", "mass: 6e-9 kg\n  colour: red", "device.colour"),
+    ("thickness: 1.9 um", "thickness: -1.9 um", "device.beam.thickness"),
+    ("[800 Hz, 2 kHz]", "[]", "sweep.f0"),
+    ("spring: 4 N/m", "spring: .nan", "device.spring"),
+    ("rise: 8 um", "rise: 4 um", "device.beam.rise"),
+    ("elements: 3", "elements: 3, step: 1.2", "model.step"),
+    ("elements: 3", "cosines: 3", "model.cosines"),
+    ("elements: 3", "elements: 0", "model.elements"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "key"), BAD)
+def test_bad_input_is_one_line(old, new, key):
+    """All that the Snakefile asks of a config before any job is planned."""
     assert old in TINY
+    with pytest.raises(ValueError) as fault:
+        cut(load_study(yaml.safe_load(TINY.replace(old, new, 1))))
+    (line,) = str(fault.value).splitlines()
+    assert line.startswith(key)
+
+
+@pytest.mark.parametrize(("old", "new", "key"), [BAD[1], BAD[8]])
+def test_bad_input_leaves_no_result(clone, tmp_path, old, new, key):
+    """Faults of the config, and of the model that it asks for."""
+    config = tmp_path / "bad.yaml"
     config.write_text(TINY.replace(old, new, 1))
     code, output = snakemake(clone, tmp_path, config, check=False)
     assert code != 0 and "Traceback" not in output

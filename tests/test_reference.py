@@ -1,9 +1,6 @@
 """The plain loop against exact motions, convergence orders and its energy ledger."""
 
 import dataclasses
-import os
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -142,23 +139,3 @@ def test_a_stiffer_contact_lowers_the_threshold(handout):
     soft = snapmap.sweep(handout, **cell)
     stiff = snapmap.sweep(dataclasses.replace(handout, contact=400.0), **cell)
     assert np.isnan(soft.t_snap).all() and not np.isnan(stiff.t_snap).any()
-
-
-BITS = """
-import sys
-import snapmap
-device = snapmap.load_device(sys.argv[1])
-cells = {"N": range(600, 2500, 300), "f0": [500, 1500, 4000, 9000, 2e4], "C": [0.025, 25]}
-cube = snapmap.sweep(device, **cells, model="reference")
-print(cube.energy_error.values.tobytes().hex(), cube.t_snap.values.tobytes().hex())
-"""
-
-
-def test_the_loop_gives_the_same_bits_fresh_and_from_the_cache(root, tmp_path):
-    command = [sys.executable, "-c", BITS, root / "config" / "config.yaml"]
-    path = {"PYTHONPATH": str(root / "workflow" / "scripts"), "NUMBA_CACHE_DIR": str(tmp_path)}
-    runs = [
-        subprocess.run(command, env=os.environ | path, capture_output=True, text=True, check=True)
-        for _ in range(2)
-    ]
-    assert runs[0].stdout == runs[1].stdout and len(runs[0].stdout) > 100

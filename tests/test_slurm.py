@@ -14,8 +14,8 @@ import yaml
 from studies import TINY
 
 from snapmap.config import load_study
+from snapmap.partition import Slab
 from snapmap.plan import requests
-from snapmap.slab import Slab
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sinfo", "sbatch", "srun")
 SLURM = """

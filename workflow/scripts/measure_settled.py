@@ -9,8 +9,8 @@ from snapmap.cube import sweep
 from snapmap.device import device_from
 from snapmap.journal import journal
 from snapmap.netcdf import write
+from snapmap.portable import geometric, linear
 from snapmap.provenance import provenance
-from snapmap.spacing import geometric, linear
 
 GRID = {
     "N": linear(600, 2400, 61),

@@ -2,8 +2,9 @@
 
 from snapmap.device import device_from
 from snapmap.journal import journal
+from snapmap.partition import Slab
 from snapmap.protocol import Protocol
-from snapmap.slab import Slab, write_slab
+from snapmap.slab import write_slab
 
 
 def simulate_slab(device, model, axes, protocol, path, threads, code):

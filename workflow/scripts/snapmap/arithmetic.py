@@ -3,16 +3,13 @@
 Each is the same on every machine. numba's cache of a kernel does not see an edit here.
 """
 
-from math import copysign, factorial, pi
-
-import numpy as np
 from numba import float64, njit, types
 from numba.extending import intrinsic
 
+from . import portable
+
 VECTOR_BITS = 512
 """Widest vectors to use where the processor has them."""
-SERIES = tuple((-1) ** n / factorial(2 * n + 1) for n in range(11, -1, -1))
-"""Of the sine, highest power first; up to a right angle the next term is below 1e-20."""
 
 
 @intrinsic
@@ -41,15 +38,4 @@ def widen_vectors(context):
     return types.none(), build
 
 
-@njit(error_model="numpy")
-def sine(turns):
-    """sin(2 pi turns) within two units in the last place: a C library's own depends on its age."""
-    rest = turns - np.rint(turns)
-    if abs(rest) > 0.25:
-        rest = copysign(0.5, rest) - rest
-    angle = 2 * pi * rest
-    square = angle * angle
-    total = 0.0
-    for coefficient in SERIES:
-        total = fma(total, square, coefficient)
-    return angle * total
+sine = njit(error_model="numpy", cache=True)(portable.sine)

@@ -13,9 +13,9 @@ from jsonschema import Draft202012Validator, ValidationError, validators
 
 from .device import Beam, Device
 from .document import ConfigError, read_document, unwieldy_part
+from .portable import geometric, linear
 from .protocol import THRESHOLD_TOLERANCE, Protocol
 from .quantity import KINDS, read, show
-from .spacing import geometric, linear
 
 
 class History(NamedTuple):

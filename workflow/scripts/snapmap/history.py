@@ -11,7 +11,7 @@ from .config import device_document
 from .device import Device
 from .ladder import Ladder, choose_model
 from .lanes import BLOCK, device_coefficients, follow_one
-from .linalg import multiply
+from .linalg import dot, multiply
 from .modal import contact_stiffness
 from .protocol import Protocol, check_protocol
 from .provenance import provenance
@@ -158,13 +158,13 @@ def _sampling(t_end, dt):
 def _observe(device, form, motion):
     """Deflections, forces and energies from the coordinates."""
     u, velocity = motion.u, motion.u_velocity
-    w = multiply(u, form.midpoint)
+    w = dot(u, form.midpoint)
     overlap = w - motion.y
     stiffness = contact_stiffness(device, form.residual)
     contact = stiffness * np.maximum(0.0, overlap)
-    stretch = np.sum(u * (multiply(u, form.geometric) + 2 * form.slope_start), axis=1)
+    stretch = dot(u, multiply(u, form.geometric) + 2 * form.slope_start)
     axial_force = -device.beam.axial_stiffness * stretch
-    kinetic = np.sum(velocity * multiply(velocity, form.inertia), axis=1) / 2
+    kinetic = dot(velocity, multiply(velocity, form.inertia)) / 2
     return {
         "w_mid": device.beam.rise + w - form.residual * contact,
         "z_mass": device.beam.rise + motion.y,
@@ -172,7 +172,7 @@ def _observe(device, form, motion):
         "axial_force": axial_force,
         "kinetic_energy": kinetic + device.mass * motion.y_velocity**2 / 2,
         "spring_energy": device.spring * motion.y**2 / 2,
-        "bending_energy": np.sum(u * multiply(u, form.bending), axis=1) / 2,
+        "bending_energy": dot(u, multiply(u, form.bending)) / 2,
         "axial_energy": axial_force**2 / (4 * device.beam.axial_stiffness),
         "contact_energy": contact**2 / (2 * stiffness),
     }

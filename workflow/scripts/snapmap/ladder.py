@@ -6,12 +6,10 @@ import numpy as np
 
 from .cells import Cells, Facts, follow_cells
 from .device import Device
-from .models import Model, build_model, check_options
+from .models import RUNGS, Model, build_model, check_options
 from .protocol import Protocol
 from .thresholds import lowest_snap
 
-RUNGS = (3, 5, 7, 10, 14, 18)
-"""Numbers of cosines to choose from; fewer than three save next to nothing and cost ten times."""
 REACH = 2
 """Cells along N on either side of a change of label that count as near it."""
 

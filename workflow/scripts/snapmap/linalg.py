@@ -1,139 +1,137 @@
-"""Small dense matrices in plain arithmetic: the same bits on every machine.
+"""Small dense matrices by single operations of numpy: the same bits on every machine.
 
 LAPACK and BLAS choose by the processor in which order they sum, and in a chaotic cell the last bit
-of a mode shape decides. Whatever feeds a run is therefore computed here, or by single operations.
+of a mode shape decides; so whatever feeds a run is computed here. Leading axes, (...), count
+matrices, and no result depends on what else is in the same call.
 """
 
-import numpy as np
-from numba import njit
+from functools import cache
 
-PLAIN = {"error_model": "numpy", "nogil": True, "cache": True}
-"""No fast maths: nothing is fused or summed in another order."""
+import numpy as np
+
 SWEEPS = 60
-"""More than Jacobi's rotations ever need; they converge quadratically."""
+"""More than Jacobi's rotations ever need: they converge quadratically."""
 NEGLIGIBLE = 1e-17
 
 
 def multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """a b, of matrices or vectors, each sum from first to last."""
-    product = _multiply(_as_matrix(a.reshape(-1, a.shape[-1])), _as_matrix(_columns(b)))
-    return product.reshape(a.shape[:-1] + b.shape[1:])
+    """a b, (..., n, m), of a, (..., n, k), and b, (..., k, m), each sum from first to last."""
+    return sum(a[..., :, k, np.newaxis] * b[..., k, np.newaxis, :] for k in range(a.shape[-1]))
 
 
-def solve(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """x of matrix x = right, (n,) or (n, m), by Gauss with partial pivoting."""
-    return _eliminate(_as_matrix(matrix).copy(), _columns(right).copy()).reshape(right.shape)
+def apply(a: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """a x, (..., n), of a, (..., n, k), and x, (..., k)."""
+    return sum(a[..., :, k] * x[..., k, np.newaxis] for k in range(a.shape[-1]))
 
 
-def eigh(matrix: np.ndarray, mass: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues x, ascending, and eigenvectors v, the columns, of matrix v = x mass v.
+def dot(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """x . y, (...), of vectors, (..., k)."""
+    return sum(x[..., k] * y[..., k] for k in range(x.shape[-1]))
 
-    matrix: (n, n), symmetric; mass: (n, n), positive definite, the identity if left out
+
+def solve(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """x of a x = b, (..., n), for a, (..., n, n), and b, (..., n); Gauss with partial pivoting.
+
+    Not finite where a is singular.
+    """
+    return solve_all(a, b[..., np.newaxis])[..., 0]
+
+
+def solve_all(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """x of a x = b for several right-hand sides, the columns of b, (..., n, m)."""
+    n = a.shape[-1]
+    shape = np.broadcast_shapes(a.shape[:-2], b.shape[:-2])
+    rows = np.concatenate(
+        [np.broadcast_to(part, (*shape, *part.shape[-2:])) for part in (a, b)], axis=-1
+    )
+    for k in range(n):
+        pivot = k + np.abs(rows[..., k:, k]).argmax(axis=-1)[..., np.newaxis, np.newaxis]
+        chosen = np.take_along_axis(rows, pivot, axis=-2)
+        np.put_along_axis(rows, pivot, rows[..., k : k + 1, :], axis=-2)
+        rows[..., k : k + 1, :] = chosen
+        factors = rows[..., k + 1 :, k, np.newaxis] / chosen[..., k, np.newaxis]
+        rows[..., k + 1 :, :] -= factors * chosen
+    x = rows[..., n:]
+    for k in range(n - 1, -1, -1):
+        x[..., k, :] /= rows[..., k, k, np.newaxis]
+        x[..., :k, :] -= rows[..., :k, k, np.newaxis] * x[..., k, np.newaxis, :]
+    return x
+
+
+def eigh(a: np.ndarray, mass: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Eigenvalues x, ascending, (..., n), and eigenvectors v, the columns, of a v = x mass v.
+
+    a: (..., n, n), symmetric; mass: likewise, positive definite, the identity if left out
     v.mass v = 1, and each vector's largest component is positive.
     """
-    lower = np.eye(len(matrix)) if mass is None else _cholesky(_as_matrix(mass))
-    half = solve(lower, np.asarray(matrix, float))
-    values, vectors = _jacobi(_as_matrix(solve(lower, half.T)))
-    vectors = solve(_as_matrix(lower.T), vectors)
-    largest = np.take_along_axis(vectors, np.abs(vectors).argmax(axis=0)[np.newaxis], axis=0)
-    vectors = np.where(largest < 0, -vectors, vectors)
-    order = np.argsort(values, kind="stable")
-    return values[order], vectors[:, order]
+    if mass is None:
+        values, vectors = _rotate(a)
+    else:
+        lower = _cholesky(mass)
+        half = solve_all(lower, a)
+        values, vectors = _rotate(solve_all(lower, half.swapaxes(-1, -2)))
+        vectors = solve_all(lower.swapaxes(-1, -2), vectors)
+    largest = np.abs(vectors).argmax(axis=-2)[..., np.newaxis, :]
+    vectors = np.where(np.take_along_axis(vectors, largest, axis=-2) < 0, -vectors, vectors)
+    order = np.argsort(values, axis=-1, kind="stable")
+    ascending = np.take_along_axis(vectors, order[..., np.newaxis, :], axis=-1)
+    return np.take_along_axis(values, order, axis=-1), ascending
 
 
-def _as_matrix(values):
-    return np.ascontiguousarray(values, dtype=float)
+def is_positive(a: np.ndarray) -> np.ndarray:
+    """Whether symmetric matrices, (..., n, n), are positive definite, (...)."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.isfinite(_cholesky(a)).all(axis=(-2, -1))
 
 
-def _columns(right):
-    return _as_matrix(right.reshape(len(right), -1))
-
-
-@njit(**PLAIN)
-def _multiply(a, b):
-    product = np.zeros((a.shape[0], b.shape[1]))
-    for i in range(a.shape[0]):
-        for k in range(a.shape[1]):
-            for j in range(b.shape[1]):
-                product[i, j] += a[i, k] * b[k, j]
-    return product
-
-
-@njit(**PLAIN)
-def _eliminate(matrix, right):
-    """Gauss with partial pivoting; both arguments are modified in place."""
-    n = len(matrix)
-    for k in range(n):
-        pivot = k
-        for i in range(k + 1, n):
-            if abs(matrix[i, k]) > abs(matrix[pivot, k]):
-                pivot = i
-        if pivot != k:
-            for j in range(n):
-                matrix[k, j], matrix[pivot, j] = matrix[pivot, j], matrix[k, j]
-            for j in range(right.shape[1]):
-                right[k, j], right[pivot, j] = right[pivot, j], right[k, j]
-        for i in range(k + 1, n):
-            factor = matrix[i, k] / matrix[k, k]
-            if factor != 0.0:
-                for j in range(k + 1, n):
-                    matrix[i, j] -= factor * matrix[k, j]
-                for j in range(right.shape[1]):
-                    right[i, j] -= factor * right[k, j]
-    for i in range(n - 1, -1, -1):
-        for j in range(right.shape[1]):
-            for k in range(i + 1, n):
-                right[i, j] -= matrix[i, k] * right[k, j]
-            right[i, j] /= matrix[i, i]
-    return right
-
-
-@njit(**PLAIN)
-def _cholesky(matrix):
-    """L of L L^T = matrix; not finite if the matrix is not positive definite."""
-    n = len(matrix)
-    lower = np.zeros((n, n))
-    for i in range(n):
-        for j in range(i + 1):
-            rest = matrix[i, j]
-            for k in range(j):
-                rest -= lower[i, k] * lower[j, k]
-            lower[i, j] = np.sqrt(rest) if i == j else rest / lower[j, j]
+def _cholesky(a):
+    """L, lower triangular, of L L^T = a; not finite if a is not positive definite."""
+    lower, rest = np.zeros(a.shape), np.array(a, float)
+    for k in range(a.shape[-1]):
+        column = rest[..., k:, k] / np.sqrt(rest[..., k, k, np.newaxis])
+        lower[..., k:, k] = column
+        rest[..., k:, k:] -= column[..., :, np.newaxis] * column[..., np.newaxis, :]
     return lower
 
 
-@njit(**PLAIN)
-def _jacobi(matrix):
-    """Eigenvalues and eigenvectors, the columns, by cyclic rotations (Golub & Van Loan, 8.5).
-
-    Only the upper triangle is read.
-    """
-    n = len(matrix)
-    a, vectors = matrix.copy(), np.eye(n)  # vectors: the rows, until the end
-    for i in range(n):
-        for j in range(i):
-            a[i, j] = a[j, i]
+def _rotate(a):
+    """Eigenvalues and eigenvectors, the columns, by Jacobi's rotations (Golub & Van Loan, 8.5)."""
+    n = a.shape[-1]
+    a = np.array(a, float)
+    vectors = np.broadcast_to(np.eye(n), a.shape).copy()  # the rows, until the end
     for _ in range(SWEEPS):
-        rotated = False
-        for p in range(n - 1):
-            for q in range(p + 1, n):
-                if not abs(a[p, q]) > NEGLIGIBLE * np.sqrt(abs(a[p, p])) * np.sqrt(abs(a[q, q])):
-                    continue
-                rotated = True
-                slope = (a[q, q] - a[p, p]) / (2 * a[p, q])
-                t = (1.0 if slope >= 0 else -1.0) / (abs(slope) + np.sqrt(slope * slope + 1))
-                c = 1 / np.sqrt(t * t + 1)
-                s = t * c
-                shift = t * a[p, q]
-                a_pp, a_qq = a[p, p] - shift, a[q, q] + shift
-                for k in range(n):
-                    above, below = a[p, k], a[q, k]
-                    a[p, k], a[q, k] = c * above - s * below, s * above + c * below
-                    above, below = vectors[p, k], vectors[q, k]
-                    vectors[p, k], vectors[q, k] = c * above - s * below, s * above + c * below
-                for k in range(n):
-                    a[k, p], a[k, q] = a[p, k], a[q, k]
-                a[p, p], a[q, q], a[p, q], a[q, p] = a_pp, a_qq, 0.0, 0.0
-        if not rotated:
+        if not any([_rotate_pairs(a, vectors, p, q) for p, q in _rounds(n)]):
             break
-    return np.diag(a).copy(), vectors.T.copy()
+    return np.diagonal(a, axis1=-2, axis2=-1).copy(), vectors.swapaxes(-1, -2)
+
+
+@cache
+def _rounds(n):
+    """All pairs p < q of n players, in rounds in which each plays at most once: index arrays."""
+    players, rounds = list(range(n + n % 2)), []
+    for _ in range(len(players) - 1):
+        half = len(players) // 2
+        pairs = zip(players[:half], reversed(players[half:]), strict=True)
+        rounds.append([sorted(pair) for pair in pairs if max(pair) < n])
+        players.insert(1, players.pop())
+    return [np.array(pairs).T for pairs in rounds if pairs]
+
+
+def _rotate_pairs(a, vectors, p, q):
+    """Make all a_pq of a round zero, in place; whether any was not."""
+    a_pp, a_qq, a_pq = a[..., p, p], a[..., q, q], a[..., p, q]
+    needed = np.abs(a_pq) > NEGLIGIBLE * np.sqrt(np.abs(a_pp)) * np.sqrt(np.abs(a_qq))
+    if not needed.any():
+        return False
+    slope = (a_qq - a_pp) / np.where(needed, 2 * a_pq, 1.0)
+    t = np.where(slope < 0, -1.0, 1.0) / (np.abs(slope) + np.sqrt(slope * slope + 1))
+    t = np.where(needed, t, 0.0)
+    c = 1 / np.sqrt(t * t + 1)
+    s = t * c
+    for rows in (vectors, a, a.swapaxes(-1, -2)):
+        above, below = rows[..., p, :], rows[..., q, :]
+        rows[..., p, :] = c[..., np.newaxis] * above - s[..., np.newaxis] * below
+        rows[..., q, :] = s[..., np.newaxis] * above + c[..., np.newaxis] * below
+    a[..., p, p], a[..., q, q] = a_pp - t * a_pq, a_qq + t * a_pq
+    a[..., p, q] = a[..., q, p] = np.where(needed, 0.0, a_pq)
+    return True

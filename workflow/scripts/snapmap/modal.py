@@ -8,7 +8,7 @@ import numpy as np
 
 from .bases.basis import Basis
 from .device import Device
-from .linalg import eigh, multiply, solve
+from .linalg import apply, dot, eigh, multiply, solve
 
 # ASSUME: no run bends the beam further than this multiple of its start; see docs/stability.md.
 TENSION_REACH = 1.25
@@ -58,14 +58,13 @@ def unit_modes(basis: Basis, modes: int | None = None) -> ModalBeam:
     """Solve K v = kappa M v once for all beams: span, rise, rho A, EI and EA/2L are 1."""
     stiffness, shapes = eigh(basis.bending, basis.mass)
     shapes = shapes[:, :modes]
-    to_modes = shapes.T.copy()
-    slopes = multiply(to_modes, basis.geometric)
+    slopes = multiply(shapes.T, basis.geometric)
     modal = ModalBeam(
         stiffness=stiffness[:modes],
         geometric=multiply(slopes, shapes),
-        slope_start=multiply(slopes, basis.start),
-        load=multiply(to_modes, basis.load),
-        midpoint=multiply(to_modes, basis.midpoint),
+        slope_start=apply(slopes, basis.start),
+        load=apply(shapes.T, basis.load),
+        midpoint=apply(shapes.T, basis.midpoint),
         axial=1.0,
         residual=0.0,
     )
@@ -88,7 +87,7 @@ def step_limit(device: Device, modal: ModalBeam) -> float:
     image, TENSION_REACH times as far, and T the tension there.
     """
     slope = TENSION_REACH * modal.slope_start
-    stretch = multiply(modal.slope_start, solve(modal.geometric, modal.slope_start))
+    stretch = dot(modal.slope_start, solve(modal.geometric, modal.slope_start))
     tension = modal.axial * (TENSION_REACH * TENSION_REACH - 1) * stretch
     tangent = np.diag(modal.stiffness) + tension * modal.geometric
     tangent += 2 * modal.axial * np.outer(slope, slope)
@@ -103,5 +102,5 @@ def _residual_flexibility(basis, modal):
         return 0.0
     axial_force = 8 * math.pi * math.pi
     tangent = np.diag(modal.stiffness) - axial_force * modal.geometric
-    kept = multiply(modal.midpoint, solve(tangent, modal.midpoint))
+    kept = dot(modal.midpoint, solve(tangent, modal.midpoint))
     return max(0.0, basis.flexibility(axial_force) - float(kept))

@@ -20,6 +20,9 @@ OPTIONS = {
     "auto": ("tolerance",),
 }
 
+RUNGS = (3, 5, 7, 10, 14, 18)
+"""Cosines that `auto` chooses from; fewer than three save next to nothing and cost ten times."""
+
 
 class Model(NamedTuple):
     """A device's beam, discretised.

@@ -6,9 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from .config import Study
-from .ladder import RUNGS
-from .models import Model, build_model, check_options
-from .slab import Slab
+from .models import RUNGS, Model, build_model, check_options
+from .partition import Slab
 
 JOB_SECONDS = 30
 """At most the expected time of a slab, most take over a third: long against a job's start, and

@@ -8,8 +8,7 @@ from numba import njit
 from .arithmetic import fma, sine
 from .bases.basis import Basis
 from .device import Device
-from .linalg import multiply as product
-from .linalg import solve
+from .linalg import apply, solve_all
 
 # No fast maths: a result is the same on every machine, compiled afresh or taken from the cache.
 PLAIN = {"error_model": "numpy", "nogil": True, "cache": True}
@@ -44,10 +43,10 @@ def nodal_system(device: Device, basis: Basis) -> System:
     scaled = basis.scaled_to(device.beam)
     return System(
         inertia=scaled.mass,
-        inverse_inertia=solve(scaled.mass, np.eye(scaled.load.size)),
+        inverse_inertia=solve_all(scaled.mass, np.eye(scaled.load.size)),
         bending=scaled.bending,
         geometric=scaled.geometric,
-        slope_start=product(scaled.geometric, scaled.start),
+        slope_start=apply(scaled.geometric, scaled.start),
         load=scaled.load,
         midpoint=scaled.midpoint,
         axial=device.beam.axial_stiffness,

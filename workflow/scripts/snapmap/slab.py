@@ -1,11 +1,7 @@
-"""A slab of the grid: the work of one job, named by what it holds."""
+"""A slab as a file: its cells followed, or taken from earlier slabs."""
 
-import hashlib
-import json
 from collections.abc import Mapping
-from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
 
 import netCDF4
 import numpy as np
@@ -15,33 +11,9 @@ from .device import Device
 from .grid import follow_grid
 from .ladder import choose_model
 from .outcome import count
+from .partition import Slab, name_of
 from .protocol import Protocol
 from .recall import recall
-
-if TYPE_CHECKING:  # a job has no use for the config and what it imports
-    from .config import Study
-
-
-class Slab(NamedTuple):
-    """Values on the axes of one slab: C in uN us/um, f0 in Hz, N in multiples of g."""
-
-    C: tuple[float, ...]
-    f0: tuple[float, ...]
-    N: tuple[float, ...]
-
-
-def slab_name(study: "Study", slab: Slab) -> str:
-    """Name a slab by two hashes: what its cells have in common but the code, and its f0 and N."""
-    return _name(study.device, study.model, slab, study.protocol)
-
-
-def _name(device, model, slab, protocol):
-    common = [asdict(device), model, protocol._asdict(), slab.C]
-    return f"{_hash(common)}_{_hash([slab.f0, slab.N])}"
-
-
-def _hash(what):
-    return hashlib.sha256(json.dumps(what, sort_keys=True).encode()).hexdigest()[:12]
 
 
 def write_slab(
@@ -63,7 +35,7 @@ def write_slab(
     variables, known = recall(path, slab.f0, slab.N, code, same_N)
     _follow_unknown(device, model, slab, protocol, threads, variables, known)
     with replacing(path) as temporary, netCDF4.Dataset(temporary, "w") as file:
-        file.slab, file.code = _name(device, model, slab, protocol), code
+        file.slab, file.code = name_of(device, model, slab, protocol), code
         for axis, values in slab._asdict().items():
             file.createDimension(axis, len(values))
             file.createVariable(axis, "f8", (axis,), fletcher32=True)[:] = values

@@ -17,7 +17,7 @@ import xarray as xr
 from .bases.cosines import symmetric_cosines
 from .config import device_document
 from .device import Device
-from .linalg import multiply
+from .linalg import apply
 from .modal import contact_stiffness, reduce_to_modes
 from .provenance import provenance
 from .wells import buckling, find_barrier
@@ -99,7 +99,7 @@ def _fine_modes(device):
     modal = reduce_to_modes(device, symmetric_cosines(COSINES))
     loads, shapes = buckling(modal)
     vectors = (modal.slope_start, modal.load, modal.midpoint)
-    columns = loads, *(multiply(shapes.T, vector) for vector in vectors)
+    columns = loads, *(apply(shapes.T, vector) for vector in vectors)
     columns = (column[:, np.newaxis] for column in columns)
     return _Modes(*columns, modal.axial, modal.residual), find_barrier(modal)
 

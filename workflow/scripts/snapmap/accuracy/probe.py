@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..spacing import geometric, linear
+from ..portable import geometric, linear
 
 
 class Probe(NamedTuple):

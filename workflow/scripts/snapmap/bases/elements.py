@@ -5,8 +5,8 @@ from math import pi
 
 import numpy as np
 
-from ..arithmetic import sine
-from ..linalg import multiply, solve
+from ..linalg import dot, solve
+from ..portable import sine
 from .basis import Basis
 
 
@@ -25,7 +25,7 @@ def hermite_elements(elements: int = 5, mass_matrix: str = "consistent") -> Basi
     midpoint[-1] = 1.0
 
     def flexibility(axial_force: float) -> float:
-        return float(multiply(midpoint, solve(bending - axial_force * geometric, midpoint)))
+        return float(dot(midpoint, solve(bending - axial_force * geometric, midpoint)))
 
     return Basis(
         mass=_assemble(elements, _hrz_mass(h) if mass_matrix == "hrz" else _consistent_mass(h)),
@@ -108,5 +108,6 @@ def _interpolate_start(elements):
     """Nodal values and slopes of w0, eq. (1): hence exactly stress-free."""
     nodal = []
     for node in range(elements + 1):
-        nodal += [sine(node / elements / 4) ** 2, pi * sine(node / elements / 2)]
+        half, whole = (sine(node / elements / parts) for parts in (4, 2))
+        nodal += [half * half, pi * whole]
     return np.array(nodal[2:-1])

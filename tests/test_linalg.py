@@ -1,0 +1,75 @@
+"""Small matrices against what defines their results, and alone against in company."""
+
+import numpy as np
+import pytest
+
+from snapmap.linalg import apply, dot, eigh, is_positive, multiply, solve
+
+SIZES = [1, 2, 3, 8, 19]
+
+
+def matrices(size, count=5):
+    """Symmetric matrices, and positive definite ones."""
+    rng = np.random.default_rng(size)
+    a, b = rng.normal(size=(2, count, size, size))
+    return a + a.swapaxes(1, 2), b @ b.swapaxes(1, 2) + np.eye(size)
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_products_are_those_of_numpy(size):
+    a, b = matrices(size)
+    np.testing.assert_allclose(multiply(a, b), a @ b, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(apply(a, b[:, 0]), np.einsum("aij,aj->ai", a, b[:, 0]), atol=1e-12)
+    np.testing.assert_allclose(dot(a[:, 0], b[:, 0]), np.sum(a[:, 0] * b[:, 0], 1), atol=1e-12)
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_solutions_solve(size):
+    a, b = matrices(size)
+    if size > 1:
+        a[0, 0, 0] = 0.0  # a pivot that must be passed over
+    x = solve(a, b[:, 0])
+    scale = np.linalg.norm(a, axis=(1, 2)) * np.linalg.norm(x, axis=1)
+    residual = np.linalg.norm(apply(a, x) - b[:, 0], axis=1)
+    assert (residual < 1e-14 * size * scale).all()
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_eigenvectors_are_orthonormal_in_the_mass_and_ascend(size):
+    a, mass = matrices(size)
+    values, vectors = eigh(a, mass)
+    unit = np.swapaxes(vectors, 1, 2) @ mass @ vectors
+    np.testing.assert_allclose(unit, np.broadcast_to(np.eye(size), a.shape), atol=1e-12)
+    np.testing.assert_allclose(
+        a @ vectors, mass @ vectors * values[:, np.newaxis], atol=1e-12 * abs(a).max() * size
+    )
+    assert (np.diff(values) >= 0).all()
+    largest = np.abs(vectors).argmax(axis=1)[:, np.newaxis]
+    assert (np.take_along_axis(vectors, largest, axis=1) > 0).all()
+
+
+def test_small_eigenvalues_keep_their_digits_where_lapack_loses_them():
+    """A graded matrix: D H D, of which every eigenvalue is known to high relative accuracy."""
+    scale = 10.0 ** -np.arange(0, 15, 3)
+    well = np.full((5, 5), 0.1) + 0.9 * np.eye(5)
+    values, _ = eigh(scale[:, np.newaxis] * well * scale)
+    product = np.linalg.det(well) * np.prod(scale**2)
+    assert np.prod(values) == pytest.approx(product, rel=1e-12)
+
+
+def test_no_result_depends_on_its_company():
+    a, mass = matrices(6, count=40)
+    mass[3] = np.nan
+    together = *eigh(a), *eigh(a, mass), solve(a, mass[:, 0]), is_positive(a)
+    for i in (0, 17, 39):
+        alone = *eigh(a[i]), *eigh(a[i], mass[i]), solve(a[i], mass[i, 0]), is_positive(a[i])
+        for one, many in zip(alone, together, strict=True):
+            assert np.array_equal(one, many[i])
+
+
+def test_definiteness_is_the_sign_of_the_lowest_eigenvalue():
+    a, mass = matrices(6, count=40)
+    shifted = a + 3 * np.eye(6)
+    assert is_positive(mass).all()
+    assert np.array_equal(is_positive(shifted), eigh(shifted)[0][:, 0] > 0)
+    assert 0 < is_positive(shifted).sum() < 40
