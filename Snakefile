@@ -86,7 +86,6 @@ rule all:
                 "thresholds",
                 "damage_boundary",
                 "statics",
-                "accuracy_quick",
             ],
             kind=["pdf", "png"],
         ),

@@ -25,10 +25,10 @@ def sweep(model, **options):
 
 
 products = {
-    "cosines": lambda: sweep("cosines", modes=4),
+    "cosines": lambda: sweep("cosines", modes=3),
     "handout": lambda: sweep("handout", elements=2),
     "reference": lambda: sweep("reference", elements=2),
-    "history": lambda: snapmap.simulate(device, 2200.0, 1000.0, 0.025, model="cosines", modes=4),
+    "history": lambda: snapmap.simulate(device, 2200.0, 1000.0, 0.025, model="cosines", modes=3),
     "threshold": lambda: snapmap.threshold(device, [1500.0, 6000.0], [0.025], model="cosines"),
 }
 for name in names or products:

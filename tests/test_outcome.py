@@ -155,9 +155,12 @@ def test_beam_damping_is_the_same_in_both_loops(handout):
     assert lanes.dissipated_energy[-1] > 200
 
 
-@pytest.mark.parametrize(("model", "duration"), [("handout", 1e5), ("cosines", 1e6)])
-def test_the_undamped_ledger_closes_over_a_second(handout, model, duration):
-    """1 s without any damping, ten thousands of impacts: the residual ends below 1e-3."""
+SECOND = [pytest.param(model, 1e6, marks=pytest.mark.long) for model in ("handout", "cosines")]
+
+
+@pytest.mark.parametrize(("model", "duration"), [("handout", 1e5), ("cosines", 2e5), *SECOND])
+def test_the_undamped_ledger_stays_closed(handout, model, duration):
+    """Without any damping, thousands of impacts: the residual ends below 1e-3."""
     built = build_model(handout, model)
     built = built._replace(barrier=built.barrier._replace(energy=0.0))
     cells = to_cells(handout, [880.0, 1000.0, 1500.0], [1500.0] * 3, [0.0] * 3, duration)

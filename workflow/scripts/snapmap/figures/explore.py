@@ -25,6 +25,8 @@ MARGIN = {"l": 60, "r": 12, "t": 30, "b": 50}
 BUTTONS = {
     "responsive": True,
     "displaylogo": False,
+    "showSendToCloud": False,  # a button that uploads the study
+    "plotlyServerURL": "",
     "doubleClick": "reset",  # also what two quick clicks on two cells do
     "modeBarButtonsToRemove": ["select", "lasso", "autoScale"],
 }
