@@ -194,16 +194,14 @@ def test_an_edit_reruns_what_depends_on_it(clone, finished, path, rules):
 
 
 def test_a_comment_a_docstring_and_a_touch_rerun_nothing(clone, finished):
-    for path in (clone / "workflow" / "scripts").rglob("*.py"):
+    scripts = clone / "workflow" / "scripts"
+    for path in scripts.rglob("*.py"):
         path.touch()
-    assert planned_after_edit(clone, finished, "snapmap/device.py", "# a comment\n") == set()
-    device = clone / "workflow" / "scripts" / "snapmap" / "device.py"
-    before = device.read_text(encoding="utf-8")
-    device.write_text(before.replace('"""', '"""In other words: ', 1), encoding="utf-8")
-    try:
-        assert planned_after_edit(clone, finished, "snapmap/journal.py", "\n\n") == set()
-    finally:
-        device.write_text(before, encoding="utf-8")
+    device = scripts / "snapmap" / "device.py"
+    with edited(device, ""):
+        text = device.read_text(encoding="utf-8")
+        device.write_text(text.replace('"""', '"""In other words: ', 1), encoding="utf-8")
+        assert planned_after_edit(clone, finished, "snapmap/journal.py", "# Words\n\n") == set()
 
 
 @pytest.mark.long
