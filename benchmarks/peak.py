@@ -6,6 +6,7 @@ import numpy as np
 from numba import njit
 from workload import take_turns
 
+from snapmap.arithmetic import widen_vectors
 from snapmap.device import Device
 from snapmap.lanes import (
     BLOCK,
@@ -27,6 +28,7 @@ ROUNDS = 1000
 @njit(fastmath={"contract"}, error_model="numpy")
 def multiply_add(x, factor, term, rounds):
     """Every number of x through a chain of CHAIN multiply-adds; the chains are independent."""
+    widen_vectors()
     for _ in range(rounds):
         for l in range(x.size):
             number = x[l]

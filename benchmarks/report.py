@@ -9,12 +9,12 @@ from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 
-from contenders import FOUR, MODELS, REFERENCE, build
+from contenders import FOUR, MODELS, build
 from errors import error_section
 from markdown import number, rate, ratio, table
-from peak import block_seconds, peak_flops, step_flops, vector_bits
 from speed import speed_section
 from start import time_start
+from width import measure_widths, width_table
 from workload import by_model, random_cells, take_turns
 
 from snapmap.device import Device
@@ -25,17 +25,18 @@ COUNTS = 1_000, 10_000, 100_000, 1_000_000
 
 def sections(device: Device) -> Iterator[str]:
     """Measure one after the other."""
-    peak = peak_flops()
+    widths = measure_widths()
+    peak = max(width.peak for width in widths.values())
     models = {name: build(device, name) for name in MODELS}
-    yield header(peak)
+    yield header(max(widths), peak)
     yield speed_section(device, models, peak)
     yield error_section(device)
-    yield block_section(device, models, peak)
+    yield f"\n## The bare kernel, all lanes full\n\n{width_table(widths)}"
     yield scaling_section(device, models[FOUR])
     yield start_section()
 
 
-def header(peak: float) -> str:
+def header(bits: int, peak: float) -> str:
     """The machine and the versions."""
     packages = ("numpy", "numba", "llvmlite", "scipy", "heyoka")
     versions = ", ".join(
@@ -43,7 +44,7 @@ def header(peak: float) -> str:
     )
     return f"""# Speed and error, measured
 
-{cpu_name()}, {os.cpu_count()} cores, vectors of {vector_bits()} bits; one core was seen to do
+{cpu_name()}, {os.cpu_count()} cores, vectors of {bits} bits; one core was seen to do
 {peak / 1e9:.0f} GFLOP/s of multiply-adds.
 Python {platform.python_version()}, {versions}.
 numbalsoda is left out: it comes as source only and needs a Fortran compiler.
@@ -56,20 +57,6 @@ def cpu_name() -> str:
     info = Path("/proc/cpuinfo")
     found = re.search(r"model name\s*: (.*)", info.read_text()) if info.exists() else None
     return found[1] if found else platform.machine()
-
-
-def block_section(device: Device, models: dict[str, Model], peak: float) -> str:
-    """The step's own cost, without any look at the lanes."""
-    rows = []
-    for name in [name for name in models if name != REFERENCE]:
-        flops = step_flops(models[name].modal.load.size)
-        seconds = block_seconds(device, models[name])
-        speed = flops / seconds
-        rows.append(
-            [name, *map(number, (1e9 * seconds, flops, speed / 1e9)), f"{speed / peak:.0%}"]
-        )
-    head = ["", "ns per lane-step", "FLOP per lane-step", "GFLOP/s", "of peak"]
-    return f"\n## The bare kernel, all lanes full\n\n{table(head, rows)}"
 
 
 def scaling_section(device: Device, model: Model) -> str:

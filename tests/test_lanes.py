@@ -2,10 +2,13 @@
 
 import dataclasses
 
+import numba
 import numpy as np
 import pytest
+from numba.core.codegen import get_host_cpu_features
 
 import snapmap
+from snapmap import lanes
 from snapmap.cells import follow_cells, follow_once, to_cells
 from snapmap.lanes import LANES, device_coefficients, follow_lanes
 from snapmap.models import build_model
@@ -187,3 +190,12 @@ def test_a_failed_ledger_is_given_smaller_steps(handout):
     cells = to_cells(handout, N.ravel(), f0.ravel(), np.full(144, 0.025), 300.0)
     assert (labels(follow_once, handout, model, cells) == FAILED).any()
     assert not (labels(follow_cells, handout, model, cells) == FAILED).any()
+
+
+@pytest.mark.skipif("+avx512f" not in get_host_cpu_features(), reason="no vectors of 512 bits")
+def test_kernels_take_the_widest_vectors_and_leave_other_functions_alone():
+    """LLVM by itself stops at 256 bits on some processors that have more."""
+    kernel = numba.njit(error_model="numpy")(lanes.advance.py_func)
+    kernel(lanes._work_array(2), (0, 0), 1)
+    assert "zmm" in "".join(kernel.inspect_asm().values())
+    assert (numba.config.CPU_NAME, numba.config.CPU_FEATURES) == (None, None)
