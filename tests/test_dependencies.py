@@ -67,7 +67,7 @@ def project(tmp_path):
     (package / "__init__.py").write_text("")
     (package / "outer.py").write_text(
         '"""Says."""\nfrom typing import TYPE_CHECKING\nfrom .inner.deep import f\n'
-        'if TYPE_CHECKING:\n    from .typed import T\nTABLE = "table.csv"\n'
+        'if TYPE_CHECKING:\n    from .typed import T\nTABLE = "table.csv"\n"""Says."""\n'
     )
     (package / "inner" / "__init__.py").write_text("")
     (package / "inner" / "deep.py").write_text(

@@ -9,8 +9,6 @@ from typing import NamedTuple
 
 import platformdirs
 
-DOCUMENTED = ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef
-
 
 class Source(NamedTuple):
     """What a file says, but for comments and docstrings, and what it asks for.
@@ -83,12 +81,20 @@ def _parse(suffix, content):
     tree = ast.parse(content)
     nodes = list(_run_nodes(tree))
     imports = frozenset(found for node in nodes for found in _modules(node))
+    strings = frozenset(node.value for node in nodes if _is_string(node))
     for node in nodes:
-        if isinstance(node, DOCUMENTED) and ast.get_docstring(node, clean=False) is not None:
-            del node.body[0]
-    constants = {node.value for node in nodes if isinstance(node, ast.Constant)}
-    strings = frozenset(value for value in constants if isinstance(value, str))
+        if isinstance(body := getattr(node, "body", None), list):
+            node.body = [part for part in body if not _is_words(part)]
     return Source(ast.dump(tree), imports, strings)
+
+
+def _is_string(node):
+    return isinstance(node, ast.Constant) and isinstance(node.value, str)
+
+
+def _is_words(statement):
+    """Whether it is a docstring, or the words below a constant."""
+    return isinstance(statement, ast.Expr) and _is_string(statement.value)
 
 
 def _run_nodes(tree) -> Iterator[ast.AST]:
