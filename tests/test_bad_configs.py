@@ -504,7 +504,11 @@ def test_no_code_evaluates_text_or_starts_a_shell(root):
 
 
 # git, to say which version made a file, and the benchmark's own Python: neither sees a config.
-SUBPROCESSES = {("provenance.py", "subprocess.run"), ("start.py", "subprocess.Popen")}
+SUBPROCESSES = {
+    ("provenance.py", "subprocess.run"),
+    ("start.py", "subprocess.Popen"),
+    ("width.py", "subprocess.run"),
+}
 
 
 def test_the_rules_are_scripts_only(workflow_text):
