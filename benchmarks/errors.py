@@ -45,7 +45,7 @@ def error_section(device: Device) -> str:
 
 
 def _model(device, name, **options):
-    return _thresholds(device, by_model(device, build_model(device, name, **options)))
+    return _thresholds(device, by_model(build_model(device, name, **options)))
 
 
 def _thresholds(device, follow):
@@ -60,7 +60,7 @@ def _row(name, *differences):
 def _agreement(device, name, follow):
     """Hold a rival's snap times against those of the handout model at a small step."""
     cells = map_cells(device)
-    fine = by_model(device, build_model(device, "handout", step=0.05))(cells)
+    fine = by_model(build_model(device, "handout", step=0.05))(cells)
     found = follow(cells)
     apart = abs(found - fine)[np.isfinite(found - fine)]
     return (

@@ -7,7 +7,6 @@ from numba import njit
 from workload import take_turns
 
 from snapmap.arithmetic import widen_vectors
-from snapmap.device import Device
 from snapmap.lanes import (
     BLOCK,
     LANES,
@@ -62,19 +61,19 @@ def step_flops(modes: int) -> int:
     return 2 * modes**2 + 21 * modes + 38
 
 
-def block_seconds(device: Device, model: Model, steps: int = 50 * BLOCK) -> float:
+def block_seconds(model: Model, steps: int = 50 * BLOCK) -> float:
     """Time of `advance` alone per lane-step, all lanes full, s."""
-    X, shape = _filled(device, model)
+    X, shape = _filled(model)
     advance(X, shape, 1)
     runs = take_turns({"all": lambda: advance(X, shape, steps)}, ROUNDS)
     return runs["all"].seconds / (steps * LANES)
 
 
-def _filled(device, model):
+def _filled(model):
     modes, f0 = model.modal.load.size, 1500e-6
     X, shape = _work_array(modes), (0,) * modes
-    row = device_coefficients(model.modal, device, model.barrier, model.dt, target=-np.inf)
+    row = device_coefficients(model, target=-np.inf)
     for l in range(LANES):
-        fill(X, shape, l, row, 0.025, 900 * device.gravity, f0, model.dt)
+        fill(X, shape, l, row, 0.025, 900 * model.device.gravity, f0, model.dt)
         restart_pulse(X, l, f0 * model.dt, 0)
     return X, shape

@@ -30,34 +30,34 @@ def main():
         for label, (name, options) in MODELS.items():
             for C in (0.025, 25.0):
                 one = replace(device, contact=contact)
-                proven, left = count(one, build_model(one, name, **options), C)
+                proven, left = count(build_model(one, name, **options), C)
                 rows.append([label, f"{contact:g}", f"{C:g}", str(proven), str(left)])
     print(table(["model", "contact, N/m", "C", "proven", "left their well"], rows))
 
 
-def count(device, model, C):
+def count(model, C):
     """How many cells are proven at the model's own step, and how many of them leave their well."""
     f0, amplitude = (values.ravel() for values in np.meshgrid(F0, N))
-    cells = to_cells(device, amplitude, f0, np.full(f0.size, C), Protocol().horizon)
-    facts = follow_once(device, model, cells, Protocol())
+    cells = to_cells(model.device, amplitude, f0, np.full(f0.size, C), Protocol().horizon)
+    facts = follow_once(model, cells, Protocol())
     proven = (facts.well > 0) & (facts.energy_error <= Protocol().energy_tolerance)
     left = 0
     for i in np.flatnonzero(proven):
-        time, w = follow_on(device, model, *(values[i] for values in cells[:3]))
+        time, w = follow_on(model, *(values[i] for values in cells[:3]))
         later = w[time >= facts.t_settled[i]]
         above = later > model.barrier.midpoint
         left += (~above if facts.well[i] == 1 else above).any()
     return proven.sum(), left
 
 
-def follow_on(device, model, amplitude, f0, damping):
+def follow_on(model, amplitude, f0, damping):
     """Times and w(L/2) - rise of one cell, bit for bit as `follow_once` does, and beyond."""
     modal, dt = model.modal, model.dt
-    row = device_coefficients(modal, device, model.barrier, dt, target=-np.inf)
+    row = device_coefficients(model, target=-np.inf)
     steps = int(np.ceil((1 / f0 + FURTHER) / dt))
     p, _, y, *_ = follow_one(modal.load.size, row, dt, amplitude, f0, damping, steps, STRIDE)
     w = p @ modal.midpoint
-    contact = contact_stiffness(device, modal.residual) * np.maximum(0, w - y)
+    contact = contact_stiffness(model.device, modal.residual) * np.maximum(0, w - y)
     return np.arange(len(w)) * STRIDE * dt, w - modal.residual * contact
 
 

@@ -64,7 +64,7 @@ def scaling_section(device: Device, model: Model) -> str:
     rows = []
     for count in COUNTS:
         cells = random_cells(device, count)
-        tasks = {n: partial(by_model(device, model, threads=n), cells) for n in (1, 2)}
+        tasks = {n: partial(by_model(model, threads=n), cells) for n in (1, 2)}
         one, two = (run.seconds for run in take_turns(tasks, min(5, 10**6 // count)).values())
         rows.append([number(count), rate(count, one), rate(count, two), ratio(one / two)])
     head = ["cells", "sims/s, 1 thread", "2 threads", "gain"]

@@ -56,7 +56,7 @@ def eigenstrain(device):
     first, rows = None, []
     for strain in (0.0, 1e-5, -1e-5, 1e-4, -1e-4):
         strained, model = with_eigenstrain(device, strain)
-        found = survey(strained, model, [F0], [C], Protocol(), TOLERANCE).N_first[0]
+        found = survey(model, [F0], [C], Protocol(), TOLERANCE).N_first[0]
         first = first or found
         rise = strained.beam.rise / device.beam.rise - 1
         rows.append([f"{strain:g}", f"{100 * rise:+.3f} %", f"{100 * (found / first - 1):+.2f} %"])
@@ -80,7 +80,7 @@ def with_eigenstrain(device, strain):
     strained = replace(device, beam=replace(beam, rise=scale * beam.rise))
     modal = reduce_to_modes(strained, basis, 5)
     dt = 0.5 * step_limit(strained, modal)
-    return strained, Model("cosines", basis, modal, find_barrier(modal), dt)
+    return strained, Model("cosines", strained, basis, modal, find_barrier(modal), dt)
 
 
 def stresses(device):

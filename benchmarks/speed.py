@@ -50,7 +50,7 @@ def speed_section(device: Device, models: dict[str, Model], peak: float) -> str:
     rivals = heyokas(device)
     tasks = {(name, "open"): partial(follow, cells) for name, follow in rivals.items()}
     for name, model in models.items():
-        tasks |= _model_tasks(device, name, model, cells)
+        tasks |= _model_tasks(name, model, cells)
     take_turns(tasks, 1)  # compiles
     runs = take_turns(tasks, ROUNDS)
     plain = runs[REFERENCE, "open"]
@@ -63,12 +63,12 @@ def speed_section(device: Device, models: dict[str, Model], peak: float) -> str:
     return f"\n## Speed\n\n{table(HEAD, rows)}{LEGEND}"
 
 
-def _model_tasks(device, name, model, cells):
+def _model_tasks(name, model, cells):
     unproven = without_proofs(model)
     return {
-        (name, "open"): partial(by_model(device, unproven), cells),
-        (name, "proven"): partial(by_model(device, model), cells),
-        (name, "pass"): partial(follow_once, device, unproven, cells, PROTOCOL),
+        (name, "open"): partial(by_model(unproven), cells),
+        (name, "proven"): partial(by_model(model), cells),
+        (name, "pass"): partial(follow_once, unproven, cells, PROTOCOL),
     }
 
 
@@ -95,6 +95,6 @@ def _kernel(name, model, cells, runs, peak):
 
 
 def _slow_rows(device, reference, cells):
-    plain = take_turns({REFERENCE: partial(by_model(device, reference), cells)}, ROUNDS)[REFERENCE]
+    plain = take_turns({REFERENCE: partial(by_model(reference), cells)}, ROUNDS)[REFERENCE]
     tasks = {name: partial(follow, cells) for name, follow in scipys(device).items()}
     return [_speed(name, run, plain) for name, run in take_turns(tasks, 1).items()]

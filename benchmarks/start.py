@@ -24,7 +24,7 @@ from snapmap.models import build_model
 from snapmap.protocol import Protocol
 device = load_device(sys.argv[1])
 cells = to_cells(device, [1000], [1500], [0.025], 1500)
-print(follow_cells(device, build_model(device, sys.argv[2]), cells, Protocol()).t_snap.item())
+print(follow_cells(build_model(device, sys.argv[2]), cells, Protocol()).t_snap.item())
 """
 
 

@@ -82,7 +82,7 @@ def _measure(bits):
     return {
         "peak": peak_flops(),
         "bits": vector_bits(),
-        "seconds": {name: block_seconds(device, model) for name, model in models.items()},
+        "seconds": {name: block_seconds(model) for name, model in models.items()},
         "flops": {name: step_flops(model.modal.load.size) for name, model in models.items()},
     }
 

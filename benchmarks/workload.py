@@ -54,9 +54,9 @@ def without_proofs(model: Model) -> Model:
     return model._replace(barrier=Barrier(0.0, 0.0))
 
 
-def by_model(device: Device, model: Model, threads: int = 1) -> Follow:
+def by_model(model: Model, threads: int = 1) -> Follow:
     """Follow cells as a sweep does."""
-    return lambda cells: follow_cells(device, model, cells, PROTOCOL, threads).t_snap
+    return lambda cells: follow_cells(model, cells, PROTOCOL, threads).t_snap
 
 
 def take_turns(tasks: dict, rounds: int) -> dict[Any, Run]:

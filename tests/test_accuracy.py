@@ -100,7 +100,7 @@ def test_elements_converge_with_order_four(handout):
     def threshold(elements):
         model = build_model(handout, "elements", elements=elements, modes=8, step=0.3)
         rows = [457.7, 1500.0], [25.0, 25.0]
-        return lowest_snap(handout, model, *rows, (850.0, 1100.0), SNAP, tolerance=1e-9)
+        return lowest_snap(model, *rows, (850.0, 1100.0), SNAP, tolerance=1e-9)
 
     coarse, middle, fine = (threshold(elements) for elements in (5, 10, 20))
     order = np.log2((coarse - middle) / (middle - fine))

@@ -70,9 +70,9 @@ def follow_counted(monkeypatch):
     """Count the cells that slabs follow from now on, in a list of their numbers."""
     followed = []
 
-    def counted(device, model, axes, *rest):
+    def counted(model, axes, *rest):
         followed.append(np.prod([len(values) for values in axes]))
-        return follow_grid(device, model, axes, *rest)
+        return follow_grid(model, axes, *rest)
 
     monkeypatch.setattr("snapmap.slab.follow_grid", counted)
     return followed

@@ -41,8 +41,8 @@ def test_safe_cells_agree_with_the_top_level(handout, which, C):
     device = other_devices(handout)[which]
     ladder = build_ladder(device)
     cells = own_map(device, C)
-    facts, level, agreed = climb(device, ladder, cells, 60, SNAP)
-    top = follow_cells(device, ladder.top, cells, SNAP)
+    facts, level, agreed = climb(ladder, cells, 60, SNAP)
+    top = follow_cells(ladder.top, cells, SNAP)
     wrong = np.isfinite(facts.t_snap) != np.isfinite(top.t_snap)
     assert 0.1 < np.isfinite(top.t_snap).mean() < 0.9
     assert wrong[agreed == 1].mean() <= 1e-3

@@ -28,8 +28,8 @@ def threshold(device, f0, C=0.025, horizon=300.0, low=700.0, high=1100.0, **mode
     return high
 
 
-def labels(follow, device, model, cells):
-    return label(*follow(device, model, cells, Protocol())[:4], Protocol().energy_tolerance)
+def labels(follow, model, cells):
+    return label(*follow(model, cells, Protocol())[:4], Protocol().energy_tolerance)
 
 
 @pytest.fixture(scope="module")
@@ -124,16 +124,9 @@ def test_lanes_with_different_devices_give_what_each_gives_alone(handout):
         dataclasses.replace(handout, beam=dataclasses.replace(beam, thickness=2.2, span=620.0)),
     ]
     dt = np.full(3, 0.05)
-    rows = [
-        device_coefficients(
-            (model := build_model(device, "cosines", modes=4)).modal,
-            device,
-            model.barrier,
-            0.05,
-            device.beam.second_equilibrium - device.beam.rise,
-        )
-        for device in others
-    ]
+    models = [build_model(device, "cosines", modes=4)._replace(dt=0.05) for device in others]
+    targets = [device.beam.second_equilibrium - device.beam.rise for device in others]
+    rows = [device_coefficients(*pair) for pair in zip(models, targets, strict=True)]
     cells = to_cells(
         handout, np.linspace(700, 1900, 75), np.full(75, 1500.0), np.full(75, 5.0), 300.0
     )
@@ -157,12 +150,12 @@ def test_a_cell_does_not_depend_on_order_number_or_threads(handout):
     model = build_model(handout, "cosines", modes=3)
     N, f0 = rng.uniform(600, 2400, 5 * LANES + 3), rng.uniform(300, 2e4, 5 * LANES + 3)
     cells = to_cells(handout, N, f0, np.full(N.size, 0.025), 300.0)
-    together = follow_cells(handout, model, cells, Protocol())
+    together = follow_cells(model, cells, Protocol())
     order = rng.permutation(N.size)
     mixed = type(cells)(*(values[order] for values in cells))
     first = type(cells)(*(values[:1] for values in cells))
-    shuffled = follow_cells(handout, model, mixed, Protocol(), threads=2)
-    one = follow_cells(handout, model, first, Protocol())
+    shuffled = follow_cells(model, mixed, Protocol(), threads=2)
+    one = follow_cells(model, first, Protocol())
     for whole, mixed, single in zip(together, shuffled, one, strict=True):
         np.testing.assert_array_equal(whole[order], mixed)
         np.testing.assert_array_equal(whole[:1], single)
@@ -175,7 +168,7 @@ def test_a_blow_up_is_failed_although_the_kernel_is_fast(handout, factor):
     model = model._replace(dt=factor * model.dt)
     N = np.linspace(600, 2400, 40)
     cells = to_cells(handout, N, np.full(40, 1500.0), np.full(40, 0.025), 1500.0)
-    assert (labels(follow_once, handout, model, cells) == FAILED).all()
+    assert (labels(follow_once, model, cells) == FAILED).all()
 
 
 def test_a_hopeless_cell_is_failed_and_the_rest_goes_on(handout):
@@ -188,8 +181,8 @@ def test_a_failed_ledger_is_given_smaller_steps(handout):
     model = build_model(handout, "cosines", modes=3, step=0.8)
     N, f0 = np.meshgrid(np.linspace(600, 2400, 12), np.geomspace(100, 3e4, 12))
     cells = to_cells(handout, N.ravel(), f0.ravel(), np.full(144, 0.025), 300.0)
-    assert (labels(follow_once, handout, model, cells) == FAILED).any()
-    assert not (labels(follow_cells, handout, model, cells) == FAILED).any()
+    assert (labels(follow_once, model, cells) == FAILED).any()
+    assert not (labels(follow_cells, model, cells) == FAILED).any()
 
 
 @pytest.mark.skipif("+avx512f" not in get_host_cpu_features(), reason="no vectors of 512 bits")

@@ -77,7 +77,7 @@ def random_cells(device, number, seed, C):
 def follow(device, cells, horizon, model, **options):
     built = build_model(device, model, **options)
     N, f0, C = cells
-    facts = follow_cells(device, built, to_cells(device, N, f0, C, horizon), Protocol(horizon))
+    facts = follow_cells(built, to_cells(device, N, f0, C, horizon), Protocol(horizon))
     return facts, label(*facts[:4], Protocol().energy_tolerance)
 
 
@@ -101,12 +101,12 @@ def test_latched_stays_in_well_two(handout):
     model = build_model(device, "cosines", modes=4)
     for N, f0, C in zip(*random_cells(device, 30, 2, [25.0, 200.0]), strict=True):
         cell = to_cells(device, [N], [f0], [C], 6000.0)
-        facts = follow_once(device, model, cell, Protocol(6000.0))
+        facts = follow_once(model, cell, Protocol(6000.0))
         outcome = label(*facts[:4], Protocol().energy_tolerance)
         if outcome[0] not in (LATCHED, RETURNED):
             continue
         cell = to_cells(device, [N], [f0], [C], 2.0e4)
-        motion, form = history._modal_motion(device, model, *(float(v[0]) for v in cell))
+        motion, form = history._modal_motion(model, *(float(v[0]) for v in cell))
         w = device.beam.rise + motion.u @ form.midpoint
         after = w[motion.time >= facts.t_settled[0]]
         saddle = -device.beam.rise / 3
@@ -131,7 +131,7 @@ def test_no_proof_from_a_run_whose_energy_error_exceeds_its_margin(handout, mode
         assert np.isnan(fine.t_snap[never]).mean() > 0.97
     built = build_model(device, name, **options, step=1.0)
     built = built._replace(dt=1.5 * built.dt)
-    wild = follow_once(device, built, to_cells(device, *cells, 3000.0), Protocol(3000.0))
+    wild = follow_once(built, to_cells(device, *cells, 3000.0), Protocol(3000.0))
     assert not np.isin(label(*wild[:4], Protocol().energy_tolerance), PROVEN).any()
 
 
@@ -164,7 +164,7 @@ def test_the_undamped_ledger_stays_closed(handout, model, duration):
     built = build_model(handout, model)
     built = built._replace(barrier=built.barrier._replace(energy=0.0))
     cells = to_cells(handout, [880.0, 1000.0, 1500.0], [1500.0] * 3, [0.0] * 3, duration)
-    assert (follow_cells(handout, built, cells, Protocol(duration)).energy_error < 1e-3).all()
+    assert (follow_cells(built, cells, Protocol(duration)).energy_error < 1e-3).all()
 
 
 def test_hard_contact_without_damping_is_given_the_step_it_needs(handout):
@@ -173,8 +173,8 @@ def test_hard_contact_without_damping_is_given_the_step_it_needs(handout):
     model = build_model(device, "cosines", modes=3)
     model = model._replace(barrier=model.barrier._replace(energy=0.0))
     cells = to_cells(device, [880.0, 1500.0], [1500.0] * 2, [0.0] * 2, 2e4)
-    rough = follow_once(device, model, cells, Protocol(2e4)).energy_error
-    assert (follow_cells(device, model, cells, Protocol(2e4)).energy_error < 1e-3).all()
+    rough = follow_once(model, cells, Protocol(2e4)).energy_error
+    assert (follow_cells(model, cells, Protocol(2e4)).energy_error < 1e-3).all()
     assert (rough > 1e-3).any()
 
 

@@ -68,31 +68,27 @@ def to_cells(device: Device, N, f0, C, horizon: float) -> Cells:
     )
 
 
-def follow_cells(
-    device: Device, model: Model, cells: Cells, protocol: Protocol, threads: int = 1
-) -> Facts:
+def follow_cells(model: Model, cells: Cells, protocol: Protocol, threads: int = 1) -> Facts:
     """Follow every cell as the protocol asks.
 
     A cell whose ledger does not close is followed again with half the step, up to HALVINGS times:
     hard impacts ask for less than the stability limit does.
     """
-    facts = follow_once(device, model, cells, protocol, threads)
+    facts = follow_once(model, cells, protocol, threads)
     for halvings in range(1, HALVINGS + 1):
         doubtful = np.flatnonzero(~(facts.energy_error <= protocol.energy_tolerance))
         if doubtful.size == 0:
             break
         model = model.with_step(0.5)
         some = Cells(*(values[doubtful] for values in cells))
-        again = follow_once(device, model, some, protocol, threads)
+        again = follow_once(model, some, protocol, threads)
         for known, new in zip(facts, again, strict=True):
             known[doubtful] = new
         facts.halvings[doubtful] = halvings
     return facts
 
 
-def follow_once(
-    device: Device, model: Model, cells: Cells, protocol: Protocol, threads: int = 1
-) -> Facts:
+def follow_once(model: Model, cells: Cells, protocol: Protocol, threads: int = 1) -> Facts:
     """Follow every cell with the model's own step, whatever its ledger then says."""
     n_cells = cells.f0.size
     kinds = float, float, np.int8, float, np.int8
@@ -103,7 +99,7 @@ def follow_once(
     def follow_share(share):
         share = share[np.argsort(cells.f0[share], kind="stable")]
         some = Cells(*(values[share] for values in cells))
-        found = follow_some(device, model, some, protocol)
+        found = follow_some(model, some, protocol)
         for whole, part in zip(facts[: len(found)], found, strict=True):
             whole[share] = part
 
@@ -115,8 +111,8 @@ def follow_once(
     return facts
 
 
-def _follow_lanes(device, model, cells, protocol):
-    row = device_coefficients(model.modal, device, model.barrier, model.dt, _target(device))
+def _follow_lanes(model, cells, protocol):
+    row = device_coefficients(model, _target(model))
     device_of = np.zeros(cells.f0.size, np.int64)
     return follow_lanes(
         model.modal.load.size,
@@ -127,18 +123,19 @@ def _follow_lanes(device, model, cells, protocol):
     )
 
 
-def _follow_reference(device, model, cells, protocol):
+def _follow_reference(model, cells, protocol):
     """The plain loop proves nothing: it ends at the snap or the horizon, whatever is asked."""
-    system = nodal_system(device, model.basis)
+    system = nodal_system(model.device, model.basis)
     no_history = np.empty((0, 2 * system.load.size + 4))
     steps = np.ceil(cells.t_end / model.dt).astype(int)
     found = [
-        follow(system, amplitude, f0, damping, _target(device), model.dt, n, no_history)
+        follow(system, amplitude, f0, damping, _target(model), model.dt, n, no_history)
         for amplitude, f0, damping, n in zip(*cells[:3], steps, strict=True)
     ]
     t_snap, energy_error = np.array(found).reshape(-1, 2).T
     return t_snap, np.full(t_snap.size, np.nan), np.zeros(t_snap.size, np.int8), energy_error
 
 
-def _target(device):
-    return device.beam.second_equilibrium - device.beam.rise
+def _target(model):
+    beam = model.device.beam
+    return beam.second_equilibrium - beam.rise

@@ -89,7 +89,7 @@ def sweep(
     check_protocol(protocol)
     built = choose_model(device, model, **options)
     axes = [np.atleast_1d(np.asarray(values, float)) for values in (C, f0, N)]
-    variables = follow_grid(device, built, axes, protocol, threads)
+    variables = follow_grid(built, axes, protocol, threads)
     document = {
         "device": device_document(device),
         "model": {"name": model, **options},

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from .cells import follow_cells, to_cells
-from .device import Device
 from .ladder import Ladder, climb
 from .models import Model
 from .outcome import label
@@ -17,7 +16,6 @@ REPEATED_STEP = 0.75
 
 
 def follow_grid(
-    device: Device,
     model: Model | Ladder,
     axes: Sequence[Sequence[float]],
     protocol: Protocol,
@@ -30,12 +28,12 @@ def follow_grid(
     order = np.argsort(axes[2], kind="stable")
     ascending = *axes[:2], np.asarray(axes[2])[order]
     C, f0, N = (values.ravel() for values in np.meshgrid(*ascending, indexing="ij"))
-    cells = to_cells(device, N, f0, C, protocol.horizon)
+    cells = to_cells(model.device, N, f0, C, protocol.horizon)
     columns = len(axes[0]) * len(axes[1])
-    variables = _follow(device, model, cells, columns, protocol, threads)
+    variables = _follow(model, cells, columns, protocol, threads)
     if protocol.repeat:
         other = model.with_step(REPEATED_STEP)
-        again = _follow(device, other, cells, columns, protocol, threads)
+        again = _follow(other, cells, columns, protocol, threads)
         same = again["outcome"] == variables["outcome"]
         variables["reproduced"] = same.astype(np.int8)
     shape = [len(values) for values in axes]
@@ -43,13 +41,13 @@ def follow_grid(
     return {key: values.reshape(shape)[..., as_given] for key, values in variables.items()}
 
 
-def _follow(device, model, cells, columns, protocol, threads):
+def _follow(model, cells, columns, protocol, threads):
     decided = {}
     if isinstance(model, Ladder):
-        facts, level, agreed = climb(device, model, cells, columns, protocol, threads)
+        facts, level, agreed = climb(model, cells, columns, protocol, threads)
         decided = {"level": level, "agreed": agreed}
     else:
-        facts = follow_cells(device, model, cells, protocol, threads)
+        facts = follow_cells(model, cells, protocol, threads)
     return {
         "outcome": label(*facts[:4], protocol.energy_tolerance),
         "t_snap": facts.t_snap,

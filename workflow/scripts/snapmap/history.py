@@ -86,10 +86,10 @@ def simulate(
     protocol = Protocol(horizon, until, repeat=False, energy_tolerance=energy_tolerance)
     check_protocol(protocol)
     cells = to_cells(device, [N], [f0], [C], horizon)
-    built = built.with_step(0.5 ** follow_cells(device, built, cells, protocol).halvings.item())
+    built = built.with_step(0.5 ** follow_cells(built, cells, protocol).halvings.item())
     cell = [values.item() for values in cells]
     move = _reference_motion if built.name == "reference" else _modal_motion
-    motion, form = move(device, built, *cell)
+    motion, form = move(built, *cell)
     values = _observe(device, form, motion) | {
         "acceleration": [pulse_acceleration(t, *cell[:2]) for t in motion.time.tolist()],
         "dissipated_energy": motion.lost,
@@ -111,14 +111,14 @@ def simulate(
     )
 
 
-def _modal_motion(device, model, amplitude, f0, damping, t_end):
+def _modal_motion(model, amplitude, f0, damping, t_end):
     modal, modes = model.modal, model.modal.load.size
     steps, stride = _sampling(t_end, model.dt)
-    row = device_coefficients(modal, device, model.barrier, model.dt, target=-np.inf)
+    row = device_coefficients(model, target=-np.inf)
     *motion, swept, beam_swept = follow_one(
         modes, row, model.dt, amplitude, f0, damping, steps, stride
     )
-    lost = damping * swept + device.beam.damping * beam_swept
+    lost = damping * swept + model.device.beam.damping * beam_swept
     form = Form(
         np.eye(modes),
         np.diag(modal.stiffness),
@@ -130,8 +130,8 @@ def _modal_motion(device, model, amplitude, f0, damping, t_end):
     return Motion(np.arange(len(motion[0])) * stride * model.dt, *motion, lost), form
 
 
-def _reference_motion(device, model, amplitude, f0, damping, t_end):
-    system, n = nodal_system(device, model.basis), model.basis.load.size
+def _reference_motion(model, amplitude, f0, damping, t_end):
+    system, n = nodal_system(model.device, model.basis), model.basis.load.size
     steps, stride = _sampling(t_end, model.dt)
     kept = np.zeros((steps, 2 * n + 4))
     follow(system, amplitude, f0, damping, -np.inf, model.dt, steps, kept)

@@ -27,6 +27,11 @@ class Ladder(NamedTuple):
     top: Model
     errors: tuple[float, float, float]
 
+    @property
+    def device(self) -> Device:
+        """That of all three."""
+        return self.base.device
+
     def with_step(self, factor: float) -> "Ladder":
         """The same ladder with every step multiplied by `factor`."""
         steps = {name: getattr(self, name) for name in ("base", "check", "top")}
@@ -49,7 +54,7 @@ def build_ladder(device: Device, tolerance: float = 1e-3) -> Ladder:
     models, thresholds, errors = [], [], []
     for modes in RUNGS:
         models.append(build_model(device, "cosines", modes=modes))
-        thresholds.append(_thresholds(device, models[-1], thresholds))
+        thresholds.append(_thresholds(models[-1], thresholds))
         errors = [_difference(coarse, thresholds[-1]) for coarse in thresholds[:-1]]
         if len(errors) > 2 and errors[-2] < tolerance:
             return Ladder(models[0], *models[-3:-1], (errors[0], *errors[-2:]))
@@ -61,8 +66,9 @@ def _difference(coarse, fine):
     return float(np.max(abs(coarse / fine - 1), initial=0.0, where=np.isfinite(coarse + fine)))
 
 
-def _thresholds(device, model, coarser):
+def _thresholds(model, coarser):
     """Thresholds under pulses longer than the mass's own period, where they are smooth in f0."""
+    device = model.device
     # ASSUME: a rung's error in three long pulses stands for its error everywhere else.
     own_frequency = np.sqrt(device.spring / device.mass) / (2 * np.pi) * 1e6
     f0 = own_frequency * np.array([0.1, 0.2, 0.4])
@@ -72,11 +78,11 @@ def _thresholds(device, model, coarser):
     if coarser:
         bracket = 0.95 * np.nanmin(coarser[-1]), 1.05 * np.nanmax(coarser[-1])
     protocol = Protocol(horizon=0.0)
-    return lowest_snap(device, model, f0, damping, bracket, protocol, tolerance=1e-5)
+    return lowest_snap(model, f0, damping, bracket, protocol, tolerance=1e-5)
 
 
 def climb(
-    device: Device, ladder: Ladder, cells: Cells, columns: int, protocol: Protocol, threads: int = 1
+    ladder: Ladder, cells: Cells, columns: int, protocol: Protocol, threads: int = 1
 ) -> tuple[Facts, np.ndarray, np.ndarray]:
     """Follow cells, `columns` runs of equally many ascending N, each by the level that suffices.
 
@@ -84,7 +90,7 @@ def climb(
     Returns the facts; the level that decided each cell, 0 for base and 1 for top; and 0 where
     check and top disagree on whether it snaps, else 1.
     """
-    facts = follow_cells(device, ladder.base, cells, protocol, threads)
+    facts = follow_cells(ladder.base, cells, protocol, threads)
     n_cells = facts.well.size
     level, agreed = np.zeros(n_cells, np.int8), np.ones(n_cells, np.int8)
     unsafe = ~(facts.energy_error <= protocol.energy_tolerance) | _at_end(columns, n_cells)
@@ -94,8 +100,8 @@ def climb(
         if new.size == 0:
             return facts, level, agreed
         some = Cells(*(values[new] for values in cells))
-        check = follow_cells(device, ladder.check, some, protocol, threads)
-        top = follow_cells(device, ladder.top, some, protocol, threads)
+        check = follow_cells(ladder.check, some, protocol, threads)
+        top = follow_cells(ladder.top, some, protocol, threads)
         level[new] = 1
         agreed[new] = np.isfinite(check.t_snap) == np.isfinite(top.t_snap)
         for whole, part in zip(facts, top, strict=True):

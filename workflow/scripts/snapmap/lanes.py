@@ -407,12 +407,13 @@ def follow_one(modes, device, dt, amplitude, f0, damping, steps, stride):
     )
 
 
-def device_coefficients(modal, device, barrier, dt, target):
-    """One device's row of coefficients, in the order of the rows of X, with forces times dt^2.
+def device_coefficients(model, target):
+    """A model's row of coefficients, in the order of the rows of X, with forces times dt^2.
 
-    barrier: of the modal beam, a `Barrier`
+    model: a `Model`
     target: w(L/2) - rise at which a run counts as snapped, um; -inf for never
     """
+    _, device, _, modal, barrier, dt = model
     contact, square = contact_stiffness(device, modal.residual), dt * dt
     return np.concatenate(
         [

@@ -25,7 +25,7 @@ RUNGS = (3, 5, 7, 10, 14, 18)
 
 
 class Model(NamedTuple):
-    """A device's beam, discretised.
+    """A device, its beam discretised.
 
     name: "reference" is marched by the plain loop, the others by the lane kernel
     basis, modal: its matrices, and their reduced form
@@ -34,6 +34,7 @@ class Model(NamedTuple):
     """
 
     name: str
+    device: Device
     basis: Basis
     modal: ModalBeam
     barrier: Barrier
@@ -62,7 +63,7 @@ def build_model(device: Device, name: str = "handout", **options) -> Model:
             f"with {modes} of {basis.load.size} modes; write fewer modes, or a contact in N/m"
         )
     step = options.get("step", _default_step(device, basis, modes))
-    return Model(name, basis, modal, find_barrier(modal), step * step_limit(device, modal))
+    return Model(name, device, basis, modal, find_barrier(modal), step * step_limit(device, modal))
 
 
 def check_options(device: Device, name: str, options: Mapping) -> None:

@@ -53,6 +53,6 @@ def _follow_unknown(device, model, slab, protocol, threads, variables, known):
         rows, columns = np.flatnonzero(pattern_of == number), np.flatnonzero(pattern)
         if columns.size:
             axes, built = (slab.C, f0[rows], N[columns]), choose_model(device, **model)
-            for key, values in follow_grid(device, built, axes, protocol, threads).items():
+            for key, values in follow_grid(built, axes, protocol, threads).items():
                 whole = variables.setdefault(key, np.empty((1, *known.shape), values.dtype))
                 whole[0][np.ix_(rows, columns)] = values[0]

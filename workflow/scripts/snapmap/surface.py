@@ -68,7 +68,7 @@ def threshold(
 
     def look(f0):
         rows = (values.ravel() for values in np.meshgrid(f0, C))
-        return survey(device, chosen, *rows, protocol, tolerance, threads, highest)
+        return survey(chosen, *rows, protocol, tolerance, threads, highest)
 
     found = look(f0)._asdict()
     shape = C.size, f0.size

@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .device import Device
 from .edges import (
     FINE_STEP,
     Edges,
@@ -56,7 +55,6 @@ class Survey(NamedTuple):
 
 
 def survey(
-    device: Device,
     model: Model | Ladder,
     f0: Sequence[float],
     C: Sequence[float],
@@ -72,14 +70,14 @@ def survey(
     change, and refines; another level and half the step tell what that is worth.
     """
     f0, C = (np.asarray(values, float) for values in (f0, C))
-    ladder = model if isinstance(model, Ladder) else build_ladder(device)
+    ladder = model if isinstance(model, Ladder) else build_ladder(model.device)
     decides, doubts = (ladder.top, ladder.check) if model is ladder else (model, ladder.top)
 
     def ask(level, rows=slice(None), horizon=protocol.horizon):
         asked = protocol._replace(horizon=horizon)
-        return asker(device, level, f0[rows], C[rows], asked, threads)
+        return asker(level, f0[rows], C[rows], asked, threads)
 
-    whole = _whole_window(ask(ladder.base), _wide_scan(device, f0, C), highest)
+    whole = _whole_window(ask(ladder.base), _wide_scan(model.device, f0, C), highest)
     window, ragged = _closer_window(ask(ladder.base), whole)
     edges, open_end, window, ragged = _decide(ask(decides), window, whole, ragged)
     edges = refine_edges(lambda rows: ask(decides, rows), edges, tolerance)

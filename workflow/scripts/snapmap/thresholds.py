@@ -5,7 +5,6 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from .cells import follow_cells, to_cells
-from .device import Device
 from .models import Model
 from .protocol import THRESHOLD_TOLERANCE, Protocol
 
@@ -16,7 +15,6 @@ SECTIONS = 4
 
 
 def lowest_snap(
-    device: Device,
     model: Model,
     f0: Sequence[float],
     C: Sequence[float],
@@ -31,13 +29,12 @@ def lowest_snap(
     tolerance: of N, relative; the result is the upper end of an interval that narrow
     NaN where nothing in the bracket snaps, or its lower end does.
     """
-    ask = asker(device, model, f0, C, protocol, threads)
+    ask = asker(model, f0, C, protocol, threads)
     N = amplitudes(*(np.full(len(f0), end) for end in bracket), SCAN_STEP)
     return refine(ask, *first_snap(N, np.isfinite(ask(N))), tolerance)[1]
 
 
 def asker(
-    device: Device,
     model: Model,
     f0: Sequence[float],
     C: Sequence[float],
@@ -54,9 +51,9 @@ def asker(
     def ask(N):
         given = np.isfinite(N)
         rows = (np.broadcast_to(values, N.shape)[given] for values in (N, f0, C))
-        cells = to_cells(device, *rows, asked.horizon)
+        cells = to_cells(model.device, *rows, asked.horizon)
         t_snap = np.full(N.shape, np.nan)
-        t_snap[given] = follow_cells(device, model, cells, asked, threads).t_snap
+        t_snap[given] = follow_cells(model, cells, asked, threads).t_snap
         return t_snap
 
     return ask

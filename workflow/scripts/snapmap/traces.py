@@ -62,7 +62,7 @@ def trace(
         mine = np.flatnonzero((level == number) & (halvings == halved))
         stepped = levels[number].with_step(0.5**halved)
         some = Cells(*(column[mine] for column in cells))
-        found = _follow(device, stepped, some, window[mine], bins, threads)
+        found = _follow(stepped, some, window[mine], bins, threads)
         values[..., mine], bin_length[mine] = found
     return _dress(device, cube, dict(zip(VARIABLES, values, strict=True)), bin_length, levels[0])
 
@@ -97,9 +97,9 @@ def _window(device, cube, cells, protocol):
     return np.where(np.isnan(settled), ended, settled + swing)
 
 
-def _follow(device, model, cells, window, bins, threads):
+def _follow(model, cells, window, bins, threads):
     """Values, (variables, bins, cells), and lengths of the bins, us; window: time followed, us."""
-    row = device_coefficients(model.modal, device, model.barrier, model.dt, target=-np.inf)
+    row = device_coefficients(model, target=-np.inf)
     width = SAMPLE * np.ceil(window / (bins * SAMPLE * model.dt)).astype(np.int64)
     values = np.empty((len(VARIABLES), bins, width.size))
     # Lanes run together to the end of the longest: those of one call should be of one length.
@@ -108,7 +108,7 @@ def _follow(device, model, cells, window, bins, threads):
     def follow(some):
         loads = *(column[some] for column in cells[:3]), width[some]
         w_range, instants = trace_lanes(model.modal.load.size, row, model.dt, loads, bins)
-        positions = device.beam.rise + np.concatenate([w_range, instants[:1]])
+        positions = model.device.beam.rise + np.concatenate([w_range, instants[:1]])
         values[:3, :, some], values[3:, :, some] = positions, instants[1:] / model.barrier.energy
 
     with ThreadPoolExecutor(threads) as pool:

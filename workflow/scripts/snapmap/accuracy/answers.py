@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ..cells import follow_cells, to_cells
-from ..device import Device
 from ..grid import follow_grid
 from ..models import Model
 from ..protocol import Protocol
@@ -50,33 +49,29 @@ def ask_all(cases: Sequence[Case], probe: Probe, threads: int = 1) -> dict[str, 
 
 def _ask_case(case, probe, threads):
     """The thresholds come first, so that the map finds compiled code."""
-    values = ask(case.device, case.model, probe, case.protocol, threads)
-    return Answer(values, *follow_map(case.device, case.model, probe, case.protocol))
+    values = ask(case.model, probe, case.protocol, threads)
+    return Answer(values, *follow_map(case.model, probe, case.protocol))
 
 
 def _least_seconds(case, found, probe):
     """Take the time of another run of the map if that is less; a slow map is not run again."""
     if found.seconds * found.t_snap.size > SLOW:
         return found
-    _, seconds = follow_map(case.device, case.model, probe, case.protocol)
+    _, seconds = follow_map(case.model, probe, case.protocol)
     return found._replace(seconds=min(seconds, found.seconds))
 
 
-def ask(
-    device: Device, model: Model, probe: Probe, protocol: Protocol, threads: int = 1
-) -> np.ndarray:
+def ask(model: Model, probe: Probe, protocol: Protocol, threads: int = 1) -> np.ndarray:
     """Lowest N that snaps, in multiples of g, and t_snap at ABOVE times that, us; (2, C, f0)."""
     C, f0 = (values.ravel() for values in np.meshgrid(probe.C, probe.f0, indexing="ij"))
-    lowest = lowest_snap(device, model, f0, C, probe.bracket, protocol, TOLERANCE, threads)
-    cells = to_cells(device, np.nan_to_num(ABOVE * lowest), f0, C, protocol.horizon)
-    t_snap = follow_cells(device, model, cells, protocol, threads).t_snap
+    lowest = lowest_snap(model, f0, C, probe.bracket, protocol, TOLERANCE, threads)
+    cells = to_cells(model.device, np.nan_to_num(ABOVE * lowest), f0, C, protocol.horizon)
+    t_snap = follow_cells(model, cells, protocol, threads).t_snap
     return np.reshape([lowest, t_snap], (2, probe.C.size, probe.f0.size))
 
 
-def follow_map(
-    device: Device, model: Model, probe: Probe, protocol: Protocol
-) -> tuple[np.ndarray, float]:
+def follow_map(model: Model, probe: Probe, protocol: Protocol) -> tuple[np.ndarray, float]:
     """t_snap of the map's cells, us, (C, f0, N), and the seconds that each took."""
     start = perf_counter()
-    t_snap = follow_grid(device, model, probe.axes, protocol)["t_snap"]
+    t_snap = follow_grid(model, probe.axes, protocol)["t_snap"]
     return t_snap, (perf_counter() - start) / t_snap.size

@@ -29,7 +29,6 @@ class Case(NamedTuple):
 
     name: str
     family: str
-    device: Device
     model: Model
     protocol: Protocol
     against: str
@@ -38,18 +37,18 @@ class Case(NamedTuple):
 def list_cases(device: Device, protocol: Protocol, plan: Plan) -> Iterator[Case]:
     """Every case of a plan; each family changes one thing and leaves the others alone."""
     for name, family, model in (*_elements(device, plan), *_cosines(device, plan)):
-        yield Case(name, family, device, model, protocol, CONVERGED)
+        yield Case(name, family, model, protocol, CONVERGED)
     for step in plan.steps:
         model = build_model(device, "handout", step=step)
-        yield Case(f"step {step:g}", "step", device, model, protocol, f"step {plan.steps[0]:g}")
+        yield Case(f"step {step:g}", "step", model, protocol, f"step {plan.steps[0]:g}")
     for factor in (*plan.penalties, math.inf) if math.isfinite(device.contact) else ():
         stiff = replace(device, contact=factor * device.contact)
         model = build_model(stiff, "cosines", modes=plan.cosines[-1])
-        yield Case(f"contact x {factor:g}", "penalty", stiff, model, protocol, HARD)
+        yield Case(f"contact x {factor:g}", "penalty", model, protocol, HARD)
     longest, model = f"horizon x {plan.horizons[-1]:g}", build_model(device, "handout")
     for factor in plan.horizons:
         longer = protocol._replace(horizon=factor * protocol.horizon)
-        yield Case(f"horizon x {factor:g}", "horizon", device, model, longer, longest)
+        yield Case(f"horizon x {factor:g}", "horizon", model, longer, longest)
 
 
 def _elements(device, plan):

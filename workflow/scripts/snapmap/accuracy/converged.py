@@ -42,15 +42,15 @@ def converge(
 
     def refined(name, modes, step=FINE_STEP, **options):
         model = build_model(device, name, modes=modes, step=step, **options)
-        return ask(device, model, probe, protocol, threads)
+        return ask(model, probe, protocol, threads)
 
     fine, error = _refine(refined, "cosines", *refinement.cosines)
     other, other_error = np.full((2, *fine.shape), np.nan)
     if refinement.meshes:
         other, other_error = _refine_elements(refined, refinement)
     model = build_model(device, "cosines", modes=refinement.cosines[0], step=FINE_STEP)
-    found = Answer(fine, *follow_map(device, model, probe, protocol))
-    repeated, _ = follow_map(device, model.with_step(2), probe, protocol)
+    found = Answer(fine, *follow_map(model, probe, protocol))
+    repeated, _ = follow_map(model.with_step(2), probe, protocol)
     return Converged(found, error, other, other_error, repeated)
 
 

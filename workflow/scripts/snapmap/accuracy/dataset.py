@@ -70,7 +70,7 @@ def _comparison(cases, answers, converged, probe):
 
 def _settings(cases):
     modes = [case.model.modal.load.size for case in cases]
-    contact = [case.device.contact for case in cases]
+    contact = [case.model.device.contact for case in cases]
     return {
         "modes": _variable("model", modes, "number of modes", "1"),
         "step": _variable("model", [case.model.dt for case in cases], "time step", "us"),

@@ -42,23 +42,23 @@ def measure_pair(
     search = [FINE_STEPS[0] * limit] * 4 * case.of_threshold  # a dozen runs, over at the snap
     if _seconds(model, case, [model.dt, *search]) > BUDGET / 8:
         return values
-    return values | _follow(device, case, model, limit, steps)
+    return values | _follow(case, model, limit, steps)
 
 
-def _follow(device, case, model, limit, steps):
+def _follow(case, model, limit, steps):
     """What is judged: with fine steps unless that takes too long, and the default step always."""
-    cells, protocol = _cells(device, model, case, limit), Protocol(case.horizon)
+    cells, protocol = _cells(model, case, limit), Protocol(case.horizon)
 
     @cache
     def follow_at(dt):
-        return _to_runs(follow_once(device, model._replace(dt=dt), cells, protocol))
+        return _to_runs(follow_once(model._replace(dt=dt), cells, protocol))
 
     fine, values = NO_RUNS, {}
     if _seconds(model, case, limit * np.array([*FINE_STEPS, *steps])) < BUDGET:
         fine = Runs(*np.hstack([follow_at(step * limit) for step in FINE_STEPS]))
         at_steps = [_summary(follow_at(step * limit), fine) for step in steps]
         values = {key: [one[key] for one in at_steps] for key in at_steps[0]}
-    facts = follow_cells(device, model, cells, protocol)
+    facts = follow_cells(model, cells, protocol)
     values |= {f"default_{key}": value for key, value in _summary(_to_runs(facts), fine).items()}
     return values | {"halvings": facts.halvings.max()}
 
@@ -72,15 +72,15 @@ def _seconds(model, case, steps):
     return float(np.sum(duration / np.array(steps)) * groups * nanoseconds * 1e-9)
 
 
-def _cells(device, model, case, limit):
+def _cells(model, case, limit):
     N = case.N
     if case.of_threshold:
         fine = model._replace(dt=FINE_STEPS[0] * limit)
         asked = [case.f0], [case.C], SEARCHED, Protocol(horizon=300.0)
-        N *= lowest_snap(device, fine, *asked, tolerance=10 * APART)[0]
+        N *= lowest_snap(fine, *asked, tolerance=10 * APART)[0]
     copies = N * (1 - APART * np.arange(case.cells))
     same = np.ones(case.cells)
-    return to_cells(device, copies, case.f0 * same, case.C * same, case.horizon)
+    return to_cells(model.device, copies, case.f0 * same, case.C * same, case.horizon)
 
 
 def _to_runs(facts):
