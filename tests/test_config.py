@@ -265,6 +265,46 @@ def test_histories():
     assert load_study(changed(histories=[])).histories == ()
 
 
+def with_durations(given):
+    document = copy.deepcopy(DEFAULT)
+    del document["sweep"]["f0"]
+    document["sweep"]["duration"] = given
+    return document
+
+
+def test_durations_stand_for_frequencies():
+    assert load_study(with_durations(["0.5 ms", "2 ms", "100 us"])).f0.tolist() == [
+        500,
+        2000,
+        10000,
+    ]
+    log = {"from": "0.1 ms", "to": "10 ms", "points": 21, "spacing": "log"}
+    same = {"from": "100 Hz", "to": "10 kHz", "points": 21, "spacing": "log"}
+    np.testing.assert_allclose(
+        load_study(with_durations(log)).f0, load_study(changed(sweep__f0=same)).f0, rtol=1e-13
+    )
+    cell = {"N": 1000, "duration": "0.5 ms", "C": "25 uN*us/um"}
+    assert load_study(changed(histories=[cell])).histories == (History(1000.0, 2000.0, 25.0),)
+
+
+@pytest.mark.parametrize(
+    ("document", "fault"),
+    [
+        (changed(sweep__f0=MISSING), "sweep.f0: missing; write frequencies"),
+        (changed(sweep__duration=["1 ms"]), "sweep.duration: is one over f0, which is there, too"),
+        (with_durations(["0 ms"]), "sweep.duration[0]: '0 ms' is not positive"),
+        (with_durations(["1 kHz"]), "sweep.duration[0]: '1 kHz' does not convert to us"),
+        (with_durations(["1 ms", "1000 us"]), "sweep.duration: 1000 us comes twice"),
+        (
+            changed(histories=[{"N": 1, "C": "1 kg/s"}]),
+            "histories[0].f0: missing; write frequencies",
+        ),
+    ],
+)
+def test_one_of_frequency_and_duration_is_given(document, fault):
+    assert only_fault(document).startswith(fault)
+
+
 def test_hard_contact_and_damping():
     device = load_study(changed(device__contact="hard", device__beam__damping="4e-4 /us")).device
     assert (device.contact, device.beam.damping) == (math.inf, 4e-4)

@@ -8,6 +8,10 @@ _HOME = {"load_device": "config", "simulate": "history", "sweep": "cube", "thres
 __all__ = ["load_device", "simulate", "sweep", "threshold"]
 
 
+def __dir__():
+    return [*__all__, "__version__"]
+
+
 def __getattr__(name):
     # Imported on first use: a solver job must not pay for xarray.
     if name in _HOME:

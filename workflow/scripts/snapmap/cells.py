@@ -49,7 +49,10 @@ def check_cells(**values) -> None:
     least = {"N": -np.inf, "f0": np.nextafter(0, 1), "C": 0.0}
     need = {"N": "any size", "f0": "above 0", "C": "0 or above"}
     for key, given in values.items():
-        given = np.atleast_1d(np.asarray(given, float))
+        try:
+            given = np.atleast_1d(np.asarray(given, float))
+        except (TypeError, ValueError):
+            raise ValueError(f"{key}: {given!r} is no number, nor an array of numbers") from None
         if given.size == 0:
             raise ValueError(f"{key}: empty; give one value or more")
         wrong = given[~(np.isfinite(given) & (given >= least[key]))]

@@ -49,7 +49,7 @@ class Study:
 # ASSUME: without a list of histories, the handout's own case is drawn.
 HANDOUT_CASE = History(N=1000.0, f0=1500.0, C=0.025)
 
-_AXES = {"N": "number", "f0": "frequency", "C": "damper"}
+_KINDS = {"N": "number", "f0": "frequency", "duration": "pulse", "C": "damper"}
 _LONGEST_KEY = 40
 
 
@@ -57,13 +57,19 @@ def load_study(document: Mapping) -> Study:
     """Check a whole config document and convert it; raises ConfigError naming every fault."""
     faults = _schema_faults(document)
     device = _part(document, ("device",), faults, _device)
-    axes = {key: _part(document, ("sweep", key), faults, _axis, key) for key in _AXES}
+    parts = document if isinstance(document, Mapping) else {}
+    keys = "N", _pulse_key(parts.get("sweep"), ("sweep",), faults), "C"
+    N, f0, C = (_part(document, ("sweep", key), faults, _axis, key) for key in keys)
+    cells = parts.get("histories")
+    for place, cell in enumerate(cells if isinstance(cells, list | tuple) else ()):
+        _pulse_key(cell, ("histories", place), faults)
     _refuse(faults)
-    cells = document.get("histories")
     return Study(
         device=device,
         model=_model(document["model"]),
-        **axes,
+        N=N,
+        f0=f0,
+        C=C,
         protocol=_protocol(document["sweep"]),
         threshold_tolerance=document["sweep"].get("threshold_tolerance", THRESHOLD_TOLERANCE),
         histories=(HANDOUT_CASE,) if cells is None else tuple(_history(cell) for cell in cells),
@@ -138,12 +144,32 @@ def _protocol(section):
     return Protocol(horizon=read(section["horizon"], "duration"), **given)
 
 
+def _pulse_key(section, path, faults):
+    """Which of f0 and duration the section at `path` has; a fault unless it is one of them."""
+    if not isinstance(section, Mapping) or ("f0" in section) != ("duration" in section):
+        return "duration" if isinstance(section, Mapping) and "duration" in section else "f0"
+    if "f0" in section:
+        key, complaint = "duration", "is one over f0, which is there, too; write one of them"
+    else:
+        key, complaint = "f0", "missing; write frequencies (1/time), or duration"
+    faults[(*path, key)] = f"{_name((*path, key))}: {complaint}"
+    return "f0"
+
+
 def _history(cell):
-    return History(**{key: read(cell[key], kind) for key, kind in _AXES.items()})
+    values = {key: read(value, _KINDS[key]) for key, value in cell.items()}
+    if "duration" in values:
+        values["f0"] = _frequency(values.pop("duration"))
+    return History(**values)
+
+
+def _frequency(duration):
+    """Hz, of a pulse of so many us, to 14 digits: 0.5 ms is 2000 Hz."""
+    return float(f"{1e6 / duration:.14g}")
 
 
 def _axis(section, key):
-    kind = _AXES[key]
+    kind = _KINDS[key]
     if isinstance(section, Mapping):
         values = _range(section, f"sweep.{key}", kind)
     else:
@@ -153,6 +179,8 @@ def _axis(section, key):
     if repeated.size:
         value = f"{repeated[0]:.15g} {KINDS[kind].unit}".strip()
         raise ValueError(f"sweep.{key}: {value} comes twice; write every value once")
+    if key == "duration":
+        return np.array([_frequency(value) for value in values[::-1].tolist()])
     return values
 
 

@@ -9,6 +9,7 @@ from .bases.cosines import symmetric_cosines
 from .bases.elements import hermite_elements
 from .device import Device
 from .modal import ModalBeam, contact_stiffness, reduce_to_modes, step_limit
+from .protocol import check_number
 from .wells import Barrier, find_barrier
 
 ELEMENT_OPTIONS = ("elements", "mass_matrix", "step")
@@ -68,12 +69,16 @@ def build_model(device: Device, name: str = "handout", **options) -> Model:
 
 def check_options(device: Device, name: str, options: Mapping) -> None:
     """Raise ValueError, one line, for a model or an option that cannot be."""
+    if not isinstance(device, Device):
+        raise ValueError(f"device: {device!r} is no device; `snapmap.load_device` reads one")
     if name not in OPTIONS:
         raise ValueError(f"model.name: {name!r} is unknown; known are {', '.join(OPTIONS)}")
     for key, value in options.items():
         if key not in OPTIONS[name]:
             known = ", ".join(OPTIONS[name])
             raise ValueError(f"model.{key}: not an option of {name}; its options are {known}")
+        if key != "mass_matrix":
+            check_number(f"model.{key}", value)
         if key == "mass_matrix":
             if value not in ("consistent", "hrz"):
                 raise ValueError(f"model.mass_matrix: {value!r} is not consistent or hrz")
@@ -83,7 +88,7 @@ def check_options(device: Device, name: str, options: Mapping) -> None:
         elif key == "tolerance":
             if not 0 < value < 1:
                 raise ValueError(f"model.tolerance: {value} is not between 0 and 1")
-        elif isinstance(value, bool) or value != int(value) or value < 1:
+        elif value != int(value) or value < 1:
             raise ValueError(f"model.{key}: {value!r} is not a whole number from 1")
     if name == "reference" and math.isinf(device.contact):
         raise ValueError("device.contact: hard is not for the reference model; write handout")

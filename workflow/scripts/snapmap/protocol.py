@@ -1,5 +1,6 @@
 """How every cell of a sweep is followed."""
 
+from numbers import Real
 from typing import NamedTuple
 
 UNTIL = ("settled", "snap")
@@ -23,8 +24,16 @@ class Protocol(NamedTuple):
     energy_tolerance: float = 1e-3
 
 
+def check_number(key: str, value: object) -> None:
+    """Raise ValueError, one line, for a value that is no real number."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise ValueError(f"{key}: {value!r} is not a number")
+
+
 def check_protocol(protocol: Protocol) -> None:
     """Raise ValueError, one line, for a value that cannot be."""
+    check_number("sweep.horizon", protocol.horizon)
+    check_number("sweep.energy_tolerance", protocol.energy_tolerance)
     if protocol.until not in UNTIL:
         raise ValueError(f"sweep.until: {protocol.until!r} is not one of {', '.join(UNTIL)}")
     if not 0 <= protocol.horizon < float("inf"):

@@ -33,6 +33,7 @@ KINDS = {
     "damper": Kind("a damper constant", "uN*us/um", "'25 uN*us/um'", zero=True),
     "share": Kind("a share", "%", "'0.1 %'"),
     "duration": Kind("a duration", "us", "'1500 us'", zero=True),
+    "pulse": Kind("a duration", "us", "'0.5 ms'"),
 }
 
 LEAST, MOST = 1e-15, 1e15

@@ -10,7 +10,7 @@ from .config import device_document
 from .cube import COORDINATES
 from .device import Device
 from .ladder import choose_model
-from .protocol import THRESHOLD_TOLERANCE, Protocol, check_protocol
+from .protocol import THRESHOLD_TOLERANCE, Protocol, check_number, check_protocol
 from .provenance import provenance
 from .statics import static_threshold
 from .survey import survey
@@ -114,7 +114,10 @@ def summary(found: xr.Dataset) -> str:
 def _check(f0, C, tolerance, highest, protocol):
     check_cells(f0=f0, C=C)
     check_protocol(protocol)
+    check_number("tolerance", tolerance)
     if not 1e-9 <= tolerance <= 0.01:
         raise ValueError(f"tolerance: {tolerance} is not from 1e-9 to 0.01, of N")
-    if highest is not None and not np.isfinite(highest):
-        raise ValueError(f"highest: {highest} is not a finite multiple of g")
+    if highest is not None:
+        check_number("highest", highest)
+        if not np.isfinite(highest):
+            raise ValueError(f"highest: {highest} is not a finite multiple of g")
