@@ -1,5 +1,7 @@
 """The functions of the package: what there is, and what a wrong call says."""
 
+import doctest
+
 import numpy as np
 import pytest
 
@@ -14,6 +16,15 @@ def test_the_package_shows_its_functions_and_no_more():
         callable(getattr(snapmap, name)) and getattr(snapmap, name).__doc__
         for name in snapmap.__all__
     )
+
+
+@pytest.mark.parametrize("name", snapmap.__all__)
+def test_the_example_of_each_function_is_true(root, monkeypatch, name):
+    monkeypatch.chdir(root)
+    function = getattr(snapmap, name)
+    (example,) = doctest.DocTestFinder().find(function, name, globs={"snapmap": snapmap})
+    assert example.examples
+    assert doctest.DocTestRunner().run(example).failed == 0
 
 
 @pytest.mark.parametrize(

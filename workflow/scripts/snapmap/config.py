@@ -77,7 +77,11 @@ def load_study(document: Mapping) -> Study:
 
 
 def load_device(path: str | Path) -> Device:
-    """Read the device of a config file, whatever its other sections; raises ConfigError."""
+    """Read the device of a config file, whatever its other sections; raises ConfigError.
+
+    >>> snapmap.load_device("config/config.yaml").beam.thickness
+    2.0
+    """
     document = read_document(path)
     faults = {at: line for at, line in _schema_faults(document).items() if at[0] == "device"}
     device = _part(document, ("device",), faults, _device)

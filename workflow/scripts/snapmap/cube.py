@@ -82,6 +82,11 @@ def sweep(
         repeated unless told
     model, options: as in the config's model section
     Raises ValueError, one line, for a value that cannot be.
+
+    >>> device = snapmap.load_device("config/config.yaml")
+    >>> cube = snapmap.sweep(device, [900, 1100], [1500], [25], model="cosines", until="snap")
+    >>> cube.t_snap.notnull().squeeze().values.tolist()
+    [False, True]
     """
     check_cells(N=N, f0=f0, C=C)
     repeat = until == "settled" if repeat is None else repeat

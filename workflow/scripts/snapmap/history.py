@@ -79,6 +79,11 @@ def simulate(
     N: multiples of g; f0: Hz; C: uN us/um; horizon: us followed after the pulse
     until, energy_tolerance: of a sweep, whose step for this cell is taken
     model, options: as in the config's model section
+
+    >>> device = snapmap.load_device("config/config.yaml")
+    >>> run = snapmap.simulate(device, 1100, 1500, 25, model="cosines", horizon=0)
+    >>> bool(run.w_mid.min() < device.beam.second_equilibrium)
+    True
     """
     built = choose_model(device, model, **options)
     built = built.top if isinstance(built, Ladder) else built

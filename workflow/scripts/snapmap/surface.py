@@ -58,6 +58,11 @@ def threshold(
         give `auto` a tolerance of its own
     The variables are those of `survey.Survey`, (C, f0), and the limits for slow and short pulses:
     N_static and velocity_change, (C).
+
+    >>> device = snapmap.load_device("config/config.yaml")
+    >>> found = snapmap.threshold(device, [1500], [25], model="cosines")
+    >>> found.N_first.round().item()
+    990.0
     """
     protocol = Protocol(horizon, energy_tolerance=energy_tolerance)
     _check(f0, C, tolerance, highest, protocol)
