@@ -9,16 +9,18 @@ from snakemake.exceptions import WorkflowError
 # numba keeps in its cache asks for it by name.
 sys.dont_write_bytecode = True
 sys.path.append(str(Path(workflow.basedir) / "workflow" / "scripts"))
-from snapmap.dependencies import code_hash, kernel_cache
+from snapmap.io.dependencies import code_hash, kernel_cache
 
 # Jobs inherit both: a kernel is compiled once per user.
 os.environ.update(PYTHONDONTWRITEBYTECODE="1")
 os.environ.setdefault("NUMBA_CACHE_DIR", str(kernel_cache()))
-from snapmap.atomic import remove_leftovers
-from snapmap.config import load_study
-from snapmap.document import read_document
-from snapmap.partition import slab_name
-from snapmap.plan import cut, requests
+from snapmap.io.atomic import remove_leftovers
+from snapmap.config.study import load_study, nominal
+from snapmap.config.views import side_by_side
+from snapmap.config.yaml_file import read_document
+from snapmap.device import values_of
+from snapmap.sweeps.partition import slab_name
+from snapmap.sweeps.plan import make_plan
 
 if not workflow.overwrite_configfiles:
 
@@ -29,13 +31,22 @@ try:
     for path in workflow.overwrite_configfiles:
         read_document(path)  # Snakemake keeps the last of two equal keys without a word
     study = load_study(config)
-    slabs = {slab_name(study, slab): slab for slab in cut(study)}
-    asked = requests(study, slabs)
+    plan = make_plan(study.grid, study.model, study.settings, [h.f0 for h in study.histories])
 except ValueError as error:
     raise WorkflowError(str(error))
 
-dampings = [f"{C:.15g}" for C in study.C]
-cells = {"N{:.15g}_f{:.15g}_C{:.15g}".format(*cell): cell for cell in study.histories}
+device_values = values_of(study.device)
+asked = study.settings.asked()
+names = [slab_name(study.device, study.model, slab, asked) for slab in plan.slabs]
+slabs = dict(zip(names, plan.slabs))
+requests = dict(zip(names, plan.requests))
+cells = {cell.name: cell for cell in study.histories}
+statics = {"": study.device}
+if isinstance(study.device, dict):
+    statics = {f"_{name}": device for name, device in study.device.items()}
+together = side_by_side(study.maps)
+map_stems = [*(view.name for view in study.maps), *["maps"] * bool(together)]
+curve_stems = [*(view.name for view in study.curves), study.boundary.name]
 
 
 report: "workflow/report/study.rst"
@@ -43,8 +54,8 @@ report: "workflow/report/study.rst"
 
 wildcard_constraints:
     slab="[0-9a-f_]+",
-    damping="[^/]+",
     cell="[^/]+",
+    which="|_[^/]+",
     size="|_quick",
 
 
@@ -57,6 +68,8 @@ onstart:
     except BlockingIOError:
         raise WorkflowError(f"{os.getcwd()}: another run is at work in this folder")
     remove_leftovers("results")
+    if study.left_out:
+        print(study.left_out, file=sys.stderr)
 
 
 include: "workflow/rules/common.smk"
@@ -74,18 +87,12 @@ rule all:
     input:
         "results/cube.nc",
         expand(
-            "results/figures/map_C{damping}.{kind}",
-            damping=dampings,
-            kind=["pdf", "png"],
-        ),
-        expand("results/figures/history_{cell}.{kind}", cell=cells, kind=["pdf", "png"]),
-        expand(
             "results/figures/{stem}.{kind}",
             stem=[
-                "maps",
-                "thresholds",
-                "damage_boundary",
-                "statics",
+                *map_stems,
+                *curve_stems,
+                *[f"history_{cell}" for cell in cells],
+                *[f"statics{which}" for which in statics],
             ],
             kind=["pdf", "png"],
         ),

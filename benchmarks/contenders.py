@@ -6,24 +6,19 @@ from peers import by_heyoka, by_scipy
 from workload import Follow
 
 from snapmap.device import Device
-from snapmap.models import Model, build_model
+from snapmap.solver.model import Model
+from snapmap.solver.models import build_model
+from studies.kernel import HANDOUT, KERNELS
 
-REFERENCE, HANDOUT, FOUR = "reference (plain loop)", "handout (9 modes)", "cosines, 4 modes"
-MODELS = {
-    REFERENCE: ("reference", {}),
-    HANDOUT: ("handout", {}),
-    "cosines, 3 modes": ("cosines", {"modes": 3}),
-    FOUR: ("cosines", {"modes": 4}),
-    "cosines, 6 modes": ("cosines", {"modes": 6}),
-}
+REFERENCE = "reference (plain loop)"
+MODELS = {REFERENCE: {"name": "reference"}, **KERNELS}
 WIDTHS = {"heyoka, 1 lane": 1, "heyoka, 8 lanes": 8}
 METHODS = {"SciPy DOP853": "DOP853", "SciPy LSODA": "LSODA"}
 
 
 def build(device: Device, name: str) -> Model:
     """Build a model of the comparison by its name there."""
-    model, options = MODELS[name]
-    return build_model(device, model, **options)
+    return build_model(device, **MODELS[name])
 
 
 def heyokas(device: Device) -> dict[str, Follow]:

@@ -5,11 +5,11 @@ import math
 
 import numpy as np
 from contenders import HANDOUT, MODELS, REFERENCE, heyokas
-from markdown import DASH, table
 from workload import by_model, map_cells, same_labels, threshold
 
 from snapmap.device import Device
-from snapmap.models import build_model
+from snapmap.solver.models import build_model
+from studies.markdown import DASH, table
 
 PULSES = 500.0, 1500.0
 """f0, Hz."""
@@ -31,9 +31,9 @@ def error_section(device: Device) -> str:
     soft_limit, hard_limit = (_model(d, "cosines", modes=16, step=0.25) for d in (device, hard))
     exact = _model(device, "handout", step=0.2)
     rows = [["converged", *(f"{N:.2f}" for N in (*soft_limit, *hard_limit))]]
-    for name, (model, options) in MODELS.items():
-        soft = _model(device, model, **options)
-        stiff = NONE if name == REFERENCE else _model(hard, model, **options)
+    for name, model in MODELS.items():
+        soft = _model(device, **model)
+        stiff = NONE if name == REFERENCE else _model(hard, **model)
         nodal = soft - exact if name in (REFERENCE, HANDOUT) else NONE
         rows.append(_row(name, soft - soft_limit, stiff - hard_limit, nodal))
     rivals = heyokas(device)

@@ -4,9 +4,10 @@ import numpy as np
 from numba import njit
 from workload import Follow
 
-from snapmap.cells import Cells
+from snapmap.beam.modal import ModalBeam
 from snapmap.device import Device
-from snapmap.modal import ModalBeam
+from snapmap.solver.cells import Cells
+from snapmap.solver.simd_kernel import snap_target
 
 TOLERANCE = 1e-6
 TOUCH = 1e-7
@@ -22,7 +23,7 @@ def by_scipy(device: Device, modal: ModalBeam, method: str) -> Follow:
     rate, size = compile_rate(device, modal), 2 * modal.load.size + 2
 
     def snaps(t, x, *_):
-        return modal.midpoint @ x[: modal.load.size] - target(device)
+        return modal.midpoint @ x[: modal.load.size] - snap_target(device)
 
     def follow_cell(amplitude, f0, damping, t_end):
         x, start = np.zeros(size), 0.0
@@ -35,7 +36,7 @@ def by_scipy(device: Device, modal: ModalBeam, method: str) -> Follow:
         return np.nan
 
     snaps.terminal, snaps.direction = True, -1
-    return lambda cells: np.array([follow_cell(*cell) for cell in zip(*cells, strict=True)])
+    return lambda cells: np.array([follow_cell(*cell) for cell in zip(*cells[1:], strict=True)])
 
 
 def compile_rate(device: Device, modal: ModalBeam):
@@ -75,7 +76,7 @@ def by_heyoka(device: Device, modal: ModalBeam, width: int) -> Follow:
 
     ode, w, overlap = heyoka_system(device, modal)
     falling = hy.event_direction.negative
-    snap = hy.t_event_batch(w - target(device), direction=falling)
+    snap = hy.t_event_batch(w - snap_target(device), direction=falling)
     contact = hy.t_event_batch(overlap, callback=switch_contact)
     integrator = hy.taylor_adaptive_batch(
         ode,
@@ -150,11 +151,6 @@ class Lanes:
         self.integrator.reset_cooldowns(lane)
         self.cell_in[lane] = cell = self.queue.pop() if self.queue else None
         if cell is not None:
-            amplitude, f0, damping, _ = (values[cell] for values in self.cells)
+            amplitude, f0, damping, _ = (values[cell] for values in self.cells[1:])
             self.integrator.pars[:, lane] = amplitude / 2, 2 * np.pi * f0, damping, self.contact
             self.stop[lane] = 1 / f0
-
-
-def target(device: Device) -> float:
-    """w2 - rise, um."""
-    return device.beam.second_equilibrium - device.beam.rise

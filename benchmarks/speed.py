@@ -3,23 +3,21 @@
 from functools import partial
 
 from contenders import REFERENCE, heyokas, scipys
-from markdown import DASH, number, rate, ratio, table
-from peak import step_flops
 from peers import TOLERANCE
 from workload import (
-    PROTOCOL,
+    SETTINGS,
     by_model,
     count_steps,
     map_cells,
-    pick,
     same_labels,
-    take_turns,
     without_proofs,
 )
 
-from snapmap.cells import follow_once
 from snapmap.device import Device
-from snapmap.models import Model
+from snapmap.solver.model import Model
+from studies.kernel import step_flops
+from studies.markdown import DASH, number, rate, ratio, table
+from studies.timing import take_turns
 
 ROUNDS = 5
 FEW = slice(4, None, 29)
@@ -31,7 +29,7 @@ HEAD = [
 ]
 LEGEND = f"""
 The cells: 16 x 16, N = 600 to 2400, f0 = 300 Hz to 20 kHz, C = 0.025 uN us/um, contact of 40 N/m,
-each followed to its snap (w_mid <= w2) or {PROTOCOL.horizon:g} us past the pulse. Times are the
+each followed to its snap (w_mid <= w2) or {SETTINGS.horizon:g} us past the pulse. Times are the
 best of {ROUNDS} rounds in turns (A B C A B C ...), SciPy's of one; ratios are to the reference on
 the same cells. *With proofs*, as in a sweep, a cell also ends once it is proven never to snap.
 *Repeated* cells are followed again with half the step, as their energy ledger did not close. The
@@ -59,7 +57,7 @@ def speed_section(device: Device, models: dict[str, Model], peak: float) -> str:
         for name, model in models.items()
     ]
     rows += [_speed(name, runs[name, "open"], plain) for name in rivals]
-    rows += _slow_rows(device, models[REFERENCE], pick(cells, FEW))
+    rows += _slow_rows(device, models[REFERENCE], cells.some(FEW))
     return f"\n## Speed\n\n{table(HEAD, rows)}{LEGEND}"
 
 
@@ -68,7 +66,7 @@ def _model_tasks(name, model, cells):
     return {
         (name, "open"): partial(by_model(unproven), cells),
         (name, "proven"): partial(by_model(model), cells),
-        (name, "pass"): partial(follow_once, unproven, cells, PROTOCOL),
+        (name, "pass"): partial(unproven.follow_once, cells, SETTINGS),
     }
 
 
@@ -81,8 +79,8 @@ def _speed(name, run, plain):
 def _kernel(name, model, cells, runs, peak):
     proven, first = runs[name, "proven"].seconds, runs[name, "pass"]
     steps = count_steps(model, cells, first.result.t_snap)
-    repeated = int((~(first.result.energy_error <= PROTOCOL.energy_tolerance)).sum())
-    flops = step_flops(model.modal.load.size) * steps / first.seconds
+    repeated = int((~(first.result.energy_error <= SETTINGS.energy_tolerance)).sum())
+    flops = step_flops(model.modes) * steps / first.seconds
     lanes = name != REFERENCE
     return [
         rate(cells.f0.size, proven) if lanes else DASH,

@@ -10,13 +10,13 @@ from pathlib import Path
 import yaml
 
 from snapmap import config, plan, quantity
-from snapmap.bases.elements import hermite_elements
-from snapmap.config import HANDOUT_CASE, load_device, load_study
+from snapmap.beam.elements import hermite_elements
+from snapmap.config.study import HANDOUT_CASE, load_device, load_study
 from snapmap.device import Beam
-from snapmap.ladder import build_ladder
-from snapmap.models import OPTIONS, build_model
-from snapmap.protocol import THRESHOLD_TOLERANCE, Protocol
-from snapmap.quantity import KINDS
+from snapmap.solver.adaptive import build_ladder
+from snapmap.solver.models import OPTIONS, build_model
+from snapmap.solver.settings import THRESHOLD_TOLERANCE, Protocol
+from snapmap.config.units import KINDS
 
 HERE = Path(__file__).parent
 SCHEMA = Path(config.__file__).with_name("schema.yaml")

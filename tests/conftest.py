@@ -3,12 +3,12 @@ from pathlib import Path
 
 import pytest
 
-from snapmap.dependencies import kernel_cache
+from snapmap.io.dependencies import kernel_cache
 
 # Before numba is imported: tests and the runs that they start share compiled kernels.
 os.environ.setdefault("NUMBA_CACHE_DIR", str(kernel_cache()))
 
-from snapmap.config import load_device
+from snapmap.config.study import load_device
 
 ROOT = Path(__file__).resolve().parents[1]
 

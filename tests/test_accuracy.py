@@ -5,21 +5,22 @@ import warnings
 
 import numpy as np
 import pytest
+from studies.accuracy.cases import CONVERGED, list_cases
+from studies.accuracy.comparison import disagreement, pareto_front
+from studies.accuracy.converged import converge, decided, gap
+from studies.accuracy.measure import measure
+from studies.accuracy.plans import PLANS as plans
+from studies.accuracy.plans import Refinement
+from studies.accuracy.probe import make_probe
 
-from snapmap.accuracy.cases import CONVERGED, list_cases
-from snapmap.accuracy.comparison import disagreement, pareto_front
-from snapmap.accuracy.converged import converge, decided, gap
-from snapmap.accuracy.measure import measure
-from snapmap.accuracy.plans import PLANS as plans
-from snapmap.accuracy.plans import Refinement
-from snapmap.accuracy.probe import make_probe
 from snapmap.device import Beam, Device
 from snapmap.figures import accuracy, style
-from snapmap.models import build_model
-from snapmap.protocol import Protocol
-from snapmap.thresholds import lowest_snap
+from snapmap.solver.bracket import lowest_snap
+from snapmap.solver.cells import Rows
+from snapmap.solver.models import build_model
+from snapmap.solver.settings import Settings
 
-SNAP = Protocol(300.0, "snap", False)
+SNAP = Settings(300.0, "snap", False, threads=2)
 REFINEMENT = Refinement((8, 6), (12, 6), (8, 6))
 TINY = plans["quick"]._replace(
     elements=(3, 5),
@@ -42,12 +43,16 @@ def other():
 @pytest.fixture(scope="module")
 def found(handout):
     """A report of few cases."""
-    axes = ([0.025, 200.0], [500.0, 1500.0], [800.0, 1200.0])
-    return measure(handout, axes, SNAP, TINY, threads=2)
+    axes = axes_of([0.025, 200.0], [500.0, 1500.0], [800.0, 1200.0])
+    return measure(handout, axes, SNAP, TINY)
+
+
+def axes_of(C, f0, N):
+    return {"C": C, "f0": f0, "N": N}
 
 
 def probe_of(f0, N):
-    return make_probe(([25.0], f0, N), side=2)
+    return make_probe(axes_of([25.0], f0, N), side=2)
 
 
 def test_the_front_is_what_no_other_beats_in_both():
@@ -66,21 +71,22 @@ def test_labels_disagree_where_one_snaps_and_the_other_does_not():
 
 
 def test_what_is_asked_lies_within_the_sweep():
-    probe = make_probe(([200.0, 1.0, 5.0], np.geomspace(100, 1e4, 5), [-50.0, 0.0, 900.0]), 3)
+    axes = axes_of([200.0, 1.0, 5.0], np.geomspace(100, 1e4, 5), [-50.0, 0.0, 900.0])
+    probe = make_probe(axes, 3)
     assert probe.C.tolist() == [1.0, 200.0]
     assert probe.f0 == pytest.approx([100 * 10**0.5, 1000, 1000 * 10**0.5])
     assert probe.bracket == (25.0, 1800.0)
-    C, f0, N = probe.axes
+    C, f0, N = (probe.axes[key] for key in ("C", "f0", "N"))
     assert C.tolist() == [1.0, 200.0] and f0 == pytest.approx([100, 1000, 1e4])
     assert N.tolist() == [-50.0, 425.0, 900.0]
-    assert make_probe(([1.0], [1e3], [0.0]), 3).axes[2].tolist() == [0.0]
+    assert make_probe(axes_of([1.0], [1e3], [0.0]), 3).axes["N"].tolist() == [0.0]
 
 
 @pytest.mark.parametrize("hard", [False, True])
 def test_two_discretisations_agree_within_their_own_errors(handout, other, hard):
     for device, f0, N in [(handout, [457.7, 1500.0], [1000.0]), (other, [1000.0], [3000.0])]:
         device = dataclasses.replace(device, contact=np.inf) if hard else device
-        run = converge(device, probe_of(f0, N), SNAP, REFINEMENT, threads=2)
+        run = converge(device, probe_of(f0, N), SNAP, REFINEMENT)
         assert gap(run) < 1 and decided(run).all()
         known = run.error[0] + run.other_error[0]
         assert (known < 1e-3 * run.answer.values[0]).all()
@@ -99,8 +105,8 @@ def test_elements_converge_with_order_four(handout):
 
     def threshold(elements):
         model = build_model(handout, "elements", elements=elements, modes=8, step=0.3)
-        rows = [457.7, 1500.0], [25.0, 25.0]
-        return lowest_snap(model, *rows, (850.0, 1100.0), SNAP, tolerance=1e-9)
+        rows = Rows(np.array([0, 0]), np.array([457.7, 1500.0]), np.array([25.0, 25.0]))
+        return lowest_snap(model, rows, (850.0, 1100.0), SNAP, tolerance=1e-9)
 
     coarse, middle, fine = (threshold(elements) for elements in (5, 10, 20))
     order = np.log2((coarse - middle) / (middle - fine))
@@ -146,7 +152,7 @@ def test_the_figure_marks_the_front_and_the_handouts_setting(found):
 
 
 def test_a_report_without_any_threshold_can_be_drawn(handout):
-    found = measure(handout, ([1.0], [1500.0], [0.0]), SNAP, TINY)
+    found = measure(handout, axes_of([1.0], [1500.0], [0.0]), SNAP, TINY)
     assert not found.threshold_decided.any() and found.threshold.isnull().all()
     with style.paper(), warnings.catch_warnings(action="error"):
         ax = accuracy.draw_accuracy(style.double_column(height=3.6).subplots(), found)

@@ -5,9 +5,9 @@ from decimal import Decimal
 import numpy as np
 import pytest
 
-from snapmap import portable
-from snapmap.arithmetic import sine
-from snapmap.portable import geometric, linear
+from snapmap.numerics import portable
+from snapmap.numerics.arithmetic import sine
+from snapmap.numerics.portable import geometric, linear
 
 
 def test_the_sine_is_exact_where_it_can_be():

@@ -12,10 +12,10 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from snapmap.config import load_study
-from snapmap.document import ConfigError, read_document
-from snapmap.plan import cut
-from snapmap.quantity import KINDS, show
+from snapmap.config.study import load_study
+from snapmap.config.yaml_file import ConfigError, read_document
+from snapmap.config.units import KINDS, show
+from snapmap.sweeps.plan import make_plan
 
 DEFAULT = yaml.safe_load("""
 device:
@@ -196,7 +196,8 @@ DAMAGES = [
 def lines_of(document):
     """The faults of a document, each a clear single line; empty if it gives slabs."""
     try:
-        cut(load_study(document))
+        study = load_study(document)
+        make_plan(study.grid, study.model, study.settings, [one.f0 for one in study.histories])
     except ConfigError as error:
         lines = list(error.args)
     except ValueError as error:

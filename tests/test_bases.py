@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from numpy.polynomial.legendre import leggauss
 
-from snapmap.bases import elements
-from snapmap.bases.cosines import symmetric_cosines
-from snapmap.bases.elements import hermite_elements
+from snapmap.beam import elements
+from snapmap.beam.cosines import symmetric_cosines
+from snapmap.beam.elements import hermite_elements
 
 
 def shape_functions(a, h):

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from snapmap.dependencies import code_files, code_hash
+from snapmap.io.dependencies import code_files, code_hash
 
 # Forks, so that the libraries are imported once.
 LOADED = """
@@ -52,7 +52,7 @@ def test_every_module_is_the_code_of_some_script_or_of_the_snakefile(root, scrip
     folder = root / "workflow" / "scripts"
     used = {file for path in scripts for file in code_files(path)}
     for name in re.findall(r"^from (snapmap\.\S+) import", workflow_text, re.M):
-        used.update(code_files(folder.joinpath(*name.split(".")).with_suffix(".py")))
+        used.update(code_files(folder.joinpath(*name.split(".")).with_suffix(".py"), folder))
     for path in folder.rglob("*"):
         if path.is_file() and "__pycache__" not in path.parts:
             assert path in used, path

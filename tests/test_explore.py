@@ -16,12 +16,12 @@ import snapmap
 from snapmap import traces
 from snapmap.figures.explore import page
 from snapmap.figures.maps import WORDS
-from snapmap.ladder import Ladder
-from snapmap.lanes import SAMPLE
-from snapmap.models import build_model
-from snapmap.netcdf import write
-from snapmap.outcome import OUTCOMES
-from snapmap.protocol import Protocol
+from snapmap.solver.adaptive import Ladder
+from snapmap.solver.simd_kernel import SAMPLE
+from snapmap.solver.models import build_model
+from snapmap.io.netcdf import write
+from snapmap.solver.outcome import OUTCOMES
+from snapmap.solver.settings import Protocol
 
 MODEL = {"name": "cosines", "modes": 3}
 PROTOCOL = Protocol(horizon=300.0)

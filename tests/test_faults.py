@@ -12,10 +12,10 @@ import xarray as xr
 import yaml
 from studies import THREE_COSINES
 
-from snapmap.collection import collect_slabs
-from snapmap.config import load_study
-from snapmap.partition import slab_name
-from snapmap.plan import cut
+from snapmap.config.study import load_study
+from snapmap.sweeps.assemble import collect_slabs
+from snapmap.sweeps.partition import slab_name
+from snapmap.sweeps.plan import make_plan
 
 STUDY = (
     THREE_COSINES
@@ -103,10 +103,13 @@ def undisturbed(root, tmp_path_factory):
 def slabs(undisturbed, tmp_path):
     """Copies of the slabs of a finished run in the order of the grid, and the grid's axes."""
     study = load_study(yaml.safe_load(STUDY))
-    paths = [tmp_path / f"{slab_name(study, slab)}.nc" for slab in cut(study)]
+    asked = study.settings.asked()
+    slabs = make_plan(study.grid, study.model, study.settings).slabs
+    names = [slab_name(study.device, study.model, slab, asked) for slab in slabs]
+    paths = [tmp_path / f"{name}.nc" for name in names]
     for path in paths:
         path.write_bytes((undisturbed.slabs / path.name).read_bytes())
-    return paths, [study.C, study.f0, study.N]
+    return paths, study.axes
 
 
 def test_a_killed_job_is_run_again(folder, undisturbed):
@@ -218,8 +221,8 @@ def test_a_slab_given_twice_is_refused(slabs):
 
 @pytest.mark.parametrize("stride", [997, pytest.param(17, marks=pytest.mark.long)])
 def test_a_flipped_byte_is_refused_or_without_effect(slabs, stride):
-    (path, *_), (C, f0, N) = slabs
-    axes = (C[:1], f0, N)
+    (path, *_), axes = slabs
+    axes = axes | {"C": axes["C"][:1]}
     whole = path.read_bytes()
     right = collect_slabs([path], axes, {}).load(scheduler="synchronous")
     refused = 0

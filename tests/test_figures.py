@@ -10,9 +10,7 @@ import sys
 import warnings
 
 import draw_convergence
-import draw_damage_boundary
 import draw_history
-import draw_map
 import draw_maps
 import draw_statics
 import draw_thresholds
@@ -25,10 +23,11 @@ from matplotlib.colors import to_rgb, to_rgba
 from matplotlib.patches import PathPatch, Polygon
 from PIL import Image
 
-from snapmap.cube import COORDINATES, VARIABLES
-from snapmap.figures import convergence, curves, histories, maps, statics, style, thresholds
-from snapmap.netcdf import write
-from snapmap.outcome import OUTCOMES
+from snapmap.axes import COORDINATES
+from snapmap.figures import convergence, curves, histories, maps, scales, statics, style, thresholds
+from snapmap.io.netcdf import write
+from snapmap.solver.outcome import OUTCOMES
+from snapmap.sweeps.cube import VARIABLES
 
 CONFIG = {
     "model": {"name": "handout"},
@@ -43,8 +42,9 @@ def make_cells(rows, f0=None, N=None):
     outcome = np.array([[int(digit) for digit in row] for row in rows[::-1]], np.int8).T
     f0 = 100.0 * 4.0 ** np.arange(outcome.shape[0]) if f0 is None else f0
     N = 1000.0 + 100 * np.arange(outcome.shape[1]) if N is None else N
+    flags = {"flag_values": np.arange(len(OUTCOMES)), "flag_meanings": " ".join(OUTCOMES)}
     variables = {
-        "outcome": (("f0", "N"), outcome, VARIABLES["outcome"]),
+        "outcome": (("f0", "N"), outcome, VARIABLES["outcome"] | flags),
         "t_snap": (("f0", "N"), np.where(outcome == 2, 100.0, np.nan), VARIABLES["t_snap"]),
     }
     axes = {"C": ((), 25.0, COORDINATES["C"]), "f0": f0, "N": N}
@@ -122,6 +122,7 @@ def make_history(w_mid):
     values["acceleration"] = np.full(w_mid.size, 0.02)
     variables = {key: ("time", column) for key, column in values.items()}
     attributes = ATTRIBUTES | {"second_equilibrium": -9.0, "gravity": 1e-5}
+    attributes |= {"N": 1000.0, "f0": 1500.0, "C": 0.025}
     return xr.Dataset(variables, {"time": 10.0 * np.arange(w_mid.size)}, attributes)
 
 
@@ -164,23 +165,23 @@ def line(ax, label):
 
 
 def test_geometric_edges():
-    edges = maps.geometric_edges(np.array([100.0, 400.0, 6400.0]))
+    edges = scales.geometric_edges(np.array([100.0, 400.0, 6400.0]))
     assert edges.tolist() == [50.0, 200.0, 1600.0, 25600.0]
 
 
 def test_arithmetic_edges():
-    assert maps.arithmetic_edges(np.array([-1.0, 0.0, 3.0])).tolist() == [-1.5, -0.5, 1.5, 4.5]
+    assert scales.arithmetic_edges(np.array([-1.0, 0.0, 3.0])).tolist() == [-1.5, -0.5, 1.5, 4.5]
 
 
 @pytest.mark.parametrize("value", [-1000.0, 0.0, 1e-3, 1500.0])
 def test_edges_surround_a_lone_value(value):
-    low, high = maps.arithmetic_edges(np.array([value]))
+    low, high = scales.arithmetic_edges(np.array([value]))
     assert low < value < high
     assert low + high == pytest.approx(2 * value)
 
 
 def test_geometric_edges_surround_a_lone_value():
-    low, high = maps.geometric_edges(np.array([1500.0]))
+    low, high = scales.geometric_edges(np.array([1500.0]))
     assert 0 < low < 1500 < high
     assert low * high == pytest.approx(1500.0**2)
 
@@ -211,7 +212,7 @@ def test_every_outcome_has_colour_and_words():
 
 def test_colours_darken_in_grey():
     grey = [np.dot(to_rgb(colour), [0.299, 0.587, 0.114]) for colour in maps.COLOURS.values()]
-    assert (np.diff(grey) < -0.1).all()
+    assert (np.diff(grey[:-1]) < -0.1).all() and maps.COLOURS["absent"] == "#ffffff"
 
 
 def test_legend_names_the_classes_present():
@@ -229,7 +230,7 @@ def test_every_class_has_a_key(name):
     (key,) = map_of(cells).get_legend().get_patches()
     assert key.get_label() == f"{maps.WORDS[name]} (1)"
     assert key.get_facecolor() == to_rgba(maps.COLOURS[name])
-    assert (key.get_hatch() is not None) == (name in ("unsnapped", "snapped"))
+    assert (key.get_hatch() is not None) == (name in ("unsnapped", "snapped", "absent"))
 
 
 def rectangles(patch):
@@ -285,11 +286,11 @@ def test_map_keeps_its_limits_and_shows_both_asymptotes():
 
 
 def test_all_maps_share_one_legend():
-    cube = xr.concat([TINY, TINY.assign_coords(C=200.0)], "C")
+    panels = [(TINY.assign_coords(C=C), make_found().sel(C=C)) for C in (25.0, 200.0)]
     figure = style.double_column(height=3.4)
-    axes = maps.draw_maps(figure, cube, make_found())
+    axes = maps.draw_maps(figure, panels, "f0", "N")
     titles = [ax.get_title(loc="left") for ax in axes.flat]
-    assert titles == [style.damping(25.0), style.damping(200.0)]
+    assert titles == [scales.value_text("C", 25.0), scales.value_text("C", 200.0)]
     words = [text.get_text() for text in figure.legends[0].get_texts()]
     assert words[:2] == ["no snap, end open (14)", "never snaps (2)"]
     assert all(ax.get_legend() is None for ax in axes.flat)
@@ -298,8 +299,8 @@ def test_all_maps_share_one_legend():
 
 @pytest.mark.parametrize(("number", "shape"), [(1, (1, 1)), (3, (1, 3)), (4, (2, 3))])
 def test_maps_stand_in_rows_of_three(number, shape):
-    cube = xr.concat([TINY.assign_coords(C=float(C)) for C in range(number)], "C")
-    assert maps.draw_maps(style.double_column(height=5.0), cube).shape == shape
+    panels = [(TINY.assign_coords(C=float(C)), None) for C in range(number)]
+    assert maps.draw_maps(style.double_column(height=5.0), panels, "f0", "N").shape == shape
 
 
 def test_failed_cells_are_crossed_out():
@@ -309,7 +310,7 @@ def test_failed_cells_are_crossed_out():
 
 def test_map_states_its_case():
     assert map_of(TINY).get_title(loc="left") == (
-        "$C$ = 25 µN µs µm$^{-1}$\nhandout model, followed 1500 µs beyond the pulse"
+        "$C$ = 25 µN µs µm$^{-1}$\nhandout model, followed 1.5 ms beyond the pulse"
     )
 
 
@@ -382,7 +383,7 @@ def test_history_without_a_snap_has_no_mark():
 
 def test_history_states_its_case():
     title = history_of(make_history([10, 5, 10]))[0].get_legend().get_title().get_text()
-    assert title == "$N = 1000$, $f_0$ = 1500 Hz, $C$ = 0.025 µN µs µm$^{-1}$, handout model"
+    assert title == "$N$ = 1000, $f_0$ = 1500 Hz, $C$ = 0.025 µN µs µm$^{-1}$, handout model"
 
 
 def test_thresholds_are_the_data_dashed_and_hollow_where_late():
@@ -536,6 +537,9 @@ def test_what_the_converged_run_does_not_know_is_shaded():
     assert shade.get_y() + shade.get_height() == pytest.approx(2e-5)
 
 
+STEMS = ("map", "maps", "thresholds", "damage_boundary", "history", "statics", "convergence")
+
+
 def save_all(folder):
     """Save figures through the rules' own functions; the files' bytes."""
     made = {
@@ -548,19 +552,15 @@ def save_all(folder):
     files = {name: folder / f"{name}.nc" for name in made}
     for name, dataset in made.items():
         write(dataset, files[name])
-    grid = files["cube"], files["threshold"]
-    jobs = {
-        "map": (draw_map.draw_map, *grid, 0),
-        "maps": (draw_maps.draw_maps, *grid),
-        "thresholds": (draw_thresholds.draw_thresholds, files["threshold"]),
-        "damage_boundary": (draw_damage_boundary.draw_damage_boundary, files["threshold"]),
-        "history": (draw_history.draw_history, files["history"]),
-        "statics": (draw_statics.draw_statics, files["statics"]),
-        "convergence": (draw_convergence.draw_convergence, files["accuracy"]),
-    }
-    for name, (draw, *inputs) in jobs.items():
-        draw(*inputs, *(folder / f"{name}.{kind}" for kind in ("pdf", "png")))
-    paths = {folder / f"{name}.{kind}" for name in jobs for kind in ("pdf", "png")}
+    plane = {"name": "map", "x": "f0", "y": "N", "at": {"C": 0}}
+    curve = {"name": "thresholds", "x": "f0", "y": "C", "at": {}}
+    boundary = curve | {"name": "damage_boundary"}
+    draw_maps.draw_maps(files["cube"], files["threshold"], [plane], [plane], folder)
+    draw_thresholds.draw_thresholds(files["threshold"], [curve], boundary, folder)
+    draw_history.draw_history(files["history"], folder / "history")
+    draw_statics.draw_statics(files["statics"], folder / "statics")
+    draw_convergence.draw_convergence(files["accuracy"], folder / "convergence")
+    paths = {folder / f"{name}.{kind}" for name in STEMS for kind in ("pdf", "png")}
     assert set(folder.iterdir()) == {*files.values(), *paths}
     return {path.name: path.read_bytes() for path in paths}
 
@@ -572,9 +572,6 @@ def saved(tmp_path_factory):
 
 def test_saved_files_repeat_byte_for_byte(saved, tmp_path):
     assert save_all(tmp_path) == saved
-
-
-STEMS = ("map", "maps", "thresholds", "damage_boundary", "history", "statics", "convergence")
 
 
 @pytest.mark.parametrize("stem", STEMS)
@@ -626,7 +623,7 @@ def test_figures_need_no_pyplot(root):
 
 def test_every_figure_is_in_the_report_with_a_caption(root, workflow_text):
     """And every caption belongs to a figure, but for the words at the report's head."""
-    outputs = re.findall(r"png=(report\()?\s*\"results/figures/", workflow_text)
+    outputs = re.findall(r"png=[\[\s]*(report\()?\s*f?\"results/figures/", workflow_text)
     captions = re.findall(r'caption="\.\./report/(\w+\.rst)"', workflow_text)
     assert all(outputs) and len(outputs) == len(captions) == len(set(captions))
     written = list((root / "workflow" / "report").iterdir())

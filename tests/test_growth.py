@@ -9,15 +9,15 @@ from hypothesis import assume, given, reject, settings
 from hypothesis import strategies as st
 from studies import THREE_COSINES
 
-from snapmap import plan
-from snapmap.collection import collect_slabs
-from snapmap.config import load_study
-from snapmap.cube import sweep
-from snapmap.grid import follow_grid
-from snapmap.models import build_model
-from snapmap.partition import Slab, slab_name
-from snapmap.plan import cut
-from snapmap.slab import write_slab
+from snapmap.config.study import load_study
+from snapmap.solver.models import build_model
+from snapmap.sweeps import plan
+from snapmap.sweeps.assemble import collect_slabs
+from snapmap.sweeps.cube import sweep
+from snapmap.sweeps.grid import follow_rows
+from snapmap.sweeps.partition import slab_name
+from snapmap.sweeps.plan import make_plan
+from snapmap.sweeps.slab import write_slab
 
 STUDY = THREE_COSINES + "sweep: {horizon: 200 us, until: snap}"
 
@@ -35,15 +35,23 @@ def study(N, f0, C=(25.0,), model="cosines"):
     return load_study(document)
 
 
+def cut(whole):
+    """The slabs of a study, as tuples of axes and values."""
+    slabs = make_plan(whole.grid, whole.model, whole.settings).slabs
+    return [tuple(slab.items()) for slab in slabs]
+
+
 def seconds(slab):
     """The expected time of a slab."""
-    whole = study(slab.N, slab.f0)
+    slab = dict(slab)
+    whole = study(slab["N"], slab["f0"])
     model = build_model(whole.device, **whole.model)
-    return sum(plan._seconds(model, 1e6 / whole.f0 + whole.protocol.horizon)) * len(slab.N)
+    durations = 1e6 / np.array(slab["f0"]) + whole.settings.horizon
+    return sum(durations / model.dt * (1 + model.modes**2 / 20) * 1e-9) * len(slab["N"])
 
 
 def cells(slabs):
-    return [(C, f0, N) for slab in slabs for C in slab.C for f0 in slab.f0 for N in slab.N]
+    return [cell for slab in slabs for cell in itertools.product(*(values for _, values in slab))]
 
 
 WHOLE = {"N": np.linspace(600, 2400, 16), "f0": np.geomspace(300, 10e3, 16), "C": [1.0, 25.0]}
@@ -52,17 +60,19 @@ WHOLE = {"N": np.linspace(600, 2400, 16), "f0": np.geomspace(300, 10e3, 16), "C"
 @pytest.fixture(autouse=True)
 def small_jobs(monkeypatch):
     """Make jobs so short that a plane of 256 cells falls into some twenty slabs."""
-    plane = Slab((25.0,), tuple(WHOLE["f0"]), tuple(WHOLE["N"]))
-    monkeypatch.setattr("snapmap.plan.JOB_SECONDS", seconds(plane) / 12)
+    plane = {"C": (25.0,), "f0": tuple(WHOLE["f0"]), "N": tuple(WHOLE["N"])}
+    monkeypatch.setattr("snapmap.sweeps.plan.JOB_SECONDS", seconds(plane) / 12)
 
 
 def write_all(whole, folder, code=""):
     """Write all slabs that are not there; returns their files and how many cells were written."""
     slabs = cut(whole)
-    paths = [folder / f"{slab_name(whole, slab)}.nc" for slab in slabs]
+    of_study = whole.device, whole.model
+    asked = whole.settings.asked()
+    paths = [folder / f"{slab_name(*of_study, dict(slab), asked)}.nc" for slab in slabs]
     new = [(slab, path) for slab, path in zip(slabs, paths, strict=True) if not path.exists()]
     for slab, path in new:
-        write_slab(whole.device, whole.model, slab, whole.protocol, path, 1, code)
+        write_slab(*of_study, dict(slab), whole.settings, path, code)
     return paths, len(cells(slab for slab, _ in new))
 
 
@@ -70,11 +80,11 @@ def follow_counted(monkeypatch):
     """Count the cells that slabs follow from now on, in a list of their numbers."""
     followed = []
 
-    def counted(model, axes, *rest):
-        followed.append(np.prod([len(values) for values in axes]))
-        return follow_grid(model, axes, *rest)
+    def counted(model, rows, N, settings):
+        followed.append(rows.f0.size * len(N))
+        return follow_rows(model, rows, N, settings)
 
-    monkeypatch.setattr("snapmap.slab.follow_grid", counted)
+    monkeypatch.setattr("snapmap.sweeps.slab.follow_rows", counted)
     return followed
 
 
@@ -90,7 +100,7 @@ def test_every_cell_is_in_one_slab_that_is_no_longer_than_a_job(N, f0):
     except ValueError:
         reject()  # values closer than rounding
     slabs = cut(whole)
-    expected = itertools.product(whole.C, whole.f0, whole.N)
+    expected = itertools.product(*whole.axes.values())
     assert sorted(cells(slabs)) == sorted(expected)
     for slab in slabs:
         assert seconds(slab) <= plan.JOB_SECONDS * (1 + 1e-9) or len(cells([slab])) == 1
@@ -104,7 +114,7 @@ def test_a_new_value_changes_only_slabs_that_hold_a_neighbour(axis, value):
     old, new = study(**WHOLE), study(**{**WHOLE, axis: [*values, value]})
     neighbours = {*values[values < value][-1:], *values[values > value][:1]}
     lost = set(cut(old)) - set(cut(new))
-    assert all(neighbours & set(getattr(slab, axis)) for slab in lost)
+    assert all(neighbours & set(dict(slab)[axis]) for slab in lost)
     assert len(lost) < len(cut(old)) / 2
 
 
@@ -115,7 +125,7 @@ def test_a_new_damping_changes_no_slab():
 def test_auto_keeps_all_amplitudes_together():
     slabs = cut(study(**WHOLE, model="auto"))
     assert len(slabs) > 2
-    assert {slab.N for slab in slabs} == {tuple(WHOLE["N"])}
+    assert {dict(slab)["N"] for slab in slabs} == {tuple(WHOLE["N"])}
 
 
 @pytest.mark.parametrize("model", ["cosines", "auto"])
@@ -138,7 +148,7 @@ def test_only_new_cells_are_followed(tmp_path, monkeypatch, grown, model):
     assert sum(followed) == len(new["f0"]) * len(new["N"]) - kept
     options = {"modes": 3} if model == "cosines" else {}
     in_one = sweep(whole.device, **new, model=model, horizon=200.0, until="snap", **options)
-    cube = collect_slabs(paths, [whole.C, whole.f0, whole.N], {})
+    cube = collect_slabs(paths, whole.axes, {})
     assert set(cube.variables) == set(in_one.variables)
     for key in in_one.variables:
         assert cube[key].values.tobytes() == in_one[key].values.tobytes(), key

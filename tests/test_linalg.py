@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from snapmap.linalg import apply, dot, eigh, is_positive, multiply, solve
+from snapmap.numerics.linalg import apply, dot, eigenvalues, eigh, is_positive, multiply, solve
 
 SIZES = [1, 2, 3, 8, 19]
 
@@ -46,6 +46,13 @@ def test_eigenvectors_are_orthonormal_in_the_mass_and_ascend(size):
     assert (np.diff(values) >= 0).all()
     largest = np.abs(vectors).argmax(axis=1)[:, np.newaxis]
     assert (np.take_along_axis(vectors, largest, axis=1) > 0).all()
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_eigenvalues_alone_are_those_with_vectors(size):
+    a, _ = matrices(size, count=600)
+    assert np.array_equal(eigenvalues(a), eigh(a)[0])
+    assert np.array_equal(eigenvalues(a[7]), eigh(a[7])[0])
 
 
 def test_small_eigenvalues_keep_their_digits_where_lapack_loses_them():

@@ -12,9 +12,9 @@ import sys
 from pathlib import Path
 
 import snapmap
-from snapmap.netcdf import write
-from snapmap.outcome import SNAPPED
-from snapmap.portable import geometric, linear
+from snapmap.io.netcdf import write
+from snapmap.solver.outcome import SNAPPED
+from snapmap.numerics.portable import geometric, linear
 
 device, folder, names = snapmap.load_device(sys.argv[1]), Path(sys.argv[2]), sys.argv[3:]
 chaotic = {"N": linear(1100, 2350, 6), "f0": geometric(700, 5000, 4), "C": [0.025]}

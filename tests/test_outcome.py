@@ -6,12 +6,19 @@ import numpy as np
 import pytest
 
 import snapmap
-from snapmap import history
-from snapmap.cells import follow_cells, follow_once, to_cells
-from snapmap.models import build_model
-from snapmap.outcome import FAILED, LATCHED, NEVER, OUTCOMES, RETURNED, SNAPPED, UNSNAPPED, label
-from snapmap.protocol import Protocol
-from snapmap.wells import find_barrier
+from snapmap.solver.cells import to_cells
+from snapmap.solver.models import build_model
+from snapmap.solver.outcome import (
+    FAILED,
+    LATCHED,
+    NEVER,
+    OUTCOMES,
+    RETURNED,
+    SNAPPED,
+    UNSNAPPED,
+    label,
+)
+from snapmap.solver.settings import Settings
 
 PROVEN = (NEVER, LATCHED, RETURNED)
 
@@ -20,9 +27,9 @@ def with_damping(device, rate):
     return dataclasses.replace(device, beam=dataclasses.replace(device.beam, damping=rate))
 
 
-def test_labels_say_what_the_facts_say():
+def test_labels_say_what_was_observed():
     nan = np.nan
-    facts = np.array(
+    seen = np.array(
         [
             [nan, nan, 0, 0.0],
             [nan, 9.0, 1, 0.0],
@@ -35,22 +42,22 @@ def test_labels_say_what_the_facts_say():
         ]
     )
     expected = [UNSNAPPED, NEVER, SNAPPED, LATCHED, RETURNED, FAILED, FAILED, FAILED]
-    assert label(*facts.T, 1e-3).tolist() == expected
+    assert label(*seen.T, 1e-3).tolist() == expected
     assert OUTCOMES[LATCHED] == "latched"
 
 
 def test_the_barrier_of_two_and_more_cosines_is_the_exact_saddle(handout):
     for modes in (2, 3, 4, 8):
-        barrier = find_barrier(build_model(handout, "cosines", modes=modes).modal)
+        barrier = build_model(handout, "cosines", modes=modes).barrier
         assert barrier.energy == pytest.approx(486.805, abs=1e-3)
         assert barrier.midpoint == pytest.approx(-4 / 3 * handout.beam.rise)
 
 
 def test_a_models_barrier_is_its_own(handout):
-    one = find_barrier(build_model(handout, "cosines", modes=1).modal)
+    one = build_model(handout, "cosines", modes=1).barrier
     assert one.energy == pytest.approx(1034.93, abs=0.01)
     errors = [
-        find_barrier(build_model(handout, "elements", elements=n).modal).energy / 486.8049389 - 1
+        build_model(handout, "elements", elements=n).barrier.energy / 486.8049389 - 1
         for n in (5, 10)
     ]
     assert 3.7 < np.log2(errors[0] / errors[1]) < 4.3
@@ -60,7 +67,7 @@ def test_a_models_barrier_is_its_own(handout):
 def test_a_flat_beams_saddle_has_one_mode(handout, rise, midpoint):
     """Mode 2 takes part only for Q > sqrt 6; then the saddle lies at -rise / 3."""
     device = dataclasses.replace(handout, beam=dataclasses.replace(handout.beam, rise=rise))
-    barrier = find_barrier(build_model(device, "cosines", modes=4).modal)
+    barrier = build_model(device, "cosines", modes=4).barrier
     ratio = 16 / 3 / device.beam.bistability**2
     inner = -rise * (1 - np.sqrt(1 - ratio)) / 2
     expected = inner if midpoint is None else midpoint
@@ -76,9 +83,8 @@ def random_cells(device, number, seed, C):
 
 def follow(device, cells, horizon, model, **options):
     built = build_model(device, model, **options)
-    N, f0, C = cells
-    facts = follow_cells(built, to_cells(device, N, f0, C, horizon), Protocol(horizon))
-    return facts, label(*facts[:4], Protocol().energy_tolerance)
+    seen = built.follow(to_cells(device, 0, *cells, horizon), Settings(horizon))
+    return seen, label(*seen[:4], Settings().energy_tolerance)
 
 
 def test_never_stays_never_ten_times_as_long_on_a_finer_mesh(handout):
@@ -88,10 +94,10 @@ def test_never_stays_never_ten_times_as_long_on_a_finer_mesh(handout):
     kept = outcome == NEVER
     N, f0, C = (values[kept] for values in cells)
     assert kept.sum() > 100
-    facts, _ = follow(
+    seen, _ = follow(
         handout, (0.98 * N, f0, C), 15000.0, "elements", elements=12, modes=8, step=0.3
     )
-    assert np.isnan(facts.t_snap).all()
+    assert np.isnan(seen.t_snap).all()
 
 
 def test_latched_stays_in_well_two(handout):
@@ -100,15 +106,16 @@ def test_latched_stays_in_well_two(handout):
     found = 0
     model = build_model(device, "cosines", modes=4)
     for N, f0, C in zip(*random_cells(device, 30, 2, [25.0, 200.0]), strict=True):
-        cell = to_cells(device, [N], [f0], [C], 6000.0)
-        facts = follow_once(model, cell, Protocol(6000.0))
-        outcome = label(*facts[:4], Protocol().energy_tolerance)
+        cell = to_cells(device, [0], N, f0, C, 6000.0)
+        seen = model.follow_once(cell, Settings(6000.0))
+        outcome = label(*seen[:4], Settings().energy_tolerance)
         if outcome[0] not in (LATCHED, RETURNED):
             continue
-        cell = to_cells(device, [N], [f0], [C], 2.0e4)
-        motion, form = history._modal_motion(model, *(float(v[0]) for v in cell))
+        steps = int(2.0e4 / model.dt)
+        load = (column.item() for column in cell[1:4])
+        motion, form = model.loop().record(model, *load, steps, stride=16)
         w = device.beam.rise + motion.u @ form.midpoint
-        after = w[motion.time >= facts.t_settled[0]]
+        after = w[motion.time >= seen.t_settled[0]]
         saddle = -device.beam.rise / 3
         assert (after < saddle).all() if outcome[0] == LATCHED else (after > saddle).all()
         found += 1
@@ -124,15 +131,15 @@ def test_no_proof_from_a_run_whose_energy_error_exceeds_its_margin(handout, mode
     cells = random_cells(device, 100, 3, [0.025, 25.0])
     fine, _ = follow(device, cells, 3000.0, name, **options, step=0.1)
     for step in (0.8, 1.0):
-        facts, outcome = follow(device, cells, 3000.0, name, **options, step=step)
+        seen, outcome = follow(device, cells, 3000.0, name, **options, step=step)
         proven = np.isin(outcome, PROVEN)
-        assert (facts.energy_error[proven] <= Protocol().energy_tolerance).all()
+        assert (seen.energy_error[proven] <= Settings().energy_tolerance).all()
         never = outcome == NEVER
         assert np.isnan(fine.t_snap[never]).mean() > 0.97
     built = build_model(device, name, **options, step=1.0)
-    built = built._replace(dt=1.5 * built.dt)
-    wild = follow_once(built, to_cells(device, *cells, 3000.0), Protocol(3000.0))
-    assert not np.isin(label(*wild[:4], Protocol().energy_tolerance), PROVEN).any()
+    built = built.with_step(1.5)
+    wild = built.follow_once(to_cells(device, 0, *cells, 3000.0), Settings(3000.0))
+    assert not np.isin(label(*wild[:4], Settings().energy_tolerance), PROVEN).any()
 
 
 def test_with_a_damped_beam_everything_settles(handout):
@@ -162,25 +169,25 @@ SECOND = [pytest.param(model, 1e6, marks=pytest.mark.long) for model in ("handou
 def test_the_undamped_ledger_stays_closed(handout, model, duration):
     """Without any damping, thousands of impacts: the residual ends below 1e-3."""
     built = build_model(handout, model)
-    built = built._replace(barrier=built.barrier._replace(energy=0.0))
-    cells = to_cells(handout, [880.0, 1000.0, 1500.0], [1500.0] * 3, [0.0] * 3, duration)
-    assert (follow_cells(built, cells, Protocol(duration)).energy_error < 1e-3).all()
+    built = dataclasses.replace(built, barrier=built.barrier._replace(energy=0.0))
+    cells = to_cells(handout, 0, [880.0, 1000.0, 1500.0], 1500.0, 0.0, duration)
+    assert (built.follow(cells, Settings(duration)).energy_error < 1e-3).all()
 
 
 def test_hard_contact_without_damping_is_given_the_step_it_needs(handout):
     """Thousands of impacts, each with an error of its own, against the tolerance of the ledger."""
     device = dataclasses.replace(handout, contact=np.inf)
     model = build_model(device, "cosines", modes=3)
-    model = model._replace(barrier=model.barrier._replace(energy=0.0))
-    cells = to_cells(device, [880.0, 1500.0], [1500.0] * 2, [0.0] * 2, 2e4)
-    rough = follow_once(model, cells, Protocol(2e4)).energy_error
-    assert (follow_cells(model, cells, Protocol(2e4)).energy_error < 1e-3).all()
+    model = dataclasses.replace(model, barrier=model.barrier._replace(energy=0.0))
+    cells = to_cells(device, 0, [880.0, 1500.0], 1500.0, 0.0, 2e4)
+    rough = model.follow_once(cells, Settings(2e4)).energy_error
+    assert (model.follow(cells, Settings(2e4)).energy_error < 1e-3).all()
     assert (rough > 1e-3).any()
 
 
 def test_most_cells_under_the_threshold_end_with_the_pulse(handout):
     N, f0 = np.meshgrid(np.linspace(600, 900, 30), np.geomspace(100, 1.5e3, 20))
     cells = (N.ravel(), f0.ravel(), np.full(N.size, 0.025))
-    facts, outcome = follow(handout, cells, 1500.0, "cosines", modes=4)
-    early = facts.t_settled < 1e6 / f0.ravel() + 40
+    seen, outcome = follow(handout, cells, 1500.0, "cosines", modes=4)
+    early = seen.t_settled < 1e6 / f0.ravel() + 40
     assert (outcome == NEVER).mean() > 0.9 and early.mean() > 0.7

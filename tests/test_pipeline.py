@@ -10,19 +10,17 @@ import yaml
 from studies import TINY
 
 import snapmap
-from snapmap.config import load_study
-from snapmap.dependencies import code_files
-from snapmap.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
-from snapmap.plan import cut
+from snapmap.config.study import load_study
+from snapmap.io.dependencies import code_files
+from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
+from snapmap.sweeps.plan import make_plan
 
 UPSTREAM = {
     "simulate_slab": (),
     "collect": ("simulate_slab",),
     "find_threshold": (),
-    "draw_map": ("collect", "find_threshold"),
     "draw_maps": ("collect", "find_threshold"),
     "draw_thresholds": ("find_threshold",),
-    "draw_damage_boundary": ("find_threshold",),
     "trace_cells": ("collect",),
     "write_page": ("collect", "trace_cells"),
     "trace_statics": (),
@@ -182,11 +180,11 @@ def planned_after_edit(clone, finished, path, text="EDITED = 1\n"):
 @pytest.mark.parametrize(
     ("path", "rules"),
     [
-        ("draw_map.py", {"draw_map"}),
-        ("snapmap/figures/maps.py", {"draw_map", "draw_maps", "write_page"}),
-        ("snapmap/survey.py", reruns({"find_threshold"})),
-        ("snapmap/lanes.py", set(RULES) - {"trace_statics", "draw_statics"}),
-        ("snapmap/plan.py", set()),
+        ("draw_maps.py", {"draw_maps"}),
+        ("snapmap/figures/maps.py", {"draw_maps", "write_page"}),
+        ("snapmap/thresholds/islands.py", reruns({"find_threshold"})),
+        ("snapmap/solver/simd_kernel.py", set(RULES) - {"trace_statics", "draw_statics"}),
+        ("snapmap/sweeps/plan.py", set()),
     ],
 )
 def test_an_edit_reruns_what_depends_on_it(clone, finished, path, rules):
@@ -201,7 +199,7 @@ def test_a_comment_a_docstring_and_a_touch_rerun_nothing(clone, finished):
     with edited(device, ""):
         text = device.read_text(encoding="utf-8")
         device.write_text(text.replace('"""', '"""In other words: ', 1), encoding="utf-8")
-        assert planned_after_edit(clone, finished, "snapmap/journal.py", "# Words\n\n") == set()
+        assert planned_after_edit(clone, finished, "snapmap/io/job_log.py", "# Words\n\n") == set()
 
 
 @pytest.mark.long
@@ -255,7 +253,8 @@ def test_bad_input_is_one_line(old, new, key):
     """All that the Snakefile asks of a config before any job is planned."""
     assert old in TINY
     with pytest.raises(ValueError) as fault:
-        cut(load_study(yaml.safe_load(TINY.replace(old, new, 1))))
+        study = load_study(yaml.safe_load(TINY.replace(old, new, 1)))
+        make_plan(study.grid, study.model, study.settings)
     (line,) = str(fault.value).splitlines()
     assert line.startswith(key)
 

@@ -13,9 +13,8 @@ import pytest
 import yaml
 from studies import TINY
 
-from snapmap.config import load_study
-from snapmap.partition import Slab
-from snapmap.plan import requests
+from snapmap.config.study import load_study
+from snapmap.sweeps.plan import make_plan
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sinfo", "sbatch", "srun")
 SLURM = """
@@ -194,13 +193,16 @@ def contents(path):
 
 
 def test_a_slab_asks_for_more_the_more_there_is_to_do():
-    amplitudes = tuple(range(600, 20600))
-    slabs = {
-        "one cell": Slab((1.0,), (100.0,), amplitudes[:1]),
-        "many": Slab((1.0,), (100.0,), amplitudes),
-        "longer": Slab((1.0,), (10.0,), amplitudes),
-    }
-    one, many, longer = requests(load_study(yaml.safe_load(TINY)), slabs).values()
+    document = yaml.safe_load(TINY)
+    document["sweep"]["C"] = ["1 uN*us/um"]
+
+    def request(f0, points):
+        document["sweep"] |= {"f0": [f0], "N": {"from": 600, "to": 20600, "points": points}}
+        study = load_study(document)
+        (only,) = make_plan(study.grid, study.model, study.settings).requests
+        return only
+
+    one, many, longer = request("1 kHz", 2), request("1 kHz", 20000), request("400 Hz", 20000)
     assert one.mem_mb < many.mem_mb == longer.mem_mb
     assert 1 <= one.runtime < many.runtime < longer.runtime
 

@@ -3,12 +3,9 @@
 import numpy as np
 import pytest
 import write_stability_table
-
-from snapmap.figures.stability import COLOURS, WORDS, exponent
-from snapmap.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED, UNSNAPPED
-from snapmap.stability.cases import CASES, MODELS, Case
-from snapmap.stability.measure import measure
-from snapmap.stability.verdicts import (
+from studies.stability.cases import CASES, MODELS, Case
+from studies.stability.measure import measure
+from studies.stability.verdicts import (
     CAUGHT,
     LEFT_OUT,
     NO_RUNS,
@@ -22,6 +19,9 @@ from snapmap.stability.verdicts import (
     Runs,
     judge,
 )
+
+from snapmap.figures.stability import COLOURS, WORDS, exponent
+from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED, UNSNAPPED
 
 NAN = np.nan
 SHORT = (

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import snapmap
-from snapmap.statics import force_displacement, static_threshold
+from snapmap.beam.statics import force_displacement, static_threshold
 
 
 @pytest.fixture(scope="module")

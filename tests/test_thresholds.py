@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import snapmap
-from snapmap.edges import refine_edges, stretches
-from snapmap.survey import _closer_window, _decide, _distance, _whole_window
-from snapmap.thresholds import amplitudes, first_snap, refine
+from snapmap.solver.bracket import amplitudes, first_snap, refine
+from snapmap.thresholds.islands import _closer_window, _decide, _distance, _whole_window
+from snapmap.thresholds.transitions import refine_edges, stretches
 
 
 def told(snapped):

@@ -19,9 +19,9 @@ rule measure_accuracy:
     threads: 1000
     params:
         code=code("measure_accuracy"),
-        device=asdict(study.device),
-        axes=[study.C.tolist(), study.f0.tolist(), study.N.tolist()],
-        protocol=study.protocol._asdict(),
+        device=values_of(nominal(study.device)),
+        axes={key: study.axes[key].tolist() for key in ("C", "f0", "N")},
+        settings=asked,
         plan=lambda wildcards: "quick" if wildcards.size else "full",
     message:
         "Measure error and time of every model: {output.accuracy}"

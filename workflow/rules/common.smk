@@ -1,4 +1,3 @@
-from dataclasses import asdict
 from functools import cache
 
 once = cache(code_hash)

@@ -7,14 +7,10 @@ rule simulate_history:
         "../envs/snapmap.yaml"
     params:
         code=code("simulate_history"),
-        device=asdict(study.device),
+        device=lambda wildcards: values_of(cells[wildcards.cell].device),
         model=study.model,
-        cell=lambda wildcards: cells[wildcards.cell]._asdict(),
-        followed={
-            "horizon": study.protocol.horizon,
-            "until": study.protocol.until,
-            "energy_tolerance": study.protocol.energy_tolerance,
-        },
+        cell=lambda wildcards: cells[wildcards.cell].shock,
+        followed={key: asked[key] for key in ("horizon", "until", "energy_tolerance")},
     message:
         "Follow one cell in full: {wildcards.cell}"
     script:
@@ -38,6 +34,7 @@ rule draw_history:
         "../envs/snapmap.yaml"
     params:
         code=code("draw_history"),
+        stem="results/figures/history_{cell}",
     message:
         "Draw the history of {wildcards.cell}"
     script:

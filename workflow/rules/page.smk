@@ -12,9 +12,9 @@ rule trace_cells:
         mem_mb=lambda wildcards, attempt: attempt * 2000,
     params:
         code=code("trace_cells"),
-        device=asdict(study.device),
+        device=device_values,
         model=study.model,
-        protocol=study.protocol._asdict(),
+        settings=asked,
     message:
         "Trace the motion of the cells of {input.cube}"
     script:
@@ -33,6 +33,7 @@ rule write_page:
         "../envs/snapmap.yaml"
     params:
         code=code("write_page"),
+        horizon=study.settings.horizon,
     message:
         "Write the page to explore {input.cube}"
     script:

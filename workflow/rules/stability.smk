@@ -16,7 +16,7 @@ rule measure_stability:
     threads: 1000
     params:
         code=code("measure_stability"),
-        device=asdict(study.device),
+        device=values_of(nominal(study.device)),
     message:
         "Follow the hard cases"
     script:
@@ -33,7 +33,7 @@ rule measure_settled:
     threads: 1000
     params:
         code=code("measure_settled"),
-        device=asdict(study.device),
+        device=values_of(nominal(study.device)),
         beam_dampings=[0.0, 4e-4, 4e-3],
     message:
         "Sweep with less and more damping"

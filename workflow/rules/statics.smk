@@ -1,13 +1,13 @@
 rule trace_statics:
     output:
-        statics="results/statics.nc",
+        statics="results/statics{which}.nc",
     log:
-        "results/logs/trace_statics.log",
+        "results/logs/trace_statics{which}.log",
     conda:
         "../envs/snapmap.yaml"
     params:
         code=code("trace_statics"),
-        device=asdict(study.device),
+        device=lambda wildcards: values_of(statics[wildcards.which]),
     message:
         "Push the beam slowly through"
     script:
@@ -16,21 +16,22 @@ rule trace_statics:
 
 rule draw_statics:
     input:
-        statics="results/statics.nc",
+        statics="results/statics{which}.nc",
     output:
-        pdf="results/figures/statics.pdf",
+        pdf="results/figures/statics{which}.pdf",
         png=report(
-            "results/figures/statics.png",
+            "results/figures/statics{which}.png",
             caption="../report/statics.rst",
             category="Device",
-            labels={"figure": "force and energy of the beam"},
+            labels={"figure": "force and energy of the beam{which}"},
         ),
     log:
-        "results/logs/draw_statics.log",
+        "results/logs/draw_statics{which}.log",
     conda:
         "../envs/snapmap.yaml"
     params:
         code=code("draw_statics"),
+        stem="results/figures/statics{which}",
     message:
         "Draw the beam's force and energy"
     script:

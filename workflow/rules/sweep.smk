@@ -8,14 +8,15 @@ rule simulate_slab:
         "../envs/snapmap.yaml"
     threads: 1
     resources:
-        mem_mb=lambda wildcards, attempt: attempt * asked[wildcards.slab].mem_mb,
-        runtime=lambda wildcards, attempt: attempt * asked[wildcards.slab].runtime,
+        mem_mb=lambda wildcards, attempt: attempt * requests[wildcards.slab].mem_mb,
+        runtime=lambda wildcards, attempt: attempt * requests[wildcards.slab].runtime,
     params:
         code=code("simulate_slab"),
-        device=asdict(study.device),
+        device=device_values,
         model=study.model,
-        axes=lambda wildcards: slabs[wildcards.slab]._asdict(),
-        protocol=study.protocol._asdict(),
+        axes=lambda wildcards: slabs[wildcards.slab],
+        settings=asked,
+        skip=study.skip,
     message:
         "Simulate slab {wildcards.slab}"
     script:
@@ -35,7 +36,7 @@ rule collect:
         mem_mb=lambda wildcards, attempt: attempt * 2000,
     params:
         code=code("collect"),
-        axes=[study.C.tolist(), study.f0.tolist(), study.N.tolist()],
+        axes={key: values.tolist() for key, values in study.axes.items()},
         config=config,
     message:
         "Collect the slabs into {output.cube}"

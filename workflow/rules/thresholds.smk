@@ -10,15 +10,20 @@ rule find_threshold:
         mem_mb=lambda wildcards, attempt: attempt * 2000,
     params:
         code=code("find_threshold"),
-        device=asdict(study.device),
+        device=device_values,
         model=study.model,
-        axes={"C": study.C.tolist(), "f0": study.f0.tolist()},
-        highest=float(study.N[-1]),
-        followed={
-            "horizon": study.protocol.horizon,
-            "energy_tolerance": study.protocol.energy_tolerance,
+        axes={
+            key: values.tolist()
+            for key, values in study.axes.items()
+            if key not in ("device", "N")
         },
-        tolerance=study.threshold_tolerance,
+        highest=float(study.axes["N"][-1]),
+        followed={
+            "horizon": study.settings.horizon,
+            "energy_tolerance": study.settings.energy_tolerance,
+            "tolerance": study.threshold_tolerance,
+            "skip": study.skip,
+        },
     message:
         "Find the thresholds"
     script:
@@ -29,43 +34,26 @@ rule draw_thresholds:
     input:
         threshold="results/threshold.nc",
     output:
-        pdf="results/figures/thresholds.pdf",
-        png=report(
-            "results/figures/thresholds.png",
-            caption="../report/thresholds.rst",
-            category="Thresholds",
-            labels={"figure": "over the pulse's frequency"},
-        ),
+        pdf=[f"results/figures/{stem}.pdf" for stem in curve_stems],
+        png=[
+            report(
+                f"results/figures/{stem}.png",
+                caption="../report/thresholds.rst",
+                category="Thresholds",
+                labels={"figure": stem},
+            )
+            for stem in curve_stems
+        ],
     log:
         "results/logs/draw_thresholds.log",
     conda:
         "../envs/snapmap.yaml"
     params:
         code=code("draw_thresholds"),
+        views=[view._asdict() for view in study.curves],
+        boundary=study.boundary._asdict(),
+        folder="results/figures",
     message:
         "Draw the thresholds"
     script:
         "../scripts/draw_thresholds.py"
-
-
-rule draw_damage_boundary:
-    input:
-        threshold="results/threshold.nc",
-    output:
-        pdf="results/figures/damage_boundary.pdf",
-        png=report(
-            "results/figures/damage_boundary.png",
-            caption="../report/damage_boundary.rst",
-            category="Thresholds",
-            labels={"figure": "damage boundary"},
-        ),
-    log:
-        "results/logs/draw_damage_boundary.log",
-    conda:
-        "../envs/snapmap.yaml"
-    params:
-        code=code("draw_damage_boundary"),
-    message:
-        "Draw the damage boundary"
-    script:
-        "../scripts/draw_damage_boundary.py"

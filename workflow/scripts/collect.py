@@ -1,9 +1,9 @@
 """Rule collect: join the slabs into one cube."""
 
-from snapmap.collection import collect_slabs
-from snapmap.cube import summary
-from snapmap.journal import journal
-from snapmap.netcdf import write
+from snapmap.io.job_log import job_log
+from snapmap.io.netcdf import write
+from snapmap.sweeps.assemble import collect_slabs
+from snapmap.sweeps.cube import summary
 
 
 def collect(slab_paths, axes, config, cube_path):
@@ -14,7 +14,7 @@ def collect(slab_paths, axes, config, cube_path):
 
 
 if __name__ == "__main__":
-    with journal(snakemake.log[0]):
+    with job_log(snakemake.log[0]):
         collect(
             slab_paths=snakemake.input.slabs,
             axes=snakemake.params.axes,

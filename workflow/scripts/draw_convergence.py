@@ -3,22 +3,21 @@
 import xarray as xr
 
 from snapmap.figures import convergence, style
-from snapmap.journal import journal
+from snapmap.io.job_log import job_log
 
 
-def draw_convergence(accuracy_path, pdf_path, png_path):
+def draw_convergence(accuracy_path, stem):
     """Read the measured errors and draw them as wide as two columns."""
     with xr.open_dataset(accuracy_path, engine="netcdf4") as found, style.paper():
         figure = style.double_column(height=3.2)
         axes = figure.subplots(1, 2, sharey=True, width_ratios=[3, 2])
         convergence.draw_convergence(axes, found)
-        style.save(figure, pdf_path, png_path, found.attrs)
+        style.save(figure, stem, found.attrs)
 
 
 if __name__ == "__main__":
-    with journal(snakemake.log[0]):
+    with job_log(snakemake.log[0]):
         draw_convergence(
             accuracy_path=snakemake.input.accuracy,
-            pdf_path=snakemake.output.pdf,
-            png_path=snakemake.output.png,
+            stem=snakemake.output.pdf.removesuffix(".pdf"),
         )

@@ -1,30 +1,56 @@
-"""Rule draw_maps: draw the maps of all C of the cube side by side."""
+"""Rule draw_maps: draw maps over two axes of the cube, or of the thresholds, and some together."""
 
 import math
 
 import xarray as xr
 
-from snapmap.figures import maps, style
-from snapmap.journal import journal
+from snapmap.figures import maps, style, thresholds
+from snapmap.io.job_log import job_log
 
 
-def draw_maps(cube_path, threshold_path, pdf_path, png_path):
-    """Read a cube and its thresholds and draw the map of every C, as wide as two columns."""
+def draw_maps(cube_path, threshold_path, views, together, folder):
+    """Draw each view, one column wide, and some maps of outcomes side by side, as maps.pdf.
+
+    views: name, x, y and at, the place on each other axis; without N as one of these, thresholds
+    together: views of outcomes over the same axes
+    """
     with (
         xr.open_dataset(cube_path, engine="netcdf4") as cube,
         xr.open_dataset(threshold_path, engine="netcdf4") as found,
         style.paper(),
     ):
-        figure = style.double_column(height=1.2 + 2.1 * math.ceil(cube.C.size / maps.COLUMNS))
-        maps.draw_maps(figure, cube, found.sel(C=cube.C))
-        style.save(figure, pdf_path, png_path, cube.attrs)
+        for view in views:
+            _draw_map(cube, found, **view, folder=folder)
+        if together:
+            _draw_together(cube, found, together, folder)
+
+
+def _draw_map(cube, found, name, x, y, at, folder):
+    figure = style.single_column(height=3.6)
+    if "N" in (x, y, *at):
+        maps.draw_map(figure.subplots(), cube.isel(at), _at(found, at), x, y)
+    else:
+        thresholds.draw_threshold_map(figure.subplots(), _at(found, at), x, y)
+    style.save(figure, f"{folder}/{name}", cube.attrs)
+
+
+def _draw_together(cube, found, views, folder):
+    figure = style.double_column(height=1.2 + 2.1 * math.ceil(len(views) / maps.COLUMNS))
+    panels = [(cube.isel(view["at"]), _at(found, view["at"])) for view in views]
+    maps.draw_maps(figure, panels, views[0]["x"], views[0]["y"])
+    style.save(figure, f"{folder}/maps", cube.attrs)
+
+
+def _at(found, at):
+    return found.isel({key: place for key, place in at.items() if key != "N"})
 
 
 if __name__ == "__main__":
-    with journal(snakemake.log[0]):
+    with job_log(snakemake.log[0]):
         draw_maps(
             cube_path=snakemake.input.cube,
             threshold_path=snakemake.input.threshold,
-            pdf_path=snakemake.output.pdf,
-            png_path=snakemake.output.png,
+            views=snakemake.params.views,
+            together=snakemake.params.together,
+            folder=snakemake.params.folder,
         )

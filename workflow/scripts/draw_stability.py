@@ -3,21 +3,20 @@
 import xarray as xr
 
 from snapmap.figures import stability, style
-from snapmap.journal import journal
+from snapmap.io.job_log import job_log
 
 
-def draw_stability(stability_path, pdf_path, png_path):
+def draw_stability(stability_path, stem):
     """Read the hard cases and draw a panel for each model, as wide as two columns."""
     with xr.open_dataset(stability_path, engine="netcdf4") as cases, style.paper():
         figure = style.double_column(height=7.6)
         stability.draw_panels(figure, cases)
-        style.save(figure, pdf_path, png_path, cases.attrs)
+        style.save(figure, stem, cases.attrs)
 
 
 if __name__ == "__main__":
-    with journal(snakemake.log[0]):
+    with job_log(snakemake.log[0]):
         draw_stability(
             stability_path=snakemake.input.stability,
-            pdf_path=snakemake.output.pdf,
-            png_path=snakemake.output.png,
+            stem=snakemake.output.pdf.removesuffix(".pdf"),
         )

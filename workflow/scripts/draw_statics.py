@@ -3,10 +3,10 @@
 import xarray as xr
 
 from snapmap.figures import statics, style
-from snapmap.journal import journal
+from snapmap.io.job_log import job_log
 
 
-def draw_statics(statics_path, pdf_path, png_path):
+def draw_statics(statics_path, stem):
     """Read the statics and draw force and energy, as wide as one column."""
     with xr.open_dataset(statics_path, engine="netcdf4") as found, style.paper():
         figure = style.single_column(height=3.6)
@@ -14,13 +14,12 @@ def draw_statics(statics_path, pdf_path, png_path):
         statics.draw_force_displacement(force, found)
         statics.draw_energy(energy, found)
         force.label_outer()
-        style.save(figure, pdf_path, png_path, found.attrs)
+        style.save(figure, stem, found.attrs)
 
 
 if __name__ == "__main__":
-    with journal(snakemake.log[0]):
+    with job_log(snakemake.log[0]):
         draw_statics(
             statics_path=snakemake.input.statics,
-            pdf_path=snakemake.output.pdf,
-            png_path=snakemake.output.png,
+            stem=snakemake.params.stem,
         )

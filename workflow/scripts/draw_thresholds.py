@@ -1,23 +1,33 @@
-"""Rule draw_thresholds: draw the thresholds of every C over the frequency of the pulse."""
+"""Rule draw_thresholds: draw the thresholds over each axis, and as a damage boundary."""
 
 import xarray as xr
 
 from snapmap.figures import style, thresholds
-from snapmap.journal import journal
+from snapmap.io.job_log import job_log
 
 
-def draw_thresholds(threshold_path, pdf_path, png_path):
-    """Read the thresholds and draw them as wide as two columns."""
+def draw_thresholds(threshold_path, views, boundary, folder):
+    """Draw each view, two columns wide, and the damage boundary, one column wide.
+
+    views, boundary: name, x, y (a line for each of its values) and at, the place on other axes
+    """
     with xr.open_dataset(threshold_path, engine="netcdf4") as found, style.paper():
-        figure = style.double_column(height=3.4)
-        thresholds.draw_thresholds(figure.subplots(), found)
-        style.save(figure, pdf_path, png_path, found.attrs)
+        for view in views:
+            figure = style.double_column(height=3.4)
+            lines = found.isel(view["at"])
+            thresholds.draw_thresholds(figure.subplots(), lines, view["x"], view["y"])
+            style.save(figure, f"{folder}/{view['name']}", found.attrs)
+        figure = style.single_column(height=3.2)
+        lines = found.isel(boundary["at"])
+        thresholds.draw_damage_boundary(figure.subplots(), lines, boundary["y"])
+        style.save(figure, f"{folder}/{boundary['name']}", found.attrs)
 
 
 if __name__ == "__main__":
-    with journal(snakemake.log[0]):
+    with job_log(snakemake.log[0]):
         draw_thresholds(
             threshold_path=snakemake.input.threshold,
-            pdf_path=snakemake.output.pdf,
-            png_path=snakemake.output.png,
+            views=snakemake.params.views,
+            boundary=snakemake.params.boundary,
+            folder=snakemake.params.folder,
         )

@@ -1,9 +1,10 @@
 """Rule measure_stability: follow the hard cases with every model at many steps."""
 
+from studies.stability.measure import measure
+
 from snapmap.device import device_from
-from snapmap.journal import journal
-from snapmap.netcdf import write
-from snapmap.stability.measure import measure
+from snapmap.io.job_log import job_log
+from snapmap.io.netcdf import write
 
 
 def measure_stability(device, path, threads):
@@ -12,7 +13,7 @@ def measure_stability(device, path, threads):
 
 
 if __name__ == "__main__":
-    with journal(snakemake.log[0]):
+    with job_log(snakemake.log[0]):
         measure_stability(
             device=snakemake.params.device,
             path=snakemake.output.stability,

@@ -1,9 +1,9 @@
 """Rule simulate_history: follow one cell in full."""
 
 from snapmap.device import device_from
-from snapmap.history import simulate
-from snapmap.journal import journal
-from snapmap.netcdf import write
+from snapmap.io.job_log import job_log
+from snapmap.io.netcdf import write
+from snapmap.motion.history import simulate
 
 
 def simulate_history(device, model, cell, followed, path):
@@ -17,7 +17,7 @@ def simulate_history(device, model, cell, followed, path):
 
 
 if __name__ == "__main__":
-    with journal(snakemake.log[0]):
+    with job_log(snakemake.log[0]):
         simulate_history(
             device=snakemake.params.device,
             model=snakemake.params.model,

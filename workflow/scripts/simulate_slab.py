@@ -1,26 +1,26 @@
 """Rule simulate_slab: follow the cells of one slab of the grid."""
 
-from snapmap.device import device_from
-from snapmap.journal import journal
-from snapmap.partition import Slab
-from snapmap.protocol import Protocol
-from snapmap.slab import write_slab
+from snapmap.device import devices_from
+from snapmap.io.job_log import job_log
+from snapmap.solver.settings import Settings
+from snapmap.sweeps.slab import write_slab
 
 
-def simulate_slab(device, model, axes, protocol, path, threads, code):
+def simulate_slab(device, model, axes, settings, skip, path, threads, code):
     """Simulate one slab and write it; values in internal units, axes as in the cube."""
-    cells, asked = Slab(**axes), Protocol(**protocol)
-    counts = write_slab(device_from(device), model, cells, asked, path, threads, code)
+    asked = Settings(**settings, threads=threads)
+    counts = write_slab(devices_from(device), model, axes, asked, path, code, skip)
     print(f"{path}: " + ", ".join(f"{n} {outcome}" for outcome, n in counts.items()))
 
 
 if __name__ == "__main__":
-    with journal(snakemake.log[0]):
+    with job_log(snakemake.log[0]):
         simulate_slab(
             device=snakemake.params.device,
             model=snakemake.params.model,
             axes=snakemake.params.axes,
-            protocol=snakemake.params.protocol,
+            settings=snakemake.params.settings,
+            skip=snakemake.params.skip,
             path=snakemake.output.slab,
             threads=snakemake.threads,
             code=snakemake.params.code,

@@ -2,29 +2,29 @@
 
 import xarray as xr
 
-from snapmap.device import device_from
-from snapmap.journal import journal
-from snapmap.netcdf import write
-from snapmap.protocol import Protocol
-from snapmap.traces import trace
+from snapmap.device import devices_from
+from snapmap.io.job_log import job_log
+from snapmap.io.netcdf import write
+from snapmap.motion.envelopes import trace
+from snapmap.solver.settings import Settings
 
 
-def trace_cells(cube_path, device, model, protocol, path, threads):
+def trace_cells(cube_path, device, model, settings, path, threads):
     """Read a cube, trace its cells and write the traces."""
     with xr.open_dataset(cube_path, engine="netcdf4") as cube:
-        traces = trace(device_from(device), cube, model, Protocol(**protocol), threads)
+        traces = trace(devices_from(device), cube, model, Settings(**settings, threads=threads))
     write(traces, path)
     cells = traces.bin_length.size
     print(f"{path}: {cells} of {cube.outcome.size} cells in {traces.sizes['bin']} time bins each")
 
 
 if __name__ == "__main__":
-    with journal(snakemake.log[0]):
+    with job_log(snakemake.log[0]):
         trace_cells(
             cube_path=snakemake.input.cube,
             device=snakemake.params.device,
             model=snakemake.params.model,
-            protocol=snakemake.params.protocol,
+            settings=snakemake.params.settings,
             path=snakemake.output.traces,
             threads=snakemake.threads,
         )

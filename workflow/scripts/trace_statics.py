@@ -1,9 +1,9 @@
 """Rule trace_statics: push the beam slowly through."""
 
+from snapmap.beam.statics import force_displacement
 from snapmap.device import device_from
-from snapmap.journal import journal
-from snapmap.netcdf import write
-from snapmap.statics import force_displacement
+from snapmap.io.job_log import job_log
+from snapmap.io.netcdf import write
 
 
 def trace_statics(device, path):
@@ -12,5 +12,5 @@ def trace_statics(device, path):
 
 
 if __name__ == "__main__":
-    with journal(snakemake.log[0]):
+    with job_log(snakemake.log[0]):
         trace_statics(device=snakemake.params.device, path=snakemake.output.statics)

@@ -5,11 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-
-from snapmap.atomic import replacing
-from snapmap.journal import journal
-from snapmap.outcome import FAILED, LATCHED, NEVER, OUTCOMES, RETURNED, SNAPPED, UNSNAPPED
-from snapmap.stability.verdicts import (
+from studies.stability.verdicts import (
     CAUGHT,
     LEFT_OUT,
     REFUSED,
@@ -18,6 +14,10 @@ from snapmap.stability.verdicts import (
     UNSEEN,
     VERDICTS,
 )
+
+from snapmap.io.atomic import replacing
+from snapmap.io.job_log import job_log
+from snapmap.solver.outcome import FAILED, LATCHED, NEVER, OUTCOMES, RETURNED, SNAPPED, UNSNAPPED
 
 MARKS = {
     SENSITIVE: "*{}*",
@@ -88,8 +88,8 @@ def settled_table(settled):
     head += ["of these latched", "returned", "open", "failed", "all: reproduced"]
     head += ["proven: reproduced"]
     rows = [
-        [f"{damping:g}", f"{C:g}", *_settled_shares(settled.sel(beam_damping=damping, C=C))]
-        for damping, C in product(settled.beam_damping.values, settled.C.values)
+        [f"{damping:g}", f"{C:g}", *_settled_shares(settled.sel(damping=damping, C=C))]
+        for damping, C in product(settled.damping.values, settled.C.values)
     ]
     return _table(head, rows)
 
@@ -111,7 +111,7 @@ def _table(head, rows):
 
 
 if __name__ == "__main__":
-    with journal(snakemake.log[0]):
+    with job_log(snakemake.log[0]):
         write_stability_table(
             stability_path=snakemake.input.stability,
             settled_path=snakemake.input.settled,

@@ -4,7 +4,12 @@ from importlib import import_module
 
 __version__ = "0.1.0"
 
-_HOME = {"load_device": "config", "simulate": "history", "sweep": "cube", "threshold": "surface"}
+_HOME = {
+    "load_device": "config.study",
+    "simulate": "motion.history",
+    "sweep": "sweeps.cube",
+    "threshold": "thresholds.surface",
+}
 __all__ = ["load_device", "simulate", "sweep", "threshold"]
 
 

@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 
-from .style import damping
+from .scales import value_text
 
 LINES = {
     "elements_consistent": ("$n$ elements, consistent mass", "C5", "o", True, (4, 2)),
@@ -125,7 +125,7 @@ def _caption(found):
     """Which thresholds are meant, and what a star does."""
     known = found.threshold_decided.isel(reference=0)
     f0 = ", ".join(f"{value:.4g}" for value in found.f0.values)
-    C = " or ".join(damping(value) for value in found.C.values)
+    C = " or ".join(value_text("C", value) for value in found.C.values)
     caption = f"thresholds at $f_0$ = {f0} Hz, {C}; {int(known.sum())} of {known.size} well posed"
     starred = [str(name) for name in found.model.values if str(name).endswith(" modes")]
     return "; *".join([caption, *{name.split(", ")[-1] + " kept" for name in starred}])

@@ -1,4 +1,4 @@
-"""The threshold of one C as a curve, its limits, and their keys in a legend."""
+"""Thresholds over one axis as a curve, their limits, and their keys in a legend."""
 
 from collections.abc import Iterator
 
@@ -7,10 +7,12 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from .scales import WORDS, scale_of, value_text
+
 LOOKS = (("C0", "o"), ("C6", "s"), ("C2", "^"), ("C5", "D"), ("C3", "v"), ("C7", "P"), ("C1", "X"))
-"""Colour and marker of each C in turn; the first ones differ in grey, too."""
+"""Colour and marker of each line in turn; the first ones differ in grey, too."""
 CURVES, MARKS = 6, 45
-"""Most values of C in one figure, and most markers and error bars on a curve."""
+"""Most lines in one figure, and most markers and error bars on a curve."""
 LIMIT = {"color": "0.4", "linewidth": 0.6, "linestyle": (0, (6, 1.5, 1, 1.5)), "zorder": 1.5}
 LATE = {"linestyle": "--", "markerfacecolor": "white", "markeredgewidth": 0.6}
 
@@ -18,7 +20,7 @@ LATE = {"linestyle": "--", "markerfacecolor": "white", "markeredgewidth": 0.6}
 def draw_curve(
     ax: Axes, x: np.ndarray, found: xr.Dataset, colour: str, marker: str = "", size: float = 3.5
 ) -> None:
-    """Draw N_first of one C over x with error bars; dashed and hollow where the snap is late."""
+    """Draw N_first over x with error bars; dashed and hollow where the snap is late."""
     N, late = found.N_first.values, is_late(found).values
     beside = np.convolve(late, [1, 1, 1])[1:-1] > 0
     look = {"color": colour, "marker": marker, "markersize": size}
@@ -30,13 +32,29 @@ def draw_curve(
     ax.plot(x, np.where(late, np.nan, N), markevery=every, **look)
 
 
-def draw_limits(ax: Axes, found: xr.Dataset) -> None:
-    """Draw the limits of long and of short pulses over f0 (Hz), within the axes as they are."""
-    ax.axhline(found.N_static.item(), **LIMIT)
+def draw_limits(ax: Axes, found: xr.Dataset, x: str = "f0") -> None:
+    """Draw the limit of long pulses and, over f0 (Hz), that of short ones; the axes stay.
+
+    found: of one line or of several
+    """
+    if x != "f0":
+        line = found.N_static
+        if x in line.dims:
+            ax.plot(scale_of(x, found[x].values).places, line.transpose(x, ...), **LIMIT)
+        else:
+            _draw_levels(ax, line)
+        return
+    _draw_levels(ax, found.N_static)
     freeze(ax)
     f0 = np.geomspace(*ax.get_xlim(), 200)
-    for v in np.atleast_1d(found.velocity_change):
-        ax.plot(f0, 2e-6 * f0 * v / found.gravity, **LIMIT)
+    slopes = found.velocity_change / found.gravity
+    for slope in slopes.values.ravel():
+        ax.plot(f0, 2e-6 * f0 * slope, **LIMIT)
+
+
+def _draw_levels(ax, static):
+    for N in np.unique(static.values[np.isfinite(static.values)]):
+        ax.axhline(N, **LIMIT)
 
 
 def is_late(found: xr.Dataset) -> xr.DataArray:
@@ -58,9 +76,9 @@ def curve_keys(found: xr.Dataset, colour: str, marker: str = "") -> list[Line2D]
     return [during] * bool((found.N_first.notnull() & ~late).any()) + [after] * bool(late.any())
 
 
-def limit_key() -> Line2D:
+def limit_key(label: str = "static, impulsive limits") -> Line2D:
     """Key of a legend for what `draw_limits` draws."""
-    return Line2D([], [], **LIMIT, label="static, impulsive limits")
+    return Line2D([], [], **LIMIT, label=label)
 
 
 def freeze(ax: Axes) -> None:
@@ -68,22 +86,23 @@ def freeze(ax: Axes) -> None:
     ax.set(xlim=ax.get_xlim(), ylim=ax.get_ylim())
 
 
-def some_dampings(found: xr.Dataset) -> xr.Dataset:
-    """The thresholds in order of C and f0, for CURVES values of C at most, evenly chosen."""
-    found = found.sortby(["C", "f0"])
-    chosen = np.linspace(0, found.C.size - 1, min(found.C.size, CURVES)).round().astype(int)
-    return found.isel(C=chosen)
+def some_lines(found: xr.Dataset, x: str, lines: str) -> xr.Dataset:
+    """The thresholds in order of two axes, for CURVES values of `lines` at most, evenly chosen."""
+    found = found.sortby([key for key in (lines, x) if found[key].dtype.kind in "fiu"])
+    size = found.sizes[lines]
+    return found.isel({lines: np.linspace(0, size - 1, min(size, CURVES)).round().astype(int)})
 
 
-def each_damping(found: xr.Dataset) -> Iterator[tuple[xr.Dataset, str, str]]:
-    """Every C of the thresholds, with its colour and marker."""
-    for i in range(found.C.size):
-        yield found.isel(C=i), *LOOKS[i % len(LOOKS)]
+def each_line(found: xr.Dataset, lines: str) -> Iterator[tuple[xr.Dataset, str, str]]:
+    """The thresholds at every value of an axis, with a colour and a marker."""
+    for i in range(found.sizes[lines]):
+        yield found.isel({lines: i}), *LOOKS[i % len(LOOKS)]
 
 
-def damping_keys(found: xr.Dataset) -> Iterator[Line2D]:
-    """Keys of a legend for every C, with the velocity change in the limit of short pulses."""
-    for one, colour, marker in each_damping(found):
-        v = one.velocity_change.item()
-        label = f"$C$ = {one.C.item():.4g}, $\\Delta v$ = {v:.3g} m/s"
+def line_keys(found: xr.Dataset, lines: str) -> Iterator[Line2D]:
+    """Keys of a legend for every line, with the velocity change in the limit of short pulses."""
+    for one, colour, marker in each_line(found, lines):
+        v = one.velocity_change
+        label = value_text(lines, one[lines].item()).replace(WORDS["C"][1], "").strip()
+        label += f", $\\Delta v$ = {v.item():.3g} m/s" if v.ndim == 0 else ""
         yield Line2D([], [], color=colour, marker=marker, label=label)

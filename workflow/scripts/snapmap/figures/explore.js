@@ -1,13 +1,16 @@
 "use strict";
-// Fills the page's two figures: the map for the C of the slider, the history for the chosen cell.
+// Fills the page's two figures: the map over two axes at the sliders' places on all others, and the
+// history of the chosen cell.
 
 const study = JSON.parse(document.getElementById("data").textContent);
-const { C, f0, N } = study.axes;
-const [map, motion, slider] = ["map", "history", "slider"].map((id) => document.getElementById(id));
+const { axes } = study;
+const [map, motion] = ["map", "history"].map((id) => document.getElementById(id));
+const [X, Y, PULSE] = [study.x, study.y, "f0"].map((key) => axes.findIndex(({ name }) => name === key));
+const strides = axes.map((_, n) => axes.slice(n + 1).reduce((cells, { values }) => cells * values.length, 1));
 const MOVES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 const KINDS = { uint8: Uint8Array, float32: Float32Array };
 const cells = {};
-let chosen = [f0.length >> 1, N.length >> 1];
+const at = study.start; // the chosen cell's place on each axis
 
 async function unpack({ kind, bytes }) {
   const packed = Uint8Array.from(atob(bytes), (sign) => sign.charCodeAt(0));
@@ -16,32 +19,39 @@ async function unpack({ kind, bytes }) {
 }
 
 const round = (value) => String(Number(value.toPrecision(4)));
-const damping = (value) => `C = ${round(value)}\u00a0µN\u00a0µs/µm`;
-const place = (i, j) => (Number(slider.value) * f0.length + i) * N.length + j;
+const say = (n, place) => axes[n].lead + axes[n].texts[place];
 const outcome = (k) => study.outcomes[cells.outcome[k]];
-const byCell = (make) => N.map((_, j) => f0.map((_, i) => make(i, j)));
+const isAbsent = (k) => outcome(k).name === "absent";
 
-function describe(i, j) {
-  const k = place(i, j);
+function place(i, j) {
+  const rest = at.map((own, n) => (n === X ? i : n === Y ? j : own));
+  return rest.reduce((k, own, n) => k + own * strides[n], 0);
+}
+
+function byCell(make) {
+  const corner = place(0, 0);
+  return axes[Y].values.map((_, j) =>
+    axes[X].values.map((_, i) => make(corner + i * strides[X] + j * strides[Y], i, j)));
+}
+
+function describe(k, i, j) {
   const snap = cells.t_snap[k];
-  const lines = [
-    `<b>${outcome(k).words}</b>`,
-    `N = ${round(N[j])}`,
-    `f<sub>0</sub> = ${round(f0[i])} Hz`,
-    Number.isNaN(snap) ? "no snap" : `t<sub>snap</sub> = ${round(snap)} µs`,
-  ];
+  const lines = [`<b>${outcome(k).words}</b>`, say(Y, j), say(X, i)];
+  if (isAbsent(k)) return lines.join("<br>");
+  lines.push(Number.isNaN(snap) ? "no snap" : `t<sub>snap</sub> = ${round(snap)} µs`);
   return lines.concat(cells.reproduced[k] ? [] : ["not reproduced with another step"]).join("<br>");
 }
 
 function drawMap() {
-  const text = damping(C[slider.value]);
-  document.getElementById("C").textContent = text;
-  slider.setAttribute("aria-valuetext", text);
-  const codes = byCell((i, j) => cells.outcome[place(i, j)]);
-  const apart = byCell((i, j) => [i, j]).flat().filter(([i, j]) => !cells.reproduced[place(i, j)]);
+  const codes = byCell((k) => cells.outcome[k]);
+  const apart = byCell((k, i, j) => (cells.reproduced[k] ? [] : [[i, j]])).flat(2);
   listClasses(codes.flat(), apart.length);
-  Plotly.restyle(map, { x: [apart.map(([i]) => f0[i])], y: [apart.map(([, j]) => N[j])] }, [1]);
+  Plotly.restyle(map, marksAt(apart), [1]);
   Plotly.restyle(map, { z: [codes], text: [byCell(describe)] }, [0]);
+}
+
+function marksAt(places) {
+  return { x: [places.map(([i]) => axes[X].values[i])], y: [places.map(([, j]) => axes[Y].values[j])] };
 }
 
 function listClasses(codes, apart) {
@@ -60,20 +70,24 @@ function trace(name, k) {
 }
 
 function drawHistory() {
-  const [i, j] = chosen;
-  const k = place(i, j);
+  const k = place(at[X], at[Y]);
+  document.getElementById("cell").innerHTML = axes.map((_, n) => say(n, at[n])).reverse().join(", ");
+  document.getElementById("verdict").innerHTML = `<b>${outcome(k).words}:</b> ${verdict(k)}`;
+  const wasHidden = motion.hidden;
+  motion.hidden = isAbsent(k);
+  if (motion.hidden) return;
   const starts = Array.from({ length: study.bins }, (_, bin) => (bin * cells.bin_length[k]) / 1e3);
   const middles = starts.map((start) => start + cells.bin_length[k] / 2e3);
   const names = Object.keys(study.packing);
-  const instants = [1e6 / f0[i], cells.t_snap[k], cells.t_settled[k]].map((time) => time / 1e3);
+  const end = 1e6 / axes[PULSE].values[at[PULSE]];
+  const instants = [end, cells.t_snap[k], cells.t_settled[k]].map((time) => time / 1e3);
   const [second, saddle, ...marks] = motion.layout.shapes;
   const moved = marks.map((mark, n) => ({ ...mark, ...standing(instants[n]) }));
   const curves = { x: [middles, middles, starts, starts, starts], y: names.map((name) => trace(name, k)) };
   const whole = { "xaxis.autorange": true, "yaxis.autorange": true, "yaxis2.autorange": true };
-  Plotly.update(motion, curves, { shapes: [second, saddle, ...moved], ...whole });
-  document.getElementById("cell").innerHTML =
-    `N = ${round(N[j])}, f<sub>0</sub> = ${round(f0[i])} Hz, ${damping(C[slider.value])}`;
-  document.getElementById("verdict").innerHTML = `<b>${outcome(k).words}:</b> ${verdict(k)}`;
+  const level = { ...second, y0: cells.second[k], y1: cells.second[k] };
+  Plotly.update(motion, curves, { shapes: [level, saddle, ...moved], ...whole });
+  if (wasHidden) Plotly.Plots.resize(motion); // the window may have changed meanwhile
 }
 
 function standing(time) {
@@ -81,6 +95,7 @@ function standing(time) {
 }
 
 function verdict(k) {
+  if (isAbsent(k)) return "the beam of this device springs back wherever it is pushed; nothing was simulated.";
   const energy = trace("energy", k);
   const snap = `the midpoint reached the second equilibrium at t = ${round(cells.t_snap[k])} µs`;
   const proven = `proven at t = ${round(cells.t_settled[k])} µs`;
@@ -108,27 +123,47 @@ function left(energy) {
 }
 
 function choose(i, j) {
-  chosen = [Math.min(Math.max(i, 0), f0.length - 1), Math.min(Math.max(j, 0), N.length - 1)];
-  Plotly.restyle(map, { x: [[f0[chosen[0]]]], y: [[N[chosen[1]]]] }, [2, 3]);
+  const within = (n, place) => Math.min(Math.max(place, 0), axes[n].values.length - 1);
+  [at[X], at[Y]] = [within(X, i), within(Y, j)];
+  Plotly.restyle(map, marksAt([[at[X], at[Y]]]), [2, 3]);
   drawHistory();
+}
+
+function addSlider({ name, label, values, texts }, n) {
+  if (n === X || n === Y || values.length === 1) return;
+  const id = `at-${name}`;
+  const row = `<label for="${id}">${label}</label>
+    <input id="${id}" type="range" min="0" max="${values.length - 1}" step="1" value="${at[n]}">
+    <output for="${id}"></output>`;
+  document.getElementById("sliders").insertAdjacentHTML("beforeend", row);
+  const slider = document.getElementById(id);
+  const show = () => {
+    slider.nextElementSibling.innerHTML = texts[at[n]];
+    slider.setAttribute("aria-valuetext", slider.nextElementSibling.textContent);
+  };
+  slider.addEventListener("input", () => {
+    at[n] = Number(slider.value);
+    show();
+    drawMap();
+    drawHistory();
+  });
+  show();
 }
 
 async function start() {
   await Promise.all(Object.entries(study.arrays).map(async ([key, packed]) => {
     cells[key] = await unpack(packed);
   }));
-  slider.max = C.length - 1;
-  slider.disabled = C.length === 1;
-  slider.addEventListener("input", () => { drawMap(); drawHistory(); });
+  axes.forEach(addSlider);
   map.on("plotly_click", ({ points }) => choose(points[0].pointIndex[1], points[0].pointIndex[0]));
   document.getElementById("keys").addEventListener("keydown", (event) => {
     if (!(event.key in MOVES)) return;
     event.preventDefault();
     const [right, up] = MOVES[event.key];
-    choose(chosen[0] + right, chosen[1] + up);
+    choose(at[X] + right, at[Y] + up);
   });
   drawMap();
-  choose(...chosen);
+  choose(at[X], at[Y]);
 }
 
 start().catch((error) => {

@@ -1,4 +1,4 @@
-"""The page to explore a cube: the map of any C, and behind each cell its history."""
+"""The page to explore a cube: maps over two of its axes, and behind each cell its history."""
 
 import base64
 import html
@@ -11,8 +11,10 @@ import numpy as np
 import plotly.graph_objects as go
 import xarray as xr
 
-from ..quantity import read
-from .maps import COLOURS, WORDS, arithmetic_edges, geometric_edges
+from ..axes import DEVICE
+from ..solver.outcome import ABSENT, FAILED
+from . import scales
+from .maps import COLOURS, WORDS
 
 HERE = Path(__file__).parent
 BAND, BEAM, MASS, TOTAL, AID = "rgba(0, 114, 178, 0.35)", "#0072b2", "#000000", "#d55e00", "#555555"
@@ -32,19 +34,34 @@ BUTTONS = {
 }
 TRACED = ("w_low", "w_high", "z_mass", "energy", "beam_energy")
 FACTS = ("t_snap", "t_settled")
+NO_HATCH = {"absent": "#999999"}
+"""In place of the white that maps in print hatch."""
+NAMES = scales.WORDS | {
+    "density": ("density", "ng/µm³"),
+    "damping": ("damping of the beam", "1/µs"),
+    "C": ("damping of the mass C", "µN\u00a0µs/µm"),
+    "f0": ("pulse frequency f<sub>0</sub>", "Hz"),
+    "N": ("pulse amplitude N (multiples of g)", ""),
+}
+"""Of each axis what it is called, and the unit."""
+LEADS = {DEVICE: "device ", "C": "C = ", "f0": "f<sub>0</sub> = ", "N": "N = "}
+"""What stands before a value of an axis, if not its name."""
 
 
-def page(cube: xr.Dataset, traces: xr.Dataset) -> str:
+def page(cube: xr.Dataset, traces: xr.Dataset, horizon: float) -> str:
     """Write a cube and its packed traces as one HTML page that needs nothing else.
 
-    traces: as `traces.trace` gives them; where they are thinned, so is the map
+    traces: as `envelopes.trace` gives them; where they are thinned, so is the map
+    horizon: time for which the cells were followed after the pulse, us
     """
-    cells = cube.sel({key: traces[key] for key in ("C", "f0", "N")})
+    cells = cube.sel({key: traces[key] for key in cube.outcome.dims})
     document = json.loads(cube.attrs["config"])
+    x, y = _plane(cells)
+    data = _data(cells, traces, x, y) | {"horizon": float(horizon)}
     return Template(_text("explore.html")).substitute(
-        map=_figure(_map(cells), "map", "432px", include_plotlyjs=True),
+        map=_figure(_map(cells, x, y), "map", "432px", include_plotlyjs=True),
         history=_figure(_history(traces), "history", "480px", include_plotlyjs=False),
-        data=json.dumps(_data(cells, traces, document), allow_nan=False).replace("</", "<\\/"),
+        data=json.dumps(data, allow_nan=False).replace("</", "<\\/"),
         code=_text("explore.js"),
         thinned=_thinning(cube, cells),
         model=html.escape(document["model"]["name"]),
@@ -62,14 +79,65 @@ def _figure(figure, name, height, include_plotlyjs):
     return figure.to_html(config=BUTTONS, include_plotlyjs=include_plotlyjs, **place)
 
 
-def _map(cells):
-    """The map without its cells, which the page fills in for the chosen C."""
-    x, y = geometric_edges(cells.f0.values), arithmetic_edges(cells.N.values)
-    colours = list(COLOURS.values())
+def _plane(cells):
+    """Names of the axes to the right and upward: f0 and N, or else the longest others."""
+    several = [key for key in cells.outcome.dims if cells.sizes[key] > 1]
+    longest = sorted(several, key=cells.sizes.get, reverse=True)
+    x = next((key for key in ("f0", *longest) if key in several and key != "N"), "f0")
+    y = next((key for key in ("N", *longest) if key in several and key != x), "N")
+    return x, y
+
+
+def _axis(cells, key):
+    """An axis as the page knows it: where its values stand, and their texts."""
+    label, unit = NAMES[key]
+    values = cells[key].values
+    return {
+        "name": key,
+        "label": label,
+        "lead": LEADS.get(key, f"{label} = "),
+        "values": scales.scale_of(key, values).places.tolist(),
+        "texts": [_say(value, unit) for value in values.tolist()],
+    }
+
+
+def _say(value, unit=""):
+    if isinstance(value, str) or np.isinf(value):
+        return html.escape(scales.number(value))
+    tiny = 0 < abs(value) < 1e-4
+    digits = {"precision": 4, "fractional": False, "trim": "-"}
+    text = f"{value:.4g}" if tiny else np.format_float_positional(value, **digits)
+    return f"{text}\u00a0{unit}" if unit else text
+
+
+def _layout(scale):
+    """The layout of an axis of the map; values that are no numbers, or one alone, are ticked."""
+    label, unit = NAMES[scale.key]
+    title = f"{label} ({unit})" if unit else label
+    ends = np.log10(scale.edges[[0, -1]]) if scale.is_log else scale.edges[[0, -1]]
+    kind = {"type": "log" if scale.is_log else "linear", "exponentformat": "none"}
+    layout = {"title": title, "range": ends.tolist(), **kind}
+    if scale.is_counted or scale.values.size == 1:
+        every = -(-scale.values.size // scales.SEVERAL)
+        texts = [_say(value) for value in scale.values[::every].tolist()]
+        layout |= {"tickvals": scale.places[::every].tolist(), "ticktext": texts}
+    return layout
+
+
+def _colours(cells):
+    """The colour of each outcome by its name, in the order of the codes."""
+    names = cells.outcome.attrs["flag_meanings"].split()
+    return {name: (COLOURS | NO_HATCH)[name] for name in names}
+
+
+def _map(cells, x, y):
+    """The map without its cells, which the page fills in for the chosen values of other axes."""
+    right, up = (scales.scale_of(key, cells[key].values) for key in (x, y))
+    colours = list(_colours(cells).values())
     steps = np.repeat(np.arange(len(colours) + 1) / len(colours), 2)[1:-1]
     heatmap = go.Heatmap(
-        x=x.tolist(),
-        y=y.tolist(),
+        x=right.edges.tolist(),
+        y=up.edges.tolist(),
         zmin=-0.5,
         zmax=len(colours) - 0.5,
         colorscale=list(zip(steps, np.repeat(colours, 2).tolist(), strict=True)),
@@ -81,13 +149,8 @@ def _map(cells):
     chosen = {"symbol": "circle-open", "size": 15, "color": "black", "line": {"width": 2}}
     halo = {**chosen, "color": "white", "line": {"width": 5}}
     marks = [go.Scatter(**bare, marker=marker) for marker in (apart, halo, chosen)]
-    frequency = {"title": "pulse frequency f<sub>0</sub> (Hz)", "type": "log"}
-    amplitude = {"title": "pulse amplitude N (multiples of g)"}
-    return go.Figure([heatmap, *marks]).update_layout(
-        xaxis={**frequency, "range": np.log10(x[[0, -1]]).tolist(), "exponentformat": "none"},
-        yaxis={**amplitude, "range": y[[0, -1]].tolist()},
-        margin=MARGIN,
-    )
+    figure = go.Figure([heatmap, *marks])
+    return figure.update_layout(xaxis=_layout(right), yaxis=_layout(up), margin=MARGIN)
 
 
 def _history(traces):
@@ -102,7 +165,7 @@ def _history(traces):
         go.Scatter(**on_energy, line={"color": TOTAL, "width": 1.5}, name="energy"),
         go.Scatter(**on_energy, line={"color": BEAM, "width": 1}, name="beam's energy"),
     ]
-    w_2 = traces.attrs["second_equilibrium"]
+    w_2 = float(traces.second_equilibrium.min())
     return go.Figure(curves).update_layout(
         xaxis={"title": "time after the start of the pulse (ms)", "anchor": "y2"},
         yaxis={"title": "position (µm)", "domain": [0.45, 1], "zeroline": False},
@@ -138,18 +201,24 @@ def _mark(name, dash, place):
     return {"type": "line", "line": line, "opacity": 1, "name": name, "showlegend": True, **place}
 
 
-def _data(cells, traces, document):
-    """All that the page knows of the cells, as JSON; arrays (C, f0, N) or (C, f0, N, bin)."""
-    outcome = cells.outcome
+def _data(cells, traces, x, y):
+    """All that the page knows of the cells, as JSON; arrays (*axes) or (*axes, bin)."""
+    outcome, dims = cells.outcome, cells.outcome.dims
     reproduced = cells.reproduced if "reproduced" in cells else xr.ones_like(outcome)
-    packed = {key: traces[key].transpose("C", "f0", "N", "bin") for key in TRACED}
+    packed = {key: traces[key].transpose(*dims, "bin") for key in TRACED}
     arrays = {"outcome": outcome, "reproduced": reproduced, **packed}
-    facts = {key: cells[key] for key in FACTS} | {"bin_length": traces.bin_length}
+    facts = {key: cells[key] for key in FACTS} | {
+        "bin_length": traces.bin_length.transpose(*dims),
+        "second": traces.second_equilibrium.broadcast_like(outcome).transpose(*dims),
+    }
     return {
-        "axes": {key: cells[key].values.tolist() for key in ("C", "f0", "N")},
+        "axes": [_axis(cells, key) for key in dims],
+        "x": x,
+        "y": y,
+        "start": _opening(cells, x, y),
         "outcomes": [
-            {"name": name, "words": WORDS[name], "colour": COLOURS[name]}
-            for name in outcome.attrs["flag_meanings"].split()
+            {"name": name, "words": WORDS[name], "colour": colour}
+            for name, colour in _colours(cells).items()
         ],
         "bins": traces.sizes["bin"],
         "missing": int(packed["energy"].attrs["_FillValue"]),
@@ -157,10 +226,29 @@ def _data(cells, traces, document):
             key: [float(array.attrs[name]) for name in ("scale_factor", "add_offset")]
             for key, array in packed.items()
         },
-        "horizon": read(document["sweep"]["horizon"], "duration"),
         "arrays": {key: _pack(array, np.uint8) for key, array in arrays.items()}
         | {key: _pack(array, np.float32) for key, array in facts.items()},
     }
+
+
+def _opening(cells, x, y):
+    """Place on each axis of the cell to begin with: at a change of label, near the middle."""
+    dims, snaps = cells.outcome.dims, np.isfinite(cells.t_snap.values)
+    known = ~np.isin(cells.outcome.values, (FAILED, ABSENT))
+    label = np.where(known, snaps.astype(float), np.nan)
+    changes = np.zeros(label.shape, bool)
+    for axis in map(dims.index, (x, y)):
+        differ = abs(np.diff(label, axis=axis)) == 1
+        beside = [[(0, 0)] * label.ndim for _ in range(2)]
+        beside[0][axis], beside[1][axis] = (0, 1), (1, 0)
+        changes |= np.pad(differ, beside[0]) | np.pad(differ, beside[1])
+    choice = next(some for some in (changes & snaps, known, ~known) if some.any())
+    places = np.argwhere(choice)
+    size = np.array(label.shape)
+    off = ((places - (size - 1) / 2) / size) ** 2
+    drawn = np.isin(dims, (x, y))
+    nearest = np.lexsort([off[:, drawn].sum(axis=1), off[:, ~drawn].sum(axis=1)])[0]
+    return places[nearest].tolist()
 
 
 def _pack(array, kind):
@@ -169,7 +257,9 @@ def _pack(array, kind):
 
 
 def _thinning(cube, cells):
-    if cells.sizes == cube.sizes:
-        return ""
-    kept = (f"{cells.sizes[key]} of {cube.sizes[key]} {key}" for key in ("f0", "N"))
-    return f"Shown are {' and '.join(kept)} of the cube. "
+    kept = [
+        f"{cells.sizes[key]} of {cube.sizes[key]} {key}"
+        for key in cube.outcome.dims
+        if cells.sizes[key] < cube.sizes[key]
+    ]
+    return f"Shown are {' and '.join(kept)} of the cube. " if kept else ""

@@ -8,8 +8,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from ..quantity import read
-from .style import damping
+from .scales import value_text
 
 BEAM, MASS, FORCE, AID = "C5", "C1", "C0", "0.3"
 FINE = 0.5  # pt, for what oscillates fast
@@ -76,8 +75,6 @@ def _draw_legend(ax, history):
 def _caption(history):
     if "config" not in history.attrs:
         return None
-    config = json.loads(history.attrs["config"])
-    cell = config["histories"][0]
-    f0, C = read(cell["f0"], "frequency"), read(cell["C"], "damper")
-    model = config["model"]["name"]
-    return f"$N = {cell['N']:g}$, $f_0$ = {f0:g} Hz, {damping(C)}, {model} model"
+    model = json.loads(history.attrs["config"])["model"]["name"]
+    shock = (value_text(key, history.attrs[key]) for key in ("N", "f0", "C"))
+    return ", ".join([*shock, f"{model} model"])

@@ -1,4 +1,4 @@
-"""Maps of the (f0, N) plane: the outcome of every cell, and where snapping begins."""
+"""Maps over two axes of a study: the outcome of every cell, and where snapping begins."""
 
 import numpy as np
 import xarray as xr
@@ -10,6 +10,7 @@ from matplotlib.path import Path
 
 from . import style
 from .curves import curve_keys, draw_curve, draw_limits, freeze, limit_key
+from .scales import place_text, scale_of, set_scale
 
 COLOURS = {
     "unsnapped": "#eef4f8",
@@ -18,10 +19,12 @@ COLOURS = {
     "latched": "#d55e00",
     "returned": "#5d3a8c",
     "failed": "#000000",
+    "absent": "#ffffff",
 }
-"""Ever darker, so that a grey print keeps the classes apart."""
+"""Ever darker, so that a grey print keeps the classes apart; white where there is no device."""
 
 OPEN = {"hatch": "." * 5, "hatchcolor": "0.35"}
+ABSENT = {"hatch": "x" * 3, "hatchcolor": "0.6"}
 UNREPRODUCED = {"hatch": "/" * 14, "hatchcolor": "0.1"}
 UNREPRODUCED_DARK = UNREPRODUCED | {"hatchcolor": "0.8"}
 """Hatches of what is open, and of what another step did not reproduce, on light and dark."""
@@ -34,95 +37,95 @@ WORDS = {
     "latched": "snaps and stays",
     "returned": "snaps and returns",
     "failed": "failed",
+    "absent": "no second stable shape",
 }
 TITLE = "outcome (number of cells)"
-COLUMNS, PANELS = 3, 12
-"""Maps side by side, and most in one figure."""
+COLUMNS = 3
+"""Maps side by side."""
 RESOLVED, VECTORS = 700, 100_000
 """Most cells drawn along an axis, finer than print; and most drawn as vectors."""
 
 
-def draw_map(ax: Axes, cells: xr.Dataset, found: xr.Dataset | None = None) -> Axes:
-    """Draw the outcomes of one C over f0 (Hz) and N (multiples of g).
+def draw_map(
+    ax: Axes, cells: xr.Dataset, found: xr.Dataset | None = None, x: str = "f0", y: str = "N"
+) -> Axes:
+    """Draw the outcomes of cells over their two axes.
 
-    found: thresholds of the same C, drawn with their limits
+    found: thresholds over x, drawn with their limits, if y is N
     """
-    _draw_panel(ax, cells, found)
-    ax.set_title("\n".join([style.damping(cells.C.item()), style.case(cells.attrs)]).strip())
+    _draw_panel(ax, cells, x, y, found)
+    ax.set_title("\n".join([place_text(cells), style.case(cells.attrs)]).strip())
     style.legend_below(ax, [*_cell_keys(cells), *_threshold_keys(found)], TITLE, ncols=2)
     return ax
 
 
-def draw_maps(figure: Figure, cube: xr.Dataset, found: xr.Dataset | None = None) -> np.ndarray:
-    """Draw the map of every C on an empty figure, and one legend; returns the axes.
+def draw_maps(
+    figure: Figure, panels: list[tuple[xr.Dataset, xr.Dataset | None]], x: str, y: str
+) -> np.ndarray:
+    """Draw several maps over the same axes on an empty figure, and one legend; returns the axes.
 
-    found: thresholds of the same C, drawn with their limits
-    Of more than PANELS values of C, as many are drawn, evenly chosen.
+    panels: each cells and thresholds as for `draw_map`
     """
-    chosen = np.unique(np.linspace(0, cube.C.size - 1, PANELS).round().astype(int))
-    cube, found = (one if one is None else one.isel(C=chosen) for one in (cube, found))
-    columns = min(cube.C.size, COLUMNS)
-    shape = -(-cube.C.size // columns), columns
+    columns = min(len(panels), COLUMNS)
+    shape = -(-len(panels) // columns), columns
     axes = figure.subplots(*shape, sharey=True, squeeze=False)
-    for ax in axes.flat[cube.C.size :]:
+    for ax in axes.flat[len(panels) :]:
         ax.set_axis_off()
-    for i in range(cube.C.size):
-        _draw_panel(axes.flat[i], cube.isel(C=i), None if found is None else found.isel(C=i))
-        axes.flat[i].set_title(style.damping(cube.C.values[i]))
+    apart = _differing([cells for cells, _ in panels])
+    for ax, (cells, found) in zip(axes.flat, panels, strict=False):
+        _draw_panel(ax, cells, x, y, found)
+        ax.set_title(place_text(cells.drop_vars(apart)))
     for ax in axes[:, 1:].flat:
         ax.set_ylabel("")
     for ax in (ax for row in axes[1:] for ax in row if ax.child_axes):
         ax.child_axes[0].set_visible(False)
-    keys = [*_cell_keys(cube), *_threshold_keys(found)]
-    title = "; ".join(filter(None, [TITLE, style.case(cube.attrs)]))
+    everywhere = [cells for cells, _ in panels]
+    keys = [*_cell_keys(*everywhere), *_threshold_keys(*(found for _, found in panels))]
+    title = "; ".join(filter(None, [TITLE, style.case(everywhere[0].attrs)]))
     figure.legend(handles=keys, title=title, ncols=4, loc="outside lower center")
     return axes
 
 
-def arithmetic_edges(values: np.ndarray) -> np.ndarray:
-    """Edges of the cells about n ascending values: halfway between neighbours; (n + 1,)."""
-    if values.size == 1:
-        half = abs(values[0]) / 10 or 0.5
-        return values + np.array([-half, half])
-    middle = (values[:-1] + values[1:]) / 2
-    return np.array([2 * values[0] - middle[0], *middle, 2 * values[-1] - middle[-1]])
+def _differing(panels):
+    """Names of scalar coordinates that are the same in all of several panels, but C."""
+    first, *others = panels
+    alone = [key for key in first.coords if first[key].ndim == 0 and key != "C"]
+    return [key for key in alone if others and all(one[key] == first[key] for one in others)]
 
 
-def geometric_edges(values: np.ndarray) -> np.ndarray:
-    """Edges of the cells about n ascending values above 0: geometric means; (n + 1,)."""
-    if values.size == 1:
-        return values * np.array([1 / 1.1, 1.1])
-    middle = np.sqrt(values[:-1] * values[1:])
-    return np.array([values[0] ** 2 / middle[0], *middle, values[-1] ** 2 / middle[-1]])
-
-
-def _draw_panel(ax, cells, found):
-    cells = _thin(cells.sortby(["f0", "N"]))
-    top = style.frequency_axis(ax)
-    ax.set_ylabel("pulse amplitude $N$ (multiples of $g$)")
-    _draw_cells(ax, cells)
-    _draw_hatches(ax, cells)
-    _draw_failed(ax, cells)
-    _mark_alone(ax.xaxis, cells.f0.values)
-    _mark_alone(ax.yaxis, cells.N.values)
-    _mark_alone(top.xaxis, 1e3 / cells.f0.values, digits=3)
-    if found is not None:
-        _draw_threshold(ax, found.sortby("f0"))
+def _draw_panel(ax, cells, x, y, found):
+    cells = _thin(cells.sortby([key for key in (x, y) if cells[key].dtype.kind in "fiu"]))
+    scales = scale_of(x, cells[x].values), scale_of(y, cells[y].values)
+    if x == "f0":
+        top = style.frequency_axis(ax)
+        if cells.f0.size == 1:
+            top.xaxis.set_ticks(1e3 / cells.f0.values, [f"{1e3 / cells.f0.item():.3g}"])
+            top.xaxis.set_ticks([], minor=True)
+    for which, scale in zip("xy", scales, strict=True):
+        set_scale(ax, which, scale)
+    _draw_cells(ax, cells, *scales)
+    _draw_hatches(ax, cells, *scales)
+    _draw_failed(ax, cells, *scales)
+    if found is not None and y == "N":
+        freeze(ax)
+        line = found.sortby(x) if found[x].dtype.kind in "fiu" else found
+        draw_curve(ax, scale_of(x, line[x].values).places, line, "black")
+        draw_limits(ax, line, x)
 
 
 def _thin(cells):
-    """Keep every nth f0 and every mth N, at most RESOLVED of each."""
-    strides = {key: -(-cells.sizes[key] // RESOLVED) for key in ("f0", "N")}
+    """Keep every nth value of an axis, at most RESOLVED."""
+    strides = {key: -(-size // RESOLVED) for key, size in cells.outcome.sizes.items()}
     return cells.isel({key: slice(None, None, stride) for key, stride in strides.items()})
 
 
-def _draw_cells(ax, cells):
+def _draw_cells(ax, cells, x, y):
     codes = _codes(cells)
     edges = np.array([-0.5, *(code + 0.5 for code in codes.values())])
     ax.pcolormesh(
-        geometric_edges(cells.f0.values),
-        arithmetic_edges(cells.N.values),
-        cells.outcome.transpose("N", "f0").values,
+        x.edges,
+        y.edges,
+        cells.outcome.transpose(y.key, x.key).values,
         cmap=ListedColormap([COLOURS[name] for name in codes]),
         norm=BoundaryNorm(edges, len(codes)),
         edgecolors="face",  # viewers show the paper between cells that merely touch
@@ -132,14 +135,15 @@ def _draw_cells(ax, cells):
     )
 
 
-def _draw_hatches(ax, cells):
+def _draw_hatches(ax, cells, x, y):
     """Hatch what is open, and what another step did not reproduce, each as one region."""
-    x, y = geometric_edges(cells.f0.values), arithmetic_edges(cells.N.values)
     other, dark = _is_unreproduced(cells), _is_one_of(cells, DARK)
-    dots = _is_one_of(cells, STILL_OPEN), OPEN
-    for chosen, look in (dots, (other & ~dark, UNREPRODUCED), (other & dark, UNREPRODUCED_DARK)):
-        i, low, high = _runs(chosen.transpose("f0", "N").values)
-        corners = [(x[i], y[low]), (x[i + 1], y[low]), (x[i + 1], y[high]), (x[i], y[high])]
+    dots, crosses = _is_one_of(cells, STILL_OPEN), _is_one_of(cells, ("absent",))
+    light, dark = (other & ~dark, UNREPRODUCED), (other & dark, UNREPRODUCED_DARK)
+    for chosen, look in ((dots, OPEN), (crosses, ABSENT), light, dark):
+        i, low, high = _runs(chosen.transpose(x.key, y.key).values)
+        left, right, foot, top = x.edges[i], x.edges[i + 1], y.edges[low], y.edges[high]
+        corners = [(left, foot), (right, foot), (right, top), (left, top)]
         if i.size:
             region = Path.make_compound_path_from_polys(np.moveaxis(corners, 2, 0))
             ax.add_patch(PathPatch(region, facecolor="none", linewidth=0, **look))
@@ -153,7 +157,8 @@ def _runs(chosen):
 
 
 def _is_one_of(cells, names):
-    return cells.outcome.isin([_codes(cells)[name] for name in names])
+    codes = _codes(cells)
+    return cells.outcome.isin([codes[name] for name in names if name in codes])
 
 
 def _is_unreproduced(cells):
@@ -161,41 +166,32 @@ def _is_unreproduced(cells):
     return cells.get("reproduced", xr.ones_like(cells.outcome)) != 1
 
 
-def _draw_failed(ax, cells):
+def _draw_failed(ax, cells, x, y):
     """Cross out each failed cell, as one alone is too small to see on a fine grid."""
-    i, j = np.nonzero((cells.outcome.transpose("f0", "N") == _codes(cells)["failed"]).values)
+    i, j = np.nonzero((cells.outcome.transpose(x.key, y.key) == _codes(cells)["failed"]).values)
     for colour, width in {"white": 2.0, COLOURS["failed"]: 0.8}.items():
         cross = {"marker": "x", "color": colour, "markeredgewidth": width}
-        ax.plot(cells.f0.values[i], cells.N.values[j], linestyle="", **cross)
+        ax.plot(x.places[i], y.places[j], linestyle="", **cross)
 
 
-def _draw_threshold(ax, found):
-    freeze(ax)
-    draw_curve(ax, found.f0.values, found, "black")
-    draw_limits(ax, found)
-
-
-def _mark_alone(axis, values, digits=6):
-    """Give an axis of one value no other tick: how far its cells reach means nothing."""
-    if values.size == 1:
-        axis.set_ticks(values, [f"{values[0]:.{digits}g}"])
-        axis.set_ticks([], minor=True)
-
-
-def _cell_keys(cells):
+def _cell_keys(*panels):
     """A key for each class that is there, and for what was not reproduced, with the numbers."""
-    for name, code in _codes(cells).items():
-        hatch = OPEN if name in STILL_OPEN else {}
-        if count := np.count_nonzero(cells.outcome == code):
+    for name, code in _codes(panels[0]).items():
+        hatch = OPEN if name in STILL_OPEN else ABSENT if name == "absent" else {}
+        if count := sum(np.count_nonzero(cells.outcome == code) for cells in panels):
             look = {"facecolor": COLOURS[name], "edgecolor": "black", **hatch}
             yield Patch(**look, label=f"{WORDS[name]} ({count})")
-    if count := np.count_nonzero(_is_unreproduced(cells)):
+    if count := sum(np.count_nonzero(_is_unreproduced(cells)) for cells in panels):
         look = {"facecolor": "none", "edgecolor": "black", **UNREPRODUCED}
         yield Patch(**look, label=f"not reproduced ({count})")
 
 
-def _threshold_keys(found):
-    return [] if found is None else [*curve_keys(found, "black"), limit_key()]
+def _threshold_keys(*found):
+    """Keys for the thresholds of panels, of which all have some or none."""
+    if found[0] is None:
+        return []
+    keys = {key.get_label(): key for one in found for key in curve_keys(one, "black")}
+    return [*keys.values(), limit_key()]
 
 
 def _codes(cells):

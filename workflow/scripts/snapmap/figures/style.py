@@ -13,8 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
 from matplotlib.transforms import ScaledTranslation
 
-from ..atomic import replacing
-from ..quantity import read
+from ..io.atomic import replacing
 
 SHEET = Path(__file__).with_name("paper.mplstyle")
 # Which metadata of each format holds which attribute of a dataset.
@@ -39,21 +38,15 @@ def double_column(height: float) -> Figure:
     return Figure(figsize=(7.0, height))
 
 
-def save(
-    figure: Figure, path_pdf: str | Path, path_png: str | Path, attributes: Mapping[str, str]
-) -> None:
+def save(figure: Figure, stem: str | Path, attributes: Mapping[str, str]) -> None:
     """Write a figure as PDF and PNG, without dates, each whole or not at all.
 
+    stem: the path without its ending
     attributes: of the dataset drawn; title, code_version and config go into the files' metadata
     """
-    for kind, path in {"pdf": path_pdf, "png": path_png}.items():
-        with replacing(path) as temporary:
+    for kind in METADATA:
+        with replacing(f"{stem}.{kind}") as temporary:
             figure.savefig(temporary, format=kind, metadata=_metadata(kind, attributes))
-
-
-def damping(C: float) -> str:
-    """Typeset the damping coefficient of the mass; C: uN us/um."""
-    return f"$C$ = {C:.4g} µN µs µm$^{{-1}}$"
 
 
 def case(attributes: Mapping[str, str]) -> str:
@@ -61,8 +54,8 @@ def case(attributes: Mapping[str, str]) -> str:
     if "config" not in attributes:
         return ""
     config = json.loads(attributes["config"])
-    horizon = read(config["sweep"]["horizon"], "duration")
-    return f"{config['model']['name']} model, followed {horizon:g} µs beyond the pulse"
+    horizon = config["sweep"]["horizon"].replace("us", "µs")
+    return f"{config['model']['name']} model, followed {horizon} beyond the pulse"
 
 
 def frequency_axis(ax: Axes) -> Axes:

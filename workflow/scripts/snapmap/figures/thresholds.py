@@ -1,4 +1,4 @@
-"""The lowest N that snaps: over the frequency of the pulse, and as a damage boundary."""
+"""The lowest N that snaps: over any axis, over two of them, and as a damage boundary."""
 
 import numpy as np
 import xarray as xr
@@ -10,15 +10,19 @@ from . import style
 from .curves import (
     LIMIT,
     curve_keys,
-    damping_keys,
     draw_curve,
     draw_limits,
-    each_damping,
+    each_line,
     freeze,
-    some_dampings,
+    limit_key,
+    line_keys,
+    some_lines,
     velocity_change,
 )
+from .scales import WORDS, place_text, scale_of, set_scale, value_text
 
+DOUBTFUL = 0.01
+"""Error bars above this share of the threshold are marked."""
 DURATION = {"color": "0.6", "linewidth": 0.5, "linestyle": ":", "zorder": 1}
 SHADE = {"color": "0.9", "linewidth": 0, "zorder": 0}
 NOTE = {"fontsize": 6, "textcoords": "offset points"}
@@ -29,45 +33,85 @@ FAR = 1e9
 """Beyond the edges of any axes, as a factor."""
 
 
-def draw_thresholds(ax: Axes, found: xr.Dataset) -> Axes:
-    """Draw N_first over f0 (Hz) for each C, what snaps below N_always, and both limits.
+def draw_thresholds(ax: Axes, found: xr.Dataset, x: str = "f0", lines: str = "C") -> Axes:
+    """Draw N_first over one axis, a line for each value of another; what snaps below N_always.
 
-    Of many values of C some are drawn, evenly chosen.
+    found: thresholds over these two axes; of many lines some are drawn, evenly chosen
     """
-    found = some_dampings(found)
-    style.frequency_axis(ax)
+    found = some_lines(found, x, lines)
+    scale = scale_of(x, found[x].values)
+    if x == "f0":
+        style.frequency_axis(ax)
+        ax.set_xlim(found.f0.values[0] / 1.1, found.f0.values[-1] * 1.1)
+    else:
+        set_scale(ax, "x", scale)
     style.amplitude_axis(ax)
-    ax.set_xlim(found.f0.values[0] / 1.1, found.f0.values[-1] * 1.1)
-    for one, colour, marker in each_damping(found):
-        _draw_gap(ax, one, colour)
-        draw_curve(ax, one.f0.values, one, colour, marker)
-    draw_limits(ax, found)
+    for one, colour, marker in each_line(found, lines):
+        _draw_gap(ax, one, scale, colour)
+        draw_curve(ax, scale.places, one, colour, marker)
+    draw_limits(ax, found, x)
     _make_room(ax)
-    _label_limits(ax, found)
-    keys = [*damping_keys(found), *curve_keys(found, "0.4", "o"), *_gap_keys(found)]
+    if x == "f0":
+        _label_limits(ax, found)
+    keys = [*line_keys(found, lines), *curve_keys(found, "0.4", "o"), *_gap_keys(found)]
+    keys += [] if x == "f0" else [limit_key("static limit")]
     style.legend_below(ax, keys, _title(found, "; "), ncols=4)
     return ax
 
 
-def draw_damage_boundary(ax: Axes, found: xr.Dataset) -> Axes:
-    """Draw N_first over the velocity change (m/s) for each C, and what snaps of the first one.
+def draw_threshold_map(ax: Axes, found: xr.Dataset, x: str, y: str) -> Axes:
+    """Draw N_first over two axes as a field of colour with level lines.
 
-    Along dotted lines the duration of the pulse is constant. Of many values of C some are drawn.
+    found: thresholds over these two axes; hatched where the error bar exceeds DOUBTFUL of N_first
     """
-    found = some_dampings(found)
+    found = found.sortby([key for key in (x, y) if found[key].dtype.kind in "fiu"])
+    scales = scale_of(x, found[x].values), scale_of(y, found[y].values)
+    for which, scale in zip("xy", scales, strict=True):
+        set_scale(ax, which, scale)
+    N = found.N_first.transpose(y, x).values
+    field = ax.pcolormesh(scales[0].edges, scales[1].edges, N, cmap="cividis", edgecolors="face")
+    bar = ax.figure.colorbar(field, ax=ax, pad=0.02)
+    bar.set_label("lowest $N$ that snaps (multiples of $g$)")
+    if min(N.shape) > 1 and np.isfinite(N).all():
+        levels = ax.contour(scales[0].places, scales[1].places, N, colors="white", linewidths=0.7)
+        ax.clabel(levels, fmt="%g", fontsize=6)
+    relative = (found.N_error / found.N_first).transpose(y, x).values
+    doubtful = np.isfinite(N) & ~(relative <= DOUBTFUL)
+    j, i = np.nonzero(doubtful)
+    if i.size:
+        dots = {"linestyle": "", "marker": "x", "markersize": 3, "color": "#d55e00"}
+        words = f"error bar above {100 * DOUBTFUL:g} %"
+        ax.plot(scales[0].places[i], scales[1].places[j], **dots, label=words)
+        style.legend_below(ax, ax.get_legend_handles_labels()[0], "", ncols=2)
+    known = relative[np.isfinite(relative)]
+    worst = f"error bars: median {np.median(known):.2%}, largest {known.max():.2%}"
+    lines = [place_text(found), style.case(found.attrs), worst if known.size else ""]
+    ax.set_title("\n".join(filter(None, lines)))
+    return ax
+
+
+def draw_damage_boundary(ax: Axes, found: xr.Dataset, lines: str = "C") -> Axes:
+    """Draw N_first over the velocity change (m/s) for each line, and what snaps of the first one.
+
+    found: thresholds over f0 and the axis `lines`; of many lines some are drawn
+    Along dotted lines the duration of the pulse is constant.
+    """
+    found = some_lines(found, "f0", lines)
     ax.set_xscale("log")
     style.amplitude_axis(ax)
     ax.set_xlabel("velocity change $N g/2 f_0$ (m/s)")
     ax.set_ylabel("peak acceleration $N$ (multiples of $g$)")
     ax.xaxis.set_major_formatter("{x:g}")
-    for one, colour, marker in each_damping(found):
+    for one, colour, marker in each_line(found, lines):
         draw_curve(ax, velocity_change(one).values, one, colour, marker, size=2)
     _draw_boundary_limits(ax, found)
     _make_room(ax)
-    _draw_region(ax, found.isel(C=0))
-    _draw_durations(ax, found)
-    region = Patch(**SHADE, label=f"snaps, $C$ = {found.C.values[0]:.4g}")
-    keys = [*damping_keys(found), *curve_keys(found, "0.4", "o"), region]
+    first = found.isel({lines: 0})
+    _draw_region(ax, first)
+    _draw_durations(ax, first)
+    name = value_text(lines, first[lines].item()).replace(WORDS["C"][1], "").strip()
+    keys = [*line_keys(found, lines), *curve_keys(found, "0.4", "o")]
+    keys.append(Patch(**SHADE, label=f"snaps, {name}"))
     place = {"loc": "lower left", "bbox_to_anchor": (-0.16, 1.03), "ncols": 2}
     ax.legend(handles=keys, title=_title(found, "\n"), alignment="left", **place)
     return ax
@@ -84,19 +128,22 @@ def _height(ax, share):
     return low * (high / low) ** share
 
 
-def _draw_gap(ax, found, colour):
-    """Shade what lies between N_first and N_always of one C, and stroke the islands in it."""
+def _draw_gap(ax, found, scale, colour):
+    """Shade what lies between N_first and N_always of one line, and stroke the islands in it."""
     if not found.islands.any():
         return
     shade = {"color": colour, "alpha": 0.3, "linewidth": 0}
-    ax.fill_between(found.f0.values, found.N_first.values, found.N_always.values, **shade)
-    ends = xr.broadcast(found.f0, found.island_from, found.island_to)
-    f0, low, high = (values.values.ravel() for values in ends)
-    ax.vlines(f0, low, high, color=colour, linewidth=2.2, alpha=0.5)
+    ax.fill_between(scale.places, found.N_first.values, found.N_always.values, **shade)
+    low, high = (
+        ends.transpose(scale.key, "island").values for ends in (found.island_from, found.island_to)
+    )
+    places = np.repeat(scale.places, low.shape[1])
+    ax.vlines(places, low.ravel(), high.ravel(), color=colour, linewidth=2.2, alpha=0.5)
 
 
 def _label_limits(ax, found):
-    static, v = found.N_static.item(), found.velocity_change.values.max()
+    static = found.N_static.values.max()
+    v = found.velocity_change.values.max()
     words = f"static limit of long pulses, $N$ = {static:.4g}"
     ax.annotate(words, (ax.get_xlim()[0], static), xytext=(4, -4), va="top", **NOTE)
     N = np.sqrt(static * ax.get_ylim()[0])
@@ -121,12 +168,14 @@ def _draw_region(ax, found):
 
 
 def _draw_boundary_limits(ax, found):
-    ax.axhline(found.N_static.item(), **LIMIT)
-    for v in found.velocity_change.values:
+    static = np.unique(found.N_static.values)
+    for N in static:
+        ax.axhline(N, **LIMIT)
+    for v in found.velocity_change.values.ravel():
         ax.axvline(v, **LIMIT)
     freeze(ax)
-    words = f"static, $N$ = {found.N_static.item():.4g}"
-    at = found.velocity_change.values.max(), found.N_static.item()
+    words = f"static, $N$ = {static[-1]:.4g}"
+    at = found.velocity_change.values.max(), static[-1]
     ax.annotate(words, at, xytext=(4, -4), va="top", **NOTE)
 
 
@@ -150,7 +199,8 @@ def _label_duration(ax, words, v):
 
 def _title(found, between):
     """What every curve has in common."""
-    return between.join(filter(None, [style.case(found.attrs), SYMBOLS]))
+    place = place_text(found).replace("\n", ", ")
+    return between.join(filter(None, [style.case(found.attrs), place, SYMBOLS]))
 
 
 def _gap_keys(found):

@@ -1,0 +1,81 @@
+"""The model `auto`: what it calls safe, against its own top level over whole maps."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import snapmap
+from snapmap.solver.adaptive import Adaptive, build_adaptive, choose_model
+from snapmap.solver.cells import to_cells
+from snapmap.solver.settings import Settings
+
+SNAP = Settings(horizon=1500.0, until="snap", repeat=False)
+
+
+def other_devices(handout):
+    """Other Q, mass, spring and contact than the handout's."""
+    beam = handout.beam
+    return [
+        dataclasses.replace(handout, contact=np.inf),
+        dataclasses.replace(handout, mass=4e3, spring=9.0, contact=120.0),
+        dataclasses.replace(
+            handout, beam=dataclasses.replace(beam, rise=7.0, thickness=2.4, span=500.0)
+        ),
+    ]
+
+
+def own_map(device, C):
+    """60 x 60 cells about the device's own threshold; the amplitudes from a coarse first look."""
+    f0 = np.geomspace(400, 2e4, 60)
+    scan = np.geomspace(20, 2e5, 200)
+    cube = snapmap.sweep(device, N=scan, f0=f0[::20], C=[C], model="cosines", until="snap")
+    first = float(cube.N.where(cube.t_snap.notnull()).min())
+    F, N = np.meshgrid(f0, np.linspace(0.7, 2.5, 60) * first, indexing="ij")
+    return to_cells(device, 0, N, F, C, SNAP.horizon)
+
+
+@pytest.mark.parametrize("which", range(3))
+@pytest.mark.parametrize("C", [0.025, 25.0])
+def test_safe_cells_agree_with_the_top_level(handout, which, C):
+    device = other_devices(handout)[which]
+    adaptive = build_adaptive(device)
+    cells = own_map(device, C)
+    seen = adaptive.follow(cells, SNAP)
+    top = adaptive.top.follow(cells, SNAP)
+    wrong = np.isfinite(seen.t_snap) != np.isfinite(top.t_snap)
+    assert 0.1 < np.isfinite(top.t_snap).mean() < 0.9
+    assert wrong[seen.agreed == 1].mean() <= 1e-3
+    assert not wrong[seen.level == 1].any()
+    assert (seen.level == 1).mean() < 0.35
+
+
+def test_auto_keeps_its_tolerance(handout):
+    base, check, top = build_adaptive(handout, 1e-3).errors
+    assert max(check, top) < 1e-3 and base < 0.01
+    assert max(build_adaptive(handout, 1e-4).errors[1:]) < 1e-4
+    with pytest.raises(ValueError, match=r"model.tolerance: 1e-12 is below"):
+        build_adaptive(handout, 1e-12)
+
+
+def test_auto_by_name_records_how_it_decided(handout):
+    N = np.linspace(900, 1100, 41)
+    cell = {"N": N, "f0": [1500.0], "C": [0.025], "horizon": 300.0}
+    cube = snapmap.sweep(handout, **cell, model="auto", tolerance=1e-3)
+    assert cube.level.flag_meanings == "base top"
+    first = int(np.argmax(np.isfinite(cube.t_snap.values.ravel())))
+    assert cube.level.values.ravel()[first - 1 : first + 1].tolist() == [1, 1]
+    assert (cube.level == 0).sum() > 30 and cube.agreed.all()
+    shuffled = snapmap.sweep(handout, **(cell | {"N": N[::-1]}), model="auto")
+    np.testing.assert_array_equal(shuffled.t_snap.values[..., ::-1], cube.t_snap.values)
+
+
+def test_a_single_cell_goes_to_the_top(handout):
+    cube = snapmap.sweep(handout, N=[1000.0], f0=[1500.0], C=[0.025], model="auto")
+    assert cube.level.values.ravel().tolist() == [1]
+
+
+def test_choose_model_refuses_options_of_others(handout):
+    assert isinstance(choose_model(handout, {"name": "auto"}), Adaptive)
+    with pytest.raises(ValueError, match=r"model.modes: not an option of auto"):
+        choose_model(handout, {"name": "auto", "modes": 4})

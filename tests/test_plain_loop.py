@@ -1,0 +1,141 @@
+"""The plain loop against exact motions, convergence orders and its energy ledger."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import snapmap
+from snapmap.beam.elements import hermite_elements
+from snapmap.solver.plain_loop import follow, nodal_system
+
+G = 9.81e-6
+
+
+def march(device, N, f0, C, dt, duration, target=-np.inf, elements=5):
+    """Reference history at every step: t, u, du/dt, y, dy/dt, work, swept; and the results."""
+    basis = hermite_elements(elements)
+    steps = int(np.ceil(duration / dt))
+    history = np.zeros((steps, 2 * basis.load.size + 4))
+    result = follow(
+        nodal_system(device, basis), N * device.gravity, f0, C, target, dt, steps, history
+    )
+    return np.arange(steps) * dt, history, result
+
+
+def test_no_pulse_no_motion_to_the_last_bit(handout):
+    _, history, (t_snap, error) = march(handout, 0.0, 1.5e-3, 0.025, 0.027, 500.0)
+    assert not history.any()
+    assert np.isnan(t_snap) and error == 0.0
+
+
+def versed_sine_response(t, amplitude, f0, omega):
+    """Undamped oscillator at rest under -amplitude/2 (1 - cos 2 pi f0 t), pulse over at 1/f0."""
+    forcing, tau = 2 * np.pi * f0, 1 / f0
+
+    def forced(t):
+        steady = (1 - np.cos(omega * t)) / omega**2
+        swing = (np.cos(forcing * t) - np.cos(omega * t)) / (omega**2 - forcing**2)
+        return -amplitude / 2 * (steady - swing)
+
+    return np.where(t < tau, forced(t), forced(t) - forced(t - tau))
+
+
+@pytest.mark.parametrize("f0", [0.4e-3, 1.5e-3, 6e-3])
+def test_a_mass_that_flies_away_is_a_linear_oscillator(handout, f0):
+    """Negative N pulls the mass off the beam at once: closed form, eq. (2) with P = 0."""
+    omega = np.sqrt(handout.spring / handout.mass)
+    t, history, _ = march(handout, -30.0, f0, 0.0, 0.03, 1 / f0 + 50.0)
+    exact = versed_sine_response(t, -30.0 * handout.gravity, f0, omega)
+    flying = exact > 0.01 * exact.max()
+    assert flying.mean() > 0.5
+    # The beam follows the frame a little and touches at the very start; 1e-5 of the peak is all.
+    np.testing.assert_allclose(history[:, 18][flying], exact[flying], atol=2e-5 * exact.max())
+
+
+def test_shock_spectrum_of_the_versed_sine():
+    """Largest response ratio 1.705 at tau/T = 1.00; nothing remains at tau/T = 2."""
+    omega, t = 1.0, np.linspace(0, 60, 60001)
+    peaks = {
+        ratio: abs(versed_sine_response(t, 1.0, omega / (2 * np.pi * ratio), omega)).max()
+        for ratio in np.arange(0.805, 1.2, 0.01)
+    }
+    best = max(peaks, key=peaks.get)
+    assert peaks[best] == pytest.approx(1.705, abs=1e-3) and best == pytest.approx(1.0, abs=0.011)
+    f0 = 1 / (2 * 2 * np.pi + 1e-9)
+    residual = versed_sine_response(t[t > 4 * np.pi + 0.1], 1.0, f0, omega)
+    assert abs(residual).max() < 1e-6
+
+
+def test_order_two_in_the_step_before_first_separation(handout):
+    duration = 60.0
+    ends = []
+    for n in (2400, 4800, 9600, 19200):
+        dt = duration / n
+        _, history, _ = march(handout, 1000.0, 1.5e-3, 200.0, dt, duration + 1.5 * dt)
+        assert history[n // 4 :, 18].max() < 0
+        ends.append(history[n, [8, 18]])
+    differences = np.abs(np.diff(ends, axis=0))
+    orders = np.log2(differences[:-1] / differences[1:])
+    assert orders == pytest.approx(2.0, abs=0.1)
+
+
+def test_the_threshold_converges_with_order_four_in_h(handout):
+    """The static pull-in of eq. (4), seen by the dynamics: threshold error of n elements."""
+    # Deflection at a fixed time, before contact can chatter.
+    ends = []
+    for elements in (3, 6, 12):
+        _, history, _ = march(handout, 800.0, 1.5e-3, 0.025, 0.002, 250.0, elements=elements)
+        ends.append(history[-1, 2 * elements - 2])
+    assert 3.3 < np.log2((ends[0] - ends[1]) / (ends[1] - ends[2])) < 4.7
+
+
+def test_undamped_energy_stays_bounded(handout):
+    run = snapmap.simulate(
+        handout, N=1000, f0=1500.0, C=0.0, model="reference", horizon=2.0e4, step=0.5
+    )
+    stored = sum(run[key] for key in run if key.endswith("_energy"))
+    free = stored.values[run.time.values > 700.0]
+    assert abs(free - free[0]).max() < 1e-3 * free[0]
+
+
+def test_the_ledger_residual_falls_as_the_step_squared(handout):
+    errors = [march(handout, 1500.0, 1.5e-3, 25.0, dt, 200.0)[2][1] for dt in (0.02, 0.01, 0.005)]
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.3)
+    assert np.log2(errors[1] / errors[2]) == pytest.approx(2.0, abs=0.3)
+
+
+def test_a_step_over_the_limit_does_not_pass_for_a_result(handout):
+    _, _, (_, error) = march(handout, 1000.0, 1.5e-3, 0.025, 0.05, 2000.0)
+    assert not error <= 1e-2
+
+
+def test_the_handouts_own_question(handout):
+    """N = 1000 at 1500 Hz snaps; without the beam's own load, as in eq. (3), it would not."""
+    dt, w2 = 0.0276, handout.beam.second_equilibrium - handout.beam.rise
+    basis = hermite_elements(5)
+    system = nodal_system(handout, basis)
+    none = np.zeros((0, 22))
+    steps = int(2167 / dt)
+    t_snap, _ = follow(system, 1000 * G, 1.5e-3, 0.025, w2, dt, steps, none)
+    assert t_snap == pytest.approx(434.89, abs=0.02)
+    unloaded = system._replace(load=np.zeros(9))
+    t_snap, _ = follow(unloaded, 1000 * G, 1.5e-3, 0.025, w2, dt, steps, none)
+    assert np.isnan(t_snap)
+
+
+def test_hrz_mass_agrees_with_consistent(handout):
+    cell = {"N": [1000.0], "f0": [1500.0], "C": [0.025], "model": "reference", "horizon": 300.0}
+    times = [
+        float(snapmap.sweep(handout, **cell, mass_matrix=kind).t_snap.squeeze())
+        for kind in ("consistent", "hrz")
+    ]
+    assert times[0] == pytest.approx(times[1], rel=1e-3)
+
+
+def test_a_stiffer_contact_lowers_the_threshold(handout):
+    """lambda = 40 N/m is no converged penalty: N = 960 snaps only against a stiffer one."""
+    cell = {"N": [960.0], "f0": [1500.0], "C": [0.025], "model": "reference", "horizon": 300.0}
+    soft = snapmap.sweep(handout, **cell)
+    stiff = snapmap.sweep(dataclasses.replace(handout, contact=400.0), **cell)
+    assert np.isnan(soft.t_snap).all() and not np.isnan(stiff.t_snap).any()

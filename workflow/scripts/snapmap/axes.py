@@ -1,0 +1,141 @@
+"""The axes of a study: their names, their order, and the devices that stand on them.
+
+An axis is a list of points; a point of N, f0, C or a value of the device sets that one, a point of
+`device` sets all. Whatever has cells has its axes in this order: those of the device as the study
+names them, then C, f0 and N, along which thresholds are sought.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from .device import BISTABILITY_LIMIT, UNITS, VALUES, Device, batch
+
+SHOCK = ("C", "f0", "N")
+DEVICE = "device"
+"""The axis of devices that have names."""
+
+COORDINATES = {
+    DEVICE: {"long_name": "device"},
+    "span": {"long_name": "span of the beam", "units": "um"},
+    "rise": {"long_name": "rise of the beam", "units": "um"},
+    "thickness": {"long_name": "thickness of the beam", "units": "um"},
+    "depth": {"long_name": "depth of the beam", "units": "um"},
+    "youngs_modulus": {"long_name": "Young's modulus", "units": "MPa"},
+    "density": {"long_name": "density of the beam", "units": "ng um-3"},
+    "damping": {"long_name": "damping rate of the beam itself", "units": "us-1"},
+    "mass": {"long_name": "mass that strikes the beam", "units": "ng"},
+    "spring": {"long_name": "stiffness of the mass's spring", "units": "uN um-1"},
+    "contact": {"long_name": "stiffness of the contact", "units": "uN um-1"},
+    "C": {"long_name": "damping coefficient of the mass", "units": "uN us um-1"},
+    "f0": {"long_name": "frequency of the pulse", "units": "Hz"},
+    "N": {"long_name": "amplitude of the pulse in multiples of g", "units": "1"},
+}
+
+
+class Grid(NamedTuple):
+    """All points of some axes.
+
+    axes: values by name, in order; internal units, f0 in Hz, names for `device`
+    device: a batch of the devices that can be
+    device_of: index in it for each point of the device's axes, -1 where none can be; an array of
+        their shape, () if there are none
+    """
+
+    axes: dict[str, np.ndarray]
+    device: Device
+    device_of: np.ndarray
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of points on each axis."""
+        return tuple(values.size for values in self.axes.values())
+
+
+def make_grid(
+    device: Device | Mapping[str, Device], axes: Mapping[str, Sequence], skip: bool = False
+) -> Grid:
+    """Set out the points of axes; raises ValueError, one line, naming a point that cannot be.
+
+    device: the nominal one, or several by name, which then are an axis in front
+    axes: values by name, those of the device first
+    skip: whether a point that has no second stable shape is left out instead
+    """
+    unknown = [key for key in axes if key not in COORDINATES]
+    if unknown:
+        raise ValueError(f"{unknown[0]}: no axis; axes are {', '.join((*VALUES, *SHOCK))}")
+    points = {key: _points(key, values) for key, values in axes.items()}
+    named = device if isinstance(device, Mapping) else {}
+    for one in named.values() if named else [device]:
+        if not isinstance(one, Device):
+            raise ValueError(f"device: {one!r} is no device; `snapmap.load_device` reads one")
+    if len({one.gravity for one in named.values()}) > 1:
+        raise ValueError("devices: gravity differs; write one, as N counts multiples of it")
+    varied = [key for key in points if key not in SHOCK]
+    shape = (*[len(named)] * bool(named), *(points[key].size for key in varied))
+    places = np.indices(shape).reshape(len(shape), math.prod(shape))
+    nominal = batch(list(named.values()) if named else [device])
+    nominal = nominal.pick(places[0] if named else np.zeros(places.shape[1], int))
+    columns = zip(varied, places[bool(named) :], strict=True)
+    values = {key: points[key][place] for key, place in columns}
+    stays = _is_bistable(nominal.beam, values) if skip else np.ones(len(nominal), bool)
+    if not stays.any():
+        raise ValueError("no point of the device's axes has a second stable shape")
+    values = {key: column[stays] for key, column in values.items()}
+    devices = _vary(nominal.pick(stays), values)
+    device_of = np.where(stays, np.cumsum(stays) - 1, -1).reshape(shape)
+    names = {DEVICE: np.array(list(named))} if named else {}
+    ordered = [*varied, *(key for key in SHOCK if key in points)]
+    return Grid(names | {key: points[key] for key in ordered}, devices, device_of)
+
+
+def _points(key, values):
+    try:
+        points = np.atleast_1d(np.asarray(values, float))
+    except (TypeError, ValueError):
+        raise ValueError(f"{key}: {values!r} is no number, nor an array of numbers") from None
+    if points.size == 0 or points.ndim > 1:
+        raise ValueError(f"{key}: give one value or more, in one row")
+    return points
+
+
+def _is_bistable(beam, values):
+    rise, thickness = values.get("rise", beam.rise), values.get("thickness", beam.thickness)
+    return rise / thickness > BISTABILITY_LIMIT
+
+
+def _vary(nominal, values):
+    """Set the values; a ValueError names the first point that cannot be."""
+    try:
+        return nominal.vary(values)
+    except ValueError:
+        for i in range(len(nominal)):
+            point = {key: column[[i]] for key, column in values.items()}
+            try:
+                nominal.pick([i]).vary(point)
+            except ValueError as error:
+                words = point_text({key: value[0] for key, value in point.items()})
+                raise ValueError(f"{words}: {error}") from None
+        raise
+
+
+def point_text(point: Mapping[str, float | str]) -> str:
+    """Write where a point is on some axes, with units, for messages."""
+    units = {**UNITS, "C": "uN us/um", "f0": "Hz", "N": "g"}
+    return ", ".join(
+        f"{key} = {value}" if key == DEVICE else f"{key} = {value:.6g} {units[key]}"
+        for key, value in point.items()
+    )
+
+
+def coordinates(axes: Mapping[str, np.ndarray]) -> dict[str, tuple]:
+    """Give the values of axes their attributes, as xarray takes coordinates."""
+    return {key: (key, values, COORDINATES[key]) for key, values in axes.items()}
+
+
+def split_axes(named: Mapping) -> tuple[dict, dict]:
+    """Split keyword arguments into values of the device's axes and others."""
+    axes = {key: values for key, values in named.items() if key in VALUES}
+    return axes, {key: value for key, value in named.items() if key not in axes}

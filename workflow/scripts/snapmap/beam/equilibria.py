@@ -1,0 +1,143 @@
+"""Equilibria of the beam under slow loads: the branches of a path, and where it ends.
+
+In buckling modes v_j (kappa v_j = N_j S v_j, v_j.S v_j = 1) equilibrium under a force P on the
+midpoint and an acceleration a of the frame reads, with s_j = v_j.S q0,
+
+    (N_j - N) c_j = N s_j - f_j a - e_j P,    N = -EA/2L sum (c_j^2 + 2 c_j s_j).
+
+For a given N the load is a root of a quadratic: one belongs to the way from the first shape to the
+largest N, the other, farther along, to the way on from there.
+"""
+
+from collections.abc import Callable
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from ..device import Beam, Device
+from ..numerics.linalg import apply
+from .barrier import unit_buckling
+from .cosines import symmetric_cosines
+from .modal import contact_stiffness, unit_modes
+
+COSINES = 40
+GRID, ZOOMS = 100, 5
+"""Points between which something is looked for, and how often closer."""
+
+
+class BucklingModes(NamedTuple):
+    """A beam in its buckling modes: N_j, s_j, f_j and e_j, (modes, 1); EA/2L; flexibility."""
+
+    buckling: np.ndarray
+    start: np.ndarray
+    load: np.ndarray
+    midpoint: np.ndarray
+    axial: float
+    residual: float
+
+
+def static_threshold(device: Device) -> float | np.ndarray:
+    """Lowest N, in multiples of g, whose lasting acceleration leaves no equilibrium to rest in.
+
+    That is the first maximum on the way, or where the beam leaves the mass to snap by itself.
+    """
+    if np.ndim(device.mass):
+        return np.array([static_threshold(device.pick(i)) for i in range(len(device))])
+    modes = buckling_modes(device.beam)
+
+    def shock(modes, N):
+        return _shock(device, modes, N)
+
+    largest = largest_force(modes, shock, modes.buckling[1, 0])
+    low, high = 0.0, 2.0
+    for _ in range(ZOOMS):
+        places = np.linspace(low, high, GRID)
+        a, way = _along(modes, shock, largest, places)
+        ends = (np.diff(a) < 0) | (device.mass * a < device.spring * way)[1:]
+        first = np.argmax(ends)
+        low, high = places[[max(first - 1, 0), min(first + 1, GRID - 1)]]
+    return float(a[first] / device.gravity)
+
+
+def _along(modes, loaded, largest, places):
+    """Load and way of the midpoint along a path: N grows to the largest up to 1, and falls to 2."""
+    N = largest * (1 - (1 - places) ** 2)
+    constant, slope = loaded(modes, N)
+    lower, upper = roots(modes, N, constant, slope)
+    # Which root belongs to the way there changes where the loads' direction does.
+    there_first = way(modes, slope) > 0
+    x = np.where(there_first == (places <= 1), lower, upper)
+    return x, way(modes, constant + slope * x)
+
+
+def buckling_modes(beam: Beam) -> BucklingModes:
+    """Expand a beam in COSINES buckling modes."""
+    loads, start, load, midpoint, residual = _unit_modes()
+    root = np.sqrt(beam.span)
+    return BucklingModes(
+        buckling=loads * (beam.stiffness_unit * beam.span),
+        start=start * (beam.rise / root),
+        load=load * (beam.weight * root),
+        midpoint=midpoint * root,
+        axial=beam.axial_stiffness,
+        residual=residual / beam.stiffness_unit,
+    )
+
+
+@cache
+def _unit_modes():
+    """Loads, s_j, f_j and e_j, (modes, 1), and the residual flexibility, as in `unit_buckling`."""
+    basis = symmetric_cosines(COSINES)
+    modal, (loads, shapes) = unit_modes(basis), unit_buckling(basis)
+    vectors = (modal.slope_start, modal.load, modal.midpoint)
+    columns = loads, *(apply(shapes.T, vector) for vector in vectors)
+    return *(column[:, np.newaxis] for column in columns), modal.residual
+
+
+def push(modes: BucklingModes, N: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """c = constant + slope P under a force P (uN) on the midpoint, each (modes, n); N: (n,), uN."""
+    soft = 1 / (modes.buckling - N)
+    return soft * N * modes.start, -soft * modes.midpoint
+
+
+def _shock(device, modes, N):
+    """c = constant + slope a where the mass on its spring presses: e.c - (P - M a)/K = P/k."""
+    constant, slope = push(modes, N)
+    sag = -modes.load / (modes.buckling - N)
+    stiffness = contact_stiffness(device, modes.residual)
+    give = 1 / device.spring + 1 / stiffness - np.sum(modes.midpoint * slope, axis=0)
+    at_rest = np.sum(modes.midpoint * constant, axis=0) / give
+    grows = (device.mass / device.spring + np.sum(modes.midpoint * sag, axis=0)) / give
+    return constant + slope * at_rest, sag + slope * grows
+
+
+def roots(
+    modes: BucklingModes, N: np.ndarray, constant: np.ndarray, slope: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Both loads x at which c = constant + slope x stretches the beam to N; NaN if none does."""
+    square = modes.axial * np.sum(slope**2, axis=0)
+    half = modes.axial * np.sum(slope * (constant + modes.start), axis=0)
+    rest = N + modes.axial * np.sum(constant * (constant + 2 * modes.start), axis=0)
+    with np.errstate(invalid="ignore"):
+        root = np.sqrt(half**2 - square * rest)
+    return (-half - root) / square, (-half + root) / square
+
+
+def way(modes: BucklingModes, c: np.ndarray) -> np.ndarray:
+    """How far the midpoint of the kept modes has moved from the first shape, um; c: (modes, n)."""
+    return -np.sum(modes.midpoint * c, axis=0)
+
+
+def largest_force(modes: BucklingModes, loaded: Callable, limit: float) -> float:
+    """Largest N below the limit up to which the two roots exist, uN.
+
+    loaded: gives constant and slope of c for modes and N, as `push` does
+    """
+    low, high = 0.0, limit
+    for _ in range(ZOOMS):
+        N = low + (high - low) * (np.arange(GRID) + 0.5) / GRID
+        exists = np.isfinite(roots(modes, N, *loaded(modes, N))[0])
+        count = np.count_nonzero(np.logical_and.accumulate(exists))
+        low, high = N[max(count - 1, 0)], N[count] if count < GRID else high
+    return float(low)

@@ -1,0 +1,1 @@
+"""The door: files and text with units in, values in internal units out."""

@@ -1,0 +1,402 @@
+"""The door: a config document to a `Study` in internal units, or one line for every fault."""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import yaml
+from jsonschema import Draft202012Validator, ValidationError, validators
+
+from ..axes import DEVICE, Grid, make_grid
+from ..device import VALUES, Beam, Device, batch
+from ..numerics.portable import geometric, linear
+from ..solver.settings import THRESHOLD_TOLERANCE, Settings
+from .units import KINDS, read, show
+from .views import View, choose_boundary, choose_curves, choose_maps
+from .yaml_file import ConfigError, read_document, unwieldy_part
+
+
+class History(NamedTuple):
+    """A cell whose time history is drawn.
+
+    device: the study's, with what the cell changes; N: multiples of g; f0: Hz; C: uN us/um
+    changes: the values of the device that are not the nominal ones, and its name if it has one
+    """
+
+    device: Device
+    N: float
+    f0: float
+    C: float
+    changes: dict[str, float | str]
+
+    @property
+    def shock(self) -> dict[str, float]:
+        """N, f0 and C."""
+        return {"N": self.N, "f0": self.f0, "C": self.C}
+
+    @property
+    def name(self) -> str:
+        """N1000_f1500_C0.025, and what is not nominal."""
+        parts = {"N": self.N, "f": self.f0, "C": self.C, **self.changes}
+        words = (v if k == DEVICE else f"{k}{v:.15g}" for k, v in parts.items())
+        return "_".join(words).replace("inf", "hard")
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """A device, a model and the cells of a sweep.
+
+    device: the nominal one, or several by name
+    model: name and options, as given
+    grid: all axes, each ascending
+    skip: whether a device without a second stable shape is marked, not refused
+    settings: how each cell is followed
+    threshold_tolerance: of the thresholds in N, relative
+    maps, curves, boundary: what is drawn of cells, thresholds, and the damage boundary
+    left_out: one line on what is not drawn, or nothing
+    """
+
+    device: Device | dict[str, Device]
+    model: dict
+    grid: Grid
+    skip: bool
+    settings: Settings
+    threshold_tolerance: float
+    histories: tuple[History, ...]
+    maps: tuple[View, ...]
+    curves: tuple[View, ...]
+    boundary: View
+    left_out: str
+
+    @property
+    def axes(self) -> dict[str, np.ndarray]:
+        """Values by name, in the order of all products."""
+        return self.grid.axes
+
+
+# ASSUME: without a list of histories, the handout's own case is drawn.
+HANDOUT_CASE = {"N": 1000.0, "f0": 1500.0, "C": 0.025}
+
+_KINDS = {
+    **dict.fromkeys(("span", "rise", "thickness", "depth"), "length"),
+    **{"youngs_modulus": "modulus", "density": "density", "damping": "rate", "mass": "mass"},
+    **{"spring": "stiffness", "contact": "contact", "C": "damper", "f0": "frequency"},
+    **{"duration": "pulse", "N": "number"},
+}
+_LONGEST_KEY = 40
+
+
+def load_study(document: Mapping) -> Study:
+    """Check a whole config document and convert it; raises ConfigError naming every fault."""
+    faults = _schema_faults(document)
+    parts = document if isinstance(document, Mapping) else {}
+    device = _devices(parts, faults)
+    given = parts.get("sweep")
+    pulse = _pulse_key(given, ("sweep",), faults)
+    varied = [key for key in given if key in VALUES] if isinstance(given, Mapping) else []
+    axes = {
+        "f0" if key == "duration" else key: _part(document, ("sweep", key), faults, _axis, key)
+        for key in (*varied, "C", pulse, "N")
+    }
+    cells = parts.get("histories")
+    for place, cell in enumerate(cells if isinstance(cells, list | tuple) else ()):
+        _pulse_key(cell, ("histories", place), faults)
+    _refuse(faults)
+    skip = given.get("not_bistable") == "skip"
+    grid = _part(document, ("sweep",), faults, lambda _: _grid(device, axes, skip))
+    histories = _histories(document, device, faults)
+    maps = _views(document, "maps", faults, grid)
+    curves = _views(document, "thresholds", faults, grid)
+    _refuse(faults)
+    chosen, left_out = choose_maps(grid, nominal(device), maps)
+    return Study(
+        device=device,
+        model=_model(document["model"]),
+        grid=grid,
+        skip=skip,
+        settings=_settings(given),
+        threshold_tolerance=given.get("threshold_tolerance", THRESHOLD_TOLERANCE),
+        histories=histories,
+        maps=chosen,
+        curves=choose_curves(grid, nominal(device), curves),
+        boundary=choose_boundary(grid, nominal(device)),
+        left_out=left_out,
+    )
+
+
+def nominal(device: Device | Mapping[str, Device]) -> Device:
+    """The device itself, or the first of several."""
+    return next(iter(device.values())) if isinstance(device, Mapping) else device
+
+
+def load_device(path: str | Path) -> Device:
+    """Read the device of a config file, whatever its other sections; raises ConfigError.
+
+    >>> snapmap.load_device("config/config.yaml").beam.thickness
+    2.0
+    """
+    document = read_document(path)
+    if "device" not in document:
+        raise ConfigError(f"device: missing; write {_wanted('device')}")
+    faults = {at: line for at, line in _schema_faults(document).items() if at[:1] == ("device",)}
+    device = _part(document, ("device",), faults, _device)
+    _refuse(faults)
+    return device
+
+
+def _part(document, path, faults, convert, *options):
+    """Convert the section at `path` unless it is faulty; a fault found here joins `faults`."""
+    if any(at[: len(path)] == path[: len(at)] for at in faults):
+        return None
+    for key in path:
+        document = document[key]
+    try:
+        return convert(document, *options)
+    except ValueError as error:
+        faults[path] = str(error)
+    return None
+
+
+def _refuse(faults):
+    if faults:
+        raise ConfigError(*(faults[path] for path in sorted(faults, key=_order)))
+
+
+def _devices(document, faults):
+    """The device of a study, or several by name; one of the two sections must be there."""
+    both = "device" in document, "devices" in document
+    if faults.get(()):
+        return None
+    if not any(both):
+        faults[("device",)] = f"device: missing; write {_wanted('device')}"
+    elif all(both):
+        faults[("devices",)] = "devices: stand beside device; write one of them"
+    elif both[0]:
+        return _part(document, ("device",), faults, _device)
+    elif not any(at[:1] == ("devices",) for at in faults):
+        return {
+            name: _part(document, ("devices", name), faults, _device, f"devices.{name}")
+            for name in document["devices"]
+        }
+    return None
+
+
+def _wanted(key):
+    return _validator().schema["properties"][key]["description"]
+
+
+def _device(section, name="device"):
+    formats = _validator().schema["$defs"]["device"]["properties"]
+    try:
+        return Device(
+            beam=Beam(**_convert(section["beam"], formats["beam"]["properties"])),
+            **_convert({key: section[key] for key in section if key != "beam"}, formats),
+        )
+    except ValueError as error:
+        raise ValueError(str(error).replace("device.", f"{name}.", 1)) from None
+
+
+def _convert(section, formats):
+    return {key: read(value, formats[key]["format"]) for key, value in section.items()}
+
+
+def _grid(device, axes, skip):
+    try:
+        return make_grid(device, axes, skip)
+    except ValueError as error:
+        remedy = "write other values, or not_bistable: skip"
+        raise ValueError(f"sweep: {error}; {remedy}" if not skip else f"sweep: {error}") from None
+
+
+def _model(section):
+    formats = _validator().schema["properties"]["model"]["properties"]
+    return {
+        key: read(value, formats[key]["format"]) if "format" in formats[key] else value
+        for key, value in section.items()
+    }
+
+
+def _settings(section):
+    given = {key: section[key] for key in ("until", "repeat", "energy_tolerance") if key in section}
+    given.setdefault("repeat", given.get("until", "settled") == "settled")
+    return Settings(horizon=read(section["horizon"], "duration"), **given)
+
+
+def _pulse_key(section, path, faults):
+    """Which of f0 and duration the section at `path` has; a fault unless it is one of them."""
+    if not isinstance(section, Mapping) or ("f0" in section) != ("duration" in section):
+        return "duration" if isinstance(section, Mapping) and "duration" in section else "f0"
+    if "f0" in section:
+        key, complaint = "duration", "is one over f0, which is there, too; write one of them"
+    else:
+        key, complaint = "f0", "missing; write frequencies (1/time), or duration"
+    faults[(*path, key)] = f"{_name((*path, key))}: {complaint}"
+    return "f0"
+
+
+def _histories(document, device, faults):
+    cells = document.get("histories")
+    if cells is None:
+        return (_history(HANDOUT_CASE, device, read_values=False),)
+    places = (("histories", place) for place in range(len(cells)))
+    return tuple(_part(document, place, faults, _history, device) for place in places)
+
+
+def _history(cell, device, read_values=True):
+    name = cell.get(DEVICE)
+    if isinstance(device, Mapping):
+        name = next(iter(device)) if name is None else name
+        if name not in device:
+            known = ", ".join(device)
+            raise ValueError(f"histories: no device is called {show(name)}; known are {known}")
+        device = device[name]
+    elif name is not None:
+        raise ValueError("histories: device is for studies of several devices; leave it out")
+    values = {key: cell[key] for key in cell if key != DEVICE}
+    if read_values:
+        values = {key: read(value, _KINDS[key]) for key, value in values.items()}
+    if "duration" in values:
+        values["f0"] = _frequency(values.pop("duration"))
+    changes = {key: values[key] for key in values if key in VALUES}
+    varied = batch([device]).vary({key: np.array([changes[key]]) for key in changes})
+    named = {DEVICE: name} if name is not None else {}
+    shock = (values[key] for key in ("N", "f0", "C"))
+    return History(varied.pick(0) if changes else device, *shock, named | changes)
+
+
+def _views(document, section, faults, grid):
+    """Views of a section, with `at` as places on the axes; the nearest value stands for another."""
+    asked = document.get(section)
+    if asked is None or grid is None:
+        return None
+    places = ((section, place) for place in range(len(asked)))
+    return [_part(document, place, faults, _view, place, grid.axes) for place in places]
+
+
+def _view(asked, path, axes):
+    at = {}
+    used = {key: asked[key] for key in ("x", "y", "lines") if key in asked}
+    for key, axis in used.items():
+        if axis not in axes:
+            raise ValueError(f"{_name((*path, key))}: {axis} is no axis of this sweep")
+    if len(set(used.values())) < len(used):
+        raise ValueError(f"{_name(path)}: {' and '.join(used)} are the same axis; write two")
+    for axis, value in asked.get("at", {}).items():
+        name = _name((*path, "at", axis))
+        if axis not in axes or axis in used.values():
+            raise ValueError(f"{name}: is no axis of this sweep, or one that is drawn")
+        if axis == DEVICE:
+            if value not in axes[axis]:
+                raise ValueError(f"{name}: no device is called {show(value)}")
+            at[axis] = axes[axis].tolist().index(value)
+            continue
+        try:
+            number = read(value, _KINDS[axis])
+        except ValueError as error:
+            raise ValueError(f"{name}: {error}") from None
+        with np.errstate(invalid="ignore"):
+            apart = np.where(axes[axis] == number, 0, np.nan_to_num(abs(axes[axis] - number)))
+        at[axis] = int(np.argmin(apart))
+    return used | {"at": at}
+
+
+def _frequency(duration):
+    """Hz, of a pulse of so many us, to 14 digits: 0.5 ms is 2000 Hz."""
+    return float(f"{1e6 / duration:.14g}")
+
+
+def _axis(section, key):
+    kind = _KINDS[key]
+    if isinstance(section, Mapping):
+        values = _range(section, f"sweep.{key}", kind)
+    else:
+        values = np.array([read(value, kind) for value in section])
+    values = np.sort(values)
+    before, after = values[:-1], values[1:]
+    near = np.isfinite(after) & (after - before <= 1e-14 * np.abs(after))
+    repeated = after[near | (after == before)]
+    if repeated.size:
+        value = f"{repeated[0]:.15g} {KINDS[kind].unit}".strip()
+        raise ValueError(f"sweep.{key}: {value} comes twice; write every value once")
+    if key == "duration":
+        return np.array([_frequency(value) for value in values[::-1].tolist()])
+    return values
+
+
+def _range(section, key, kind):
+    start, stop, points = read(section["from"], kind), read(section["to"], kind), section["points"]
+    if (points == 1) != (start == stop):
+        need = "equal ends" if points == 1 else "from and to that differ"
+        raise ValueError(f"{key}.points: {points} needs {need}; write other ends or points")
+    if section.get("spacing") != "log":
+        return linear(start, stop, points)
+    if min(start, stop) <= 0:
+        raise ValueError(f"{key}.spacing: log needs from and to above 0; write linear, or a list")
+    return geometric(start, stop, points)
+
+
+def _schema_faults(document):
+    """Where the document breaks the schema: {path: line}."""
+    if unwieldy := unwieldy_part(document):
+        path, complaint = unwieldy
+        return {path: f"{_name(path)}: {complaint}"}
+    errors = _validator().iter_errors(document)
+    return {
+        path: f"{_name(path)}: {message}" for error in errors for path, message in _explain(error)
+    }
+
+
+def _explain(error) -> Iterator[tuple[tuple, str]]:
+    path, value, schema = tuple(error.absolute_path), error.instance, error.schema
+    known = schema.get("properties", {})
+    if error.validator == "required":
+        for key in error.validator_value:
+            if key not in value:
+                yield (*path, key), f"missing; write {known[key]['description']}"
+    elif error.validator == "additionalProperties":
+        for key in value:
+            if key not in known:
+                yield (*path, key), f"unknown key; known here are {', '.join(known)}"
+    elif error.validator == "format":
+        yield path, error.message
+    elif "format" not in schema:
+        yield path, f"{show(value)} is not {schema['description']}"
+
+
+def _name(path):
+    """device.beam.span, sweep.f0[2]; the document itself is `config`."""
+    name = ""
+    for key in path:
+        plain = isinstance(key, str) and key.isidentifier() and len(key) <= _LONGEST_KEY
+        name += f".{key}" if plain else f"[{show(key)}]"
+    return name.removeprefix(".") or "config"
+
+
+def _order(path):
+    return [f"{key:07d}" if isinstance(key, int) else str(key) for key in path]
+
+
+@cache
+def _validator():
+    schema = yaml.safe_load(Path(__file__).with_name("schema.yaml").read_text(encoding="utf-8"))
+    types = Draft202012Validator.TYPE_CHECKER.redefine_many(
+        {
+            "object": lambda _, value: isinstance(value, Mapping),
+            "array": lambda _, value: isinstance(value, list | tuple),
+            "integer": lambda _, value: type(value) is int,
+            "number": lambda _, value: type(value) in (int, float) and abs(value) < math.inf,
+        }
+    )
+    strict = validators.extend(Draft202012Validator, {"format": _check_format}, type_checker=types)
+    return strict(schema)
+
+
+def _check_format(validator, kind, value, schema):
+    try:
+        read(value, kind)
+    except ValueError as error:
+        yield ValidationError(str(error))

@@ -1,0 +1,143 @@
+"""What is drawn of a study: which two axes, and where on all others."""
+
+from collections.abc import Mapping, Sequence
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+
+from ..axes import DEVICE, Grid
+from ..device import VALUES, Device
+
+MOST_MAPS, PANELS = 24, 12
+"""Maps that are drawn unless more are asked for by name, and most of them in one figure."""
+
+
+class View(NamedTuple):
+    """A figure over axes of a study.
+
+    name: of its file
+    x, y: names of axes; of thresholds y has a line for each of its values
+    at: place on each other axis; of a map without N as x or y and not in `at` thresholds are meant
+    """
+
+    name: str
+    x: str
+    y: str
+    at: dict[str, int]
+
+
+def choose_maps(
+    grid: Grid, nominal: Device, asked: Sequence[Mapping] | None
+) -> tuple[tuple[View, ...], str]:
+    """Choose maps: those asked for, or N over f0 (or over what has several values) for all others.
+
+    asked: x, y and at of each; what `at` leaves out is taken where the nominal device stands, or
+        in the middle
+    Returns them and one line on what is left out, or nothing.
+    """
+    if asked is not None:
+        return tuple(_asked_map(grid, nominal, view) for view in asked), ""
+    x, y = _default_plane(grid)
+    others = [key for key in grid.axes if key not in (x, y) and not (key == "N" != y)]
+    places = list(product(*(range(grid.axes[key].size) for key in others)))
+    kept = np.unique(np.linspace(0, len(places) - 1, min(len(places), MOST_MAPS)).round())
+    chosen = [dict(zip(others, places[int(place)], strict=True)) for place in kept]
+    line = ""
+    if len(chosen) < len(places):
+        line = (
+            f"maps: {len(chosen)} of {len(places)} are drawn, evenly chosen over "
+            f"{', '.join(others)}; name those you want under maps"
+        )
+    return tuple(View(_name(grid, "map", at), x, y, at) for at in chosen), line
+
+
+def side_by_side(maps: Sequence[View]) -> list[View]:
+    """Maps of outcomes over the same axes, those of the first; at most PANELS, evenly chosen."""
+    outcomes = [view for view in maps if "N" in (view.x, view.y, *view.at)]
+    alike = [view for view in outcomes if (view.x, view.y) == (outcomes[0].x, outcomes[0].y)]
+    kept = np.unique(np.linspace(0, len(alike) - 1, min(len(alike), PANELS)).round())
+    return [alike[int(place)] for place in kept]
+
+
+def choose_curves(grid: Grid, nominal: Device, asked: Sequence[Mapping] | None) -> tuple[View, ...]:
+    """Choose figures of thresholds: those asked for, or one over each axis of several values."""
+    if asked is not None:
+        return tuple(
+            _asked_view(grid, nominal, "thresholds", view["x"], view["lines"], view["at"])
+            for view in asked
+        )
+    several = _several(grid, without="N")
+    over = list(dict.fromkeys(["f0", *(key for key in several if key not in (DEVICE, "C"))]))
+    if len(over) > 1 and grid.axes["f0"].size == 1:
+        over.remove("f0")
+    views = []
+    for x in over:
+        lines = next(key for key in (DEVICE, "C", *several) if key in grid.axes and key != x)
+        views.append(_asked_view(grid, nominal, "thresholds", x, lines, {}))
+    # The first keeps the plain name, whatever it is drawn over.
+    return (views[0]._replace(name="thresholds"), *views[1:])
+
+
+def choose_boundary(grid: Grid, nominal: Device) -> View:
+    """Choose the lines of the damage boundary, thresholds over f0."""
+    lines = DEVICE if DEVICE in grid.axes else "C"
+    return _asked_view(grid, nominal, "thresholds", "f0", lines, {})._replace(
+        name="damage_boundary"
+    )
+
+
+def _default_plane(grid):
+    several = _several(grid, without="N")
+    first = "f0" if "f0" in several or not several else several[0]
+    rest = [key for key in several if key != first]
+    alone = grid.axes["N"].size == 1 and rest
+    return first, rest[0] if alone else "N"
+
+
+def _several(grid, without):
+    return [key for key, values in grid.axes.items() if values.size > 1 and key != without]
+
+
+def _asked_map(grid, nominal, view):
+    return _asked_view(grid, nominal, "map", view["x"], view["y"], view["at"])
+
+
+def _asked_view(grid, nominal, stem, x, y, given):
+    at = {
+        key: given.get(key, _usual(values, key, nominal))
+        for key, values in grid.axes.items()
+        if key not in (x, y) and (key != "N" or key in given)
+    }
+    return View(_name(grid, f"{stem}_{x}_{y}", at), x, y, at)
+
+
+def _usual(values, key, nominal):
+    """Where the nominal device stands on an axis, or its middle."""
+    if key == DEVICE:
+        return 0
+    if key not in VALUES:
+        return values.size // 2
+    value = getattr(nominal.beam, key, None)
+    value = getattr(nominal, key) if value is None else value
+    with np.errstate(invalid="ignore"):
+        return int(np.argmin(np.where(values == value, 0, np.nan_to_num(abs(values - value)))))
+
+
+def _name(grid, stem, at):
+    """map_thickness1.9_C25; an axis of one value is not named, but C is."""
+    parts = [
+        value_name(key, grid.axes[key], place)
+        for key, place in at.items()
+        if grid.axes[key].size > 1 or key == "C"
+    ]
+    return "_".join([stem, *parts])
+
+
+def value_name(key: str, values: np.ndarray, place: int) -> str:
+    """Name a value of an axis in a file's name: as short as tells it from the others."""
+    if key == DEVICE:
+        return str(values[place])
+    words = [f"{value:.6g}" for value in values]
+    word = words[place] if words.count(words[place]) == 1 else f"{values[place]:.15g}"
+    return f"{key}{word.replace('inf', 'hard')}"

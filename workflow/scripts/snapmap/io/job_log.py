@@ -1,0 +1,54 @@
+"""The log of a rule's script."""
+
+import sys
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
+from pathlib import Path
+
+
+@contextmanager
+def job_log(path: str | Path) -> Iterator[None]:
+    """Keep what a script prints in its log as well; what it complains of goes there alone.
+
+    Snakemake shows the log of a job that fails. A fault that the user can mend (ValueError,
+    OSError, MemoryError) is one line there, any other a traceback.
+    """
+    complaint = ""
+    log = open(path, "w", buffering=1, encoding="utf-8")  # noqa: SIM115, closing may fail, too
+    with redirect_stdout(_Both(sys.stdout, log)), redirect_stderr(log):
+        try:
+            yield
+        except (MemoryError, OSError, ValueError) as fault:
+            complaint = str(fault) or type(fault).__name__
+        except Exception:
+            complaint = traceback.format_exc()
+    if complaint:
+        _complain(complaint, log)
+    with suppress(OSError):
+        log.close()
+    if complaint:
+        sys.exit(1)
+
+
+def _complain(complaint, log):
+    """Write to the log or, where the disk is full, to the terminal."""
+    try:
+        print(complaint, file=log, flush=True)
+    except OSError:
+        print(complaint, file=sys.stderr)
+
+
+class _Both:
+    """A text stream that writes to two."""
+
+    def __init__(self, *streams):
+        self.streams = streams
+
+    def write(self, text):
+        for stream in self.streams:
+            stream.write(text)
+
+    def flush(self):
+        for stream in self.streams:
+            stream.flush()

@@ -1,0 +1,75 @@
+"""What made a file: the code's version and the packages', the same on every host."""
+
+import hashlib
+import json
+import math
+import platform
+import subprocess
+from collections.abc import Mapping
+from dataclasses import asdict
+from importlib.metadata import version
+from pathlib import Path
+
+from .. import __version__
+from ..device import UNITS, Device
+
+KEYWORDS = "bistable beam, snap-through, MEMS, shock sensor"
+PACKAGES = ("numpy", "numba", "xarray", "netCDF4", "dask", "matplotlib", "snakemake")
+_SOURCES = Path(__file__).parents[1]
+
+
+def provenance(document: Mapping) -> dict[str, str]:
+    """Attributes of every product: what was asked for, the code's version and the packages'."""
+    code = code_version()
+    return {
+        "source": "numerical simulation",
+        "history": f"computed by snapmap {code}",  # no date: the same input gives the same file
+        "keywords": KEYWORDS,
+        "config": json.dumps(document),
+        "code_version": code,
+        "packages": " ".join(f"{name} {version(name)}" for name in PACKAGES),
+        "python": platform.python_version(),
+    }
+
+
+def device_sections(device: Device | Mapping[str, Device]) -> dict:
+    """The sections `device` or `devices` of a config, with units."""
+    if isinstance(device, Mapping):
+        return {"devices": {name: _section(one) for name, one in device.items()}}
+    return {"device": _section(device)}
+
+
+def _section(device):
+    values = asdict(device)
+    beam = values.pop("beam")
+    return {"beam": _with_units(beam), **_with_units(values)}
+
+
+def _with_units(values):
+    return {
+        key: "hard" if value == math.inf else f"{float(value)!r} {UNITS[key]}"
+        for key, value in values.items()
+    }
+
+
+def code_version() -> str:
+    """Such as `0.1.0+1a2b3c4.dirty sources 5d6e7f8a9b0c`; without git only the sources' hash."""
+    commit = _commit()
+    return f"{__version__}{'+' + commit if commit else ''} sources {sources_hash()}"
+
+
+def sources_hash() -> str:
+    """First 12 hex digits of the SHA-256 over the package's files."""
+    digest = hashlib.sha256()
+    for path in sorted(_SOURCES.rglob("*.py")) + sorted(_SOURCES.rglob("*.yaml")):
+        digest.update(path.relative_to(_SOURCES).as_posix().encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()[:12]
+
+
+def _commit():
+    command = ["git", "-C", str(_SOURCES), "describe", "--always", "--dirty=.dirty", "--abbrev=7"]
+    try:
+        run = subprocess.run(command, capture_output=True, text=True, timeout=10, check=True)
+    except (OSError, subprocess.SubprocessError):
+        return ""
+    return run.stdout.strip()

@@ -1,0 +1,1 @@
+"""How a cell moves: one in full, all of them in brief."""

@@ -1,0 +1,130 @@
+"""One cell in full: motion, contact force and every energy over time."""
+
+import math
+
+import numpy as np
+import xarray as xr
+
+from ..beam.modal import contact_stiffness
+from ..device import Device
+from ..io.provenance import device_sections, provenance
+from ..numerics.linalg import dot, multiply
+from ..solver.adaptive import choose_model
+from ..solver.cells import check_cells, to_cells
+from ..solver.plain_loop import pulse_acceleration
+from ..solver.settings import Settings, check_settings
+from ..solver.simd_kernel import BLOCK
+
+SAMPLES = 4000
+"""A history keeps this many instants, up to twice as many, or all that there are."""
+
+VARIABLES = {
+    "w_mid": ("deflection of the beam's midpoint", "um"),
+    "z_mass": ("position of the mass", "um"),
+    "contact_force": ("force between mass and beam", "uN"),
+    "acceleration": ("acceleration of the frame", "um us-2"),
+    "axial_force": ("compressive axial force in the beam", "uN"),
+    "kinetic_energy": ("kinetic energy of mass and beam", "pJ"),
+    "spring_energy": ("energy of the mass's spring", "pJ"),
+    "bending_energy": ("bending energy of the beam", "pJ"),
+    "axial_energy": ("axial energy of the beam", "pJ"),
+    "contact_energy": ("energy of the contact", "pJ"),
+    "dissipated_energy": ("energy taken by the damping of mass and beam", "pJ"),
+    "pulse_work": ("work of the pulse on mass and beam", "pJ"),
+}
+
+
+def simulate(
+    device: Device,
+    N: float,
+    f0: float,
+    C: float,
+    model: str = "handout",
+    horizon: float = 1500.0,
+    until: str = "settled",
+    energy_tolerance: float = 1e-3,
+    **options,
+) -> xr.Dataset:
+    """Follow one cell to the horizon, beyond its snap, and return its history over time.
+
+    N: multiples of g; f0: Hz; C: uN us/um; horizon: us followed after the pulse
+    until, energy_tolerance: of a sweep, whose step for this cell is taken
+    model, options: as in the config's model section
+
+    >>> device = snapmap.load_device("config/config.yaml")
+    >>> run = snapmap.simulate(device, 1100, 1500, 25, model="cosines", horizon=0)
+    >>> bool(run.w_mid.min() < device.beam.second_equilibrium)
+    True
+    """
+    check_cells(N=[N], f0=[f0], C=[C])
+    settings = Settings(horizon, until, repeat=False, energy_tolerance=energy_tolerance)
+    check_settings(settings)
+    built = choose_model(device, {"name": model, **options}).levels[-1]
+    cells = to_cells(device, [0], [N], [f0], [C], horizon)
+    built = built.with_step(0.5 ** built.follow(cells, settings).halvings.item())
+    amplitude, pulse, damping, t_end = (column.item() for column in cells[1:])
+    steps, stride = _sampling(t_end, built.dt)
+    motion, form = built.loop().record(built, amplitude, pulse, damping, steps, stride)
+    values = _observe(device, form, motion) | {
+        "acceleration": [pulse_acceleration(t, amplitude, pulse) for t in motion.time.tolist()],
+        "dissipated_energy": motion.lost,
+        "pulse_work": motion.work,
+    }
+    document = {
+        **device_sections(device),
+        "model": {"name": model, **options},
+        "histories": [{"N": N, "f0": f"{f0!r} Hz", "C": f"{C!r} uN*us/um"}],
+    }
+    return _dress(motion.time, values, document).assign_attrs(
+        N=N,
+        f0=f0,
+        C=C,
+        second_equilibrium=device.beam.second_equilibrium,
+        barrier=built.barrier.energy,
+        gravity=device.gravity,
+        time_step=built.dt,
+    )
+
+
+def _sampling(t_end, dt):
+    """Steps to t_end, and the largest power of two between samples that keeps SAMPLES or more."""
+    steps = int(np.ceil(t_end / dt))
+    stride = 2 ** max(0, math.floor(math.log2(max(1, steps / SAMPLES))))
+    return steps, min(stride, BLOCK)
+
+
+def _observe(device, form, motion):
+    """Deflections, forces and energies from the coordinates."""
+    u, velocity = motion.u, motion.u_velocity
+    w = dot(u, form.midpoint)
+    overlap = w - motion.y
+    stiffness = contact_stiffness(device, form.residual)
+    contact = stiffness * np.maximum(0.0, overlap)
+    stretch = dot(u, multiply(u, form.geometric) + 2 * form.slope_start)
+    axial_force = -device.beam.axial_stiffness * stretch
+    kinetic = dot(velocity, multiply(velocity, form.inertia)) / 2
+    return {
+        "w_mid": device.beam.rise + w - form.residual * contact,
+        "z_mass": device.beam.rise + motion.y,
+        "contact_force": contact,
+        "axial_force": axial_force,
+        "kinetic_energy": kinetic + device.mass * motion.y_velocity**2 / 2,
+        "spring_energy": device.spring * motion.y**2 / 2,
+        "bending_energy": dot(u, multiply(u, form.bending)) / 2,
+        "axial_energy": axial_force**2 / (4 * device.beam.axial_stiffness),
+        "contact_energy": contact**2 / (2 * stiffness),
+    }
+
+
+def _dress(time, values, document):
+    data = {
+        key: ("time", values[key], {"long_name": name, "units": unit})
+        for key, (name, unit) in VARIABLES.items()
+    }
+    axis = ("time", time, {"long_name": "time after the start of the pulse", "units": "us"})
+    return xr.Dataset(data, {"time": axis}).assign_attrs(
+        Conventions="CF-1.11, ACDD-1.3",
+        title="Time history of one cell",
+        summary="Motion, forces and energies of beam and mass under one versed-sine shock",
+        **provenance(document),
+    )

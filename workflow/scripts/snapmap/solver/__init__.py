@@ -1,0 +1,1 @@
+"""Cells in, observations out: two time loops, and a model that chooses among several."""

@@ -1,0 +1,115 @@
+"""The table of cells that a solver is given, and what it observes of each."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..axes import Grid
+from ..device import Device
+
+
+class Cells(NamedTuple):
+    """Cells in internal units; arrays of one shape.
+
+    device: index of the device in the model's batch
+    amplitude: N g, um/us^2; f0: 1/us; damping: C, uN us/um; t_end: us
+    """
+
+    device: np.ndarray
+    amplitude: np.ndarray
+    f0: np.ndarray
+    damping: np.ndarray
+    t_end: np.ndarray
+
+    def some(self, which: np.ndarray) -> "Cells":
+        """Those chosen by indices or a mask."""
+        return Cells(*(column[which] for column in self))
+
+
+class Rows(NamedTuple):
+    """Rows of cells that differ in N alone; arrays (rows,).
+
+    device: index in the model's batch; f0: Hz; C: uN us/um
+    """
+
+    device: np.ndarray
+    f0: np.ndarray
+    C: np.ndarray
+
+    def some(self, which: np.ndarray | slice) -> "Rows":
+        """Those chosen."""
+        return Rows(*(column[which] for column in self))
+
+
+class Observations(NamedTuple):
+    """What was observed of each cell; arrays of the shape of the cells.
+
+    t_snap: first arrival of the midpoint at w2 after the pulse's start, us; NaN if not seen
+    t_settled: when the beam was seen to be settled in a well for ever, us; NaN if it was not
+    well: that well, 1 or 2; 0 if it was not
+    energy_error: residual of the energy ledger over the gross work of the pulse
+    halvings: how often the model's step was halved for these observations
+    level: of several that a model has, the one that decided the cell, 0 for the cheapest
+    agreed: 0 where two of them disagree on whether the cell snaps, else 1
+    """
+
+    t_snap: np.ndarray
+    t_settled: np.ndarray
+    well: np.ndarray
+    energy_error: np.ndarray
+    halvings: np.ndarray
+    level: np.ndarray | None = None
+    agreed: np.ndarray | None = None
+
+    def shaped(self, shape: tuple[int, ...]) -> "Observations":
+        """The same in another shape."""
+        return Observations(*(column.reshape(shape) for column in self[:5]))
+
+    def replace(self, which: np.ndarray, others: "Observations") -> None:
+        """Set what was observed of some cells, in place."""
+        for whole, part in zip(self[:5], others[:5], strict=True):
+            whole[which] = part
+
+
+def no_observations(shape: tuple[int, ...]) -> Observations:
+    """Room for observations of so many cells."""
+    kinds = float, float, np.int8, float, np.int8
+    return Observations(*(np.zeros(shape, kind) for kind in kinds))
+
+
+def rows_of(grid: Grid) -> Rows:
+    """All points but those along N; -1 for the device where there is none."""
+    C, f0 = grid.axes["C"], grid.axes["f0"]
+    device, C, f0 = np.broadcast_arrays(
+        grid.device_of[..., np.newaxis, np.newaxis], C[:, np.newaxis], f0
+    )
+    return Rows(device.ravel(), f0.ravel(), C.ravel())
+
+
+def check_cells(**values) -> None:
+    """Raise ValueError, one line, unless N is finite, f0 above 0 and C from 0."""
+    least = {"N": -np.inf, "f0": np.nextafter(0, 1), "C": 0.0}
+    need = {"N": "any size", "f0": "above 0", "C": "0 or above"}
+    for key, given in values.items():
+        try:
+            given = np.atleast_1d(np.asarray(given, float))
+        except (TypeError, ValueError):
+            raise ValueError(f"{key}: {given!r} is no number, nor an array of numbers") from None
+        if given.size == 0:
+            raise ValueError(f"{key}: empty; give one value or more")
+        wrong = given[~(np.isfinite(given) & (given >= least[key]))]
+        if wrong.size:
+            raise ValueError(f"{key}: {wrong[0]:g} cannot be; it must be finite and {need[key]}")
+
+
+def to_cells(devices: Device, device, N, f0, C, horizon: float) -> Cells:
+    """Convert cells, arrays that broadcast, from multiples of g, Hz, uN us/um and a horizon.
+
+    devices: one, or a batch; device: indices in it
+    horizon: followed after the pulse, us
+    """
+    columns = np.asarray(device, np.int64), *(np.asarray(column, float) for column in (N, f0, C))
+    device, N, f0, C = np.broadcast_arrays(*columns)
+    gravity = np.atleast_1d(devices.gravity)[device]
+    f0 = f0 * 1e-6
+    return Cells(device, N * gravity, f0, C, 1 / f0 + horizon)

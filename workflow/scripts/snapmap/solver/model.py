@@ -1,0 +1,197 @@
+"""A model of one device or a batch of them, and the one thing asked of it: to follow cells."""
+
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from ..beam.barrier import Barrier
+from ..beam.basis import Basis
+from ..beam.modal import ModalBeam
+from ..device import Device
+from .cells import Cells, Observations, no_observations
+from .record import Form, Motion
+from .settings import Settings
+
+HALVINGS = 4
+"""How often a cell whose energy ledger does not close is followed again with half the step."""
+
+
+class Follows(Protocol):
+    """What every model does, however many discretisations it holds.
+
+    device: one, or a batch that the cells' indices refer to
+    levels: its discretisations by the `level` of its observations, the cheapest first
+    """
+
+    device: Device
+    levels: tuple["Follows", ...]
+
+    def follow(self, cells: Cells, settings: Settings) -> Observations:
+        """Follow cells, (rows, n), each row of ascending amplitude, as the settings ask."""
+
+    def split(self, device: np.ndarray) -> Iterator[tuple[np.ndarray, "Model", np.ndarray]]:
+        """The discretisations behind devices, given by their indices, of any shape.
+
+        Yields a mask of those it holds for, and the indices of these in its own batch.
+        """
+
+    def with_step(self, factor: float) -> "Follows":
+        """The same model with every step multiplied by `factor`."""
+
+    def pick(self, which: int | np.ndarray) -> "Follows":
+        """The same model of one device of the batch, or of some."""
+
+
+class Loop(Protocol):
+    """A module with a time loop."""
+
+    def march(self, model: "Model", cells: Cells, until: str) -> tuple[np.ndarray, ...]:
+        """t_snap, t_settled, well and energy_error of cells, (cells,)."""
+
+    def record(
+        self, model: "Model", amplitude: float, f0: float, damping: float, steps: int, stride: int
+    ) -> tuple[Motion, Form]:
+        """The motion of one cell of a model of one device, at every `stride`th instant."""
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A device or a batch, its beam discretised.
+
+    loop: imports the time loop when a run begins, as a plan needs no compiler
+    basis, modal: its matrices, and their reduced form
+    barrier: between the two shapes of that form
+    dt: time step, us; of a batch (devices,)
+    """
+
+    name: str
+    loop: Callable[[], Loop]
+    device: Device
+    basis: Basis
+    modal: ModalBeam
+    barrier: Barrier
+    dt: float | np.ndarray
+
+    @property
+    def levels(self) -> tuple["Model"]:
+        """Itself alone."""
+        return (self,)
+
+    @property
+    def modes(self) -> int:
+        """Number of modes kept."""
+        return self.modal.load.shape[-1]
+
+    def split(self, device: np.ndarray) -> Iterator[tuple[np.ndarray, "Model", np.ndarray]]:
+        """Itself, for all."""
+        everything = np.ones(device.shape, bool)
+        yield everything, self, device[everything]
+
+    def with_step(self, factor: float) -> "Model":
+        """The same model with its step multiplied by `factor`."""
+        return replace(self, dt=factor * self.dt)
+
+    def pick(self, which: int | np.ndarray) -> "Model":
+        """The same model of one device of the batch, or of some."""
+        if np.ndim(self.dt) == 0:
+            return self
+        parts = {"device": self.device.pick(which), "dt": self.dt[which]}
+        for key in ("modal", "barrier"):
+            whole = getattr(self, key)
+            parts[key] = type(whole)(*(value[which] for value in whole))
+        return replace(self, **parts)
+
+    def follow(self, cells: Cells, settings: Settings) -> Observations:
+        """Follow every cell as the settings ask; cells of any shape.
+
+        A cell whose ledger does not close is followed again with half the step, up to HALVINGS
+        times: hard impacts ask for less than the stability limit does.
+        """
+        flat, model = Cells(*(np.ravel(column) for column in cells)), self
+        seen = model.follow_once(flat, settings)
+        for halvings in range(1, HALVINGS + 1):
+            doubtful = np.flatnonzero(~(seen.energy_error <= settings.energy_tolerance))
+            if doubtful.size == 0:
+                break
+            model = model.with_step(0.5)
+            seen.replace(doubtful, model.follow_once(flat.some(doubtful), settings))
+            seen.halvings[doubtful] = halvings
+        return seen.shaped(np.shape(cells.f0))
+
+    def follow_once(self, cells: Cells, settings: Settings) -> Observations:
+        """Follow every cell, (cells,), with the model's own step, whatever its ledger then says."""
+        seen = no_observations(cells.f0.shape)
+        # Lanes run side by side: those of one call should take about as many steps.
+        steps = cells.t_end / np.atleast_1d(self.dt)[cells.device]
+        order = np.argsort(-steps, kind="stable")
+
+        def follow_share(first):
+            share = order[first :: settings.threads]
+            found = self.loop().march(self, cells.some(share), settings.until)
+            for whole, part in zip(seen[:4], found, strict=True):
+                whole[share] = part
+
+        with ThreadPoolExecutor(settings.threads) as pool:
+            list(pool.map(follow_share, range(settings.threads)))
+        seen.t_snap[seen.t_snap > cells.t_end] = np.nan
+        late = seen.t_settled > cells.t_end
+        seen.t_settled[late], seen.well[late] = np.nan, 0
+        return seen
+
+
+@dataclass(frozen=True, eq=False)
+class Mixture:
+    """A batch of devices whose models differ in more than numbers.
+
+    parts: the models, each of some devices
+    part_of, row_of: the part of each device and its place there, (devices,)
+    """
+
+    device: Device
+    parts: tuple[Model, ...]
+    part_of: np.ndarray
+    row_of: np.ndarray
+
+    @property
+    def levels(self) -> tuple["Mixture"]:
+        """Itself alone."""
+        return (self,)
+
+    def split(self, device: np.ndarray) -> Iterator[tuple[np.ndarray, Model, np.ndarray]]:
+        """Each part with its devices."""
+        part_of = self.part_of[device]
+        for number in np.unique(part_of):
+            mine = part_of == number
+            yield mine, self.parts[number], self.row_of[device[mine]]
+
+    def with_step(self, factor: float) -> "Mixture":
+        """The same models with every step multiplied by `factor`."""
+        return replace(self, parts=tuple(part.with_step(factor) for part in self.parts))
+
+    def pick(self, which: int | np.ndarray) -> Follows:
+        """The model of one device, or those of some."""
+        if np.ndim(which) == 0:
+            return self.parts[self.part_of[which]].pick(self.row_of[which])
+        device, part_of, row_of = self.device.pick(which), self.part_of[which], self.row_of[which]
+        return Mixture(device, self.parts, part_of, row_of)
+
+    def follow(self, cells: Cells, settings: Settings) -> Observations:
+        """Follow every cell by the model of its device."""
+        seen = no_observations(np.shape(cells.f0))
+        for mine, part, row in self.split(cells.device):
+            some = cells.some(mine)._replace(device=row)
+            seen.replace(mine, part.follow(some, settings))
+        return seen
+
+
+def mix(device: Device, parts: list[tuple[np.ndarray, Model]]) -> Follows:
+    """Join models of some devices each, given with the devices' indices, to one of the batch."""
+    if len(parts) == 1:
+        return parts[0][1]
+    part_of, row_of = np.zeros((2, len(device)), np.int64)
+    for number, (which, _) in enumerate(parts):
+        part_of[which], row_of[which] = number, np.arange(which.size)
+    return Mixture(device, tuple(model for _, model in parts), part_of, row_of)

@@ -1,0 +1,124 @@
+"""Models by name: which basis, how many modes and which step stand behind each."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..beam.barrier import find_barrier
+from ..beam.cosines import symmetric_cosines
+from ..beam.elements import hermite_elements
+from ..beam.modal import contact_stiffness, reduce_to_modes, step_limit
+from ..device import Device
+from .model import Follows, Loop, Model, mix
+from .settings import check_number
+
+ELEMENT_OPTIONS = ("elements", "mass_matrix", "step")
+OPTIONS = {
+    "reference": ELEMENT_OPTIONS,
+    "handout": ELEMENT_OPTIONS,
+    "elements": (*ELEMENT_OPTIONS, "modes"),
+    "cosines": ("cosines", "modes", "step"),
+    "auto": ("tolerance",),
+}
+
+RUNGS = (3, 5, 7, 10, 14, 18)
+"""Cosines that `auto` chooses from; fewer than three save next to nothing and cost ten times."""
+
+
+def simd() -> Loop:
+    """The SIMD kernel."""
+    from . import simd_kernel
+
+    return simd_kernel
+
+
+def plain() -> Loop:
+    """The plain loop."""
+    from . import plain_loop
+
+    return plain_loop
+
+
+def build_model(device: Device, name: str = "handout", **options) -> Follows:
+    """Discretise the beams of a device or a batch; a ValueError names an option that cannot be.
+
+    elements (of the half beam), mass_matrix ("consistent", "hrz"), cosines, modes (kept)
+    step: fraction of the stability limit, above 0 and up to 1
+    """
+    check_options(device, name, options)
+    hard = np.isinf(device.contact)
+    if np.ndim(hard) == 0 or hard.all() or not hard.any():
+        return _build_alike(device, name, options)
+    kinds = np.flatnonzero(~hard), np.flatnonzero(hard)
+    return mix(device, [(some, _build_alike(device.pick(some), name, options)) for some in kinds])
+
+
+def _build_alike(device, name, options):
+    """A model of devices whose contact is hard, or of some where it is not."""
+    basis = _basis(options, name)
+    is_hard = bool(np.all(np.isinf(device.contact)))
+    modes = options.get("modes", _default_modes(is_hard, name, basis))
+    if modes > basis.load.size:
+        raise ValueError(f"model.modes: {modes} is too many; this beam has {basis.load.size}")
+    modal = reduce_to_modes(device.beam, basis, modes)
+    if np.isinf(contact_stiffness(device, modal.residual)).any():
+        raise ValueError(
+            f"device.contact: hard needs a residual flexibility, and the {name} model leaves none "
+            f"with {modes} of {basis.load.size} modes; write fewer modes, or a contact in N/m"
+        )
+    step = options.get("step", _default_step(is_hard, basis, modes))
+    dt = step * step_limit(device, modal)
+    loop = plain if name == "reference" else simd
+    return Model(name, loop, device, basis, modal, find_barrier(device.beam, basis, modes), dt)
+
+
+def check_options(device: Device, name: str, options: Mapping) -> None:
+    """Raise ValueError, one line, for a model or an option that cannot be."""
+    if not isinstance(device, Device):
+        raise ValueError(f"device: {device!r} is no device; `snapmap.load_device` reads one")
+    if name not in OPTIONS:
+        raise ValueError(f"model.name: {name!r} is unknown; known are {', '.join(OPTIONS)}")
+    for key, value in options.items():
+        if key not in OPTIONS[name]:
+            known = ", ".join(OPTIONS[name])
+            raise ValueError(f"model.{key}: not an option of {name}; its options are {known}")
+        if key != "mass_matrix":
+            check_number(f"model.{key}", value)
+        if key == "mass_matrix":
+            if value not in ("consistent", "hrz"):
+                raise ValueError(f"model.mass_matrix: {value!r} is not consistent or hrz")
+        elif key == "step":
+            if not 0 < value <= 1:
+                raise ValueError(f"model.step: {value} is not above 0 and up to 1, the limit")
+        elif key == "tolerance":
+            if not 0 < value < 1:
+                raise ValueError(f"model.tolerance: {value} is not between 0 and 1")
+        elif value != int(value) or value < 1:
+            raise ValueError(f"model.{key}: {value!r} is not a whole number from 1")
+    if name == "reference" and np.isinf(device.contact).any():
+        raise ValueError("device.contact: hard is not for the reference model; write handout")
+
+
+def _basis(options, name):
+    if name == "cosines":
+        cosines = options.get("cosines", options.get("modes", 5))
+        return symmetric_cosines(cosines)
+    chosen = {key: options[key] for key in ("elements", "mass_matrix") if key in options}
+    return hermite_elements(**chosen)
+
+
+def _default_modes(is_hard, name, basis):
+    unknowns = basis.load.size
+    if is_hard and name != "cosines":
+        # ASSUME: hard contact acts through the static flexibility of the highest quarter of the
+        # elements' modes; it moves the threshold of five elements by 0.02 %.
+        return max(1, min(unknowns - 1, (3 * unknowns + 3) // 4))
+    return unknowns
+
+
+def _default_step(is_hard, basis, modes):
+    # ASSUME: chosen by measurement, see docs/performance.md; few modes allow steps too long for a
+    # short pulse. A cell whose energy ledger asks for less is followed again with less.
+    if is_hard:
+        return 0.3
+    return 0.8 if basis.complete and modes == basis.load.size else 0.5

@@ -1,0 +1,66 @@
+"""What a cell's facts prove: the labels of the map."""
+
+from collections.abc import Mapping
+from enum import IntEnum
+
+import numpy as np
+
+
+class Outcome(IntEnum):
+    """What became of a cell; `ABSENT` is one whose device has no second stable shape."""
+
+    UNSNAPPED = 0
+    NEVER = 1
+    SNAPPED = 2
+    LATCHED = 3
+    RETURNED = 4
+    FAILED = 5
+    ABSENT = 6
+
+
+UNSNAPPED, NEVER, SNAPPED, LATCHED, RETURNED, FAILED, ABSENT = Outcome
+OUTCOMES = tuple(outcome.name.lower() for outcome in Outcome)
+
+
+def label(
+    t_snap: np.ndarray,
+    t_settled: np.ndarray,
+    well: np.ndarray,
+    energy_error: np.ndarray,
+    tolerance: float,
+) -> np.ndarray:
+    """Outcome of each cell as an index into OUTCOMES, int8; the arguments are `Observations`.
+
+    Proven for ever: `never` left well 1, `latched` in well 2, `returned` to well 1 after a snap.
+    Open at the horizon: `unsnapped`, `snapped`. A run whose ledger does not close within the
+    tolerance has `failed`, whatever else it seems to show.
+    """
+    snapped, settled = ~np.isnan(t_snap), ~np.isnan(t_settled)
+    outcome = np.select(
+        [~(energy_error <= tolerance), snapped & settled, snapped, settled],
+        [FAILED, np.where(well == 2, LATCHED, RETURNED), SNAPPED, NEVER],
+        UNSNAPPED,
+    )
+    return outcome.astype(np.int8)
+
+
+def count(outcome: np.ndarray) -> dict[str, int]:
+    """How many cells have which outcome, by name; no outcome has a count of 0."""
+    numbers = np.bincount(np.ravel(outcome), minlength=len(OUTCOMES))
+    return {name: int(n) for name, n in zip(OUTCOMES, numbers, strict=True) if n}
+
+
+def shares(counts: Mapping[str, int], reproduced: int | None = None) -> dict[str, float]:
+    """Shares of the cells that are proven, open and failed; and reproduced, if that is known.
+
+    counts: as from `count`; reproduced: number of cells; those without a device do not count
+    """
+    total = sum(counts.values()) - counts.get("absent", 0)
+    found = {
+        "proven": sum(counts.get(name, 0) for name in ("never", "latched", "returned")),
+        "open": sum(counts.get(name, 0) for name in ("unsnapped", "snapped")),
+        "failed": counts.get("failed", 0),
+    }
+    if reproduced is not None:
+        found["reproduced"] = reproduced
+    return {f"share_{name}": round(number / total, 6) for name, number in found.items()}

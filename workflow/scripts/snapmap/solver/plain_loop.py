@@ -1,0 +1,214 @@
+"""The handout's scheme as a plain loop: the oracle that every faster model is held against."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from ..beam.basis import Basis
+from ..device import Device
+from ..numerics.arithmetic import fma, sine
+from ..numerics.linalg import apply, solve_all
+from .record import Form, Motion
+
+# No fast maths: a result is the same on every machine, compiled afresh or taken from the cache.
+PLAIN = {"error_model": "numpy", "nogil": True, "cache": True}
+
+
+class System(NamedTuple):
+    """Eqs. (2), (4) and (5) in nodal unknowns; units um, ng, us.
+
+    inertia, inverse_inertia, bending, geometric: (n, n); load, midpoint: (n,), as in `Basis`
+    slope_start: (n,), G q0
+    axial: E A / (2 L), uN/um
+    mass, spring, penalty: M (ng), K (uN/um), lambda (uN/um)
+    beam_damping: rate alpha of the force -alpha Mb du/dt on the beam, 1/us
+    """
+
+    inertia: np.ndarray
+    inverse_inertia: np.ndarray
+    bending: np.ndarray
+    geometric: np.ndarray
+    slope_start: np.ndarray
+    load: np.ndarray
+    midpoint: np.ndarray
+    axial: float
+    mass: float
+    spring: float
+    penalty: float
+    beam_damping: float
+
+
+def nodal_system(device: Device, basis: Basis) -> System:
+    """Collect what the loop needs of a device (penalty contact) and its beam's basis."""
+    scaled = basis.scaled_to(device.beam)
+    return System(
+        inertia=scaled.mass,
+        inverse_inertia=solve_all(scaled.mass, np.eye(scaled.load.size)),
+        bending=scaled.bending,
+        geometric=scaled.geometric,
+        slope_start=apply(scaled.geometric, scaled.start),
+        load=scaled.load,
+        midpoint=scaled.midpoint,
+        axial=device.beam.axial_stiffness,
+        mass=device.mass,
+        spring=device.spring,
+        penalty=device.contact,
+        beam_damping=device.beam.damping,
+    )
+
+
+@njit(**PLAIN)
+def pulse_acceleration(t, amplitude, f0):
+    """a(t) = amplitude/2 (1 - cos(2 pi f0 t)) = amplitude sin^2(pi f0 t), t < 1/f0; um/us^2."""
+    if t * f0 < 1.0:
+        return amplitude * sine(f0 * t / 2) ** 2
+    return 0.0
+
+
+@njit(**PLAIN)
+def dot(a, b):
+    """a . b"""
+    total = 0.0
+    for i in range(a.size):
+        total = fma(a[i], b[i], total)
+    return total
+
+
+@njit(**PLAIN)
+def multiply(matrix, vector, result):
+    """result = matrix vector; result is modified in place."""
+    for i in range(vector.size):
+        total = 0.0
+        for j in range(vector.size):
+            total = fma(matrix[i, j], vector[j], total)
+        result[i] = total
+
+
+@njit(**PLAIN)
+def beam_stresses(system, u, bending_u, geometric_u):
+    """Kb u and G u, modified in place; returns N = -EA/2L (2 u.G q0 + u.G u), uN."""
+    quadratic = 0.0
+    for i in range(u.size):
+        bending_row, geometric_row = 0.0, 0.0
+        for j in range(u.size):
+            bending_row = fma(system.bending[i, j], u[j], bending_row)
+            geometric_row = fma(system.geometric[i, j], u[j], geometric_row)
+        bending_u[i], geometric_u[i] = bending_row, geometric_row
+        quadratic += u[i] * (geometric_row + 2 * system.slope_start[i])
+    return -system.axial * quadratic
+
+
+@njit(**PLAIN)
+def total_energy(system, u, velocity, y, y_velocity, compression):
+    """Kinetic, bending, axial, spring and contact energy of beam and mass, pJ."""
+    product = np.empty(u.size)
+    multiply(system.inertia, velocity, product)
+    beam = dot(velocity, product) / 2 + compression**2 / (4 * system.axial)
+    multiply(system.bending, u, product)
+    beam += dot(u, product) / 2
+    mass = system.mass * y_velocity**2 / 2 + system.spring * y**2 / 2
+    return beam + mass + system.penalty * max(0.0, dot(system.midpoint, u) - y) ** 2 / 2
+
+
+@njit(**PLAIN)
+def follow(system, amplitude, f0, damping, target, dt, steps, history):
+    """March one cell by central differences until w(L/2) reaches `target` or `steps` are done.
+
+    With u = q - q0 and y = z_M - rise, from rest, at t = n dt:
+
+        N = -EA/2L (2 u.G q0 + u.G u),  P = lambda <u(L/2) - y>+
+        Mb (u+ - 2 u + u-)/dt^2 + alpha Mb (u+ - u-)/(2 dt) = -Kb u + N (G u + G q0) - f a - e P
+        M (y+ - 2 y + y-)/dt^2 + C (y+ - y-)/(2 dt) = -M a - K y + P
+
+    amplitude: N g, um/us^2; f0: 1/us; damping: C, uN us/um; target: w2 - rise, um
+    history: (samples, 2 n + 4), modified in place: u, du/dt, y, dy/dt, work of the pulse and
+        energy lost to damping (pJ), at as many of the first instants as it holds
+    Returns (t_snap, energy_error): us, NaN if the target is not reached; the energy ledger's
+    residual over the gross work of the pulse, not finite after a blow-up.
+    """
+    n = system.load.size
+    u, u_before, u_after, velocity = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
+    bending_u, geometric_u = np.zeros(n), np.zeros(n)
+    force, acceleration = np.zeros(n), np.zeros(n)
+    y, y_before = 0.0, 0.0
+    inertia, drag = system.mass / dt**2, damping / (2 * dt)
+    beam_drag = system.beam_damping * dt / 2
+    power, work, gross_work, loss, lost = 0.0, 0.0, 0.0, 0.0, 0.0
+    t_snap, residual = np.nan, 0.0
+
+    for step in range(steps):
+        a = pulse_acceleration(step * dt, amplitude, f0)
+        w_mid = dot(system.midpoint, u)
+        contact = system.penalty * max(0.0, w_mid - y)
+        compression = beam_stresses(system, u, bending_u, geometric_u)
+        for i in range(n):
+            force[i] = compression * (geometric_u[i] + system.slope_start[i]) - bending_u[i]
+            force[i] -= system.load[i] * a + system.midpoint[i] * contact
+        multiply(system.inverse_inertia, force, acceleration)
+        for i in range(n):
+            u_after[i] = 2 * u[i] - (1 - beam_drag) * u_before[i] + dt**2 * acceleration[i]
+            u_after[i] /= 1 + beam_drag
+            velocity[i] = (u_after[i] - u_before[i]) / (2 * dt)
+        pull = contact - system.spring * y - system.mass * a
+        y_after = (pull + inertia * (2 * y - y_before) + drag * y_before) / (inertia + drag)
+        y_velocity = (y_after - y_before) / (2 * dt)
+
+        power_before, loss_before = power, loss
+        power = -a * (system.mass * y_velocity + dot(system.load, velocity))
+        loss = damping * y_velocity**2
+        if system.beam_damping > 0:
+            multiply(system.inertia, velocity, force)
+            loss += system.beam_damping * dot(velocity, force)
+        work += (power_before + power) * dt / 2
+        gross_work += abs(power) * dt
+        lost += (loss_before + loss) * dt / 2
+        if step < history.shape[0]:
+            history[step, :n], history[step, n : 2 * n] = u, velocity
+            history[step, 2 * n :] = y, y_velocity, work, lost
+
+        w_after = dot(system.midpoint, u_after)
+        if w_after <= target or step == steps - 1 or not np.isfinite(w_after):
+            energy = total_energy(system, u, velocity, y, y_velocity, compression)
+            residual = energy + lost - work
+            if w_after <= target:
+                t_snap = (step + (w_mid - target) / (w_mid - w_after)) * dt
+            break
+        u_before, u, u_after = u, u_after, u_before
+        y_before, y = y, y_after
+    return t_snap, abs(residual) / gross_work if gross_work > 0 else abs(residual)
+
+
+def march(model, cells, until):
+    """Follow cells; proves nothing: each ends at its snap or the horizon, whatever is asked.
+
+    model: a `Model`; cells: `Cells`, each column (cells,)
+    Returns t_snap, t_settled, well and energy_error, as the SIMD kernel does
+    """
+    found = np.empty((2, cells.f0.size))
+    for which in np.unique(cells.device):
+        one = model.pick(which)
+        system, beam = nodal_system(one.device, one.basis), one.device.beam
+        no_history = np.empty((0, 2 * system.load.size + 4))
+        target = beam.second_equilibrium - beam.rise
+        for i in np.flatnonzero(cells.device == which):
+            steps = int(np.ceil(cells.t_end[i] / one.dt))
+            load = cells.amplitude[i], cells.f0[i], cells.damping[i]
+            found[:, i] = follow(system, *load, target, one.dt, steps, no_history)
+    t_snap, energy_error = found
+    return t_snap, np.full(t_snap.size, np.nan), np.zeros(t_snap.size, np.int8), energy_error
+
+
+def record(model, amplitude, f0, damping, steps, stride):
+    """Follow one cell and keep every `stride`th instant.
+
+    model: of one device; returns Motion and Form
+    """
+    system, n = nodal_system(model.device, model.basis), model.basis.load.size
+    kept = np.zeros((steps, 2 * n + 4))
+    follow(system, amplitude, f0, damping, -np.inf, model.dt, steps, kept)
+    kept = kept[::stride]
+    time = np.arange(len(kept)) * stride * model.dt
+    motion = Motion(time, kept[:, :n], kept[:, n : 2 * n], *kept[:, 2 * n :].T)
+    shape = system.bending, system.geometric, system.slope_start, system.midpoint
+    return motion, Form(system.inertia, *shape, residual=0.0)

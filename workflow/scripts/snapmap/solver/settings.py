@@ -1,0 +1,51 @@
+"""How every cell of a study is followed."""
+
+from numbers import Real
+from typing import NamedTuple
+
+UNTIL = ("settled", "snap")
+THRESHOLD_TOLERANCE = 1e-4
+"""How closely thresholds in N are refined, relative, unless told."""
+
+
+class Settings(NamedTuple):
+    """What is asked of each cell, and how many threads work at it.
+
+    horizon: time followed after the pulse's end, us
+    until: "settled" follows a cell until its well is proven, "snap" ends it at its snap too
+    repeat: whether each cell is run again with another step, to see if its outcome is reproduced
+    energy_tolerance: a run is believed if its energy ledger closes within this share of the
+        pulse's gross work
+    """
+
+    horizon: float = 1500.0
+    until: str = "settled"
+    repeat: bool = True
+    energy_tolerance: float = 1e-3
+    threads: int = 1
+
+    def asked(self) -> dict:
+        """All but the threads, on which no result depends."""
+        return {key: value for key, value in self._asdict().items() if key != "threads"}
+
+
+def check_number(key: str, value: object) -> None:
+    """Raise ValueError, one line, for a value that is no real number."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise ValueError(f"{key}: {value!r} is not a number")
+
+
+def check_settings(settings: Settings) -> None:
+    """Raise ValueError, one line, for a value that cannot be."""
+    check_number("sweep.horizon", settings.horizon)
+    check_number("sweep.energy_tolerance", settings.energy_tolerance)
+    if settings.until not in UNTIL:
+        raise ValueError(f"sweep.until: {settings.until!r} is not one of {', '.join(UNTIL)}")
+    if not 0 <= settings.horizon < float("inf"):
+        raise ValueError(f"sweep.horizon: {settings.horizon} is not a finite time from 0")
+    if not 0 < settings.energy_tolerance < 1:
+        raise ValueError(f"sweep.energy_tolerance: {settings.energy_tolerance} is not in (0, 1)")
+    if isinstance(settings.threads, bool) or not isinstance(settings.threads, int):
+        raise ValueError(f"threads: {settings.threads!r} is not a whole number from 1")
+    if settings.threads < 1:
+        raise ValueError(f"threads: {settings.threads} is not a whole number from 1")

@@ -1,0 +1,442 @@
+"""The one time loop of every modal model: explicit central differences, one cell per SIMD lane.
+
+All state and coefficients of the cells in flight stand in one flat array X, row r of lane l at
+X[r * LANES + l]: only so does the compiler see that rows never alias, and vectorises over lanes.
+Each lane has coefficients of its own, so cells of different devices share a call, and no lane's
+result depends on its neighbours. Times in X are counted in steps, forces are times dt^2.
+
+A function compiled for k modes gets them as `shape`, a tuple of k numbers, whose length the
+compiler knows. All kernels stand in this one file: numba's cache does not see edits elsewhere.
+"""
+
+import numpy as np
+from numba import njit
+
+from ..beam.modal import contact_stiffness
+from ..numerics.arithmetic import fma, sine, widen_vectors
+from .record import Form, Motion
+
+LANES = 16
+BLOCK = 128
+"""Steps between two looks at the lanes; the pulse's recurrence is restarted at each look."""
+MARGIN = 2.0
+"""A proof must hold by this many times the largest residual of the energy ledger seen so far."""
+# ASSUME: a trace looks at every fourth instant; the ringing of w has some forty to a period.
+SAMPLE = 4
+"""Steps between two looks at w for a trace; a divisor of BLOCK."""
+
+# Rows of one number: the state at instant n; the device's; the cell's.
+(
+    Y,
+    Y_STEP,
+    PULSE,
+    PULSE_STEP,
+    PULSE_LEFT,
+    W_BEFORE,
+    W,
+    COUNT,
+    WORK,
+    GROSS_WORK,
+    SWEPT,
+    BEAM_SWEPT,
+) = range(12)
+AXIAL, RESIDUAL, CONTACT, MASS, SPRING, TARGET, BARRIER, SADDLE, BEAM_DAMPING = range(12, 21)
+AMPLITUDE, TURN, KEEP, PUSH, BEAM_KEEP, BEAM_PUSH = range(21, 27)
+# Vectors of k rows, from row VECTORS on: the state and scratch; the device's; S, k vectors.
+VECTORS = 27
+P, P_STEP, SCRATCH, STIFFNESS, SLOPE_START, LOAD, MIDPOINT, GEOMETRIC = range(8)
+
+# No fast maths: NaN stays visible, and a result does not depend on how a call was compiled. What
+# speed needs is written out: fused multiply-adds, and sums in an order that vectorises over lanes.
+JIT = {"error_model": "numpy", "nogil": True, "cache": True}
+
+
+@njit(inline="always")
+def at(vector, i, modes, l):
+    """Place in X of component i of a vector, lane l."""
+    return (VECTORS + vector * modes + i) * LANES + l
+
+
+@njit(inline="always")
+def stretch(X, l, modes, first, last):
+    """scratch_i = (S p + S q0)_i; returns their share of p.S p + 2 p.S q0."""
+    quadratic = 0.0
+    for i in range(first, last):
+        slope = X[at(SLOPE_START, i, modes, l)]
+        total = slope
+        for j in range(modes):
+            total = fma(X[at(GEOMETRIC + i, j, modes, l)], X[at(P, j, modes, l)], total)
+        X[at(SCRATCH, i, modes, l)] = total
+        quadratic = fma(X[at(P, i, modes, l)], total + slope, quadratic)
+    return quadratic
+
+
+@njit(inline="always")
+def move(X, l, modes, first, last, axial, contact, a):
+    """One step of p_i; returns their share of load.(p+ - p-) and of |p+ - p-|^2."""
+    swept, squared = 0.0, 0.0
+    for i in range(first, last):
+        p = X[at(P, i, modes, l)]
+        before = X[at(P_STEP, i, modes, l)]
+        force = fma(-X[at(STIFFNESS, i, modes, l)], p, axial * X[at(SCRATCH, i, modes, l)])
+        force = fma(-X[at(MIDPOINT, i, modes, l)], contact, force)
+        force = fma(-X[at(LOAD, i, modes, l)], a, force)
+        after = fma(X[BEAM_KEEP * LANES + l], before, X[BEAM_PUSH * LANES + l] * force)
+        X[at(P_STEP, i, modes, l)] = after
+        X[at(P, i, modes, l)] = p + after
+        swept = fma(X[at(LOAD, i, modes, l)], before + after, swept)
+        squared = fma(before + after, before + after, squared)
+    return swept, squared
+
+
+@njit(**JIT)
+def advance(X, shape, steps):
+    """Advance every lane by `steps` steps of the modal form of eqs. (2), (4) and (5).
+
+    N = -EA/2L (p.S p + 2 p.S q0),  w = e.p - c P,  P = <e.p - y>+ / (1/lambda + c)
+    p+ - 2 p + p- + alpha dt/2 (p+ - p-) = dt^2 (-kappa p + N (S p + S q0) - f a - e P)
+    M (y+ - 2 y + y-) + C dt/2 (y+ - y-) = dt^2 (-M a - K y + P)
+
+    w is latched, with the value before, at the first instant at or below the target.
+    """
+    widen_vectors()
+    modes = len(shape)
+    # LLVM unrolls a short loop and gives up on a long one, and only what is unrolled vectorises
+    # over lanes: so the loops over modes are cut in four.
+    cut_1, cut_2, cut_3 = modes // 4, modes // 2, 3 * modes // 4
+    for _ in range(steps):
+        for l in range(LANES):
+            pulse = X[PULSE * LANES + l]
+            left = X[PULSE_LEFT * LANES + l]
+            a = X[AMPLITUDE * LANES + l] * pulse if left > 0.0 else 0.0
+            pulse_step = fma(X[TURN * LANES + l], 1.0 - pulse, X[PULSE_STEP * LANES + l])
+            X[PULSE_STEP * LANES + l] = pulse_step
+            X[PULSE * LANES + l] = pulse + pulse_step
+            X[PULSE_LEFT * LANES + l] = left - 1.0
+
+            quadratic = stretch(X, l, modes, 0, cut_1) + stretch(X, l, modes, cut_1, cut_2)
+            quadratic += stretch(X, l, modes, cut_2, cut_3) + stretch(X, l, modes, cut_3, modes)
+            axial = -X[AXIAL * LANES + l] * quadratic
+            w = 0.0
+            for i in range(modes):
+                w = fma(X[at(MIDPOINT, i, modes, l)], X[at(P, i, modes, l)], w)
+            y = X[Y * LANES + l]
+            contact = X[CONTACT * LANES + l] * (w - y)
+            contact = contact if contact > 0.0 else 0.0
+
+            w_last = X[W * LANES + l]
+            above = w_last > X[TARGET * LANES + l]
+            w_now = fma(-X[RESIDUAL * LANES + l], contact, w)
+            X[W_BEFORE * LANES + l] = w_last if above else X[W_BEFORE * LANES + l]
+            X[W * LANES + l] = w_now if above else w_last
+            X[COUNT * LANES + l] += 1.0 if above else 0.0
+
+            swept_1, squared_1 = move(X, l, modes, 0, cut_1, axial, contact, a)
+            swept_2, squared_2 = move(X, l, modes, cut_1, cut_2, axial, contact, a)
+            swept_3, squared_3 = move(X, l, modes, cut_2, cut_3, axial, contact, a)
+            swept_4, squared_4 = move(X, l, modes, cut_3, modes, axial, contact, a)
+            swept = swept_1 + swept_2 + swept_3 + swept_4
+            X[BEAM_SWEPT * LANES + l] += squared_1 + squared_2 + squared_3 + squared_4
+            mass = X[MASS * LANES + l]
+            before = X[Y_STEP * LANES + l]
+            pull = fma(-mass, a, fma(-X[SPRING * LANES + l], y, contact))
+            after = fma(X[KEEP * LANES + l], before, X[PUSH * LANES + l] * pull)
+            X[Y_STEP * LANES + l] = after
+            X[Y * LANES + l] = y + after
+
+            work = -a * fma(mass, before + after, swept)
+            X[WORK * LANES + l] += work
+            X[GROSS_WORK * LANES + l] += abs(work)
+            X[SWEPT * LANES + l] = fma(before + after, before + after, X[SWEPT * LANES + l])
+
+
+@njit(**JIT)
+def state_size(modes):
+    """How much of X, from its start, holds all that a step changes."""
+    return (VECTORS + SCRATCH * modes) * LANES
+
+
+@njit(**JIT)
+def fill(X, shape, l, coefficients, damping, amplitude, f0, dt):
+    """Put a cell at rest into lane l."""
+    X[l::LANES] = 0.0
+    scalars = BEAM_DAMPING + 1 - AXIAL
+    vectors = VECTORS + STIFFNESS * len(shape)
+    for i in range(coefficients.size):
+        row = AXIAL + i if i < scalars else vectors + i - scalars
+        X[row * LANES + l] = coefficients[i]
+    drag = damping * dt / 2
+    mass = X[MASS * LANES + l]
+    X[AMPLITUDE * LANES + l] = amplitude / 2 * dt**2
+    X[TURN * LANES + l] = 4 * sine(f0 * dt / 2) ** 2
+    X[PULSE_LEFT * LANES + l] = np.ceil(1 / (f0 * dt))
+    X[KEEP * LANES + l] = (mass - drag) / (mass + drag)
+    X[PUSH * LANES + l] = 1 / (mass + drag)
+    beam_drag = X[BEAM_DAMPING * LANES + l] / 2
+    X[BEAM_KEEP * LANES + l] = (1 - beam_drag) / (1 + beam_drag)
+    X[BEAM_PUSH * LANES + l] = 1 / (1 + beam_drag)
+
+
+@njit(**JIT)
+def restart_pulse(X, l, turn_step, steps):
+    """Set 1 - cos(2 pi f0 t) and its last increment afresh, at t = steps dt; turn_step: f0 dt."""
+    turn = turn_step * steps
+    X[PULSE * LANES + l] = 2 * sine(turn / 2) ** 2
+    X[PULSE_STEP * LANES + l] = 2 * sine(turn_step / 2) * sine(turn - turn_step / 2)
+
+
+@njit(**JIT)
+def energies(X_before, X, shape, l):
+    """Energy of the beam, of the mass on its spring, and of the contact; and w; times dt^2.
+
+    At the instant of X_before, one step before X, so that velocities are centred.
+    """
+    modes = len(shape)
+    quadratic, beam, w = 0.0, 0.0, 0.0
+    for i in range(modes):
+        p = X_before[at(P, i, modes, l)]
+        slope = 2 * X[at(SLOPE_START, i, modes, l)]
+        for j in range(modes):
+            slope += X[at(GEOMETRIC + i, j, modes, l)] * X_before[at(P, j, modes, l)]
+        quadratic += p * slope
+        w += X[at(MIDPOINT, i, modes, l)] * p
+        velocity = (X_before[at(P_STEP, i, modes, l)] + X[at(P_STEP, i, modes, l)]) / 2
+        beam += velocity**2 / 2 + X[at(STIFFNESS, i, modes, l)] * p**2 / 2
+    beam += X[AXIAL * LANES + l] * quadratic**2 / 4
+    y = X_before[Y * LANES + l]
+    velocity = (X_before[Y_STEP * LANES + l] + X[Y_STEP * LANES + l]) / 2
+    mass = X[MASS * LANES + l] * velocity**2 / 2 + X[SPRING * LANES + l] * y**2 / 2
+    contact = X[CONTACT * LANES + l] * max(0.0, w - y) ** 2 / 2
+    return beam, mass, contact, w
+
+
+@njit(**JIT)
+def ledger_residual(X_before, X, l, energy, drag):
+    """energy + losses - work of the pulse, times dt^2, by the trapezoidal rule; drag: C dt."""
+    work = (X_before[WORK * LANES + l] + X[WORK * LANES + l]) / 4
+    swept = drag * (X_before[SWEPT * LANES + l] + X[SWEPT * LANES + l]) / 8
+    beam_swept = X_before[BEAM_SWEPT * LANES + l] + X[BEAM_SWEPT * LANES + l]
+    return energy + swept + X[BEAM_DAMPING * LANES + l] * beam_swept / 8 - work
+
+
+@njit(**JIT)
+def proven_well(X, l, beam, mass, contact, w, margin):
+    """The well (1 or 2) that the beam can never leave without a shock, or 0 if that is open.
+
+    Energy only falls after the pulse. 1 or 2: all of it is below the barrier. 2: the beam's alone
+    is, and the mass on its spring cannot swing as low as the beam can rise, the saddle.
+    """
+    barrier, saddle = X[BARRIER * LANES + l], X[SADDLE * LANES + l]
+    if beam + mass + contact + margin < barrier:
+        return 1 if w > saddle else 2
+    lowest_mass = -np.sqrt(2 * (mass + margin) / X[SPRING * LANES + l])
+    if beam + margin < barrier and w < saddle < lowest_mass:
+        return 2
+    return 0
+
+
+@njit(**JIT)
+def snap_time(X, l, dt):
+    """Time at which w passed the target, linear between the two instants around it."""
+    before, after = X[W_BEFORE * LANES + l], X[W * LANES + l]
+    fraction = (before - X[TARGET * LANES + l]) / (before - after)
+    return (X[COUNT * LANES + l] - 2 + fraction) * dt
+
+
+@njit(**JIT)
+def follow_all(X, shape, devices, dt, cells, stop_at_snap, facts):
+    """Follow every cell until its well is proven or t_end is past, refilling each free lane.
+
+    Modes near the step limit make the energy wobble, and one look may miss it: a proof must hold
+    at two looks after the pulse, by a margin over the largest residual of all of them.
+
+    X: work array; devices: (n_devices, coefficients), dt: (n_devices,), us
+    cells: device_of, amplitude (um/us^2), f0 (1/us), damping (C, uN us/um), t_end (us); (cells,)
+    stop_at_snap: whether a cell also ends at its snap
+    facts, modified in place: t_snap, t_settled (us, NaN if not seen), well (1, 2, or 0 for open),
+        energy_error (residual of the energy ledger over the gross work of the pulse, not finite
+        after a blow-up); (cells,)
+    """
+    widen_vectors()
+    device_of, amplitude, f0, damping, t_end = cells
+    t_snap, t_settled, well, energy_error = facts
+    cell_in = np.full(LANES, -1)
+    steps = np.zeros(LANES, np.int64)
+    worst, found_before = np.zeros(LANES), np.zeros(LANES, np.int64)
+    next_cell, running = 0, 0
+    X[:] = 0.0
+    X_before = X[: state_size(len(shape))].copy()
+    while next_cell < t_snap.size or running > 0:
+        for l in range(LANES):
+            if cell_in[l] < 0 and next_cell < t_snap.size:
+                device = device_of[next_cell]
+                load = damping[next_cell], amplitude[next_cell], f0[next_cell]
+                fill(X, shape, l, devices[device], *load, dt[device])
+                cell_in[l], steps[l] = next_cell, 0
+                worst[l], found_before[l] = 0.0, 0
+                next_cell += 1
+                running += 1
+            if X[PULSE_LEFT * LANES + l] > 0:
+                cell = cell_in[l]
+                restart_pulse(X, l, f0[cell] * dt[device_of[cell]], steps[l])
+        for n_steps in (BLOCK - 1, 1):
+            X_before[:] = X[: X_before.size]
+            advance(X, shape, n_steps)
+        for l in range(LANES):
+            cell = cell_in[l]
+            if cell < 0:
+                continue
+            steps[l] += BLOCK
+            step = dt[device_of[cell]]
+            snapped = X[W * LANES + l] <= X[TARGET * LANES + l]
+            in_pulse = X_before[PULSE_LEFT * LANES + l] > 0
+            ended = steps[l] * step > t_end[cell] or not np.isfinite(X[Y * LANES + l])
+            ended |= snapped and stop_at_snap
+            if in_pulse and not ended:
+                continue
+
+            beam, mass, contact, w = energies(X_before, X, shape, l)
+            residual = ledger_residual(X_before, X, l, beam + mass + contact, damping[cell] * step)
+            found = 0
+            if not in_pulse:
+                worst[l] = max(worst[l], abs(residual))
+                found = proven_well(X, l, beam, mass, contact, w, MARGIN * worst[l])
+            proven = found == found_before[l] and (found == 1 or (found == 2 and snapped))
+            found_before[l] = found
+            if not ended and not proven:
+                continue
+            gross_work = X[GROSS_WORK * LANES + l] / 2
+            energy_error[cell] = abs(residual) / (gross_work if gross_work > 0 else 1.0)
+            t_snap[cell] = snap_time(X, l, step) if snapped else np.nan
+            t_settled[cell] = (steps[l] - 1) * step if proven else np.nan
+            well[cell] = found if proven else 0
+            cell_in[l] = -1
+            running -= 1
+            X[l::LANES] = 0.0
+
+
+@njit(**JIT)
+def trace_all(X, shape, devices, dt, cells, w_range, instants):
+    """Follow up to LANES cells as `follow_all` does, bit for bit, and keep their motion in bins.
+
+    X: zeros; devices: each cell's row of coefficients, with target -inf, so that row W is never
+        latched; dt: each cell's, us
+    cells: amplitude, f0 and damping as in `follow_all`, and width, steps of one bin, a multiple of
+        SAMPLE; (cells,)
+    modified in place: w_range, least and greatest w(L/2) - rise in each bin, (2, bins, cells);
+        instants, at each bin's start y, all energy and the beam's (pJ), (3, bins, cells)
+    """
+    widen_vectors()
+    amplitude, f0, damping, width = cells
+    bins = w_range.shape[1]
+    for l in range(width.size):
+        fill(X, shape, l, devices[l], damping[l], amplitude[l], f0[l], dt[l])
+    X_before = X[: state_size(len(shape))].copy()
+    for step in range(0, bins * width.max(), SAMPLE):
+        if step % BLOCK == 0:
+            for l in range(width.size):
+                restart_pulse(X, l, f0[l] * dt[l], step)
+        X_before[:] = X[: X_before.size]
+        advance(X, shape, 1)
+        for l in range(width.size):
+            bin = step // width[l]
+            if bin >= bins:
+                continue
+            w = X[W * LANES + l]
+            w_range[0, bin, l] = min(w_range[0, bin, l], w)
+            w_range[1, bin, l] = max(w_range[1, bin, l], w)
+            if step == bin * width[l]:
+                beam, mass, contact, _ = energies(X_before, X, shape, l)
+                instants[0, bin, l] = X_before[Y * LANES + l]
+                instants[1, bin, l] = (beam + mass + contact) / dt[l] ** 2
+                instants[2, bin, l] = beam / dt[l] ** 2
+        advance(X, shape, SAMPLE - 1)
+
+
+def march(model, cells, until):
+    """Follow cells, each with the device that it names; returns the facts of `follow_all`.
+
+    model: a `Model`; cells: `Cells`, each column (cells,)
+    """
+    n_cells, modes = cells.f0.size, model.modes
+    facts = *(np.empty(n_cells) for _ in range(2)), np.empty(n_cells, np.int8), np.empty(n_cells)
+    rows, dt = coefficients(model, snap_target(model.device)), np.atleast_1d(model.dt)
+    follow_all(_work_array(modes), (0,) * modes, rows, dt, tuple(cells), until == "snap", facts)
+    return facts
+
+
+def trace(model, device, cells, bins):
+    """Follow up to LANES cells, each through `bins` bins of its own width.
+
+    device: index of each cell's; cells: as in `trace_all`; returns w_range and instants from there
+    """
+    n_cells = cells[0].size
+    w_range = np.empty((2, bins, n_cells))
+    w_range[0], w_range[1] = np.inf, -np.inf
+    instants = np.empty((3, bins, n_cells))
+    X, shape, rows = _work_array(model.modes), (0,) * model.modes, coefficients(model, -np.inf)
+    dt = np.atleast_1d(model.dt)[device]
+    trace_all(X, shape, rows[device], dt, cells, w_range, instants)
+    return w_range, instants
+
+
+def record(model, amplitude, f0, damping, steps, stride):
+    """Follow one cell as `follow_all` does, bit for bit, and keep every `stride`th instant.
+
+    model: of one device; stride: a divisor of BLOCK; returns Motion and Form
+    """
+    modal, modes, dt = model.modal, model.modes, model.dt
+    X, shape, size = _work_array(modes), (0,) * modes, state_size(modes)
+    fill(X, shape, 0, coefficients(model, -np.inf)[0], damping, amplitude, f0, dt)
+    before, after = [], []
+    for step in range(0, steps, stride):
+        if step % BLOCK == 0:
+            restart_pulse(X, 0, f0 * dt, step)
+        before.append(X[:size:LANES].copy())
+        advance(X, shape, 1)
+        after.append(X[:size:LANES].copy())
+        advance(X, shape, stride - 1)
+    before, after = np.array(before), np.array(after)
+    middle = (before + after) / 2
+    p, p_step = (slice(VECTORS + v * modes, VECTORS + (v + 1) * modes) for v in (P, P_STEP))
+    lost = damping * middle[:, SWEPT] + model.device.beam.damping * middle[:, BEAM_SWEPT]
+    motion = Motion(
+        time=np.arange(len(before)) * stride * dt,
+        u=before[:, p],
+        u_velocity=middle[:, p_step] / dt,
+        y=before[:, Y],
+        y_velocity=middle[:, Y_STEP] / dt,
+        work=middle[:, WORK] / (2 * dt**2),
+        lost=lost / (4 * dt),
+    )
+    inertia, bending = np.eye(modes), np.diag(modal.stiffness)
+    return motion, Form(inertia, bending, *modal[1:3], modal.midpoint, modal.residual)
+
+
+def coefficients(model, target):
+    """A row for each device, in the order of the rows of X, with forces times dt^2.
+
+    model: a `Model`; target: w(L/2) - rise at which a run counts as snapped, um; -inf for never
+    """
+    device, modal, barrier, square = model.device, model.modal, model.barrier, model.dt * model.dt
+    numbers = [
+        *(modal.axial * square, modal.residual / square),
+        *(contact_stiffness(device, modal.residual) * square, device.mass, device.spring * square),
+        *(target, barrier.energy * square, barrier.midpoint, device.beam.damping * model.dt),
+    ]
+    vectors = (np.reshape(square, (-1, 1)) * modal.stiffness, *modal[2:5])
+    n, k = np.size(square), model.modes
+    columns = [np.broadcast_to(number, n)[:, np.newaxis] for number in numbers]
+    columns += [np.reshape(vector, (n, k)) for vector in vectors]
+    return np.concatenate([*columns, np.reshape(modal.geometric, (n, k * k))], axis=1)
+
+
+def snap_target(device):
+    """w2 - rise, um."""
+    return device.beam.second_equilibrium - device.beam.rise
+
+
+def _work_array(modes):
+    """Zeros for X, from the start of a cache line, where wide vector loads are fastest."""
+    padded = np.zeros((VECTORS + (GEOMETRIC + modes) * modes) * LANES + 8)
+    return padded[(-padded.ctypes.data // 8) % 8 :][: padded.size - 8]

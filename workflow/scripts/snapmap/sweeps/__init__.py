@@ -1,0 +1,1 @@
+"""A study's cells: cut into slabs, followed, joined into one cube."""

@@ -1,0 +1,144 @@
+"""The cube as an xarray dataset: what it looks like, built here."""
+
+from collections.abc import Mapping, Sequence
+
+import dask.array
+import numpy as np
+import xarray as xr
+
+from ..axes import coordinates, make_grid, split_axes
+from ..device import Device
+from ..io.provenance import device_sections, provenance
+from ..solver.adaptive import choose_model
+from ..solver.cells import check_cells
+from ..solver.outcome import ABSENT, OUTCOMES, count, shares
+from ..solver.settings import Settings, check_settings
+from .grid import follow_grid
+
+VARIABLES = {
+    "outcome": {
+        "long_name": "outcome of the cell",
+        "flag_values": np.arange(ABSENT, dtype=np.int8),
+        "flag_meanings": " ".join(OUTCOMES[:ABSENT]),
+    },
+    "t_snap": {
+        "long_name": "first arrival of the midpoint at the second equilibrium",
+        "units": "us",
+        "comment": "counted from the start of the pulse; NaN: not within the horizon",
+    },
+    "t_settled": {
+        "long_name": "time at which the beam was proven to stay in its well for ever",
+        "units": "us",
+        "comment": "counted from the start of the pulse; NaN: not proven within the horizon",
+    },
+    "energy_error": {
+        "long_name": "residual of the energy ledger over the gross work of the pulse",
+        "units": "1",
+    },
+    "halvings": {
+        "long_name": "how often the time step was halved until the energy ledger closed",
+        "units": "1",
+    },
+    "level": {
+        "long_name": "level of the model that decided the cell",
+        "flag_values": np.arange(2, dtype=np.int8),
+        "flag_meanings": "base top",
+    },
+    "agreed": {
+        "long_name": "whether no two levels that decided the cell disagree on whether it snaps",
+        "flag_values": np.arange(2, dtype=np.int8),
+        "flag_meanings": "disputed agreed",
+    },
+    "reproduced": {
+        "long_name": "whether a run with another time step had the same outcome",
+        "flag_values": np.arange(2, dtype=np.int8),
+        "flag_meanings": "not_reproduced reproduced",
+    },
+}
+
+
+def sweep(
+    device: Device | Mapping[str, Device],
+    N: Sequence[float],
+    f0: Sequence[float],
+    C: Sequence[float],
+    model: str = "handout",
+    horizon: float = 1500.0,
+    until: str = "settled",
+    repeat: bool | None = None,
+    energy_tolerance: float = 1e-3,
+    threads: int = 1,
+    skip: bool = False,
+    **others,
+) -> xr.Dataset:
+    """Simulate every cell of a grid and return it as in cube.nc.
+
+    device: one, or several by name, which then are an axis
+    N: multiples of g; f0: Hz, above 0; C: uN us/um, from 0
+    horizon (us), until, repeat, energy_tolerance, threads: as in `Settings`; only settled cells are
+        repeated unless told
+    skip: whether a device without a second stable shape is marked `absent`, not refused
+    others: options of the model, as in the config; and further axes in front of C, f0 and N: values
+        of the device by their names, in internal units
+    Raises ValueError, one line, for a value that cannot be.
+
+    >>> device = snapmap.load_device("config/config.yaml")
+    >>> asked = {"model": "cosines", "until": "snap", "thickness": [1.9, 2.0]}
+    >>> cube = snapmap.sweep(device, [800, 1100], [1500], [25], **asked)
+    >>> cube.t_snap.notnull().squeeze().values.tolist()
+    [[False, True], [False, True]]
+    """
+    check_cells(N=N, f0=f0, C=C)
+    varied, options = split_axes(others)
+    repeat = until == "settled" if repeat is None else repeat
+    settings = Settings(horizon, until, repeat, energy_tolerance, threads)
+    check_settings(settings)
+    grid = make_grid(device, {**varied, "C": C, "f0": f0, "N": N}, skip)
+    model = {"name": model, **options}
+    variables = follow_grid(choose_model(grid.device, model, threads), grid, settings)
+    document = device_sections(device) | {
+        "model": model,
+        "sweep": settings.asked() | {"horizon": f"{horizon:.15g} us"},
+    }
+    return with_summary(dress(grid.axes, variables, document))
+
+
+def dress(axes: Mapping[str, np.ndarray], variables: Mapping, document: Mapping) -> xr.Dataset:
+    """Give axes and variables, in their shape, CF attributes, and the whole its provenance."""
+    return xr.Dataset(
+        {key: (tuple(axes), variables[key], VARIABLES[key]) for key in variables},
+        coordinates(axes),
+    ).assign_attrs(
+        Conventions="CF-1.11, ACDD-1.3",
+        title="Snap-through of a bistable beam under a versed-sine shock",
+        summary="Outcome of each cell of a grid over damping, frequency and amplitude of the shock",
+        **provenance(document),
+    )
+
+
+def with_summary(cube: xr.Dataset) -> xr.Dataset:
+    """Add the number of cells of each outcome and the shares of `outcome.shares` as attributes."""
+    found = [count(block) for block in _blocks(cube.outcome)]
+    counts = {name: sum(block.get(name, 0) for block in found) for name in OUTCOMES}
+    counts = {name: number for name, number in counts.items() if number}
+    reproduced = None
+    if "reproduced" in cube:
+        reproduced = sum(int((block == 1).sum()) for block in _blocks(cube.reproduced))
+        reproduced -= counts.get("absent", 0)
+    if "absent" in counts:
+        flags = {"flag_values": np.arange(len(OUTCOMES), dtype=np.int8)}
+        cube.outcome.attrs.update(flags, flag_meanings=" ".join(OUTCOMES))
+    named = {f"cells_{name}": number for name, number in counts.items()}
+    return cube.assign_attrs(named | shares(counts, reproduced))
+
+
+def _blocks(variable):
+    """The values of a variable, a block at a time, as a lazy cube may be larger than memory."""
+    for block in dask.array.asarray(variable.data).blocks.ravel():
+        yield block.compute(scheduler="synchronous")
+
+
+def summary(cube: xr.Dataset) -> str:
+    """One line of what `with_summary` added."""
+    found = {key: cube.attrs[key] for key in cube.attrs if key.startswith(("cells_", "share_"))}
+    return ", ".join(f"{key.replace('_', ' ')} {value:g}" for key, value in found.items())

@@ -1,0 +1,60 @@
+"""Rows of cells along N: followed, and labelled."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..axes import Grid
+from ..solver.cells import Rows, rows_of, to_cells
+from ..solver.model import Follows
+from ..solver.outcome import ABSENT, label
+from ..solver.settings import Settings
+
+REPEATED_STEP = 0.75
+"""The second run of a cell takes this fraction of the first one's step."""
+UNKNOWN = dict.fromkeys(("t_snap", "t_settled", "energy_error"), np.nan)
+ABSENCE = {"outcome": ABSENT, "halvings": 0, "level": 0, "agreed": 1, "reproduced": 1, **UNKNOWN}
+"""What stands where there is no device."""
+
+
+def follow_grid(model: Follows, grid: Grid, settings: Settings) -> dict[str, np.ndarray]:
+    """Follow every cell of a grid; returns each variable of a cube in the grid's shape.
+
+    model: of the grid's batch of devices
+    """
+    variables = follow_rows(model, rows_of(grid), grid.axes["N"], settings)
+    return {key: values.reshape(grid.shape) for key, values in variables.items()}
+
+
+def follow_rows(
+    model: Follows, rows: Rows, N: Sequence[float], settings: Settings
+) -> dict[str, np.ndarray]:
+    """Follow rows of cells, each through all N; returns each variable of a cube, (rows, N)."""
+    there, N = rows.device >= 0, np.asarray(N)
+    order = np.argsort(N, kind="stable")
+    device, f0, C = (column[there, np.newaxis] for column in rows)
+    cells = to_cells(model.device, device, N[order], f0, C, settings.horizon)
+    found = _follow(model, cells, settings)
+    if settings.repeat:
+        again = _follow(model.with_step(REPEATED_STEP), cells, settings)
+        same = again["outcome"] == found["outcome"]
+        found["reproduced"] = same.astype(np.int8)
+    variables = {}
+    for key, values in found.items():
+        variables[key] = np.full((there.size, N.size), ABSENCE[key], values.dtype)
+        variables[key][np.ix_(there, order)] = values
+    return variables
+
+
+def _follow(model, cells, settings):
+    seen = model.follow(cells, settings)
+    variables = {
+        "outcome": label(*seen[:4], settings.energy_tolerance),
+        "t_snap": seen.t_snap,
+        "t_settled": seen.t_settled,
+        "energy_error": seen.energy_error,
+        "halvings": seen.halvings,
+        "level": seen.level,
+        "agreed": seen.agreed,
+    }
+    return {key: values for key, values in variables.items() if values is not None}

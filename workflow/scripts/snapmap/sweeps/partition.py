@@ -1,0 +1,41 @@
+"""A slab of the grid: the work of one job, named by what it holds."""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import asdict
+
+import numpy as np
+
+from ..axes import DEVICE, Grid, make_grid
+from ..device import Device
+
+SINGLE = (DEVICE, "C")
+"""Axes of which a slab has one value: what else it holds may be sought in slabs of the same."""
+Slab = Mapping[str, tuple]
+"""Values on each axis, in order and ascending: internal units, f0 in Hz, names for `device`."""
+
+
+def slab_grid(device: Device | Mapping[str, Device], slab: Slab, skip: bool) -> Grid:
+    """Set out the points of a slab; arguments as for `make_grid`."""
+    if isinstance(device, Mapping):
+        device = {name: device[name] for name in slab[DEVICE]}
+    return make_grid(device, {key: slab[key] for key in slab if key != DEVICE}, skip)
+
+
+def slab_name(
+    device: Device | Mapping[str, Device], model: Mapping, slab: Slab, settings: Mapping
+) -> str:
+    """Name a slab by two hashes: what slabs that share cells have in common, and its other axes.
+
+    settings: those on which a result depends
+    """
+    apart = {key: slab[key] for key in SINGLE if key in slab}
+    nominal = [device[name] for name in slab[DEVICE]] if DEVICE in slab else [device]
+    common = [[asdict(one) for one in nominal], model, settings, list(slab), apart]
+    return f"{_hash(common)}_{_hash([slab[key] for key in slab if key not in SINGLE])}"
+
+
+def _hash(what):
+    plain = json.dumps(what, sort_keys=True, default=np.ndarray.tolist)
+    return hashlib.sha256(plain.encode()).hexdigest()[:12]

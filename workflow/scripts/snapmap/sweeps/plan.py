@@ -1,0 +1,146 @@
+"""The plan of a study: its grid cut into slabs, and what the job of each may cost."""
+
+from collections.abc import Mapping, Sequence
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+
+from ..axes import DEVICE, Grid
+from ..solver.models import RUNGS, build_model, check_options
+from ..solver.settings import Settings
+from .partition import SINGLE, Slab
+
+JOB_SECONDS = 30
+"""At most the expected time of a slab, most take over a third: long against a job's start, and
+short enough to lose."""
+MOST_SECONDS, MOST_CELLS, MOST_SINGLE = 3.6e7, 10**10, 1000
+"""Grids beyond are taken for a slip: 10 000 core hours, 10^10 cells, 1000 slabs at least."""
+START_MB, CELL_MB = 1000, 5e-4
+"""Asked for a job's start and for each cell; seen: 700 MB, two Snakemakes among them, and 200 B."""
+START_MINUTES, CAUTION = 2, 20
+"""Asked for a job's start, and times the expected time; seen: 15 s, and 3 to 9 times."""
+
+
+class Request(NamedTuple):
+    """What a job asks of a cluster; memory in MB, run time in minutes."""
+
+    mem_mb: int
+    runtime: int
+
+
+class Plan(NamedTuple):
+    """The slabs of a study, and what the job of each asks for."""
+
+    slabs: tuple[Slab, ...]
+    requests: tuple[Request, ...]
+
+
+def make_plan(grid: Grid, model: Mapping, settings: Settings, alone: Sequence[float] = ()) -> Plan:
+    """Cut a grid into slabs, along boundaries that no other value moves.
+
+    model: name and options; alone: f0 (Hz) of cells that are followed beside the grid
+    Raises ValueError, one line, for a model that cannot be built and a grid beyond all reason.
+    """
+    axes = grid.axes
+    _check_size(grid)
+    dt, per_us = _steps_and_costs(_cheapest(grid.device, model), model["name"])
+    cost = _seconds_of_rows(grid, per_us, settings)
+    total = cost.sum() * axes["N"].size * axes["C"].size
+    total += sum(per_us.max() * (1e6 / f0 + settings.horizon) for f0 in alone)
+    _check_cost(axes["f0"][0], settings, dt.min(), total)
+    # `auto` looks at neighbours along N: they stay together.
+    whole = ("N",) if model["name"] == "auto" else ()
+    single = [key for key in SINGLE if key in axes]
+    everything = {key: np.arange(axes[key].size) for key in axes if key not in single}
+    slabs, requests = [], []
+    for place in product(*(range(axes[key].size) for key in single)):
+        at = dict(zip(single, place, strict=True))
+        rows = cost[at[DEVICE]] if DEVICE in at else cost
+        for box in _boxes(everything, axes, rows, whole):
+            chosen = box | {key: [at[key]] for key in single}
+            slabs.append({key: tuple(axes[key][chosen[key]].tolist()) for key in axes})
+            requests.append(_request(box, rows))
+    return Plan(tuple(slabs), tuple(requests))
+
+
+def _boxes(box, axes, cost, whole):
+    """Halve a box, octaves first, until none takes more than JOB_SECONDS.
+
+    The halves are those of a fixed binary tree over all floating-point numbers, so that a grid
+    that grows keeps every box without a new value.
+    box: places on each axis; cost: of a row along N, over all other axes that are cut
+    whole: axes that are not halved
+    """
+    levels = {key: _level(axes[key][places]) for key, places in box.items() if key not in whole}
+    axis = max(levels, key=levels.get)
+    if _expected(box, cost) <= JOB_SECONDS or not levels[axis]:
+        return [box]
+    upper = _is_upper(axes[axis][box[axis]], levels[axis])
+    halves = [box | {axis: box[axis][side]} for side in (~upper, upper)]
+    return [part for half in halves for part in _boxes(half, axes, cost, whole)]
+
+
+def _expected(box, cost):
+    rows = np.ix_(*(box[key] for key in box if key != "N"))
+    return float(cost[rows].sum()) * box["N"].size
+
+
+def _level(ascending):
+    """The highest bit in which the numbers differ, counted from 1; 0 for a single number."""
+    bits = ascending.view(np.uint64)
+    return int(bits[0] ^ bits[-1]).bit_length()
+
+
+def _is_upper(ascending, level):
+    return (ascending.view(np.uint64) >> np.uint64(level - 1)) & np.uint64(1) == 1
+
+
+def _check_size(grid: Grid):
+    cells = int(np.prod([float(size) for size in grid.shape]))
+    if cells > MOST_CELLS:
+        need = f"more than {MOST_CELLS:.0e}; write fewer points"
+        raise ValueError(f"sweep: {cells:.3g} cells, {need}")
+    if grid.axes["C"].size > MOST_SINGLE:
+        need = f"at most {MOST_SINGLE}, as each gets a job"
+        raise ValueError(f"sweep.C: {grid.axes['C'].size} values; write {need}")
+
+
+def _check_cost(lowest_f0, settings, dt, seconds):
+    if seconds > MOST_SECONDS:
+        raise ValueError(
+            f"sweep: up to {seconds / 3600:.2g} core hours from f0 = {lowest_f0:g} Hz with horizon "
+            f"{settings.horizon:g} us and steps of {dt:.2g} us, more than "
+            f"{MOST_SECONDS / 3600:g}; write fewer points, a higher f0 or a shorter horizon"
+        )
+
+
+def _cheapest(device, model):
+    """The model that follows every cell; its options are checked."""
+    if model["name"] != "auto":
+        return build_model(device, **model)
+    options = {key: value for key, value in model.items() if key != "name"}
+    check_options(device, "auto", options)
+    return build_model(device, "cosines", modes=RUNGS[0])
+
+
+def _steps_and_costs(built, name):
+    """Time step of each device, us, and the expected time to follow a cell of it for 1 us, s."""
+    dt, seconds = np.empty((2, len(built.device)))
+    for mine, part, row in built.split(np.arange(dt.size)):
+        nanoseconds = 80 if name == "reference" else 1 + part.modes**2 / 20
+        dt[mine], seconds[mine] = part.dt[row], nanoseconds * 1e-9 / part.dt[row]
+    return dt, seconds
+
+
+def _seconds_of_rows(grid, per_us, settings):
+    """Expected time of one cell, over the device's axes and f0."""
+    of_device = grid.device_of
+    known = np.where(of_device < 0, 0.0, per_us[np.maximum(of_device, 0)])
+    return np.multiply.outer(known, 1e6 / grid.axes["f0"] + settings.horizon)
+
+
+def _request(box, cost):
+    cells = float(np.prod([places.size for places in box.values()]))
+    minutes = START_MINUTES + CAUTION * _expected(box, cost) / 60
+    return Request(int(START_MB + CELL_MB * cells), int(np.ceil(minutes)))

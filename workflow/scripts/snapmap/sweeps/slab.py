@@ -1,0 +1,65 @@
+"""A slab as a file: its cells followed, or taken from earlier slabs."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+
+from ..axes import DEVICE
+from ..device import Device
+from ..io.atomic import replacing
+from ..solver.adaptive import choose_model
+from ..solver.outcome import count
+from ..solver.settings import Settings
+from .grid import follow_rows, rows_of
+from .partition import Slab, slab_grid, slab_name
+from .reuse import recall
+
+
+def write_slab(
+    device: Device | Mapping[str, Device],
+    model: Mapping,
+    slab: Slab,
+    settings: Settings,
+    path: str | Path,
+    code: str = "",
+    skip: bool = False,
+) -> dict[str, int]:
+    """Follow the cells of one slab and write it to `path`; returns how many had which outcome.
+
+    Cells that other slabs in the same folder hold are taken from there.
+    device: the nominal one, or several by name
+    model: name and options
+    code: hash of the code on which the numbers depend; slabs made by another are not used
+    skip: whether a device without a second stable shape is marked, not refused
+    """
+    variables, known = recall(path, slab, code, same_N=model["name"] == "auto")
+    _follow_unknown(slab_grid(device, slab, skip), model, settings, variables, known)
+    with replacing(path) as temporary, netCDF4.Dataset(temporary, "w") as file:
+        file.slab, file.code = slab_name(device, model, slab, settings.asked()), code
+        for axis, values in slab.items():
+            file.createDimension(axis, len(values))
+            kind = {"datatype": str} if axis == DEVICE else {"datatype": "f8", "fletcher32": True}
+            file.createVariable(axis, dimensions=(axis,), **kind)[:] = np.array(values)
+        for key, values in variables.items():
+            kind = {"compression": "zlib", "fletcher32": True}
+            file.createVariable(key, values.dtype, tuple(slab), **kind)[:] = values
+    return count(variables["outcome"])
+
+
+def _follow_unknown(grid, model, settings, variables, known):
+    """Follow what is not known, rows with the same gaps at once, and set it in the variables."""
+    if known.all():
+        return
+    built, rows = choose_model(grid.device, model, settings.threads), rows_of(grid)
+    patterns, pattern_of = np.unique(
+        ~known.reshape(-1, known.shape[-1]), axis=0, return_inverse=True
+    )
+    for number, pattern in enumerate(patterns):
+        some, columns = np.flatnonzero(pattern_of.ravel() == number), np.flatnonzero(pattern)
+        if columns.size:
+            found = follow_rows(built, rows.some(some), grid.axes["N"][columns], settings)
+            for key, values in found.items():
+                whole = variables.setdefault(key, np.empty(known.shape, values.dtype))
+                whole.reshape(-1, known.shape[-1])[np.ix_(some, columns)] = values

@@ -1,0 +1,1 @@
+"""Where snapping begins, with its error and islands."""

@@ -1,0 +1,185 @@
+"""Thresholds as a product: where snapping begins and where it is certain, with an error bar."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..solver.adaptive import Survey
+from ..solver.bracket import SCAN_STEP, amplitudes, asker, first_snap, refine
+from ..solver.cells import Rows
+from ..solver.settings import THRESHOLD_TOLERANCE, Settings
+from .transitions import (
+    FINE_STEP,
+    Edges,
+    Window,
+    around,
+    chosen,
+    outermost,
+    refine_edges,
+    scan,
+    stretches,
+)
+
+FINEST_STEP, CLOSEST_STEP = 0.001, 0.0005
+"""Relative steps in ragged rows, where labels change back and forth, and to see which rows are."""
+BELOW, ABOVE = 0.7, 2.0
+"""Where islands are looked for, as multiples of the threshold found first."""
+BESIDE, FAR_BESIDE = 1.02, 1.05
+"""How far around the changes seen so far is looked closely, in clean and ragged rows."""
+FARTHEST = 0.25
+"""Relative distance up to which another level's threshold is looked for; beyond, N_error is inf."""
+
+
+class Thresholds(NamedTuple):
+    """Thresholds of rows, (rows,), in multiples of g; NaN where none was found.
+
+    N_first: the lowest N that snaps
+    N_error: of N_first: what the finer levels, half the step and the refinement leave open
+    N_always: the lowest above which every N looked at snaps
+    N_pulse: the lowest N that snaps while the pulse lasts
+    t_snap: at N_first, us after the pulse's start
+    islands: number of separate stretches of N below N_always that snap
+    island_from, island_to: their ends, (rows, most islands), NaN where a row has fewer
+    """
+
+    N_first: np.ndarray
+    N_error: np.ndarray
+    N_always: np.ndarray
+    N_pulse: np.ndarray
+    t_snap: np.ndarray
+    islands: np.ndarray
+    island_from: np.ndarray
+    island_to: np.ndarray
+
+
+def survey(
+    models: Survey,
+    rows: Rows,
+    settings: Settings,
+    tolerance: float = THRESHOLD_TOLERANCE,
+    highest: float | None = None,
+) -> Thresholds:
+    """Find the thresholds of rows, to a relative tolerance.
+
+    highest: up to which N islands are looked for; ABOVE times the threshold if not given
+    The cheap model scans; the one that decides looks again where labels change, and refines; the
+    one that doubts, and half the step, tell what that is worth.
+    """
+
+    def ask(model, some=slice(None), horizon=settings.horizon):
+        return asker(model, rows.some(some), settings._replace(horizon=horizon))
+
+    scans, decides, doubts, static = models
+    whole = _whole_window(ask(scans), _wide_scan(scans.device, static, rows), highest)
+    window, ragged = _closer_window(ask(scans), whole)
+    edges, open_end, window, ragged = _decide(ask(decides), window, whole, ragged)
+    edges = refine_edges(lambda some: ask(decides, some), edges, tolerance)
+    N_first, N_always, islands = stretches(edges, open_end)
+    if highest is not None:
+        N_always = np.where(N_always <= highest, N_always, np.nan)
+    clean = np.where(ragged, np.nan, N_first)
+    near = sum(_distance(ask(m), clean, tolerance) for m in (doubts, decides.with_step(0.5)))
+    far = np.fmax(_difference(ask(doubts), N_first, window, ragged), _spread(edges, N_first))
+    return Thresholds(
+        N_first,
+        np.where(ragged, far, near) + tolerance * N_first,
+        N_always,
+        *_pulse(ask, decides, rows.f0, N_first, highest, tolerance),
+        np.count_nonzero(np.isfinite(islands[0]), axis=1),
+        *islands,
+    )
+
+
+def _wide_scan(device, static, rows):
+    """Amplitudes, (rows, n), from below any threshold to far above, also of short pulses."""
+
+    columns = static, device.own_frequency, device.mass
+    static, own, mass = (column[rows.device] for column in columns)
+    # A pulse amplifies at most 1.7 times; a short one must bring a velocity, against damping.
+    fast, damped = 2e-6 * np.pi * rows.f0 / own, rows.C / (2 * own * mass)
+    return amplitudes(static / 3, 5 * static * (1 + fast) * (1 + damped), SCAN_STEP)
+
+
+def _whole_window(ask, wide, highest):
+    """Where islands are looked for, about the first of wide amplitudes that snaps."""
+    rough = first_snap(wide, np.isfinite(ask(wide)))[1]
+    top = ABOVE * rough if highest is None else np.fmax(highest, FAR_BESIDE * rough)
+    high = np.where(np.isfinite(rough), top, np.nan)
+    return Window(BELOW * rough, high, np.full(rough.size, FINE_STEP))
+
+
+def _closer_window(ask, whole):
+    """Where labels change along N, as the cheapest level sees it, and which rows are ragged.
+
+    A row is ragged where they change more than once; so it is by every level, each in its own way.
+    """
+    n_rows = whole.low.size
+    edges, *_ = scan(ask, whole)
+    first, last = outermost(edges.row, edges.high, n_rows)
+    ragged = np.bincount(edges.row, minlength=n_rows) > 1
+    close = around(whole, np.where(ragged, np.nan, first), last, BESIDE, CLOSEST_STEP)
+    edges, *_ = scan(ask, close)
+    ragged |= np.bincount(edges.row, minlength=n_rows) > 1
+    least, largest = outermost(edges.row, edges.high, n_rows)
+    clean = around(whole, first, last, BESIDE, FINE_STEP)
+    wide = around(whole, np.fmin(first, least), np.fmax(last, largest), FAR_BESIDE, FINEST_STEP)
+    return chosen(ragged, wide, clean), ragged
+
+
+def _decide(ask, window, whole, ragged):
+    """Edges as the deciding level sees them; whether a row's highest N is quiet; what is ragged.
+
+    Rows in which it sees other than the cheapest level did are ragged too, and scanned wider.
+    """
+    edges, begins, ends = scan(ask, window)
+    surprising = begins | (~ends & (window.high < whole.high))
+    surprising |= ~ragged & (np.bincount(edges.row, minlength=ragged.size) != 1)
+    first = np.where(surprising, window.low, np.nan)
+    wider = around(whole, first, window.high, FAR_BESIDE, FINEST_STEP)
+    more, begins_wider, ends_wider = scan(ask, wider)
+    window = chosen(surprising, wider, window)
+    begins, ends = np.where(surprising, [begins_wider, ends_wider], [begins, ends])
+    kept, found = ~surprising[edges.row], ~begins[more.row]
+    edges = Edges(*(np.append(a[kept], b[found]) for a, b in zip(edges, more, strict=True)))
+    return edges, ~ends, window, ragged | surprising
+
+
+def _spread(edges, N_first):
+    """How far above N_first the last change is that lies close to it."""
+    spread = np.zeros(N_first.size)
+    above = edges.high - N_first[edges.row]
+    close = edges.high <= BESIDE * N_first[edges.row]
+    np.fmax.at(spread, edges.row[close], above[close])
+    return spread
+
+
+def _difference(ask, N_first, window, ragged):
+    """How far N_first of ragged rows is from the one that another level finds on the same scan."""
+    edges, *_ = scan(ask, window._replace(low=np.where(ragged, window.low, np.nan)))
+    other, _ = outermost(edges.row[edges.rising], edges.high[edges.rising], ragged.size)
+    lost = np.where(np.isnan(N_first), np.nan, np.inf)
+    return np.where(np.isnan(other), lost, abs(N_first - other))
+
+
+def _distance(ask, N_first, tolerance):
+    """How far from N_first, at most, another level changes from quiet to snap."""
+    distance = np.where(np.isnan(N_first), np.nan, np.inf)
+    reach = tolerance / 4
+    while reach < FARTHEST and np.isinf(distance).any():
+        N = np.where(np.isinf(distance), N_first, np.nan)[:, np.newaxis]
+        snapped = np.isfinite(ask(N * np.array([1 - reach, 1 + reach])))
+        distance = np.where(~snapped[:, 0] & snapped[:, 1], reach * N_first, distance)
+        reach *= 2
+    return distance
+
+
+def _pulse(ask, decides, f0, N_first, highest, tolerance):
+    """N_pulse and t_snap at N_first."""
+    t_snap = ask(decides)(N_first[:, np.newaxis])[:, 0]
+    N_pulse = N_first.copy()
+    late = np.flatnonzero(t_snap * f0 * 1e-6 > 1)
+    high = N_first[late] * ABOVE if highest is None else np.fmax(highest, N_first[late])
+    in_pulse = ask(decides, late, horizon=0.0)
+    N = amplitudes(N_first[late], high, SCAN_STEP)
+    N_pulse[late] = refine(in_pulse, *first_snap(N, np.isfinite(in_pulse(N))), tolerance)[1]
+    return N_pulse, t_snap

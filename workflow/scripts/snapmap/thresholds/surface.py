@@ -1,0 +1,163 @@
+"""The threshold surface over damping and frequency as an xarray dataset."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+
+from ..axes import coordinates, make_grid, split_axes
+from ..device import Device
+from ..io.provenance import device_sections, provenance
+from ..solver.adaptive import choose_survey
+from ..solver.cells import Rows, check_cells, rows_of
+from ..solver.settings import THRESHOLD_TOLERANCE, Settings, check_number, check_settings
+from .islands import Thresholds, survey
+
+IMPULSE = 100.0
+"""A pulse of this many times the mass's own frequency is as good as a jump in velocity."""
+
+MULTIPLES = {"units": "1", "comment": "in multiples of g"}
+VARIABLES = {
+    "N_first": {"long_name": "lowest amplitude that snaps", **MULTIPLES},
+    "N_error": {"long_name": "uncertainty of N_first from space, time and refinement", **MULTIPLES},
+    "N_always": {"long_name": "lowest amplitude above which all snap", **MULTIPLES},
+    "N_pulse": {"long_name": "lowest amplitude that snaps while the pulse lasts", **MULTIPLES},
+    "t_snap": {
+        "long_name": "time of the snap at N_first",
+        "units": "us",
+        "comment": "counted from the start of the pulse",
+    },
+    "islands": {"long_name": "number of stretches of N below N_always that snap", "units": "1"},
+    "island_from": {"long_name": "lowest amplitude of an island", **MULTIPLES},
+    "island_to": {"long_name": "highest amplitude of an island", **MULTIPLES},
+    "N_static": {"long_name": "threshold of a pulse of any length, quasi-static", **MULTIPLES},
+    "velocity_change": {"long_name": "threshold of a jump in velocity", "units": "um us-1"},
+}
+
+
+def threshold(
+    device: Device | Mapping[str, Device],
+    f0: Sequence[float],
+    C: Sequence[float],
+    horizon: float = 1500.0,
+    model: str | Mapping = "auto",
+    tolerance: float = THRESHOLD_TOLERANCE,
+    highest: float | None = None,
+    energy_tolerance: float = 1e-3,
+    threads: int = 1,
+    skip: bool = False,
+    **others,
+) -> xr.Dataset:
+    """Find where snapping begins over C (uN us/um) and f0 (Hz), with error bars.
+
+    device: one, or several by name, which then are an axis
+    horizon: us followed after the pulse; tolerance: of the refinement in N, relative
+    highest: up to which N islands are looked for; twice the threshold if not given
+    energy_tolerance, threads: as in `Settings`
+    skip: whether a device without a second stable shape has no threshold, and is not refused
+    model: name, or as a mapping the whole of the config's model section, which may give `auto` a
+        tolerance of its own; not `handout` unless told, as in `sweep`: error bars need other levels
+        in any case, and theirs is the better threshold
+    others: options of the model; and further axes in front of C and f0: values of the device by
+        their names, in internal units
+    The variables are those of `islands.Thresholds`, (..., C, f0), and the limits for slow and short
+    pulses: N_static, over the device's axes, and velocity_change, over these and C.
+
+    >>> device = snapmap.load_device("config/config.yaml")
+    >>> found = snapmap.threshold(device, [1500], [25], model="cosines", thickness=[1.9, 2.0])
+    >>> found.N_first.squeeze().round().values.tolist()
+    [893.0, 990.0]
+    """
+    varied, options = split_axes(others)
+    settings = Settings(horizon, energy_tolerance=energy_tolerance, threads=threads)
+    _check(f0, C, tolerance, highest, settings)
+    model = {"name": model, **options} if isinstance(model, str) else dict(model)
+    grid = make_grid(device, {**varied, "C": C, "f0": f0}, skip)
+    models, rows = choose_survey(grid.device, model, threads), rows_of(grid)
+    found = _look(models, rows, settings, tolerance, highest)._asdict()
+    dims = *grid.axes, "island"
+    data = {
+        key: (dims[: len(grid.shape) + values.ndim - 1], _reshape(values, grid.shape))
+        for key, values in found.items()
+    }
+    data |= _limits(grid, models, settings, tolerance, highest)
+    document = device_sections(device) | {
+        "model": model,
+        "sweep": {
+            "horizon": f"{horizon:.15g} us",
+            "energy_tolerance": energy_tolerance,
+            "threshold_tolerance": tolerance,
+        },
+    }
+    return xr.Dataset(
+        {key: (*values, VARIABLES[key]) for key, values in data.items()}, coordinates(grid.axes)
+    ).assign_attrs(
+        Conventions="CF-1.11, ACDD-1.3",
+        title="Thresholds of snap-through under a versed-sine shock",
+        summary="Amplitudes where snapping begins and is certain, over damping and frequency",
+        gravity=float(grid.device.gravity[0]),
+        **provenance(document),
+    )
+
+
+def _look(models, rows, settings, tolerance, highest):
+    """Thresholds of rows, of which some may have no device."""
+    there = np.flatnonzero(rows.device >= 0)
+    found = survey(models, rows.some(there), settings, tolerance, highest)
+
+    def spread(values):
+        missing = np.nan if values.dtype.kind == "f" else 0
+        whole = np.full((rows.f0.size, *values.shape[1:]), missing, values.dtype)
+        whole[there] = values
+        return whole
+
+    return Thresholds(*(spread(values) for values in found))
+
+
+def _limits(grid, models, settings, tolerance, highest):
+    """Thresholds of slow and of short pulses, and the unit of N, over the device's axes."""
+    of_device, C = grid.device_of, grid.axes["C"]
+    device, there = grid.device, of_device >= 0
+    impulse = IMPULSE * device.own_frequency / (2 * np.pi) * 1e6
+    numbers = np.repeat(np.arange(len(device)), C.size)
+    rows = Rows(numbers, impulse[numbers], np.tile(C, len(device)))
+    jump = survey(models, rows, settings, tolerance, highest).N_first
+    jump *= device.gravity[numbers] / (2e-6 * rows.f0)
+
+    def spread(values):
+        known = np.reshape(there, (*of_device.shape, *[1] * (values.ndim - 1)))
+        return np.where(known, values[np.where(there, of_device, 0)], np.nan)
+
+    dims = tuple(grid.axes)[: of_device.ndim]
+    return {
+        "N_static": (dims, spread(models.static)),
+        "velocity_change": ((*dims, "C"), spread(jump.reshape(-1, C.size))),
+    }
+
+
+def _reshape(values, shape):
+    return values.reshape(*shape, *values.shape[1:])
+
+
+def summary(found: xr.Dataset) -> str:
+    """One line: how many thresholds, how many have islands, and how sure they are."""
+    relative = (found.N_error / found.N_first).values
+    known = relative[np.isfinite(relative)]
+    typical = f"{np.median(known):.2%}" if known.size else "unknown"
+    return (
+        f"{int(found.N_first.notnull().sum())} of {found.N_first.size} thresholds found, "
+        f"{int((found.islands > 0).sum())} with islands, {int((known > 0.01).sum())} with an error "
+        f"above 1 %, median {typical}"
+    )
+
+
+def _check(f0, C, tolerance, highest, settings):
+    check_cells(f0=f0, C=C)
+    check_settings(settings)
+    check_number("tolerance", tolerance)
+    if not 1e-9 <= tolerance <= 0.01:
+        raise ValueError(f"tolerance: {tolerance} is not from 1e-9 to 0.01, of N")
+    if highest is not None:
+        check_number("highest", highest)
+        if not np.isfinite(highest):
+            raise ValueError(f"highest: {highest} is not a finite multiple of g")

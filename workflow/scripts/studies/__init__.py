@@ -1,0 +1,1 @@
+"""What is measured of the solver and of one device; a user runs these on theirs."""

@@ -1,0 +1,81 @@
+"""Ask a case everything: its thresholds, the time of the snap above them, its map, and how fast.
+
+All arithmetic is in double precision; single precision is not offered.
+"""
+
+from collections.abc import Sequence
+from time import perf_counter
+from typing import NamedTuple
+
+import numpy as np
+
+from snapmap.axes import make_grid
+from snapmap.solver.bracket import lowest_snap
+from snapmap.solver.cells import Rows, to_cells
+from snapmap.solver.model import Model
+from snapmap.solver.settings import Settings
+from snapmap.sweeps.grid import follow_grid
+
+from .cases import Case
+from .probe import Probe
+
+TOLERANCE = 1e-6
+"""To which thresholds are refined, relative."""
+ABOVE = 1.05
+"""The time of the snap is taken at this multiple of the case's own threshold."""
+ROUNDS, SLOW = 3, 0.5
+"""Maps that take less than SLOW seconds are timed again, in so many rounds over all of them."""
+
+
+class Answer(NamedTuple):
+    """What was found.
+
+    values: threshold, in multiples of g, and time of the snap, us, (2, C, f0)
+    t_snap: of the map, us, (C, f0, N)
+    seconds: per simulation of the map, on one thread
+    """
+
+    values: np.ndarray
+    t_snap: np.ndarray
+    seconds: float
+
+
+def ask_all(cases: Sequence[Case], probe: Probe) -> dict[str, Answer]:
+    """Ask every case everything, by name; the map is timed on one thread."""
+    answers = {case.name: _ask_case(case, probe) for case in cases}
+    # In rounds, so that whatever else the machine does for a while slows no case alone.
+    for case in [*cases] * ROUNDS:
+        answers[case.name] = _least_seconds(case, answers[case.name], probe)
+    return answers
+
+
+def _ask_case(case, probe):
+    """The thresholds come first, so that the map finds compiled code."""
+    values = ask(case.model, probe, case.settings)
+    return Answer(values, *follow_map(case.model, probe, case.settings))
+
+
+def _least_seconds(case, found, probe):
+    """Take the time of another run of the map if that is less; a slow map is not run again."""
+    if found.seconds * found.t_snap.size > SLOW:
+        return found
+    _, seconds = follow_map(case.model, probe, case.settings)
+    return found._replace(seconds=min(seconds, found.seconds))
+
+
+def ask(model: Model, probe: Probe, settings: Settings) -> np.ndarray:
+    """Lowest N that snaps, in multiples of g, and t_snap at ABOVE times that, us; (2, C, f0)."""
+    C, f0 = (values.ravel() for values in np.meshgrid(probe.C, probe.f0, indexing="ij"))
+    rows = Rows(np.zeros(f0.size, int), f0, C)
+    lowest = lowest_snap(model, rows, probe.bracket, settings, TOLERANCE)
+    cells = to_cells(model.device, 0, np.nan_to_num(ABOVE * lowest), f0, C, settings.horizon)
+    t_snap = model.follow(cells, settings).t_snap
+    return np.reshape([lowest, t_snap], (2, probe.C.size, probe.f0.size))
+
+
+def follow_map(model: Model, probe: Probe, settings: Settings) -> tuple[np.ndarray, float]:
+    """t_snap of the map's cells, us, (C, f0, N), and the seconds that each took on one thread."""
+    grid = make_grid(model.device, probe.axes)
+    start = perf_counter()
+    t_snap = follow_grid(model, grid, settings._replace(threads=1))["t_snap"]
+    return t_snap, (perf_counter() - start) / t_snap.size

@@ -1,0 +1,88 @@
+"""The arithmetic: what a step of the kernel takes, and what one core can do."""
+
+import re
+
+import numpy as np
+from numba import njit
+
+from snapmap.numerics.arithmetic import widen_vectors
+from snapmap.solver.model import Model
+from snapmap.solver.simd_kernel import (
+    BLOCK,
+    LANES,
+    _work_array,
+    advance,
+    coefficients,
+    fill,
+    restart_pulse,
+)
+
+from .timing import take_turns
+
+HANDOUT, FOUR = "handout (9 modes)", "cosines, 4 modes"
+KERNELS = {
+    HANDOUT: {"name": "handout"},
+    "cosines, 3 modes": {"name": "cosines", "modes": 3},
+    FOUR: {"name": "cosines", "modes": 4},
+    "cosines, 6 modes": {"name": "cosines", "modes": 6},
+}
+"""Name and options of the models whose speed is told, by what tables call them."""
+CHAIN = 10
+"""Long enough to hide loads and stores, short enough for several to be under way."""
+ROUNDS = 1000
+"""Of half a millisecond or so: on a busy machine one in a thousand is left alone."""
+
+
+@njit(fastmath={"contract"}, error_model="numpy")
+def multiply_add(x, factor, term, rounds):
+    """Every number of x through a chain of CHAIN multiply-adds; the chains are independent."""
+    widen_vectors()
+    for _ in range(rounds):
+        for l in range(x.size):
+            number = x[l]
+            for _ in range(CHAIN):
+                number = number * factor + term
+            x[l] = number
+
+
+def peak_flops(numbers: int = 256, rounds: int = 15_000) -> float:
+    """Most multiply-adds that this core was seen to do in a second, times two."""
+    x = np.zeros(numbers)
+    multiply_add(x, 0.5, 0.5, 1)
+    runs = take_turns({"all": lambda: multiply_add(x, 0.5, 0.5, rounds)}, ROUNDS)
+    return 2 * CHAIN * numbers * rounds / runs["all"].seconds
+
+
+def vector_bits() -> int:
+    """Widest vectors that the compiler uses here, after `multiply_add` has run."""
+    code = "".join(multiply_add.inspect_asm().values())
+    widths = {"z": 512, "y": 256, "x": 128}
+    return max(widths[name] for name in re.findall(r"vfmadd\w+\s.*%([xyz])mm", code) or "x")
+
+
+def step_flops(modes: int) -> int:
+    """Additions and multiplications of one lane-step of `advance`, with k modes.
+
+    pulse 6, S p + S q0 and its share of N k (2 k + 3) + 4, w 2 k, contact 2, latch 3,
+    p 16 k + 7, y 8, ledger 8: together 2 k^2 + 21 k + 38. What is written twice, such as
+    before + after, counts once; comparisons and signs count nothing.
+    """
+    return 2 * modes**2 + 21 * modes + 38
+
+
+def block_seconds(model: Model, steps: int = 50 * BLOCK) -> float:
+    """Time of `advance` alone per lane-step, all lanes full, s."""
+    X, shape = _filled(model)
+    advance(X, shape, 1)
+    runs = take_turns({"all": lambda: advance(X, shape, steps)}, ROUNDS)
+    return runs["all"].seconds / (steps * LANES)
+
+
+def _filled(model):
+    modes, f0 = model.modes, 1500e-6
+    X, shape = _work_array(modes), (0,) * modes
+    row = coefficients(model, target=-np.inf)[0]
+    for l in range(LANES):
+        fill(X, shape, l, row, 0.025, 900 * model.device.gravity, f0, model.dt)
+        restart_pulse(X, l, f0 * model.dt, 0)
+    return X, shape

@@ -1,0 +1,91 @@
+"""Cells of many devices against cells of one: how many a second, with the set-up of the models.
+
+PYTHONPATH=workflow/scripts ./run python -m studies.many_devices
+"""
+
+from functools import partial
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+
+from snapmap import load_device
+from snapmap.axes import make_grid
+from snapmap.solver.adaptive import choose_model
+from snapmap.solver.outcome import count
+from snapmap.solver.settings import Settings
+from snapmap.sweeps.grid import follow_grid
+
+from .markdown import number, rate, table
+from .timing import take_turns
+
+ROOT = Path(__file__).resolve().parents[3]
+SIDE, ROUNDS, THREADS = 100, 5, 2
+N, SHOCK = 1000.0, {"C": [25.0], "f0": [1500.0]}
+VARIED = np.linspace(0.9, 1.1, SIDE)
+"""Thickness and spring over the nominal ones."""
+EXPONENTS = -2.18, -0.32
+"""Of N over the threshold as a function of them: docs/limits.md."""
+MODELS = {
+    "handout": {"name": "handout"},
+    "cosines, 3 modes": {"name": "cosines", "modes": 3},
+    "cosines, 5 modes": {"name": "cosines", "modes": 5},
+}
+HEAD = [
+    *("model", "repeated", "devices/s", "cells/s", "ratio", "set-up of the devices, s"),
+    *("outcomes, devices", "outcomes, cells"),
+]
+
+
+def main():
+    device, rows = load_device(ROOT / "config" / "config.yaml"), []
+    for (name, model), repeat in product(MODELS.items(), (False, True)):
+        settings = Settings(repeat=repeat, threads=THREADS)
+        rows.append([name, "yes" if repeat else "no", *_compare(device, model, settings)])
+    print(f"{SIDE**2} devices with one cell each, and as many cells of one device\n")
+    print(table(HEAD, rows))
+
+
+def _compare(device, model, settings):
+    many, one = of_many(device), of_one()
+    tasks = {
+        "devices": partial(_follow, device, many, model, settings),
+        "cells": partial(_follow, device, one, model, settings),
+        "set-up": partial(_build, device, many, model, settings),
+    }
+    take_turns(tasks, 1)  # compiles
+    runs = take_turns(tasks, ROUNDS)
+    outcomes = [_words(count(runs[name].result)) for name in ("devices", "cells")]
+    devices, cells, setup = (run.seconds for run in runs.values())
+    rates = [rate(SIDE**2, seconds) for seconds in (devices, cells)]
+    return [*rates, f"{cells / devices:.2f}", number(setup), *outcomes]
+
+
+def of_many(device):
+    """Axes of SIDE^2 devices under one shock."""
+    thickness, spring = device.beam.thickness * VARIED, device.spring * VARIED
+    return {"thickness": thickness, "spring": spring, **SHOCK, "N": [N]}
+
+
+def of_one():
+    """Axes of as many cells, as far below and above the threshold as those of the devices."""
+    shares = np.multiply.outer(*(VARIED**exponent for exponent in EXPONENTS))
+    return SHOCK | {"N": N * shares.ravel()}
+
+
+def _build(device, axes, model, settings):
+    grid = make_grid(device, axes)
+    return grid, choose_model(grid.device, model, settings.threads)
+
+
+def _follow(device, axes, model, settings):
+    grid, built = _build(device, axes, model, settings)
+    return follow_grid(built, grid, settings)["outcome"]
+
+
+def _words(counts):
+    return ", ".join(f"{cells} {name}" for name, cells in counts.items())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,128 @@
+"""How the threshold moves with the device, and how much the beam is stressed: docs/limits.md.
+
+PYTHONPATH=workflow/scripts ./run python -m studies.sensitivity
+"""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from snapmap import load_device, threshold
+from snapmap.beam.barrier import find_barrier
+from snapmap.beam.cosines import symmetric_cosines
+from snapmap.beam.modal import reduce_to_modes, step_limit
+from snapmap.device import BEAM_VALUES
+from snapmap.solver.adaptive import choose_survey
+from snapmap.solver.cells import Rows, to_cells
+from snapmap.solver.model import Model
+from snapmap.solver.models import build_model, simd
+from snapmap.solver.settings import Settings
+from snapmap.thresholds.islands import survey
+
+from .markdown import table
+
+ROOT = Path(__file__).resolve().parents[3]
+OF_BEAM = BEAM_VALUES[:-1]
+OF_DEVICE = ("mass", "spring", "contact", "gravity")
+COSINES = {"name": "cosines", "modes": 5}
+F0, C, TOLERANCE, ELEMENTS = 1500.0, 0.025, 1e-6, 10
+
+
+def main():
+    device = load_device(ROOT / "config" / "config.yaml")
+    print(one_percent_more(device))
+    print(eigenstrain(device))
+    print(stresses(device))
+
+
+def one_percent_more(device):
+    beam = device.beam
+    changed = {"as it is": device}
+    for key in OF_BEAM:
+        changed[key] = replace(device, beam=replace(beam, **{key: 1.01 * getattr(beam, key)}))
+    for key in OF_DEVICE:
+        changed[key] = replace(device, **{key: 1.01 * getattr(device, key)})
+    changed["damping 4e-4 /us"] = replace(device, beam=replace(beam, damping=4e-4))
+    asked = {"f0": [F0], "model": COSINES, "tolerance": TOLERANCE}
+    found = threshold(changed, C=[C], **asked).N_first.values.ravel()
+    damped = threshold(device, C=[25.0, 200.0], **asked).N_first.values.ravel()
+    names = [*changed, "C = 25", "C = 200"][1:]
+    rows = [["as it is", f"{found[0]:.2f}"]]
+    for name, N in zip(names, [*found[1:], *damped], strict=True):
+        rows.append([name, f"{100 * (N / found[0] - 1):+.3f} %"])
+    return table(["1 % more of", "N_first"], rows)
+
+
+def eigenstrain(device):
+    first, rows = None, []
+    row = Rows(np.array([0]), np.array([F0]), np.array([C]))
+    for strain in (0.0, 1e-5, -1e-5, 1e-4, -1e-4):
+        model = with_eigenstrain(device, strain)
+        models = choose_survey(model.device, COSINES)._replace(decides=model)
+        found = survey(models, row, Settings(), TOLERANCE).N_first[0]
+        first = first or found
+        rise = model.device.beam.rise / device.beam.rise - 1
+        rows.append([f"{strain:g}", f"{100 * rise:+.3f} %", f"{100 * (found / first - 1):+.2f} %"])
+    return table(["eigenstrain", "rise", "N_first"], rows)
+
+
+def with_eigenstrain(device, strain):
+    """Five cosines about the device's new rise, with the axial force that is left."""
+    beam = device.beam
+    n_1 = beam.bending_stiffness * (2 * np.pi / beam.span) ** 2
+    arch, push = 0.75 * beam.bistability**2, strain * beam.youngs_modulus * beam.area / n_1
+    # 1 - 1/s = N/N_1 = arch (1 - s^2) + push, s the new rise over the old one.
+    scale = np.roots([arch, 0, 1 - arch - push, -1]).real.max()
+    force = (1 - 1 / scale) * n_1
+    old, unit_force = symmetric_cosines(5), force / (beam.stiffness_unit * beam.span)
+    basis = replace(
+        old,
+        bending=old.bending - unit_force * old.geometric,
+        flexibility=lambda axial_force: old.flexibility(axial_force + unit_force),
+    )
+    strained = replace(device, beam=replace(beam, rise=scale * beam.rise))
+    modal = reduce_to_modes(strained.beam, basis, 5)
+    dt = 0.5 * step_limit(strained, modal)
+    barrier = find_barrier(strained.beam, basis, 5)
+    return Model("cosines", simd, strained, basis, modal, barrier, dt)
+
+
+def stresses(device):
+    model = build_model(device, "reference", elements=ELEMENTS)
+    rows = []
+    for N in (984, 1000, 1500, 2400):
+        u, form = motion(model, N)
+        w = device.beam.rise + u @ form.midpoint
+        snap = np.argmax(w <= device.beam.second_equilibrium)
+        stretch = np.sum(u * (u @ form.geometric + 2 * form.slope_start), axis=1)
+        axial = device.beam.axial_stiffness * stretch / device.beam.area
+        bending = bending_stress(device.beam, u)
+        for label, part in (("to the snap", slice(snap + 1)), ("to the horizon", slice(None))):
+            ends = f"{axial[part].min():.0f} to {axial[part].max():.0f}"
+            most = (bending[part] + axial[part]).max()
+            rows.append([f"{N}, {label}", f"{bending[part].max():.0f}", ends, f"{most:.0f}"])
+    return table(["N", "bending, MPa", "axial, MPa", "largest tension, MPa"], rows)
+
+
+def motion(model, N):
+    """Nodal displacements from the start at every step, (steps, n), and their matrices."""
+    cell = to_cells(model.device, [0], [N], [F0], [C], Settings().horizon)
+    *load, t_end = (column.item() for column in cell[1:])
+    steps = int(np.ceil(t_end / model.dt))
+    run, form = model.loop().record(model, *load, steps, stride=1)
+    return run.u, form
+
+
+def bending_stress(beam, u):
+    """Largest E t/2 |w'' - w0''| at the ends of all elements, MPa."""
+    h = 1 / 2 / ELEMENTS
+    nodal = np.pad(u, ((0, 0), (2, 1)))
+    ends = np.array([[-6, -4 * h, 6, -2 * h], [6, 2 * h, -6, 4 * h]]) / h**2
+    of_element = [nodal[:, i : i + 4] @ ends.T for i in range(0, 2 * ELEMENTS, 2)]
+    largest = abs(np.hstack(of_element)).max(axis=1)
+    return beam.youngs_modulus * beam.thickness / 2 / beam.span**2 * largest
+
+
+if __name__ == "__main__":
+    main()

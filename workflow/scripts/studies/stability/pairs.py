@@ -1,0 +1,107 @@
+"""One case with one model: follow its cells at every step and judge what was found."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+
+from snapmap.beam.modal import step_limit
+from snapmap.device import Device
+from snapmap.solver.bracket import lowest_snap
+from snapmap.solver.cells import Rows, to_cells
+from snapmap.solver.models import build_model
+from snapmap.solver.outcome import FAILED, label
+from snapmap.solver.settings import Settings
+from snapmap.solver.simd_kernel import LANES
+
+from .cases import APART, Case, changed
+from .verdicts import LEFT_OUT, NO_RUNS, REFUSED, Runs, judge, snap_shift
+
+FINE_STEPS = (0.1, 0.075)
+SEARCHED = (300.0, 3000.0)
+"""Where the threshold is looked for, multiples of g."""
+BUDGET = 18.0
+"""The steps of a case are left out if they would take longer, s; if one run takes an eighth of it,
+the case is."""
+
+
+def measure_pair(
+    device: Device, case: Case, options: Mapping, steps: Sequence[float]
+) -> dict[str, object]:
+    """The values of one case and one model, by the dataset's names of them.
+
+    options: of the model, its name included; steps: shares of its stability limit
+    A list holds one value for each step.
+    """
+    device = changed(device, case)
+    try:
+        model = build_model(device, **options)
+    except ValueError:
+        return _blank(steps, REFUSED)
+    limit = step_limit(device, model.modal)
+    values = _blank(steps, LEFT_OUT) | {"limit": limit, "default_step": model.dt / limit}
+    search = [FINE_STEPS[0] * limit] * 4 * case.of_threshold  # a dozen runs, over at the snap
+    if _seconds(model, case, [model.dt, *search]) > BUDGET / 8:
+        return values
+    return values | _follow(case, model, limit, steps)
+
+
+def _follow(case, model, limit, steps):
+    """What is judged: with fine steps unless that takes too long, and the default step always."""
+    cells, settings = _cells(model, case, limit), Settings(case.horizon)
+
+    @cache
+    def follow_at(dt):
+        return _to_runs(replace(model, dt=dt).follow_once(cells, settings))
+
+    fine, values = NO_RUNS, {}
+    if _seconds(model, case, limit * np.array([*FINE_STEPS, *steps])) < BUDGET:
+        fine = Runs(*np.hstack([follow_at(step * limit) for step in FINE_STEPS]))
+        at_steps = [_summary(follow_at(step * limit), fine) for step in steps]
+        values = {key: [one[key] for one in at_steps] for key in at_steps[0]}
+    seen = model.follow(cells, settings)
+    values |= {f"default_{key}": value for key, value in _summary(_to_runs(seen), fine).items()}
+    return values | {"halvings": seen.halvings.max()}
+
+
+def _seconds(model, case, steps):
+    """Expected time of one run at each step (us); only for leaving out what takes too long."""
+    nanoseconds = 40 * LANES if model.name == "reference" else 60 + model.modes**2
+    duration = 1e6 / case.f0 + case.horizon
+    groups = np.ceil(case.cells / LANES)
+    return float(np.sum(duration / np.array(steps)) * groups * nanoseconds * 1e-9)
+
+
+def _cells(model, case, limit):
+    N = case.N
+    if case.of_threshold:
+        fine = replace(model, dt=FINE_STEPS[0] * limit)
+        row = Rows(np.array([0]), np.array([case.f0]), np.array([case.C]))
+        asked = SEARCHED, Settings(horizon=300.0)
+        N *= lowest_snap(fine, row, *asked, tolerance=10 * APART)[0]
+    copies = N * (1 - APART * np.arange(case.cells))
+    return to_cells(model.device, 0, copies, case.f0, case.C, case.horizon)
+
+
+def _to_runs(seen):
+    outcome = label(*seen[:4], Settings().energy_tolerance)
+    return Runs(outcome, seen.t_snap, seen.t_settled, seen.energy_error)
+
+
+def _blank(steps, verdict):
+    """What stands for a case that is not run, and why."""
+    one = {"outcome": FAILED, "energy_error": np.nan, "snap_shift": np.nan, "verdict": verdict}
+    at_steps = {key: [value] * len(steps) for key, value in one.items()}
+    default = {f"default_{key}": value for key, value in one.items()}
+    return {"limit": np.nan, "default_step": np.nan, "halvings": -1, **at_steps, **default}
+
+
+def _summary(runs, fine):
+    """The first cell's outcome, and the worst of the others' energy error, shift and verdict."""
+    return {
+        "outcome": runs.outcome[0],
+        "energy_error": np.nan_to_num(runs.energy_error, nan=np.inf).max(),
+        "snap_shift": np.fmax.reduce(snap_shift(runs, fine)),
+        "verdict": judge(runs, fine).max(),
+    }

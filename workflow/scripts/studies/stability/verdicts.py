@@ -1,0 +1,87 @@
+"""Verdicts on runs, by runs of the same cell with fine steps."""
+
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+
+from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
+
+
+class Verdict(IntEnum):
+    """Up to UNSEEN ever worse: the verdict on several cells is the highest of theirs."""
+
+    SOUND = 0
+    SENSITIVE = 1
+    SHIFTED = 2
+    UNCHECKED = 3
+    CAUGHT = 4
+    UNSEEN = 5
+    REFUSED = 6
+    LEFT_OUT = 7
+
+
+SOUND, SENSITIVE, SHIFTED, UNCHECKED, CAUGHT, UNSEEN, REFUSED, LEFT_OUT = Verdict
+VERDICTS = tuple(verdict.name.lower() for verdict in Verdict)
+SAME_SNAP = 0.02
+"""Two runs snap alike if the times differ by less than this share."""
+SAME_PROOF = 0.05
+"""Fine runs whose times of proof differ by more than this share are chaotic, whatever they prove.
+A proof is looked for every 128 steps only."""
+
+
+class Runs(NamedTuple):
+    """Runs of one case: outcome, t_snap, t_settled (us), energy_error; arrays of one length."""
+
+    outcome: np.ndarray
+    t_snap: np.ndarray
+    t_settled: np.ndarray
+    energy_error: np.ndarray
+
+
+NO_RUNS = Runs(*np.empty((4, 0)))
+
+
+def judge(runs: Runs, fine: Runs) -> np.ndarray:
+    """Verdict on each run of one case, by runs of it with fine steps; int8.
+
+    `caught`: it failed, and says so. `unseen`: it is believed, and the fine runs agree on another
+    outcome: whether the beam snaps, or in which well it stays for ever. `shifted`: on another
+    snap time. `sensitive`: the fine runs disagree among themselves. `unchecked`: there are none.
+    """
+    fine = Runs(*(values[fine.outcome != FAILED] for values in fine))
+    if fine.outcome.size == 0:
+        return np.where(runs.outcome == FAILED, CAUGHT, UNCHECKED).astype(np.int8)
+    snap_known = np.ptp(_has_snapped(fine).astype(int)) == 0
+    time_known = snap_known and _spread(fine.t_snap) < SAME_SNAP
+    well_known = time_known and np.ptp(fine.outcome) == 0 and _spread(fine.t_settled) < SAME_PROOF
+    wrong = snap_known & (_has_snapped(runs) != _has_snapped(fine)[0])
+    both_proven = _is_proven(runs) & _is_proven(fine)[0]
+    wrong |= well_known & both_proven & (runs.outcome != fine.outcome[0])
+    shifted = time_known & (snap_shift(runs, fine) > SAME_SNAP)
+    believed = SOUND if well_known else SENSITIVE
+    verdict = np.select(
+        [runs.outcome == FAILED, wrong, shifted], [CAUGHT, UNSEEN, SHIFTED], believed
+    )
+    return verdict.astype(np.int8)
+
+
+def snap_shift(runs: Runs, fine: Runs) -> np.ndarray:
+    """Difference of each run's snap time from the fine runs' median, over it; NaN without one."""
+    known = fine.t_snap[np.isfinite(fine.t_snap) & (fine.outcome != FAILED)]
+    median = np.median(known) if known.size else np.nan
+    return np.where(runs.outcome == FAILED, np.nan, np.abs(runs.t_snap / median - 1))
+
+
+def _spread(times):
+    """Largest difference over the largest time; 0 if there are no times."""
+    times = times[np.isfinite(times)]
+    return np.ptp(times) / times.max() if times.size else 0.0
+
+
+def _has_snapped(runs):
+    return np.isin(runs.outcome, (SNAPPED, LATCHED, RETURNED))
+
+
+def _is_proven(runs):
+    return np.isin(runs.outcome, (NEVER, LATCHED, RETURNED))
