@@ -31,7 +31,9 @@ try:
     for path in workflow.overwrite_configfiles:
         read_document(path)  # Snakemake keeps the last of two equal keys without a word
     study = load_study(config)
-    plan = make_plan(study.grid, study.model, study.settings, [h.f0 for h in study.histories])
+    plan = make_plan(
+        study.grid, study.model, study.settings, [h.f0 for h in study.histories]
+    )
 except ValueError as error:
     raise WorkflowError(str(error))
 

@@ -9,14 +9,17 @@ from pathlib import Path
 
 import yaml
 
-from snapmap import config, plan, quantity
+from snapmap import config
 from snapmap.beam.elements import hermite_elements
+from snapmap.config import units
 from snapmap.config.study import HANDOUT_CASE, load_device, load_study
-from snapmap.device import Beam
-from snapmap.solver.adaptive import build_ladder
-from snapmap.solver.models import OPTIONS, build_model
-from snapmap.solver.settings import THRESHOLD_TOLERANCE, Protocol
 from snapmap.config.units import KINDS
+from snapmap.config.views import MOST_MAPS
+from snapmap.device import VALUES, Beam
+from snapmap.solver.adaptive import TOLERANCE
+from snapmap.solver.models import OPTIONS, build_model
+from snapmap.solver.settings import THRESHOLD_TOLERANCE, Settings
+from snapmap.sweeps import plan
 
 HERE = Path(__file__).parent
 SCHEMA = Path(config.__file__).with_name("schema.yaml")
@@ -51,11 +54,38 @@ histories:
   - {N: 1200, f0: 2 kHz, C: 0.5 uN*us/um}
 """
 
+TWO_AXES = """\
+sweep:
+  thickness: {from: 1.8 um, to: 2 um, points: 21}
+  spring: {from: 3 N/m, to: 6 N/m, points: 21}
+  duration: [1 ms]
+  C: [25 uN*us/um]
+  N: {from: 500, to: 2500, points: 41}
+  horizon: 1 ms
+
+maps:
+  - {x: thickness, y: spring}                          # thresholds, in colours
+  - {x: thickness, y: spring, at: {N: 1200}}           # outcomes
+  - {x: thickness, y: N, at: {spring: 4 N/m}}          # outcomes, with the threshold as a line
+"""
+
+DEVICES = """\
+devices:
+  first: &first
+    beam: {span: 500 um, rise: 8 um, thickness: 1.9 um, depth: 20 um, youngs_modulus: 160 GPa,
+           density: 2330 kg/m^3}
+    mass: 6 ug
+    spring: 4 N/m
+    contact: 60 N/m
+    gravity: 9.81 m/s^2
+  softer: {<<: *first, spring: 3 N/m}
+"""
+
 PAGE = """\
 # The config, key by key
 
 A config is a YAML file of one mapping. This page comes from the schema that every config is checked
-against, `workflow/scripts/snapmap/schema.yaml`, and from the defaults in the code, by
+against, `workflow/scripts/snapmap/config/schema.yaml`, and from the defaults in the code, by
 
     PYTHONPATH=workflow/scripts ./run python docs/make_config_reference.py
 
@@ -69,7 +99,7 @@ be right.
 
 ## Limits
 
-Refused as a slip: more than {cells:,} cells; more than {dampings} values of C, as each gets a map;
+Refused as a slip: more than {cells:,} cells; more than {dampings} values of C, as each gets a job;
 and more than {hours:g} core hours, should every cell run to the horizon.
 
 No value is evaluated or reaches a shell. But Snakemake itself, before it starts the workflow,
@@ -82,52 +112,89 @@ Another device, with hard contact and some damping of the beam:
 
 ```yaml
 {example}```
+
+## Values of the device as axes
+
+Any value of the device may stand under `sweep`, by its own key, and then takes the place of the
+device's own. The axes of all products are these, in the order of the config, then C, f0 and N.
+With the device above:
+
+```yaml
+{two_axes}```
+
+A point whose beam has no second stable shape is refused by name before any job starts, as it is a
+slip more often than not. Where the limit itself is of interest, `not_bistable: skip` marks its
+cells `absent` and goes on.
+
+Several devices may be compared by their names, which then are the first axis; what they share is
+written once:
+
+```yaml
+{devices}```
 """
 
 
 def reference() -> str:
     """The text of docs/config.md."""
-    load_study(yaml.safe_load(EXAMPLE))
+    document = yaml.safe_load(EXAMPLE)
+    load_study(document)
+    load_study(document | yaml.safe_load(TWO_AXES))
+    named = {key: document[key] for key in ("model", "sweep")} | yaml.safe_load(DEVICES)
+    load_study(named)
     schema = yaml.safe_load(SCHEMA.read_text(encoding="utf-8"))
     return PAGE.format(
-        least=quantity.LEAST,
-        most=quantity.MOST,
+        least=units.LEAST,
+        most=units.MOST,
         sections="\n\n".join(_sections(schema, code_defaults())),
         cells=plan.MOST_CELLS,
-        dampings=plan.MOST_DAMPINGS,
+        dampings=plan.MOST_SINGLE,
         hours=plan.MOST_SECONDS / 3600,
         example=EXAMPLE,
+        two_axes=TWO_AXES,
+        devices=DEVICES,
     )
 
 
 def _sections(schema, defaults):
     parts = schema["properties"]
     yield _section("", schema, defaults)
-    yield _section("device", parts["device"], defaults)
-    yield _section("device.beam", parts["device"]["properties"]["beam"], defaults)
+    device = schema["$defs"]["device"]
+    yield _section("device", device, defaults)
+    yield _section("device.beam", device["properties"]["beam"], defaults)
     yield _section("model", parts["model"], defaults)
     yield _options()
     yield _section("sweep", parts["sweep"], defaults)
     yield _section("an axis given as a range", schema["$defs"]["axis"], defaults)
-    yield _section("each of histories", _resolved(parts["histories"]["items"], schema), defaults)
+    for key in ("histories", "maps", "thresholds"):
+        yield _section(f"each of {key}", _resolved(parts[key]["items"], schema), defaults)
 
 
 def code_defaults() -> dict[str, str]:
     """What a key that is left out stands for, as text, by its name."""
     handout = load_device(HERE.parent / "config" / "config.yaml")
     elements = _arguments(hermite_elements)
-    protocol = {key: f"`{value}`" for key, value in Protocol._field_defaults.items()}
+    settings = {key: f"`{value}`" for key, value in Settings().asked().items()}
+    history = "N = {N:g}, f0 = {f0:g} Hz, C = {C:g} uN*us/um".format(**HANDOUT_CASE)
     return {
-        **{f"sweep.{key}": value for key, value in protocol.items()},
-        "histories": f"N = {HANDOUT_CASE.N:g}, f0 = {HANDOUT_CASE.f0:g} Hz, "
-        f"C = {HANDOUT_CASE.C:g} uN*us/um",
+        **{f"sweep.{key}": value for key, value in settings.items()},
+        **{f"sweep.{key}": "the device's own" for key in VALUES},
+        **{f"each of histories.{key}": "the device's own" for key in VALUES},
+        "each of histories.device": "the first",
+        "device": "required, or `devices`",
+        "devices": "`device`",
+        "histories": history,
+        "maps": f"N over f0 for each point of the other axes, {MOST_MAPS} of them at most",
+        "thresholds": "over each axis of several values, lines for `device` or C",
+        "each of maps.at": AT_LEFT_OUT,
+        "each of thresholds.at": AT_LEFT_OUT,
+        "sweep.not_bistable": "`refuse`",
         "device.beam.damping": f"`{Beam.damping:g} /us`",
         "model.elements": f"`{elements['elements']}`",
         "model.mass_matrix": f"`{elements['mass_matrix']}`",
         "model.cosines": "as many as `modes`",
         "model.modes": _default_modes(handout),
         "model.step": _default_steps(handout),
-        "model.tolerance": f"`{_arguments(build_ladder)['tolerance'] * 100:g} %`",
+        "model.tolerance": f"`{TOLERANCE * 100:g} %`",
         "sweep.f0": "required, or `duration`",
         "sweep.duration": "`f0`",
         "each of histories.f0": "required, or `duration`",
@@ -143,8 +210,8 @@ def _arguments(function):
 
 
 def _default_modes(device):
-    kept = {name: build_model(device, name).modal.load.size for name in ("cosines", "elements")}
-    hard = build_model(replace(device, contact=float("inf")), "elements").modal.load.size
+    kept = {name: build_model(device, name).modes for name in ("cosines", "elements")}
+    hard = build_model(replace(device, contact=float("inf")), "elements").modes
     return (
         f"`{kept['cosines']}` cosines; of the elements all ({kept['elements']} of "
         f"{kept['elements']}), with hard contact three quarters ({hard} of {kept['elements']})"
@@ -210,10 +277,13 @@ def _options():
     )
 
 
+AT_LEFT_OUT = "where the device itself stands; else in the middle, and for maps no N"
+
+
 def _resolved(section, schema):
     """The section with the shared part of each key's schema written out."""
     properties = {
-        key: schema["$defs"][part["$ref"].rpartition("/")[2]] | part
+        key: schema["$defs"].get(part.get("$ref", "").rpartition("/")[2], {}) | part
         for key, part in section["properties"].items()
     }
     return section | {"properties": properties}

@@ -5,13 +5,6 @@ import warnings
 
 import numpy as np
 import pytest
-from studies.accuracy.cases import CONVERGED, list_cases
-from studies.accuracy.comparison import disagreement, pareto_front
-from studies.accuracy.converged import converge, decided, gap
-from studies.accuracy.measure import measure
-from studies.accuracy.plans import PLANS as plans
-from studies.accuracy.plans import Refinement
-from studies.accuracy.probe import make_probe
 
 from snapmap.device import Beam, Device
 from snapmap.figures import accuracy, style
@@ -19,6 +12,13 @@ from snapmap.solver.bracket import lowest_snap
 from snapmap.solver.cells import Rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
+from studies.accuracy.cases import CONVERGED, list_cases
+from studies.accuracy.comparison import disagreement, pareto_front
+from studies.accuracy.converged import converge, decided, gap
+from studies.accuracy.measure import measure
+from studies.accuracy.plans import PLANS as plans
+from studies.accuracy.plans import Refinement
+from studies.accuracy.probe import make_probe
 
 SNAP = Settings(300.0, "snap", False, threads=2)
 REFINEMENT = Refinement((8, 6), (12, 6), (8, 6))

@@ -14,10 +14,10 @@ from jsonschema import Draft202012Validator
 
 from snapmap import config
 from snapmap.config.study import load_device, load_study
+from snapmap.config.units import KINDS, read
 from snapmap.config.yaml_file import ConfigError, read_document
 from snapmap.device import Beam, Device
 from snapmap.solver.settings import Settings
-from snapmap.config.units import KINDS, read
 
 ROOT = Path(__file__).parents[1]
 DEFAULT = read_document(ROOT / "config/config.yaml")
@@ -72,7 +72,11 @@ def test_default_study_is_exact():
     assert study.model == DEFAULT["model"]
     assert np.array_equal(study.axes["N"], np.arange(600.0, 2401.0, 20.0))
     assert np.array_equal(study.axes["C"], [0.025, 25.0, 200.0])
-    assert (study.axes["f0"].size, study.axes["f0"][0], study.axes["f0"][-1]) == (31, 100.0, 30000.0)
+    assert (study.axes["f0"].size, study.axes["f0"][0], study.axes["f0"][-1]) == (
+        31,
+        100.0,
+        30000.0,
+    )
     assert np.allclose(study.axes["f0"][1:] / study.axes["f0"][:-1], 300 ** (1 / 30), rtol=1e-13)
     assert study.settings == Settings(1500.0, "settled", True, 1e-3)
     assert [cell.shock for cell in study.histories] == [{"N": 1000.0, "f0": 1500.0, "C": 0.025}]
@@ -255,14 +259,19 @@ def test_axes_ascend(axis, values):
 def test_a_finer_range_keeps_the_values_of_a_coarser():
     for ends in ({"from": 600, "to": 2400}, {"from": 0.1, "to": 33, "spacing": "log"}):
         coarse, fine = (
-            load_study(changed(sweep__N={**ends, "points": points})).axes["N"] for points in (91, 181)
+            load_study(changed(sweep__N={**ends, "points": points})).axes["N"]
+            for points in (91, 181)
         )
         assert set(coarse) < set(fine)
 
 
 def test_histories():
     cell = {"N": "1e3", "f0": "2 kHz", "C": "0 kg/s"}
-    assert load_study(changed(histories=[cell])).histories[0].shock == {"N": 1000.0, "f0": 2000.0, "C": 0.0}
+    assert load_study(changed(histories=[cell])).histories[0].shock == {
+        "N": 1000.0,
+        "f0": 2000.0,
+        "C": 0.0,
+    }
     assert load_study(changed(histories=[])).histories == ()
 
 
@@ -282,10 +291,16 @@ def test_durations_stand_for_frequencies():
     log = {"from": "0.1 ms", "to": "10 ms", "points": 21, "spacing": "log"}
     same = {"from": "100 Hz", "to": "10 kHz", "points": 21, "spacing": "log"}
     np.testing.assert_allclose(
-        load_study(with_durations(log)).axes["f0"], load_study(changed(sweep__f0=same)).axes["f0"], rtol=1e-13
+        load_study(with_durations(log)).axes["f0"],
+        load_study(changed(sweep__f0=same)).axes["f0"],
+        rtol=1e-13,
     )
     cell = {"N": 1000, "duration": "0.5 ms", "C": "25 uN*us/um"}
-    assert load_study(changed(histories=[cell])).histories[0].shock == {"N": 1000.0, "f0": 2000.0, "C": 25.0}
+    assert load_study(changed(histories=[cell])).histories[0].shock == {
+        "N": 1000.0,
+        "f0": 2000.0,
+        "C": 25.0,
+    }
 
 
 @pytest.mark.parametrize(

@@ -48,9 +48,13 @@ def test_no_module_that_a_script_loads_is_forgotten(root, scripts):
         assert set(loaded[path.stem]) <= {str(file) for file in code_files(path)}, path.stem
 
 
-def test_every_module_is_the_code_of_some_script_or_of_the_snakefile(root, scripts, workflow_text):
+def test_every_module_is_the_code_of_some_command(root, scripts, workflow_text):
+    """Of a script, of the Snakefile, or of a study that is run by itself."""
     folder = root / "workflow" / "scripts"
     used = {file for path in scripts for file in code_files(path)}
+    for path in (folder / "studies").glob("*.py"):
+        if '__name__ == "__main__"' in path.read_text(encoding="utf-8"):
+            used.update(code_files(path, folder))
     for name in re.findall(r"^from (snapmap\.\S+) import", workflow_text, re.M):
         used.update(code_files(folder.joinpath(*name.split(".")).with_suffix(".py"), folder))
     for path in folder.rglob("*"):

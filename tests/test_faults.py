@@ -10,7 +10,7 @@ import psutil
 import pytest
 import xarray as xr
 import yaml
-from studies import THREE_COSINES
+from small_studies import THREE_COSINES
 
 from snapmap.config.study import load_study
 from snapmap.sweeps.assemble import collect_slabs

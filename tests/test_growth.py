@@ -7,7 +7,7 @@ import pytest
 import yaml
 from hypothesis import assume, given, reject, settings
 from hypothesis import strategies as st
-from studies import THREE_COSINES
+from small_studies import THREE_COSINES
 
 from snapmap.config.study import load_study
 from snapmap.solver.models import build_model

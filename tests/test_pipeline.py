@@ -7,7 +7,7 @@ from contextlib import contextmanager
 import pytest
 import xarray as xr
 import yaml
-from studies import TINY
+from small_studies import TINY
 
 import snapmap
 from snapmap.config.study import load_study

@@ -3,6 +3,9 @@
 import numpy as np
 import pytest
 import write_stability_table
+
+from snapmap.figures.stability import COLOURS, WORDS, exponent
+from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED, UNSNAPPED
 from studies.stability.cases import CASES, MODELS, Case
 from studies.stability.measure import measure
 from studies.stability.verdicts import (
@@ -19,9 +22,6 @@ from studies.stability.verdicts import (
     Runs,
     judge,
 )
-
-from snapmap.figures.stability import COLOURS, WORDS, exponent
-from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED, UNSNAPPED
 
 NAN = np.nan
 SHORT = (

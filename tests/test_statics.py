@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import snapmap
-from snapmap.beam.statics import force_displacement, static_threshold
+from snapmap.beam.equilibria import static_threshold
+from snapmap.beam.statics import force_displacement
 
 
 @pytest.fixture(scope="module")

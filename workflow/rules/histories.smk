@@ -34,7 +34,6 @@ rule draw_history:
         "../envs/snapmap.yaml"
     params:
         code=code("draw_history"),
-        stem="results/figures/history_{cell}",
     message:
         "Draw the history of {wildcards.cell}"
     script:

@@ -21,7 +21,6 @@ rule draw_maps:
         code=code("draw_maps"),
         views=[view._asdict() for view in study.maps],
         together=[view._asdict() for view in together],
-        folder="results/figures",
     message:
         "Draw the maps"
     script:

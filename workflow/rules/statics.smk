@@ -31,7 +31,6 @@ rule draw_statics:
         "../envs/snapmap.yaml"
     params:
         code=code("draw_statics"),
-        stem="results/figures/statics{which}",
     message:
         "Draw the beam's force and energy"
     script:

@@ -52,7 +52,6 @@ rule draw_thresholds:
         code=code("draw_thresholds"),
         views=[view._asdict() for view in study.curves],
         boundary=study.boundary._asdict(),
-        folder="results/figures",
     message:
         "Draw the thresholds"
     script:

@@ -1,5 +1,7 @@
 """Rule draw_history: draw the time history of one cell."""
 
+from pathlib import Path
+
 import xarray as xr
 
 from snapmap.figures import histories, style
@@ -19,5 +21,5 @@ if __name__ == "__main__":
     with job_log(snakemake.log[0]):
         draw_history(
             history_path=snakemake.input.history,
-            stem=snakemake.params.stem,
+            stem=Path(snakemake.output.png).with_suffix(""),
         )

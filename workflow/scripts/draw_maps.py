@@ -1,6 +1,7 @@
 """Rule draw_maps: draw maps over two axes of the cube, or of the thresholds, and some together."""
 
 import math
+from pathlib import Path
 
 import xarray as xr
 
@@ -52,5 +53,5 @@ if __name__ == "__main__":
             threshold_path=snakemake.input.threshold,
             views=snakemake.params.views,
             together=snakemake.params.together,
-            folder=snakemake.params.folder,
+            folder=Path(snakemake.output.png[0]).parent,
         )

@@ -1,5 +1,7 @@
 """Rule draw_statics: draw the force and the energy of a beam that is pushed slowly."""
 
+from pathlib import Path
+
 import xarray as xr
 
 from snapmap.figures import statics, style
@@ -21,5 +23,5 @@ if __name__ == "__main__":
     with job_log(snakemake.log[0]):
         draw_statics(
             statics_path=snakemake.input.statics,
-            stem=snakemake.params.stem,
+            stem=Path(snakemake.output.png).with_suffix(""),
         )

@@ -1,5 +1,7 @@
 """Rule draw_thresholds: draw the thresholds over each axis, and as a damage boundary."""
 
+from pathlib import Path
+
 import xarray as xr
 
 from snapmap.figures import style, thresholds
@@ -29,5 +31,5 @@ if __name__ == "__main__":
             threshold_path=snakemake.input.threshold,
             views=snakemake.params.views,
             boundary=snakemake.params.boundary,
-            folder=snakemake.params.folder,
+            folder=Path(snakemake.output.png[0]).parent,
         )

@@ -1,13 +1,12 @@
 """Rule measure_accuracy: measure the error from each source, and the time of a simulation."""
 
-from studies.accuracy.dataset import summary
-from studies.accuracy.measure import measure
-from studies.accuracy.plans import PLANS
-
 from snapmap.device import device_from
 from snapmap.io.job_log import job_log
 from snapmap.io.netcdf import write
 from snapmap.solver.settings import Settings
+from studies.accuracy.dataset import summary
+from studies.accuracy.measure import measure
+from studies.accuracy.plans import PLANS
 
 
 def measure_accuracy(device, axes, settings, plan, path, threads):

@@ -1,10 +1,9 @@
 """Rule measure_stability: follow the hard cases with every model at many steps."""
 
-from studies.stability.measure import measure
-
 from snapmap.device import device_from
 from snapmap.io.job_log import job_log
 from snapmap.io.netcdf import write
+from studies.stability.measure import measure
 
 
 def measure_stability(device, path, threads):

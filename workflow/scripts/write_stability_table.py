@@ -5,6 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
+
+from snapmap.io.atomic import replacing
+from snapmap.io.job_log import job_log
+from snapmap.solver.outcome import FAILED, LATCHED, NEVER, OUTCOMES, RETURNED, SNAPPED, UNSNAPPED
 from studies.stability.verdicts import (
     CAUGHT,
     LEFT_OUT,
@@ -14,10 +18,6 @@ from studies.stability.verdicts import (
     UNSEEN,
     VERDICTS,
 )
-
-from snapmap.io.atomic import replacing
-from snapmap.io.job_log import job_log
-from snapmap.solver.outcome import FAILED, LATCHED, NEVER, OUTCOMES, RETURNED, SNAPPED, UNSNAPPED
 
 MARKS = {
     SENSITIVE: "*{}*",

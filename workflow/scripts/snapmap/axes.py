@@ -81,10 +81,9 @@ def make_grid(
     columns = zip(varied, places[bool(named) :], strict=True)
     values = {key: points[key][place] for key, place in columns}
     stays = _is_bistable(nominal.beam, values) if skip else np.ones(len(nominal), bool)
-    if not stays.any():
-        raise ValueError("no point of the device's axes has a second stable shape")
-    values = {key: column[stays] for key, column in values.items()}
-    devices = _vary(nominal.pick(stays), values)
+    some = {key: column[stays] for key, column in values.items()}
+    # Where no point has a device, the nominal one stands for the kind of model.
+    devices = _vary(nominal.pick(stays), some) if stays.any() else nominal.pick([0])
     device_of = np.where(stays, np.cumsum(stays) - 1, -1).reshape(shape)
     names = {DEVICE: np.array(list(named))} if named else {}
     ordered = [*varied, *(key for key in SHOCK if key in points)]

@@ -12,7 +12,7 @@ from snapmap import load_device, threshold
 from snapmap.beam.barrier import find_barrier
 from snapmap.beam.cosines import symmetric_cosines
 from snapmap.beam.modal import reduce_to_modes, step_limit
-from snapmap.device import BEAM_VALUES
+from snapmap.device import BEAM_VALUES, batch
 from snapmap.solver.adaptive import choose_survey
 from snapmap.solver.cells import Rows, to_cells
 from snapmap.solver.model import Model
@@ -24,7 +24,7 @@ from .markdown import table
 
 ROOT = Path(__file__).resolve().parents[3]
 OF_BEAM = BEAM_VALUES[:-1]
-OF_DEVICE = ("mass", "spring", "contact", "gravity")
+OF_DEVICE = ("mass", "spring", "contact")
 COSINES = {"name": "cosines", "modes": 5}
 F0, C, TOLERANCE, ELEMENTS = 1500.0, 0.025, 1e-6, 10
 
@@ -46,10 +46,12 @@ def one_percent_more(device):
     changed["damping 4e-4 /us"] = replace(device, beam=replace(beam, damping=4e-4))
     asked = {"f0": [F0], "model": COSINES, "tolerance": TOLERANCE}
     found = threshold(changed, C=[C], **asked).N_first.values.ravel()
-    damped = threshold(device, C=[25.0, 200.0], **asked).N_first.values.ravel()
-    names = [*changed, "C = 25", "C = 200"][1:]
+    heavier = replace(device, gravity=1.01 * device.gravity)
+    others = threshold(heavier, C=[C], **asked), threshold(device, C=[25.0, 200.0], **asked)
+    more = [N for other in others for N in other.N_first.values.ravel()]
+    names = [*changed, "gravity", "C = 25", "C = 200"][1:]
     rows = [["as it is", f"{found[0]:.2f}"]]
-    for name, N in zip(names, [*found[1:], *damped], strict=True):
+    for name, N in zip(names, [*found[1:], *more], strict=True):
         rows.append([name, f"{100 * (N / found[0] - 1):+.3f} %"])
     return table(["1 % more of", "N_first"], rows)
 
@@ -59,7 +61,7 @@ def eigenstrain(device):
     row = Rows(np.array([0]), np.array([F0]), np.array([C]))
     for strain in (0.0, 1e-5, -1e-5, 1e-4, -1e-4):
         model = with_eigenstrain(device, strain)
-        models = choose_survey(model.device, COSINES)._replace(decides=model)
+        models = choose_survey(batch([model.device]), COSINES)._replace(decides=model)
         found = survey(models, row, Settings(), TOLERANCE).N_first[0]
         first = first or found
         rise = model.device.beam.rise / device.beam.rise - 1

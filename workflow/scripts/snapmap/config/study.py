@@ -205,11 +205,14 @@ def _convert(section, formats):
 
 
 def _grid(device, axes, skip):
+    remedy = "write other values" if skip else "write other values, or not_bistable: skip"
     try:
-        return make_grid(device, axes, skip)
+        grid = make_grid(device, axes, skip)
     except ValueError as error:
-        remedy = "write other values, or not_bistable: skip"
-        raise ValueError(f"sweep: {error}; {remedy}" if not skip else f"sweep: {error}") from None
+        raise ValueError(f"sweep: {error}; {remedy}") from None
+    if (grid.device_of < 0).all():
+        raise ValueError(f"sweep: no device has a second stable shape; {remedy}")
+    return grid
 
 
 def _model(section):

@@ -4,7 +4,7 @@
 
 const study = JSON.parse(document.getElementById("data").textContent);
 const { axes } = study;
-const [map, motion] = ["map", "history"].map((id) => document.getElementById(id));
+const [map, motion, room] = ["map", "history", "motion"].map((id) => document.getElementById(id));
 const [X, Y, PULSE] = [study.x, study.y, "f0"].map((key) => axes.findIndex(({ name }) => name === key));
 const strides = axes.map((_, n) => axes.slice(n + 1).reduce((cells, { values }) => cells * values.length, 1));
 const MOVES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
@@ -71,11 +71,12 @@ function trace(name, k) {
 
 function drawHistory() {
   const k = place(at[X], at[Y]);
-  document.getElementById("cell").innerHTML = axes.map((_, n) => say(n, at[n])).reverse().join(", ");
+  const values = axes.map((_, n) => `<span>${say(n, at[n])}</span>`);
+  document.getElementById("cell").innerHTML = values.reverse().join(", ");
   document.getElementById("verdict").innerHTML = `<b>${outcome(k).words}:</b> ${verdict(k)}`;
-  const wasHidden = motion.hidden;
-  motion.hidden = isAbsent(k);
-  if (motion.hidden) return;
+  const wasHidden = room.hidden;
+  room.hidden = isAbsent(k);
+  if (room.hidden) return;
   const starts = Array.from({ length: study.bins }, (_, bin) => (bin * cells.bin_length[k]) / 1e3);
   const middles = starts.map((start) => start + cells.bin_length[k] / 2e3);
   const names = Object.keys(study.packing);

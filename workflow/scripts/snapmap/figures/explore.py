@@ -262,4 +262,6 @@ def _thinning(cube, cells):
         for key in cube.outcome.dims
         if cells.sizes[key] < cube.sizes[key]
     ]
-    return f"Shown are {' and '.join(kept)} of the cube. " if kept else ""
+    *most, last = kept or [""]
+    words = f"{', '.join(most)} and {last}" if most else last
+    return f"Shown are {words} of the cube. " if kept else ""

@@ -55,7 +55,8 @@ def draw_map(
     """
     _draw_panel(ax, cells, x, y, found)
     ax.set_title("\n".join([place_text(cells), style.case(cells.attrs)]).strip())
-    style.legend_below(ax, [*_cell_keys(cells), *_threshold_keys(found)], TITLE, ncols=2)
+    lines = _threshold_keys(found if y == "N" else None)
+    style.legend_below(ax, [*_cell_keys(cells), *lines], TITLE, ncols=2)
     return ax
 
 
@@ -80,7 +81,8 @@ def draw_maps(
     for ax in (ax for row in axes[1:] for ax in row if ax.child_axes):
         ax.child_axes[0].set_visible(False)
     everywhere = [cells for cells, _ in panels]
-    keys = [*_cell_keys(*everywhere), *_threshold_keys(*(found for _, found in panels))]
+    lines = _threshold_keys(*(found if y == "N" else None for _, found in panels))
+    keys = [*_cell_keys(*everywhere), *lines]
     title = "; ".join(filter(None, [TITLE, style.case(everywhere[0].attrs)]))
     figure.legend(handles=keys, title=title, ncols=4, loc="outside lower center")
     return axes

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.ticker import LogLocator, MaxNLocator
 
 from ..axes import DEVICE, SHOCK
 
@@ -73,12 +74,15 @@ def set_scale(ax: Axes, which: str, scale: Scale) -> None:
     if scale.is_counted:
         every = -(-scale.values.size // SEVERAL)
         axis.set_ticks(scale.places[::every], [number(value) for value in scale.values[::every]])
+        axis.set_ticks([], minor=True)
     elif scale.values.size == 1:
         axis.set_ticks(scale.values, [f"{scale.values[0]:.6g}"])
         axis.set_ticks([], minor=True)
-    elif scale.is_log and scale.values[-1] < 10 * scale.values[0]:
+    elif scale.is_log and scale.key != "f0":
+        wide = scale.values[-1] > 3 * scale.values[0]
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5)) if wide else MaxNLocator(5))
         axis.set_major_formatter("{x:g}")
-        axis.set_minor_formatter("{x:g}")
+        axis.set_minor_formatter("")
 
 
 def value_text(key: str, value: float | str) -> str:

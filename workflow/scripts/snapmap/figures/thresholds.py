@@ -26,7 +26,7 @@ DOUBTFUL = 0.01
 DURATION = {"color": "0.6", "linewidth": 0.5, "linestyle": ":", "zorder": 1}
 SHADE = {"color": "0.9", "linewidth": 0, "zorder": 0}
 NOTE = {"fontsize": 6, "textcoords": "offset points"}
-SYMBOLS = r"$C$ in µN µs µm$^{-1}$; $\Delta v$: velocity change, limit of short pulses"
+SYMBOLS = r"$\Delta v$: velocity change, limit of short pulses"
 ROOM = 0.15
 """For words below the lowest threshold, as a share of the height."""
 FAR = 1e9
@@ -72,7 +72,8 @@ def draw_threshold_map(ax: Axes, found: xr.Dataset, x: str, y: str) -> Axes:
     field = ax.pcolormesh(scales[0].edges, scales[1].edges, N, cmap="cividis", edgecolors="face")
     bar = ax.figure.colorbar(field, ax=ax, pad=0.02)
     bar.set_label("lowest $N$ that snaps (multiples of $g$)")
-    if min(N.shape) > 1 and np.isfinite(N).all():
+    counted = any(scale.is_counted for scale in scales)
+    if min(N.shape) > 1 and np.isfinite(N).all() and not counted:
         levels = ax.contour(scales[0].places, scales[1].places, N, colors="white", linewidths=0.7)
         ax.clabel(levels, fmt="%g", fontsize=6)
     relative = (found.N_error / found.N_first).transpose(y, x).values
@@ -83,11 +84,17 @@ def draw_threshold_map(ax: Axes, found: xr.Dataset, x: str, y: str) -> Axes:
         words = f"error bar above {100 * DOUBTFUL:g} %"
         ax.plot(scales[0].places[i], scales[1].places[j], **dots, label=words)
         style.legend_below(ax, ax.get_legend_handles_labels()[0], "", ncols=2)
-    known = relative[np.isfinite(relative)]
-    worst = f"error bars: median {np.median(known):.2%}, largest {known.max():.2%}"
-    lines = [place_text(found), style.case(found.attrs), worst if known.size else ""]
+    lines = [place_text(found), style.case(found.attrs), _sureness(relative)]
     ax.set_title("\n".join(filter(None, lines)))
     return ax
+
+
+def _sureness(relative):
+    """How large the error bars are, as shares of the thresholds."""
+    known = 100 * relative[np.isfinite(relative)]
+    if not known.size:
+        return ""
+    return f"error bars: median {np.median(known):.2g} %, largest {known.max():.2g} %"
 
 
 def draw_damage_boundary(ax: Axes, found: xr.Dataset, lines: str = "C") -> Axes:
@@ -200,7 +207,8 @@ def _label_duration(ax, words, v):
 def _title(found, between):
     """What every curve has in common."""
     place = place_text(found).replace("\n", ", ")
-    return between.join(filter(None, [style.case(found.attrs), place, SYMBOLS]))
+    symbols = f"$C$ in {WORDS['C'][1]}; {SYMBOLS}" if "C" in found.dims else SYMBOLS
+    return between.join(filter(None, [style.case(found.attrs), place, symbols]))
 
 
 def _gap_keys(found):

@@ -72,7 +72,8 @@ def trace(
             alike = cells.some(which)._replace(device=row)
             found = _follow(part, alike, window[which], bins, settings.threads)
             values[..., which], bin_length[which] = found
-    return _dress(grid, cube, dict(zip(VARIABLES, values, strict=True)), bin_length, levels[0])
+    named = dict(zip(VARIABLES, values, strict=True))
+    return _dress(grid, cube, named, bin_length, window, levels[0])
 
 
 def thin(cube: xr.Dataset) -> xr.Dataset:
@@ -133,14 +134,17 @@ def _follow(model, cells, window, bins, threads):
     return values, width * dt
 
 
-def _dress(grid, cube, values, bin_length, model):
+def _dress(grid, cube, values, bin_length, window, model):
     dims, beam = cube.outcome.dims, grid.device.beam
     known = ~np.isin(cube.outcome.values.ravel(), (FAILED, ABSENT))
-    w_reach = _reach(beam, values["w_low"][:, known], values["w_high"][:, known])
+    # Bins reach beyond the window, where a run that was believed may yet blow up.
+    ends = (1 + np.arange(len(values["w_low"]))[:, np.newaxis]) * bin_length
+    known = known & (ends <= window)
+    w_reach = _reach(beam, values["w_low"][known], values["w_high"][known])
     ranges = {
         "w_low": w_reach,
         "w_high": w_reach,
-        "z_mass": _reach(beam, values["z_mass"][:, known]),
+        "z_mass": _reach(beam, values["z_mass"][known]),
         "energy": (0.0, ENERGY_REACH),
         "beam_energy": (0.0, ENERGY_REACH),
     }

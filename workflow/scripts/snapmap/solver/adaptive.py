@@ -162,10 +162,13 @@ def build_adaptive(
 
 
 def _differences(coarser, fine):
-    """Largest relative difference of each rung's thresholds from the finest's, (devices, rungs)."""
+    """Largest relative difference of each rung's thresholds from the finest's, (devices, rungs).
+
+    No less than what the thresholds are refined to.
+    """
     with np.errstate(invalid="ignore"):
         apart = abs(coarser / fine[:, np.newaxis] - 1)
-    return np.max(apart, axis=-1, initial=0.0, where=np.isfinite(apart))
+    return np.max(apart, axis=-1, initial=REFINED, where=np.isfinite(apart))
 
 
 def _thresholds(model, near, reaches, threads):

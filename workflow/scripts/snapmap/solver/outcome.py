@@ -55,7 +55,7 @@ def shares(counts: Mapping[str, int], reproduced: int | None = None) -> dict[str
 
     counts: as from `count`; reproduced: number of cells; those without a device do not count
     """
-    total = sum(counts.values()) - counts.get("absent", 0)
+    total = max(1, sum(counts.values()) - counts.get("absent", 0))
     found = {
         "proven": sum(counts.get(name, 0) for name in ("never", "latched", "returned")),
         "open": sum(counts.get(name, 0) for name in ("unsnapped", "snapped")),
