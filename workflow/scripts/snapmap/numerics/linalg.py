@@ -13,7 +13,7 @@ SWEEPS = 60
 """More than Jacobi's rotations ever need: they converge quadratically."""
 NEGLIGIBLE = 1e-17
 TOGETHER = 512
-"""Matrices turned at a time."""
+"""Matrices at work at a time, as many as fit in the cache."""
 
 
 def multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -41,22 +41,36 @@ def solve(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 def solve_all(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """x of a x = b for several right-hand sides, the columns of b, (..., n, m)."""
-    n = a.shape[-1]
-    shape = np.broadcast_shapes(a.shape[:-2], b.shape[:-2])
-    rows = np.concatenate(
-        [np.broadcast_to(part, (*shape, *part.shape[-2:])) for part in (a, b)], axis=-1
-    )
+    n, m = b.shape[-2:]
+    many = np.broadcast_shapes(a.shape[:-2], b.shape[:-2])
+    whole = [np.broadcast_to(part, (*many, *part.shape[-2:])) for part in (a, b)]
+    last = _matrices_last(np.concatenate(whole, axis=-1))
+    x = np.empty((n, m, last.shape[-1]))
+    for first in range(0, last.shape[-1], TOGETHER):
+        some = slice(first, first + TOGETHER)
+        x[..., some] = _eliminate(np.array(last[..., some], float), n)
+    return np.moveaxis(x, -1, 0).reshape(*many, n, m)
+
+
+def _matrices_last(a):
+    """The axes that count matrices as one, and last: numpy's loops run along it."""
+    return np.moveaxis(a.reshape(-1, *a.shape[-2:]), 0, -1)
+
+
+def _eliminate(rows, n):
+    """Solutions, (n, m, matrices), of equations, (n, n + m, matrices), which are overwritten."""
+    every = np.arange(rows.shape[-1])
     for k in range(n):
-        pivot = k + np.abs(rows[..., k:, k]).argmax(axis=-1)[..., np.newaxis, np.newaxis]
-        chosen = np.take_along_axis(rows, pivot, axis=-2)
-        np.put_along_axis(rows, pivot, rows[..., k : k + 1, :], axis=-2)
-        rows[..., k : k + 1, :] = chosen
-        factors = rows[..., k + 1 :, k, np.newaxis] / chosen[..., k, np.newaxis]
-        rows[..., k + 1 :, :] -= factors * chosen
-    x = rows[..., n:]
+        pivot = k + np.abs(rows[k:, k]).argmax(axis=0)
+        chosen = rows[pivot, :, every].T
+        rows[pivot, :, every] = rows[k].T
+        rows[k] = chosen
+        factors = rows[k + 1 :, k] / chosen[k]
+        rows[k + 1 :, k:] -= factors[:, np.newaxis] * chosen[k:]
+    x = rows[:, n:]
     for k in range(n - 1, -1, -1):
-        x[..., k, :] /= rows[..., k, k, np.newaxis]
-        x[..., :k, :] -= rows[..., :k, k, np.newaxis] * x[..., k, np.newaxis, :]
+        x[k] /= rows[k, k]
+        x[:k] -= rows[:k, k, np.newaxis] * x[k]
     return x
 
 
@@ -104,8 +118,7 @@ def eigenvalues(a: np.ndarray) -> np.ndarray:
 def _rotate(a, keep_vectors=True):
     """Eigenvalues and eigenvectors, the columns, by Jacobi's rotations (Golub & Van Loan, 8.5)."""
     *many, n, _ = a.shape
-    # The matrices last, and as many at a time as fit in the cache: numpy's loops run along them.
-    last = np.moveaxis(np.reshape(a, (-1, n, n)), 0, -1)
+    last = _matrices_last(np.asarray(a))
     values, vectors = np.empty((n, last.shape[-1])), np.empty(last.shape)
     for first in range(0, last.shape[-1], TOGETHER):
         some = slice(first, first + TOGETHER)
