@@ -1,23 +1,20 @@
 """The door: a config document to a `Study` in internal units, or one line for every fault."""
 
-import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import yaml
-from jsonschema import Draft202012Validator, ValidationError, validators
 
 from ..axes import DEVICE, Grid, make_grid
 from ..device import VALUES, Beam, Device, batch
 from ..numerics.portable import geometric, linear
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
+from .schema import name_of, order_of, schema_faults, validator
 from .units import KINDS, read, show
 from .views import View, choose_boundary, choose_curves, choose_maps
-from .yaml_file import ConfigError, read_document, unwieldy_part
+from .yaml_file import ConfigError, read_document
 
 
 class History(NamedTuple):
@@ -87,12 +84,11 @@ _KINDS = {
     **{"spring": "stiffness", "contact": "contact", "C": "damper", "f0": "frequency"},
     **{"duration": "pulse", "N": "number"},
 }
-_LONGEST_KEY = 40
 
 
 def load_study(document: Mapping) -> Study:
     """Check a whole config document and convert it; raises ConfigError naming every fault."""
-    faults = _schema_faults(document)
+    faults = schema_faults(document)
     parts = document if isinstance(document, Mapping) else {}
     device = _devices(parts, faults)
     given = parts.get("sweep")
@@ -142,7 +138,7 @@ def load_device(path: str | Path) -> Device:
     document = read_document(path)
     if "device" not in document:
         raise ConfigError(f"device: missing; write {_wanted('device')}")
-    faults = {at: line for at, line in _schema_faults(document).items() if at[:1] == ("device",)}
+    faults = {at: line for at, line in schema_faults(document).items() if at[:1] == ("device",)}
     device = _part(document, ("device",), faults, _device)
     _refuse(faults)
     return device
@@ -163,7 +159,7 @@ def _part(document, path, faults, convert, *options):
 
 def _refuse(faults):
     if faults:
-        raise ConfigError(*(faults[path] for path in sorted(faults, key=_order)))
+        raise ConfigError(*(faults[path] for path in sorted(faults, key=order_of)))
 
 
 def _devices(document, faults):
@@ -186,11 +182,11 @@ def _devices(document, faults):
 
 
 def _wanted(key):
-    return _validator().schema["properties"][key]["description"]
+    return validator().schema["properties"][key]["description"]
 
 
 def _device(section, name="device"):
-    formats = _validator().schema["$defs"]["device"]["properties"]
+    formats = validator().schema["$defs"]["device"]["properties"]
     try:
         return Device(
             beam=Beam(**_convert(section["beam"], formats["beam"]["properties"])),
@@ -216,7 +212,7 @@ def _grid(device, axes, skip):
 
 
 def _model(section):
-    formats = _validator().schema["properties"]["model"]["properties"]
+    formats = validator().schema["properties"]["model"]["properties"]
     return {
         key: read(value, formats[key]["format"]) if "format" in formats[key] else value
         for key, value in section.items()
@@ -237,7 +233,7 @@ def _pulse_key(section, path, faults):
         key, complaint = "duration", "is one over f0, which is there, too; write one of them"
     else:
         key, complaint = "f0", "missing; write frequencies (1/time), or duration"
-    faults[(*path, key)] = f"{_name((*path, key))}: {complaint}"
+    faults[(*path, key)] = f"{name_of((*path, key))}: {complaint}"
     return "f0"
 
 
@@ -285,11 +281,11 @@ def _view(asked, path, axes):
     used = {key: asked[key] for key in ("x", "y", "lines") if key in asked}
     for key, axis in used.items():
         if axis not in axes:
-            raise ValueError(f"{_name((*path, key))}: {axis} is no axis of this sweep")
+            raise ValueError(f"{name_of((*path, key))}: {axis} is no axis of this sweep")
     if len(set(used.values())) < len(used):
-        raise ValueError(f"{_name(path)}: {' and '.join(used)} are the same axis; write two")
+        raise ValueError(f"{name_of(path)}: {' and '.join(used)} are the same axis; write two")
     for axis, value in asked.get("at", {}).items():
-        name = _name((*path, "at", axis))
+        name = name_of((*path, "at", axis))
         if axis not in axes or axis in used.values():
             raise ValueError(f"{name}: is no axis of this sweep, or one that is drawn")
         if axis == DEVICE:
@@ -340,66 +336,3 @@ def _range(section, key, kind):
     if min(start, stop) <= 0:
         raise ValueError(f"{key}.spacing: log needs from and to above 0; write linear, or a list")
     return geometric(start, stop, points)
-
-
-def _schema_faults(document):
-    """Where the document breaks the schema: {path: line}."""
-    if unwieldy := unwieldy_part(document):
-        path, complaint = unwieldy
-        return {path: f"{_name(path)}: {complaint}"}
-    errors = _validator().iter_errors(document)
-    return {
-        path: f"{_name(path)}: {message}" for error in errors for path, message in _explain(error)
-    }
-
-
-def _explain(error) -> Iterator[tuple[tuple, str]]:
-    path, value, schema = tuple(error.absolute_path), error.instance, error.schema
-    known = schema.get("properties", {})
-    if error.validator == "required":
-        for key in error.validator_value:
-            if key not in value:
-                yield (*path, key), f"missing; write {known[key]['description']}"
-    elif error.validator == "additionalProperties":
-        for key in value:
-            if key not in known:
-                yield (*path, key), f"unknown key; known here are {', '.join(known)}"
-    elif error.validator == "format":
-        yield path, error.message
-    elif "format" not in schema:
-        yield path, f"{show(value)} is not {schema['description']}"
-
-
-def _name(path):
-    """device.beam.span, sweep.f0[2]; the document itself is `config`."""
-    name = ""
-    for key in path:
-        plain = isinstance(key, str) and key.isidentifier() and len(key) <= _LONGEST_KEY
-        name += f".{key}" if plain else f"[{show(key)}]"
-    return name.removeprefix(".") or "config"
-
-
-def _order(path):
-    return [f"{key:07d}" if isinstance(key, int) else str(key) for key in path]
-
-
-@cache
-def _validator():
-    schema = yaml.safe_load(Path(__file__).with_name("schema.yaml").read_text(encoding="utf-8"))
-    types = Draft202012Validator.TYPE_CHECKER.redefine_many(
-        {
-            "object": lambda _, value: isinstance(value, Mapping),
-            "array": lambda _, value: isinstance(value, list | tuple),
-            "integer": lambda _, value: type(value) is int,
-            "number": lambda _, value: type(value) in (int, float) and abs(value) < math.inf,
-        }
-    )
-    strict = validators.extend(Draft202012Validator, {"format": _check_format}, type_checker=types)
-    return strict(schema)
-
-
-def _check_format(validator, kind, value, schema):
-    try:
-        read(value, kind)
-    except ValueError as error:
-        yield ValidationError(str(error))
