@@ -14,6 +14,7 @@ from snapmap.config.study import load_study
 from snapmap.device import VALUES
 from snapmap.solver.outcome import ABSENT
 from snapmap.sweeps.assemble import collect_slabs
+from snapmap.sweeps.grid import follow_rows
 from snapmap.sweeps.partition import slab_name
 from snapmap.sweeps.plan import make_plan
 from snapmap.sweeps.slab import write_slab
@@ -171,6 +172,24 @@ def test_slabs_of_many_axes_make_the_cube_of_one_sweep(tmp_path, monkeypatch):
     assert same(cube, in_one)
     counts = [key for key in in_one.attrs if key.startswith(("cells_", "share_"))]
     assert [cube.attrs[key] for key in counts] == [in_one.attrs[key] for key in counts]
+
+
+def test_an_axis_of_the_device_grows_as_any_other(tmp_path, monkeypatch):
+    followed = []
+
+    def counted(model, rows, N, settings):
+        followed.append(rows.f0.size * len(N))
+        return follow_rows(model, rows, N, settings)
+
+    monkeypatch.setattr("snapmap.sweeps.slab.follow_rows", counted)
+    for thickness in (["1.8 um", "1.9 um"], ["1.8 um", "1.85 um", "1.9 um"]):
+        followed.clear()
+        study = load_study(document(thickness=thickness) | {"model": {"name": "cosines"}})
+        of_study, asked = (study.device, study.model), study.settings.asked()
+        for slab in make_plan(study.grid, study.model, study.settings).slabs:
+            path = tmp_path / f"{slab_name(*of_study, slab, asked)}.nc"
+            write_slab(*of_study, slab, study.settings, path)
+    assert sum(followed) == study.grid.axes["C"].size * 2 * 8
 
 
 def test_default_maps_are_N_over_f0_for_all_else():
