@@ -265,7 +265,7 @@ def in_own_mounts(script, *arguments):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("kilobytes", [100, 220])  # too small for the slabs, or for the cube
+@pytest.mark.parametrize("kilobytes", [100, 190])  # too small for the slabs, or for the cube
 def test_a_full_disk_is_named_and_leaves_no_broken_file(folder, undisturbed, kilobytes):
     results = folder.path / "results"
     results.mkdir()
