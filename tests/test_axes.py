@@ -272,3 +272,46 @@ def test_a_history_may_change_the_device():
     (history,) = load_study(whole).histories
     assert history.name == "N1000_f1000_C30_thickness2"
     assert history.device == varied(load_study(document()).device, thickness=2.0)
+
+
+def test_two_maps_of_the_same_values_are_one():
+    whole = document()
+    whole["maps"] = [{"x": "f0", "y": "N"}, {"x": "f0", "y": "N", "at": {"C": "29 uN*us/um"}}]
+    assert [view.name for view in load_study(whole).maps] == ["map_f0_N_C30"]
+
+
+@pytest.mark.parametrize(
+    ("change", "start"),
+    [
+        (
+            {"contact": {"from": "40 N/m", "to": "hard", "points": 3}},
+            "sweep.contact: hard is no end",
+        ),
+        ({"contact": ["hard", "hard"]}, "sweep.contact: inf uN/um comes twice"),
+        (
+            {
+                "spring": {"from": "3 N/m", "to": "4 N/m", "points": 1000},
+                "mass": {"from": "1 ug", "to": "2 ug", "points": 1000},
+            },
+            "sweep: 1e+06 points of the device's axes, more than 100000",
+        ),
+    ],
+)
+def test_an_axis_that_is_a_slip_is_one_line(change, start):
+    with pytest.raises(ValueError) as fault:
+        load_study(document(**change))
+    assert str(fault.value).startswith(start) and "\n" not in str(fault.value)
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        ({"thickness": "7 um"}, "device.beam.rise: 8 um gives Q"),
+        ({"device": "a"}, "device is for studies of several devices"),
+    ],
+)
+def test_a_history_that_cannot_be_is_named(change, complaint):
+    whole = document()
+    whole["histories"] = [{"N": 1000, "f0": "1 kHz", "C": "1 uN*us/um", **change}]
+    with pytest.raises(ValueError, match=rf"^histories\[0\]: {complaint}"):
+        load_study(whole)

@@ -17,6 +17,9 @@ SHOCK = ("C", "f0", "N")
 DEVICE = "device"
 """The axis of devices that have names."""
 
+MOST_DEVICES = 100_000
+"""More points on the device's axes are taken for a slip."""
+
 COORDINATES = {
     DEVICE: {"long_name": "device"},
     "span": {"long_name": "span of the beam", "units": "um"},
@@ -75,6 +78,9 @@ def make_grid(
         raise ValueError("devices: gravity differs; write one, as N counts multiples of it")
     varied = [key for key in points if key not in SHOCK]
     shape = (*[len(named)] * bool(named), *(points[key].size for key in varied))
+    if math.prod(shape) > MOST_DEVICES:
+        size = f"{math.prod(shape):.3g} points of the device's axes"
+        raise ValueError(f"{size}, more than {MOST_DEVICES}; write fewer")
     places = np.indices(shape).reshape(len(shape), math.prod(shape))
     nominal = batch(list(named.values()) if named else [device])
     nominal = nominal.pick(places[0] if named else np.zeros(places.shape[1], int))

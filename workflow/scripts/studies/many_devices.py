@@ -6,11 +6,13 @@ PYTHONPATH=workflow/scripts ./run python -m studies.many_devices
 from functools import partial
 from itertools import product
 from pathlib import Path
+from time import perf_counter
 
 import numpy as np
 
-from snapmap import load_device
+from snapmap import load_device, threshold
 from snapmap.axes import make_grid
+from snapmap.numerics.portable import linear
 from snapmap.solver.adaptive import choose_model
 from snapmap.solver.outcome import count
 from snapmap.solver.settings import Settings
@@ -20,7 +22,7 @@ from .markdown import number, rate, table
 from .timing import take_turns
 
 ROOT = Path(__file__).resolve().parents[3]
-DEVICES, ROUNDS, THREADS = 10_000, 3, 2
+DEVICES, ROUNDS, THREADS, SIDE = 10_000, 3, 2, 21
 N, SHOCK = 1000.0, {"C": [25.0], "f0": [1500.0]}
 VARIED = np.linspace(0.9, 1.1, DEVICES)
 """Thickness over the nominal one."""
@@ -44,6 +46,19 @@ def main():
         rows.append([name, "yes" if repeat else "no", *_compare(device, model, settings)])
     print(f"{DEVICES} devices with one cell each, and as many cells of one device\n")
     print(table(HEAD, rows))
+    print(f"\n{_threshold_map(device)}")
+
+
+def _threshold_map(device):
+    """Time and error bars of thresholds over thickness and spring, pulses of 1 ms."""
+    axes = {"thickness": linear(1.8, 2.2, SIDE), "spring": linear(4, 7, SIDE)}
+    begin = perf_counter()
+    found = threshold(device, [1000.0], [25.0], threads=THREADS, **axes)
+    seconds, relative = perf_counter() - begin, (found.N_error / found.N_first).values
+    return (
+        f"{SIDE} x {SIDE} thresholds of `auto`: {seconds:.0f} s, error bars "
+        f"{np.median(relative):.3%} (median), {relative.max():.2%} (largest)"
+    )
 
 
 def _compare(device, model, settings):

@@ -242,7 +242,14 @@ def _histories(document, device, faults):
     if cells is None:
         return (_history(HANDOUT_CASE, device, read_values=False),)
     places = (("histories", place) for place in range(len(cells)))
-    return tuple(_part(document, place, faults, _history, device) for place in places)
+    return tuple(_part(document, at, faults, _asked_history, at, device) for at in places)
+
+
+def _asked_history(cell, path, device):
+    try:
+        return _history(cell, device)
+    except ValueError as error:
+        raise ValueError(f"{name_of(path)}: {error}") from None
 
 
 def _history(cell, device, read_values=True):
@@ -251,10 +258,10 @@ def _history(cell, device, read_values=True):
         name = next(iter(device)) if name is None else name
         if name not in device:
             known = ", ".join(device)
-            raise ValueError(f"histories: no device is called {show(name)}; known are {known}")
+            raise ValueError(f"no device is called {show(name)}; known are {known}")
         device = device[name]
     elif name is not None:
-        raise ValueError("histories: device is for studies of several devices; leave it out")
+        raise ValueError("device is for studies of several devices; leave it out")
     values = {key: cell[key] for key in cell if key != DEVICE}
     if read_values:
         values = {key: read(value, _KINDS[key]) for key, value in values.items()}
@@ -316,8 +323,7 @@ def _axis(section, key):
         values = np.array([read(value, kind) for value in section])
     values = np.sort(values)
     before, after = values[:-1], values[1:]
-    near = np.isfinite(after) & (after - before <= 1e-14 * np.abs(after))
-    repeated = after[near | (after == before)]
+    repeated = after[(after == before) | (after * (1 - 1e-14 * np.sign(after)) <= before)]
     if repeated.size:
         value = f"{repeated[0]:.15g} {KINDS[kind].unit}".strip()
         raise ValueError(f"sweep.{key}: {value} comes twice; write every value once")
@@ -328,6 +334,8 @@ def _axis(section, key):
 
 def _range(section, key, kind):
     start, stop, points = read(section["from"], kind), read(section["to"], kind), section["points"]
+    if not np.isfinite([start, stop]).all():
+        raise ValueError(f"{key}: hard is no end of a range; write a list")
     if (points == 1) != (start == stop):
         need = "equal ends" if points == 1 else "from and to that differ"
         raise ValueError(f"{key}.points: {points} needs {need}; write other ends or points")

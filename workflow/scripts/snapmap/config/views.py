@@ -37,7 +37,8 @@ def choose_maps(
     Returns them and one line on what is left out, or nothing.
     """
     if asked is not None:
-        return tuple(_asked_map(grid, nominal, view) for view in asked), ""
+        views = (_asked_view(grid, nominal, "map", v["x"], v["y"], v["at"]) for v in asked)
+        return _once(views), ""
     x, y = _default_plane(grid)
     others = [key for key in grid.axes if key not in (x, y) and not (key == "N" != y)]
     places = list(product(*(range(grid.axes[key].size) for key in others)))
@@ -63,10 +64,8 @@ def side_by_side(maps: Sequence[View]) -> list[View]:
 def choose_curves(grid: Grid, nominal: Device, asked: Sequence[Mapping] | None) -> tuple[View, ...]:
     """Choose figures of thresholds: those asked for, or one over each axis of several values."""
     if asked is not None:
-        return tuple(
-            _asked_view(grid, nominal, "thresholds", view["x"], view["lines"], view["at"])
-            for view in asked
-        )
+        stem = "thresholds"
+        return _once(_asked_view(grid, nominal, stem, v["x"], v["lines"], v["at"]) for v in asked)
     several = _several(grid, without="N")
     over = list(dict.fromkeys(["f0", *(key for key in several if key not in (DEVICE, "C"))]))
     if len(over) > 1 and grid.axes["f0"].size == 1:
@@ -99,8 +98,9 @@ def _several(grid, without):
     return [key for key, values in grid.axes.items() if values.size > 1 and key != without]
 
 
-def _asked_map(grid, nominal, view):
-    return _asked_view(grid, nominal, "map", view["x"], view["y"], view["at"])
+def _once(views):
+    """Each view once: two that are asked for may mean the same values."""
+    return tuple({view.name: view for view in views}.values())
 
 
 def _asked_view(grid, nominal, stem, x, y, given):

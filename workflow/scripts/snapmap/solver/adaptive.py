@@ -97,24 +97,26 @@ class Survey(NamedTuple):
     static: np.ndarray
 
 
-def choose_model(device: Device, model: Mapping, threads: int = 1) -> Follows:
-    """Build a model, given by its name and options, for a device or a batch."""
+def choose_model(
+    device: Device, model: Mapping, threads: int = 1, static: np.ndarray | None = None
+) -> Follows:
+    """Build a model, given by its name and options, for a device or a batch.
+
+    static: threshold of slow pulses, if known; (devices,)
+    """
     options = {key: value for key, value in model.items() if key != "name"}
     if model["name"] != "auto":
         return build_model(device, **model)
     check_options(device, "auto", options)
-    return build_adaptive(device, **options, threads=threads)
+    return build_adaptive(device, **options, threads=threads, static=static)
 
 
 def choose_survey(device: Device, model: Mapping, threads: int = 1) -> Survey:
     """Build what finds the thresholds of a model, given by its name and options, for a batch."""
     static = static_threshold(device)
+    chosen = choose_model(device, model, threads, static)
     if model["name"] == "auto":
-        options = {key: value for key, value in model.items() if key != "name"}
-        check_options(device, "auto", options)
-        levels = build_adaptive(device, **options, threads=threads, static=static)
-        return Survey(levels.base, levels.top, levels.check, static)
-    chosen = build_model(device, **model)
+        return Survey(chosen.base, chosen.top, chosen.check, static)
     levels = build_adaptive(device, threads=threads, static=static)
     return Survey(levels.base, chosen, levels.top, static)
 

@@ -29,6 +29,16 @@ class Request(NamedTuple):
     runtime: int
 
 
+class Cost(NamedTuple):
+    """Expected time of a cell, a product: of its device per us, s, and how long it lasts, us.
+
+    of_device: over the device's axes; of_f0: over the pulse's
+    """
+
+    of_device: np.ndarray
+    of_f0: np.ndarray
+
+
 class Plan(NamedTuple):
     """The slabs of a study, and what the job of each asks for."""
 
@@ -45,8 +55,8 @@ def make_plan(grid: Grid, model: Mapping, settings: Settings, alone: Sequence[fl
     axes = grid.axes
     _check_size(grid)
     dt, per_us = _steps_and_costs(_cheapest(grid.device, model), model["name"])
-    cost = _seconds_of_rows(grid, per_us, settings)
-    total = cost.sum() * axes["N"].size * axes["C"].size
+    cost = _cost(grid, per_us, settings)
+    total = cost.of_device.sum() * cost.of_f0.sum() * axes["N"].size * axes["C"].size
     total += sum(per_us.max() * (1e6 / f0 + settings.horizon) for f0 in alone)
     _check_cost(axes["f0"][0], settings, dt.min(), total)
     # `auto` looks at neighbours along N: they stay together.
@@ -56,7 +66,7 @@ def make_plan(grid: Grid, model: Mapping, settings: Settings, alone: Sequence[fl
     slabs, requests = [], []
     for place in product(*(range(axes[key].size) for key in single)):
         at = dict(zip(single, place, strict=True))
-        rows = cost[at[DEVICE]] if DEVICE in at else cost
+        rows = cost._replace(of_device=cost.of_device[at[DEVICE]]) if DEVICE in at else cost
         for box in _boxes(everything, axes, rows, whole):
             chosen = box | {key: [at[key]] for key in single}
             slabs.append({key: tuple(axes[key][chosen[key]].tolist()) for key in axes})
@@ -69,7 +79,7 @@ def _boxes(box, axes, cost, whole):
 
     The halves are those of a fixed binary tree over all floating-point numbers, so that a grid
     that grows keeps every box without a new value.
-    box: places on each axis; cost: of a row along N, over all other axes that are cut
+    box: places on each axis that is cut; cost: of the cells there
     whole: axes that are not halved
     """
     levels = {key: _level(axes[key][places]) for key, places in box.items() if key not in whole}
@@ -82,8 +92,9 @@ def _boxes(box, axes, cost, whole):
 
 
 def _expected(box, cost):
-    rows = np.ix_(*(box[key] for key in box if key != "N"))
-    return float(cost[rows].sum()) * box["N"].size
+    *of_device, f0, N = box.values()
+    devices = cost.of_device[np.ix_(*of_device)] if of_device else cost.of_device
+    return float(devices.sum() * cost.of_f0[f0].sum()) * N.size
 
 
 def _level(ascending):
@@ -133,11 +144,10 @@ def _steps_and_costs(built, name):
     return dt, seconds
 
 
-def _seconds_of_rows(grid, per_us, settings):
-    """Expected time of one cell, over the device's axes and f0."""
+def _cost(grid, per_us, settings):
     of_device = grid.device_of
     known = np.where(of_device < 0, 0.0, per_us[np.maximum(of_device, 0)])
-    return np.multiply.outer(known, 1e6 / grid.axes["f0"] + settings.horizon)
+    return Cost(known, 1e6 / grid.axes["f0"] + settings.horizon)
 
 
 def _request(box, cost):
