@@ -39,12 +39,15 @@ SAMPLE = 4
     GROSS_WORK,
     SWEPT,
     BEAM_SWEPT,
-) = range(12)
-AXIAL, RESIDUAL, CONTACT, MASS, SPRING, TARGET, BARRIER, SADDLE, BEAM_DAMPING = range(12, 21)
-AMPLITUDE, TURN, KEEP, PUSH, BEAM_KEEP, BEAM_PUSH = range(21, 27)
+    STRETCH,
+    GAP,
+) = range(14)
+AXIAL, RESIDUAL, CONTACT, MASS, SPRING, TARGET, BARRIER, SADDLE, BEAM_DAMPING = range(14, 23)
+AMPLITUDE, TURN, KEEP, PUSH, BEAM_KEEP, BEAM_PUSH, YIELD = range(23, 30)
+FREE_GAP, FREE_Y, RATIO, MEAN, INVERSE, PRESS, ALONG, SHOCK = range(30, 38)
 # Vectors of k rows, from row VECTORS on: the state and scratch; the device's; S, k vectors.
-VECTORS = 27
-P, P_STEP, SCRATCH, STIFFNESS, SLOPE_START, LOAD, MIDPOINT, GEOMETRIC = range(8)
+VECTORS = 38
+P, P_STEP, SCRATCH, FREE, STIFFNESS, SLOPE_START, LOAD, MIDPOINT, GEOMETRIC = range(9)
 
 # No fast maths: NaN stays visible, and a result does not depend on how a call was compiled. What
 # speed needs is written out: fused multiply-adds, and sums in an order that vectorises over lanes.
@@ -150,6 +153,163 @@ def advance(X, shape, steps):
             X[SWEPT * LANES + l] = fma(before + after, before + after, X[SWEPT * LANES + l])
 
 
+@njit(inline="always")
+def release(X, l, modes, first, last, a):
+    """free_i = keep d_i + push (-kappa p - f a)_i, and u_i; returns shares of u.u, e.u, e.p, e.free
+    and u.(d + free)."""
+    uu, eu, ep, ef, ud = 0.0, 0.0, 0.0, 0.0, 0.0
+    for i in range(first, last):
+        u = X[at(SLOPE_START, i, modes, l)]
+        for j in range(modes):
+            u = fma(X[at(GEOMETRIC + i, j, modes, l)], X[at(P, j, modes, l)], u)
+        p, d = X[at(P, i, modes, l)], X[at(P_STEP, i, modes, l)]
+        force = fma(-X[at(STIFFNESS, i, modes, l)], p, -X[at(LOAD, i, modes, l)] * a)
+        free = fma(X[BEAM_KEEP * LANES + l], d, X[BEAM_PUSH * LANES + l] * force)
+        X[at(SCRATCH, i, modes, l)], X[at(FREE, i, modes, l)] = u, free
+        e = X[at(MIDPOINT, i, modes, l)]
+        uu, eu, ep = fma(u, u, uu), fma(e, u, eu), fma(e, p, ep)
+        ef, ud = fma(e, free, ef), fma(u, d + free, ud)
+    return uu, eu, ep, ef, ud
+
+
+@njit(inline="always")
+def press(X, l, modes, first, last, pull, contact):
+    """p+ = p + free - pull u - contact e; returns shares of load.(p+ - p-) and of |p+ - p-|^2."""
+    swept, squared = 0.0, 0.0
+    for i in range(first, last):
+        before = X[at(P_STEP, i, modes, l)]
+        after = fma(-pull, X[at(SCRATCH, i, modes, l)], X[at(FREE, i, modes, l)])
+        after = fma(-contact, X[at(MIDPOINT, i, modes, l)], after)
+        X[at(P_STEP, i, modes, l)] = after
+        X[at(P, i, modes, l)] += after
+        swept = fma(X[at(LOAD, i, modes, l)], before + after, swept)
+        squared = fma(before + after, before + after, squared)
+    return swept, squared
+
+
+@njit(**JIT)
+def advance_conserving(X, shape, steps):
+    """Advance every lane by `steps` steps in which contact and stretch do the work they store.
+
+    At half steps q = p.S p+ + (p + p+).S q0 and x = e.(p + p+)/2 - (y + y+)/2; with u = S p + S q0,
+
+    r = (q+ + q-)/2,  N = -EA/2L r,  P = k (<x+>^2 - <x->^2) / 2 (x+ - x-)
+    p+ - 2 p + p- + alpha dt/2 (p+ - p-) = dt^2 (-kappa p + N u - f a - e P)
+    M (y+ - 2 y + y-) + C dt/2 (y+ - y-) = dt^2 (-M a - K y + P)
+
+    r is linear in P, and x+ in r and P: x+ = F - b P(x+), a quadratic whose root is unique.
+    """
+    widen_vectors()
+    modes = len(shape)
+    cut_1, cut_2, cut_3 = modes // 4, modes // 2, 3 * modes // 4
+    for _ in range(steps):
+        for l in range(LANES):
+            pulse = X[PULSE * LANES + l]
+            left = X[PULSE_LEFT * LANES + l]
+            a = X[AMPLITUDE * LANES + l] * pulse if left > 0.0 else 0.0
+            pulse_step = fma(X[TURN * LANES + l], 1.0 - pulse, X[PULSE_STEP * LANES + l])
+            X[PULSE_STEP * LANES + l] = pulse_step
+            X[PULSE * LANES + l] = pulse + pulse_step
+            X[PULSE_LEFT * LANES + l] = left - 1.0
+            X[SHOCK * LANES + l] = a
+
+            uu_1, eu_1, ep_1, ef_1, ud_1 = release(X, l, modes, 0, cut_1, a)
+            uu_2, eu_2, ep_2, ef_2, ud_2 = release(X, l, modes, cut_1, cut_2, a)
+            uu_3, eu_3, ep_3, ef_3, ud_3 = release(X, l, modes, cut_2, cut_3, a)
+            uu_4, eu_4, ep_4, ef_4, ud_4 = release(X, l, modes, cut_3, modes, a)
+            eu, w = eu_1 + eu_2 + eu_3 + eu_4, ep_1 + ep_2 + ep_3 + ep_4
+            y, y_step = X[Y * LANES + l], X[Y_STEP * LANES + l]
+            pull = fma(-X[MASS * LANES + l], a, -X[SPRING * LANES + l] * y)
+            y_free = fma(X[KEEP * LANES + l], y_step, X[PUSH * LANES + l] * pull)
+
+            c = X[BEAM_PUSH * LANES + l] * X[AXIAL * LANES + l] / 2
+            t = fma(c, uu_1 + uu_2 + uu_3 + uu_4, 1.0)
+            rho = fma(0.5, ud_1 + ud_2 + ud_3 + ud_4, X[STRETCH * LANES + l])
+            half = X[CONTACT * LANES + l] / 2
+            softer = X[BEAM_PUSH * LANES + l] * c * eu * eu / 2
+            stiff = fma(half, fma(X[YIELD * LANES + l], t, -softer), t)
+            inverse = 1.0 / (t * stiff)
+            free = w - y + (ef_1 + ef_2 + ef_3 + ef_4 - y_free) / 2
+            free = fma(-c * eu, rho * (stiff * inverse), free)
+            gap = X[GAP * LANES + l]
+            h = stiff * (stiff * inverse) - 1.0
+            X[FREE_GAP * LANES + l], X[FREE_Y * LANES + l] = free, y_free
+            X[RATIO * LANES + l], X[MEAN * LANES + l] = h, rho
+            X[INVERSE * LANES + l], X[ALONG * LANES + l] = stiff * inverse, eu
+            closed = half * (free + gap) * (t * (t * inverse))
+            X[PRESS * LANES + l] = closed if gap >= 0.0 and free >= h * gap else 0.0
+
+        crossing = 0
+        for l in range(LANES):
+            gap, free = X[GAP * LANES + l], X[FREE_GAP * LANES + l]
+            is_open = gap <= 0.0 and free <= 0.0
+            is_closed = gap >= 0.0 and free >= X[RATIO * LANES + l] * gap
+            crossing += 0 if is_open or is_closed else 1
+        if crossing > 0:
+            for l in range(LANES):
+                m, F, h = X[GAP * LANES + l], X[FREE_GAP * LANES + l], X[RATIO * LANES + l]
+                if (m <= 0.0 and F <= 0.0) or (m >= 0.0 and F >= h * m):
+                    continue
+                if m > 0.0:
+                    x = (F + m - np.sqrt((F - m) ** 2 + 4 * h * m * m)) / 2
+                else:
+                    x = (F + m + np.sqrt((F - m) ** 2 - 4 * h * F * m)) / (2 * (1 + h))
+                X[PRESS * LANES + l] = X[CONTACT * LANES + l] * (F - x) / (2 * h)
+
+        for l in range(LANES):
+            contact, inverse = X[PRESS * LANES + l], X[INVERSE * LANES + l]
+            push, eu = X[BEAM_PUSH * LANES + l], X[ALONG * LANES + l]
+            r = (X[MEAN * LANES + l] - push * eu * contact / 2) * inverse
+            X[STRETCH * LANES + l] = 2 * r - X[STRETCH * LANES + l]
+            b = 2 * X[RATIO * LANES + l] / X[CONTACT * LANES + l]
+            X[GAP * LANES + l] = fma(-b, contact, X[FREE_GAP * LANES + l])
+
+            w = 0.0
+            for i in range(modes):
+                w = fma(X[at(MIDPOINT, i, modes, l)], X[at(P, i, modes, l)], w)
+            w_last = X[W * LANES + l]
+            above = w_last > X[TARGET * LANES + l]
+            w_now = fma(-X[RESIDUAL * LANES + l], contact, w)
+            X[W_BEFORE * LANES + l] = w_last if above else X[W_BEFORE * LANES + l]
+            X[W * LANES + l] = w_now if above else w_last
+            X[COUNT * LANES + l] += 1.0 if above else 0.0
+
+            pull, kick = push * X[AXIAL * LANES + l] * r, push * contact
+            swept_1, squared_1 = press(X, l, modes, 0, cut_1, pull, kick)
+            swept_2, squared_2 = press(X, l, modes, cut_1, cut_2, pull, kick)
+            swept_3, squared_3 = press(X, l, modes, cut_2, cut_3, pull, kick)
+            swept_4, squared_4 = press(X, l, modes, cut_3, modes, pull, kick)
+            swept = swept_1 + swept_2 + swept_3 + swept_4
+            X[BEAM_SWEPT * LANES + l] += squared_1 + squared_2 + squared_3 + squared_4
+            before = X[Y_STEP * LANES + l]
+            after = fma(X[PUSH * LANES + l], contact, X[FREE_Y * LANES + l])
+            X[Y_STEP * LANES + l] = after
+            X[Y * LANES + l] += after
+            work = -X[SHOCK * LANES + l] * fma(X[MASS * LANES + l], before + after, swept)
+            X[WORK * LANES + l] += work
+            X[GROSS_WORK * LANES + l] += abs(work)
+            X[SWEPT * LANES + l] = fma(before + after, before + after, X[SWEPT * LANES + l])
+
+
+@njit(**JIT)
+def conserved_energies(X, shape, l):
+    """Energy of the beam, of the mass on its spring, and of the contact at the last half step."""
+    modes, beam = len(shape), X[AXIAL * LANES + l] * X[STRETCH * LANES + l] ** 2 / 4
+    for i in range(modes):
+        d, p = X[at(P_STEP, i, modes, l)], X[at(P, i, modes, l)]
+        beam += d * d / 2 + X[at(STIFFNESS, i, modes, l)] * p * (p - d) / 2
+    d, y = X[Y_STEP * LANES + l], X[Y * LANES + l]
+    mass = X[MASS * LANES + l] * d * d / 2 + X[SPRING * LANES + l] * y * (y - d) / 2
+    return beam, mass, X[CONTACT * LANES + l] * max(0.0, X[GAP * LANES + l]) ** 2 / 2
+
+
+@njit(**JIT)
+def conserved_residual(X, l, energy, drag):
+    """energy + losses - work of the pulse, times dt^2, up to the last step; drag: C dt."""
+    swept = drag * X[SWEPT * LANES + l] + X[BEAM_DAMPING * LANES + l] * X[BEAM_SWEPT * LANES + l]
+    return energy + swept / 4 - X[WORK * LANES + l] / 2
+
+
 @njit(**JIT)
 def state_size(modes):
     """How much of X, from its start, holds all that a step changes."""
@@ -175,6 +335,10 @@ def fill(X, shape, l, coefficients, damping, amplitude, f0, dt):
     beam_drag = X[BEAM_DAMPING * LANES + l] / 2
     X[BEAM_KEEP * LANES + l] = (1 - beam_drag) / (1 + beam_drag)
     X[BEAM_PUSH * LANES + l] = 1 / (1 + beam_drag)
+    softness = 0.0
+    for i in range(len(shape)):
+        softness += X[at(MIDPOINT, i, len(shape), l)] ** 2
+    X[YIELD * LANES + l] = (X[BEAM_PUSH * LANES + l] * softness + X[PUSH * LANES + l]) / 2
 
 
 @njit(**JIT)
