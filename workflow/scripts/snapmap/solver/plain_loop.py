@@ -179,7 +179,7 @@ def follow(system, amplitude, f0, damping, target, dt, steps, history):
     return t_snap, abs(residual) / gross_work if gross_work > 0 else abs(residual)
 
 
-def march(model, cells, until):
+def march(model, cells, settings):
     """Follow cells; proves nothing: each ends at its snap or the horizon, whatever is asked.
 
     model: a `Model`; cells: `Cells`, each column (cells,)
