@@ -401,10 +401,11 @@ def snap_time(X, l, dt):
 def follow_all(X, shape, conserving, devices, dt, cells, stop_at_snap, tolerance, facts):
     """Follow every cell until its well is proven or t_end is past, refilling each free lane.
 
-    The explicit scheme's energy wobbles with modes near the step limit, and one look may miss it:
-    a proof must hold at two looks after the pulse, by a margin over the largest residual of all of
-    them. A run that ends at its snap is judged by its ledger at the look before. Either scheme's
-    run is believed only if its energy at whole steps closes within GUARD, too.
+    A proof is looked for after the pulse. The explicit scheme's energy wobbles with modes near the
+    step limit, and one look may miss it: there a proof must hold at two, by a margin over the
+    largest residual of all of them; and a run that ends at its snap is judged by its ledger at the
+    look before. Either scheme's run is believed only if its energy at whole steps closes within
+    GUARD, too.
 
     X: work array; devices: (n_devices, coefficients), dt: (n_devices,), us
     conserving: None for the explicit scheme, which the compiler then takes alone
@@ -479,7 +480,9 @@ def follow_all(X, shape, conserving, devices, dt, cells, stop_at_snap, tolerance
                 worst[l] = max(worst[l], abs(residual))
                 found = proven_well(X, l, beam, mass, contact, w, MARGIN * worst[l])
                 ended |= not abs(residual) * scale <= OPENED * tolerance
-            proven = found == found_before[l] and (found == 1 or (found == 2 and snapped))
+            proven = found == 1 or (found == 2 and snapped)
+            if conserving is None:
+                proven &= found == found_before[l]
             found_before[l] = found
             if not ended and not proven:
                 continue
@@ -497,6 +500,8 @@ def follow_all(X, shape, conserving, devices, dt, cells, stop_at_snap, tolerance
 @njit(**JIT)
 def trace_all(X, shape, conserving, devices, dt, cells, w_range, instants):
     """Follow up to LANES cells as `follow_all` does, bit for bit, and keep their motion in bins.
+
+    At instants; the conserving scheme's half way between two, as its energies.
 
     X: zeros; devices: each cell's row of coefficients, with target -inf, so that row W is never
         latched; dt: each cell's, us; conserving: as in `follow_all`
@@ -524,15 +529,18 @@ def trace_all(X, shape, conserving, devices, dt, cells, w_range, instants):
             bin = step // width[l]
             if bin >= bins:
                 continue
-            w = X[W * LANES + l]
+            w, y = X[W * LANES + l], before[Y * LANES + l]
+            if conserving is not None:
+                beam, mass, contact, w = conserved_energies(X, shape, l)
+                force = X[CONTACT * LANES + l] * max(0.0, X[GAP * LANES + l])
+                w -= X[RESIDUAL * LANES + l] * force
+                y += X[Y_STEP * LANES + l] / 2
             w_range[0, bin, l] = min(w_range[0, bin, l], w)
             w_range[1, bin, l] = max(w_range[1, bin, l], w)
             if step == bin * width[l]:
                 if conserving is None:
                     beam, mass, contact, _ = energies(before, X, X, shape, l)
-                else:
-                    beam, mass, contact, _ = conserved_energies(X, shape, l)
-                instants[0, bin, l] = before[Y * LANES + l]
+                instants[0, bin, l] = y
                 instants[1, bin, l] = (beam + mass + contact) / dt[l] ** 2
                 instants[2, bin, l] = beam / dt[l] ** 2
         if conserving is None:

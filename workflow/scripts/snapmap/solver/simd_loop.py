@@ -3,15 +3,19 @@
 import numpy as np
 
 from ..beam.modal import contact_stiffness
-from .record import Form, Motion
+from ..numerics.linalg import dot
+from .record import Form, Motion, at_instants
+from .schemes import CONSERVING, EXPLICIT
 from .simd_kernel import (
     BEAM_SWEPT,
     BLOCK,
+    GAP,
     GEOMETRIC,
     LANES,
     P_STEP,
     SCRATCH,
     STATE,
+    STRETCH,
     SWEPT,
     VECTORS,
     WORK,
@@ -36,7 +40,7 @@ def march(model, cells, settings):
     facts = *(np.empty(n_cells) for _ in range(2)), np.empty(n_cells, np.int8), np.empty(n_cells)
     rows, dt = coefficients(model, snap_target(model.device)), np.atleast_1d(model.dt)
     asked = settings.until == "snap", settings.energy_tolerance
-    X, shape = _work_array(modes), (0,) * modes
+    X, shape = work_array(modes), (0,) * modes
     follow_all(X, shape, _conserving(model), rows, dt, tuple(cells), *asked, facts)
     return facts
 
@@ -50,22 +54,55 @@ def trace(model, device, cells, bins):
     w_range = np.empty((2, bins, n_cells))
     w_range[0], w_range[1] = np.inf, -np.inf
     instants = np.empty((3, bins, n_cells))
-    X, shape, rows = _work_array(model.modes), (0,) * model.modes, coefficients(model, -np.inf)
+    X, shape, rows = work_array(model.modes), (0,) * model.modes, coefficients(model, -np.inf)
     dt = np.atleast_1d(model.dt)[device]
     trace_all(X, shape, _conserving(model), rows[device], dt, cells, w_range, instants)
     return w_range, instants
 
 
 def record(model, amplitude, f0, damping, steps, stride):
-    """Follow one cell as `follow_all` does, bit for bit, and keep every `stride`th instant.
+    """Follow one cell as `follow_all` does, bit for bit, and keep every `stride`th step.
 
     model: of one device; stride: a divisor of BLOCK; returns Motion and Form
     """
     modal, modes, dt = model.modal, model.modes, model.dt
-    X, shape = _work_array(modes), (0,) * modes
+    before, after = _pairs(model, (damping, amplitude, f0), steps, stride)
+    form = Form(
+        np.eye(modes), np.diag(modal.stiffness), *modal[1:3], modal.midpoint, modal.residual
+    )
+    at_half = model.scheme == CONSERVING
+    middle = (before + after) / 2
+    places, moving = (middle, after) if at_half else (before, middle)
+    p, p_step = (VECTORS - STATE + modes * v + np.arange(modes) for v in (P, P_STEP))
+    lost = damping * moving[SWEPT - STATE]
+    lost += model.device.beam.damping * moving[BEAM_SWEPT - STATE]
+    samples = {
+        "time": (np.arange(before.shape[1]) * stride + at_half / 2) * dt,
+        "u": places[p].T,
+        "u_velocity": moving[p_step].T / dt,
+        "y": places[Y - STATE],
+        "y_velocity": moving[Y_STEP - STATE] / dt,
+        "work": moving[WORK - STATE] / (2 * dt**2),
+        "lost": lost / (4 * dt),
+    }
+    if not at_half:
+        return at_instants(model.device, form, **samples), form
+    stored = {
+        "stretch": after[STRETCH - STATE],
+        "overlap": after[GAP - STATE],
+        "bending_energy": dot((modal.stiffness[:, np.newaxis] * before[p]).T, after[p].T) / 2,
+        "spring_energy": model.device.spring * before[Y - STATE] * after[Y - STATE] / 2,
+    }
+    return Motion(**samples, **stored), form
+
+
+def _pairs(model, load, steps, stride):
+    """The state of one cell at every `stride`th instant, and one step on; (rows, samples)."""
+    dt, f0, modes = model.dt, load[-1], model.modes
+    X, shape = work_array(modes), (0,) * modes
     state = slice(STATE * LANES, (VECTORS + SCRATCH * modes) * LANES, LANES)
-    go = advance if model.scheme == "explicit" else advance_conserving
-    fill(X, shape, 0, coefficients(model, -np.inf)[0], damping, amplitude, f0, dt)
+    go = advance if model.scheme == EXPLICIT else advance_conserving
+    fill(X, shape, 0, coefficients(model, -np.inf)[0], *load, dt)
     before, after = [], []
     for step in range(0, steps, stride):
         if step % BLOCK == 0:
@@ -74,23 +111,7 @@ def record(model, amplitude, f0, damping, steps, stride):
         go(X, shape, 1)
         after.append(X[state].copy())
         go(X, shape, stride - 1)
-    before, after = np.array(before), np.array(after)
-    middle = (before + after) / 2
-    vectors = VECTORS - STATE + modes * np.array([P, P_STEP])
-    p, p_step = (slice(first, first + modes) for first in vectors)
-    lost = damping * middle[:, SWEPT - STATE]
-    lost += model.device.beam.damping * middle[:, BEAM_SWEPT - STATE]
-    motion = Motion(
-        time=np.arange(len(before)) * stride * dt,
-        u=before[:, p],
-        u_velocity=middle[:, p_step] / dt,
-        y=before[:, Y - STATE],
-        y_velocity=middle[:, Y_STEP - STATE] / dt,
-        work=middle[:, WORK - STATE] / (2 * dt**2),
-        lost=lost / (4 * dt),
-    )
-    inertia, bending = np.eye(modes), np.diag(modal.stiffness)
-    return motion, Form(inertia, bending, *modal[1:3], modal.midpoint, modal.residual)
+    return np.array(before).T, np.array(after).T
 
 
 def coefficients(model, target):
@@ -112,7 +133,7 @@ def coefficients(model, target):
 
 
 def _conserving(model):
-    return True if model.scheme == "conserving" else None
+    return True if model.scheme == CONSERVING else None
 
 
 def snap_target(device):
@@ -120,7 +141,7 @@ def snap_target(device):
     return device.beam.second_equilibrium - device.beam.rise
 
 
-def _work_array(modes):
+def work_array(modes):
     """Zeros for X, from the start of a cache line, where wide vector loads are fastest."""
     padded = np.zeros((VECTORS + (GEOMETRIC + modes) * modes) * LANES + 8)
     return padded[(-padded.ctypes.data // 8) % 8 :][: padded.size - 8]
