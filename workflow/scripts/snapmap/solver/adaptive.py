@@ -127,9 +127,10 @@ def build_adaptive(
     threads: int = 1,
     static: np.ndarray | None = None,
 ) -> Adaptive:
-    """Choose the rungs for each device by their thresholds; ValueError if none is fine enough.
+    """Choose the rungs for each device by their thresholds.
 
-    tolerance: of the threshold, relative; check is the first rung that keeps it, top the next
+    tolerance: of the threshold, relative; check is the first rung that keeps it, top the next, or
+        the last two, whose errors tell, where none does
     static: threshold of slow pulses, if known; (devices,)
     """
     devices = batch([device]) if np.ndim(device.mass) == 0 else device
@@ -152,12 +153,12 @@ def build_adaptive(
             parts.append((undecided[done], *(model.pick(done) for model in built[-3:-1])))
         undecided, thresholds, seen = undecided[~done], thresholds[~done], seen[~done]
         near = near[~done]
+        built = [model.pick(~done) for model in built]
         if not undecided.size:
             break
-        built = [model.pick(~done) for model in built]
     else:
-        finest = f"{seen[0, -2]:.1g}"
-        raise ValueError(f"model.tolerance: {tolerance:g} is below the finest error here, {finest}")
+        errors[undecided] = seen[:, [0, -1, -1]]
+        parts.append((undecided, *built[-2:]))
     check, top = (mix(devices, [(part[0], part[i]) for part in parts]) for i in (1, 2))
     adaptive = Adaptive(build_model(devices, "cosines", modes=RUNGS[0]), check, top, errors)
     return adaptive if devices is device else adaptive.pick(0)
@@ -166,11 +167,13 @@ def build_adaptive(
 def _differences(coarser, fine):
     """Largest relative difference of each rung's thresholds from the finest's, (devices, rungs).
 
-    No less than what the thresholds are refined to.
+    No less than what the thresholds are refined to; inf where there are none to compare.
     """
     with np.errstate(invalid="ignore"):
         apart = abs(coarser / fine[:, np.newaxis] - 1)
-    return np.max(apart, axis=-1, initial=REFINED, where=np.isfinite(apart))
+    known = np.isfinite(apart)
+    largest = np.max(apart, axis=-1, initial=REFINED, where=known)
+    return np.where(known.any(axis=-1), largest, np.inf)
 
 
 def _thresholds(model, near, reaches, threads):
