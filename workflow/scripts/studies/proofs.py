@@ -20,7 +20,7 @@ from snapmap.solver.simd_loop import trace
 from .markdown import table
 
 ROOT = Path(__file__).resolve().parents[3]
-N, F0 = np.linspace(600, 2400, 24), np.geomspace(100, 3e4, 16)
+N, F0 = np.linspace(600, 2400, 26), np.geomspace(100, 3e4, 16)
 MODELS = {
     "3 cosines": {"name": "cosines", "modes": 3},
     "5 cosines": {"name": "cosines", "modes": 5},

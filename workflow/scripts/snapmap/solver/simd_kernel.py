@@ -403,9 +403,9 @@ def follow_all(X, shape, conserving, devices, dt, cells, stop_at_snap, tolerance
 
     A proof is looked for after the pulse. The explicit scheme's energy wobbles with modes near the
     step limit, and one look may miss it: there a proof must hold at two, by a margin over the
-    largest residual of all of them; and a run that ends at its snap is judged by its ledger at the
-    look before. Either scheme's run is believed only if its energy at whole steps closes within
-    GUARD, too.
+    largest residual of all of them. A run that ends at its snap is judged at the look before. Either
+    scheme's run is believed only if its energy at whole steps closes within GUARD, too: the
+    explicit one's at its very end, as it may have blown up meanwhile.
 
     X: work array; devices: (n_devices, coefficients), dt: (n_devices,), us
     conserving: None for the explicit scheme, which the compiler then takes alone
@@ -466,13 +466,14 @@ def follow_all(X, shape, conserving, devices, dt, cells, stop_at_snap, tolerance
             beam, mass, contact, w = energies(before, after, X, shape, l)
             at_end = ledger_residual(before, after, X, l, beam + mass + contact, drag)
             residual = at_end
-            if conserving is not None:
-                beam, mass, contact, w = conserved_energies(X, shape, l)
-                residual = conserved_residual(X, l, beam + mass + contact, drag)
-            elif snapped and stop_at_snap and steps[l] > BLOCK:
+            if snapped and stop_at_snap and steps[l] > BLOCK:
                 beam, mass, contact, w = energies(last_before, last_after, X, shape, l)
                 energy = beam + mass + contact
                 residual = ledger_residual(last_before, last_after, X, l, energy, drag)
+            if conserving is not None:
+                at_end = residual
+                beam, mass, contact, w = conserved_energies(X, shape, l)
+                residual = conserved_residual(X, l, beam + mass + contact, drag)
             gross_work = X[GROSS_WORK * LANES + l] / 2
             scale = 1 / gross_work if gross_work > 0 else 1.0
             found = 0
