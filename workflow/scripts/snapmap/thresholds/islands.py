@@ -13,6 +13,7 @@ from .transitions import (
     Edges,
     Window,
     around,
+    balance,
     chosen,
     outermost,
     refine_edges,
@@ -27,7 +28,8 @@ BELOW, ABOVE = 0.7, 2.0
 BESIDE, FAR_BESIDE = 1.02, 1.05
 """How far around the changes seen so far is looked closely, in clean and ragged rows."""
 FARTHEST = 0.25
-"""Relative distance up to which another level's threshold is looked for; beyond, N_error is inf."""
+"""Relative distance up to which another level's threshold is looked for; beyond, a row is ragged.
+"""
 
 
 class Thresholds(NamedTuple):
@@ -35,6 +37,9 @@ class Thresholds(NamedTuple):
 
     N_first: the lowest N that snaps
     N_error: of N_first: what the finer levels, half the step and the refinement leave open
+    N_half: N_always less the lengths of the islands: as much snaps below it as does not above
+    half_error: of N_half, likewise
+    ragged: 1 where labels change back and forth, or levels differ by far, else 0
     N_always: the lowest above which every N looked at snaps
     N_pulse: the lowest N that snaps while the pulse lasts
     t_snap: at N_first, us after the pulse's start
@@ -44,6 +49,9 @@ class Thresholds(NamedTuple):
 
     N_first: np.ndarray
     N_error: np.ndarray
+    N_half: np.ndarray
+    half_error: np.ndarray
+    ragged: np.ndarray
     N_always: np.ndarray
     N_pulse: np.ndarray
     t_snap: np.ndarray
@@ -75,14 +83,24 @@ def survey(
     edges, open_end, window, ragged = _decide(ask(decides), window, whole, ragged)
     edges = refine_edges(lambda some: ask(decides, some), edges, tolerance)
     N_first, N_always, islands = stretches(edges, open_end)
+    N_half = np.where(np.isnan(N_always), np.nan, balance(edges, N_first.size))
     if highest is not None:
         N_always = np.where(N_always <= highest, N_always, np.nan)
-    clean = np.where(ragged, np.nan, N_first)
-    near = sum(_distance(ask(m), clean, tolerance) for m in (doubts, decides.with_step(0.5)))
-    far = np.fmax(_difference(ask(doubts), N_first, window, ragged), _spread(edges, N_first))
+    others = doubts, decides.with_step(0.5)
+    near = sum(_distance(ask(m), np.where(ragged, np.nan, N_first), tolerance) for m in others)
+    apart = np.isinf(near)
+    ragged |= apart
+    window = chosen(apart, whole, window)
+    found = [_elsewhere(ask(m), window, ragged) for m in others]
+    first_error = np.fmax(_spread(edges, N_first), _farthest(N_first, [one[0] for one in found]))
+    half_error = _farthest(N_half, [one[1] for one in found])
+    N_error, half_error = (np.where(ragged, far, near) for far in (first_error, half_error))
     return Thresholds(
         N_first,
-        np.where(ragged, far, near) + tolerance * N_first,
+        N_error + tolerance * N_first,
+        N_half,
+        half_error + tolerance * N_half,
+        ragged.astype(np.int8),
         N_always,
         *_pulse(ask, decides, rows.f0, N_first, highest, tolerance),
         np.count_nonzero(np.isfinite(islands[0]), axis=1),
@@ -153,12 +171,22 @@ def _spread(edges, N_first):
     return spread
 
 
-def _difference(ask, N_first, window, ragged):
-    """How far N_first of ragged rows is from the one that another level finds on the same scan."""
-    edges, *_ = scan(ask, window._replace(low=np.where(ragged, window.low, np.nan)))
-    other, _ = outermost(edges.row[edges.rising], edges.high[edges.rising], ragged.size)
-    lost = np.where(np.isnan(N_first), np.nan, np.inf)
-    return np.where(np.isnan(other), lost, abs(N_first - other))
+def _elsewhere(ask, window, ragged):
+    """N_first and N_half of ragged rows as another level sees them on the same scan.
+
+    The end of the window beyond which they lie stands for what is not in it.
+    """
+    edges, begins, _ = scan(ask, window._replace(low=np.where(ragged, window.low, np.nan)))
+    first, _ = outermost(edges.row[edges.rising], edges.high[edges.rising], ragged.size)
+    first = np.where(begins, window.low, np.where(np.isnan(first), window.high, first))
+    quiet = balance(edges, ragged.size) + np.where(begins, window.low, 0.0)
+    ends_quiet = np.bincount(edges.row, 2 * edges.rising - 1.0, ragged.size) + begins < 1
+    return first, quiet + np.where(ends_quiet, window.high, 0.0)
+
+
+def _farthest(N, others):
+    """The largest distance of N from what others found."""
+    return np.max([abs(N - other) for other in others], axis=0)
 
 
 def _distance(ask, N_first, tolerance):

@@ -20,6 +20,19 @@ MULTIPLES = {"units": "1", "comment": "in multiples of g"}
 VARIABLES = {
     "N_first": {"long_name": "lowest amplitude that snaps", **MULTIPLES},
     "N_error": {"long_name": "uncertainty of N_first from space, time and refinement", **MULTIPLES},
+    "N_half": {
+        "long_name": "amplitude below which as much snaps as does not above it",
+        **MULTIPLES,
+    },
+    "half_error": {
+        "long_name": "uncertainty of N_half from space, time and refinement",
+        **MULTIPLES,
+    },
+    "ragged": {
+        "long_name": "whether labels change back and forth, or levels of the model differ by far",
+        "flag_values": np.arange(2, dtype=np.int8),
+        "flag_meanings": "clean ragged",
+    },
     "N_always": {"long_name": "lowest amplitude above which all snap", **MULTIPLES},
     "N_pulse": {"long_name": "lowest amplitude that snaps while the pulse lasts", **MULTIPLES},
     "t_snap": {
