@@ -403,9 +403,9 @@ def follow_all(X, shape, conserving, devices, dt, cells, stop_at_snap, tolerance
 
     A proof is looked for after the pulse. The explicit scheme's energy wobbles with modes near the
     step limit, and one look may miss it: there a proof must hold at two, by a margin over the
-    largest residual of all of them. A run that ends at its snap is judged at the look before. Either
-    scheme's run is believed only if its energy at whole steps closes within GUARD, too: the
-    explicit one's at its very end, as it may have blown up meanwhile.
+    largest residual of all of them. A run that ends at its snap is judged at the look before. Of
+    either scheme a run is believed only if its energy at whole steps closes within GUARD, too: an
+    explicit one at its very end, as it may have blown up meanwhile.
 
     X: work array; devices: (n_devices, coefficients), dt: (n_devices,), us
     conserving: None for the explicit scheme, which the compiler then takes alone
@@ -463,17 +463,17 @@ def follow_all(X, shape, conserving, devices, dt, cells, stop_at_snap, tolerance
             if in_pulse and not ended:
                 continue
 
-            beam, mass, contact, w = energies(before, after, X, shape, l)
-            at_end = ledger_residual(before, after, X, l, beam + mass + contact, drag)
-            residual = at_end
-            if snapped and stop_at_snap and steps[l] > BLOCK:
+            at_snap = snapped and stop_at_snap and steps[l] > BLOCK
+            if conserving is not None:
+                beam, mass, contact, w = conserved_energies(X, shape, l)
+                residual = conserved_residual(X, l, beam + mass + contact, drag)
+            elif at_snap:
                 beam, mass, contact, w = energies(last_before, last_after, X, shape, l)
                 energy = beam + mass + contact
                 residual = ledger_residual(last_before, last_after, X, l, energy, drag)
-            if conserving is not None:
-                at_end = residual
-                beam, mass, contact, w = conserved_energies(X, shape, l)
-                residual = conserved_residual(X, l, beam + mass + contact, drag)
+            else:
+                beam, mass, contact, w = energies(before, after, X, shape, l)
+                residual = ledger_residual(before, after, X, l, beam + mass + contact, drag)
             gross_work = X[GROSS_WORK * LANES + l] / 2
             scale = 1 / gross_work if gross_work > 0 else 1.0
             found = 0
@@ -487,8 +487,15 @@ def follow_all(X, shape, conserving, devices, dt, cells, stop_at_snap, tolerance
             found_before[l] = found
             if not ended and not proven:
                 continue
-            if not abs(at_end) * scale <= GUARD:
-                residual = at_end
+            if at_snap and conserving is not None:
+                beam, mass, contact, w = energies(last_before, last_after, X, shape, l)
+                energy = beam + mass + contact
+                guarded = ledger_residual(last_before, last_after, X, l, energy, drag)
+            else:
+                beam, mass, contact, w = energies(before, after, X, shape, l)
+                guarded = ledger_residual(before, after, X, l, beam + mass + contact, drag)
+            if not abs(guarded) * scale <= GUARD:
+                residual = guarded
             energy_error[cell] = abs(residual) * scale
             t_snap[cell] = snap_time(X, l, step) if snapped else np.nan
             t_settled[cell] = (steps[l] - 1) * step if proven else np.nan
