@@ -105,6 +105,6 @@ def stretches(edges: Edges, open_end: np.ndarray) -> tuple[np.ndarray, np.ndarra
 def balance(edges: Edges, n_rows: int) -> np.ndarray:
     """Sum of the rising less that of the falling edges, (n_rows,).
 
-    Of a row that begins quiet and ends snapping that is where as much snaps below as does not above.
+    Of a row that begins quiet and ends snapping: where as much snaps below as does not above.
     """
     return np.bincount(edges.row, np.where(edges.rising, edges.high, -edges.high), n_rows)
