@@ -245,10 +245,8 @@ def advance_conserving(X, shape, steps):
                     continue
                 m, F, b = X[GAP * LANES + l], X[GAP_FREE * LANES + l], X[GAP_GIVE * LANES + l]
                 h = X[HALF_CONTACT * LANES + l] * b
-                if m > 0.0:
-                    x = (F + m - np.sqrt((F - m) ** 2 + 4 * h * m * m)) / 2
-                else:
-                    x = (F + m + np.sqrt((F - m) ** 2 - 4 * h * F * m)) / (2 * (1 + h))
+                root = np.sqrt((F - m) ** 2 + 4 * h * m * (m if m > 0.0 else -F))
+                x = (F + m - root) / 2 if m > 0.0 else (F + m + root) / (2 * (1 + h))
                 X[PRESS * LANES + l] = (F - x) / b
 
         for l in range(LANES):
