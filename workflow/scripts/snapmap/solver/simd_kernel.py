@@ -147,6 +147,14 @@ def advance(X, shape, steps):
 
 @njit(inline="always")
 def release(X, l, modes, first, last, a, sums):
+    """`release_some`, its modes cut in two once more."""
+    middle = (first + last) // 2
+    sums = release_some(X, l, modes, first, middle, a, sums)
+    return release_some(X, l, modes, middle, last, a, sums)
+
+
+@njit(inline="always")
+def release_some(X, l, modes, first, last, a, sums):
     """free_i = keep d_i + push (-kappa p - f a)_i and u_i = (S p + S q0)_i, d = p - p-.
 
     sums: u.u, e.u, e.p, e.free and u.(d + free) so far; returned with their shares added
