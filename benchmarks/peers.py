@@ -7,7 +7,7 @@ from workload import Follow
 from snapmap.beam.modal import ModalBeam
 from snapmap.device import Device
 from snapmap.solver.cells import Cells
-from snapmap.solver.simd_kernel import snap_target
+from snapmap.solver.simd_loop import snap_target
 
 TOLERANCE = 1e-6
 TOUCH = 1e-7

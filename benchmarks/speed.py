@@ -80,7 +80,7 @@ def _kernel(name, model, cells, runs, peak):
     proven, first = runs[name, "proven"].seconds, runs[name, "pass"]
     steps = count_steps(model, cells, first.result.t_snap)
     repeated = int((~(first.result.energy_error <= SETTINGS.energy_tolerance)).sum())
-    flops = step_flops(model.modes) * steps / first.seconds
+    flops = step_flops(model) * steps / first.seconds
     lanes = name != REFERENCE
     return [
         rate(cells.f0.size, proven) if lanes else DASH,

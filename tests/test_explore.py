@@ -20,6 +20,7 @@ from snapmap.motion import envelopes
 from snapmap.solver.adaptive import Adaptive
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import ABSENT, OUTCOMES
+from snapmap.solver.schemes import EXPLICIT, SCHEMES
 from snapmap.solver.settings import Settings
 from snapmap.solver.simd_kernel import SAMPLE
 
@@ -50,10 +51,10 @@ def traced(packed):
 
 
 def history_of(device, cell):
-    """The cell's history at the instants that a trace looks at, and the time between two."""
+    """The cell's history at the steps that a trace looks at, and the time between two looks."""
     run = snapmap.simulate(device, **cell, model="cosines", modes=3, horizon=SETTINGS.horizon)
     dt = build_model(device, "cosines", modes=3).dt
-    assert float(run.time[1]) == pytest.approx(dt), "the history leaves out instants"
+    assert float(run.time[1] - run.time[0]) == pytest.approx(dt), "the history leaves out steps"
     return run.isel(time=slice(None, None, SAMPLE)), SAMPLE * dt
 
 
@@ -80,13 +81,20 @@ def test_traces_are_the_history(handout, packed, traced, N, f0, C):
     assert (cell.beam_energy <= cell.energy).all()
 
 
-def test_traces_are_the_sweeps_runs(handout):
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_traces_are_the_sweeps_runs(handout, scheme):
     """They snap when the cube says; also where the sweep halved the step."""
-    cube = swept(handout, N=np.linspace(600, 2400, 12), f0=np.geomspace(100, 3e4, 12))
-    packed = envelopes.trace(handout, cube, MODEL, SETTINGS)
+    N, f0, model = (
+        np.linspace(600, 2400, 12),
+        np.geomspace(100, 3e4, 12),
+        MODEL | {"scheme": scheme},
+    )
+    cube = swept(handout, N=N, f0=f0, scheme=scheme)
+    packed = envelopes.trace(handout, cube, model, SETTINGS)
     traced, one = xr.decode_cf(packed), packed.w_low.attrs["scale_factor"]
-    looks = traced.bin_length / (SAMPLE * build_model(handout, **MODEL).dt)
-    assert (abs(looks - looks.round()) > 0.1).any(), "no step was halved"
+    looks = traced.bin_length / (SAMPLE * build_model(handout, **model).dt)
+    halved = abs(looks - looks.round()) > 0.1
+    assert halved.any() == (scheme == EXPLICIT), "what is tested is not there"
 
     snapped, w_2 = cube.t_snap.notnull(), handout.beam.second_equilibrium
     assert ((traced.w_low <= w_2).any("bin") == snapped).all()
@@ -130,13 +138,16 @@ def test_a_large_grid_is_thinned_by_whole_strides(cube):
     assert envelopes.thin(cube).sizes == cube.sizes
 
 
-def test_a_failed_cell_has_no_trace_and_spoils_no_range(handout, packed):
-    failed = swept(handout, N=[800.0, 2200.0, 1e30], f0=[1000.0], C=[0.025])
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_a_failed_cell_spoils_no_range(handout, packed, scheme):
+    """What blew up has no trace; the conserving scheme stays finite, and is wrong."""
+    failed = swept(handout, N=[800.0, 2200.0, 1e30], f0=[1000.0], C=[0.025], scheme=scheme)
     assert failed.outcome.values.ravel()[-1] == OUTCOMES.index("failed")
-    found = envelopes.trace(handout, failed, MODEL, SETTINGS)
+    found = envelopes.trace(handout, failed, MODEL | {"scheme": scheme}, SETTINGS)
     assert found.w_low.attrs["scale_factor"] <= packed.w_low.attrs["scale_factor"]
     last = xr.decode_cf(found).isel(N=-1)
-    assert last.energy.isnull().any() and not last.isel(bin=0).energy.isnull()
+    assert not last.isel(bin=0).energy.isnull()
+    assert last.energy.isnull().any() == (scheme == EXPLICIT)
 
 
 def test_an_adaptive_cell_is_traced_by_the_level_that_decided(handout, cube, monkeypatch):

@@ -9,7 +9,7 @@ from numba.core.codegen import get_host_cpu_features
 
 import snapmap
 from snapmap.device import batch
-from snapmap.solver import simd_kernel
+from snapmap.solver import simd_kernel, simd_loop
 from snapmap.solver.cells import to_cells
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import FAILED, NEVER, label
@@ -128,12 +128,12 @@ def test_lanes_with_different_devices_give_what_each_gives_alone(handout):
     model = dataclasses.replace(model, dt=np.full(3, 0.05))
     device_of = np.arange(75) % 3
     cells = to_cells(model.device, device_of, np.linspace(700, 1900, 75), 1500.0, 5.0, 300.0)
-    mixed = simd_kernel.march(model, cells.some(np.arange(75)), "settled")
+    mixed = simd_loop.march(model, cells.some(np.arange(75)), Settings())
     for number, device in enumerate(others):
         mine = device_of == number
         single = dataclasses.replace(build_model(device, "cosines", modes=4), dt=0.05)
         own = cells.some(mine)._replace(device=np.zeros(mine.sum(), int))
-        for together, alone in zip(mixed, simd_kernel.march(single, own, "settled"), strict=True):
+        for together, alone in zip(mixed, simd_loop.march(single, own, Settings()), strict=True):
             np.testing.assert_array_equal(together[mine], alone)
     assert np.isfinite(mixed[0]).any() and np.isnan(mixed[0]).any()
 
@@ -177,7 +177,8 @@ def test_a_failed_ledger_is_given_smaller_steps(handout):
 @pytest.mark.skipif("+avx512f" not in get_host_cpu_features(), reason="no vectors of 512 bits")
 def test_kernels_take_the_widest_vectors_and_leave_other_functions_alone():
     """LLVM by itself stops at 256 bits on some processors that have more."""
-    kernel = numba.njit(error_model="numpy")(simd_kernel.advance.py_func)
-    kernel(simd_kernel._work_array(2), (0, 0), 1)
-    assert "zmm" in "".join(kernel.inspect_asm().values())
+    for advance in (simd_kernel.advance, simd_kernel.advance_conserving):
+        kernel = numba.njit(error_model="numpy")(advance.py_func)
+        kernel(simd_loop.work_array(2), (0, 0), 1)
+        assert "zmm" in "".join(kernel.inspect_asm().values())
     assert (numba.config.CPU_NAME, numba.config.CPU_FEATURES) == (None, None)

@@ -7,15 +7,16 @@ from numba import njit
 
 from snapmap.numerics.arithmetic import widen_vectors
 from snapmap.solver.model import Model
+from snapmap.solver.schemes import EXPLICIT
 from snapmap.solver.simd_kernel import (
     BLOCK,
     LANES,
-    _work_array,
     advance,
-    coefficients,
+    advance_conserving,
     fill,
     restart_pulse,
 )
+from snapmap.solver.simd_loop import coefficients, work_array
 
 from .timing import take_turns
 
@@ -60,27 +61,32 @@ def vector_bits() -> int:
     return max(widths[name] for name in re.findall(r"vfmadd\w+\s.*%([xyz])mm", code) or "x")
 
 
-def step_flops(modes: int) -> int:
-    """Additions and multiplications of one lane-step of `advance`, with k modes.
+def step_flops(model: Model) -> int:
+    """Additions and multiplications of one lane-step of a model with k modes.
 
-    pulse 6, S p + S q0 and its share of N k (2 k + 3) + 4, w 2 k, contact 2, latch 3,
-    p 16 k + 7, y 8, ledger 8: together 2 k^2 + 21 k + 38. What is written twice, such as
-    before + after, counts once; comparisons and signs count nothing.
+    explicit: pulse 6, S p + S q0 and its share of N k (2 k + 3) + 4, w 2 k, contact 2, latch 3,
+    p 16 k + 7, y 8, ledger 8: together 2 k^2 + 21 k + 38.
+    conserving: pulse 6, u, free and five sums k (2 k + 17), y 9, the overlap without a force 20,
+    the force 9, r and q 7, gap 2, latch 3, p 10 k + 3, ledger 8: together 2 k^2 + 27 k + 67. The
+    division counts as one; lanes in which a contact opens or closes take some 20 more.
+    What is written twice, such as before + after, counts once; comparisons and signs count nothing.
     """
-    return 2 * modes**2 + 21 * modes + 38
+    k = model.modes
+    return 2 * k**2 + (21 * k + 38 if model.scheme == EXPLICIT else 27 * k + 67)
 
 
 def block_seconds(model: Model, steps: int = 50 * BLOCK) -> float:
-    """Time of `advance` alone per lane-step, all lanes full, s."""
+    """Time of the steps alone per lane-step, all lanes full, s."""
     X, shape = _filled(model)
-    advance(X, shape, 1)
-    runs = take_turns({"all": lambda: advance(X, shape, steps)}, ROUNDS)
+    go = advance if model.scheme == EXPLICIT else advance_conserving
+    go(X, shape, 1)
+    runs = take_turns({"all": lambda: go(X, shape, steps)}, ROUNDS)
     return runs["all"].seconds / (steps * LANES)
 
 
 def _filled(model):
     modes, f0 = model.modes, 1500e-6
-    X, shape = _work_array(modes), (0,) * modes
+    X, shape = work_array(modes), (0,) * modes
     row = coefficients(model, target=-np.inf)[0]
     for l in range(LANES):
         fill(X, shape, l, row, 0.025, 900 * model.device.gravity, f0, model.dt)

@@ -11,12 +11,13 @@ import numpy as np
 from snapmap import load_device, threshold
 from snapmap.beam.barrier import find_barrier
 from snapmap.beam.cosines import symmetric_cosines
-from snapmap.beam.modal import reduce_to_modes, step_limit
+from snapmap.beam.modal import reduce_to_modes
 from snapmap.device import BEAM_VALUES, batch
 from snapmap.solver.adaptive import choose_survey
 from snapmap.solver.cells import Rows, to_cells
 from snapmap.solver.model import Model
 from snapmap.solver.models import build_model, simd
+from snapmap.solver.schemes import CONSERVING, default_step
 from snapmap.solver.settings import Settings
 from snapmap.thresholds.islands import survey
 
@@ -85,9 +86,9 @@ def with_eigenstrain(device, strain):
     )
     strained = replace(device, beam=replace(beam, rise=scale * beam.rise))
     modal = reduce_to_modes(strained.beam, basis, 5)
-    dt = 0.5 * step_limit(strained, modal)
+    dt = default_step(strained, modal, CONSERVING, whole=False)
     barrier = find_barrier(strained.beam, basis, 5)
-    return Model("cosines", simd, strained, basis, modal, barrier, dt)
+    return Model("cosines", CONSERVING, simd, strained, basis, modal, barrier, dt)
 
 
 def stresses(device):

@@ -84,7 +84,7 @@ def _measure(bits):
         "peak": peak_flops(),
         "bits": vector_bits(),
         "seconds": {name: block_seconds(model) for name, model in models.items()},
-        "flops": {name: step_flops(model.modes) for name, model in models.items()},
+        "flops": {name: step_flops(model) for name, model in models.items()},
     }
 
 

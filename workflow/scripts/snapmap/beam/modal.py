@@ -7,11 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..device import Beam, Device, Value
-from ..numerics.linalg import apply, dot, eigenvalues, eigh, multiply, solve
+from ..numerics.linalg import apply, dot, eigh, multiply, solve
 from .basis import Basis
-
-# ASSUME: no run bends the beam further than this multiple of its start; see docs/stability.md.
-TENSION_REACH = 1.25
 
 
 class ModalBeam(NamedTuple):
@@ -82,28 +79,9 @@ def contact_stiffness(device: Device, residual: Value) -> Value:
         return 1 / (1 / np.asarray(device.contact, float) + residual)
 
 
-def step_limit(device: Device, modal: ModalBeam) -> Value:
-    """Largest stable step 2/omega_max, us, of the stiffest state that a run is expected to meet.
-
-    The tangent stiffness kappa + T S + EA/L (S q)(S q)^T + contact, with q the start or its mirror
-    image, TENSION_REACH times as far, and T the tension there.
-    """
-    slope, identity = TENSION_REACH * modal.slope_start, np.eye(modal.load.shape[-1])
-    stretch = dot(modal.slope_start, solve(modal.geometric, modal.slope_start))
-    tension = modal.axial * (TENSION_REACH * TENSION_REACH - 1) * stretch
-    tangent = modal.stiffness[..., np.newaxis] * identity + _column(tension, 2) * modal.geometric
-    tangent += _column(2 * modal.axial, 2) * _outer(slope)
-    tangent += _column(contact_stiffness(device, modal.residual), 2) * _outer(modal.midpoint)
-    return 2 / np.sqrt(eigenvalues(tangent)[..., -1])
-
-
 def _column(values, more):
     """Values with so many more axes at the end."""
     return np.reshape(values, (*np.shape(values), *[1] * more))
-
-
-def _outer(vector):
-    return vector[..., :, np.newaxis] * vector[..., np.newaxis, :]
 
 
 def _residual_flexibility(basis, modal):

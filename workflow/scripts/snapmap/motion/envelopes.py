@@ -12,7 +12,7 @@ from ..axes import DEVICE, Grid, coordinates, make_grid
 from ..beam.barrier import Barrier
 from ..device import Device
 from ..io.provenance import provenance
-from ..solver import simd_kernel
+from ..solver import simd_loop
 from ..solver.adaptive import choose_model
 from ..solver.cells import rows_of, to_cells
 from ..solver.outcome import ABSENT, FAILED
@@ -125,7 +125,7 @@ def _follow(model, cells, window, bins, threads):
 
     def follow(some):
         loads = *(column[some] for column in cells[1:4]), width[some]
-        w_range, instants = simd_kernel.trace(model, cells.device[some], loads, bins)
+        w_range, instants = simd_loop.trace(model, cells.device[some], loads, bins)
         values[:3, :, some] = rise[some] + np.concatenate([w_range, instants[:1]])
         values[3:, :, some] = instants[1:] / barrier[some]
 

@@ -95,22 +95,19 @@ def _sampling(t_end, dt):
 
 def _observe(device, form, motion):
     """Deflections, forces and energies from the coordinates."""
-    u, velocity = motion.u, motion.u_velocity
-    w = dot(u, form.midpoint)
-    overlap = w - motion.y
+    velocity = motion.u_velocity
     stiffness = contact_stiffness(device, form.residual)
-    contact = stiffness * np.maximum(0.0, overlap)
-    stretch = dot(u, multiply(u, form.geometric) + 2 * form.slope_start)
-    axial_force = -device.beam.axial_stiffness * stretch
+    contact = stiffness * np.maximum(0.0, motion.overlap)
+    axial_force = -device.beam.axial_stiffness * motion.stretch
     kinetic = dot(velocity, multiply(velocity, form.inertia)) / 2
     return {
-        "w_mid": device.beam.rise + w - form.residual * contact,
+        "w_mid": device.beam.rise + dot(motion.u, form.midpoint) - form.residual * contact,
         "z_mass": device.beam.rise + motion.y,
         "contact_force": contact,
         "axial_force": axial_force,
         "kinetic_energy": kinetic + device.mass * motion.y_velocity**2 / 2,
-        "spring_energy": device.spring * motion.y**2 / 2,
-        "bending_energy": dot(u, multiply(u, form.bending)) / 2,
+        "spring_energy": motion.spring_energy,
+        "bending_energy": motion.bending_energy,
         "axial_energy": axial_force**2 / (4 * device.beam.axial_stiffness),
         "contact_energy": contact**2 / (2 * stiffness),
     }

@@ -31,6 +31,11 @@ def dot(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     return sum(x[..., k] * y[..., k] for k in range(x.shape[-1]))
 
 
+def outer(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """x y^T, (..., n, m), of vectors, (..., n) and (..., m)."""
+    return x[..., :, np.newaxis] * y[..., np.newaxis, :]
+
+
 def solve(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """x of a x = b, (..., n), for a, (..., n, n), and b, (..., n); Gauss with partial pivoting.
 

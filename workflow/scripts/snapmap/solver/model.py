@@ -48,7 +48,7 @@ class Follows(Protocol):
 class Loop(Protocol):
     """A module with a time loop."""
 
-    def march(self, model: "Model", cells: Cells, until: str) -> tuple[np.ndarray, ...]:
+    def march(self, model: "Model", cells: Cells, settings: Settings) -> tuple[np.ndarray, ...]:
         """t_snap, t_settled, well and energy_error of cells, (cells,)."""
 
     def record(
@@ -61,6 +61,7 @@ class Loop(Protocol):
 class Model:
     """A device or a batch, its beam discretised.
 
+    scheme: one of SCHEMES
     loop: imports the time loop when a run begins, as a plan needs no compiler
     basis, modal: its matrices, and their reduced form
     barrier: between the two shapes of that form
@@ -68,6 +69,7 @@ class Model:
     """
 
     name: str
+    scheme: str
     loop: Callable[[], Loop]
     device: Device
     basis: Basis
@@ -108,7 +110,7 @@ class Model:
         """Follow every cell as the settings ask; cells of any shape.
 
         A cell whose ledger does not close is followed again with half the step, up to HALVINGS
-        times: hard impacts ask for less than the stability limit does.
+        times.
         """
         flat, model = Cells(*(np.ravel(column) for column in cells)), self
         seen = model.follow_once(flat, settings)
@@ -130,7 +132,7 @@ class Model:
 
         def follow_share(first):
             share = order[first :: settings.threads]
-            found = self.loop().march(self, cells.some(share), settings.until)
+            found = self.loop().march(self, cells.some(share), settings)
             for whole, part in zip(seen[:4], found, strict=True):
                 whole[share] = part
 

@@ -7,17 +7,18 @@ import numpy as np
 from ..beam.barrier import find_barrier
 from ..beam.cosines import symmetric_cosines
 from ..beam.elements import hermite_elements
-from ..beam.modal import contact_stiffness, reduce_to_modes, step_limit
+from ..beam.modal import contact_stiffness, reduce_to_modes
 from ..device import Device
 from .model import Follows, Loop, Model, mix
+from .schemes import CONSERVING, EXPLICIT, SCHEMES, default_step, pays_explicit, stability_limit
 from .settings import check_number
 
 ELEMENT_OPTIONS = ("elements", "mass_matrix", "step")
 OPTIONS = {
     "reference": ELEMENT_OPTIONS,
-    "handout": ELEMENT_OPTIONS,
-    "elements": (*ELEMENT_OPTIONS, "modes"),
-    "cosines": ("cosines", "modes", "step"),
+    "handout": (*ELEMENT_OPTIONS, "scheme"),
+    "elements": (*ELEMENT_OPTIONS, "scheme", "modes"),
+    "cosines": ("cosines", "modes", "scheme", "step"),
     "auto": ("tolerance",),
 }
 
@@ -27,9 +28,9 @@ RUNGS = (3, 5, 7, 10, 14, 18)
 
 def simd() -> Loop:
     """The SIMD kernel."""
-    from . import simd_kernel
+    from . import simd_loop
 
-    return simd_kernel
+    return simd_loop
 
 
 def plain() -> Loop:
@@ -43,20 +44,35 @@ def build_model(device: Device, name: str = "handout", **options) -> Follows:
     """Discretise the beams of a device or a batch; a ValueError names an option that cannot be.
 
     elements (of the half beam), mass_matrix ("consistent", "hrz"), cosines, modes (kept)
+    scheme ("explicit", "conserving"), by default the one that is faster for a device
     step: fraction of the stability limit, above 0 and up to 1
     """
     check_options(device, name, options)
-    hard = np.isinf(device.contact)
-    if np.ndim(hard) == 0 or hard.all() or not hard.any():
-        return _build_alike(device, name, options)
-    kinds = np.flatnonzero(~hard), np.flatnonzero(hard)
-    return mix(device, [(some, _build_alike(device.pick(some), name, options)) for some in kinds])
-
-
-def _build_alike(device, name, options):
-    """A model of devices whose contact is hard, or of some where it is not."""
     basis = _basis(options, name)
-    is_hard = bool(np.all(np.isinf(device.contact)))
+    hard = np.isinf(device.contact)
+    kinds = 2 * hard + _is_explicit(device, name, basis, options)
+    if np.ndim(kinds) == 0 or (kinds == kinds[0]).all():
+        return _build_alike(device, name, basis, options, int(np.max(kinds)))
+    parts = []
+    for kind in np.unique(kinds):
+        some = np.flatnonzero(kinds == kind)
+        parts.append((some, _build_alike(device.pick(some), name, basis, options, int(kind))))
+    return mix(device, parts)
+
+
+def _is_explicit(device, name, basis, options):
+    """Whether the scheme is the explicit one; bool, of a batch (devices,)."""
+    if name == "reference" or "scheme" in options:
+        return np.full(np.shape(device.mass), options.get("scheme", EXPLICIT) == EXPLICIT)
+    modes = options.get("modes", basis.load.size)
+    whole = basis.complete and modes == basis.load.size
+    return pays_explicit(device, reduce_to_modes(device.beam, basis, modes), whole)
+
+
+def _build_alike(device, name, basis, options, kind):
+    """A model of devices of one kind: 2 if contact is hard, plus 1 if the scheme is explicit."""
+    is_hard, is_explicit = divmod(kind, 2)
+    scheme = EXPLICIT if is_explicit else CONSERVING
     modes = options.get("modes", _default_modes(is_hard, name, basis))
     if modes > basis.load.size:
         raise ValueError(f"model.modes: {modes} is too many; this beam has {basis.load.size}")
@@ -66,10 +82,13 @@ def _build_alike(device, name, options):
             f"device.contact: hard needs a residual flexibility, and the {name} model leaves none "
             f"with {modes} of {basis.load.size} modes; write fewer modes, or a contact in N/m"
         )
-    step = options.get("step", _default_step(is_hard, basis, modes))
-    dt = step * step_limit(device, modal)
+    if "step" in options:
+        dt = options["step"] * stability_limit(device, modal, scheme)
+    else:
+        dt = default_step(device, modal, scheme, basis.complete and modes == basis.load.size)
     loop = plain if name == "reference" else simd
-    return Model(name, loop, device, basis, modal, find_barrier(device.beam, basis, modes), dt)
+    barrier = find_barrier(device.beam, basis, modes)
+    return Model(name, scheme, loop, device, basis, modal, barrier, dt)
 
 
 def check_options(device: Device, name: str, options: Mapping) -> None:
@@ -82,11 +101,14 @@ def check_options(device: Device, name: str, options: Mapping) -> None:
         if key not in OPTIONS[name]:
             known = ", ".join(OPTIONS[name])
             raise ValueError(f"model.{key}: not an option of {name}; its options are {known}")
-        if key != "mass_matrix":
+        if key not in ("mass_matrix", "scheme"):
             check_number(f"model.{key}", value)
         if key == "mass_matrix":
             if value not in ("consistent", "hrz"):
                 raise ValueError(f"model.mass_matrix: {value!r} is not consistent or hrz")
+        elif key == "scheme":
+            if value not in SCHEMES:
+                raise ValueError(f"model.scheme: {value!r} is not {' or '.join(SCHEMES)}")
         elif key == "step":
             if not 0 < value <= 1:
                 raise ValueError(f"model.step: {value} is not above 0 and up to 1, the limit")
@@ -114,11 +136,3 @@ def _default_modes(is_hard, name, basis):
         # elements' modes; it moves the threshold of five elements by 0.02 %.
         return max(1, min(unknowns - 1, (3 * unknowns + 3) // 4))
     return unknowns
-
-
-def _default_step(is_hard, basis, modes):
-    # ASSUME: chosen by measurement, see docs/performance.md; few modes allow steps too long for a
-    # short pulse. A cell whose energy ledger asks for less is followed again with less.
-    if is_hard:
-        return 0.3
-    return 0.8 if basis.complete and modes == basis.load.size else 0.5

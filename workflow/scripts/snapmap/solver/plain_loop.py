@@ -9,7 +9,7 @@ from ..beam.basis import Basis
 from ..device import Device
 from ..numerics.arithmetic import fma, sine
 from ..numerics.linalg import apply, solve_all
-from .record import Form, Motion
+from .record import Form, at_instants
 
 # No fast maths: a result is the same on every machine, compiled afresh or taken from the cache.
 PLAIN = {"error_model": "numpy", "nogil": True, "cache": True}
@@ -179,7 +179,7 @@ def follow(system, amplitude, f0, damping, target, dt, steps, history):
     return t_snap, abs(residual) / gross_work if gross_work > 0 else abs(residual)
 
 
-def march(model, cells, until):
+def march(model, cells, settings):
     """Follow cells; proves nothing: each ends at its snap or the horizon, whatever is asked.
 
     model: a `Model`; cells: `Cells`, each column (cells,)
@@ -209,6 +209,9 @@ def record(model, amplitude, f0, damping, steps, stride):
     follow(system, amplitude, f0, damping, -np.inf, model.dt, steps, kept)
     kept = kept[::stride]
     time = np.arange(len(kept)) * stride * model.dt
-    motion = Motion(time, kept[:, :n], kept[:, n : 2 * n], *kept[:, 2 * n :].T)
     shape = system.bending, system.geometric, system.slope_start, system.midpoint
-    return motion, Form(system.inertia, *shape, residual=0.0)
+    form = Form(system.inertia, *shape, residual=0.0)
+    names = "y", "y_velocity", "work", "lost"
+    samples = {"time": time, "u": kept[:, :n], "u_velocity": kept[:, n : 2 * n]}
+    samples |= dict(zip(names, kept[:, 2 * n :].T, strict=True))
+    return at_instants(model.device, form, **samples), form

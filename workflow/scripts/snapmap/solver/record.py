@@ -4,13 +4,19 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..device import Device
+from ..numerics.linalg import dot, multiply
+
 
 class Motion(NamedTuple):
     """Samples over time of the beam's n coordinates u, of y = z_M - rise, and of the ledger.
 
+    At instants; the conserving scheme's half way between two, where its energies are known.
+
     time: us
     u, u_velocity: (samples, n); the others (samples,)
-    work, lost: work of the pulse and energy lost to damping, pJ
+    stretch: u.G u + 2 u.G q0, um; overlap: of mass and beam where positive, um
+    bending_energy, spring_energy, work of the pulse, energy lost to damping: pJ
     """
 
     time: np.ndarray
@@ -18,6 +24,10 @@ class Motion(NamedTuple):
     u_velocity: np.ndarray
     y: np.ndarray
     y_velocity: np.ndarray
+    stretch: np.ndarray
+    overlap: np.ndarray
+    bending_energy: np.ndarray
+    spring_energy: np.ndarray
     work: np.ndarray
     lost: np.ndarray
 
@@ -31,3 +41,15 @@ class Form(NamedTuple):
     slope_start: np.ndarray
     midpoint: np.ndarray
     residual: float
+
+
+def at_instants(device: Device, form: Form, **samples: np.ndarray) -> Motion:
+    """The motion of coordinates at instants; samples: what only the time loop knows, by name."""
+    u, y = samples["u"], samples["y"]
+    return Motion(
+        stretch=dot(u, multiply(u, form.geometric) + 2 * form.slope_start),
+        overlap=dot(u, form.midpoint) - y,
+        bending_energy=dot(u, multiply(u, form.bending)) / 2,
+        spring_energy=device.spring * y**2 / 2,
+        **samples,
+    )

@@ -34,6 +34,7 @@ VARIABLES = {
     "energy_error": {
         "long_name": "residual of the energy ledger over the gross work of the pulse",
         "units": "1",
+        "comment": "of what the scheme conserves, or beyond a tenth of the energy at whole steps",
     },
     "halvings": {
         "long_name": "how often the time step was halved until the energy ledger closed",

@@ -6,12 +6,12 @@ from functools import cache
 
 import numpy as np
 
-from snapmap.beam.modal import step_limit
 from snapmap.device import Device
 from snapmap.solver.bracket import lowest_snap
 from snapmap.solver.cells import Rows, to_cells
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import FAILED, label
+from snapmap.solver.schemes import stability_limit
 from snapmap.solver.settings import Settings
 from snapmap.solver.simd_kernel import LANES
 
@@ -39,7 +39,7 @@ def measure_pair(
         model = build_model(device, **options)
     except ValueError:
         return _blank(steps, REFUSED)
-    limit = step_limit(device, model.modal)
+    limit = stability_limit(device, model.modal, model.scheme)
     values = _blank(steps, LEFT_OUT) | {"limit": limit, "default_step": model.dt / limit}
     search = [FINE_STEPS[0] * limit] * 4 * case.of_threshold  # a dozen runs, over at the snap
     if _seconds(model, case, [model.dt, *search]) > BUDGET / 8:

@@ -1,0 +1,229 @@
+"""The conserving scheme: its equations, energy, order and limit, and where it is not believed."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import snapmap
+from snapmap.device import batch
+from snapmap.solver import simd_kernel as kernel
+from snapmap.solver import simd_loop
+from snapmap.solver.bracket import lowest_snap
+from snapmap.solver.cells import Rows, to_cells
+from snapmap.solver.models import build_model
+from snapmap.solver.outcome import FAILED, LATCHED, RETURNED, label
+from snapmap.solver.schemes import CONSERVING, EXPLICIT, SCHEMES
+from snapmap.solver.settings import Settings
+
+CONTACTS = (40.0, 4000.0, np.inf)
+MODELS = {
+    "3 cosines": ("cosines", {"modes": 3}),
+    "8 cosines": ("cosines", {"modes": 8}),
+    "5 elements": ("handout", {}),
+    "20 elements, 6 modes": ("elements", {"elements": 20, "modes": 6}),
+}
+
+
+def changed(device, contact, beam_damping=0.0):
+    beam = dataclasses.replace(device.beam, damping=beam_damping)
+    return dataclasses.replace(device, beam=beam, contact=contact)
+
+
+def conserving(device, name, **options):
+    return build_model(device, name, scheme=CONSERVING, **options)
+
+
+def states(model, N, C, steps):
+    """Every row of X after each step of one cell, (steps, rows), and its matrices."""
+    shape, dt = (0,) * model.modes, model.dt
+    X = simd_loop.work_array(model.modes)
+    row = simd_loop.coefficients(model, -np.inf)[0]
+    kernel.fill(X, shape, 0, row, C, N * model.device.gravity, 1.5e-3, dt)
+    found = []
+    for step in range(steps):
+        if step % kernel.BLOCK == 0:
+            kernel.restart_pulse(X, 0, 1.5e-3 * dt, step)
+        kernel.advance_conserving(X, shape, 1)
+        found.append(X[:: kernel.LANES].copy())
+    return np.array(found)
+
+
+def vector(found, which, modes):
+    return found[:, kernel.VECTORS + which * modes :][:, :modes]
+
+
+@pytest.mark.parametrize("contact", CONTACTS)
+def test_each_step_solves_the_equations_of_the_scheme(handout, contact):
+    """With stretch, gap and their mean forces written out from three instants, in numpy."""
+    device, C = changed(handout, contact, 4e-4), 25.0
+    model = conserving(device, "cosines", modes=4)
+    modal, dt, modes = model.modal, model.dt, model.modes
+    found = states(model, 1500.0, C, 4000)
+    p, y = vector(found, kernel.P, modes), found[:, kernel.Y]
+    a = found[2:, kernel.SHOCK] / dt**2
+
+    ahead = p[:-1] @ modal.geometric
+    q = np.sum(ahead * p[1:], axis=1) + (p[:-1] + p[1:]) @ modal.slope_start
+    x = (p[:-1] + p[1:]) @ modal.midpoint / 2 - (y[:-1] + y[1:]) / 2
+    stiffness = simd_loop.contact_stiffness(device, modal.residual)
+    closed = np.maximum(x, 0.0) ** 2
+    with np.errstate(invalid="ignore"):
+        P = stiffness / 2 * (closed[1:] - closed[:-1]) / (x[1:] - x[:-1])
+    mean_q = (q[1:] + q[:-1]) / 2
+    u = p[1:-1] @ modal.geometric + modal.slope_start
+    force = -modal.stiffness * p[1:-1] - (modal.axial * mean_q)[:, np.newaxis] * u
+    force -= a[:, np.newaxis] * modal.load + P[:, np.newaxis] * modal.midpoint
+    inertia = p[2:] - 2 * p[1:-1] + p[:-2]
+    drag = device.beam.damping * dt / 2 * (p[2:] - p[:-2])
+    residual = inertia + drag - dt**2 * force
+    pull = P - device.mass * a - device.spring * y[1:-1]
+    inertia = device.mass * (y[2:] - 2 * y[1:-1] + y[:-2])
+    of_mass = inertia + C * dt / 2 * (y[2:] - y[:-2]) - dt**2 * pull
+    scale = dt**2 * np.abs(force).max(), dt**2 * np.abs(pull).max()
+    # The difference quotient of P loses digits where the gap hardly moves.
+    sure = np.abs(x[1:] - x[:-1]) > 1e-3 * np.abs(x[1:] - x[:-1]).max()
+    assert np.abs(residual[sure]).max() < 1e-8 * scale[0]
+    assert np.abs(of_mass[sure]).max() < 1e-8 * scale[1]
+
+    kinds = (x[1:] > 0).astype(int) + 2 * (x[:-1] > 0)
+    assert np.unique(kinds[sure]).tolist() == [0, 1, 2, 3], "a kind of contact is not there"
+    np.testing.assert_allclose(found[1:, kernel.STRETCH], q, atol=1e-9 * np.abs(q).max())
+    np.testing.assert_allclose(found[1:, kernel.GAP], x, atol=1e-9 * np.abs(x).max())
+
+
+@pytest.mark.parametrize("beam_damping", [0.0, 4e-3])
+@pytest.mark.parametrize("contact", CONTACTS)
+@pytest.mark.parametrize("name", MODELS)
+def test_energy_is_conserved_to_rounding(handout, name, contact, beam_damping):
+    """Over thousands of impacts, at the default step, with and without damping."""
+    device, (kind, options) = changed(handout, contact, beam_damping), MODELS[name]
+    model = conserving(device, kind, **options)
+    model = dataclasses.replace(model, barrier=model.barrier._replace(energy=0.0))
+    cells = to_cells(device, 0, [880.0, 1100.0, 1500.0], 1500.0, [0.0, 0.025, 25.0], 5000.0)
+    seen = model.follow(cells, Settings(5000.0))
+    assert seen.energy_error.max() < 1e-11
+
+
+def test_conserving_histories_close_their_ledger(handout):
+    device = changed(handout, np.inf)
+    run = snapmap.simulate(device, N=1500.0, f0=1500.0, C=0.025, model="cosines")
+    stored = sum(
+        run[f"{kind}_energy"] for kind in ("kinetic", "spring", "bending", "axial", "contact")
+    )
+    off = stored + run.dissipated_energy - run.pulse_work
+    assert abs(off).max() < 1e-9 * stored.max() and run.contact_force.max() > 0
+
+
+def test_the_order_is_two_until_contact_opens(handout):
+    """Position and speed of midpoint and mass at 300 us, pressed together by a long pulse."""
+    ends = []
+    for step in (0.4, 0.2, 0.1, 0.05):
+        run = snapmap.simulate(
+            handout,
+            N=800.0,
+            f0=500.0,
+            C=25.0,
+            model="cosines",
+            modes=3,
+            scheme=CONSERVING,
+            step=step,
+        )
+        early = run.sel(time=slice(20, 300))
+        assert (early.contact_force > 0).all()
+        ends.append(
+            [float(run[key].interp(time=300.0, method="cubic")) for key in ("w_mid", "z_mass")]
+        )
+    errors = np.abs(np.diff(ends, axis=0))
+    orders = np.log2(errors[:-1] / errors[1:])
+    assert orders == pytest.approx(np.full(orders.shape, 2.0), abs=0.3)
+
+
+@pytest.mark.parametrize("contact", CONTACTS)
+def test_both_schemes_have_one_threshold(handout, contact):
+    device = changed(handout, contact)
+    rows = Rows(np.zeros(2, int), np.array([500.0, 1500.0]), np.array([25.0, 25.0]))
+    asked = rows, (600.0, 1300.0), Settings(300.0), 1e-6
+    by_scheme = [
+        lowest_snap(build_model(device, "cosines", modes=3, scheme=scheme, step=0.2), *asked)
+        for scheme in SCHEMES
+    ]
+    long, short = np.array(by_scheme).T
+    assert np.ptp(long) < 1e-6 * long[0]
+    assert np.ptp(short) < 2e-4 * short[0]  # when impacts fall between two instants still tells
+
+
+def test_no_contact_is_too_stiff(handout):
+    """The step knows bending alone, and a penalty without end is hard contact."""
+    hard = conserving(changed(handout, np.inf), "cosines", modes=4)
+    stiff = conserving(changed(handout, 1e12), "cosines", modes=4)
+    assert hard.dt == stiff.dt
+    cells = to_cells(handout, 0, np.linspace(700, 1900, 24), 1500.0, 25.0, 300.0)
+    found = [model.follow(cells, Settings(300.0, until="snap")).t_snap for model in (hard, stiff)]
+    np.testing.assert_allclose(*found, rtol=1e-6)
+    assert np.isfinite(found[0]).any() and np.isnan(found[0]).any()
+
+
+def test_what_closes_beyond_the_limit_is_failed_all_the_same(handout):
+    """Its own energy may close where a run is wrong: the energy at whole steps tells."""
+    model = conserving(changed(handout, np.inf), "cosines", modes=3, step=1.0)
+    cells = to_cells(handout, 0, np.linspace(900, 2400, 32), 1500.0, 0.025, 3000.0)
+    for factor in (1.1, 1.5):
+        seen = model.with_step(factor).follow_once(cells, Settings(3000.0))
+        snapped = np.isfinite(seen.t_snap)
+        outcome = label(*seen[:4], Settings().energy_tolerance)
+        assert snapped.any() and (outcome[snapped] == FAILED).all()
+
+
+def test_a_proven_beam_stays_in_its_well(handout):
+    """Followed on in the same steps for 10 ms, with hard contact."""
+    device = changed(handout, np.inf)
+    model, kept = conserving(device, "cosines", modes=3), 0
+    cells = to_cells(device, 0, np.linspace(900, 2400, 96), 3000.0, 25.0, 3000.0)
+    seen = model.follow_once(cells, Settings(3000.0))
+    outcome = label(*seen[:4], Settings().energy_tolerance)
+    for i in np.flatnonzero(np.isin(outcome, (LATCHED, RETURNED)))[:8]:
+        load = (column[i] for column in cells[1:4])
+        motion, form = model.loop().record(model, *load, int(1e4 / model.dt), stride=2)
+        after = (motion.u @ form.midpoint)[motion.time >= seen.t_settled[i]]
+        above = after > model.barrier.midpoint
+        assert (~above).all() if outcome[i] == LATCHED else above.all()
+        kept += 1
+    assert kept == 8
+
+
+def test_the_scheme_follows_from_one_rule(handout):
+    """Elements with all their modes and a soft contact are explicit, and what is asked for is."""
+    soft, hard = handout, changed(handout, np.inf)
+    assert build_model(soft, "handout").scheme == build_model(soft, "reference").scheme == EXPLICIT
+    assert build_model(soft, "elements", modes=6).scheme == CONSERVING
+    assert build_model(changed(handout, 4000.0), "handout").scheme == CONSERVING
+    assert build_model(hard, "handout").scheme == build_model(soft, "cosines").scheme == CONSERVING
+    assert build_model(hard, "handout", scheme=EXPLICIT).scheme == EXPLICIT
+    assert conserving(soft, "handout").scheme == CONSERVING
+
+
+def test_devices_of_several_schemes_share_a_batch(handout):
+    devices = [changed(handout, contact) for contact in (40.0, np.inf, 4000.0, 60.0)]
+    model = build_model(batch(devices), "handout")
+    cells = to_cells(model.device, np.arange(4), 1300.0, 1500.0, 25.0, 300.0)
+    together = model.follow(cells, Settings(300.0))
+    for i, device in enumerate(devices):
+        alone = build_model(device, "handout")
+        assert model.pick(i).scheme == alone.scheme and model.pick(i).dt == alone.dt
+        own = alone.follow(to_cells(device, [0], 1300.0, 1500.0, 25.0, 300.0), Settings(300.0))
+        for mixed, single in zip(together[:5], own[:5], strict=True):
+            np.testing.assert_array_equal(mixed[i : i + 1], single)
+
+
+@pytest.mark.parametrize(
+    ("name", "scheme", "told"),
+    [
+        ("handout", "implicit", "model.scheme: 'implicit' is not explicit or conserving"),
+        ("reference", CONSERVING, "model.scheme: not an option of reference"),
+        ("auto", CONSERVING, "model.scheme: not an option of auto"),
+    ],
+)
+def test_a_scheme_that_cannot_be_is_named(handout, name, scheme, told):
+    with pytest.raises(ValueError, match=told):
+        snapmap.sweep(handout, [900.0], [1500.0], [25.0], model=name, scheme=scheme)

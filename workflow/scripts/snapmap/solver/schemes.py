@@ -1,0 +1,77 @@
+"""The two schemes of the SIMD kernel: which one a model takes, and how long its steps are."""
+
+import numpy as np
+
+from ..beam.modal import ModalBeam, contact_stiffness
+from ..device import Device, Value
+from ..numerics.linalg import dot, eigenvalues, outer, solve
+
+EXPLICIT, CONSERVING = SCHEMES = ("explicit", "conserving")
+
+# ASSUME: no run bends the beam further than this multiple of its start; see docs/stability.md.
+TENSION_REACH = 1.25
+SOFT_CONTACT = 0.2
+"""Up to this product of the contact's frequency and the step, explicit impacts cost no repeats."""
+# ASSUME: chosen by measurement, see docs/stability.md: steps over the limit of stability, and the
+# arch's own frequency times the step.
+WHOLE, PART = 0.8, 0.5
+MANY, FEW = (0.8, 0.45), (0.5, 0.7)
+MOST_FEW = 3
+
+
+def pays_explicit(device: Device, modal: ModalBeam, whole: bool) -> Value:
+    """Whether the explicit scheme is the faster one; bool, of a batch (devices,).
+
+    whole: whether all modes of a mesh of elements are kept, whose highest then set a step that
+        resolves a soft contact anyway
+    """
+    if not whole:
+        return np.zeros(np.shape(device.mass), bool)
+    compliance = dot(modal.midpoint, modal.midpoint) + 1 / device.mass
+    frequency = np.sqrt(contact_stiffness(device, modal.residual) * compliance)
+    return WHOLE * bending_limit(modal) * frequency <= SOFT_CONTACT
+
+
+def stability_limit(device: Device, modal: ModalBeam, scheme: str) -> Value:
+    """Largest step, us, for which every run stays bounded: 2/omega_max; see docs/theory.md."""
+    return bending_limit(modal) if scheme == CONSERVING else tangent_limit(device, modal)
+
+
+def default_step(device: Device, modal: ModalBeam, scheme: str, whole: bool) -> Value:
+    """Time step, us, unless told; whole: as in `pays_explicit`."""
+    limit = stability_limit(device, modal, scheme)
+    if scheme == EXPLICIT:
+        return (WHOLE if whole else PART) * limit
+    share, turn = FEW if modal.load.shape[-1] <= MOST_FEW else MANY
+    return np.minimum(share * limit, turn / arch_frequency(modal))
+
+
+def bending_limit(modal: ModalBeam) -> Value:
+    """2/omega_max of linear bending, us, which neither contact nor tension shorten."""
+    return 2 / np.sqrt(modal.stiffness[..., -1])
+
+
+def tangent_limit(device: Device, modal: ModalBeam) -> Value:
+    """2/omega_max, us, of the stiffest state that a run is expected to meet.
+
+    The tangent stiffness kappa + T S + EA/L (S q)(S q)^T + contact, with q the start or its mirror
+    image, TENSION_REACH times as far, and T the tension there.
+    """
+    slope, identity = TENSION_REACH * modal.slope_start, np.eye(modal.load.shape[-1])
+    stretch = dot(modal.slope_start, solve(modal.geometric, modal.slope_start))
+    tension = modal.axial * (TENSION_REACH * TENSION_REACH - 1) * stretch
+    tangent = modal.stiffness[..., np.newaxis] * identity + _column(tension) * modal.geometric
+    tangent += _column(2 * modal.axial) * outer(slope, slope)
+    contact = contact_stiffness(device, modal.residual)
+    tangent += _column(contact) * outer(modal.midpoint, modal.midpoint)
+    return 2 / np.sqrt(eigenvalues(tangent)[..., -1])
+
+
+def arch_frequency(modal: ModalBeam) -> Value:
+    """About how fast the arch swings with its axial stiffness, 1/us: kappa_1 + EA/L |S q0|^2."""
+    arch = 2 * modal.axial * dot(modal.slope_start, modal.slope_start)
+    return np.sqrt(modal.stiffness[..., 0] + arch)
+
+
+def _column(values):
+    return np.asarray(values)[..., np.newaxis, np.newaxis]

@@ -1,0 +1,147 @@
+"""The SIMD kernels, called for the cells of a model."""
+
+import numpy as np
+
+from ..beam.modal import contact_stiffness
+from ..numerics.linalg import dot
+from .record import Form, Motion, at_instants
+from .schemes import CONSERVING, EXPLICIT
+from .simd_kernel import (
+    BEAM_SWEPT,
+    BLOCK,
+    GAP,
+    GEOMETRIC,
+    LANES,
+    P_STEP,
+    SCRATCH,
+    STATE,
+    STRETCH,
+    SWEPT,
+    VECTORS,
+    WORK,
+    Y_STEP,
+    P,
+    Y,
+    advance,
+    advance_conserving,
+    fill,
+    follow_all,
+    restart_pulse,
+    trace_all,
+)
+
+
+def march(model, cells, settings):
+    """Follow cells, each with the device that it names; returns the facts of `follow_all`.
+
+    model: a `Model`; cells: `Cells`, each column (cells,)
+    """
+    n_cells, modes = cells.f0.size, model.modes
+    facts = *(np.empty(n_cells) for _ in range(2)), np.empty(n_cells, np.int8), np.empty(n_cells)
+    rows, dt = coefficients(model, snap_target(model.device)), np.atleast_1d(model.dt)
+    asked = settings.until == "snap", settings.energy_tolerance
+    X, shape = work_array(modes), (0,) * modes
+    follow_all(X, shape, _conserving(model), rows, dt, tuple(cells), *asked, facts)
+    return facts
+
+
+def trace(model, device, cells, bins):
+    """Follow up to LANES cells, each through `bins` bins of its own width.
+
+    device: index of each cell's; cells: as in `trace_all`; returns w_range and instants from there
+    """
+    n_cells = cells[0].size
+    w_range = np.empty((2, bins, n_cells))
+    w_range[0], w_range[1] = np.inf, -np.inf
+    instants = np.empty((3, bins, n_cells))
+    X, shape, rows = work_array(model.modes), (0,) * model.modes, coefficients(model, -np.inf)
+    dt = np.atleast_1d(model.dt)[device]
+    trace_all(X, shape, _conserving(model), rows[device], dt, cells, w_range, instants)
+    return w_range, instants
+
+
+def record(model, amplitude, f0, damping, steps, stride):
+    """Follow one cell as `follow_all` does, bit for bit, and keep every `stride`th step.
+
+    model: of one device; stride: a divisor of BLOCK; returns Motion and Form
+    """
+    modal, modes, dt = model.modal, model.modes, model.dt
+    before, after = _pairs(model, (damping, amplitude, f0), steps, stride)
+    form = Form(
+        np.eye(modes), np.diag(modal.stiffness), *modal[1:3], modal.midpoint, modal.residual
+    )
+    at_half = model.scheme == CONSERVING
+    middle = (before + after) / 2
+    places, moving = (middle, after) if at_half else (before, middle)
+    p, p_step = (VECTORS - STATE + modes * v + np.arange(modes) for v in (P, P_STEP))
+    lost = damping * moving[SWEPT - STATE]
+    lost += model.device.beam.damping * moving[BEAM_SWEPT - STATE]
+    samples = {
+        "time": (np.arange(before.shape[1]) * stride + at_half / 2) * dt,
+        "u": places[p].T,
+        "u_velocity": moving[p_step].T / dt,
+        "y": places[Y - STATE],
+        "y_velocity": moving[Y_STEP - STATE] / dt,
+        "work": moving[WORK - STATE] / (2 * dt**2),
+        "lost": lost / (4 * dt),
+    }
+    if not at_half:
+        return at_instants(model.device, form, **samples), form
+    stored = {
+        "stretch": after[STRETCH - STATE],
+        "overlap": after[GAP - STATE],
+        "bending_energy": dot((modal.stiffness[:, np.newaxis] * before[p]).T, after[p].T) / 2,
+        "spring_energy": model.device.spring * before[Y - STATE] * after[Y - STATE] / 2,
+    }
+    return Motion(**samples, **stored), form
+
+
+def _pairs(model, load, steps, stride):
+    """The state of one cell at every `stride`th instant, and one step on; (rows, samples)."""
+    dt, f0, modes = model.dt, load[-1], model.modes
+    X, shape = work_array(modes), (0,) * modes
+    state = slice(STATE * LANES, (VECTORS + SCRATCH * modes) * LANES, LANES)
+    go = advance if model.scheme == EXPLICIT else advance_conserving
+    fill(X, shape, 0, coefficients(model, -np.inf)[0], *load, dt)
+    before, after = [], []
+    for step in range(0, steps, stride):
+        if step % BLOCK == 0:
+            restart_pulse(X, 0, f0 * dt, step)
+        before.append(X[state].copy())
+        go(X, shape, 1)
+        after.append(X[state].copy())
+        go(X, shape, stride - 1)
+    return np.array(before).T, np.array(after).T
+
+
+def coefficients(model, target):
+    """A row for each device, in the order of the rows of X, with forces times dt^2.
+
+    model: a `Model`; target: w(L/2) - rise at which a run counts as snapped, um; -inf for never
+    """
+    device, modal, barrier, square = model.device, model.modal, model.barrier, model.dt * model.dt
+    numbers = [
+        *(modal.axial * square, modal.residual / square),
+        *(contact_stiffness(device, modal.residual) * square, device.mass, device.spring * square),
+        *(target, barrier.energy * square, barrier.midpoint, device.beam.damping * model.dt),
+    ]
+    vectors = (np.reshape(square, (-1, 1)) * modal.stiffness, *modal[2:5])
+    n, k = np.size(square), model.modes
+    columns = [np.broadcast_to(number, n)[:, np.newaxis] for number in numbers]
+    columns += [np.reshape(vector, (n, k)) for vector in vectors]
+    return np.concatenate([*columns, np.reshape(modal.geometric, (n, k * k))], axis=1)
+
+
+def _conserving(model):
+    return True if model.scheme == CONSERVING else None
+
+
+def snap_target(device):
+    """w2 - rise, um."""
+    return device.beam.second_equilibrium - device.beam.rise
+
+
+def work_array(modes):
+    """Zeros for X, from the start of a cache line, where wide vector loads are fastest."""
+    padded = np.zeros((VECTORS + (GEOMETRIC + modes) * modes) * LANES + 8)
+    return padded[(-padded.ctypes.data // 8) % 8 :][: padded.size - 8]
