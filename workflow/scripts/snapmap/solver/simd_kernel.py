@@ -348,12 +348,17 @@ def energies(before, after, X, shape, l):
 
 
 @njit(**JIT)
-def ledger_residual(before, after, X, l, energy, drag):
-    """energy + losses - work of the pulse, times dt^2, by the trapezoidal rule; drag: C dt."""
+def whole_step_ledger(before, after, X, shape, l, drag):
+    """What `energies` returns, and energy + losses - work of the pulse, times dt^2.
+
+    By the trapezoidal rule; drag: C dt.
+    """
+    beam, mass, contact, w = energies(before, after, X, shape, l)
     work = (before[WORK * LANES + l] + after[WORK * LANES + l]) / 4
     swept = drag * (before[SWEPT * LANES + l] + after[SWEPT * LANES + l]) / 8
     beam_swept = before[BEAM_SWEPT * LANES + l] + after[BEAM_SWEPT * LANES + l]
-    return energy + swept + X[BEAM_DAMPING * LANES + l] * beam_swept / 8 - work
+    kept = beam + mass + contact + swept + X[BEAM_DAMPING * LANES + l] * beam_swept / 8
+    return beam, mass, contact, w, kept - work
 
 
 @njit(**JIT)
@@ -373,10 +378,15 @@ def conserved_energies(X, shape, l):
 
 
 @njit(**JIT)
-def conserved_residual(X, l, energy, drag):
-    """energy + losses - work of the pulse, times dt^2, up to the last half step; drag: C dt."""
+def conserved_ledger(X, shape, l, drag):
+    """What `conserved_energies` returns, and energy + losses - work of the pulse, times dt^2.
+
+    Up to the last half step; drag: C dt.
+    """
+    beam, mass, contact, w = conserved_energies(X, shape, l)
     swept = drag * X[SWEPT * LANES + l] + X[BEAM_DAMPING * LANES + l] * X[BEAM_SWEPT * LANES + l]
-    return energy + swept / 4 - X[WORK * LANES + l] / 2
+    energy = beam + mass + contact
+    return beam, mass, contact, w, energy + swept / 4 - X[WORK * LANES + l] / 2
 
 
 @njit(**JIT)
@@ -471,15 +481,10 @@ def follow_all(X, shape, conserving, devices, dt, cells, stop_at_snap, tolerance
 
             at_snap = snapped and stop_at_snap and steps[l] > BLOCK
             if conserving is not None:
-                beam, mass, contact, w = conserved_energies(X, shape, l)
-                residual = conserved_residual(X, l, beam + mass + contact, drag)
-            elif at_snap:
-                beam, mass, contact, w = energies(last_before, last_after, X, shape, l)
-                energy = beam + mass + contact
-                residual = ledger_residual(last_before, last_after, X, l, energy, drag)
+                beam, mass, contact, w, residual = conserved_ledger(X, shape, l, drag)
             else:
-                beam, mass, contact, w = energies(before, after, X, shape, l)
-                residual = ledger_residual(before, after, X, l, beam + mass + contact, drag)
+                ends = (last_before, last_after) if at_snap else (before, after)
+                beam, mass, contact, w, residual = whole_step_ledger(*ends, X, shape, l, drag)
             gross_work = X[GROSS_WORK * LANES + l] / 2
             scale = 1 / gross_work if gross_work > 0 else 1.0
             found = 0
@@ -493,13 +498,9 @@ def follow_all(X, shape, conserving, devices, dt, cells, stop_at_snap, tolerance
             found_before[l] = found
             if not ended and not proven:
                 continue
-            if at_snap and conserving is not None:
-                beam, mass, contact, w = energies(last_before, last_after, X, shape, l)
-                energy = beam + mass + contact
-                guarded = ledger_residual(last_before, last_after, X, l, energy, drag)
-            else:
-                beam, mass, contact, w = energies(before, after, X, shape, l)
-                guarded = ledger_residual(before, after, X, l, beam + mass + contact, drag)
+            is_bounded = at_snap and conserving is not None
+            ends = (last_before, last_after) if is_bounded else (before, after)
+            guarded = whole_step_ledger(*ends, X, shape, l, drag)[4]
             if not abs(guarded) * scale <= GUARD:
                 residual = guarded
             energy_error[cell] = abs(residual) * scale
