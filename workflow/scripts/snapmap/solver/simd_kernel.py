@@ -53,6 +53,18 @@ def at(vector, i, modes, l):
 
 
 @njit(inline="always")
+def shock(X, l):
+    """a of this step, by the recurrence of 1 - cos(2 pi f0 t), which goes on to the next."""
+    pulse = X[PULSE * LANES + l]
+    left = X[PULSE_LEFT * LANES + l]
+    pulse_step = fma(X[TURN * LANES + l], 1.0 - pulse, X[PULSE_STEP * LANES + l])
+    X[PULSE_STEP * LANES + l] = pulse_step
+    X[PULSE * LANES + l] = pulse + pulse_step
+    X[PULSE_LEFT * LANES + l] = left - 1.0
+    return X[AMPLITUDE * LANES + l] * pulse if left > 0.0 else 0.0
+
+
+@njit(inline="always")
 def stretch(X, l, modes, first, last):
     """scratch_i = (S p + S q0)_i; returns their share of p.S p + 2 p.S q0."""
     quadratic = 0.0
@@ -101,13 +113,7 @@ def advance(X, shape, steps):
     cut_1, cut_2, cut_3 = modes // 4, modes // 2, 3 * modes // 4
     for _ in range(steps):
         for l in range(LANES):
-            pulse = X[PULSE * LANES + l]
-            left = X[PULSE_LEFT * LANES + l]
-            a = X[AMPLITUDE * LANES + l] * pulse if left > 0.0 else 0.0
-            pulse_step = fma(X[TURN * LANES + l], 1.0 - pulse, X[PULSE_STEP * LANES + l])
-            X[PULSE_STEP * LANES + l] = pulse_step
-            X[PULSE * LANES + l] = pulse + pulse_step
-            X[PULSE_LEFT * LANES + l] = left - 1.0
+            a = shock(X, l)
 
             quadratic = stretch(X, l, modes, 0, cut_1) + stretch(X, l, modes, cut_1, cut_2)
             quadratic += stretch(X, l, modes, cut_2, cut_3) + stretch(X, l, modes, cut_3, modes)
@@ -209,13 +215,7 @@ def advance_conserving(X, shape, steps):
     cut_1, cut_2, cut_3 = modes // 4, modes // 2, 3 * modes // 4
     for _ in range(steps):
         for l in range(LANES):
-            pulse = X[PULSE * LANES + l]
-            left = X[PULSE_LEFT * LANES + l]
-            a = X[AMPLITUDE * LANES + l] * pulse if left > 0.0 else 0.0
-            pulse_step = fma(X[TURN * LANES + l], 1.0 - pulse, X[PULSE_STEP * LANES + l])
-            X[PULSE_STEP * LANES + l] = pulse_step
-            X[PULSE * LANES + l] = pulse + pulse_step
-            X[PULSE_LEFT * LANES + l] = left - 1.0
+            a = shock(X, l)
             X[SHOCK * LANES + l] = a
 
             sums = release(X, l, modes, 0, cut_1, a, (0.0, 0.0, 0.0, 0.0, 0.0))
