@@ -230,7 +230,7 @@ def _default_steps(device):
     few, some = share("cosines", modes=3), share("cosines", modes=4)
     return (
         f"`{share('elements'):g}` for elements; for cosines what the arch asks for, on the "
-        f"handout's device `{few:.2g}` for 3, `{some:.2g}` for 4 and `{share('cosines'):g}` from 5 on"
+        f"handout's device `{few:.2g}` for 3, `{some:.2g}` for 4, `{share('cosines'):g}` from 5 on"
     )
 
 

@@ -9,7 +9,7 @@ from snapmap.io.job_log import job_log
 def draw_stability(stability_path, stem):
     """Read the hard cases and draw a panel for each model, as wide as two columns."""
     with xr.open_dataset(stability_path, engine="netcdf4") as cases, style.paper():
-        figure = style.double_column(height=7.6)
+        figure = style.double_column(height=stability.height(cases))
         stability.draw_panels(figure, cases)
         style.save(figure, stem, cases.attrs)
 

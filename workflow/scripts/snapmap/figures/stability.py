@@ -33,8 +33,15 @@ READING = (
 )
 COLUMNS = 4
 """Panels side by side."""
+LEGEND, PANEL = 1.6, 2.0
+"""Heights of the legend with the ticks, and of a row of panels, in."""
 GAP = 0.4
 """Between the columns of the steps and that of the default step, in columns."""
+
+
+def height(cases: xr.Dataset) -> float:
+    """How high a figure of so many panels is to be, in."""
+    return LEGEND + PANEL * int(np.ceil(cases.sizes["model"] / COLUMNS))
 
 
 def draw_panels(figure: Figure, cases: xr.Dataset) -> np.ndarray:
@@ -46,7 +53,7 @@ def draw_panels(figure: Figure, cases: xr.Dataset) -> np.ndarray:
         ax.set_axis_off()
     for ax, model in zip(axes.flat, models, strict=False):
         draw_panel(ax, cases.sel(model=model))
-        ax.set_title(model)
+        ax.set_title("\n".join(model.rsplit(", ", 1)))
     for ax in axes[-1]:
         ax.set_xlabel("step / limit")
     figure.legend(handles=_patches(cases), ncols=2, title=READING, loc="outside lower center")

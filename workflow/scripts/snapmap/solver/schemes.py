@@ -12,11 +12,13 @@ EXPLICIT, CONSERVING = SCHEMES = ("explicit", "conserving")
 TENSION_REACH = 1.25
 SOFT_CONTACT = 0.2
 """Up to this product of the contact's frequency and the step, explicit impacts cost no repeats."""
-# ASSUME: chosen by measurement, see docs/stability.md: steps over the limit of stability, and the
-# arch's own frequency times the step.
+# ASSUME: all steps here are chosen by measurement, see docs/stability.md.
 WHOLE, PART = 0.8, 0.5
+"""Explicit steps over the limit of stability, with all modes of a mesh and with some left out."""
 MANY, FEW = (0.8, 0.45), (0.5, 0.7)
+"""Conserving steps, at most: over the limit of stability, and times the arch's own frequency."""
 MOST_FEW = 3
+"""Modes up to which FEW holds."""
 
 
 def pays_explicit(device: Device, modal: ModalBeam, whole: bool) -> Value:

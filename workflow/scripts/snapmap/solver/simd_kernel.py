@@ -53,6 +53,18 @@ def at(vector, i, modes, l):
 
 
 @njit(inline="always")
+def shock(X, l):
+    """a of this step, by the recurrence of 1 - cos(2 pi f0 t), which goes on to the next."""
+    pulse = X[PULSE * LANES + l]
+    left = X[PULSE_LEFT * LANES + l]
+    pulse_step = fma(X[TURN * LANES + l], 1.0 - pulse, X[PULSE_STEP * LANES + l])
+    X[PULSE_STEP * LANES + l] = pulse_step
+    X[PULSE * LANES + l] = pulse + pulse_step
+    X[PULSE_LEFT * LANES + l] = left - 1.0
+    return X[AMPLITUDE * LANES + l] * pulse if left > 0.0 else 0.0
+
+
+@njit(inline="always")
 def stretch(X, l, modes, first, last):
     """scratch_i = (S p + S q0)_i; returns their share of p.S p + 2 p.S q0."""
     quadratic = 0.0
@@ -101,13 +113,7 @@ def advance(X, shape, steps):
     cut_1, cut_2, cut_3 = modes // 4, modes // 2, 3 * modes // 4
     for _ in range(steps):
         for l in range(LANES):
-            pulse = X[PULSE * LANES + l]
-            left = X[PULSE_LEFT * LANES + l]
-            a = X[AMPLITUDE * LANES + l] * pulse if left > 0.0 else 0.0
-            pulse_step = fma(X[TURN * LANES + l], 1.0 - pulse, X[PULSE_STEP * LANES + l])
-            X[PULSE_STEP * LANES + l] = pulse_step
-            X[PULSE * LANES + l] = pulse + pulse_step
-            X[PULSE_LEFT * LANES + l] = left - 1.0
+            a = shock(X, l)
 
             quadratic = stretch(X, l, modes, 0, cut_1) + stretch(X, l, modes, cut_1, cut_2)
             quadratic += stretch(X, l, modes, cut_2, cut_3) + stretch(X, l, modes, cut_3, modes)
@@ -147,6 +153,14 @@ def advance(X, shape, steps):
 
 @njit(inline="always")
 def release(X, l, modes, first, last, a, sums):
+    """`release_some`, its modes cut in two once more."""
+    middle = (first + last) // 2
+    sums = release_some(X, l, modes, first, middle, a, sums)
+    return release_some(X, l, modes, middle, last, a, sums)
+
+
+@njit(inline="always")
+def release_some(X, l, modes, first, last, a, sums):
     """free_i = keep d_i + push (-kappa p - f a)_i and u_i = (S p + S q0)_i, d = p - p-.
 
     sums: u.u, e.u, e.p, e.free and u.(d + free) so far; returned with their shares added
@@ -201,13 +215,7 @@ def advance_conserving(X, shape, steps):
     cut_1, cut_2, cut_3 = modes // 4, modes // 2, 3 * modes // 4
     for _ in range(steps):
         for l in range(LANES):
-            pulse = X[PULSE * LANES + l]
-            left = X[PULSE_LEFT * LANES + l]
-            a = X[AMPLITUDE * LANES + l] * pulse if left > 0.0 else 0.0
-            pulse_step = fma(X[TURN * LANES + l], 1.0 - pulse, X[PULSE_STEP * LANES + l])
-            X[PULSE_STEP * LANES + l] = pulse_step
-            X[PULSE * LANES + l] = pulse + pulse_step
-            X[PULSE_LEFT * LANES + l] = left - 1.0
+            a = shock(X, l)
             X[SHOCK * LANES + l] = a
 
             sums = release(X, l, modes, 0, cut_1, a, (0.0, 0.0, 0.0, 0.0, 0.0))
@@ -245,10 +253,8 @@ def advance_conserving(X, shape, steps):
                     continue
                 m, F, b = X[GAP * LANES + l], X[GAP_FREE * LANES + l], X[GAP_GIVE * LANES + l]
                 h = X[HALF_CONTACT * LANES + l] * b
-                if m > 0.0:
-                    x = (F + m - np.sqrt((F - m) ** 2 + 4 * h * m * m)) / 2
-                else:
-                    x = (F + m + np.sqrt((F - m) ** 2 - 4 * h * F * m)) / (2 * (1 + h))
+                root = np.sqrt((F - m) ** 2 + 4 * h * m * (m if m > 0.0 else -F))
+                x = (F + m - root) / 2 if m > 0.0 else (F + m + root) / (2 * (1 + h))
                 X[PRESS * LANES + l] = (F - x) / b
 
         for l in range(LANES):
@@ -342,12 +348,17 @@ def energies(before, after, X, shape, l):
 
 
 @njit(**JIT)
-def ledger_residual(before, after, X, l, energy, drag):
-    """energy + losses - work of the pulse, times dt^2, by the trapezoidal rule; drag: C dt."""
+def whole_step_ledger(before, after, X, shape, l, drag):
+    """What `energies` returns, and energy + losses - work of the pulse, times dt^2.
+
+    By the trapezoidal rule; drag: C dt.
+    """
+    beam, mass, contact, w = energies(before, after, X, shape, l)
     work = (before[WORK * LANES + l] + after[WORK * LANES + l]) / 4
     swept = drag * (before[SWEPT * LANES + l] + after[SWEPT * LANES + l]) / 8
     beam_swept = before[BEAM_SWEPT * LANES + l] + after[BEAM_SWEPT * LANES + l]
-    return energy + swept + X[BEAM_DAMPING * LANES + l] * beam_swept / 8 - work
+    kept = beam + mass + contact + swept + X[BEAM_DAMPING * LANES + l] * beam_swept / 8
+    return beam, mass, contact, w, kept - work
 
 
 @njit(**JIT)
@@ -367,10 +378,15 @@ def conserved_energies(X, shape, l):
 
 
 @njit(**JIT)
-def conserved_residual(X, l, energy, drag):
-    """energy + losses - work of the pulse, times dt^2, up to the last half step; drag: C dt."""
+def conserved_ledger(X, shape, l, drag):
+    """What `conserved_energies` returns, and energy + losses - work of the pulse, times dt^2.
+
+    Up to the last half step; drag: C dt.
+    """
+    beam, mass, contact, w = conserved_energies(X, shape, l)
     swept = drag * X[SWEPT * LANES + l] + X[BEAM_DAMPING * LANES + l] * X[BEAM_SWEPT * LANES + l]
-    return energy + swept / 4 - X[WORK * LANES + l] / 2
+    energy = beam + mass + contact
+    return beam, mass, contact, w, energy + swept / 4 - X[WORK * LANES + l] / 2
 
 
 @njit(**JIT)
@@ -465,15 +481,10 @@ def follow_all(X, shape, conserving, devices, dt, cells, stop_at_snap, tolerance
 
             at_snap = snapped and stop_at_snap and steps[l] > BLOCK
             if conserving is not None:
-                beam, mass, contact, w = conserved_energies(X, shape, l)
-                residual = conserved_residual(X, l, beam + mass + contact, drag)
-            elif at_snap:
-                beam, mass, contact, w = energies(last_before, last_after, X, shape, l)
-                energy = beam + mass + contact
-                residual = ledger_residual(last_before, last_after, X, l, energy, drag)
+                beam, mass, contact, w, residual = conserved_ledger(X, shape, l, drag)
             else:
-                beam, mass, contact, w = energies(before, after, X, shape, l)
-                residual = ledger_residual(before, after, X, l, beam + mass + contact, drag)
+                ends = (last_before, last_after) if at_snap else (before, after)
+                beam, mass, contact, w, residual = whole_step_ledger(*ends, X, shape, l, drag)
             gross_work = X[GROSS_WORK * LANES + l] / 2
             scale = 1 / gross_work if gross_work > 0 else 1.0
             found = 0
@@ -487,13 +498,9 @@ def follow_all(X, shape, conserving, devices, dt, cells, stop_at_snap, tolerance
             found_before[l] = found
             if not ended and not proven:
                 continue
-            if at_snap and conserving is not None:
-                beam, mass, contact, w = energies(last_before, last_after, X, shape, l)
-                energy = beam + mass + contact
-                guarded = ledger_residual(last_before, last_after, X, l, energy, drag)
-            else:
-                beam, mass, contact, w = energies(before, after, X, shape, l)
-                guarded = ledger_residual(before, after, X, l, beam + mass + contact, drag)
+            is_bounded = at_snap and conserving is not None
+            ends = (last_before, last_after) if is_bounded else (before, after)
+            guarded = whole_step_ledger(*ends, X, shape, l, drag)[4]
             if not abs(guarded) * scale <= GUARD:
                 residual = guarded
             energy_error[cell] = abs(residual) * scale
