@@ -1,4 +1,4 @@
-"""Thresholds of devices unlike the handout's: light masses, stiff springs, and what chance draws."""
+"""Thresholds of devices unlike the handout's: light masses, stiff springs, chance draws."""
 
 import dataclasses
 import math
@@ -14,6 +14,7 @@ from snapmap.solver.cells import Rows, to_cells
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import FAILED, label
 from snapmap.solver.settings import Settings
+from snapmap.thresholds.islands import SLOW
 from studies.coverage import ask, judge, ratios
 from studies.random_devices import draw_device, draw_shocks
 
@@ -45,11 +46,14 @@ def test_slow_pulses_tend_to_the_static_limit_of_a_light_mass(handout, change):
 
 @pytest.mark.parametrize("change", [{}, LIGHT, STIFF])
 def test_short_pulses_tend_to_a_jump_in_velocity(handout, change):
+    """With damping that leaves no ragged rows, in which a first snap is a matter of digits."""
     device = dataclasses.replace(handout, **change)
     short = np.array([40.0, 400.0]) * device.own_frequency / (2 * math.pi) * 1e6
-    found = snapmap.threshold(device, short, [0.025], threads=2)
-    jumps = found.N_first.squeeze() * device.gravity / (2e-6 * short)
-    assert jumps.values == pytest.approx(found.velocity_change.item(), rel=0.02)
+    damping = 0.3 * math.sqrt(device.spring * device.mass)
+    found = snapmap.threshold(device, short, [damping], threads=2).squeeze("C")
+    jumps = found.N_first * device.gravity / (2e-6 * short)
+    apart = abs(jumps.values / found.velocity_change.item() - 1)
+    assert apart[0] < 0.04 and apart[1] < 0.02
 
 
 def test_a_static_limit_of_nothing_but_the_beam(handout):
@@ -79,6 +83,25 @@ def test_a_pulse_shorter_than_a_step_still_pushes(handout):
     assert outcome[3] == FAILED and (outcome[:3] != FAILED).all()
 
 
+def test_a_long_search_is_told_before_it_begins(handout, monkeypatch):
+    """And one without end is refused; what is quick goes without a word."""
+    monkeypatch.setattr("snapmap.thresholds.surface._look", lambda *_: pytest.fail("it began"))
+    told = pytest.warns(UserWarning, match=r"about [\d.]+ min; f0 = 0.05 Hz takes longest")
+    with told, pytest.raises(pytest.fail.Exception):
+        snapmap.threshold(handout, [0.05, 1500.0], [25.0], model="cosines")
+    with pytest.raises(ValueError, match="f0 = 1e-06 Hz takes longest; write a higher f0"):
+        snapmap.threshold(handout, [1e-6], [25.0], model="cosines")
+
+
+def test_a_slow_pulse_costs_no_wide_scan(handout):
+    """It snaps a little above the static limit, by the wide scan as by the short one."""
+    own = handout.own_frequency / (2 * math.pi) * 1e6
+    f0 = own * SLOW * np.array([0.99, 1.01])
+    found = snapmap.threshold(handout, f0, [0.025], model="cosines", threads=2).squeeze("C")
+    assert found.N_first[0].item() == pytest.approx(found.N_first[1].item(), rel=1e-3)
+    assert (found.N_first > found.N_static).all() and (found.N_always == found.N_first).all()
+
+
 def test_the_ladder_gives_what_it_can(handout):
     """A tolerance that no rung keeps: the finest two, and errors that say so."""
     found = build_adaptive(handout, 1e-9)
@@ -93,7 +116,8 @@ def test_ragged_rows_have_a_band_and_finite_bars(handout):
     assert (found.N_first <= found.N_half).all() and (found.N_half <= found.N_always).all()
     assert found.N_half[0] == found.N_first[0] and found.N_half[1] > found.N_first[1]
     islands = (found.island_to - found.island_from).sum("island")
-    assert (found.N_always - islands).values == pytest.approx(found.N_half.values, rel=1e-4)
+    apart = abs(found.N_always - islands - found.N_half)
+    assert (apart <= 1e-4 * found.islands * found.N_always).all()
 
 
 @pytest.mark.parametrize("count", [2, pytest.param(12, marks=pytest.mark.long)])

@@ -36,8 +36,8 @@ JUDGES = (
 )
 """Two discretisations, far finer than what is judged; what they agree on is well posed."""
 AGREED, REFINED = 3e-4, 1e-5
-REACH, CLOSE = 1.1, 0.002
-"""About a threshold found before, the judges look this far around it, in such steps."""
+REACHES, CLOSE = (1.01, 1.1), 0.002
+"""About a threshold found before, the judges look this far around it in turn, in such steps."""
 HORIZON = 1500.0
 HEAD = [
     "model",
@@ -82,14 +82,19 @@ def ask(device: Device, f0, C, options) -> Run:
 def judge(device: Device, f0, C, about) -> np.ndarray:
     """Thresholds, (thresholds,), NaN where the judges do not agree, or one finds none."""
     rows = Rows(np.zeros(about.size, int), np.tile(f0, len(C)), np.repeat(C, len(f0)))
-    settings = Settings(HORIZON, threads=THREADS)
-    bracket = about / REACH, about * REACH
-    by_judge = [
-        lowest_snap(build_model(device, **options), rows, bracket, settings, REFINED, CLOSE)
-        for options in JUDGES
-    ]
+    by_judge = [look(build_model(device, **options), rows, about) for options in JUDGES]
     mean = np.mean(by_judge, axis=0)
     return np.where(np.ptp(by_judge, axis=0) <= AGREED * mean, mean, np.nan)
+
+
+def look(model, rows: Rows, about) -> np.ndarray:
+    """Thresholds by one judge, (thresholds,); NaN where there is none within REACHES."""
+    settings, found = Settings(HORIZON, threads=THREADS), np.full(about.size, np.nan)
+    for reach in REACHES:
+        left = np.flatnonzero(np.isnan(found))
+        bracket = about[left] / reach, about[left] * reach
+        found[left] = lowest_snap(model, rows.some(left), bracket, settings, REFINED, CLOSE)
+    return found
 
 
 def ratios(runs) -> np.ndarray:

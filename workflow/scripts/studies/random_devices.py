@@ -13,7 +13,7 @@ FREQUENCIES = 0.05, 20.0
 
 
 def draw_device(draw: np.random.Generator) -> Device:
-    """A silicon beam and a mass on a spring; light and heavy, soft and stiff, some contacts hard."""
+    """A silicon beam and a mass on a spring, light or heavy, soft or stiff; some contacts hard."""
     Q, span = draw.uniform(2.5, 8.0), _even(draw, 200.0, 2000.0)
     thickness = span / 300 * _even(draw, 0.3, 3.0)
     beam = Beam(

@@ -88,12 +88,14 @@ class Adaptive:
 class Survey(NamedTuple):
     """Models by which thresholds are found: scans is cheap, and doubts has another opinion.
 
+    better: than the one that decides; None where that is the best
     static: threshold of slow pulses, about which to look, in multiples of g; (devices,)
     """
 
     scans: Follows
     decides: Follows
     doubts: Follows
+    better: Follows | None
     static: np.ndarray
 
 
@@ -116,9 +118,9 @@ def choose_survey(device: Device, model: Mapping, threads: int = 1) -> Survey:
     static = static_threshold(device)
     chosen = choose_model(device, model, threads, static)
     if model["name"] == "auto":
-        return Survey(chosen.base, chosen.top, chosen.check, static)
+        return Survey(chosen.base, chosen.top, chosen.check, None, static)
     levels = build_adaptive(device, threads=threads, static=static)
-    return Survey(levels.base, chosen, levels.top, static)
+    return Survey(levels.base, chosen, levels.check, levels.top, static)
 
 
 def build_adaptive(
