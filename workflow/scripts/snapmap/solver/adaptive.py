@@ -1,5 +1,6 @@
 """The model `auto`: several levels of models, and for each cell the cheapest that suffices."""
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -110,7 +111,9 @@ def choose_model(
     if model["name"] != "auto":
         return build_model(device, **model)
     check_options(device, "auto", options)
-    return build_adaptive(device, **options, threads=threads, static=static)
+    adaptive = build_adaptive(device, **options, threads=threads, static=static)
+    _tell_of_errors(adaptive, options.get("tolerance", TOLERANCE))
+    return adaptive
 
 
 def choose_survey(device: Device, model: Mapping, threads: int = 1) -> Survey:
@@ -164,6 +167,17 @@ def build_adaptive(
     check, top = (mix(devices, [(part[0], part[i]) for part in parts]) for i in (1, 2))
     adaptive = Adaptive(build_model(devices, "cosines", modes=RUNGS[0]), check, top, errors)
     return adaptive if devices is device else adaptive.pick(0)
+
+
+def _tell_of_errors(adaptive, tolerance):
+    """Warn where no rung keeps the tolerance."""
+    errors = np.atleast_2d(adaptive.errors)[:, 1:].max(axis=1)
+    if many := np.count_nonzero(errors >= tolerance):
+        warnings.warn(
+            f"model.tolerance: {tolerance:g} is not kept on {many} of {errors.size} devices; "
+            f"{RUNGS[-1]} cosines are off by up to {errors.max():.1g}",
+            stacklevel=3,
+        )
 
 
 def _differences(coarser, fine):
