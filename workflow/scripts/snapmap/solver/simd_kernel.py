@@ -12,11 +12,12 @@ compiler knows. All kernels stand in this one file: numba's cache does not see e
 import numpy as np
 from numba import njit
 
+from ..numerics import pieces as curve
 from ..numerics.arithmetic import fma, sine, widen_vectors
 
 LANES = 16
 BLOCK = 128
-"""Steps between two looks at the lanes; the pulse's recurrence is restarted at each look."""
+"""Steps between two looks at the lanes; the pulse is set out for so many at a time."""
 MARGIN = 2.0
 """A proof must hold by this many times the largest residual of the energy ledger seen so far."""
 OPENED = 4.0
@@ -29,16 +30,17 @@ SAMPLE = 4
 
 # Rows of one number: the device's; the cell's; scratch; from STATE on, the state at instant n.
 AXIAL, RESIDUAL, CONTACT, MASS, SPRING, TARGET, BARRIER, SADDLE, BEAM_DAMPING = range(9)
-AMPLITUDE, TURN, KEEP, PUSH, BEAM_KEEP, BEAM_PUSH = range(9, 15)
-HALF_CONTACT, TENSION, SOFTENING, COMPLIANCE = range(15, 19)
+AMPLITUDE, KEEP, PUSH, BEAM_KEEP, BEAM_PUSH = range(9, 14)
+TURN, CENTRE, PULSE, PULSE_STEP, PULSE_LEFT = range(14, 19)
+HALF_CONTACT, TENSION, SOFTENING, COMPLIANCE = range(19, 23)
 SHOCK, W_FREE, Y_FREE, GAP_FREE, GAP_GIVE, STRETCH_MEAN, INVERSE, ALONG, PRESS, TURNING = range(
-    19, 29
+    23, 33
 )
-STATE = 29
-Y, Y_STEP, PULSE, PULSE_STEP, PULSE_LEFT, STRETCH, GAP = range(29, 36)
-W_BEFORE, W, COUNT, WORK, GROSS_WORK, SWEPT, BEAM_SWEPT = range(36, 43)
+STATE = 33
+Y, Y_STEP, STRETCH, GAP = range(33, 37)
+W_BEFORE, W, COUNT, WORK, GROSS_WORK, SWEPT, BEAM_SWEPT = range(37, 44)
 # Vectors of k rows, from row VECTORS on: the state; scratch; the device's; S, k vectors.
-VECTORS = 43
+VECTORS = 44
 P, P_STEP, SCRATCH, FREE, STIFFNESS, SLOPE_START, LOAD, MIDPOINT, GEOMETRIC = range(9)
 
 # No fast maths: NaN stays visible, and a result does not depend on how a call was compiled. What
@@ -53,15 +55,10 @@ def at(vector, i, modes, l):
 
 
 @njit(inline="always")
-def shock(X, l):
-    """a of this step, by the recurrence of 1 - cos(2 pi f0 t), which goes on to the next."""
-    pulse = X[PULSE * LANES + l]
-    left = X[PULSE_LEFT * LANES + l]
-    pulse_step = fma(X[TURN * LANES + l], 1.0 - pulse, X[PULSE_STEP * LANES + l])
-    X[PULSE_STEP * LANES + l] = pulse_step
-    X[PULSE * LANES + l] = pulse + pulse_step
-    X[PULSE_LEFT * LANES + l] = left - 1.0
-    return X[AMPLITUDE * LANES + l] * pulse if left > 0.0 else 0.0
+def take(X, shocks, step):
+    """a of this step of every lane; apart, as only so the compiler keeps lanes side by side."""
+    for l in range(LANES):
+        X[SHOCK * LANES + l] = shocks[step * LANES + l]
 
 
 @njit(inline="always")
@@ -97,8 +94,10 @@ def move(X, l, modes, first, last, axial, contact, a):
 
 
 @njit(**JIT)
-def advance(X, shape, steps):
+def advance(X, shape, shocks, first, steps):
     """Advance every lane by `steps` steps of the modal form of eqs. (2), (4) and (5).
+
+    shocks: a dt^2 of each step of a block, as `set_out` leaves them; first: the step to begin with
 
     N = -EA/2L (p.S p + 2 p.S q0),  w = e.p - c P,  P = <e.p - y>+ / (1/lambda + c)
     p+ - 2 p + p- + alpha dt/2 (p+ - p-) = dt^2 (-kappa p + N (S p + S q0) - f a - e P)
@@ -111,10 +110,10 @@ def advance(X, shape, steps):
     # LLVM unrolls a short loop and gives up on a long one, and only what is unrolled vectorises
     # over lanes: so the loops over modes are cut in four.
     cut_1, cut_2, cut_3 = modes // 4, modes // 2, 3 * modes // 4
-    for _ in range(steps):
+    for step in range(first, first + steps):
+        take(X, shocks, step)
         for l in range(LANES):
-            a = shock(X, l)
-
+            a = X[SHOCK * LANES + l]
             quadratic = stretch(X, l, modes, 0, cut_1) + stretch(X, l, modes, cut_1, cut_2)
             quadratic += stretch(X, l, modes, cut_2, cut_3) + stretch(X, l, modes, cut_3, modes)
             axial = -X[AXIAL * LANES + l] * quadratic
@@ -199,8 +198,10 @@ def press(X, l, modes, first, last, pull, contact, sums):
 
 
 @njit(**JIT)
-def advance_conserving(X, shape, steps):
+def advance_conserving(X, shape, shocks, first, steps):
     """Advance every lane by `steps` steps in which contact and stretch do the work they store.
+
+    shocks, first: as in `advance`
 
     At half steps q = p.S p+ + (p + p+).S q0 and x = e.(p + p+)/2 - (y + y+)/2; with u = S p + S q0,
 
@@ -213,11 +214,10 @@ def advance_conserving(X, shape, steps):
     widen_vectors()
     modes = len(shape)
     cut_1, cut_2, cut_3 = modes // 4, modes // 2, 3 * modes // 4
-    for _ in range(steps):
+    for step in range(first, first + steps):
+        take(X, shocks, step)
         for l in range(LANES):
-            a = shock(X, l)
-            X[SHOCK * LANES + l] = a
-
+            a = X[SHOCK * LANES + l]
             sums = release(X, l, modes, 0, cut_1, a, (0.0, 0.0, 0.0, 0.0, 0.0))
             sums = release(X, l, modes, cut_1, cut_2, a, sums)
             sums = release(X, l, modes, cut_2, cut_3, a, sums)
@@ -287,7 +287,7 @@ def advance_conserving(X, shape, steps):
 
 
 @njit(**JIT)
-def fill(X, shape, l, coefficients, damping, amplitude, f0, dt):
+def fill(X, shape, l, coefficients, damping, amplitude, dt):
     """Put a cell at rest into lane l."""
     X[l::LANES] = 0.0
     scalars = BEAM_DAMPING + 1 - AXIAL
@@ -297,9 +297,7 @@ def fill(X, shape, l, coefficients, damping, amplitude, f0, dt):
         X[row * LANES + l] = coefficients[i]
     drag = damping * dt / 2
     mass = X[MASS * LANES + l]
-    X[AMPLITUDE * LANES + l] = amplitude / 2 * dt**2
-    X[TURN * LANES + l] = 4 * sine(f0 * dt / 2) ** 2
-    X[PULSE_LEFT * LANES + l] = np.ceil(1 / (f0 * dt))
+    X[AMPLITUDE * LANES + l] = amplitude * dt**2
     X[KEEP * LANES + l] = (mass - drag) / (mass + drag)
     X[PUSH * LANES + l] = 1 / (mass + drag)
     beam_drag = X[BEAM_DAMPING * LANES + l] / 2
@@ -315,11 +313,55 @@ def fill(X, shape, l, coefficients, damping, amplitude, f0, dt):
 
 
 @njit(**JIT)
-def restart_pulse(X, l, turn_step, steps):
-    """Set 1 - cos(2 pi f0 t) and its last increment afresh, at t = steps dt; turn_step: f0 dt."""
-    turn = turn_step * steps
-    X[PULSE * LANES + l] = 2 * sine(turn / 2) ** 2
-    X[PULSE_STEP * LANES + l] = 2 * sine(turn_step / 2) * sine(turn - turn_step / 2)
+def set_out(X, shocks, pulses, pulse_in, steps, x_step, piece):
+    """a dt^2 of every lane and each step of the next block, in rows as X has them.
+
+    pulses: as in `follow_all`
+    of each lane: pulse_in, its pulse, or -1 where it is over; steps done; x_step, f0 dt; piece,
+        moved on in place, of the pulse
+    """
+    pieces, bounds, ends = pulses
+    joins = np.zeros(LANES, np.bool_)
+    for l in range(LANES):
+        X[PULSE_LEFT * LANES + l] = 0.0
+        k = pulse_in[l]
+        if k < 0:
+            continue
+        its, x = pieces[bounds[k] : bounds[k + 1]], x_step[l] * steps[l]
+        left = curve.lasts(ends[k], x_step[l]) - steps[l]
+        X[PULSE_LEFT * LANES + l] = left
+        piece[l] = n = curve.at(its, piece[l], x)
+        turn, centre, last, pulse = curve.recurrence(its[n], x, x_step[l])
+        X[TURN * LANES + l], X[CENTRE * LANES + l] = turn, centre
+        X[PULSE_STEP * LANES + l], X[PULSE * LANES + l] = last, pulse
+        joins[l] = n + 1 < len(its) and its[n + 1, curve.BEGIN] < x + BLOCK * x_step[l]
+        joins[l] |= (steps[l] == 0 and ends[k, 0] != 0) or (left <= BLOCK + 1 and ends[k, 1] != 0)
+    go_on(X, shocks)
+    for l in np.flatnonzero(joins):
+        k = pulse_in[l]
+        its, amplitude = pieces[bounds[k] : bounds[k + 1]], X[AMPLITUDE * LANES + l]
+        for step in range(BLOCK):
+            x = x_step[l] * (steps[l] + step)
+            n = curve.at(its, piece[l], x)
+            sample = curve.sample(its, ends[k], n, x, x_step[l])
+            shocks[step * LANES + l] = amplitude * sample
+
+
+@njit(**JIT)
+def go_on(X, shocks):
+    """Follow the recurrence d+ = d + 4 sin^2(p/2) (centre - x), x+ = x + d+ through a block."""
+    widen_vectors()
+    for step in range(BLOCK):
+        for l in range(LANES):
+            pulse, left = X[PULSE * LANES + l], X[PULSE_LEFT * LANES + l]
+            bend = X[CENTRE * LANES + l] - pulse
+            pulse_step = fma(X[TURN * LANES + l], bend, X[PULSE_STEP * LANES + l])
+            X[PULSE_STEP * LANES + l] = pulse_step
+            X[PULSE * LANES + l] = pulse + pulse_step
+            X[PULSE_LEFT * LANES + l] = left - 1.0
+            X[SHOCK * LANES + l] = X[AMPLITUDE * LANES + l] * pulse if left > 0.0 else 0.0
+        for l in range(LANES):
+            shocks[step * LANES + l] = X[SHOCK * LANES + l]
 
 
 @njit(**JIT)
@@ -414,7 +456,7 @@ def snap_time(X, l, dt):
 
 
 @njit(**JIT)
-def follow_all(X, shape, conserving, devices, dt, cells, stop_at_snap, tolerance, facts):
+def follow_all(X, shape, conserving, devices, dt, pulses, cells, stop_at_snap, tolerance, facts):
     """Follow every cell until its well is proven or t_end is past, refilling each free lane.
 
     A proof is looked for after the pulse. The explicit scheme's energy wobbles with modes near the
@@ -425,7 +467,10 @@ def follow_all(X, shape, conserving, devices, dt, cells, stop_at_snap, tolerance
 
     X: work array; devices: (n_devices, coefficients), dt: (n_devices,), us
     conserving: None for the explicit scheme, which the compiler then takes alone
-    cells: device_of, amplitude (um/us^2), f0 (1/us), damping (C, uN us/um), t_end (us); (cells,)
+    cells: device_of, pulse_of, amplitude (um/us^2), f0 (1/us), damping (C, uN us/um), t_end (us);
+        (cells,)
+    pulses: as in `numerics.pieces`, over x = f0 t: the pieces of all, (pieces, 6), where each one's
+        begin and end, (pulses + 1,), and its ends, (pulses, 2)
     stop_at_snap: whether a cell also ends at its snap
     tolerance: of the ledger, over the gross work of the pulse; a run that exceeds it is given up
     facts, modified in place: t_snap, t_settled (us, NaN if not seen), well (1, 2, or 0 for open),
@@ -433,10 +478,13 @@ def follow_all(X, shape, conserving, devices, dt, cells, stop_at_snap, tolerance
         after a blow-up); (cells,)
     """
     widen_vectors()
-    device_of, amplitude, f0, damping, t_end = cells
+    device_of, pulse_of, amplitude, f0, damping, t_end = cells
+    ends = pulses[2]
     t_snap, t_settled, well, energy_error = facts
     cell_in = np.full(LANES, -1)
-    steps = np.zeros(LANES, np.int64)
+    steps, lasts, piece = np.zeros((3, LANES), np.int64)
+    pulse_in, x_step = np.full(LANES, -1), np.zeros(LANES)
+    shocks, pushed = np.zeros(BLOCK * LANES), False
     worst, found_before = np.zeros(LANES), np.zeros(LANES, np.int64)
     next_cell, running = 0, 0
     X[:] = 0.0
@@ -447,23 +495,28 @@ def follow_all(X, shape, conserving, devices, dt, cells, stop_at_snap, tolerance
         for l in range(LANES):
             if cell_in[l] < 0 and next_cell < t_snap.size:
                 device = device_of[next_cell]
-                load = damping[next_cell], amplitude[next_cell], f0[next_cell]
+                load = damping[next_cell], amplitude[next_cell]
                 fill(X, shape, l, devices[device], *load, dt[device])
-                cell_in[l], steps[l] = next_cell, 0
+                cell_in[l], steps[l], piece[l] = next_cell, 0, 0
+                pulse_in[l], x_step[l] = pulse_of[next_cell], f0[next_cell] * dt[device]
+                lasts[l] = curve.lasts(ends[pulse_in[l]], x_step[l])
                 worst[l], found_before[l] = 0.0, 0
                 next_cell += 1
                 running += 1
-            if X[PULSE_LEFT * LANES + l] > 0:
-                cell = cell_in[l]
-                restart_pulse(X, l, f0[cell] * dt[device_of[cell]], steps[l])
+            if cell_in[l] < 0 or steps[l] >= lasts[l]:
+                pulse_in[l] = -1
+        pushes = pulse_in.max() >= 0
+        if pushes or pushed:
+            set_out(X, shocks, pulses, pulse_in, steps, x_step, piece)
+        pushed = pushes
         before, last_before = last_before, before
         after, last_after = last_after, after
-        for n_steps in (BLOCK - 1, 1):
+        for first, n_steps in ((0, BLOCK - 1), (BLOCK - 1, 1)):
             before[state] = X[state]
             if conserving is None:
-                advance(X, shape, n_steps)
+                advance(X, shape, shocks, first, n_steps)
             else:
-                advance_conserving(X, shape, n_steps)
+                advance_conserving(X, shape, shocks, first, n_steps)
         after[state] = X[state]
         for l in range(LANES):
             cell = cell_in[l]
@@ -473,7 +526,7 @@ def follow_all(X, shape, conserving, devices, dt, cells, stop_at_snap, tolerance
             step = dt[device_of[cell]]
             drag = damping[cell] * step
             snapped = X[W * LANES + l] <= X[TARGET * LANES + l]
-            in_pulse = before[PULSE_LEFT * LANES + l] > 0
+            in_pulse = steps[l] - 1 < lasts[l]
             ended = steps[l] * step > t_end[cell] or not np.isfinite(X[Y * LANES + l])
             ended |= snapped and stop_at_snap
             if in_pulse and not ended:
@@ -513,33 +566,41 @@ def follow_all(X, shape, conserving, devices, dt, cells, stop_at_snap, tolerance
 
 
 @njit(**JIT)
-def trace_all(X, shape, conserving, devices, dt, cells, w_range, instants):
+def trace_all(X, shape, conserving, devices, dt, pulses, cells, w_range, instants):
     """Follow up to LANES cells as `follow_all` does, bit for bit, and keep their motion in bins.
 
     At instants; the conserving scheme's half way between two, as its energies.
 
     X: zeros; devices: each cell's row of coefficients, with target -inf, so that row W is never
         latched; dt: each cell's, us; conserving: as in `follow_all`
-    cells: amplitude, f0 and damping as in `follow_all`, and width, steps of one bin, a multiple of
-        SAMPLE; (cells,)
+    pulses: as in `follow_all`
+    cells: pulse_of, amplitude, f0 and damping as in `follow_all`, and width, steps of one bin, a
+        multiple of SAMPLE; (cells,)
     modified in place: w_range, least and greatest w(L/2) - rise in each bin, (2, bins, cells);
         instants, at each bin's start y, all energy and the beam's (pJ), (3, bins, cells)
     """
     widen_vectors()
-    amplitude, f0, damping, width = cells
-    bins = w_range.shape[1]
+    pulse_of, amplitude, f0, damping, width = cells
+    bins, shocks = w_range.shape[1], np.zeros(BLOCK * LANES)
+    steps, piece, pulse_in = *np.zeros((2, LANES), np.int64), np.full(LANES, -1)
+    x_step = np.zeros(LANES)
     for l in range(width.size):
-        fill(X, shape, l, devices[l], damping[l], amplitude[l], f0[l], dt[l])
+        fill(X, shape, l, devices[l], damping[l], amplitude[l], dt[l])
+        pulse_in[l], x_step[l] = pulse_of[l], f0[l] * dt[l]
     before = X.copy()
     for step in range(0, bins * width.max(), SAMPLE):
-        if step % BLOCK == 0:
+        in_block = step % BLOCK
+        if in_block == 0:
+            steps[:] = step
             for l in range(width.size):
-                restart_pulse(X, l, f0[l] * dt[l], step)
+                if step >= curve.lasts(pulses[2][pulse_of[l]], x_step[l]):
+                    pulse_in[l] = -1
+            set_out(X, shocks, pulses, pulse_in, steps, x_step, piece)
         before[:] = X
         if conserving is None:
-            advance(X, shape, 1)
+            advance(X, shape, shocks, in_block, 1)
         else:
-            advance_conserving(X, shape, 1)
+            advance_conserving(X, shape, shocks, in_block, 1)
         for l in range(width.size):
             bin = step // width[l]
             if bin >= bins:
@@ -559,6 +620,6 @@ def trace_all(X, shape, conserving, devices, dt, cells, w_range, instants):
                 instants[1, bin, l] = (beam + mass + contact) / dt[l] ** 2
                 instants[2, bin, l] = beam / dt[l] ** 2
         if conserving is None:
-            advance(X, shape, SAMPLE - 1)
+            advance(X, shape, shocks, in_block + 1, SAMPLE - 1)
         else:
-            advance_conserving(X, shape, SAMPLE - 1)
+            advance_conserving(X, shape, shocks, in_block + 1, SAMPLE - 1)
