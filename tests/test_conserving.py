@@ -7,10 +7,11 @@ import pytest
 
 import snapmap
 from snapmap.device import batch
+from snapmap.pulse import make_pulse, table
 from snapmap.solver import simd_kernel as kernel
 from snapmap.solver import simd_loop
 from snapmap.solver.bracket import lowest_snap
-from snapmap.solver.cells import Rows, to_cells
+from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import FAILED, LATCHED, RETURNED, label
 from snapmap.solver.schemes import CONSERVING, EXPLICIT, SCHEMES
@@ -39,12 +40,16 @@ def states(model, N, C, steps):
     shape, dt = (0,) * model.modes, model.dt
     X = simd_loop.work_array(model.modes)
     row = simd_loop.coefficients(model, -np.inf)[0]
-    kernel.fill(X, shape, 0, row, C, N * model.device.gravity, 1.5e-3, dt)
+    kernel.fill(X, shape, 0, row, C, N * model.device.gravity, dt)
+    pulses, shocks = table([make_pulse()]), np.zeros(kernel.BLOCK * kernel.LANES)
+    pulse_in, x_step = np.full(kernel.LANES, -1), np.full(kernel.LANES, 1.5e-3 * dt)
     found = []
     for step in range(steps):
         if step % kernel.BLOCK == 0:
-            kernel.restart_pulse(X, 0, 1.5e-3 * dt, step)
-        kernel.advance_conserving(X, shape, 1)
+            pulse_in[0] = 0 if step * x_step[0] < 1 else -1
+            at = np.full(kernel.LANES, step), x_step, np.zeros(kernel.LANES, int)
+            kernel.set_out(X, shocks, pulses, pulse_in, *at)
+        kernel.advance_conserving(X, shape, shocks, step % kernel.BLOCK, 1)
         found.append(X[:: kernel.LANES].copy())
     return np.array(found)
 
@@ -142,7 +147,7 @@ def test_the_order_is_two_until_contact_opens(handout):
 @pytest.mark.parametrize("contact", CONTACTS)
 def test_both_schemes_have_one_threshold(handout, contact):
     device = changed(handout, contact)
-    rows = Rows(np.zeros(2, int), np.array([500.0, 1500.0]), np.array([25.0, 25.0]))
+    rows = to_rows(0, [500.0, 1500.0], 25.0)
     asked = rows, (600.0, 1300.0), Settings(300.0), 1e-6
     by_scheme = [
         lowest_snap(build_model(device, "cosines", modes=3, scheme=scheme, step=0.2), *asked)

@@ -10,7 +10,7 @@ import snapmap
 from snapmap.beam.equilibria import static_threshold
 from snapmap.solver.adaptive import build_adaptive
 from snapmap.solver.bracket import lowest_snap
-from snapmap.solver.cells import Rows, to_cells
+from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import FAILED, label
 from snapmap.solver.settings import Settings
@@ -28,7 +28,7 @@ def test_a_beam_snaps_by_its_own_inertia(handout, change, f0):
     found = snapmap.threshold(device, [f0], [0.025], threads=2)
     N, bar = found.N_first.item(), found.N_error.item()
     fine = build_model(device, "elements", elements=20, modes=8, step=0.3)
-    rows = Rows(np.zeros(1, int), np.array([f0]), np.array([0.025]))
+    rows = to_rows(0, f0, 0.025)
     settings = Settings(1500.0, threads=2)
     truth = lowest_snap(fine, rows, (0.97 * N, 1.03 * N), settings, 1e-5, 0.002)[0]
     assert abs(truth - N) < bar < 0.01 * N

@@ -11,6 +11,7 @@ from ..beam.barrier import Barrier
 from ..beam.basis import Basis
 from ..beam.modal import ModalBeam
 from ..device import Device
+from ..pulse import Pulse
 from .cells import Cells, Observations, no_observations
 from .record import Form, Motion
 from .settings import Settings
@@ -57,7 +58,14 @@ class Loop(Protocol):
         """t_snap, t_settled, well and energy_error of cells, (cells,)."""
 
     def record(
-        self, model: "Model", amplitude: float, f0: float, damping: float, steps: int, stride: int
+        self,
+        model: "Model",
+        pulse: Pulse,
+        amplitude: float,
+        f0: float,
+        damping: float,
+        steps: int,
+        stride: int,
     ) -> tuple[Motion, Form]:
         """The motion of one cell of a model of one device, at every `stride`th instant."""
 

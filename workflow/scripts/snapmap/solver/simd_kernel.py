@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 
 from ..numerics import pieces as curve
-from ..numerics.arithmetic import fma, sine, widen_vectors
+from ..numerics.arithmetic import fma, widen_vectors
 
 LANES = 16
 BLOCK = 128
@@ -479,7 +479,7 @@ def follow_all(X, shape, conserving, devices, dt, pulses, cells, stop_at_snap, t
     """
     widen_vectors()
     device_of, pulse_of, amplitude, f0, damping, t_end = cells
-    ends = pulses[2]
+    jumps = pulses[2]
     t_snap, t_settled, well, energy_error = facts
     cell_in = np.full(LANES, -1)
     steps, lasts, piece = np.zeros((3, LANES), np.int64)
@@ -499,7 +499,7 @@ def follow_all(X, shape, conserving, devices, dt, pulses, cells, stop_at_snap, t
                 fill(X, shape, l, devices[device], *load, dt[device])
                 cell_in[l], steps[l], piece[l] = next_cell, 0, 0
                 pulse_in[l], x_step[l] = pulse_of[next_cell], f0[next_cell] * dt[device]
-                lasts[l] = curve.lasts(ends[pulse_in[l]], x_step[l])
+                lasts[l] = curve.lasts(jumps[pulse_in[l]], x_step[l])
                 worst[l], found_before[l] = 0.0, 0
                 next_cell += 1
                 running += 1
@@ -582,8 +582,8 @@ def trace_all(X, shape, conserving, devices, dt, pulses, cells, w_range, instant
     widen_vectors()
     pulse_of, amplitude, f0, damping, width = cells
     bins, shocks = w_range.shape[1], np.zeros(BLOCK * LANES)
-    steps, piece, pulse_in = *np.zeros((2, LANES), np.int64), np.full(LANES, -1)
-    x_step = np.zeros(LANES)
+    steps, piece = np.zeros((2, LANES), np.int64)
+    pulse_in, x_step = np.full(LANES, -1), np.zeros(LANES)
     for l in range(width.size):
         fill(X, shape, l, devices[l], damping[l], amplitude[l], dt[l])
         pulse_in[l], x_step[l] = pulse_of[l], f0[l] * dt[l]
