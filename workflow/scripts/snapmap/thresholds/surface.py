@@ -163,8 +163,8 @@ def summary(found: xr.Dataset) -> str:
     typical = f"{np.median(known):.2%}" if known.size else "unknown"
     return (
         f"{int(found.N_first.notnull().sum())} of {found.N_first.size} thresholds found, "
-        f"{int(found.ragged.sum())} of them ragged, {int((known > 0.01).sum())} with an error above "
-        f"1 %, median {typical}"
+        f"{int(found.ragged.sum())} of them ragged, {int((known > 0.01).sum())} with an error "
+        f"above 1 %, median {typical}"
     )
 
 
