@@ -58,8 +58,9 @@ def surveyed(coarse, fine, highest=None):
         return ask
 
     wide = np.tile(np.geomspace(0.1, 8.0, 200), (2, 1))
-    whole = _whole_window(asking(coarse), wide, highest)
-    window, ragged = _closer_window(asking(coarse), whole)
+    slow = np.zeros(2, bool)
+    whole = _whole_window(asking(coarse), wide, highest, slow)
+    window, ragged = _closer_window(asking(coarse), whole, slow)
     edges, open_end, *_ = _decide(asking(fine), window, whole, ragged)
     edges = refine_edges(lambda rows: lambda N: asking(fine)(N, rows), edges, 1e-6)
     return stretches(edges, open_end)

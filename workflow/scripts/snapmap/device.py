@@ -92,6 +92,13 @@ class Beam:
         return self.rise / self.thickness
 
     @property
+    def bending_frequency(self) -> Value:
+        """The first of a straight clamped beam, (4.7300/L)^2 sqrt(EI / rho A), rad/us."""
+        root = 4.730040744862704 / self.span
+        per_length = self.density * self.area
+        return root * root * np.sqrt(self.bending_stiffness / per_length)
+
+    @property
     def second_equilibrium(self) -> Value:
         """Midpoint of the second stable shape, w2 = -rise (1 + sqrt(1 - 16 / (3 Q^2))) / 2, um."""
         ratio = BISTABILITY_LIMIT / self.bistability
@@ -121,8 +128,11 @@ class Device:
 
     @property
     def own_frequency(self) -> Value:
-        """sqrt(spring / mass) of the mass alone, rad/us."""
-        return np.sqrt(self.spring / self.mass)
+        """The lower of the mass's own, sqrt(spring / mass), and the beam's first, rad/us.
+
+        A light mass, or one on a stiff spring, rests on a beam that snaps by its own inertia.
+        """
+        return np.minimum(np.sqrt(self.spring / self.mass), self.beam.bending_frequency)
 
     def __len__(self) -> int:
         """Number of devices in a batch; 1 for a single device."""

@@ -40,24 +40,38 @@ class BucklingModes(NamedTuple):
 def static_threshold(device: Device) -> float | np.ndarray:
     """Lowest N, in multiples of g, whose lasting acceleration leaves no equilibrium to rest in.
 
-    That is the first maximum on the way, or where the beam leaves the mass to snap by itself.
+    That is the first maximum on the way, or where the beam leaves the mass to snap by itself. A
+    beam that leaves the mass where it could still rest alone goes on to its own first maximum.
     """
     if np.ndim(device.mass):
         return np.array([static_threshold(device.pick(i)) for i in range(len(device))])
     modes = buckling_modes(device.beam)
 
-    def shock(modes, N):
+    def pressed(modes, N):
         return _shock(device, modes, N)
 
-    largest = largest_force(modes, shock, modes.buckling[1, 0])
+    a, reached, leaves = _end_of(modes, pressed, device.mass, device.spring)
+    if leaves:
+        alone, edge, _ = _end_of(modes, _shock_alone, mass=1.0, spring=0.0)
+        if reached < edge:
+            a = alone
+    return float(a / device.gravity)
+
+
+def _end_of(modes, loaded, mass, spring):
+    """The first maximum of a on a path, or where the midpoint is ahead of a mass by itself.
+
+    Returns a, the way of the midpoint, and whether it is the latter.
+    """
+    largest = largest_force(modes, loaded, modes.buckling[1, 0])
     low, high = 0.0, 2.0
     for _ in range(ZOOMS):
         places = np.linspace(low, high, GRID)
-        a, way = _along(modes, shock, largest, places)
-        ends = (np.diff(a) < 0) | (device.mass * a < device.spring * way)[1:]
-        first = np.argmax(ends)
+        a, reached = _along(modes, loaded, largest, places)
+        leaves = (mass * a < spring * reached)[1:]
+        first = np.argmax((np.diff(a) < 0) | leaves)
         low, high = places[[max(first - 1, 0), min(first + 1, GRID - 1)]]
-    return float(a[first] / device.gravity)
+    return a[first], reached[first], leaves[first]
 
 
 def _along(modes, loaded, largest, places):
@@ -110,6 +124,12 @@ def _shock(device, modes, N):
     at_rest = np.sum(modes.midpoint * constant, axis=0) / give
     grows = (device.mass / device.spring + np.sum(modes.midpoint * sag, axis=0)) / give
     return constant + slope * at_rest, sag + slope * grows
+
+
+def _shock_alone(modes, N):
+    """c = constant + slope a of the beam by itself."""
+    soft = 1 / (modes.buckling - N)
+    return soft * N * modes.start, -soft * modes.load
 
 
 def roots(

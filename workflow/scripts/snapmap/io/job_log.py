@@ -2,6 +2,7 @@
 
 import sys
 import traceback
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from pathlib import Path
@@ -11,12 +12,15 @@ from pathlib import Path
 def job_log(path: str | Path) -> Iterator[None]:
     """Keep what a script prints in its log as well; what it complains of goes there alone.
 
+    A warning is a line of what it prints.
     Snakemake shows the log of a job that fails. A fault that the user can mend (ValueError,
     OSError, MemoryError) is one line there, any other a traceback.
     """
     complaint = ""
     log = open(path, "w", buffering=1, encoding="utf-8")  # noqa: SIM115, closing may fail, too
-    with redirect_stdout(_Both(sys.stdout, log)), redirect_stderr(log):
+    told = redirect_stdout(_Both(sys.stdout, log)), redirect_stderr(log)
+    with told[0], told[1], warnings.catch_warnings():
+        warnings.showwarning = lambda message, *_, **__: print(message)
         try:
             yield
         except (MemoryError, OSError, ValueError) as fault:

@@ -1,5 +1,6 @@
 """The model `auto`: several levels of models, and for each cell the cheapest that suffices."""
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -88,12 +89,14 @@ class Adaptive:
 class Survey(NamedTuple):
     """Models by which thresholds are found: scans is cheap, and doubts has another opinion.
 
+    better: than the one that decides; None where that is the best
     static: threshold of slow pulses, about which to look, in multiples of g; (devices,)
     """
 
     scans: Follows
     decides: Follows
     doubts: Follows
+    better: Follows | None
     static: np.ndarray
 
 
@@ -108,7 +111,9 @@ def choose_model(
     if model["name"] != "auto":
         return build_model(device, **model)
     check_options(device, "auto", options)
-    return build_adaptive(device, **options, threads=threads, static=static)
+    adaptive = build_adaptive(device, **options, threads=threads, static=static)
+    _tell_of_errors(adaptive, options.get("tolerance", TOLERANCE))
+    return adaptive
 
 
 def choose_survey(device: Device, model: Mapping, threads: int = 1) -> Survey:
@@ -116,9 +121,9 @@ def choose_survey(device: Device, model: Mapping, threads: int = 1) -> Survey:
     static = static_threshold(device)
     chosen = choose_model(device, model, threads, static)
     if model["name"] == "auto":
-        return Survey(chosen.base, chosen.top, chosen.check, static)
+        return Survey(chosen.base, chosen.top, chosen.check, None, static)
     levels = build_adaptive(device, threads=threads, static=static)
-    return Survey(levels.base, chosen, levels.top, static)
+    return Survey(levels.base, chosen, levels.check, levels.top, static)
 
 
 def build_adaptive(
@@ -127,9 +132,10 @@ def build_adaptive(
     threads: int = 1,
     static: np.ndarray | None = None,
 ) -> Adaptive:
-    """Choose the rungs for each device by their thresholds; ValueError if none is fine enough.
+    """Choose the rungs for each device by their thresholds.
 
-    tolerance: of the threshold, relative; check is the first rung that keeps it, top the next
+    tolerance: of the threshold, relative; check is the first rung that keeps it, top the next, or
+        the last two, whose errors tell, where none does
     static: threshold of slow pulses, if known; (devices,)
     """
     devices = batch([device]) if np.ndim(device.mass) == 0 else device
@@ -152,25 +158,38 @@ def build_adaptive(
             parts.append((undecided[done], *(model.pick(done) for model in built[-3:-1])))
         undecided, thresholds, seen = undecided[~done], thresholds[~done], seen[~done]
         near = near[~done]
+        built = [model.pick(~done) for model in built]
         if not undecided.size:
             break
-        built = [model.pick(~done) for model in built]
     else:
-        finest = f"{seen[0, -2]:.1g}"
-        raise ValueError(f"model.tolerance: {tolerance:g} is below the finest error here, {finest}")
+        errors[undecided] = seen[:, [0, -1, -1]]
+        parts.append((undecided, *built[-2:]))
     check, top = (mix(devices, [(part[0], part[i]) for part in parts]) for i in (1, 2))
     adaptive = Adaptive(build_model(devices, "cosines", modes=RUNGS[0]), check, top, errors)
     return adaptive if devices is device else adaptive.pick(0)
 
 
+def _tell_of_errors(adaptive, tolerance):
+    """Warn where no rung keeps the tolerance."""
+    errors = np.atleast_2d(adaptive.errors)[:, 1:].max(axis=1)
+    if many := np.count_nonzero(errors >= tolerance):
+        warnings.warn(
+            f"model.tolerance: {tolerance:g} is not kept on {many} of {errors.size} devices; "
+            f"{RUNGS[-1]} cosines are off by up to {errors.max():.1g}",
+            stacklevel=3,
+        )
+
+
 def _differences(coarser, fine):
     """Largest relative difference of each rung's thresholds from the finest's, (devices, rungs).
 
-    No less than what the thresholds are refined to.
+    No less than what the thresholds are refined to; inf where there are none to compare.
     """
     with np.errstate(invalid="ignore"):
         apart = abs(coarser / fine[:, np.newaxis] - 1)
-    return np.max(apart, axis=-1, initial=REFINED, where=np.isfinite(apart))
+    known = np.isfinite(apart)
+    largest = np.max(apart, axis=-1, initial=REFINED, where=known)
+    return np.where(known.any(axis=-1), largest, np.inf)
 
 
 def _thresholds(model, near, reaches, threads):

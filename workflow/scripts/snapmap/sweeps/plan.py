@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..axes import DEVICE, Grid
+from ..solver.cost import MOST_SECONDS, steps_and_costs
 from ..solver.models import RUNGS, build_model, check_options
 from ..solver.settings import Settings
 from .partition import SINGLE, Slab
@@ -14,8 +15,8 @@ from .partition import SINGLE, Slab
 JOB_SECONDS = 30
 """At most the expected time of a slab, most take over a third: long against a job's start, and
 short enough to lose."""
-MOST_SECONDS, MOST_CELLS, MOST_SINGLE = 3.6e7, 10**10, 1000
-"""Grids beyond are taken for a slip: 10 000 core hours, 10^10 cells, 1000 slabs at least."""
+MOST_CELLS, MOST_SINGLE = 10**10, 1000
+"""Grids beyond are taken for a slip; the latter have 1000 slabs at least."""
 START_MB, CELL_MB = 1000, 5e-4
 """Asked for a job's start and for each cell; seen: 700 MB, two Snakemakes among them, and 200 B."""
 START_MINUTES, CAUTION = 2, 20
@@ -54,7 +55,7 @@ def make_plan(grid: Grid, model: Mapping, settings: Settings, alone: Sequence[fl
     """
     axes = grid.axes
     _check_size(grid)
-    dt, per_us = _steps_and_costs(_cheapest(grid.device, model), model["name"])
+    dt, per_us = steps_and_costs(_cheapest(grid.device, model), model["name"] == "reference")
     cost = _cost(grid, per_us, settings)
     total = cost.of_device.sum() * cost.of_f0.sum() * axes["N"].size * axes["C"].size
     total += sum(per_us.max() * (1e6 / f0 + settings.horizon) for f0 in alone)
@@ -133,15 +134,6 @@ def _cheapest(device, model):
     options = {key: value for key, value in model.items() if key != "name"}
     check_options(device, "auto", options)
     return build_model(device, "cosines", modes=RUNGS[0])
-
-
-def _steps_and_costs(built, name):
-    """Time step of each device, us, and the expected time to follow a cell of it for 1 us, s."""
-    dt, seconds = np.empty((2, len(built.device)))
-    for mine, part, row in built.split(np.arange(dt.size)):
-        nanoseconds = 80 if name == "reference" else 1 + part.modes**2 / 20
-        dt[mine], seconds[mine] = part.dt[row], nanoseconds * 1e-9 / part.dt[row]
-    return dt, seconds
 
 
 def _cost(grid, per_us, settings):

@@ -13,6 +13,7 @@ from .transitions import (
     Edges,
     Window,
     around,
+    balance,
     chosen,
     outermost,
     refine_edges,
@@ -26,8 +27,16 @@ BELOW, ABOVE = 0.7, 2.0
 """Where islands are looked for, as multiples of the threshold found first."""
 BESIDE, FAR_BESIDE = 1.02, 1.05
 """How far around the changes seen so far is looked closely, in clean and ragged rows."""
+SLOW = 0.05
+"""A pulse that lasts 1 / SLOW times longer than the device's response moves it from rest to rest:
+it snaps where no rest is left, and at every N above."""
+SLOW_REACH, SLOW_BESIDE = 2.0, 1.05
+"""How far around the static threshold slow pulses are looked at, and then around their own."""
+LOOKS = 4
+"""At so many distances another level must agree that a threshold lies between."""
 FARTHEST = 0.25
-"""Relative distance up to which another level's threshold is looked for; beyond, N_error is inf."""
+"""Relative distance up to which another level's threshold is looked for; beyond, a row is ragged.
+"""
 
 
 class Thresholds(NamedTuple):
@@ -35,6 +44,9 @@ class Thresholds(NamedTuple):
 
     N_first: the lowest N that snaps
     N_error: of N_first: what the finer levels, half the step and the refinement leave open
+    N_half: N_always less the lengths of the islands: as much snaps below it as does not above
+    half_error: of N_half, likewise
+    ragged: 1 where labels change back and forth, or levels differ by far, else 0
     N_always: the lowest above which every N looked at snaps
     N_pulse: the lowest N that snaps while the pulse lasts
     t_snap: at N_first, us after the pulse's start
@@ -44,6 +56,9 @@ class Thresholds(NamedTuple):
 
     N_first: np.ndarray
     N_error: np.ndarray
+    N_half: np.ndarray
+    half_error: np.ndarray
+    ragged: np.ndarray
     N_always: np.ndarray
     N_pulse: np.ndarray
     t_snap: np.ndarray
@@ -63,26 +78,42 @@ def survey(
 
     highest: up to which N islands are looked for; ABOVE times the threshold if not given
     The cheap model scans; the one that decides looks again where labels change, and refines; the
-    one that doubts, and half the step, tell what that is worth.
+    others, and half the step, tell what that is worth.
     """
 
     def ask(model, some=slice(None), horizon=settings.horizon):
         return asker(model, rows.some(some), settings._replace(horizon=horizon))
 
-    scans, decides, doubts, static = models
-    whole = _whole_window(ask(scans), _wide_scan(scans.device, static, rows), highest)
-    window, ragged = _closer_window(ask(scans), whole)
+    scans, decides, doubts, better, static = models
+    slow = _is_slow(scans.device, rows)
+    wide = _wide_scan(scans.device, static, rows, slow)
+    whole = _whole_window(ask(scans), wide, highest, slow)
+    window, ragged = _closer_window(ask(scans), whole, slow)
     edges, open_end, window, ragged = _decide(ask(decides), window, whole, ragged)
     edges = refine_edges(lambda some: ask(decides, some), edges, tolerance)
     N_first, N_always, islands = stretches(edges, open_end)
+    N_half = np.where(np.isnan(N_always), np.nan, balance(edges, N_first.size))
     if highest is not None:
         N_always = np.where(N_always <= highest, N_always, np.nan)
+    others = [ask(m) for m in (decides.with_step(0.5), doubts, better) if m is not None]
     clean = np.where(ragged, np.nan, N_first)
-    near = sum(_distance(ask(m), clean, tolerance) for m in (doubts, decides.with_step(0.5)))
-    far = np.fmax(_difference(ask(doubts), N_first, window, ragged), _spread(edges, N_first))
+    in_time, *in_space = (_distance(other, clean, tolerance) for other in others)
+    # The better level may itself be off by as much.
+    near = in_time + np.max(in_space, axis=0) + (in_space[1] if better else 0.0)
+    apart = np.isinf(near)
+    ragged |= apart
+    window = chosen(apart, whole, window)
+    found = [_elsewhere(other, window, ragged) for other in others]
+    first_error = np.fmax(_spread(edges, N_first), _farthest(N_first, [one[0] for one in found]))
+    half_error = _farthest(N_half, [one[1] for one in found])
+    N_error, half_error = (np.where(ragged, far, near) for far in (first_error, half_error))
+    resolution = np.where(ragged, window.step, 0.0) + tolerance
     return Thresholds(
         N_first,
-        np.where(ragged, far, near) + tolerance * N_first,
+        N_error + resolution * N_first,
+        N_half,
+        half_error + resolution * N_half,
+        ragged.astype(np.int8),
         N_always,
         *_pulse(ask, decides, rows.f0, N_first, highest, tolerance),
         np.count_nonzero(np.isfinite(islands[0]), axis=1),
@@ -90,25 +121,33 @@ def survey(
     )
 
 
-def _wide_scan(device, static, rows):
-    """Amplitudes, (rows, n), from below any threshold to far above, also of short pulses."""
+def _is_slow(device, rows):
+    """Whether a pulse is long against what the device takes to follow it, (rows,)."""
+    own, spring = device.own_frequency[rows.device], device.spring[rows.device]
+    return 2e-6 * np.pi * rows.f0 * (1 / own + rows.C / spring) < SLOW
 
+
+def _wide_scan(device, static, rows, slow):
+    """Amplitudes, (rows, n), from below any threshold to far above, also of short pulses."""
     columns = static, device.own_frequency, device.mass
     static, own, mass = (column[rows.device] for column in columns)
     # A pulse amplifies at most 1.7 times; a short one must bring a velocity, against damping.
     fast, damped = 2e-6 * np.pi * rows.f0 / own, rows.C / (2 * own * mass)
-    return amplitudes(static / 3, 5 * static * (1 + fast) * (1 + damped), SCAN_STEP)
+    low = np.where(slow, static / SLOW_REACH, static / 3)
+    high = np.where(slow, SLOW_REACH * static, 5 * static * (1 + fast) * (1 + damped))
+    return amplitudes(low, high, SCAN_STEP)
 
 
-def _whole_window(ask, wide, highest):
+def _whole_window(ask, wide, highest, slow):
     """Where islands are looked for, about the first of wide amplitudes that snaps."""
     rough = first_snap(wide, np.isfinite(ask(wide)))[1]
     top = ABOVE * rough if highest is None else np.fmax(highest, FAR_BESIDE * rough)
-    high = np.where(np.isfinite(rough), top, np.nan)
-    return Window(BELOW * rough, high, np.full(rough.size, FINE_STEP))
+    low = np.where(slow, rough / SLOW_BESIDE, BELOW * rough)
+    high = np.where(slow, SLOW_BESIDE * rough, np.where(np.isfinite(rough), top, np.nan))
+    return Window(low, high, np.full(rough.size, FINE_STEP))
 
 
-def _closer_window(ask, whole):
+def _closer_window(ask, whole, slow):
     """Where labels change along N, as the cheapest level sees it, and which rows are ragged.
 
     A row is ragged where they change more than once; so it is by every level, each in its own way.
@@ -117,7 +156,7 @@ def _closer_window(ask, whole):
     edges, *_ = scan(ask, whole)
     first, last = outermost(edges.row, edges.high, n_rows)
     ragged = np.bincount(edges.row, minlength=n_rows) > 1
-    close = around(whole, np.where(ragged, np.nan, first), last, BESIDE, CLOSEST_STEP)
+    close = around(whole, np.where(ragged | slow, np.nan, first), last, BESIDE, CLOSEST_STEP)
     edges, *_ = scan(ask, close)
     ragged |= np.bincount(edges.row, minlength=n_rows) > 1
     least, largest = outermost(edges.row, edges.high, n_rows)
@@ -153,23 +192,41 @@ def _spread(edges, N_first):
     return spread
 
 
-def _difference(ask, N_first, window, ragged):
-    """How far N_first of ragged rows is from the one that another level finds on the same scan."""
-    edges, *_ = scan(ask, window._replace(low=np.where(ragged, window.low, np.nan)))
-    other, _ = outermost(edges.row[edges.rising], edges.high[edges.rising], ragged.size)
-    lost = np.where(np.isnan(N_first), np.nan, np.inf)
-    return np.where(np.isnan(other), lost, abs(N_first - other))
+def _elsewhere(ask, window, ragged):
+    """N_first and N_half of ragged rows as another level sees them on the same scan.
+
+    The end of the window beyond which they lie stands for what is not in it.
+    """
+    edges, begins, _ = scan(ask, window._replace(low=np.where(ragged, window.low, np.nan)))
+    first, _ = outermost(edges.row[edges.rising], edges.high[edges.rising], ragged.size)
+    first = np.where(begins, window.low, np.where(np.isnan(first), window.high, first))
+    quiet = balance(edges, ragged.size) + np.where(begins, window.low, 0.0)
+    ends_quiet = np.bincount(edges.row, 2 * edges.rising - 1.0, ragged.size) + begins < 1
+    return first, quiet + np.where(ends_quiet, window.high, 0.0)
+
+
+def _farthest(N, others):
+    """The largest distance of N from what others found."""
+    return np.max([abs(N - other) for other in others], axis=0)
 
 
 def _distance(ask, N_first, tolerance):
-    """How far from N_first, at most, another level changes from quiet to snap."""
+    """How far from N_first, at most, another level changes from quiet to snap.
+
+    There and at each of the next LOOKS - 1 doublings it is quiet below and snaps above: where
+    labels change back and forth closely, one look is luck.
+    """
     distance = np.where(np.isnan(N_first), np.nan, np.inf)
-    reach = tolerance / 4
-    while reach < FARTHEST and np.isinf(distance).any():
-        N = np.where(np.isinf(distance), N_first, np.nan)[:, np.newaxis]
-        snapped = np.isfinite(ask(N * np.array([1 - reach, 1 + reach])))
-        distance = np.where(~snapped[:, 0] & snapped[:, 1], reach * N_first, distance)
-        reach *= 2
+    reach = np.full(N_first.size, tolerance / 4)
+    while (left := np.flatnonzero(np.isinf(distance) & (reach < FARTHEST))).size:
+        reaches = np.minimum(np.multiply.outer(reach[left], 2.0 ** np.arange(LOOKS)), FARTHEST)
+        N = np.full((N_first.size, 2 * LOOKS), np.nan)
+        N[left] = N_first[left, np.newaxis] * np.hstack([1 - reaches, 1 + reaches])
+        below, above = np.hsplit(np.isfinite(ask(N))[left], 2)
+        differ = below | ~above
+        passed = np.where(differ.any(axis=1), LOOKS - np.argmax(differ[:, ::-1], axis=1), 0)
+        distance[left[passed == 0]] = (reach * N_first)[left[passed == 0]]
+        reach[left] *= 2.0**passed
     return distance
 
 

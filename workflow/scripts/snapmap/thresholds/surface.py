@@ -11,15 +11,30 @@ from ..io.provenance import device_sections, provenance
 from ..solver.adaptive import choose_survey
 from ..solver.cells import Rows, check_cells, rows_of
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings, check_number, check_settings
+from .cost import tell_cost
 from .islands import Thresholds, survey
 
-IMPULSE = 100.0
-"""A pulse of this many times the mass's own frequency is as good as a jump in velocity."""
+IMPULSE, IMPULSE_OF_BEAM = 100.0, 10.0
+"""A pulse of so many times the device's own frequency, and the beam's, is as good as a jump in
+velocity."""
 
 MULTIPLES = {"units": "1", "comment": "in multiples of g"}
 VARIABLES = {
     "N_first": {"long_name": "lowest amplitude that snaps", **MULTIPLES},
     "N_error": {"long_name": "uncertainty of N_first from space, time and refinement", **MULTIPLES},
+    "N_half": {
+        "long_name": "amplitude below which as much snaps as does not above it",
+        **MULTIPLES,
+    },
+    "half_error": {
+        "long_name": "uncertainty of N_half from space, time and refinement",
+        **MULTIPLES,
+    },
+    "ragged": {
+        "long_name": "whether labels change back and forth, or levels of the model differ by far",
+        "flag_values": np.arange(2, dtype=np.int8),
+        "flag_meanings": "clean ragged",
+    },
     "N_always": {"long_name": "lowest amplitude above which all snap", **MULTIPLES},
     "N_pulse": {"long_name": "lowest amplitude that snaps while the pulse lasts", **MULTIPLES},
     "t_snap": {
@@ -74,6 +89,7 @@ def threshold(
     model = {"name": model, **options} if isinstance(model, str) else dict(model)
     grid = make_grid(device, {**varied, "C": C, "f0": f0}, skip)
     models, rows = choose_survey(grid.device, model, threads), rows_of(grid)
+    tell_cost(models, rows.some(rows.device >= 0), settings)
     found = _look(models, rows, settings, tolerance, highest)._asdict()
     dims = *grid.axes, "island"
     data = {
@@ -118,7 +134,8 @@ def _limits(grid, models, settings, tolerance, highest):
     """Thresholds of slow and of short pulses, and the unit of N, over the device's axes."""
     of_device, C = grid.device_of, grid.axes["C"]
     device, there = grid.device, of_device >= 0
-    impulse = IMPULSE * device.own_frequency / (2 * np.pi) * 1e6
+    own, of_beam = device.own_frequency, device.beam.bending_frequency
+    impulse = np.maximum(IMPULSE * own, IMPULSE_OF_BEAM * of_beam) / (2 * np.pi) * 1e6
     numbers = np.repeat(np.arange(len(device)), C.size)
     rows = Rows(numbers, impulse[numbers], np.tile(C, len(device)))
     jump = survey(models, rows, settings, tolerance, highest).N_first
@@ -146,7 +163,7 @@ def summary(found: xr.Dataset) -> str:
     typical = f"{np.median(known):.2%}" if known.size else "unknown"
     return (
         f"{int(found.N_first.notnull().sum())} of {found.N_first.size} thresholds found, "
-        f"{int((found.islands > 0).sum())} with islands, {int((known > 0.01).sum())} with an error "
+        f"{int(found.ragged.sum())} of them ragged, {int((known > 0.01).sum())} with an error "
         f"above 1 %, median {typical}"
     )
 

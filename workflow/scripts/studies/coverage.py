@@ -1,0 +1,145 @@
+"""How many thresholds of random devices lie within their error bars: docs/thresholds.md.
+
+PYTHONPATH=workflow/scripts ./run python -m studies.coverage [devices]
+
+Writes results/figures/coverage.pdf and .png: errors over their bars, by model.
+"""
+
+import sys
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from snapmap import threshold
+from snapmap.device import Device
+from snapmap.solver.bracket import lowest_snap
+from snapmap.solver.cells import Rows
+from snapmap.solver.models import build_model
+from snapmap.solver.settings import Settings
+
+from .markdown import number, table
+from .random_devices import draw_device, draw_shocks
+from .timing import Run
+
+ROOT = Path(__file__).resolve().parents[3]
+SEED, DEVICES, THREADS = 13, 24, 2
+MODELS = {
+    "auto": {"model": "auto"},
+    "handout": {"model": "handout"},
+    "5 cosines": {"model": "cosines", "modes": 5},
+}
+JUDGES = (
+    {"name": "cosines", "modes": 16, "step": 0.4},
+    {"name": "elements", "elements": 20, "modes": 12, "step": 0.4},
+)
+"""Two discretisations, far finer than what is judged; what they agree on is well posed."""
+AGREED, REFINED = 3e-4, 1e-5
+REACHES, CLOSE = (1.01, 1.1), 0.002
+"""About a threshold found before, the judges look this far around it in turn, in such steps."""
+HORIZON = 1500.0
+HEAD = [
+    "model",
+    "well posed",
+    "within the bar",
+    "share",
+    "missed",
+    "failed",
+    "s per threshold",
+    "bar",
+]
+
+
+def main():
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else DEVICES
+    draw = np.random.default_rng(SEED)
+    found = {name: [] for name in MODELS}
+    for _ in range(count):
+        device = draw_device(draw)
+        f0, C = draw_shocks(draw, device)
+        runs = {name: ask(device, f0, C, options) for name, options in MODELS.items()}
+        truth = judge(device, f0, C, next(run.result[0] for run in runs.values() if run.result))
+        for name, run in runs.items():
+            found[name].append((run, truth))
+    print(f"{count} devices, {count * len(f0) * len(C)} thresholds\n")
+    print(table(HEAD, [[name, *summary(runs)] for name, runs in found.items()]))
+    draw_errors(found)
+
+
+def ask(device: Device, f0, C, options) -> Run:
+    """N_first and N_error, (thresholds,), or None after an exception, and the time taken."""
+    begin = perf_counter()
+    try:
+        answer = threshold(device, f0, C, horizon=HORIZON, threads=THREADS, **options)
+        answer = answer.N_first.values.ravel(), answer.N_error.values.ravel()
+    except ValueError as error:
+        print(f"{device}: {error}")
+        answer = None
+    return Run(answer, perf_counter() - begin)
+
+
+def judge(device: Device, f0, C, about) -> np.ndarray:
+    """Thresholds, (thresholds,), NaN where the judges do not agree, or one finds none."""
+    rows = Rows(np.zeros(about.size, int), np.tile(f0, len(C)), np.repeat(C, len(f0)))
+    by_judge = [look(build_model(device, **options), rows, about) for options in JUDGES]
+    mean = np.mean(by_judge, axis=0)
+    return np.where(np.ptp(by_judge, axis=0) <= AGREED * mean, mean, np.nan)
+
+
+def look(model, rows: Rows, about) -> np.ndarray:
+    """Thresholds by one judge, (thresholds,); NaN where there is none within REACHES."""
+    settings, found = Settings(HORIZON, threads=THREADS), np.full(about.size, np.nan)
+    for reach in REACHES:
+        left = np.flatnonzero(np.isnan(found))
+        bracket = about[left] / reach, about[left] * reach
+        found[left] = lowest_snap(model, rows.some(left), bracket, settings, REFINED, CLOSE)
+    return found
+
+
+def ratios(runs) -> np.ndarray:
+    """Errors over their bars where the threshold is well posed; inf where none was found."""
+    each = []
+    for run, truth in runs:
+        known = np.isfinite(truth)
+        if run.result is not None:
+            N, bar = (values[known] for values in run.result)
+            each.append(np.nan_to_num(abs(N - truth[known]) / bar, nan=np.inf))
+    return np.concatenate(each)
+
+
+def summary(runs):
+    """A row of the table."""
+    over = ratios(runs)
+    asked = sum(truth.size for _, truth in runs)
+    bars = np.concatenate([run.result[1] / run.result[0] for run, _ in runs if run.result])
+    return [
+        str(over.size),
+        str(np.sum(over <= 1)),
+        f"{np.mean(over <= 1):.1%}",
+        str(np.sum(np.isinf(over))),
+        str(sum(run.result is None for run, _ in runs)),
+        number(sum(run.seconds for run, _ in runs) / asked),
+        f"{np.nanmedian(bars):.2%}",
+    ]
+
+
+def draw_errors(found):
+    """Draw the share of thresholds whose error is at most so many bars."""
+    figure = Figure(figsize=(3.4, 2.6), layout="constrained")
+    ax = figure.subplots()
+    for name, runs in found.items():
+        over = np.sort(ratios(runs))
+        ax.step(over, np.arange(1, over.size + 1) / over.size, where="post", label=name)
+    ax.axvline(1, color="0.6", linewidth=0.8)
+    ax.set(xscale="log", xlim=(1e-3, 10), ylim=(0, 1.02))
+    ax.set(xlabel="error over error bar", ylabel="share of the thresholds")
+    ax.legend(frameon=False)
+    folder = ROOT / "results" / "figures"
+    folder.mkdir(parents=True, exist_ok=True)
+    for kind in ("pdf", "png"):
+        figure.savefig(folder / f"coverage.{kind}", dpi=200)
+
+
+if __name__ == "__main__":
+    main()
