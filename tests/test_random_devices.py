@@ -89,8 +89,8 @@ def test_a_long_search_is_told_before_it_begins(handout, monkeypatch):
     told = pytest.warns(UserWarning, match=r"about [\d.]+ min; f0 = 0.05 Hz takes longest")
     with told, pytest.raises(pytest.fail.Exception):
         snapmap.threshold(handout, [0.05, 1500.0], [25.0], model="cosines")
-    with pytest.raises(ValueError, match="f0 = 1e-06 Hz takes longest; write a higher f0"):
-        snapmap.threshold(handout, [1e-6], [25.0], model="cosines")
+    with pytest.raises(ValueError, match="f0 = 1e-09 Hz takes longest; write a higher f0"):
+        snapmap.threshold(handout, [1e-9], [25.0], model="cosines")
 
 
 def test_a_slow_pulse_costs_no_wide_scan(handout):
