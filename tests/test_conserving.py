@@ -42,13 +42,13 @@ def states(model, N, C, steps):
     row = simd_loop.coefficients(model, -np.inf)[0]
     kernel.fill(X, shape, 0, row, C, N * model.device.gravity, dt)
     pulses, shocks = table([make_pulse()]), np.zeros(kernel.BLOCK * kernel.LANES)
-    pulse_in, x_step = np.full(kernel.LANES, -1), np.full(kernel.LANES, 1.5e-3 * dt)
+    pushes = kernel.no_pushes()
+    kernel.push(X, 0, pushes, pulses, 0, 1.5e-3 * dt)
     found = []
     for step in range(steps):
         if step % kernel.BLOCK == 0:
-            pulse_in[0] = 0 if step * x_step[0] < 1 else -1
-            at = np.full(kernel.LANES, step), x_step, np.zeros(kernel.LANES, int)
-            kernel.set_out(X, shocks, pulses, pulse_in, *at)
+            pushes.steps[:] = step
+            kernel.set_out(X, shocks, pushes, pulses)
         kernel.advance_conserving(X, shape, shocks, step % kernel.BLOCK, 1)
         found.append(X[:: kernel.LANES].copy())
     return np.array(found)

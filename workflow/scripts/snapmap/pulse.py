@@ -37,9 +37,9 @@ class Pulse:
         return begin if abs(begin) > NO_JUMP else 0.0, end if abs(end) > NO_JUMP else 0.0
 
     @property
-    def curve(self) -> tuple[np.ndarray, np.ndarray]:
+    def curve(self) -> tuple[np.ndarray, tuple[float, float]]:
         """Pieces and ends, as `numerics.pieces` takes them."""
-        return self.pieces, np.array(self.ends)
+        return self.pieces, self.ends
 
     @property
     def area(self) -> float:

@@ -114,7 +114,7 @@ def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
         Mb (u+ - 2 u + u-)/dt^2 + alpha Mb (u+ - u-)/(2 dt) = -Kb u + N (G u + G q0) - f a - e P
         M (y+ - 2 y + y-)/dt^2 + C (y+ - y-)/(2 dt) = -M a - K y + P
 
-    pulse: pieces and ends, as in `numerics.pieces`, over x = f0 t
+    pulse: pieces, and what they begin and end with, as in `numerics.pieces`, over x = f0 t
     amplitude: N g, um/us^2; f0: 1/us; damping: C, uN us/um; target: w2 - rise, um
     history: (samples, 2 n + 4), modified in place: u, du/dt, y, dy/dt, work of the pulse and
         energy lost to damping (pJ), at as many of the first instants as it holds
@@ -135,8 +135,8 @@ def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
 
     for step in range(steps):
         x = f0 * (step * dt)
-        k = curve.at(pieces, k, x)
-        a = amplitude * curve.sample(pieces, ends, k, x, f0 * dt)
+        k = curve.at(pieces, k, len(pieces), x)
+        a = amplitude * curve.sample(pieces, k, ends, x, f0 * dt)
         w_mid = dot(system.midpoint, u)
         contact = system.penalty * max(0.0, w_mid - y)
         compression = beam_stresses(system, u, bending_u, geometric_u)

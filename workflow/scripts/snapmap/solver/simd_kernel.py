@@ -9,11 +9,13 @@ A function compiled for k modes gets them as `shape`, a tuple of k numbers, whos
 compiler knows. All kernels stand in this one file: numba's cache does not see edits elsewhere.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 
 from ..numerics import pieces as curve
-from ..numerics.arithmetic import fma, widen_vectors
+from ..numerics.arithmetic import fma, sine, widen_vectors
 
 LANES = 16
 BLOCK = 128
@@ -31,21 +33,35 @@ SAMPLE = 4
 # Rows of one number: the device's; the cell's; scratch; from STATE on, the state at instant n.
 AXIAL, RESIDUAL, CONTACT, MASS, SPRING, TARGET, BARRIER, SADDLE, BEAM_DAMPING = range(9)
 AMPLITUDE, KEEP, PUSH, BEAM_KEEP, BEAM_PUSH = range(9, 14)
-TURN, CENTRE, PULSE, PULSE_STEP, PULSE_LEFT = range(14, 19)
-HALF_CONTACT, TENSION, SOFTENING, COMPLIANCE = range(19, 23)
+X_STEP, PIECE = 14, 15
+BEGIN, START, SLOPE, TURNS, LIFT, SWING, TURN, PULSE, PULSE_STEP, PULSE_LEFT = range(15, 25)
+HALF_CONTACT, TENSION, SOFTENING, COMPLIANCE = range(25, 29)
 SHOCK, W_FREE, Y_FREE, GAP_FREE, GAP_GIVE, STRETCH_MEAN, INVERSE, ALONG, PRESS, TURNING = range(
-    23, 33
+    29, 39
 )
-STATE = 33
-Y, Y_STEP, STRETCH, GAP = range(33, 37)
-W_BEFORE, W, COUNT, WORK, GROSS_WORK, SWEPT, BEAM_SWEPT = range(37, 44)
+STATE = 39
+Y, Y_STEP, STRETCH, GAP = range(39, 43)
+W_BEFORE, W, COUNT, WORK, GROSS_WORK, SWEPT, BEAM_SWEPT = range(43, 50)
 # Vectors of k rows, from row VECTORS on: the state; scratch; the device's; S, k vectors.
-VECTORS = 44
+VECTORS = 50
 P, P_STEP, SCRATCH, FREE, STIFFNESS, SLOPE_START, LOAD, MIDPOINT, GEOMETRIC = range(9)
 
 # No fast maths: NaN stays visible, and a result does not depend on how a call was compiled. What
 # speed needs is written out: fused multiply-adds, and sums in an order that vectorises over lanes.
 JIT = {"error_model": "numpy", "nogil": True, "cache": True}
+
+
+class Pushes(NamedTuple):
+    """How the pulse stands in each lane, (LANES,); modified in place.
+
+    pulse: its number; piece: the last one that was entered; steps: done; lasts: steps until it is
+    over
+    """
+
+    pulse: np.ndarray
+    piece: np.ndarray
+    steps: np.ndarray
+    lasts: np.ndarray
 
 
 @njit(inline="always")
@@ -313,55 +329,88 @@ def fill(X, shape, l, coefficients, damping, amplitude, dt):
 
 
 @njit(**JIT)
-def set_out(X, shocks, pulses, pulse_in, steps, x_step, piece):
-    """a dt^2 of every lane and each step of the next block, in rows as X has them.
+def no_pushes():
+    """Lanes without a pulse."""
+    pulse, piece, steps, lasts = np.zeros((4, LANES), np.int64)
+    return Pushes(pulse, piece, steps, lasts)
 
-    pulses: as in `follow_all`
-    of each lane: pulse_in, its pulse, or -1 where it is over; steps done; x_step, f0 dt; piece,
-        moved on in place, of the pulse
-    """
-    pieces, bounds, ends = pulses
-    joins = np.zeros(LANES, np.bool_)
+
+@njit(**JIT)
+def push(X, l, pushes, pulses, pulse, x_step):
+    """Begin a pulse in lane l; pulses: as in `follow_all`; x_step: f0 dt."""
+    bounds, jumps = pulses[1:]
+    pushes.pulse[l], pushes.piece[l], pushes.steps[l] = pulse, bounds[pulse] - 1, 0
+    pushes.lasts[l] = curve.lasts(jumps[pulse, 1], x_step)
+    X[X_STEP * LANES + l] = x_step
+
+
+@njit(**JIT)
+def set_out(X, shocks, pushes, pulses):
+    """a dt^2 of every lane and each step of the next block, in rows as X has them."""
+    pieces, bounds, jumps = pulses
+    joined = 0
     for l in range(LANES):
-        X[PULSE_LEFT * LANES + l] = 0.0
-        k = pulse_in[l]
-        if k < 0:
-            continue
-        its, x = pieces[bounds[k] : bounds[k + 1]], x_step[l] * steps[l]
-        left = curve.lasts(ends[k], x_step[l]) - steps[l]
+        steps, pulse, step = pushes.steps[l], pushes.pulse[l], X[X_STEP * LANES + l]
+        left = pushes.lasts[l] - steps
         X[PULSE_LEFT * LANES + l] = left
-        piece[l] = n = curve.at(its, piece[l], x)
-        turn, centre, last, pulse = curve.recurrence(its[n], x, x_step[l])
-        X[TURN * LANES + l], X[CENTRE * LANES + l] = turn, centre
-        X[PULSE_STEP * LANES + l], X[PULSE * LANES + l] = last, pulse
-        joins[l] = n + 1 < len(its) and its[n + 1, curve.BEGIN] < x + BLOCK * x_step[l]
-        joins[l] |= (steps[l] == 0 and ends[k, 0] != 0) or (left <= BLOCK + 1 and ends[k, 1] != 0)
+        if left <= 0:
+            # What a lane goes on with must not grow: denormal numbers would slow down all.
+            for row in range(PIECE, PULSE_LEFT):
+                X[row * LANES + l] = 0.0
+            continue
+        end, x = bounds[pulse + 1], step * steps
+        k = curve.at(pieces, max(pushes.piece[l], bounds[pulse]), end, x)
+        if k != pushes.piece[l]:
+            pushes.piece[l] = k
+            for column in range(curve.COLUMNS):
+                X[(PIECE + column) * LANES + l] = pieces[k, column]
+            X[TURN * LANES + l] = 4 * sine(X[TURNS * LANES + l] * step / 2) ** 2
+        X[PULSE * LANES + l] = x
+        joins = k + 1 < end and pieces[k + 1, curve.BEGIN] < x + BLOCK * step
+        joins |= steps == 0 and jumps[pulse, 0] != 0
+        joins |= left <= BLOCK + 1 and jumps[pulse, 1] != 0
+        joined |= joins << l
     go_on(X, shocks)
-    for l in np.flatnonzero(joins):
-        k = pulse_in[l]
-        its, amplitude = pieces[bounds[k] : bounds[k + 1]], X[AMPLITUDE * LANES + l]
-        for step in range(BLOCK):
-            x = x_step[l] * (steps[l] + step)
-            n = curve.at(its, piece[l], x)
-            sample = curve.sample(its, ends[k], n, x, x_step[l])
-            shocks[step * LANES + l] = amplitude * sample
+    for l in range(LANES):
+        if joined >> l & 1:
+            set_out_joined(X, shocks, l, pushes, pulses)
+
+
+@njit(**JIT)
+def set_out_joined(X, shocks, l, pushes, pulses):
+    """The same of a lane in whose block pieces join, or the pulse jumps."""
+    pieces, bounds, jumps = pulses
+    pulse, k, step = pushes.pulse[l], pushes.piece[l], X[X_STEP * LANES + l]
+    for i in range(BLOCK):
+        x = step * (pushes.steps[l] + i)
+        k = curve.at(pieces, k, bounds[pulse + 1], x)
+        sample = curve.sample(pieces, k, (jumps[pulse, 0], jumps[pulse, 1]), x, step)
+        shocks[i * LANES + l] = X[AMPLITUDE * LANES + l] * sample
 
 
 @njit(**JIT)
 def go_on(X, shocks):
-    """Follow the recurrence d+ = d + 4 sin^2(p/2) (centre - x), x+ = x + d+ through a block."""
+    """Follow each lane's piece through a block, from x = PULSE on.
+
+    By the recurrence of a sine of phase p a step: v+ - 2 v + v- = 4 sin^2(p/2) (centre - v).
+    """
     widen_vectors()
+    for l in range(LANES):
+        s, turns = X[PULSE * LANES + l] - X[BEGIN * LANES + l], X[TURNS * LANES + l]
+        slope, lift, swing = X[SLOPE * LANES + l], X[LIFT * LANES + l], X[SWING * LANES + l]
+        X[PULSE * LANES + l] = curve.form(X[START * LANES + l], slope, turns, lift, swing, s)
+        last = curve.increment(slope, turns, lift, swing, s, X[X_STEP * LANES + l])
+        X[PULSE_STEP * LANES + l] = last
     for step in range(BLOCK):
         for l in range(LANES):
             pulse, left = X[PULSE * LANES + l], X[PULSE_LEFT * LANES + l]
-            bend = X[CENTRE * LANES + l] - pulse
+            bend = X[START * LANES + l] + X[LIFT * LANES + l] - pulse
             pulse_step = fma(X[TURN * LANES + l], bend, X[PULSE_STEP * LANES + l])
             X[PULSE_STEP * LANES + l] = pulse_step
             X[PULSE * LANES + l] = pulse + pulse_step
             X[PULSE_LEFT * LANES + l] = left - 1.0
-            X[SHOCK * LANES + l] = X[AMPLITUDE * LANES + l] * pulse if left > 0.0 else 0.0
-        for l in range(LANES):
-            shocks[step * LANES + l] = X[SHOCK * LANES + l]
+            a = X[AMPLITUDE * LANES + l] * pulse if left > 0.0 else 0.0
+            shocks[step * LANES + l] = a
 
 
 @njit(**JIT)
@@ -470,7 +519,7 @@ def follow_all(X, shape, conserving, devices, dt, pulses, cells, stop_at_snap, t
     cells: device_of, pulse_of, amplitude (um/us^2), f0 (1/us), damping (C, uN us/um), t_end (us);
         (cells,)
     pulses: as in `numerics.pieces`, over x = f0 t: the pieces of all, (pieces, 6), where each one's
-        begin and end, (pulses + 1,), and its ends, (pulses, 2)
+        begin and end, (pulses + 1,), and what it begins and ends with, (pulses, 2)
     stop_at_snap: whether a cell also ends at its snap
     tolerance: of the ledger, over the gross work of the pulse; a run that exceeds it is given up
     facts, modified in place: t_snap, t_settled (us, NaN if not seen), well (1, 2, or 0 for open),
@@ -479,12 +528,10 @@ def follow_all(X, shape, conserving, devices, dt, pulses, cells, stop_at_snap, t
     """
     widen_vectors()
     device_of, pulse_of, amplitude, f0, damping, t_end = cells
-    jumps = pulses[2]
     t_snap, t_settled, well, energy_error = facts
     cell_in = np.full(LANES, -1)
-    steps, lasts, piece = np.zeros((3, LANES), np.int64)
-    pulse_in, x_step = np.full(LANES, -1), np.zeros(LANES)
-    shocks, pushed = np.zeros(BLOCK * LANES), False
+    pushes, shocks, pushed = no_pushes(), np.zeros(BLOCK * LANES), False
+    steps, lasts = pushes.steps, pushes.lasts
     worst, found_before = np.zeros(LANES), np.zeros(LANES, np.int64)
     next_cell, running = 0, 0
     X[:] = 0.0
@@ -492,23 +539,21 @@ def follow_all(X, shape, conserving, devices, dt, pulses, cells, stop_at_snap, t
     before, after = X.copy(), X.copy()
     last_before, last_after = X.copy(), X.copy()
     while next_cell < t_snap.size or running > 0:
+        pushing = False
         for l in range(LANES):
             if cell_in[l] < 0 and next_cell < t_snap.size:
                 device = device_of[next_cell]
                 load = damping[next_cell], amplitude[next_cell]
                 fill(X, shape, l, devices[device], *load, dt[device])
-                cell_in[l], steps[l], piece[l] = next_cell, 0, 0
-                pulse_in[l], x_step[l] = pulse_of[next_cell], f0[next_cell] * dt[device]
-                lasts[l] = curve.lasts(jumps[pulse_in[l]], x_step[l])
+                push(X, l, pushes, pulses, pulse_of[next_cell], f0[next_cell] * dt[device])
+                cell_in[l] = next_cell
                 worst[l], found_before[l] = 0.0, 0
                 next_cell += 1
                 running += 1
-            if cell_in[l] < 0 or steps[l] >= lasts[l]:
-                pulse_in[l] = -1
-        pushes = pulse_in.max() >= 0
-        if pushes or pushed:
-            set_out(X, shocks, pulses, pulse_in, steps, x_step, piece)
-        pushed = pushes
+            pushing |= steps[l] < lasts[l]
+        if pushing or pushed:
+            set_out(X, shocks, pushes, pulses)
+        pushed = pushing
         before, last_before = last_before, before
         after, last_after = last_after, after
         for first, n_steps in ((0, BLOCK - 1), (BLOCK - 1, 1)):
@@ -560,7 +605,7 @@ def follow_all(X, shape, conserving, devices, dt, pulses, cells, stop_at_snap, t
             t_snap[cell] = snap_time(X, l, step) if snapped else np.nan
             t_settled[cell] = (steps[l] - 1) * step if proven else np.nan
             well[cell] = found if proven else 0
-            cell_in[l] = -1
+            cell_in[l], lasts[l] = -1, 0
             running -= 1
             X[l::LANES] = 0.0
 
@@ -582,20 +627,16 @@ def trace_all(X, shape, conserving, devices, dt, pulses, cells, w_range, instant
     widen_vectors()
     pulse_of, amplitude, f0, damping, width = cells
     bins, shocks = w_range.shape[1], np.zeros(BLOCK * LANES)
-    steps, piece = np.zeros((2, LANES), np.int64)
-    pulse_in, x_step = np.full(LANES, -1), np.zeros(LANES)
+    pushes = no_pushes()
     for l in range(width.size):
         fill(X, shape, l, devices[l], damping[l], amplitude[l], dt[l])
-        pulse_in[l], x_step[l] = pulse_of[l], f0[l] * dt[l]
+        push(X, l, pushes, pulses, pulse_of[l], f0[l] * dt[l])
     before = X.copy()
     for step in range(0, bins * width.max(), SAMPLE):
         in_block = step % BLOCK
         if in_block == 0:
-            steps[:] = step
-            for l in range(width.size):
-                if step >= curve.lasts(pulses[2][pulse_of[l]], x_step[l]):
-                    pulse_in[l] = -1
-            set_out(X, shocks, pulses, pulse_in, steps, x_step, piece)
+            pushes.steps[:] = step
+            set_out(X, shocks, pushes, pulses)
         before[:] = X
         if conserving is None:
             advance(X, shape, shocks, in_block, 1)

@@ -4,7 +4,6 @@ import numpy as np
 
 from ..beam.modal import contact_stiffness
 from ..numerics.linalg import dot
-from ..numerics.pieces import lasts
 from ..pulse import table
 from .record import Form, Motion, at_instants
 from .schemes import CONSERVING, EXPLICIT
@@ -28,6 +27,8 @@ from .simd_kernel import (
     advance_conserving,
     fill,
     follow_all,
+    no_pushes,
+    push,
     set_out,
     trace_all,
 )
@@ -109,14 +110,13 @@ def _pairs(model, load, shock, steps, stride):
     go = advance if model.scheme == EXPLICIT else advance_conserving
     fill(X, shape, 0, coefficients(model, -np.inf)[0], *load, dt)
     before, after, shocks = [], [], np.zeros(BLOCK * LANES)
-    pulses, x_step, piece = table([pulse]), np.full(LANES, f0 * dt), np.zeros(LANES, np.int64)
-    over = lasts(pulses[2][0], f0 * dt)
+    pulses, pushes = table([pulse]), no_pushes()
+    push(X, 0, pushes, pulses, 0, f0 * dt)
     for step in range(0, steps, stride):
         in_block = step % BLOCK
         if in_block == 0:
-            pulse_in = np.full(LANES, -1)
-            pulse_in[0] = 0 if step < over else -1
-            set_out(X, shocks, pulses, pulse_in, np.full(LANES, step), x_step, piece)
+            pushes.steps[:] = step
+            set_out(X, shocks, pushes, pulses)
         before.append(X[state].copy())
         go(X, shape, shocks, in_block, 1)
         after.append(X[state].copy())
