@@ -9,11 +9,11 @@ from snapmap.figures import maps, style, thresholds
 from snapmap.io.job_log import job_log
 
 
-def draw_maps(cube_path, threshold_path, views, together, folder):
+def draw_maps(cube_path, threshold_path, views, together, marks, folder):
     """Draw each view, one column wide, and some maps of outcomes side by side, as maps.pdf.
 
     views: name, x, y and at, the place on each other axis; without N as one of these, thresholds
-    together: views of outcomes over the same axes
+    together: views of outcomes over the same axes; marks: name, f0 and N of shocks to point out
     """
     with (
         xr.open_dataset(cube_path, engine="netcdf4") as cube,
@@ -21,15 +21,17 @@ def draw_maps(cube_path, threshold_path, views, together, folder):
         style.paper(),
     ):
         for view in views:
-            _draw_map(cube, found, **view, folder=folder)
+            _draw_map(cube, found, **view, marks=marks, folder=folder)
         if together:
             _draw_together(cube, found, together, folder)
 
 
-def _draw_map(cube, found, name, x, y, at, folder):
+def _draw_map(cube, found, name, x, y, at, marks, folder):
     figure = style.single_column(height=3.6)
     if "N" in (x, y, *at):
-        maps.draw_map(figure.subplots(), cube.isel(at), _at(found, at), x, y)
+        ax = maps.draw_map(figure.subplots(), cube.isel(at), _at(found, at), x, y)
+        if (x, y) == ("f0", "N"):
+            maps.point_out(ax, marks)
     else:
         thresholds.draw_threshold_map(figure.subplots(), _at(found, at), x, y)
     style.save(figure, f"{folder}/{name}", cube.attrs)
@@ -53,5 +55,6 @@ if __name__ == "__main__":
             threshold_path=snakemake.input.threshold,
             views=snakemake.params.views,
             together=snakemake.params.together,
+            marks=snakemake.params.marks,
             folder=Path(snakemake.output.png[0]).parent,
         )

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -12,6 +13,10 @@ DIRECTIONS = {"+z": 1.0, "-z": -1.0}
 """The frame's acceleration at N above 0; along +z it presses the mass down on the beam."""
 NO_JUMP = 1e-12
 """What a pulse begins or ends with, over its peak, is no jump up to here."""
+AT_REST, BASELINE = 0.05, 0.005
+"""A recorded shock is over below this share of its peak, and its rest should be below that."""
+COARSE = 8.0
+"""Fewer samples in a period of the device's make a record too coarse for it."""
 TENTH = 0.1
 """Rise and fall of a trapezoid over its duration, unless given."""
 
@@ -30,7 +35,7 @@ class Pulse:
     duration: float | None = None
     notes: tuple[str, ...] = ()
 
-    @property
+    @cached_property
     def ends(self) -> tuple[float, float]:
         """What it begins and ends with; 0 where it does not jump."""
         begin, end = self.at(np.array([0.0, 1.0])).tolist()
@@ -41,7 +46,7 @@ class Pulse:
         """Pieces and ends, as `numerics.pieces` takes them."""
         return self.pieces, self.ends
 
-    @property
+    @cached_property
     def area(self) -> float:
         """Velocity change over peak times duration."""
         begin, value, slope, turns, lift, swing = self.pieces.T
@@ -52,13 +57,13 @@ class Pulse:
         waves = (swing * (1 - np.cos(turned)) - lift * np.sin(turned)) / phase
         return float(np.sum(straight + np.where(turns > 0, waves, 0.0)))
 
-    @property
+    @cached_property
     def variation(self) -> float:
         """All ups and downs over the peak: no linear oscillator without damping answers by more."""
         values = np.concatenate([[0.0], self.at(self._places), [0.0]])
         return float(np.sum(abs(np.diff(values))))
 
-    @property
+    @cached_property
     def highest(self) -> float:
         """Its highest value along +z; 0 where it only pulls."""
         return float(max(0.0, self.at(self._places).max()))
@@ -68,7 +73,7 @@ class Pulse:
         """x at which it is looked at: the ends of all pieces, and places between."""
         return np.union1d(np.append(self.pieces[:, 0], 1.0), np.linspace(0.0, 1.0, 1001))
 
-    @property
+    @cached_property
     def steepest(self) -> float:
         """Largest slope over that of the versed sine, pi; inf where it jumps."""
         _, _, slope, turns, lift, swing = self.pieces.T
@@ -84,6 +89,19 @@ class Pulse:
         half, whole = (np.vectorize(portable.sine)(turns * s * share) for share in (0.5, 1.0))
         found = value + slope * s + lift * (2 * half**2) + swing * whole
         return np.where((x >= 0) & (x <= 1), found, 0.0)
+
+    def doubts(self, own_frequency: float, lasts: float) -> list[str]:
+        """Lines on what a recorded shock may leave out of a device's answer.
+
+        own_frequency: the device's, rad/us; lasts: us, as it is used
+        """
+        lines = list(self.notes)
+        if self.duration is None:
+            return [f"{self.name}: {line}" for line in lines]
+        period, apart = 2 * np.pi / own_frequency, np.diff(self.pieces[:, 0], append=1.0)
+        if (step := apart.max() * lasts) * COARSE > period:
+            lines.append(f"samples {step:.3g} us apart are coarse for a period of {period:.3g} us")
+        return [f"{self.name}: {line}" for line in lines]
 
     def reversed(self) -> "Pulse":
         """The same along the other direction."""
@@ -126,6 +144,36 @@ def straight(x: np.ndarray, values: np.ndarray) -> np.ndarray:
     pieces[:, 0], pieces[:, 1] = x[:-1][kept], values[:-1][kept]
     pieces[:, 2] = np.diff(values)[kept] / np.diff(x)[kept]
     return pieces
+
+
+def sampled(time: np.ndarray, acceleration: np.ndarray, name: str = "recorded") -> Pulse:
+    """Make a pulse of samples, linear between them, with their own duration.
+
+    time: us, ascending; acceleration: along +z, in any unit, as N scales its largest; (samples,)
+    Raises ValueError, one line, for what is no shock.
+    """
+    time, acceleration = (np.asarray(values, float) for values in (time, acceleration))
+    if time.ndim != 1 or time.shape != acceleration.shape or time.size < 2:
+        raise ValueError(f"{time.size} samples are no shock; write two or more")
+    if not (np.isfinite(time).all() and np.isfinite(acceleration).all()):
+        raise ValueError("a sample is no finite number")
+    if (wrong := np.flatnonzero(np.diff(time) <= 0)).size:
+        raise ValueError(f"time of sample {wrong[0] + 2} is not after the one before; sort them")
+    peak, lasts = abs(acceleration).max(), time[-1] - time[0]
+    if peak == 0:
+        raise ValueError("the acceleration is 0 throughout")
+    values = acceleration / peak
+    if abs(values[-1]) > AT_REST:
+        raise ValueError(
+            f"the acceleration ends at {abs(values[-1]):.0%} of its peak; record until it is over"
+        )
+    notes = []
+    if abs(values[0]) > AT_REST:
+        notes.append(f"begins at {values[0]:.0%} of its peak, as with a jump")
+    before = np.flatnonzero(abs(values) > AT_REST)[0]
+    if before and (baseline := abs(np.median(values[:before]))) > BASELINE:
+        notes.append(f"rests at {baseline:.1%} of its peak before the shock; take that off")
+    return Pulse(name, straight((time - time[0]) / lasts, values), float(lasts), tuple(notes))
 
 
 def make_pulse(shape: str = VERSED_SINE, **shares: float) -> Pulse:

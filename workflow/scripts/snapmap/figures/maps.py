@@ -1,5 +1,7 @@
 """Maps over two axes of a study: the outcome of every cell, and where snapping begins."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -42,6 +44,7 @@ WORDS = {
 TITLE = "outcome (number of cells)"
 COLUMNS = 3
 """Maps side by side."""
+MARK = {"markerfacecolor": "white", "markeredgecolor": "black", "markeredgewidth": 0.8}
 RESOLVED, VECTORS = 700, 100_000
 """Most cells drawn along an axis, finer than print; and most drawn as vectors."""
 
@@ -58,6 +61,19 @@ def draw_map(
     lines = _threshold_keys(found if y == "N" else None)
     style.legend_below(ax, [*_cell_keys(cells), *lines], TITLE, ncols=2)
     return ax
+
+
+def point_out(ax: Axes, marks: Sequence[tuple[str, float, float]]) -> None:
+    """Mark shocks, given by name, f0 (Hz) and N, on a map of N over f0; numbers stand for names."""
+    freeze(ax)
+    low, high = ax.get_ylim()
+    for number, (_, f0, N) in enumerate(marks, start=1):
+        if low <= N <= high:
+            ax.plot(f0, N, "o", markersize=7, **MARK)
+            ax.annotate(str(number), (f0, N), ha="center", va="center", fontsize=5)
+    if marks:
+        names = [f"{number}: {name}" for number, (name, _, _) in enumerate(marks, start=1)]
+        ax.set_title("\n".join(filter(None, [ax.get_title(), "; ".join(names)])), wrap=True)
 
 
 def draw_maps(

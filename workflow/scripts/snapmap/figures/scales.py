@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, MaxNLocator
 
-from ..axes import DEVICE, SHOCK
+from ..axes import DEVICE, DIRECTION, PULSE_AXES, SHAPE, SHOCK
 
 WORDS = {
     DEVICE: ("device", ""),
@@ -22,11 +22,15 @@ WORDS = {
     "mass": ("mass", "ng"),
     "spring": ("spring", "N/m"),
     "contact": ("contact", "N/m"),
+    SHAPE: ("", ""),
+    DIRECTION: ("along", ""),
     "C": ("$C$", "µN µs µm$^{-1}$"),
     "f0": ("$f_0$", "Hz"),
     "N": ("$N$", ""),
 }
 LABELS = {
+    SHAPE: "shape of the pulse",
+    DIRECTION: "direction of the shock",
     "N": "pulse amplitude $N$ (multiples of $g$)",
     "f0": "pulse frequency $f_0$ (Hz)",
     "C": "damping of the mass $C$ (µN µs µm$^{-1}$)",
@@ -96,7 +100,7 @@ def place_text(data: xr.Dataset) -> str:
     """Typeset where on all other axes a dataset is: the device's in one line, the shock's below."""
     alone = [key for key in WORDS if key in data.coords and data[key].ndim == 0]
     texts = [value_text(key, data[key].item()) for key in alone]
-    of_device = sum(key not in SHOCK for key in alone)
+    of_device = sum(key not in (*PULSE_AXES, *SHOCK) for key in alone)
     return "\n".join(filter(None, (", ".join(texts[:of_device]), ", ".join(texts[of_device:]))))
 
 

@@ -28,8 +28,8 @@ def widen_vectors(context):
     """Compile the function that calls this with vectors of VECTOR_BITS, and by itself.
 
     LLVM stops at 256 bits on some processors that have 512, and the kernel then takes up to twice
-    the time. numba's own settings would reach the functions of whoever imports this, too. Taken into
-    its caller, a loop over lanes may lose its vectors.
+    the time. numba's own settings would reach the functions of whoever imports this, too. A loop
+    over lanes may lose its vectors where LLVM puts it into its caller.
     """
 
     def build(context, builder, _, __):

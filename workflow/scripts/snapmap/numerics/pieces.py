@@ -49,7 +49,7 @@ def at(pieces, k, end, x):
 
 @njit(**_JIT)
 def sample(pieces, k, jumps, x, step):
-    """The curve at x, in piece k; at a jump its mean over a step, so that a sum over steps is exact.
+    """The curve at x, in piece k; at a jump its mean over a step: so its sum over steps is exact.
 
     jumps: what the curve begins and ends with
     """
