@@ -29,9 +29,7 @@ def draw_maps(cube_path, threshold_path, views, together, marks, folder):
 def _draw_map(cube, found, name, x, y, at, marks, folder):
     figure = style.single_column(height=3.6)
     if "N" in (x, y, *at):
-        ax = maps.draw_map(figure.subplots(), cube.isel(at), _at(found, at), x, y)
-        if (x, y) == ("f0", "N"):
-            maps.point_out(ax, marks)
+        maps.draw_map(figure.subplots(), cube.isel(at), _at(found, at), x, y, marks)
     else:
         thresholds.draw_threshold_map(figure.subplots(), _at(found, at), x, y)
     style.save(figure, f"{folder}/{name}", cube.attrs)

@@ -83,6 +83,8 @@ def make_grid(
     if unknown:
         raise ValueError(f"{unknown[0]}: no axis; axes are {', '.join((*VALUES, *SHOCK))}")
     points = {key: _points(key, values) for key, values in axes.items()}
+    if (points.get("N", np.zeros(1)) < 0).any():
+        raise ValueError(f"N: {points['N'].min():g} is below 0; direction -z pushes the other way")
     named = device if isinstance(device, Mapping) else {}
     for one in named.values() if named else [device]:
         if not isinstance(one, Device):

@@ -170,8 +170,9 @@ def sampled(time: np.ndarray, acceleration: np.ndarray, name: str = "recorded") 
     notes = []
     if abs(values[0]) > AT_REST:
         notes.append(f"begins at {values[0]:.0%} of its peak, as with a jump")
-    before = np.flatnonzero(abs(values) > AT_REST)[0]
-    if before and (baseline := abs(np.median(values[:before]))) > BASELINE:
+    quiet = values[: np.flatnonzero(abs(values) > AT_REST)[0]]
+    low, baseline, high = np.percentile(quiet, [10, 50, 90]) if quiet.size else np.zeros(3)
+    if abs(baseline) > max(BASELINE, high - low):
         notes.append(f"rests at {baseline:.1%} of its peak before the shock; take that off")
     return Pulse(name, straight((time - time[0]) / lasts, values), float(lasts), tuple(notes))
 

@@ -74,6 +74,10 @@ def choose_curves(grid: Grid, nominal: Device, asked: Sequence[Mapping] | None) 
     for x in over:
         lines = _lines(grid, several, x)
         views.append(_asked_view(grid, nominal, "thresholds", x, lines, {}))
+    # Names on a further axis get lines of their own.
+    drawn = {view.y for view in views}
+    names = [key for key in _names(grid) if key not in drawn]
+    views += [_asked_view(grid, nominal, "thresholds", over[0], key, {}) for key in names]
     # The first keeps the plain name, whatever it is drawn over.
     return (views[0]._replace(name="thresholds"), *views[1:])
 
@@ -88,8 +92,12 @@ def choose_boundary(grid: Grid, nominal: Device) -> View:
 
 def _lines(grid, several, x):
     """Of which axis a figure of thresholds has a line for each value."""
-    names = [key for key in NAMES if key in grid.axes and grid.axes[key].size > 1]
-    return next(key for key in (*names, "C", *several) if key in grid.axes and key != x)
+    return next(key for key in (*_names(grid), "C", *several) if key in grid.axes and key != x)
+
+
+def _names(grid):
+    """Axes of several names."""
+    return [key for key in NAMES if key in grid.axes and grid.axes[key].size > 1]
 
 
 def _default_plane(grid):

@@ -34,6 +34,7 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping[str, str]]) -> Axes:
             ax.annotate("snaps at no $N$ seen ", (high, place), ha="right", va="center", fontsize=6)
     ax.axvline(1, color="black", linewidth=0.6)
     ax.set_yticks(range(len(verdicts)), [_name(row) for row in verdicts])
+    ax.tick_params(axis="y", which="minor", left=False)
     ax.set_xlabel("margin: threshold over required $N$")
     ax.xaxis.set_major_formatter("{x:g}")
     ax.xaxis.set_minor_formatter("{x:g}")

@@ -151,7 +151,8 @@ def _draw_gap(ax, found, scale, colour):
 def _label_limits(ax, found):
     static = _known(found.N_static)
     if static.size:
-        words = f"static limit of long pulses, $N$ = {static[-1]:.4g}"
+        words = "static limit of long pulses"
+        words += f", $N$ = {static[0]:.4g}" if static.size == 1 else ""
         ax.annotate(words, (ax.get_xlim()[0], static[-1]), xytext=(4, -4), va="top", **NOTE)
     per_N = _known(found.gravity * found.area / (1e-6 * found.velocity_change))
     if static.size and per_N.size:
@@ -185,7 +186,8 @@ def _draw_boundary_limits(ax, found):
         ax.axvline(v, **LIMIT)
     freeze(ax)
     if static.size and changes.size:
-        words, at = f"static, $N$ = {static[-1]:.4g}", (changes[-1], static[-1])
+        words = "static" + (f", $N$ = {static[0]:.4g}" if static.size == 1 else "")
+        at = changes[-1], static[-1]
         ax.annotate(words, at, xytext=(4, -4), va="top", **NOTE)
 
 

@@ -62,6 +62,8 @@ def simulate(
     """
     f0 = shocks_from(pulse, direction).own_frequency() if f0 is None else f0
     check_cells(N=[N], f0=[f0], C=[C])
+    if N < 0:
+        raise ValueError(f"N: {N:g} is below 0; direction -z pushes the other way")
     shocks = shocks_from(pulse, direction)
     if shocks.axes:
         raise ValueError("pulse: several; a history is of one shape in one direction")

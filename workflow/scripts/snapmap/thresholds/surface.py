@@ -207,15 +207,25 @@ def _reshape(values, shape):
 
 
 def summary(found: xr.Dataset) -> str:
-    """One line: how many thresholds, how many have islands, and how sure they are."""
+    """One line: how many thresholds, how many are ragged, how sure they are; the weaker side."""
     relative = (found.N_error / found.N_first).values
     known = relative[np.isfinite(relative)]
     typical = f"{np.median(known):.2%}" if known.size else "unknown"
-    return (
+    line = (
         f"{int(found.N_first.notnull().sum())} of {found.N_first.size} thresholds found, "
         f"{int(found.ragged.sum())} of them ragged, {int((known > 0.01).sum())} with an error "
         f"above 1 %, median {typical}"
     )
+    if found.sizes.get("direction", 1) < 2:
+        return line
+    # Where nothing snaps, the other side is the weaker one.
+    weaker = (
+        found.N_first.fillna(np.inf)
+        .idxmin("direction")
+        .where(found.N_first.notnull().any("direction"))
+    )
+    sides = [f"{way} in {int((weaker == way).sum())} rows" for way in found.direction.values]
+    return f"{line}; weaker along {', '.join(sides)}"
 
 
 def _check(f0, C, tolerance, highest, settings):
@@ -226,5 +236,5 @@ def _check(f0, C, tolerance, highest, settings):
         raise ValueError(f"tolerance: {tolerance} is not from 1e-9 to 0.01, of N")
     if highest is not None:
         check_number("highest", highest)
-        if not np.isfinite(highest):
-            raise ValueError(f"highest: {highest} is not a finite multiple of g")
+        if not 0 < highest < np.inf:
+            raise ValueError(f"highest: {highest} is not a finite multiple of g above 0")
