@@ -73,6 +73,7 @@ def make_found(C=(25.0, 200.0)):
         "island_from": ((*axes, "island"), np.concatenate([nan, last], axis=1)),
         "island_to": ((*axes, "island"), np.concatenate([nan, last + 50], axis=1)),
         "N_static": ((), 990.0),
+        "area": ((), 0.5),
         "velocity_change": ("C", 0.5 + 0.1 * np.arange(len(C))),
     }
     return xr.Dataset(variables, {"C": list(C), "f0": F0}, ATTRIBUTES | {"gravity": 1e-5})

@@ -23,6 +23,9 @@ def read_pulse(path: str | Path) -> Pulse:
     path: CSV of two columns, time (s, ms or us) and acceleration (g or m/s^2), whose header names
         the units, as in `time (ms),acceleration (g)`; or UFF with a dataset 58
     Between samples the acceleration is linear. Raises ValueError, one line, naming file and fault.
+
+    >>> snapmap.read_pulse("config/half_sine.csv").duration
+    500.0
     """
     path = Path(path)
     try:
