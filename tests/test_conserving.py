@@ -188,8 +188,10 @@ def test_a_proven_beam_stays_in_its_well(handout):
     seen = model.follow_once(cells, Settings(3000.0))
     outcome = label(*seen[:4], Settings().energy_tolerance)
     for i in np.flatnonzero(np.isin(outcome, (LATCHED, RETURNED)))[:8]:
-        load = (column[i] for column in cells[1:4])
-        motion, form = model.loop().record(model, *load, int(1e4 / model.dt), stride=2)
+        load = (column[i] for column in cells[2:5])
+        motion, form = model.loop().record(
+            model, make_pulse(), *load, int(1e4 / model.dt), stride=2
+        )
         after = (motion.u @ form.midpoint)[motion.time >= seen.t_settled[i]]
         above = after > model.barrier.midpoint
         assert (~above).all() if outcome[i] == LATCHED else above.all()

@@ -21,6 +21,8 @@ SHAPE, DIRECTION = "shape", "direction"
 """Those of the pulse's shape, by name, and of the way the frame is pushed."""
 PULSE_AXES = (SHAPE, DIRECTION)
 NAMES = (DEVICE, *PULSE_AXES)
+DURATION = "duration"
+"""f0 by another name, where figures are drawn over it; 1e3/f0, ms."""
 """Axes whose points have names, and no order but the one they were given in."""
 
 MOST_DEVICES = 100_000
@@ -149,6 +151,11 @@ def point_text(point: Mapping[str, float | str]) -> str:
         f"{key} = {value}" if key in NAMES else f"{key} = {value:.6g} {units[key]}"
         for key, value in point.items()
     )
+
+
+def axis_behind(name: str) -> str:
+    """The axis of a study that stands behind the name of a figure's axis."""
+    return "f0" if name == DURATION else name
 
 
 def coordinates(axes: Mapping[str, np.ndarray]) -> dict[str, tuple]:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..axes import DEVICE, NAMES, Grid, make_grid
+from ..axes import DEVICE, DURATION, NAMES, Grid, axis_behind, make_grid
 from ..device import VALUES, Beam, Device, batch
 from ..io.recorded import shocks_of
 from ..numerics.portable import geometric, linear
@@ -389,13 +389,14 @@ def _view(asked, path, axes):
     at = {}
     used = {key: asked[key] for key in ("x", "y", "lines") if key in asked}
     for key, axis in used.items():
-        if axis not in axes:
+        if axis_behind(axis) not in axes:
             raise ValueError(f"{name_of((*path, key))}: {axis} is no axis of this sweep")
-    if len(set(used.values())) < len(used):
+    drawn = {axis_behind(axis) for axis in used.values()}
+    if len(drawn) < len(used):
         raise ValueError(f"{name_of(path)}: {' and '.join(used)} are the same axis; write two")
-    for axis, value in asked.get("at", {}).items():
-        name = name_of((*path, "at", axis))
-        if axis not in axes or axis in used.values():
+    for asked_axis, value in asked.get("at", {}).items():
+        name, axis = name_of((*path, "at", asked_axis)), axis_behind(asked_axis)
+        if axis not in axes or axis in drawn or axis in at:
             raise ValueError(f"{name}: is no axis of this sweep, or one that is drawn")
         if axis in NAMES:
             if value not in axes[axis]:
@@ -403,7 +404,8 @@ def _view(asked, path, axes):
             at[axis] = axes[axis].tolist().index(value)
             continue
         try:
-            number = read(value, _KINDS[axis])
+            number = read(value, _KINDS[asked_axis])
+            number = _frequency(number) if asked_axis == DURATION else number
         except ValueError as error:
             raise ValueError(f"{name}: {error}") from None
         with np.errstate(invalid="ignore"):

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..axes import NAMES, PULSE_AXES, Grid
+from ..axes import NAMES, PULSE_AXES, Grid, axis_behind
 from ..device import VALUES, Device
 
 MOST_MAPS, PANELS = 24, 12
@@ -122,7 +122,7 @@ def _asked_view(grid, nominal, stem, x, y, given):
     at = {
         key: given.get(key, _usual(values, key, nominal))
         for key, values in grid.axes.items()
-        if key not in (x, y) and (key != "N" or key in given)
+        if key not in (axis_behind(x), axis_behind(y)) and (key != "N" or key in given)
     }
     return View(_name(grid, f"{stem}_{x}_{y}", at), x, y, at)
 

@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, MaxNLocator
 
-from ..axes import DEVICE, DIRECTION, PULSE_AXES, SHAPE, SHOCK
+from ..axes import DEVICE, DIRECTION, DURATION, PULSE_AXES, SHAPE, SHOCK
 
 WORDS = {
     DEVICE: ("device", ""),
@@ -26,6 +26,7 @@ WORDS = {
     DIRECTION: ("along", ""),
     "C": ("$C$", "µN µs µm$^{-1}$"),
     "f0": ("$f_0$", "Hz"),
+    DURATION: ("pulse duration $1/f_0$", "ms"),
     "N": ("$N$", ""),
 }
 LABELS = {
@@ -63,7 +64,7 @@ def scale_of(key: str, values: np.ndarray) -> Scale:
         places = np.arange(values.size, dtype=float)
         return Scale(key, values, places, arithmetic_edges(places), False, True)
     positive = (values > 0).all()
-    is_log = key == "f0" or (key != "N" and positive and _is_geometric(values))
+    is_log = key in ("f0", DURATION) or (key != "N" and positive and _is_geometric(values))
     edges = geometric_edges(values) if is_log else arithmetic_edges(values)
     return Scale(key, values, values, edges, bool(is_log), False)
 
@@ -87,6 +88,14 @@ def set_scale(ax: Axes, which: str, scale: Scale) -> None:
         axis.set_major_locator(LogLocator(subs=(1, 2, 5)) if wide else MaxNLocator(5))
         axis.set_major_formatter("{x:g}")
         axis.set_minor_formatter("")
+
+
+def along(data: xr.Dataset, *axes: str) -> xr.Dataset:
+    """Give a dataset over f0 (Hz) the duration (ms) as its axis, if it is one of these."""
+    if DURATION not in axes:
+        return data
+    durations = data.assign_coords({DURATION: ("f0", 1e3 / data.f0.values)})
+    return durations.swap_dims(f0=DURATION).sortby(DURATION)
 
 
 def value_text(key: str, value: float | str) -> str:
