@@ -1,6 +1,7 @@
 """Shapes against closed forms and other codes, recorded shocks, directions, and what is refused."""
 
 import dataclasses
+import json
 import math
 
 import numpy as np
@@ -306,6 +307,23 @@ def test_a_record_that_is_too_long_or_not_there_is_refused(tmp_path, monkeypatch
 def test_what_is_no_pulse_is_said_in_one_line(handout, asked, wanted):
     with pytest.raises(ValueError, match=wanted):
         snapmap.sweep(handout, [900.0], [1500.0], [25.0], model="cosines", **asked)
+
+
+def test_files_say_which_pulse_they_are_of(handout):
+    asked = {"N": [700.0], "f0": [1500.0], "C": [25.0], "model": "cosines", "horizon": 0.0}
+
+    def section(**push):
+        return json.loads(snapmap.sweep(handout, **asked, **push).attrs["config"]).get("pulse")
+
+    assert section() is None and section(pulse="versed sine", direction="+z") is None
+    assert section(direction="both") == {"direction": "both"}
+    assert section(pulse=["half sine", "sawtooth"]) == {"shape": ["half sine", "sawtooth"]}
+    ramp = make_pulse("trapezoid", rise=0.25)
+    assert section(pulse=ramp, direction="-z") == {
+        "shape": "trapezoid",
+        "rise": "25 %",
+        "direction": "-z",
+    }
 
 
 def test_trapezoids_rise_and_fall_as_asked():

@@ -27,12 +27,14 @@ class Pulse:
 
     pieces: (pieces, 6), as in `numerics.pieces`
     duration: its own, us, of a recorded shock; None where f0 alone tells it
+    given: what a config says of it
     notes: lines on what the user of a recorded shock should know
     """
 
     name: str
     pieces: np.ndarray
     duration: float | None = None
+    given: Mapping = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
     @cached_property
@@ -86,8 +88,10 @@ class Pulse:
         k = np.clip(np.searchsorted(self.pieces[:, 0], x, side="right") - 1, 0, None)
         begin, value, slope, turns, lift, swing = self.pieces[k].T
         s = np.asarray(x) - begin
-        half, whole = (np.vectorize(portable.sine)(turns * s * share) for share in (0.5, 1.0))
-        found = value + slope * s + lift * (2 * half**2) + swing * whole
+        found, turned = value + slope * s, turns * s
+        if turns.any():
+            half, whole = (np.vectorize(portable.sine)(turned * share) for share in (0.5, 1.0))
+            found = found + lift * (2 * half**2) + swing * whole
         return np.where((x >= 0) & (x <= 1), found, 0.0)
 
     def doubts(self, own_frequency: float, lasts: float) -> list[str]:
@@ -110,7 +114,7 @@ class Pulse:
 
 
 def _versed_sine():
-    """a = (1 - cos 2 pi x)/2, the handout's, eq. (6)."""
+    """a = (1 - cos 2 pi x)/2, the handout's."""
     return [[0.0, 0.0, 0.0, 1.0, 0.5, 0.0]]
 
 
@@ -174,7 +178,8 @@ def sampled(time: np.ndarray, acceleration: np.ndarray, name: str = "recorded") 
     low, baseline, high = np.percentile(quiet, [10, 50, 90]) if quiet.size else np.zeros(3)
     if abs(baseline) > max(BASELINE, high - low):
         notes.append(f"rests at {baseline:.1%} of its peak before the shock; take that off")
-    return Pulse(name, straight((time - time[0]) / lasts, values), float(lasts), tuple(notes))
+    pieces = straight((time - time[0]) / lasts, values)
+    return Pulse(name, pieces, float(lasts), {"shape": name}, tuple(notes))
 
 
 def make_pulse(shape: str = VERSED_SINE, **shares: float) -> Pulse:
@@ -191,7 +196,8 @@ def make_pulse(shape: str = VERSED_SINE, **shares: float) -> Pulse:
             raise ValueError(f"pulse.{key}: {share!r} is no share of the duration, from 0 to 1")
     if sum({"rise": TENTH, "fall": TENTH, **shares}.values()) > 1:
         raise ValueError("pulse.rise: with fall is more than the duration; write smaller shares")
-    return Pulse(shape, np.array(SHAPES[shape](**shares)))
+    given = {"shape": shape} | {key: f"{100 * share:.15g} %" for key, share in shares.items()}
+    return Pulse(shape, np.array(SHAPES[shape](**shares)), given=given)
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,9 +214,8 @@ class Shocks:
     @property
     def shapes(self) -> dict[str, Pulse]:
         """All by name."""
-        return (
-            dict(self.pulse) if isinstance(self.pulse, Mapping) else {self.pulse.name: self.pulse}
-        )
+        several = isinstance(self.pulse, Mapping)
+        return dict(self.pulse) if several else {self.pulse.name: self.pulse}
 
     @property
     def ways(self) -> tuple[str, ...]:
@@ -220,10 +225,12 @@ class Shocks:
     @property
     def axes(self) -> dict[str, np.ndarray]:
         """Names on its axes, `shape` and `direction`."""
-        axes = {"shape": np.array(list(self.pulse))} if isinstance(self.pulse, Mapping) else {}
-        return (
-            axes if isinstance(self.direction, str) else axes | {"direction": np.array(self.ways)}
-        )
+        axes = {}
+        if isinstance(self.pulse, Mapping):
+            axes["shape"] = np.array(list(self.pulse))
+        if not isinstance(self.direction, str):
+            axes["direction"] = np.array(self.ways)
+        return axes
 
     @property
     def pulses(self) -> tuple[Pulse, ...]:
@@ -252,10 +259,12 @@ class Shocks:
 
     def section(self) -> dict:
         """What a config says of it: nothing of the handout's, a versed sine along +z."""
-        names = [*self.shapes] if isinstance(self.pulse, Mapping) else self.pulse.name
-        given = {} if names == VERSED_SINE else {"shape": names}
+        several = isinstance(self.pulse, Mapping)
+        given = {"shape": [*self.shapes]} if several else dict(self.pulse.given)
+        given = {} if given == {"shape": VERSED_SINE} else given
         if self.direction != "+z":
-            given["direction"] = "both" if self.ways == tuple(DIRECTIONS) else [*self.ways]
+            both = self.ways == tuple(DIRECTIONS)
+            given["direction"] = "both" if both else self.direction
         return {"pulse": given} if given else {}
 
 

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -37,7 +38,7 @@ def read_pulse(path: str | Path) -> Pulse:
         if size > MOST_BYTES:
             raise ValueError(f"has {size / 1e6:.0f} MB; write at most {MOST_SAMPLES} samples")
         time, acceleration = (_read_uff if path.suffix.lower() in UFF else _read_csv)(path)
-        return sampled(time, acceleration, path.stem)
+        return replace(sampled(time, acceleration, path.stem), given={"file": str(path)})
     except FileNotFoundError:
         raise ValueError(f"{path}: is not there") from None
     except (OSError, ValueError) as error:
