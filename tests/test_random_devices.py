@@ -15,6 +15,7 @@ from snapmap.solver.models import build_model
 from snapmap.solver.outcome import FAILED, label
 from snapmap.solver.settings import Settings
 from snapmap.thresholds.islands import SLOW
+from studies import coverage
 from studies.coverage import ask, judge, ratios
 from studies.random_devices import draw_device, draw_shocks
 
@@ -125,9 +126,19 @@ def test_ragged_rows_have_a_band_and_finite_bars(handout):
     assert (apart <= 1e-4 * found.islands * found.N_always).all()
 
 
-@pytest.mark.parametrize("count", [2, pytest.param(12, marks=pytest.mark.long)])
-def test_errors_lie_within_their_bars(count):
+QUICK = (
+    {"name": "cosines", "modes": 10, "step": 0.4},
+    {"name": "elements", "elements": 20, "modes": 8, "step": 0.4},
+)
+"""Judges whose kernels other tests compile as well."""
+
+
+@pytest.mark.parametrize(
+    ("count", "judges"), [(2, QUICK), pytest.param(12, coverage.JUDGES, marks=pytest.mark.long)]
+)
+def test_errors_lie_within_their_bars(monkeypatch, count, judges):
     """On devices drawn at random, against two independent discretisations."""
+    monkeypatch.setattr(coverage, "JUDGES", judges)
     draw = np.random.default_rng(5)
     over, asked = [], 0
     for _ in range(count):
