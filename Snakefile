@@ -34,12 +34,17 @@ try:
     plan = make_plan(
         study.grid, study.model, study.settings, [h.f0 for h in study.histories]
     )
+    doubts = study.doubts()
 except ValueError as error:
     raise WorkflowError(str(error))
 
 device_values = values_of(study.device)
 asked = study.settings.asked()
-names = [slab_name(study.device, study.model, slab, asked) for slab in plan.slabs]
+names = [
+    slab_name(study.device, study.model, slab, asked, study.shocks)
+    for slab in plan.slabs
+]
+recorded = [study.pulse["file"]] if "file" in study.pulse else []
 slabs = dict(zip(names, plan.slabs))
 requests = dict(zip(names, plan.requests))
 cells = {cell.name: cell for cell in study.histories}
@@ -70,14 +75,21 @@ onstart:
     except BlockingIOError:
         raise WorkflowError(f"{os.getcwd()}: another run is at work in this folder")
     remove_leftovers("results")
-    if study.left_out:
-        print(study.left_out, file=sys.stderr)
+    for line in filter(None, [study.left_out, *doubts]):
+        print(line, file=sys.stderr)
+
+
+onsuccess:
+    if study.requirements and os.path.exists("results/logs/check_requirements.log"):
+        with open("results/logs/check_requirements.log", encoding="utf-8") as told:
+            print(told.read().strip(), file=sys.stderr)
 
 
 include: "workflow/rules/common.smk"
 include: "workflow/rules/sweep.smk"
 include: "workflow/rules/thresholds.smk"
 include: "workflow/rules/statics.smk"
+include: "workflow/rules/requirements.smk"
 include: "workflow/rules/maps.smk"
 include: "workflow/rules/histories.smk"
 include: "workflow/rules/page.smk"
@@ -99,3 +111,8 @@ rule all:
             kind=["pdf", "png"],
         ),
         "results/explore.html",
+        (
+            ["results/requirements.csv", "results/figures/requirements.pdf"]
+            if study.requirements
+            else []
+        ),

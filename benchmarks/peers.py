@@ -36,7 +36,7 @@ def by_scipy(device: Device, modal: ModalBeam, method: str) -> Follow:
         return np.nan
 
     snaps.terminal, snaps.direction = True, -1
-    return lambda cells: np.array([follow_cell(*cell) for cell in zip(*cells[1:], strict=True)])
+    return lambda cells: np.array([follow_cell(*cell) for cell in zip(*cells[2:], strict=True)])
 
 
 def compile_rate(device: Device, modal: ModalBeam):
@@ -151,6 +151,6 @@ class Lanes:
         self.integrator.reset_cooldowns(lane)
         self.cell_in[lane] = cell = self.queue.pop() if self.queue else None
         if cell is not None:
-            amplitude, f0, damping, _ = (values[cell] for values in self.cells[1:])
+            amplitude, f0, damping, _ = (values[cell] for values in self.cells[2:])
             self.integrator.pars[:, lane] = amplitude / 2, 2 * np.pi * f0, damping, self.contact
             self.stop[lane] = 1 / f0

@@ -12,10 +12,11 @@ import yaml
 from snapmap import config
 from snapmap.beam.elements import hermite_elements
 from snapmap.config import units
-from snapmap.config.study import HANDOUT_CASE, load_device, load_study
+from snapmap.config.study import HANDOUT_CASE, SHARES, load_device, load_study
 from snapmap.config.units import KINDS
 from snapmap.config.views import MOST_MAPS
 from snapmap.device import VALUES, Beam
+from snapmap.pulse import TENTH, VERSED_SINE
 from snapmap.solver.adaptive import TOLERANCE
 from snapmap.solver.models import OPTIONS, build_model
 from snapmap.solver.settings import THRESHOLD_TOLERANCE, Settings
@@ -49,6 +50,13 @@ sweep:
   C: [0.5 uN*us/um, 30 uN*us/um]
   horizon: 1 ms
   until: snap
+
+pulse:
+  shape: [half sine, sawtooth]
+  direction: both
+
+requirements:
+  - {name: drop test, shape: half sine, N: 1500, duration: 0.5 ms, snaps: true}
 
 histories:
   - {N: 1200, f0: 2 kHz, C: 0.5 uN*us/um}
@@ -116,7 +124,8 @@ Another device, with hard contact and some damping of the beam:
 ## Values of the device as axes
 
 Any value of the device may stand under `sweep`, by its own key, and then takes the place of the
-device's own. The axes of all products are these, in the order of the config, then C, f0 and N.
+device's own. The axes of all products are these, in the order of the config, then `shape`,
+`direction`, C, f0 and N.
 With the device above:
 
 ```yaml
@@ -163,9 +172,10 @@ def _sections(schema, defaults):
     yield _section("device.beam", device["properties"]["beam"], defaults)
     yield _section("model", parts["model"], defaults)
     yield _options()
+    yield _section("pulse", parts["pulse"], defaults)
     yield _section("sweep", parts["sweep"], defaults)
     yield _section("an axis given as a range", schema["$defs"]["axis"], defaults)
-    for key in ("histories", "maps", "thresholds"):
+    for key in ("requirements", "histories", "maps", "thresholds"):
         yield _section(f"each of {key}", _resolved(parts[key]["items"], schema), defaults)
 
 
@@ -174,6 +184,7 @@ def code_defaults() -> dict[str, str]:
     handout = load_device(HERE.parent / "config" / "config.yaml")
     elements = _arguments(hermite_elements)
     settings = {key: f"`{value}`" for key, value in Settings().asked().items()}
+    pushes = "pulse", "each of requirements"
     history = "N = {N:g}, f0 = {f0:g} Hz, C = {C:g} uN*us/um".format(**HANDOUT_CASE)
     return {
         **{f"sweep.{key}": value for key, value in settings.items()},
@@ -197,7 +208,15 @@ def code_defaults() -> dict[str, str]:
         "contact, else `conserving`",
         "model.step": _default_steps(handout),
         "model.tolerance": f"`{TOLERANCE * 100:g} %`",
-        "sweep.f0": "required, or `duration`",
+        "pulse": "a versed sine along +z",
+        "requirements": "none",
+        **{f"{where}.shape": f"`{VERSED_SINE}`" for where in pushes},
+        **{f"{where}.{key}": f"`{TENTH * 100:g} %`" for where in pushes for key in SHARES},
+        **{f"{where}.file": "`shape`" for where in pushes},
+        **{f"{where}.direction": "`+z`" for where in pushes},
+        "each of requirements.f0": "required, or `duration`, or `file`",
+        "each of requirements.duration": "`f0`",
+        "sweep.f0": "required, or `duration`, or `pulse.file`",
         "sweep.duration": "`f0`",
         "each of histories.f0": "required, or `duration`",
         "each of histories.duration": "`f0`",
@@ -267,7 +286,7 @@ def _example(part):
 
 
 def _default(name, key, section, defaults):
-    if key in section["required"]:
+    if key in section.get("required", ()):
         return "required"
     return defaults[f"{name}.{key}".removeprefix(".")]
 

@@ -9,7 +9,7 @@ import pytest
 from snapmap.device import Beam, Device
 from snapmap.figures import accuracy, style
 from snapmap.solver.bracket import lowest_snap
-from snapmap.solver.cells import Rows
+from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
 from studies.accuracy.cases import CONVERGED, list_cases
@@ -105,7 +105,7 @@ def test_elements_converge_with_order_four(handout):
 
     def threshold(elements):
         model = build_model(handout, "elements", elements=elements, modes=8, step=0.3)
-        rows = Rows(np.array([0, 0]), np.array([457.7, 1500.0]), np.array([25.0, 25.0]))
+        rows = to_rows(0, [457.7, 1500.0], 25.0)
         return lowest_snap(model, rows, (850.0, 1100.0), SNAP, tolerance=1e-9)
 
     coarse, middle, fine = (threshold(elements) for elements in (5, 10, 20))

@@ -7,10 +7,11 @@ import pytest
 
 import snapmap
 from snapmap.device import batch
+from snapmap.pulse import make_pulse, table
 from snapmap.solver import simd_kernel as kernel
 from snapmap.solver import simd_loop
 from snapmap.solver.bracket import lowest_snap
-from snapmap.solver.cells import Rows, to_cells
+from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import FAILED, LATCHED, RETURNED, label
 from snapmap.solver.schemes import CONSERVING, EXPLICIT, SCHEMES
@@ -39,12 +40,16 @@ def states(model, N, C, steps):
     shape, dt = (0,) * model.modes, model.dt
     X = simd_loop.work_array(model.modes)
     row = simd_loop.coefficients(model, -np.inf)[0]
-    kernel.fill(X, shape, 0, row, C, N * model.device.gravity, 1.5e-3, dt)
+    kernel.fill(X, shape, 0, row, C, N * model.device.gravity, dt)
+    pulses, shocks = table([make_pulse()]), np.zeros(kernel.BLOCK * kernel.LANES)
+    pushes = kernel.no_pushes()
+    kernel.push(X, 0, pushes, pulses, 0, 1.5e-3 * dt)
     found = []
     for step in range(steps):
         if step % kernel.BLOCK == 0:
-            kernel.restart_pulse(X, 0, 1.5e-3 * dt, step)
-        kernel.advance_conserving(X, shape, 1)
+            pushes.steps[:] = step
+            kernel.set_out(X, shocks, pushes, pulses)
+        kernel.advance_conserving(X, shape, shocks, step % kernel.BLOCK, 1)
         found.append(X[:: kernel.LANES].copy())
     return np.array(found)
 
@@ -142,7 +147,7 @@ def test_the_order_is_two_until_contact_opens(handout):
 @pytest.mark.parametrize("contact", CONTACTS)
 def test_both_schemes_have_one_threshold(handout, contact):
     device = changed(handout, contact)
-    rows = Rows(np.zeros(2, int), np.array([500.0, 1500.0]), np.array([25.0, 25.0]))
+    rows = to_rows(0, [500.0, 1500.0], 25.0)
     asked = rows, (600.0, 1300.0), Settings(300.0), 1e-6
     by_scheme = [
         lowest_snap(build_model(device, "cosines", modes=3, scheme=scheme, step=0.2), *asked)
@@ -183,8 +188,10 @@ def test_a_proven_beam_stays_in_its_well(handout):
     seen = model.follow_once(cells, Settings(3000.0))
     outcome = label(*seen[:4], Settings().energy_tolerance)
     for i in np.flatnonzero(np.isin(outcome, (LATCHED, RETURNED)))[:8]:
-        load = (column[i] for column in cells[1:4])
-        motion, form = model.loop().record(model, *load, int(1e4 / model.dt), stride=2)
+        load = (column[i] for column in cells[2:5])
+        motion, form = model.loop().record(
+            model, make_pulse(), *load, int(1e4 / model.dt), stride=2
+        )
         after = (motion.u @ form.midpoint)[motion.time >= seen.t_settled[i]]
         above = after > model.barrier.midpoint
         assert (~above).all() if outcome[i] == LATCHED else above.all()

@@ -195,8 +195,8 @@ def test_what_follows_the_horizon_spoils_no_range(handout, cube, monkeypatch):
     """Bins go on beyond it, where a run that was believed may blow up."""
     usual, follow = envelopes.trace(handout, cube, MODEL, SETTINGS), envelopes._follow
 
-    def blow_up(model, cells, window, bins, threads):
-        values, bin_length = follow(model, cells, window, bins, threads)
+    def blow_up(model, pulses, cells, window, bins, threads):
+        values, bin_length = follow(model, pulses, cells, window, bins, threads)
         begins = np.arange(bins)[:, np.newaxis] * bin_length
         values[:, begins > window] = 1e280
         assert (begins > window).any()
@@ -220,7 +220,7 @@ def page_file(handout, cube, tmp_path_factory):
     folder = tmp_path_factory.mktemp("a page")
     paths = [folder / name for name in ("cube.nc", "traces.nc", "explore.html")]
     write(cube, paths[0])
-    trace_cells(paths[0], asdict(handout), MODEL, SETTINGS.asked(), paths[1], threads=1)
+    trace_cells(paths[0], asdict(handout), {}, MODEL, SETTINGS.asked(), paths[1], threads=1)
     write_page(paths[0], paths[1], SETTINGS.horizon, paths[2])
     assert sorted(folder.iterdir()) == sorted(paths)
     return paths[2]

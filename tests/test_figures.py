@@ -24,7 +24,17 @@ from matplotlib.patches import PathPatch, Polygon
 from PIL import Image
 
 from snapmap.axes import COORDINATES
-from snapmap.figures import convergence, curves, histories, maps, scales, statics, style, thresholds
+from snapmap.figures import (
+    convergence,
+    curves,
+    histories,
+    maps,
+    requirements,
+    scales,
+    statics,
+    style,
+    thresholds,
+)
 from snapmap.io.netcdf import write
 from snapmap.solver.outcome import OUTCOMES
 from snapmap.sweeps.cube import VARIABLES
@@ -73,6 +83,7 @@ def make_found(C=(25.0, 200.0)):
         "island_from": ((*axes, "island"), np.concatenate([nan, last], axis=1)),
         "island_to": ((*axes, "island"), np.concatenate([nan, last + 50], axis=1)),
         "N_static": ((), 990.0),
+        "area": ((), 0.5),
         "velocity_change": ("C", 0.5 + 0.1 * np.arange(len(C))),
     }
     return xr.Dataset(variables, {"C": list(C), "f0": F0}, ATTRIBUTES | {"gravity": 1e-5})
@@ -301,6 +312,45 @@ def test_all_maps_share_one_legend():
 def test_maps_stand_in_rows_of_three(number, shape):
     panels = [(TINY.assign_coords(C=float(C)), None) for C in range(number)]
     assert maps.draw_maps(style.double_column(height=5.0), panels, "f0", "N").shape == shape
+
+
+def test_shocks_are_pointed_out_by_numbers():
+    ax = style.single_column(height=3.6).subplots()
+    maps.draw_map(ax, TINY, marks=[("far", 1e3, 1e6), ("drop", 400.0, 1000.0)])
+    assert [text.get_text() for text in ax.texts] == ["2"]
+    assert ax.get_title(loc="left").splitlines()[-2:] == ["1: far", "2: drop"]
+
+
+def test_figures_over_durations_are_those_over_frequencies():
+    found = scales.along(make_found(), "duration", "C")
+    np.testing.assert_allclose(found.duration, [0.1, 1.0, 10.0])
+    assert found.N_first.sel(C=25.0).values.tolist() == [2000.0, 1100.0, 1000.0]
+    ax = thresholds.draw_thresholds(
+        style.double_column(height=3.4).subplots(), found, "duration", "C"
+    )
+    assert ax.get_xscale() == "log" and ax.get_xlabel() == "pulse duration $1/f_0$ (ms)"
+    assert scales.along(found, "f0") is found
+
+
+def test_margins_of_requirements_are_the_data_with_their_bars():
+    verdicts = [
+        {"requirement": "drop", "device": "", "C": "25.0", "must_snap": "True"}
+        | {"margin": "0.8", "margin_error": "0.01", "verdict": "met"},
+        {"requirement": "back", "device": "a", "C": "25.0", "must_snap": "False"}
+        | {"margin": "nan", "margin_error": "nan", "verdict": "met"},
+        {"requirement": "shelf", "device": "", "C": "0.5", "must_snap": "False"}
+        | {"margin": "0.9", "margin_error": "0.02", "verdict": "failed"},
+    ]
+    ax = requirements.draw_margins(style.double_column(height=2.0).subplots(), verdicts)
+    points = {line.get_xydata()[0].tolist()[0] for line in ax.lines if line.get_marker() != "None"}
+    assert {0.8, 0.9} <= points
+    assert [text.get_text().strip() for text in ax.texts] == ["snaps at no $N$ seen"]
+    assert [label.get_text().splitlines()[0] for label in ax.get_yticklabels()] == [
+        "drop, trips",
+        "back, does not trip",
+        "shelf, does not trip",
+    ]
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["met", "failed"]
 
 
 def test_failed_cells_are_crossed_out():
@@ -555,7 +605,7 @@ def save_all(folder):
     plane = {"name": "map", "x": "f0", "y": "N", "at": {"C": 0}}
     curve = {"name": "thresholds", "x": "f0", "y": "C", "at": {}}
     boundary = curve | {"name": "damage_boundary"}
-    draw_maps.draw_maps(files["cube"], files["threshold"], [plane], [plane], folder)
+    draw_maps.draw_maps(files["cube"], files["threshold"], [plane], [plane], [], folder)
     draw_thresholds.draw_thresholds(files["threshold"], [curve], boundary, folder)
     draw_history.draw_history(files["history"], folder / "history")
     draw_statics.draw_statics(files["statics"], folder / "statics")

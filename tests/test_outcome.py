@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import snapmap
+from snapmap.pulse import make_pulse
 from snapmap.solver.cells import to_cells
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import (
@@ -112,8 +113,8 @@ def test_latched_stays_in_well_two(handout):
         if outcome[0] not in (LATCHED, RETURNED):
             continue
         steps = int(2.0e4 / model.dt)
-        load = (column.item() for column in cell[1:4])
-        motion, form = model.loop().record(model, *load, steps, stride=16)
+        load = (column.item() for column in cell[2:5])
+        motion, form = model.loop().record(model, make_pulse(), *load, steps, stride=16)
         w = device.beam.rise + motion.u @ form.midpoint
         after = w[motion.time >= seen.t_settled[0]]
         saddle = -device.beam.rise / 3

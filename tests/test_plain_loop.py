@@ -7,6 +7,7 @@ import pytest
 
 import snapmap
 from snapmap.beam.elements import hermite_elements
+from snapmap.pulse import make_pulse
 from snapmap.solver.plain_loop import follow, nodal_system
 
 G = 9.81e-6
@@ -17,9 +18,8 @@ def march(device, N, f0, C, dt, duration, target=-np.inf, elements=5):
     basis = hermite_elements(elements)
     steps = int(np.ceil(duration / dt))
     history = np.zeros((steps, 2 * basis.load.size + 4))
-    result = follow(
-        nodal_system(device, basis), N * device.gravity, f0, C, target, dt, steps, history
-    )
+    shock = make_pulse().curve, N * device.gravity, f0
+    result = follow(nodal_system(device, basis), *shock, C, target, dt, steps, history)
     return np.arange(steps) * dt, history, result
 
 
@@ -115,12 +115,12 @@ def test_the_handouts_own_question(handout):
     dt, w2 = 0.0276, handout.beam.second_equilibrium - handout.beam.rise
     basis = hermite_elements(5)
     system = nodal_system(handout, basis)
-    none = np.zeros((0, 22))
+    none, curve = np.zeros((0, 22)), make_pulse().curve
     steps = int(2167 / dt)
-    t_snap, _ = follow(system, 1000 * G, 1.5e-3, 0.025, w2, dt, steps, none)
+    t_snap, _ = follow(system, curve, 1000 * G, 1.5e-3, 0.025, w2, dt, steps, none)
     assert t_snap == pytest.approx(434.89, abs=0.02)
     unloaded = system._replace(load=np.zeros(9))
-    t_snap, _ = follow(unloaded, 1000 * G, 1.5e-3, 0.025, w2, dt, steps, none)
+    t_snap, _ = follow(unloaded, curve, 1000 * G, 1.5e-3, 0.025, w2, dt, steps, none)
     assert np.isnan(t_snap)
 
 

@@ -10,11 +10,12 @@ import snapmap
 from snapmap.beam.equilibria import static_threshold
 from snapmap.solver.adaptive import build_adaptive
 from snapmap.solver.bracket import lowest_snap
-from snapmap.solver.cells import Rows, to_cells
+from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import FAILED, label
 from snapmap.solver.settings import Settings
 from snapmap.thresholds.islands import SLOW
+from studies import coverage
 from studies.coverage import ask, judge, ratios
 from studies.random_devices import draw_device, draw_shocks
 
@@ -28,7 +29,7 @@ def test_a_beam_snaps_by_its_own_inertia(handout, change, f0):
     found = snapmap.threshold(device, [f0], [0.025], threads=2)
     N, bar = found.N_first.item(), found.N_error.item()
     fine = build_model(device, "elements", elements=20, modes=8, step=0.3)
-    rows = Rows(np.zeros(1, int), np.array([f0]), np.array([0.025]))
+    rows = to_rows(0, f0, 0.025)
     settings = Settings(1500.0, threads=2)
     truth = lowest_snap(fine, rows, (0.97 * N, 1.03 * N), settings, 1e-5, 0.002)[0]
     assert abs(truth - N) < bar < 0.01 * N
@@ -125,9 +126,19 @@ def test_ragged_rows_have_a_band_and_finite_bars(handout):
     assert (apart <= 1e-4 * found.islands * found.N_always).all()
 
 
-@pytest.mark.parametrize("count", [2, pytest.param(12, marks=pytest.mark.long)])
-def test_errors_lie_within_their_bars(count):
+QUICK = (
+    {"name": "cosines", "modes": 10, "step": 0.4},
+    {"name": "elements", "elements": 20, "modes": 8, "step": 0.4},
+)
+"""Judges whose kernels other tests compile as well."""
+
+
+@pytest.mark.parametrize(
+    ("count", "judges"), [(2, QUICK), pytest.param(12, coverage.JUDGES, marks=pytest.mark.long)]
+)
+def test_errors_lie_within_their_bars(monkeypatch, count, judges):
     """On devices drawn at random, against two independent discretisations."""
+    monkeypatch.setattr(coverage, "JUDGES", judges)
     draw = np.random.default_rng(5)
     over, asked = [], 0
     for _ in range(count):

@@ -177,8 +177,14 @@ def test_a_failed_ledger_is_given_smaller_steps(handout):
 @pytest.mark.skipif("+avx512f" not in get_host_cpu_features(), reason="no vectors of 512 bits")
 def test_kernels_take_the_widest_vectors_and_leave_other_functions_alone():
     """LLVM by itself stops at 256 bits on some processors that have more."""
-    for advance in (simd_kernel.advance, simd_kernel.advance_conserving):
-        kernel = numba.njit(error_model="numpy")(advance.py_func)
-        kernel(simd_loop.work_array(2), (0, 0), 1)
+    X, shocks = simd_loop.work_array(2), np.zeros(simd_kernel.BLOCK * simd_kernel.LANES)
+    asked = {
+        simd_kernel.advance: (X, (0, 0), shocks, 0, 1),
+        simd_kernel.advance_conserving: (X, (0, 0), shocks, 0, 1),
+        simd_kernel.go_on: (X, shocks),
+    }
+    for function, arguments in asked.items():
+        kernel = numba.njit(error_model="numpy")(function.py_func)
+        kernel(*arguments)
         assert "zmm" in "".join(kernel.inspect_asm().values())
     assert (numba.config.CPU_NAME, numba.config.CPU_FEATURES) == (None, None)

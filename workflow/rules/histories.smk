@@ -1,4 +1,6 @@
 rule simulate_history:
+    input:
+        recorded,
     output:
         history="results/histories/{cell}.nc",
     log:
@@ -8,6 +10,7 @@ rule simulate_history:
     params:
         code=code("simulate_history"),
         device=lambda wildcards: values_of(cells[wildcards.cell].device),
+        pulse=study.pulse,
         model=study.model,
         cell=lambda wildcards: cells[wildcards.cell].shock,
         followed={key: asked[key] for key in ("horizon", "until", "energy_tolerance")},

@@ -21,6 +21,7 @@ rule draw_maps:
         code=code("draw_maps"),
         views=[view._asdict() for view in study.maps],
         together=[view._asdict() for view in together],
+        marks=[(asked.name, asked.f0, asked.N) for asked in study.requirements],
     message:
         "Draw the maps"
     script:

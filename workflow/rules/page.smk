@@ -13,6 +13,7 @@ rule trace_cells:
     params:
         code=code("trace_cells"),
         device=device_values,
+        pulse=study.pulse,
         model=study.model,
         settings=asked,
     message:

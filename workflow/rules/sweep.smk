@@ -1,4 +1,6 @@
 rule simulate_slab:
+    input:
+        recorded,
     output:
         slab="results/slabs/{slab}.nc",
     log:
@@ -13,6 +15,7 @@ rule simulate_slab:
     params:
         code=code("simulate_slab"),
         device=device_values,
+        pulse=study.pulse,
         model=study.model,
         axes=lambda wildcards: slabs[wildcards.slab],
         settings=asked,

@@ -1,4 +1,6 @@
 rule find_threshold:
+    input:
+        recorded,
     output:
         threshold="results/threshold.nc",
     log:
@@ -11,11 +13,12 @@ rule find_threshold:
     params:
         code=code("find_threshold"),
         device=device_values,
+        pulse=study.pulse,
         model=study.model,
         axes={
             key: values.tolist()
             for key, values in study.axes.items()
-            if key not in ("device", "N")
+            if key not in ("device", "shape", "direction", "N")
         },
         highest=float(study.axes["N"][-1]),
         followed={

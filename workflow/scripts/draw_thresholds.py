@@ -4,7 +4,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from snapmap.figures import style, thresholds
+from snapmap.figures import scales, style, thresholds
 from snapmap.io.job_log import job_log
 
 
@@ -16,7 +16,7 @@ def draw_thresholds(threshold_path, views, boundary, folder):
     with xr.open_dataset(threshold_path, engine="netcdf4") as found, style.paper():
         for view in views:
             figure = style.double_column(height=3.4)
-            lines = found.isel(view["at"])
+            lines = scales.along(found.isel(view["at"]), view["x"], view["y"])
             thresholds.draw_thresholds(figure.subplots(), lines, view["x"], view["y"])
             style.save(figure, f"{folder}/{view['name']}", found.attrs)
         figure = style.single_column(height=3.2)

@@ -3,16 +3,19 @@
 from snapmap.device import devices_from
 from snapmap.io.job_log import job_log
 from snapmap.io.netcdf import write
+from snapmap.io.recorded import shocks_of
 from snapmap.thresholds.surface import summary, threshold
 
 
-def find_threshold(device, model, axes, highest, followed, path, threads):
+def find_threshold(device, pulse, model, axes, highest, followed, path, threads):
     """Find the thresholds and write them; values in internal units, axes as in the cube.
 
     followed: horizon, energy_tolerance, tolerance and skip, as `threshold` takes them
     """
-    asked = {**axes, **followed, "highest": highest, "threads": threads}
-    found = threshold(devices_from(device), model=model, **asked)
+    shocks = shocks_of(pulse)
+    asked = {**axes, **followed, "pulse": shocks.pulse, "direction": shocks.direction}
+    limits = {"highest": highest, "threads": threads}
+    found = threshold(devices_from(device), model=model, **asked, **limits)
     write(found, path)
     print(f"{path}: {summary(found)}")
 
@@ -21,6 +24,7 @@ if __name__ == "__main__":
     with job_log(snakemake.log[0]):
         find_threshold(
             device=snakemake.params.device,
+            pulse=snakemake.params.pulse,
             model=snakemake.params.model,
             axes=snakemake.params.axes,
             highest=snakemake.params.highest,

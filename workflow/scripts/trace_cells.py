@@ -5,14 +5,16 @@ import xarray as xr
 from snapmap.device import devices_from
 from snapmap.io.job_log import job_log
 from snapmap.io.netcdf import write
+from snapmap.io.recorded import shocks_of
 from snapmap.motion.envelopes import trace
 from snapmap.solver.settings import Settings
 
 
-def trace_cells(cube_path, device, model, settings, path, threads):
+def trace_cells(cube_path, device, pulse, model, settings, path, threads):
     """Read a cube, trace its cells and write the traces."""
     with xr.open_dataset(cube_path, engine="netcdf4") as cube:
-        traces = trace(devices_from(device), cube, model, Settings(**settings, threads=threads))
+        asked = Settings(**settings, threads=threads)
+        traces = trace(devices_from(device), cube, model, asked, shocks_of(pulse))
     write(traces, path)
     cells = traces.bin_length.size
     print(f"{path}: {cells} of {cube.outcome.size} cells in {traces.sizes['bin']} time bins each")
@@ -23,6 +25,7 @@ if __name__ == "__main__":
         trace_cells(
             cube_path=snakemake.input.cube,
             device=snakemake.params.device,
+            pulse=snakemake.params.pulse,
             model=snakemake.params.model,
             settings=snakemake.params.settings,
             path=snakemake.output.traces,

@@ -1,4 +1,4 @@
-"""Snap maps of a bistable beam under shock: load_device, simulate, sweep, threshold."""
+"""Snap maps of a bistable beam under shock: load_device, read_pulse, simulate, sweep, threshold."""
 
 from importlib import import_module
 
@@ -6,11 +6,12 @@ __version__ = "0.1.0"
 
 _HOME = {
     "load_device": "config.study",
+    "read_pulse": "io.recorded",
     "simulate": "motion.history",
     "sweep": "sweeps.cube",
     "threshold": "thresholds.surface",
 }
-__all__ = ["load_device", "simulate", "sweep", "threshold"]
+__all__ = ["load_device", "read_pulse", "simulate", "sweep", "threshold"]
 
 
 def __dir__():

@@ -2,7 +2,7 @@
 
 An axis is a list of points; a point of N, f0, C or a value of the device sets that one, a point of
 `device` sets all. Whatever has cells has its axes in this order: those of the device as the study
-names them, then C, f0 and N, along which thresholds are sought.
+names them, then the pulse's shape and direction, C, f0 and N, along which thresholds are sought.
 """
 
 import math
@@ -12,10 +12,18 @@ from typing import NamedTuple
 import numpy as np
 
 from .device import BISTABILITY_LIMIT, UNITS, VALUES, Device, batch
+from .pulse import HANDOUT_SHOCK, Pulse, Shocks
 
 SHOCK = ("C", "f0", "N")
 DEVICE = "device"
 """The axis of devices that have names."""
+SHAPE, DIRECTION = "shape", "direction"
+"""Those of the pulse's shape, by name, and of the way the frame is pushed."""
+PULSE_AXES = (SHAPE, DIRECTION)
+NAMES = (DEVICE, *PULSE_AXES)
+DURATION = "duration"
+"""f0 by another name, where figures are drawn over it; 1e3/f0, ms."""
+"""Axes whose points have names, and no order but the one they were given in."""
 
 MOST_DEVICES = 100_000
 """More points on the device's axes are taken for a slip."""
@@ -32,6 +40,8 @@ COORDINATES = {
     "mass": {"long_name": "mass that strikes the beam", "units": "ng"},
     "spring": {"long_name": "stiffness of the mass's spring", "units": "uN um-1"},
     "contact": {"long_name": "stiffness of the contact", "units": "uN um-1"},
+    SHAPE: {"long_name": "shape of the pulse"},
+    DIRECTION: {"long_name": "direction of the frame's acceleration; +z presses the mass down"},
     "C": {"long_name": "damping coefficient of the mass", "units": "uN us um-1"},
     "f0": {"long_name": "frequency of the pulse", "units": "Hz"},
     "N": {"long_name": "amplitude of the pulse in multiples of g", "units": "1"},
@@ -41,15 +51,17 @@ COORDINATES = {
 class Grid(NamedTuple):
     """All points of some axes.
 
-    axes: values by name, in order; internal units, f0 in Hz, names for `device`
+    axes: values by name, in order; internal units, f0 in Hz, names for those in NAMES
     device: a batch of the devices that can be
     device_of: index in it for each point of the device's axes, -1 where none can be; an array of
         their shape, () if there are none
+    pulses: one for each point of the pulse's axes, in order
     """
 
     axes: dict[str, np.ndarray]
     device: Device
     device_of: np.ndarray
+    pulses: tuple[Pulse, ...]
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -58,7 +70,10 @@ class Grid(NamedTuple):
 
 
 def make_grid(
-    device: Device | Mapping[str, Device], axes: Mapping[str, Sequence], skip: bool = False
+    device: Device | Mapping[str, Device],
+    axes: Mapping[str, Sequence],
+    skip: bool = False,
+    shocks: Shocks = HANDOUT_SHOCK,
 ) -> Grid:
     """Set out the points of axes; raises ValueError, one line, naming a point that cannot be.
 
@@ -70,6 +85,8 @@ def make_grid(
     if unknown:
         raise ValueError(f"{unknown[0]}: no axis; axes are {', '.join((*VALUES, *SHOCK))}")
     points = {key: _points(key, values) for key, values in axes.items()}
+    if (points.get("N", np.zeros(1)) < 0).any():
+        raise ValueError(f"N: {points['N'].min():g} is below 0; direction -z pushes the other way")
     named = device if isinstance(device, Mapping) else {}
     for one in named.values() if named else [device]:
         if not isinstance(one, Device):
@@ -92,8 +109,9 @@ def make_grid(
     devices = _vary(nominal.pick(stays), some) if stays.any() else nominal.pick([0])
     device_of = np.where(stays, np.cumsum(stays) - 1, -1).reshape(shape)
     names = {DEVICE: np.array(list(named))} if named else {}
-    ordered = [*varied, *(key for key in SHOCK if key in points)]
-    return Grid(names | {key: points[key] for key in ordered}, devices, device_of)
+    values = {key: points[key] for key in varied} | shocks.axes
+    values |= {key: points[key] for key in SHOCK if key in points}
+    return Grid(names | values, devices, device_of, shocks.pulses)
 
 
 def _points(key, values):
@@ -130,9 +148,14 @@ def point_text(point: Mapping[str, float | str]) -> str:
     """Write where a point is on some axes, with units, for messages."""
     units = {**UNITS, "C": "uN us/um", "f0": "Hz", "N": "g"}
     return ", ".join(
-        f"{key} = {value}" if key == DEVICE else f"{key} = {value:.6g} {units[key]}"
+        f"{key} = {value}" if key in NAMES else f"{key} = {value:.6g} {units[key]}"
         for key, value in point.items()
     )
+
+
+def axis_behind(name: str) -> str:
+    """The axis of a study that stands behind the name of a figure's axis."""
+    return "f0" if name == DURATION else name
 
 
 def coordinates(axes: Mapping[str, np.ndarray]) -> dict[str, tuple]:

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from snapmap import threshold
 from snapmap.device import Device
 from snapmap.solver.bracket import lowest_snap
-from snapmap.solver.cells import Rows
+from snapmap.solver.cells import Rows, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
 
@@ -81,7 +81,7 @@ def ask(device: Device, f0, C, options) -> Run:
 
 def judge(device: Device, f0, C, about) -> np.ndarray:
     """Thresholds, (thresholds,), NaN where the judges do not agree, or one finds none."""
-    rows = Rows(np.zeros(about.size, int), np.tile(f0, len(C)), np.repeat(C, len(f0)))
+    rows = to_rows(0, np.tile(f0, len(C)), np.repeat(C, len(f0)))
     by_judge = [look(build_model(device, **options), rows, about) for options in JUDGES]
     mean = np.mean(by_judge, axis=0)
     return np.where(np.ptp(by_judge, axis=0) <= AGREED * mean, mean, np.nan)

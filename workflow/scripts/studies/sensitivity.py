@@ -14,7 +14,7 @@ from snapmap.beam.cosines import symmetric_cosines
 from snapmap.beam.modal import reduce_to_modes
 from snapmap.device import BEAM_VALUES, batch
 from snapmap.solver.adaptive import choose_survey
-from snapmap.solver.cells import Rows, to_cells
+from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.model import Model
 from snapmap.solver.models import build_model, simd
 from snapmap.solver.schemes import CONSERVING, default_step
@@ -59,7 +59,7 @@ def one_percent_more(device):
 
 def eigenstrain(device):
     first, rows = None, []
-    row = Rows(np.array([0]), np.array([F0]), np.array([C]))
+    row = to_rows(0, F0, C)
     for strain in (0.0, 1e-5, -1e-5, 1e-4, -1e-4):
         model = with_eigenstrain(device, strain)
         models = choose_survey(batch([model.device]), COSINES)._replace(decides=model)

@@ -7,9 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..axes import DEVICE, Grid, make_grid
+from ..axes import DEVICE, DURATION, NAMES, Grid, axis_behind, make_grid
 from ..device import VALUES, Beam, Device, batch
+from ..io.recorded import shocks_of
 from ..numerics.portable import geometric, linear
+from ..pulse import HANDOUT_SHOCK, Shocks
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
 from .schema import name_of, order_of, schema_faults, validator
 from .units import KINDS, read, show
@@ -43,6 +45,19 @@ class History(NamedTuple):
         return "_".join(words).replace("inf", "hard")
 
 
+class Requirement(NamedTuple):
+    """A shock that must or must not trip the device.
+
+    pulse: values for `shocks_of`; N: multiples of g; f0: Hz; snaps: whether it must
+    """
+
+    name: str
+    pulse: dict
+    N: float
+    f0: float
+    snaps: bool
+
+
 @dataclass(frozen=True, eq=False)
 class Study:
     """A device, a model and the cells of a sweep.
@@ -52,6 +67,8 @@ class Study:
     grid: all axes, each ascending
     skip: whether a device without a second stable shape is marked, not refused
     settings: how each cell is followed
+    shocks: their pulses; pulse: the values of the section, for `shocks_of`
+    requirements: shocks that must or must not trip the device
     threshold_tolerance: of the thresholds in N, relative
     maps, curves, boundary: what is drawn of cells, thresholds, and the damage boundary
     left_out: one line on what is not drawn, or nothing
@@ -62,6 +79,9 @@ class Study:
     grid: Grid
     skip: bool
     settings: Settings
+    shocks: Shocks
+    pulse: dict
+    requirements: tuple[Requirement, ...]
     threshold_tolerance: float
     histories: tuple[History, ...]
     maps: tuple[View, ...]
@@ -74,6 +94,18 @@ class Study:
         """Values by name, in the order of all products."""
         return self.grid.axes
 
+    def doubts(self) -> list[str]:
+        """Lines on what its recorded shocks may leave out."""
+        shortest, device = 1e6 / self.axes["f0"][-1], nominal(self.device)
+        return [
+            line
+            for pulse in self.shocks.shapes.values()
+            for line in pulse.doubts(float(device.own_frequency), float(shortest))
+        ]
+
+
+SHARES = ("rise", "fall")
+"""Of a trapezoid, over its duration."""
 
 # ASSUME: without a list of histories, the handout's own case is drawn.
 HANDOUT_CASE = {"N": 1000.0, "f0": 1500.0, "C": 0.025}
@@ -92,18 +124,24 @@ def load_study(document: Mapping) -> Study:
     parts = document if isinstance(document, Mapping) else {}
     device = _devices(parts, faults)
     given = parts.get("sweep")
-    pulse = _pulse_key(given, ("sweep",), faults)
+    recorded = isinstance(parts.get("pulse"), Mapping) and "file" in parts["pulse"]
+    pulse = _pulse_key(given, ("sweep",), faults, recorded)
     varied = [key for key in given if key in VALUES] if isinstance(given, Mapping) else []
+    shocks = _part(document, ("pulse",), faults, _shocks) if "pulse" in parts else HANDOUT_SHOCK
+    keys = [*varied, "C", *([pulse] if pulse else []), "N"]
     axes = {
         "f0" if key == "duration" else key: _part(document, ("sweep", key), faults, _axis, key)
-        for key in (*varied, "C", pulse, "N")
+        for key in keys
     }
     cells = parts.get("histories")
     for place, cell in enumerate(cells if isinstance(cells, list | tuple) else ()):
         _pulse_key(cell, ("histories", place), faults)
+    requirements = _requirements(parts, faults)
     _refuse(faults)
     skip = given.get("not_bistable") == "skip"
-    grid = _part(document, ("sweep",), faults, lambda _: _grid(device, axes, skip))
+    if "f0" not in axes:
+        axes["f0"] = np.array([shocks.own_frequency()])
+    grid = _part(document, ("sweep",), faults, lambda _: _grid(device, axes, skip, shocks))
     histories = _histories(document, device, faults)
     maps = _views(document, "maps", faults, grid)
     curves = _views(document, "thresholds", faults, grid)
@@ -115,6 +153,9 @@ def load_study(document: Mapping) -> Study:
         grid=grid,
         skip=skip,
         settings=_settings(given),
+        shocks=shocks,
+        pulse=_pulse_values(parts.get("pulse", {})),
+        requirements=requirements,
         threshold_tolerance=given.get("threshold_tolerance", THRESHOLD_TOLERANCE),
         histories=histories,
         maps=chosen,
@@ -200,10 +241,66 @@ def _convert(section, formats):
     return {key: read(value, formats[key]["format"]) for key, value in section.items()}
 
 
-def _grid(device, axes, skip):
+def _shocks(section):
+    """The shocks of a section with shape or file."""
+    if "file" in section:
+        beside = next((key for key in ("shape", "rise", "fall") if key in section), None)
+        if beside:
+            raise ValueError(f"pulse.{beside}: stands beside file; write one of them")
+        path = Path(section["file"])
+        if path.is_absolute() or ".." in path.parts:
+            need = "lies outside the study's folder; copy it there"
+            raise ValueError(f"pulse.file: {section['file']} {need}")
+        try:
+            return shocks_of(_pulse_values(section))
+        except ValueError as error:
+            raise ValueError(f"pulse.file: {error}") from None
+    return shocks_of(_pulse_values(section))
+
+
+def _pulse_values(section):
+    """Values of a section of a pulse, shares as numbers."""
+    keys = [key for key in ("shape", "rise", "fall", "file", "direction") if key in section]
+    return {key: read(section[key], "share") if key in SHARES else section[key] for key in keys}
+
+
+def _requirements(document, faults):
+    """What must or must not trip the device; names are written once."""
+    asked = document.get("requirements")
+    found, names = [], set()
+    for place, section in enumerate(asked if isinstance(asked, list | tuple) else ()):
+        path = ("requirements", place)
+        recorded = isinstance(section, Mapping) and "file" in section
+        _pulse_key(section, path, faults, recorded)
+        found.append(_part(document, path, faults, _requirement, path, names))
+    return tuple(found)
+
+
+def _requirement(section, path, names):
+    name = section["name"]
+    if name in names:
+        raise ValueError(f"{name_of((*path, 'name'))}: {show(name)} comes twice; write another")
+    names.add(name)
+    try:
+        shocks = _shocks(section)
+        given = {
+            key: read(section[key], _KINDS[key]) for key in ("f0", "duration") if key in section
+        }
+        f0 = _frequency(given["duration"]) if "duration" in given else given.get("f0")
+        N = read(section["N"], "number")
+        if not N > 0:
+            raise ValueError(f"N: {N:g} is not above 0; a direction of -z pushes the other way")
+        return Requirement(
+            name, _pulse_values(section), N, f0 or shocks.own_frequency(), section["snaps"]
+        )
+    except ValueError as error:
+        raise ValueError(f"{name_of(path)}: {error}") from None
+
+
+def _grid(device, axes, skip, shocks):
     remedy = "write other values" if skip else "write other values, or not_bistable: skip"
     try:
-        grid = make_grid(device, axes, skip)
+        grid = make_grid(device, axes, skip, shocks)
     except ValueError as error:
         raise ValueError(f"sweep: {error}; {remedy}") from None
     if (grid.device_of < 0).all():
@@ -225,12 +322,17 @@ def _settings(section):
     return Settings(horizon=read(section["horizon"], "duration"), **given)
 
 
-def _pulse_key(section, path, faults):
-    """Which of f0 and duration the section at `path` has; a fault unless it is one of them."""
+def _pulse_key(section, path, faults, recorded=False):
+    """Which of f0 and duration the section at `path` has; a fault unless it is one of them.
+
+    recorded: whether it may have neither, as a recorded shock has a duration of its own; then ""
+    """
     if not isinstance(section, Mapping) or ("f0" in section) != ("duration" in section):
         return "duration" if isinstance(section, Mapping) and "duration" in section else "f0"
     if "f0" in section:
         key, complaint = "duration", "is one over f0, which is there, too; write one of them"
+    elif recorded:
+        return ""
     else:
         key, complaint = "f0", "missing; write frequencies (1/time), or duration"
     faults[(*path, key)] = f"{name_of((*path, key))}: {complaint}"
@@ -287,21 +389,23 @@ def _view(asked, path, axes):
     at = {}
     used = {key: asked[key] for key in ("x", "y", "lines") if key in asked}
     for key, axis in used.items():
-        if axis not in axes:
+        if axis_behind(axis) not in axes:
             raise ValueError(f"{name_of((*path, key))}: {axis} is no axis of this sweep")
-    if len(set(used.values())) < len(used):
+    drawn = {axis_behind(axis) for axis in used.values()}
+    if len(drawn) < len(used):
         raise ValueError(f"{name_of(path)}: {' and '.join(used)} are the same axis; write two")
-    for axis, value in asked.get("at", {}).items():
-        name = name_of((*path, "at", axis))
-        if axis not in axes or axis in used.values():
+    for asked_axis, value in asked.get("at", {}).items():
+        name, axis = name_of((*path, "at", asked_axis)), axis_behind(asked_axis)
+        if axis not in axes or axis in drawn or axis in at:
             raise ValueError(f"{name}: is no axis of this sweep, or one that is drawn")
-        if axis == DEVICE:
+        if axis in NAMES:
             if value not in axes[axis]:
-                raise ValueError(f"{name}: no device is called {show(value)}")
+                raise ValueError(f"{name}: no {axis} is called {show(value)}")
             at[axis] = axes[axis].tolist().index(value)
             continue
         try:
-            number = read(value, _KINDS[axis])
+            number = read(value, _KINDS[asked_axis])
+            number = _frequency(number) if asked_axis == DURATION else number
         except ValueError as error:
             raise ValueError(f"{name}: {error}") from None
         with np.errstate(invalid="ignore"):

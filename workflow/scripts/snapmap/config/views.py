@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..axes import DEVICE, Grid
+from ..axes import NAMES, PULSE_AXES, Grid, axis_behind
 from ..device import VALUES, Device
 
 MOST_MAPS, PANELS = 24, 12
@@ -67,27 +67,42 @@ def choose_curves(grid: Grid, nominal: Device, asked: Sequence[Mapping] | None) 
         stem = "thresholds"
         return _once(_asked_view(grid, nominal, stem, v["x"], v["lines"], v["at"]) for v in asked)
     several = _several(grid, without="N")
-    over = list(dict.fromkeys(["f0", *(key for key in several if key not in (DEVICE, "C"))]))
+    over = list(dict.fromkeys(["f0", *(key for key in several if key not in (*NAMES, "C"))]))
     if len(over) > 1 and grid.axes["f0"].size == 1:
         over.remove("f0")
     views = []
     for x in over:
-        lines = next(key for key in (DEVICE, "C", *several) if key in grid.axes and key != x)
+        lines = _lines(grid, several, x)
         views.append(_asked_view(grid, nominal, "thresholds", x, lines, {}))
+    # Names on a further axis get lines of their own.
+    drawn = {view.y for view in views}
+    names = [key for key in _names(grid) if key not in drawn]
+    views += [_asked_view(grid, nominal, "thresholds", over[0], key, {}) for key in names]
     # The first keeps the plain name, whatever it is drawn over.
     return (views[0]._replace(name="thresholds"), *views[1:])
 
 
 def choose_boundary(grid: Grid, nominal: Device) -> View:
     """Choose the lines of the damage boundary, thresholds over f0."""
-    lines = DEVICE if DEVICE in grid.axes else "C"
+    lines = _lines(grid, [], "f0")
     return _asked_view(grid, nominal, "thresholds", "f0", lines, {})._replace(
         name="damage_boundary"
     )
 
 
+def _lines(grid, several, x):
+    """Of which axis a figure of thresholds has a line for each value."""
+    return next(key for key in (*_names(grid), "C", *several) if key in grid.axes and key != x)
+
+
+def _names(grid):
+    """Axes of several names."""
+    return [key for key in NAMES if key in grid.axes and grid.axes[key].size > 1]
+
+
 def _default_plane(grid):
     several = _several(grid, without="N")
+    several = [key for key in several if key not in PULSE_AXES]
     first = "f0" if "f0" in several or not several else several[0]
     rest = [key for key in several if key != first]
     alone = grid.axes["N"].size == 1 and rest
@@ -107,14 +122,14 @@ def _asked_view(grid, nominal, stem, x, y, given):
     at = {
         key: given.get(key, _usual(values, key, nominal))
         for key, values in grid.axes.items()
-        if key not in (x, y) and (key != "N" or key in given)
+        if key not in (axis_behind(x), axis_behind(y)) and (key != "N" or key in given)
     }
     return View(_name(grid, f"{stem}_{x}_{y}", at), x, y, at)
 
 
 def _usual(values, key, nominal):
     """Where the nominal device stands on an axis, or its middle."""
-    if key == DEVICE:
+    if key in NAMES:
         return 0
     if key not in VALUES:
         return values.size // 2
@@ -136,8 +151,8 @@ def _name(grid, stem, at):
 
 def value_name(key: str, values: np.ndarray, place: int) -> str:
     """Name a value of an axis in a file's name: as short as tells it from the others."""
-    if key == DEVICE:
-        return str(values[place])
+    if key in NAMES:
+        return str(values[place]).replace(" ", "_")
     words = [f"{value:.6g}" for value in values]
     word = words[place] if words.count(words[place]) == 1 else f"{values[place]:.15g}"
     return f"{key}{word.replace('inf', 'hard')}"

@@ -47,9 +47,9 @@ def draw_limits(ax: Axes, found: xr.Dataset, x: str = "f0") -> None:
     _draw_levels(ax, found.N_static)
     freeze(ax)
     f0 = np.geomspace(*ax.get_xlim(), 200)
-    slopes = found.velocity_change / found.gravity
-    for slope in slopes.values.ravel():
-        ax.plot(f0, 2e-6 * f0 * slope, **LIMIT)
+    slopes = 1e-6 * found.velocity_change / (found.gravity * found.area)
+    for slope in slopes.values[np.isfinite(slopes.values)]:
+        ax.plot(f0, f0 * slope, **LIMIT)
 
 
 def _draw_levels(ax, static):
@@ -63,8 +63,8 @@ def is_late(found: xr.Dataset) -> xr.DataArray:
 
 
 def velocity_change(found: xr.Dataset) -> xr.DataArray:
-    """Velocity change N g / (2 f0) of the pulse at N_first, m/s."""
-    return found.N_first * found.gravity / (2e-6 * found.f0)
+    """Velocity change of the pulse at N_first, its area times N g / f0, m/s."""
+    return found.N_first * found.gravity * found.area / (1e-6 * found.f0)
 
 
 def curve_keys(found: xr.Dataset, colour: str, marker: str = "") -> list[Line2D]:

@@ -11,7 +11,7 @@ import numpy as np
 import plotly.graph_objects as go
 import xarray as xr
 
-from ..axes import DEVICE
+from ..axes import DEVICE, DIRECTION, SHAPE
 from ..solver.outcome import ABSENT, FAILED
 from . import scales
 from .maps import COLOURS, WORDS
@@ -39,12 +39,21 @@ NO_HATCH = {"absent": "#999999"}
 NAMES = scales.WORDS | {
     "density": ("density", "ng/µm³"),
     "damping": ("damping of the beam", "1/µs"),
+    SHAPE: ("shape of the pulse", ""),
+    DIRECTION: ("direction of the shock", ""),
     "C": ("damping of the mass C", "µN\u00a0µs/µm"),
     "f0": ("pulse frequency f<sub>0</sub>", "Hz"),
     "N": ("pulse amplitude N (multiples of g)", ""),
 }
 """Of each axis what it is called, and the unit."""
-LEADS = {DEVICE: "device ", "C": "C = ", "f0": "f<sub>0</sub> = ", "N": "N = "}
+LEADS = {
+    DEVICE: "device ",
+    SHAPE: "",
+    DIRECTION: "along ",
+    "C": "C = ",
+    "f0": "f<sub>0</sub> = ",
+    "N": "N = ",
+}
 """What stands before a value of an axis, if not its name."""
 
 

@@ -1,5 +1,7 @@
 """Maps over two axes of a study: the outcome of every cell, and where snapping begins."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -42,19 +44,30 @@ WORDS = {
 TITLE = "outcome (number of cells)"
 COLUMNS = 3
 """Maps side by side."""
+MARK = {"markerfacecolor": "white", "markeredgecolor": "black", "markeredgewidth": 0.8}
 RESOLVED, VECTORS = 700, 100_000
 """Most cells drawn along an axis, finer than print; and most drawn as vectors."""
 
 
 def draw_map(
-    ax: Axes, cells: xr.Dataset, found: xr.Dataset | None = None, x: str = "f0", y: str = "N"
+    ax: Axes,
+    cells: xr.Dataset,
+    found: xr.Dataset | None = None,
+    x: str = "f0",
+    y: str = "N",
+    marks: Sequence[tuple[str, float, float]] = (),
 ) -> Axes:
     """Draw the outcomes of cells over their two axes.
 
     found: thresholds over x, drawn with their limits, if y is N
+    marks: name, f0 (Hz) and N of shocks to point out on a map of N over f0, by numbers
     """
     _draw_panel(ax, cells, x, y, found)
-    ax.set_title("\n".join([place_text(cells), style.case(cells.attrs)]).strip())
+    named = marks if (x, y) == ("f0", "N") else ()
+    _point_out(ax, named)
+    names = [f"{number}: {name}" for number, (name, *_) in enumerate(named, start=1)]
+    lines = [place_text(cells), style.case(cells.attrs), *names]
+    ax.set_title("\n".join(filter(None, lines)))
     lines = _threshold_keys(found if y == "N" else None)
     style.legend_below(ax, [*_cell_keys(cells), *lines], TITLE, ncols=2)
     return ax
@@ -113,6 +126,15 @@ def _draw_panel(ax, cells, x, y, found):
         line = found.sortby(x) if found[x].dtype.kind in "fiu" else found
         draw_curve(ax, scale_of(x, line[x].values).places, line, "black")
         draw_limits(ax, line, x)
+
+
+def _point_out(ax, marks):
+    freeze(ax)
+    low, high = ax.get_ylim()
+    for number, (_, f0, N) in enumerate(marks, start=1):
+        if low <= N <= high:
+            ax.plot(f0, N, "o", markersize=7, **MARK)
+            ax.annotate(str(number), (f0, N), ha="center", va="center", fontsize=5)
 
 
 def _thin(cells):

@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, MaxNLocator
 
-from ..axes import DEVICE, SHOCK
+from ..axes import DEVICE, DIRECTION, DURATION, PULSE_AXES, SHAPE, SHOCK
 
 WORDS = {
     DEVICE: ("device", ""),
@@ -22,11 +22,16 @@ WORDS = {
     "mass": ("mass", "ng"),
     "spring": ("spring", "N/m"),
     "contact": ("contact", "N/m"),
+    SHAPE: ("", ""),
+    DIRECTION: ("along", ""),
     "C": ("$C$", "µN µs µm$^{-1}$"),
     "f0": ("$f_0$", "Hz"),
+    DURATION: ("pulse duration $1/f_0$", "ms"),
     "N": ("$N$", ""),
 }
 LABELS = {
+    SHAPE: "shape of the pulse",
+    DIRECTION: "direction of the shock",
     "N": "pulse amplitude $N$ (multiples of $g$)",
     "f0": "pulse frequency $f_0$ (Hz)",
     "C": "damping of the mass $C$ (µN µs µm$^{-1}$)",
@@ -59,7 +64,7 @@ def scale_of(key: str, values: np.ndarray) -> Scale:
         places = np.arange(values.size, dtype=float)
         return Scale(key, values, places, arithmetic_edges(places), False, True)
     positive = (values > 0).all()
-    is_log = key == "f0" or (key != "N" and positive and _is_geometric(values))
+    is_log = key in ("f0", DURATION) or (key != "N" and positive and _is_geometric(values))
     edges = geometric_edges(values) if is_log else arithmetic_edges(values)
     return Scale(key, values, values, edges, bool(is_log), False)
 
@@ -85,6 +90,14 @@ def set_scale(ax: Axes, which: str, scale: Scale) -> None:
         axis.set_minor_formatter("")
 
 
+def along(data: xr.Dataset, *axes: str) -> xr.Dataset:
+    """Give a dataset over f0 (Hz) the duration (ms) as its axis, if it is one of these."""
+    if DURATION not in axes:
+        return data
+    durations = data.assign_coords({DURATION: ("f0", 1e3 / data.f0.values)})
+    return durations.swap_dims(f0=DURATION).sortby(DURATION)
+
+
 def value_text(key: str, value: float | str) -> str:
     """Typeset a value of an axis: `$C$ = 25 µN µs µm$^{-1}$`, `thickness 1.9 µm`."""
     words, unit = WORDS[key]
@@ -96,7 +109,7 @@ def place_text(data: xr.Dataset) -> str:
     """Typeset where on all other axes a dataset is: the device's in one line, the shock's below."""
     alone = [key for key in WORDS if key in data.coords and data[key].ndim == 0]
     texts = [value_text(key, data[key].item()) for key in alone]
-    of_device = sum(key not in SHOCK for key in alone)
+    of_device = sum(key not in (*PULSE_AXES, *SHOCK) for key in alone)
     return "\n".join(filter(None, (", ".join(texts[:of_device]), ", ".join(texts[of_device:]))))
 
 

@@ -55,7 +55,12 @@ def case(attributes: Mapping[str, str]) -> str:
         return ""
     config = json.loads(attributes["config"])
     horizon = config["sweep"]["horizon"].replace("us", "µs")
-    return f"{config['model']['name']} model, followed {horizon} beyond the pulse"
+    pulse = config.get("pulse", {})
+    shape, way = pulse.get("file", pulse.get("shape")), pulse.get("direction")
+    words = [shape] if isinstance(shape, str) else []
+    words += [f"along {way}"] if way == "-z" else []
+    words.append(f"{config['model']['name']} model, followed {horizon} beyond the pulse")
+    return ", ".join(words)
 
 
 def frequency_axis(ax: Axes) -> Axes:

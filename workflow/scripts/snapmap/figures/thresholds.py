@@ -106,7 +106,7 @@ def draw_damage_boundary(ax: Axes, found: xr.Dataset, lines: str = "C") -> Axes:
     found = some_lines(found, "f0", lines)
     ax.set_xscale("log")
     style.amplitude_axis(ax)
-    ax.set_xlabel("velocity change $N g/2 f_0$ (m/s)")
+    ax.set_xlabel("velocity change of the pulse (m/s)")
     ax.set_ylabel("peak acceleration $N$ (multiples of $g$)")
     ax.xaxis.set_major_formatter("{x:g}")
     for one, colour, marker in each_line(found, lines):
@@ -149,48 +149,53 @@ def _draw_gap(ax, found, scale, colour):
 
 
 def _label_limits(ax, found):
-    static = found.N_static.values.max()
-    v = found.velocity_change.values.max()
-    words = f"static limit of long pulses, $N$ = {static:.4g}"
-    ax.annotate(words, (ax.get_xlim()[0], static), xytext=(4, -4), va="top", **NOTE)
-    N = np.sqrt(static * ax.get_ylim()[0])
-    words = "impulsive limit of short pulses,\n" + r"$N = 2 f_0\,\Delta v/g$"
-    ax.annotate(
-        words, (_frequency(found, N, v), N), xytext=(-6, 0), ha="right", va="center", **NOTE
-    )
+    static = _known(found.N_static)
+    if static.size:
+        words = "static limit of long pulses"
+        words += f", $N$ = {static[0]:.4g}" if static.size == 1 else ""
+        ax.annotate(words, (ax.get_xlim()[0], static[-1]), xytext=(4, -4), va="top", **NOTE)
+    per_N = _known(found.gravity * found.area / (1e-6 * found.velocity_change))
+    if static.size and per_N.size:
+        N = np.sqrt(static[-1] * ax.get_ylim()[0])
+        words = "impulsive limit of short pulses"
+        if found.area.ndim == 0:
+            words += f",\n$N = {1 / found.area.item():.3g} f_0\\,\\Delta v/g$"
+        place = {"xytext": (-6, 0), "ha": "right", "va": "center", **NOTE}
+        ax.annotate(words, (N * per_N[0], N), **place)
 
 
-def _frequency(found, N, v):
-    """Of the pulse of N with the velocity change v (m/s), Hz."""
-    return N * found.gravity / (2e-6 * v)
+def _known(values):
+    """Finite values, each once, ascending."""
+    return np.unique(values.values[np.isfinite(values.values)])
 
 
 def _draw_region(ax, found):
     """Shade all that snaps for one C: above its curve, and between its limits beyond the ends."""
     known = found.isel(f0=np.flatnonzero(found.N_first.notnull())).sortby("f0", ascending=False)
     N, v = known.N_first.values, velocity_change(known).values
-    if N.size:
-        short, static = found.velocity_change.item(), found.N_static.item()
+    short, static = found.velocity_change.item(), found.N_static.item()
+    if N.size and np.isfinite([short, static]).all():
         ax.fill([short, short, *v, FAR, FAR], [FAR, N[0], *N, static, FAR], **SHADE)
 
 
 def _draw_boundary_limits(ax, found):
-    static = np.unique(found.N_static.values)
+    static, changes = _known(found.N_static), _known(found.velocity_change)
     for N in static:
         ax.axhline(N, **LIMIT)
-    for v in found.velocity_change.values.ravel():
+    for v in changes:
         ax.axvline(v, **LIMIT)
     freeze(ax)
-    words = f"static, $N$ = {static[-1]:.4g}"
-    at = found.velocity_change.values.max(), static[-1]
-    ax.annotate(words, at, xytext=(4, -4), va="top", **NOTE)
+    if static.size and changes.size:
+        words = "static" + (f", $N$ = {static[0]:.4g}" if static.size == 1 else "")
+        at = changes[-1], static[-1]
+        ax.annotate(words, at, xytext=(4, -4), va="top", **NOTE)
 
 
 def _draw_durations(ax, found):
     """Draw lines of constant pulse duration, one for each decade of the frequencies looked at."""
     first, last = np.log10(found.f0.values[[0, -1]])
     for f0 in 10.0 ** np.arange(np.ceil(first), np.floor(last) + 1):
-        v = found.gravity / (2e-6 * f0)
+        v = found.gravity * found.area.item() / (1e-6 * f0)
         ax.plot([v / FAR, v * FAR], [1 / FAR, FAR], **DURATION)
         _label_duration(ax, f"{1e3 / f0:g} ms", v)
 

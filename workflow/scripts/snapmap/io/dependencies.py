@@ -35,7 +35,7 @@ def kernel_cache() -> Path:
 
     numba compiles a kernel again when its own file was edited, but not for what it calls elsewhere.
     """
-    shared = Path(__file__).parents[1] / "numerics" / "arithmetic.py"
+    shared = Path(__file__).parents[1] / "numerics" / "pieces.py"
     return platformdirs.user_cache_path("snapmap") / f"numba_{code_hash(shared)}"
 
 

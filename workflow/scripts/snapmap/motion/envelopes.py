@@ -8,10 +8,11 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import xarray as xr
 
-from ..axes import DEVICE, Grid, coordinates, make_grid
+from ..axes import DEVICE, NAMES, PULSE_AXES, Grid, coordinates, make_grid
 from ..beam.barrier import Barrier
 from ..device import Device
 from ..io.provenance import provenance
+from ..pulse import HANDOUT_SHOCK, Shocks
 from ..solver import simd_loop
 from ..solver.adaptive import choose_model
 from ..solver.cells import rows_of, to_cells
@@ -41,7 +42,11 @@ _OUTWARD = {"w_low": np.floor, "w_high": np.ceil}
 
 
 def trace(
-    device: Device | Mapping[str, Device], cube: xr.Dataset, model: Mapping, settings: Settings
+    device: Device | Mapping[str, Device],
+    cube: xr.Dataset,
+    model: Mapping,
+    settings: Settings,
+    shocks: Shocks = HANDOUT_SHOCK,
 ) -> xr.Dataset:
     """Follow the cells of a cube again, at its steps, and keep their motion, packed as netCDF does.
 
@@ -52,15 +57,16 @@ def trace(
     length of the bins, (*axes); values beyond their range are clipped, and there are none where
     there is no device.
     """
-    cube = thin(cube.sortby([key for key in cube.outcome.dims if key != DEVICE]))
-    grid = grid_of(device, cube)
+    cube = thin(cube.sortby([key for key in cube.outcome.dims if key not in NAMES]))
+    grid = grid_of(device, cube, shocks)
     levels = _levels(grid.device, model, settings.threads)
     level = cube.level.values.ravel() if "level" in cube else np.zeros(cube.outcome.size, int)
     halvings = cube.halvings.values.ravel()
     rows, N = rows_of(grid), grid.axes["N"]
     columns = (np.repeat(column, N.size) for column in rows)
-    device_of, f0, C = columns
-    cells = to_cells(grid.device, device_of, np.tile(N, rows.f0.size), f0, C, settings.horizon)
+    device_of, f0, C, pulse = columns
+    N = np.tile(N, rows.f0.size)
+    cells = to_cells(grid.device, device_of, N, f0, C, settings.horizon, pulse)
     window = _window(grid.device, cube, cells, settings)
     bins = int(np.clip(BYTES // (len(VARIABLES) * f0.size), *BINS))
     values, bin_length = np.full((len(VARIABLES), bins, f0.size), np.nan), np.zeros(f0.size)
@@ -70,7 +76,7 @@ def trace(
         for mine, part, row in stepped.split(device_of[some]):
             which = some[mine]
             alike = cells.some(which)._replace(device=row)
-            found = _follow(part, alike, window[which], bins, settings.threads)
+            found = _follow(part, grid.pulses, alike, window[which], bins, settings.threads)
             values[..., which], bin_length[which] = found
     named = dict(zip(VARIABLES, values, strict=True))
     return _dress(grid, cube, named, bin_length, window, levels[0])
@@ -89,12 +95,15 @@ def thin(cube: xr.Dataset) -> xr.Dataset:
     return cube.isel({key: slice(None, None, stride) for key, stride in strides.items()})
 
 
-def grid_of(device: Device | Mapping[str, Device], cube: xr.Dataset) -> Grid:
+def grid_of(
+    device: Device | Mapping[str, Device], cube: xr.Dataset, shocks: Shocks = HANDOUT_SHOCK
+) -> Grid:
     """Set out the points of a cube's axes again."""
     axes = {key: cube[key].values for key in cube.outcome.dims}
+    shocks = shocks.some({key: axes.pop(key).tolist() for key in PULSE_AXES if key in axes})
     if isinstance(device, Mapping):
         device = {name: device[name] for name in axes.pop(DEVICE).tolist()}
-    return make_grid(device, axes, skip=True)
+    return make_grid(device, axes, skip=True, shocks=shocks)
 
 
 def _levels(device, model, threads):
@@ -114,7 +123,7 @@ def _window(device, cube, cells, settings):
     return np.where(np.isnan(settled), ended, settled + swing)
 
 
-def _follow(model, cells, window, bins, threads):
+def _follow(model, pulses, cells, window, bins, threads):
     """Values, (variables, bins, cells), and lengths of the bins, us; window: time followed, us."""
     rise, barrier = model.device.beam.rise[cells.device], model.barrier.energy[cells.device]
     dt = model.dt[cells.device]
@@ -124,8 +133,8 @@ def _follow(model, cells, window, bins, threads):
     order = np.argsort(width, kind="stable")
 
     def follow(some):
-        loads = *(column[some] for column in cells[1:4]), width[some]
-        w_range, instants = simd_loop.trace(model, cells.device[some], loads, bins)
+        loads = *(column[some] for column in cells[1:5]), width[some]
+        w_range, instants = simd_loop.trace(model, cells.device[some], pulses, loads, bins)
         values[:3, :, some] = rise[some] + np.concatenate([w_range, instants[:1]])
         values[3:, :, some] = instants[1:] / barrier[some]
 

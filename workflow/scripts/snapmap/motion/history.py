@@ -9,9 +9,9 @@ from ..beam.modal import contact_stiffness
 from ..device import Device
 from ..io.provenance import device_sections, provenance
 from ..numerics.linalg import dot, multiply
+from ..pulse import VERSED_SINE, Pulse, shocks_from
 from ..solver.adaptive import choose_model
 from ..solver.cells import check_cells, to_cells
-from ..solver.plain_loop import pulse_acceleration
 from ..solver.settings import Settings, check_settings
 from ..solver.simd_kernel import BLOCK
 
@@ -37,18 +37,22 @@ VARIABLES = {
 def simulate(
     device: Device,
     N: float,
-    f0: float,
+    f0: float | None,
     C: float,
     model: str = "handout",
     horizon: float = 1500.0,
     until: str = "settled",
     energy_tolerance: float = 1e-3,
+    pulse: str | Pulse = VERSED_SINE,
+    direction: str = "+z",
     **options,
 ) -> xr.Dataset:
     """Follow one cell to the horizon, beyond its snap, and return its history over time.
 
-    N: multiples of g; f0: Hz; C: uN us/um; horizon: us followed after the pulse
+    N: multiples of g; f0: Hz, or None for a recorded shock's own; C: uN us/um
+    horizon: us followed after the pulse
     until, energy_tolerance: of a sweep, whose step for this cell is taken
+    pulse: a shape by name, or what `read_pulse` returns; direction: "+z" or "-z"
     model, options: as in the config's model section
 
     >>> device = snapmap.load_device("config/config.yaml")
@@ -56,22 +60,30 @@ def simulate(
     >>> bool(run.w_mid.min() < device.beam.second_equilibrium)
     True
     """
+    f0 = shocks_from(pulse, direction).own_frequency() if f0 is None else f0
     check_cells(N=[N], f0=[f0], C=[C])
-    settings = Settings(horizon, until, repeat=False, energy_tolerance=energy_tolerance)
+    if N < 0:
+        raise ValueError(f"N: {N:g} is below 0; direction -z pushes the other way")
+    shocks = shocks_from(pulse, direction)
+    if shocks.axes:
+        raise ValueError("pulse: several; a history is of one shape in one direction")
+    settings = Settings(horizon, until, False, energy_tolerance, pulses=shocks.pulses)
     check_settings(settings)
     built = choose_model(device, {"name": model, **options}).levels[-1]
     cells = to_cells(device, [0], [N], [f0], [C], horizon)
     built = built.with_step(0.5 ** built.follow(cells, settings).halvings.item())
-    amplitude, pulse, damping, t_end = (column.item() for column in cells[1:])
+    amplitude, per_us, damping, t_end = (column.item() for column in cells[2:])
     steps, stride = _sampling(t_end, built.dt)
-    motion, form = built.loop().record(built, amplitude, pulse, damping, steps, stride)
+    shock = settings.pulses[0]
+    motion, form = built.loop().record(built, shock, amplitude, per_us, damping, steps, stride)
     values = _observe(device, form, motion) | {
-        "acceleration": [pulse_acceleration(t, amplitude, pulse) for t in motion.time.tolist()],
+        "acceleration": amplitude * shock.at(per_us * motion.time),
         "dissipated_energy": motion.lost,
         "pulse_work": motion.work,
     }
     document = {
         **device_sections(device),
+        **shocks.section(),
         "model": {"name": model, **options},
         "histories": [{"N": N, "f0": f"{f0!r} Hz", "C": f"{C!r} uN*us/um"}],
     }
@@ -122,6 +134,6 @@ def _dress(time, values, document):
     return xr.Dataset(data, {"time": axis}).assign_attrs(
         Conventions="CF-1.11, ACDD-1.3",
         title="Time history of one cell",
-        summary="Motion, forces and energies of beam and mass under one versed-sine shock",
+        summary="Motion, forces and energies of beam and mass under one shock",
         **provenance(document),
     )

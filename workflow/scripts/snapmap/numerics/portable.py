@@ -12,7 +12,11 @@ _EXACT = Context(prec=40, traps=[])
 
 def sine(turns: float) -> float:
     """sin(2 pi turns) within two units in the last place."""
-    rest = turns - round(turns)
+    return sine_of_rest(turns - round(turns))
+
+
+def sine_of_rest(rest: float) -> float:
+    """sin(2 pi rest), rest from -1/2 to 1/2."""
     if abs(rest) > 0.25:
         rest = copysign(0.5, rest) - rest
     angle = 2 * pi * rest

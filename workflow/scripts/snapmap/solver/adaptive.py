@@ -10,7 +10,7 @@ import numpy as np
 from ..beam.equilibria import static_threshold
 from ..device import Device, batch
 from .bracket import SCAN_STEP, lowest_snap
-from .cells import Cells, Observations, Rows
+from .cells import Cells, Observations, to_rows
 from .model import Follows, mix
 from .models import RUNGS, build_model, check_options
 from .settings import Settings
@@ -198,11 +198,12 @@ def _thresholds(model, near, reaches, threads):
     near: about where to look, (devices, pulses); reaches: within these factors of it, in turn
     """
     device = model.device
-    # ASSUME: a rung's error in three long pulses stands for its error everywhere else.
+    # ASSUME: a rung's error in three long versed sines stands for its error everywhere else.
     f0 = np.multiply.outer(device.own_frequency / (2 * np.pi) * 1e6, LONG_PULSES)
     damping = np.repeat(0.2 * np.sqrt(device.spring * device.mass), LONG_PULSES.size)
     which = np.repeat(np.arange(len(device)), LONG_PULSES.size)
-    rows, settings = Rows(which, f0.ravel(), damping), Settings(horizon=0.0, threads=threads)
+    rows = to_rows(which, f0.ravel(), damping)
+    settings = Settings(horizon=0.0, threads=threads)
     found, near = np.full(near.size, np.nan), near.ravel()
     for reach in reaches:
         left = np.flatnonzero(np.isnan(found))

@@ -43,8 +43,9 @@ def asker(model: Follows, rows: Rows, settings: Settings) -> Callable[[np.ndarra
 
     def ask(N):
         given = np.isfinite(N)
-        device, f0, C = (np.broadcast_to(column[:, np.newaxis], N.shape)[given] for column in rows)
-        cells = to_cells(model.device, device, N[given], f0, C, asked.horizon)
+        columns = (np.broadcast_to(column[:, np.newaxis], N.shape)[given] for column in rows)
+        device, f0, C, pulse = columns
+        cells = to_cells(model.device, device, N[given], f0, C, asked.horizon, pulse)
         t_snap = np.full(N.shape, np.nan)
         t_snap[given] = model.follow(cells, asked).t_snap
         return t_snap

@@ -11,11 +11,12 @@ from ..device import Device
 class Cells(NamedTuple):
     """Cells in internal units; arrays of one shape.
 
-    device: index of the device in the model's batch
+    device: index of the device in the model's batch; pulse: of the pulse in the settings
     amplitude: N g, um/us^2; f0: 1/us; damping: C, uN us/um; t_end: us
     """
 
     device: np.ndarray
+    pulse: np.ndarray
     amplitude: np.ndarray
     f0: np.ndarray
     damping: np.ndarray
@@ -29,12 +30,13 @@ class Cells(NamedTuple):
 class Rows(NamedTuple):
     """Rows of cells that differ in N alone; arrays (rows,).
 
-    device: index in the model's batch; f0: Hz; C: uN us/um
+    device: index in the model's batch; f0: Hz; C: uN us/um; pulse: index in the settings
     """
 
     device: np.ndarray
     f0: np.ndarray
     C: np.ndarray
+    pulse: np.ndarray
 
     def some(self, which: np.ndarray | slice) -> "Rows":
         """Those chosen."""
@@ -80,10 +82,17 @@ def no_observations(shape: tuple[int, ...]) -> Observations:
 def rows_of(grid: Grid) -> Rows:
     """All points but those along N; -1 for the device where there is none."""
     C, f0 = grid.axes["C"], grid.axes["f0"]
-    device, C, f0 = np.broadcast_arrays(
-        grid.device_of[..., np.newaxis, np.newaxis], C[:, np.newaxis], f0
-    )
-    return Rows(device.ravel(), f0.ravel(), C.ravel())
+    device, pulse = grid.device_of, np.arange(len(grid.pulses))
+    device, pulse = np.expand_dims(device, (-3, -2, -1)), np.expand_dims(pulse, (-2, -1))
+    return to_rows(device, f0, C[:, np.newaxis], pulse)
+
+
+def to_rows(device, f0, C, pulse=0) -> Rows:
+    """Collect rows from arrays that broadcast; f0 in Hz, C in uN us/um."""
+    indices = (np.asarray(column, np.int64) for column in (device, pulse))
+    values = (np.asarray(column, float) for column in (f0, C))
+    device, pulse, f0, C = (np.ravel(a) for a in np.broadcast_arrays(*indices, *values))
+    return Rows(device, f0, C, pulse)
 
 
 def check_cells(**values) -> None:
@@ -102,14 +111,15 @@ def check_cells(**values) -> None:
             raise ValueError(f"{key}: {wrong[0]:g} cannot be; it must be finite and {need[key]}")
 
 
-def to_cells(devices: Device, device, N, f0, C, horizon: float) -> Cells:
+def to_cells(devices: Device, device, N, f0, C, horizon: float, pulse=0) -> Cells:
     """Convert cells, arrays that broadcast, from multiples of g, Hz, uN us/um and a horizon.
 
-    devices: one, or a batch; device: indices in it
+    devices: one, or a batch; device: indices in it; pulse: indices in the settings' pulses
     horizon: followed after the pulse, us
     """
-    columns = np.asarray(device, np.int64), *(np.asarray(column, float) for column in (N, f0, C))
-    device, N, f0, C = np.broadcast_arrays(*columns)
+    indices = (np.asarray(column, np.int64) for column in (device, pulse))
+    values = (np.asarray(column, float) for column in (N, f0, C))
+    device, pulse, N, f0, C = np.broadcast_arrays(*indices, *values)
     gravity = np.atleast_1d(devices.gravity)[device]
     f0 = f0 * 1e-6
-    return Cells(device, N * gravity, f0, C, 1 / f0 + horizon)
+    return Cells(device, pulse, N * gravity, f0, C, 1 / f0 + horizon)

@@ -11,6 +11,7 @@ from ..beam.barrier import Barrier
 from ..beam.basis import Basis
 from ..beam.modal import ModalBeam
 from ..device import Device
+from ..pulse import Pulse
 from .cells import Cells, Observations, no_observations
 from .record import Form, Motion
 from .settings import Settings
@@ -57,7 +58,14 @@ class Loop(Protocol):
         """t_snap, t_settled, well and energy_error of cells, (cells,)."""
 
     def record(
-        self, model: "Model", amplitude: float, f0: float, damping: float, steps: int, stride: int
+        self,
+        model: "Model",
+        pulse: Pulse,
+        amplitude: float,
+        f0: float,
+        damping: float,
+        steps: int,
+        stride: int,
     ) -> tuple[Motion, Form]:
         """The motion of one cell of a model of one device, at every `stride`th instant."""
 
@@ -118,7 +126,7 @@ class Model:
         is followed again with half the step, up to HALVINGS times.
         """
         flat = Cells(*(np.ravel(column) for column in cells))
-        seen, halvings = no_observations(flat.f0.shape), self._halvings(flat)
+        seen, halvings = no_observations(flat.f0.shape), self._halvings(flat, settings.pulses)
         left = np.flatnonzero(halvings <= MOST_HALVINGS)
         for column, never in zip(seen[:4], (np.nan, np.nan, 0, np.inf), strict=True):
             column[halvings > MOST_HALVINGS] = never
@@ -132,9 +140,10 @@ class Model:
             halvings[left] += 1
         return seen.shaped(np.shape(cells.f0))
 
-    def _halvings(self, cells):
-        """How often a cell's step must be halved for PULSE_STEPS of them to fit in its pulse."""
-        in_pulse = PULSE_STEPS * cells.f0 * np.atleast_1d(self.dt)[cells.device]
+    def _halvings(self, cells, pulses):
+        """How often a cell's step must be halved for PULSE_STEPS in each swing of its pulse."""
+        swings = np.array([max(1.0, pulse.variation / 2) for pulse in pulses])[cells.pulse]
+        in_pulse = PULSE_STEPS * swings * cells.f0 * np.atleast_1d(self.dt)[cells.device]
         return np.maximum(np.frexp(in_pulse)[1], 0)
 
     def follow_once(self, cells: Cells, settings: Settings) -> Observations:

@@ -7,7 +7,8 @@ from numba import njit
 
 from ..beam.basis import Basis
 from ..device import Device
-from ..numerics.arithmetic import fma, sine
+from ..numerics import pieces as curve
+from ..numerics.arithmetic import fma
 from ..numerics.linalg import apply, solve_all
 from .record import Form, at_instants
 
@@ -59,14 +60,6 @@ def nodal_system(device: Device, basis: Basis) -> System:
 
 
 @njit(**PLAIN)
-def pulse_acceleration(t, amplitude, f0):
-    """a(t) = amplitude/2 (1 - cos(2 pi f0 t)) = amplitude sin^2(pi f0 t), t < 1/f0; um/us^2."""
-    if t * f0 < 1.0:
-        return amplitude * sine(f0 * t / 2) ** 2
-    return 0.0
-
-
-@njit(**PLAIN)
 def dot(a, b):
     """a . b"""
     total = 0.0
@@ -112,7 +105,7 @@ def total_energy(system, u, velocity, y, y_velocity, compression):
 
 
 @njit(**PLAIN)
-def follow(system, amplitude, f0, damping, target, dt, steps, history):
+def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
     """March one cell by central differences until w(L/2) reaches `target` or `steps` are done.
 
     With u = q - q0 and y = z_M - rise, from rest, at t = n dt:
@@ -121,6 +114,7 @@ def follow(system, amplitude, f0, damping, target, dt, steps, history):
         Mb (u+ - 2 u + u-)/dt^2 + alpha Mb (u+ - u-)/(2 dt) = -Kb u + N (G u + G q0) - f a - e P
         M (y+ - 2 y + y-)/dt^2 + C (y+ - y-)/(2 dt) = -M a - K y + P
 
+    pulse: pieces, and what they begin and end with, as in `numerics.pieces`, over x = f0 t
     amplitude: N g, um/us^2; f0: 1/us; damping: C, uN us/um; target: w2 - rise, um
     history: (samples, 2 n + 4), modified in place: u, du/dt, y, dy/dt, work of the pulse and
         energy lost to damping (pJ), at as many of the first instants as it holds
@@ -136,9 +130,13 @@ def follow(system, amplitude, f0, damping, target, dt, steps, history):
     beam_drag = system.beam_damping * dt / 2
     power, work, gross_work, loss, lost = 0.0, 0.0, 0.0, 0.0, 0.0
     t_snap, residual = np.nan, 0.0
+    pieces, ends = pulse
+    k = 0
 
     for step in range(steps):
-        a = pulse_acceleration(step * dt, amplitude, f0)
+        x = f0 * (step * dt)
+        k = curve.at(pieces, k, len(pieces), x)
+        a = amplitude * curve.sample(pieces, k, ends, x, f0 * dt)
         w_mid = dot(system.midpoint, u)
         contact = system.penalty * max(0.0, w_mid - y)
         compression = beam_stresses(system, u, bending_u, geometric_u)
@@ -186,6 +184,7 @@ def march(model, cells, settings):
     Returns t_snap, t_settled, well and energy_error, as the SIMD kernel does
     """
     found = np.empty((2, cells.f0.size))
+    pulses = [one.curve for one in settings.pulses]
     for which in np.unique(cells.device):
         one = model.pick(which)
         system, beam = nodal_system(one.device, one.basis), one.device.beam
@@ -193,20 +192,20 @@ def march(model, cells, settings):
         target = beam.second_equilibrium - beam.rise
         for i in np.flatnonzero(cells.device == which):
             steps = int(np.ceil(cells.t_end[i] / one.dt))
-            load = cells.amplitude[i], cells.f0[i], cells.damping[i]
+            load = pulses[cells.pulse[i]], cells.amplitude[i], cells.f0[i], cells.damping[i]
             found[:, i] = follow(system, *load, target, one.dt, steps, no_history)
     t_snap, energy_error = found
     return t_snap, np.full(t_snap.size, np.nan), np.zeros(t_snap.size, np.int8), energy_error
 
 
-def record(model, amplitude, f0, damping, steps, stride):
+def record(model, pulse, amplitude, f0, damping, steps, stride):
     """Follow one cell and keep every `stride`th instant.
 
     model: of one device; returns Motion and Form
     """
     system, n = nodal_system(model.device, model.basis), model.basis.load.size
     kept = np.zeros((steps, 2 * n + 4))
-    follow(system, amplitude, f0, damping, -np.inf, model.dt, steps, kept)
+    follow(system, pulse.curve, amplitude, f0, damping, -np.inf, model.dt, steps, kept)
     kept = kept[::stride]
     time = np.arange(len(kept)) * stride * model.dt
     shape = system.bending, system.geometric, system.slope_start, system.midpoint

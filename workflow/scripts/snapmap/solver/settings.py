@@ -3,6 +3,8 @@
 from numbers import Real
 from typing import NamedTuple
 
+from ..pulse import Pulse, make_pulse
+
 UNTIL = ("settled", "snap")
 THRESHOLD_TOLERANCE = 1e-4
 """How closely thresholds in N are refined, relative, unless told."""
@@ -16,6 +18,7 @@ class Settings(NamedTuple):
     repeat: whether each cell is run again with another step, to see if its outcome is reproduced
     energy_tolerance: a run is believed if its energy ledger closes within this share of the
         pulse's gross work
+    pulses: what the cells' indices of pulses refer to
     """
 
     horizon: float = 1500.0
@@ -23,10 +26,12 @@ class Settings(NamedTuple):
     repeat: bool = True
     energy_tolerance: float = 1e-3
     threads: int = 1
+    pulses: tuple[Pulse, ...] = (make_pulse(),)
 
     def asked(self) -> dict:
-        """All but the threads, on which no result depends."""
-        return {key: value for key, value in self._asdict().items() if key != "threads"}
+        """All but the threads, on which no result depends, and the pulses."""
+        left_out = "threads", "pulses"
+        return {key: value for key, value in self._asdict().items() if key not in left_out}
 
 
 def check_number(key: str, value: object) -> None:

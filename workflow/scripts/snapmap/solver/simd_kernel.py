@@ -9,14 +9,17 @@ A function compiled for k modes gets them as `shape`, a tuple of k numbers, whos
 compiler knows. All kernels stand in this one file: numba's cache does not see edits elsewhere.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 
+from ..numerics import pieces as curve
 from ..numerics.arithmetic import fma, sine, widen_vectors
 
 LANES = 16
 BLOCK = 128
-"""Steps between two looks at the lanes; the pulse's recurrence is restarted at each look."""
+"""Steps between two looks at the lanes; the pulse is set out for so many at a time."""
 MARGIN = 2.0
 """A proof must hold by this many times the largest residual of the energy ledger seen so far."""
 OPENED = 4.0
@@ -29,21 +32,36 @@ SAMPLE = 4
 
 # Rows of one number: the device's; the cell's; scratch; from STATE on, the state at instant n.
 AXIAL, RESIDUAL, CONTACT, MASS, SPRING, TARGET, BARRIER, SADDLE, BEAM_DAMPING = range(9)
-AMPLITUDE, TURN, KEEP, PUSH, BEAM_KEEP, BEAM_PUSH = range(9, 15)
-HALF_CONTACT, TENSION, SOFTENING, COMPLIANCE = range(15, 19)
+AMPLITUDE, KEEP, PUSH, BEAM_KEEP, BEAM_PUSH = range(9, 14)
+X_STEP, PIECE = 14, 15
+BEGIN, START, SLOPE, TURNS, LIFT, SWING, TURN, PULSE, PULSE_STEP, PULSE_LEFT = range(15, 25)
+HALF_CONTACT, TENSION, SOFTENING, COMPLIANCE = range(25, 29)
 SHOCK, W_FREE, Y_FREE, GAP_FREE, GAP_GIVE, STRETCH_MEAN, INVERSE, ALONG, PRESS, TURNING = range(
-    19, 29
+    29, 39
 )
-STATE = 29
-Y, Y_STEP, PULSE, PULSE_STEP, PULSE_LEFT, STRETCH, GAP = range(29, 36)
-W_BEFORE, W, COUNT, WORK, GROSS_WORK, SWEPT, BEAM_SWEPT = range(36, 43)
+STATE = 39
+Y, Y_STEP, STRETCH, GAP = range(39, 43)
+W_BEFORE, W, COUNT, WORK, GROSS_WORK, SWEPT, BEAM_SWEPT = range(43, 50)
 # Vectors of k rows, from row VECTORS on: the state; scratch; the device's; S, k vectors.
-VECTORS = 43
+VECTORS = 50
 P, P_STEP, SCRATCH, FREE, STIFFNESS, SLOPE_START, LOAD, MIDPOINT, GEOMETRIC = range(9)
 
 # No fast maths: NaN stays visible, and a result does not depend on how a call was compiled. What
 # speed needs is written out: fused multiply-adds, and sums in an order that vectorises over lanes.
 JIT = {"error_model": "numpy", "nogil": True, "cache": True}
+
+
+class Pushes(NamedTuple):
+    """How the pulse stands in each lane, (LANES,); modified in place.
+
+    pulse: its number; piece: the last one that was entered; steps: done; lasts: steps until it is
+    over
+    """
+
+    pulse: np.ndarray
+    piece: np.ndarray
+    steps: np.ndarray
+    lasts: np.ndarray
 
 
 @njit(inline="always")
@@ -53,15 +71,10 @@ def at(vector, i, modes, l):
 
 
 @njit(inline="always")
-def shock(X, l):
-    """a of this step, by the recurrence of 1 - cos(2 pi f0 t), which goes on to the next."""
-    pulse = X[PULSE * LANES + l]
-    left = X[PULSE_LEFT * LANES + l]
-    pulse_step = fma(X[TURN * LANES + l], 1.0 - pulse, X[PULSE_STEP * LANES + l])
-    X[PULSE_STEP * LANES + l] = pulse_step
-    X[PULSE * LANES + l] = pulse + pulse_step
-    X[PULSE_LEFT * LANES + l] = left - 1.0
-    return X[AMPLITUDE * LANES + l] * pulse if left > 0.0 else 0.0
+def take(X, shocks, step):
+    """a of this step of every lane; apart, as only so the compiler keeps lanes side by side."""
+    for l in range(LANES):
+        X[SHOCK * LANES + l] = shocks[step * LANES + l]
 
 
 @njit(inline="always")
@@ -97,8 +110,10 @@ def move(X, l, modes, first, last, axial, contact, a):
 
 
 @njit(**JIT)
-def advance(X, shape, steps):
+def advance(X, shape, shocks, first, steps):
     """Advance every lane by `steps` steps of the modal form of eqs. (2), (4) and (5).
+
+    shocks: a dt^2 of each step of a block, as `set_out` leaves them; first: the step to begin with
 
     N = -EA/2L (p.S p + 2 p.S q0),  w = e.p - c P,  P = <e.p - y>+ / (1/lambda + c)
     p+ - 2 p + p- + alpha dt/2 (p+ - p-) = dt^2 (-kappa p + N (S p + S q0) - f a - e P)
@@ -111,10 +126,10 @@ def advance(X, shape, steps):
     # LLVM unrolls a short loop and gives up on a long one, and only what is unrolled vectorises
     # over lanes: so the loops over modes are cut in four.
     cut_1, cut_2, cut_3 = modes // 4, modes // 2, 3 * modes // 4
-    for _ in range(steps):
+    for step in range(first, first + steps):
+        take(X, shocks, step)
         for l in range(LANES):
-            a = shock(X, l)
-
+            a = X[SHOCK * LANES + l]
             quadratic = stretch(X, l, modes, 0, cut_1) + stretch(X, l, modes, cut_1, cut_2)
             quadratic += stretch(X, l, modes, cut_2, cut_3) + stretch(X, l, modes, cut_3, modes)
             axial = -X[AXIAL * LANES + l] * quadratic
@@ -199,8 +214,10 @@ def press(X, l, modes, first, last, pull, contact, sums):
 
 
 @njit(**JIT)
-def advance_conserving(X, shape, steps):
+def advance_conserving(X, shape, shocks, first, steps):
     """Advance every lane by `steps` steps in which contact and stretch do the work they store.
+
+    shocks, first: as in `advance`
 
     At half steps q = p.S p+ + (p + p+).S q0 and x = e.(p + p+)/2 - (y + y+)/2; with u = S p + S q0,
 
@@ -213,11 +230,10 @@ def advance_conserving(X, shape, steps):
     widen_vectors()
     modes = len(shape)
     cut_1, cut_2, cut_3 = modes // 4, modes // 2, 3 * modes // 4
-    for _ in range(steps):
+    for step in range(first, first + steps):
+        take(X, shocks, step)
         for l in range(LANES):
-            a = shock(X, l)
-            X[SHOCK * LANES + l] = a
-
+            a = X[SHOCK * LANES + l]
             sums = release(X, l, modes, 0, cut_1, a, (0.0, 0.0, 0.0, 0.0, 0.0))
             sums = release(X, l, modes, cut_1, cut_2, a, sums)
             sums = release(X, l, modes, cut_2, cut_3, a, sums)
@@ -287,7 +303,7 @@ def advance_conserving(X, shape, steps):
 
 
 @njit(**JIT)
-def fill(X, shape, l, coefficients, damping, amplitude, f0, dt):
+def fill(X, shape, l, coefficients, damping, amplitude, dt):
     """Put a cell at rest into lane l."""
     X[l::LANES] = 0.0
     scalars = BEAM_DAMPING + 1 - AXIAL
@@ -297,9 +313,7 @@ def fill(X, shape, l, coefficients, damping, amplitude, f0, dt):
         X[row * LANES + l] = coefficients[i]
     drag = damping * dt / 2
     mass = X[MASS * LANES + l]
-    X[AMPLITUDE * LANES + l] = amplitude / 2 * dt**2
-    X[TURN * LANES + l] = 4 * sine(f0 * dt / 2) ** 2
-    X[PULSE_LEFT * LANES + l] = np.ceil(1 / (f0 * dt))
+    X[AMPLITUDE * LANES + l] = amplitude * dt**2
     X[KEEP * LANES + l] = (mass - drag) / (mass + drag)
     X[PUSH * LANES + l] = 1 / (mass + drag)
     beam_drag = X[BEAM_DAMPING * LANES + l] / 2
@@ -315,11 +329,88 @@ def fill(X, shape, l, coefficients, damping, amplitude, f0, dt):
 
 
 @njit(**JIT)
-def restart_pulse(X, l, turn_step, steps):
-    """Set 1 - cos(2 pi f0 t) and its last increment afresh, at t = steps dt; turn_step: f0 dt."""
-    turn = turn_step * steps
-    X[PULSE * LANES + l] = 2 * sine(turn / 2) ** 2
-    X[PULSE_STEP * LANES + l] = 2 * sine(turn_step / 2) * sine(turn - turn_step / 2)
+def no_pushes():
+    """Lanes without a pulse."""
+    pulse, piece, steps, lasts = np.zeros((4, LANES), np.int64)
+    return Pushes(pulse, piece, steps, lasts)
+
+
+@njit(**JIT)
+def push(X, l, pushes, pulses, pulse, x_step):
+    """Begin a pulse in lane l; pulses: as in `follow_all`; x_step: f0 dt."""
+    bounds, jumps = pulses[1:]
+    pushes.pulse[l], pushes.piece[l], pushes.steps[l] = pulse, bounds[pulse] - 1, 0
+    pushes.lasts[l] = curve.lasts(jumps[pulse, 1], x_step)
+    X[X_STEP * LANES + l] = x_step
+
+
+@njit(**JIT)
+def set_out(X, shocks, pushes, pulses):
+    """a dt^2 of every lane and each step of the next block, in rows as X has them."""
+    pieces, bounds, jumps = pulses
+    joined = 0
+    for l in range(LANES):
+        steps, pulse, step = pushes.steps[l], pushes.pulse[l], X[X_STEP * LANES + l]
+        left = pushes.lasts[l] - steps
+        X[PULSE_LEFT * LANES + l] = left
+        if left <= 0:
+            # What a lane goes on with must not grow: denormal numbers would slow down all.
+            for row in range(PIECE, PULSE_LEFT):
+                X[row * LANES + l] = 0.0
+            continue
+        end, x = bounds[pulse + 1], step * steps
+        k = curve.at(pieces, max(pushes.piece[l], bounds[pulse]), end, x)
+        if k != pushes.piece[l]:
+            pushes.piece[l] = k
+            for column in range(curve.COLUMNS):
+                X[(PIECE + column) * LANES + l] = pieces[k, column]
+            X[TURN * LANES + l] = 4 * sine(X[TURNS * LANES + l] * step / 2) ** 2
+        X[PULSE * LANES + l] = x
+        joins = k + 1 < end and pieces[k + 1, curve.BEGIN] < x + BLOCK * step
+        joins |= steps == 0 and jumps[pulse, 0] != 0
+        joins |= left <= BLOCK + 1 and jumps[pulse, 1] != 0
+        joined |= joins << l
+    go_on(X, shocks)
+    for l in range(LANES):
+        if joined >> l & 1:
+            set_out_joined(X, shocks, l, pushes, pulses)
+
+
+@njit(**JIT)
+def set_out_joined(X, shocks, l, pushes, pulses):
+    """The same of a lane in whose block pieces join, or the pulse jumps."""
+    pieces, bounds, jumps = pulses
+    pulse, k, step = pushes.pulse[l], pushes.piece[l], X[X_STEP * LANES + l]
+    for i in range(BLOCK):
+        x = step * (pushes.steps[l] + i)
+        k = curve.at(pieces, k, bounds[pulse + 1], x)
+        sample = curve.sample(pieces, k, (jumps[pulse, 0], jumps[pulse, 1]), x, step)
+        shocks[i * LANES + l] = X[AMPLITUDE * LANES + l] * sample
+
+
+@njit(**JIT)
+def go_on(X, shocks):
+    """Follow each lane's piece through a block, from x = PULSE on.
+
+    By the recurrence of a sine of phase p a step: v+ - 2 v + v- = 4 sin^2(p/2) (centre - v).
+    """
+    widen_vectors()
+    for l in range(LANES):
+        s, turns = X[PULSE * LANES + l] - X[BEGIN * LANES + l], X[TURNS * LANES + l]
+        slope, lift, swing = X[SLOPE * LANES + l], X[LIFT * LANES + l], X[SWING * LANES + l]
+        X[PULSE * LANES + l] = curve.form(X[START * LANES + l], slope, turns, lift, swing, s)
+        last = curve.increment(slope, turns, lift, swing, s, X[X_STEP * LANES + l])
+        X[PULSE_STEP * LANES + l] = last
+    for step in range(BLOCK):
+        for l in range(LANES):
+            pulse, left = X[PULSE * LANES + l], X[PULSE_LEFT * LANES + l]
+            bend = X[START * LANES + l] + X[LIFT * LANES + l] - pulse
+            pulse_step = fma(X[TURN * LANES + l], bend, X[PULSE_STEP * LANES + l])
+            X[PULSE_STEP * LANES + l] = pulse_step
+            X[PULSE * LANES + l] = pulse + pulse_step
+            X[PULSE_LEFT * LANES + l] = left - 1.0
+            a = X[AMPLITUDE * LANES + l] * pulse if left > 0.0 else 0.0
+            shocks[step * LANES + l] = a
 
 
 @njit(**JIT)
@@ -414,7 +505,7 @@ def snap_time(X, l, dt):
 
 
 @njit(**JIT)
-def follow_all(X, shape, conserving, devices, dt, cells, stop_at_snap, tolerance, facts):
+def follow_all(X, shape, conserving, devices, dt, pulses, cells, stop_at_snap, tolerance, facts):
     """Follow every cell until its well is proven or t_end is past, refilling each free lane.
 
     A proof is looked for after the pulse. The explicit scheme's energy wobbles with modes near the
@@ -425,7 +516,10 @@ def follow_all(X, shape, conserving, devices, dt, cells, stop_at_snap, tolerance
 
     X: work array; devices: (n_devices, coefficients), dt: (n_devices,), us
     conserving: None for the explicit scheme, which the compiler then takes alone
-    cells: device_of, amplitude (um/us^2), f0 (1/us), damping (C, uN us/um), t_end (us); (cells,)
+    cells: device_of, pulse_of, amplitude (um/us^2), f0 (1/us), damping (C, uN us/um), t_end (us);
+        (cells,)
+    pulses: as in `numerics.pieces`, over x = f0 t: the pieces of all, (pieces, 6), where each one's
+        begin and end, (pulses + 1,), and what it begins and ends with, (pulses, 2)
     stop_at_snap: whether a cell also ends at its snap
     tolerance: of the ledger, over the gross work of the pulse; a run that exceeds it is given up
     facts, modified in place: t_snap, t_settled (us, NaN if not seen), well (1, 2, or 0 for open),
@@ -433,10 +527,11 @@ def follow_all(X, shape, conserving, devices, dt, cells, stop_at_snap, tolerance
         after a blow-up); (cells,)
     """
     widen_vectors()
-    device_of, amplitude, f0, damping, t_end = cells
+    device_of, pulse_of, amplitude, f0, damping, t_end = cells
     t_snap, t_settled, well, energy_error = facts
     cell_in = np.full(LANES, -1)
-    steps = np.zeros(LANES, np.int64)
+    pushes, shocks, pushed = no_pushes(), np.zeros(BLOCK * LANES), False
+    steps, lasts = pushes.steps, pushes.lasts
     worst, found_before = np.zeros(LANES), np.zeros(LANES, np.int64)
     next_cell, running = 0, 0
     X[:] = 0.0
@@ -444,26 +539,29 @@ def follow_all(X, shape, conserving, devices, dt, cells, stop_at_snap, tolerance
     before, after = X.copy(), X.copy()
     last_before, last_after = X.copy(), X.copy()
     while next_cell < t_snap.size or running > 0:
+        pushing = False
         for l in range(LANES):
             if cell_in[l] < 0 and next_cell < t_snap.size:
                 device = device_of[next_cell]
-                load = damping[next_cell], amplitude[next_cell], f0[next_cell]
+                load = damping[next_cell], amplitude[next_cell]
                 fill(X, shape, l, devices[device], *load, dt[device])
-                cell_in[l], steps[l] = next_cell, 0
+                push(X, l, pushes, pulses, pulse_of[next_cell], f0[next_cell] * dt[device])
+                cell_in[l] = next_cell
                 worst[l], found_before[l] = 0.0, 0
                 next_cell += 1
                 running += 1
-            if X[PULSE_LEFT * LANES + l] > 0:
-                cell = cell_in[l]
-                restart_pulse(X, l, f0[cell] * dt[device_of[cell]], steps[l])
+            pushing |= steps[l] < lasts[l]
+        if pushing or pushed:
+            set_out(X, shocks, pushes, pulses)
+        pushed = pushing
         before, last_before = last_before, before
         after, last_after = last_after, after
-        for n_steps in (BLOCK - 1, 1):
+        for first, n_steps in ((0, BLOCK - 1), (BLOCK - 1, 1)):
             before[state] = X[state]
             if conserving is None:
-                advance(X, shape, n_steps)
+                advance(X, shape, shocks, first, n_steps)
             else:
-                advance_conserving(X, shape, n_steps)
+                advance_conserving(X, shape, shocks, first, n_steps)
         after[state] = X[state]
         for l in range(LANES):
             cell = cell_in[l]
@@ -473,7 +571,7 @@ def follow_all(X, shape, conserving, devices, dt, cells, stop_at_snap, tolerance
             step = dt[device_of[cell]]
             drag = damping[cell] * step
             snapped = X[W * LANES + l] <= X[TARGET * LANES + l]
-            in_pulse = before[PULSE_LEFT * LANES + l] > 0
+            in_pulse = steps[l] - 1 < lasts[l]
             ended = steps[l] * step > t_end[cell] or not np.isfinite(X[Y * LANES + l])
             ended |= snapped and stop_at_snap
             if in_pulse and not ended:
@@ -507,39 +605,43 @@ def follow_all(X, shape, conserving, devices, dt, cells, stop_at_snap, tolerance
             t_snap[cell] = snap_time(X, l, step) if snapped else np.nan
             t_settled[cell] = (steps[l] - 1) * step if proven else np.nan
             well[cell] = found if proven else 0
-            cell_in[l] = -1
+            cell_in[l], lasts[l] = -1, 0
             running -= 1
             X[l::LANES] = 0.0
 
 
 @njit(**JIT)
-def trace_all(X, shape, conserving, devices, dt, cells, w_range, instants):
+def trace_all(X, shape, conserving, devices, dt, pulses, cells, w_range, instants):
     """Follow up to LANES cells as `follow_all` does, bit for bit, and keep their motion in bins.
 
     At instants; the conserving scheme's half way between two, as its energies.
 
     X: zeros; devices: each cell's row of coefficients, with target -inf, so that row W is never
         latched; dt: each cell's, us; conserving: as in `follow_all`
-    cells: amplitude, f0 and damping as in `follow_all`, and width, steps of one bin, a multiple of
-        SAMPLE; (cells,)
+    pulses: as in `follow_all`
+    cells: pulse_of, amplitude, f0 and damping as in `follow_all`, and width, steps of one bin, a
+        multiple of SAMPLE; (cells,)
     modified in place: w_range, least and greatest w(L/2) - rise in each bin, (2, bins, cells);
         instants, at each bin's start y, all energy and the beam's (pJ), (3, bins, cells)
     """
     widen_vectors()
-    amplitude, f0, damping, width = cells
-    bins = w_range.shape[1]
+    pulse_of, amplitude, f0, damping, width = cells
+    bins, shocks = w_range.shape[1], np.zeros(BLOCK * LANES)
+    pushes = no_pushes()
     for l in range(width.size):
-        fill(X, shape, l, devices[l], damping[l], amplitude[l], f0[l], dt[l])
+        fill(X, shape, l, devices[l], damping[l], amplitude[l], dt[l])
+        push(X, l, pushes, pulses, pulse_of[l], f0[l] * dt[l])
     before = X.copy()
     for step in range(0, bins * width.max(), SAMPLE):
-        if step % BLOCK == 0:
-            for l in range(width.size):
-                restart_pulse(X, l, f0[l] * dt[l], step)
+        in_block = step % BLOCK
+        if in_block == 0:
+            pushes.steps[:] = step
+            set_out(X, shocks, pushes, pulses)
         before[:] = X
         if conserving is None:
-            advance(X, shape, 1)
+            advance(X, shape, shocks, in_block, 1)
         else:
-            advance_conserving(X, shape, 1)
+            advance_conserving(X, shape, shocks, in_block, 1)
         for l in range(width.size):
             bin = step // width[l]
             if bin >= bins:
@@ -559,6 +661,6 @@ def trace_all(X, shape, conserving, devices, dt, cells, w_range, instants):
                 instants[1, bin, l] = (beam + mass + contact) / dt[l] ** 2
                 instants[2, bin, l] = beam / dt[l] ** 2
         if conserving is None:
-            advance(X, shape, SAMPLE - 1)
+            advance(X, shape, shocks, in_block + 1, SAMPLE - 1)
         else:
-            advance_conserving(X, shape, SAMPLE - 1)
+            advance_conserving(X, shape, shocks, in_block + 1, SAMPLE - 1)

@@ -4,6 +4,7 @@ import numpy as np
 
 from ..beam.modal import contact_stiffness
 from ..numerics.linalg import dot
+from ..pulse import table
 from .record import Form, Motion, at_instants
 from .schemes import CONSERVING, EXPLICIT
 from .simd_kernel import (
@@ -26,7 +27,9 @@ from .simd_kernel import (
     advance_conserving,
     fill,
     follow_all,
-    restart_pulse,
+    no_pushes,
+    push,
+    set_out,
     trace_all,
 )
 
@@ -41,14 +44,16 @@ def march(model, cells, settings):
     rows, dt = coefficients(model, snap_target(model.device)), np.atleast_1d(model.dt)
     asked = settings.until == "snap", settings.energy_tolerance
     X, shape = work_array(modes), (0,) * modes
-    follow_all(X, shape, _conserving(model), rows, dt, tuple(cells), *asked, facts)
+    pulses = table(settings.pulses)
+    follow_all(X, shape, _conserving(model), rows, dt, pulses, tuple(cells), *asked, facts)
     return facts
 
 
-def trace(model, device, cells, bins):
+def trace(model, device, pulses, cells, bins):
     """Follow up to LANES cells, each through `bins` bins of its own width.
 
-    device: index of each cell's; cells: as in `trace_all`; returns w_range and instants from there
+    device: index of each cell's; pulses: those that the cells name; cells: as in `trace_all`
+    Returns w_range and instants from there
     """
     n_cells = cells[0].size
     w_range = np.empty((2, bins, n_cells))
@@ -56,17 +61,18 @@ def trace(model, device, cells, bins):
     instants = np.empty((3, bins, n_cells))
     X, shape, rows = work_array(model.modes), (0,) * model.modes, coefficients(model, -np.inf)
     dt = np.atleast_1d(model.dt)[device]
-    trace_all(X, shape, _conserving(model), rows[device], dt, cells, w_range, instants)
+    asked = table(pulses), cells
+    trace_all(X, shape, _conserving(model), rows[device], dt, *asked, w_range, instants)
     return w_range, instants
 
 
-def record(model, amplitude, f0, damping, steps, stride):
+def record(model, pulse, amplitude, f0, damping, steps, stride):
     """Follow one cell as `follow_all` does, bit for bit, and keep every `stride`th step.
 
     model: of one device; stride: a divisor of BLOCK; returns Motion and Form
     """
     modal, modes, dt = model.modal, model.modes, model.dt
-    before, after = _pairs(model, (damping, amplitude, f0), steps, stride)
+    before, after = _pairs(model, (damping, amplitude), (pulse, f0), steps, stride)
     form = Form(
         np.eye(modes), np.diag(modal.stiffness), *modal[1:3], modal.midpoint, modal.residual
     )
@@ -96,21 +102,25 @@ def record(model, amplitude, f0, damping, steps, stride):
     return Motion(**samples, **stored), form
 
 
-def _pairs(model, load, steps, stride):
+def _pairs(model, load, shock, steps, stride):
     """The state of one cell at every `stride`th instant, and one step on; (rows, samples)."""
-    dt, f0, modes = model.dt, load[-1], model.modes
+    dt, modes, (pulse, f0) = model.dt, model.modes, shock
     X, shape = work_array(modes), (0,) * modes
     state = slice(STATE * LANES, (VECTORS + SCRATCH * modes) * LANES, LANES)
     go = advance if model.scheme == EXPLICIT else advance_conserving
     fill(X, shape, 0, coefficients(model, -np.inf)[0], *load, dt)
-    before, after = [], []
+    before, after, shocks = [], [], np.zeros(BLOCK * LANES)
+    pulses, pushes = table([pulse]), no_pushes()
+    push(X, 0, pushes, pulses, 0, f0 * dt)
     for step in range(0, steps, stride):
-        if step % BLOCK == 0:
-            restart_pulse(X, 0, f0 * dt, step)
+        in_block = step % BLOCK
+        if in_block == 0:
+            pushes.steps[:] = step
+            set_out(X, shocks, pushes, pulses)
         before.append(X[state].copy())
-        go(X, shape, 1)
+        go(X, shape, shocks, in_block, 1)
         after.append(X[state].copy())
-        go(X, shape, stride - 1)
+        go(X, shape, shocks, in_block + 1, stride - 1)
     return np.array(before).T, np.array(after).T
 
 

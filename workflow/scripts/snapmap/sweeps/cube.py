@@ -9,6 +9,7 @@ import xarray as xr
 from ..axes import coordinates, make_grid, split_axes
 from ..device import Device
 from ..io.provenance import device_sections, provenance
+from ..pulse import VERSED_SINE, Pulse, shocks_from
 from ..solver.adaptive import choose_model
 from ..solver.cells import check_cells
 from ..solver.outcome import ABSENT, OUTCOMES, count, shares
@@ -61,7 +62,7 @@ VARIABLES = {
 def sweep(
     device: Device | Mapping[str, Device],
     N: Sequence[float],
-    f0: Sequence[float],
+    f0: Sequence[float] | None,
     C: Sequence[float],
     model: str = "handout",
     horizon: float = 1500.0,
@@ -70,15 +71,19 @@ def sweep(
     energy_tolerance: float = 1e-3,
     threads: int = 1,
     skip: bool = False,
+    pulse: str | Pulse | Sequence | Mapping = VERSED_SINE,
+    direction: str | Sequence[str] = "+z",
     **others,
 ) -> xr.Dataset:
     """Simulate every cell of a grid and return it as in cube.nc.
 
     device: one, or several by name, which then are an axis
-    N: multiples of g; f0: Hz, above 0; C: uN us/um, from 0
+    N: multiples of g; f0: Hz, above 0, or None for a recorded shock's own; C: uN us/um, from 0
     horizon (us), until, repeat, energy_tolerance, threads: as in `Settings`; only settled cells are
         repeated unless told
     skip: whether a device without a second stable shape is marked `absent`, not refused
+    pulse: a shape by name, or what `read_pulse` returns; several are an axis, `shape`
+    direction: "+z", "-z"; several, or "both", are an axis
     others: options of the model, as in the config; and further axes in front of C, f0 and N: values
         of the device by their names, in internal units
     Raises ValueError, one line, for a value that cannot be.
@@ -89,15 +94,18 @@ def sweep(
     >>> cube.t_snap.notnull().squeeze().values.tolist()
     [[False, True], [False, True]]
     """
+    shocks = shocks_from(pulse, direction)
+    f0 = [shocks.own_frequency()] if f0 is None else f0
     check_cells(N=N, f0=f0, C=C)
     varied, options = split_axes(others)
     repeat = until == "settled" if repeat is None else repeat
-    settings = Settings(horizon, until, repeat, energy_tolerance, threads)
+    settings = Settings(horizon, until, repeat, energy_tolerance, threads, shocks.pulses)
     check_settings(settings)
-    grid = make_grid(device, {**varied, "C": C, "f0": f0, "N": N}, skip)
+    grid = make_grid(device, {**varied, "C": C, "f0": f0, "N": N}, skip, shocks)
     model = {"name": model, **options}
     variables = follow_grid(choose_model(grid.device, model, threads), grid, settings)
-    document = device_sections(device) | {
+    document = device_sections(device) | shocks.section()
+    document |= {
         "model": model,
         "sweep": settings.asked() | {"horizon": f"{horizon:.15g} us"},
     }
@@ -111,7 +119,7 @@ def dress(axes: Mapping[str, np.ndarray], variables: Mapping, document: Mapping)
         coordinates(axes),
     ).assign_attrs(
         Conventions="CF-1.11, ACDD-1.3",
-        title="Snap-through of a bistable beam under a versed-sine shock",
+        title="Snap-through of a bistable beam under shock",
         summary="Outcome of each cell of a grid over damping, frequency and amplitude of the shock",
         **provenance(document),
     )

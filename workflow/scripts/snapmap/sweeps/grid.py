@@ -32,8 +32,8 @@ def follow_rows(
     """Follow rows of cells, each through all N; returns each variable of a cube, (rows, N)."""
     there, N = rows.device >= 0, np.asarray(N)
     order = np.argsort(N, kind="stable")
-    device, f0, C = (column[there, np.newaxis] for column in rows)
-    cells = to_cells(model.device, device, N[order], f0, C, settings.horizon)
+    device, f0, C, pulse = (column[there, np.newaxis] for column in rows)
+    cells = to_cells(model.device, device, N[order], f0, C, settings.horizon, pulse)
     found = _follow(model, cells, settings)
     if settings.repeat:
         again = _follow(model.with_step(REPEATED_STEP), cells, settings)

@@ -7,24 +7,35 @@ from dataclasses import asdict
 
 import numpy as np
 
-from ..axes import DEVICE, Grid, make_grid
+from ..axes import DEVICE, DIRECTION, NAMES, SHAPE, Grid, make_grid
 from ..device import Device
+from ..pulse import HANDOUT_SHOCK, Shocks
 
-SINGLE = (DEVICE, "C")
+SINGLE = (DEVICE, SHAPE, DIRECTION, "C")
 """Axes of which a slab has one value: what else it holds may be sought in slabs of the same."""
 Slab = Mapping[str, tuple]
-"""Values on each axis, in order and ascending: internal units, f0 in Hz, names for `device`."""
+"""Values on each axis, in order and ascending: internal units, f0 in Hz; names on axes of NAMES."""
 
 
-def slab_grid(device: Device | Mapping[str, Device], slab: Slab, skip: bool) -> Grid:
+def slab_grid(
+    device: Device | Mapping[str, Device],
+    slab: Slab,
+    skip: bool,
+    shocks: Shocks = HANDOUT_SHOCK,
+) -> Grid:
     """Set out the points of a slab; arguments as for `make_grid`."""
     if isinstance(device, Mapping):
         device = {name: device[name] for name in slab[DEVICE]}
-    return make_grid(device, {key: slab[key] for key in slab if key != DEVICE}, skip)
+    axes = {key: slab[key] for key in slab if key not in NAMES}
+    return make_grid(device, axes, skip, shocks.some(slab))
 
 
 def slab_name(
-    device: Device | Mapping[str, Device], model: Mapping, slab: Slab, settings: Mapping
+    device: Device | Mapping[str, Device],
+    model: Mapping,
+    slab: Slab,
+    settings: Mapping,
+    shocks: Shocks = HANDOUT_SHOCK,
 ) -> str:
     """Name a slab by two hashes: what slabs that share cells have in common, and its other axes.
 
@@ -32,7 +43,8 @@ def slab_name(
     """
     apart = {key: slab[key] for key in SINGLE if key in slab}
     nominal = [device[name] for name in slab[DEVICE]] if DEVICE in slab else [device]
-    common = [[asdict(one) for one in nominal], model, settings, list(slab), apart]
+    pushed = [hashlib.sha256(one.pieces.tobytes()).hexdigest() for one in shocks.some(slab).pulses]
+    common = [[asdict(one) for one in nominal], model, settings, pushed, list(slab), apart]
     return f"{_hash(common)}_{_hash([slab[key] for key in slab if key not in SINGLE])}"
 
 

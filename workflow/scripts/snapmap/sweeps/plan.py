@@ -58,6 +58,7 @@ def make_plan(grid: Grid, model: Mapping, settings: Settings, alone: Sequence[fl
     dt, per_us = steps_and_costs(_cheapest(grid.device, model), model["name"] == "reference")
     cost = _cost(grid, per_us, settings)
     total = cost.of_device.sum() * cost.of_f0.sum() * axes["N"].size * axes["C"].size
+    total *= len(grid.pulses)
     total += sum(per_us.max() * (1e6 / f0 + settings.horizon) for f0 in alone)
     _check_cost(axes["f0"][0], settings, dt.min(), total)
     # `auto` looks at neighbours along N: they stay together.

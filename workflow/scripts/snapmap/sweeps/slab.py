@@ -6,9 +6,10 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 
-from ..axes import DEVICE
+from ..axes import NAMES
 from ..device import Device
 from ..io.atomic import replacing
+from ..pulse import HANDOUT_SHOCK, Shocks
 from ..solver.adaptive import choose_model
 from ..solver.outcome import count
 from ..solver.settings import Settings
@@ -25,6 +26,7 @@ def write_slab(
     path: str | Path,
     code: str = "",
     skip: bool = False,
+    shocks: Shocks = HANDOUT_SHOCK,
 ) -> dict[str, int]:
     """Follow the cells of one slab and write it to `path`; returns how many had which outcome.
 
@@ -33,14 +35,16 @@ def write_slab(
     model: name and options
     code: hash of the code on which the numbers depend; slabs made by another are not used
     skip: whether a device without a second stable shape is marked, not refused
+    shocks: those of the study
     """
     variables, known = recall(path, slab, code, same_N=model["name"] == "auto")
-    _follow_unknown(slab_grid(device, slab, skip), model, settings, variables, known)
+    grid = slab_grid(device, slab, skip, shocks)
+    _follow_unknown(grid, model, settings._replace(pulses=grid.pulses), variables, known)
     with replacing(path) as temporary, netCDF4.Dataset(temporary, "w") as file:
-        file.slab, file.code = slab_name(device, model, slab, settings.asked()), code
+        file.slab, file.code = slab_name(device, model, slab, settings.asked(), shocks), code
         for axis, values in slab.items():
             file.createDimension(axis, len(values))
-            kind = {"datatype": str} if axis == DEVICE else {"datatype": "f8", "fletcher32": True}
+            kind = {"datatype": str} if axis in NAMES else {"datatype": "f8", "fletcher32": True}
             file.createVariable(axis, dimensions=(axis,), **kind)[:] = np.array(values)
         for key, values in variables.items():
             kind = {"compression": "zlib", "fletcher32": True}

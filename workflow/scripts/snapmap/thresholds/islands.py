@@ -32,6 +32,9 @@ SLOW = 0.05
 it snaps where no rest is left, and at every N above."""
 SLOW_REACH, SLOW_BESIDE = 2.0, 1.05
 """How far around the static threshold slow pulses are looked at, and then around their own."""
+LEAST_AREA = 0.02
+"""A recorded shock may go back and forth; as if it changed the velocity at least by this share of
+peak times duration, amplitudes are looked at."""
 LOOKS = 4
 """At so many distances another level must agree that a threshold lies between."""
 FARTHEST = 0.25
@@ -85,8 +88,8 @@ def survey(
         return asker(model, rows.some(some), settings._replace(horizon=horizon))
 
     scans, decides, doubts, better, static = models
-    slow = _is_slow(scans.device, rows)
-    wide = _wide_scan(scans.device, static, rows, slow)
+    slow = _is_slow(scans.device, rows, settings.pulses)
+    wide = _wide_scan(scans.device, static, rows, settings.pulses, slow)
     whole = _whole_window(ask(scans), wide, highest, slow)
     window, ragged = _closer_window(ask(scans), whole, slow)
     edges, open_end, window, ragged = _decide(ask(decides), window, whole, ragged)
@@ -121,19 +124,22 @@ def survey(
     )
 
 
-def _is_slow(device, rows):
+def _is_slow(device, rows, pulses):
     """Whether a pulse is long against what the device takes to follow it, (rows,)."""
     own, spring = device.own_frequency[rows.device], device.spring[rows.device]
-    return 2e-6 * np.pi * rows.f0 * (1 / own + rows.C / spring) < SLOW
+    steepest = np.array([pulse.steepest for pulse in pulses])[rows.pulse]
+    return 2e-6 * np.pi * rows.f0 * steepest * (1 / own + rows.C / spring) < SLOW
 
 
-def _wide_scan(device, static, rows, slow):
+def _wide_scan(device, static, rows, pulses, slow):
     """Amplitudes, (rows, n), from below any threshold to far above, also of short pulses."""
     columns = static, device.own_frequency, device.mass
     static, own, mass = (column[rows.device] for column in columns)
-    # A pulse amplifies at most 1.7 times; a short one must bring a velocity, against damping.
-    fast, damped = 2e-6 * np.pi * rows.f0 / own, rows.C / (2 * own * mass)
-    low = np.where(slow, static / SLOW_REACH, static / 3)
+    variation, area = np.array([(pulse.variation, abs(pulse.area)) for pulse in pulses]).T
+    # A pulse amplifies no more than it varies; a short one must bring a velocity, against damping.
+    fast = 1e-6 * np.pi * rows.f0 / (own * np.fmax(area, LEAST_AREA)[rows.pulse])
+    damped = rows.C / (2 * own * mass)
+    low = np.where(slow, static / SLOW_REACH, static / (1.5 * np.fmax(variation, 2)[rows.pulse]))
     high = np.where(slow, SLOW_REACH * static, 5 * static * (1 + fast) * (1 + damped))
     return amplitudes(low, high, SCAN_STEP)
 

@@ -5,11 +5,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from ..axes import coordinates, make_grid, split_axes
+from ..axes import PULSE_AXES, coordinates, make_grid, split_axes
 from ..device import Device
 from ..io.provenance import device_sections, provenance
+from ..pulse import VERSED_SINE, Pulse, shocks_from
 from ..solver.adaptive import choose_survey
-from ..solver.cells import Rows, check_cells, rows_of
+from ..solver.cells import check_cells, rows_of, to_rows
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings, check_number, check_settings
 from .cost import tell_cost
 from .islands import Thresholds, survey
@@ -17,6 +18,11 @@ from .islands import Thresholds, survey
 IMPULSE, IMPULSE_OF_BEAM = 100.0, 10.0
 """A pulse of so many times the device's own frequency, and the beam's, is as good as a jump in
 velocity."""
+
+SLOWNESS = 0.02
+"""Frequency, over the device's own, of a pulse that stands for a long one where it jumps."""
+LEAST_AREA = 1e-3
+"""A pulse of less area leaves no change of velocity by which it could trip."""
 
 MULTIPLES = {"units": "1", "comment": "in multiples of g"}
 VARIABLES = {
@@ -45,14 +51,25 @@ VARIABLES = {
     "islands": {"long_name": "number of stretches of N below N_always that snap", "units": "1"},
     "island_from": {"long_name": "lowest amplitude of an island", **MULTIPLES},
     "island_to": {"long_name": "highest amplitude of an island", **MULTIPLES},
-    "N_static": {"long_name": "threshold of a pulse of any length, quasi-static", **MULTIPLES},
-    "velocity_change": {"long_name": "threshold of a jump in velocity", "units": "um us-1"},
+    "N_static": {
+        "long_name": "threshold of long pulses",
+        "units": "1",
+        "comment": "in multiples of g; of a pulse without a jump, that of a lasting acceleration; "
+        "else of one 50 times as long as the device's period, with the least C; NaN: the pulse "
+        "never presses, or nothing snaps",
+    },
+    "velocity_change": {
+        "long_name": "threshold of a jump in velocity",
+        "units": "um us-1",
+        "comment": "NaN: the pulse leaves no change of velocity, or nothing snaps",
+    },
+    "area": {"long_name": "velocity change of the pulse over peak and duration", "units": "1"},
 }
 
 
 def threshold(
     device: Device | Mapping[str, Device],
-    f0: Sequence[float],
+    f0: Sequence[float] | None,
     C: Sequence[float],
     horizon: float = 1500.0,
     model: str | Mapping = "auto",
@@ -61,10 +78,13 @@ def threshold(
     energy_tolerance: float = 1e-3,
     threads: int = 1,
     skip: bool = False,
+    pulse: str | Pulse | Sequence | Mapping = VERSED_SINE,
+    direction: str | Sequence[str] = "+z",
     **others,
 ) -> xr.Dataset:
     """Find where snapping begins over C (uN us/um) and f0 (Hz), with error bars.
 
+    f0: None for a recorded shock's own
     device: one, or several by name, which then are an axis
     horizon: us followed after the pulse; tolerance: of the refinement in N, relative
     highest: up to which N islands are looked for; twice the threshold if not given
@@ -73,10 +93,13 @@ def threshold(
     model: name, or as a mapping the whole of the config's model section, which may give `auto` a
         tolerance of its own; not `handout` unless told, as in `sweep`: error bars need other levels
         in any case, and theirs is the better threshold
+    pulse: a shape by name, or what `read_pulse` returns; several are an axis, `shape`
+    direction: "+z", "-z"; several, or "both", are an axis
     others: options of the model; and further axes in front of C and f0: values of the device by
         their names, in internal units
     The variables are those of `islands.Thresholds`, (..., C, f0), and the limits for slow and short
-    pulses: N_static, over the device's axes, and velocity_change, over these and C.
+    pulses: N_static, over the axes of device and pulse, velocity_change, over these and C, and the
+    `area` of each pulse: its velocity change is area N g / f0.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> found = snapmap.threshold(device, [1500], [25], model="cosines", thickness=[1.9, 2.0])
@@ -84,10 +107,14 @@ def threshold(
     [893.0, 990.0]
     """
     varied, options = split_axes(others)
-    settings = Settings(horizon, energy_tolerance=energy_tolerance, threads=threads)
+    shocks = shocks_from(pulse, direction)
+    f0 = [shocks.own_frequency()] if f0 is None else f0
+    settings = Settings(
+        horizon, energy_tolerance=energy_tolerance, threads=threads, pulses=shocks.pulses
+    )
     _check(f0, C, tolerance, highest, settings)
     model = {"name": model, **options} if isinstance(model, str) else dict(model)
-    grid = make_grid(device, {**varied, "C": C, "f0": f0}, skip)
+    grid = make_grid(device, {**varied, "C": C, "f0": f0}, skip, shocks)
     models, rows = choose_survey(grid.device, model, threads), rows_of(grid)
     tell_cost(models, rows.some(rows.device >= 0), settings)
     found = _look(models, rows, settings, tolerance, highest)._asdict()
@@ -97,7 +124,8 @@ def threshold(
         for key, values in found.items()
     }
     data |= _limits(grid, models, settings, tolerance, highest)
-    document = device_sections(device) | {
+    document = device_sections(device) | shocks.section()
+    document |= {
         "model": model,
         "sweep": {
             "horizon": f"{horizon:.15g} us",
@@ -109,7 +137,7 @@ def threshold(
         {key: (*values, VARIABLES[key]) for key, values in data.items()}, coordinates(grid.axes)
     ).assign_attrs(
         Conventions="CF-1.11, ACDD-1.3",
-        title="Thresholds of snap-through under a versed-sine shock",
+        title="Thresholds of snap-through under shock",
         summary="Amplitudes where snapping begins and is certain, over damping and frequency",
         gravity=float(grid.device.gravity[0]),
         **provenance(document),
@@ -131,24 +159,46 @@ def _look(models, rows, settings, tolerance, highest):
 
 
 def _limits(grid, models, settings, tolerance, highest):
-    """Thresholds of slow and of short pulses, and the unit of N, over the device's axes."""
-    of_device, C = grid.device_of, grid.axes["C"]
-    device, there = grid.device, of_device >= 0
+    """Thresholds of slow and of short pulses, and the area of these."""
+    device, C = grid.device, grid.axes["C"]
     own, of_beam = device.own_frequency, device.beam.bending_frequency
-    impulse = np.maximum(IMPULSE * own, IMPULSE_OF_BEAM * of_beam) / (2 * np.pi) * 1e6
-    numbers = np.repeat(np.arange(len(device)), C.size)
-    rows = Rows(numbers, impulse[numbers], np.tile(C, len(device)))
-    jump = survey(models, rows, settings, tolerance, highest).N_first
-    jump *= device.gravity[numbers] / (2e-6 * rows.f0)
+    fast, slow = np.maximum(IMPULSE * own, IMPULSE_OF_BEAM * of_beam), SLOWNESS * own
+
+    def look(omega, which, C):
+        """N_first, (devices, pulses, C), of pulses of one frequency for each device, rad/us."""
+        shape = len(device), len(which), C.size
+        numbers, pulse, damping = (place.ravel() for place in np.indices(shape))
+        f0 = omega[numbers] / (2 * np.pi) * 1e6
+        rows = to_rows(numbers, f0, C[damping], np.array(which)[pulse])
+        return survey(models, rows, settings, tolerance, highest).N_first.reshape(shape)
+
+    area = np.array([pulse.area for pulse in settings.pulses])
+    pushes = [p for p, one in enumerate(settings.pulses) if abs(one.area) > LEAST_AREA]
+    change = np.full((len(device), area.size, C.size), np.nan)
+    lasts = 2 * np.pi / fast
+    change[:, pushes] = look(fast, pushes, C) * (device.gravity * lasts)[:, None, None]
+    change *= abs(area)[:, np.newaxis]
+    with np.errstate(divide="ignore"):
+        highest_of = np.array([one.highest for one in settings.pulses])
+        static = models.static[:, np.newaxis] / np.where(highest_of > 0, highest_of, np.nan)
+    jumps = [p for p, one in enumerate(settings.pulses) if any(one.ends)]
+    if jumps:
+        static[:, jumps] = look(slow, jumps, C[:1])[..., 0]
+
+    of_pulse = {key: grid.axes[key] for key in PULSE_AXES if key in grid.axes}
+    sizes = [values.size for values in of_pulse.values()]
+    of_device = tuple(grid.axes)[: grid.device_of.ndim]
+    there = grid.device_of >= 0
 
     def spread(values):
-        known = np.reshape(there, (*of_device.shape, *[1] * (values.ndim - 1)))
-        return np.where(known, values[np.where(there, of_device, 0)], np.nan)
+        values = values.reshape(len(device), *sizes, *values.shape[2:])
+        known = np.expand_dims(there, tuple(range(there.ndim, there.ndim + values.ndim - 1)))
+        return np.where(known, values[np.where(there, grid.device_of, 0)], np.nan)
 
-    dims = tuple(grid.axes)[: of_device.ndim]
     return {
-        "N_static": (dims, spread(models.static)),
-        "velocity_change": ((*dims, "C"), spread(jump.reshape(-1, C.size))),
+        "N_static": ((*of_device, *of_pulse), spread(static)),
+        "velocity_change": ((*of_device, *of_pulse, "C"), spread(change)),
+        "area": (tuple(of_pulse), abs(area).reshape(sizes)),
     }
 
 
@@ -157,15 +207,25 @@ def _reshape(values, shape):
 
 
 def summary(found: xr.Dataset) -> str:
-    """One line: how many thresholds, how many have islands, and how sure they are."""
+    """One line: how many thresholds, how many are ragged, how sure they are; the weaker side."""
     relative = (found.N_error / found.N_first).values
     known = relative[np.isfinite(relative)]
     typical = f"{np.median(known):.2%}" if known.size else "unknown"
-    return (
+    line = (
         f"{int(found.N_first.notnull().sum())} of {found.N_first.size} thresholds found, "
         f"{int(found.ragged.sum())} of them ragged, {int((known > 0.01).sum())} with an error "
         f"above 1 %, median {typical}"
     )
+    if found.sizes.get("direction", 1) < 2:
+        return line
+    # Where nothing snaps, the other side is the weaker one.
+    weaker = (
+        found.N_first.fillna(np.inf)
+        .idxmin("direction")
+        .where(found.N_first.notnull().any("direction"))
+    )
+    sides = [f"{way} in {int((weaker == way).sum())} rows" for way in found.direction.values]
+    return f"{line}; weaker along {', '.join(sides)}"
 
 
 def _check(f0, C, tolerance, highest, settings):
@@ -176,5 +236,5 @@ def _check(f0, C, tolerance, highest, settings):
         raise ValueError(f"tolerance: {tolerance} is not from 1e-9 to 0.01, of N")
     if highest is not None:
         check_number("highest", highest)
-        if not np.isfinite(highest):
-            raise ValueError(f"highest: {highest} is not a finite multiple of g")
+        if not 0 < highest < np.inf:
+            raise ValueError(f"highest: {highest} is not a finite multiple of g above 0")

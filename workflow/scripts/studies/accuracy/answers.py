@@ -11,7 +11,7 @@ import numpy as np
 
 from snapmap.axes import make_grid
 from snapmap.solver.bracket import lowest_snap
-from snapmap.solver.cells import Rows, to_cells
+from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.model import Model
 from snapmap.solver.settings import Settings
 from snapmap.sweeps.grid import follow_grid
@@ -66,7 +66,7 @@ def _least_seconds(case, found, probe):
 def ask(model: Model, probe: Probe, settings: Settings) -> np.ndarray:
     """Lowest N that snaps, in multiples of g, and t_snap at ABOVE times that, us; (2, C, f0)."""
     C, f0 = (values.ravel() for values in np.meshgrid(probe.C, probe.f0, indexing="ij"))
-    rows = Rows(np.zeros(f0.size, int), f0, C)
+    rows = to_rows(0, f0, C)
     lowest = lowest_snap(model, rows, probe.bracket, settings, TOLERANCE)
     cells = to_cells(model.device, 0, np.nan_to_num(ABOVE * lowest), f0, C, settings.horizon)
     t_snap = model.follow(cells, settings).t_snap

@@ -8,7 +8,7 @@ import numpy as np
 
 from snapmap.device import Device
 from snapmap.solver.bracket import lowest_snap
-from snapmap.solver.cells import Rows, to_cells
+from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import FAILED, label
 from snapmap.solver.schemes import stability_limit
@@ -77,7 +77,7 @@ def _cells(model, case, limit):
     N = case.N
     if case.of_threshold:
         fine = replace(model, dt=FINE_STEPS[0] * limit)
-        row = Rows(np.array([0]), np.array([case.f0]), np.array([case.C]))
+        row = to_rows(0, case.f0, case.C)
         asked = SEARCHED, Settings(horizon=300.0)
         N *= lowest_snap(fine, row, *asked, tolerance=10 * APART)[0]
     copies = N * (1 - APART * np.arange(case.cells))

@@ -1,0 +1,125 @@
+"""Shocks of a config: shapes, records, directions; and those that must or must not trip."""
+
+import copy
+
+import numpy as np
+import pytest
+import yaml
+
+import snapmap
+from snapmap.axes import make_grid
+from snapmap.config.study import load_study
+from snapmap.config.yaml_file import ConfigError
+from snapmap.thresholds.requirements import check, summary
+
+FOLLOWED = {"horizon": 300.0, "energy_tolerance": 1e-3, "tolerance": 1e-4}
+
+
+@pytest.fixture
+def document(root):
+    return yaml.safe_load((root / "config" / "config.yaml").read_text(encoding="utf-8"))
+
+
+def faults(document, **changes):
+    with pytest.raises(ConfigError) as fault:
+        load_study(copy.deepcopy(document) | changes)
+    return str(fault.value)
+
+
+def test_shapes_and_directions_are_axes_of_a_study(document):
+    asked = {"shape": ["half sine", "trapezoid"], "rise": "20 %", "direction": "both"}
+    study = load_study(document | {"pulse": asked})
+    assert [*study.axes][-5:] == ["shape", "direction", "C", "f0", "N"]
+    half, back, trapezoid, _ = study.grid.pulses
+    assert half.name == "half sine" and back.area == -half.area
+    assert trapezoid.area == pytest.approx(1 - (0.2 + 0.1) / 2)
+    assert {view.y for view in study.curves} == {"shape", "direction"}
+    plain = load_study(document)
+    assert plain.pulse == {} and "shape" not in plain.axes
+
+
+def test_a_record_keeps_its_own_duration_or_takes_another(document, root, monkeypatch):
+    monkeypatch.chdir(root)
+    sweep = {key: document["sweep"][key] for key in document["sweep"] if key != "f0"}
+    study = load_study(document | {"pulse": {"file": "config/half_sine.csv"}, "sweep": sweep})
+    assert study.axes["f0"].tolist() == [2000.0]
+    study = load_study(document | {"pulse": {"file": "config/half_sine.csv"}})
+    assert study.axes["f0"].size == document["sweep"]["f0"]["points"]
+    assert any("coarse for a period" in line for line in study.doubts()) is False
+    assert "sweep.f0: missing" in faults(document, sweep=sweep)
+
+
+@pytest.mark.parametrize(
+    ("pulse", "wanted"),
+    [
+        ({"shape": "square"}, "pulse.shape: 'square' is not one of versed sine"),
+        ({"shape": []}, "pulse.shape: "),
+        ({"shape": ["half sine", "half sine"]}, "pulse.shape: "),
+        ({"direction": "up"}, "pulse.direction: 'up' is not one of +z"),
+        ({"shape": "half sine", "rise": "10 %"}, "pulse.rise: is of a trapezoid alone"),
+        ({"shape": "trapezoid", "rise": "70 %", "fall": "40 %"}, "pulse.rise: with fall is more"),
+        ({"file": "none.csv"}, "pulse.file: none.csv: is not there"),
+        ({"file": "../shock.csv"}, "pulse.file: ../shock.csv lies outside the study's folder"),
+        ({"file": "/etc/hostname"}, "pulse.file: /etc/hostname lies outside the study's folder"),
+        ({"file": "a.csv", "shape": "half sine"}, "pulse.shape: stands beside file"),
+        ({"form": "half sine"}, "pulse.form: unknown key"),
+    ],
+)
+def test_a_pulse_that_cannot_be_is_named_in_one_line(document, pulse, wanted):
+    told = faults(document, pulse=pulse)
+    assert told.startswith(wanted) and "\n" not in told
+
+
+@pytest.mark.parametrize(
+    ("change", "wanted"),
+    [
+        ({"N": -3}, "requirements[0]: N: -3 is not above 0"),
+        ({"duration": "1 ms"}, "requirements[0].duration: is one over f0"),
+        ({"shape": "step"}, "requirements[0].shape: 'step' is not one of"),
+        ({"direction": "both"}, "requirements[0].direction: 'both' is not one of"),
+        ({"snaps": "yes"}, "requirements[0].snaps: "),
+        ({"file": "no.csv"}, "requirements[0]: pulse.file: no.csv: is not there"),
+    ],
+)
+def test_a_requirement_that_cannot_be_is_named_in_one_line(document, change, wanted):
+    asked = {"name": "drop", "N": 500, "f0": "1 kHz", "snaps": False} | change
+    told = faults(document, requirements=[asked])
+    assert told.startswith(wanted) and "\n" not in told
+
+
+def test_names_of_requirements_are_written_once(document):
+    asked = {"name": "drop", "N": 500, "duration": "1 ms", "snaps": False}
+    study = load_study(document | {"requirements": [asked]})
+    assert study.requirements[0].f0 == 1000.0 and study.requirements[0].pulse == {}
+    assert "'drop' comes twice" in faults(document, requirements=[asked, asked])
+
+
+def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout):
+    found = snapmap.threshold(handout, [2000.0], [25.0], pulse="half sine", horizon=300.0)
+    first, error = found.N_first.item(), found.N_error.item()
+    amounts = {"below": 0.99 * first, "at": first, "above": 1.01 * first}
+    asked = [
+        {
+            "name": f"{name} {must}",
+            "pulse": {"shape": "half sine"},
+            "N": N,
+            "f0": 2000.0,
+            "snaps": must,
+        }
+        for name, N in amounts.items()
+        for must in (True, False)
+    ]
+    verdicts = check(handout, asked, [25.0], {"name": "auto"}, FOLLOWED)
+    expected = ["failed", "met", "unclear", "unclear", "met", "failed"]
+    assert [one.verdict for one in verdicts] == expected
+    for one, N in zip(verdicts, np.repeat([*amounts.values()], 2), strict=True):
+        assert one.N_first == first and one.N_error == error
+        assert one.margin == pytest.approx(first / N)
+        assert one.duration == 0.5 and one.shape == "half sine" and one.direction == "+z"
+    told = summary(verdicts)
+    assert told.startswith("2 of 6 requirements met; failed: below True, above False; unclear: at")
+
+
+def test_grids_know_their_pulses(handout):
+    axes = {"C": [25.0], "f0": [1500.0], "N": [900.0]}
+    assert [one.name for one in make_grid(handout, axes).pulses] == ["versed sine"]

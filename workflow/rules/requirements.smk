@@ -1,0 +1,48 @@
+rule check_requirements:
+    input:
+        [asked.pulse["file"] for asked in study.requirements if "file" in asked.pulse],
+    output:
+        requirements="results/requirements.csv",
+    log:
+        "results/logs/check_requirements.log",
+    conda:
+        "../envs/snapmap.yaml"
+    threads: 4
+    params:
+        code=code("check_requirements"),
+        device=device_values,
+        requirements=[asked._asdict() for asked in study.requirements],
+        C=study.axes["C"].tolist(),
+        model=study.model,
+        followed={
+            "horizon": study.settings.horizon,
+            "energy_tolerance": study.settings.energy_tolerance,
+            "tolerance": study.threshold_tolerance,
+        },
+    message:
+        "Check the required shocks"
+    script:
+        "../scripts/check_requirements.py"
+
+
+rule draw_requirements:
+    input:
+        requirements="results/requirements.csv",
+    output:
+        pdf="results/figures/requirements.pdf",
+        png=report(
+            "results/figures/requirements.png",
+            caption="../report/requirements.rst",
+            category="Requirements",
+            labels={"figure": "margins"},
+        ),
+    log:
+        "results/logs/draw_requirements.log",
+    conda:
+        "../envs/snapmap.yaml"
+    params:
+        code=code("draw_requirements"),
+    message:
+        "Draw the margins of the required shocks"
+    script:
+        "../scripts/draw_requirements.py"

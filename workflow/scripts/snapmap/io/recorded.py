@@ -1,0 +1,132 @@
+"""Recorded shocks: files of acceleration over time, read, checked and made pulses."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from ..pulse import Pulse, Shocks, make_pulse, sampled, shocks_from
+
+MOST_SAMPLES, MOST_BYTES = 1_000_000, 200_000_000
+"""Longer records are refused: a shock is over sooner, or is sampled far finer than it needs."""
+UFF = (".uff", ".unv", ".uf")
+TIMES = {"s": 1e6, "ms": 1e3, "us": 1.0, "µs": 1.0, "μs": 1.0}
+ACCELERATIONS = {"g": 9.80665e-6, "m/s^2": 1e-6, "m/s2": 1e-6, "m/s²": 1e-6, "m/s**2": 1e-6}
+"""Units by the words for them, in us and um/us^2."""
+_UNIT = re.compile(r"[(\[]\s*([^)\]]+?)\s*[)\]]")
+
+
+def read_pulse(path: str | Path) -> Pulse:
+    """Read a recorded shock; N scales its largest acceleration, and it keeps its own duration.
+
+    path: CSV of two columns, time (s, ms or us) and acceleration (g or m/s^2), whose header names
+        the units, as in `time (ms),acceleration (g)`; or UFF with a dataset 58
+    Between samples the acceleration is linear. Raises ValueError, one line, naming file and fault.
+
+    >>> snapmap.read_pulse("config/half_sine.csv").duration
+    500.0
+    """
+    path = Path(path)
+    try:
+        size = path.stat().st_size
+        if not path.is_file():
+            raise ValueError("is no file")
+        if not size:
+            raise ValueError("is empty")
+        if size > MOST_BYTES:
+            raise ValueError(f"has {size / 1e6:.0f} MB; write at most {MOST_SAMPLES} samples")
+        time, acceleration = (_read_uff if path.suffix.lower() in UFF else _read_csv)(path)
+        return replace(sampled(time, acceleration, path.stem), given={"file": str(path)})
+    except FileNotFoundError:
+        raise ValueError(f"{path}: is not there") from None
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        raise ValueError(f"{path}: {' '.join(reason.split())}") from None
+
+
+def shocks_of(values: Mapping) -> Shocks:
+    """Make the shocks of a study from the values of its section `pulse`; {} for the handout's.
+
+    values: shape (a name or several), rise, fall (shares), file, direction
+    """
+    direction = values.get("direction", "+z")
+    if "file" in values:
+        return shocks_from(read_pulse(values["file"]), direction)
+    shares = {key: values[key] for key in ("rise", "fall") if key in values}
+    shape = values.get("shape", make_pulse().name)
+    if isinstance(shape, str):
+        return shocks_from(make_pulse(shape, **shares), direction)
+    if shares and "trapezoid" not in shape:
+        make_pulse(shape[0], **shares)
+    each = [make_pulse(one, **(shares if one == "trapezoid" else {})) for one in shape]
+    return shocks_from(each, direction)
+
+
+def _read_csv(path):
+    """Time in us and acceleration in um/us^2."""
+    import pandas  # imported late: most runs read no file
+
+    with open(path, encoding="utf-8-sig", errors="replace") as file:
+        header = file.readline()
+    separator = max(",;\t", key=header.count)
+    names = [name.strip().strip('"') for name in header.split(separator)]
+    if len(names) != 2:
+        raise ValueError(f"has {len(names)} columns; write two, time and acceleration")
+    scales = (
+        _scale(names[0], TIMES, "time (ms)"),
+        _scale(names[1], ACCELERATIONS, "acceleration (g)"),
+    )
+    try:
+        table = pandas.read_csv(
+            path, sep=separator, header=0, names=["t", "a"], index_col=False, nrows=MOST_SAMPLES + 1
+        )
+    except (pandas.errors.ParserError, pandas.errors.EmptyDataError, UnicodeDecodeError) as error:
+        raise ValueError(f"is no CSV of two columns ({error})") from None
+    if len(table) > MOST_SAMPLES:
+        raise ValueError(f"has more than {MOST_SAMPLES} samples; write fewer")
+    columns = []
+    for key, name, scale in zip("ta", names, scales, strict=True):
+        values = pandas.to_numeric(table[key], errors="coerce").to_numpy(float)
+        if not np.isfinite(values).all():
+            row = int(np.flatnonzero(~np.isfinite(values))[0]) + 2
+            raise ValueError(f"line {row}, {name}: is no finite number")
+        columns.append(values * scale)
+    return columns
+
+
+def _scale(name, units, example):
+    found = _UNIT.search(name)
+    unit = found.group(1) if found else ""
+    if unit not in units:
+        what = f"unit {unit!r} is unknown" if unit else "names no unit"
+        raise ValueError(f"header {name!r} {what}; write such as {example}, of {', '.join(units)}")
+    return units[unit]
+
+
+def _read_uff(path):
+    """The first dataset 58 of acceleration over time, SI unless it names its units."""
+    import pyuff
+
+    try:
+        found = pyuff.UFF(str(path)).read_sets()
+    except Exception as error:  # pyuff lets errors of many types through
+        raise ValueError(f"is no universal file ({error})") from None
+    for one in found if isinstance(found, list) else [found]:
+        kinds = one.get("abscissa_spec_data_type"), one.get("ordinate_spec_data_type")
+        if one.get("type") == 58 and kinds == (17, 12):
+            break
+    else:
+        raise ValueError("holds no dataset 58 of acceleration (12) over time (17)")
+    if one["data"].size > MOST_SAMPLES:
+        raise ValueError(f"has more than {MOST_SAMPLES} samples; write fewer")
+    named = (
+        str(one.get(f"{axis}_axis_units_lab") or "").strip() for axis in ("abscissa", "ordinate")
+    )
+    time_unit, unit = (name.strip("()[]") for name in named)
+    times = TIMES.get(time_unit, TIMES["s"] if time_unit in ("", "NONE") else None)
+    scale = ACCELERATIONS.get(unit, ACCELERATIONS["m/s^2"] if unit in ("", "NONE") else None)
+    if times is None or scale is None:
+        raise ValueError(f"units {time_unit!r} and {unit!r} are unknown")
+    return np.asarray(one["x"], float) * times, np.real(np.asarray(one["data"])) * scale

@@ -1,0 +1,70 @@
+"""A curve in pieces, over x from 0 to 1, as kernels evaluate it; zero before and beyond.
+
+A piece is a row BEGIN, VALUE, SLOPE, TURNS, LIFT, SWING: with s = x - BEGIN and p = 2 pi TURNS s,
+
+    VALUE + SLOPE s + LIFT (1 - cos p) + SWING sin p
+
+It is straight or it turns: SLOPE or TURNS is 0. Pieces join without a jump; only at its two ends a
+curve may jump.
+"""
+
+from numba import njit
+
+from .arithmetic import sine
+
+BEGIN, VALUE, SLOPE, TURNS, LIFT, SWING = range(6)
+COLUMNS = 6
+_JIT = {"error_model": "numpy", "cache": True}
+
+
+@njit(inline="always")
+def form(start, slope, turns, lift, swing, s):
+    """A piece, s beyond its begin."""
+    lifted, swung = 2 * sine(turns * s / 2) ** 2, sine(turns * s)
+    return start + slope * s + lift * lifted + swing * swung
+
+
+@njit(inline="always")
+def increment(slope, turns, lift, swing, s, step):
+    """The piece at s less that at s - step, without cancellation."""
+    half = turns * step / 2
+    twice, middle = 2 * sine(half), turns * s - half
+    return slope * step + lift * (twice * sine(middle)) + swing * (twice * sine(middle + 0.25))
+
+
+@njit(**_JIT)
+def value(pieces, k, x):
+    """Piece k at x."""
+    start, slope, turns = pieces[k, VALUE], pieces[k, SLOPE], pieces[k, TURNS]
+    return form(start, slope, turns, pieces[k, LIFT], pieces[k, SWING], x - pieces[k, BEGIN])
+
+
+@njit(**_JIT)
+def at(pieces, k, end, x):
+    """Number of the piece that x is in, from k on, which does not begin beyond x, to before end."""
+    while k + 1 < end and pieces[k + 1, BEGIN] <= x:
+        k += 1
+    return k
+
+
+@njit(**_JIT)
+def sample(pieces, k, jumps, x, step):
+    """The curve at x, in piece k; at a jump its mean over a step: so its sum over steps is exact.
+
+    jumps: what the curve begins and ends with
+    """
+    begin, end = jumps
+    beyond = (x - 1) / step + 0.5
+    if x >= 1:
+        return end * (1 - beyond) if beyond < 1 else 0.0
+    found = value(pieces, k, x)
+    if x == 0:
+        found -= begin / 2
+    return found - end * beyond if beyond > 0 else found
+
+
+@njit(**_JIT)
+def lasts(end, step):
+    """Number of steps, the one at 0 among them, until a curve that jumps at its end is over."""
+    last = 1 / step
+    return int(last + 0.5) + 1 if end != 0 else int(-(-last // 1))

@@ -1,0 +1,323 @@
+"""Shocks: the acceleration of the frame over time. The only room that knows their shapes."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from .numerics import portable
+
+VERSED_SINE = "versed sine"
+DIRECTIONS = {"+z": 1.0, "-z": -1.0}
+"""The frame's acceleration at N above 0; along +z it presses the mass down on the beam."""
+NO_JUMP = 1e-12
+"""What a pulse begins or ends with, over its peak, is no jump up to here."""
+AT_REST, BASELINE = 0.05, 0.005
+"""A recorded shock is over below this share of its peak, and its rest should be below that."""
+COARSE = 8.0
+"""Fewer samples in a period of the device's make a record too coarse for it."""
+TENTH = 0.1
+"""Rise and fall of a trapezoid over its duration, unless given."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pulse:
+    """One shape of peak 1 over x = t/duration from 0 to 1.
+
+    pieces: (pieces, 6), as in `numerics.pieces`
+    duration: its own, us, of a recorded shock; None where f0 alone tells it
+    given: what a config says of it
+    notes: lines on what the user of a recorded shock should know
+    """
+
+    name: str
+    pieces: np.ndarray
+    duration: float | None = None
+    given: Mapping = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+    @cached_property
+    def ends(self) -> tuple[float, float]:
+        """What it begins and ends with; 0 where it does not jump."""
+        begin, end = self.at(np.array([0.0, 1.0])).tolist()
+        return begin if abs(begin) > NO_JUMP else 0.0, end if abs(end) > NO_JUMP else 0.0
+
+    @property
+    def curve(self) -> tuple[np.ndarray, tuple[float, float]]:
+        """Pieces and ends, as `numerics.pieces` takes them."""
+        return self.pieces, self.ends
+
+    @cached_property
+    def area(self) -> float:
+        """Velocity change over peak times duration."""
+        begin, value, slope, turns, lift, swing = self.pieces.T
+        length = np.diff(begin, append=1.0)
+        straight = length * (value + lift + slope * length / 2)
+        phase = np.where(turns > 0, 2 * np.pi * turns, 1.0)
+        turned = phase * length
+        waves = (swing * (1 - np.cos(turned)) - lift * np.sin(turned)) / phase
+        return float(np.sum(straight + np.where(turns > 0, waves, 0.0)))
+
+    @cached_property
+    def variation(self) -> float:
+        """All ups and downs over the peak: no linear oscillator without damping answers by more."""
+        values = np.concatenate([[0.0], self.at(self._places), [0.0]])
+        return float(np.sum(abs(np.diff(values))))
+
+    @cached_property
+    def highest(self) -> float:
+        """Its highest value along +z; 0 where it only pulls."""
+        return float(max(0.0, self.at(self._places).max()))
+
+    @property
+    def _places(self):
+        """x at which it is looked at: the ends of all pieces, and places between."""
+        return np.union1d(np.append(self.pieces[:, 0], 1.0), np.linspace(0.0, 1.0, 1001))
+
+    @cached_property
+    def steepest(self) -> float:
+        """Largest slope over that of the versed sine, pi; inf where it jumps."""
+        _, _, slope, turns, lift, swing = self.pieces.T
+        if any(self.ends):
+            return np.inf
+        return float(np.max(abs(slope) + 2 * np.pi * turns * np.hypot(lift, swing)) / np.pi)
+
+    def at(self, x: np.ndarray) -> np.ndarray:
+        """Acceleration over peak at x, any shape; 0 outside 0 to 1."""
+        k = np.clip(np.searchsorted(self.pieces[:, 0], x, side="right") - 1, 0, None)
+        begin, value, slope, turns, lift, swing = self.pieces[k].T
+        s = np.asarray(x) - begin
+        found, turned = value + slope * s, turns * s
+        if turns.any():
+            half, whole = (np.vectorize(portable.sine)(turned * share) for share in (0.5, 1.0))
+            found = found + lift * (2 * half**2) + swing * whole
+        return np.where((x >= 0) & (x <= 1), found, 0.0)
+
+    def doubts(self, own_frequency: float, lasts: float) -> list[str]:
+        """Lines on what a recorded shock may leave out of a device's answer.
+
+        own_frequency: the device's, rad/us; lasts: us, as it is used
+        """
+        lines = list(self.notes)
+        if self.duration is None:
+            return [f"{self.name}: {line}" for line in lines]
+        period, apart = 2 * np.pi / own_frequency, np.diff(self.pieces[:, 0], append=1.0)
+        if (step := apart.max() * lasts) * COARSE > period:
+            lines.append(f"samples {step:.3g} us apart are coarse for a period of {period:.3g} us")
+        return [f"{self.name}: {line}" for line in lines]
+
+    def reversed(self) -> "Pulse":
+        """The same along the other direction."""
+        flipped = self.pieces * [1.0, -1.0, -1.0, 1.0, -1.0, -1.0]
+        return replace(self, pieces=flipped)
+
+
+def _versed_sine():
+    """a = (1 - cos 2 pi x)/2, the handout's."""
+    return [[0.0, 0.0, 0.0, 1.0, 0.5, 0.0]]
+
+
+def _half_sine():
+    """a = sin pi x."""
+    return [[0.0, 0.0, 0.0, 0.5, 0.0, 1.0]]
+
+
+def _sawtooth():
+    """a = x: terminal peak."""
+    return [[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]]
+
+
+def _trapezoid(rise=TENTH, fall=TENTH):
+    """a rises to 1 in a share `rise` of the duration, and falls to 0 in the share `fall`."""
+    return straight(np.array([0.0, rise, 1 - fall, 1.0]), np.array([0.0, 1.0, 1.0, 0.0]))
+
+
+SHAPES = {
+    VERSED_SINE: _versed_sine,
+    "half sine": _half_sine,
+    "sawtooth": _sawtooth,
+    "trapezoid": _trapezoid,
+}
+
+
+def straight(x: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Pieces that join values, (points,), at ascending x from 0 to 1, by straight lines."""
+    kept = np.diff(x) > 0
+    pieces = np.zeros((np.count_nonzero(kept), 6))
+    pieces[:, 0], pieces[:, 1] = x[:-1][kept], values[:-1][kept]
+    pieces[:, 2] = np.diff(values)[kept] / np.diff(x)[kept]
+    return pieces
+
+
+def sampled(time: np.ndarray, acceleration: np.ndarray, name: str = "recorded") -> Pulse:
+    """Make a pulse of samples, linear between them, with their own duration.
+
+    time: us, ascending; acceleration: along +z, in any unit, as N scales its largest; (samples,)
+    Raises ValueError, one line, for what is no shock.
+    """
+    time, acceleration = (np.asarray(values, float) for values in (time, acceleration))
+    if time.ndim != 1 or time.shape != acceleration.shape or time.size < 2:
+        raise ValueError(f"{time.size} samples are no shock; write two or more")
+    if not (np.isfinite(time).all() and np.isfinite(acceleration).all()):
+        raise ValueError("a sample is no finite number")
+    if (wrong := np.flatnonzero(np.diff(time) <= 0)).size:
+        raise ValueError(f"time of sample {wrong[0] + 2} is not after the one before; sort them")
+    peak, lasts = abs(acceleration).max(), time[-1] - time[0]
+    if peak == 0:
+        raise ValueError("the acceleration is 0 throughout")
+    values = acceleration / peak
+    if abs(values[-1]) > AT_REST:
+        raise ValueError(
+            f"the acceleration ends at {abs(values[-1]):.0%} of its peak; record until it is over"
+        )
+    notes = []
+    if abs(values[0]) > AT_REST:
+        notes.append(f"begins at {values[0]:.0%} of its peak, as with a jump")
+    quiet = values[: np.flatnonzero(abs(values) > AT_REST)[0]]
+    low, baseline, high = np.percentile(quiet, [10, 50, 90]) if quiet.size else np.zeros(3)
+    if abs(baseline) > max(BASELINE, high - low):
+        notes.append(f"rests at {baseline:.1%} of its peak before the shock; take that off")
+    pieces = straight((time - time[0]) / lasts, values)
+    return Pulse(name, pieces, float(lasts), {"shape": name}, tuple(notes))
+
+
+def make_pulse(shape: str = VERSED_SINE, **shares: float) -> Pulse:
+    """Make a pulse of a shape known by name; shares: a trapezoid's rise and fall.
+
+    Raises ValueError, one line, for a shape or shares that cannot be.
+    """
+    if shape not in SHAPES:
+        raise ValueError(f"pulse.shape: {shape!r} is not one of {', '.join(SHAPES)}")
+    for key, share in shares.items():
+        if shape != "trapezoid" or key not in ("rise", "fall"):
+            raise ValueError(f"pulse.{key}: is of a trapezoid alone; leave it out")
+        if isinstance(share, bool) or not isinstance(share, int | float) or not 0 < share < 1:
+            raise ValueError(f"pulse.{key}: {share!r} is no share of the duration, from 0 to 1")
+    if sum({"rise": TENTH, "fall": TENTH, **shares}.values()) > 1:
+        raise ValueError("pulse.rise: with fall is more than the duration; write smaller shares")
+    given = {"shape": shape} | {key: f"{100 * share:.15g} %" for key, share in shares.items()}
+    return Pulse(shape, np.array(SHAPES[shape](**shares)), given=given)
+
+
+@dataclass(frozen=True, eq=False)
+class Shocks:
+    """The pulses of a study.
+
+    pulse: one, or several by name, which then are an axis
+    direction: one of DIRECTIONS, or several, which then are an axis
+    """
+
+    pulse: Pulse | Mapping[str, Pulse] = field(default_factory=make_pulse)
+    direction: str | tuple[str, ...] = "+z"
+
+    @property
+    def shapes(self) -> dict[str, Pulse]:
+        """All by name."""
+        several = isinstance(self.pulse, Mapping)
+        return dict(self.pulse) if several else {self.pulse.name: self.pulse}
+
+    @property
+    def ways(self) -> tuple[str, ...]:
+        """All directions."""
+        return (self.direction,) if isinstance(self.direction, str) else self.direction
+
+    @property
+    def axes(self) -> dict[str, np.ndarray]:
+        """Names on its axes, `shape` and `direction`."""
+        axes = {}
+        if isinstance(self.pulse, Mapping):
+            axes["shape"] = np.array(list(self.pulse))
+        if not isinstance(self.direction, str):
+            axes["direction"] = np.array(self.ways)
+        return axes
+
+    @property
+    def pulses(self) -> tuple[Pulse, ...]:
+        """One for each point of its axes, in order."""
+        return tuple(
+            pulse if DIRECTIONS[way] > 0 else pulse.reversed()
+            for pulse in self.shapes.values()
+            for way in self.ways
+        )
+
+    def some(self, names: Mapping[str, Sequence[str]]) -> "Shocks":
+        """Those with some of the names on its axes."""
+        pulse, direction = self.pulse, self.direction
+        if "shape" in names:
+            pulse = {name: pulse[name] for name in names["shape"]}
+        if "direction" in names:
+            direction = tuple(names["direction"])
+        return Shocks(pulse, direction)
+
+    def own_frequency(self) -> float:
+        """Hz, of recorded shocks that last equally long; else a ValueError, one line."""
+        durations = {pulse.duration for pulse in self.shapes.values()}
+        if durations == {None} or len(durations) > 1:
+            raise ValueError("f0: missing; write frequencies (1/time), or duration")
+        return 1e6 / durations.pop()
+
+    def section(self) -> dict:
+        """What a config says of it: nothing of the handout's, a versed sine along +z."""
+        several = isinstance(self.pulse, Mapping)
+        given = {"shape": [*self.shapes]} if several else dict(self.pulse.given)
+        given = {} if given == {"shape": VERSED_SINE} else given
+        if self.direction != "+z":
+            both = self.ways == tuple(DIRECTIONS)
+            given["direction"] = "both" if both else self.direction
+        return {"pulse": given} if given else {}
+
+
+HANDOUT_SHOCK = Shocks()
+"""A versed sine along +z."""
+
+
+def shocks_from(pulse=VERSED_SINE, direction="+z") -> Shocks:
+    """Take what `pulse` and `direction` mean in Python; raises ValueError, one line.
+
+    pulse: a name, a `Pulse`, several of these, or several by names of their own
+    direction: "+z", "-z", several, or "both"
+    """
+    ways = tuple(DIRECTIONS) if direction == "both" else direction
+    each = (ways,) if isinstance(ways, str) else tuple(ways)
+    for way in each:
+        if way not in DIRECTIONS:
+            raise ValueError(f"direction: {way!r} is not one of {', '.join(DIRECTIONS)}, both")
+    if not each or len(set(each)) < len(each):
+        raise ValueError("direction: empty or with one twice; write every one once")
+    return Shocks(_named(pulse), ways if isinstance(ways, str) else each)
+
+
+def _named(pulse):
+    if isinstance(pulse, Pulse):
+        return pulse
+    if isinstance(pulse, str):
+        return make_pulse(pulse)
+    if isinstance(pulse, Mapping):
+        named = {str(name): _one(one) for name, one in pulse.items()}
+    else:
+        each = [_one(one) for one in pulse] if isinstance(pulse, Sequence) else [_one(pulse)]
+        named = {one.name: one for one in each}
+        if len(named) < len(each):
+            raise ValueError("pulse: a shape comes twice; write every one once, or give them names")
+    if not named:
+        raise ValueError("pulse: empty; write one shape or more")
+    return named
+
+
+def _one(pulse):
+    if isinstance(pulse, Pulse):
+        return pulse
+    if isinstance(pulse, str):
+        return make_pulse(pulse)
+    raise ValueError(f"pulse: {pulse!r} is no shape, nor a pulse; `snapmap.read_pulse` reads one")
+
+
+def table(pulses: Sequence[Pulse]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """What kernels take: all pieces, (pieces, 6), where each pulse's begin and end; and `ends`."""
+    bounds = np.cumsum([0, *(len(pulse.pieces) for pulse in pulses)])
+    return (
+        np.concatenate([pulse.pieces for pulse in pulses]),
+        bounds,
+        np.array([pulse.ends for pulse in pulses]),
+    )
