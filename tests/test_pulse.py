@@ -237,6 +237,20 @@ def test_samples_are_joined_by_straight_lines():
     assert pulse.area == pytest.approx((-2.0 - 3.0 + 1.0) / 4 / 5)
 
 
+def test_a_record_that_changes_no_velocity_has_no_impulsive_limit(handout):
+    """Back and forth by the same: it trips all the same, and what mostly pulls must pull harder."""
+    x = np.linspace(0, 1, 101)
+    swing = sampled(500 * x, np.sin(2 * np.pi * x), "swing")
+    pull = sampled(500 * x, np.where(x < 0.5, -1, 0.1) * np.sin(2 * np.pi * x) ** 2, "pull")
+    asked = {"C": [25.0], "model": "cosines", "pulse": [swing, pull]}
+    found = snapmap.threshold(handout, [500.0, 2000.0], **asked).squeeze("C")
+    assert found.velocity_change.sel(shape="swing").isnull()
+    assert found.velocity_change.sel(shape="pull") > 0
+    assert found.N_first.sel(shape="swing").notnull().all()
+    static = found.N_static.sel(shape="swing").item()
+    assert found.N_static.sel(shape="pull").item() == pytest.approx(10 * static, rel=1e-2)
+
+
 def test_a_record_is_told_what_it_lacks(handout):
     time = np.linspace(0, 500, 21)
     jump = sampled(time, np.linspace(1, 0, 21))

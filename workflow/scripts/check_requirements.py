@@ -4,12 +4,14 @@ import csv
 
 from snapmap.device import devices_from
 from snapmap.io.job_log import job_log
+from snapmap.io.recorded import shocks_of
 from snapmap.thresholds.requirements import Verdict, check, summary
 
 
 def check_requirements(device, requirements, C, model, followed, path, threads):
     """Simulate the required shocks and write a row for each, device and C."""
-    verdicts = check(devices_from(device), requirements, C, model, followed, threads)
+    asked = [one | {"shocks": shocks_of(one["pulse"])} for one in requirements]
+    verdicts = check(devices_from(device), asked, C, model, followed, threads)
     with open(path, "w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file)
         rows.writerow(Verdict._fields)

@@ -20,6 +20,8 @@ CONVERGED = {"model": "cosines", "modes": 14, "step": 0.15}
 def main():
     device = load_device(ROOT / "config" / "config.yaml")
     print(changes_of_label(device))
+    print(ragged_row(device))
+    print(slow_pulses(device))
     print(surface(device))
     print(errors(device))
 
@@ -34,6 +36,26 @@ def changes_of_label(device):
         changes = N[1:][np.diff(snapped.values.ravel().astype(int)) != 0]
         rows.append([str(modes), str(changes.size), f"{changes[0]:.1f}", f"{changes[-1]:.1f}"])
     return table(["cosines", "changes of label", "first N", "last N"], rows)
+
+
+def ragged_row(device):
+    """What is known of the same row."""
+    found = threshold(device, [5800.0], [0.025], threads=2).squeeze()
+    keys = "N_first", "N_error", "N_half", "half_error", "N_always"
+    return table(list(keys), [[f"{found[key].item():.0f}" for key in keys]])
+
+
+def slow_pulses(device):
+    """Time of a threshold of a mass of 1 mg on the same beam and spring; C = 25."""
+    heavy = replace(device, mass=1e6)
+    threshold(heavy, [200.0], [25.0])  # compiles
+    rows = []
+    for f0 in (3.5, 0.35):
+        begin = time.perf_counter()
+        found = threshold(heavy, [f0], [25.0]).squeeze()
+        seconds = time.perf_counter() - begin
+        rows.append([f"{f0:g}", f"{found.N_first.item():.4f}", f"{seconds:.0f}"])
+    return table(["f0, Hz", "N_first", "seconds"], rows)
 
 
 def surface(device):

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 
+from ..axes import axis_behind
 from . import style
 from .curves import curve_keys, draw_curve, draw_limits, freeze, limit_key
 from .scales import place_text, scale_of, set_scale
@@ -63,8 +64,8 @@ def draw_map(
     marks: name, f0 (Hz) and N of shocks to point out on a map of N over f0, by numbers
     """
     _draw_panel(ax, cells, x, y, found)
-    named = marks if (x, y) == ("f0", "N") else ()
-    _point_out(ax, named)
+    named = marks if (axis_behind(x), y) == ("f0", "N") else ()
+    _point_out(ax, x, named)
     names = [f"{number}: {name}" for number, (name, *_) in enumerate(named, start=1)]
     lines = [place_text(cells), style.case(cells.attrs), *names]
     ax.set_title("\n".join(filter(None, lines)))
@@ -128,13 +129,14 @@ def _draw_panel(ax, cells, x, y, found):
         draw_limits(ax, line, x)
 
 
-def _point_out(ax, marks):
+def _point_out(ax, x, marks):
     freeze(ax)
     low, high = ax.get_ylim()
     for number, (_, f0, N) in enumerate(marks, start=1):
+        place = f0 if x == "f0" else 1e3 / f0
         if low <= N <= high:
-            ax.plot(f0, N, "o", markersize=7, **MARK)
-            ax.annotate(str(number), (f0, N), ha="center", va="center", fontsize=5)
+            ax.plot(place, N, "o", markersize=7, **MARK)
+            ax.annotate(str(number), (place, N), ha="center", va="center", fontsize=5)
 
 
 def _thin(cells):

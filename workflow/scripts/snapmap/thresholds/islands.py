@@ -35,6 +35,8 @@ SLOW_REACH, SLOW_BESIDE = 2.0, 1.05
 LEAST_AREA = 0.02
 """A recorded shock may go back and forth; as if it changed the velocity at least by this share of
 peak times duration, amplitudes are looked at."""
+LEAST_PUSH = 0.25
+"""Of a pulse that pulls, amplitudes are looked at as if it pressed with this share of its peak."""
 LOOKS = 4
 """At so many distances another level must agree that a threshold lies between."""
 FARTHEST = 0.25
@@ -135,11 +137,14 @@ def _wide_scan(device, static, rows, pulses, slow):
     """Amplitudes, (rows, n), from below any threshold to far above, also of short pulses."""
     columns = static, device.own_frequency, device.mass
     static, own, mass = (column[rows.device] for column in columns)
-    variation, area = np.array([(pulse.variation, abs(pulse.area)) for pulse in pulses]).T
+    facts = [(pulse.variation, abs(pulse.area), pulse.highest) for pulse in pulses]
+    variation, area, highest = (column[rows.pulse] for column in np.array(facts).T)
     # A pulse amplifies no more than it varies; a short one must bring a velocity, against damping.
-    fast = 1e-6 * np.pi * rows.f0 / (own * np.fmax(area, LEAST_AREA)[rows.pulse])
+    fast = 1e-6 * np.pi * rows.f0 / (own * np.fmax(area, LEAST_AREA))
     damped = rows.C / (2 * own * mass)
-    low = np.where(slow, static / SLOW_REACH, static / (1.5 * np.fmax(variation, 2)[rows.pulse]))
+    low = np.where(slow, static / SLOW_REACH, static / (1.5 * np.fmax(variation, 2)))
+    # What mostly pulls must do so far more strongly.
+    static = static / np.fmax(highest, LEAST_PUSH)
     high = np.where(slow, SLOW_REACH * static, 5 * static * (1 + fast) * (1 + damped))
     return amplitudes(low, high, SCAN_STEP)
 

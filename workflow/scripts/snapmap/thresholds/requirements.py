@@ -6,11 +6,13 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from ..device import Device
-from ..io.recorded import shocks_of
+from ..device import Device, batch
 from ..pulse import Shocks
-from ..solver.outcome import OUTCOMES
-from ..sweeps.cube import sweep
+from ..solver.adaptive import choose_model
+from ..solver.cells import to_cells
+from ..solver.outcome import FAILED as BLOWN_UP
+from ..solver.outcome import OUTCOMES, label
+from ..solver.settings import Settings
 from .surface import threshold
 
 MET, FAILED, UNCLEAR = "met", "failed", "unclear"
@@ -52,7 +54,7 @@ def check(
     """Simulate each required shock with its own pulse and find the threshold of that pulse.
 
     device: one, or several by name; C: uN us/um; model: name and options
-    requirements: name, pulse (values for `shocks_of`), N, f0 (Hz) and snaps of each
+    requirements: name, shocks (of one shape and direction), N, f0 (Hz) and snaps of each
     followed: horizon (us), energy_tolerance and tolerance, as `threshold` takes them
     """
     named = device if isinstance(device, Mapping) else {"": device}
@@ -65,30 +67,38 @@ def check(
 
 
 def _verdicts(device, name, asked, C, model, followed, threads):
-    shocks: Shocks = shocks_of(asked["pulse"])
+    shocks: Shocks = asked["shocks"]
     push = {"pulse": shocks.pulse, "direction": shocks.direction, "threads": threads}
     N, f0 = asked["N"], asked["f0"]
-    found = threshold(device, [f0], C, model=model, **followed, **push)
-    options = {key: model[key] for key in model if key != "name"}
-    how = {key: followed[key] for key in ("horizon", "energy_tolerance")}
-    cells = sweep(device, [N], [f0], C, model["name"], repeat=False, **how, **push, **options)
-    for i, damping in enumerate(C):
-        row, cell = found.isel(C=i, f0=0), cells.isel(C=i, f0=0, N=0)
+    found = threshold(device, [f0], C, model=model, **followed, **push).squeeze("f0")
+    settings = Settings(
+        followed["horizon"],
+        energy_tolerance=followed["energy_tolerance"],
+        threads=threads,
+        pulses=shocks.pulses,
+    )
+    device = batch([device])
+    cells = to_cells(device, 0, [[N]], f0, np.reshape(C, (-1, 1)), settings.horizon)
+    seen = choose_model(device, model, threads).follow(cells, settings)
+    outcomes = label(*seen[:4], settings.energy_tolerance)[:, 0]
+    for i, (damping, outcome) in enumerate(zip(C, outcomes, strict=True)):
+        row, snapped = found.isel(C=i), bool(np.isfinite(seen.t_snap[i, 0]))
         first, error = row.N_first.item(), row.N_error.item()
+        verdict = UNCLEAR if outcome == BLOWN_UP or _is_close(row, N) else MET
+        if verdict == MET and snapped != asked["snaps"]:
+            verdict = FAILED
         yield Verdict(
             *(asked["name"], name, shocks.pulse.name, shocks.direction),
-            *(N, f0, 1e3 / f0, damping, asked["snaps"], OUTCOMES[cell.outcome.item()]),
-            *(first, error, first / N, error / N, _verdict(row, cell, N, asked["snaps"])),
+            *(N, f0, 1e3 / f0, damping, asked["snaps"], OUTCOMES[outcome]),
+            *(first, error, first / N, error / N, verdict),
         )
 
 
-def _verdict(row: xr.Dataset, cell: xr.Dataset, N: float, must: bool) -> str:
-    """UNCLEAR from the bar below the first snap to that above it, or above a ragged row's last."""
+def _is_close(row: xr.Dataset, N: float) -> bool:
+    """Whether N lies within the bar about the first snap, or up to that of a ragged row's last."""
     first, error = row.N_first.item(), row.N_error.item()
     last = np.fmax(first, row.N_always.item()) if row.ragged else first
-    if cell.outcome.item() == OUTCOMES.index("failed") or first - error <= N <= last + error:
-        return UNCLEAR
-    return MET if np.isfinite(cell.t_snap.item()) == must else FAILED
+    return first - error <= N <= last + error
 
 
 def summary(verdicts: Sequence[Verdict]) -> str:

@@ -21,7 +21,7 @@ velocity."""
 
 SLOWNESS = 0.02
 """Frequency, over the device's own, of a pulse that stands for a long one where it jumps."""
-LEAST_AREA = 1e-3
+NO_AREA = 1e-3
 """A pulse of less area leaves no change of velocity by which it could trip."""
 
 MULTIPLES = {"units": "1", "comment": "in multiples of g"}
@@ -173,10 +173,11 @@ def _limits(grid, models, settings, tolerance, highest):
         return survey(models, rows, settings, tolerance, highest).N_first.reshape(shape)
 
     area = np.array([pulse.area for pulse in settings.pulses])
-    pushes = [p for p, one in enumerate(settings.pulses) if abs(one.area) > LEAST_AREA]
+    pushes = [p for p, one in enumerate(settings.pulses) if abs(one.area) > NO_AREA]
     change = np.full((len(device), area.size, C.size), np.nan)
     lasts = 2 * np.pi / fast
-    change[:, pushes] = look(fast, pushes, C) * (device.gravity * lasts)[:, None, None]
+    if pushes:
+        change[:, pushes] = look(fast, pushes, C) * (device.gravity * lasts)[:, None, None]
     change *= abs(area)[:, np.newaxis]
     with np.errstate(divide="ignore"):
         highest_of = np.array([one.highest for one in settings.pulses])

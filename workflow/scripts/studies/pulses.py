@@ -1,0 +1,57 @@
+"""What the numbers of docs/pulses.md are: both sides of the device, and what kinks and jumps cost.
+
+PYTHONPATH=workflow/scripts ./run python -m studies.pulses
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from snapmap import load_device, simulate, threshold
+from snapmap.pulse import SHAPES
+
+from .markdown import table
+
+ROOT = Path(__file__).resolve().parents[3]
+STEPS, FINE = (0.8, 0.4, 0.2), 0.025
+N, F0, C = 100, 4100.0, 25.0
+
+
+def main():
+    device = load_device(ROOT / "config" / "config.yaml")
+    print(sides(device), kinks(device), sep="\n")
+
+
+def sides(device):
+    """Thresholds from both sides at 5 kHz with little damping."""
+    found = threshold(device, [5000.0], [0.025], direction="both", threads=2).squeeze()
+    keys = "N_first", "N_error", "N_half", "half_error"
+    rows = [
+        [way, *(f"{found[key].sel(direction=way).item():.0f}" for key in keys)]
+        for way in found.direction.values.tolist()
+    ]
+    return table(["direction", *keys], rows)
+
+
+def kinks(device):
+    """Largest error of a flying mass's way after the pulse, over that way, by step and shape."""
+    errors = [errors_of(device, shape) for shape in SHAPES]
+    rows = [[f"{step:g}", *(f"{one[i]:.1e}" for one in errors)] for i, step in enumerate(STEPS)]
+    return table(["step", *SHAPES], rows)
+
+
+def errors_of(device, shape):
+    """The error for each of STEPS."""
+    runs = []
+    for step in (*STEPS, FINE):
+        asked = {"pulse": shape, "direction": "-z", "horizon": 30.0, "step": step}
+        run = simulate(device, N, F0, C, "cosines", scheme="explicit", **asked)
+        runs.append((run.time.values, run.z_mass.values))
+    late = runs[0][0][runs[0][0] > 1.02e6 / F0]  # instants of all runs
+    *ways, exact = (np.interp(late, *run) for run in runs)
+    size = abs(exact - device.beam.rise).max()
+    return [abs(way - exact).max() / size for way in ways]
+
+
+if __name__ == "__main__":
+    main()
