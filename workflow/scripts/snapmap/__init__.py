@@ -1,4 +1,5 @@
-"""Snap maps of a bistable beam under shock: load_device, read_pulse, simulate, sweep, threshold."""
+"""Snap maps of a bistable beam under shock: load_device, read_pulse, simulate, sweep, threshold,
+tolerance, design."""
 
 from importlib import import_module
 
@@ -10,8 +11,9 @@ _HOME = {
     "simulate": "motion.history",
     "sweep": "sweeps.cube",
     "threshold": "thresholds.surface",
+    "tolerance": "tolerances.dataset",
 }
-__all__ = ["load_device", "read_pulse", "simulate", "sweep", "threshold"]
+__all__ = ["load_device", "read_pulse", "simulate", "sweep", "threshold", "tolerance"]
 
 
 def __dir__():
