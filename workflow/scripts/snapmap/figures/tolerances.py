@@ -10,7 +10,7 @@ from matplotlib.patches import Patch
 
 from . import style
 from .curves import LOOKS
-from .scales import WORDS, arithmetic_edges, geometric_edges, set_scale, scale_of, value_text
+from .scales import WORDS, arithmetic_edges, geometric_edges, scale_of, set_scale, value_text
 
 LINES = {0.01: ":", 0.1: "--", 0.5: "-", 0.9: "--", 0.99: ":"}
 """Of the shares of devices that snap."""

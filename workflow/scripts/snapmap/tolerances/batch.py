@@ -6,7 +6,7 @@ from copy import copy
 import numpy as np
 
 from ..beam.equilibria import static_threshold
-from ..device import BISTABILITY_LIMIT, VALUES, Device
+from ..device import VALUES, Device, is_bistable
 from ..device import batch as batch_of
 from ..solver.adaptive import TOLERANCE, build_adaptive
 from ..solver.bracket import asker
@@ -32,7 +32,7 @@ class Batch:
         options = _cheapest(device, model, threads)
         self.nominal = build_model(batch_of([device]), **options)
         made = {key: values for key, values in self.values.items() if key in VALUES}
-        self.bistable = _is_bistable(device, made, len(points))
+        self.bistable = is_bistable(device.beam, made, len(points))
         made = {key: values[self.bistable] for key, values in made.items()}
         self.size = np.count_nonzero(self.bistable)
         self.model: Follows | None = None
@@ -130,11 +130,6 @@ class Batch:
                     f"tolerances.{key}: {values[wrong[0]]:.4g} is drawn and cannot be; write "
                     f"truncated or lognormal, or a smaller scatter about {plan.nominal[key]:g}"
                 )
-
-
-def _is_bistable(device, made, samples):
-    rise, thickness = (made.get(key, getattr(device.beam, key)) for key in ("rise", "thickness"))
-    return np.broadcast_to(rise / thickness > BISTABILITY_LIMIT, (samples,))
 
 
 def _cheapest(device, model, threads):
