@@ -264,7 +264,7 @@ def test_tolerances_that_cannot_be_are_named_in_one_line(document, asked, wanted
 
 
 def test_values_that_cannot_be_drawn_are_refused(handout):
-    with pytest.raises(ValueError, match="thickness: -.* is drawn and cannot be"):
+    with pytest.raises(ValueError, match=r"thickness: -.* is drawn and cannot be"):
         snapmap.tolerance(handout, {"thickness": "70 %"}, [1500.0], [25.0], samples=64, **CHEAP)
     hard = replace(handout, contact=np.inf)
     with pytest.raises(ValueError, match="contact: a hard contact does not scatter"):

@@ -10,7 +10,7 @@ from snapmap.io.atomic import replacing
 from snapmap.io.job_log import job_log
 
 
-def write_page(cube_path, traces_path, tolerance_path, horizon, path):
+def write_page(cube_path, traces_path, horizon, path, tolerance_path=None):
     """Read a cube and its traces, packed as they are, and write the page; horizon: us.
 
     tolerance_path: of thresholds of devices as made, or nothing

@@ -50,7 +50,8 @@ def draw_thresholds(ax: Axes, found: xr.Dataset, x: str = "f0", lines: str = "C"
     for one, colour, marker in each_line(found, lines):
         _draw_gap(ax, one, scale, colour)
         draw_curve(ax, scale.places, one, colour, marker)
-        ax.plot(scale.places, one.N_latched.values, color=colour, **LATCHED)
+        if one.N_latched.notnull().any():
+            ax.plot(scale.places, one.N_latched.values, color=colour, **LATCHED)
     draw_limits(ax, found, x)
     _make_room(ax)
     if x == "f0":

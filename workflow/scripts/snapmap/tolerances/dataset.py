@@ -116,8 +116,8 @@ def tolerance(
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> made = snapmap.tolerance(device, {"thickness": "5 %"}, [1500], [25], samples=64)
-    >>> round(float(made.N_std / made.N_mean), 2)
-    0.11
+    >>> round((made.N_std / made.N_mean).item(), 2)
+    0.1
     """
     shocks = shocks_from(pulse, direction)
     axes = {"C": C, "f0": [shocks.own_frequency()] if f0 is None else f0}
