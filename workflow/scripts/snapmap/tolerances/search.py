@@ -138,7 +138,8 @@ def _climb(snaps: Snaps, numbers, near, size, low=None, high=None):
 
 def _scan_up(snaps: Snaps, numbers, start, lattice):
     """Places where the first of labels that change back and forth snaps, (rows,); as `_climb`."""
-    at, size = start.copy(), lattice.N.size
+    # The same places for every sample, wherever it was expected.
+    at, size = start - start % lattice.stride, lattice.N.size
     left = np.arange(at.size)
     while (left := left[snaps(numbers[left], at[left, np.newaxis])[:, 0] & (at[left] > 0)]).size:
         at[left] = np.maximum(at[left] - TOGETHER * lattice.stride, 0)
