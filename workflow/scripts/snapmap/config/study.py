@@ -116,6 +116,7 @@ HANDOUT_CASE = {"N": 1000.0, "f0": 1500.0, "C": 0.025}
 _KINDS = {
     **dict.fromkeys(("span", "rise", "thickness", "depth"), "length"),
     **{"youngs_modulus": "modulus", "density": "density", "damping": "rate", "mass": "mass"},
+    **{"residual_stress": "stress", "imperfection": "distance", "gap": "distance"},
     **{"spring": "stiffness", "contact": "contact", "C": "damper", "f0": "frequency"},
     **{"duration": "pulse", "N": "number"},
 }
@@ -239,11 +240,19 @@ def _device(section, name="device"):
     formats = validator().schema["$defs"]["device"]["properties"]
     try:
         return Device(
-            beam=Beam(**_convert(section["beam"], formats["beam"]["properties"])),
+            beam=_beam(section["beam"], formats["beam"]["properties"]),
             **_convert({key: section[key] for key in section if key != "beam"}, formats),
         )
     except ValueError as error:
         raise ValueError(str(error).replace("device.", f"{name}.", 1)) from None
+
+
+def _beam(section, formats):
+    values = {key: value for key, value in section.items() if key != "guide"}
+    free = section.get("guide") == "free"
+    if "imperfection" in section and not free:
+        raise ValueError("device.beam.imperfection: is of a free beam; write guide: free")
+    return Beam(**_convert(values, formats), free=float(free))
 
 
 def _convert(section, formats):

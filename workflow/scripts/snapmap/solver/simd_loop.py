@@ -127,13 +127,14 @@ def _pairs(model, load, shock, steps, stride):
 def coefficients(model, target):
     """A row for each device, in the order of the rows of X, with forces times dt^2.
 
-    model: a `Model`; target: w(L/2) - rise at which a run counts as snapped, um; -inf for never
+    model: a `Model`; target: w(L/2) from rest at which a run counts as snapped, um; -inf for never
     """
     device, modal, barrier, square = model.device, model.modal, model.barrier, model.dt * model.dt
     numbers = [
         *(modal.axial * square, modal.residual / square),
         *(contact_stiffness(device, modal.residual) * square, device.mass, device.spring * square),
-        *(target, barrier.energy * square, barrier.midpoint, device.beam.damping * model.dt),
+        *(target, barrier.energy * square, barrier.midpoint, device.gap),
+        device.beam.damping * model.dt,
     ]
     vectors = (np.reshape(square, (-1, 1)) * modal.stiffness, *modal[2:5])
     n, k = np.size(square), model.modes
@@ -147,8 +148,8 @@ def _conserving(model):
 
 
 def snap_target(device):
-    """w2 - rise, um."""
-    return device.beam.second_equilibrium - device.beam.rise
+    """The second equilibrium's midpoint from that at rest, um."""
+    return device.beam.second_equilibrium - device.beam.height
 
 
 def work_array(modes):
