@@ -16,7 +16,7 @@ os.environ.update(PYTHONDONTWRITEBYTECODE="1")
 os.environ.setdefault("NUMBA_CACHE_DIR", str(kernel_cache()))
 from snapmap.io.atomic import remove_leftovers
 from snapmap.config.study import load_study, nominal
-from snapmap.config.views import side_by_side
+from snapmap.config.views import batch_places, side_by_side
 from snapmap.config.yaml_file import read_document
 from snapmap.device import values_of
 from snapmap.sweeps.partition import slab_name
@@ -54,6 +54,9 @@ if isinstance(study.device, dict):
 together = side_by_side(study.maps)
 map_stems = [*(view.name for view in study.maps), *["maps"] * bool(together)]
 curve_stems = [*(view.name for view in study.curves), study.boundary.name]
+batches = batch_places(study.grid)
+of_batch = ["probability", "sensitivity", *["yield"] * bool(study.requirements)]
+batch_stems = [f"{stem}{ending}" for stem in of_batch for ending in batches]
 
 
 report: "workflow/report/study.rst"
@@ -80,9 +83,14 @@ onstart:
 
 
 onsuccess:
-    if study.requirements and os.path.exists("results/logs/check_requirements.log"):
-        with open("results/logs/check_requirements.log", encoding="utf-8") as told:
-            print(told.read().strip(), file=sys.stderr)
+    asked = {
+        "check_requirements": study.requirements,
+        "find_tolerance": study.tolerances,
+    }
+    logs = [Path(f"results/logs/{rule}.log") for rule in asked if asked[rule]]
+    for log in logs:
+        if log.exists():
+            print(log.read_text(encoding="utf-8").strip(), file=sys.stderr)
 
 
 include: "workflow/rules/common.smk"
@@ -90,6 +98,7 @@ include: "workflow/rules/sweep.smk"
 include: "workflow/rules/thresholds.smk"
 include: "workflow/rules/statics.smk"
 include: "workflow/rules/requirements.smk"
+include: "workflow/rules/tolerances.smk"
 include: "workflow/rules/maps.smk"
 include: "workflow/rules/histories.smk"
 include: "workflow/rules/page.smk"
@@ -114,5 +123,10 @@ rule all:
         (
             ["results/requirements.csv", "results/figures/requirements.pdf"]
             if study.requirements
+            else []
+        ),
+        (
+            [f"results/figures/{stem}.pdf" for stem in batch_stems]
+            if study.tolerances
             else []
         ),

@@ -13,6 +13,7 @@ from snapmap import config
 from snapmap.beam.elements import hermite_elements
 from snapmap.config import units
 from snapmap.config.study import HANDOUT_CASE, SHARES, load_device, load_study
+from snapmap.config.tolerances import OPTIONS as OPTIONS_OF_BATCH
 from snapmap.config.units import KINDS
 from snapmap.config.views import MOST_MAPS
 from snapmap.device import VALUES, Beam
@@ -21,6 +22,8 @@ from snapmap.solver.adaptive import TOLERANCE
 from snapmap.solver.models import OPTIONS, build_model
 from snapmap.solver.settings import THRESHOLD_TOLERANCE, Settings
 from snapmap.sweeps import plan
+from snapmap.tolerances.dataset import INDEX_SAMPLES
+from snapmap.tolerances.samples import SHOCK
 
 HERE = Path(__file__).parent
 SCHEMA = Path(config.__file__).with_name("schema.yaml")
@@ -54,6 +57,13 @@ sweep:
 pulse:
   shape: [half sine, sawtooth]
   direction: both
+
+tolerances:
+  thickness: 0.05 um             # standard deviation
+  youngs_modulus: 5 %
+  rise: {uniform: 0.2 um}        # half width
+  N: 2 %                         # of the test machine
+  samples: 500
 
 requirements:
   - {name: drop test, shape: half sine, N: 1500, duration: 0.5 ms, snaps: true}
@@ -174,6 +184,7 @@ def _sections(schema, defaults):
     yield _options()
     yield _section("pulse", parts["pulse"], defaults)
     yield _section("sweep", parts["sweep"], defaults)
+    yield _section("tolerances", parts["tolerances"], defaults)
     yield _section("an axis given as a range", schema["$defs"]["axis"], defaults)
     for key in ("requirements", "histories", "maps", "thresholds"):
         yield _section(f"each of {key}", _resolved(parts[key]["items"], schema), defaults)
@@ -210,6 +221,12 @@ def code_defaults() -> dict[str, str]:
         "model.tolerance": f"`{TOLERANCE * 100:g} %`",
         "pulse": "a versed sine along +z",
         "requirements": "none",
+        "tolerances": "every device is as drawn",
+        **{f"tolerances.{key}": "it does not scatter" for key in (*VALUES, *SHOCK)},
+        "tolerances.together": "each value by a draw of its own",
+        "tolerances.samples": f"`{OPTIONS_OF_BATCH['samples']}`",
+        "tolerances.index_samples": f"`{INDEX_SAMPLES}`, or `samples` if these are fewer",
+        "tolerances.seed": f"`{OPTIONS_OF_BATCH['seed']}`",
         **{f"{where}.shape": f"`{VERSED_SINE}`" for where in pushes},
         **{f"{where}.{key}": f"`{TENTH * 100:g} %`" for where in pushes for key in SHARES},
         **{f"{where}.file": "`shape`" for where in pushes},

@@ -34,6 +34,7 @@ from snapmap.figures import (
     statics,
     style,
     thresholds,
+    tolerances,
 )
 from snapmap.io.netcdf import write
 from snapmap.solver.outcome import OUTCOMES
@@ -78,6 +79,7 @@ def make_found(C=(25.0, 200.0)):
         "N_first": (axes, N),
         "N_error": (axes, 0 * N + 7.0),
         "N_always": (axes, N + gap),
+        "N_latched": (axes, 0 * N + np.nan),
         "t_snap": (axes, np.broadcast_to([5000.0, 500.0, 400.0], N.shape)),
         "islands": (axes, np.broadcast_to([0, 0, 2], N.shape)),
         "island_from": ((*axes, "island"), np.concatenate([nan, last], axis=1)),
@@ -351,6 +353,75 @@ def test_margins_of_requirements_are_the_data_with_their_bars():
         "shelf, does not trip",
     ]
     assert [text.get_text() for text in ax.get_legend().get_texts()] == ["met", "failed"]
+
+
+def make_batch(f0=F0):
+    """Thresholds of four devices under one damper, of which one never snaps."""
+    N_first = np.array([900.0, 1000.0, 1100.0, np.nan])[:, np.newaxis, np.newaxis]
+    N_first = np.tile(N_first, (1, 1, f0.size)) + np.arange(f0.size)
+    of_f0, N = ("C", "f0"), np.linspace(800, 1200, 9)
+    share = np.mean(N_first[..., np.newaxis] <= N, axis=0)
+    index = np.stack([np.full((2, 1, f0.size), 0.9), np.full((2, 1, f0.size), 0.1)], axis=1)
+    variables = {
+        "bistable": ("sample", [1, 1, 1, 0]),
+        "N_first": (("sample", *of_f0), N_first),
+        "N_nominal": (of_f0, N_first[1]),
+        "N_quantile": (("quantile", *of_f0), np.tile(N_first[1], (5, 1, 1))),
+        "probability": ((*of_f0, "N"), share),
+        "probability_bound": (("bound", *of_f0, "N"), np.stack([share / 2, share])),
+        "sensitivity": (("order", "value", *of_f0), index),
+        "sensitivity_bound": (("bound", "order", "value", *of_f0), np.stack([index, index + 0.1])),
+        "N_first_required": (("requirement", "sample", "C"), N_first[np.newaxis, :, :, 0]),
+        "N_required": ("requirement", [1050.0]),
+        "must_snap": ("requirement", [1]),
+        "share_meeting": (("requirement", "C"), [[0.5]]),
+        "share_meeting_bound": (("bound", "requirement", "C"), [[[0.15]], [[0.85]]]),
+    }
+    axes = {"C": [25.0], "f0": f0, "N": N, "quantile": list(tolerances.LINES)}
+    axes |= {"order": ["first", "total"], "value": ["thickness+depth", "N"]}
+    return xr.Dataset(variables, axes | {"requirement": ["drop"]}, ATTRIBUTES)
+
+
+def test_devices_as_made_are_drawn_as_they_are():
+    found = make_batch().isel(C=0)
+    ax = tolerances.draw_probability(style.single_column(height=3.0).subplots(), found)
+    (field,) = ax.collections
+    np.testing.assert_allclose(field.get_array(), found.probability.transpose("N", "f0"))
+    assert len(ax.lines) == len(tolerances.LINES) + 1
+    np.testing.assert_allclose(ax.lines[-1].get_ydata(), found.N_nominal)
+    ax = tolerances.draw_sensitivity(style.single_column(height=3.0).subplots(), found)
+    drawn = [line.get_ydata()[0] for line in ax.lines if len(line.get_ydata()) == F0.size]
+    assert sorted(drawn) == [0.1, 0.1, 0.9, 0.9]
+    words = [key.get_label() for key in tolerances.sensitivity_keys(found)]
+    assert words == ["thickness and depth", "$N$ of the shock", "alone (first order)"]
+    assert "1 of them without a second" in tolerances.batch_text(found, ATTRIBUTES)
+
+
+def test_devices_under_one_frequency_are_a_curve():
+    found = make_batch(np.array([1500.0])).isel(C=0)
+    ax = tolerances.draw_probability(style.single_column(height=3.0).subplots(), found)
+    np.testing.assert_allclose(ax.lines[0].get_ydata(), found.probability.squeeze())
+    tolerances.draw_sensitivity(style.single_column(height=3.0).subplots(), found)
+
+
+def test_a_requirement_is_drawn_with_the_share_that_meets_it():
+    found = make_batch().isel(C=0, requirement=0)
+    ax = tolerances.draw_requirement(style.single_column(height=3.0).subplots(), found)
+    assert ax.get_title(loc="left").splitlines()[0] == "drop, trips"
+    assert "met by 50.0 % (15.0 to 85.0 %)" in ax.get_title(loc="left")
+    assert sum(patch.get_height() for patch in ax.patches[1:]) == 3
+    assert ax.patches[0].get_x() == 1050.0
+
+
+def test_a_design_is_drawn_over_both_values():
+    along = {"rise": [9.0, 10.0]}
+    comment = {"comment": "where the threshold is 1500 g"}
+    values = {"thickness": ("rise", [2.5, 2.4], comment), "error": ("rise", [0.01, 0.02])}
+    ax = thresholds.draw_design(
+        style.single_column(height=3.0).subplots(), xr.Dataset(values, along)
+    )
+    np.testing.assert_allclose(ax.lines[0].get_xydata(), [[9.0, 2.5], [10.0, 2.4]])
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("rise (µm)", "thickness (µm)")
 
 
 def test_failed_cells_are_crossed_out():

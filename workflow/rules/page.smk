@@ -24,6 +24,7 @@ rule trace_cells:
 
 rule write_page:
     input:
+        **({"tolerance": "results/tolerance.nc"} if study.tolerances else {}),
         cube="results/cube.nc",
         traces="results/traces.nc",
     output:

@@ -1,5 +1,6 @@
 """Rule write_page: write the page to explore a cube."""
 
+from contextlib import nullcontext
 from pathlib import Path
 
 import xarray as xr
@@ -9,13 +10,17 @@ from snapmap.io.atomic import replacing
 from snapmap.io.job_log import job_log
 
 
-def write_page(cube_path, traces_path, horizon, path):
-    """Read a cube and its traces, packed as they are, and write the page; horizon: us."""
+def write_page(cube_path, traces_path, horizon, path, tolerance_path=None):
+    """Read a cube and its traces, packed as they are, and write the page; horizon: us.
+
+    tolerance_path: of thresholds of devices as made, or nothing
+    """
     with (
         xr.open_dataset(cube_path, engine="netcdf4") as cube,
         xr.open_dataset(traces_path, engine="netcdf4", mask_and_scale=False) as traces,
+        xr.open_dataset(tolerance_path) if tolerance_path else nullcontext() as made,
     ):
-        text = page(cube, traces, horizon)
+        text = page(cube, traces, horizon, made)
     with replacing(path) as temporary:
         Path(temporary).write_text(text, encoding="utf-8")
 
@@ -25,6 +30,7 @@ if __name__ == "__main__":
         write_page(
             cube_path=snakemake.input.cube,
             traces_path=snakemake.input.traces,
+            tolerance_path=snakemake.input.get("tolerance"),
             horizon=snakemake.params.horizon,
             path=snakemake.output.page,
         )

@@ -1,17 +1,19 @@
-"""Snap maps of a bistable beam under shock: load_device, read_pulse, simulate, sweep, threshold."""
+"""Snap maps of a bistable beam under shock; what it offers stands in __all__."""
 
 from importlib import import_module
 
 __version__ = "0.1.0"
 
 _HOME = {
+    "design": "thresholds.design",
     "load_device": "config.study",
     "read_pulse": "io.recorded",
     "simulate": "motion.history",
     "sweep": "sweeps.cube",
     "threshold": "thresholds.surface",
+    "tolerance": "tolerances.dataset",
 }
-__all__ = ["load_device", "read_pulse", "simulate", "sweep", "threshold"]
+__all__ = ["design", "load_device", "read_pulse", "simulate", "sweep", "threshold", "tolerance"]
 
 
 def __dir__():

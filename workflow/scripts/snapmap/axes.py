@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .device import BISTABILITY_LIMIT, UNITS, VALUES, Device, batch
+from .device import UNITS, VALUES, Device, batch, is_bistable
 from .pulse import HANDOUT_SHOCK, Pulse, Shocks
 
 SHOCK = ("C", "f0", "N")
@@ -103,7 +103,7 @@ def make_grid(
     nominal = nominal.pick(places[0] if named else np.zeros(places.shape[1], int))
     columns = zip(varied, places[bool(named) :], strict=True)
     values = {key: points[key][place] for key, place in columns}
-    stays = _is_bistable(nominal.beam, values) if skip else np.ones(len(nominal), bool)
+    stays = is_bistable(nominal.beam, values, len(nominal)) if skip else np.ones(len(nominal), bool)
     some = {key: column[stays] for key, column in values.items()}
     # Where no point has a device, the nominal one stands for the kind of model.
     devices = _vary(nominal.pick(stays), some) if stays.any() else nominal.pick([0])
@@ -122,11 +122,6 @@ def _points(key, values):
     if points.size == 0 or points.ndim > 1:
         raise ValueError(f"{key}: give one value or more, in one row")
     return points
-
-
-def _is_bistable(beam, values):
-    rise, thickness = values.get("rise", beam.rise), values.get("thickness", beam.thickness)
-    return rise / thickness > BISTABILITY_LIMIT
 
 
 def _vary(nominal, values):

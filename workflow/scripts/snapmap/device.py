@@ -189,6 +189,12 @@ def batch(devices: Sequence[Device]) -> Device:
     return _from_values(whole, np.asarray)
 
 
+def is_bistable(beam: Beam, values: Mapping[str, np.ndarray], size: int) -> np.ndarray:
+    """Whether the beam with other values, each (size,), has a second stable shape; (size,)."""
+    rise, thickness = (values.get(key, getattr(beam, key)) for key in ("rise", "thickness"))
+    return np.broadcast_to(np.divide(rise, thickness) > BISTABILITY_LIMIT, (size,))
+
+
 def _from_values(values, convert):
     beam = {key: convert(values[key]) for key in BEAM_VALUES}
     rest = {key: convert(value) for key, value in values.items() if key not in beam}

@@ -14,6 +14,7 @@ from ..numerics.portable import geometric, linear
 from ..pulse import HANDOUT_SHOCK, Shocks
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
 from .schema import name_of, order_of, schema_faults, validator
+from .tolerances import Tolerances, read_tolerances
 from .units import KINDS, read, show
 from .views import View, choose_boundary, choose_curves, choose_maps
 from .yaml_file import ConfigError, read_document
@@ -69,6 +70,7 @@ class Study:
     settings: how each cell is followed
     shocks: their pulses; pulse: the values of the section, for `shocks_of`
     requirements: shocks that must or must not trip the device
+    tolerances: what scatters from device to device, or nothing
     threshold_tolerance: of the thresholds in N, relative
     maps, curves, boundary: what is drawn of cells, thresholds, and the damage boundary
     left_out: one line on what is not drawn, or nothing
@@ -82,6 +84,7 @@ class Study:
     shocks: Shocks
     pulse: dict
     requirements: tuple[Requirement, ...]
+    tolerances: Tolerances | None
     threshold_tolerance: float
     histories: tuple[History, ...]
     maps: tuple[View, ...]
@@ -142,6 +145,11 @@ def load_study(document: Mapping) -> Study:
     if "f0" not in axes:
         axes["f0"] = np.array([shocks.own_frequency()])
     grid = _part(document, ("sweep",), faults, lambda _: _grid(device, axes, skip, shocks))
+    tolerances = None
+    if "tolerances" in parts:
+        devices = list(device.values()) if isinstance(device, Mapping) else [device]
+        at = ("tolerances",)
+        tolerances = _part(document, at, faults, read_tolerances, devices, _KINDS)
     histories = _histories(document, device, faults)
     maps = _views(document, "maps", faults, grid)
     curves = _views(document, "thresholds", faults, grid)
@@ -156,6 +164,7 @@ def load_study(document: Mapping) -> Study:
         shocks=shocks,
         pulse=_pulse_values(parts.get("pulse", {})),
         requirements=requirements,
+        tolerances=tolerances,
         threshold_tolerance=given.get("threshold_tolerance", THRESHOLD_TOLERANCE),
         histories=histories,
         maps=chosen,

@@ -53,6 +53,17 @@ def choose_maps(
     return tuple(View(_name(grid, "map", at), x, y, at) for at in chosen), line
 
 
+def batch_places(grid: Grid) -> dict[str, dict[str, int]]:
+    """Places on the axes of names where devices as made are drawn, by the ending of the names."""
+    names = _names(grid)
+    places = product(*(range(grid.axes[key].size) for key in names))
+    found = [dict(zip(names, place, strict=True)) for place in places]
+    return {
+        "".join(f"_{value_name(key, grid.axes[key], i)}" for key, i in at.items()): at
+        for at in found
+    }
+
+
 def side_by_side(maps: Sequence[View]) -> list[View]:
     """Maps of outcomes over the same axes, those of the first; at most PANELS, evenly chosen."""
     outcomes = [view for view in maps if "N" in (view.x, view.y, *view.at)]

@@ -14,6 +14,7 @@ import xarray as xr
 from ..axes import DEVICE, DIRECTION, SHAPE
 from ..solver.outcome import ABSENT, FAILED
 from . import scales
+from .explore_batch import batch_section
 from .maps import COLOURS, WORDS
 
 HERE = Path(__file__).parent
@@ -57,11 +58,14 @@ LEADS = {
 """What stands before a value of an axis, if not its name."""
 
 
-def page(cube: xr.Dataset, traces: xr.Dataset, horizon: float) -> str:
+def page(
+    cube: xr.Dataset, traces: xr.Dataset, horizon: float, made: xr.Dataset | None = None
+) -> str:
     """Write a cube and its packed traces as one HTML page that needs nothing else.
 
     traces: as `envelopes.trace` gives them; where they are thinned, so is the map
     horizon: time for which the cells were followed after the pulse, us
+    made: thresholds of devices as made, if there are any
     """
     cells = cube.sel({key: traces[key] for key in cube.outcome.dims})
     document = json.loads(cube.attrs["config"])
@@ -72,6 +76,7 @@ def page(cube: xr.Dataset, traces: xr.Dataset, horizon: float) -> str:
         history=_figure(_history(traces), "history", "480px", include_plotlyjs=False),
         data=json.dumps(data, allow_nan=False).replace("</", "<\\/"),
         code=_text("explore.js"),
+        made="" if made is None else batch_section(made, _figure_of_batch),
         thinned=_thinning(cube, cells),
         model=html.escape(document["model"]["name"]),
         version=html.escape(cube.attrs["code_version"]),
@@ -86,6 +91,10 @@ def _figure(figure, name, height, include_plotlyjs):
     place = {"full_html": False, "div_id": name, "default_height": height}
     figure.update_layout(PLAIN)
     return figure.to_html(config=BUTTONS, include_plotlyjs=include_plotlyjs, **place)
+
+
+def _figure_of_batch(figure, name):
+    return _figure(figure, name, "432px", include_plotlyjs=False)
 
 
 def _plane(cells):

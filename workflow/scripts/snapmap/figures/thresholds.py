@@ -24,6 +24,7 @@ from .scales import WORDS, place_text, scale_of, set_scale, value_text
 DOUBTFUL = 0.01
 """Error bars above this share of the threshold are marked."""
 DURATION = {"color": "0.6", "linewidth": 0.5, "linestyle": ":", "zorder": 1}
+LATCHED = {"linewidth": 0.7, "linestyle": (0, (1, 1))}
 SHADE = {"color": "0.9", "linewidth": 0, "zorder": 0}
 NOTE = {"fontsize": 6, "textcoords": "offset points"}
 SYMBOLS = r"$\Delta v$: velocity change, limit of short pulses"
@@ -49,11 +50,15 @@ def draw_thresholds(ax: Axes, found: xr.Dataset, x: str = "f0", lines: str = "C"
     for one, colour, marker in each_line(found, lines):
         _draw_gap(ax, one, scale, colour)
         draw_curve(ax, scale.places, one, colour, marker)
+        if one.N_latched.notnull().any():
+            ax.plot(scale.places, one.N_latched.values, color=colour, **LATCHED)
     draw_limits(ax, found, x)
     _make_room(ax)
     if x == "f0":
         _label_limits(ax, found)
     keys = [*line_keys(found, lines), *curve_keys(found, "0.4", "o"), *_gap_keys(found)]
+    if found.N_latched.notnull().any():
+        keys.append(Line2D([], [], color="0.4", **LATCHED, label="above it, all cells seen latch"))
     keys += [] if x == "f0" else [limit_key("static limit")]
     style.legend_below(ax, keys, _title(found, "; "), ncols=4)
     return ax
@@ -86,6 +91,22 @@ def draw_threshold_map(ax: Axes, found: xr.Dataset, x: str, y: str) -> Axes:
         style.legend_below(ax, ax.get_legend_handles_labels()[0], "", ncols=2)
     lines = [place_text(found), style.case(found.attrs), _sureness(relative)]
     ax.set_title("\n".join(filter(None, lines)))
+    return ax
+
+
+def draw_design(ax: Axes, found: xr.Dataset) -> Axes:
+    """Draw the line along which a threshold is what was asked for, over two values of the device.
+
+    found: as `thresholds.design.design` gives it along an axis, with error bars
+    """
+    (x,) = found.error.dims
+    y = next(key for key in found.data_vars if key not in ("error", "solutions"))
+    scale = scale_of(x, found[x].values)
+    set_scale(ax, "x", scale)
+    ax.errorbar(scale.places, found[y].values, found.error.values, marker="o", elinewidth=0.6)
+    words, unit = WORDS[y]
+    ax.set_ylabel(f"{words} ({unit})")
+    ax.set_title(found[y].attrs["comment"])
     return ax
 
 

@@ -91,7 +91,7 @@ def survey(
 
     scans, decides, doubts, better, static = models
     slow = _is_slow(scans.device, rows, settings.pulses)
-    wide = _wide_scan(scans.device, static, rows, settings.pulses, slow)
+    wide = wide_scan(scans.device, static, rows, settings.pulses, slow)
     whole = _whole_window(ask(scans), wide, highest, slow)
     window, ragged = _closer_window(ask(scans), whole, slow)
     edges, open_end, window, ragged = _decide(ask(decides), window, whole, ragged)
@@ -133,8 +133,11 @@ def _is_slow(device, rows, pulses):
     return 2e-6 * np.pi * rows.f0 * steepest * (1 / own + rows.C / spring) < SLOW
 
 
-def _wide_scan(device, static, rows, pulses, slow):
-    """Amplitudes, (rows, n), from below any threshold to far above, also of short pulses."""
+def wide_scan(device, static, rows, pulses, slow=False) -> np.ndarray:
+    """Amplitudes, (rows, n), from below any threshold to far above, also of short pulses.
+
+    static: threshold of slow pulses, (devices,); slow: whether a row's pulse is one, (rows,)
+    """
     columns = static, device.own_frequency, device.mass
     static, own, mass = (column[rows.device] for column in columns)
     facts = [(pulse.variation, abs(pulse.area), pulse.highest) for pulse in pulses]

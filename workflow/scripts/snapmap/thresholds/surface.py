@@ -13,7 +13,8 @@ from ..solver.adaptive import choose_survey
 from ..solver.cells import check_cells, rows_of, to_rows
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings, check_number, check_settings
 from .cost import tell_cost
-from .islands import Thresholds, survey
+from .islands import ABOVE, survey
+from .settling import lowest_latched
 
 IMPULSE, IMPULSE_OF_BEAM = 100.0, 10.0
 """A pulse of so many times the device's own frequency, and the beam's, is as good as a jump in
@@ -43,6 +44,11 @@ VARIABLES = {
     },
     "N_always": {"long_name": "lowest amplitude above which all snap", **MULTIPLES},
     "N_pulse": {"long_name": "lowest amplitude that snaps while the pulse lasts", **MULTIPLES},
+    "N_latched": {
+        "long_name": "lowest amplitude above which every cell seen is latched",
+        "units": "1",
+        "comment": "in multiples of g; seen up to the highest N, in steps of 1 %; NaN: not there",
+    },
     "t_snap": {
         "long_name": "time of the snap at N_first",
         "units": "us",
@@ -97,9 +103,9 @@ def threshold(
     direction: "+z", "-z"; several, or "both", are an axis
     others: options of the model; and further axes in front of C and f0: values of the device by
         their names, in internal units
-    The variables are those of `islands.Thresholds`, (..., C, f0), and the limits for slow and short
-    pulses: N_static, over the axes of device and pulse, velocity_change, over these and C, and the
-    `area` of each pulse: its velocity change is area N g / f0.
+    The variables are those of `islands.Thresholds`, (..., C, f0), with N_latched; the limits for
+    slow and short pulses, N_static, over the axes of device and pulse, and velocity_change, over
+    these and C; and the `area` of each pulse: its velocity change is area N g / f0.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> found = snapmap.threshold(device, [1500], [25], model="cosines", thickness=[1.9, 2.0])
@@ -117,7 +123,7 @@ def threshold(
     grid = make_grid(device, {**varied, "C": C, "f0": f0}, skip, shocks)
     models, rows = choose_survey(grid.device, model, threads), rows_of(grid)
     tell_cost(models, rows.some(rows.device >= 0), settings)
-    found = _look(models, rows, settings, tolerance, highest)._asdict()
+    found = _look(models, rows, settings, tolerance, highest)
     dims = *grid.axes, "island"
     data = {
         key: (dims[: len(grid.shape) + values.ndim - 1], _reshape(values, grid.shape))
@@ -145,9 +151,14 @@ def threshold(
 
 
 def _look(models, rows, settings, tolerance, highest):
-    """Thresholds of rows, of which some may have no device."""
+    """Thresholds of rows by name, of which some may have no device."""
     there = np.flatnonzero(rows.device >= 0)
-    found = survey(models, rows.some(there), settings, tolerance, highest)
+    some = rows.some(there)
+    found = survey(models, some, settings, tolerance, highest)._asdict()
+    first = found["N_first"]
+    top = np.where(np.isnan(first), np.nan, ABOVE * first if highest is None else highest)
+    low = np.where(first <= top, first, np.nan)
+    found["N_latched"] = lowest_latched(models.decides, some, low, top, settings)
 
     def spread(values):
         missing = np.nan if values.dtype.kind == "f" else 0
@@ -155,7 +166,7 @@ def _look(models, rows, settings, tolerance, highest):
         whole[there] = values
         return whole
 
-    return Thresholds(*(spread(values) for values in found))
+    return {key: spread(values) for key, values in found.items()}
 
 
 def _limits(grid, models, settings, tolerance, highest):

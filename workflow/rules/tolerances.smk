@@ -1,0 +1,56 @@
+rule find_tolerance:
+    input:
+        recorded,
+        [asked.pulse["file"] for asked in study.requirements if "file" in asked.pulse],
+    output:
+        tolerance="results/tolerance.nc",
+    log:
+        "results/logs/find_tolerance.log",
+    conda:
+        "../envs/snapmap.yaml"
+    threads: 4
+    resources:
+        mem_mb=lambda wildcards, attempt: attempt * 4000,
+    params:
+        code=code("find_tolerance"),
+        device=device_values,
+        pulse=study.pulse,
+        model=study.model,
+        axes={key: study.axes[key].tolist() for key in ("C", "f0", "N")},
+        asked=study.tolerances._asdict() if study.tolerances else {},
+        requirements=[asked._asdict() for asked in study.requirements],
+        followed={
+            "horizon": study.settings.horizon,
+            "energy_tolerance": study.settings.energy_tolerance,
+        },
+    message:
+        "Find the thresholds of devices as made"
+    script:
+        "../scripts/find_tolerance.py"
+
+
+rule draw_tolerance:
+    input:
+        tolerance="results/tolerance.nc",
+    output:
+        pdf=[f"results/figures/{stem}.pdf" for stem in batch_stems],
+        png=[
+            report(
+                f"results/figures/{stem}.png",
+                caption="../report/tolerances.rst",
+                category="Devices as made",
+                labels={"figure": stem},
+            )
+            for stem in batch_stems
+        ],
+    log:
+        "results/logs/draw_tolerance.log",
+    conda:
+        "../envs/snapmap.yaml"
+    params:
+        code=code("draw_tolerance"),
+        places=batches,
+    message:
+        "Draw what devices as made do"
+    script:
+        "../scripts/draw_tolerance.py"

@@ -1,0 +1,161 @@
+"""Devices as made: how probably one snaps, which value that hangs on, what meets a requirement."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from . import style
+from .curves import LOOKS
+from .scales import WORDS, arithmetic_edges, geometric_edges, scale_of, set_scale, value_text
+
+LINES = {0.01: ":", 0.1: "--", 0.5: "-", 0.9: "--", 0.99: ":"}
+"""Of the shares of devices that snap."""
+NOMINAL = {"color": "#d55e00", "linewidth": 1.0}
+LATCHED = {"color": "#0072b2", "linewidth": 0.9}
+BOTH = {"colors": LATCHED["color"], "linewidths": 0.9, "linestyles": ["-", ":"]}
+FAILS = {"color": "0.9", "linewidth": 0}
+
+
+def draw_probability(ax: Axes, found: xr.Dataset) -> Axes:
+    """Draw the share of devices that snap over f0 and N, or over N alone if there is one f0.
+
+    found: of one C; lines where 1, 10, 50, 90 and 99 % snap, and the nominal threshold
+    """
+    ax.set_title(value_text("C", found.C.item()))
+    return _draw_shares(ax, found) if found.f0.size == 1 else _draw_field(ax, found)
+
+
+def _draw_field(ax, found):
+    edges = geometric_edges(found.f0.values), arithmetic_edges(found.N.values)
+    shares = found.probability.transpose("N", "f0").values
+    style.frequency_axis(ax)
+    look = {"cmap": "Greys", "vmin": 0, "vmax": 1.4, "edgecolors": "face", "rasterized": True}
+    ax.pcolormesh(*edges, shares, **look)
+    for share, dashes in LINES.items():
+        N = found.N_quantile.sel(quantile=share).values
+        ax.plot(found.f0.values, N, color="black", linestyle=dashes, linewidth=0.8)
+    ax.plot(found.f0.values, found.N_nominal.values, **NOMINAL)
+    if "latched" in found:
+        latched = found.latched.transpose("N", "f0").values
+        ax.contour(found.f0.values, found.N.values, latched, [0.5, 0.99], **BOTH)
+    ax.set(xlim=edges[0][[0, -1]], ylim=edges[1][[0, -1]])
+    ax.set_ylabel(r"pulse amplitude $N$ (multiples of $g$)")
+    return ax
+
+
+def _draw_shares(ax, found):
+    shares, N = found.probability.squeeze("f0"), found.N.values
+    bounds = found.probability_bound.squeeze("f0")
+    ax.fill_between(N, *bounds.transpose("bound", "N").values, color="0.8", linewidth=0)
+    ax.plot(N, shares.values, color="black")
+    ax.axvline(found.N_nominal.item(), **NOMINAL)
+    if "latched" in found:
+        ax.plot(N, found.latched.squeeze("f0").values, **LATCHED)
+    ax.set(xlabel=r"pulse amplitude $N$ (multiples of $g$)", ylabel="share of devices that snap")
+    ax.set(xlim=(N[0], N[-1]), ylim=(0, 1))
+    return ax
+
+
+def probability_keys(found: xr.Dataset) -> list[Line2D]:
+    """The legend of `draw_probability`."""
+    words = {":": "1 and 99 % snap", "--": "10 and 90 % snap", "-": "half of the devices snap"}
+    keys = []
+    if found.f0.size > 1:
+        keys = [Line2D([], [], color="black", linestyle=d, label=words[d]) for d in words]
+    else:
+        keys = [Patch(color="0.8", label="bounds at 95 %")]
+    keys.append(Line2D([], [], **NOMINAL, label="threshold of the nominal device"))
+    if "latched" in found:
+        words = (
+            "50 and (dotted) 99 % stay in the second shape"
+            if found.f0.size > 1
+            else "stay in the second shape"
+        )
+        keys.append(Line2D([], [], **LATCHED, label=words))
+    return keys
+
+
+def draw_sensitivity(ax: Axes, found: xr.Dataset) -> Axes:
+    """Draw the Sobol indices of each value over f0, with their bounds; found: of one C."""
+    ax.set_title(value_text("C", found.C.item()))
+    f0 = scale_of("f0", found.f0.values)
+    if f0.values.size > 1:
+        style.frequency_axis(ax)
+        ax.set_xlim(f0.edges[[0, -1]])
+    else:
+        set_scale(ax, "x", f0)
+    total, first = (found.sensitivity.sel(order=order) for order in ("total", "first"))
+    bounds = found.sensitivity_bound.sel(order="total")
+    for value, (colour, marker) in zip(found.value.values, _looks(found.value.size), strict=True):
+        low, high = bounds.sel(value=value).transpose("bound", "f0").values
+        middle = total.sel(value=value).values
+        error = np.maximum([middle - low, high - middle], 0)
+        look = {"color": colour, "marker": marker, "markersize": 3}
+        ax.errorbar(f0.places, middle, error, elinewidth=0.5, **look)
+        ax.plot(f0.places, first.sel(value=value).values, color=colour, linestyle=":")
+    ax.set_ylim(-0.05, 1.1)
+    ax.set_ylabel("share of the variance of the threshold")
+    return ax
+
+
+def sensitivity_keys(found: xr.Dataset) -> list[Line2D]:
+    """The legend of `draw_sensitivity`."""
+    looks = zip(found.value.values, _looks(found.value.size), strict=True)
+    keys = [
+        Line2D([], [], color=colour, marker=marker, markersize=3, label=words_of(value))
+        for value, (colour, marker) in looks
+    ]
+    return [*keys, Line2D([], [], color="0.4", linestyle=":", label="alone (first order)")]
+
+
+def words_of(value: str) -> str:
+    """What a draw moves, in words: `thickness and depth`."""
+    own = {"N": "$N$ of the shock", "duration": "duration of the pulse"}
+    return " and ".join(own.get(key) or WORDS[key][0] for key in value.split("+"))
+
+
+def draw_requirement(ax: Axes, found: xr.Dataset) -> Axes:
+    """Draw the thresholds of the devices under one required pulse, and what meets it.
+
+    found: of one requirement and C; shaded is where it fails
+    """
+    N_first, N = found.N_first_required.values, found.N_required.item()
+    known = N_first[np.isfinite(N_first)]
+    must = bool(found.must_snap)
+    ends = np.array([*known, N])
+    room = 0.05 * np.ptp(ends) or 0.05 * N
+    low, high = max(ends.min() - room, 0), ends.max() + room
+    ax.axvspan(*((N, high) if must else (low, N)), **FAILS)
+    ax.hist(known, bins="sqrt", range=(low, high), color="#0072b2", alpha=0.8)
+    ax.axvline(N, color="black", linewidth=0.8)
+    share, bounds = found.share_meeting.item(), 100 * found.share_meeting_bound.values
+    words = "trips" if must else "does not trip"
+    ax.set_title(
+        f"{found.requirement.item()}, {words}\n{value_text('C', found.C.item())}\n"
+        f"met by {share:.1%} ({bounds[0]:.1f} to {bounds[1]:.1f} %)".replace("%", " %", 1)
+    )
+    ax.set(xlim=(low, high), xlabel="threshold $N$ (multiples of $g$)", ylabel="devices")
+    return ax
+
+
+def requirement_keys() -> list[Patch]:
+    """The legend of `draw_requirement`."""
+    return [
+        Patch(**FAILS, label="the requirement fails"),
+        Line2D([], [], color="black", linewidth=0.8, label="required $N$"),
+    ]
+
+
+def batch_text(found: xr.Dataset, attributes: Mapping[str, str]) -> str:
+    """How many devices were drawn, and by which model."""
+    missing = int((found.bistable == 0).sum())
+    lost = f", {missing} of them without a second stable shape" if missing else ""
+    return f"{found.bistable.size} devices{lost}; {style.case(attributes)}"
+
+
+def _looks(number):
+    return (LOOKS * (-(-number // len(LOOKS))))[:number]

@@ -1,0 +1,189 @@
+"""Which value of a device puts its threshold where it is wanted."""
+
+import warnings
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from ..axes import COORDINATES, coordinates, split_axes
+from ..device import UNITS, VALUES, Device, batch, is_bistable
+from ..pulse import VERSED_SINE, Pulse, shocks_from
+from ..solver.adaptive import choose_survey
+from ..solver.cells import check_cells, to_rows
+from ..solver.settings import THRESHOLD_TOLERANCE, Settings, check_settings
+from .islands import survey
+
+POINTS, SECTIONS, ROUNDS = 17, 8, 3
+"""Values that are tried first; into so many parts each interval is cut, so often."""
+
+
+class Design(NamedTuple):
+    """A value for which the threshold is the one asked for.
+
+    value, error: internal units; error: what the error bar of the threshold leaves open
+    others: further values for which it is, too
+    """
+
+    value: float
+    error: float
+    others: tuple[float, ...] = ()
+
+
+def design(
+    device: Device,
+    value: str,
+    N: float,
+    f0: float,
+    C: float,
+    between: tuple[float, float],
+    model: str | Mapping = "auto",
+    pulse: str | Pulse = VERSED_SINE,
+    direction: str = "+z",
+    horizon: float = 1500.0,
+    energy_tolerance: float = 1e-3,
+    threads: int = 1,
+    **others,
+) -> Design | xr.Dataset:
+    """Find the value of a device, by its name, for which N (multiples of g) is its threshold.
+
+    f0: Hz; C: uN us/um; between: where to look, internal units
+    model, pulse, direction, horizon (us), energy_tolerance, threads: as in `threshold`
+    others: options of the model; and one further value of the device with its values, along which
+        the answer is a line: a dataset of value and error, NaN where there is none
+    Warns where several values are right, and returns the lowest. Raises ValueError, one line, where
+    none is, or for a value that cannot be.
+
+    >>> device = snapmap.load_device("config/config.yaml")
+    >>> found = snapmap.design(device, "thickness", N=1100, f0=1500, C=25, between=(1.5, 3.0))
+    >>> round(found.value, 2)
+    2.1
+    """
+    along, options = split_axes(others)
+    shocks = shocks_from(pulse, direction)
+    settings = Settings(
+        horizon, energy_tolerance=energy_tolerance, threads=threads, pulses=shocks.pulses
+    )
+    _check(device, value, N, f0, C, between, along, settings)
+    model = {"name": model, **options} if isinstance(model, str) else dict(model)
+    key, values = next(iter(along.items()), (value, [np.nan]))
+    values = np.atleast_1d(np.asarray(values, float))
+
+    def above(tried, place):
+        """How far above N thresholds are, with their errors, of values at places on the line."""
+        asked = {key: values[place], value: tried}
+        found = _thresholds(device, asked, model, settings, f0, C)
+        return found[0] - N, found[1]
+
+    found = _solve(above, between, values.size)
+    return _line(value, key, values, N, found) if along else _single(value, N, between, found)
+
+
+class _Solutions(NamedTuple):
+    """Values found, (solutions,), each at a place on the line; and the thresholds seen, less N."""
+
+    place: np.ndarray
+    value: np.ndarray
+    error: np.ndarray
+    seen: np.ndarray
+
+
+def _solve(above, between, places):
+    """Find where thresholds cross zero: on a coarse scan, then in ever finer sections."""
+    grid = np.linspace(*between, POINTS)
+    seen, _ = above(np.tile(grid, places), np.repeat(np.arange(places), POINTS))
+    seen = seen.reshape(places, POINTS)
+    known = np.isfinite(seen[:, 1:]) & np.isfinite(seen[:, :-1])
+    place, k = np.nonzero(((seen[:, 1:] < 0) != (seen[:, :-1] < 0)) & known)
+    low, high = grid[k], grid[k + 1]
+    slope = (seen[place, k + 1] - seen[place, k]) / (high - low)
+    row = np.arange(place.size)
+    for _ in range(ROUNDS if place.size else 0):
+        tried = np.linspace(low, high, SECTIONS + 1, axis=1)
+        ends, error = above(tried.ravel(), np.repeat(place, SECTIONS + 1))
+        ends, error = ends.reshape(tried.shape), error.reshape(tried.shape)
+        k = np.argmax((ends[:, 1:] < 0) != (ends[:, :1] < 0), axis=1)
+        low, high = tried[row, k], tried[row, k + 1]
+    if not place.size:
+        return _Solutions(place, low, low, seen)
+    below, beyond = ends[row, k], ends[row, k + 1]
+    value = low - below * (high - low) / (beyond - below)
+    open_by = np.maximum(error[row, k], error[row, k + 1]) + abs(beyond - below) / 2
+    return _Solutions(place, value, open_by / abs(slope), seen)
+
+
+def _thresholds(device, values, model, settings, f0, C):
+    """Thresholds of the device with other values, each (n,), and their errors; NaN for none."""
+    values = {key: column for key, column in values.items() if np.isfinite(column).all()}
+    size = next(iter(values.values())).size
+    there = np.flatnonzero(is_bistable(device.beam, values, size))
+    found = np.full((2, size), np.nan)
+    if there.size:
+        some = {key: column[there] for key, column in values.items()}
+        varied = batch([device]).pick(np.zeros(there.size, int)).vary(some)
+        models = choose_survey(varied, model, settings.threads)
+        rows = to_rows(np.arange(there.size), f0, C)
+        told = survey(models, rows, settings, THRESHOLD_TOLERANCE)
+        found[:, there] = told.N_first, told.N_error
+    return found
+
+
+def _single(value, N, between, found):
+    unit = UNITS[value]
+    ends = f"from {between[0]:g} to {between[1]:g} {unit}"
+    if not found.value.size:
+        known = found.seen[np.isfinite(found.seen)] + N
+        least = (
+            f"it runs from {known.min():.5g} to {known.max():.5g}" if known.size else "none has one"
+        )
+        raise ValueError(f"{value}: no value {ends} has its threshold at N = {N:g}; {least}")
+    first, *others = found.value.tolist()
+    if others:
+        several = ", ".join(f"{one:.5g}" for one in (first, *others))
+        warnings.warn(
+            f"{value}: thresholds {ends} are not monotone; at {several} {unit} they are {N:g}",
+            stacklevel=3,
+        )
+    return Design(first, float(found.error[0]), tuple(others))
+
+
+def _line(value, key, values, N, found):
+    """The lowest value at each place, with the number of all."""
+    lowest, error = np.full((2, values.size), np.nan)
+    for i in range(values.size):
+        mine = np.flatnonzero(found.place == i)
+        if mine.size:
+            lowest[i], error[i] = found.value[mine[0]], found.error[mine[0]]
+    count = np.bincount(found.place, minlength=values.size)
+    if (count > 1).any():
+        where = ", ".join(f"{one:.5g}" for one in values[count > 1])
+        warnings.warn(
+            f"{value}: not the only one at {key} = {where} {UNITS[key]}; the lowest is told",
+            stacklevel=3,
+        )
+    name = COORDINATES[value]["long_name"]
+    data = {
+        value: (key, lowest, COORDINATES[value] | {"comment": f"where the threshold is {N:g} g"}),
+        "error": (key, error, COORDINATES[value] | {"long_name": f"error of the {name}"}),
+        "solutions": (key, count, {"long_name": "number of values found", "units": "1"}),
+    }
+    return xr.Dataset(data, coordinates({key: values}))
+
+
+def _check(device, value, N, f0, C, between, along, settings):
+    if not isinstance(device, Device):
+        raise ValueError(f"device: {device!r} is no device; `snapmap.load_device` reads one")
+    if value not in VALUES:
+        raise ValueError(f"{value}: no value of a device; these are {', '.join(VALUES)}")
+    check_cells(N=N, f0=f0, C=C)
+    check_settings(settings)
+    if len(settings.pulses) > 1:
+        raise ValueError("pulse: several; give one shape and one direction")
+    if not N > 0:
+        raise ValueError(f"N: {N:g} is not above 0")
+    low, high = between
+    if not 0 <= low < high < np.inf:
+        raise ValueError(f"between: {low:g}, {high:g} are not two ascending values from 0")
+    if value in along or len(along) > 1:
+        raise ValueError(f"{', '.join(along)}: give one value of the device along which to look")

@@ -1,0 +1,1 @@
+"""Devices as made: values that scatter, and what that does to thresholds."""

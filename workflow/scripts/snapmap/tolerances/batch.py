@@ -1,0 +1,145 @@
+"""A batch of devices as made: what is asked of it, and answered by running each of them."""
+
+from collections.abc import Mapping
+from copy import copy
+
+import numpy as np
+
+from ..beam.equilibria import static_threshold
+from ..device import VALUES, Device, is_bistable
+from ..device import batch as batch_of
+from ..solver.adaptive import TOLERANCE, build_adaptive
+from ..solver.bracket import asker
+from ..solver.cells import to_cells, to_rows
+from ..solver.model import Follows
+from ..solver.models import build_model, check_options
+from ..solver.outcome import LATCHED, label
+from ..solver.settings import Settings
+from .samples import SHOCK, Plan
+from .search import nominal_thresholds, thresholds_of_samples
+
+
+class Batch:
+    """Samples of one device, each with its own values, and shocks that scatter as well.
+
+    values: by name, (samples,); those of SHOCK are factors; bistable: which have a second shape
+    """
+
+    def __init__(self, device: Device, plan: Plan, points: np.ndarray, model: Mapping, threads=1):
+        """Make the devices at points of a plan, (samples, draws); ValueError for what cannot be."""
+        self.values = plan.values(points)
+        self._check(plan)
+        options = _cheapest(device, model, threads)
+        self.nominal = build_model(batch_of([device]), **options)
+        made = {key: values for key, values in self.values.items() if key in VALUES}
+        self.bistable = is_bistable(device.beam, made, len(points))
+        made = {key: values[self.bistable] for key, values in made.items()}
+        self.size = np.count_nonzero(self.bistable)
+        self.model: Follows | None = None
+        if self.size:
+            devices = self.nominal.device.pick(np.zeros(self.size, int)).vary(made)
+            self.model = build_model(devices, **options)
+        self.factors = {
+            key: self.values[key][self.bistable] if key in self.values else np.ones(self.size)
+            for key in SHOCK
+        }
+        nominal = np.array([plan.nominal[key] for key in self.values])
+        self.deviations = np.column_stack(list(self.values.values()))[self.bistable] - nominal
+
+    def first(self, samples: int) -> "Batch":
+        """The same, of the first samples alone."""
+        some = copy(self)
+        some.values = {key: values[:samples] for key, values in self.values.items()}
+        some.bistable = self.bistable[:samples]
+        some.size = np.count_nonzero(some.bistable)
+        some.model = self.model.pick(np.arange(some.size)) if some.size else None
+        some.factors = {key: values[: some.size] for key, values in self.factors.items()}
+        some.deviations = self.deviations[: some.size]
+        return some
+
+    def thresholds(
+        self, C: np.ndarray, f0: np.ndarray, settings: Settings, tolerance: float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Find the lowest N that snaps, (samples, pulses, C, f0), and the nominal device's.
+
+        The third result is which of these rows are ragged; NaN where a sample has none.
+        """
+        pulse, C, f0 = np.meshgrid(np.arange(len(settings.pulses)), C, f0, indexing="ij")
+        static = static_threshold(self.nominal.device)
+        rows = to_rows(0, f0, C, pulse)
+        nominal = nominal_thresholds(self.nominal, rows, static, settings, tolerance / 10)
+        found, ragged = np.empty((0, f0.size)), np.zeros(f0.size, bool)
+        if self.size:
+            rows = to_rows(*self._of_samples(f0, C), pulse)
+            found, ragged = thresholds_of_samples(
+                self.model, rows, self.deviations, nominal, settings, tolerance
+            )
+            found /= self.factors["N"][:, np.newaxis]
+        shape = f0.shape
+        return (
+            self._spread(found.reshape(-1, *shape)),
+            nominal.reshape(shape),
+            ragged.reshape(shape),
+        )
+
+    def snapped(self, N: float, C: np.ndarray, f0: float, settings: Settings) -> np.ndarray:
+        """Whether one shock snaps each sample, (samples, C)."""
+        whole = np.zeros((self.bistable.size, len(C)), bool)
+        if self.size:
+            rows = to_rows(*self._of_samples(f0, np.asarray(C)))
+            shock = np.repeat(N * self.factors["N"], len(C))
+            seen = asker(self.model, rows, settings)(shock[:, np.newaxis])
+            whole[self.bistable] = np.isfinite(seen).reshape(-1, len(C))
+        return whole
+
+    def latched(
+        self, samples: int, N: np.ndarray, C: np.ndarray, f0: np.ndarray, settings: Settings
+    ) -> np.ndarray:
+        """How many of the first samples are proven to stay in the second shape.
+
+        Returns (pulses, C, f0, N).
+        """
+        pulse, C, f0, N = np.meshgrid(
+            np.arange(len(settings.pulses)), C, f0, N, indexing="ij", copy=False
+        )
+        count = np.zeros(N.shape, np.int64)
+        for i in range(np.count_nonzero(self.bistable[:samples])):
+            factors = {key: values[i] for key, values in self.factors.items()}
+            shock = N * factors["N"], f0 / factors["duration"], C * factors["C"]
+            cells = to_cells(self.model.device, i, *shock, settings.horizon, pulse)
+            seen = self.model.follow(cells, settings)
+            count += label(*seen[:4], settings.energy_tolerance) == LATCHED
+        return count
+
+    def _of_samples(self, f0, C):
+        """Index, f0 and C of the cells of each sample, (samples, ...)."""
+        index = np.arange(self.size).reshape(-1, *[1] * np.ndim(C))
+        duration, damping = (self.factors[key].reshape(index.shape) for key in ("duration", "C"))
+        return index, f0 / duration, C * damping
+
+    def _spread(self, values):
+        whole = np.full((self.bistable.size, *values.shape[1:]), np.nan)
+        whole[self.bistable] = values
+        return whole
+
+    def _check(self, plan):
+        for key, values in self.values.items():
+            least = np.finfo(float).tiny if key != "damping" else 0.0
+            if (wrong := np.flatnonzero(~(values >= least))).size:
+                raise ValueError(
+                    f"tolerances.{key}: {values[wrong[0]]:.4g} is drawn and cannot be; write "
+                    f"truncated or lognormal, or a smaller scatter about {plan.nominal[key]:g}"
+                )
+
+
+def _cheapest(device, model, threads):
+    """Name and options of the cheapest model that keeps the tolerance for the nominal device."""
+    if model["name"] != "auto":
+        return model
+    options = {key: value for key, value in model.items() if key != "name"}
+    check_options(device, "auto", options)
+    levels = build_adaptive(device, **options, threads=threads)
+    kept = levels.errors < options.get("tolerance", TOLERANCE)
+    # ASSUME: what suffices for the nominal device suffices for those that scatter about it.
+    chosen = (levels.base, levels.check, levels.top)[int(np.argmax(kept)) if kept.any() else 2]
+    return {"name": "cosines", "modes": chosen.modes}

@@ -1,0 +1,323 @@
+"""Thresholds of devices as made, as an xarray dataset: probability, sensitivity and yield."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+
+from ..axes import COORDINATES, coordinates
+from ..device import Device
+from ..io.provenance import device_sections, provenance
+from ..numerics.portable import geometric
+from ..pulse import VERSED_SINE, Pulse, shocks_from
+from ..solver.cells import check_cells
+from ..solver.settings import Settings, check_number, check_settings
+from .batch import Batch
+from .samples import SHOCK, Plan
+from .sensitivity import crossed, indices
+from .statistics import count_below, moments, quantiles, wilson
+
+MOST_SAMPLES = 100_000
+QUANTILES = (0.01, 0.1, 0.5, 0.9, 0.99)
+INDEX_SAMPLES = 1024
+AMPLITUDES = 101
+"""Values of N, from the lowest to the highest threshold, unless others are asked for."""
+FOLLOWED_CELLS, FEWEST_FOLLOWED = 1_000_000, 64
+"""So many cells are followed to their end, or at least those of so many samples."""
+
+MULTIPLES = {"units": "1", "comment": "in multiples of g"}
+SHARE = {"units": "1"}
+VARIABLES = {
+    "bistable": {
+        "long_name": "whether the sample has a second stable shape",
+        "flag_values": np.arange(2, dtype=np.int8),
+        "flag_meanings": "not_bistable bistable",
+    },
+    "N_first": {"long_name": "lowest amplitude that snaps the sample", **MULTIPLES},
+    "N_nominal": {"long_name": "lowest amplitude that snaps the nominal device", **MULTIPLES},
+    "N_mean": {"long_name": "mean of N_first over the samples that have one", **MULTIPLES},
+    "N_std": {"long_name": "standard deviation of N_first over them", **MULTIPLES},
+    "N_quantile": {
+        "long_name": "amplitude up to which so large a share of the samples snaps",
+        **MULTIPLES,
+    },
+    "ragged": {
+        "long_name": "whether labels of some samples change back and forth along N",
+        "flag_values": np.arange(2, dtype=np.int8),
+        "flag_meanings": "clean ragged",
+    },
+    "probability": {
+        "long_name": "share of the samples whose N_first is not above N",
+        "comment": "of all samples; one without a second stable shape never snaps",
+        **SHARE,
+    },
+    "probability_bound": {"long_name": "bounds of probability at 95 % (Wilson)", **SHARE},
+    "sensitivity": {"long_name": "Sobol index: share of N_first's variance owed to it", **SHARE},
+    "sensitivity_bound": {"long_name": "bounds of sensitivity at 95 % (bootstrap)", **SHARE},
+    "latched": {"long_name": "share of samples proven to stay in the second shape", **SHARE},
+    "latched_bound": {"long_name": "bounds of latched at 95 % (Wilson)", **SHARE},
+    "N_first_required": {
+        "long_name": "lowest amplitude of the required pulse that snaps the sample",
+        **MULTIPLES,
+    },
+    "N_required": {"long_name": "amplitude of the required shock", **MULTIPLES},
+    "f0_required": {"long_name": "frequency of the required shock", "units": "Hz"},
+    "must_snap": {
+        "long_name": "whether the required shock must snap the device",
+        "flag_values": np.arange(2, dtype=np.int8),
+        "flag_meanings": "must_not must",
+    },
+    "share_meeting": {"long_name": "share of the samples that meet the requirement", **SHARE},
+    "share_meeting_bound": {"long_name": "bounds of share_meeting at 95 % (Wilson)", **SHARE},
+    "yield": {"long_name": "share of the samples that meet all requirements", **SHARE},
+    "yield_bound": {"long_name": "bounds of yield at 95 % (Wilson)", **SHARE},
+}
+BOUND = ("low", "high")
+
+
+def tolerance(
+    device: Device | Mapping[str, Device],
+    scatters: Mapping[str, float | str | Mapping],
+    f0: Sequence[float] | None,
+    C: Sequence[float],
+    N: Sequence[float] | None = None,
+    samples: int = 1000,
+    index_samples: int | None = None,
+    seed: int = 1,
+    together: Sequence[Sequence[str]] = (),
+    requirements: Sequence[Mapping] = (),
+    model: str | Mapping = "auto",
+    pulse: str | Pulse | Sequence | Mapping = VERSED_SINE,
+    direction: str | Sequence[str] = "+z",
+    horizon: float = 1500.0,
+    tolerance: float = 1e-3,
+    energy_tolerance: float = 1e-3,
+    threads: int = 1,
+    **options,
+) -> xr.Dataset:
+    """Find the thresholds, over C (uN us/um) and f0 (Hz), of devices whose values scatter.
+
+    device: the nominal one, or several by name, which then are an axis
+    scatters: of each value the standard deviation, a number in internal units or a share such as
+        "5 %", or {kind: width}; kind is uniform (half width), lognormal, or truncated (at two
+        standard deviations). N, duration and C scatter from shock to shock, in shares
+    f0: None for a recorded shock's own; N: multiples of g at which the probability is told; from
+        the lowest to the highest threshold unless given
+    samples: number of devices; index_samples: of those by which Sobol indices are estimated, cut
+        down to a power of two, each with a partner and one more for each scatter; INDEX_SAMPLES, if
+        there are so many, unless given
+    seed: of the draws; together: groups of values that one draw moves
+    requirements: name, shocks (of one shape and direction), N, f0 (Hz) and snaps of each
+    model: name, or as a mapping the whole of the config's model section; `auto` takes the cheapest
+        level that keeps its tolerance for the nominal device
+    pulse, direction, horizon (us), energy_tolerance, threads: as in `threshold`
+    tolerance: of each threshold, relative; options: of the model
+    Raises ValueError, one line, for a value that cannot be.
+
+    >>> device = snapmap.load_device("config/config.yaml")
+    >>> made = snapmap.tolerance(device, {"thickness": "5 %"}, [1500], [25], samples=64)
+    >>> round((made.N_std / made.N_mean).item(), 2)
+    0.1
+    """
+    shocks = shocks_from(pulse, direction)
+    axes = {"C": C, "f0": [shocks.own_frequency()] if f0 is None else f0}
+    settings = Settings(
+        horizon, energy_tolerance=energy_tolerance, threads=threads, pulses=shocks.pulses
+    )
+    _check(axes, N, samples, index_samples, seed, tolerance, settings)
+    axes = {key: np.atleast_1d(np.asarray(values, float)) for key, values in axes.items()}
+    model = {"name": model, **options} if isinstance(model, str) else dict(model)
+    named = device if isinstance(device, Mapping) else {"": device}
+    power = _power(min(samples, index_samples or INDEX_SAMPLES))
+    found = []
+    for one in named.values():
+        plan = Plan(one, scatters, together)
+        points = plan.points(samples, seed)
+        paired = points[:, :power]
+        every = np.concatenate([points[0], paired[1], *crossed(paired)])
+        whole = Batch(one, plan, every, model, threads)
+        some = whole.first(samples)
+        data, N_first = _thresholds(whole, samples, shocks, axes, settings, tolerance)
+        data = data.merge(_made(some))
+        data = data.merge(_indices(N_first, samples, power, plan, seed, data))
+        data = data.merge(_probability(data, N))
+        if one.beam.damping > 0:
+            data = data.merge(_latched(some, data, settings))
+        if requirements:
+            data = data.merge(_requirements(some, requirements, data, settings, tolerance))
+        found.append(data)
+    data = found[0]
+    if isinstance(device, Mapping):
+        names = xr.Variable("device", list(device), COORDINATES["device"])
+        data = xr.concat(found, names, join="outer")
+    for key in data.data_vars:
+        data[key].attrs = VARIABLES[key] if key in VARIABLES else _attributes(key)
+    document = device_sections(device) | shocks.section() | {"model": model}
+    document["sweep"] = {"horizon": f"{horizon:.15g} us", "energy_tolerance": energy_tolerance}
+    document["tolerances"] = {key: _plain(given) for key, given in scatters.items()}
+    document["tolerances"] |= {
+        "samples": samples,
+        "seed": seed,
+        "together": list(map(list, together)),
+    }
+    return data.assign_attrs(
+        Conventions="CF-1.11, ACDD-1.3",
+        title="Thresholds of devices as made",
+        summary="Share of devices that snap over damping, frequency and amplitude of the shock",
+        threshold_tolerance=tolerance,
+        **provenance(document),
+    )
+
+
+def summary(found: xr.Dataset) -> str:
+    """One line: how many samples there are, how far thresholds scatter, what owes it, the yield."""
+    size, missing = found.bistable.size, int((found.bistable == 0).sum())
+    spread = (found.N_std / found.N_mean).values
+    spread = spread[np.isfinite(spread)]
+    told = [f"{size} samples", f"{missing} without a second stable shape"]
+    if spread.size:
+        told.append(f"thresholds scatter by {spread.min():.2g} to {spread.max():.2g}, relative")
+    owed = found.sensitivity.sel(order="total")
+    owed = owed.mean([dim for dim in owed.dims if dim != "value"])
+    if owed.notnull().any():
+        told.append(f"most by {owed.idxmax().item()}")
+    if "yield" in found:
+        told.append(f"yield {float(found['yield'].min()):.1%} to {float(found['yield'].max()):.1%}")
+    return ", ".join(told)
+
+
+def _power(samples):
+    """The largest power of two that is not above it."""
+    return 1 << (samples.bit_length() - 1)
+
+
+def _made(some):
+    """The values of the samples."""
+    values = {key: ("sample", column) for key, column in some.values.items()}
+    for key in SHOCK:
+        if key in values:
+            values[f"{key}_factor"] = values.pop(key)
+    return xr.Dataset(values | {"bistable": ("sample", some.bistable.astype(np.int8))})
+
+
+def _thresholds(whole, samples, shocks, axes, settings, tolerance):
+    """N_first of the samples proper with its moments; and of all, (all, ...)."""
+    groups = shocks.axes | axes
+    shape = [values.size for values in groups.values()]
+    N_first, nominal, ragged = whole.thresholds(*axes.values(), settings, tolerance)
+    N_first = N_first.reshape(-1, *shape)
+    own = N_first[:samples]
+    mean, std = moments(own)
+    data = {
+        "N_first": (("sample", *groups), own),
+        "N_nominal": (tuple(groups), nominal.reshape(shape)),
+        "N_mean": (tuple(groups), mean),
+        "N_std": (tuple(groups), std),
+        "N_quantile": (("quantile", *groups), quantiles(own, QUANTILES)),
+        "ragged": (tuple(groups), ragged.reshape(shape).astype(np.int8)),
+    }
+    return xr.Dataset(data, coordinates(groups) | {"quantile": list(QUANTILES)}), N_first
+
+
+def _indices(N_first, samples, power, plan, seed, data):
+    """Sobol indices of N_first: samples proper, their partners, and both crossed."""
+    groups = data.N_nominal.dims
+    names = plan.names
+    flat = N_first.reshape(len(N_first), -1)
+    second, mixed = flat[samples : samples + power], flat[samples + power :]
+    mixed = mixed.reshape(len(names), power, -1)
+    told = indices(flat[:power], second, mixed, seed)
+    told = told.reshape(*told.shape[:3], *data.N_nominal.shape)
+    dims = "order", "value", *groups
+    return xr.Dataset(
+        {
+            "sensitivity": (dims, told[:, 0]),
+            "sensitivity_bound": (("bound", *dims), np.moveaxis(told[:, 1:], 1, 0)),
+        },
+        {"order": ["first", "total"], "value": names, "bound": list(BOUND)},
+    )
+
+
+def _probability(data, N):
+    """Share of the samples that snap at each N."""
+    own = data.N_first.values
+    if N is None:
+        known = own[np.isfinite(own)]
+        ends = (known.min(), known.max()) if known.size else (1.0, 2.0)
+        N = geometric(*ends, AMPLITUDES)
+    N = np.sort(np.atleast_1d(np.asarray(N, float)))
+    return _share("probability", count_below(own, N), len(own), (*data.N_nominal.dims, "N"), N=N)
+
+
+def _share(name, count, size, dims, **coords):
+    """A share of samples with its bounds."""
+    values = {
+        name: (dims, count / size),
+        f"{name}_bound": (("bound", *dims), np.stack(wilson(count, size))),
+    }
+    return xr.Dataset(values, coordinates(coords) | {"bound": list(BOUND)})
+
+
+def _latched(some, data, settings):
+    """Share of the samples that stay latched, of as many as are affordable."""
+    groups, N = data.N_nominal, data.N.values
+    size = FOLLOWED_CELLS // (groups.size * N.size)
+    size = min(len(some.bistable), max(FEWEST_FOLLOWED, size))
+    count = some.latched(size, N, data.C.values, data.f0.values, settings)
+    dims = (*groups.dims, "N")
+    return _share("latched", count.reshape(*groups.shape, N.size), size, dims, N=N)
+
+
+def _requirements(some, requirements, data, settings, tolerance):
+    """Thresholds of the required pulses, and the shares that meet each requirement, and all."""
+    C, size = data.C.values, len(some.bistable)
+    first, meets = [], []
+    for asked in requirements:
+        own = settings._replace(pulses=asked["shocks"].pulses)
+        f0 = np.array([asked["f0"]])
+        first.append(some.thresholds(C, f0, own, tolerance)[0][:, 0, :, 0])
+        snapped = some.snapped(asked["N"], C, asked["f0"], own)
+        meets.append((snapped == asked["snaps"]) & some.bistable[:, np.newaxis])
+    meets = np.array(meets)
+    names = {"requirement": [asked["name"] for asked in requirements]}
+    columns = {
+        "N_first_required": (("requirement", "sample", "C"), np.array(first)),
+        "N_required": ("requirement", [float(asked["N"]) for asked in requirements]),
+        "f0_required": ("requirement", [float(asked["f0"]) for asked in requirements]),
+        "must_snap": ("requirement", np.array([a["snaps"] for a in requirements], np.int8)),
+    }
+    shares = [
+        _share("share_meeting", meets.sum(axis=1), size, ("requirement", "C")),
+        _share("yield", meets.all(axis=0).sum(axis=0), size, ("C",)),
+    ]
+    return xr.merge([xr.Dataset(columns, names), *shares])
+
+
+def _attributes(key):
+    """Of a value of the samples."""
+    if key.endswith("_factor"):
+        name = key.removesuffix("_factor")
+        return {"long_name": f"{name} over its nominal value", "units": "1"}
+    return COORDINATES[key]
+
+
+def _plain(given):
+    return dict(given) if isinstance(given, Mapping) else given
+
+
+def _check(axes, N, samples, index_samples, seed, tolerance, settings):
+    check_cells(**axes, **({} if N is None else {"N": N}))
+    check_settings(settings)
+    check_number("tolerance", tolerance)
+    if not 1e-5 <= tolerance <= 0.01:
+        raise ValueError(f"tolerance: {tolerance} is not from 1e-5 to 0.01, of N")
+    asked = {"samples": samples, "index_samples": index_samples or 2, "seed": seed}
+    for (key, value), least in zip(asked.items(), (2, 2, 0), strict=True):
+        if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
+            raise ValueError(f"tolerances.{key}: {value!r} is not a whole number from {least}")
+    if index_samples is not None and index_samples > samples:
+        raise ValueError(
+            f"tolerances.index_samples: {index_samples} is more than the samples, {samples}"
+        )
+    if samples > MOST_SAMPLES:
+        raise ValueError(f"tolerances.samples: {samples} is more than {MOST_SAMPLES}; write fewer")

@@ -1,0 +1,143 @@
+"""Values of a device and of its shocks as they scatter: distributions, and samples of them."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+from scipy.stats import qmc
+
+from ..device import VALUES
+
+SHOCK = ("N", "duration", "C")
+"""Values of the shock and of the damper that scatter, too, as shares: they have no nominal ones."""
+KINDS = ("normal", "uniform", "lognormal", "truncated")
+CUT = 2.0
+"""Standard deviations at which a truncated normal distribution ends."""
+DIGITS = 7
+"""Decimals of a deviation over its width: no library's last digit shows in a sample."""
+NEED = "is no number above 0, nor a share such as '5 %'"
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """How one value scatters about its nominal one.
+
+    kind: one of KINDS; width: standard deviation, half width of `uniform`, or that of the normal
+        distribution before it is `truncated`
+    is_share: whether the width is a share of the nominal value
+    """
+
+    kind: str
+    width: float
+    is_share: bool
+
+    def values(self, nominal: float, u: np.ndarray) -> np.ndarray:
+        """Values at cumulative probabilities u, from 0 to 1, any shape."""
+        if self.kind == "lognormal":
+            share = self.width if self.is_share else self.width / nominal
+            spread = math.sqrt(math.log1p(share**2))
+            # Its mean is the nominal value, and its standard deviation the width.
+            return nominal * np.round(np.exp(spread * stats.norm.ppf(u) - spread**2 / 2), DIGITS)
+        deviation = {
+            "normal": stats.norm.ppf,
+            "uniform": lambda u: 2 * u - 1,
+            "truncated": lambda u: stats.truncnorm.ppf(u, -CUT, CUT),
+        }[self.kind](u)
+        width = self.width * nominal if self.is_share else self.width
+        return nominal + width * np.round(deviation, DIGITS)
+
+
+class Plan:
+    """What scatters, by which draws, about which nominal values.
+
+    scatters: by the names of the values; factors: for each draw the values that it moves
+    """
+
+    def __init__(self, device, scatters: Mapping, together: Sequence[Sequence[str]] = ()):
+        """Take scatters as `scatter_from` does; ValueError, one line, for what cannot be."""
+        self.scatters = {key: scatter_from(key, given) for key, given in scatters.items()}
+        if not self.scatters:
+            raise ValueError("tolerances: name a value that scatters, such as thickness")
+        self.nominal = {key: _nominal(device, key) for key in self.scatters}
+        for key, scatter in self.scatters.items():
+            if math.isinf(self.nominal[key]):
+                raise ValueError(f"tolerances.{key}: a hard contact does not scatter")
+            if scatter.kind == "lognormal" and not self.nominal[key] > 0:
+                raise ValueError(f"tolerances.{key}: lognormal needs a nominal value above 0")
+        self.factors = _factors(self.scatters, together)
+
+    @property
+    def names(self) -> list[str]:
+        """A name for each draw: of the values that it moves, joined by +."""
+        return ["+".join(keys) for keys in self.factors]
+
+    def points(self, samples: int, seed: int) -> np.ndarray:
+        """Cumulative probabilities, (2, samples, draws): two sets that know nothing of each other.
+
+        By a scrambled Sobol sequence; the first of more samples are the same.
+        """
+        draws = len(self.factors)
+        power = max(1, math.ceil(math.log2(samples)))
+        points = qmc.Sobol(2 * draws, seed=seed, bits=32).random_base2(power)[:samples]
+        middle = np.clip(points, 0.5**33, 1 - 0.5**33)
+        return np.moveaxis(middle.reshape(samples, 2, draws), 1, 0)
+
+    def values(self, points: np.ndarray) -> dict[str, np.ndarray]:
+        """Values by name, (samples,), at cumulative probabilities, (samples, draws)."""
+        return {
+            key: self.scatters[key].values(self.nominal[key], u)
+            for keys, u in zip(self.factors, points.T, strict=True)
+            for key in keys
+        }
+
+
+def scatter_from(key: str, given) -> Scatter:
+    """Take what stands for a scatter: a number, a share as text, or a kind with one of these.
+
+    Raises ValueError, one line, naming the key.
+    """
+    if isinstance(given, Scatter):
+        return given
+    name = f"tolerances.{key}"
+    if key not in (*VALUES, *SHOCK):
+        known = ", ".join((*VALUES, *SHOCK))
+        raise ValueError(f"{name}: is no value that scatters; these are {known}")
+    kind, width = "normal", given
+    if isinstance(given, Mapping):
+        if len(given) != 1 or next(iter(given)) not in KINDS:
+            raise ValueError(f"{name}: write one of {', '.join(KINDS)} with its width")
+        ((kind, width),) = given.items()
+    is_share = isinstance(width, str)
+    if isinstance(width, bool) or (is_share and not width.strip().endswith("%")):
+        raise ValueError(f"{name}: {width!r} {NEED}")
+    try:
+        number = float(width.strip().removesuffix("%")) / 100 if is_share else float(width)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name}: {width!r} {NEED}") from None
+    if not 0 < number < math.inf:
+        raise ValueError(f"{name}: {width!r} {NEED}")
+    if key in SHOCK and not is_share:
+        raise ValueError(f"{name}: {width!r} is no share; write one such as '5 %'")
+    return Scatter(kind, number, is_share)
+
+
+def _nominal(device, key):
+    """The nominal value; 1 for those of the shock, which are factors."""
+    if key in SHOCK:
+        return 1.0
+    return float(getattr(device.beam, key, None) or getattr(device, key, 0.0))
+
+
+def _factors(scatters, together):
+    """For each draw the values that it moves, in the order of the scatters."""
+    group_of = {}
+    for group in together:
+        for key in group:
+            if key not in scatters:
+                raise ValueError(f"tolerances.together: {key} does not scatter")
+            if key in group_of:
+                raise ValueError(f"tolerances.together: {key} comes twice")
+            group_of[key] = tuple(one for one in scatters if one in group)
+    return tuple(dict.fromkeys(group_of.get(key, (key,)) for key in scatters))

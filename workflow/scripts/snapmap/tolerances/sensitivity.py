@@ -1,0 +1,49 @@
+"""Which value the threshold owes its scatter to: Sobol's indices."""
+
+import numpy as np
+from scipy.stats import sobol_indices
+
+RESAMPLES = 100
+"""For the confidence intervals."""
+CONFIDENCE = 0.95
+FEWEST = 16
+"""Samples; of fewer, nothing is said."""
+DECIMALS = 6
+
+
+def crossed(points: np.ndarray) -> np.ndarray:
+    """The first set of points, but each draw in turn from the second: (draws, samples, draws).
+
+    points: (2, samples, draws)
+    """
+    first, second = points
+    one_else = np.eye(first.shape[1], dtype=bool)[:, np.newaxis]
+    return np.where(one_else, second, first)
+
+
+def indices(first: np.ndarray, second: np.ndarray, crossed: np.ndarray, seed: int) -> np.ndarray:
+    """First-order and total indices with the ends of their intervals, (2, 3, draws, outputs).
+
+    first, second: values at two sets of points, (samples, outputs); crossed: at those of `crossed`,
+        (draws, samples, outputs); samples without a value in any of them are left out
+    Saltelli et al. (2010); NaN where there are fewer than FEWEST samples, or nothing scatters.
+    """
+    draws, _, outputs = crossed.shape
+    found = np.full((2, 3, draws, outputs), np.nan)
+    whole = np.isfinite(first) & np.isfinite(second) & np.isfinite(crossed).all(axis=0)
+    for i in range(outputs):
+        some = np.flatnonzero(whole[:, i])
+        some = some[: 1 << max(some.size.bit_length() - 1, 0)]  # the library asks for a power of 2
+        if some.size < FEWEST or np.ptp(first[some, i]) == 0:
+            continue
+        if draws == 1:
+            found[..., i] = 1.0
+            continue
+        seen = {"f_A": first[some, i], "f_B": second[some, i], "f_AB": crossed[:, some, i]}
+        seen = {key: values[..., np.newaxis, :] for key, values in seen.items()}
+        told = sobol_indices(func=seen, n=some.size, rng=np.random.default_rng(seed))
+        sure = told.bootstrap(confidence_level=CONFIDENCE, n_resamples=RESAMPLES)
+        for order, name in enumerate(("first_order", "total_order")):
+            interval = getattr(sure, name).confidence_interval
+            found[order, :, :, i] = getattr(told, name), interval.low, interval.high
+    return np.round(found, DECIMALS)

@@ -1,0 +1,46 @@
+"""Shares with their bounds, quantiles and moments, over samples in front; the same everywhere."""
+
+import math
+
+import numpy as np
+
+DEVIATIONS = 1.959963984540054
+"""Of a normal distribution, within which 95 % lie."""
+
+
+def wilson(count: np.ndarray, samples: int) -> tuple[np.ndarray, np.ndarray]:
+    """Bounds at 95 % of the share that `count` of so many samples stand for (Wilson, 1927)."""
+    z2 = DEVIATIONS * DEVIATIONS
+    share = np.asarray(count) / samples
+    middle = (share + z2 / (2 * samples)) / (1 + z2 / samples)
+    spread = share * (1 - share) / samples + z2 / (4 * samples * samples)
+    half = DEVIATIONS * np.sqrt(spread) / (1 + z2 / samples)
+    return np.maximum(middle - half, 0.0), np.minimum(middle + half, 1.0)
+
+
+def count_below(N_first: np.ndarray, N: np.ndarray) -> np.ndarray:
+    """How many of the samples, (samples, ...), are not above each N; (..., N). NaN is above all."""
+    ordered = np.moveaxis(np.sort(N_first, axis=0), 0, -1)
+    counts = [np.searchsorted(row, N, side="right") for row in ordered.reshape(-1, len(N_first))]
+    return np.reshape(counts, (*N_first.shape[1:], len(N)))
+
+
+def quantiles(N_first: np.ndarray, shares: np.ndarray) -> np.ndarray:
+    """N at which so large a share of the samples snaps, (shares, ...); NaN where it is less."""
+    ordered = np.sort(N_first, axis=0)
+    places = np.ceil(np.asarray(shares) * len(N_first) - 1e-9).astype(int) - 1
+    return ordered[np.maximum(places, 0)]
+
+
+def moments(N_first: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Mean and standard deviation of what is not NaN among the samples, (...)."""
+    flat = N_first.reshape(len(N_first), -1)
+    found = np.array([_moments(column[np.isfinite(column)]) for column in flat.T])
+    return tuple(found.T.reshape(2, *N_first.shape[1:]))
+
+
+def _moments(values):
+    if values.size < 2:
+        return (*values, *[np.nan] * (2 - values.size))
+    mean = math.fsum(values) / values.size
+    return mean, math.sqrt(math.fsum((values - mean) ** 2) / (values.size - 1))
