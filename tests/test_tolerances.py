@@ -142,7 +142,7 @@ def test_the_share_that_snaps_lies_within_its_bounds(handout):
         batch = Batch(handout, plan, plan.points(samples, seed)[0], SETTINGS)
         return batch.thresholds(C, f0, settings, 1e-3)[0]
 
-    many = thresholds(8192, 1000)
+    many = thresholds(4096, 1000)
     N = quantiles(many, [0.1, 0.5, 0.8])[:, 0, 0, 0]
     inside = np.zeros(3)
     for seed in range(100):
