@@ -65,6 +65,11 @@ class Beam:
             "to {:.5g} MPa"
         )
         _require(has_shapes, beyond, stress, self.most_stress)
+        straight = (
+            "device.beam.imperfection: {:g}; a free beam without one never tilts, write 0.01 um"
+        )
+        tilts = np.greater(self.imperfection, 0) | np.equal(self.free, 0)
+        _require(tilts, straight, self.imperfection)
         too_thin = (
             "device.beam.thickness: {:g} um gives Q = rise/thickness = {:.6g}; write one that "
             f"gives Q up to {THINNEST:g}"

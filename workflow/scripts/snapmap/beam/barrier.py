@@ -13,6 +13,8 @@ from .prestress import kinds_of
 
 PASSES = 3
 """Equilibria that may be the lowest pass."""
+LEAST_APART, BISECTIONS = 1e-30, 80
+"""Of N from the second load, relative; and halvings of the ratio of two bounds."""
 NEWTON_STEPS, CONVERGED = 10, 1e-8
 """Most steps, and a relative step so small that the next would be lost in rounding."""
 
@@ -20,12 +22,15 @@ NEWTON_STEPS, CONVERGED = 10, 1e-8
 class Barrier(NamedTuple):
     """The lowest pass between the two stable shapes; numbers, or arrays (devices,).
 
-    energy: of the beam there, above the start, pJ
-    midpoint: w(L/2) - rise there, um
+    energy: of the beam there, above its shape at rest, pJ
+    midpoint: w(L/2) there, from that at rest, um
+    second: w(L/2) in the second shape, um; of a beam that has none because it is free to tilt, that
+        of a guided one
     """
 
     energy: Value
     midpoint: Value
+    second: Value
 
 
 def find_barrier(beam: Beam, basis: Basis, modes: int | None = None) -> Barrier:
@@ -39,13 +44,14 @@ def find_barrier(beam: Beam, basis: Basis, modes: int | None = None) -> Barrier:
     # With rise, span, rho A and EI as units few values tell one beam from another.
     kinds, kind = kinds_of(beam)
     modal = unit_form(basis, modes, kinds)._replace(axial=6 * kinds.Q * kinds.Q)
-    guesses, second = _lowest_equilibria(modal, _buckling(basis, modes, kinds, modal))
+    if kinds.as_made and not basis.tilt.any():
+        guesses, own = _lowest_equilibria(modal, unit_buckling(basis, modes)), None
+    else:
+        guesses, own = _lowest_pass(modal)
     p, each = guesses.reshape(-1, guesses.shape[-1]), np.repeat(np.arange(kinds.Q.size), PASSES)
     p = _polish(modal, each, p)
     form = _of(modal, each)
     is_pass = np.isfinite(p).all(axis=-1) & ~is_positive(np.nan_to_num(_hessian(form, p)))
-    if not kinds.as_made or basis.tilt.any():
-        is_pass &= _is_stable(modal, second)[each]
     energies = np.where(is_pass, _energy(form, p), np.inf).reshape(-1, PASSES)
     midpoints = dot(form.midpoint, p).reshape(-1, PASSES)
     lowest = np.argmin(energies, axis=-1)[:, np.newaxis]
@@ -53,8 +59,12 @@ def find_barrier(beam: Beam, basis: Basis, modes: int | None = None) -> Barrier:
     midpoint = np.take_along_axis(midpoints, lowest, axis=-1)[kind, 0]
     exists = np.isfinite(energy)
     unit = beam.stiffness_unit * beam.rise * beam.rise
+    second = np.atleast_1d(beam.second_equilibrium)
+    if basis.tilt.any():
+        stays = beam.height + dot(modal.midpoint, own)[kind] * beam.rise
+        second = np.where(exists, stays, second)
     barrier = np.where(exists, energy, 0.0) * unit, np.where(exists, midpoint, 0.0) * beam.rise
-    return Barrier(*(value if np.ndim(beam.rise) else value.item() for value in barrier))
+    return Barrier(*(value if np.ndim(beam.rise) else value.item() for value in (*barrier, second)))
 
 
 @cache
@@ -64,49 +74,86 @@ def unit_buckling(basis: Basis, modes: int | None = None) -> tuple[np.ndarray, n
     return eigh(np.diag(modal.stiffness), modal.geometric)
 
 
-def _buckling(basis, modes, kinds, modal):
-    """Loads, beyond the tension at rest, and modes: one for all kinds as made, else of each."""
-    if kinds.as_made:
-        return unit_buckling(basis, modes)
-    return eigh(_diagonal(modal.stiffness), modal.geometric)
-
-
 def _lowest_equilibria(modal, buckling):
-    """Guesses at the lowest equilibria but the first shape; NaN for what is not there.
+    """Guesses at the lowest equilibria but the two shapes, (n, PASSES, k); NaN for those not there.
 
     In buckling modes, kappa v = N_j S v and p = sum c_j v_j, equilibrium reads
     c_j = N s_j / (N_j - N), s_j = v_j.S q0: either N is a buckling load N_j and c_j is free, or N
     is a root of the stretch equation alone. The energy grows with N, so of the first kind the
     lowest has the second load, on either side. The start is a multiple of the first mode, but for a
-    small remainder, or an imperfection, that `_polish` adds; where modes are left out, it tells the
-    two sides apart.
-    Returns the passes, (kinds, PASSES, k), and the second shape, (kinds, k).
+    small remainder that `_polish` adds; where modes are left out, it tells the two sides apart.
     """
     loads, shapes = buckling
-    start, first = dot(shapes[..., 0], modal.slope_start), loads[..., 0]
-    axial, v = modal.axial, shapes[..., 0]
-    guesses = np.full((axial.size, PASSES, loads.shape[-1]), np.nan)
+    start = dot(shapes[:, 0], modal.slope_start)
+    first, axial = loads[0], modal.axial
+    guesses = np.full((axial.size, PASSES, loads.size), np.nan)
     with np.errstate(invalid="ignore"):
         # N = axial (s^2 - q^2), q = first s / (first - N): a cubic in q, of which q = s is a root;
         # the others solve q^2 + s q + first/axial = 0, of which the lower is the second shape.
-        root = np.sqrt(start * start - 4 * first / axial)
-        guesses[:, 0] = ((root - start) / 2 - start)[:, np.newaxis] * v
-        second = ((-root - start) / 2 - start)[:, np.newaxis] * v
-        if loads.shape[-1] > 1:
-            along = first * start / (first - loads[..., 1])
-            bent = np.sqrt(start * start - along * along - loads[..., 1] / axial)
+        along = (np.sqrt(start * start - 4 * first / axial) - start) / 2 - start
+        guesses[:, 0] = along[:, np.newaxis] * shapes[:, 0]
+        if loads.size > 1:
+            along = first * start / (first - loads[1])
+            bent = np.sqrt(start * start - along * along - loads[1] / axial)
             for which, side in enumerate((bent, -bent), start=1):
-                guesses[:, which] = (along - start)[..., np.newaxis] * v
-                guesses[:, which] += side[:, np.newaxis] * shapes[..., 1]
-    return guesses, second
+                guesses[:, which] = (along - start) * shapes[:, 0]
+                guesses[:, which] += side[:, np.newaxis] * shapes[:, 1]
+    return guesses
 
 
-def _is_stable(modal, guess):
-    """Whether beams, (kinds,), have a stable shape close to the guess, on the other side."""
-    each = np.arange(len(guess))
-    found = _polish(modal, each, guess)
-    stays = is_positive(np.nan_to_num(_hessian(_of(modal, each), found)))
-    return stays & (dot(modal.midpoint, found) < 0.5 * dot(modal.midpoint, guess))
+def _lowest_pass(modal):
+    """The lowest pass of each form, whatever its start, and its second shape; NaN where none is.
+
+    Returns (n, PASSES, k), of which the first is meant, and (n, k).
+
+    With q_j = c_j + s_j = s_j N_j / (N_j - N), N is a root of
+
+        h(N) = N - axial sum s_j^2 (1 - (N_j / (N_j - N))^2),
+
+    which is convex between the first two loads: of its two roots there the lower is the second
+    shape, the higher the pass, close to N_2 if the start has little of the second mode. Without a
+    root the second shape is none, or not stable. N = N_2 (1 - x), as x keeps all digits.
+    """
+    loads, shapes = eigh(_diagonal(modal.stiffness), modal.geometric)
+    s = apply(shapes.swapaxes(-1, -2), np.broadcast_to(modal.slope_start, loads.shape))
+    second, others = loads[:, 1], np.arange(loads.shape[1]) != 1
+
+    def shares(x):
+        """N_j / (N_j - N)."""
+        found = np.repeat(1 / x[:, np.newaxis], loads.shape[1], axis=1)
+        below = loads[:, others] - (second * (1 - x))[:, np.newaxis]
+        found[:, others] = loads[:, others] / below
+        return found
+
+    def above(x):
+        share = shares(x)
+        return second * (1 - x) - modal.axial * np.sum(s * s * (1 - share * share), axis=1)
+
+    def rises(x):
+        return 1 + 2 * modal.axial * np.sum(s * s * shares(x) ** 3 / loads, axis=1) > 0
+
+    most = 1 - loads[:, 0] / second
+    with np.errstate(over="ignore"):
+        lowest = _between(LEAST_APART * most, most, rises)
+        x = _between(LEAST_APART * most, lowest, lambda x: above(x) > 0)
+        at_second = _between(lowest, most, lambda x: above(x) < 0)
+    q, own = s * shares(x), s * shares(at_second)
+    # Without any of the second mode in the start its coordinate is what the stretch leaves open.
+    free = np.sqrt(np.maximum(-above(x), 0) / modal.axial)
+    q[:, 1] = np.where(s[:, 1] == 0, free, q[:, 1])
+    q[above(lowest) >= 0] = np.nan
+    found = np.full((len(loads), PASSES, loads.shape[1]), np.nan)
+    found[:, 0] = apply(shapes, q - s)
+    return found, apply(shapes, own - s)
+
+
+def _between(low, high, holds):
+    """Where what holds at `low` and not at `high` ceases to, by bisection of their ratio."""
+    for _ in range(BISECTIONS):
+        middle = np.sqrt(low) * np.sqrt(high)
+        yes = holds(middle)
+        low, high = np.where(yes, middle, low), np.where(yes, high, middle)
+    return np.sqrt(low) * np.sqrt(high)
 
 
 def _of(modal, each):

@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..axes import DEVICE, DURATION, NAMES, Grid, axis_behind, make_grid
+from ..beam.barrier import find_barrier
+from ..beam.cosines import buckling_shapes
 from ..device import VALUES, Beam, Device, batch
 from ..io.recorded import shocks_of
 from ..numerics.portable import geometric, linear
@@ -98,15 +100,34 @@ class Study:
         return self.grid.axes
 
     def doubts(self) -> list[str]:
-        """Lines on what its recorded shocks may leave out."""
+        """Lines on what its devices and its recorded shocks may leave out."""
         shortest, device = 1e6 / self.axes["f0"][-1], nominal(self.device)
-        return [
+        named = self.device if isinstance(self.device, Mapping) else {"device": self.device}
+        tilts = [f"{name}: {line}" for name, one in named.items() if (line := tilting(one.beam))]
+        return tilts + [
             line
             for pulse in self.shocks.shapes.values()
             for line in pulse.doubts(float(device.own_frequency), float(shortest))
         ]
 
 
+def tilting(beam: Beam) -> str:
+    """One line on what a beam that is guided, or free to tilt, means for its labels, or nothing."""
+    if not beam.free and not beam.stays_if_free:
+        return (
+            f"rise/thickness = {beam.bistability:.4g}: labels hold for a guided beam only; one "
+            "free to tilt does not stay in the second shape"
+        )
+    if beam.free and find_barrier(beam, buckling_shapes(TILTING)).energy == 0:
+        return (
+            "free to tilt, the beam has no stable second shape: a snap is the midpoint's first "
+            "arrival where a guided beam has its own, and nothing latches"
+        )
+    return ""
+
+
+TILTING = 8
+"""Shapes of each kind by which it is told whether a free beam has a second one."""
 SHARES = ("rise", "fall")
 """Of a trapezoid, over its duration."""
 

@@ -50,7 +50,10 @@ def save(figure: Figure, stem: str | Path, attributes: Mapping[str, str]) -> Non
 
 
 def case(attributes: Mapping[str, str]) -> str:
-    """Which model was followed for how long, from a dataset's attributes; empty without them."""
+    """Which model was followed for how long, from a dataset's attributes; empty without them.
+
+    With it goes whether the beam is guided, as then its labels hold for one that cannot tilt.
+    """
     if "config" not in attributes:
         return ""
     config = json.loads(attributes["config"])
@@ -59,8 +62,17 @@ def case(attributes: Mapping[str, str]) -> str:
     shape, way = pulse.get("file", pulse.get("shape")), pulse.get("direction")
     words = [shape] if isinstance(shape, str) else []
     words += [f"along {way}"] if way == "-z" else []
+    words += guides(config)
     words.append(f"{config['model']['name']} model, followed {horizon} beyond the pulse")
     return ", ".join(words)
+
+
+def guides(config: Mapping) -> list[str]:
+    """Whether the beams of a config are guided or free, in words; none if they differ."""
+    devices = config.get("devices", {"": config["device"]} if "device" in config else {})
+    free = {device["beam"].get("guide") == "free" for device in devices.values()}
+    words = {False: "guided beam", True: "beam free to tilt"}
+    return [words[free.pop()]] if len(free) == 1 else []
 
 
 def frequency_axis(ax: Axes) -> Axes:

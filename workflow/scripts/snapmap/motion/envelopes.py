@@ -166,7 +166,7 @@ def _dress(grid, cube, values, bin_length, window, model):
     data["bin_length"] = (dims, bin_length.reshape(grid.shape).astype(np.float32), length)
     of_device, barrier = dims[: grid.device_of.ndim], _barrier_of(model)
     shown = {
-        "second_equilibrium": (beam.second_equilibrium, "midpoint of the second stable shape"),
+        "second_equilibrium": (barrier.second, "midpoint of the second stable shape"),
         "saddle": (beam.height + barrier.midpoint, "midpoint of the saddle between both"),
         "barrier": (barrier.energy, "energy of the saddle"),
     }
@@ -184,7 +184,7 @@ def _dress(grid, cube, values, bin_length, window, model):
 
 def _barrier_of(model):
     """The barrier of each device, arrays (devices,)."""
-    found = np.empty((2, len(model.device)))
+    found = np.empty((len(Barrier._fields), len(model.device)))
     for mine, part, row in model.split(np.arange(found.shape[1])):
         found[:, mine] = [column[row] for column in part.barrier]
     return Barrier(*found)

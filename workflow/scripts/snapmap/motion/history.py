@@ -91,7 +91,7 @@ def simulate(
         N=N,
         f0=f0,
         C=C,
-        second_equilibrium=device.beam.second_equilibrium,
+        second_equilibrium=built.barrier.second,
         barrier=built.barrier.energy,
         gravity=device.gravity,
         time_step=built.dt,

@@ -192,9 +192,9 @@ def march(model, cells, settings):
     pulses = [one.curve for one in settings.pulses]
     for which in np.unique(cells.device):
         one = model.pick(which)
-        system, beam = nodal_system(one.device, one.basis), one.device.beam
+        system = nodal_system(one.device, one.basis)
         no_history = np.empty((0, 2 * system.load.size + 4))
-        target = beam.second_equilibrium - beam.height
+        target = one.barrier.second - one.device.beam.height
         for i in np.flatnonzero(cells.device == which):
             steps = int(np.ceil(cells.t_end[i] / one.dt))
             load = pulses[cells.pulse[i]], cells.amplitude[i], cells.f0[i], cells.damping[i]

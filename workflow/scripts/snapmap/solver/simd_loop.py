@@ -41,7 +41,7 @@ def march(model, cells, settings):
     """
     n_cells, modes = cells.f0.size, model.modes
     facts = *(np.empty(n_cells) for _ in range(2)), np.empty(n_cells, np.int8), np.empty(n_cells)
-    rows, dt = coefficients(model, snap_target(model.device)), np.atleast_1d(model.dt)
+    rows, dt = coefficients(model, snap_target(model)), np.atleast_1d(model.dt)
     asked = settings.until == "snap", settings.energy_tolerance
     X, shape = work_array(modes), (0,) * modes
     pulses = table(settings.pulses)
@@ -147,9 +147,9 @@ def _conserving(model):
     return True if model.scheme == CONSERVING else None
 
 
-def snap_target(device):
-    """The second equilibrium's midpoint from that at rest, um."""
-    return device.beam.second_equilibrium - device.beam.height
+def snap_target(model):
+    """Where the midpoint snaps, from where it rests, um."""
+    return model.barrier.second - model.device.beam.height
 
 
 def work_array(modes):
