@@ -7,13 +7,17 @@ from workload import Follow
 from snapmap.beam.modal import ModalBeam
 from snapmap.device import Device
 from snapmap.solver.cells import Cells
-from snapmap.solver.simd_loop import snap_target
 
 TOLERANCE = 1e-6
 TOUCH = 1e-7
 """Overlap, um, in which mass and beam start for heyoka: a gap of exactly 0 is an endless event."""
 CHUNK = 1000
 """Steps of heyoka between two looks at its lanes."""
+
+
+def snap_target(device: Device) -> float:
+    """Where the midpoint of a guided beam snaps, from where it rests, um."""
+    return device.beam.second_equilibrium - device.beam.height
 
 
 def by_scipy(device: Device, modal: ModalBeam, method: str) -> Follow:

@@ -16,7 +16,7 @@ from snapmap.config.study import HANDOUT_CASE, SHARES, load_device, load_study
 from snapmap.config.tolerances import OPTIONS as OPTIONS_OF_BATCH
 from snapmap.config.units import KINDS
 from snapmap.config.views import MOST_MAPS
-from snapmap.device import VALUES, Beam
+from snapmap.device import VALUES, Beam, Device
 from snapmap.pulse import TENTH, VERSED_SINE
 from snapmap.solver.adaptive import TOLERANCE
 from snapmap.solver.models import OPTIONS, build_model
@@ -211,6 +211,10 @@ def code_defaults() -> dict[str, str]:
         "each of thresholds.at": AT_LEFT_OUT,
         "sweep.not_bistable": "`refuse`",
         "device.beam.damping": f"`{Beam.damping:g} /us`",
+        "device.beam.residual_stress": f"`{Beam.residual_stress:g} MPa`",
+        "device.beam.guide": "`guided`",
+        "device.beam.imperfection": "required if `guide` is `free`",
+        "device.gap": f"`{Device.gap:g} um`",
         "model.elements": f"`{elements['elements']}`",
         "model.mass_matrix": f"`{elements['mass_matrix']}`",
         "model.cosines": "as many as `modes`",

@@ -206,7 +206,7 @@ def lines_of(document):
         return []
     assert lines
     for line in lines:
-        assert line.isprintable() and 10 < len(line) <= 300, line
+        assert line.isprintable() and 10 < len(line) <= 350, line
         assert re.match(r"\S.*: \S.*\S$", line), line
     return lines
 

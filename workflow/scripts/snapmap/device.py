@@ -10,6 +10,12 @@ from dataclasses import asdict, dataclass, fields
 import numpy as np
 
 BISTABILITY_LIMIT = 4 / math.sqrt(3)
+SECOND = 4.0
+"""Buckling load of the second symmetric shape over the first's: there state 2 is no longer stable.
+"""
+TILT = (8.986818915818128 / (2 * math.pi)) ** 2
+"""Likewise of the first antisymmetric shape; tan(mu/2) = mu/2."""
+NEWTON_STEPS = 100
 THINNEST = 1e6
 """Most of rise over thickness: beyond, the digits of a float no longer hold bending and stretch."""
 
@@ -24,6 +30,10 @@ class Beam:
     youngs_modulus: MPa
     density: ng/um^3
     damping: rate at which the beam's own velocity decays, 1/us
+    residual_stress: along the axis as made, before the beam bends to relieve it; tension positive,
+        MPa
+    imperfection: largest displacement in the first antisymmetric shape, as made, um
+    free: whether it may tilt, 1 or 0: a guided beam moves symmetrically
     """
 
     span: Value
@@ -33,18 +43,33 @@ class Beam:
     youngs_modulus: Value
     density: Value
     damping: Value = 0.0
+    residual_stress: Value = 0.0
+    imperfection: Value = 0.0
+    free: Value = 0.0
 
     def __post_init__(self):
-        for name in BEAM_VALUES[:-1]:
+        for name in SIZES:
             _require_positive(f"device.beam.{name}", getattr(self, name))
-        damping, Q = self.damping, self.bistability
-        decays = np.greater_equal(damping, 0) & np.less(damping, np.inf)
-        _require(decays, "device.beam.damping: {} is not 0 or a positive number", damping)
+        for name in ("damping", "imperfection"):
+            _require_from_zero(f"device.beam.{name}", getattr(self, name))
+        stress, Q = self.residual_stress, self.bistability
+        _require(np.isfinite(stress), "device.beam.residual_stress: {} is not finite", stress)
         two_shapes = (
             "device.beam.rise: {:g} um gives Q = rise/thickness = {:.6g}; a second stable shape "
             f"needs Q > {BISTABILITY_LIMIT:.3f}"
         )
-        _require(np.greater(Q, BISTABILITY_LIMIT), two_shapes, self.rise, Q)
+        has_shapes = has_second_shape(Q, self.compression)
+        _require(has_shapes | np.not_equal(stress, 0), two_shapes, self.rise, Q)
+        beyond = (
+            "device.beam.residual_stress: {:g} MPa leaves no second stable shape; there is one up "
+            "to {:.5g} MPa"
+        )
+        _require(has_shapes, beyond, stress, self.most_stress)
+        straight = (
+            "device.beam.imperfection: {:g}; a free beam without one never tilts, write 0.01 um"
+        )
+        tilts = np.greater(self.imperfection, 0) | np.equal(self.free, 0)
+        _require(tilts, straight, self.imperfection)
         too_thin = (
             "device.beam.thickness: {:g} um gives Q = rise/thickness = {:.6g}; write one that "
             f"gives Q up to {THINNEST:g}"
@@ -99,10 +124,45 @@ class Beam:
         return root * root * np.sqrt(self.bending_stiffness / per_length)
 
     @property
+    def buckling_stress(self) -> Value:
+        """Compression at which the flat beam buckles, 4 pi^2 EI / (A span^2), MPa."""
+        root = math.pi * self.thickness / self.span
+        return self.youngs_modulus * root * root / 3
+
+    @property
+    def compression(self) -> Value:
+        """Residual stress over that of buckling, compression positive."""
+        return -np.divide(self.residual_stress, self.buckling_stress)
+
+    @property
+    def most_stress(self) -> Value:
+        """Residual stress, MPa, above which there is no second stable shape."""
+        return -least_compression(self.bistability) * self.buckling_stress
+
+    @property
+    def height(self) -> Value:
+        """Midpoint of the first stable shape, um: the rise, unless there is residual stress."""
+        share = _equilibrium(self.bistability, self.compression, side=1)
+        return np.where(np.equal(self.residual_stress, 0), self.rise, self.rise * share)[()]
+
+    @property
     def second_equilibrium(self) -> Value:
-        """Midpoint of the second stable shape, w2 = -rise (1 + sqrt(1 - 16 / (3 Q^2))) / 2, um."""
+        """Midpoint of the second stable shape of a guided beam, um.
+
+        Without residual stress w2 = -rise (1 + sqrt(1 - 16 / (3 Q^2))) / 2.
+        """
         ratio = BISTABILITY_LIMIT / self.bistability
-        return -self.rise * (1 + np.sqrt(1 - ratio * ratio)) / 2
+        with np.errstate(invalid="ignore"):
+            made = -self.rise * (1 + np.sqrt(1 - ratio * ratio)) / 2
+        share = _equilibrium(self.bistability, self.compression, side=-1)
+        return np.where(np.equal(self.residual_stress, 0), made, self.rise * share)[()]
+
+    @property
+    def stays_if_free(self) -> bool | np.ndarray:
+        """Whether the second shape of a perfect beam is stable against tilting."""
+        share = self.second_equilibrium / self.rise
+        # The axial force there is N_1 (1 - 1/share).
+        return 1 - 1 / share < TILT
 
 
 @dataclass(frozen=True)
@@ -112,6 +172,7 @@ class Device:
     mass: ng
     spring, contact: uN/um; contact = math.inf is a hard contact
     gravity: the unit of the shock's amplitude N, um/us^2
+    gap: between mass and midpoint at rest, um
     """
 
     beam: Beam
@@ -119,8 +180,10 @@ class Device:
     spring: Value
     contact: Value
     gravity: Value
+    gap: Value = 0.0
 
     def __post_init__(self):
+        _require_from_zero("device.gap", self.gap)
         for name in ("mass", "spring", "gravity"):
             _require_positive(f"device.{name}", getattr(self, name))
         stiff = "device.contact: {} is not a positive number or inf"
@@ -150,13 +213,17 @@ class Device:
 
 
 BEAM_VALUES = tuple(field.name for field in fields(Beam))
-VALUES = (*BEAM_VALUES, "mass", "spring", "contact")
+SIZES = BEAM_VALUES[:6]
+VALUES = (*BEAM_VALUES[:-1], "mass", "spring", "contact", "gap")
 """Names of the values that tell one device from another."""
+SIGNED, FROM_ZERO = ("residual_stress",), ("damping", "imperfection", "gap")
+"""Those that may be negative, or zero; all others are positive."""
 
 
 UNITS = {
-    **dict.fromkeys(("span", "rise", "thickness", "depth"), "um"),
+    **dict.fromkeys(("span", "rise", "thickness", "depth", "imperfection", "gap"), "um"),
     **{"youngs_modulus": "MPa", "density": "ng/um^3", "damping": "1/us", "mass": "ng"},
+    **{"residual_stress": "MPa"},
     **{"spring": "uN/um", "contact": "uN/um", "gravity": "um/us^2"},
 }
 """Internal units, as a config spells them."""
@@ -191,8 +258,50 @@ def batch(devices: Sequence[Device]) -> Device:
 
 def is_bistable(beam: Beam, values: Mapping[str, np.ndarray], size: int) -> np.ndarray:
     """Whether the beam with other values, each (size,), has a second stable shape; (size,)."""
-    rise, thickness = (values.get(key, getattr(beam, key)) for key in ("rise", "thickness"))
-    return np.broadcast_to(np.divide(rise, thickness) > BISTABILITY_LIMIT, (size,))
+    keys = "rise", "thickness", "span", "youngs_modulus", "residual_stress"
+    rise, thickness, span, modulus, stress = (values.get(key, getattr(beam, key)) for key in keys)
+    root = math.pi * thickness / span
+    compression = -3 * stress / (modulus * root * root)
+    found = has_second_shape(np.divide(rise, thickness), compression)
+    return np.broadcast_to(found, (size,))
+
+
+def has_second_shape(Q: Value, compression: Value) -> Value:
+    """Whether a guided beam of rise over thickness Q is stable in a second shape.
+
+    compression: residual stress over that of buckling
+    """
+    at_rest = np.greater(Q, BISTABILITY_LIMIT)
+    return np.where(np.equal(compression, 0), at_rest, compression > least_compression(Q))[()]
+
+
+def least_compression(Q: Value) -> Value:
+    """Residual compression, over that of buckling, down to which there is a second stable shape.
+
+    It ends at c = w(L/2)/rise where the axial force N_1 (1 - 1/c) reaches the second load, or where
+    the equilibria of `_equilibrium` meet, d/dc = 0, if that comes first.
+    """
+    arch = 0.75 * np.square(Q)
+    fold = -1 / np.cbrt(2 * arch)
+    c = np.minimum(fold, 1 / (1 - SECOND))
+    return 1 - 1 / c - arch * (1 - c * c)
+
+
+def _equilibrium(Q, compression, side):
+    """Outermost c = w(L/2)/rise on one side, 1 or -1, at which the beam is at rest.
+
+    compression + (3/4) Q^2 (1 - c^2) = 1 - 1/c, a cubic in c: axial force over N_1, on both sides.
+    By Newton's method from beyond the root, as far as it comes nearer.
+    """
+    arch = 0.75 * np.square(np.asarray(Q, float))
+    linear, rest = (np.asarray(compression, float) + arch - 1) / arch, side / arch
+    c = 1 + np.sqrt(np.maximum(linear, 0)) + 1 / arch
+    for _ in range(NEWTON_STEPS):
+        nearer = c - (c * (c * c - linear) - rest) / (3 * c * c - linear)
+        if not (nearer < c).any():
+            break
+        c = np.minimum(nearer, c)
+    return side * c
 
 
 def _from_values(values, convert):
@@ -204,6 +313,11 @@ def _from_values(values, convert):
 def _require_positive(key, value):
     holds = np.greater(value, 0) & np.less(value, np.inf)
     _require(holds, f"{key}: {{}} is not a positive, finite number", value)
+
+
+def _require_from_zero(key, value):
+    holds = np.greater_equal(value, 0) & np.less(value, np.inf)
+    _require(holds, f"{key}: {{}} is not 0 or a positive number", value)
 
 
 def _require(holds, complaint, *values):

@@ -9,22 +9,18 @@ from pathlib import Path
 import numpy as np
 
 from snapmap import load_device, threshold
-from snapmap.beam.barrier import find_barrier
-from snapmap.beam.cosines import symmetric_cosines
-from snapmap.beam.modal import reduce_to_modes
-from snapmap.device import BEAM_VALUES, batch
+from snapmap.device import SIZES, batch
+from snapmap.pulse import make_pulse
 from snapmap.solver.adaptive import choose_survey
 from snapmap.solver.cells import to_cells, to_rows
-from snapmap.solver.model import Model
-from snapmap.solver.models import build_model, simd
-from snapmap.solver.schemes import CONSERVING, default_step
+from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
 from snapmap.thresholds.islands import survey
 
 from .markdown import table
 
 ROOT = Path(__file__).resolve().parents[3]
-OF_BEAM = BEAM_VALUES[:-1]
+OF_BEAM = SIZES
 OF_DEVICE = ("mass", "spring", "contact")
 COSINES = {"name": "cosines", "modes": 5}
 F0, C, TOLERANCE, ELEMENTS = 1500.0, 0.025, 1e-6, 10
@@ -58,37 +54,18 @@ def one_percent_more(device):
 
 
 def eigenstrain(device):
+    """Thresholds with an eigenstrain e, that is a residual stress of -E e."""
     first, rows = None, []
     row = to_rows(0, F0, C)
     for strain in (0.0, 1e-5, -1e-5, 1e-4, -1e-4):
-        model = with_eigenstrain(device, strain)
-        models = choose_survey(batch([model.device]), COSINES)._replace(decides=model)
+        stress = -strain * device.beam.youngs_modulus
+        strained = replace(device, beam=replace(device.beam, residual_stress=stress))
+        models = choose_survey(batch([strained]), COSINES)
         found = survey(models, row, Settings(), TOLERANCE).N_first[0]
         first = first or found
-        rise = model.device.beam.rise / device.beam.rise - 1
+        rise = strained.beam.height / device.beam.rise - 1
         rows.append([f"{strain:g}", f"{100 * rise:+.3f} %", f"{100 * (found / first - 1):+.2f} %"])
     return table(["eigenstrain", "rise", "N_first"], rows)
-
-
-def with_eigenstrain(device, strain):
-    """Five cosines about the device's new rise, with the axial force that is left."""
-    beam = device.beam
-    n_1 = beam.bending_stiffness * (2 * np.pi / beam.span) ** 2
-    arch, push = 0.75 * beam.bistability**2, strain * beam.youngs_modulus * beam.area / n_1
-    # 1 - 1/s = N/N_1 = arch (1 - s^2) + push, s the new rise over the old one.
-    scale = np.roots([arch, 0, 1 - arch - push, -1]).real.max()
-    force = (1 - 1 / scale) * n_1
-    old, unit_force = symmetric_cosines(5), force / (beam.stiffness_unit * beam.span)
-    basis = replace(
-        old,
-        bending=old.bending - unit_force * old.geometric,
-        flexibility=lambda axial_force: old.flexibility(axial_force + unit_force),
-    )
-    strained = replace(device, beam=replace(beam, rise=scale * beam.rise))
-    modal = reduce_to_modes(strained.beam, basis, 5)
-    dt = default_step(strained, modal, CONSERVING, whole=False)
-    barrier = find_barrier(strained.beam, basis, 5)
-    return Model("cosines", CONSERVING, simd, strained, basis, modal, barrier, dt)
 
 
 def stresses(device):
@@ -111,9 +88,9 @@ def stresses(device):
 def motion(model, N):
     """Nodal displacements from the start at every step, (steps, n), and their matrices."""
     cell = to_cells(model.device, [0], [N], [F0], [C], Settings().horizon)
-    *load, t_end = (column.item() for column in cell[1:])
+    *load, t_end = (column.item() for column in cell[2:])
     steps = int(np.ceil(t_end / model.dt))
-    run, form = model.loop().record(model, *load, steps, stride=1)
+    run, form = model.loop().record(model, make_pulse(), *load, steps, stride=1)
     return run.u, form
 
 

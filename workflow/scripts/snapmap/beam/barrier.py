@@ -8,8 +8,13 @@ import numpy as np
 from ..device import Beam, Value
 from ..numerics.linalg import apply, dot, eigh, is_positive, solve
 from .basis import Basis
-from .modal import unit_modes
+from .modal import unit_form, unit_modes
+from .prestress import kinds_of
 
+PASSES = 3
+"""Equilibria that may be the lowest pass."""
+LEAST_APART, BISECTIONS = 1e-30, 80
+"""Of N from the second load, relative; and halvings of the ratio of two bounds."""
 NEWTON_STEPS, CONVERGED = 10, 1e-8
 """Most steps, and a relative step so small that the next would be lost in rounding."""
 
@@ -17,12 +22,15 @@ NEWTON_STEPS, CONVERGED = 10, 1e-8
 class Barrier(NamedTuple):
     """The lowest pass between the two stable shapes; numbers, or arrays (devices,).
 
-    energy: of the beam there, above the start, pJ
-    midpoint: w(L/2) - rise there, um
+    energy: of the beam there, above its shape at rest, pJ
+    midpoint: w(L/2) there, from that at rest, um
+    second: w(L/2) in the second shape, um; of a beam that has none because it is free to tilt, that
+        of a guided one
     """
 
     energy: Value
     midpoint: Value
+    second: Value
 
 
 def find_barrier(beam: Beam, basis: Basis, modes: int | None = None) -> Barrier:
@@ -30,21 +38,33 @@ def find_barrier(beam: Beam, basis: Basis, modes: int | None = None) -> Barrier:
 
     Below its energy each well is closed, and w(L/2) on either side of its midpoint tells which
     well the beam is in: among all shapes with that midpoint none has less energy than the saddle.
-    A model too coarse to have a second shape, close to Q = 4/sqrt(3), has a barrier of energy 0.
+    A model that has no stable second shape has a barrier of energy 0: one too coarse, close to
+    Q = 4/sqrt(3), or a beam that is free to tilt out of it.
     """
-    # With rise, span, rho A and EI as units a beam is told from others by Q = rise/thickness alone.
-    Q, place = np.unique(np.atleast_1d(beam.bistability), return_inverse=True)
-    modal = unit_modes(basis, modes)._replace(axial=6 * Q[:, np.newaxis] * Q[:, np.newaxis])
-    p = _polish(modal, _lowest_equilibria(modal, unit_buckling(basis, modes)))
-    is_pass = np.isfinite(p).all(axis=-1) & ~is_positive(np.nan_to_num(_hessian(modal, p)))
-    energies = np.where(is_pass, _energy(modal, p), np.inf)
+    # With rise, span, rho A and EI as units few values tell one beam from another.
+    kinds, kind = kinds_of(beam)
+    modal = unit_form(basis, modes, kinds)._replace(axial=6 * kinds.Q * kinds.Q)
+    if kinds.as_made and not basis.tilt.any():
+        guesses, own = _lowest_equilibria(modal, unit_buckling(basis, modes)), None
+    else:
+        guesses, own = _lowest_pass(modal)
+    p, each = guesses.reshape(-1, guesses.shape[-1]), np.repeat(np.arange(kinds.Q.size), PASSES)
+    p = _polish(modal, each, p)
+    form = _of(modal, each)
+    is_pass = np.isfinite(p).all(axis=-1) & ~is_positive(np.nan_to_num(_hessian(form, p)))
+    energies = np.where(is_pass, _energy(form, p), np.inf).reshape(-1, PASSES)
+    midpoints = dot(form.midpoint, p).reshape(-1, PASSES)
     lowest = np.argmin(energies, axis=-1)[:, np.newaxis]
-    energy = np.take_along_axis(energies, lowest, axis=-1)[place, 0]
-    midpoint = np.take_along_axis(dot(modal.midpoint, p), lowest, axis=-1)[place, 0]
+    energy = np.take_along_axis(energies, lowest, axis=-1)[kind, 0]
+    midpoint = np.take_along_axis(midpoints, lowest, axis=-1)[kind, 0]
     exists = np.isfinite(energy)
     unit = beam.stiffness_unit * beam.rise * beam.rise
+    second = np.atleast_1d(beam.second_equilibrium)
+    if basis.tilt.any():
+        stays = beam.height + dot(modal.midpoint, own)[kind] * beam.rise
+        second = np.where(exists, stays, second)
     barrier = np.where(exists, energy, 0.0) * unit, np.where(exists, midpoint, 0.0) * beam.rise
-    return Barrier(*(value if np.ndim(beam.rise) else value.item() for value in barrier))
+    return Barrier(*(value if np.ndim(beam.rise) else value.item() for value in (*barrier, second)))
 
 
 @cache
@@ -55,7 +75,7 @@ def unit_buckling(basis: Basis, modes: int | None = None) -> tuple[np.ndarray, n
 
 
 def _lowest_equilibria(modal, buckling):
-    """Guesses at the lowest equilibria but the two shapes, (n, 3, k); NaN for what is not there.
+    """Guesses at the lowest equilibria but the two shapes, (n, PASSES, k); NaN for those not there.
 
     In buckling modes, kappa v = N_j S v and p = sum c_j v_j, equilibrium reads
     c_j = N s_j / (N_j - N), s_j = v_j.S q0: either N is a buckling load N_j and c_j is free, or N
@@ -65,8 +85,8 @@ def _lowest_equilibria(modal, buckling):
     """
     loads, shapes = buckling
     start = dot(shapes[:, 0], modal.slope_start)
-    first, axial = loads[0], modal.axial[:, 0]
-    guesses = np.full((axial.size, 3, loads.size), np.nan)
+    first, axial = loads[0], modal.axial
+    guesses = np.full((axial.size, PASSES, loads.size), np.nan)
     with np.errstate(invalid="ignore"):
         # N = axial (s^2 - q^2), q = first s / (first - N): a cubic in q, of which q = s is a root;
         # the others solve q^2 + s q + first/axial = 0, of which the lower is the second shape.
@@ -79,6 +99,72 @@ def _lowest_equilibria(modal, buckling):
                 guesses[:, which] = (along - start) * shapes[:, 0]
                 guesses[:, which] += side[:, np.newaxis] * shapes[:, 1]
     return guesses
+
+
+def _lowest_pass(modal):
+    """The lowest pass of each form, whatever its start, and its second shape; NaN where none is.
+
+    Returns (n, PASSES, k), of which the first is meant, and (n, k).
+
+    With q_j = c_j + s_j = s_j N_j / (N_j - N), N is a root of
+
+        h(N) = N - axial sum s_j^2 (1 - (N_j / (N_j - N))^2),
+
+    which is convex between the first two loads: of its two roots there the lower is the second
+    shape, the higher the pass, close to N_2 if the start has little of the second mode. Without a
+    root the second shape is none, or not stable. N = N_2 (1 - x), as x keeps all digits.
+    """
+    loads, shapes = eigh(_diagonal(modal.stiffness), modal.geometric)
+    s = apply(shapes.swapaxes(-1, -2), np.broadcast_to(modal.slope_start, loads.shape))
+    second, others = loads[:, 1], np.arange(loads.shape[1]) != 1
+
+    def shares(x):
+        """N_j / (N_j - N)."""
+        found = np.repeat(1 / x[:, np.newaxis], loads.shape[1], axis=1)
+        below = loads[:, others] - (second * (1 - x))[:, np.newaxis]
+        found[:, others] = loads[:, others] / below
+        return found
+
+    def above(x):
+        share = shares(x)
+        return second * (1 - x) - modal.axial * np.sum(s * s * (1 - share * share), axis=1)
+
+    def rises(x):
+        return 1 + 2 * modal.axial * np.sum(s * s * shares(x) ** 3 / loads, axis=1) > 0
+
+    most = 1 - loads[:, 0] / second
+    with np.errstate(over="ignore"):
+        lowest = _between(LEAST_APART * most, most, rises)
+        x = _between(LEAST_APART * most, lowest, lambda x: above(x) > 0)
+        at_second = _between(lowest, most, lambda x: above(x) < 0)
+    q, own = s * shares(x), s * shares(at_second)
+    # Without any of the second mode in the start its coordinate is what the stretch leaves open.
+    free = np.sqrt(np.maximum(-above(x), 0) / modal.axial)
+    q[:, 1] = np.where(s[:, 1] == 0, free, q[:, 1])
+    q[above(lowest) >= 0] = np.nan
+    found = np.full((len(loads), PASSES, loads.shape[1]), np.nan)
+    found[:, 0] = apply(shapes, q - s)
+    return found, apply(shapes, own - s)
+
+
+def _between(low, high, holds):
+    """Where what holds at `low` and not at `high` ceases to, by bisection of their ratio."""
+    for _ in range(BISECTIONS):
+        middle = np.sqrt(low) * np.sqrt(high)
+        yes = holds(middle)
+        low, high = np.where(yes, middle, low), np.where(yes, high, middle)
+    return np.sqrt(low) * np.sqrt(high)
+
+
+def _of(modal, each):
+    """The unit forms of rows, given by the numbers of their kinds; one for all as made."""
+    own = modal.stiffness.ndim > 1
+    columns = {key: column[each] if own else column for key, column in modal._asdict().items()}
+    return modal._replace(**columns | {"axial": modal.axial[each]})
+
+
+def _diagonal(values):
+    return values[..., np.newaxis] * np.eye(values.shape[-1])
 
 
 def _stretch(modal, p):
@@ -94,21 +180,22 @@ def _energy(modal, p):
 
 def _hessian(modal, p):
     slope, axial_force = _stretch(modal, p)
-    tangent = np.diag(modal.stiffness) - axial_force[..., np.newaxis, np.newaxis] * modal.geometric
+    tangent = (
+        _diagonal(modal.stiffness) - axial_force[..., np.newaxis, np.newaxis] * modal.geometric
+    )
     along = 2 * modal.axial[..., np.newaxis, np.newaxis] * slope[..., :, np.newaxis]
     return tangent + along * slope[..., np.newaxis, :]
 
 
-def _polish(modal, p):
-    """Newton's method from guesses, (n, 3, k), each until it has converged."""
-    found = p.reshape(-1, p.shape[-1]).copy()
-    axial = np.broadcast_to(modal.axial, p.shape[:-1]).ravel()
+def _polish(modal, each, p):
+    """Newton's method from guesses, (rows, k), each until it has converged; each: its kind."""
+    found = p.copy()
     left = np.flatnonzero(np.isfinite(found).all(axis=-1))
     for _ in range(NEWTON_STEPS):
-        some, guess = modal._replace(axial=axial[left]), found[left]
+        some, guess = _of(modal, each[left]), found[left]
         slope, axial_force = _stretch(some, guess)
-        force = modal.stiffness * guess - axial_force[..., np.newaxis] * slope
+        force = some.stiffness * guess - axial_force[..., np.newaxis] * slope
         step = solve(_hessian(some, guess), force)
         found[left] = guess - step
         left = left[abs(step).max(axis=-1) > CONVERGED * abs(guess).max(axis=-1)]
-    return found.reshape(p.shape)
+    return found

@@ -1,4 +1,4 @@
-"""The common form of every discretisation: eq. (4) as matrices over symmetric deflections."""
+"""The common form of every discretisation: eq. (4) as matrices over its deflections."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -10,7 +10,10 @@ from ..device import Beam
 
 @dataclass(frozen=True, eq=False)
 class Basis:
-    """Matrices of the whole beam (twice the half beam's) over n symmetric, clamped shapes.
+    """Matrices of the whole beam (twice the half beam's) over n clamped shapes.
+
+    They are symmetric and, of a beam that is free to tilt, antisymmetric ones; no matrix couples
+    the two kinds.
 
     Of a beam whose span L, rise, rho A and EI are 1; `scaled_to` gives those of another.
 
@@ -20,6 +23,7 @@ class Basis:
     load: (n,), rho A w~, in rho A L
     midpoint: (n,), w~(L/2)
     start: (n,), the stress-free shape w0, in the rise
+    tilt: (n,), the first antisymmetric shape, its largest displacement 1; 0 of a guided beam
     flexibility: axial force N (in EI/L^2) -> static deflection of the midpoint per force there
         (in L^3/EI)
     complete: whether that flexibility is the n shapes' own; else it is the exact beam's
@@ -31,11 +35,12 @@ class Basis:
     load: np.ndarray
     midpoint: np.ndarray
     start: np.ndarray
-    flexibility: Callable[[float], float]
+    tilt: np.ndarray
+    flexibility: Callable[[np.ndarray], np.ndarray]
     complete: bool
 
     def scaled_to(self, beam: Beam) -> "Basis":
-        """The same shapes for a beam: ng, uN/um, 1/um, um and um/uN; N in uN."""
+        """The same shapes for a beam as made: ng, uN/um, 1/um, um and um/uN; N in uN."""
         unit_force = beam.stiffness_unit * beam.span
         return replace(
             self,
@@ -43,6 +48,14 @@ class Basis:
             bending=beam.stiffness_unit * self.bending,
             geometric=self.geometric / beam.span,
             load=beam.weight * self.load,
-            start=beam.rise * self.start,
+            start=beam.rise * self.start + beam.imperfection * self.tilt,
             flexibility=lambda force: self.flexibility(force / unit_force) / beam.stiffness_unit,
         )
+
+
+def block_diagonal(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The matrix of two square blocks."""
+    whole = np.zeros((len(a) + len(b), len(a) + len(b)))
+    whole[: len(a), : len(a)] = a
+    whole[len(a) :, len(a) :] = b
+    return whole

@@ -1,10 +1,15 @@
-"""Symmetric cosines phi_n = 1 - cos(2 n pi x / L): clamped exactly, bending and slopes diagonal."""
+"""The buckling shapes of the straight clamped beam: bending and slopes diagonal, clamped exactly.
+
+Symmetric ones are cosines, phi_n = 1 - cos(2 n pi x / L). Antisymmetric ones, with y = x - L/2, are
+psi_n = sin(mu_n y / L) / sin(mu_n / 2) - 2 y / L, where tan(mu/2) = mu/2.
+"""
 
 from functools import cache
 
 import numpy as np
 
-from .basis import Basis
+from ..numerics.portable import sine
+from .basis import Basis, block_diagonal
 
 TERMS = 30
 """Of the continued fraction of the tangent; ten give all digits up to the second buckling load."""
@@ -24,9 +29,49 @@ def symmetric_cosines(cosines: int) -> Basis:
         load=np.ones(cosines),
         midpoint=np.where(n % 2, 2.0, 0.0),
         start=start,
+        tilt=np.zeros(cosines),
         flexibility=_midpoint_flexibility,
         complete=False,
     )
+
+
+@cache
+def buckling_shapes(cosines: int) -> Basis:
+    """Expand w in as many antisymmetric shapes as symmetric cosines, for a beam free to tilt."""
+    symmetric, mu = symmetric_cosines(cosines), antisymmetric_loads(cosines)
+    none, tilt = np.zeros(cosines), np.zeros(2 * cosines)
+    # The slope of psi_1 vanishes at mu y = 2 pi - mu/2, where |psi_1| = 4 pi / mu.
+    tilt[cosines] = mu[0] / (4 * np.pi)
+    square = mu * mu
+    # The integrals of psi_m psi_n over the span are 1/3, and 1/2 more where m = n.
+    mass = np.full((cosines, cosines), 1 / 3) + np.eye(cosines) / 2
+    return Basis(
+        mass=block_diagonal(symmetric.mass, mass),
+        bending=block_diagonal(symmetric.bending, np.diag(square * square / 2)),
+        geometric=block_diagonal(symmetric.geometric, np.diag(square / 2)),
+        load=np.append(symmetric.load, none),
+        midpoint=np.append(symmetric.midpoint, none),
+        start=np.append(symmetric.start, none),
+        tilt=tilt,
+        flexibility=_midpoint_flexibility,
+        complete=False,
+    )
+
+
+@cache
+def antisymmetric_loads(number: int) -> np.ndarray:
+    """The first roots mu of tan(mu/2) = mu/2 above 0, (number,).
+
+    By Newton's method for cos(d) = (end - d) sin(d), where mu/2 = end - d lies by d below an end
+    (n + 1/2) pi.
+    """
+    end = (np.arange(1, number + 1) + 0.5) * np.pi
+    d = 1 / end
+    for _ in range(6):
+        turns = (d / (2 * np.pi)).tolist()
+        sin, cos = (np.array([sine(turn + shift) for turn in turns]) for shift in (0, 0.25))
+        d = d - (cos - (end - d) * sin) / (-(end - d) * cos)
+    return 2 * (end - d)
 
 
 def _midpoint_flexibility(axial_force):

@@ -7,36 +7,45 @@ import numpy as np
 
 from ..numerics.linalg import dot, solve
 from ..numerics.portable import sine
-from .basis import Basis
+from .basis import Basis, block_diagonal
+from .cosines import antisymmetric_loads
+
+SYMMETRIC, ANTISYMMETRIC = -1, -2
+"""Which unknown at the midpoint, of (W, Phi), is fixed there: Phi, or W."""
 
 
 @cache
-def hermite_elements(elements: int = 5, mass_matrix: str = "consistent") -> Basis:
+def hermite_elements(
+    elements: int = 5, mass_matrix: str = "consistent", free: bool = False
+) -> Basis:
     """Assemble `elements` uniform Hermite elements of the half beam: 2 elements - 1 unknowns.
 
     Unknowns are (W, Phi) at each node but those fixed: W = Phi = 0 at the clamp, Phi = 0 at L/2;
     Phi = dw/d(x/L).
-    mass_matrix: "consistent" or "hrz" (diagonal, Hinton, Rock & Zienkiewicz 1976).
+    mass_matrix: "consistent" or "hrz" (diagonal, Hinton, Rock & Zienkiewicz 1976)
+    free: whether the half beam's antisymmetric motions, W = 0 at L/2, are appended; both together
+        are those of the whole beam of twice as many elements
     """
     h = 1 / (2 * elements)
-    bending = _assemble(elements, _bending(h))
-    geometric = _assemble(elements, _geometric(h))
-    midpoint = np.zeros(2 * elements - 1)
+    parts = _bending(h), _geometric(h), _consistent_mass(h)
+    if mass_matrix == "hrz":
+        parts = *parts[:2], _hrz_mass(h)
+    bending, geometric, mass = (_assemble(elements, part, SYMMETRIC) for part in parts)
+    none = np.zeros(2 * elements - 1)
+    load, start, tilt = _assemble_vector(elements, _load(h)), _interpolate_start(elements), none
+    midpoint = none.copy()
     midpoint[-1] = 1.0
+    if free:
+        others = (_assemble(elements, part, ANTISYMMETRIC) for part in parts)
+        bending, geometric, mass = map(block_diagonal, (bending, geometric, mass), others)
+        load, start, midpoint = (np.append(vector, none) for vector in (load, start, midpoint))
+        tilt = np.append(none, _interpolate_tilt(elements))
 
-    def flexibility(axial_force: float) -> float:
-        return float(dot(midpoint, solve(bending - axial_force * geometric, midpoint)))
+    def flexibility(axial_force):
+        tangent = bending - np.asarray(axial_force)[..., np.newaxis, np.newaxis] * geometric
+        return dot(midpoint, solve(tangent, midpoint))
 
-    return Basis(
-        mass=_assemble(elements, _hrz_mass(h) if mass_matrix == "hrz" else _consistent_mass(h)),
-        bending=bending,
-        geometric=geometric,
-        load=_assemble_vector(elements, _load(h)),
-        midpoint=midpoint,
-        start=_interpolate_start(elements),
-        flexibility=flexibility,
-        complete=True,
-    )
+    return Basis(mass, bending, geometric, load, midpoint, start, tilt, flexibility, complete=True)
 
 
 def _bending(h):
@@ -89,12 +98,13 @@ def _load(h):
     return h * np.array([1 / 2, h / 12, 1 / 2, -h / 12])
 
 
-def _assemble(elements, element_matrix):
+def _assemble(elements, element_matrix, fixed):
     """Sum one element's matrix over the half beam, drop the fixed unknowns, double."""
     full = np.zeros((2 * elements + 2, 2 * elements + 2))
     for i in range(0, 2 * elements, 2):
         full[i : i + 4, i : i + 4] += element_matrix
-    return 2 * full[2:-1, 2:-1]
+    kept = np.delete(np.arange(2 * elements + 2), [0, 1, fixed])
+    return 2 * full[np.ix_(kept, kept)]
 
 
 def _assemble_vector(elements, element_vector):
@@ -111,3 +121,18 @@ def _interpolate_start(elements):
         half, whole = (sine(node / elements / parts) for parts in (4, 2))
         nodal += [half * half, pi * whole]
     return np.array(nodal[2:-1])
+
+
+def _interpolate_tilt(elements):
+    """Nodal values and slopes of psi_1, its largest displacement 1; see `buckling_shapes`."""
+    (mu,) = antisymmetric_loads(1)
+    tangent = mu / 2
+    nodal = []
+    for node in range(elements + 1):
+        along = node / (2 * elements) - 0.5
+        sin, cos = (sine(mu * along / (2 * pi) + turn) for turn in (0, 0.25))
+        # sin(mu/2) = tan(mu/2) cos(mu/2), and cos(mu/2) is negative.
+        half = -tangent / (1 + tangent * tangent) ** 0.5
+        nodal += [sin / half - 2 * along, mu * cos / half - 2]
+    kept = np.delete(np.array(nodal), [0, 1, ANTISYMMETRIC])
+    return mu / (4 * pi) * kept

@@ -10,16 +10,16 @@ largest N, the other, farther along, to the way on from there.
 """
 
 from collections.abc import Callable
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
 from ..device import Beam, Device
-from ..numerics.linalg import apply
+from ..numerics.linalg import apply, eigh
 from .barrier import unit_buckling
-from .cosines import symmetric_cosines
-from .modal import contact_stiffness, unit_modes
+from .cosines import buckling_shapes, symmetric_cosines
+from .modal import ModalBeam, contact_stiffness, unit_form, unit_modes
+from .prestress import kinds_of
 
 COSINES = 40
 GRID, ZOOMS = 100, 5
@@ -46,30 +46,38 @@ def static_threshold(device: Device) -> float | np.ndarray:
     if np.ndim(device.mass):
         return np.array([static_threshold(device.pick(i)) for i in range(len(device))])
     modes = buckling_modes(device.beam)
+    whole = device.beam.height - device.beam.second_equilibrium
 
     def pressed(modes, N):
         return _shock(device, modes, N)
 
-    a, reached, leaves = _end_of(modes, pressed, device.mass, device.spring)
+    def is_left(a, reached):
+        """Whether the midpoint is ahead of the mass by itself, once that has touched it."""
+        behind = device.mass * a < device.spring * (reached + device.gap)
+        return behind & np.logical_or.accumulate(~behind)
+
+    a, reached, leaves = _end_of(modes, pressed, is_left, whole)
     if leaves:
-        alone, edge, _ = _end_of(modes, _shock_alone, mass=1.0, spring=0.0)
+        alone, edge, _ = _end_of(modes, _shock_alone, lambda a, reached: a < 0, whole)
         if reached < edge:
             a = alone
     return float(a / device.gravity)
 
 
-def _end_of(modes, loaded, mass, spring):
-    """The first maximum of a on a path, or where the midpoint is ahead of a mass by itself.
+def _end_of(modes, loaded, is_left, whole):
+    """The first maximum of a on a path, its end, or where the midpoint goes ahead of the mass.
 
-    Returns a, the way of the midpoint, and whether it is the latter.
+    is_left: tells which points of a path are such, from a and the way of the midpoint there
+    whole: the way to the second shape, um
+    Returns a, the way of the midpoint, and whether the mass is left there.
     """
     largest = largest_force(modes, loaded, modes.buckling[1, 0])
     low, high = 0.0, 2.0
     for _ in range(ZOOMS):
         places = np.linspace(low, high, GRID)
         a, reached = _along(modes, loaded, largest, places)
-        leaves = (mass * a < spring * reached)[1:]
-        first = np.argmax((np.diff(a) < 0) | leaves)
+        leaves = is_left(a, reached)[1:]
+        first = np.argmax((np.diff(a) < 0) | leaves | (reached[1:] >= whole))
         low, high = places[[max(first - 1, 0), min(first + 1, GRID - 1)]]
     return a[first], reached[first], leaves[first]
 
@@ -86,8 +94,10 @@ def _along(modes, loaded, largest, places):
 
 
 def buckling_modes(beam: Beam) -> BucklingModes:
-    """Expand a beam in COSINES buckling modes."""
-    loads, start, load, midpoint, residual = _unit_modes()
+    """Expand a beam in COSINES buckling modes, twice as many if it is free to tilt."""
+    basis = buckling_shapes(COSINES) if beam.free else symmetric_cosines(COSINES)
+    kinds, _ = kinds_of(beam)
+    loads, start, load, midpoint, residual = _unit_modes(basis, kinds)
     root = np.sqrt(beam.span)
     return BucklingModes(
         buckling=loads * (beam.stiffness_unit * beam.span),
@@ -99,11 +109,13 @@ def buckling_modes(beam: Beam) -> BucklingModes:
     )
 
 
-@cache
-def _unit_modes():
-    """Loads, s_j, f_j and e_j, (modes, 1), and the residual flexibility, as in `unit_buckling`."""
-    basis = symmetric_cosines(COSINES)
-    modal, (loads, shapes) = unit_modes(basis), unit_buckling(basis)
+def _unit_modes(basis, kinds):
+    """Loads, s_j, f_j and e_j, (modes, 1), and the residual flexibility, of one kind at rest."""
+    if kinds.as_made:
+        modal, (loads, shapes) = unit_modes(basis), unit_buckling(basis)
+    else:
+        modal = ModalBeam(*(column[0] for column in unit_form(basis, None, kinds)))
+        loads, shapes = eigh(np.diag(modal.stiffness), modal.geometric)
     vectors = (modal.slope_start, modal.load, modal.midpoint)
     columns = loads, *(apply(shapes.T, vector) for vector in vectors)
     return *(column[:, np.newaxis] for column in columns), modal.residual
@@ -116,12 +128,12 @@ def push(modes: BucklingModes, N: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _shock(device, modes, N):
-    """c = constant + slope a where the mass on its spring presses: e.c - (P - M a)/K = P/k."""
+    """c = constant + slope a where the mass on its spring presses: e.c - (P - M a)/K - h = P/k."""
     constant, slope = push(modes, N)
     sag = -modes.load / (modes.buckling - N)
     stiffness = contact_stiffness(device, modes.residual)
     give = 1 / device.spring + 1 / stiffness - np.sum(modes.midpoint * slope, axis=0)
-    at_rest = np.sum(modes.midpoint * constant, axis=0) / give
+    at_rest = (np.sum(modes.midpoint * constant, axis=0) - device.gap) / give
     grows = (device.mass / device.spring + np.sum(modes.midpoint * sag, axis=0)) / give
     return constant + slope * at_rest, sag + slope * grows
 

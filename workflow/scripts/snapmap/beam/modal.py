@@ -9,13 +9,14 @@ import numpy as np
 from ..device import Beam, Device, Value
 from ..numerics.linalg import apply, dot, eigh, multiply, solve
 from .basis import Basis
+from .prestress import Kinds, at_rest, kinds_of
 
 
 class ModalBeam(NamedTuple):
-    """Beam in k mass-normalised modes p of its bending, u = V p measured from the start w0.
+    """Beam in k mass-normalised modes p of its bending, u = V p measured from its shape at rest.
 
     p'' = -stiffness p + N (geometric p + slope_start) - load a - midpoint P,
-    N = -axial (p.geometric.p + 2 p.slope_start),  w(L/2) = rise + midpoint.p - residual P
+    N = -axial (p.geometric.p + 2 p.slope_start),  w(L/2) = height + midpoint.p - residual P
 
     stiffness: (k,), 1/us^2
     geometric: (k, k), V^T G V, 1/(um ng)
@@ -39,27 +40,58 @@ class ModalBeam(NamedTuple):
 
 def reduce_to_modes(beam: Beam, basis: Basis, modes: int | None = None) -> ModalBeam:
     """Give a beam its lowest `modes` modes; None keeps all that the basis has."""
-    unit = unit_modes(basis, modes)
+    kinds, kind = kinds_of(beam)
+    unit = unit_form(basis, modes, kinds)
+    if not kinds.as_made:
+        some = kind if np.ndim(beam.rise) else kind[0]
+        unit = ModalBeam(*(column[some] for column in unit))
     root = np.sqrt(beam.weight)
     return ModalBeam(
-        stiffness=np.multiply.outer(beam.stiffness_unit / beam.weight, unit.stiffness),
+        stiffness=_column(beam.stiffness_unit / beam.weight, 1) * unit.stiffness,
         geometric=unit.geometric / _column(beam.span * beam.weight, 2),
-        slope_start=np.multiply.outer(beam.rise / (beam.span * root), unit.slope_start),
-        load=np.multiply.outer(root, unit.load),
+        slope_start=_column(beam.rise / (beam.span * root), 1) * unit.slope_start,
+        load=_column(root, 1) * unit.load,
         midpoint=unit.midpoint / _column(root, 1),
         axial=beam.axial_stiffness,
         residual=unit.residual / beam.stiffness_unit,
     )
 
 
+def unit_form(basis: Basis, modes: int | None, kinds: Kinds) -> ModalBeam:
+    """The form of beams whose span, rise, rho A, EI and EA/2L are 1.
+
+    One for all kinds as made; else each has its own, along an axis in front.
+    """
+    made = unit_modes(basis, modes)
+    if kinds.as_made:
+        return made
+    T, q = at_rest(basis, kinds)
+    stiffness, shapes = eigh(basis.bending + _column(T, 2) * basis.geometric, basis.mass)
+    stiffness, shapes = stiffness[:, :modes], shapes[..., :modes]
+    stressed = T != 0
+    # What has no stress has the modes of all others that have none, to the last bit.
+    stiffness[~stressed], shapes[~stressed] = made.stiffness, _unit_shapes(basis, modes)
+    back = shapes.swapaxes(-1, -2)
+    slopes = multiply(back, basis.geometric)
+    found = ModalBeam(
+        stiffness=stiffness,
+        geometric=multiply(slopes, shapes),
+        slope_start=apply(slopes, q),
+        load=apply(back, basis.load),
+        midpoint=apply(back, basis.midpoint),
+        axial=np.ones(T.size),
+        residual=np.zeros(T.size),
+    )
+    return found._replace(residual=_residual_flexibility(basis, found, T))
+
+
 @cache
 def unit_modes(basis: Basis, modes: int | None = None) -> ModalBeam:
-    """Solve K v = kappa M v once for all beams: span, rise, rho A, EI and EA/2L are 1."""
-    stiffness, shapes = eigh(basis.bending, basis.mass)
-    shapes = shapes[:, :modes]
+    """The form of all beams as made: K v = kappa M v is solved once."""
+    shapes = _unit_shapes(basis, modes)
     slopes = multiply(shapes.T, basis.geometric)
     modal = ModalBeam(
-        stiffness=stiffness[:modes],
+        stiffness=_unit_eigen(basis)[0][:modes],
         geometric=multiply(slopes, shapes),
         slope_start=apply(slopes, basis.start),
         load=apply(shapes.T, basis.load),
@@ -67,7 +99,16 @@ def unit_modes(basis: Basis, modes: int | None = None) -> ModalBeam:
         axial=1.0,
         residual=0.0,
     )
-    return modal._replace(residual=_residual_flexibility(basis, modal))
+    return modal._replace(residual=_residual_flexibility(basis, modal, 0.0))
+
+
+@cache
+def _unit_eigen(basis):
+    return eigh(basis.bending, basis.mass)
+
+
+def _unit_shapes(basis, modes):
+    return _unit_eigen(basis)[1][:, :modes]
 
 
 def contact_stiffness(device: Device, residual: Value) -> Value:
@@ -84,12 +125,14 @@ def _column(values, more):
     return np.reshape(values, (*np.shape(values), *[1] * more))
 
 
-def _residual_flexibility(basis, modal):
+def _residual_flexibility(basis, modal, tension):
+    """Static flexibility of the modes left out; tension: of the beam at rest, in EI/L^2."""
     # ASSUME: the modes left out follow the contact force statically, softened by the axial force
-    # half way between the start (0) and the saddle (4 N_1).
-    if modal.stiffness.size == basis.load.size and basis.complete:
-        return 0.0
-    axial_force = 8 * math.pi * math.pi
-    tangent = np.diag(modal.stiffness) - axial_force * modal.geometric
+    # half way between the beam at rest and the saddle (4 N_1).
+    if modal.stiffness.shape[-1] == basis.load.size and basis.complete:
+        return 0.0 * tension
+    axial_force = 8 * math.pi * math.pi - tension / 2
+    bending = modal.stiffness[..., np.newaxis] * np.eye(modal.stiffness.shape[-1])
+    tangent = bending - _column(axial_force + tension, 2) * modal.geometric
     kept = dot(modal.midpoint, solve(tangent, modal.midpoint))
-    return max(0.0, basis.flexibility(axial_force) - float(kept))
+    return np.maximum(0.0, basis.flexibility(axial_force) - kept)

@@ -40,9 +40,9 @@ def force_displacement(device: Device) -> xr.Dataset:
     return xr.Dataset(data, {"branch": ["followed", "unbranched"]}).assign_attrs(
         Conventions="CF-1.11",
         title="Static force on the midpoint of the beam",
-        rise=device.beam.rise,
+        rise=device.beam.height,
         second_equilibrium=device.beam.second_equilibrium,
-        saddle=device.beam.rise + barrier.midpoint,
+        saddle=device.beam.height + barrier.midpoint,
         barrier=barrier.energy,
         top_force=float(force[: 2 * POINTS].max()),
         bottom_force=float(force[POINTS:].min()),

@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..axes import DEVICE, DURATION, NAMES, Grid, axis_behind, make_grid
+from ..beam.barrier import find_barrier
+from ..beam.cosines import buckling_shapes
 from ..device import VALUES, Beam, Device, batch
 from ..io.recorded import shocks_of
 from ..numerics.portable import geometric, linear
@@ -98,15 +100,34 @@ class Study:
         return self.grid.axes
 
     def doubts(self) -> list[str]:
-        """Lines on what its recorded shocks may leave out."""
+        """Lines on what its devices and its recorded shocks may leave out."""
         shortest, device = 1e6 / self.axes["f0"][-1], nominal(self.device)
-        return [
+        named = self.device if isinstance(self.device, Mapping) else {"device": self.device}
+        tilts = [f"{name}: {line}" for name, one in named.items() if (line := tilting(one.beam))]
+        return tilts + [
             line
             for pulse in self.shocks.shapes.values()
             for line in pulse.doubts(float(device.own_frequency), float(shortest))
         ]
 
 
+def tilting(beam: Beam) -> str:
+    """One line on what a beam that is guided, or free to tilt, means for its labels, or nothing."""
+    if not beam.free and not beam.stays_if_free:
+        return (
+            f"rise/thickness = {beam.bistability:.4g}: labels hold for a guided beam only; one "
+            "free to tilt does not stay in the second shape"
+        )
+    if beam.free and find_barrier(beam, buckling_shapes(TILTING)).energy == 0:
+        return (
+            "free to tilt, the beam has no stable second shape: a snap is the midpoint's first "
+            "arrival where a guided beam has its own, and nothing latches"
+        )
+    return ""
+
+
+TILTING = 8
+"""Shapes of each kind by which it is told whether a free beam has a second one."""
 SHARES = ("rise", "fall")
 """Of a trapezoid, over its duration."""
 
@@ -116,6 +137,7 @@ HANDOUT_CASE = {"N": 1000.0, "f0": 1500.0, "C": 0.025}
 _KINDS = {
     **dict.fromkeys(("span", "rise", "thickness", "depth"), "length"),
     **{"youngs_modulus": "modulus", "density": "density", "damping": "rate", "mass": "mass"},
+    **{"residual_stress": "stress", "imperfection": "distance", "gap": "distance"},
     **{"spring": "stiffness", "contact": "contact", "C": "damper", "f0": "frequency"},
     **{"duration": "pulse", "N": "number"},
 }
@@ -239,11 +261,19 @@ def _device(section, name="device"):
     formats = validator().schema["$defs"]["device"]["properties"]
     try:
         return Device(
-            beam=Beam(**_convert(section["beam"], formats["beam"]["properties"])),
+            beam=_beam(section["beam"], formats["beam"]["properties"]),
             **_convert({key: section[key] for key in section if key != "beam"}, formats),
         )
     except ValueError as error:
         raise ValueError(str(error).replace("device.", f"{name}.", 1)) from None
+
+
+def _beam(section, formats):
+    values = {key: value for key, value in section.items() if key != "guide"}
+    free = section.get("guide") == "free"
+    if "imperfection" in section and not free:
+        raise ValueError("device.beam.imperfection: is of a free beam; write guide: free")
+    return Beam(**_convert(values, formats), free=float(free))
 
 
 def _convert(section, formats):

@@ -11,18 +11,24 @@ import pint
 
 
 class Kind(NamedTuple):
-    """What a key expects: its name with article, internal unit, an example, and whether 0 fits."""
+    """What a key expects: its name with article, internal unit, an example, what fits beside > 0.
+
+    zero: whether 0 does; signed: whether less does, too
+    """
 
     name: str
     unit: str
     example: str
     zero: bool = False
+    signed: bool = False
 
 
 KINDS = {
     "number": Kind("a plain number", "", "1000"),
     "length": Kind("a length", "um", "'600 um'"),
     "modulus": Kind("a modulus", "MPa", "'150 GPa'"),
+    "distance": Kind("a length", "um", "'0.5 um'", zero=True),
+    "stress": Kind("a stress", "MPa", "'-11 MPa'", zero=True, signed=True),
     "density": Kind("a density", "ng/um^3", "'2330 kg/m^3'"),
     "rate": Kind("a damping rate", "1/us", "'4e-4 /us'", zero=True),
     "mass": Kind("a mass", "ng", "'1e-8 kg'"),
@@ -107,9 +113,9 @@ def _read_quantity(value, kind):
     result = float(_ARITHMETIC.multiply(Decimal(number), factor))
     if not math.isfinite(result):
         raise _fault(value, "is not finite", kind)
-    if result < 0 or (result == 0 and not kind.zero):
+    if (result < 0 and not kind.signed) or (result == 0 and not kind.zero):
         raise _fault(value, "is negative" if kind.zero else "is not positive", kind)
-    if result and not LEAST <= result <= MOST:
+    if result and not LEAST <= abs(result) <= MOST:
         raise _fault(value, f"is not between {LEAST:g} and {MOST:g} {kind.unit}", kind)
     return result
 

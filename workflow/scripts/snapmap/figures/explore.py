@@ -13,7 +13,7 @@ import xarray as xr
 
 from ..axes import DEVICE, DIRECTION, SHAPE
 from ..solver.outcome import ABSENT, FAILED
-from . import scales
+from . import scales, style
 from .explore_batch import batch_section
 from .maps import COLOURS, WORDS
 
@@ -79,6 +79,7 @@ def page(
         made="" if made is None else batch_section(made, _figure_of_batch),
         thinned=_thinning(cube, cells),
         model=html.escape(document["model"]["name"]),
+        guide=", ".join(style.guides(document)) or "some guided, some free to tilt",
         version=html.escape(cube.attrs["code_version"]),
     )
 

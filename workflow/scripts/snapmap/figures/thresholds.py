@@ -30,6 +30,8 @@ NOTE = {"fontsize": 6, "textcoords": "offset points"}
 SYMBOLS = r"$\Delta v$: velocity change, limit of short pulses"
 ROOM = 0.15
 """For words below the lowest threshold, as a share of the height."""
+MANY_KEYS = 9
+"""In a legend, which are then set in fewer columns."""
 FAR = 1e9
 """Beyond the edges of any axes, as a factor."""
 
@@ -60,7 +62,7 @@ def draw_thresholds(ax: Axes, found: xr.Dataset, x: str = "f0", lines: str = "C"
     if found.N_latched.notnull().any():
         keys.append(Line2D([], [], color="0.4", **LATCHED, label="above it, all cells seen latch"))
     keys += [] if x == "f0" else [limit_key("static limit")]
-    style.legend_below(ax, keys, _title(found, "; "), ncols=4)
+    style.legend_below(ax, keys, _title(found, "; "), ncols=4 if len(keys) < MANY_KEYS else 3)
     return ax
 
 
@@ -89,7 +91,7 @@ def draw_threshold_map(ax: Axes, found: xr.Dataset, x: str, y: str) -> Axes:
         words = f"error bar above {100 * DOUBTFUL:g} %"
         ax.plot(scales[0].places[i], scales[1].places[j], **dots, label=words)
         style.legend_below(ax, ax.get_legend_handles_labels()[0], "", ncols=2)
-    lines = [place_text(found), style.case(found.attrs), _sureness(relative)]
+    lines = [place_text(found), style.case(found.attrs, style.COLUMN), _sureness(relative)]
     ax.set_title("\n".join(filter(None, lines)))
     return ax
 
@@ -177,7 +179,8 @@ def _label_limits(ax, found):
         ax.annotate(words, (ax.get_xlim()[0], static[-1]), xytext=(4, -4), va="top", **NOTE)
     per_N = _known(found.gravity * found.area / (1e-6 * found.velocity_change))
     if static.size and per_N.size:
-        N = np.sqrt(static[-1] * ax.get_ylim()[0])
+        lowest = np.fmin(static[0], np.nanmin(found.N_first.values, initial=np.inf))
+        N = np.sqrt(lowest * ax.get_ylim()[0])
         words = "impulsive limit of short pulses"
         if found.area.ndim == 0:
             words += f",\n$N = {1 / found.area.item():.3g} f_0\\,\\Delta v/g$"
@@ -234,7 +237,8 @@ def _title(found, between):
     """What every curve has in common."""
     place = place_text(found).replace("\n", ", ")
     symbols = f"$C$ in {WORDS['C'][1]}; {SYMBOLS}" if "C" in found.dims else SYMBOLS
-    return between.join(filter(None, [style.case(found.attrs), place, symbols]))
+    case = style.case(found.attrs, style.COLUMN) if between == "\n" else style.case(found.attrs)
+    return between.join(filter(None, [case, place, symbols]))
 
 
 def _gap_keys(found):

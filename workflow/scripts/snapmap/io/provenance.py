@@ -15,6 +15,8 @@ from ..device import UNITS, Device
 
 KEYWORDS = "bistable beam, snap-through, MEMS, shock sensor"
 PACKAGES = ("numpy", "numba", "xarray", "netCDF4", "dask", "matplotlib", "snakemake")
+LEFT_OUT = ("residual_stress", "imperfection", "gap")
+"""Values of a device that are not written where they are 0."""
 _SOURCES = Path(__file__).parents[1]
 
 
@@ -42,13 +44,15 @@ def device_sections(device: Device | Mapping[str, Device]) -> dict:
 def _section(device):
     values = asdict(device)
     beam = values.pop("beam")
-    return {"beam": _with_units(beam), **_with_units(values)}
+    guide = {"guide": "free"} if beam.pop("free") else {}
+    return {"beam": _with_units(beam) | guide, **_with_units(values)}
 
 
 def _with_units(values):
     return {
         key: "hard" if value == math.inf else f"{float(value)!r} {UNITS[key]}"
         for key, value in values.items()
+        if value or key not in LEFT_OUT
     }
 
 

@@ -125,7 +125,8 @@ def _window(device, cube, cells, settings):
 
 def _follow(model, pulses, cells, window, bins, threads):
     """Values, (variables, bins, cells), and lengths of the bins, us; window: time followed, us."""
-    rise, barrier = model.device.beam.rise[cells.device], model.barrier.energy[cells.device]
+    height, barrier = model.device.beam.height[cells.device], model.barrier.energy[cells.device]
+    origin = np.stack([height, height, height + model.device.gap[cells.device]])
     dt = model.dt[cells.device]
     width = SAMPLE * np.ceil(window / (bins * SAMPLE * dt)).astype(np.int64)
     values = np.empty((len(VARIABLES), bins, width.size))
@@ -135,7 +136,7 @@ def _follow(model, pulses, cells, window, bins, threads):
     def follow(some):
         loads = *(column[some] for column in cells[1:5]), width[some]
         w_range, instants = simd_loop.trace(model, cells.device[some], pulses, loads, bins)
-        values[:3, :, some] = rise[some] + np.concatenate([w_range, instants[:1]])
+        values[:3, :, some] = origin[:, np.newaxis, some] + np.concatenate([w_range, instants[:1]])
         values[3:, :, some] = instants[1:] / barrier[some]
 
     with ThreadPoolExecutor(threads) as pool:
@@ -165,8 +166,8 @@ def _dress(grid, cube, values, bin_length, window, model):
     data["bin_length"] = (dims, bin_length.reshape(grid.shape).astype(np.float32), length)
     of_device, barrier = dims[: grid.device_of.ndim], _barrier_of(model)
     shown = {
-        "second_equilibrium": (beam.second_equilibrium, "midpoint of the second stable shape"),
-        "saddle": (beam.rise + barrier.midpoint, "midpoint of the saddle between both"),
+        "second_equilibrium": (barrier.second, "midpoint of the second stable shape"),
+        "saddle": (beam.height + barrier.midpoint, "midpoint of the saddle between both"),
         "barrier": (barrier.energy, "energy of the saddle"),
     }
     for key, (column, name) in shown.items():
@@ -183,7 +184,7 @@ def _dress(grid, cube, values, bin_length, window, model):
 
 def _barrier_of(model):
     """The barrier of each device, arrays (devices,)."""
-    found = np.empty((2, len(model.device)))
+    found = np.empty((len(Barrier._fields), len(model.device)))
     for mine, part, row in model.split(np.arange(found.shape[1])):
         found[:, mine] = [column[row] for column in part.barrier]
     return Barrier(*found)
@@ -193,7 +194,7 @@ def _reach(beam, *positions):
     """Range of positions, in whole um, that also holds both stable shapes."""
     seen = [values[np.isfinite(values)] for values in positions]
     low = min(values.min(initial=np.min(beam.second_equilibrium)) for values in seen)
-    high = max(values.max(initial=np.max(beam.rise)) for values in seen)
+    high = max(values.max(initial=np.max(beam.height)) for values in seen)
     return float(math.floor(low)), float(math.ceil(high))
 
 

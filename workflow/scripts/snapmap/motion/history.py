@@ -91,7 +91,7 @@ def simulate(
         N=N,
         f0=f0,
         C=C,
-        second_equilibrium=device.beam.second_equilibrium,
+        second_equilibrium=built.barrier.second,
         barrier=built.barrier.energy,
         gravity=device.gravity,
         time_step=built.dt,
@@ -113,8 +113,8 @@ def _observe(device, form, motion):
     axial_force = -device.beam.axial_stiffness * motion.stretch
     kinetic = dot(velocity, multiply(velocity, form.inertia)) / 2
     return {
-        "w_mid": device.beam.rise + dot(motion.u, form.midpoint) - form.residual * contact,
-        "z_mass": device.beam.rise + motion.y,
+        "w_mid": device.beam.height + dot(motion.u, form.midpoint) - form.residual * contact,
+        "z_mass": device.beam.height + device.gap + motion.y,
         "contact_force": contact,
         "axial_force": axial_force,
         "kinetic_energy": kinetic + device.mass * motion.y_velocity**2 / 2,

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..beam.barrier import find_barrier
-from ..beam.cosines import symmetric_cosines
+from ..beam.cosines import buckling_shapes, symmetric_cosines
 from ..beam.elements import hermite_elements
 from ..beam.modal import contact_stiffness, reduce_to_modes
 from ..device import Device
@@ -43,39 +43,54 @@ def plain() -> Loop:
 def build_model(device: Device, name: str = "handout", **options) -> Follows:
     """Discretise the beams of a device or a batch; a ValueError names an option that cannot be.
 
-    elements (of the half beam), mass_matrix ("consistent", "hrz"), cosines, modes (kept)
+    elements (of the half beam), mass_matrix ("consistent", "hrz"), cosines, modes (kept); of a beam
+        that is free to tilt as many antisymmetric ones beside them
     scheme ("explicit", "conserving"), by default the one that is faster for a device
     step: fraction of the stability limit, above 0 and up to 1
     """
     check_options(device, name, options)
-    basis = _basis(options, name)
-    hard = np.isinf(device.contact)
-    kinds = 2 * hard + _is_explicit(device, name, basis, options)
+    kinds = _kinds(device, name, options)
     if np.ndim(kinds) == 0 or (kinds == kinds[0]).all():
-        return _build_alike(device, name, basis, options, int(np.max(kinds)))
+        return _build_alike(device, name, options, int(np.max(kinds)))
     parts = []
     for kind in np.unique(kinds):
         some = np.flatnonzero(kinds == kind)
-        parts.append((some, _build_alike(device.pick(some), name, basis, options, int(kind))))
+        parts.append((some, _build_alike(device.pick(some), name, options, int(kind))))
     return mix(device, parts)
 
 
-def _is_explicit(device, name, basis, options):
-    """Whether the scheme is the explicit one; bool, of a batch (devices,)."""
-    if name == "reference" or "scheme" in options:
-        return np.full(np.shape(device.mass), options.get("scheme", EXPLICIT) == EXPLICIT)
-    modes = options.get("modes", basis.load.size)
+def _kinds(device, name, options):
+    """What a model's build depends on, of each device: free, hard, explicit, as binary digits."""
+    free, hard = device.beam.free != 0, np.isinf(device.contact)
+    explicit = np.full(np.shape(device.mass), options.get("scheme", EXPLICIT) == EXPLICIT)
+    if name != "reference" and "scheme" not in options:
+        for is_free in np.unique(free):
+            pays = _pays_explicit(device, name, options, is_free)
+            explicit = np.where(free == is_free, pays, explicit)
+    return 4 * free + 2 * hard + explicit
+
+
+def _pays_explicit(device, name, options, is_free):
+    basis = _basis(options, name, is_free)
+    modes = _modes(options, is_free, basis.load.size)
     whole = basis.complete and modes == basis.load.size
     return pays_explicit(device, reduce_to_modes(device.beam, basis, modes), whole)
 
 
-def _build_alike(device, name, basis, options, kind):
-    """A model of devices of one kind: 2 if contact is hard, plus 1 if the scheme is explicit."""
-    is_hard, is_explicit = divmod(kind, 2)
+def _modes(options, is_free, default):
+    """How many modes are kept: of a free beam as many antisymmetric ones as symmetric."""
+    return options["modes"] * (1 + is_free) if "modes" in options else default
+
+
+def _build_alike(device, name, options, kind):
+    """A model of devices of one kind, as `_kinds` numbers them."""
+    is_free, is_hard, is_explicit = kind // 4 == 1, kind // 2 % 2 == 1, kind % 2 == 1
+    basis = _basis(options, name, is_free)
     scheme = EXPLICIT if is_explicit else CONSERVING
-    modes = options.get("modes", _default_modes(is_hard, name, basis))
-    if modes > basis.load.size:
-        raise ValueError(f"model.modes: {modes} is too many; this beam has {basis.load.size}")
+    modes, most = _modes(options, is_free, _default_modes(is_hard, name, basis)), basis.load.size
+    if modes > most:
+        own = options["modes"], most // (1 + is_free)
+        raise ValueError(f"model.modes: {own[0]} is too many; this beam has {own[1]}")
     modal = reduce_to_modes(device.beam, basis, modes)
     if np.isinf(contact_stiffness(device, modal.residual)).any():
         raise ValueError(
@@ -121,12 +136,12 @@ def check_options(device: Device, name: str, options: Mapping) -> None:
         raise ValueError("device.contact: hard is not for the reference model; write handout")
 
 
-def _basis(options, name):
+def _basis(options, name, is_free):
     if name == "cosines":
         cosines = options.get("cosines", options.get("modes", 5))
-        return symmetric_cosines(cosines)
+        return buckling_shapes(cosines) if is_free else symmetric_cosines(cosines)
     chosen = {key: options[key] for key in ("elements", "mass_matrix") if key in options}
-    return hermite_elements(**chosen)
+    return hermite_elements(**chosen, **{"free": True} if is_free else {})
 
 
 def _default_modes(is_hard, name, basis):

@@ -6,6 +6,7 @@ import numpy as np
 from numba import njit
 
 from ..beam.basis import Basis
+from ..beam.prestress import settled
 from ..device import Device
 from ..numerics import pieces as curve
 from ..numerics.arithmetic import fma
@@ -20,9 +21,10 @@ class System(NamedTuple):
     """Eqs. (2), (4) and (5) in nodal unknowns; units um, ng, us.
 
     inertia, inverse_inertia, bending, geometric: (n, n); load, midpoint: (n,), as in `Basis`
-    slope_start: (n,), G q0
+    slope_start: (n,), G q0, of the shape at rest
     axial: E A / (2 L), uN/um
     mass, spring, penalty: M (ng), K (uN/um), lambda (uN/um)
+    gap: h, between mass and midpoint at rest, um
     beam_damping: rate alpha of the force -alpha Mb du/dt on the beam, 1/us
     """
 
@@ -37,12 +39,13 @@ class System(NamedTuple):
     mass: float
     spring: float
     penalty: float
+    gap: float
     beam_damping: float
 
 
 def nodal_system(device: Device, basis: Basis) -> System:
     """Collect what the loop needs of a device (penalty contact) and its beam's basis."""
-    scaled = basis.scaled_to(device.beam)
+    scaled = settled(basis, device.beam).scaled_to(device.beam)
     return System(
         inertia=scaled.mass,
         inverse_inertia=solve_all(scaled.mass, np.eye(scaled.load.size)),
@@ -55,6 +58,7 @@ def nodal_system(device: Device, basis: Basis) -> System:
         mass=device.mass,
         spring=device.spring,
         penalty=device.contact,
+        gap=device.gap,
         beam_damping=device.beam.damping,
     )
 
@@ -101,21 +105,22 @@ def total_energy(system, u, velocity, y, y_velocity, compression):
     multiply(system.bending, u, product)
     beam += dot(u, product) / 2
     mass = system.mass * y_velocity**2 / 2 + system.spring * y**2 / 2
-    return beam + mass + system.penalty * max(0.0, dot(system.midpoint, u) - y) ** 2 / 2
+    overlap = max(0.0, dot(system.midpoint, u) - y - system.gap)
+    return beam + mass + system.penalty * overlap**2 / 2
 
 
 @njit(**PLAIN)
 def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
     """March one cell by central differences until w(L/2) reaches `target` or `steps` are done.
 
-    With u = q - q0 and y = z_M - rise, from rest, at t = n dt:
+    With u = q - q0 and y the way of the mass, from rest, at t = n dt:
 
-        N = -EA/2L (2 u.G q0 + u.G u),  P = lambda <u(L/2) - y>+
+        N = -EA/2L (2 u.G q0 + u.G u),  P = lambda <u(L/2) - y - h>+
         Mb (u+ - 2 u + u-)/dt^2 + alpha Mb (u+ - u-)/(2 dt) = -Kb u + N (G u + G q0) - f a - e P
         M (y+ - 2 y + y-)/dt^2 + C (y+ - y-)/(2 dt) = -M a - K y + P
 
     pulse: pieces, and what they begin and end with, as in `numerics.pieces`, over x = f0 t
-    amplitude: N g, um/us^2; f0: 1/us; damping: C, uN us/um; target: w2 - rise, um
+    amplitude: N g, um/us^2; f0: 1/us; damping: C, uN us/um; target: w(L/2) from rest, um
     history: (samples, 2 n + 4), modified in place: u, du/dt, y, dy/dt, work of the pulse and
         energy lost to damping (pJ), at as many of the first instants as it holds
     Returns (t_snap, energy_error): us, NaN if the target is not reached; the energy ledger's
@@ -138,7 +143,7 @@ def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
         k = curve.at(pieces, k, len(pieces), x)
         a = amplitude * curve.sample(pieces, k, ends, x, f0 * dt)
         w_mid = dot(system.midpoint, u)
-        contact = system.penalty * max(0.0, w_mid - y)
+        contact = system.penalty * max(0.0, w_mid - y - system.gap)
         compression = beam_stresses(system, u, bending_u, geometric_u)
         for i in range(n):
             force[i] = compression * (geometric_u[i] + system.slope_start[i]) - bending_u[i]
@@ -187,9 +192,9 @@ def march(model, cells, settings):
     pulses = [one.curve for one in settings.pulses]
     for which in np.unique(cells.device):
         one = model.pick(which)
-        system, beam = nodal_system(one.device, one.basis), one.device.beam
+        system = nodal_system(one.device, one.basis)
         no_history = np.empty((0, 2 * system.load.size + 4))
-        target = beam.second_equilibrium - beam.rise
+        target = one.barrier.second - one.device.beam.height
         for i in np.flatnonzero(cells.device == which):
             steps = int(np.ceil(cells.t_end[i] / one.dt))
             load = pulses[cells.pulse[i]], cells.amplitude[i], cells.f0[i], cells.damping[i]

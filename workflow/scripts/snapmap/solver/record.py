@@ -9,7 +9,7 @@ from ..numerics.linalg import dot, multiply
 
 
 class Motion(NamedTuple):
-    """Samples over time of the beam's n coordinates u, of y = z_M - rise, and of the ledger.
+    """Samples over time of the beam's n coordinates u, of the mass's way y, and of the ledger.
 
     At instants; the conserving scheme's half way between two, where its energies are known.
 
@@ -48,7 +48,7 @@ def at_instants(device: Device, form: Form, **samples: np.ndarray) -> Motion:
     u, y = samples["u"], samples["y"]
     return Motion(
         stretch=dot(u, multiply(u, form.geometric) + 2 * form.slope_start),
-        overlap=dot(u, form.midpoint) - y,
+        overlap=dot(u, form.midpoint) - y - device.gap,
         bending_energy=dot(u, multiply(u, form.bending)) / 2,
         spring_energy=device.spring * y**2 / 2,
         **samples,

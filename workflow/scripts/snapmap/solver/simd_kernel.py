@@ -31,19 +31,20 @@ SAMPLE = 4
 """Steps between two looks at w for a trace; a divisor of BLOCK."""
 
 # Rows of one number: the device's; the cell's; scratch; from STATE on, the state at instant n.
-AXIAL, RESIDUAL, CONTACT, MASS, SPRING, TARGET, BARRIER, SADDLE, BEAM_DAMPING = range(9)
-AMPLITUDE, KEEP, PUSH, BEAM_KEEP, BEAM_PUSH = range(9, 14)
-X_STEP, PIECE = 14, 15
-BEGIN, START, SLOPE, TURNS, LIFT, SWING, TURN, PULSE, PULSE_STEP, PULSE_LEFT = range(15, 25)
-HALF_CONTACT, TENSION, SOFTENING, COMPLIANCE = range(25, 29)
+AXIAL, RESIDUAL, CONTACT, MASS, SPRING, TARGET, BARRIER, SADDLE = range(8)
+CLEARANCE, BEAM_DAMPING = 8, 9
+AMPLITUDE, KEEP, PUSH, BEAM_KEEP, BEAM_PUSH = range(10, 15)
+X_STEP, PIECE = 15, 16
+BEGIN, START, SLOPE, TURNS, LIFT, SWING, TURN, PULSE, PULSE_STEP, PULSE_LEFT = range(16, 26)
+HALF_CONTACT, TENSION, SOFTENING, COMPLIANCE = range(26, 30)
 SHOCK, W_FREE, Y_FREE, GAP_FREE, GAP_GIVE, STRETCH_MEAN, INVERSE, ALONG, PRESS, TURNING = range(
-    29, 39
+    30, 40
 )
-STATE = 39
-Y, Y_STEP, STRETCH, GAP = range(39, 43)
-W_BEFORE, W, COUNT, WORK, GROSS_WORK, SWEPT, BEAM_SWEPT = range(43, 50)
+STATE = 40
+Y, Y_STEP, STRETCH, GAP = range(40, 44)
+W_BEFORE, W, COUNT, WORK, GROSS_WORK, SWEPT, BEAM_SWEPT = range(44, 51)
 # Vectors of k rows, from row VECTORS on: the state; scratch; the device's; S, k vectors.
-VECTORS = 50
+VECTORS = 51
 P, P_STEP, SCRATCH, FREE, STIFFNESS, SLOPE_START, LOAD, MIDPOINT, GEOMETRIC = range(9)
 
 # No fast maths: NaN stays visible, and a result does not depend on how a call was compiled. What
@@ -115,7 +116,7 @@ def advance(X, shape, shocks, first, steps):
 
     shocks: a dt^2 of each step of a block, as `set_out` leaves them; first: the step to begin with
 
-    N = -EA/2L (p.S p + 2 p.S q0),  w = e.p - c P,  P = <e.p - y>+ / (1/lambda + c)
+    N = -EA/2L (p.S p + 2 p.S q0),  w = e.p - c P,  P = <e.p - y - h>+ / (1/lambda + c)
     p+ - 2 p + p- + alpha dt/2 (p+ - p-) = dt^2 (-kappa p + N (S p + S q0) - f a - e P)
     M (y+ - 2 y + y-) + C dt/2 (y+ - y-) = dt^2 (-M a - K y + P)
 
@@ -137,7 +138,7 @@ def advance(X, shape, shocks, first, steps):
             for i in range(modes):
                 w = fma(X[at(MIDPOINT, i, modes, l)], X[at(P, i, modes, l)], w)
             y = X[Y * LANES + l]
-            contact = X[CONTACT * LANES + l] * (w - y)
+            contact = X[CONTACT * LANES + l] * (w - y - X[CLEARANCE * LANES + l])
             contact = contact if contact > 0.0 else 0.0
 
             w_last = X[W * LANES + l]
@@ -219,7 +220,8 @@ def advance_conserving(X, shape, shocks, first, steps):
 
     shocks, first: as in `advance`
 
-    At half steps q = p.S p+ + (p + p+).S q0 and x = e.(p + p+)/2 - (y + y+)/2; with u = S p + S q0,
+    At half steps q = p.S p+ + (p + p+).S q0 and x = e.(p + p+)/2 - (y + y+)/2 - h, h the gap at
+    rest; with u = S p + S q0,
 
     r = (q+ + q-)/2,  N = -EA/2L r,  P = k (<x+>^2 - <x->^2) / 2 (x+ - x-)
     p+ - 2 p + p- + alpha dt/2 (p+ - p-) = dt^2 (-kappa p + N u - f a - e P)
@@ -250,7 +252,8 @@ def advance_conserving(X, shape, shocks, first, steps):
             stiff = fma(half, give, t)
             both = 1.0 / (t * stiff)
             inverse, b = stiff * both, give * (stiff * both)
-            free = fma(-tension * eu, rho * inverse, w - y + (ef - y_free) / 2)
+            apart = w - y - X[CLEARANCE * LANES + l]
+            free = fma(-tension * eu, rho * inverse, apart + (ef - y_free) / 2)
             is_open = (gap <= 0.0) & (free <= 0.0)
             is_closed = (gap >= 0.0) & (free >= half * b * gap)
             X[PRESS * LANES + l] = half * (free + gap) * (t * (t * both)) if is_closed else 0.0
@@ -311,6 +314,7 @@ def fill(X, shape, l, coefficients, damping, amplitude, dt):
     for i in range(coefficients.size):
         row = AXIAL + i if i < scalars else vectors + i - scalars
         X[row * LANES + l] = coefficients[i]
+    X[GAP * LANES + l] = 0.0 - X[CLEARANCE * LANES + l]
     drag = damping * dt / 2
     mass = X[MASS * LANES + l]
     X[AMPLITUDE * LANES + l] = amplitude * dt**2
@@ -434,7 +438,8 @@ def energies(before, after, X, shape, l):
     y = before[Y * LANES + l]
     velocity = (before[Y_STEP * LANES + l] + after[Y_STEP * LANES + l]) / 2
     mass = X[MASS * LANES + l] * velocity**2 / 2 + X[SPRING * LANES + l] * y**2 / 2
-    contact = X[CONTACT * LANES + l] * max(0.0, w - y) ** 2 / 2
+    overlap = max(0.0, w - y - X[CLEARANCE * LANES + l])
+    contact = X[CONTACT * LANES + l] * overlap**2 / 2
     return beam, mass, contact, w
 
 
@@ -491,7 +496,7 @@ def proven_well(X, l, beam, mass, contact, w, margin):
     if beam + mass + contact + margin < barrier:
         return 1 if w > saddle else 2
     lowest_mass = -np.sqrt(2 * (mass + margin) / X[SPRING * LANES + l])
-    if beam + margin < barrier and w < saddle < lowest_mass:
+    if beam + margin < barrier and w < saddle < lowest_mass + X[CLEARANCE * LANES + l]:
         return 2
     return 0
 
@@ -621,7 +626,7 @@ def trace_all(X, shape, conserving, devices, dt, pulses, cells, w_range, instant
     pulses: as in `follow_all`
     cells: pulse_of, amplitude, f0 and damping as in `follow_all`, and width, steps of one bin, a
         multiple of SAMPLE; (cells,)
-    modified in place: w_range, least and greatest w(L/2) - rise in each bin, (2, bins, cells);
+    modified in place: w_range, least and greatest w(L/2) from rest in each bin, (2, bins, cells);
         instants, at each bin's start y, all energy and the beam's (pJ), (3, bins, cells)
     """
     widen_vectors()

@@ -41,7 +41,7 @@ def march(model, cells, settings):
     """
     n_cells, modes = cells.f0.size, model.modes
     facts = *(np.empty(n_cells) for _ in range(2)), np.empty(n_cells, np.int8), np.empty(n_cells)
-    rows, dt = coefficients(model, snap_target(model.device)), np.atleast_1d(model.dt)
+    rows, dt = coefficients(model, snap_target(model)), np.atleast_1d(model.dt)
     asked = settings.until == "snap", settings.energy_tolerance
     X, shape = work_array(modes), (0,) * modes
     pulses = table(settings.pulses)
@@ -127,13 +127,14 @@ def _pairs(model, load, shock, steps, stride):
 def coefficients(model, target):
     """A row for each device, in the order of the rows of X, with forces times dt^2.
 
-    model: a `Model`; target: w(L/2) - rise at which a run counts as snapped, um; -inf for never
+    model: a `Model`; target: w(L/2) from rest at which a run counts as snapped, um; -inf for never
     """
     device, modal, barrier, square = model.device, model.modal, model.barrier, model.dt * model.dt
     numbers = [
         *(modal.axial * square, modal.residual / square),
         *(contact_stiffness(device, modal.residual) * square, device.mass, device.spring * square),
-        *(target, barrier.energy * square, barrier.midpoint, device.beam.damping * model.dt),
+        *(target, barrier.energy * square, barrier.midpoint, device.gap),
+        device.beam.damping * model.dt,
     ]
     vectors = (np.reshape(square, (-1, 1)) * modal.stiffness, *modal[2:5])
     n, k = np.size(square), model.modes
@@ -146,9 +147,9 @@ def _conserving(model):
     return True if model.scheme == CONSERVING else None
 
 
-def snap_target(device):
-    """w2 - rise, um."""
-    return device.beam.second_equilibrium - device.beam.rise
+def snap_target(model):
+    """Where the midpoint snaps, from where it rests, um."""
+    return model.barrier.second - model.device.beam.height
 
 
 def work_array(modes):

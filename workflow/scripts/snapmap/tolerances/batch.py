@@ -6,7 +6,7 @@ from copy import copy
 import numpy as np
 
 from ..beam.equilibria import static_threshold
-from ..device import VALUES, Device, is_bistable
+from ..device import FROM_ZERO, SIGNED, VALUES, Device, is_bistable
 from ..device import batch as batch_of
 from ..solver.adaptive import TOLERANCE, build_adaptive
 from ..solver.bracket import asker
@@ -124,7 +124,9 @@ class Batch:
 
     def _check(self, plan):
         for key, values in self.values.items():
-            least = np.finfo(float).tiny if key != "damping" else 0.0
+            least = 0.0 if key in FROM_ZERO else np.finfo(float).tiny
+            if key in SIGNED:
+                continue
             if (wrong := np.flatnonzero(~(values >= least))).size:
                 raise ValueError(
                     f"tolerances.{key}: {values[wrong[0]]:.4g} is drawn and cannot be; write "
@@ -142,4 +144,4 @@ def _cheapest(device, model, threads):
     kept = levels.errors < options.get("tolerance", TOLERANCE)
     # ASSUME: what suffices for the nominal device suffices for those that scatter about it.
     chosen = (levels.base, levels.check, levels.top)[int(np.argmax(kept)) if kept.any() else 2]
-    return {"name": "cosines", "modes": chosen.modes}
+    return {"name": "cosines", "modes": chosen.modes // (2 if device.beam.free else 1)}

@@ -45,7 +45,7 @@ class Scatter:
             "uniform": lambda u: 2 * u - 1,
             "truncated": lambda u: stats.truncnorm.ppf(u, -CUT, CUT),
         }[self.kind](u)
-        width = self.width * nominal if self.is_share else self.width
+        width = self.width * abs(nominal) if self.is_share else self.width
         return nominal + width * np.round(deviation, DIGITS)
 
 
@@ -127,7 +127,7 @@ def _nominal(device, key):
     """The nominal value; 1 for those of the shock, which are factors."""
     if key in SHOCK:
         return 1.0
-    return float(getattr(device.beam, key, None) or getattr(device, key, 0.0))
+    return float(getattr(device.beam if hasattr(device.beam, key) else device, key))
 
 
 def _factors(scatters, together):

@@ -1,0 +1,98 @@
+"""The beam at rest: what residual stress makes of the shape as made, and of its stiffness.
+
+In buckling modes v_j (bending v_j = N_j geometric v_j, v_j.geometric v_j = 1), with s_j = v_j.
+geometric q0 of the shape as made, a beam under the tension T is at rest where each coordinate is
+s_j N_j / (N_j + T). The stretch that this takes must add up to T itself,
+
+    T = T0 + EA/2L sum s_j^2 ((N_j / (N_j + T))^2 - 1),
+
+T0 the residual stress times A; the right side falls with T, so there is one root above -N_1.
+Measured from there the beam has the same form with bending + T geometric for its bending.
+"""
+
+from dataclasses import replace
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from ..device import Beam
+from ..numerics.linalg import apply, eigh
+from .basis import Basis
+
+NEWTON_STEPS = 200
+FIRST_LOAD = 4 * np.pi * np.pi
+"""N_1, in EI/L^2."""
+
+
+class Kinds(NamedTuple):
+    """What tells one beam's unit form from another's; arrays (kinds,).
+
+    Q: rise over thickness; compression: residual stress over that of buckling, compression
+    positive; imperfection: over the rise
+    """
+
+    Q: np.ndarray
+    compression: np.ndarray
+    imperfection: np.ndarray
+
+    @property
+    def as_made(self) -> bool:
+        """Whether all are without stress and imperfection, so that one unit form serves them."""
+        return not (self.compression.any() or self.imperfection.any())
+
+
+def kinds_of(beam: Beam) -> tuple[Kinds, np.ndarray]:
+    """The kinds among a batch of beams, or of one, and the kind of each."""
+    columns = beam.bistability, beam.compression, np.divide(beam.imperfection, beam.rise)
+    table = np.stack(np.broadcast_arrays(*map(np.atleast_1d, columns)))
+    found, kind = np.unique(table, axis=1, return_inverse=True)
+    return Kinds(*found), kind.ravel()
+
+
+def at_rest(basis: Basis, kinds: Kinds) -> tuple[np.ndarray, np.ndarray]:
+    """Tension T, in EI/L^2, (kinds,), and coordinates, in the rise, (kinds, n), of the beams."""
+    as_made = basis.start + kinds.imperfection[:, np.newaxis] * basis.tilt
+    stressed = kinds.compression != 0
+    T, q = np.zeros(stressed.size), as_made.copy()
+    if stressed.any():
+        loads, shapes = buckling(basis)
+        s = apply(shapes.T, apply(basis.geometric, as_made[stressed]))
+        axial = 6 * kinds.Q[stressed] * kinds.Q[stressed]
+        T[stressed] = _tension(loads, s, axial, -FIRST_LOAD * kinds.compression[stressed])
+        change = loads / (loads + T[stressed, np.newaxis]) - 1
+        q[stressed] += apply(shapes, s * change)
+    return T, q
+
+
+def settled(basis: Basis, beam: Beam) -> Basis:
+    """The basis of one beam whose start is its shape at rest, and whose bending holds T."""
+    kinds, _ = kinds_of(beam)
+    if kinds.as_made:
+        return basis
+    (T,), (q,) = at_rest(basis, kinds)
+    bending = basis.bending + T * basis.geometric
+    return replace(basis, bending=bending, start=q, tilt=0 * basis.tilt)
+
+
+@cache
+def buckling(basis: Basis) -> tuple[np.ndarray, np.ndarray]:
+    """Buckling loads N_j, ascending, in EI/L^2, and modes v_j, the columns, v.geometric v = 1."""
+    return eigh(basis.bending, basis.geometric)
+
+
+def _tension(loads, s, axial, residual):
+    """The root T, (n,), by Newton's method from below, where the convex side is above T."""
+    square, axial = s * s, axial[:, np.newaxis]
+    whole = np.sum(axial * square, axis=1) + abs(residual) + loads[0]
+    first = axial[:, 0] * square[:, 0]
+    T = loads[0] / np.sqrt(1 + whole / first) - loads[0]
+    for _ in range(NEWTON_STEPS):
+        share = loads / (loads + T[:, np.newaxis])
+        over = residual - T + np.sum(axial * square * (share * share - 1), axis=1)
+        slope = 1 + 2 * np.sum(axial * square * share * share * share / loads, axis=1)
+        nearer = T + over / slope
+        if not (nearer > T).any():
+            break
+        T = np.maximum(nearer, T)
+    return T
