@@ -67,7 +67,7 @@ def draw_map(
     named = marks if (axis_behind(x), y) == ("f0", "N") else ()
     _point_out(ax, x, named)
     names = [f"{number}: {name}" for number, (name, *_) in enumerate(named, start=1)]
-    lines = [place_text(cells), style.case(cells.attrs), *names]
+    lines = [place_text(cells), style.case(cells.attrs, style.COLUMN), *names]
     ax.set_title("\n".join(filter(None, lines)))
     lines = _threshold_keys(found if y == "N" else None)
     style.legend_below(ax, [*_cell_keys(cells), *lines], TITLE, ncols=2)

@@ -1,6 +1,7 @@
 """What every figure for print shares: the style sheet, the sizes, and how it is saved."""
 
 import json
+import textwrap
 from collections.abc import Iterable, Mapping
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -15,6 +16,7 @@ from matplotlib.transforms import ScaledTranslation
 
 from ..io.atomic import replacing
 
+COLUMN = 56
 SHEET = Path(__file__).with_name("paper.mplstyle")
 # Which metadata of each format holds which attribute of a dataset.
 METADATA = {
@@ -49,10 +51,11 @@ def save(figure: Figure, stem: str | Path, attributes: Mapping[str, str]) -> Non
             figure.savefig(temporary, format=kind, metadata=_metadata(kind, attributes))
 
 
-def case(attributes: Mapping[str, str]) -> str:
+def case(attributes: Mapping[str, str], width: int = 200) -> str:
     """Which model was followed for how long, from a dataset's attributes; empty without them.
 
     With it goes whether the beam is guided, as then its labels hold for one that cannot tilt.
+    width: most signs in a line; COLUMN for a title over one column
     """
     if "config" not in attributes:
         return ""
@@ -64,7 +67,7 @@ def case(attributes: Mapping[str, str]) -> str:
     words += [f"along {way}"] if way == "-z" else []
     words += guides(config)
     words.append(f"{config['model']['name']} model, followed {horizon} beyond the pulse")
-    return ", ".join(words)
+    return textwrap.fill(", ".join(words), width)
 
 
 def guides(config: Mapping) -> list[str]:

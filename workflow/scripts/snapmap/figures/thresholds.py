@@ -91,7 +91,7 @@ def draw_threshold_map(ax: Axes, found: xr.Dataset, x: str, y: str) -> Axes:
         words = f"error bar above {100 * DOUBTFUL:g} %"
         ax.plot(scales[0].places[i], scales[1].places[j], **dots, label=words)
         style.legend_below(ax, ax.get_legend_handles_labels()[0], "", ncols=2)
-    lines = [place_text(found), style.case(found.attrs), _sureness(relative)]
+    lines = [place_text(found), style.case(found.attrs, style.COLUMN), _sureness(relative)]
     ax.set_title("\n".join(filter(None, lines)))
     return ax
 
@@ -237,7 +237,8 @@ def _title(found, between):
     """What every curve has in common."""
     place = place_text(found).replace("\n", ", ")
     symbols = f"$C$ in {WORDS['C'][1]}; {SYMBOLS}" if "C" in found.dims else SYMBOLS
-    return between.join(filter(None, [style.case(found.attrs), place, symbols]))
+    case = style.case(found.attrs, style.COLUMN) if between == "\n" else style.case(found.attrs)
+    return between.join(filter(None, [case, place, symbols]))
 
 
 def _gap_keys(found):
