@@ -267,6 +267,7 @@ def test_a_free_beam_snaps_earlier_fast_and_later_slow(handout):
     np.testing.assert_allclose(found, [1064, 848], rtol=1e-2)
 
 
+@pytest.mark.long
 def test_proofs_hold_with_tilt(handout):
     device = vary(handout, **FREE)
     model, settings = build_model(device, "cosines", modes=3), Settings()

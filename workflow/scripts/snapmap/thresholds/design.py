@@ -56,8 +56,9 @@ def design(
     none is, or for a value that cannot be.
 
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> found = snapmap.design(device, "thickness", N=1100, f0=1500, C=25, between=(1.5, 3.0))
-    >>> round(found.value, 2)
+    >>> asked = {"N": 1100, "f0": 1500, "C": 25, "model": "cosines", "horizon": 0}
+    >>> found = snapmap.design(device, "thickness", between=(2.0, 2.2), **asked)
+    >>> round(found.value, 1)
     2.1
     """
     along, options = split_axes(others)
