@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from ..axes import COORDINATES, coordinates, split_axes
-from ..device import UNITS, VALUES, Device, batch, is_bistable
+from ..device import SIGNED, UNITS, VALUES, Device, batch, is_bistable
 from ..pulse import VERSED_SINE, Pulse, shocks_from
 from ..solver.adaptive import choose_survey
 from ..solver.cells import check_cells, to_rows
@@ -184,7 +184,8 @@ def _check(device, value, N, f0, C, between, along, settings):
     if not N > 0:
         raise ValueError(f"N: {N:g} is not above 0")
     low, high = between
-    if not 0 <= low < high < np.inf:
-        raise ValueError(f"between: {low:g}, {high:g} are not two ascending values from 0")
+    least = -np.inf if value in SIGNED else 0.0
+    if not least <= low < high < np.inf:
+        raise ValueError(f"between: {low:g}, {high:g} are not two ascending values from {least:g}")
     if value in along or len(along) > 1:
         raise ValueError(f"{', '.join(along)}: give one value of the device along which to look")
