@@ -23,12 +23,10 @@ class Design(NamedTuple):
     """A value for which the threshold is the one asked for.
 
     value, error: internal units; error: what the error bar of the threshold leaves open
-    others: further values for which it is, too
     """
 
     value: float
     error: float
-    others: tuple[float, ...] = ()
 
 
 def design(
@@ -146,7 +144,7 @@ def _single(value, N, between, found):
             f"{value}: thresholds {ends} are not monotone; at {several} {unit} they are {N:g}",
             stacklevel=3,
         )
-    return Design(first, float(found.error[0]), tuple(others))
+    return Design(first, float(found.error[0]))
 
 
 def _line(value, key, values, N, found):
