@@ -83,14 +83,14 @@ onstart:
 
 
 onsuccess:
-    asked = {
-        "check_requirements": study.requirements,
-        "find_tolerance": study.tolerances,
-    }
-    logs = [Path(f"results/logs/{rule}.log") for rule in asked if asked[rule]]
-    for log in logs:
+    told = ["find_threshold", "collect"]
+    told += ["check_requirements"] * bool(study.requirements)
+    told += ["find_tolerance"] * bool(study.tolerances)
+    for log in (Path(f"results/logs/{rule}.log") for rule in told):
         if log.exists():
             print(log.read_text(encoding="utf-8").strip(), file=sys.stderr)
+    if os.path.exists("results/explore.html"):
+        print("results/explore.html: open it in a browser", file=sys.stderr)
 
 
 include: "workflow/rules/common.smk"

@@ -161,6 +161,14 @@ def test_the_barrier_is_the_lowest_pass(handout, values, free):
     assert finer[1] == pytest.approx(many, rel=1e-3)
 
 
+def test_a_single_mode_has_the_pass_of_the_cubic(handout):
+    beam = replace(handout.beam, residual_stress=12.0)
+    _, middle, start = one_mode_equilibria(beam)
+    barrier = find_barrier(beam, symmetric_cosines(1))
+    assert barrier.midpoint == pytest.approx((middle - start) * beam.rise, rel=1e-9)
+    assert barrier.energy > find_barrier(beam, symmetric_cosines(2)).energy > 0
+
+
 def test_tilting_lowers_the_barrier_and_may_end_it(handout):
     guided = replace(handout.beam, thickness=1.2)
     free = replace(guided, free=1.0, imperfection=1e-6)
@@ -267,6 +275,7 @@ def test_a_free_beam_snaps_earlier_fast_and_later_slow(handout):
     np.testing.assert_allclose(found, [1064, 848], rtol=1e-2)
 
 
+@pytest.mark.long
 def test_proofs_hold_with_tilt(handout):
     device = vary(handout, **FREE)
     model, settings = build_model(device, "cosines", modes=3), Settings()

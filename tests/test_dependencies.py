@@ -7,6 +7,7 @@ import sys
 
 import pytest
 
+import snapmap
 from snapmap.io.dependencies import code_files, code_hash
 
 # Forks, so that the libraries are imported once.
@@ -49,13 +50,14 @@ def test_no_module_that_a_script_loads_is_forgotten(root, scripts):
 
 
 def test_every_module_is_the_code_of_some_command(root, scripts, workflow_text):
-    """Of a script, of the Snakefile, or of a study that is run by itself."""
+    """Of a script, of the Snakefile, of a study that is run by itself, or of a notebook."""
     folder = root / "workflow" / "scripts"
     used = {file for path in scripts for file in code_files(path)}
     for path in (folder / "studies").glob("*.py"):
         if '__name__ == "__main__"' in path.read_text(encoding="utf-8"):
             used.update(code_files(path, folder))
-    for name in re.findall(r"^from (snapmap\.\S+) import", workflow_text, re.M):
+    offered = [getattr(snapmap, name).__module__ for name in snapmap.__all__]
+    for name in [*offered, *re.findall(r"^from (snapmap\.\S+) import", workflow_text, re.M)]:
         used.update(code_files(folder.joinpath(*name.split(".")).with_suffix(".py"), folder))
     for path in folder.rglob("*"):
         if path.is_file() and "__pycache__" not in path.parts:

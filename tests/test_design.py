@@ -14,7 +14,6 @@ SHOCK = {"f0": 1000.0, "C": 25.0}
 
 def test_the_threshold_at_the_value_found_is_the_one_asked_for(handout):
     found = snapmap.design(handout, "thickness", N=1300, between=(2.0, 2.4), **SHOCK, **CHEAP)
-    assert found.others == ()
     made = replace(handout, beam=replace(handout.beam, thickness=found.value))
     told = snapmap.threshold(made, [1000.0], [25.0], **CHEAP)
     assert told.N_first.item() == pytest.approx(1300, rel=2e-4)
@@ -44,7 +43,7 @@ def test_no_solution_and_several_are_said(handout):
     found = _solve(parabola, (1.0, 3.0), 1)
     np.testing.assert_allclose(found.value, [1.3, 2.2], atol=1e-5)
     with pytest.warns(UserWarning, match="not monotone; at 1.3, 2.2 um"):
-        assert _single("thickness", 1000.0, (1.0, 3.0), found).others == pytest.approx((2.2,))
+        assert _single("thickness", 1000.0, (1.0, 3.0), found).value == pytest.approx(1.3)
 
 
 @pytest.mark.parametrize(

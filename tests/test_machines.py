@@ -72,7 +72,9 @@ def test_libraries_for_another_processor_change_no_bit(root, tmp_path, here, pro
     assert compute(root, tmp_path, WITHOUT[processor]) == here
 
 
-@pytest.mark.parametrize("processor", COMPILED)
+@pytest.mark.parametrize(
+    "processor", ["for Haswell", pytest.param("for all with FMA", marks=pytest.mark.long)]
+)
 def test_kernels_for_another_processor_change_no_bit(root, tmp_path, here, processor):
     """Both have vectors of 256 bits, and each takes its own order of instructions.
 

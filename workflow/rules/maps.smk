@@ -15,6 +15,7 @@ rule draw_maps:
         ],
     log:
         "results/logs/draw_maps.log",
+    priority: 70
     conda:
         "../envs/snapmap.yaml"
     params:

@@ -5,6 +5,7 @@ rule check_requirements:
         requirements="results/requirements.csv",
     log:
         "results/logs/check_requirements.log",
+    priority: 50
     conda:
         "../envs/snapmap.yaml"
     threads: 4
@@ -38,6 +39,7 @@ rule draw_requirements:
         ),
     log:
         "results/logs/draw_requirements.log",
+    priority: 40
     conda:
         "../envs/snapmap.yaml"
     params:

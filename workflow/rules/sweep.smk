@@ -5,6 +5,7 @@ rule simulate_slab:
         slab="results/slabs/{slab}.nc",
     log:
         "results/logs/simulate_slab_{slab}.log",
+    priority: 100
     retries: 1
     conda:
         "../envs/snapmap.yaml"
@@ -33,6 +34,7 @@ rule collect:
         cube="results/cube.nc",
     log:
         "results/logs/collect.log",
+    priority: 90
     conda:
         "../envs/snapmap.yaml"
     resources:

@@ -3,8 +3,10 @@ rule find_threshold:
         recorded,
     output:
         threshold="results/threshold.nc",
+        table="results/thresholds.csv",
     log:
         "results/logs/find_threshold.log",
+    priority: 80
     conda:
         "../envs/snapmap.yaml"
     threads: 4
@@ -49,6 +51,7 @@ rule draw_thresholds:
         ],
     log:
         "results/logs/draw_thresholds.log",
+    priority: 60
     conda:
         "../envs/snapmap.yaml"
     params:

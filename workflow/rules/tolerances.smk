@@ -6,6 +6,7 @@ rule find_tolerance:
         tolerance="results/tolerance.nc",
     log:
         "results/logs/find_tolerance.log",
+    priority: 45
     conda:
         "../envs/snapmap.yaml"
     threads: 4
@@ -45,6 +46,7 @@ rule draw_tolerance:
         ],
     log:
         "results/logs/draw_tolerance.log",
+    priority: 40
     conda:
         "../envs/snapmap.yaml"
     params:

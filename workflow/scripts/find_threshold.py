@@ -1,14 +1,16 @@
 """Rule find_threshold: find where snapping begins, for each point of all axes but N."""
 
 from snapmap.device import devices_from
+from snapmap.io.atomic import replacing
 from snapmap.io.job_log import job_log
 from snapmap.io.netcdf import write
 from snapmap.io.recorded import shocks_of
+from snapmap.thresholds.rows import tidy
 from snapmap.thresholds.surface import summary, threshold
 
 
-def find_threshold(device, pulse, model, axes, highest, followed, path, threads):
-    """Find the thresholds and write them; values in internal units, axes as in the cube.
+def find_threshold(device, pulse, model, axes, highest, followed, path, csv_path, threads):
+    """Find the thresholds and write them, also as a table; internal units, axes as in the cube.
 
     followed: horizon, energy_tolerance, tolerance and skip, as `threshold` takes them
     """
@@ -17,6 +19,8 @@ def find_threshold(device, pulse, model, axes, highest, followed, path, threads)
     limits = {"highest": highest, "threads": threads}
     found = threshold(devices_from(device), model=model, **asked, **limits)
     write(found, path)
+    with replacing(csv_path) as temporary:
+        tidy(found).to_csv(temporary, index=False)
     print(f"{path}: {summary(found)}")
 
 
@@ -30,5 +34,6 @@ if __name__ == "__main__":
             highest=snakemake.params.highest,
             followed=snakemake.params.followed,
             path=snakemake.output.threshold,
+            csv_path=snakemake.output.table,
             threads=snakemake.threads,
         )

@@ -7,13 +7,25 @@ __version__ = "0.1.0"
 _HOME = {
     "design": "thresholds.design",
     "load_device": "config.study",
+    "open_cube": "sweeps.reading",
+    "plot_outcome": "figures.maps",
     "read_pulse": "io.recorded",
     "simulate": "motion.history",
     "sweep": "sweeps.cube",
     "threshold": "thresholds.surface",
     "tolerance": "tolerances.dataset",
 }
-__all__ = ["design", "load_device", "read_pulse", "simulate", "sweep", "threshold", "tolerance"]
+__all__ = [
+    "design",
+    "load_device",
+    "open_cube",
+    "plot_outcome",
+    "read_pulse",
+    "simulate",
+    "sweep",
+    "threshold",
+    "tolerance",
+]
 
 
 def __dir__():

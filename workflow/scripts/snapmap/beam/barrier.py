@@ -13,6 +13,7 @@ from .prestress import kinds_of
 
 PASSES = 3
 """Equilibria that may be the lowest pass."""
+FAR = 1e6
 LEAST_APART, BISECTIONS = 1e-30, 80
 """Of N from the second load, relative; and halvings of the ratio of two bounds."""
 NEWTON_STEPS, CONVERGED = 10, 1e-8
@@ -116,6 +117,10 @@ def _lowest_pass(modal):
     """
     loads, shapes = eigh(_diagonal(modal.stiffness), modal.geometric)
     s = apply(shapes.swapaxes(-1, -2), np.broadcast_to(modal.slope_start, loads.shape))
+    if loads.shape[1] == 1:
+        # A single mode has a pass of its own, wherever a second load would be.
+        loads = np.concatenate([loads, FAR * loads], axis=1)
+        s, shapes = (np.concatenate([part, 0 * part], axis=-1) for part in (s, shapes))
     second, others = loads[:, 1], np.arange(loads.shape[1]) != 1
 
     def shares(x):
@@ -142,7 +147,7 @@ def _lowest_pass(modal):
     free = np.sqrt(np.maximum(-above(x), 0) / modal.axial)
     q[:, 1] = np.where(s[:, 1] == 0, free, q[:, 1])
     q[above(lowest) >= 0] = np.nan
-    found = np.full((len(loads), PASSES, loads.shape[1]), np.nan)
+    found = np.full((len(loads), PASSES, shapes.shape[1]), np.nan)
     found[:, 0] = apply(shapes, q - s)
     return found, apply(shapes, own - s)
 

@@ -74,6 +74,37 @@ def draw_map(
     return ax
 
 
+def plot_outcome(
+    cube: xr.Dataset,
+    ax: Axes | None = None,
+    x: str = "f0",
+    y: str = "N",
+    found: xr.Dataset | None = None,
+) -> Axes:
+    """Draw a map in a notebook, with its legend: on `ax`, or on a figure of its own.
+
+    cube: as from `sweep` or `open_cube`, of one value on every axis but x and y
+    found: thresholds over x, drawn if y is N
+
+    >>> device = snapmap.load_device("config/config.yaml")
+    >>> cube = snapmap.sweep(device, [900, 1100], [500, 1500], [25], model="cosines", until="snap")
+    >>> ax = snapmap.plot_outcome(cube)
+    >>> ax.get_title().splitlines()[0][:8]
+    '$C$ = 25'
+    """
+    many = [key for key in cube.outcome.dims if key not in (x, y) and cube.sizes[key] > 1]
+    if many:
+        raise ValueError(f"cube: has several {many[0]}; choose one, as cube.isel({many[0]}=0)")
+    cells = cube.squeeze([key for key in cube.outcome.dims if key not in (x, y)])
+    cells = cells.assign(outcome=cells.outcome_code) if "outcome_code" in cells else cells
+    if ax is None:
+        # For notebooks alone: no rule pays for its import.
+        import matplotlib.pyplot as plt
+
+        ax = plt.figure(figsize=(5, 5), layout="constrained").subplots()
+    return draw_map(ax, cells, found, x, y)
+
+
 def draw_maps(
     figure: Figure, panels: list[tuple[xr.Dataset, xr.Dataset | None]], x: str, y: str
 ) -> np.ndarray:

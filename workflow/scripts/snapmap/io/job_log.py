@@ -14,7 +14,7 @@ def job_log(path: str | Path) -> Iterator[None]:
 
     A warning is a line of what it prints.
     Snakemake shows the log of a job that fails. A fault that the user can mend (ValueError,
-    OSError, MemoryError) is one line there, any other a traceback.
+    OSError, MemoryError) is one line there, and so is Ctrl-C; any other a traceback.
     """
     complaint = ""
     log = open(path, "w", buffering=1, encoding="utf-8")  # noqa: SIM115, closing may fail, too
@@ -25,6 +25,8 @@ def job_log(path: str | Path) -> Iterator[None]:
             yield
         except (MemoryError, OSError, ValueError) as fault:
             complaint = str(fault) or type(fault).__name__
+        except KeyboardInterrupt:
+            complaint = "interrupted; what is whole is kept, and the same command goes on"
         except Exception:
             complaint = traceback.format_exc()
     if complaint:

@@ -148,6 +148,10 @@ def _blocks(variable):
 
 
 def summary(cube: xr.Dataset) -> str:
-    """One line of what `with_summary` added."""
-    found = {key: cube.attrs[key] for key in cube.attrs if key.startswith(("cells_", "share_"))}
-    return ", ".join(f"{key.replace('_', ' ')} {value:g}" for key, value in found.items())
+    """One line of what `with_summary` added: how many cells, how sure, of which kinds."""
+    counts = {name: cube.attrs.get(f"cells_{name}", 0) for name in OUTCOMES}
+    told = [f"{cube.attrs['share_proven']:.0%} proven"]
+    if "share_reproduced" in cube.attrs:
+        told.append(f"{cube.attrs['share_reproduced']:.0%} reproduced with another step")
+    told += [f"{number} {name}" for name, number in counts.items() if number or name == "failed"]
+    return f"{sum(counts.values())} cells: {', '.join(told)}"

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from ..axes import COORDINATES, coordinates, split_axes
-from ..device import UNITS, VALUES, Device, batch, is_bistable
+from ..device import SIGNED, UNITS, VALUES, Device, batch, is_bistable
 from ..pulse import VERSED_SINE, Pulse, shocks_from
 from ..solver.adaptive import choose_survey
 from ..solver.cells import check_cells, to_rows
@@ -23,12 +23,10 @@ class Design(NamedTuple):
     """A value for which the threshold is the one asked for.
 
     value, error: internal units; error: what the error bar of the threshold leaves open
-    others: further values for which it is, too
     """
 
     value: float
     error: float
-    others: tuple[float, ...] = ()
 
 
 def design(
@@ -56,8 +54,9 @@ def design(
     none is, or for a value that cannot be.
 
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> found = snapmap.design(device, "thickness", N=1100, f0=1500, C=25, between=(1.5, 3.0))
-    >>> round(found.value, 2)
+    >>> asked = {"N": 1100, "f0": 1500, "C": 25, "model": "cosines", "horizon": 0}
+    >>> found = snapmap.design(device, "thickness", between=(2.0, 2.2), **asked)
+    >>> round(found.value, 1)
     2.1
     """
     along, options = split_axes(others)
@@ -145,7 +144,7 @@ def _single(value, N, between, found):
             f"{value}: thresholds {ends} are not monotone; at {several} {unit} they are {N:g}",
             stacklevel=3,
         )
-    return Design(first, float(found.error[0]), tuple(others))
+    return Design(first, float(found.error[0]))
 
 
 def _line(value, key, values, N, found):
@@ -183,7 +182,8 @@ def _check(device, value, N, f0, C, between, along, settings):
     if not N > 0:
         raise ValueError(f"N: {N:g} is not above 0")
     low, high = between
-    if not 0 <= low < high < np.inf:
-        raise ValueError(f"between: {low:g}, {high:g} are not two ascending values from 0")
+    least = -np.inf if value in SIGNED else 0.0
+    if not least <= low < high < np.inf:
+        raise ValueError(f"between: {low:g}, {high:g} are not two ascending values from {least:g}")
     if value in along or len(along) > 1:
         raise ValueError(f"{', '.join(along)}: give one value of the device along which to look")

@@ -219,12 +219,14 @@ def _reshape(values, shape):
 
 
 def summary(found: xr.Dataset) -> str:
-    """One line: how many thresholds, how many are ragged, how sure they are; the weaker side."""
+    """One line: thresholds from where to where, ragged ones, how sure they are; the weaker side."""
+    N = found.N_first.values[np.isfinite(found.N_first.values)]
+    ends = f"from N = {N.min():.4g} to {N.max():.4g}, " if N.size else ""
     relative = (found.N_error / found.N_first).values
     known = relative[np.isfinite(relative)]
     typical = f"{np.median(known):.2%}" if known.size else "unknown"
     line = (
-        f"{int(found.N_first.notnull().sum())} of {found.N_first.size} thresholds found, "
+        f"{N.size} of {found.N_first.size} thresholds found, {ends}"
         f"{int(found.ragged.sum())} of them ragged, {int((known > 0.01).sum())} with an error "
         f"above 1 %, median {typical}"
     )
