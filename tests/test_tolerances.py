@@ -4,16 +4,22 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 import yaml
+from draw_tolerance import draw_tolerance
+from find_tolerance import find_tolerance
 from scipy import stats
 from small_studies import THREE_COSINES
 
 import snapmap
 from snapmap.config.study import load_study
 from snapmap.config.yaml_file import ConfigError
+from snapmap.device import values_of
+from snapmap.figures.explore_batch import batch_section
 from snapmap.pulse import shocks_from
 from snapmap.solver.settings import Settings
 from snapmap.tolerances.batch import Batch
+from snapmap.tolerances.dataset import summary
 from snapmap.tolerances.samples import CUT, Plan
 from snapmap.tolerances.sensitivity import crossed, indices
 from snapmap.tolerances.statistics import count_below, moments, quantiles, wilson
@@ -269,3 +275,29 @@ def test_values_that_cannot_be_drawn_are_refused(handout):
     hard = replace(handout, contact=np.inf)
     with pytest.raises(ValueError, match="contact: a hard contact does not scatter"):
         snapmap.tolerance(hard, {"contact": "10 %"}, [1500.0], [25.0], **CHEAP)
+
+
+def test_the_rules_write_and_draw_what_is_asked(handout, tmp_path):
+    required = {"name": "drop", "pulse": {"shape": "half sine"}, "N": 900.0, "f0": 1e3}
+    asked = {"scatters": {"thickness": 0.05, "N": "2 %"}, "together": [], "samples": 32}
+    find_tolerance(
+        device=values_of({"one": handout, "two": vary(handout, thickness=1.9)}),
+        pulse={"direction": "both"},
+        model={"name": "cosines", "modes": 3},
+        axes={"C": [25.0], "f0": [800.0, 1500.0], "N": [800.0, 1000.0, 1200.0]},
+        asked=asked | {"index_samples": None, "seed": 1},
+        requirements=[required | {"snaps": True}],
+        followed={"horizon": 300.0, "energy_tolerance": 1e-3},
+        path=tmp_path / "tolerance.nc",
+        threads=2,
+    )
+    places = {"_one_+z": {"device": 0, "direction": 0}, "_two_-z": {"device": 1, "direction": 1}}
+    draw_tolerance(tmp_path / "tolerance.nc", places, tmp_path)
+    names = {f"{stem}{ending}" for stem in ("probability", "sensitivity", "yield")
+             for ending in places}  # fmt: skip
+    assert {path.stem for path in tmp_path.glob("*.pdf")} == names
+    with xr.open_dataset(tmp_path / "tolerance.nc") as found:
+        assert found.N_first.dims == ("device", "sample", "direction", "C", "f0")
+        text = batch_section(found, lambda figure, name: f"<div>{name}: {len(figure.data)}</div>")
+        assert "made-probability: 28" in text and text.count("<tr>") == 1 + 2 * 2
+        assert summary(found).startswith("64 samples")
