@@ -75,6 +75,8 @@ def test_stresses_at_which_things_change(handout):
     assert stays == pytest.approx(-2.419, rel=1e-3)
     for stress, expected in ((1.001 * stays, True), (0.999 * stays, False)):
         assert replace(beam, residual_stress=stress).stays_if_free == expected
+    with pytest.raises(ValueError, match="imperfection: 1 um is of a free beam"):
+        replace(beam, imperfection=1.0)
     with pytest.raises(ValueError, match=r"residual_stress: 70 MPa leaves no .* up to 69.453 MPa"):
         replace(beam, residual_stress=70.0)
 

@@ -80,6 +80,8 @@ def test_indices_are_those_of_ishigamis_function():
     found = indices(ishigami(points[0]), ishigami(points[1]), mixed, seed=5)[..., 0]
     np.testing.assert_allclose(found[:, 0], exact, atol=0.01)
     assert (found[:, 1] <= exact).all() and (exact <= found[:, 2]).all()
+    same = indices(ishigami(points[0]), ishigami(points[1]), mixed, seed=5)[..., 0]
+    np.testing.assert_array_equal(same, found)
     gone = ishigami(points[0])
     gone[[3, 70, 500]] = np.nan
     again = indices(gone, ishigami(points[1]), mixed, seed=5)[..., 0]

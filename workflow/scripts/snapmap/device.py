@@ -70,6 +70,9 @@ class Beam:
         )
         tilts = np.greater(self.imperfection, 0) | np.equal(self.free, 0)
         _require(tilts, straight, self.imperfection)
+        guided = "device.beam.imperfection: {:g} um is of a free beam; write guide: free"
+        fits = np.equal(self.imperfection, 0) | np.not_equal(self.free, 0)
+        _require(fits, guided, self.imperfection)
         too_thin = (
             "device.beam.thickness: {:g} um gives Q = rise/thickness = {:.6g}; write one that "
             f"gives Q up to {THINNEST:g}"

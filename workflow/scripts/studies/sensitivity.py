@@ -23,6 +23,7 @@ ROOT = Path(__file__).resolve().parents[3]
 OF_BEAM = SIZES
 OF_DEVICE = ("mass", "spring", "contact")
 COSINES = {"name": "cosines", "modes": 5}
+GAPS = [0.0, 0.5, 1.0, 2.0]
 F0, C, TOLERANCE, ELEMENTS = 1500.0, 0.025, 1e-6, 10
 
 
@@ -30,6 +31,7 @@ def main():
     device = load_device(ROOT / "config" / "config.yaml")
     print(one_percent_more(device))
     print(eigenstrain(device))
+    print(gaps(device))
     print(stresses(device))
 
 
@@ -66,6 +68,13 @@ def eigenstrain(device):
         rise = strained.beam.height / device.beam.rise - 1
         rows.append([f"{strain:g}", f"{100 * rise:+.3f} %", f"{100 * (found / first - 1):+.2f} %"])
     return table(["eigenstrain", "rise", "N_first"], rows)
+
+
+def gaps(device):
+    """Thresholds with a gap between mass and beam."""
+    found = threshold(device, [F0], [C], model=COSINES, tolerance=TOLERANCE, gap=GAPS)
+    rows = zip(GAPS, found.N_first.values.ravel(), strict=True)
+    return table(["gap, um", "N_first"], [[f"{gap:g}", f"{N:.1f}"] for gap, N in rows])
 
 
 def stresses(device):

@@ -7,6 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from snapmap import load_device
+from snapmap.beam.barrier import find_barrier
+from snapmap.beam.cosines import buckling_shapes
 from snapmap.figures import style, thresholds
 from snapmap.numerics.portable import geometric
 from snapmap.thresholds.surface import threshold
@@ -18,6 +20,7 @@ IMPERFECTIONS = (0.001, 0.01, 0.1, 0.5)
 F0, C = geometric(20, 2e4, 31), [25.0]
 SHOWN = (0, 10, 16, 19, 22, 25, 28, 30)
 """Which frequencies stand in the table."""
+THIN = 1.2
 MODEL = {"model": "cosines", "modes": 5}
 
 
@@ -33,8 +36,19 @@ def main():
         one = found.sel(device=name)
         N = (f"{one.N_first.values[i]:.0f}" for i in SHOWN)
         rows.append([name, f"{one.N_static.item():.0f}", *N])
+    print(lost(device.beam), end="\n\n")
     print(table(["beam", "static", *(f"{F0[i]:.3g} Hz" for i in SHOWN)], rows))
     draw(found)
+
+
+def lost(beam):
+    """The barrier of a thin free beam, pJ, up to the imperfection that ends its second shape."""
+    rows = []
+    for share in (0.001, 0.003, 0.004, 0.005, 0.006):
+        values = {"free": 1.0, "thickness": THIN, "imperfection": share * THIN}
+        barrier = find_barrier(replace(beam, **values), buckling_shapes(8))
+        rows.append([f"{share:g}", f"{barrier.energy:.2f}"])
+    return table([f"imperfection over {THIN:g} um of thickness", "barrier, pJ"], rows)
 
 
 def draw(found):

@@ -1,7 +1,7 @@
 """Which value the threshold owes its scatter to: Sobol's indices."""
 
 import numpy as np
-from scipy.stats import sobol_indices
+from scipy.stats import bootstrap, sobol_indices
 
 RESAMPLES = 100
 """For the confidence intervals."""
@@ -39,11 +39,24 @@ def indices(first: np.ndarray, second: np.ndarray, crossed: np.ndarray, seed: in
         if draws == 1:
             found[..., i] = 1.0
             continue
-        seen = {"f_A": first[some, i], "f_B": second[some, i], "f_AB": crossed[:, some, i]}
-        seen = {key: values[..., np.newaxis, :] for key, values in seen.items()}
-        told = sobol_indices(func=seen, n=some.size, rng=np.random.default_rng(seed))
-        sure = told.bootstrap(confidence_level=CONFIDENCE, n_resamples=RESAMPLES)
-        for order, name in enumerate(("first_order", "total_order")):
-            interval = getattr(sure, name).confidence_interval
-            found[order, :, :, i] = getattr(told, name), interval.low, interval.high
+        values = first[some, i], second[some, i], crossed[:, some, i]
+        found[:, 0, :, i] = _both_orders(*values)
+        # The library's own bootstrap draws without a seed.
+        sure = bootstrap(
+            [np.arange(some.size)],
+            lambda which, values=values: _both_orders(*(part[..., which] for part in values)),
+            n_resamples=RESAMPLES,
+            vectorized=False,
+            confidence_level=CONFIDENCE,
+            method="percentile",
+            rng=np.random.default_rng(seed),
+        ).confidence_interval
+        found[:, 1, :, i], found[:, 2, :, i] = sure
     return np.round(found, DECIMALS)
+
+
+def _both_orders(first, second, crossed):
+    """First-order and total indices of one output, (2, draws)."""
+    seen = {"f_A": first[np.newaxis], "f_B": second[np.newaxis], "f_AB": crossed[:, np.newaxis]}
+    told = sobol_indices(func=seen, n=first.size)
+    return np.array([told.first_order, told.total_order])
