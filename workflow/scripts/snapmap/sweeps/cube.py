@@ -32,6 +32,16 @@ VARIABLES = {
         "units": "us",
         "comment": "counted from the start of the pulse; NaN: not proven within the horizon",
     },
+    "well": {
+        "long_name": "side of the saddle on which the beam is at the end of its run",
+        "flag_values": np.arange(3, dtype=np.int8),
+        "flag_meanings": "unknown first second",
+    },
+    "well_share": {
+        "long_name": "share of the mass's last swing during which the beam was on that side",
+        "units": "1",
+        "comment": "1 where that side is proven; NaN where it is unknown",
+    },
     "energy_error": {
         "long_name": "residual of the energy ledger over the gross work of the pulse",
         "units": "1",
