@@ -8,7 +8,7 @@ import xarray as xr
 
 from ..axes import coordinates, make_grid, split_axes
 from ..device import Device
-from ..io.provenance import device_sections, provenance
+from ..io.provenance import asked_for, provenance
 from ..pulse import VERSED_SINE, Pulse, shocks_from
 from ..solver.adaptive import choose_model
 from ..solver.cells import check_cells
@@ -114,11 +114,7 @@ def sweep(
     grid = make_grid(device, {**varied, "C": C, "f0": f0, "N": N}, skip, shocks)
     model = {"name": model, **options}
     variables = follow_grid(choose_model(grid.device, model, threads), grid, settings)
-    document = device_sections(device) | shocks.section()
-    document |= {
-        "model": model,
-        "sweep": settings.asked() | {"horizon": f"{horizon:.15g} us"},
-    }
+    document = asked_for(device, shocks, model, settings.asked())
     return with_summary(dress(grid.axes, variables, document))
 
 
