@@ -20,7 +20,8 @@ UPSTREAM = {
     "simulate_slab": (),
     "collect": ("simulate_slab",),
     "find_threshold": (),
-    "draw_maps": ("collect", "find_threshold"),
+    "draw_maps": ("collect",),
+    "draw_snap_maps": ("collect", "find_threshold"),
     "draw_thresholds": ("find_threshold",),
     "trace_cells": ("collect",),
     "write_page": ("collect", "trace_cells"),
@@ -142,8 +143,9 @@ def test_the_cube_is_what_python_gives(finished):
 
 def test_every_figure_is_there(finished):
     figures = {path.name for path in (finished[0] / "results" / "figures").iterdir()}
-    stems = ["map_C0.5", "map_C30", "maps", "thresholds", "damage_boundary", "statics"]
-    stems += ["history_N1000_f1500_C0.025"]
+    stems = [f"{kind}_C{C}" for kind in ("map", "snap", "time") for C in ("0.5", "30")]
+    stems += ["maps", "snap_maps", "thresholds", "damage_boundary", "statics"]
+    stems += ["history_N1000_f2000_C0.5"]
     assert figures == {f"{stem}.{kind}" for stem in stems for kind in ("pdf", "png")}
 
 
@@ -182,7 +184,7 @@ def planned_after_edit(clone, finished, path, text="EDITED = 1\n"):
     ("path", "rules"),
     [
         ("draw_maps.py", {"draw_maps"}),
-        ("snapmap/figures/maps.py", {"draw_maps", "write_page"}),
+        ("snapmap/figures/maps.py", {"draw_maps", "draw_snap_maps", "write_page"}),
         ("snapmap/thresholds/islands.py", reruns({"find_threshold"})),
         ("snapmap/solver/simd_kernel.py", set(RULES) - {"trace_statics", "draw_statics"}),
         ("snapmap/sweeps/plan.py", set()),
