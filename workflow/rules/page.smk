@@ -17,7 +17,7 @@ rule trace_cells:
         model=study.model,
         settings=asked,
     message:
-        "Trace the motion of the cells of {input.cube}"
+        "Trace the motion of the cells"
     script:
         "../scripts/trace_cells.py"
 
@@ -37,6 +37,6 @@ rule write_page:
         code=code("write_page"),
         horizon=study.settings.horizon,
     message:
-        "Write the page to explore {input.cube}"
+        "Write the page"
     script:
         "../scripts/write_page.py"
