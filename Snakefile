@@ -103,7 +103,12 @@ onstart:
     progress.begin()
 
 
+onerror:
+    progress.close()
+
+
 onsuccess:
+    progress.close()
     remove_others("results/figures", FIGURES, stems)
     remove_others("results/histories", ["*"], cells)
     remove_others(

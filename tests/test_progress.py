@@ -34,6 +34,7 @@ def tell(progress):
     progress.emit(job(2, "simulate_slab", "Simulate the cells", slab="b"))
     progress.emit(record("job_finished", job_id=1))
     progress.emit(job(3, "find_threshold", "Find the thresholds"))
+    progress.emit(record("progress", done=1, total=3))
     progress.emit(record("shellcmd"))
 
 
@@ -50,7 +51,7 @@ def test_a_terminal_has_one_line(progress, monkeypatch):
     tell(progress)
     lines = re.split(r"[\r\n]+", sys.stderr.getvalue())
     assert "30 of 120 cells, 25 %" in lines[-1] and "left" in lines[-1]
-    assert lines[-1].rstrip().endswith("Simulate the cells; Find the thresholds")
+    assert lines[-1].rstrip().endswith("1 of 3 jobs; Simulate the cells; Find the thresholds")
     assert "\n" not in sys.stderr.getvalue()
 
 

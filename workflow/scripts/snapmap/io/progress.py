@@ -19,7 +19,7 @@ CHATTER = (
     "resources_info",
 )
 """Events of Snakemake that its own log file keeps, and the terminal is spared."""
-LOOK = "{n_fmt} of {total_fmt} cells, {percentage:.0f} %, {remaining} left{postfix}"
+LOOK = "{n_fmt} of {total_fmt} cells, {percentage:.0f} %, {remaining} left for them{postfix}"
 
 
 class Progress(logging.Handler):
@@ -31,7 +31,7 @@ class Progress(logging.Handler):
     def __init__(self, cells: Mapping[str, int]):
         """Take the number of cells of each slab that is to be simulated, by its name."""
         super().__init__(logging.INFO)
-        self.cells, self.jobs, self.stages, self.logs = cells, {}, [], []
+        self.cells, self.jobs, self.stages, self.logs, self.done = cells, {}, [], [], ""
         self.line, self.closed = tqdm(disable=True), Event()
 
     def begin(self) -> None:
@@ -53,6 +53,9 @@ class Progress(logging.Handler):
             if job.rule_name == CELLS:
                 self.line.update(self.cells.get(job.wildcards["slab"], 0))
             self._name_stages()
+        elif event == "progress":
+            self.done = f"{record.done} of {record.total} jobs"
+            self._name_stages()
 
     def close(self) -> None:
         """Clear the line."""
@@ -64,7 +67,7 @@ class Progress(logging.Handler):
         """Name what is being done on the line or, once each, in the log."""
         if not self.line.disable:
             doing = dict.fromkeys(job.rule_msg for job in self.jobs.values())
-            self.line.set_postfix_str("; ".join(doing))
+            self.line.set_postfix_str("; ".join(filter(None, [self.done, *doing])))
         elif begun and begun not in self.stages:
             self.stages.append(begun)
             print(begun, file=sys.stderr)
