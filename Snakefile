@@ -53,14 +53,24 @@ cells = {cell.name: cell for cell in study.histories}
 statics = {"": study.device}
 if isinstance(study.device, dict):
     statics = {f"_{name}": device for name, device in study.device.items()}
-together = side_by_side(study.maps)
-map_stems = [*(view.name for view in study.maps), *["maps"] * bool(together)]
+of_cells = [view for view in study.maps if view.is_of_cells]
+ends = of_cells if study.settings.until == "settled" else []
+together = side_by_side(of_cells)
+times = [view.called("time") for view in of_cells]
+snaps = [view.called("snap") for view in of_cells]
+fields = [view for view in study.maps if not view.is_of_cells]
+map_stems = [view.name for view in ends] + ["maps"] * bool(ends)
+map_stems += [view.name for view in times]
+snap_stems = [view.name for view in snaps] + ["snap_maps"] * bool(snaps)
+snap_stems += [view.name for view in fields]
+marked = {"points": study.marks} if study.marks else {}
 curve_stems = [*(view.name for view in study.curves), study.boundary.name]
 batches = batch_places(study.grid)
 of_batch = ["probability", "sensitivity", *["yield"] * bool(study.requirements)]
 batch_stems = [f"{stem}{ending}" for stem in of_batch for ending in batches]
 stems = [
     *map_stems,
+    *snap_stems,
     *curve_stems,
     *[f"history_{cell}" for cell in cells],
     *[f"statics{which}" for which in statics],
