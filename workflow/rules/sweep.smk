@@ -42,7 +42,7 @@ rule collect:
     params:
         code=code("collect"),
         axes={key: values.tolist() for key, values in study.axes.items()},
-        config=config,
+        config=study.document(),
     message:
         "Collect the slabs into {output.cube}"
     script:

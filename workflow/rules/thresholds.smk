@@ -2,7 +2,7 @@ rule find_threshold:
     input:
         recorded,
     output:
-        threshold="results/threshold.nc",
+        threshold=update("results/threshold.nc"),
         table="results/thresholds.csv",
     log:
         "results/logs/find_threshold.log",

@@ -11,6 +11,7 @@ from ..axes import DEVICE, DURATION, NAMES, Grid, axis_behind, make_grid
 from ..beam.barrier import find_barrier
 from ..beam.cosines import buckling_shapes
 from ..device import VALUES, Beam, Device, batch
+from ..io.provenance import asked_for
 from ..io.recorded import shocks_of
 from ..numerics.portable import geometric, linear
 from ..pulse import HANDOUT_SHOCK, Shocks
@@ -98,6 +99,10 @@ class Study:
     def axes(self) -> dict[str, np.ndarray]:
         """Values by name, in the order of all products."""
         return self.grid.axes
+
+    def document(self) -> dict:
+        """What its products say was asked for: the same however the config spells it."""
+        return asked_for(self.device, self.shocks, self.model, self.settings.asked())
 
     def doubts(self) -> list[str]:
         """Lines on what its devices and its recorded shocks may leave out."""

@@ -23,6 +23,14 @@ def write(dataset: xr.Dataset, path: str | Path) -> None:
             dataset[[key]].to_netcdf(temporary, mode="a", engine="netcdf4", encoding=kind)
 
 
+def read_earlier(path: str | Path) -> xr.Dataset | None:
+    """Read what an earlier run wrote, as packed as it is; nothing if it cannot be read."""
+    try:
+        return xr.load_dataset(path, engine="netcdf4", mask_and_scale=False)
+    except (OSError, RuntimeError, ValueError):
+        return None
+
+
 def _chunks(variable):
     """The blocks of a lazy variable, so that each is compressed once."""
     return {"chunksizes": [size[0] for size in variable.chunks]} if variable.chunks else {}

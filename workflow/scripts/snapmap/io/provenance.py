@@ -12,6 +12,7 @@ from pathlib import Path
 
 from .. import __version__
 from ..device import UNITS, Device
+from ..pulse import Shocks
 
 KEYWORDS = "bistable beam, snap-through, MEMS, shock sensor"
 PACKAGES = ("numpy", "numba", "xarray", "netCDF4", "dask", "matplotlib", "snakemake")
@@ -32,6 +33,18 @@ def provenance(document: Mapping) -> dict[str, str]:
         "packages": " ".join(f"{name} {version(name)}" for name in PACKAGES),
         "python": platform.python_version(),
     }
+
+
+def asked_for(
+    device: Device | Mapping[str, Device], shocks: Shocks, model: Mapping, settings: Mapping
+) -> dict:
+    """The sections of a config but for its axes, in internal units: one spelling for all.
+
+    settings: of the section sweep; horizon in us
+    """
+    horizon = {"horizon": f"{settings['horizon']:.15g} us"}
+    of_shock = device_sections(device) | shocks.section()
+    return of_shock | {"model": dict(model), "sweep": dict(settings) | horizon}
 
 
 def device_sections(device: Device | Mapping[str, Device]) -> dict:
