@@ -27,8 +27,14 @@ rule write_page:
         **({"tolerance": "results/tolerance.nc"} if study.tolerances else {}),
         cube="results/cube.nc",
         traces="results/traces.nc",
+        threshold="results/threshold.nc",
     output:
-        page="results/explore.html",
+        page=report(
+            "results/explore.html",
+            caption="../report/page.rst",
+            category="Page",
+            labels={"page": "explore"},
+        ),
     log:
         "results/logs/write_page.log",
     conda:

@@ -1,4 +1,4 @@
-"""Every cell's motion in brief: a band of w, z_M and the energy over time bins, a byte for each."""
+"""Every cell's motion in brief: a band of w, z_M and the energy over time bins, two bytes each."""
 
 import json
 import math
@@ -25,8 +25,9 @@ CELLS = 50_000
 BINS = 40, 200
 """Fewest and most time bins of a cell; between them, as many as BYTES allow."""
 BYTES = 10_000_000
-LEVELS = 254
-"""Steps of a packed value over its range, about the pixels of a small plot; 255 is missing."""
+"""Of the page, which keeps one for each value."""
+LEVELS = 65_534
+"""Steps of a packed value over its range: weak shocks move little of it; 65 535 is missing."""
 # ASSUME: energies above four times the saddle's are drawn as four times: what counts is near one,
 # which lies halfway between two packed values, so that rounding moves nothing across it.
 ENERGY_REACH = 4.0
@@ -35,8 +36,16 @@ VARIABLES = {
     "w_low": {"long_name": "least deflection of the beam's midpoint in the bin", "units": "um"},
     "w_high": {"long_name": "greatest deflection of the beam's midpoint in the bin", "units": "um"},
     "z_mass": {"long_name": "position of the mass at the start of the bin", "units": "um"},
-    "energy": {"long_name": "energy over the saddle's, at the start of the bin", "units": "1"},
-    "beam_energy": {"long_name": "the beam's share of the energy", "units": "1"},
+    "energy": {
+        "long_name": "energy over the saddle's, at the start of the bin",
+        "units": "1",
+        "clipped_at": ENERGY_REACH,
+    },
+    "beam_energy": {
+        "long_name": "the beam's share of the energy",
+        "units": "1",
+        "clipped_at": ENERGY_REACH,
+    },
 }
 _OUTWARD = {"w_low": np.floor, "w_high": np.ceil}
 
@@ -202,6 +211,6 @@ def _pack(values, low, high, rounded):
     """Codes of values clipped to a range, and the attributes that say how to undo it."""
     scale = (high - low) / LEVELS
     codes = rounded((np.clip(values, low, high) - low) / scale)
-    codes = np.where(np.isfinite(values), codes, LEVELS + 1).astype(np.uint8)
-    reach = {"valid_range": np.array([0, LEVELS], np.uint8), "_FillValue": np.uint8(LEVELS + 1)}
+    codes = np.where(np.isfinite(values), codes, LEVELS + 1).astype(np.uint16)
+    reach = {"valid_range": np.array([0, LEVELS], np.uint16), "_FillValue": np.uint16(LEVELS + 1)}
     return codes, {"scale_factor": scale, "add_offset": low, **reach}
