@@ -2,7 +2,7 @@ rule trace_cells:
     input:
         cube="results/cube.nc",
     output:
-        traces="results/traces.nc",
+        traces=update("results/traces.nc"),
     log:
         "results/logs/trace_cells.log",
     conda:
