@@ -579,9 +579,9 @@ def test_a_finger_scrolls_over_the_map(phone):
 
 
 def large_study(cube, traced):
-    """A cube of 50 000 cells and traces that compress as badly as real ones, about by half."""
+    """A cube of 40 000 cells and traces that compress as badly as real ones, about by half."""
     rng = np.random.default_rng(3)
-    axes = {"C": 5, "f0": 100, "N": 100}
+    axes = {"C": 4, "f0": 100, "N": 100}
     values = {key: np.arange(1.0, size + 1) for key, size in axes.items()}
     code = rng.integers(0, ABSENT, tuple(axes.values()), np.int8)
     t_snap = rng.uniform(10, 1000, code.shape)
@@ -604,7 +604,7 @@ def large_study(cube, traced):
     return large, xr.Dataset(kept, values, traced.attrs)
 
 
-def test_a_page_of_50_000_cells_is_small_and_answers(browser, cube, traced, tmp_path):
+def test_a_page_of_40_000_cells_is_small_and_answers(browser, cube, traced, tmp_path):
     path = tmp_path / "large.html"
     write_text(path, *large_study(cube, traced))
     assert path.stat().st_size < 15e6

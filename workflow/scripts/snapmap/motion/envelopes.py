@@ -19,14 +19,14 @@ from ..solver.cells import rows_of, to_cells
 from ..solver.settings import Settings
 from ..solver.simd_kernel import LANES, SAMPLE
 
-CELLS = 50_000
+CELLS = 40_000
 """A larger grid is thinned along its longest axes by whole strides."""
 BINS = (200, 100, 50)
 """Time bins of a cell: the most of these with which a page keeps to BYTES, or the fewest."""
 BYTES = 10_000_000
 """Of the page, which keeps one for each value."""
 DIGITS = {"quantize_mode": "BitRound", "significant_digits": 20}
-"""Binary digits kept in the file: a beam at rest stands 10 um off, and a weak shock moves it 0.01."""
+"""Binary digits kept in the file: a beam that rests at 10 um may move by 0.001."""
 # ASSUME: energies above four times the saddle's are drawn as four times: what counts is near one.
 ENERGY_REACH = 4.0
 
