@@ -28,7 +28,7 @@ UPSTREAM = {
     "trace_statics": (),
     "draw_statics": ("trace_statics",),
     "simulate_history": (),
-    "draw_history": ("simulate_history",),
+    "draw_histories": ("simulate_history",),
 }
 """The rules of a run, each after those whose products it takes."""
 RULES = tuple(UPSTREAM)
@@ -184,7 +184,7 @@ def planned_after_edit(clone, finished, path, text="EDITED = 1\n"):
     ("path", "rules"),
     [
         ("draw_maps.py", {"draw_maps"}),
-        ("snapmap/figures/maps.py", {"draw_maps", "draw_snap_maps", "write_page"}),
+        ("snapmap/figures/maps.py", {"draw_maps", "draw_snap_maps"}),
         ("snapmap/thresholds/islands.py", reruns({"find_threshold"})),
         ("snapmap/solver/simd_kernel.py", set(RULES) - {"trace_statics", "draw_statics"}),
         ("snapmap/sweeps/plan.py", set()),
