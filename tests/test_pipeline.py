@@ -31,7 +31,7 @@ UPSTREAM = {
 }
 """The rules of a run, each after those whose products it takes."""
 RULES = tuple(UPSTREAM)
-SOURCES = (".py", ".yaml", ".html", ".js", ".mplstyle")
+SOURCES = (".py", ".yaml", ".html", ".js", ".mplstyle", ".svg")
 
 
 def snakemake(root, folder, config, *options, check=True):

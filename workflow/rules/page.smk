@@ -2,7 +2,7 @@ rule trace_cells:
     input:
         cube="results/cube.nc",
     output:
-        traces="results/traces.nc",
+        traces=update("results/traces.nc"),
     log:
         "results/logs/trace_cells.log",
     conda:
@@ -17,7 +17,7 @@ rule trace_cells:
         model=study.model,
         settings=asked,
     message:
-        "Trace the motion of the cells of {input.cube}"
+        "Trace the motion of the cells"
     script:
         "../scripts/trace_cells.py"
 
@@ -43,6 +43,6 @@ rule write_page:
         code=code("write_page"),
         horizon=study.settings.horizon,
     message:
-        "Write the page to explore {input.cube}"
+        "Write the page"
     script:
         "../scripts/write_page.py"

@@ -22,7 +22,7 @@ rule simulate_slab:
         settings=asked,
         skip=study.skip,
     message:
-        "Simulate slab {wildcards.slab}"
+        "Simulate the cells"
     script:
         "../scripts/simulate_slab.py"
 
@@ -44,6 +44,6 @@ rule collect:
         axes={key: values.tolist() for key, values in study.axes.items()},
         config=study.document(),
     message:
-        "Collect the slabs into {output.cube}"
+        "Join the slabs to one cube"
     script:
         "../scripts/collect.py"

@@ -1,25 +1,9 @@
 """Rows that an earlier search found: a grid that grows has only the new ones to find."""
 
-import hashlib
-import json
-from collections.abc import Mapping, Sequence
-
 import numpy as np
 import xarray as xr
 
 from ..axes import Grid, shared_points
-from ..io.provenance import sources_hash
-from ..pulse import Pulse
-
-
-def recipe(document: Mapping, pulses: Sequence[Pulse], highest: float | None) -> str:
-    """Hash all that a row depends on beside its place on the axes: 12 hex digits.
-
-    document: what was asked for; highest: up to which N islands are looked for
-    """
-    pushed = [hashlib.sha256(one.pieces.tobytes()).hexdigest() for one in pulses]
-    whole = json.dumps([document, pushed, highest, sources_hash()], sort_keys=True)
-    return hashlib.sha256(whole.encode()).hexdigest()[:12]
 
 
 def recall(

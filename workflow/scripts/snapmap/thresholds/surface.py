@@ -7,14 +7,14 @@ import xarray as xr
 
 from ..axes import PULSE_AXES, coordinates, make_grid, split_axes
 from ..device import Device
-from ..io.provenance import asked_for, provenance
+from ..io.provenance import asked_for, provenance, recipe
 from ..pulse import VERSED_SINE, Pulse, shocks_from
 from ..solver.adaptive import choose_survey
 from ..solver.cells import check_cells, rows_of, to_rows
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings, check_number, check_settings
 from .cost import tell_cost
 from .islands import ABOVE, survey
-from .reuse import blank, recall, recipe
+from .reuse import blank, recall
 from .settling import lowest_latched
 
 IMPULSE, IMPULSE_OF_BEAM = 100.0, 10.0
