@@ -193,6 +193,7 @@ function drawDevice() {
   const further = study.varied.filter(([key]) => !written.some(([own]) => own === key));
   const rows = [...written, ...further].map(([key, words, text]) =>
     `<tr><th scope="row">${words}</th><td>${chosen[key] ?? text}</td></tr>`);
+  document.getElementById("device").innerHTML = `The device ${chosen.device ?? ""}`;
   document.getElementById("values").innerHTML = rows.join("");
 }
 
