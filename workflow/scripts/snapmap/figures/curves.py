@@ -15,6 +15,7 @@ LOOKS = (("C0", "o"), ("C6", "s"), ("C2", "^"), ("C5", "D"), ("C3", "v"), ("C7",
 CURVES, MARKS = 6, 45
 """Most lines in one figure, and most markers and error bars on a curve."""
 LIMIT = {"color": "0.4", "linewidth": 0.6, "zorder": 1.5}
+LIMITS = "static, impulsive limits"
 DASH, DOT = (6, 1.5), (1, 1.5)
 """Limits are dashes with dots between them: one on the first line, two on the second."""
 BAND = {"color": "0.25", "alpha": 0.35, "linewidth": 0}

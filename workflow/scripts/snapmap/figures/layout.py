@@ -8,7 +8,7 @@ from . import style
 
 BOX = 2.62, 1.9
 """Width and height of the only box of a figure, in."""
-LEFT, RIGHT, GAP, PAD = 0.56, 0.22, 0.2, 0.04
+LEFT, RIGHT, GAP, PAD = 0.56, 0.22, 0.3, 0.04
 """Room for the labels of y, for half a tick label, between columns, and about all; in."""
 LOWER = 0.72
 """Height over width of boxes side by side."""

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from ..axes import axis_behind
 from ..io.points import Point
 from . import layout, plane, style
-from .curves import band_keys, draw_band, draw_impulsive, draw_static, freeze, limit_key
+from .curves import LIMITS, band_keys, draw_band, draw_impulsive, draw_static, freeze, limit_key
 from .points import draw_points, number_shocks, point_keys
 from .scales import Scale, place_text, scale_of, tick_log
 from .states import SNAPS, STATES, State, end_states, is_doubtful, snap_states
@@ -46,18 +46,20 @@ WIDE = 30
 class Kind(NamedTuple):
     """What the colours of a map mean.
 
-    states: what there are; classify: gives the index in them of each cell; words: of the legend
+    states: what there are; classify: gives the index in them of each cell
+    words, columns: of the legend below maps side by side
     has_doubt: whether cells of which another step said otherwise are hatched
     """
 
     states: tuple[State, ...]
     classify: Callable[[xr.Dataset], xr.DataArray]
     words: str
+    columns: int
     has_doubt: bool
 
 
-END = Kind(STATES, end_states, "the beam at the end of its run (number of cells)", True)
-SNAP = Kind(SNAPS, snap_states, "the beam within its run (number of cells)", False)
+END = Kind(STATES, end_states, "the beam at the end of its run (number of cells)", 3, True)
+SNAP = Kind(SNAPS, snap_states, "the beam within its run (number of cells)", 4, False)
 
 
 class Panel(NamedTuple):
@@ -175,7 +177,7 @@ def draw_maps(
     _keep_outer_labels(axes)
     words = "\n".join(filter(None, [kind.words, style.case(panels[0].cells.attrs)]))
     keys = [*_keys(kind, panels, y), *point_keys(points)]
-    style.legend_below(axes[-1, 0], keys, words, ncols=4 if len(keys) > 3 else 3)
+    style.legend_below(axes[-1, 0], keys, words, ncols=kind.columns)
     layout.trim(figure)
     return axes
 
@@ -243,7 +245,7 @@ def _keys(kind, panels, y):
     if panels[0].found is None or y != "N":
         return keys
     lines = {key.get_label(): key for _, found in panels for key in band_keys(found)}
-    return [*keys, *lines.values(), limit_key("static, impulsive limits", "black")]
+    return [*keys, *lines.values(), limit_key(LIMITS, "black")]
 
 
 def _differing(panels):
@@ -254,15 +256,18 @@ def _differing(panels):
 
 
 def _keep_outer_labels(axes):
-    """Label x below the lowest box of each column, y at the left, durations at the top."""
+    """Label x below the lowest box of each column, durations at the top, and y once at the left."""
+    first, last = axes[0, 0], axes[-1, 0]
+    label = first.get_ylabel()
     for (row, column), ax in np.ndenumerate(axes):
         if ax is None:
             continue
-        if column:
-            ax.set_ylabel("")
-            ax.tick_params(axis="y", labelleft=False)
+        ax.set_ylabel("")
+        ax.tick_params(axis="y", labelleft=column == 0)
         if row + 1 < len(axes) and axes[row + 1, column] is not None:
             ax.set_xlabel("")
             ax.tick_params(axis="x", labelbottom=False)
-        for top in ax.child_axes if row else ():
-            top.set_visible(False)
+        for top in list(ax.child_axes) if row else ():
+            top.remove()
+    box = last.get_position()
+    last.set_ylabel(label, y=(first.get_position().y1 - box.y0) / box.height / 2)

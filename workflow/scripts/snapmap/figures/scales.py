@@ -47,10 +47,8 @@ MANY = 8
 """Values from which on an axis ends at the first and last of them, not at the edges of cells."""
 THIN, FROM = "\u2009", 10_000
 """Space between thousands, of numbers from here on."""
-SUBS = {1.6: (1, 2, 5), 0.9: (1, 3), 0: (1,)}
+SUBS = {1.6: (1, 2, 3, 5), 0.9: (1, 3), 0: (1,)}
 """Digits that are ticked in a decade, by the inches above which there is room for them."""
-ROUND = (1, 1.5, 2, 3, 4, 5, 6, 7, 8, 9)
-"""Digits at which a logarithmic axis may end."""
 STEPS = (1, 2, 2.5, 3, 4, 5, 6)
 """Digits of the steps between ticks."""
 
@@ -150,23 +148,17 @@ def velocity_axis(ax: Axes) -> None:
     """Make x the velocity change of the pulse (m/s), logarithmic."""
     ax.set_xscale("log")
     ax.set_xlabel("velocity change of the pulse (m/s)")
-    ax.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    ax.xaxis.set_major_locator(LogLocator(subs=(1, 3)))
     _write_numbers(ax.xaxis)
 
 
-def widen_to_round(ax: Axes, which: str) -> None:
-    """Move the ends of a logarithmic axis, "x" or "y", outward to round numbers."""
-    low, high = getattr(ax, f"get_{which}lim")()
-    getattr(ax, f"set_{which}lim")(_round_beyond(low, -1), _round_beyond(high, 1))
-
-
-def _round_beyond(value, way):
-    """The nearest round number that is not before a value, upward (1) or downward (-1)."""
-    decade = 10.0 ** math.floor(math.log10(value))
-    numbers = [digit * decade for digit in (*ROUND, 10)]
-    if way > 0:
-        return min(number for number in numbers if number >= value * (1 - 1e-9))
-    return max(number for number in numbers if number <= value * (1 + 1e-9))
+def end_at_ticks(axis: Axis) -> None:
+    """Move the ends of a logarithmic axis outward to where it is ticked."""
+    low, high = axis.get_view_interval()
+    ticks = np.asarray(axis.get_major_locator().tick_values(low / 10, high * 10))
+    below, above = ticks[ticks <= low * (1 + 1e-9)], ticks[ticks >= high * (1 - 1e-9)]
+    ends = max(below, default=low), min(above, default=high)
+    getattr(axis.axes, f"set_{axis.axis_name}lim")(ends)
 
 
 def _tick_evenly(axis, first, last):

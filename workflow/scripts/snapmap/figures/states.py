@@ -22,7 +22,7 @@ STATES = (
     State("rest_seen", "not tripped when last seen", "#99bbe0"),
     State("crossing", "still going back and forth", "#dedacd"),
     State("tripped_seen", "tripped when last seen", "#df7f25"),
-    State("tripped_proven", "tripped for good, proven", "#a84600"),
+    State("tripped_proven", "tripped for good, proven", "#ad4a00"),
     State("failed", "failed", "#000000"),
     State("absent", "no second stable shape", "#ffffff"),
 )

@@ -110,12 +110,18 @@ def guides(config: Mapping) -> list[str]:
 def legend_below(
     ax: Axes, keys: Iterable[Artist], title: str, ncols: int, below: float = 30
 ) -> None:
-    """Put a legend below the axis' own labels, in the middle of the figure's width; below: pt."""
-    figure = ax.get_figure()
+    """Put a legend below the axis' own labels, in the middle of the figure's width; below: pt.
+
+    ncols: at most, as many as have room
+    """
+    figure, keys = ax.get_figure(), list(keys)
     down = ScaledTranslation(0, -below / 72, figure.dpi_scale_trans)
     at = blended_transform_factory(figure.transFigure, ax.transAxes) + down
     place = {"loc": "upper center", "bbox_to_anchor": (0.5, 0), "bbox_transform": at}
-    ax.legend(handles=list(keys), title=title, ncols=ncols, **place)
+    for columns in range(ncols, 0, -1):
+        legend = ax.legend(handles=keys, title=title, ncols=columns, **place)
+        if legend.get_window_extent().width <= figure.bbox.width:
+            break
 
 
 def _metadata(kind, attributes):

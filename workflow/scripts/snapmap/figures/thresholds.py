@@ -24,6 +24,7 @@ from .plane import BELOW_BAR, colour_bar, fill_field, open_plane
 from .scales import (
     WORDS,
     amplitude_axis,
+    end_at_ticks,
     frequency_axis,
     number,
     place_text,
@@ -31,7 +32,6 @@ from .scales import (
     set_scale,
     value_text,
     velocity_axis,
-    widen_to_round,
 )
 
 DOUBTFUL = 0.01
@@ -43,6 +43,8 @@ NOTE = {"fontsize": 6, "textcoords": "offset points"}
 SYMBOLS = r"$\Delta v$: velocity change, limit of short pulses"
 ROOM = 0.15
 """For words below the lowest threshold, as a share of the height."""
+WHOLE = 58
+"""Signs in a line over the whole width of a column."""
 MANY_KEYS = 9
 """In a legend, which are then set in fewer columns."""
 FAR = 1e9
@@ -150,7 +152,7 @@ def draw_damage_boundary(ax: Axes, found: xr.Dataset, lines: str = "C") -> Axes:
     keys = [*line_keys(found, lines), *curve_keys(found, "0.4", "o")]
     keys.append(Patch(**SHADE, label=f"snaps, {name}"))
     place = {"loc": "lower left", "bbox_to_anchor": (-0.16, 1.03), "ncols": 2}
-    ax.legend(handles=keys, title=_title(found, style.COLUMN), alignment="left", **place)
+    ax.legend(handles=keys, title=_title(found, WHOLE), alignment="left", **place)
     return ax
 
 
@@ -168,9 +170,9 @@ def _draw_limits(ax, found, x, lines):
 
 
 def _make_room(ax):
-    """Move the lower end of the axes down to make room for words; end them at round numbers."""
+    """Move the lower end of the axes down to make room for words; end them at ticks."""
     ax.set_ylim(bottom=_height(ax, -ROOM))
-    widen_to_round(ax, "y")
+    end_at_ticks(ax.yaxis)
 
 
 def _height(ax, share):
@@ -197,7 +199,7 @@ def _label_limits(ax, found):
     if static.size:
         words = "static limit of long pulses"
         words += f", $N$ = {static[0]:.4g}" if static.size == 1 else ""
-        ax.annotate(words, (ax.get_xlim()[0], static[-1]), xytext=(4, -4), va="top", **NOTE)
+        ax.annotate(words, (ax.get_xlim()[0], static[0]), xytext=(4, -4), va="top", **NOTE)
     per_N = _known(found.gravity * found.area / (1e-6 * found.velocity_change))
     if static.size and per_N.size:
         lowest = np.fmin(static[0], np.nanmin(found.N_first.values, initial=np.inf))
@@ -235,12 +237,12 @@ def _draw_boundary_limits(ax, found, lines):
             draw_static(ax, one, "f0", colour, place)
     if lines not in found.N_static.dims:
         draw_static(ax, found, "f0")
-    widen_to_round(ax, "x")
+    end_at_ticks(ax.xaxis)
     _make_room(ax)
     freeze(ax)
     if static.size and changes.size:
         words = "static" + (f", $N$ = {static[0]:.4g}" if static.size == 1 else "")
-        at = changes[-1], static[-1]
+        at = changes[-1], static[0]
         ax.annotate(words, at, xytext=(4, -4), va="top", **NOTE)
 
 
