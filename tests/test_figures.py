@@ -11,7 +11,7 @@ import warnings
 from xml.etree import ElementTree
 
 import draw_convergence
-import draw_history
+import draw_histories
 import draw_maps
 import draw_snap_maps
 import draw_statics
@@ -589,8 +589,8 @@ def save_all(folder):
         files["cube"], files["threshold"], views["snap"], ends, [], [], points, folder
     )
     draw_thresholds.draw_thresholds(files["threshold"], [curve], boundary, folder)
-    draw_history.draw_history(files["history"], folder / "history")
-    draw_statics.draw_statics(files["statics"], folder / "statics")
+    draw_histories.draw_histories([files["history"]], [folder / "history"])
+    draw_statics.draw_statics([files["statics"]], [folder / "statics"])
     draw_convergence.draw_convergence(files["accuracy"], folder / "convergence")
     paths = {folder / f"{name}.{kind}" for name in STEMS for kind in ("pdf", "png")}
     assert set(folder.iterdir()) == {*files.values(), *paths, points}
@@ -655,7 +655,7 @@ def test_figures_need_no_pyplot(root):
 
 def test_every_figure_is_in_the_report_with_a_caption(root, workflow_text):
     """And every caption belongs to a figure, but for the words at the report's head."""
-    outputs = re.findall(r"png=[\[\s]*(report\()?\s*f?\"results/figures/", workflow_text)
+    outputs = re.findall(r"p(?:ng|age)=[\[\s]*(report\()?\s*f?\"results/", workflow_text)
     captions = re.findall(r'caption="\.\./report/(\w+\.rst)"', workflow_text)
     assert all(outputs) and len(outputs) == len(captions) == len(set(captions))
     written = list((root / "workflow" / "report").iterdir())
