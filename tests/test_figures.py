@@ -653,7 +653,7 @@ def test_figures_need_no_pyplot(root):
     assert run.stdout == "False\n"
 
 
-def test_every_figure_is_in_the_report_with_a_caption(root, workflow_text):
+def test_every_figure_and_the_page_are_in_the_report_with_a_caption(root, workflow_text):
     """And every caption belongs to a figure, but for the words at the report's head."""
     outputs = re.findall(r"p(?:ng|age)=[\[\s]*(report\()?\s*f?\"results/", workflow_text)
     captions = re.findall(r'caption="\.\./report/(\w+\.rst)"', workflow_text)

@@ -18,26 +18,6 @@ from .points import draw_points, number_shocks, point_keys
 from .scales import Scale, place_text, scale_of, tick_log
 from .states import SNAPS, STATES, State, end_states, is_doubtful, snap_states
 
-COLOURS = {
-    "unsnapped": "#eef4f8",
-    "never": "#bdd3e3",
-    "snapped": "#e69f00",
-    "latched": "#d55e00",
-    "returned": "#5d3a8c",
-    "failed": "#000000",
-    "absent": "#ffffff",
-}
-WORDS = {
-    "unsnapped": "no snap, end open",
-    "never": "never snaps",
-    "snapped": "snaps, end open",
-    "latched": "snaps and stays",
-    "returned": "snaps and returns",
-    "failed": "failed",
-    "absent": "no second stable shape",
-}
-"""Of each outcome, on the page."""
-
 WAITING = State("waiting", "no snap seen", "#ececec")
 WIDE = 30
 """Ratio of snap times from which their colours are logarithmic."""
