@@ -733,6 +733,7 @@ def test_devices_are_shown_by_their_names(browser, handout, tmp_path):
         assert view.sliders() == [["device", name]]
         assert view.text("#cell").endswith(f"device {name}")
         assert view.values()["spring K"] == f"{devices[name].spring:g} N/m"
+        assert view.text("#device") == f"The device {name}"
     assert view.complaints == []
 
 

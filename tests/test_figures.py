@@ -655,8 +655,7 @@ def test_figures_need_no_pyplot(root):
 
 def test_every_figure_and_the_page_are_in_the_report_with_a_caption(root, workflow_text):
     """And every caption belongs to a figure, but for the words at the report's head."""
-    outputs = re.findall(r"png=[\[\s]*(report\()?\s*f?\"results/figures/", workflow_text)
-    outputs += re.findall(r"page=(report\()", workflow_text)
+    outputs = re.findall(r"p(?:ng|age)=[\[\s]*(report\()?\s*f?\"results/", workflow_text)
     captions = re.findall(r'caption="\.\./report/(\w+\.rst)"', workflow_text)
     assert all(outputs) and len(outputs) == len(captions) == len(set(captions))
     written = list((root / "workflow" / "report").iterdir())

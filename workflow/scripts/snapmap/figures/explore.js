@@ -68,7 +68,8 @@ function drawMap() {
   listClasses(codes.flat(), apart.length, lines.map(({ y }) => y.some(Number.isFinite)));
   const layers = { x: lines.map(({ x }) => x), y: lines.map(({ y }) => y) };
   Plotly.restyle(map, layers, LINES);
-  Plotly.restyle(map, marksAt(apart), [APART]);
+  const inks = apart.map(([i, j]) => inkOn(study.states[codes[j][i]].colour));
+  Plotly.restyle(map, { ...marksAt(apart), "marker.color": [inks] }, [APART]);
   Plotly.restyle(map, { z: [codes], text: [byCell(describe)] }, [0]);
 }
 
@@ -91,6 +92,11 @@ function thresholds() {
     from = i + 1;
   }
   return [{ x, y: always }, band, { x, y: N }];
+}
+
+function inkOn(colour) {
+  const [red, green, blue] = [1, 3, 5].map((n) => parseInt(colour.slice(n, n + 2), 16));
+  return 0.3 * red + 0.6 * green + 0.1 * blue < 110 ? "#ffffff" : "#333333";
 }
 
 function marksAt(places) {
@@ -131,6 +137,8 @@ function drawHistory() {
   const middles = starts.map((start) => start + cells.bin_length[k] / 2e3);
   const end = 1e6 / axes[PULSE].values[at[PULSE]];
   const instants = [end, cells.t_snap[k], cells.t_settled[k]].map((time) => time / 1e3);
+  const instantKeys = [...document.getElementById("lines").children].slice(-instants.length);
+  instantKeys.forEach((key, n) => { key.hidden = Number.isNaN(instants[n]); });
   const [second, saddle, ...marks] = motion.layout.shapes;
   const moved = marks.map((mark, n) => ({ ...mark, ...standing(instants[n]) }));
   const curves = { x: [middles, middles, starts, starts, starts], y: study.traced.map((name) => trace(name, k)) };
@@ -185,6 +193,7 @@ function drawDevice() {
   const further = study.varied.filter(([key]) => !written.some(([own]) => own === key));
   const rows = [...written, ...further].map(([key, words, text]) =>
     `<tr><th scope="row">${words}</th><td>${chosen[key] ?? text}</td></tr>`);
+  document.getElementById("device").innerHTML = `The device ${chosen.device ?? ""}`;
   document.getElementById("values").innerHTML = rows.join("");
 }
 

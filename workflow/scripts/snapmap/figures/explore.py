@@ -15,9 +15,9 @@ from .explore_axes import axis, durations, layout, plane
 from .explore_batch import batch_section
 from .explore_cells import cell_data, opening, states
 from .explore_device import device_rows, words_of
+from .explore_history import history, legend
 
 HERE = Path(__file__).parent
-BAND, BEAM, MASS, TOTAL, AID = "rgba(0, 114, 178, 0.35)", "#0072b2", "#000000", "#d55e00", "#555555"
 PLAIN = {
     "template": "simple_white",
     "font": {"family": "system-ui, sans-serif", "size": 12},
@@ -58,6 +58,7 @@ def page(
     edges = found.sel({key: traces[key] for key in cube.outcome.dims[:-1]})
     document = json.loads(cube.attrs["config"])
     x, y = plane(cells)
+    motion = history(traces).update_layout(margin=MARGIN)
     data = {
         "axes": [axis(cells, key) for key in cells.outcome.dims],
         "x": x,
@@ -70,7 +71,8 @@ def page(
     }
     return Template(_text("explore.html")).substitute(
         map=_figure(_map(cells, x, y), "map", "470px", include_plotlyjs=True),
-        history=_figure(_history(traces), "history", "480px", include_plotlyjs=False),
+        history=_figure(motion, "history", "440px", include_plotlyjs=False),
+        lines=legend(motion),
         colours=COLOURED_BY["well" in cells],
         drawing=_text("device.svg"),
         data=json.dumps(data, allow_nan=False).replace("</", "<\\/"),
@@ -139,54 +141,6 @@ def _marks():
     chosen = {"symbol": "circle-open", "size": 15, "color": "black", "line": {"width": 2}}
     halo = {**chosen, "color": "white", "line": {"width": 5}}
     return [go.Scatter(**bare, marker=marker) for marker in (apart, halo, chosen)]
-
-
-def _history(traces):
-    """The two axes of a cell's history, which the page fills in for the chosen cell."""
-    line = {"mode": "lines", "hovertemplate": "%{y:.3g} at %{x:.3g} ms", "x": [0], "y": [0]}
-    edge, band = {"color": BEAM, "width": 0.7}, {"fill": "tonexty", "fillcolor": BAND}
-    on_energy = {**line, "yaxis": "y2"}
-    curves = [
-        go.Scatter(**line, line=edge, name="w(L/2), least", showlegend=False),
-        go.Scatter(**line, line=edge, name="midpoint w(L/2)", **band),
-        go.Scatter(**line, line={"color": MASS, "width": 1.5}, name="mass z<sub>M</sub>"),
-        go.Scatter(**on_energy, line={"color": TOTAL, "width": 1.5}, name="energy"),
-        go.Scatter(**on_energy, line={"color": BEAM, "width": 1}, name="beam's energy"),
-    ]
-    w_2 = float(traces.second_equilibrium.min())
-    return go.Figure(curves).update_layout(
-        xaxis={"title": "time after the start of the pulse (ms)", "anchor": "y2"},
-        yaxis={"title": "position (µm)", "domain": [0.45, 1], "zeroline": False},
-        yaxis2={"title": "energy / saddle's", "domain": [0, 0.4], "zeroline": False},
-        yaxis_autorangeoptions={"include": [1.15 * w_2, -1.15 * w_2]},
-        yaxis2_autorangeoptions={"include": [0, 1.2]},
-        shapes=[
-            _level("y", w_2, "second shape w<sub>2</sub>", "dash"),
-            _level("y2", 1.0, "saddle", "solid"),
-            _instant("end of the pulse", "dot"),
-            _instant("snap", "dashdot"),
-            _instant("settled", "longdash"),
-        ],
-        legend={"orientation": "h", "traceorder": "normal", "y": 1.02, "yanchor": "bottom"},
-        legend_entrywidth=88,
-        legend_font_size=11,
-        margin=MARGIN,
-    )
-
-
-def _level(axis, y, name, dash):
-    place = {"xref": "x domain", "x0": 0, "x1": 1, "yref": axis, "y0": y, "y1": y}
-    return _mark(name, dash, place)
-
-
-def _instant(name, dash):
-    place = {"xref": "x", "x0": 0, "x1": 0, "yref": "paper", "y0": 0, "y1": 1}
-    return _mark(name, dash, place)
-
-
-def _mark(name, dash, place):
-    line = {"color": AID, "width": 1.2, "dash": dash}
-    return {"type": "line", "line": line, "opacity": 1, "name": name, "showlegend": True, **place}
 
 
 def _thinning(cube, cells):

@@ -59,8 +59,11 @@ def layout(scale: scales.Scale) -> dict:
     label, unit = NAMES[scale.key]
     title = f"{label} ({unit})" if unit else label
     ends = np.log10(scale.edges[[0, -1]]) if scale.is_log else scale.edges[[0, -1]]
-    kind = {"type": "log" if scale.is_log else "linear", "exponentformat": "none"}
-    found = {"title": title, "range": ends.tolist(), **kind}
+    kind = {"type": "linear"}
+    if scale.is_log:
+        # Two to a decade make plotly write 1, 2 and 5, which stand apart on a phone.
+        kind = {"type": "log", "nticks": max(2, round(2 * np.ptp(ends)))}
+    found = {"title": title, "range": ends.tolist(), "exponentformat": "none", **kind}
     if scale.is_counted or scale.values.size == 1:
         every = -(-scale.values.size // scales.SEVERAL)
         texts = [say(value) for value in scale.values[::every].tolist()]

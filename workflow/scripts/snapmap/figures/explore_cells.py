@@ -46,8 +46,9 @@ def cell_data(cells: xr.Dataset, traces: xr.Dataset, found: xr.Dataset) -> dict:
     edges = {key: found[key].transpose(*dims[:-1]) for key in EDGES}
     columns = _labels(cells) | _facts(cells, traces) | edges
     arrays = {key: column.values for key, column in columns.items()}
+    failed = cells.outcome.values == OUTCOMES.index("failed")
     for key in TRACED:
-        arrays |= _scaled(key, traces[key].transpose(*dims, "bin").values)
+        arrays |= _scaled(key, traces[key].transpose(*dims, "bin").values, failed)
     return {
         "states": [state._asdict() for state in states(cells)],
         "outcomes": [{"name": name, "words": WORDS[name]} for name in OUTCOMES],
@@ -121,11 +122,15 @@ def _facts(cells, traces):
     }
 
 
-def _scaled(key, values):
+def _scaled(key, values, failed):
     """Motion in codes over each cell's own range, as differences, which are packed smaller.
 
-    values: (*axes, bin); the scale and the offset, (*axes), undo it
+    values: (*axes, bin), of what has failed as far as others go; the scale and the offset, (*axes),
+    undo it
     """
+    others = values[~failed]
+    if np.isfinite(others).any():
+        values = np.clip(values, np.nanmin(others), np.nanmax(others))
     seen = np.isfinite(values)
     low = np.where(seen, values, np.inf).min(axis=-1, keepdims=True)
     high = np.where(seen, values, -np.inf).max(axis=-1, keepdims=True)
