@@ -449,3 +449,8 @@ def test_a_plot_in_a_notebook_shows_the_ends_if_they_are_known():
     without, found = TINY.drop_vars(["well", "well_share"]), make_found().isel(C=0)
     words = legend_words(snapmap.plot_outcome(without, layout.single_box(), found=found))
     assert words[0] == "does not snap (8)" and "lowest $N$ that snaps" in words
+
+
+def test_snap_times_are_the_ends_of_all_maps():
+    panels = [TINY.assign(t_snap=TINY.t_snap * factor) for factor in (3.0, np.nan, 0.5)]
+    assert maps.snap_times(panels) == (50.0, 300.0)

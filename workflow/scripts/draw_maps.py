@@ -26,7 +26,8 @@ def draw_maps(cube_path, ends, together, times, points_path, folder):
             figure = style.double_column(height=9)
             maps.draw_maps(figure, panels, x, y, points)
             style.save(figure, f"{folder}/maps", cube.attrs)
-        colours = maps.snap_times(cube)
+        # Of what is drawn: a cube may be larger than memory.
+        colours = maps.snap_times(_cells(cube, view) for view in times)
         for view in times:
             _draw(maps.draw_time_map, cube, view, folder, ends=colours)
 

@@ -1,6 +1,6 @@
 """Maps over two axes of a study: where the beam ends, where it snaps, and when."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -99,16 +99,16 @@ def draw_time_map(
     plane.fill_states(ax, found, states, *across)
     keys = list(plane.state_keys([found.where(found != 1, -1)], states))
     if (found == 1).any():
-        _draw_times(ax, cells.t_snap, ends or snap_times(cells), *across)
+        _draw_times(ax, cells.t_snap, ends or snap_times([cells]), *across)
     ax.set_title(_title(cells))
     style.legend_below(ax, keys, "", ncols=2, below=plane.BELOW_BAR)
     return ax
 
 
-def snap_times(cells: xr.Dataset) -> tuple[float, float]:
-    """The first and the last snap of some cells, us; NaN if none snaps."""
-    times = cells.t_snap
-    return float(times.min()), float(times.max())
+def snap_times(panels: Iterable[xr.Dataset]) -> tuple[float, float]:
+    """The first and the last snap in all maps of cells, us; NaN if none snaps."""
+    ends = [(cells.t_snap.min().item(), cells.t_snap.max().item()) for cells in panels]
+    return np.fmin.reduce(ends)[0].item(), np.fmax.reduce(ends)[1].item()
 
 
 def plot_outcome(
