@@ -674,7 +674,7 @@ def trace_all(X, shape, conserving, devices, dt, pulses, cells, w_range, instant
     before = X.copy()
     bin, begin = np.full(LANES, -1), np.zeros(LANES, np.int64)
     low, high = np.empty(LANES), np.empty(LANES)
-    bins = w_range.shape[1]
+    bins, first, end = w_range.shape[1], STATE * LANES, (VECTORS + SCRATCH * len(shape)) * LANES
     for step in range(0, bins * width.max(), SAMPLE):
         in_block = step % BLOCK
         if in_block == 0:
@@ -682,9 +682,9 @@ def trace_all(X, shape, conserving, devices, dt, pulses, cells, w_range, instant
             set_out(X, shocks, pushes, pulses)
         begins = False
         for l in range(n_cells):
-            begins |= begin[l] == step
-        if begins:
-            before[:] = X
+            if begin[l] == step:
+                begins = True
+                before[l + first : end : LANES] = X[l + first : end : LANES]
         if conserving is None:
             advance(X, shape, shocks, in_block, 1)
         else:
@@ -709,7 +709,8 @@ def trace_all(X, shape, conserving, devices, dt, pulses, cells, w_range, instant
             instants[2, bin[l], l] = beam / dt[l] ** 2
         for l in range(LANES):
             w = X[W * LANES + l] if conserving is None else half_step_midpoint(X, shape, l)
-            low[l], high[l] = min(low[l], w), max(high[l], w)
+            low[l] = w if w < low[l] else low[l]
+            high[l] = w if w > high[l] else high[l]
         if conserving is None:
             advance(X, shape, shocks, in_block + 1, SAMPLE - 1)
         else:
