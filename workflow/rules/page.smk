@@ -5,9 +5,10 @@ rule trace_cells:
         traces=update("results/traces.nc"),
     log:
         "results/logs/trace_cells.log",
+    priority: 65
     conda:
         "../envs/snapmap.yaml"
-    threads: 4
+    threads: half
     resources:
         mem_mb=lambda wildcards, attempt: attempt * 2000,
     params:

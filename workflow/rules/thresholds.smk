@@ -9,7 +9,7 @@ rule find_threshold:
     priority: 80
     conda:
         "../envs/snapmap.yaml"
-    threads: 4
+    threads: half
     resources:
         mem_mb=lambda wildcards, attempt: attempt * 2000,
     params:

@@ -7,7 +7,7 @@ import xarray as xr
 
 from .atomic import replacing
 
-ENCODING = {"zlib": True, "complevel": 4, "shuffle": True, "fletcher32": True}
+ENCODING = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
 
 
 def write(dataset: xr.Dataset, path: str | Path) -> None:
