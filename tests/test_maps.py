@@ -143,6 +143,13 @@ def test_a_cell_is_doubtful_by_its_step_or_its_level():
     assert is_doubtful(cells).squeeze().values.tolist() == [True, True, True, False]
 
 
+def test_an_end_is_doubtful_unless_it_goes_back_and_forth():
+    cells = make_cells(["22"])
+    cells["well_reproduced"] = xr.zeros_like(cells.outcome)
+    cells["well_share"] = (("f0", "N"), [[1.0], [0.5]])
+    assert is_doubtful(cells).squeeze().values.tolist() == [True, False]
+
+
 @pytest.mark.parametrize("order", [1, -1])
 def test_cells_lie_about_their_grid_points_in_the_colours_of_their_states(order):
     cells = make_cells(["21", "03"]).isel(f0=slice(None, None, order), N=slice(None, None, order))

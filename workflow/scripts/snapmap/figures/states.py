@@ -58,11 +58,16 @@ def snap_states(cells: xr.Dataset) -> xr.DataArray:
 
 
 def is_doubtful(cells: xr.Dataset) -> xr.DataArray:
-    """Whether a run of the cell with another step, or another level of the model, differed."""
+    """Whether a run of the cell with another step, or another level of the model, differed.
+
+    One that still goes back and forth may end on either side.
+    """
     doubtful = xr.zeros_like(cells.outcome, bool)
     for name in ("reproduced", "agreed"):
         if name in cells:
             doubtful = doubtful | (cells[name] == 0)
+    if "well_reproduced" in cells:
+        doubtful = doubtful | ((cells.well_reproduced == 0) & (end_states(cells) != CROSSING))
     return doubtful
 
 

@@ -66,6 +66,11 @@ VARIABLES = {
         "flag_values": np.arange(2, dtype=np.int8),
         "flag_meanings": "not_reproduced reproduced",
     },
+    "well_reproduced": {
+        "long_name": "whether it also ended on the same side of the saddle",
+        "flag_values": np.arange(2, dtype=np.int8),
+        "flag_meanings": "not_reproduced reproduced",
+    },
 }
 
 

@@ -12,9 +12,10 @@ from ..solver.settings import Settings
 
 REPEATED_STEP = 0.75
 """The second run of a cell takes this fraction of the first one's step."""
-UNKNOWN = dict.fromkeys(("t_snap", "t_settled", "energy_error"), np.nan)
-KNOWN = {"well": 0, "halvings": 0, "level": 0, "agreed": 1, "reproduced": 1}
-ABSENCE = {"outcome": ABSENT, "well_share": np.nan, **KNOWN, **UNKNOWN}
+UNKNOWN = dict.fromkeys(("t_snap", "t_settled", "well_share", "energy_error"), np.nan)
+KNOWN = dict.fromkeys(("agreed", "reproduced", "well_reproduced"), 1)
+NONE = dict.fromkeys(("well", "halvings", "level"), 0)
+ABSENCE = {"outcome": ABSENT, **NONE, **KNOWN, **UNKNOWN}
 """What stands where there is no device."""
 
 
@@ -40,6 +41,9 @@ def follow_rows(
         again = _follow(model.with_step(REPEATED_STEP), cells, settings)
         same = again["outcome"] == found["outcome"]
         found["reproduced"] = same.astype(np.int8)
+        if "well" in found:
+            same &= again["well"] == found["well"]
+            found["well_reproduced"] = same.astype(np.int8)
     variables = {}
     for key, values in found.items():
         variables[key] = np.full((there.size, N.size), ABSENCE[key], values.dtype)
