@@ -4,6 +4,7 @@ import sys
 from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
+from snakemake.logging import logger
 
 # Nothing is written beside the code. The package has the name that the scripts call it by, as what
 # numba keeps in its cache asks for it by name.
@@ -14,12 +15,13 @@ from snapmap.io.dependencies import code_hash, kernel_cache
 # Jobs inherit both: a kernel is compiled once per user.
 os.environ.update(PYTHONDONTWRITEBYTECODE="1")
 os.environ.setdefault("NUMBA_CACHE_DIR", str(kernel_cache()))
-from snapmap.io.atomic import remove_leftovers
+from snapmap.io.atomic import remove_leftovers, remove_others
+from snapmap.io.progress import Progress, hush
 from snapmap.config.study import load_study, nominal
 from snapmap.config.views import batch_places, side_by_side
 from snapmap.config.yaml_file import read_document
 from snapmap.device import values_of
-from snapmap.sweeps.partition import slab_name
+from snapmap.sweeps.partition import cells_in, slab_name
 from snapmap.sweeps.plan import make_plan
 
 if not workflow.overwrite_configfiles:
@@ -51,12 +53,36 @@ cells = {cell.name: cell for cell in study.histories}
 statics = {"": study.device}
 if isinstance(study.device, dict):
     statics = {f"_{name}": device for name, device in study.device.items()}
-together = side_by_side(study.maps)
-map_stems = [*(view.name for view in study.maps), *["maps"] * bool(together)]
+of_cells = [view for view in study.maps if view.is_of_cells]
+ends = of_cells if study.settings.until == "settled" else []
+together = side_by_side(of_cells)
+times = [view.called("time") for view in of_cells]
+snaps = [view.called("snap") for view in of_cells]
+fields = [view for view in study.maps if not view.is_of_cells]
+map_stems = [view.name for view in ends] + ["maps"] * bool(ends)
+map_stems += [view.name for view in times]
+snap_stems = [view.name for view in snaps] + ["snap_maps"] * bool(snaps)
+snap_stems += [view.name for view in fields]
+marked = {"points": study.marks} if study.marks else {}
 curve_stems = [*(view.name for view in study.curves), study.boundary.name]
 batches = batch_places(study.grid)
 of_batch = ["probability", "sensitivity", *["yield"] * bool(study.requirements)]
 batch_stems = [f"{stem}{ending}" for stem in of_batch for ending in batches]
+stems = [
+    *map_stems,
+    *snap_stems,
+    *curve_stems,
+    *[f"history_{cell}" for cell in cells],
+    *[f"statics{which}" for which in statics],
+    *["requirements"] * bool(study.requirements),
+    *(batch_stems if study.tolerances else []),
+]
+
+
+new = [name for name in names if not os.path.exists(f"results/slabs/{name}.nc")]
+progress = Progress({name: cells_in(slabs[name]) for name in new})
+FIGURES = ("map*", "snap*", "time*", "thresholds*", "damage_boundary*", "history_*")
+FIGURES += ("statics*", "requirements*", "probability*", "sensitivity*", "yield*")
 
 
 report: "workflow/report/study.rst"
@@ -80,13 +106,30 @@ onstart:
     remove_leftovers("results")
     for line in filter(None, [study.left_out, *doubts]):
         print(line, file=sys.stderr)
+    for handler in logger.handlers:
+        if handler.name == "DefaultStreamHandler":
+            hush(handler)
+    logger.addHandler(progress)
+    progress.begin()
+
+
+onerror:
+    progress.close()
 
 
 onsuccess:
+    progress.close()
+    remove_others("results/figures", FIGURES, stems)
+    remove_others("results/histories", ["*"], cells)
+    remove_others(
+        "results", ["statics_*"], [f"statics{which}" for which in statics]
+    )
     told = ["find_threshold", "collect"]
     told += ["check_requirements"] * bool(study.requirements)
     told += ["find_tolerance"] * bool(study.tolerances)
-    for log in (Path(f"results/logs/{rule}.log") for rule in told):
+    logs = [f"results/logs/{rule}.log" for rule in told]
+    logs += [log for log in progress.logs if "measure_" in log]
+    for log in map(Path, logs):
         if log.exists():
             print(log.read_text(encoding="utf-8").strip(), file=sys.stderr)
     if os.path.exists("results/explore.html"):
@@ -109,24 +152,6 @@ include: "workflow/rules/stability.smk"
 rule all:
     input:
         "results/cube.nc",
-        expand(
-            "results/figures/{stem}.{kind}",
-            stem=[
-                *map_stems,
-                *curve_stems,
-                *[f"history_{cell}" for cell in cells],
-                *[f"statics{which}" for which in statics],
-            ],
-            kind=["pdf", "png"],
-        ),
         "results/explore.html",
-        (
-            ["results/requirements.csv", "results/figures/requirements.pdf"]
-            if study.requirements
-            else []
-        ),
-        (
-            [f"results/figures/{stem}.pdf" for stem in batch_stems]
-            if study.tolerances
-            else []
-        ),
+        expand("results/figures/{stem}.{kind}", stem=stems, kind=["pdf", "png"]),
+        ["results/requirements.csv"] if study.requirements else [],

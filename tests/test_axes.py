@@ -275,6 +275,32 @@ def test_a_history_may_change_the_device():
     assert history.device == varied(load_study(document()).device, thickness=2.0)
 
 
+@pytest.mark.parametrize(
+    "sweep",
+    [
+        {},
+        {"thickness": ["1.8 um", "1.89 um"], "spring": ["5 N/m"]},
+        {"rise": ["4.2 um", "20 um"], "not_bistable": "skip"},  # the nearer one is no device
+    ],
+)
+def test_the_history_left_out_is_a_cell_of_the_study(sweep):
+    study = load_study(document(**sweep))
+    (history,) = study.histories
+    for key, value in (history.shock | history.changes).items():
+        assert value in study.axes[key]
+    assert set(history.changes) == {key for key in study.axes if key in VALUES}
+    assert history.device == varied(study.device, **history.changes)
+
+
+def test_maps_are_called_by_what_they_show():
+    whole = document(thickness=["1.8 um", "1.9 um"])
+    whole["maps"] = [{"x": "f0", "y": "N"}, {"x": "thickness", "y": "C"}]
+    cells, thresholds = load_study(whole).maps
+    assert cells.is_of_cells and not thresholds.is_of_cells
+    assert cells.called("snap").name == cells.name.replace("map", "snap", 1)
+    assert cells.called("snap")._replace(name=cells.name) == cells
+
+
 def test_two_maps_of_the_same_values_are_one():
     whole = document()
     whole["maps"] = [{"x": "f0", "y": "N"}, {"x": "f0", "y": "N", "at": {"C": "29 uN*us/um"}}]

@@ -79,7 +79,11 @@ def test_default_study_is_exact():
     )
     assert np.allclose(study.axes["f0"][1:] / study.axes["f0"][:-1], 300 ** (1 / 30), rtol=1e-13)
     assert study.settings == Settings(1500.0, "settled", True, 1e-3)
-    assert [cell.shock for cell in study.histories] == [{"N": 1000.0, "f0": 1500.0, "C": 0.025}]
+    (cell,) = study.histories
+    nearest = study.axes["f0"][14]
+    assert cell.shock == {"N": 1000.0, "f0": nearest, "C": 0.025} and cell.changes == {}
+    assert cell.name == f"N1000_f{nearest:.6g}_C0.025"
+    assert study.marks == ""
 
 
 @pytest.mark.parametrize(
@@ -273,6 +277,44 @@ def test_histories():
         "C": 0.0,
     }
     assert load_study(changed(histories=[])).histories == ()
+
+
+def test_the_history_left_out_is_the_cell_nearest_the_handouts_case():
+    f0 = ["1 kHz", "2 kHz", "2.3 kHz"]  # 1500 Hz is nearer to 2000, as a ratio
+    study = load_study(changed(sweep__N=[900, 1090], sweep__f0=f0, sweep__C=["7 kg/s", "0 kg/s"]))
+    (cell,) = study.histories
+    assert cell.shock == {"N": 1090.0, "f0": 2000.0, "C": 0.0}
+    assert cell.name == "N1090_f2000_C0"
+
+
+def with_points(folder, monkeypatch, text):
+    monkeypatch.chdir(folder)
+    (folder / "points.csv").write_text(text, encoding="utf-8")
+    return changed(marks="points.csv")
+
+
+def test_own_points_are_checked_with_the_config(tmp_path, monkeypatch):
+    assert load_study(with_points(tmp_path, monkeypatch, "N,f0\n1000,1500\n")).marks == "points.csv"
+    with pytest.raises(ConfigError) as fault:
+        load_study(with_points(tmp_path, monkeypatch, "N,f0\n1000,soon\n"))
+    assert str(fault.value) == ("marks: points.csv: line 2, column f0: 'soon' is no number above 0")
+
+
+@pytest.mark.parametrize(
+    ("path", "complaint"),
+    [
+        ("none.csv", "marks: none.csv: is not there"),
+        ("../points.csv", "marks: ../points.csv lies outside the study's folder; copy it there"),
+        ("/etc/passwd", "marks: /etc/passwd lies outside the study's folder; copy it there"),
+        ("", "marks: '' is not"),
+        (3, "marks: 3 is not"),
+    ],
+)
+def test_own_points_that_cannot_be_are_one_line(path, complaint):
+    with pytest.raises(ConfigError) as fault:
+        load_study(changed(marks=path))
+    (line,) = str(fault.value).splitlines()
+    assert line.startswith(complaint)
 
 
 def with_durations(given):

@@ -13,9 +13,10 @@ from trace_cells import trace_cells
 from write_page import write_page
 
 import snapmap
-from snapmap.figures.explore import NO_HATCH, page
-from snapmap.figures.maps import WORDS
-from snapmap.io.netcdf import write
+from snapmap.figures.explore import page
+from snapmap.figures.explore_cells import GREY, WORDS
+from snapmap.figures.states import SNAPS, STATES, end_states
+from snapmap.io.netcdf import read_earlier, write
 from snapmap.motion import envelopes
 from snapmap.solver.adaptive import Adaptive
 from snapmap.solver.models import build_model
@@ -27,6 +28,8 @@ from snapmap.solver.simd_kernel import SAMPLE
 MODEL = {"name": "cosines", "modes": 3}
 SETTINGS = Settings(horizon=300.0)
 AXES = {"C": [0.025, 200.0], "f0": [1000.0, 3000.0, 9000.0], "N": [800.0, 1000.0, 1300.0, 2200.0]}
+ALWAYS, BAND, FIRST, APART = 1, 2, 3, 4
+"""Which curve of the map is which."""
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "chrome"))), None)
 
 
@@ -41,13 +44,18 @@ def cube(handout):
 
 
 @pytest.fixture(scope="module")
-def packed(handout, cube):
+def traced(handout, cube):
     return envelopes.trace(handout, cube, MODEL, SETTINGS._replace(threads=2))
 
 
-@pytest.fixture(scope="module")
-def traced(packed):
-    return xr.decode_cf(packed)
+def edges_of(cube):
+    """Thresholds of a cube, read off its grid: what the page needs of threshold.nc."""
+    first = cube.N.where(cube.t_snap.notnull()).min("N")
+    return xr.Dataset({"N_first": first, "N_error": 0 * first + 20, "N_always": first + 50})
+
+
+def write_text(path, cube, traces):
+    path.write_text(page(cube, traces, edges_of(cube), SETTINGS.horizon), encoding="utf-8")
 
 
 def history_of(device, cell):
@@ -59,25 +67,22 @@ def history_of(device, cell):
 
 
 @pytest.mark.parametrize(("N", "f0", "C"), [(800.0, 9000.0, 200.0), (2200.0, 1000.0, 0.025)])
-def test_traces_are_the_history(handout, packed, traced, N, f0, C):
-    """The band ends at the extremes of each bin, within the rounding, which goes outward."""
+def test_traces_are_the_history(handout, traced, N, f0, C):
+    """The band ends at the extremes of each bin."""
     run, look = history_of(handout, {"N": N, "f0": f0, "C": C})
     cell = traced.sel(N=N, f0=f0, C=C)
     per_bin = round(float(cell.bin_length) / look)
     bins = min(cell.sizes["bin"], run.sizes["time"] // per_bin)
     w = run.w_mid.values[: bins * per_bin].reshape(bins, per_bin)
-    one = packed.w_low.attrs["scale_factor"]
-    below, above = w.min(axis=1) - cell.w_low[:bins], cell.w_high[:bins] - w.max(axis=1)
-    for gap in (below, above):
-        assert gap.min() > -1e-9 and gap.max() < one + 1e-9
-
+    exact = {"rtol": 1e-6, "atol": 1e-6}
+    np.testing.assert_allclose(cell.w_low[:bins], w.min(axis=1), **exact)
+    np.testing.assert_allclose(cell.w_high[:bins], w.max(axis=1), **exact)
     starts = run.isel(time=slice(0, bins * per_bin, per_bin))
-    off = abs(cell.z_mass.values[:bins] - starts.z_mass.values)
-    assert off.max() <= 0.5001 * packed.z_mass.attrs["scale_factor"]
+    np.testing.assert_allclose(cell.z_mass[:bins], starts.z_mass, **exact)
     stored = ("kinetic", "spring", "bending", "axial", "contact")
     energy = sum(starts[f"{kind}_energy"] for kind in stored) / run.attrs["barrier"]
-    off = abs(cell.energy.values[:bins] - np.minimum(energy.values, envelopes.ENERGY_REACH))
-    assert off.max() <= 0.5001 * packed.energy.attrs["scale_factor"]
+    energy = np.minimum(energy.values, envelopes.ENERGY_REACH)
+    np.testing.assert_allclose(cell.energy[:bins], energy, rtol=1e-6, atol=1e-6)
     assert (cell.beam_energy <= cell.energy).all()
 
 
@@ -90,8 +95,7 @@ def test_traces_are_the_sweeps_runs(handout, scheme):
         MODEL | {"scheme": scheme},
     )
     cube = swept(handout, N=N, f0=f0, scheme=scheme)
-    packed = envelopes.trace(handout, cube, model, SETTINGS)
-    traced, one = xr.decode_cf(packed), packed.w_low.attrs["scale_factor"]
+    traced = envelopes.trace(handout, cube, model, SETTINGS)
     looks = traced.bin_length / (SAMPLE * build_model(handout, **model).dt)
     halved = abs(looks - looks.round()) > 0.1
     assert halved.any() == (scheme == EXPLICIT), "what is tested is not there"
@@ -99,7 +103,7 @@ def test_traces_are_the_sweeps_runs(handout, scheme):
     snapped, w_2 = cube.t_snap.notnull(), handout.beam.second_equilibrium
     assert ((traced.w_low <= w_2).any("bin") == snapped).all()
     bin_of_snap = np.floor(cube.t_snap / traced.bin_length)
-    assert not ((traced.bin < bin_of_snap) & (traced.w_low + one <= w_2)).any()
+    assert not ((traced.bin < bin_of_snap) & (traced.w_low <= w_2)).any()
     soon = traced.bin <= bin_of_snap + 1
     assert ((soon & (traced.w_low <= w_2)).any("bin") == snapped).all()
 
@@ -123,10 +127,10 @@ def test_traces_end_where_the_sweep_did(handout):
     assert (shown - cube.t_snap).max() <= look
 
 
-def test_traces_do_not_depend_on_threads_or_order(handout, cube, packed):
+def test_traces_do_not_depend_on_threads_or_order(handout, cube, traced):
     mixed = cube.isel(N=[2, 0, 3, 1], f0=[1, 2, 0])
     again = envelopes.trace(handout, mixed, MODEL, SETTINGS)
-    xr.testing.assert_equal(again, packed)
+    xr.testing.assert_equal(again, traced)
 
 
 def test_a_large_grid_is_thinned_by_whole_strides(cube):
@@ -139,15 +143,15 @@ def test_a_large_grid_is_thinned_by_whole_strides(cube):
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
-def test_a_failed_cell_spoils_no_range(handout, packed, scheme):
+def test_a_failed_cell_is_kept_as_far_as_numbers_go(handout, scheme):
     """What blew up has no trace; the conserving scheme stays finite, and is wrong."""
     failed = swept(handout, N=[800.0, 2200.0, 1e30], f0=[1000.0], C=[0.025], scheme=scheme)
     assert failed.outcome.values.ravel()[-1] == OUTCOMES.index("failed")
     found = envelopes.trace(handout, failed, MODEL | {"scheme": scheme}, SETTINGS)
-    assert found.w_low.attrs["scale_factor"] <= packed.w_low.attrs["scale_factor"]
-    last = xr.decode_cf(found).isel(N=-1)
+    last = found.isel(N=-1)
     assert not last.isel(bin=0).energy.isnull()
     assert last.energy.isnull().any() == (scheme == EXPLICIT)
+    assert float(abs(found.w_low).max()) <= 1.001 * envelopes.MOST
 
 
 def test_an_adaptive_cell_is_traced_by_the_level_that_decided(handout, cube, monkeypatch):
@@ -173,27 +177,25 @@ def test_devices_are_traced_as_each_alone(handout):
     del asked["name"]
     points = {"thickness": [1.8, 4.4], "contact": [40.0, np.inf]}
     cube = snapmap.sweep(handout, **asked, **points, skip=True)
-    traced = xr.decode_cf(envelopes.trace(handout, cube, model, SETTINGS))
+    traced = envelopes.trace(handout, cube, model, SETTINGS)
     assert traced.second_equilibrium.dims == ("thickness", "contact")
     for contact in points["contact"]:
         thin = replace(handout.beam, thickness=1.8)
         device = replace(handout, beam=thin, contact=contact)
         own = snapmap.sweep(device, **asked)
-        alone = xr.decode_cf(envelopes.trace(device, own, model, SETTINGS))
+        alone = envelopes.trace(device, own, model, SETTINGS)
         there = traced.sel(thickness=1.8, contact=contact)
         assert float(there.second_equilibrium) == device.beam.second_equilibrium
         np.testing.assert_array_equal(there.bin_length, alone.bin_length)
-        # Both round outward, each by the steps of its own range.
-        step = sum(abs(one.w_low.max() - one.w_low.min()).item() for one in (there, alone)) / 254
-        assert abs(there.w_low - alone.w_low).max() <= 2 * step
-        np.testing.assert_allclose(there.energy, alone.energy)
+        for key in envelopes.VARIABLES:
+            np.testing.assert_array_equal(there[key], alone[key])
     absent = traced.sel(thickness=4.4)
     assert absent.energy.isnull().all() and absent.second_equilibrium.isnull().all()
 
 
-def test_what_follows_the_horizon_spoils_no_range(handout, cube, monkeypatch):
+def test_what_follows_the_horizon_spoils_no_range(handout, cube, traced, monkeypatch):
     """Bins go on beyond it, where a run that was believed may blow up."""
-    usual, follow = envelopes.trace(handout, cube, MODEL, SETTINGS), envelopes._follow
+    follow = envelopes._follow
 
     def blow_up(model, pulses, cells, window, bins, threads):
         values, bin_length = follow(model, pulses, cells, window, bins, threads)
@@ -204,7 +206,32 @@ def test_what_follows_the_horizon_spoils_no_range(handout, cube, monkeypatch):
 
     monkeypatch.setattr(envelopes, "_follow", blow_up)
     found = envelopes.trace(handout, cube, MODEL, SETTINGS)
-    assert found.w_low.attrs["scale_factor"] == usual.w_low.attrs["scale_factor"]
+    for key in ("w_high", "z_mass", "energy"):
+        np.testing.assert_array_equal(found[key].max("bin") <= traced[key].max("bin"), True)
+
+
+def test_traces_that_grow_are_those_followed_at_once(handout, cube, traced, tmp_path, monkeypatch):
+    """As files: what is kept of a number does not hang on how often it was written."""
+    part = envelopes.trace(handout, cube.isel(f0=[0, 2], C=[1]), MODEL, SETTINGS)
+    write(part, tmp_path / "part.nc")
+    write(traced, tmp_path / "whole.nc")
+    follow, followed = envelopes._follow, []
+
+    def counted(model, pulses, cells, *asked):
+        followed.append(cells.f0.size)
+        return follow(model, pulses, cells, *asked)
+
+    monkeypatch.setattr(envelopes, "_follow", counted)
+    grown = envelopes.trace(
+        handout, cube, MODEL, SETTINGS, earlier=read_earlier(tmp_path / "part.nc")
+    )
+    assert sum(followed) == cube.outcome.size - 8
+    write(grown, tmp_path / "grown.nc")
+    with (
+        xr.open_dataset(tmp_path / "grown.nc") as one,
+        xr.open_dataset(tmp_path / "whole.nc") as other,
+    ):
+        xr.testing.assert_identical(one, other)
 
 
 def test_the_reference_is_traced_by_its_elements_in_modes(handout, cube):
@@ -218,12 +245,14 @@ def test_the_reference_is_traced_by_its_elements_in_modes(handout, cube):
 def page_file(handout, cube, tmp_path_factory):
     """The page of the small cube, made by the rules' own functions."""
     folder = tmp_path_factory.mktemp("a page")
-    paths = [folder / name for name in ("cube.nc", "traces.nc", "explore.html")]
+    names = ("cube.nc", "traces.nc", "threshold.nc", "explore.html")
+    paths = [folder / name for name in names]
     write(cube, paths[0])
     trace_cells(paths[0], asdict(handout), {}, MODEL, SETTINGS.asked(), paths[1], threads=1)
-    write_page(paths[0], paths[1], SETTINGS.horizon, paths[2])
+    write(edges_of(cube), paths[2])
+    write_page(*paths[:3], SETTINGS.horizon, paths[3])
     assert sorted(folder.iterdir()) == sorted(paths)
-    return paths[2]
+    return paths[3]
 
 
 @pytest.fixture(scope="module")
@@ -239,8 +268,8 @@ def browser():
 class View:
     """A page in a browser, what it asked for and what it complained of."""
 
-    def __init__(self, browser, path):
-        self.page, self.requests, self.complaints = browser.new_page(), [], []
+    def __init__(self, browser, path, **kind):
+        self.page, self.requests, self.complaints = browser.new_page(**kind), [], []
         self.page.on("request", lambda request: self.requests.append(request.url))
         self.page.on("console", lambda message: self.complaints.append(message.text))
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
@@ -302,6 +331,11 @@ class View:
         rows += "slider.labels[0].textContent, slider.nextElementSibling.textContent])"
         return [[text.replace("\xa0", " ") for text in row] for row in self.page.evaluate(rows)]
 
+    def values(self):
+        """The rows of the table of the device."""
+        rows = "[...document.querySelectorAll('#values tr')].map((row) => row.innerText)"
+        return dict(row.replace("\xa0", " ").split("\t") for row in self.page.evaluate(rows))
+
     def place(self):
         """Where the chosen cell is on each axis."""
         return self.page.evaluate("at")
@@ -313,7 +347,7 @@ def view(browser, page_file):
 
 
 def codes_of(cube, c):
-    return cube.outcome.isel(C=c).transpose("N", "f0").values.tolist()
+    return end_states(cube.isel(C=c)).transpose("N", "f0").values.tolist()
 
 
 def test_the_page_loads_alone_and_without_complaint(browser, page_file):
@@ -352,35 +386,76 @@ def test_the_slider_changes_the_map(view, cube):
         assert view.page.get_attribute("#at-C", "aria-valuetext").replace("\xa0", " ") == words
         assert f"C = {words}" in view.text("#cell")
         apart = (cube.reproduced.isel(C=c) == 0).sum()
-        assert len(view.shown("map", "x", curve=1)) == apart
+        assert len(view.shown("map", "x", curve=APART)) == apart
 
 
 def test_the_classes_are_named_and_counted(view, cube):
     view.slide(0)
-    counts = np.bincount(cube.outcome.isel(C=0).values.ravel(), minlength=len(OUTCOMES))
-    for name, count in zip(OUTCOMES, counts, strict=True):
-        assert (f"{WORDS[name]} ({count})" in view.text("#classes")) == (count > 0)
+    counts = np.bincount(np.ravel(codes_of(cube, 0)), minlength=len(STATES))
+    for state, count in zip(STATES, counts, strict=True):
+        assert (f"{state.words} ({count})" in view.text("#classes")) == (count > 0)
 
 
 def test_a_cell_says_what_it_is_under_the_pointer(view, cube):
     view.slide(1)
     i, j = np.argwhere(np.isfinite(cube.t_snap.isel(C=1).values))[0]
     cell = cube.isel(C=1, f0=i, N=j)
-    words = WORDS[OUTCOMES[int(cell.outcome)]]
+    words = STATES[int(end_states(cell))].words, WORDS[OUTCOMES[int(cell.outcome)]]
     time = f"{float(cell.t_snap):.4g}"
-    expected = [words, f"N = {cell.N:g}", f"f0 = {cell.f0:g} Hz", f"tsnap = {time} µs"]
+    expected = [*words, f"N = {cell.N:g}", f"f0 = {cell.f0:g} Hz", f"tsnap = {time} µs"]
     text = view.hover(int(i), int(j))
     assert all(part in text for part in expected), text
 
 
-def test_a_click_shows_the_history_of_that_cell(view, packed):
+def test_the_thresholds_are_drawn_for_the_chosen_values(view, cube):
+    """N_always, the band of the error about N_first, once there and back, and N_first."""
+    found = edges_of(cube)
+    assert found.N_first.notnull().all() and (found.N_first[0] != found.N_first[1]).any()
+    for c in range(2):
+        view.slide(c)
+        row = found.isel(C=c)
+        for curve, N in ((FIRST, row.N_first), (ALWAYS, row.N_always)):
+            assert view.shown("map", "x", curve) == cube.f0.values.tolist()
+            assert view.shown("map", "y", curve) == pytest.approx(N.values.tolist())
+        band = [*(row.N_first + 20).values, *(row.N_first - 20).values[::-1]]
+        assert view.shown("map", "y", BAND) == pytest.approx([*band, None])
+        view.click(1, 0)
+        first, always = row.N_first.values[1], row.N_always.values[1]
+        assert f"{first:g} ± 20; above {always:g} all snap" in view.text("#edge")
+
+
+def test_a_band_is_left_out_where_no_error_is_known(browser, cube, traced, tmp_path):
+    found = edges_of(cube)
+    found.N_first[0, 2], found.N_error[0, 1] = np.nan, np.inf
+    (tmp_path / "page.html").write_text(page(cube, traced, found, 300.0), encoding="utf-8")
+    view = View(browser, tmp_path / "page.html")
+    view.slide(0)
+    first = found.N_first.values[0, 0]
+    assert view.shown("map", "y", BAND) == [first + 20, first - 20, None]
+    view.click(1, 3)
+    assert "±" not in view.text("#edge")
+    view.click(2, 3)
+    assert "nothing snaps" in view.text("#edge")
+
+
+def test_the_axis_above_is_the_duration(view):
+    ticks = view.page.evaluate("map.layout.xaxis2")
+    durations = [float(text) for text in ticks["ticktext"]]
+    assert durations == pytest.approx([1e3 / f0 for f0 in ticks["tickvals"]])
+    shown = "[...map.querySelectorAll('.x2tick text')].map((tick) => tick.textContent)"
+    assert set(view.page.evaluate(shown)) == set(ticks["ticktext"])
+
+
+def test_a_click_shows_the_history_of_that_cell(view, traced):
+    """Each curve to half a step of its own range, of which there are 254."""
     view.slide(0)
     for i, j in ((0, 3), (2, 0)):
         view.click(i, j)
-        cell = packed.isel(C=0, f0=i, N=j)
+        cell = traced.isel(C=0, f0=i, N=j)
         for curve, key in enumerate(("w_low", "w_high", "z_mass", "energy", "beam_energy")):
-            expected = xr.decode_cf(cell)[key].values
-            assert view.shown("history", "y", curve) == pytest.approx(expected.tolist())
+            half = 0.501 * float(cell[key].max() - cell[key].min()) / 254
+            shown = view.shown("history", "y", curve)
+            assert shown == pytest.approx(cell[key].values.tolist(), abs=half)
         starts = float(cell.bin_length) / 1e3 * np.arange(cell.sizes["bin"])
         assert view.shown("history", "x", 2) == pytest.approx(starts.tolist())
         assert view.text("#cell").startswith(f"N = {cell.N:g}, f0 = {cell.f0:g} Hz")
@@ -394,23 +469,119 @@ def test_the_arrow_keys_move_the_choice(view):
         view.wait_for(*cell)
 
 
+def test_the_buttons_move_the_choice(view):
+    view.click(1, 1)
+    for name, cell in (("next f0", (2, 1)), ("previous N", (2, 0)), ("previous f0", (1, 0))):
+        view.page.click(f"button[aria-label='{name}']")
+        view.wait_for(*cell)
+
+
 def test_a_sentence_says_how_the_label_is_known(view, cube):
     for c, i, j in np.ndindex(cube.outcome.shape):
         name = OUTCOMES[int(cube.outcome[c, i, j])]
         view.page.evaluate(f"at[0] = {c}; choose({i}, {j})")
         text, cell = view.text("#verdict"), cube.isel(C=c, f0=i, N=j)
-        assert text.startswith(WORDS[name])
+        assert text.startswith(STATES[int(end_states(cell))].words)
         for key, known in (("t_snap", "reached the second"), ("t_settled", "proven")):
             seen = bool(np.isfinite(cell[key]))
             assert (known in text) == seen
             assert not seen or f"t = {float(cell[key]):.4g} µs" in text
-        assert ("open" in text) == (name in ("snapped", "unsnapped"))
+        is_open = name in ("snapped", "unsnapped")
+        assert ("open" in text) == ("of the mass's last swing" in text) == is_open
 
 
-def large_study(cube, packed):
-    """A cube of 50 000 cells and traces that compress as badly as real ones, about by half."""
+def test_a_sentence_says_on_which_side_the_beam_was_last(browser, cube, traced, tmp_path):
+    """By its share of the mass's last swing, and only where nothing is proven."""
+    cells, proof = cube.copy(deep=True), np.isfinite(cube.t_settled.values)
+    open_cell, proven = (
+        dict(zip(cube.outcome.dims, np.argwhere(known)[0].tolist(), strict=True))
+        for known in (~proof, proof)
+    )
+    cells.well[open_cell], cells.well_share[open_cell] = 2, 0.8399
+    write_text(tmp_path / "page.html", cells, traced)
+    view, said = View(browser, tmp_path / "page.html"), "on the second side during 83 %"
+    for cell, is_said in ((open_cell, True), (proven, False)):
+        view.slide(cell["C"])
+        assert (said in view.hover(cell["f0"], cell["N"])) == is_said
+        view.click(cell["f0"], cell["N"])
+        assert (said in view.text("#verdict")) == is_said
+
+
+@pytest.mark.parametrize(("excess", "parted"), [(1e-3, True), (-1e-3, False)])
+def test_the_proof_is_told_by_the_energy_before_it_is_packed(
+    browser, cube, traced, tmp_path, excess, parted
+):
+    """A byte over the range of a cell would not tell these energies apart."""
+    latched = cube.assign(outcome=xr.full_like(cube.outcome, OUTCOMES.index("latched")))
+    latched = latched.assign(t_settled=xr.full_like(cube.t_settled, 100.0))
+    energy = xr.where(traced.bin < 1, 4.0, 1 + excess, keep_attrs=False)
+    energy = energy.broadcast_like(traced.energy).assign_attrs(traced.energy.attrs)
+    write_text(tmp_path / "page.html", latched, traced.assign(energy=energy))
+    text = View(browser, tmp_path / "page.html").text("#verdict")
+    assert ("the mass swings too weakly" in text) == parted
+
+
+def test_energies_beyond_what_is_kept_are_told_as_at_least(browser, cube, traced, tmp_path):
+    opened = cube.assign(outcome=xr.full_like(cube.outcome, OUTCOMES.index("snapped")))
+    full = xr.full_like(traced.energy, envelopes.ENERGY_REACH)
+    for energy, words in ((full, "at least 4 times"), (full - 0.01, "is 3.99 times")):
+        write_text(tmp_path / "page.html", opened, traced.assign(energy=energy))
+        assert words in View(browser, tmp_path / "page.html").text("#verdict")
+
+
+def test_weak_shocks_are_traced_without_steps(handout, tmp_path):
+    """A thousandth of the usual shock, too, has as many steps as the page can show."""
+    weak = swept(handout, N=[1.0], f0=[3000.0], C=[25.0])
+    write(envelopes.trace(handout, weak, MODEL, SETTINGS), tmp_path / "traces.nc")
+    with xr.open_dataset(tmp_path / "traces.nc") as kept:
+        for key in ("w_low", "w_high", "z_mass"):
+            values = np.unique(kept[key].values[np.isfinite(kept[key].values)])
+            assert np.diff(values).min() < np.ptp(values) / 50
+
+
+PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
+
+
+@pytest.fixture
+def phone(browser, page_file):
+    view = View(browser, page_file, **PHONE)
+    yield view
+    assert view.complaints == []
+
+
+def test_a_phone_shows_all_in_one_column(phone):
+    assert phone.page.evaluate("document.documentElement.scrollWidth") == 390
+    boxes = [phone.page.query_selector(f"#{name}").bounding_box() for name in ("map", "history")]
+    assert boxes[0]["y"] + boxes[0]["height"] <= boxes[1]["y"]
+    assert all(box["width"] > 330 and box["x"] + box["width"] <= 390 for box in boxes)
+    assert not phone.page.is_visible(".modebar-container")
+
+
+def test_a_finger_chooses_slides_and_steps(phone):
+    for control in phone.page.query_selector_all("#sliders input, #steps button"):
+        assert control.bounding_box()["height"] >= 44
+    phone.page.touchscreen.tap(*phone.point_at(2, 3))
+    phone.wait_for(2, 3)
+    phone.page.tap("button[aria-label='previous f0']")
+    phone.wait_for(1, 3)
+
+
+def test_a_finger_scrolls_over_the_map(phone):
+    x, y = phone.point_at(1, 1)
+    before = phone.page.evaluate("map.layout.yaxis.range")
+    touch = phone.page.context.new_cdp_session(phone.page)
+    for kind, far in (("touchStart", 0), *(("touchMove", far) for far in range(10, 210, 10))):
+        points = [{"x": x, "y": y - far}]
+        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    touch.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    phone.wait("window.scrollY > 100")
+    assert phone.page.evaluate("map.layout.yaxis.range") == before
+
+
+def large_study(cube, traced):
+    """A cube of 40 000 cells and traces that compress as badly as real ones, about by half."""
     rng = np.random.default_rng(3)
-    axes = {"C": 5, "f0": 100, "N": 100}
+    axes = {"C": 4, "f0": 100, "N": 100}
     values = {key: np.arange(1.0, size + 1) for key, size in axes.items()}
     code = rng.integers(0, ABSENT, tuple(axes.values()), np.int8)
     t_snap = rng.uniform(10, 1000, code.shape)
@@ -419,20 +590,23 @@ def large_study(cube, packed):
             "outcome": (tuple(axes), code, cube.outcome.attrs),
             "t_snap": (tuple(axes), t_snap),
             "t_settled": (tuple(axes), t_snap),
+            "well": (tuple(axes), rng.integers(1, 3, code.shape, np.int8)),
+            "well_share": (tuple(axes), rng.uniform(0, 1, code.shape)),
         },
         values,
         cube.attrs,
     )
-    noise = rng.integers(100, 116, (envelopes.BINS[0], *code.shape), np.uint8)
-    kept = {key: (("bin", *axes), noise, packed[key].attrs) for key in envelopes.VARIABLES}
+    shape = envelopes.BINS[-1], *code.shape
+    noise = rng.integers(0, 12, shape) + np.linspace(0, 254, shape[0])[:, None, None, None]
+    kept = {key: (("bin", *axes), noise, traced[key].attrs) for key in envelopes.VARIABLES}
     kept["bin_length"] = (tuple(axes), np.ones(code.shape, np.float32))
-    kept["second_equilibrium"] = packed.second_equilibrium
-    return large, xr.Dataset(kept, values, packed.attrs)
+    kept["second_equilibrium"] = traced.second_equilibrium
+    return large, xr.Dataset(kept, values, traced.attrs)
 
 
-def test_a_page_of_50_000_cells_is_small_and_answers(browser, cube, packed, tmp_path):
+def test_a_page_of_40_000_cells_is_small_and_answers(browser, cube, traced, tmp_path):
     path = tmp_path / "large.html"
-    path.write_text(page(*large_study(cube, packed), SETTINGS.horizon), encoding="utf-8")
+    write_text(path, *large_study(cube, traced))
     assert path.stat().st_size < 15e6
     view = View(browser, path)
     before = view.shown("history", "y", 2)
@@ -444,18 +618,20 @@ def test_a_page_of_50_000_cells_is_small_and_answers(browser, cube, packed, tmp_
     assert view.complaints == []
 
 
-def test_a_thinned_page_says_so(cube, packed):
-    some = packed.isel(N=slice(None, None, 2))
-    assert "Shown are 2 of 4 N of the cube." in page(cube, some, 300.0)
-    fewer = some.isel(C=[0], f0=slice(None, None, 2))
-    assert "Shown are 1 of 2 C, 2 of 3 f0 and 2 of 4 N of the cube." in page(cube, fewer, 300.0)
-    assert "Shown are" not in page(cube, packed, 300.0)
+def test_a_thinned_page_says_so(cube, traced):
+    some, found = traced.isel(N=slice(None, None, 2)), edges_of(cube)
+    assert "Shown are 2 of 4 N of the cube." in page(cube, some, found, 300.0)
+    fewer = page(cube, some.isel(C=[0], f0=slice(None, None, 2)), found, 300.0)
+    assert "Shown are 1 of 2 C, 2 of 3 f0 and 2 of 4 N of the cube." in fewer
+    assert "Shown are" not in page(cube, traced, found, 300.0)
 
 
-def test_text_from_a_config_is_text(cube, packed):
+def test_text_from_a_config_is_text(cube, traced):
     document = json.loads(cube.attrs["config"])
     document["model"]["name"] = "<b>bold</b>"
-    text = page(cube.assign_attrs(config=json.dumps(document)), packed, SETTINGS.horizon)
+    document["device"]["spring"] = "<b>bold</b>"
+    named = cube.assign_attrs(config=json.dumps(document))
+    text = page(named, traced, edges_of(cube), SETTINGS.horizon)
     assert "&lt;b&gt;bold" in text and "<b>bold</b>" not in text
 
 
@@ -463,14 +639,14 @@ def view_of(browser, path, device, **asked):
     """The cube of a device, or of several, and its page in a browser."""
     cube = swept(device, **asked)
     model = json.loads(cube.attrs["config"])["model"]
-    traces = envelopes.trace(device, cube, model, SETTINGS)
-    path.write_text(page(cube, traces, SETTINGS.horizon), encoding="utf-8")
+    asked_for = SETTINGS._replace(until=asked.get("until", SETTINGS.until))
+    write_text(path, cube, envelopes.trace(device, cube, model, asked_for))
     return cube, View(browser, path)
 
 
 def shows(view, cells, x, y):
     """Whether the map is that of some cells, and of the axes x and y."""
-    codes = cells.outcome.transpose(y, x).values.tolist()
+    codes = end_states(cells).transpose(y, x).values.tolist()
     return view.shown("map", "z") == codes
 
 
@@ -490,7 +666,7 @@ def test_each_further_axis_of_several_values_has_a_slider(of_devices):
         view.slide(s, "spring")
         cells = cube.isel(thickness=t, spring=s, C=0)
         assert shows(view, cells, "f0", "N")
-        maps.add(cells.outcome.values.tobytes())
+        maps.add(end_states(cells).values.tobytes())
         values = [f"{cells.thickness:g} µm", f"{cells.spring:g} N/m"]
         assert view.sliders() == [["thickness", values[0]], ["spring", values[1]]]
         assert view.page.get_attribute("#at-spring", "aria-valuetext") == values[1].replace(
@@ -522,12 +698,21 @@ def test_a_cell_without_a_device_says_so_and_shows_no_curves(of_devices):
     assert view.text("#classes") == f"{words} (12)"
     assert not view.page.is_visible("#history")
     colours = view.shown("map", "colorscale")
-    assert colours[-1][1] == NO_HATCH["absent"]
+    assert colours[-1][1] == GREY
     hovered = view.hover(0, 0)
     assert words in hovered and "snap =" not in hovered and "no snap" not in hovered
     view.slide(0, "thickness")
     assert view.page.is_visible("#history") and view.shown("history", "y", 2)[0] is not None
     assert view.complaints == []
+
+
+def test_the_table_has_the_values_of_the_chosen_device(of_devices, handout):
+    _, view = of_devices
+    for t, thickness in enumerate(("1.8 µm", "2 µm")):
+        view.slide(t, "thickness")
+        values = view.values()
+        assert values["thickness t"] == thickness and values["span L"] == "600 µm"
+        assert values["gravity"] == f"{handout.gravity * 1e6:g} m/s²"
 
 
 def test_the_keyboard_moves_a_slider(of_devices):
@@ -547,6 +732,8 @@ def test_devices_are_shown_by_their_names(browser, handout, tmp_path):
         assert shows(view, cube.isel(device=d, C=0), "f0", "N")
         assert view.sliders() == [["device", name]]
         assert view.text("#cell").endswith(f"device {name}")
+        assert view.values()["spring K"] == f"{devices[name].spring:g} N/m"
+        assert view.text("#device") == f"The device {name}"
     assert view.complaints == []
 
 
@@ -583,8 +770,23 @@ def test_where_one_has_one_value_the_longest_other_takes_its_place(
     assert view.place() == ([2, 1, 0, 0, 1] if single == "f0" else [1, 1, 0, 2, 0])
     ends = [float(end) for end in view.page.evaluate("[motion.layout.shapes[2].x0]")]
     assert ends == pytest.approx([1e3 / float(cube.f0[0 if single == "f0" else 2])])
+    assert (view.shown("map", "y", FIRST) == []) == (y != "N")
+    assert view.page.evaluate("'xaxis2' in map.layout") == (x == "f0")
     titles = view.page.evaluate("[map.layout.xaxis.title.text, map.layout.yaxis.title.text]")
     assert any("thickness (µm)" in title for title in titles)
+
+
+def test_a_sweep_to_the_snap_shows_where_it_snaps(browser, handout, tmp_path):
+    """Nothing is known of what follows, and nothing said."""
+    cube, view = view_of(browser, tmp_path / "page.html", handout, C=[25.0], until="snap")
+    assert "well" not in cube
+    snaps = cube.t_snap.notnull().isel(C=0)
+    assert view.shown("map", "z") == snaps.astype(int).transpose("N", "f0").values.tolist()
+    for state, count in zip(SNAPS, ((~snaps).sum(), snaps.sum()), strict=False):
+        assert f"{state.words} ({int(count)})" in view.text("#classes")
+    said = [view.hover(i, j) for i, j in np.ndindex(3, 4)]
+    said += [view.text("#verdict"), view.text("#classes")]
+    assert not [text for text in said if "tripped" in text or "swing" in text]
 
 
 def test_a_cell_alone_is_a_page(browser, handout, tmp_path):
@@ -594,20 +796,27 @@ def test_a_cell_alone_is_a_page(browser, handout, tmp_path):
     assert view.text("#cell") == "N = 1000, f0 = 1500 Hz, C = 25 µN µs/µm"
 
 
-def test_the_page_opens_at_a_change_of_label_near_the_middle(browser, handout, tmp_path):
+def test_the_page_opens_at_the_threshold_near_the_middle(browser, handout, tmp_path):
     """The middle spring snaps everywhere or nowhere, so that another has to be shown."""
     springs = [1.0, 4.0, 7.0, 500.0, 600.0, 700.0, 800.0]
     axes = {"spring": springs, "N": np.linspace(600, 2400, 9), "C": [25.0]}
     cube, view = view_of(browser, tmp_path / "page.html", handout, **axes)
     snaps = np.isfinite(cube.t_snap.values[:, 0])
-    mixed = [s for s in range(7) if snaps[s].any() and not snaps[s].all()]
+    mixed = [s for s in range(7) if (~snaps[s, :, :1] & snaps[s].any(axis=1)[:, None]).any()]
     assert mixed and 3 not in mixed, "the middle shows a change itself"
     s, _, i, j = view.place()
     assert abs(s - 3) == min(abs(one - 3) for one in mixed)
-    beside = [
-        snaps[s, a, b]
-        for a, b in ((i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1))
-        if 0 <= a < 3 and 0 <= b < 9
-    ]
-    assert snaps[s, i, j] and not all(beside)
+    assert snaps[s, i, j] and not snaps[s, i, :j].any() and j > 0
     assert view.page.input_value("#at-spring") == str(s)
+
+
+def test_the_page_opens_on_a_reproduced_cell(browser, cube, traced, tmp_path):
+    """Even if the ones nearest the middle are not."""
+    write_text(tmp_path / "page.html", cube, traced)
+    usual = View(browser, tmp_path / "page.html").place()
+    doubted = cube.assign(reproduced=xr.ones_like(cube.reproduced))
+    doubted.reproduced[{"f0": usual[1]}] = 0
+    write_text(tmp_path / "page.html", doubted, traced)
+    c, i, j = View(browser, tmp_path / "page.html").place()
+    assert i != usual[1] and np.isfinite(cube.t_snap.values[c, i, j])
+    assert not np.isfinite(cube.t_snap.values[c, i, :j]).any()

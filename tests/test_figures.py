@@ -8,27 +8,29 @@ import re
 import subprocess
 import sys
 import warnings
+from xml.etree import ElementTree
 
 import draw_convergence
-import draw_history
+import draw_histories
 import draw_maps
+import draw_snap_maps
 import draw_statics
 import draw_thresholds
 import matplotlib
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.collections import FillBetweenPolyCollection, LineCollection, QuadMesh
-from matplotlib.colors import to_rgb, to_rgba
-from matplotlib.patches import PathPatch, Polygon
+from matplotlib.collections import FillBetweenPolyCollection, LineCollection
+from matplotlib.colors import to_rgb
+from matplotlib.patches import Polygon
 from PIL import Image
+from small_results import ATTRIBUTES, CONFIG, F0, TINY, make_found
 
-from snapmap.axes import COORDINATES
 from snapmap.figures import (
+    comparison,
     convergence,
     curves,
     histories,
-    maps,
     requirements,
     scales,
     statics,
@@ -37,58 +39,6 @@ from snapmap.figures import (
     tolerances,
 )
 from snapmap.io.netcdf import write
-from snapmap.solver.outcome import OUTCOMES
-from snapmap.sweeps.cube import VARIABLES
-
-CONFIG = {
-    "model": {"name": "handout"},
-    "sweep": {"horizon": "1.5 ms"},
-    "histories": [{"N": 1000, "f0": "1500 Hz", "C": "0.025 uN*us/um"}],
-}
-ATTRIBUTES = {"title": "A title", "code_version": "0.1.0+abc", "config": json.dumps(CONFIG)}
-
-
-def make_cells(rows, f0=None, N=None):
-    """Cells of C = 25 whose outcomes are digits: one row of text per N, the highest first."""
-    outcome = np.array([[int(digit) for digit in row] for row in rows[::-1]], np.int8).T
-    f0 = 100.0 * 4.0 ** np.arange(outcome.shape[0]) if f0 is None else f0
-    N = 1000.0 + 100 * np.arange(outcome.shape[1]) if N is None else N
-    flags = {"flag_values": np.arange(len(OUTCOMES)), "flag_meanings": " ".join(OUTCOMES)}
-    variables = {
-        "outcome": (("f0", "N"), outcome, VARIABLES["outcome"] | flags),
-        "t_snap": (("f0", "N"), np.where(outcome == 2, 100.0, np.nan), VARIABLES["t_snap"]),
-    }
-    axes = {"C": ((), 25.0, COORDINATES["C"]), "f0": f0, "N": N}
-    return xr.Dataset(variables, axes, ATTRIBUTES)
-
-
-TINY = make_cells(["2225", "2022", "0020", "0100"])
-
-
-F0 = np.array([100.0, 1000.0, 10000.0])
-
-
-def make_found(C=(25.0, 200.0)):
-    """Thresholds of several C at 100, 1000 and 10000 Hz; at the last two islands, and late."""
-    N = np.array([1000.0, 1100.0, 2000.0]) + np.arange(len(C))[:, np.newaxis]
-    gap = np.array([0.0, 0.0, 300.0])
-    nan = np.full((len(C), 2, 2), np.nan)
-    last = np.stack([N[:, 2:], N[:, 2:] + 100], axis=-1)
-    axes = ("C", "f0")
-    variables = {
-        "N_first": (axes, N),
-        "N_error": (axes, 0 * N + 7.0),
-        "N_always": (axes, N + gap),
-        "N_latched": (axes, 0 * N + np.nan),
-        "t_snap": (axes, np.broadcast_to([5000.0, 500.0, 400.0], N.shape)),
-        "islands": (axes, np.broadcast_to([0, 0, 2], N.shape)),
-        "island_from": ((*axes, "island"), np.concatenate([nan, last], axis=1)),
-        "island_to": ((*axes, "island"), np.concatenate([nan, last + 50], axis=1)),
-        "N_static": ((), 990.0),
-        "area": ((), 0.5),
-        "velocity_change": ("C", 0.5 + 0.1 * np.arange(len(C))),
-    }
-    return xr.Dataset(variables, {"C": list(C), "f0": F0}, ATTRIBUTES | {"gravity": 1e-5})
 
 
 def make_statics():
@@ -146,10 +96,6 @@ def paper():
         yield
 
 
-def map_of(cells, found=None):
-    return maps.draw_map(style.single_column(height=3.6).subplots(), cells, found)
-
-
 def drawn(draw, dataset, *shape):
     """Axes on which a function has drawn a dataset."""
     return draw(style.double_column(height=3.4).subplots(*shape), dataset)
@@ -197,130 +143,6 @@ def test_geometric_edges_surround_a_lone_value():
     low, high = scales.geometric_edges(np.array([1500.0]))
     assert 0 < low < 1500 < high
     assert low * high == pytest.approx(1500.0**2)
-
-
-def test_cells_lie_about_their_grid_points():
-    (mesh,) = artists(map_of(TINY), QuadMesh)
-    corners = mesh.get_coordinates()
-    assert corners[0, :, 0].tolist() == [50.0, 200.0, 800.0, 3200.0, 12800.0]
-    assert corners[:, 0, 1].tolist() == [950.0, 1050.0, 1150.0, 1250.0, 1350.0]
-
-
-@pytest.mark.parametrize("order", [1, -1])
-def test_drawn_class_is_the_outcome(order):
-    cells = TINY.isel(f0=slice(None, None, order), N=slice(None, None, order))
-    (mesh,) = artists(map_of(cells), QuadMesh)
-    assert (mesh.get_array() == TINY.outcome.values.T).all()
-
-
-@pytest.mark.parametrize("name", OUTCOMES)
-def test_drawn_colour_is_that_of_the_class(name):
-    (mesh,) = artists(map_of(TINY), QuadMesh)
-    assert mesh.to_rgba(OUTCOMES.index(name)) == to_rgba(maps.COLOURS[name])
-
-
-def test_every_outcome_has_colour_and_words():
-    assert tuple(maps.COLOURS) == tuple(maps.WORDS) == OUTCOMES
-
-
-def test_colours_darken_in_grey():
-    grey = [np.dot(to_rgb(colour), [0.299, 0.587, 0.114]) for colour in maps.COLOURS.values()]
-    assert (np.diff(grey[:-1]) < -0.1).all() and maps.COLOURS["absent"] == "#ffffff"
-
-
-def test_legend_names_the_classes_present():
-    assert legend_words(map_of(TINY)) == [
-        "no snap, end open (7)",
-        "never snaps (1)",
-        "snaps, end open (7)",
-        "failed (1)",
-    ]
-
-
-@pytest.mark.parametrize("name", OUTCOMES)
-def test_every_class_has_a_key(name):
-    cells = make_cells([str(OUTCOMES.index(name))])
-    (key,) = map_of(cells).get_legend().get_patches()
-    assert key.get_label() == f"{maps.WORDS[name]} (1)"
-    assert key.get_facecolor() == to_rgba(maps.COLOURS[name])
-    assert (key.get_hatch() is not None) == (name in ("unsnapped", "snapped", "absent"))
-
-
-def rectangles(patch):
-    """Lower left and upper right corners of the rectangles of a region."""
-    corners = patch.get_path().vertices.reshape(-1, 5, 2)
-    return [(*rectangle[0], *rectangle[2]) for rectangle in corners.tolist()]
-
-
-def test_open_cells_are_hatched_as_one_region():
-    (region,) = artists(map_of(make_cells(["345", "201"])), PathPatch)
-    assert region.get_hatch() == maps.OPEN["hatch"]
-    assert rectangles(region) == [(50.0, 950.0, 200.0, 1050.0), (200.0, 950.0, 800.0, 1050.0)]
-
-
-def test_unreproduced_cells_are_hatched_otherwise():
-    cells = make_cells(["43", "11"])
-    cells["reproduced"] = xr.ones_like(cells.outcome)
-    cells.reproduced[{"f0": 0}] = 0
-    ax = map_of(cells)
-    light, dark = artists(ax, PathPatch)
-    assert light.get_hatch() == dark.get_hatch() == maps.UNREPRODUCED["hatch"] != maps.OPEN["hatch"]
-    assert rectangles(light) == [(50.0, 950.0, 200.0, 1050.0)]
-    assert rectangles(dark) == [(50.0, 1050.0, 200.0, 1150.0)]
-    assert light.get_hatchcolor() != dark.get_hatchcolor() == to_rgba("0.8")
-    assert legend_words(ax)[-1] == "not reproduced (2)"
-
-
-def test_map_without_thresholds_has_no_line():
-    assert [visible(line) for line in map_of(make_cells(["22", "00"])).lines] == [[], []]
-
-
-def test_map_shows_the_refined_threshold_dashed_where_late():
-    ax = map_of(make_cells(["22", "00"]), make_found().isel(C=0))
-    dashed, solid = ax.lines[3:5]
-    assert (dashed.get_linestyle(), solid.get_linestyle()) == ("--", "-")
-    assert visible(solid) == [[100.0, 1000.0], [1000.0, 1100.0]]
-    assert visible(dashed) == [[1000.0, 1100.0], [10000.0, 2000.0]]
-    assert legend_words(ax)[-3:] == [
-        "lowest $N$ that snaps",
-        "the same, after the pulse",
-        "static, impulsive limits",
-    ]
-
-
-def test_map_keeps_its_limits_and_shows_both_asymptotes():
-    cells = make_cells(["22", "00"])
-    ax = map_of(cells, make_found().isel(C=0))
-    assert (ax.get_xlim(), ax.get_ylim()) == (map_of(cells).get_xlim(), map_of(cells).get_ylim())
-    static, short = ax.lines[-2:]
-    assert static.get_ydata() == [990.0, 990.0]
-    f0, N = short.get_xydata().T
-    assert N * 1e-5 / (2e-6 * f0) == pytest.approx(np.full(f0.size, 0.5))
-
-
-def test_all_maps_share_one_legend():
-    panels = [(TINY.assign_coords(C=C), make_found().sel(C=C)) for C in (25.0, 200.0)]
-    figure = style.double_column(height=3.4)
-    axes = maps.draw_maps(figure, panels, "f0", "N")
-    titles = [ax.get_title(loc="left") for ax in axes.flat]
-    assert titles == [scales.value_text("C", 25.0), scales.value_text("C", 200.0)]
-    words = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert words[:2] == ["no snap, end open (14)", "never snaps (2)"]
-    assert all(ax.get_legend() is None for ax in axes.flat)
-    figure.draw_without_rendering()
-
-
-@pytest.mark.parametrize(("number", "shape"), [(1, (1, 1)), (3, (1, 3)), (4, (2, 3))])
-def test_maps_stand_in_rows_of_three(number, shape):
-    panels = [(TINY.assign_coords(C=float(C)), None) for C in range(number)]
-    assert maps.draw_maps(style.double_column(height=5.0), panels, "f0", "N").shape == shape
-
-
-def test_shocks_are_pointed_out_by_numbers():
-    ax = style.single_column(height=3.6).subplots()
-    maps.draw_map(ax, TINY, marks=[("far", 1e3, 1e6), ("drop", 400.0, 1000.0)])
-    assert [text.get_text() for text in ax.texts] == ["2"]
-    assert ax.get_title(loc="left").splitlines()[-2:] == ["1: far", "2: drop"]
 
 
 def test_figures_over_durations_are_those_over_frequencies():
@@ -424,52 +246,6 @@ def test_a_design_is_drawn_over_both_values():
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("rise (µm)", "thickness (µm)")
 
 
-def test_failed_cells_are_crossed_out():
-    crosses = [line.get_xydata().tolist() for line in map_of(TINY).lines]
-    assert crosses == [[[6400.0, 1300.0]]] * 2
-
-
-def test_map_states_its_case():
-    assert map_of(TINY).get_title(loc="left") == (
-        "$C$ = 25 µN µs µm$^{-1}$\nhandout model, followed 1.5 ms beyond the pulse"
-    )
-
-
-def test_upper_axis_is_the_duration_of_the_pulse():
-    ax = map_of(TINY)
-    ax.figure.draw_without_rendering()
-    (top,) = ax.child_axes
-    places = [(ax, 400.0), (top, 2.5)]
-    place, place_on_top = (axis.transData.transform([at, 0])[0] for axis, at in places)
-    assert place_on_top == pytest.approx(place)
-
-
-@pytest.mark.parametrize(
-    "rows",
-    [["0"], ["2"], ["5"], ["0125"], ["5", "2", "0"], ["22", "22"], ["00", "00"], ["55", "55"]],
-)
-def test_odd_grids_draw_without_warnings(rows):
-    ax = map_of(make_cells(rows))
-    ax.figure.draw_without_rendering()
-    (mesh,) = artists(ax, QuadMesh)
-    assert mesh.get_array().shape == (len(rows), len(rows[0]))
-
-
-def test_a_lone_value_is_the_only_tick():
-    ax = map_of(make_cells(["2"], f0=[1500.0], N=[1000.0]))
-    ax.figure.draw_without_rendering()
-    for axis, words in [(ax.xaxis, "1500"), (ax.yaxis, "1000"), (ax.child_axes[0].xaxis, "0.667")]:
-        labels = [label.get_text() for label in axis.get_ticklabels(which="both")]
-        assert labels == [words]
-
-
-def test_fine_grid_draws_without_warnings():
-    rows = ["2" * 250] * 100 + ["0" * 250] * 100
-    ax = map_of(make_cells(rows, f0=np.geomspace(100, 3e4, 250), N=np.linspace(600, 2400, 200)))
-    ax.figure.draw_without_rendering()
-    assert legend_words(ax)[:2] == ["no snap, end open (25000)", "snaps, end open (25000)"]
-
-
 def test_snap_time_is_between_two_samples():
     assert histories.snap_time(make_history([10, 0, -8, -12, -5, -12])) == 22.5
 
@@ -504,7 +280,8 @@ def test_history_without_a_snap_has_no_mark():
 
 def test_history_states_its_case():
     title = history_of(make_history([10, 5, 10]))[0].get_legend().get_title().get_text()
-    assert title == "$N$ = 1000, $f_0$ = 1500 Hz, $C$ = 0.025 µN µs µm$^{-1}$, handout model"
+    model = "handout model (5 Hermite elements on half the beam, all modes)"
+    assert title == f"$N$ = 1000, $f_0$ = 1500 Hz, $C$ = 0.025 µN µs µm$^{{-1}}$, {model}"
 
 
 def test_thresholds_are_the_data_dashed_and_hollow_where_late():
@@ -563,7 +340,8 @@ def test_thresholds_approach_both_limits():
     ax = drawn(thresholds.draw_thresholds, make_found())
     static, *short = ax.lines[-3:]
     assert static.get_ydata() == [990.0, 990.0]
-    for line, v in zip(short, [0.5, 0.6], strict=True):
+    for line, v, (colour, _) in zip(short, [0.5, 0.6], curves.LOOKS[:2], strict=True):
+        assert line.get_color() == colour
         f0, N = line.get_xydata().T
         assert N * 1e-5 / (2e-6 * f0) == pytest.approx(np.full(f0.size, v))
     assert legend_words(ax)[0] == r"$C$ = 25, $\Delta v$ = 0.5 m/s"
@@ -581,19 +359,134 @@ def test_damage_boundary_shades_what_snaps_of_the_first_C():
     ax = drawn(thresholds.draw_damage_boundary, make_found())
     (region,) = artists(ax, Polygon)
     snaps = region.get_path().contains_points
-    assert snaps([(1.1, 2000.0), (6.0, 1100.0), (50.0, 1010.0), (0.6, 1e5), (1e3, 1000.0)]).all()
-    assert not snaps([(0.9, 1900.0), (5.4, 1000.0), (50.0, 980.0), (0.4, 1e5)]).any()
+    assert snaps([(1.1, 2000.0), (6.0, 1100.0), (50.0, 1010.0), (51.0, 1e5)]).all()
+    assert not snaps([(0.9, 1900.0), (5.4, 1000.0), (50.0, 980.0)]).any()
+    # Shorter and longer pulses than the curve has.
+    assert not snaps([(0.6, 1e5), (1.0, 2100.0), (1e3, 1000.0), (51.0, 1010.0)]).any()
     assert legend_words(ax)[-1] == "snaps, $C$ = 25"
 
 
 def test_damage_boundary_has_both_limits_and_guides_of_constant_duration():
     ax = drawn(thresholds.draw_damage_boundary, make_found())
-    static, first, second, *guides = ax.lines[6:]
+    first, second, static, *guides = ax.lines[6:]
     assert static.get_ydata() == [990.0, 990.0]
     assert [first.get_xdata(), second.get_xdata()] == [[0.5, 0.5], [0.6, 0.6]]
+    assert [first.get_color(), second.get_color()] == [colour for colour, _ in curves.LOOKS[:2]]
     v, N = guides[1].get_xydata().T
     assert len(guides) == 3 and N * 1e-5 / v == pytest.approx(np.full(2, 2e-3))
     assert "1 ms" in [text.get_text() for text in ax.texts]
+
+
+def test_the_shade_of_a_damage_boundary_has_the_holes_of_its_curve():
+    found = (
+        make_found(C=[25.0]).isel(f0=[0, 0, 1, 2, 2]).assign_coords(f0=[1e2, 2e2, 1e3, 5e3, 1e4])
+    )
+    known = found.N_first.where(found.f0 != 1e3)
+    ax = drawn(thresholds.draw_damage_boundary, found.assign(N_first=known))
+    assert len(artists(ax, Polygon)) == 2
+
+
+def test_limits_of_lines_differ_by_dots_as_well_as_colours():
+    patterns = [curves.limit_look("black", place)["linestyle"][1] for place in range(3)]
+    assert [len(pattern) // 2 - 1 for pattern in patterns] == [1, 2, 3]
+
+
+def test_axes_of_thresholds_end_at_ticks():
+    for draw in (thresholds.draw_thresholds, thresholds.draw_damage_boundary):
+        ax = drawn(draw, make_found())
+        ends = set(ax.get_ylim())
+        assert ends <= set(ax.yaxis.get_major_locator()())
+
+
+def test_devices_by_name_are_lines_of_one_figure():
+    found = make_found().rename(C="device").assign_coords(device=["mine", "theirs"])
+    for draw in (thresholds.draw_thresholds, thresholds.draw_damage_boundary):
+        ax = draw(style.double_column(height=3.4).subplots(), found, lines="device")
+        assert [word.split(",")[0] for word in legend_words(ax)[:2]] == [
+            "device mine",
+            "device theirs",
+        ]
+
+
+def compared(**studies):
+    ax = style.double_column(height=3.4).subplots()
+    return comparison.plot_thresholds(studies, ax)
+
+
+def test_studies_are_drawn_by_name_each_over_its_own_frequencies():
+    mine, theirs = make_found(C=[25.0]), make_found(C=[200.0]).isel(f0=[0, 2])
+    ax = compared(mine=mine, theirs=theirs)
+    assert legend_words(ax)[:2] == ["mine", "theirs"]
+    assert visible(ax.lines[2]) == [[100.0, 1000.0], [1000.0, 1100.0]]
+    assert visible(ax.lines[5]) == [[100.0, 1000.0]]
+
+
+def test_of_several_C_those_of_all_studies_are_compared():
+    ax = compared(mine=make_found(C=[25.0, 200.0]), theirs=make_found(C=[1.0, 25.0]))
+    assert legend_words(ax)[:2] == ["mine", "theirs"]
+    assert visible(ax.lines[5])[0] == [100.0, 1001.0]
+    both = compared(mine=make_found(C=[1.0, 25.0]), theirs=make_found(C=[1.0, 25.0]))
+    words = [f"{name}, {scales.value_text('C', C)}" for name in ("mine", "theirs") for C in (1, 25)]
+    assert legend_words(both)[:4] == words
+
+
+def test_studies_that_cannot_be_compared_are_refused():
+    with pytest.raises(ValueError, match="no value of C is in all of them"):
+        compared(mine=make_found(C=[1.0, 25.0]), theirs=make_found(C=[200.0]))
+    with pytest.raises(ValueError, match="mine: is over gap, too; choose one"):
+        compared(mine=make_found(C=[1.0]).expand_dims("gap"))
+    with pytest.raises(ValueError, match="studies: none"):
+        compared()
+
+
+@pytest.mark.parametrize(
+    ("value", "words"),
+    [
+        (9999.0, "9999"),
+        (10_000.0, "10\u2009000"),
+        (24_811.0, "24\u2009810"),
+        (-5.0, "−5"),
+        (np.inf, "hard"),
+        ("mine", "mine"),
+    ],
+)
+def test_numbers_have_spaces_between_thousands(value, words):
+    assert scales.number(value) == words
+
+
+@pytest.mark.parametrize(
+    ("model", "words"),
+    [
+        ({"name": "handout"}, "handout model (5 Hermite elements on half the beam, all modes)"),
+        (
+            {"name": "elements", "elements": 8, "modes": 4},
+            "elements model (8 Hermite elements on half the beam, 4 modes)",
+        ),
+        ({"name": "cosines", "modes": 3}, "cosines model (3 cosines)"),
+        ({"name": "cosines", "modes": 3, "cosines": 8}, "cosines model (3 modes of 8 cosines)"),
+        ({"name": "auto"}, "auto model (as many cosines as each cell needs)"),
+        (
+            {"name": "reference"},
+            "reference model (5 Hermite elements on half the beam, all modes, plain loop)",
+        ),
+    ],
+)
+def test_models_are_told_in_words(model, words):
+    assert style.model_words({"model": model}) == words
+
+
+def test_a_model_with_hard_contact_keeps_not_all_modes():
+    config = {"model": {"name": "handout"}, "device": {"contact": "hard"}}
+    assert "all modes" not in style.model_words(config)
+
+
+def test_the_drawing_of_the_device_is_plain_text_and_small(root):
+    path = root / "workflow" / "scripts" / "snapmap" / "figures" / "device.svg"
+    words = "".join(ElementTree.parse(path).getroot().itertext())
+    assert {"rise", "span", "thickness", "gap", "mass", "spring"} <= set(words.split())
+    assert path.stat().st_size < 10_000
+    for page in ("README.md", "docs/theory.md"):
+        assert "figures/device.svg)" in (root / page).read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("draw", [thresholds.draw_thresholds, thresholds.draw_damage_boundary])
@@ -658,7 +551,18 @@ def test_what_the_converged_run_does_not_know_is_shaded():
     assert shade.get_y() + shade.get_height() == pytest.approx(2e-5)
 
 
-STEMS = ("map", "maps", "thresholds", "damage_boundary", "history", "statics", "convergence")
+STEMS = (
+    "map",
+    "maps",
+    "time",
+    "snap",
+    "snap_maps",
+    "thresholds",
+    "damage_boundary",
+    "history",
+    "statics",
+    "convergence",
+)
 
 
 def save_all(folder):
@@ -676,13 +580,20 @@ def save_all(folder):
     plane = {"name": "map", "x": "f0", "y": "N", "at": {"C": 0}}
     curve = {"name": "thresholds", "x": "f0", "y": "C", "at": {}}
     boundary = curve | {"name": "damage_boundary"}
-    draw_maps.draw_maps(files["cube"], files["threshold"], [plane], [plane], [], folder)
+    views = {stem: [plane | {"name": stem}] for stem in ("map", "time", "snap")}
+    points = folder / "points.csv"
+    points.write_text("N,f0\n1100,300\n")
+    ends = views["map"]
+    draw_maps.draw_maps(files["cube"], ends, ends, views["time"], points, folder)
+    draw_snap_maps.draw_snap_maps(
+        files["cube"], files["threshold"], views["snap"], ends, [], [], points, folder
+    )
     draw_thresholds.draw_thresholds(files["threshold"], [curve], boundary, folder)
-    draw_history.draw_history(files["history"], folder / "history")
-    draw_statics.draw_statics(files["statics"], folder / "statics")
+    draw_histories.draw_histories([files["history"]], [folder / "history"])
+    draw_statics.draw_statics([files["statics"]], [folder / "statics"])
     draw_convergence.draw_convergence(files["accuracy"], folder / "convergence")
     paths = {folder / f"{name}.{kind}" for name in STEMS for kind in ("pdf", "png")}
-    assert set(folder.iterdir()) == {*files.values(), *paths}
+    assert set(folder.iterdir()) == {*files.values(), *paths, points}
     return {path.name: path.read_bytes() for path in paths}
 
 
@@ -713,7 +624,7 @@ def test_pdf_carries_provenance_and_no_date(saved, stem):
 @pytest.mark.parametrize("stem", STEMS)
 def test_png_carries_provenance_at_300_dpi(saved, stem):
     with Image.open(io.BytesIO(saved[f"{stem}.png"])) as image:
-        single = stem in ("map", "damage_boundary", "statics")
+        single = stem in ("map", "time", "snap", "damage_boundary", "statics")
         assert image.size[0] == (1020 if single else 2100)
         assert image.info["dpi"] == pytest.approx((300, 300), abs=0.01)
         assert image.info["Title"] == "A title"
@@ -742,9 +653,9 @@ def test_figures_need_no_pyplot(root):
     assert run.stdout == "False\n"
 
 
-def test_every_figure_is_in_the_report_with_a_caption(root, workflow_text):
+def test_every_figure_and_the_page_are_in_the_report_with_a_caption(root, workflow_text):
     """And every caption belongs to a figure, but for the words at the report's head."""
-    outputs = re.findall(r"png=[\[\s]*(report\()?\s*f?\"results/figures/", workflow_text)
+    outputs = re.findall(r"p(?:ng|age)=[\[\s]*(report\()?\s*f?\"results/", workflow_text)
     captions = re.findall(r'caption="\.\./report/(\w+\.rst)"', workflow_text)
     assert all(outputs) and len(outputs) == len(captions) == len(set(captions))
     written = list((root / "workflow" / "report").iterdir())

@@ -20,6 +20,7 @@ from snapmap.solver.outcome import (
     label,
 )
 from snapmap.solver.settings import Settings
+from snapmap.solver.simd_kernel import BLOCK
 
 PROVEN = (NEVER, LATCHED, RETURNED)
 
@@ -192,3 +193,24 @@ def test_most_cells_under_the_threshold_end_with_the_pulse(handout):
     seen, outcome = follow(handout, cells, 1500.0, "cosines", modes=4)
     early = seen.t_settled < 1e6 / f0.ravel() + 40
     assert (outcome == NEVER).mean() > 0.9 and early.mean() > 0.7
+
+
+@pytest.mark.parametrize("model", [("cosines", {"modes": 3}), ("handout", {})])
+def test_the_well_is_where_the_recorded_beam_spends_the_last_swing(handout, model):
+    """Open cells: side and share against a recording of the same steps, sampled more finely."""
+    (name, options), horizon = model, 900.0
+    built = build_model(handout, name, **options)
+    cells = to_cells(handout, 0, *random_cells(handout, 24, 7, [0.025, 25.0]), horizon)
+    seen, own = built.follow_once(cells, Settings(horizon)), 2 * np.pi / handout.own_frequency
+    assert set(seen.well) == {1, 2}
+    np.testing.assert_array_equal(seen.well_share[np.isfinite(seen.t_settled)], 1.0)
+    open_ones, shares = np.flatnonzero(np.isnan(seen.t_settled)), []
+    for i in open_ones:
+        last, before = cells.t_end[i] / built.dt, (cells.t_end[i] - own) / built.dt
+        end, start = BLOCK * (int(last) // BLOCK + 1), BLOCK * max(0, int(before) // BLOCK)
+        load = (column[i] for column in cells[2:5])
+        motion, form = built.loop().record(built, make_pulse(), *load, end, stride=16)
+        is_second = motion.u[start // 16 :] @ form.midpoint < built.barrier.midpoint
+        shares.append(np.mean(is_second == (seen.well[i] == 2)))
+    np.testing.assert_allclose(seen.well_share[open_ones], shares, atol=0.03)
+    assert min(shares) < 0.9

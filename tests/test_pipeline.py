@@ -1,5 +1,6 @@
 """The workflow itself: run, rerun, refuse; in folders and with devices of its own."""
 
+import json
 import shutil
 import subprocess
 from contextlib import contextmanager
@@ -19,18 +20,19 @@ UPSTREAM = {
     "simulate_slab": (),
     "collect": ("simulate_slab",),
     "find_threshold": (),
-    "draw_maps": ("collect", "find_threshold"),
+    "draw_maps": ("collect",),
+    "draw_snap_maps": ("collect", "find_threshold"),
     "draw_thresholds": ("find_threshold",),
     "trace_cells": ("collect",),
-    "write_page": ("collect", "trace_cells"),
+    "write_page": ("collect", "find_threshold", "trace_cells"),
     "trace_statics": (),
     "draw_statics": ("trace_statics",),
     "simulate_history": (),
-    "draw_history": ("simulate_history",),
+    "draw_histories": ("simulate_history",),
 }
 """The rules of a run, each after those whose products it takes."""
 RULES = tuple(UPSTREAM)
-SOURCES = (".py", ".yaml", ".html", ".js", ".mplstyle")
+SOURCES = (".py", ".yaml", ".html", ".js", ".mplstyle", ".svg")
 
 
 def snakemake(root, folder, config, *options, check=True):
@@ -97,7 +99,7 @@ def test_the_cube_keeps_the_contract(finished):
         assert (cube.t_settled.notnull() == proven).all()
         assert cube.energy_error.max() <= 1e-3
         assert set(cube.reproduced.values.ravel()) <= {0, 1}
-        assert yaml.safe_load(cube.config) == yaml.safe_load(TINY)
+        assert json.loads(cube.config) == load_study(yaml.safe_load(TINY)).document()
         assert snapmap.__version__ in cube.code_version and "numba" in cube.packages
     assert " never, " in output and "cells: " in output and " proven, " in output
 
@@ -137,13 +139,21 @@ def test_the_cube_is_what_python_gives(finished):
         device = snapmap.load_device(config)
         direct = snapmap.sweep(device, **axes, model="handout", elements=3, horizon=200.0)
         xr.testing.assert_equal(cube, direct)
+        assert cube.config == direct.config
+
+
+def figures_of(config, *C):
+    """Names of the figures of a tiny study over these C."""
+    (history,) = load_study(yaml.safe_load(config)).histories
+    stems = [f"{kind}_C{value:g}" for kind in ("map", "snap", "time") for value in C]
+    stems += ["maps", "snap_maps", "thresholds", "damage_boundary", "statics"]
+    stems += [f"history_{history.name}"]
+    return {f"{stem}.{kind}" for stem in stems for kind in ("pdf", "png")}
 
 
 def test_every_figure_is_there(finished):
     figures = {path.name for path in (finished[0] / "results" / "figures").iterdir()}
-    stems = ["map_C0.5", "map_C30", "maps", "thresholds", "damage_boundary", "statics"]
-    stems += ["history_N1000_f1500_C0.025"]
-    assert figures == {f"{stem}.{kind}" for stem in stems for kind in ("pdf", "png")}
+    assert figures == figures_of(TINY, 0.5, 30)
 
 
 def test_a_second_run_has_nothing_to_do(clone, finished):
@@ -181,7 +191,7 @@ def planned_after_edit(clone, finished, path, text="EDITED = 1\n"):
     ("path", "rules"),
     [
         ("draw_maps.py", {"draw_maps"}),
-        ("snapmap/figures/maps.py", {"draw_maps", "write_page"}),
+        ("snapmap/figures/maps.py", {"draw_maps", "draw_snap_maps"}),
         ("snapmap/thresholds/islands.py", reruns({"find_threshold"})),
         ("snapmap/solver/simd_kernel.py", set(RULES) - {"trace_statics", "draw_statics"}),
         ("snapmap/sweeps/plan.py", set()),
@@ -232,6 +242,30 @@ def test_another_value_leaves_the_old_slabs_alone(clone, finished):
     grown.write_text(TINY.replace("30 uN*us/um]", "30 uN*us/um, 60 uN*us/um]"))
     _, output = snakemake(clone, folder, grown, "--dry-run")
     assert planned_rules(output)["simulate_slab"] == 1
+
+
+def test_another_spelling_changes_nothing(clone, finished):
+    folder, _, _ = finished
+    other = folder / "other.yaml"
+    text = TINY.replace("span: 500 um", "span: 5e-4 m").replace("2 kHz", "2000 Hz")
+    other.write_text(text.replace("horizon: 200 us", "horizon: 0.2 ms"))
+    assert "Nothing to be done" in snakemake(clone, folder, other)[1]
+
+
+def test_what_left_the_config_leaves_the_figures(clone, finished, tmp_path):
+    """What is left is as found before: nothing is simulated or looked for again."""
+    folder = tmp_path / "study"
+    shutil.copytree(finished[0], folder)
+    mine = folder / "results" / "figures" / "mine.pdf"
+    mine.write_text("A figure of the user's.")
+    smaller = folder / "mine.yaml"
+    smaller.write_text(TINY.replace("C: [0.5 uN*us/um, 30 uN*us/um]", "C: [30 uN*us/um]"))
+    snakemake(clone, folder, smaller)
+    figures = {path.name for path in mine.parent.iterdir()}
+    assert figures == figures_of(smaller.read_text(), 30) | {mine.name}
+    for name in ("threshold.nc", "traces.nc"):
+        before, after = (xr.load_dataset(one / "results" / name) for one in (finished[0], folder))
+        xr.testing.assert_equal(before.sel(C=[30]), after)
 
 
 BAD = [

@@ -3,6 +3,11 @@ from functools import cache
 once = cache(code_hash)
 
 
+def half(wildcards):
+    """Half of the cores, so that other jobs go on beside one that could use them all."""
+    return max(1, workflow.cores // 2)
+
+
 def code(script):
     """Make the parameter that holds a hash of all that a script runs, found by its imports."""
     path = Path(workflow.basedir) / "workflow" / "scripts" / f"{script}.py"

@@ -15,29 +15,32 @@ rule simulate_history:
         cell=lambda wildcards: cells[wildcards.cell].shock,
         followed={key: asked[key] for key in ("horizon", "until", "energy_tolerance")},
     message:
-        "Follow one cell in full: {wildcards.cell}"
+        "Follow single cells in full"
     script:
         "../scripts/simulate_history.py"
 
 
-rule draw_history:
+rule draw_histories:
     input:
-        history="results/histories/{cell}.nc",
+        histories=[f"results/histories/{cell}.nc" for cell in cells],
     output:
-        pdf="results/figures/history_{cell}.pdf",
-        png=report(
-            "results/figures/history_{cell}.png",
-            caption="../report/history.rst",
-            category="Histories",
-            labels={"figure": "{cell}"},
-        ),
+        pdf=[f"results/figures/history_{cell}.pdf" for cell in cells],
+        png=[
+            report(
+                f"results/figures/history_{cell}.png",
+                caption="../report/history.rst",
+                category="Histories",
+                labels={"figure": cell},
+            )
+            for cell in cells
+        ],
     log:
-        "results/logs/draw_history_{cell}.log",
+        "results/logs/draw_histories.log",
     conda:
         "../envs/snapmap.yaml"
     params:
-        code=code("draw_history"),
+        code=code("draw_histories"),
     message:
-        "Draw the history of {wildcards.cell}"
+        "Draw the histories"
     script:
-        "../scripts/draw_history.py"
+        "../scripts/draw_histories.py"

@@ -1,7 +1,7 @@
 rule draw_maps:
     input:
+        **marked,
         cube="results/cube.nc",
-        threshold="results/threshold.nc",
     output:
         pdf=[f"results/figures/{stem}.pdf" for stem in map_stems],
         png=[
@@ -15,15 +15,48 @@ rule draw_maps:
         ],
     log:
         "results/logs/draw_maps.log",
-    priority: 70
+    priority: 85
     conda:
         "../envs/snapmap.yaml"
     params:
         code=code("draw_maps"),
-        views=[view._asdict() for view in study.maps],
-        together=[view._asdict() for view in together],
-        marks=[(asked.name, asked.f0, asked.N) for asked in study.requirements],
+        ends=[view._asdict() for view in ends],
+        together=[view._asdict() for view in together if ends],
+        times=[view._asdict() for view in times],
     message:
-        "Draw the maps"
+        "Draw where the beams end, and when they snap"
     script:
         "../scripts/draw_maps.py"
+
+
+rule draw_snap_maps:
+    input:
+        **marked,
+        cube="results/cube.nc",
+        threshold="results/threshold.nc",
+    output:
+        pdf=[f"results/figures/{stem}.pdf" for stem in snap_stems],
+        png=[
+            report(
+                f"results/figures/{stem}.png",
+                caption="../report/snap_maps.rst",
+                category="Maps",
+                labels={"figure": stem},
+            )
+            for stem in snap_stems
+        ],
+    log:
+        "results/logs/draw_snap_maps.log",
+    priority: 70
+    conda:
+        "../envs/snapmap.yaml"
+    params:
+        code=code("draw_snap_maps"),
+        views=[view._asdict() for view in snaps],
+        together=[view._asdict() for view in together],
+        fields=[view._asdict() for view in fields],
+        marks=[(asked.name, asked.f0, asked.N) for asked in study.requirements],
+    message:
+        "Draw which cells snap, with the thresholds"
+    script:
+        "../scripts/draw_snap_maps.py"

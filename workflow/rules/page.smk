@@ -2,12 +2,13 @@ rule trace_cells:
     input:
         cube="results/cube.nc",
     output:
-        traces="results/traces.nc",
+        traces=update("results/traces.nc"),
     log:
         "results/logs/trace_cells.log",
+    priority: 65
     conda:
         "../envs/snapmap.yaml"
-    threads: 4
+    threads: half
     resources:
         mem_mb=lambda wildcards, attempt: attempt * 2000,
     params:
@@ -17,7 +18,7 @@ rule trace_cells:
         model=study.model,
         settings=asked,
     message:
-        "Trace the motion of the cells of {input.cube}"
+        "Trace the motion of the cells"
     script:
         "../scripts/trace_cells.py"
 
@@ -27,8 +28,14 @@ rule write_page:
         **({"tolerance": "results/tolerance.nc"} if study.tolerances else {}),
         cube="results/cube.nc",
         traces="results/traces.nc",
+        threshold="results/threshold.nc",
     output:
-        page="results/explore.html",
+        page=report(
+            "results/explore.html",
+            caption="../report/page.rst",
+            category="Page",
+            labels={"page": "explore"},
+        ),
     log:
         "results/logs/write_page.log",
     conda:
@@ -37,6 +44,6 @@ rule write_page:
         code=code("write_page"),
         horizon=study.settings.horizon,
     message:
-        "Write the page to explore {input.cube}"
+        "Write the page"
     script:
         "../scripts/write_page.py"

@@ -16,17 +16,20 @@ rule trace_statics:
 
 rule draw_statics:
     input:
-        statics="results/statics{which}.nc",
+        statics=[f"results/statics{which}.nc" for which in statics],
     output:
-        pdf="results/figures/statics{which}.pdf",
-        png=report(
-            "results/figures/statics{which}.png",
-            caption="../report/statics.rst",
-            category="Device",
-            labels={"figure": "force and energy of the beam{which}"},
-        ),
+        pdf=[f"results/figures/statics{which}.pdf" for which in statics],
+        png=[
+            report(
+                f"results/figures/statics{which}.png",
+                caption="../report/statics.rst",
+                category="Device",
+                labels={"figure": f"force and energy of the beam{which}"},
+            )
+            for which in statics
+        ],
     log:
-        "results/logs/draw_statics{which}.log",
+        "results/logs/draw_statics.log",
     conda:
         "../envs/snapmap.yaml"
     params:

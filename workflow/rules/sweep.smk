@@ -22,7 +22,7 @@ rule simulate_slab:
         settings=asked,
         skip=study.skip,
     message:
-        "Simulate slab {wildcards.slab}"
+        "Simulate the cells"
     script:
         "../scripts/simulate_slab.py"
 
@@ -42,8 +42,8 @@ rule collect:
     params:
         code=code("collect"),
         axes={key: values.tolist() for key, values in study.axes.items()},
-        config=config,
+        config=study.document(),
     message:
-        "Collect the slabs into {output.cube}"
+        "Join the slabs to one cube"
     script:
         "../scripts/collect.py"

@@ -2,14 +2,14 @@ rule find_threshold:
     input:
         recorded,
     output:
-        threshold="results/threshold.nc",
+        threshold=update("results/threshold.nc"),
         table="results/thresholds.csv",
     log:
         "results/logs/find_threshold.log",
     priority: 80
     conda:
         "../envs/snapmap.yaml"
-    threads: 4
+    threads: half
     resources:
         mem_mb=lambda wildcards, attempt: attempt * 2000,
     params:

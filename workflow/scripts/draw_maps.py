@@ -1,64 +1,55 @@
-"""Rule draw_maps: draw maps over two axes of the cube, or of the thresholds, and some together."""
+"""Rule draw_maps: draw maps over two axes of the cube: where beams end, and when they snap."""
 
-import math
 from pathlib import Path
 
 import xarray as xr
 
-from snapmap.figures import maps, scales, style, thresholds
+from snapmap.figures import layout, maps, scales, style
 from snapmap.io.job_log import job_log
+from snapmap.io.points import read_points
 
 
-def draw_maps(cube_path, threshold_path, views, together, marks, folder):
-    """Draw each view, one column wide, and some maps of outcomes side by side, as maps.pdf.
+def draw_maps(cube_path, ends, together, times, points_path, folder):
+    """Draw where beams end, one column wide, and some of it side by side; then when they snap.
 
-    views: name, x, y and at, the place on each other axis; without N as one of these, thresholds
-    together: views of outcomes over the same axes; marks: name, f0 and N of shocks to point out
+    ends, times: views: name, x, y and at, the place on each other axis
+    together: some of `ends` over the same axes, for maps.pdf
+    points_path: of a user's own points, or nothing
     """
-    with (
-        xr.open_dataset(cube_path, engine="netcdf4") as cube,
-        xr.open_dataset(threshold_path, engine="netcdf4") as found,
-        style.paper(),
-    ):
-        for view in views:
-            _draw_map(cube, found, **view, marks=marks, folder=folder)
+    points = read_points(points_path) if points_path else ()
+    with xr.open_dataset(cube_path, engine="netcdf4") as cube, style.paper():
+        for view in ends:
+            _draw(maps.draw_end_map, cube, view, folder, points=points)
         if together:
-            _draw_together(cube, found, together, folder)
+            x, y = together[0]["x"], together[0]["y"]
+            panels = [maps.Panel(_cells(cube, view)) for view in together]
+            figure = style.double_column(height=9)
+            maps.draw_maps(figure, panels, x, y, points)
+            style.save(figure, f"{folder}/maps", cube.attrs)
+        # Of what is drawn: a cube may be larger than memory.
+        colours = maps.snap_times(_cells(cube, view) for view in times)
+        for view in times:
+            _draw(maps.draw_time_map, cube, view, folder, ends=colours)
 
 
-def _draw_map(cube, found, name, x, y, at, marks, folder):
-    figure = style.single_column(height=3.6)
-    lines = scales.along(_at(found, at), x, y)
-    if "N" in (x, y, *at):
-        cells = scales.along(cube.isel(at), x, y)
-        maps.draw_map(figure.subplots(), cells, lines, x, y, marks)
-    else:
-        thresholds.draw_threshold_map(figure.subplots(), lines, x, y)
-    style.save(figure, f"{folder}/{name}", cube.attrs)
+def _draw(draw, cube, view, folder, **others):
+    ax = layout.single_box()
+    draw(ax, _cells(cube, view), view["x"], view["y"], **others)
+    layout.trim(ax.figure)
+    style.save(ax.figure, f"{folder}/{view['name']}", cube.attrs)
 
 
-def _draw_together(cube, found, views, folder):
-    figure = style.double_column(height=1.2 + 2.1 * math.ceil(len(views) / maps.COLUMNS))
-    x, y = views[0]["x"], views[0]["y"]
-    panels = [
-        (scales.along(cube.isel(view["at"]), x, y), scales.along(_at(found, view["at"]), x, y))
-        for view in views
-    ]
-    maps.draw_maps(figure, panels, x, y)
-    style.save(figure, f"{folder}/maps", cube.attrs)
-
-
-def _at(found, at):
-    return found.isel({key: place for key, place in at.items() if key != "N"})
+def _cells(cube, view):
+    return scales.along(cube.isel(view["at"]), view["x"], view["y"])
 
 
 if __name__ == "__main__":
     with job_log(snakemake.log[0]):
         draw_maps(
             cube_path=snakemake.input.cube,
-            threshold_path=snakemake.input.threshold,
-            views=snakemake.params.views,
+            ends=snakemake.params.ends,
             together=snakemake.params.together,
-            marks=snakemake.params.marks,
+            times=snakemake.params.times,
+            points_path=snakemake.input.get("points"),
             folder=Path(snakemake.output.png[0]).parent,
         )

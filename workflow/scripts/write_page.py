@@ -10,17 +10,18 @@ from snapmap.io.atomic import replacing
 from snapmap.io.job_log import job_log
 
 
-def write_page(cube_path, traces_path, horizon, path, tolerance_path=None):
-    """Read a cube and its traces, packed as they are, and write the page; horizon: us.
+def write_page(cube_path, traces_path, threshold_path, horizon, path, tolerance_path=None):
+    """Read a cube, its traces and its thresholds, and write the page; horizon: us.
 
     tolerance_path: of thresholds of devices as made, or nothing
     """
     with (
         xr.open_dataset(cube_path, engine="netcdf4") as cube,
-        xr.open_dataset(traces_path, engine="netcdf4", mask_and_scale=False) as traces,
+        xr.open_dataset(traces_path, engine="netcdf4") as traces,
+        xr.open_dataset(threshold_path, engine="netcdf4") as found,
         xr.open_dataset(tolerance_path) if tolerance_path else nullcontext() as made,
     ):
-        text = page(cube, traces, horizon, made)
+        text = page(cube, traces, found, horizon, made)
     with replacing(path) as temporary:
         Path(temporary).write_text(text, encoding="utf-8")
 
@@ -30,6 +31,7 @@ if __name__ == "__main__":
         write_page(
             cube_path=snakemake.input.cube,
             traces_path=snakemake.input.traces,
+            threshold_path=snakemake.input.threshold,
             tolerance_path=snakemake.input.get("tolerance"),
             horizon=snakemake.params.horizon,
             path=snakemake.output.page,

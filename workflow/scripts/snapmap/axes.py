@@ -161,6 +161,15 @@ def coordinates(axes: Mapping[str, np.ndarray]) -> dict[str, tuple]:
     return {key: (key, values, COORDINATES[key]) for key, values in axes.items()}
 
 
+def shared_points(ours: Mapping[str, np.ndarray], theirs: Mapping) -> tuple[tuple, tuple]:
+    """Where equal values stand on two sets of axes: indices into ours and into theirs, by axis."""
+    pairs = [
+        np.intersect1d(ours[key], theirs[key], assume_unique=True, return_indices=True)[1:]
+        for key in ours
+    ]
+    return tuple(zip(*pairs, strict=True))
+
+
 def split_axes(named: Mapping) -> tuple[dict, dict]:
     """Split keyword arguments into values of the device's axes and others."""
     axes = {key: values for key, values in named.items() if key in VALUES}

@@ -55,7 +55,8 @@ def count(model, C):
     f0, amplitude = (values.ravel() for values in np.meshgrid(F0, N))
     cells = to_cells(model.device, 0, amplitude, f0, C, SETTINGS.horizon)
     seen = model.follow_once(cells, SETTINGS)
-    proven = np.flatnonzero((seen.well > 0) & (seen.energy_error <= SETTINGS.energy_tolerance))
+    settled = np.isfinite(seen.t_settled)
+    proven = np.flatnonzero(settled & (seen.energy_error <= SETTINGS.energy_tolerance))
     left = 0
     for first in range(0, proven.size, LANES):
         some = proven[first : first + LANES]

@@ -41,7 +41,8 @@ def settled(model):
     f0, amplitude = (values.ravel() for values in np.meshgrid(F0, N))
     cells = to_cells(model.device, 0, amplitude, f0, C, HORIZON)
     seen = model.follow(cells, Settings(HORIZON, threads=2))
-    well = seen.well[np.isfinite(seen.t_snap)]
+    snapped = np.isfinite(seen.t_snap)
+    well = np.where(np.isfinite(seen.t_settled), seen.well, 0)[snapped]
     return np.mean(well == 2), np.mean(well == 1)
 
 

@@ -7,10 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..axes import DEVICE, DURATION, NAMES, Grid, axis_behind, make_grid
+from ..axes import DEVICE, DURATION, NAMES, PULSE_AXES, SHOCK, Grid, axis_behind, make_grid
 from ..beam.barrier import find_barrier
 from ..beam.cosines import buckling_shapes
 from ..device import VALUES, Beam, Device, batch
+from ..io.points import read_points
+from ..io.provenance import asked_for
 from ..io.recorded import shocks_of
 from ..numerics.portable import geometric, linear
 from ..pulse import HANDOUT_SHOCK, Shocks
@@ -18,17 +20,26 @@ from ..solver.settings import THRESHOLD_TOLERANCE, Settings
 from .schema import name_of, order_of, schema_faults, validator
 from .tolerances import Tolerances, read_tolerances
 from .units import KINDS, read, show
-from .views import View, choose_boundary, choose_curves, choose_maps
+from .views import (
+    View,
+    choose_boundary,
+    choose_curves,
+    choose_maps,
+    nearest_cell,
+    value_name,
+)
 from .yaml_file import ConfigError, read_document
 
 
 class History(NamedTuple):
     """A cell whose time history is drawn.
 
+    name: of its files
     device: the study's, with what the cell changes; N: multiples of g; f0: Hz; C: uN us/um
     changes: the values of the device that are not the nominal ones, and its name if it has one
     """
 
+    name: str
     device: Device
     N: float
     f0: float
@@ -39,13 +50,6 @@ class History(NamedTuple):
     def shock(self) -> dict[str, float]:
         """N, f0 and C."""
         return {"N": self.N, "f0": self.f0, "C": self.C}
-
-    @property
-    def name(self) -> str:
-        """N1000_f1500_C0.025, and what is not nominal."""
-        parts = {"N": self.N, "f": self.f0, "C": self.C, **self.changes}
-        words = (v if k == DEVICE else f"{k}{v:.15g}" for k, v in parts.items())
-        return "_".join(words).replace("inf", "hard")
 
 
 class Requirement(NamedTuple):
@@ -75,6 +79,7 @@ class Study:
     tolerances: what scatters from device to device, or nothing
     threshold_tolerance: of the thresholds in N, relative
     maps, curves, boundary: what is drawn of cells, thresholds, and the damage boundary
+    marks: path of a user's own points on the maps, or nothing
     left_out: one line on what is not drawn, or nothing
     """
 
@@ -92,12 +97,17 @@ class Study:
     maps: tuple[View, ...]
     curves: tuple[View, ...]
     boundary: View
+    marks: str
     left_out: str
 
     @property
     def axes(self) -> dict[str, np.ndarray]:
         """Values by name, in the order of all products."""
         return self.grid.axes
+
+    def document(self) -> dict:
+        """What its products say was asked for: the same however the config spells it."""
+        return asked_for(self.device, self.shocks, self.model, self.settings.asked())
 
     def doubts(self) -> list[str]:
         """Lines on what its devices and its recorded shocks may leave out."""
@@ -131,7 +141,7 @@ TILTING = 8
 SHARES = ("rise", "fall")
 """Of a trapezoid, over its duration."""
 
-# ASSUME: without a list of histories, the handout's own case is drawn.
+# ASSUME: without a list of histories, the grid's cell nearest the handout's own case is drawn.
 HANDOUT_CASE = {"N": 1000.0, "f0": 1500.0, "C": 0.025}
 
 _KINDS = {
@@ -172,7 +182,8 @@ def load_study(document: Mapping) -> Study:
         devices = list(device.values()) if isinstance(device, Mapping) else [device]
         at = ("tolerances",)
         tolerances = _part(document, at, faults, read_tolerances, devices, _KINDS)
-    histories = _histories(document, device, faults)
+    histories = _histories(document, device, grid, faults)
+    marks = _part(document, ("marks",), faults, _marks) if "marks" in parts else ""
     maps = _views(document, "maps", faults, grid)
     curves = _views(document, "thresholds", faults, grid)
     _refuse(faults)
@@ -192,6 +203,7 @@ def load_study(document: Mapping) -> Study:
         maps=chosen,
         curves=choose_curves(grid, nominal(device), curves),
         boundary=choose_boundary(grid, nominal(device)),
+        marks=marks,
         left_out=left_out,
     )
 
@@ -286,15 +298,27 @@ def _shocks(section):
         beside = next((key for key in ("shape", "rise", "fall") if key in section), None)
         if beside:
             raise ValueError(f"pulse.{beside}: stands beside file; write one of them")
-        path = Path(section["file"])
-        if path.is_absolute() or ".." in path.parts:
-            need = "lies outside the study's folder; copy it there"
-            raise ValueError(f"pulse.file: {section['file']} {need}")
         try:
+            _check_path(section["file"])
             return shocks_of(_pulse_values(section))
         except ValueError as error:
             raise ValueError(f"pulse.file: {error}") from None
     return shocks_of(_pulse_values(section))
+
+
+def _marks(path):
+    """The path of a user's own points, which are all in order."""
+    try:
+        _check_path(path)
+        read_points(path)
+    except ValueError as error:
+        raise ValueError(f"marks: {error}") from None
+    return path
+
+
+def _check_path(path):
+    if Path(path).is_absolute() or ".." in Path(path).parts:
+        raise ValueError(f"{path} lies outside the study's folder; copy it there")
 
 
 def _pulse_values(section):
@@ -378,12 +402,23 @@ def _pulse_key(section, path, faults, recorded=False):
     return "f0"
 
 
-def _histories(document, device, faults):
+def _histories(document, device, grid, faults):
     cells = document.get("histories")
     if cells is None:
-        return (_history(HANDOUT_CASE, device, read_values=False),)
+        return () if grid is None else (_nearest_history(device, grid),)
     places = (("histories", place) for place in range(len(cells)))
     return tuple(_part(document, at, faults, _asked_history, at, device) for at in places)
+
+
+def _nearest_history(device, grid):
+    """The grid's cell nearest the handout's case."""
+    at = nearest_cell(grid, nominal(device), HANDOUT_CASE)
+    values = {key: grid.axes[key][place].item() for key, place in at.items()}
+    names = {"N": "N", "f": "f0", "C": "C"}
+    names |= {key: key for key in at if key not in (*SHOCK, *PULSE_AXES)}
+    named = (value_name(word, grid.axes[key], at[key]) for word, key in names.items())
+    cell = {key: value for key, value in values.items() if key not in PULSE_AXES}
+    return _history(cell, device, read_values=False)._replace(name="_".join(named))
 
 
 def _asked_history(cell, path, device):
@@ -409,10 +444,14 @@ def _history(cell, device, read_values=True):
     if "duration" in values:
         values["f0"] = _frequency(values.pop("duration"))
     changes = {key: values[key] for key in values if key in VALUES}
-    varied = batch([device]).vary({key: np.array([changes[key]]) for key in changes})
-    named = {DEVICE: name} if name is not None else {}
-    shock = (values[key] for key in ("N", "f0", "C"))
-    return History(varied.pick(0) if changes else device, *shock, named | changes)
+    if changes:
+        device = batch([device]).vary({k: np.array([v]) for k, v in changes.items()}).pick(0)
+    if name is not None:
+        changes = {DEVICE: name} | changes
+    N, f0, C = (values[key] for key in ("N", "f0", "C"))
+    parts = {"N": N, "f": f0, "C": C, **changes}
+    words = "_".join(v if k == DEVICE else f"{k}{v:.15g}" for k, v in parts.items())
+    return History(words.replace("inf", "hard"), device, N, f0, C, changes)
 
 
 def _views(document, section, faults, grid):

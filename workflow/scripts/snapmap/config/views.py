@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..axes import NAMES, PULSE_AXES, Grid, axis_behind
+from ..axes import DEVICE, NAMES, PULSE_AXES, Grid, axis_behind
 from ..device import VALUES, Device
 
 MOST_MAPS, PANELS = 24, 12
@@ -25,6 +25,15 @@ class View(NamedTuple):
     x: str
     y: str
     at: dict[str, int]
+
+    @property
+    def is_of_cells(self) -> bool:
+        """Whether cells are meant, not thresholds."""
+        return "N" in (self.x, self.y, *self.at)
+
+    def called(self, stem: str) -> "View":
+        """The same view of a map under a name that begins with another word than `map`."""
+        return self._replace(name=f"{stem}{self.name.removeprefix('map')}")
 
 
 def choose_maps(
@@ -65,9 +74,9 @@ def batch_places(grid: Grid) -> dict[str, dict[str, int]]:
 
 
 def side_by_side(maps: Sequence[View]) -> list[View]:
-    """Maps of outcomes over the same axes, those of the first; at most PANELS, evenly chosen."""
-    outcomes = [view for view in maps if "N" in (view.x, view.y, *view.at)]
-    alike = [view for view in outcomes if (view.x, view.y) == (outcomes[0].x, outcomes[0].y)]
+    """Maps of cells over the same axes, those of the first; at most PANELS, evenly chosen."""
+    of_cells = [view for view in maps if view.is_of_cells]
+    alike = [view for view in of_cells if (view.x, view.y) == (of_cells[0].x, of_cells[0].y)]
     kept = np.unique(np.linspace(0, len(alike) - 1, min(len(alike), PANELS)).round())
     return [alike[int(place)] for place in kept]
 
@@ -99,6 +108,23 @@ def choose_boundary(grid: Grid, nominal: Device) -> View:
     return _asked_view(grid, nominal, "thresholds", "f0", lines, {})._replace(
         name="damage_boundary"
     )
+
+
+def nearest_cell(grid: Grid, nominal: Device, case: Mapping[str, float]) -> dict[str, int]:
+    """The place on each axis of the cell nearest a case of N, f0 (as a ratio) and C.
+
+    On the device's axes it is where the nominal device stands, or where the first one does that
+    can be.
+    """
+    at = {key: _usual(values, key, nominal) for key, values in grid.axes.items()}
+    of_device = [key for key in at if key == DEVICE or key in VALUES]
+    if grid.device_of[tuple(at[key] for key in of_device)] < 0:
+        at |= zip(of_device, np.argwhere(grid.device_of >= 0)[0].tolist(), strict=True)
+    for key, value in case.items():
+        values = grid.axes[key]
+        apart = np.log(values / value) if key == "f0" else values - value
+        at[key] = int(np.argmin(abs(apart)))
+    return at
 
 
 def _lines(grid, several, x):

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 from .scales import WORDS, scale_of, value_text
 
@@ -13,7 +14,13 @@ LOOKS = (("C0", "o"), ("C6", "s"), ("C2", "^"), ("C5", "D"), ("C3", "v"), ("C7",
 """Colour and marker of each line in turn; the first ones differ in grey, too."""
 CURVES, MARKS = 6, 45
 """Most lines in one figure, and most markers and error bars on a curve."""
-LIMIT = {"color": "0.4", "linewidth": 0.6, "linestyle": (0, (6, 1.5, 1, 1.5)), "zorder": 1.5}
+LIMIT = {"color": "0.4", "linewidth": 0.6, "zorder": 1.5}
+LIMITS = "static, impulsive limits"
+DASH, DOT = (6, 1.5), (1, 1.5)
+"""Limits are dashes with dots between them: one on the first line, two on the second."""
+BAND = {"color": "0.25", "alpha": 0.35, "linewidth": 0}
+ALWAYS = {"color": "black", "linewidth": 0.7, "linestyle": (0, (1, 1.2))}
+"""The band of errors about N_first on a map, and N_always."""
 LATE = {"linestyle": "--", "markerfacecolor": "white", "markeredgewidth": 0.6}
 
 
@@ -21,40 +28,58 @@ def draw_curve(
     ax: Axes, x: np.ndarray, found: xr.Dataset, colour: str, marker: str = "", size: float = 3.5
 ) -> None:
     """Draw N_first over x with error bars; dashed and hollow where the snap is late."""
+    every = -(-x.size // MARKS)
+    bars = {"linestyle": "", "elinewidth": 0.6, "errorevery": every}
+    look = {"color": colour, "clip_on": False}
+    ax.errorbar(x, found.N_first.values, _known_error(found), **bars, **look)
+    _draw_line(ax, x, found, look | {"marker": marker, "markersize": size}, every)
+
+
+def draw_band(ax: Axes, x: np.ndarray, found: xr.Dataset) -> None:
+    """Draw N_first over x in a band as wide as its error, and N_always if there are islands."""
+    N, error = found.N_first.values, _known_error(found)
+    ax.fill_between(x, N - error, N + error, **BAND)
+    _draw_line(ax, x, found, {"color": "black"})
+    if found.islands.any():
+        ax.plot(x, found.N_always.values, **ALWAYS)
+
+
+def _draw_line(ax, x, found, look, every=1):
     N, late = found.N_first.values, is_late(found).values
     beside = np.convolve(late, [1, 1, 1])[1:-1] > 0
-    look = {"color": colour, "marker": marker, "markersize": size}
-    every = -(-N.size // MARKS)
-    error = found.N_error.where(np.isfinite(found.N_error)).values
-    ax.errorbar(x, N, error, linestyle="", color=colour, elinewidth=0.6, errorevery=every)
     marked = late & (np.arange(N.size) % every == 0)
     ax.plot(x, np.where(beside, N, np.nan), markevery=marked, **look, **LATE)
     ax.plot(x, np.where(late, np.nan, N), markevery=every, **look)
 
 
-def draw_limits(ax: Axes, found: xr.Dataset, x: str = "f0") -> None:
-    """Draw the limit of long pulses and, over f0 (Hz), that of short ones; the axes stay.
+def _known_error(found):
+    return found.N_error.where(np.isfinite(found.N_error)).values
 
-    found: of one line or of several
+
+def draw_static(ax: Axes, found: xr.Dataset, x: str, colour: str = "0.4", place: int = 0) -> None:
+    """Draw the limit of long pulses of one line over an axis; place: as for `draw_impulsive`."""
+    look, static = limit_look(colour, place), found.N_static
+    if x in static.dims:
+        ax.plot(scale_of(x, found[x].values).places, static.values, **look)
+    elif np.isfinite(static):
+        ax.axhline(static.item(), **look)
+
+
+def draw_impulsive(ax: Axes, found: xr.Dataset, colour: str, place: int = 0) -> None:
+    """Draw the limit of short pulses of one line over f0 (Hz); the axes stay.
+
+    place: of the line among several, from 0
     """
-    if x != "f0":
-        line = found.N_static
-        if x in line.dims:
-            ax.plot(scale_of(x, found[x].values).places, line.transpose(x, ...), **LIMIT)
-        else:
-            _draw_levels(ax, line)
-        return
-    _draw_levels(ax, found.N_static)
     freeze(ax)
     f0 = np.geomspace(*ax.get_xlim(), 200)
-    slopes = 1e-6 * found.velocity_change / (found.gravity * found.area)
-    for slope in slopes.values[np.isfinite(slopes.values)]:
-        ax.plot(f0, f0 * slope, **LIMIT)
+    slope = (1e-6 * found.velocity_change / (found.gravity * found.area)).item()
+    if np.isfinite(slope):
+        ax.plot(f0, f0 * slope, **limit_look(colour, place))
 
 
-def _draw_levels(ax, static):
-    for N in np.unique(static.values[np.isfinite(static.values)]):
-        ax.axhline(N, **LIMIT)
+def limit_look(colour: str = "0.4", place: int = 0) -> dict:
+    """How the limit of the line at a place among several is drawn; with `place` dots more."""
+    return LIMIT | {"color": colour, "linestyle": (0, DASH + DOT * (place + 1))}
 
 
 def is_late(found: xr.Dataset) -> xr.DataArray:
@@ -76,9 +101,16 @@ def curve_keys(found: xr.Dataset, colour: str, marker: str = "") -> list[Line2D]
     return [during] * bool((found.N_first.notnull() & ~late).any()) + [after] * bool(late.any())
 
 
-def limit_key(label: str = "static, impulsive limits") -> Line2D:
-    """Key of a legend for what `draw_limits` draws."""
-    return Line2D([], [], **LIMIT, label=label)
+def band_keys(found: xr.Dataset) -> list[Line2D | Patch]:
+    """Keys of a legend for what `draw_band` draws."""
+    keys = [*curve_keys(found, "black"), Patch(**BAND, label="error band of it")]
+    above = Line2D([], [], **ALWAYS, label="above it, all $N$ snap")
+    return keys + [above] * bool(found.islands.any())
+
+
+def limit_key(label: str, colour: str = "0.4") -> Line2D:
+    """Key of a legend for a limit."""
+    return Line2D([], [], **limit_look(colour), label=label)
 
 
 def freeze(ax: Axes) -> None:

@@ -8,8 +8,10 @@ const [map, motion, room] = ["map", "history", "motion"].map((id) => document.ge
 const [X, Y, PULSE] = [study.x, study.y, "f0"].map((key) => axes.findIndex(({ name }) => name === key));
 const strides = axes.map((_, n) => axes.slice(n + 1).reduce((cells, { values }) => cells * values.length, 1));
 const MOVES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+const STEPS = [[X, [["ArrowLeft", "←"], ["ArrowRight", "→"]]], [Y, [["ArrowDown", "↓"], ["ArrowUp", "↑"]]]];
+const LINES = [1, 2, 3], APART = 4, CHOSEN = [5, 6]; // curves of the map, after the cells
 const KINDS = { uint8: Uint8Array, float32: Float32Array };
-const cells = {};
+const cells = {}; // arrays over the cells; the thresholds' are over the rows of cells along N
 const at = study.start; // the chosen cell's place on each axis
 
 async function unpack({ kind, bytes }) {
@@ -20,8 +22,11 @@ async function unpack({ kind, bytes }) {
 
 const round = (value) => String(Number(value.toPrecision(4)));
 const say = (n, place) => axes[n].lead + axes[n].texts[place];
+const state = (k) => study.states[cells.state[k]];
 const outcome = (k) => study.outcomes[cells.outcome[k]];
+const isOpen = (k) => ["unsnapped", "snapped"].includes(outcome(k).name);
 const isAbsent = (k) => outcome(k).name === "absent";
+const rowOf = (k) => Math.floor(k / axes.at(-1).values.length);
 
 function place(i, j) {
   const rest = at.map((own, n) => (n === X ? i : n === Y ? j : own));
@@ -36,55 +41,107 @@ function byCell(make) {
 
 function describe(k, i, j) {
   const snap = cells.t_snap[k];
-  const lines = [`<b>${outcome(k).words}</b>`, say(Y, j), say(X, i)];
+  const lines = [`<b>${state(k).words}</b>`, ...ending(k), say(Y, j), say(X, i)];
   if (isAbsent(k)) return lines.join("<br>");
   lines.push(Number.isNaN(snap) ? "no snap" : `t<sub>snap</sub> = ${round(snap)} µs`);
-  return lines.concat(cells.reproduced[k] ? [] : ["not reproduced with another step"]).join("<br>");
+  return lines.concat(cells.doubtful[k] ? [study.doubt] : []).join("<br>");
+}
+
+// What a cell's colour leaves out, in lines.
+function ending(k) {
+  const { words } = outcome(k);
+  if (words === state(k).words) return [];
+  if (!isOpen(k)) return [words];
+  return cells.well[k] ? [words, ...side(k)] : [];
+}
+
+function side(k) {
+  const well = ["", "first", "second"][cells.well[k]];
+  const share = cells.share[k] < study.whole ? `during ${Math.floor(100 * cells.share[k])} %` : "for the whole";
+  return [`on the ${well} side ${share}`, "of the mass's last swing"];
 }
 
 function drawMap() {
-  const codes = byCell((k) => cells.outcome[k]);
-  const apart = byCell((k, i, j) => (cells.reproduced[k] ? [] : [[i, j]])).flat(2);
-  listClasses(codes.flat(), apart.length);
-  Plotly.restyle(map, marksAt(apart), [1]);
+  const apart = byCell((k, i, j) => (cells.doubtful[k] ? [[i, j]] : [])).flat(2);
+  const codes = byCell((k) => cells.state[k]);
+  const lines = axes[Y].name === "N" ? thresholds() : LINES.map(() => ({ x: [], y: [] }));
+  listClasses(codes.flat(), apart.length, lines.map(({ y }) => y.some(Number.isFinite)));
+  const layers = { x: lines.map(({ x }) => x), y: lines.map(({ y }) => y) };
+  Plotly.restyle(map, layers, LINES);
+  const inks = apart.map(([i, j]) => inkOn(study.states[codes[j][i]].colour));
+  Plotly.restyle(map, { ...marksAt(apart), "marker.color": [inks] }, [APART]);
   Plotly.restyle(map, { z: [codes], text: [byCell(describe)] }, [0]);
+}
+
+// N_always, the band of N_first's error, and N_first along the map's x.
+function thresholds() {
+  const x = axes[X].values;
+  const [N, error, always] = ["N_first", "N_error", "N_always"].map((key) =>
+    x.map((_, i) => cells[key][rowOf(place(i, 0))]));
+  const band = { x: [], y: [] };
+  const close = (from, to) => {
+    const there = Array.from({ length: to - from }, (_, n) => from + n);
+    const back = [...there].reverse();
+    band.x.push(...[...there, ...back].map((i) => x[i]), null);
+    band.y.push(...there.map((i) => N[i] + error[i]), ...back.map((i) => N[i] - error[i]), null);
+  };
+  let from = 0;
+  for (let i = 0; i <= x.length; i += 1) {
+    if (Number.isFinite(N[i] + error[i])) continue;
+    if (i > from) close(from, i);
+    from = i + 1;
+  }
+  return [{ x, y: always }, band, { x, y: N }];
+}
+
+function inkOn(colour) {
+  const [red, green, blue] = [1, 3, 5].map((n) => parseInt(colour.slice(n, n + 2), 16));
+  return 0.3 * red + 0.6 * green + 0.1 * blue < 110 ? "#ffffff" : "#333333";
 }
 
 function marksAt(places) {
   return { x: [places.map(([i]) => axes[X].values[i])], y: [places.map(([, j]) => axes[Y].values[j])] };
 }
 
-function listClasses(codes, apart) {
-  const items = study.outcomes.map(({ words, colour }, code) => {
+function listClasses(codes, apart, [hasAlways, , hasFirst]) {
+  const items = study.states.map(({ words, colour }, code) => {
     const count = codes.filter((other) => other === code).length;
     return count ? `<li><i style="background:${colour}"></i>${words} (${count})</li>` : "";
   });
-  if (apart) items.push(`<li><i class="apart"></i>not reproduced with another step (${apart})</li>`);
+  if (apart) items.push(`<li><i class="apart"></i>${study.doubt} (${apart})</li>`);
+  if (hasFirst) items.push('<li><i class="line"></i>lowest N that snaps, with its error</li>');
+  if (hasAlways) items.push('<li><i class="line always"></i>N above which all snap</li>');
   document.getElementById("classes").innerHTML = items.join("");
 }
 
 function trace(name, k) {
-  const [scale, offset] = study.packing[name];
-  const codes = cells[name].subarray(k * study.bins, (k + 1) * study.bins);
-  return Array.from(codes, (code) => (code === study.missing ? null : offset + scale * code));
+  const [scale, offset] = [cells[`${name}_scale`][k], cells[`${name}_offset`][k]];
+  let code = 0; // the bytes are differences between codes
+  return Array.from(cells[name].subarray(k * study.bins, (k + 1) * study.bins), (step) => {
+    code = (code + step) % 256;
+    return code === study.missing ? null : offset + scale * code;
+  });
 }
 
 function drawHistory() {
   const k = place(at[X], at[Y]);
   const values = axes.map((_, n) => `<span>${say(n, at[n])}</span>`);
   document.getElementById("cell").innerHTML = values.reverse().join(", ");
-  document.getElementById("verdict").innerHTML = `<b>${outcome(k).words}:</b> ${verdict(k)}`;
+  document.getElementById("edge").textContent = isAbsent(k) ? "" : threshold(rowOf(k));
+  document.getElementById("verdict").innerHTML = `<b>${state(k).words}:</b> ${verdict(k)}`;
+  drawDevice();
   const wasHidden = room.hidden;
   room.hidden = isAbsent(k);
   if (room.hidden) return;
   const starts = Array.from({ length: study.bins }, (_, bin) => (bin * cells.bin_length[k]) / 1e3);
   const middles = starts.map((start) => start + cells.bin_length[k] / 2e3);
-  const names = Object.keys(study.packing);
   const end = 1e6 / axes[PULSE].values[at[PULSE]];
   const instants = [end, cells.t_snap[k], cells.t_settled[k]].map((time) => time / 1e3);
+  const instantKeys = [...document.getElementById("lines").children].slice(-instants.length);
+  instantKeys.forEach((key, n) => { key.hidden = Number.isNaN(instants[n]); });
   const [second, saddle, ...marks] = motion.layout.shapes;
   const moved = marks.map((mark, n) => ({ ...mark, ...standing(instants[n]) }));
-  const curves = { x: [middles, middles, starts, starts, starts], y: names.map((name) => trace(name, k)) };
+  const curves = { x: [middles, middles, starts, starts, starts], y: study.traced.map((name) => trace(name, k)) };
   const whole = { "xaxis.autorange": true, "yaxis.autorange": true, "yaxis2.autorange": true };
   const level = { ...second, y0: cells.second[k], y1: cells.second[k] };
   Plotly.update(motion, curves, { shapes: [level, saddle, ...moved], ...whole });
@@ -95,38 +152,55 @@ function standing(time) {
   return Number.isNaN(time) ? { visible: false } : { visible: true, x0: time, x1: time };
 }
 
+function threshold(row) {
+  const [N, error, always] = [cells.N_first[row], cells.N_error[row], cells.N_always[row]];
+  if (Number.isNaN(N)) return "Here nothing snaps at any N looked at.";
+  const bar = Number.isFinite(error) ? `\u00a0±\u00a0${Number(error.toPrecision(2))}` : "";
+  const all = always > N ? `; above ${Number(always.toPrecision(5))} all snap` : "";
+  return `Here the lowest N that snaps is ${Number(N.toPrecision(5))}${bar}${all}.`;
+}
+
 function verdict(k) {
   if (isAbsent(k)) return "the beam of this device springs back wherever it is pushed; nothing was simulated.";
-  const energy = trace("energy", k);
   const snap = `the midpoint reached the second equilibrium at t = ${round(cells.t_snap[k])} µs`;
   const proven = `proven at t = ${round(cells.t_settled[k])} µs`;
   const fell = "the energy fell below the saddle";
   const apart = "the beam's own energy fell below the saddle, and the mass swings too weakly to touch it again";
+  const kept = cells.well[k] ? `; it was ${side(k).join(" ")}` : "";
+  const open = `${kept}; what follows is open: ${left(cells.energy_at_end[k])}`;
   // After the pulse the energy only falls: if it is above the saddle after the proof, so it was then.
-  const parted = energy[Math.ceil(cells.t_settled[k] / cells.bin_length[k])] > 1;
-  const same = cells.reproduced[k] ? "" : " A run with another time step had another outcome.";
+  const parted = cells.energy_at_proof[k] > 1;
+  const doubt = cells.doubtful[k] ? ` Its outcome was ${study.doubt}.` : "";
   return {
-    unsnapped: `none within ${study.horizon} µs after the pulse; what follows is open: ${left(energy)}.`,
-    never: `${proven}: after the pulse nothing adds to the energy, and it is below the saddle.`,
-    snapped: `${snap}; what follows is open: ${left(energy)}.`,
+    unsnapped: `no snap within ${study.horizon} µs after the pulse${open}.`,
+    never: `no snap, ${proven}: after the pulse nothing adds to the energy, and it is below the saddle.`,
+    snapped: `${snap}${open}.`,
     latched: `${snap}; that it stays is ${proven}: ${parted ? apart : fell}.`,
     returned: `${snap}; that it is back in the first shape for ever is ${proven}: ${fell}.`,
     failed: "the run blew up or its energy ledger did not close; nothing is claimed of this cell.",
-  }[outcome(k).name] + same;
+  }[outcome(k).name] + doubt;
 }
 
 function left(energy) {
-  const [scale, offset] = study.packing.energy;
-  const last = energy.at(-1);
-  if (last === null) return "the trace of it broke off";
-  const most = last === offset + scale * (study.missing - 1);
-  return `at the end of this history the energy is ${most ? "at least " : ""}${round(last)} times the saddle's`;
+  if (Number.isNaN(energy)) return "the trace of it broke off";
+  const least = energy >= study.reach ? "at least " : "";
+  return `at the end of this history the energy is ${least}${round(energy)} times the saddle's`;
+}
+
+function drawDevice() {
+  const chosen = Object.fromEntries(axes.map(({ name, texts }, n) => [name, texts[at[n]]]));
+  const written = study.devices[chosen.device ?? ""] ?? [];
+  const further = study.varied.filter(([key]) => !written.some(([own]) => own === key));
+  const rows = [...written, ...further].map(([key, words, text]) =>
+    `<tr><th scope="row">${words}</th><td>${chosen[key] ?? text}</td></tr>`);
+  document.getElementById("device").innerHTML = `The device ${chosen.device ?? ""}`;
+  document.getElementById("values").innerHTML = rows.join("");
 }
 
 function choose(i, j) {
   const within = (n, place) => Math.min(Math.max(place, 0), axes[n].values.length - 1);
   [at[X], at[Y]] = [within(X, i), within(Y, j)];
-  Plotly.restyle(map, marksAt([[at[X], at[Y]]]), [2, 3]);
+  Plotly.restyle(map, marksAt([[at[X], at[Y]]]), CHOSEN);
   drawHistory();
 }
 
@@ -151,18 +225,38 @@ function addSlider({ name, label, values, texts }, n) {
   show();
 }
 
+function addSteps() {
+  const row = document.getElementById("steps");
+  row.innerHTML = STEPS.map(([n, keys]) => {
+    const buttons = keys.map(([key, sign], up) => `<button type="button" value="${key}"
+      aria-label="${up ? "next" : "previous"} ${axes[n].name}">${sign}</button>`);
+    return `<span>${axes[n].lead.replace("=", "").trim() || axes[n].label}${buttons.join("")}</span>`;
+  }).join("");
+  row.addEventListener("click", ({ target }) => move(target.value));
+}
+
+function move(key) {
+  if (!(key in MOVES)) return false;
+  const [right, up] = MOVES[key];
+  choose(at[X] + right, at[Y] + up);
+  return true;
+}
+
 async function start() {
   await Promise.all(Object.entries(study.arrays).map(async ([key, packed]) => {
     cells[key] = await unpack(packed);
   }));
   axes.forEach(addSlider);
+  addSteps();
   map.on("plotly_click", ({ points }) => choose(points[0].pointIndex[1], points[0].pointIndex[0]));
   document.getElementById("keys").addEventListener("keydown", (event) => {
-    if (!(event.key in MOVES)) return;
-    event.preventDefault();
-    const [right, up] = MOVES[event.key];
-    choose(at[X] + right, at[Y] + up);
+    if (move(event.key)) event.preventDefault();
   });
+  // A finger scrolls the page over a figure, and does not zoom in it.
+  if (matchMedia("(pointer: coarse)").matches) {
+    await Promise.all([...document.querySelectorAll(".js-plotly-plot")].map((figure) =>
+      Plotly.relayout(figure, { dragmode: false })));
+  }
   drawMap();
   choose(at[X], at[Y]);
 }

@@ -13,11 +13,13 @@ from .tolerances import LINES, words_of
 NOMINAL, LATCHED = "#d55e00", "#0072b2"
 COLOURS = ("#000000", "#d55e00", "#56b4e9", "#0072b2", "#009e73", "#cc79a7", "#999999")
 DASHES = {":": "dot", "--": "dash", "-": "solid"}
-SECTION = """<section aria-labelledby="made">
+SECTION = """<section class="wide" aria-labelledby="made">
   <h2 id="made">Devices as made</h2>
   <p>{words}</p>
-  {probability}
-  {sensitivity}
+  <div class="pair">
+    {probability}
+    {sensitivity}
+  </div>
   {requirements}
 </section>"""
 
@@ -30,7 +32,8 @@ def batch_section(found: xr.Dataset, figure) -> str:
     missing = int((found.bistable == 0).sum())
     words = (
         f"{found.sizes['sample']} devices were drawn whose values scatter. Lines: where 1, 10, 50, "
-        "90 and 99 % of them snap. Below: the share of the threshold's variance owed to each value."
+        "90 and 99\u00a0% of them snap. The other figure has the share of the threshold's variance "
+        "owed to each value."
     )
     if missing:
         words += f" {missing} of them have no second stable shape and never snap."
@@ -122,7 +125,7 @@ def _layout_of_owed():
 
 def _layout():
     return {
-        "xaxis": {"title": "pulse frequency f<sub>0</sub> (Hz)", "type": "log"},
+        "xaxis": {"title": "pulse frequency f<sub>0</sub> (Hz)", "type": "log", "nticks": 3},
         "legend": {"orientation": "h", "y": -0.25},
         "margin": {"l": 60, "r": 12, "t": 40, "b": 50},
     }

@@ -8,9 +8,10 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
+from . import style
 from .scales import value_text
 
-BEAM, MASS, FORCE, AID = "C5", "C1", "C0", "0.3"
+BEAM, MASS, FORCE, AID = "C5", "black", "black", "0.3"
 FINE = 0.5  # pt, for what oscillates fast
 
 
@@ -75,6 +76,6 @@ def _draw_legend(ax, history):
 def _caption(history):
     if "config" not in history.attrs:
         return None
-    model = json.loads(history.attrs["config"])["model"]["name"]
+    model = style.model_words(json.loads(history.attrs["config"]))
     shock = (value_text(key, history.attrs[key]) for key in ("N", "f0", "C"))
-    return ", ".join([*shock, f"{model} model"])
+    return ", ".join([*shock, model])

@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.ticker import LogLocator, MaxNLocator
+from matplotlib.axis import Axis
+from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, MaxNLocator
 
 from ..axes import DEVICE, DIRECTION, DURATION, PULSE_AXES, SHAPE, SHOCK
 
@@ -35,12 +36,21 @@ WORDS = {
 LABELS = {
     SHAPE: "shape of the pulse",
     DIRECTION: "direction of the shock",
+    DURATION: "pulse duration $1/f_0$ (ms)",
     "N": "pulse amplitude $N$ (multiples of $g$)",
     "f0": "pulse frequency $f_0$ (Hz)",
     "C": "damping of the mass $C$ (µN µs µm$^{-1}$)",
 }
 SEVERAL = 10
 """Most values that are ticked one by one where they are no numbers."""
+MANY = 8
+"""Values from which on an axis ends at the first and last of them, not at the edges of cells."""
+THIN, FROM = "\u2009", 10_000
+"""Space between thousands, of numbers from here on."""
+SUBS = {1.6: (1, 2, 3, 5), 0.9: (1, 3), 0: (1,)}
+"""Digits that are ticked in a decade, by the inches above which there is room for them."""
+STEPS = (1, 2, 2.5, 3, 4, 5, 6)
+"""Digits of the steps between ticks."""
 
 
 class Scale(NamedTuple):
@@ -86,11 +96,100 @@ def set_scale(ax: Axes, which: str, scale: Scale) -> None:
     elif scale.values.size == 1:
         axis.set_ticks(scale.values, [f"{scale.values[0]:.6g}"])
         axis.set_ticks([], minor=True)
-    elif scale.is_log and scale.key != "f0":
-        wide = scale.values[-1] > 3 * scale.values[0]
-        axis.set_major_locator(LogLocator(subs=(1, 2, 5)) if wide else MaxNLocator(5))
-        axis.set_major_formatter("{x:g}")
-        axis.set_minor_formatter("")
+    elif scale.is_log:
+        tick_log(axis, scale.values[[0, -1]], _inches(ax, which))
+    else:
+        _tick_evenly(axis, *scale.values[[0, -1]])
+    ends = scale.places if scale.places.size >= MANY else scale.edges
+    getattr(ax, f"set_{which}lim")(ends[0], ends[-1])
+
+
+def frequency_axis(ax: Axes, f0: np.ndarray) -> Axes:
+    """Make x the frequency of the pulse, logarithmic, and add its duration above; returns that.
+
+    f0: ascending, Hz
+    """
+    set_scale(ax, "x", scale_of("f0", f0))
+    top = ax.secondary_xaxis("top", functions=(_reciprocal, _reciprocal))
+    top.set_xlabel(LABELS[DURATION])
+    if f0.size == 1:
+        top.xaxis.set_ticks(1e3 / f0, [f"{1e3 / f0.item():.3g}"])
+        top.xaxis.set_ticks([], minor=True)
+    else:
+        tick_log(top.xaxis, 1e3 / f0[[-1, 0]], _inches(ax, "x"))
+    return top
+
+
+def amplitude_axis(ax: Axes) -> None:
+    """Make y the amplitude of the pulse, logarithmic, ticked 1, 2, 3, 5 in every decade."""
+    ax.set_yscale("log")
+    ax.set_ylabel(LABELS["N"])
+    ax.yaxis.set_major_locator(LogLocator(subs=(1, 2, 3, 5)))
+    _write_numbers(ax.yaxis)
+
+
+def tick_log(axis: Axis, ends: tuple[float, float], inches: float) -> None:
+    """Tick a logarithmic axis of a length between two values, the denser the longer it is."""
+    decades = math.log10(ends[1] / ends[0])
+    if decades < 0.5:
+        axis.set_major_locator(MaxNLocator(5))
+    else:
+        room = inches / decades
+        axis.set_major_locator(LogLocator(subs=next(SUBS[least] for least in SUBS if room > least)))
+    _write_numbers(axis)
+
+
+def _inches(ax, which):
+    box = ax.bbox.width if which == "x" else ax.bbox.height
+    return box / ax.get_figure().dpi
+
+
+def velocity_axis(ax: Axes) -> None:
+    """Make x the velocity change of the pulse (m/s), logarithmic."""
+    ax.set_xscale("log")
+    ax.set_xlabel("velocity change of the pulse (m/s)")
+    ax.xaxis.set_major_locator(LogLocator(subs=(1, 3)))
+    _write_numbers(ax.xaxis)
+
+
+def end_at_ticks(axis: Axis) -> None:
+    """Move the ends of a logarithmic axis outward to where it is ticked."""
+    low, high = axis.get_view_interval()
+    ticks = np.asarray(axis.get_major_locator().tick_values(low / 10, high * 10))
+    below, above = ticks[ticks <= low * (1 + 1e-9)], ticks[ticks >= high * (1 - 1e-9)]
+    ends = max(below, default=low), min(above, default=high)
+    getattr(axis.axes, f"set_{axis.axis_name}lim")(ends)
+
+
+def _tick_evenly(axis, first, last):
+    """Tick an axis at round numbers, both ends among them where a round step allows."""
+    step = next(_whole_steps(first, last), None)
+    if step is None:
+        axis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]))
+    else:
+        axis.set_major_locator(FixedLocator(np.arange(first, last + step / 2, step)))
+    _write_numbers(axis)
+
+
+def _whole_steps(first, last):
+    """Round steps from the first number to the last, four to seven of them."""
+    for count in (6, 5, 4, 7):
+        step = (last - first) / count
+        digits = step / 10.0 ** math.floor(math.log10(step))
+        is_round = min(abs(digits - one) for one in STEPS) < 1e-9
+        if is_round and abs(first / step - round(first / step)) < 1e-9:
+            yield step
+
+
+def _write_numbers(axis):
+    axis.set_major_formatter(FuncFormatter(lambda value, _: number(value, 6)))
+    axis.set_minor_formatter("")
+
+
+def _reciprocal(values):
+    """1/f0 in ms from f0 in Hz, and back; matplotlib asks for it at 0, too."""
+    with np.errstate(divide="ignore"):
+        return 1e3 / np.asarray(values)
 
 
 def along(data: xr.Dataset, *axes: str) -> xr.Dataset:
@@ -116,11 +215,16 @@ def place_text(data: xr.Dataset) -> str:
     return "\n".join(filter(None, (", ".join(texts[:of_device]), ", ".join(texts[of_device:]))))
 
 
-def number(value: float | str) -> str:
-    """A value in four digits, a name as it is, and a hard contact in words."""
+def number(value: float | str, digits: int = 4) -> str:
+    """A value in four digits, thousands apart; a name as it is, and a hard contact in words."""
     if isinstance(value, str):
         return value
-    return "hard" if value == math.inf else f"{value:.4g}"
+    if value == math.inf:
+        return "hard"
+    sign, size = "−" if value < 0 else "", float(f"{abs(value):.{digits}g}")
+    if FROM <= size < 1e7:
+        return f"{sign}{size:,.0f}".replace(",", THIN)
+    return f"{sign}{size:.{digits}g}"
 
 
 def arithmetic_edges(values: np.ndarray) -> np.ndarray:

@@ -7,16 +7,15 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 
 import matplotlib.style
-import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator
-from matplotlib.transforms import ScaledTranslation
+from matplotlib.transforms import ScaledTranslation, blended_transform_factory
 
 from ..io.atomic import replacing
 
-COLUMN = 56
+COLUMN, PAGE = 50, 130
+"""Signs in a line over one column, and over two."""
 SHEET = Path(__file__).with_name("paper.mplstyle")
 # Which metadata of each format holds which attribute of a dataset.
 METADATA = {
@@ -40,18 +39,27 @@ def double_column(height: float) -> Figure:
     return Figure(figsize=(7.0, height))
 
 
+def notebook_axes() -> Axes:
+    """Axes on a figure of their own that a notebook shows."""
+    # For notebooks alone: no rule pays for its import.
+    import matplotlib.pyplot as plt
+
+    return plt.figure(figsize=(5, 5), layout="constrained").subplots()
+
+
 def save(figure: Figure, stem: str | Path, attributes: Mapping[str, str]) -> None:
     """Write a figure as PDF and PNG, without dates, each whole or not at all.
 
     stem: the path without its ending
     attributes: of the dataset drawn; title, code_version and config go into the files' metadata
     """
-    for kind in METADATA:
+    # What a screen shows first.
+    for kind in ("png", "pdf"):
         with replacing(f"{stem}.{kind}") as temporary:
             figure.savefig(temporary, format=kind, metadata=_metadata(kind, attributes))
 
 
-def case(attributes: Mapping[str, str], width: int = 200) -> str:
+def case(attributes: Mapping[str, str], width: int = PAGE) -> str:
     """Which model was followed for how long, from a dataset's attributes; empty without them.
 
     With it goes whether the beam is guided, as then its labels hold for one that cannot tilt.
@@ -66,8 +74,29 @@ def case(attributes: Mapping[str, str], width: int = 200) -> str:
     words = [shape] if isinstance(shape, str) else []
     words += [f"along {way}"] if way == "-z" else []
     words += guides(config)
-    words.append(f"{config['model']['name']} model, followed {horizon} beyond the pulse")
+    words += [model_words(config), f"followed {horizon} beyond the pulse"]
     return textwrap.fill(", ".join(words), width)
+
+
+def model_words(config: Mapping) -> str:
+    """The name of a config's model, and what it is made of: `handout model (5 Hermite ...)`."""
+    model = config["model"]
+    return f"{model['name']} model ({', '.join(_parts_of_model(model, config))})"
+
+
+def _parts_of_model(model, config):
+    if model["name"] == "auto":
+        return ["as many cosines as each cell needs"]
+    if model["name"] == "cosines":
+        cosines = model.get("cosines", model.get("modes", 5))
+        kept = model.get("modes", cosines)
+        return [f"{cosines} cosines" if kept == cosines else f"{kept} modes of {cosines} cosines"]
+    parts = [f"{model.get('elements', 5)} Hermite elements on half the beam"]
+    if "modes" in model:
+        parts.append(f"{model['modes']} modes")
+    elif '"contact": "hard"' not in json.dumps(config):
+        parts.append("all modes")
+    return [*parts, "plain loop"] if model["name"] == "reference" else parts
 
 
 def guides(config: Mapping) -> list[str]:
@@ -78,35 +107,21 @@ def guides(config: Mapping) -> list[str]:
     return [words[free.pop()]] if len(free) == 1 else []
 
 
-def frequency_axis(ax: Axes) -> Axes:
-    """Make x the frequency of the pulse, logarithmic, and add its duration above; returns that."""
-    ax.set_xscale("log")
-    ax.set_xlabel("pulse frequency $f_0$ (Hz)")
-    top = ax.secondary_xaxis("top", functions=(_reciprocal, _reciprocal))
-    top.set_xlabel("pulse duration $1/f_0$ (ms)")
-    return top
+def legend_below(
+    ax: Axes, keys: Iterable[Artist], title: str, ncols: int, below: float = 30
+) -> None:
+    """Put a legend below the axis' own labels, in the middle of the figure's width; below: pt.
 
-
-def amplitude_axis(ax: Axes) -> None:
-    """Make y the amplitude of the pulse, logarithmic, ticked 1, 2, 3, 5 in every decade."""
-    ax.set_yscale("log")
-    ax.set_ylabel("pulse amplitude $N$ (multiples of $g$)")
-    ax.yaxis.set_major_locator(LogLocator(subs=(1, 2, 3, 5)))
-    ax.yaxis.set_major_formatter("{x:g}")
-    ax.yaxis.set_minor_formatter("")
-
-
-def legend_below(ax: Axes, keys: Iterable[Artist], title: str, ncols: int) -> None:
-    """Put a legend below the axis' own labels."""
-    below = ax.transAxes + ScaledTranslation(0, -30 / 72, ax.figure.dpi_scale_trans)
-    place = {"loc": "upper center", "bbox_to_anchor": (0.5, 0), "bbox_transform": below}
-    ax.legend(handles=list(keys), title=title, ncols=ncols, **place)
-
-
-def _reciprocal(values):
-    """1/f0 in ms from f0 in Hz, and back; matplotlib asks for it at 0, too."""
-    with np.errstate(divide="ignore"):
-        return 1e3 / np.asarray(values)
+    ncols: at most, as many as have room
+    """
+    figure, keys = ax.get_figure(), list(keys)
+    down = ScaledTranslation(0, -below / 72, figure.dpi_scale_trans)
+    at = blended_transform_factory(figure.transFigure, ax.transAxes) + down
+    place = {"loc": "upper center", "bbox_to_anchor": (0.5, 0), "bbox_transform": at}
+    for columns in range(ncols, 0, -1):
+        legend = ax.legend(handles=keys, title=title, ncols=columns, **place)
+        if legend.get_window_extent().width <= figure.bbox.width:
+            break
 
 
 def _metadata(kind, attributes):

@@ -8,18 +8,31 @@ from matplotlib.patches import Patch
 
 from . import style
 from .curves import (
-    LIMIT,
     curve_keys,
     draw_curve,
-    draw_limits,
+    draw_impulsive,
+    draw_static,
     each_line,
     freeze,
     limit_key,
+    limit_look,
     line_keys,
     some_lines,
     velocity_change,
 )
-from .scales import WORDS, place_text, scale_of, set_scale, value_text
+from .plane import BELOW_BAR, colour_bar, fill_field, open_plane
+from .scales import (
+    WORDS,
+    amplitude_axis,
+    end_at_ticks,
+    frequency_axis,
+    number,
+    place_text,
+    scale_of,
+    set_scale,
+    value_text,
+    velocity_axis,
+)
 
 DOUBTFUL = 0.01
 """Error bars above this share of the threshold are marked."""
@@ -30,6 +43,8 @@ NOTE = {"fontsize": 6, "textcoords": "offset points"}
 SYMBOLS = r"$\Delta v$: velocity change, limit of short pulses"
 ROOM = 0.15
 """For words below the lowest threshold, as a share of the height."""
+WHOLE = 58
+"""Signs in a line over the whole width of a column."""
 MANY_KEYS = 9
 """In a legend, which are then set in fewer columns."""
 FAR = 1e9
@@ -44,45 +59,40 @@ def draw_thresholds(ax: Axes, found: xr.Dataset, x: str = "f0", lines: str = "C"
     found = some_lines(found, x, lines)
     scale = scale_of(x, found[x].values)
     if x == "f0":
-        style.frequency_axis(ax)
-        ax.set_xlim(found.f0.values[0] / 1.1, found.f0.values[-1] * 1.1)
+        frequency_axis(ax, found.f0.values)
     else:
         set_scale(ax, "x", scale)
-    style.amplitude_axis(ax)
+    amplitude_axis(ax)
     for one, colour, marker in each_line(found, lines):
         _draw_gap(ax, one, scale, colour)
         draw_curve(ax, scale.places, one, colour, marker)
         if one.N_latched.notnull().any():
             ax.plot(scale.places, one.N_latched.values, color=colour, **LATCHED)
-    draw_limits(ax, found, x)
-    _make_room(ax)
+    _draw_limits(ax, found, x, lines)
     if x == "f0":
         _label_limits(ax, found)
     keys = [*line_keys(found, lines), *curve_keys(found, "0.4", "o"), *_gap_keys(found)]
     if found.N_latched.notnull().any():
         keys.append(Line2D([], [], color="0.4", **LATCHED, label="above it, all cells seen latch"))
     keys += [] if x == "f0" else [limit_key("static limit")]
-    style.legend_below(ax, keys, _title(found, "; "), ncols=4 if len(keys) < MANY_KEYS else 3)
+    style.legend_below(ax, keys, _title(found, style.PAGE), ncols=4 if len(keys) < MANY_KEYS else 3)
     return ax
 
 
 def draw_threshold_map(ax: Axes, found: xr.Dataset, x: str, y: str) -> Axes:
     """Draw N_first over two axes as a field of colour with level lines.
 
-    found: thresholds over these two axes; hatched where the error bar exceeds DOUBTFUL of N_first
+    found: thresholds over these two axes; crossed where the error bar exceeds DOUBTFUL of N_first
     """
     found = found.sortby([key for key in (x, y) if found[key].dtype.kind in "fiu"])
-    scales = scale_of(x, found[x].values), scale_of(y, found[y].values)
-    for which, scale in zip("xy", scales, strict=True):
-        set_scale(ax, which, scale)
+    scales = open_plane(ax, found, x, y)
     N = found.N_first.transpose(y, x).values
-    field = ax.pcolormesh(scales[0].edges, scales[1].edges, N, cmap="cividis", edgecolors="face")
-    bar = ax.figure.colorbar(field, ax=ax, pad=0.02)
-    bar.set_label("lowest $N$ that snaps (multiples of $g$)")
+    field = fill_field(ax, found.N_first, *scales, cmap="cividis")
+    colour_bar(ax, field, "lowest $N$ that snaps (multiples of $g$)")
     counted = any(scale.is_counted for scale in scales)
     if min(N.shape) > 1 and np.isfinite(N).all() and not counted:
         levels = ax.contour(scales[0].places, scales[1].places, N, colors="white", linewidths=0.7)
-        ax.clabel(levels, fmt="%g", fontsize=6)
+        ax.clabel(levels, fmt=number, fontsize=6)
     relative = (found.N_error / found.N_first).transpose(y, x).values
     doubtful = np.isfinite(N) & ~(relative <= DOUBTFUL)
     j, i = np.nonzero(doubtful)
@@ -90,7 +100,8 @@ def draw_threshold_map(ax: Axes, found: xr.Dataset, x: str, y: str) -> Axes:
         dots = {"linestyle": "", "marker": "x", "markersize": 3, "color": "#d55e00"}
         words = f"error bar above {100 * DOUBTFUL:g} %"
         ax.plot(scales[0].places[i], scales[1].places[j], **dots, label=words)
-        style.legend_below(ax, ax.get_legend_handles_labels()[0], "", ncols=2)
+        keys = ax.get_legend_handles_labels()[0]
+        style.legend_below(ax, keys, "", ncols=2, below=BELOW_BAR)
     lines = [place_text(found), style.case(found.attrs, style.COLUMN), _sureness(relative)]
     ax.set_title("\n".join(filter(None, lines)))
     return ax
@@ -124,18 +135,16 @@ def draw_damage_boundary(ax: Axes, found: xr.Dataset, lines: str = "C") -> Axes:
     """Draw N_first over the velocity change (m/s) for each line, and what snaps of the first one.
 
     found: thresholds over f0 and the axis `lines`; of many lines some are drawn
-    Along dotted lines the duration of the pulse is constant.
+    Along dotted lines the duration of the pulse is constant; shaded is what lies above the first
+    curve, of the durations that it has.
     """
     found = some_lines(found, "f0", lines)
-    ax.set_xscale("log")
-    style.amplitude_axis(ax)
-    ax.set_xlabel("velocity change of the pulse (m/s)")
+    velocity_axis(ax)
+    amplitude_axis(ax)
     ax.set_ylabel("peak acceleration $N$ (multiples of $g$)")
-    ax.xaxis.set_major_formatter("{x:g}")
     for one, colour, marker in each_line(found, lines):
         draw_curve(ax, velocity_change(one).values, one, colour, marker, size=2)
-    _draw_boundary_limits(ax, found)
-    _make_room(ax)
+    _draw_boundary_limits(ax, found, lines)
     first = found.isel({lines: 0})
     _draw_region(ax, first)
     _draw_durations(ax, first)
@@ -143,13 +152,27 @@ def draw_damage_boundary(ax: Axes, found: xr.Dataset, lines: str = "C") -> Axes:
     keys = [*line_keys(found, lines), *curve_keys(found, "0.4", "o")]
     keys.append(Patch(**SHADE, label=f"snaps, {name}"))
     place = {"loc": "lower left", "bbox_to_anchor": (-0.16, 1.03), "ncols": 2}
-    ax.legend(handles=keys, title=_title(found, "\n"), alignment="left", **place)
+    ax.legend(handles=keys, title=_title(found, WHOLE), alignment="left", **place)
     return ax
 
 
+def _draw_limits(ax, found, x, lines):
+    """Draw the limits of all lines, and leave room for words below them."""
+    if lines not in found.N_static.dims:
+        draw_static(ax, found, x)
+    for place, (one, colour, _) in enumerate(each_line(found, lines)):
+        if lines in found.N_static.dims:
+            draw_static(ax, one, x, colour, place)
+    _make_room(ax)
+    if x == "f0":
+        for place, (one, colour, _) in enumerate(each_line(found, lines)):
+            draw_impulsive(ax, one, colour, place)
+
+
 def _make_room(ax):
-    """Move the lower end of the axes down to make room for words."""
+    """Move the lower end of the axes down to make room for words; end them at ticks."""
     ax.set_ylim(bottom=_height(ax, -ROOM))
+    end_at_ticks(ax.yaxis)
 
 
 def _height(ax, share):
@@ -176,7 +199,7 @@ def _label_limits(ax, found):
     if static.size:
         words = "static limit of long pulses"
         words += f", $N$ = {static[0]:.4g}" if static.size == 1 else ""
-        ax.annotate(words, (ax.get_xlim()[0], static[-1]), xytext=(4, -4), va="top", **NOTE)
+        ax.annotate(words, (ax.get_xlim()[0], static[0]), xytext=(4, -4), va="top", **NOTE)
     per_N = _known(found.gravity * found.area / (1e-6 * found.velocity_change))
     if static.size and per_N.size:
         lowest = np.fmin(static[0], np.nanmin(found.N_first.values, initial=np.inf))
@@ -194,24 +217,32 @@ def _known(values):
 
 
 def _draw_region(ax, found):
-    """Shade all that snaps for one C: above its curve, and between its limits beyond the ends."""
-    known = found.isel(f0=np.flatnonzero(found.N_first.notnull())).sortby("f0", ascending=False)
-    N, v = known.N_first.values, velocity_change(known).values
-    short, static = found.velocity_change.item(), found.N_static.item()
-    if N.size and np.isfinite([short, static]).all():
-        ax.fill([short, short, *v, FAR, FAR], [FAR, N[0], *N, static, FAR], **SHADE)
+    """Shade what snaps at the durations of a curve; where it has a hole, the shade has one."""
+    found = found.sortby("f0", ascending=False)
+    N, v = found.N_first.values, velocity_change(found).values
+    known = np.flatnonzero(np.isfinite(N))
+    for run in np.split(known, np.flatnonzero(np.diff(known) > 1) + 1):
+        if run.size > 1:
+            ends = run[[0, -1]]
+            corners = [np.stack([v, N])[:, run], FAR * np.stack([v, N])[:, ends[::-1]]]
+            ax.fill(*np.concatenate(corners, axis=1), **SHADE)
 
 
-def _draw_boundary_limits(ax, found):
+def _draw_boundary_limits(ax, found, lines):
     static, changes = _known(found.N_static), _known(found.velocity_change)
-    for N in static:
-        ax.axhline(N, **LIMIT)
-    for v in changes:
-        ax.axvline(v, **LIMIT)
+    for place, (one, colour, _) in enumerate(each_line(found, lines)):
+        if np.isfinite(one.velocity_change):
+            ax.axvline(one.velocity_change.item(), **limit_look(colour, place))
+        if lines in found.N_static.dims:
+            draw_static(ax, one, "f0", colour, place)
+    if lines not in found.N_static.dims:
+        draw_static(ax, found, "f0")
+    end_at_ticks(ax.xaxis)
+    _make_room(ax)
     freeze(ax)
     if static.size and changes.size:
         words = "static" + (f", $N$ = {static[0]:.4g}" if static.size == 1 else "")
-        at = changes[-1], static[-1]
+        at = changes[-1], static[0]
         ax.annotate(words, at, xytext=(4, -4), va="top", **NOTE)
 
 
@@ -233,12 +264,11 @@ def _label_duration(ax, words, v):
     ax.text(v * N, N, words, fontsize=6, color="0.4", **place, **turn)
 
 
-def _title(found, between):
-    """What every curve has in common."""
+def _title(found, width):
+    """What every curve has in common, in lines of so many signs."""
     place = place_text(found).replace("\n", ", ")
     symbols = f"$C$ in {WORDS['C'][1]}; {SYMBOLS}" if "C" in found.dims else SYMBOLS
-    case = style.case(found.attrs, style.COLUMN) if between == "\n" else style.case(found.attrs)
-    return between.join(filter(None, [case, place, symbols]))
+    return "\n".join(filter(None, [style.case(found.attrs, width), place, symbols]))
 
 
 def _gap_keys(found):

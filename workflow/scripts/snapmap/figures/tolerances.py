@@ -10,13 +10,24 @@ from matplotlib.patches import Patch
 
 from . import style
 from .curves import LOOKS
-from .scales import WORDS, arithmetic_edges, geometric_edges, scale_of, set_scale, value_text
+from .scales import (
+    LABELS,
+    WORDS,
+    arithmetic_edges,
+    frequency_axis,
+    geometric_edges,
+    scale_of,
+    set_scale,
+    value_text,
+)
 
 LINES = {0.01: ":", 0.1: "--", 0.5: "-", 0.9: "--", 0.99: ":"}
 """Of the shares of devices that snap."""
-NOMINAL = {"color": "#d55e00", "linewidth": 1.0}
+NOMINAL = {"color": "#d55e00", "linewidth": 1.0, "linestyle": "-."}
 LATCHED = {"color": "#0072b2", "linewidth": 0.9}
 BOTH = {"colors": LATCHED["color"], "linewidths": 0.9, "linestyles": ["-", ":"]}
+FIRST = {"linestyle": ":", "markerfacecolor": "white", "markeredgewidth": 0.5}
+"""Of indices of first order, beside the solid ones of all."""
 FAILS = {"color": "0.9", "linewidth": 0}
 
 
@@ -32,7 +43,8 @@ def draw_probability(ax: Axes, found: xr.Dataset) -> Axes:
 def _draw_field(ax, found):
     edges = geometric_edges(found.f0.values), arithmetic_edges(found.N.values)
     shares = found.probability.transpose("N", "f0").values
-    style.frequency_axis(ax)
+    frequency_axis(ax, found.f0.values)
+    set_scale(ax, "y", scale_of("N", found.N.values))
     look = {"cmap": "Greys", "vmin": 0, "vmax": 1.4, "edgecolors": "face", "rasterized": True}
     ax.pcolormesh(*edges, shares, **look)
     for share, dashes in LINES.items():
@@ -42,8 +54,6 @@ def _draw_field(ax, found):
     if "latched" in found:
         latched = found.latched.transpose("N", "f0").values
         ax.contour(found.f0.values, found.N.values, latched, [0.5, 0.99], **BOTH)
-    ax.set(xlim=edges[0][[0, -1]], ylim=edges[1][[0, -1]])
-    ax.set_ylabel(r"pulse amplitude $N$ (multiples of $g$)")
     return ax
 
 
@@ -55,7 +65,7 @@ def _draw_shares(ax, found):
     ax.axvline(found.N_nominal.item(), **NOMINAL)
     if "latched" in found:
         ax.plot(N, found.latched.squeeze("f0").values, **LATCHED)
-    ax.set(xlabel=r"pulse amplitude $N$ (multiples of $g$)", ylabel="share of devices that snap")
+    ax.set(xlabel=LABELS["N"], ylabel="share of devices that snap")
     ax.set(xlim=(N[0], N[-1]), ylim=(0, 1))
     return ax
 
@@ -84,8 +94,7 @@ def draw_sensitivity(ax: Axes, found: xr.Dataset) -> Axes:
     ax.set_title(value_text("C", found.C.item()))
     f0 = scale_of("f0", found.f0.values)
     if f0.values.size > 1:
-        style.frequency_axis(ax)
-        ax.set_xlim(f0.edges[[0, -1]])
+        frequency_axis(ax, f0.values)
     else:
         set_scale(ax, "x", f0)
     total, first = (found.sensitivity.sel(order=order) for order in ("total", "first"))
@@ -96,7 +105,8 @@ def draw_sensitivity(ax: Axes, found: xr.Dataset) -> Axes:
         error = np.maximum([middle - low, high - middle], 0)
         look = {"color": colour, "marker": marker, "markersize": 3}
         ax.errorbar(f0.places, middle, error, elinewidth=0.5, **look)
-        ax.plot(f0.places, first.sel(value=value).values, color=colour, linestyle=":")
+        hollow = {"color": colour, "marker": marker, "markersize": 2.5, **FIRST}
+        ax.plot(f0.places, first.sel(value=value).values, **hollow)
     ax.set_ylim(-0.05, 1.1)
     ax.set_ylabel("share of the variance of the threshold")
     return ax
@@ -109,7 +119,9 @@ def sensitivity_keys(found: xr.Dataset) -> list[Line2D]:
         Line2D([], [], color=colour, marker=marker, markersize=3, label=words_of(value))
         for value, (colour, marker) in looks
     ]
-    return [*keys, Line2D([], [], color="0.4", linestyle=":", label="alone (first order)")]
+    alone = Line2D([], [], color="0.4", marker="o", markersize=2.5, **FIRST)
+    alone.set_label("alone (first order)")
+    return [*keys, alone]
 
 
 def words_of(value: str) -> str:

@@ -51,19 +51,24 @@ def code_files(script: str | Path, folder: str | Path | None = None) -> list[Pat
         path = waiting.pop()
         if path not in found:
             found.add(path)
-            waiting += _imported(path, folder)
-            waiting += [path.parent / name for name in _data(path)]
+            waiting += _reached(path, folder, path.stat().st_mtime_ns)
     return sorted(found)
 
 
-def _imported(path, folder) -> Iterator[Path]:
-    """Files below a folder that a file imports, and those of the packages they are in."""
+@cache
+def _reached(path, folder, changed):
+    """Files that a file imports from below a folder, their packages', and its data.
+
+    changed: when it was; scripts share most of their files, and each is looked through once
+    """
+    found = [path.parent / name for name in _data(path)]
     package = path.parent.relative_to(folder).parts
     for level, names in _source(path).imports:
         parts = (*package[: len(package) + 1 - level], *names) if level else names
         for length in range(1, len(parts) + 1):
             place = folder.joinpath(*parts[:length])
-            yield from filter(Path.is_file, (place / "__init__.py", place.with_suffix(".py")))
+            found += filter(Path.is_file, (place / "__init__.py", place.with_suffix(".py")))
+    return found
 
 
 def _data(path):

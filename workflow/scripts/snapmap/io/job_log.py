@@ -10,17 +10,21 @@ from pathlib import Path
 
 @contextmanager
 def job_log(path: str | Path) -> Iterator[None]:
-    """Keep what a script prints in its log as well; what it complains of goes there alone.
+    """Keep what a script prints in its log, and its warnings there and on the terminal.
 
-    A warning is a line of what it prints.
     Snakemake shows the log of a job that fails. A fault that the user can mend (ValueError,
     OSError, MemoryError) is one line there, and so is Ctrl-C; any other a traceback.
     """
     complaint = ""
     log = open(path, "w", buffering=1, encoding="utf-8")  # noqa: SIM115, closing may fail, too
-    told = redirect_stdout(_Both(sys.stdout, log)), redirect_stderr(log)
-    with told[0], told[1], warnings.catch_warnings():
-        warnings.showwarning = lambda message, *_, **__: print(message)
+    terminal = sys.stderr
+
+    def warn(message, *_, **__):
+        for stream in (log, terminal):
+            print(message, file=stream)
+
+    with redirect_stdout(log), redirect_stderr(log), warnings.catch_warnings():
+        warnings.showwarning = warn
         try:
             yield
         except (MemoryError, OSError, ValueError) as fault:
@@ -43,18 +47,3 @@ def _complain(complaint, log):
         print(complaint, file=log, flush=True)
     except OSError:
         print(complaint, file=sys.stderr)
-
-
-class _Both:
-    """A text stream that writes to two."""
-
-    def __init__(self, *streams):
-        self.streams = streams
-
-    def write(self, text):
-        for stream in self.streams:
-            stream.write(text)
-
-    def flush(self):
-        for stream in self.streams:
-            stream.flush()

@@ -7,7 +7,7 @@ import xarray as xr
 
 from .atomic import replacing
 
-ENCODING = {"zlib": True, "complevel": 4, "shuffle": True, "fletcher32": True}
+ENCODING = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
 
 
 def write(dataset: xr.Dataset, path: str | Path) -> None:
@@ -19,8 +19,22 @@ def write(dataset: xr.Dataset, path: str | Path) -> None:
         axes.to_netcdf(temporary, engine="netcdf4", encoding=no_fill)
         # One by one: together, dask would write their blocks in an order of its own every time.
         for key in dataset.data_vars:
-            kind = {key: ENCODING | _chunks(dataset[key])}
+            kind = {key: ENCODING | _digits(dataset[key]) | _chunks(dataset[key])}
             dataset[[key]].to_netcdf(temporary, mode="a", engine="netcdf4", encoding=kind)
+
+
+def read_earlier(path: str | Path) -> xr.Dataset | None:
+    """Read what an earlier run wrote, as packed as it is; nothing if it cannot be read."""
+    try:
+        return xr.load_dataset(path, engine="netcdf4", mask_and_scale=False)
+    except (OSError, RuntimeError, ValueError):
+        return None
+
+
+def _digits(variable):
+    """How many of its digits are kept, where not all are."""
+    asked = "quantize_mode", "significant_digits"
+    return {key: variable.encoding[key] for key in asked if key in variable.encoding}
 
 
 def _chunks(variable):

@@ -5,13 +5,14 @@ import json
 import math
 import platform
 import subprocess
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
 
 from .. import __version__
 from ..device import UNITS, Device
+from ..pulse import Pulse, Shocks
 
 KEYWORDS = "bistable beam, snap-through, MEMS, shock sensor"
 PACKAGES = ("numpy", "numba", "xarray", "netCDF4", "dask", "matplotlib", "snakemake")
@@ -32,6 +33,28 @@ def provenance(document: Mapping) -> dict[str, str]:
         "packages": " ".join(f"{name} {version(name)}" for name in PACKAGES),
         "python": platform.python_version(),
     }
+
+
+def asked_for(
+    device: Device | Mapping[str, Device], shocks: Shocks, model: Mapping, settings: Mapping
+) -> dict:
+    """The sections of a config but for its axes, in internal units: one spelling for all.
+
+    settings: of the section sweep; horizon in us
+    """
+    horizon = {"horizon": f"{settings['horizon']:.15g} us"}
+    of_shock = device_sections(device) | shocks.section()
+    return of_shock | {"model": dict(model), "sweep": dict(settings) | horizon}
+
+
+def recipe(document: Mapping, pulses: Sequence[Pulse], *others: float | None) -> str:
+    """Hash all that a product depends on beside its axes, 12 hex digits.
+
+    document: what was asked for, as from `asked_for`; others: further numbers
+    """
+    pushed = [hashlib.sha256(one.pieces.tobytes()).hexdigest() for one in pulses]
+    whole = json.dumps([document, pushed, others, sources_hash()], sort_keys=True)
+    return hashlib.sha256(whole.encode()).hexdigest()[:12]
 
 
 def device_sections(device: Device | Mapping[str, Device]) -> dict:

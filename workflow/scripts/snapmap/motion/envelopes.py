@@ -1,4 +1,4 @@
-"""Every cell's motion in brief: a band of w, z_M and the energy over time bins, a byte for each."""
+"""Every cell's motion in brief: a band of w, z_M and the energy over time bins."""
 
 import json
 import math
@@ -8,37 +8,45 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import xarray as xr
 
-from ..axes import DEVICE, NAMES, PULSE_AXES, Grid, coordinates, make_grid
+from ..axes import DEVICE, NAMES, PULSE_AXES, Grid, coordinates, make_grid, shared_points
 from ..beam.barrier import Barrier
 from ..device import Device
-from ..io.provenance import provenance
+from ..io.provenance import provenance, recipe
 from ..pulse import HANDOUT_SHOCK, Shocks
 from ..solver import simd_loop
 from ..solver.adaptive import choose_model
 from ..solver.cells import rows_of, to_cells
-from ..solver.outcome import ABSENT, FAILED
 from ..solver.settings import Settings
 from ..solver.simd_kernel import LANES, SAMPLE
 
-CELLS = 50_000
+CELLS = 40_000
 """A larger grid is thinned along its longest axes by whole strides."""
-BINS = 40, 200
-"""Fewest and most time bins of a cell; between them, as many as BYTES allow."""
+BINS = (200, 100, 50)
+"""Time bins of a cell: the most of these with which a page keeps to BYTES, or the fewest."""
 BYTES = 10_000_000
-LEVELS = 254
-"""Steps of a packed value over its range, about the pixels of a small plot; 255 is missing."""
-# ASSUME: energies above four times the saddle's are drawn as four times: what counts is near one,
-# which lies halfway between two packed values, so that rounding moves nothing across it.
+"""Of the page, which keeps one for each value."""
+DIGITS = {"quantize_mode": "BitRound", "significant_digits": 20}
+"""Binary digits kept in the file: a beam that rests at 10 um may move by 0.001."""
+# ASSUME: energies above four times the saddle's are drawn as four times: what counts is near one.
 ENERGY_REACH = 4.0
 
 VARIABLES = {
     "w_low": {"long_name": "least deflection of the beam's midpoint in the bin", "units": "um"},
     "w_high": {"long_name": "greatest deflection of the beam's midpoint in the bin", "units": "um"},
     "z_mass": {"long_name": "position of the mass at the start of the bin", "units": "um"},
-    "energy": {"long_name": "energy over the saddle's, at the start of the bin", "units": "1"},
-    "beam_energy": {"long_name": "the beam's share of the energy", "units": "1"},
+    "energy": {
+        "long_name": "energy over the saddle's, at the start of the bin",
+        "units": "1",
+        "clipped_at": ENERGY_REACH,
+    },
+    "beam_energy": {
+        "long_name": "the beam's share of the energy",
+        "units": "1",
+        "clipped_at": ENERGY_REACH,
+    },
 }
-_OUTWARD = {"w_low": np.floor, "w_high": np.ceil}
+MOST = 1e30
+"""Of what a failed run blew up to, all that is kept."""
 
 
 def trace(
@@ -47,14 +55,16 @@ def trace(
     model: Mapping,
     settings: Settings,
     shocks: Shocks = HANDOUT_SHOCK,
+    earlier: xr.Dataset | None = None,
 ) -> xr.Dataset:
-    """Follow the cells of a cube again, at its steps, and keep their motion, packed as netCDF does.
+    """Follow the cells of a cube again, at its steps, and keep their motion.
 
     device: the nominal one, or several by name; the cube's axes say which values are others
     model: name and options, as the cube's; a cell of `auto` is followed by the level that decided
         it, and a cell of `reference` by the same elements in their modes
-    Returns the variables of VARIABLES, (bin, *axes), which `xarray.decode_cf` unpacks, and the
-    length of the bins, (*axes); values beyond their range are clipped, and there are none where
+    earlier: traces of the same study on other axes, from which cells are taken that the same code
+        followed
+    Returns the variables of VARIABLES, (bin, *axes), and the length of the bins, (*axes); NaN where
     there is no device.
     """
     cube = thin(cube.sortby([key for key in cube.outcome.dims if key not in NAMES]))
@@ -68,18 +78,20 @@ def trace(
     N = np.tile(N, rows.f0.size)
     cells = to_cells(grid.device, device_of, N, f0, C, settings.horizon, pulse)
     window = _window(grid.device, cube, cells, settings)
-    bins = int(np.clip(BYTES // (len(VARIABLES) * f0.size), *BINS))
-    values, bin_length = np.full((len(VARIABLES), bins, f0.size), np.nan), np.zeros(f0.size)
-    for number, halved in np.unique([level, halvings], axis=1).T:
-        some = np.flatnonzero((level == number) & (halvings == halved) & (device_of >= 0))
+    bins = next((n for n in BINS if n * len(VARIABLES) * f0.size <= BYTES), BINS[-1])
+    made_by = recipe(json.loads(cube.attrs["config"]), grid.pulses, bins)
+    values, bin_length, known = _recall(earlier, grid, made_by, bins)
+    new = ~known & (device_of >= 0)
+    for number, halved in np.unique([level[new], halvings[new]], axis=1).T:
+        some = np.flatnonzero(new & (level == number) & (halvings == halved))
         stepped = levels[number].with_step(0.5**halved)
         for mine, part, row in stepped.split(device_of[some]):
             which = some[mine]
             alike = cells.some(which)._replace(device=row)
             found = _follow(part, grid.pulses, alike, window[which], bins, settings.threads)
-            values[..., which], bin_length[which] = found
+            values[..., which], bin_length[which] = _shown(*found, window[which])
     named = dict(zip(VARIABLES, values, strict=True))
-    return _dress(grid, cube, named, bin_length, window, levels[0])
+    return _dress(grid, cube, named, bin_length, levels[0]).assign_attrs(recipe=made_by)
 
 
 def thin(cube: xr.Dataset) -> xr.Dataset:
@@ -144,26 +156,39 @@ def _follow(model, pulses, cells, window, bins, threads):
     return values, width * dt
 
 
-def _dress(grid, cube, values, bin_length, window, model):
+def _shown(values, bin_length, window):
+    """Values as they are kept: beyond the window, where a run may blow up, as far as within it."""
+    ends = (1 + np.arange(values.shape[1])[:, np.newaxis]) * bin_length
+    within = {"axis": 1, "keepdims": True, "where": ends <= window}
+    with np.errstate(invalid="ignore"):
+        low, high = values.min(**within, initial=MOST), values.max(**within, initial=-MOST)
+        low[3:], high[3:] = 0.0, np.fmin(high[3:], ENERGY_REACH)
+        values = np.clip(values, np.fmax(low, -MOST), np.fmin(high, MOST))
+    return np.where(np.isfinite(values), values, np.nan), bin_length
+
+
+def _recall(earlier, grid, recipe, bins):
+    """Values and lengths of bins that earlier traces hold, and which cells they are of."""
+    n_cells = math.prod(grid.shape)
+    values = np.full((len(VARIABLES), bins, n_cells), np.nan, np.float32)
+    bin_length, known = np.zeros(n_cells, np.float32), np.zeros(n_cells, bool)
+    if earlier is None or earlier.attrs.get("recipe") != recipe:
+        return values, bin_length, known
+    place, there = (np.ix_(*side) for side in shared_points(grid.axes, earlier))
+    for whole, key in zip(values, VARIABLES, strict=True):
+        whole.reshape(bins, *grid.shape)[:, *place] = earlier[key].values[:, *there]
+    bin_length.reshape(grid.shape)[place] = earlier.bin_length.values[there]
+    known.reshape(grid.shape)[place] = True
+    return values, bin_length, known
+
+
+def _dress(grid, cube, values, bin_length, model):
     dims, beam = cube.outcome.dims, grid.device.beam
-    known = ~np.isin(cube.outcome.values.ravel(), (FAILED, ABSENT))
-    # Bins reach beyond the window, where a run that was believed may yet blow up.
-    ends = (1 + np.arange(len(values["w_low"]))[:, np.newaxis]) * bin_length
-    known = known & (ends <= window)
-    w_reach = _reach(beam, values["w_low"][known], values["w_high"][known])
-    ranges = {
-        "w_low": w_reach,
-        "w_high": w_reach,
-        "z_mass": _reach(beam, values["z_mass"][known]),
-        "energy": (0.0, ENERGY_REACH),
-        "beam_energy": (0.0, ENERGY_REACH),
-    }
     data = {}
     for key, attributes in VARIABLES.items():
-        codes, packing = _pack(values[key], *ranges[key], _OUTWARD.get(key, np.rint))
-        data[key] = (("bin", *dims), codes.reshape(-1, *grid.shape), attributes | packing)
+        data[key] = (("bin", *dims), values[key].reshape(-1, *grid.shape), attributes, DIGITS)
     length = {"long_name": "length of the time bins", "units": "us"}
-    data["bin_length"] = (dims, bin_length.reshape(grid.shape).astype(np.float32), length)
+    data["bin_length"] = (dims, bin_length.reshape(grid.shape), length)
     of_device, barrier = dims[: grid.device_of.ndim], _barrier_of(model)
     shown = {
         "second_equilibrium": (barrier.second, "midpoint of the second stable shape"),
@@ -188,20 +213,3 @@ def _barrier_of(model):
     for mine, part, row in model.split(np.arange(found.shape[1])):
         found[:, mine] = [column[row] for column in part.barrier]
     return Barrier(*found)
-
-
-def _reach(beam, *positions):
-    """Range of positions, in whole um, that also holds both stable shapes."""
-    seen = [values[np.isfinite(values)] for values in positions]
-    low = min(values.min(initial=np.min(beam.second_equilibrium)) for values in seen)
-    high = max(values.max(initial=np.max(beam.height)) for values in seen)
-    return float(math.floor(low)), float(math.ceil(high))
-
-
-def _pack(values, low, high, rounded):
-    """Codes of values clipped to a range, and the attributes that say how to undo it."""
-    scale = (high - low) / LEVELS
-    codes = rounded((np.clip(values, low, high) - low) / scale)
-    codes = np.where(np.isfinite(values), codes, LEVELS + 1).astype(np.uint8)
-    reach = {"valid_range": np.array([0, LEVELS], np.uint8), "_FillValue": np.uint8(LEVELS + 1)}
-    return codes, {"scale_factor": scale, "add_offset": low, **reach}

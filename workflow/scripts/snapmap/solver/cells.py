@@ -48,8 +48,9 @@ class Observations(NamedTuple):
 
     t_snap: first arrival of the midpoint at w2 after the pulse's start, us; NaN if not seen
     t_settled: when the beam was seen to be settled in a well for ever, us; NaN if it was not
-    well: that well, 1 or 2; 0 if it was not
+    well: the side of the saddle at the end of the run, 1 or 2; 0 if it ended at its snap
     energy_error: residual of the energy ledger over the gross work of the pulse
+    well_share: share of the mass's last swing spent on that side; 1 if settled, NaN for well 0
     halvings: how often the model's step was halved for these observations
     level: of several that a model has, the one that decided the cell, 0 for the cheapest
     agreed: 0 where two of them disagree on whether the cell snaps, else 1
@@ -59,23 +60,24 @@ class Observations(NamedTuple):
     t_settled: np.ndarray
     well: np.ndarray
     energy_error: np.ndarray
+    well_share: np.ndarray
     halvings: np.ndarray
     level: np.ndarray | None = None
     agreed: np.ndarray | None = None
 
     def shaped(self, shape: tuple[int, ...]) -> "Observations":
         """The same in another shape."""
-        return Observations(*(column.reshape(shape) for column in self[:5]))
+        return Observations(*(column.reshape(shape) for column in self[:6]))
 
     def replace(self, which: np.ndarray, others: "Observations") -> None:
         """Set what was observed of some cells, in place."""
-        for whole, part in zip(self[:5], others[:5], strict=True):
+        for whole, part in zip(self[:6], others[:6], strict=True):
             whole[which] = part
 
 
 def no_observations(shape: tuple[int, ...]) -> Observations:
     """Room for observations of so many cells."""
-    kinds = float, float, np.int8, float, np.int8
+    kinds = float, float, np.int8, float, float, np.int8
     return Observations(*(np.zeros(shape, kind) for kind in kinds))
 
 

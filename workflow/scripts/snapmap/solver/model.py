@@ -55,7 +55,7 @@ class Loop(Protocol):
     """A module with a time loop."""
 
     def march(self, model: "Model", cells: Cells, settings: Settings) -> tuple[np.ndarray, ...]:
-        """t_snap, t_settled, well and energy_error of cells, (cells,)."""
+        """t_snap, t_settled, well, energy_error and well_share of cells, (cells,)."""
 
     def record(
         self,
@@ -128,7 +128,7 @@ class Model:
         flat = Cells(*(np.ravel(column) for column in cells))
         seen, halvings = no_observations(flat.f0.shape), self._halvings(flat, settings.pulses)
         left = np.flatnonzero(halvings <= MOST_HALVINGS)
-        for column, never in zip(seen[:4], (np.nan, np.nan, 0, np.inf), strict=True):
+        for column, never in zip(seen[:5], (np.nan, np.nan, 0, np.inf, np.nan), strict=True):
             column[halvings > MOST_HALVINGS] = never
         for _ in range(HALVINGS + 1):
             for number in np.unique(halvings[left]):
@@ -156,14 +156,13 @@ class Model:
         def follow_share(first):
             share = order[first :: settings.threads]
             found = self.loop().march(self, cells.some(share), settings)
-            for whole, part in zip(seen[:4], found, strict=True):
+            for whole, part in zip(seen[:5], found, strict=True):
                 whole[share] = part
 
         with ThreadPoolExecutor(settings.threads) as pool:
             list(pool.map(follow_share, range(settings.threads)))
         seen.t_snap[seen.t_snap > cells.t_end] = np.nan
-        late = seen.t_settled > cells.t_end
-        seen.t_settled[late], seen.well[late] = np.nan, 0
+        seen.t_settled[seen.t_settled > cells.t_end] = np.nan
         return seen
 
 

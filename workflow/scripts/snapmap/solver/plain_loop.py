@@ -186,7 +186,7 @@ def march(model, cells, settings):
     """Follow cells; proves nothing: each ends at its snap or the horizon, whatever is asked.
 
     model: a `Model`; cells: `Cells`, each column (cells,)
-    Returns t_snap, t_settled, well and energy_error, as the SIMD kernel does
+    Returns what the SIMD kernel does; no well is told
     """
     found = np.empty((2, cells.f0.size))
     pulses = [one.curve for one in settings.pulses]
@@ -200,7 +200,8 @@ def march(model, cells, settings):
             load = pulses[cells.pulse[i]], cells.amplitude[i], cells.f0[i], cells.damping[i]
             found[:, i] = follow(system, *load, target, one.dt, steps, no_history)
     t_snap, energy_error = found
-    return t_snap, np.full(t_snap.size, np.nan), np.zeros(t_snap.size, np.int8), energy_error
+    nothing = np.full(t_snap.size, np.nan)
+    return t_snap, nothing, np.zeros(t_snap.size, np.int8), energy_error, nothing
 
 
 def record(model, pulse, amplitude, f0, damping, steps, stride):

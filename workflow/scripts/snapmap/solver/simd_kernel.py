@@ -42,9 +42,9 @@ SHOCK, W_FREE, Y_FREE, GAP_FREE, GAP_GIVE, STRETCH_MEAN, INVERSE, ALONG, PRESS, 
 )
 STATE = 40
 Y, Y_STEP, STRETCH, GAP = range(40, 44)
-W_BEFORE, W, COUNT, WORK, GROSS_WORK, SWEPT, BEAM_SWEPT = range(44, 51)
+W_BEFORE, W, COUNT, WORK, GROSS_WORK, SWEPT, BEAM_SWEPT, BEYOND = range(44, 52)
 # Vectors of k rows, from row VECTORS on: the state; scratch; the device's; S, k vectors.
-VECTORS = 51
+VECTORS = 52
 P, P_STEP, SCRATCH, FREE, STIFFNESS, SLOPE_START, LOAD, MIDPOINT, GEOMETRIC = range(9)
 
 # No fast maths: NaN stays visible, and a result does not depend on how a call was compiled. What
@@ -120,7 +120,8 @@ def advance(X, shape, shocks, first, steps):
     p+ - 2 p + p- + alpha dt/2 (p+ - p-) = dt^2 (-kappa p + N (S p + S q0) - f a - e P)
     M (y+ - 2 y + y-) + C dt/2 (y+ - y-) = dt^2 (-M a - K y + P)
 
-    w is latched, with the value before, at the first instant at or below the target.
+    w is latched, with the value before, at the first instant at or below the target. Instants at
+    which it is beyond the saddle are counted.
     """
     widen_vectors()
     modes = len(shape)
@@ -147,6 +148,7 @@ def advance(X, shape, shocks, first, steps):
             X[W_BEFORE * LANES + l] = w_last if above else X[W_BEFORE * LANES + l]
             X[W * LANES + l] = w_now if above else w_last
             X[COUNT * LANES + l] += 1.0 if above else 0.0
+            X[BEYOND * LANES + l] += 1.0 if w_now < X[SADDLE * LANES + l] else 0.0
 
             swept_1, squared_1 = move(X, l, modes, 0, cut_1, axial, contact, a)
             swept_2, squared_2 = move(X, l, modes, cut_1, cut_2, axial, contact, a)
@@ -289,6 +291,7 @@ def advance_conserving(X, shape, shocks, first, steps):
             X[W_BEFORE * LANES + l] = w_last if above else X[W_BEFORE * LANES + l]
             X[W * LANES + l] = w_now if above else w_last
             X[COUNT * LANES + l] += 1.0 if above else 0.0
+            X[BEYOND * LANES + l] += 1.0 if w_now < X[SADDLE * LANES + l] else 0.0
 
             pull, kick = 2 * X[TENSION * LANES + l] * r, push * contact
             sums = press(X, l, modes, 0, cut_1, pull, kick, (0.0, X[BEAM_SWEPT * LANES + l]))
@@ -527,17 +530,20 @@ def follow_all(X, shape, conserving, devices, dt, pulses, cells, stop_at_snap, t
         begin and end, (pulses + 1,), and what it begins and ends with, (pulses, 2)
     stop_at_snap: whether a cell also ends at its snap
     tolerance: of the ledger, over the gross work of the pulse; a run that exceeds it is given up
-    facts, modified in place: t_snap, t_settled (us, NaN if not seen), well (1, 2, or 0 for open),
-        energy_error (residual of the energy ledger over the gross work of the pulse, not finite
-        after a blow-up); (cells,)
+    facts, modified in place: t_snap, t_settled (us, NaN if not seen), well (1 or 2, the side of
+        the saddle at the end; 0 where the run ended before its pulse or at its snap), energy_error
+        (residual of the energy ledger over the gross work of the pulse, not finite after a
+        blow-up), well_share (share of the mass's last swing spent on that side, 1 if proven; NaN
+        for well 0); (cells,)
     """
     widen_vectors()
     device_of, pulse_of, amplitude, f0, damping, t_end = cells
-    t_snap, t_settled, well, energy_error = facts
+    t_snap, t_settled, well, energy_error, well_share = facts
     cell_in = np.full(LANES, -1)
     pushes, shocks, pushed = no_pushes(), np.zeros(BLOCK * LANES), False
     steps, lasts = pushes.steps, pushes.lasts
     worst, found_before = np.zeros(LANES), np.zeros(LANES, np.int64)
+    last_swing, since, beyond = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
     next_cell, running = 0, 0
     X[:] = 0.0
     state = slice(STATE * LANES, (VECTORS + SCRATCH * len(shape)) * LANES)
@@ -553,6 +559,9 @@ def follow_all(X, shape, conserving, devices, dt, pulses, cells, stop_at_snap, t
                 push(X, l, pushes, pulses, pulse_of[next_cell], f0[next_cell] * dt[device])
                 cell_in[l] = next_cell
                 worst[l], found_before[l] = 0.0, 0
+                swing = 2 * np.pi * np.sqrt(X[MASS * LANES + l] / X[SPRING * LANES + l])
+                last_swing[l] = t_end[next_cell] / dt[device] - swing
+                since[l], beyond[l] = 0.0, 0.0
                 next_cell += 1
                 running += 1
             pushing |= steps[l] < lasts[l]
@@ -573,6 +582,8 @@ def follow_all(X, shape, conserving, devices, dt, pulses, cells, stop_at_snap, t
             if cell < 0:
                 continue
             steps[l] += BLOCK
+            if steps[l] <= last_swing[l]:
+                since[l], beyond[l] = steps[l], X[BEYOND * LANES + l]
             step = dt[device_of[cell]]
             drag = damping[cell] * step
             snapped = X[W * LANES + l] <= X[TARGET * LANES + l]
@@ -609,10 +620,34 @@ def follow_all(X, shape, conserving, devices, dt, pulses, cells, stop_at_snap, t
             energy_error[cell] = abs(residual) * scale
             t_snap[cell] = snap_time(X, l, step) if snapped else np.nan
             t_settled[cell] = (steps[l] - 1) * step if proven else np.nan
-            well[cell] = found if proven else 0
+            share = (X[BEYOND * LANES + l] - beyond[l]) / (steps[l] - since[l])
+            is_second = found == 2 if proven else not w > X[SADDLE * LANES + l]
+            well[cell] = 2 if is_second else 1
+            well_share[cell] = 1.0 if proven else share if is_second else 1 - share
+            if in_pulse or (snapped and stop_at_snap):
+                well[cell], well_share[cell] = 0, np.nan
             cell_in[l], lasts[l] = -1, 0
             running -= 1
             X[l::LANES] = 0.0
+
+
+@njit(inline="always")
+def half_step_midpoint(X, shape, l):
+    """w(L/2) from rest at the last half step, contact within the midpoint's own stiffness."""
+    w = 0.0
+    for i in range(len(shape)):
+        d, p = X[at(P_STEP, i, len(shape), l)], X[at(P, i, len(shape), l)]
+        w += X[at(MIDPOINT, i, len(shape), l)] * (p - d / 2)
+    gap = X[GAP * LANES + l]
+    force = X[CONTACT * LANES + l] * (gap if gap > 0.0 else 0.0)
+    return w - X[RESIDUAL * LANES + l] * force
+
+
+@njit(**JIT)
+def keep_range(w_range, bin, l, low, high):
+    """Set the least and greatest w of a bin, unless it lies before the first or after the last."""
+    if 0 <= bin < w_range.shape[1]:
+        w_range[0, bin, l], w_range[1, bin, l] = low, high
 
 
 @njit(**JIT)
@@ -631,41 +666,54 @@ def trace_all(X, shape, conserving, devices, dt, pulses, cells, w_range, instant
     """
     widen_vectors()
     pulse_of, amplitude, f0, damping, width = cells
-    bins, shocks = w_range.shape[1], np.zeros(BLOCK * LANES)
+    n_cells, shocks = width.size, np.zeros(BLOCK * LANES)
     pushes = no_pushes()
-    for l in range(width.size):
+    for l in range(n_cells):
         fill(X, shape, l, devices[l], damping[l], amplitude[l], dt[l])
         push(X, l, pushes, pulses, pulse_of[l], f0[l] * dt[l])
     before = X.copy()
+    bin, begin = np.full(LANES, -1), np.zeros(LANES, np.int64)
+    low, high = np.empty(LANES), np.empty(LANES)
+    bins, first, end = w_range.shape[1], STATE * LANES, (VECTORS + SCRATCH * len(shape)) * LANES
     for step in range(0, bins * width.max(), SAMPLE):
         in_block = step % BLOCK
         if in_block == 0:
             pushes.steps[:] = step
             set_out(X, shocks, pushes, pulses)
-        before[:] = X
+        begins = False
+        for l in range(n_cells):
+            if begin[l] == step:
+                begins = True
+                before[l + first : end : LANES] = X[l + first : end : LANES]
         if conserving is None:
             advance(X, shape, shocks, in_block, 1)
         else:
             advance_conserving(X, shape, shocks, in_block, 1)
-        for l in range(width.size):
-            bin = step // width[l]
-            if bin >= bins:
+        for l in range(n_cells if begins else 0):
+            if begin[l] != step:
                 continue
-            w, y = X[W * LANES + l], before[Y * LANES + l]
-            if conserving is not None:
-                beam, mass, contact, w = conserved_energies(X, shape, l)
-                force = X[CONTACT * LANES + l] * max(0.0, X[GAP * LANES + l])
-                w -= X[RESIDUAL * LANES + l] * force
-                y += X[Y_STEP * LANES + l] / 2
-            w_range[0, bin, l] = min(w_range[0, bin, l], w)
-            w_range[1, bin, l] = max(w_range[1, bin, l], w)
-            if step == bin * width[l]:
-                if conserving is None:
-                    beam, mass, contact, _ = energies(before, X, X, shape, l)
-                instants[0, bin, l] = y
-                instants[1, bin, l] = (beam + mass + contact) / dt[l] ** 2
-                instants[2, bin, l] = beam / dt[l] ** 2
+            keep_range(w_range, bin[l], l, low[l], high[l])
+            bin[l] += 1
+            begin[l] += width[l]
+            low[l], high[l] = np.inf, -np.inf
+            if bin[l] >= bins:
+                continue
+            if conserving is None:
+                y = before[Y * LANES + l]
+                beam, mass, contact, _ = energies(before, X, X, shape, l)
+            else:
+                y = before[Y * LANES + l] + X[Y_STEP * LANES + l] / 2
+                beam, mass, contact, _ = conserved_energies(X, shape, l)
+            instants[0, bin[l], l] = y
+            instants[1, bin[l], l] = (beam + mass + contact) / dt[l] ** 2
+            instants[2, bin[l], l] = beam / dt[l] ** 2
+        for l in range(LANES):
+            w = X[W * LANES + l] if conserving is None else half_step_midpoint(X, shape, l)
+            low[l] = w if w < low[l] else low[l]
+            high[l] = w if w > high[l] else high[l]
         if conserving is None:
             advance(X, shape, shocks, in_block + 1, SAMPLE - 1)
         else:
             advance_conserving(X, shape, shocks, in_block + 1, SAMPLE - 1)
+    for l in range(n_cells):
+        keep_range(w_range, bin[l], l, low[l], high[l])

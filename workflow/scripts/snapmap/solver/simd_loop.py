@@ -40,7 +40,8 @@ def march(model, cells, settings):
     model: a `Model`; cells: `Cells`, each column (cells,)
     """
     n_cells, modes = cells.f0.size, model.modes
-    facts = *(np.empty(n_cells) for _ in range(2)), np.empty(n_cells, np.int8), np.empty(n_cells)
+    t_snap, t_settled, energy_error, well_share = (np.empty(n_cells) for _ in range(4))
+    facts = t_snap, t_settled, np.empty(n_cells, np.int8), energy_error, well_share
     rows, dt = coefficients(model, snap_target(model)), np.atleast_1d(model.dt)
     asked = settings.until == "snap", settings.energy_tolerance
     X, shape = work_array(modes), (0,) * modes
@@ -56,9 +57,7 @@ def trace(model, device, pulses, cells, bins):
     Returns w_range and instants from there
     """
     n_cells = cells[0].size
-    w_range = np.empty((2, bins, n_cells))
-    w_range[0], w_range[1] = np.inf, -np.inf
-    instants = np.empty((3, bins, n_cells))
+    w_range, instants = np.empty((2, bins, n_cells)), np.empty((3, bins, n_cells))
     X, shape, rows = work_array(model.modes), (0,) * model.modes, coefficients(model, -np.inf)
     dt = np.atleast_1d(model.dt)[device]
     asked = table(pulses), cells

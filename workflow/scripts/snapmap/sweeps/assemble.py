@@ -32,7 +32,7 @@ def collect_slabs(
 
     paths: files named by the slab they hold
     axes: values on every axis of the whole grid, in order, ascending
-    document: the config, kept in the attributes
+    document: what was asked for, kept in the attributes
     Raises ValueError, a line for each fault: files that are missing, broken or another slab's, and
     cells that are in no file; broken data may show only when the cube is computed.
     """

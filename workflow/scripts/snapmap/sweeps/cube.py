@@ -8,7 +8,7 @@ import xarray as xr
 
 from ..axes import coordinates, make_grid, split_axes
 from ..device import Device
-from ..io.provenance import device_sections, provenance
+from ..io.provenance import asked_for, provenance
 from ..pulse import VERSED_SINE, Pulse, shocks_from
 from ..solver.adaptive import choose_model
 from ..solver.cells import check_cells
@@ -32,6 +32,16 @@ VARIABLES = {
         "units": "us",
         "comment": "counted from the start of the pulse; NaN: not proven within the horizon",
     },
+    "well": {
+        "long_name": "side of the saddle on which the beam is at the end of its run",
+        "flag_values": np.arange(3, dtype=np.int8),
+        "flag_meanings": "unknown first second",
+    },
+    "well_share": {
+        "long_name": "share of the mass's last swing during which the beam was on that side",
+        "units": "1",
+        "comment": "1 where that side is proven; NaN where it is unknown",
+    },
     "energy_error": {
         "long_name": "residual of the energy ledger over the gross work of the pulse",
         "units": "1",
@@ -53,6 +63,11 @@ VARIABLES = {
     },
     "reproduced": {
         "long_name": "whether a run with another time step had the same outcome",
+        "flag_values": np.arange(2, dtype=np.int8),
+        "flag_meanings": "not_reproduced reproduced",
+    },
+    "well_reproduced": {
+        "long_name": "whether it also ended on the same side of the saddle",
         "flag_values": np.arange(2, dtype=np.int8),
         "flag_meanings": "not_reproduced reproduced",
     },
@@ -104,11 +119,7 @@ def sweep(
     grid = make_grid(device, {**varied, "C": C, "f0": f0, "N": N}, skip, shocks)
     model = {"name": model, **options}
     variables = follow_grid(choose_model(grid.device, model, threads), grid, settings)
-    document = device_sections(device) | shocks.section()
-    document |= {
-        "model": model,
-        "sweep": settings.asked() | {"horizon": f"{horizon:.15g} us"},
-    }
+    document = asked_for(device, shocks, model, settings.asked())
     return with_summary(dress(grid.axes, variables, document))
 
 

@@ -7,13 +7,15 @@ import numpy as np
 from ..axes import Grid
 from ..solver.cells import Rows, rows_of, to_cells
 from ..solver.model import Follows
-from ..solver.outcome import ABSENT, label
+from ..solver.outcome import ABSENT, FAILED, label
 from ..solver.settings import Settings
 
 REPEATED_STEP = 0.75
 """The second run of a cell takes this fraction of the first one's step."""
-UNKNOWN = dict.fromkeys(("t_snap", "t_settled", "energy_error"), np.nan)
-ABSENCE = {"outcome": ABSENT, "halvings": 0, "level": 0, "agreed": 1, "reproduced": 1, **UNKNOWN}
+UNKNOWN = dict.fromkeys(("t_snap", "t_settled", "well_share", "energy_error"), np.nan)
+KNOWN = dict.fromkeys(("agreed", "reproduced", "well_reproduced"), 1)
+NONE = dict.fromkeys(("well", "halvings", "level"), 0)
+ABSENCE = {"outcome": ABSENT, **NONE, **KNOWN, **UNKNOWN}
 """What stands where there is no device."""
 
 
@@ -39,6 +41,9 @@ def follow_rows(
         again = _follow(model.with_step(REPEATED_STEP), cells, settings)
         same = again["outcome"] == found["outcome"]
         found["reproduced"] = same.astype(np.int8)
+        if "well" in found:
+            same &= again["well"] == found["well"]
+            found["well_reproduced"] = same.astype(np.int8)
     variables = {}
     for key, values in found.items():
         variables[key] = np.full((there.size, N.size), ABSENCE[key], values.dtype)
@@ -57,4 +62,8 @@ def _follow(model, cells, settings):
         "level": seen.level,
         "agreed": seen.agreed,
     }
+    if settings.until == "settled":
+        failed = variables["outcome"] == FAILED
+        variables["well"] = np.where(failed, 0, seen.well).astype(np.int8)
+        variables["well_share"] = np.where(failed, np.nan, seen.well_share).astype(np.float32)
     return {key: values for key, values in variables.items() if values is not None}

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import asdict
 
@@ -28,6 +29,11 @@ def slab_grid(
         device = {name: device[name] for name in slab[DEVICE]}
     axes = {key: slab[key] for key in slab if key not in NAMES}
     return make_grid(device, axes, skip, shocks.some(slab))
+
+
+def cells_in(slab: Slab) -> int:
+    """Number of its cells."""
+    return math.prod(len(values) for values in slab.values())
 
 
 def slab_name(

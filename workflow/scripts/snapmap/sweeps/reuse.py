@@ -5,6 +5,7 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 
+from ..axes import shared_points
 from .partition import Slab
 
 
@@ -36,16 +37,10 @@ def _read_common(other, axes, code, same_N):
     with netCDF4.Dataset(other) as file:
         file.set_auto_maskandscale(False)
         theirs = {key: np.asarray(file[key][:], values.dtype) for key, values in axes.items()}
-        pairs = [_common(axes[key], theirs[key]) for key in axes]
-        place, there = (np.ix_(*side) for side in zip(*pairs, strict=True))
+        place, there = (np.ix_(*side) for side in shared_points(axes, theirs))
         alike = file.slab == other.stem and file.code == code
-        alike &= all(ours.size for ours, _ in pairs)
+        alike &= all(index.size for index in place)
         if not alike or (same_N and not np.array_equal(axes["N"], theirs["N"])):
             return {}, place
         keys = set(file.variables) - set(file.dimensions)
         return {key: file[key][:][there] for key in keys}, place
-
-
-def _common(ours, theirs):
-    """Where equal values stand in two arrays."""
-    return np.intersect1d(ours, theirs, assume_unique=True, return_indices=True)[1:]

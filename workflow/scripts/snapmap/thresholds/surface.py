@@ -7,13 +7,14 @@ import xarray as xr
 
 from ..axes import PULSE_AXES, coordinates, make_grid, split_axes
 from ..device import Device
-from ..io.provenance import device_sections, provenance
+from ..io.provenance import asked_for, provenance, recipe
 from ..pulse import VERSED_SINE, Pulse, shocks_from
 from ..solver.adaptive import choose_survey
 from ..solver.cells import check_cells, rows_of, to_rows
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings, check_number, check_settings
 from .cost import tell_cost
 from .islands import ABOVE, survey
+from .reuse import blank, recall
 from .settling import lowest_latched
 
 IMPULSE, IMPULSE_OF_BEAM = 100.0, 10.0
@@ -22,6 +23,7 @@ velocity."""
 
 SLOWNESS = 0.02
 """Frequency, over the device's own, of a pulse that stands for a long one where it jumps."""
+ROWS_HANG_ON = ("horizon", "energy_tolerance", "threshold_tolerance")
 NO_AREA = 1e-3
 """A pulse of less area leaves no change of velocity by which it could trip."""
 
@@ -86,6 +88,7 @@ def threshold(
     skip: bool = False,
     pulse: str | Pulse | Sequence | Mapping = VERSED_SINE,
     direction: str | Sequence[str] = "+z",
+    earlier: xr.Dataset | None = None,
     **others,
 ) -> xr.Dataset:
     """Find where snapping begins over C (uN us/um) and f0 (Hz), with error bars.
@@ -101,6 +104,8 @@ def threshold(
         in any case, and theirs is the better threshold
     pulse: a shape by name, or what `read_pulse` returns; several are an axis, `shape`
     direction: "+z", "-z"; several, or "both", are an axis
+    earlier: thresholds of the same device and settings on other axes, from which rows are taken
+        that the same code found
     others: options of the model; and further axes in front of C and f0: values of the device by
         their names, in internal units
     The variables are those of `islands.Thresholds`, (..., C, f0), with N_latched; the limits for
@@ -121,24 +126,20 @@ def threshold(
     _check(f0, C, tolerance, highest, settings)
     model = {"name": model, **options} if isinstance(model, str) else dict(model)
     grid = make_grid(device, {**varied, "C": C, "f0": f0}, skip, shocks)
+    asked = settings.asked() | {"threshold_tolerance": tolerance}
+    document = asked_for(device, shocks, model, {key: asked[key] for key in ROWS_HANG_ON})
+    made_by = recipe(document, grid.pulses, highest)
     models, rows = choose_survey(grid.device, model, threads), rows_of(grid)
-    tell_cost(models, rows.some(rows.device >= 0), settings)
-    found = _look(models, rows, settings, tolerance, highest)
+    found, known = recall(earlier, grid, made_by)
+    new = np.flatnonzero(~known & (rows.device >= 0))
+    tell_cost(models, rows.some(new), settings)
+    found = _look(models, rows, settings, tolerance, highest, new, found)
     dims = *grid.axes, "island"
     data = {
         key: (dims[: len(grid.shape) + values.ndim - 1], _reshape(values, grid.shape))
         for key, values in found.items()
     }
     data |= _limits(grid, models, settings, tolerance, highest)
-    document = device_sections(device) | shocks.section()
-    document |= {
-        "model": model,
-        "sweep": {
-            "horizon": f"{horizon:.15g} us",
-            "energy_tolerance": energy_tolerance,
-            "threshold_tolerance": tolerance,
-        },
-    }
     return xr.Dataset(
         {key: (*values, VARIABLES[key]) for key, values in data.items()}, coordinates(grid.axes)
     ).assign_attrs(
@@ -146,27 +147,37 @@ def threshold(
         title="Thresholds of snap-through under shock",
         summary="Amplitudes where snapping begins and is certain, over damping and frequency",
         gravity=float(grid.device.gravity[0]),
+        recipe=made_by,
         **provenance(document),
     )
 
 
-def _look(models, rows, settings, tolerance, highest):
-    """Thresholds of rows by name, of which some may have no device."""
-    there = np.flatnonzero(rows.device >= 0)
-    some = rows.some(there)
-    found = survey(models, some, settings, tolerance, highest)._asdict()
-    first = found["N_first"]
-    top = np.where(np.isnan(first), np.nan, ABOVE * first if highest is None else highest)
-    low = np.where(first <= top, first, np.nan)
-    found["N_latched"] = lowest_latched(models.decides, some, low, top, settings)
+def _look(models, rows, settings, tolerance, highest, new, known):
+    """Thresholds of all rows by name: of the new ones, given by their indices, and those known."""
+    some = rows.some(new)
+    found = {}
+    if new.size or not known:
+        found = survey(models, some, settings, tolerance, highest)._asdict()
+        first = found["N_first"]
+        top = np.where(np.isnan(first), np.nan, ABOVE * first if highest is None else highest)
+        low = np.where(first <= top, first, np.nan)
+        found["N_latched"] = lowest_latched(models.decides, some, low, top, settings)
+    whole = {
+        key: _joined(rows.f0.size, new, found.get(key), known.get(key)) for key in found | known
+    }
+    most = whole["islands"].max(initial=0)
+    return whole | {key: whole[key][:, :most] for key in ("island_from", "island_to")}
 
-    def spread(values):
-        missing = np.nan if values.dtype.kind == "f" else 0
-        whole = np.full((rows.f0.size, *values.shape[1:]), missing, values.dtype)
-        whole[there] = values
-        return whole
 
-    return {key: spread(values) for key, values in found.items()}
+def _joined(n_rows, new, found, known):
+    """New rows of a variable and known ones; either may be missing, or have fewer islands."""
+    parts = [part for part in (found, known) if part is not None]
+    widest = max((part.shape[1:] for part in parts), key=np.prod)
+    whole = blank((n_rows, *widest), parts[0].dtype)
+    for where, part in ((slice(None), known), (new, found)):
+        if part is not None:
+            whole[(where, *map(slice, part.shape[1:]))] = part
+    return whole
 
 
 def _limits(grid, models, settings, tolerance, highest):

@@ -5,8 +5,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
-from scipy.stats import qmc
 
 from ..device import VALUES
 
@@ -35,6 +33,8 @@ class Scatter:
 
     def values(self, nominal: float, u: np.ndarray) -> np.ndarray:
         """Values at cumulative probabilities u, from 0 to 1, any shape."""
+        from scipy import stats  # half a second, for which no config that is read has to wait
+
         if self.kind == "lognormal":
             share = self.width if self.is_share else self.width / nominal
             spread = math.sqrt(math.log1p(share**2))
@@ -78,6 +78,8 @@ class Plan:
 
         By a scrambled Sobol sequence; the first of more samples are the same.
         """
+        from scipy.stats import qmc
+
         draws = len(self.factors)
         power = max(1, math.ceil(math.log2(samples)))
         points = qmc.Sobol(2 * draws, seed=seed, bits=32).random_base2(power)[:samples]

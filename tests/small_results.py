@@ -1,0 +1,66 @@
+"""Small results of studies, for tests of figures."""
+
+import json
+
+import numpy as np
+import xarray as xr
+
+from snapmap.axes import COORDINATES
+from snapmap.solver.outcome import OUTCOMES
+from snapmap.sweeps.cube import VARIABLES
+
+CONFIG = {
+    "model": {"name": "handout"},
+    "sweep": {"horizon": "1.5 ms"},
+    "histories": [{"N": 1000, "f0": "1500 Hz", "C": "0.025 uN*us/um"}],
+}
+ATTRIBUTES = {"title": "A title", "code_version": "0.1.0+abc", "config": json.dumps(CONFIG)}
+
+
+def make_cells(rows, f0=None, N=None):
+    """Cells of C = 25 whose outcomes are digits: one row of text per N, the highest first.
+
+    Those that snapped and did not return end in the second well, proven or seen.
+    """
+    outcome = np.array([[int(digit) for digit in row] for row in rows[::-1]], np.int8).T
+    f0 = 100.0 * 4.0 ** np.arange(outcome.shape[0]) if f0 is None else f0
+    N = 1000.0 + 100 * np.arange(outcome.shape[1]) if N is None else N
+    flags = {"flag_values": np.arange(len(OUTCOMES)), "flag_meanings": " ".join(OUTCOMES)}
+    snapped, tripped = np.isin(outcome, [2, 3, 4]), np.isin(outcome, [2, 3])
+    variables = {
+        "outcome": (("f0", "N"), outcome, VARIABLES["outcome"] | flags),
+        "t_snap": (("f0", "N"), np.where(snapped, 100.0, np.nan), VARIABLES["t_snap"]),
+        "well": (("f0", "N"), np.where(tripped, 2, 1).astype(np.int8), VARIABLES["well"]),
+        "well_share": (("f0", "N"), np.ones(outcome.shape, np.float32), VARIABLES["well_share"]),
+    }
+    axes = {"C": ((), 25.0, COORDINATES["C"]), "f0": f0, "N": N}
+    return xr.Dataset(variables, axes, ATTRIBUTES)
+
+
+TINY = make_cells(["2225", "2022", "0020", "0100"])
+
+
+F0 = np.array([100.0, 1000.0, 10000.0])
+
+
+def make_found(C=(25.0, 200.0)):
+    """Thresholds of several C at 100, 1000 and 10000 Hz; at the last two islands, and late."""
+    N = np.array([1000.0, 1100.0, 2000.0]) + np.arange(len(C))[:, np.newaxis]
+    gap = np.array([0.0, 0.0, 300.0])
+    nan = np.full((len(C), 2, 2), np.nan)
+    last = np.stack([N[:, 2:], N[:, 2:] + 100], axis=-1)
+    axes = ("C", "f0")
+    variables = {
+        "N_first": (axes, N),
+        "N_error": (axes, 0 * N + 7.0),
+        "N_always": (axes, N + gap),
+        "N_latched": (axes, 0 * N + np.nan),
+        "t_snap": (axes, np.broadcast_to([5000.0, 500.0, 400.0], N.shape)),
+        "islands": (axes, np.broadcast_to([0, 0, 2], N.shape)),
+        "island_from": ((*axes, "island"), np.concatenate([nan, last], axis=1)),
+        "island_to": ((*axes, "island"), np.concatenate([nan, last + 50], axis=1)),
+        "N_static": ((), 990.0),
+        "area": ((), 0.5),
+        "velocity_change": ("C", 0.5 + 0.1 * np.arange(len(C))),
+    }
+    return xr.Dataset(variables, {"C": list(C), "f0": F0}, ATTRIBUTES | {"gravity": 1e-5})

@@ -1,0 +1,62 @@
+"""The pages for use say what the code does, and make a site."""
+
+import os
+import re
+import runpy
+import subprocess
+import sys
+
+import pytest
+import yaml
+
+import snapmap
+from snapmap.config.study import load_study
+from snapmap.io.netcdf import write
+
+
+def blocks(page, language):
+    return re.findall(rf"^```{language}\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S)
+
+
+def test_the_reference_is_what_the_docstrings_say(root):
+    page = (root / "docs" / "reference.md").read_text(encoding="utf-8")
+    assert runpy.run_path(root / "docs" / "make_reference.py")["reference"]() == page
+
+
+def test_the_tutorial_writes_the_config_that_there_is(root):
+    written = "\n".join(blocks(root / "docs" / "tutorial.md", "yaml"))
+    assert written == (root / "config" / "sensor.yaml").read_text(encoding="utf-8")
+    load_study(yaml.safe_load(written))
+
+
+def test_the_gallery_has_every_figure(root):
+    table = re.findall(r"^\| (`.*?) \|", (root / "docs" / "figures.md").read_text(), re.M)
+    figures = {name for cell in table for name in re.findall(r"`(\w+\*?)`", cell)}
+    shown = set(re.findall(r"`(\w+\*?)`", (root / "docs" / "gallery.md").read_text()))
+    assert {"maps", "yield", "accuracy"} <= figures - {"thresholds_*", "accuracy_quick"} <= shown
+
+
+@pytest.mark.long
+def test_the_recipes_in_python_run(root, handout, tmp_path):
+    (tmp_path / "config").symlink_to(root / "config")
+    (tmp_path / "results").mkdir()
+    cells = {"N": [900.0, 1100.0], "f0": [500.0, 1500.0], "C": [25.0, 200.0]}
+    write(snapmap.sweep(handout, **cells), tmp_path / "results" / "cube.nc")
+    code = "\n".join(blocks(root / "docs" / "recipes.md", "python"))
+    path = {"PYTHONPATH": str(root / "workflow" / "scripts"), "MPLBACKEND": "agg"}
+    subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=os.environ | path, check=True)
+    assert (tmp_path / "mine.pdf").exists()
+
+
+def test_the_site_is_made_without_a_warning_and_asks_no_other_host(root, tmp_path):
+    pytest.importorskip("furo", reason="the packages of requirements-docs.lock are not installed")
+    build = [sys.executable, "-m", "sphinx", "-qEW", "--keep-going", "-c", root / "docs" / "site"]
+    made = subprocess.run(
+        [*build, "-d", tmp_path / "read", root, tmp_path / "site"], capture_output=True, text=True
+    )
+    assert made.returncode == 0, made.stderr
+    pages = {path.stem: path.read_text() for path in (tmp_path / "site").rglob("*.html")}
+    assert {"README", "tutorial", "theory", "reference", "gallery"} <= set(pages)
+    assert pages["theory"].count("<math") > 100
+    asked = re.compile(r"<(?:script|link|img)[^>]*(?:src|href)=\"(?:https?:)?//")
+    assert not [stem for stem, page in pages.items() if asked.search(page)]

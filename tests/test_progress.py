@@ -1,0 +1,70 @@
+"""What a run tells while it is at work."""
+
+import io
+import logging
+import re
+import sys
+
+import pytest
+
+from snapmap.io.progress import Progress, hush
+
+
+class Terminal(io.StringIO):
+    """A stream that says it is a terminal."""
+
+    def isatty(self):
+        return True
+
+
+def record(event, **facts):
+    made = logging.makeLogRecord({"msg": "told", "levelno": logging.INFO, "event": event})
+    made.__dict__.update(facts)
+    return made
+
+
+def job(number, rule, message, **wildcards):
+    facts = {"jobid": number, "rule_name": rule, "rule_msg": message, "wildcards": wildcards}
+    return record("job_info", **facts, log=[f"results/logs/{rule}.log"])
+
+
+def tell(progress):
+    """Let two slabs begin, one end, and the threshold begin."""
+    progress.emit(job(1, "simulate_slab", "Simulate the cells", slab="a"))
+    progress.emit(job(2, "simulate_slab", "Simulate the cells", slab="b"))
+    progress.emit(record("job_finished", job_id=1))
+    progress.emit(job(3, "find_threshold", "Find the thresholds"))
+    progress.emit(record("progress", done=1, total=3))
+    progress.emit(record("shellcmd"))
+
+
+@pytest.fixture
+def progress():
+    made = Progress({"a": 30, "b": 90})
+    yield made
+    made.close()
+
+
+def test_a_terminal_has_one_line(progress, monkeypatch):
+    monkeypatch.setattr(sys, "stderr", Terminal())
+    progress.begin()
+    tell(progress)
+    lines = re.split(r"[\r\n]+", sys.stderr.getvalue())
+    assert "30 of 120 cells, 25 %" in lines[-1] and "left" in lines[-1]
+    assert lines[-1].rstrip().endswith("1 of 3 jobs; Simulate the cells; Find the thresholds")
+    assert "\n" not in sys.stderr.getvalue()
+
+
+def test_a_log_has_each_stage_once(progress, monkeypatch):
+    monkeypatch.setattr(sys, "stderr", io.StringIO())
+    progress.begin()
+    tell(progress)
+    assert sys.stderr.getvalue() == "Simulate the cells\nFind the thresholds\n"
+    assert progress.logs == ["results/logs/simulate_slab.log"]
+
+
+def test_faults_are_not_hushed():
+    handler = logging.StreamHandler(io.StringIO())
+    hush(handler)
+    assert not handler.filter(record("job_info")) and not handler.filter(record("progress"))
+    assert handler.filter(record("job_error")) and handler.filter(record(None))

@@ -1,0 +1,64 @@
+"""Rule draw_snap_maps: draw which cells snap, with the thresholds, and maps of thresholds."""
+
+from pathlib import Path
+
+import xarray as xr
+
+from snapmap.figures import layout, maps, scales, style, thresholds
+from snapmap.io.job_log import job_log
+from snapmap.io.points import read_points
+
+
+def draw_snap_maps(cube_path, threshold_path, views, together, fields, marks, points_path, folder):
+    """Draw which cells snap, one column wide, and some of it side by side; then thresholds.
+
+    views: of cells: name, x, y and at, the place on each other axis; fields: of thresholds
+    together: some of `views` over the same axes, for snap_maps.pdf
+    marks: name, f0 and N of shocks to point out; points_path: of a user's own points, or nothing
+    """
+    points = read_points(points_path) if points_path else ()
+    with (
+        xr.open_dataset(cube_path, engine="netcdf4") as cube,
+        xr.open_dataset(threshold_path, engine="netcdf4") as found,
+        style.paper(),
+    ):
+        for view in views:
+            ax = layout.single_box()
+            panel, x, y = _panel(cube, found, view), view["x"], view["y"]
+            maps.draw_snap_map(ax, *panel, x, y, marks, points)
+            _save(ax.figure, f"{folder}/{view['name']}", cube.attrs)
+        if together:
+            figure = style.double_column(height=9)
+            panels = [_panel(cube, found, view) for view in together]
+            maps.draw_maps(figure, panels, together[0]["x"], together[0]["y"], points)
+            style.save(figure, f"{folder}/snap_maps", cube.attrs)
+        for view in fields:
+            ax = layout.single_box()
+            lines = scales.along(found.isel(view["at"]), view["x"], view["y"])
+            thresholds.draw_threshold_map(ax, lines, view["x"], view["y"])
+            _save(ax.figure, f"{folder}/{view['name']}", found.attrs)
+
+
+def _panel(cube, found, view):
+    x, y, at = view["x"], view["y"], view["at"]
+    lines = found.isel({key: place for key, place in at.items() if key != "N"})
+    return maps.Panel(scales.along(cube.isel(at), x, y), scales.along(lines, x, y))
+
+
+def _save(figure, stem, attributes):
+    layout.trim(figure)
+    style.save(figure, stem, attributes)
+
+
+if __name__ == "__main__":
+    with job_log(snakemake.log[0]):
+        draw_snap_maps(
+            cube_path=snakemake.input.cube,
+            threshold_path=snakemake.input.threshold,
+            views=snakemake.params.views,
+            together=snakemake.params.together,
+            fields=snakemake.params.fields,
+            marks=snakemake.params.marks,
+            points_path=snakemake.input.get("points"),
+            folder=Path(snakemake.output.png[0]).parent,
+        )

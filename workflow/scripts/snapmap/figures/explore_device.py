@@ -1,0 +1,45 @@
+"""The devices of a study as their config has them, for the table of the page."""
+
+import html
+from collections.abc import Mapping
+
+from ..device import UNITS
+from .explore_axes import NAMES
+
+SYMBOLS = {"span": "L", "rise": "δ", "thickness": "t", "mass": "M", "spring": "K"}
+"""As the drawing has them."""
+SHOWN = {"gravity": (1e6, "m/s²")}
+"""Factor and unit of what is shown in other units than the axes have."""
+
+
+def device_rows(document: Mapping) -> dict[str, list[tuple[str, str, str]]]:
+    """Rows of each device by its name, "" if there is but one: key, words and value as HTML.
+
+    document: the config of a study, every value with its unit
+    """
+    devices = document.get("devices", {"": document.get("device", {})})
+    return {html.escape(name): list(_rows(device)) for name, device in devices.items()}
+
+
+def words_of(key: str) -> str:
+    """What a value of the device is called, with its symbol, as HTML."""
+    words, _ = NAMES.get(key, (key.replace("_", " "), ""))
+    symbol = f" <i>{SYMBOLS[key]}</i>" if key in SYMBOLS else ""
+    return html.escape(words) + symbol
+
+
+def _rows(values):
+    for key, value in values.items():
+        if isinstance(value, Mapping):
+            yield from _rows(value)
+        else:
+            yield key, words_of(key), _text(key, str(value))
+
+
+def _text(key, written):
+    """A value in the unit of its axis, or as it is written."""
+    number, _, unit = written.partition(" ")
+    if unit != UNITS.get(key):
+        return html.escape(written)
+    factor, shown = SHOWN.get(key, (1.0, NAMES[key][1] if key in NAMES else unit))
+    return f"{float(number) * factor:.6g}\u00a0{shown}"

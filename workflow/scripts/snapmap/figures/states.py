@@ -1,0 +1,84 @@
+"""Where the beam of each cell is at the end of its run, as maps and the page show it."""
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+WHOLE_SWING = 0.999
+"""Share of the last swing above which the beam has kept to one side."""
+
+
+class State(NamedTuple):
+    """An end state: its name, what it means in words, and its colour."""
+
+    name: str
+    words: str
+    colour: str
+
+
+STATES = (
+    State("rest_proven", "not tripped, proven", "#0b4a8f"),
+    State("rest_seen", "not tripped when last seen", "#99bbe0"),
+    State("crossing", "still going back and forth", "#dedacd"),
+    State("tripped_seen", "tripped when last seen", "#df7f25"),
+    State("tripped_proven", "tripped for good, proven", "#ad4a00"),
+    State("failed", "failed", "#000000"),
+    State("absent", "no second stable shape", "#ffffff"),
+)
+"""Colours answer whether the beam is tripped at the end, their strength how that is known.
+
+Steps of lightness tell them apart in grey, hue and lightness to the colour-blind.
+"""
+REST_PROVEN, REST_SEEN, CROSSING, TRIPPED_SEEN, TRIPPED_PROVEN, FAILED, ABSENT = range(len(STATES))
+
+SNAPS = (
+    State("waiting", "does not snap", "#d3dde5"),
+    State("snapped", "snaps", "#6fae9f"),
+    STATES[FAILED],
+    STATES[ABSENT],
+)
+"""Whether a cell snaps within its run."""
+
+
+def end_states(cells: xr.Dataset) -> xr.DataArray:
+    """The index in STATES of each cell, int8; cells: with outcome, well and well_share."""
+    is_one_of = _outcomes(cells)
+    proven = is_one_of["never"] | is_one_of["returned"] | is_one_of["latched"]
+    tripped, crossing = cells.well == 2, ~(cells.well_share >= WHOLE_SWING)
+    rest = xr.where(proven, REST_PROVEN, REST_SEEN)
+    found = xr.where(tripped, xr.where(proven, TRIPPED_PROVEN, TRIPPED_SEEN), rest)
+    found = xr.where(crossing & ~proven, CROSSING, found)
+    return _without_runs(found, is_one_of, FAILED, ABSENT)
+
+
+def snap_states(cells: xr.Dataset) -> xr.DataArray:
+    """The index in SNAPS of each cell, int8; cells: with outcome and t_snap."""
+    return _without_runs(cells.t_snap.notnull(), _outcomes(cells), 2, 3)
+
+
+def is_doubtful(cells: xr.Dataset) -> xr.DataArray:
+    """Whether a run of the cell with another step, or another level of the model, differed.
+
+    One that still goes back and forth may end on either side.
+    """
+    doubtful = xr.zeros_like(cells.outcome, bool)
+    for name in ("reproduced", "agreed"):
+        if name in cells:
+            doubtful = doubtful | (cells[name] == 0)
+    if "well_reproduced" in cells:
+        doubtful = doubtful | ((cells.well_reproduced == 0) & (end_states(cells) != CROSSING))
+    return doubtful
+
+
+def _outcomes(cells):
+    names = cells.outcome.attrs["flag_meanings"].split()
+    return {name: cells.outcome == code for code, name in enumerate(names)}
+
+
+def _without_runs(found, outcomes, failed, absent):
+    """Put what has no run of its own in place of its state."""
+    for name, state in (("failed", failed), ("absent", absent)):
+        if name in outcomes:
+            found = xr.where(outcomes[name], state, found)
+    return found.astype(np.int8)

@@ -1,0 +1,87 @@
+"""How far a run is: one line on a terminal, and the names of its stages in a log."""
+
+import logging
+import sys
+from collections.abc import Mapping
+from threading import Event, Thread
+
+from tqdm import tqdm
+
+CELLS = "simulate_slab"
+"""The rule whose jobs follow cells."""
+CHATTER = (
+    "run_info",
+    "job_info",
+    "job_started",
+    "job_finished",
+    "group_info",
+    "progress",
+    "resources_info",
+)
+"""Events of Snakemake that its own log file keeps, and the terminal is spared."""
+LOOK = "{n_fmt} of {total_fmt} cells, {percentage:.0f} %, {remaining} left for them{postfix}"
+
+
+class Progress(logging.Handler):
+    """Listens to what Snakemake logs, and tells it in brief.
+
+    logs: paths of the logs of the jobs that have ended well
+    """
+
+    def __init__(self, cells: Mapping[str, int]):
+        """Take the number of cells of each slab that is to be simulated, by its name."""
+        super().__init__(logging.INFO)
+        self.cells, self.jobs, self.stages, self.logs, self.done = cells, {}, [], [], ""
+        self.line, self.closed = tqdm(disable=True), Event()
+
+    def begin(self) -> None:
+        """Draw the line, if there is a terminal, and draw it anew every second."""
+        look = {"bar_format": LOOK, "leave": False, "file": sys.stderr}
+        self.line = tqdm(total=sum(self.cells.values()), disable=None, **look)
+        if not self.line.disable:
+            Thread(target=self._tick, daemon=True).start()
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Take note of a job that starts or ends; other records are nothing to it."""
+        event = str(getattr(record, "event", ""))
+        if event == "job_info" and record.rule_msg:
+            self.jobs[record.jobid] = record
+            self._name_stages(record.rule_msg)
+        elif event == "job_finished" and record.job_id in self.jobs:
+            job = self.jobs.pop(record.job_id)
+            self.logs += job.log
+            if job.rule_name == CELLS:
+                self.line.update(self.cells.get(job.wildcards["slab"], 0))
+            self._name_stages()
+        elif event == "progress":
+            self.done = f"{record.done} of {record.total} jobs"
+            self._name_stages()
+
+    def close(self) -> None:
+        """Clear the line."""
+        self.closed.set()
+        self.line.close()
+        super().close()
+
+    def _name_stages(self, begun=""):
+        """Name what is being done on the line or, once each, in the log."""
+        if not self.line.disable:
+            doing = dict.fromkeys(job.rule_msg for job in self.jobs.values())
+            self.line.set_postfix_str("; ".join(filter(None, [self.done, *doing])))
+        elif begun and begun not in self.stages:
+            self.stages.append(begun)
+            print(begun, file=sys.stderr)
+
+    def _tick(self):
+        while not self.closed.wait(1.0):
+            self.line.refresh()
+
+
+def hush(handler: logging.Handler) -> None:
+    """Keep a handler of Snakemake from all but faults, and what concerns a run as a whole."""
+
+    def is_kept(record):
+        event = str(getattr(record, "event", ""))
+        return event not in CHATTER and not record.getMessage().startswith("Select jobs")
+
+    handler.addFilter(is_kept)
