@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
 
 from snapmap import config
-from snapmap.config.study import load_device, load_study
+from snapmap.config.devices import load_device
+from snapmap.config.study import load_study
 from snapmap.config.units import KINDS, read
 from snapmap.config.yaml_file import ConfigError, read_document
 from snapmap.device import Beam, Device

@@ -22,6 +22,7 @@ PLAIN = {
     "template": "simple_white",
     "font": {"family": "system-ui, sans-serif", "size": 12},
     "hoverlabel": {"bgcolor": "white", "align": "left"},
+    "separators": ".\u2009",  # of decimals and of thousands
 }
 MARGIN = {"l": 60, "r": 12, "t": 30, "b": 50}
 BUTTONS = {
