@@ -301,6 +301,16 @@ def test_own_points_are_checked_with_the_config(tmp_path, monkeypatch):
     assert str(fault.value) == ("marks: points.csv: line 2, column f0: 'soon' is no number above 0")
 
 
+def test_a_point_on_no_map_is_named(tmp_path, monkeypatch):
+    text = "name,N,f0\nslip,1000,1.5\nhere,1000,1500\n,9000,1500\n"
+    study = load_study(with_points(tmp_path, monkeypatch, text))
+    told = [line for line in study.doubts() if "points.csv" in line]
+    assert [line.split(",")[0] for line in told] == [
+        "points.csv: slip lies on no map: f0 = 1.5",
+        "points.csv: point 3 lies on no map: N = 9000",
+    ]
+
+
 @pytest.mark.parametrize(
     ("path", "complaint"),
     [

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from pathlib import PurePath
 from typing import NamedTuple
 
+import numpy as np
+
 from ..io.points import read_points
 from ..io.recorded import shocks_of
 from ..pulse import Shocks
@@ -107,6 +109,18 @@ def read_marks(path: str) -> str:
     except ValueError as error:
         raise ValueError(f"marks: {error}") from None
     return path
+
+
+def marks_outside(path: str, axes: Mapping[str, np.ndarray]) -> list[str]:
+    """A line for each of a user's own points that lies on no map; path: "" for none."""
+    lines = []
+    for number, point in enumerate(read_points(path) if path else (), start=1):
+        for key, value in (("f0", point.f0), ("N", point.N)):
+            low, high = axes[key].min(), axes[key].max()
+            if not low <= value <= high:
+                place = f"{key} = {value:g}, maps from {low:g} to {high:g}"
+                lines.append(f"{path}: {point.name or f'point {number}'} lies on no map: {place}")
+    return lines
 
 
 def _check_path(path):

@@ -16,7 +16,15 @@ from .devices import nominal, read_devices, tilting
 from .faults import convert_part, refuse
 from .histories import History, read_histories
 from .schema import schema_faults, validator
-from .shocks import Requirement, pulse_key, pulse_values, read_marks, read_requirements, read_shocks
+from .shocks import (
+    Requirement,
+    marks_outside,
+    pulse_key,
+    pulse_values,
+    read_marks,
+    read_requirements,
+    read_shocks,
+)
 from .tolerances import Tolerances, read_tolerances
 from .units import read
 from .views import View, choose_boundary, choose_curves, choose_maps
@@ -71,11 +79,12 @@ class Study:
         shortest, device = 1e6 / self.axes["f0"][-1], nominal(self.device)
         named = self.device if isinstance(self.device, Mapping) else {"device": self.device}
         tilts = [f"{name}: {line}" for name, one in named.items() if (line := tilting(one.beam))]
-        return tilts + [
+        pulses = [
             line
             for pulse in self.shocks.shapes.values()
             for line in pulse.doubts(float(device.own_frequency), float(shortest))
         ]
+        return tilts + pulses + marks_outside(self.marks, self.axes)
 
 
 def load_study(document: Mapping) -> Study:
