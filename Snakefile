@@ -17,7 +17,8 @@ os.environ.update(PYTHONDONTWRITEBYTECODE="1")
 os.environ.setdefault("NUMBA_CACHE_DIR", str(kernel_cache()))
 from snapmap.io.atomic import remove_leftovers, remove_others
 from snapmap.io.progress import Progress, hush
-from snapmap.config.study import load_study, nominal
+from snapmap.config.devices import nominal
+from snapmap.config.study import load_study
 from snapmap.config.views import batch_places, side_by_side
 from snapmap.config.yaml_file import read_document
 from snapmap.device import values_of

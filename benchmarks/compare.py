@@ -10,7 +10,7 @@ from pathlib import Path
 
 from report import sections
 
-from snapmap.config.study import load_device
+from snapmap.config.devices import load_device
 
 ROOT = Path(__file__).resolve().parents[1]
 

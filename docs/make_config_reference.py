@@ -12,7 +12,10 @@ import yaml
 from snapmap import config
 from snapmap.beam.elements import hermite_elements
 from snapmap.config import units
-from snapmap.config.study import HANDOUT_CASE, SHARES, load_device, load_study
+from snapmap.config.devices import load_device
+from snapmap.config.histories import HANDOUT_CASE
+from snapmap.config.shocks import SHARES
+from snapmap.config.study import load_study
 from snapmap.config.tolerances import OPTIONS as OPTIONS_OF_BATCH
 from snapmap.config.units import KINDS
 from snapmap.config.views import MOST_MAPS

@@ -8,7 +8,7 @@ from snapmap.io.dependencies import kernel_cache
 # Before numba is imported: tests and the runs that they start share compiled kernels.
 os.environ.setdefault("NUMBA_CACHE_DIR", str(kernel_cache()))
 
-from snapmap.config.study import load_device
+from snapmap.config.devices import load_device
 
 ROOT = Path(__file__).resolve().parents[1]
 

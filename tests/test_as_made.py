@@ -16,7 +16,8 @@ from snapmap.beam.elements import hermite_elements
 from snapmap.beam.equilibria import static_threshold
 from snapmap.beam.modal import reduce_to_modes
 from snapmap.beam.prestress import settled
-from snapmap.config.study import load_study, tilting
+from snapmap.config.devices import tilting
+from snapmap.config.study import load_study
 from snapmap.config.yaml_file import ConfigError
 from snapmap.device import batch
 from snapmap.solver.cells import to_cells

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
 
 from snapmap import config
-from snapmap.config.study import load_device, load_study
+from snapmap.config.devices import load_device
+from snapmap.config.study import load_study
 from snapmap.config.units import KINDS, read
 from snapmap.config.yaml_file import ConfigError, read_document
 from snapmap.device import Beam, Device
@@ -298,6 +299,16 @@ def test_own_points_are_checked_with_the_config(tmp_path, monkeypatch):
     with pytest.raises(ConfigError) as fault:
         load_study(with_points(tmp_path, monkeypatch, "N,f0\n1000,soon\n"))
     assert str(fault.value) == ("marks: points.csv: line 2, column f0: 'soon' is no number above 0")
+
+
+def test_a_point_on_no_map_is_named(tmp_path, monkeypatch):
+    text = "name,N,f0\nslip,1000,1.5\nhere,1000,1500\n,9000,1500\n"
+    study = load_study(with_points(tmp_path, monkeypatch, text))
+    told = [line for line in study.doubts() if "points.csv" in line]
+    assert [line.split(",")[0] for line in told] == [
+        "points.csv: slip lies on no map: f0 = 1.5",
+        "points.csv: point 3 lies on no map: N = 9000",
+    ]
 
 
 @pytest.mark.parametrize(

@@ -584,7 +584,7 @@ def save_all(folder):
     points = folder / "points.csv"
     points.write_text("N,f0\n1100,300\n")
     ends = views["map"]
-    draw_maps.draw_maps(files["cube"], ends, ends, views["time"], points, folder)
+    draw_maps.draw_maps(files["cube"], ends, ends, views["time"], (), points, folder)
     draw_snap_maps.draw_snap_maps(
         files["cube"], files["threshold"], views["snap"], ends, [], [], points, folder
     )

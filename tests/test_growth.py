@@ -92,7 +92,7 @@ def follow_counted(monkeypatch):
     return followed
 
 
-amplitudes = st.lists(st.floats(-1e4, 1e4), min_size=1, max_size=12, unique=True)
+amplitudes = st.lists(st.floats(0, 1e4), min_size=1, max_size=12, unique=True)
 frequencies = st.lists(st.floats(50, 1e5), min_size=1, max_size=12, unique=True)
 
 

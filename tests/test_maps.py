@@ -197,7 +197,7 @@ def test_doubtful_cells_are_hatched_light_on_dark():
     ((light,), (dark,)) = hatched(ax, plane.DOUBTFUL), hatched(ax, plane.DOUBTFUL_DARK)
     assert rectangles(light) == [(50.0, 950.0, 200.0, 1050.0), (200.0, 950.0, 800.0, 1050.0)]
     assert rectangles(dark) == [(50.0, 1050.0, 200.0, 1150.0), (200.0, 1050.0, 800.0, 1150.0)]
-    assert legend_words(ax)[-1] == "other step differs (4)"
+    assert legend_words(ax)[-1] == "of these, other step differs (4)"
     assert not hatched(snap_map(cells), plane.DOUBTFUL)
 
 
@@ -351,7 +351,7 @@ def test_own_points_are_filled_where_the_device_tripped():
 
 def test_own_points_have_no_place_on_other_axes():
     cells = TINY.assign_coords(f0=[1.0, 2.0, 3.0, 4.0]).rename(f0="thickness")
-    ax = maps.draw_end_map(layout.single_box(), cells, "thickness", "N", POINTS)
+    ax = maps.draw_end_map(layout.single_box(), cells, "thickness", "N", points=POINTS)
     assert len(ax.lines) == 2 and not ax.texts
 
 

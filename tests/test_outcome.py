@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import snapmap
 from snapmap.pulse import make_pulse
@@ -21,6 +22,7 @@ from snapmap.solver.outcome import (
 )
 from snapmap.solver.settings import Settings
 from snapmap.solver.simd_kernel import BLOCK
+from snapmap.sweeps.cube import summary
 
 PROVEN = (NEVER, LATCHED, RETURNED)
 
@@ -214,3 +216,10 @@ def test_the_well_is_where_the_recorded_beam_spends_the_last_swing(handout, mode
         shares.append(np.mean(is_second == (seen.well[i] == 2)))
     np.testing.assert_allclose(seen.well_share[open_ones], shares, atol=0.03)
     assert min(shares) < 0.9
+
+
+def test_a_share_is_never_told_as_more_than_it_is():
+    told = {"share_proven": 0.99996, "share_reproduced": 1.0, "cells_never": 25_000}
+    assert summary(xr.Dataset(attrs=told)) == (
+        "25000 cells: 99.9 % proven, 100 % reproduced with another step, 25000 never, 0 failed"
+    )

@@ -68,3 +68,14 @@ def test_faults_are_not_hushed():
     hush(handler)
     assert not handler.filter(record("job_info")) and not handler.filter(record("progress"))
     assert handler.filter(record("job_error")) and handler.filter(record(None))
+
+
+def test_a_run_that_is_stopped_ends_in_one_line(capsys):
+    handler = logging.StreamHandler(io.StringIO())
+    hush(handler)
+    stopping = record(None)
+    stopping.msg = "Terminating processes on user request, this might take some time."
+    for told in (stopping, record("job_error"), stopping, record("error")):
+        assert not handler.filter(told)
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line == "interrupted: what is whole is kept, and the same command goes on"

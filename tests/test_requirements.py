@@ -36,6 +36,8 @@ def test_shapes_and_directions_are_axes_of_a_study(document):
     assert half.name == "half sine" and back.area == -half.area
     assert trapezoid.area == pytest.approx(1 - (0.2 + 0.1) / 2)
     assert {view.y for view in study.curves} == {"shape", "direction"}
+    drawn = [(view.y, view.at["C"]) for view in study.curves if view.y == "direction"]
+    assert drawn == [("direction", place) for place in range(study.axes["C"].size)]
     plain = load_study(document)
     assert plain.pulse == {} and "shape" not in plain.axes
 

@@ -23,6 +23,7 @@ rule draw_maps:
         ends=[view._asdict() for view in ends],
         together=[view._asdict() for view in together if ends],
         times=[view._asdict() for view in times],
+        marks=[(asked.name, asked.f0, asked.N) for asked in study.requirements],
     message:
         "Draw where the beams end, and when they snap"
     script:

@@ -9,17 +9,17 @@ from snapmap.io.job_log import job_log
 from snapmap.io.points import read_points
 
 
-def draw_maps(cube_path, ends, together, times, points_path, folder):
+def draw_maps(cube_path, ends, together, times, marks, points_path, folder):
     """Draw where beams end, one column wide, and some of it side by side; then when they snap.
 
     ends, times: views: name, x, y and at, the place on each other axis
     together: some of `ends` over the same axes, for maps.pdf
-    points_path: of a user's own points, or nothing
+    marks: name, f0 and N of shocks to point out; points_path: of a user's own points, or nothing
     """
     points = read_points(points_path) if points_path else ()
     with xr.open_dataset(cube_path, engine="netcdf4") as cube, style.paper():
         for view in ends:
-            _draw(maps.draw_end_map, cube, view, folder, points=points)
+            _draw(maps.draw_end_map, cube, view, folder, marks=marks, points=points)
         if together:
             x, y = together[0]["x"], together[0]["y"]
             panels = [maps.Panel(_cells(cube, view)) for view in together]
@@ -50,6 +50,7 @@ if __name__ == "__main__":
             ends=snakemake.params.ends,
             together=snakemake.params.together,
             times=snakemake.params.times,
+            marks=snakemake.params.marks,
             points_path=snakemake.input.get("points"),
             folder=Path(snakemake.output.png[0]).parent,
         )

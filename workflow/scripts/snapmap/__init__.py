@@ -6,7 +6,7 @@ __version__ = "0.1.0"
 
 _HOME = {
     "design": "thresholds.design",
-    "load_device": "config.study",
+    "load_device": "config.devices",
     "open_cube": "sweeps.reading",
     "plot_outcome": "figures.maps",
     "plot_thresholds": "figures.comparison",

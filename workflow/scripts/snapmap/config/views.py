@@ -9,6 +9,8 @@ import numpy as np
 from ..axes import DEVICE, NAMES, PULSE_AXES, Grid, axis_behind
 from ..device import VALUES, Device
 
+MOST_DAMPINGS = 6
+"""Figures of one kind, each at its own C, unless more are asked for."""
 MOST_MAPS, PANELS = 24, 12
 """Maps that are drawn unless more are asked for by name, and most of them in one figure."""
 
@@ -98,8 +100,19 @@ def choose_curves(grid: Grid, nominal: Device, asked: Sequence[Mapping] | None) 
     drawn = {view.y for view in views}
     names = [key for key in _names(grid) if key not in drawn]
     views += [_asked_view(grid, nominal, "thresholds", over[0], key, {}) for key in names]
+    views = [each for view in views for each in _for_each_C(grid, nominal, view)]
     # The first keeps the plain name, whatever it is drawn over.
     return (views[0]._replace(name="thresholds"), *views[1:])
+
+
+def _for_each_C(grid, nominal, view):
+    """A view whose lines are names, for each C, at most MOST_DAMPINGS; any other as it is."""
+    if view.y not in NAMES or "C" not in view.at:
+        return [view]
+    count = grid.axes["C"].size
+    chosen = np.unique(np.linspace(0, count - 1, min(count, MOST_DAMPINGS)).round()).astype(int)
+    at = ({**view.at, "C": int(place)} for place in chosen)
+    return [_asked_view(grid, nominal, "thresholds", view.x, view.y, one) for one in at]
 
 
 def choose_boundary(grid: Grid, nominal: Device) -> View:

@@ -22,6 +22,7 @@ PLAIN = {
     "template": "simple_white",
     "font": {"family": "system-ui, sans-serif", "size": 12},
     "hoverlabel": {"bgcolor": "white", "align": "left"},
+    "separators": ".\u2009",  # of decimals and of thousands
 }
 MARGIN = {"l": 60, "r": 12, "t": 30, "b": 50}
 BUTTONS = {
@@ -118,7 +119,7 @@ def _map(cells, x, y):
     if x == "f0":
         # An axis that no curve is drawn on is not shown.
         figure.add_scatter(x=[None], y=[None], xaxis="x2", showlegend=False, hoverinfo="skip")
-        figure.update_layout(xaxis2=layout(right) | durations(right), margin_t=76)
+        figure.update_layout(xaxis2=layout(right) | durations(right), margin_t=90)
     return figure
 
 

@@ -8,7 +8,12 @@ from .explore_axes import NAMES
 
 SYMBOLS = {"span": "L", "rise": "δ", "thickness": "t", "mass": "M", "spring": "K"}
 """As the drawing has them."""
-SHOWN = {"gravity": (1e6, "m/s²")}
+SHOWN = {
+    "youngs_modulus": (1e-3, "GPa"),
+    "density": (1e6, "kg/m³"),
+    "mass": (1e-12, "kg"),
+    "gravity": (1e6, "m/s²"),
+}
 """Factor and unit of what is shown in other units than the axes have."""
 
 

@@ -38,7 +38,13 @@ class Kind(NamedTuple):
     has_doubt: bool
 
 
-END = Kind(STATES, end_states, "the beam at the end of its run (number of cells)", 3, True)
+END = Kind(
+    STATES,
+    end_states,
+    "the beam at the end of its run (number of cells)",
+    3,
+    True,
+)
 SNAP = Kind(SNAPS, snap_states, "the beam within its run (number of cells)", 4, False)
 
 
@@ -55,13 +61,18 @@ class Panel(NamedTuple):
 
 
 def draw_end_map(
-    ax: Axes, cells: xr.Dataset, x: str = "f0", y: str = "N", points: Sequence[Point] = ()
+    ax: Axes,
+    cells: xr.Dataset,
+    x: str = "f0",
+    y: str = "N",
+    marks: Sequence[tuple[str, float, float]] = (),
+    points: Sequence[Point] = (),
 ) -> Axes:
     """Draw over two axes on which side of the saddle the beam of each cell ends, and how sure.
 
-    points: a user's own, drawn on a map of N over f0
+    marks, points: as for `draw_snap_map`
     """
-    return _draw_map(ax, END, Panel(cells), x, y, (), points)
+    return _draw_map(ax, END, Panel(cells), x, y, marks, points)
 
 
 def draw_snap_map(
@@ -157,7 +168,7 @@ def draw_maps(
     _keep_outer_labels(axes)
     words = "\n".join(filter(None, [kind.words, style.case(panels[0].cells.attrs)]))
     keys = [*_keys(kind, panels, y), *point_keys(points)]
-    style.legend_below(axes[-1, 0], keys, words, ncols=kind.columns)
+    style.legend_below(axes[-1, 0], keys, words, ncols=kind.columns, of_all=True)
     layout.trim(figure)
     return axes
 

@@ -103,7 +103,7 @@ def doubtful_keys(doubtful: Sequence[xr.DataArray]) -> Iterator[Patch]:
     """A key of a legend for hatched cells, with their number."""
     if count := sum(np.count_nonzero(panel) for panel in doubtful):
         look = {"facecolor": "none", "edgecolor": "black", **DOUBTFUL}
-        yield Patch(**look, label=f"other step differs ({count})")
+        yield Patch(**look, label=f"of these, other step differs ({count})")
 
 
 def colour_bar(ax: Axes, field: QuadMesh, label: str) -> Colorbar:

@@ -6,6 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from . import style
+from .scales import tick_log
 
 COLOURS = {"met": "C0", "unclear": "0.5", "failed": "#d55e00"}
 MARKERS = {"met": "o", "unclear": "s", "failed": "X"}
@@ -36,8 +37,7 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping[str, str]]) -> Axes:
     ax.set_yticks(range(len(verdicts)), [_name(row) for row in verdicts])
     ax.tick_params(axis="y", which="minor", left=False)
     ax.set_xlabel("margin: threshold over required $N$")
-    ax.xaxis.set_major_formatter("{x:g}")
-    ax.xaxis.set_minor_formatter("{x:g}")
+    tick_log(ax.xaxis, (low, high), ax.bbox.width / ax.get_figure().dpi)
     kinds = [kind for kind in COLOURS if any(row["verdict"] == kind for row in verdicts)]
     keys = [
         Line2D([], [], linestyle="", color=COLOURS[kind], marker=MARKERS[kind], label=kind)

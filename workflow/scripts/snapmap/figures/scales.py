@@ -41,6 +41,8 @@ LABELS = {
     "f0": "pulse frequency $f_0$ (Hz)",
     "C": "damping of the mass $C$ (µN µs µm$^{-1}$)",
 }
+SHORT, CLOSE_TICKS = 3.5, (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8)
+"""Ratio of its ends below which a logarithmic axis is short, and how that is ticked."""
 SEVERAL = 10
 """Most values that are ticked one by one where they are no numbers."""
 MANY = 8
@@ -153,8 +155,10 @@ def velocity_axis(ax: Axes) -> None:
 
 
 def end_at_ticks(axis: Axis) -> None:
-    """Move the ends of a logarithmic axis outward to where it is ticked."""
+    """Move the ends of a logarithmic axis outward to where it is ticked, closely if it is short."""
     low, high = axis.get_view_interval()
+    if high < SHORT * low:
+        axis.set_major_locator(LogLocator(subs=CLOSE_TICKS))
     ticks = np.asarray(axis.get_major_locator().tick_values(low / 10, high * 10))
     below, above = ticks[ticks <= low * (1 + 1e-9)], ticks[ticks >= high * (1 - 1e-9)]
     ends = max(below, default=low), min(above, default=high)

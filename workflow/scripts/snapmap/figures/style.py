@@ -108,19 +108,27 @@ def guides(config: Mapping) -> list[str]:
 
 
 def legend_below(
-    ax: Axes, keys: Iterable[Artist], title: str, ncols: int, below: float = 30
+    ax: Axes,
+    keys: Iterable[Artist],
+    title: str,
+    ncols: int,
+    below: float = 30,
+    of_all: bool = False,
 ) -> None:
-    """Put a legend below the axis' own labels, in the middle of the figure's width; below: pt.
+    """Put a legend below the axis' own labels; below: pt.
 
     ncols: at most, as many as have room
+    of_all: whether it is that of all axes, and stands in the middle of the figure as for axes alone
     """
     figure, keys = ax.get_figure(), list(keys)
     down = ScaledTranslation(0, -below / 72, figure.dpi_scale_trans)
-    at = blended_transform_factory(figure.transFigure, ax.transAxes) + down
+    alone = of_all or len(figure.axes) == 1
+    middle, box = (figure.transFigure, figure.bbox) if alone else (ax.transAxes, ax.bbox)
+    at = blended_transform_factory(middle, ax.transAxes) + down
     place = {"loc": "upper center", "bbox_to_anchor": (0.5, 0), "bbox_transform": at}
     for columns in range(ncols, 0, -1):
         legend = ax.legend(handles=keys, title=title, ncols=columns, **place)
-        if legend.get_window_extent().width <= figure.bbox.width:
+        if legend.get_window_extent().width <= box.width:
             break
 
 

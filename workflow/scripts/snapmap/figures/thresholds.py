@@ -73,7 +73,7 @@ def draw_thresholds(ax: Axes, found: xr.Dataset, x: str = "f0", lines: str = "C"
         _label_limits(ax, found)
     keys = [*line_keys(found, lines), *curve_keys(found, "0.4", "o"), *_gap_keys(found)]
     if found.N_latched.notnull().any():
-        keys.append(Line2D([], [], color="0.4", **LATCHED, label="above it, all cells seen latch"))
+        keys.append(Line2D([], [], color="0.4", **LATCHED, label="above it, all looked at latch"))
     keys += [] if x == "f0" else [limit_key("static limit")]
     style.legend_below(ax, keys, _title(found, style.PAGE), ncols=4 if len(keys) < MANY_KEYS else 3)
     return ax

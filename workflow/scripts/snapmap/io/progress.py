@@ -19,6 +19,8 @@ CHATTER = (
     "resources_info",
 )
 """Events of Snakemake that its own log file keeps, and the terminal is spared."""
+STOPPING = "Terminating processes on user request"
+STOPPED = "interrupted: what is whole is kept, and the same command goes on"
 LOOK = "{n_fmt} of {total_fmt} cells, {percentage:.0f} %, {remaining} left for them{postfix}"
 
 
@@ -78,10 +80,18 @@ class Progress(logging.Handler):
 
 
 def hush(handler: logging.Handler) -> None:
-    """Keep a handler of Snakemake from all but faults, and what concerns a run as a whole."""
+    """Keep a handler of Snakemake from all but faults, and what concerns a run as a whole.
+
+    A run that the user stops ends in one line: what its jobs then complain of is no fault.
+    """
+    stopped = Event()
 
     def is_kept(record):
-        event = str(getattr(record, "event", ""))
-        return event not in CHATTER and not record.getMessage().startswith("Select jobs")
+        event, words = str(getattr(record, "event", "")), record.getMessage()
+        if words.startswith(STOPPING) and not stopped.is_set():
+            stopped.set()
+            print(STOPPED, file=sys.stderr)
+        is_chatter = event in CHATTER or words.startswith("Select jobs")
+        return not (stopped.is_set() or is_chatter)
 
     handler.addFilter(is_kept)

@@ -1,5 +1,6 @@
 """The cube as an xarray dataset: what it looks like, built here."""
 
+import math
 from collections.abc import Mapping, Sequence
 
 import dask.array
@@ -161,8 +162,13 @@ def _blocks(variable):
 def summary(cube: xr.Dataset) -> str:
     """One line of what `with_summary` added: how many cells, how sure, of which kinds."""
     counts = {name: cube.attrs.get(f"cells_{name}", 0) for name in OUTCOMES}
-    told = [f"{cube.attrs['share_proven']:.0%} proven"]
+    told = [f"{_percent(cube.attrs['share_proven'])} proven"]
     if "share_reproduced" in cube.attrs:
-        told.append(f"{cube.attrs['share_reproduced']:.0%} reproduced with another step")
+        told.append(f"{_percent(cube.attrs['share_reproduced'])} reproduced with another step")
     told += [f"{number} {name}" for name, number in counts.items() if number or name == "failed"]
     return f"{sum(counts.values())} cells: {', '.join(told)}"
+
+
+def _percent(share):
+    """A share in text, never more than it is: all but one of a thousand are 99.9 %."""
+    return f"{math.floor(1000 * share) / 10:g} %"

@@ -1,0 +1,100 @@
+"""The devices of a config."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from ..beam.barrier import find_barrier
+from ..beam.cosines import buckling_shapes
+from ..device import Beam, Device
+from .faults import Faults, convert_part, refuse
+from .schema import schema_faults, validator
+from .units import read
+from .yaml_file import ConfigError, read_document
+
+TILTING = 8
+"""Shapes of each kind by which it is told whether a free beam has a second one."""
+
+
+def load_device(path: str | Path) -> Device:
+    """Read the device of a config file, whatever its other sections; raises ConfigError.
+
+    >>> snapmap.load_device("config/config.yaml").beam.thickness
+    2.0
+    """
+    document = read_document(path)
+    if "device" not in document:
+        raise ConfigError(f"device: missing; write {_wanted('device')}")
+    faults = {at: line for at, line in schema_faults(document).items() if at[:1] == ("device",)}
+    device = convert_part(document, ("device",), faults, read_device)
+    refuse(faults)
+    return device
+
+
+def nominal(device: Device | Mapping[str, Device]) -> Device:
+    """The device itself, or the first of several."""
+    return next(iter(device.values())) if isinstance(device, Mapping) else device
+
+
+def tilting(beam: Beam) -> str:
+    """One line on what a beam that is guided, or free to tilt, means for its labels, or nothing."""
+    if not beam.free and not beam.stays_if_free:
+        return (
+            f"rise/thickness = {beam.bistability:.4g}: labels hold for a guided beam only; one "
+            "free to tilt does not stay in the second shape"
+        )
+    if beam.free and find_barrier(beam, buckling_shapes(TILTING)).energy == 0:
+        return (
+            "free to tilt, the beam has no stable second shape: a snap is the midpoint's first "
+            "arrival where a guided beam has its own, and nothing latches"
+        )
+    return ""
+
+
+def read_devices(document: Mapping, faults: Faults) -> Device | dict[str, Device] | None:
+    """Read the device of a study, or several by name; what is wrong joins `faults`.
+
+    One of the two sections must be there.
+    """
+    both = "device" in document, "devices" in document
+    if faults.get(()):
+        return None
+    if not any(both):
+        faults[("device",)] = f"device: missing; write {_wanted('device')}"
+    elif all(both):
+        faults[("devices",)] = "devices: stand beside device; write one of them"
+    elif both[0]:
+        return convert_part(document, ("device",), faults, read_device)
+    elif not any(at[:1] == ("devices",) for at in faults):
+        return {
+            name: convert_part(document, ("devices", name), faults, read_device, f"devices.{name}")
+            for name in document["devices"]
+        }
+    return None
+
+
+def _wanted(key):
+    return validator().schema["properties"][key]["description"]
+
+
+def read_device(section: Mapping, name: str = "device") -> Device:
+    """Read a section that describes a device; raises ValueError, one line, with its name."""
+    formats = validator().schema["$defs"]["device"]["properties"]
+    try:
+        return Device(
+            beam=_beam(section["beam"], formats["beam"]["properties"]),
+            **_convert({key: section[key] for key in section if key != "beam"}, formats),
+        )
+    except ValueError as error:
+        raise ValueError(str(error).replace("device.", f"{name}.", 1)) from None
+
+
+def _beam(section, formats):
+    values = {key: value for key, value in section.items() if key != "guide"}
+    free = section.get("guide") == "free"
+    if "imperfection" in section and not free:
+        raise ValueError("device.beam.imperfection: is of a free beam; write guide: free")
+    return Beam(**_convert(values, formats), free=float(free))
+
+
+def _convert(section, formats):
+    return {key: read(value, formats[key]["format"]) for key, value in section.items()}
