@@ -393,8 +393,8 @@ def test_faults_of_points_are_named(tmp_path, text, complaint):
 
 def test_map_states_its_case():
     assert end_map(TINY).get_title(loc="left").replace("\n", " ") == (
-        "$C$ = 25 µN µs µm$^{-1}$ handout model (5 Hermite elements on half the beam, all modes), "
-        "followed 1.5 ms beyond the pulse"
+        "$C$ = 25 µN µs µm$^{-1}$ versed sine, handout model (5 Hermite elements on half the "
+        "beam, all modes), followed 1.5 ms beyond the pulse"
     )
 
 

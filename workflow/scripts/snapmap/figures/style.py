@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import ScaledTranslation, blended_transform_factory
 
 from ..io.atomic import replacing
+from ..pulse import VERSED_SINE
 
 COLUMN, PAGE = 50, 130
 """Signs in a line over one column, and over two."""
@@ -70,7 +71,7 @@ def case(attributes: Mapping[str, str], width: int = PAGE) -> str:
     config = json.loads(attributes["config"])
     horizon = config["sweep"]["horizon"].replace("us", "µs")
     pulse = config.get("pulse", {})
-    shape, way = pulse.get("file", pulse.get("shape")), pulse.get("direction")
+    shape, way = pulse.get("file", pulse.get("shape", VERSED_SINE)), pulse.get("direction")
     words = [shape] if isinstance(shape, str) else []
     words += [f"along {way}"] if way == "-z" else []
     words += guides(config)

@@ -149,7 +149,8 @@ def _follow(model, pulses, cells, window, bins, threads):
         loads = *(column[some] for column in cells[1:5]), width[some]
         w_range, instants = simd_loop.trace(model, cells.device[some], pulses, loads, bins)
         values[:3, :, some] = origin[:, np.newaxis, some] + np.concatenate([w_range, instants[:1]])
-        values[3:, :, some] = instants[1:] / barrier[some]
+        with np.errstate(divide="ignore", invalid="ignore"):  # no barrier: nothing is below it
+            values[3:, :, some] = instants[1:] / barrier[some]
 
     with ThreadPoolExecutor(threads) as pool:
         list(pool.map(follow, np.split(order, range(LANES, order.size, LANES))))
