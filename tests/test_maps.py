@@ -131,6 +131,15 @@ def test_end_states_tell_the_side_and_how_sure_it_is():
         assert end_states(cells).squeeze().values.tolist() == crossing
 
 
+def test_a_run_that_ends_at_its_snap_was_last_seen_there():
+    """As every run of the model `reference` is, whose cells tell no well."""
+    untold = {"well": xr.zeros_like(EVERY.well), "well_share": np.nan * EVERY.well_share}
+    cells = EVERY.assign(untold).isel(f0=slice(0, 3))
+    codes = {0: REST_SEEN, 1: REST_PROVEN, 2: TRIPPED_SEEN}
+    expected = [codes[int(code)] for code in cells.outcome.values.ravel()]
+    assert end_states(cells).values.ravel().tolist() == expected
+
+
 def test_snap_states_tell_whether_a_cell_snaps():
     assert snap_states(EVERY).squeeze().values.tolist() == [0, 0, 1, 1, 1, 2, 3]
 

@@ -42,10 +42,14 @@ SNAPS = (
 
 
 def end_states(cells: xr.Dataset) -> xr.DataArray:
-    """The index in STATES of each cell, int8; cells: with outcome, well and well_share."""
+    """The index in STATES of each cell, int8; cells: with outcome, t_snap, well and well_share.
+
+    A run that ended at its snap, as those of the model `reference`, was last seen there.
+    """
     is_one_of = _outcomes(cells)
     proven = is_one_of["never"] | is_one_of["returned"] | is_one_of["latched"]
-    tripped, crossing = cells.well == 2, ~(cells.well_share >= WHOLE_SWING)
+    tripped = (cells.well == 2) | ((cells.well == 0) & cells.t_snap.notnull())
+    crossing = (cells.well != 0) & ~(cells.well_share >= WHOLE_SWING)
     rest = xr.where(proven, REST_PROVEN, REST_SEEN)
     found = xr.where(tripped, xr.where(proven, TRIPPED_PROVEN, TRIPPED_SEEN), rest)
     found = xr.where(crossing & ~proven, CROSSING, found)
