@@ -14,6 +14,7 @@ from ..solver.adaptive import choose_model
 from ..solver.cells import check_cells, to_cells
 from ..solver.settings import Settings, check_settings
 from ..solver.simd_kernel import BLOCK
+from ..solver.settings import MOVE
 
 SAMPLES = 4000
 """A history keeps this many instants, up to twice as many, or all that there are."""
@@ -72,10 +73,11 @@ def simulate(
     built = choose_model(device, {"name": model, **options}).levels[-1]
     cells = to_cells(device, [0], [N], [f0], [C], horizon)
     built = built.with_step(0.5 ** built.follow(cells, settings).halvings.item())
+    dt = built.steps.of(cells, settings.pulses, MOVE).item()
     amplitude, per_us, damping, t_end = (column.item() for column in cells[2:])
-    steps, stride = _sampling(t_end, built.dt)
+    steps, stride = _sampling(t_end, dt)
     shock = settings.pulses[0]
-    motion, form = built.loop().record(built, shock, amplitude, per_us, damping, steps, stride)
+    motion, form = built.loop().record(built, shock, amplitude, per_us, damping, dt, steps, stride)
     values = _observe(device, form, motion) | {
         "acceleration": amplitude * shock.at(per_us * motion.time),
         "dissipated_energy": motion.lost,
@@ -94,7 +96,7 @@ def simulate(
         second_equilibrium=built.barrier.second,
         barrier=built.barrier.energy,
         gravity=device.gravity,
-        time_step=built.dt,
+        time_step=dt,
     )
 
 
@@ -109,7 +111,8 @@ def _observe(device, form, motion):
     """Deflections, forces and energies from the coordinates."""
     velocity = motion.u_velocity
     stiffness = contact_stiffness(device, form.residual)
-    contact = stiffness * np.maximum(0.0, motion.overlap)
+    overlap = dot(motion.u, form.midpoint) - motion.y - device.gap
+    contact = stiffness * np.maximum(0.0, overlap)
     axial_force = -device.beam.axial_stiffness * motion.stretch
     kinetic = dot(velocity, multiply(velocity, form.inertia)) / 2
     return {
@@ -118,8 +121,8 @@ def _observe(device, form, motion):
         "contact_force": contact,
         "axial_force": axial_force,
         "kinetic_energy": kinetic + device.mass * motion.y_velocity**2 / 2,
-        "spring_energy": motion.spring_energy,
-        "bending_energy": motion.bending_energy,
+        "spring_energy": device.spring * motion.y**2 / 2,
+        "bending_energy": dot(motion.u, multiply(motion.u, form.bending)) / 2,
         "axial_energy": axial_force**2 / (4 * device.beam.axial_stiffness),
         "contact_energy": contact**2 / (2 * stiffness),
     }

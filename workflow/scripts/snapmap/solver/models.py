@@ -10,8 +10,9 @@ from ..beam.elements import hermite_elements
 from ..beam.modal import contact_stiffness, reduce_to_modes
 from ..device import Device
 from .model import Follows, Loop, Model, mix
-from .schemes import CONSERVING, EXPLICIT, SCHEMES, default_step, pays_explicit, stability_limit
+from .schemes import CONSERVING, EXPLICIT, SCHEMES, pays_explicit
 from .settings import check_number
+from .steps import steps_of
 
 ELEMENT_OPTIONS = ("elements", "mass_matrix", "step")
 OPTIONS = {
@@ -97,13 +98,11 @@ def _build_alike(device, name, options, kind):
             f"device.contact: hard needs a residual flexibility, and the {name} model leaves none "
             f"with {modes} of {basis.load.size} modes; write fewer modes, or a contact in N/m"
         )
-    if "step" in options:
-        dt = options["step"] * stability_limit(device, modal, scheme)
-    else:
-        dt = default_step(device, modal, scheme, basis.complete and modes == basis.load.size)
+    whole = basis.complete and modes == basis.load.size
+    steps = steps_of(device, modal, scheme, whole, options.get("step"))
     loop = plain if name == "reference" else simd
     barrier = find_barrier(device.beam, basis, modes)
-    return Model(name, scheme, loop, device, basis, modal, barrier, dt)
+    return Model(name, scheme, loop, device, basis, modal, barrier, steps)
 
 
 def check_options(device: Device, name: str, options: Mapping) -> None:

@@ -6,6 +6,8 @@ from typing import NamedTuple
 from ..pulse import Pulse, make_pulse
 
 UNTIL = ("settled", "snap")
+SNAP, STAY, MOVE = QUESTIONS = ("snap", "stay", "move")
+"""Does it snap, where does it stay, how does it move: each has its own time step."""
 THRESHOLD_TOLERANCE = 1e-4
 """How closely thresholds in N are refined, relative, unless told."""
 
@@ -27,6 +29,11 @@ class Settings(NamedTuple):
     energy_tolerance: float = 1e-3
     threads: int = 1
     pulses: tuple[Pulse, ...] = (make_pulse(),)
+
+    @property
+    def question(self) -> str:
+        """The one of QUESTIONS that is asked."""
+        return STAY if self.until == "settled" else SNAP
 
     def asked(self) -> dict:
         """All but the threads, on which no result depends, and the pulses."""

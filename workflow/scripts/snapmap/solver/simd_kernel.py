@@ -18,7 +18,7 @@ from ..numerics import pieces as curve
 from ..numerics.arithmetic import fma, sine, widen_vectors
 
 LANES = 16
-BLOCK = 128
+BLOCK = 64
 """Steps between two looks at the lanes; the pulse is set out for so many at a time."""
 MARGIN = 2.0
 """A proof must hold by this many times the largest residual of the energy ledger seen so far."""
@@ -309,20 +309,41 @@ def advance_conserving(X, shape, shocks, first, steps):
 
 
 @njit(**JIT)
-def fill(X, shape, l, coefficients, damping, amplitude, dt):
-    """Put a cell at rest into lane l."""
+def fill(X, shape, conserving, l, device, damping, amplitude, dt):
+    """Put a cell at rest into lane l.
+
+    device: as `simd_loop.coefficients` has it; damping: C, uN us/um; amplitude: um/us^2; dt: us
+    The conserving scheme takes the mean of linear forces over three instants, which is a mode
+    heavier by kappa dt^2/4: its coordinate is stretched by 1/s, s^2 = 1/(1 + kappa dt^2/4).
+    """
     X[l::LANES] = 0.0
-    scalars = BEAM_DAMPING + 1 - AXIAL
-    vectors = VECTORS + STIFFNESS * len(shape)
-    for i in range(coefficients.size):
-        row = AXIAL + i if i < scalars else vectors + i - scalars
-        X[row * LANES + l] = coefficients[i]
+    modes, square = len(shape), dt * dt
+    for row in range(AXIAL, BEAM_DAMPING + 1):
+        X[row * LANES + l] = device[row]
+    for row in (AXIAL, CONTACT, SPRING, BARRIER):
+        X[row * LANES + l] *= square
+    X[RESIDUAL * LANES + l] /= square
+    X[BEAM_DAMPING * LANES + l] *= dt
+    of_modes = device[BEAM_DAMPING + 1 :]
+    for i in range(modes):
+        stiffness = square * of_modes[i]
+        s = 1.0 if conserving is None else 1 / np.sqrt(1 + stiffness / 4)
+        X[at(STIFFNESS, i, modes, l)] = stiffness * (s * s)
+        for v in range(SLOPE_START, GEOMETRIC):
+            X[at(v, i, modes, l)] = s * of_modes[(v - STIFFNESS) * modes + i]
+        X[at(SCRATCH, i, modes, l)] = s
+    for i in range(modes):
+        for j in range(modes):
+            element = of_modes[(GEOMETRIC - STIFFNESS + i) * modes + j]
+            both = X[at(SCRATCH, i, modes, l)] * X[at(SCRATCH, j, modes, l)]
+            X[at(GEOMETRIC + i, j, modes, l)] = both * element
     X[GAP * LANES + l] = 0.0 - X[CLEARANCE * LANES + l]
     drag = damping * dt / 2
     mass = X[MASS * LANES + l]
+    heavier = mass if conserving is None else mass + X[SPRING * LANES + l] / 4
     X[AMPLITUDE * LANES + l] = amplitude * dt**2
-    X[KEEP * LANES + l] = (mass - drag) / (mass + drag)
-    X[PUSH * LANES + l] = 1 / (mass + drag)
+    X[KEEP * LANES + l] = (heavier - drag) / (heavier + drag)
+    X[PUSH * LANES + l] = 1 / (heavier + drag)
     beam_drag = X[BEAM_DAMPING * LANES + l] / 2
     X[BEAM_KEEP * LANES + l] = (1 - beam_drag) / (1 + beam_drag)
     X[BEAM_PUSH * LANES + l] = 1 / (1 + beam_drag)
@@ -472,7 +493,8 @@ def conserved_energies(X, shape, l):
         beam += d * d / 2 + X[at(STIFFNESS, i, modes, l)] * p * (p - d) / 2
         w += X[at(MIDPOINT, i, modes, l)] * (p - d / 2)
     d, y = X[Y_STEP * LANES + l], X[Y * LANES + l]
-    mass = X[MASS * LANES + l] * d * d / 2 + X[SPRING * LANES + l] * y * (y - d) / 2
+    middle = y - d / 2
+    mass = X[MASS * LANES + l] * d * d / 2 + X[SPRING * LANES + l] * middle * middle / 2
     return beam, mass, X[CONTACT * LANES + l] * max(0.0, X[GAP * LANES + l]) ** 2 / 2, w
 
 
@@ -513,7 +535,7 @@ def snap_time(X, l, dt):
 
 
 @njit(**JIT)
-def follow_all(X, shape, conserving, devices, dt, pulses, cells, stop_at_snap, tolerance, facts):
+def follow_all(X, shape, conserving, devices, pulses, cells, ends_at, tolerance, facts):
     """Follow every cell until its well is proven or t_end is past, refilling each free lane.
 
     A proof is looked for after the pulse. The explicit scheme's energy wobbles with modes near the
@@ -537,7 +559,8 @@ def follow_all(X, shape, conserving, devices, dt, pulses, cells, stop_at_snap, t
         for well 0); (cells,)
     """
     widen_vectors()
-    device_of, pulse_of, amplitude, f0, damping, t_end = cells
+    device_of, pulse_of, amplitude, f0, damping, t_end, dt = cells
+    stop_at_snap, stop_after_pulse = ends_at
     t_snap, t_settled, well, energy_error, well_share = facts
     cell_in = np.full(LANES, -1)
     pushes, shocks, pushed = no_pushes(), np.zeros(BLOCK * LANES), False
@@ -555,12 +578,12 @@ def follow_all(X, shape, conserving, devices, dt, pulses, cells, stop_at_snap, t
             if cell_in[l] < 0 and next_cell < t_snap.size:
                 device = device_of[next_cell]
                 load = damping[next_cell], amplitude[next_cell]
-                fill(X, shape, l, devices[device], *load, dt[device])
-                push(X, l, pushes, pulses, pulse_of[next_cell], f0[next_cell] * dt[device])
+                fill(X, shape, conserving, l, devices[device], *load, dt[next_cell])
+                push(X, l, pushes, pulses, pulse_of[next_cell], f0[next_cell] * dt[next_cell])
                 cell_in[l] = next_cell
                 worst[l], found_before[l] = 0.0, 0
                 swing = 2 * np.pi * np.sqrt(X[MASS * LANES + l] / X[SPRING * LANES + l])
-                last_swing[l] = t_end[next_cell] / dt[device] - swing
+                last_swing[l] = t_end[next_cell] / dt[next_cell] - swing
                 since[l], beyond[l] = 0.0, 0.0
                 next_cell += 1
                 running += 1
@@ -584,12 +607,13 @@ def follow_all(X, shape, conserving, devices, dt, pulses, cells, stop_at_snap, t
             steps[l] += BLOCK
             if steps[l] <= last_swing[l]:
                 since[l], beyond[l] = steps[l], X[BEYOND * LANES + l]
-            step = dt[device_of[cell]]
+            step = dt[cell]
             drag = damping[cell] * step
             snapped = X[W * LANES + l] <= X[TARGET * LANES + l]
             in_pulse = steps[l] - 1 < lasts[l]
             ended = steps[l] * step > t_end[cell] or not np.isfinite(X[Y * LANES + l])
             ended |= snapped and stop_at_snap
+            ended |= stop_after_pulse and not in_pulse
             if in_pulse and not ended:
                 continue
 
@@ -614,9 +638,10 @@ def follow_all(X, shape, conserving, devices, dt, pulses, cells, stop_at_snap, t
                 continue
             is_bounded = at_snap and conserving is not None
             ends = (last_before, last_after) if is_bounded else (before, after)
-            guarded = whole_step_ledger(*ends, X, shape, l, drag)[4]
-            if not abs(guarded) * scale <= GUARD:
-                residual = guarded
+            if conserving is None:
+                guarded = whole_step_ledger(*ends, X, shape, l, drag)[4]
+                if not abs(guarded) * scale <= GUARD:
+                    residual = guarded
             energy_error[cell] = abs(residual) * scale
             t_snap[cell] = snap_time(X, l, step) if snapped else np.nan
             t_settled[cell] = (steps[l] - 1) * step if proven else np.nan
@@ -669,7 +694,7 @@ def trace_all(X, shape, conserving, devices, dt, pulses, cells, w_range, instant
     n_cells, shocks = width.size, np.zeros(BLOCK * LANES)
     pushes = no_pushes()
     for l in range(n_cells):
-        fill(X, shape, l, devices[l], damping[l], amplitude[l], dt[l])
+        fill(X, shape, conserving, l, devices[l], damping[l], amplitude[l], dt[l])
         push(X, l, pushes, pulses, pulse_of[l], f0[l] * dt[l])
     before = X.copy()
     bin, begin = np.full(LANES, -1), np.zeros(LANES, np.int64)
