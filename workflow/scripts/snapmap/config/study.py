@@ -105,14 +105,14 @@ def load_study(document: Mapping) -> Study:
     given = parts.get("sweep")
     recorded = isinstance(parts.get("pulse"), Mapping) and "file" in parts["pulse"]
     pulse = pulse_key(given, ("sweep",), faults, recorded)
-    varied = [key for key in given if key in VALUES] if isinstance(given, Mapping) else []
+    varied = [key for key in given if key in (*VALUES, "C")] if isinstance(given, Mapping) else []
     shocks = (
         convert_part(document, ("pulse",), faults, read_shocks)
         if "pulse" in parts
         else HANDOUT_SHOCK
     )
     C = damper_of(parts, device, faults)
-    keys = [*varied, *["C"] * (C is None), *([pulse] if pulse else []), "N"]
+    keys = [*varied, *([pulse] if pulse else []), "N"]
     axes = {
         "f0" if key == "duration" else key: convert_part(
             document, ("sweep", key), faults, read_axis, key
