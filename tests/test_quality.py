@@ -143,7 +143,7 @@ def test_a_quality_factor_stands_for_the_damping():
         beam_quality_factor=None,
         beam_damping=f"{beam.damping!r} /us",
         device_quality_factor=None,
-        sweep_C=[f"{study.axes['C'][0]!r} uN*us/um".replace("np.float64(", "").replace(")", "")],
+        sweep_C=[f"{study.axes['C'].item()!r} uN*us/um"],
     )
     again = load_study(spelled)
     assert again.document() == study.document() and again.axes["C"] == study.axes["C"]
