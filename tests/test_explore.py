@@ -715,6 +715,11 @@ def test_the_table_has_the_values_of_the_chosen_device(of_devices, handout):
         assert values["gravity"] == f"{handout.gravity * 1e6:g} m/s²"
 
 
+def test_the_frequencies_of_the_device_are_told(view, handout, cube):
+    shown = view.text("#vibration")
+    assert shown == snapmap.describe(handout, cube.C.values)
+
+
 def test_the_keyboard_moves_a_slider(of_devices):
     cube, view = of_devices
     view.slide(0, "thickness")

@@ -195,6 +195,7 @@ function drawDevice() {
     `<tr><th scope="row">${words}</th><td>${chosen[key] ?? text}</td></tr>`);
   document.getElementById("device").innerHTML = `The device ${chosen.device ?? ""}`;
   document.getElementById("values").innerHTML = rows.join("");
+  document.getElementById("vibration").innerHTML = study.vibrations[chosen.device ?? ""];
 }
 
 function choose(i, j) {
