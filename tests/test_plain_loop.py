@@ -117,10 +117,10 @@ def test_the_handouts_own_question(handout):
     system = nodal_system(handout, basis)
     none, curve = np.zeros((0, 22)), make_pulse().curve
     steps = int(2167 / dt)
-    t_snap, _ = follow(system, curve, 1000 * G, 1.5e-3, 0.025, w2, dt, steps, none)
+    t_snap, *_ = follow(system, curve, 1000 * G, 1.5e-3, 0.025, w2, dt, steps, none)
     assert t_snap == pytest.approx(434.89, abs=0.02)
     unloaded = system._replace(load=np.zeros(9))
-    t_snap, _ = follow(unloaded, curve, 1000 * G, 1.5e-3, 0.025, w2, dt, steps, none)
+    t_snap, *_ = follow(unloaded, curve, 1000 * G, 1.5e-3, 0.025, w2, dt, steps, none)
     assert np.isnan(t_snap)
 
 

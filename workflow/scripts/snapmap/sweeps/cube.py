@@ -51,7 +51,7 @@ VARIABLES = {
     "pulse_work": {
         "long_name": "work of the pulse on mass and beam",
         "units": "pJ",
-        "comment": "of the whole pulse; NaN where the run ended before it, or failed",
+        "comment": "of the whole pulse; NaN where the run ended before it or failed",
     },
     "halvings": {
         "long_name": "how often the time step was halved until the energy ledger closed",
