@@ -102,7 +102,7 @@ def _build_alike(device, name, options, kind):
         dt = options["step"] * stability_limit(device, modal, scheme)
     else:
         dt = default_step(device, modal, scheme, whole)
-    # ASSUME: explicit runs prove a well only where they are the default; see docs/stability.md.
+    # Elsewhere explicit impacts create energy, and some proofs are false: docs/stability.md.
     proves = pays_explicit(device, modal, whole) | (not is_explicit)
     loop = plain if name == "reference" else simd
     barrier = find_barrier(device.beam, basis, modes)
