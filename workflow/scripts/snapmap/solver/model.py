@@ -55,7 +55,7 @@ class Loop(Protocol):
     """A module with a time loop."""
 
     def march(self, model: "Model", cells: Cells, settings: Settings) -> tuple[np.ndarray, ...]:
-        """t_snap, t_settled, well, energy_error and well_share of cells, (cells,)."""
+        """t_snap, t_settled, well, energy_error, well_share and pulse_work of cells, (cells,)."""
 
     def record(
         self,
@@ -79,6 +79,7 @@ class Model:
     basis, modal: its matrices, and their reduced form
     barrier: between the two shapes of that form
     dt: time step, us; of a batch (devices,)
+    proves: whether its energy says where a beam settles; bool, of a batch (devices,)
     """
 
     name: str
@@ -89,6 +90,7 @@ class Model:
     modal: ModalBeam
     barrier: Barrier
     dt: float | np.ndarray
+    proves: bool | np.ndarray
 
     @property
     def levels(self) -> tuple["Model"]:
@@ -113,7 +115,8 @@ class Model:
         """The same model of one device of the batch, or of some."""
         if np.ndim(self.dt) == 0:
             return self
-        parts = {"device": self.device.pick(which), "dt": self.dt[which]}
+        parts = {key: getattr(self, key)[which] for key in ("dt", "proves")}
+        parts["device"] = self.device.pick(which)
         for key in ("modal", "barrier"):
             whole = getattr(self, key)
             parts[key] = type(whole)(*(value[which] for value in whole))
@@ -128,7 +131,8 @@ class Model:
         flat = Cells(*(np.ravel(column) for column in cells))
         seen, halvings = no_observations(flat.f0.shape), self._halvings(flat, settings.pulses)
         left = np.flatnonzero(halvings <= MOST_HALVINGS)
-        for column, never in zip(seen[:5], (np.nan, np.nan, 0, np.inf, np.nan), strict=True):
+        nothing = np.nan, np.nan, 0, np.inf, np.nan, np.nan
+        for column, never in zip(seen[:6], nothing, strict=True):
             column[halvings > MOST_HALVINGS] = never
         for _ in range(HALVINGS + 1):
             for number in np.unique(halvings[left]):
@@ -156,13 +160,14 @@ class Model:
         def follow_share(first):
             share = order[first :: settings.threads]
             found = self.loop().march(self, cells.some(share), settings)
-            for whole, part in zip(seen[:5], found, strict=True):
+            for whole, part in zip(seen[:6], found, strict=True):
                 whole[share] = part
 
         with ThreadPoolExecutor(settings.threads) as pool:
             list(pool.map(follow_share, range(settings.threads)))
         seen.t_snap[seen.t_snap > cells.t_end] = np.nan
         seen.t_settled[seen.t_settled > cells.t_end] = np.nan
+        seen.pulse_work[~(seen.energy_error <= settings.energy_tolerance)] = np.nan
         return seen
 
 

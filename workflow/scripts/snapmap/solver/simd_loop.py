@@ -40,8 +40,8 @@ def march(model, cells, settings):
     model: a `Model`; cells: `Cells`, each column (cells,)
     """
     n_cells, modes = cells.f0.size, model.modes
-    t_snap, t_settled, energy_error, well_share = (np.empty(n_cells) for _ in range(4))
-    facts = t_snap, t_settled, np.empty(n_cells, np.int8), energy_error, well_share
+    t_snap, t_settled, *others = (np.empty(n_cells) for _ in range(5))
+    facts = t_snap, t_settled, np.empty(n_cells, np.int8), *others
     rows, dt = coefficients(model, snap_target(model)), np.atleast_1d(model.dt)
     asked = settings.until == "snap", settings.energy_tolerance
     X, shape = work_array(modes), (0,) * modes
@@ -129,10 +129,11 @@ def coefficients(model, target):
     model: a `Model`; target: w(L/2) from rest at which a run counts as snapped, um; -inf for never
     """
     device, modal, barrier, square = model.device, model.modal, model.barrier, model.dt * model.dt
+    proves_below = np.where(model.proves, barrier.energy, 0.0)
     numbers = [
         *(modal.axial * square, modal.residual / square),
         *(contact_stiffness(device, modal.residual) * square, device.mass, device.spring * square),
-        *(target, barrier.energy * square, barrier.midpoint, device.gap),
+        *(target, proves_below * square, barrier.midpoint, device.gap),
         device.beam.damping * model.dt,
     ]
     vectors = (np.reshape(square, (-1, 1)) * modal.stiffness, *modal[2:5])
