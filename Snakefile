@@ -105,7 +105,7 @@ onstart:
     except BlockingIOError:
         raise WorkflowError(f"{os.getcwd()}: another run is at work in this folder")
     remove_leftovers("results")
-    for line in filter(None, [study.left_out, *doubts]):
+    for line in filter(None, [*study.descriptions(), study.left_out, *doubts]):
         print(line, file=sys.stderr)
     for handler in logger.handlers:
         if handler.name == "DefaultStreamHandler":

@@ -13,7 +13,7 @@ from snapmap.figures import layout, maps, style
 ROOT = Path(__file__).parents[1]
 BESIDE = {
     "config.yaml": (25.0, "the handout's device, $C$ = 25 µN µs µm$^{-1}$"),
-    "damped.yaml": (2.5, "with real damping: quality factors 94 (mass), 72 (beam)"),
+    "damped.yaml": (2.5, "with real damping: quality factors 94 (mass), 248 (beam)"),
 }
 """The C of each config that is drawn, and what it is called."""
 

@@ -490,6 +490,19 @@ def test_a_sentence_says_how_the_label_is_known(view, cube):
         assert ("open" in text) == ("of the mass's last swing" in text) == is_open
 
 
+def test_a_sentence_says_by_how_much_another_step_differs(view, cube):
+    """Rounded to two digits; of the snap only where both runs saw it."""
+    for c, i, j in np.ndindex(cube.outcome.shape):
+        view.page.evaluate(f"at[0] = {c}; choose({i}, {j})")
+        text, cell = view.text("#verdict"), cube.isel(C=c, f0=i, N=j)
+        pattern = r"With another step the work of the pulse differs by (\S+) %"
+        pattern += r"(?:, the time of snap by (\S+) µs)?\.$"
+        work, time = re.search(pattern, text).groups()
+        assert float(work) == pytest.approx(100 * float(cell.work_error), rel=0.051)
+        assert (time is None) == bool(np.isnan(cell.t_snap_error))
+        assert time is None or float(time) == pytest.approx(float(cell.t_snap_error), rel=0.051)
+
+
 def test_a_sentence_says_on_which_side_the_beam_was_last(browser, cube, traced, tmp_path):
     """By its share of the mass's last swing, and only where nothing is proven."""
     cells, proof = cube.copy(deep=True), np.isfinite(cube.t_settled.values)
@@ -713,6 +726,11 @@ def test_the_table_has_the_values_of_the_chosen_device(of_devices, handout):
         values = view.values()
         assert values["thickness t"] == thickness and values["span L"] == "600 µm"
         assert values["gravity"] == f"{handout.gravity * 1e6:g} m/s²"
+
+
+def test_the_frequencies_of_the_device_are_told(view, handout, cube):
+    shown = view.text("#vibration")
+    assert shown == snapmap.describe(handout, cube.C.values)
 
 
 def test_the_keyboard_moves_a_slider(of_devices):

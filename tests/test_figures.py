@@ -284,6 +284,20 @@ def test_history_states_its_case():
     assert title == f"$N$ = 1000, $f_0$ = 1500 Hz, $C$ = 0.025 µN µs µm$^{{-1}}$, {model}"
 
 
+@pytest.mark.parametrize(
+    ("work", "snap", "said"),
+    [
+        (0.0314159, 0.0567, "differs by 3.1 %, the time of snap by 0.057 µs"),
+        (0.0314159, math.nan, "differs by 3.1 %"),
+        (0.0, math.nan, "differs by 0 %"),
+    ],
+)
+def test_history_states_by_how_much_another_step_differs(work, snap, said):
+    history = make_history([10, 5, 10]).assign_attrs(work_error=work, t_snap_error=snap)
+    title = history_of(history)[0].get_legend().get_title().get_text()
+    assert title.splitlines()[1] == f"with another step the work of the pulse {said}"
+
+
 def test_thresholds_are_the_data_dashed_and_hollow_where_late():
     ax = drawn(thresholds.draw_thresholds, make_found())
     for i, N in enumerate([1000.0, 1001.0]):

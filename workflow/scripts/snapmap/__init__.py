@@ -5,6 +5,7 @@ from importlib import import_module
 __version__ = "0.1.0"
 
 _HOME = {
+    "describe": "config.quality",
     "design": "thresholds.design",
     "load_device": "config.devices",
     "open_cube": "sweeps.reading",
@@ -17,6 +18,7 @@ _HOME = {
     "tolerance": "tolerances.dataset",
 }
 __all__ = [
+    "describe",
     "design",
     "load_device",
     "open_cube",

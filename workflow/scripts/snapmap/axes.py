@@ -21,9 +21,9 @@ SHAPE, DIRECTION = "shape", "direction"
 """Those of the pulse's shape, by name, and of the way the frame is pushed."""
 PULSE_AXES = (SHAPE, DIRECTION)
 NAMES = (DEVICE, *PULSE_AXES)
+"""Axes whose points have names, and no order but the one they were given in."""
 DURATION = "duration"
 """f0 by another name, where figures are drawn over it; 1e3/f0, ms."""
-"""Axes whose points have names, and no order but the one they were given in."""
 
 MOST_DEVICES = 100_000
 """More points on the device's axes are taken for a slip."""

@@ -29,7 +29,7 @@ class Beam:
     span, rise, thickness, depth: um
     youngs_modulus: MPa
     density: ng/um^3
-    damping: rate at which the beam's own velocity decays, 1/us
+    damping: drag on the beam over its momentum, 1/us; swings decay at half of it
     residual_stress: along the axis as made, before the beam bends to relieve it; tension positive,
         MPa
     imperfection: largest displacement in the first antisymmetric shape, as made, um

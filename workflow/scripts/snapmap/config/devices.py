@@ -7,6 +7,7 @@ from ..beam.barrier import find_barrier
 from ..beam.cosines import buckling_shapes
 from ..device import Beam, Device
 from .faults import Faults, convert_part, refuse
+from .quality import KEY, damped
 from .schema import schema_faults, validator
 from .units import read
 from .yaml_file import ConfigError, read_document
@@ -17,6 +18,8 @@ TILTING = 8
 
 def load_device(path: str | Path) -> Device:
     """Read the device of a config file, whatever its other sections; raises ConfigError.
+
+    Its `quality_factor`, which stands for C, is left aside: C is no value of the device.
 
     >>> snapmap.load_device("config/config.yaml").beam.thickness
     2.0
@@ -82,18 +85,23 @@ def read_device(section: Mapping, name: str = "device") -> Device:
     try:
         return Device(
             beam=_beam(section["beam"], formats["beam"]["properties"]),
-            **_convert({key: section[key] for key in section if key != "beam"}, formats),
+            **_convert({key: section[key] for key in section if key not in ("beam", KEY)}, formats),
         )
     except ValueError as error:
         raise ValueError(str(error).replace("device.", f"{name}.", 1)) from None
 
 
 def _beam(section, formats):
-    values = {key: value for key, value in section.items() if key != "guide"}
+    values = {key: value for key, value in section.items() if key not in ("guide", KEY)}
     free = section.get("guide") == "free"
     if "imperfection" in section and not free:
         raise ValueError("device.beam.imperfection: is of a free beam; write guide: free")
-    return Beam(**_convert(values, formats), free=float(free))
+    beam = Beam(**_convert(values, formats), free=float(free))
+    if KEY not in section:
+        return beam
+    if "damping" in section:
+        raise ValueError(f"device.beam.{KEY}: stands beside damping; write one of them")
+    return damped(beam, read(section[KEY], "quality"))
 
 
 def _convert(section, formats):

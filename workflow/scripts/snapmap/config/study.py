@@ -15,6 +15,7 @@ from .axes import KIND_OF, read_axis
 from .devices import nominal, read_devices, tilting
 from .faults import convert_part, refuse
 from .histories import History, read_histories
+from .quality import damper_of, describe
 from .schema import schema_faults, validator
 from .shocks import (
     Requirement,
@@ -74,11 +75,20 @@ class Study:
         """What its products say was asked for: the same however the config spells it."""
         return asked_for(self.device, self.shocks, self.model, self.settings.asked())
 
+    def devices(self) -> dict[str, Device]:
+        """Its devices by name; one alone is called `device`."""
+        return self.device if isinstance(self.device, Mapping) else {"device": self.device}
+
+    def descriptions(self) -> list[str]:
+        """A line on how each device vibrates as written, whatever the axes change."""
+        C = self.axes["C"]
+        return [f"{name}: {describe(one, C)}" for name, one in self.devices().items()]
+
     def doubts(self) -> list[str]:
         """Lines on what its devices and its recorded shocks may leave out."""
         shortest, device = 1e6 / self.axes["f0"][-1], nominal(self.device)
-        named = self.device if isinstance(self.device, Mapping) else {"device": self.device}
-        tilts = [f"{name}: {line}" for name, one in named.items() if (line := tilting(one.beam))]
+        named = self.devices().items()
+        tilts = [f"{name}: {line}" for name, one in named if (line := tilting(one.beam))]
         pulses = [
             line
             for pulse in self.shocks.shapes.values()
@@ -95,13 +105,14 @@ def load_study(document: Mapping) -> Study:
     given = parts.get("sweep")
     recorded = isinstance(parts.get("pulse"), Mapping) and "file" in parts["pulse"]
     pulse = pulse_key(given, ("sweep",), faults, recorded)
-    varied = [key for key in given if key in VALUES] if isinstance(given, Mapping) else []
+    varied = [key for key in given if key in (*VALUES, "C")] if isinstance(given, Mapping) else []
     shocks = (
         convert_part(document, ("pulse",), faults, read_shocks)
         if "pulse" in parts
         else HANDOUT_SHOCK
     )
-    keys = [*varied, "C", *([pulse] if pulse else []), "N"]
+    C = damper_of(parts, device, faults)
+    keys = [*varied, *([pulse] if pulse else []), "N"]
     axes = {
         "f0" if key == "duration" else key: convert_part(
             document, ("sweep", key), faults, read_axis, key
@@ -114,6 +125,8 @@ def load_study(document: Mapping) -> Study:
     requirements = read_requirements(parts, faults)
     refuse(faults)
     skip = given.get("not_bistable") == "skip"
+    if C is not None:
+        axes["C"] = np.array([C])
     if "f0" not in axes:
         axes["f0"] = np.array([shocks.own_frequency()])
     grid = convert_part(document, ("sweep",), faults, lambda _: _grid(device, axes, skip, shocks))

@@ -24,7 +24,8 @@ class Kind(NamedTuple):
 
 
 KINDS = {
-    "number": Kind("a plain number", "", "1000"),
+    "number": Kind("a plain number", "", "1000", zero=True, signed=True),
+    "quality": Kind("a plain number > 0", "", "250"),
     "length": Kind("a length", "um", "'600 um'"),
     "modulus": Kind("a modulus", "MPa", "'150 GPa'"),
     "distance": Kind("a length", "um", "'0.5 um'", zero=True),
@@ -60,8 +61,8 @@ def read(value: object, kind: str) -> float:
 
     Raises ValueError with one line: the value, what is wrong, what would be right.
     """
-    if kind == "number":
-        return _read_number(value)
+    if not KINDS[kind].unit:
+        return _read_number(value, KINDS[kind])
     if kind == "contact" and value == "hard":
         return math.inf
     return _read_quantity(value, KINDS[kind])
@@ -82,17 +83,18 @@ def show(value: object) -> str:
     return text if len(text) <= _LONGEST else f"{text[:40]}...{text[-1]}"
 
 
-def _read_number(value):
+def _read_number(value, kind):
     if not _is_number(value) and not _matches(_PLAIN, value):
-        raise _fault(value, "is not a plain number", KINDS["number"])
+        raise _fault(value, "is not a plain number", kind)
     try:
         number = float(value)
     except OverflowError:  # of an int; text beyond the range is inf
         number = math.inf
     if not math.isfinite(number):
-        raise _fault(value, "is not finite", KINDS["number"])
+        raise _fault(value, "is not finite", kind)
     if abs(number) > MOST:
-        raise _fault(value, f"is not between {-MOST:g} and {MOST:g}", KINDS["number"])
+        raise _fault(value, f"is not between {-MOST:g} and {MOST:g}", kind)
+    _check_sign(value, number, kind)
     return number
 
 
@@ -113,11 +115,15 @@ def _read_quantity(value, kind):
     result = float(_ARITHMETIC.multiply(Decimal(number), factor))
     if not math.isfinite(result):
         raise _fault(value, "is not finite", kind)
-    if (result < 0 and not kind.signed) or (result == 0 and not kind.zero):
-        raise _fault(value, "is negative" if kind.zero else "is not positive", kind)
+    _check_sign(value, result, kind)
     if result and not LEAST <= abs(result) <= MOST:
         raise _fault(value, f"is not between {LEAST:g} and {MOST:g} {kind.unit}", kind)
     return result
+
+
+def _check_sign(value, number, kind):
+    if (number < 0 and not kind.signed) or (number == 0 and not kind.zero):
+        raise _fault(value, "is negative" if kind.zero else "is not positive", kind)
 
 
 def _read_share(value, number, unit, kind):

@@ -178,7 +178,14 @@ function verdict(k) {
     latched: `${snap}; that it stays is ${proven}: ${parted ? apart : fell}.`,
     returned: `${snap}; that it is back in the first shape for ever is ${proven}: ${fell}.`,
     failed: "the run blew up or its energy ledger did not close; nothing is claimed of this cell.",
-  }[outcome(k).name] + doubt;
+  }[outcome(k).name] + doubt + withAnotherStep(k);
+}
+
+function withAnotherStep(k) {
+  const [work, snap] = [cells.work_error[k], cells.t_snap_error[k]];
+  if (Number.isNaN(work)) return "";
+  const time = Number.isNaN(snap) ? "" : `, the time of snap by ${Number(snap.toPrecision(2))} µs`;
+  return ` With another step the work of the pulse differs by ${Number((100 * work).toPrecision(2))} %${time}.`;
 }
 
 function left(energy) {
@@ -195,6 +202,7 @@ function drawDevice() {
     `<tr><th scope="row">${words}</th><td>${chosen[key] ?? text}</td></tr>`);
   document.getElementById("device").innerHTML = `The device ${chosen.device ?? ""}`;
   document.getElementById("values").innerHTML = rows.join("");
+  document.getElementById("vibration").innerHTML = study.vibrations[chosen.device ?? ""];
 }
 
 function choose(i, j) {

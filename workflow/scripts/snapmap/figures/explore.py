@@ -14,7 +14,7 @@ from . import scales, style
 from .explore_axes import axis, durations, layout, plane
 from .explore_batch import batch_section
 from .explore_cells import cell_data, opening, states
-from .explore_device import device_rows, words_of
+from .explore_device import device_rows, vibrations, words_of
 from .explore_history import history, legend
 
 HERE = Path(__file__).parent
@@ -67,6 +67,7 @@ def page(
         "start": opening(cells, x, y),
         "horizon": float(horizon),
         "devices": device_rows(document),
+        "vibrations": vibrations(document, cells.C.values),
         "varied": [(key, words_of(key)) for key in cells.outcome.dims if key in VALUES],
         **cell_data(cells, traces, edges),
     }

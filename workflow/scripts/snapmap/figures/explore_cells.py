@@ -107,6 +107,7 @@ def _labels(cells):
 def _facts(cells, traces):
     """Numbers of each cell, (*axes)."""
     dims = cells.outcome.dims
+    unknown = xr.full_like(cells.t_snap, np.nan)
     energy = traces.energy.transpose(*dims, "bin")
     proof = np.ceil(cells.t_settled / traces.bin_length).transpose(*dims).fillna(0)
     at_proof = energy.isel(bin=proof.clip(0, energy.sizes["bin"] - 1).astype(int))
@@ -114,6 +115,8 @@ def _facts(cells, traces):
         "t_snap": cells.t_snap,
         "t_settled": cells.t_settled,
         "share": cells.get("well_share", xr.ones_like(cells.t_snap)),
+        "work_error": cells.get("work_error", unknown),
+        "t_snap_error": cells.get("t_snap_error", unknown),
         # Unrounded, as the page says of both on which side of the saddle's they are.
         "energy_at_proof": at_proof,
         "energy_at_end": energy.isel(bin=-1),

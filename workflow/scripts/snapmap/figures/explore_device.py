@@ -1,8 +1,10 @@
 """The devices of a study as their config has them, for the table of the page."""
 
 import html
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
+from ..config.devices import read_device
+from ..config.quality import describe
 from ..device import UNITS
 from .explore_axes import NAMES
 
@@ -22,8 +24,13 @@ def device_rows(document: Mapping) -> dict[str, list[tuple[str, str, str]]]:
 
     document: the config of a study, every value with its unit
     """
-    devices = document.get("devices", {"": document.get("device", {})})
-    return {html.escape(name): list(_rows(device)) for name, device in devices.items()}
+    return {name: list(_rows(device)) for name, device in _devices(document).items()}
+
+
+def vibrations(document: Mapping, C: Sequence[float]) -> dict[str, str]:
+    """What is said of each device's frequencies, by its name as in `device_rows`; C: uN us/um."""
+    said = {name: describe(read_device(device), C) for name, device in _devices(document).items()}
+    return {name: html.escape(words) for name, words in said.items()}
 
 
 def words_of(key: str) -> str:
@@ -31,6 +38,11 @@ def words_of(key: str) -> str:
     words, _ = NAMES.get(key, (key.replace("_", " "), ""))
     symbol = f" <i>{SYMBOLS[key]}</i>" if key in SYMBOLS else ""
     return html.escape(words) + symbol
+
+
+def _devices(document):
+    devices = document.get("devices", {"": document.get("device", {})})
+    return {html.escape(name): device for name, device in devices.items()}
 
 
 def _rows(values):

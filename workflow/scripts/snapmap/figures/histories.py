@@ -78,4 +78,13 @@ def _caption(history):
         return None
     model = style.model_words(json.loads(history.attrs["config"]))
     shock = (value_text(key, history.attrs[key]) for key in ("N", "f0", "C"))
-    return ", ".join([*shock, model])
+    return "\n".join([", ".join([*shock, model]), *_with_another_step(history)])
+
+
+def _with_another_step(history):
+    """A line on how far a run with another step goes apart, if its work is known."""
+    work, snap = (history.attrs.get(key, math.nan) for key in ("work_error", "t_snap_error"))
+    if math.isnan(work):
+        return []
+    told = f"with another step the work of the pulse differs by {100 * work:.2g} %"
+    return [told if math.isnan(snap) else f"{told}, the time of snap by {snap:.2g} µs"]

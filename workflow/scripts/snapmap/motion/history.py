@@ -1,6 +1,7 @@
 """One cell in full: motion, contact force and every energy over time."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -12,9 +13,9 @@ from ..numerics.linalg import dot, multiply
 from ..pulse import VERSED_SINE, Pulse, shocks_from
 from ..solver.adaptive import choose_model
 from ..solver.cells import check_cells, to_cells
-from ..solver.settings import Settings, check_settings
+from ..solver.repeat import REPEATED_STEP, t_snap_error, work_error
+from ..solver.settings import MOVE, Settings, check_settings
 from ..solver.simd_kernel import BLOCK
-from ..solver.settings import MOVE
 
 SAMPLES = 4000
 """A history keeps this many instants, up to twice as many, or all that there are."""
@@ -55,6 +56,8 @@ def simulate(
     until, energy_tolerance: of a sweep, whose step for this cell is taken
     pulse: a shape by name, or what `read_pulse` returns; direction: "+z" or "-z"
     model, options: as in the config's model section
+    The attributes work_error and t_snap_error say by how much the pulse's work and the time of snap
+    differ with another step, as in a cube.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> run = snapmap.simulate(device, 1100, 1500, 25, model="cosines", horizon=0)
@@ -97,7 +100,22 @@ def simulate(
         barrier=built.barrier.energy,
         gravity=device.gravity,
         time_step=dt,
+        **_differences(built, cells, settings),
     )
+
+
+def _differences(model, cells, settings):
+    """By how much the pulse's work and the time of snap, us, differ with another step."""
+    settings = settings._replace(until="moved")
+    # No snap ends a run of the model `reference` before its pulse is over.
+    onward = replace(model, barrier=model.barrier._replace(second=-np.inf))
+    models = {work_error: onward, t_snap_error: model}
+    differences = {}
+    for compare, one in models.items():
+        again = one.with_step(REPEATED_STEP)
+        runs = (each.follow_once(cells, settings) for each in (one, again))
+        differences[compare.__name__] = compare(*runs).item()
+    return differences
 
 
 def _sampling(t_end, dt):

@@ -51,6 +51,7 @@ class Observations(NamedTuple):
     well: the side of the saddle at the end of the run, 1 or 2; 0 if it ended at its snap
     energy_error: residual of the energy ledger over the gross work of the pulse
     well_share: share of the mass's last swing spent on that side; 1 if settled, NaN for well 0
+    pulse_work: of the whole pulse on mass and beam, pJ; NaN if the run ended before it or failed
     halvings: how often the model's step was halved for these observations
     level: of several that a model has, the one that decided the cell, 0 for the cheapest
     agreed: 0 where two of them disagree on whether the cell snaps, else 1
@@ -61,23 +62,24 @@ class Observations(NamedTuple):
     well: np.ndarray
     energy_error: np.ndarray
     well_share: np.ndarray
+    pulse_work: np.ndarray
     halvings: np.ndarray
     level: np.ndarray | None = None
     agreed: np.ndarray | None = None
 
     def shaped(self, shape: tuple[int, ...]) -> "Observations":
         """The same in another shape."""
-        return Observations(*(column.reshape(shape) for column in self[:6]))
+        return Observations(*(column.reshape(shape) for column in self[:7]))
 
     def replace(self, which: np.ndarray, others: "Observations") -> None:
         """Set what was observed of some cells, in place."""
-        for whole, part in zip(self[:6], others[:6], strict=True):
+        for whole, part in zip(self[:7], others[:7], strict=True):
             whole[which] = part
 
 
 def no_observations(shape: tuple[int, ...]) -> Observations:
     """Room for observations of so many cells."""
-    kinds = float, float, np.int8, float, float, np.int8
+    kinds = float, float, np.int8, float, float, float, np.int8
     return Observations(*(np.zeros(shape, kind) for kind in kinds))
 
 

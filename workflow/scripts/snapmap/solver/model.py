@@ -54,7 +54,10 @@ class Loop(Protocol):
     def march(
         self, model: "Model", cells: Cells, dt: np.ndarray, settings: Settings
     ) -> tuple[np.ndarray, ...]:
-        """t_snap, t_settled, well, energy_error and well_share of cells, (cells,); dt: us."""
+        """t_snap, t_settled, well, energy_error, well_share and pulse_work of cells, (cells,).
+
+        dt: us, (cells,)
+        """
 
     def record(
         self,
@@ -79,6 +82,7 @@ class Model:
     basis, modal: its matrices, and their reduced form
     barrier: between the two shapes of that form
     steps: the rule of its time steps
+    proves: whether its energy says where a beam settles; bool, of a batch (devices,)
     """
 
     name: str
@@ -89,6 +93,7 @@ class Model:
     modal: ModalBeam
     barrier: Barrier
     steps: Steps
+    proves: bool | np.ndarray
 
     @property
     def levels(self) -> tuple["Model"]:
@@ -114,6 +119,7 @@ class Model:
         if np.ndim(self.device.mass) == 0:
             return self
         parts = {"device": self.device.pick(which), "steps": self.steps.pick(which)}
+        parts["proves"] = self.proves[which]
         for key in ("modal", "barrier"):
             whole = getattr(self, key)
             parts[key] = type(whole)(*(value[which] for value in whole))
@@ -151,13 +157,14 @@ class Model:
         def follow_share(first):
             share = order[first :: settings.threads]
             found = self.loop().march(self, cells.some(share), dt[share], settings)
-            for whole, part in zip(seen[:5], found, strict=True):
+            for whole, part in zip(seen[:6], found, strict=True):
                 whole[share] = part
 
         with ThreadPoolExecutor(settings.threads) as pool:
             list(pool.map(follow_share, range(settings.threads)))
         seen.t_snap[seen.t_snap > cells.t_end] = np.nan
         seen.t_settled[seen.t_settled > cells.t_end] = np.nan
+        seen.pulse_work[~(seen.energy_error <= settings.energy_tolerance)] = np.nan
         return seen
 
 

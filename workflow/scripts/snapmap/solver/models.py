@@ -100,9 +100,11 @@ def _build_alike(device, name, options, kind):
         )
     whole = basis.complete and modes == basis.load.size
     steps = steps_of(device, modal, scheme, whole, options.get("step"))
+    # Elsewhere explicit impacts create energy, and some proofs are false: docs/stability.md.
+    proves = pays_explicit(device, modal, whole) | (not is_explicit)
     loop = plain if name == "reference" else simd
     barrier = find_barrier(device.beam, basis, modes)
-    return Model(name, scheme, loop, device, basis, modal, barrier, steps)
+    return Model(name, scheme, loop, device, basis, modal, barrier, steps, proves)
 
 
 def check_options(device: Device, name: str, options: Mapping) -> None:

@@ -123,8 +123,9 @@ def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
     amplitude: N g, um/us^2; f0: 1/us; damping: C, uN us/um; target: w(L/2) from rest, um
     history: (samples, 2 n + 4), modified in place: u, du/dt, y, dy/dt, work of the pulse and
         energy lost to damping (pJ), at as many of the first instants as it holds
-    Returns (t_snap, energy_error): us, NaN if the target is not reached; the energy ledger's
-    residual over the gross work of the pulse, not finite after a blow-up.
+    Returns (t_snap, energy_error, pulse_work): us, NaN if the target is not reached; the energy
+    ledger's residual over the gross work of the pulse, not finite after a blow-up; pJ, of the whole
+    pulse, NaN if the run ended before it.
     """
     n = system.load.size
     u, u_before, u_after, velocity = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
@@ -134,7 +135,7 @@ def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
     inertia, drag = system.mass / dt**2, damping / (2 * dt)
     beam_drag = system.beam_damping * dt / 2
     power, work, gross_work, loss, lost = 0.0, 0.0, 0.0, 0.0, 0.0
-    t_snap, residual = np.nan, 0.0
+    t_snap, residual, pulse_work = np.nan, 0.0, np.nan
     pieces, ends = pulse
     k = 0
 
@@ -174,12 +175,15 @@ def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
         if w_after <= target or step == steps - 1 or not np.isfinite(w_after):
             energy = total_energy(system, u, velocity, y, y_velocity, compression)
             residual = energy + lost - work
+            if step + 1 >= curve.lasts(ends[1], f0 * dt):
+                pulse_work = work + power * dt / 2
             if w_after <= target:
                 t_snap = (step + (w_mid - target) / (w_mid - w_after)) * dt
             break
         u_before, u, u_after = u, u_after, u_before
         y_before, y = y, y_after
-    return t_snap, abs(residual) / gross_work if gross_work > 0 else abs(residual)
+    error = abs(residual) / gross_work if gross_work > 0 else abs(residual)
+    return t_snap, error, pulse_work
 
 
 def march(model, cells, dt, settings):
@@ -188,7 +192,7 @@ def march(model, cells, dt, settings):
     model: a `Model`; cells: `Cells`, each column (cells,); dt: us, (cells,)
     Returns what the SIMD kernel does; no well is told
     """
-    found = np.empty((2, cells.f0.size))
+    found = np.empty((3, cells.f0.size))
     pulses = [one.curve for one in settings.pulses]
     for which in np.unique(cells.device):
         one = model.pick(which)
@@ -199,9 +203,9 @@ def march(model, cells, dt, settings):
             steps = int(np.ceil(cells.t_end[i] / dt[i]))
             load = pulses[cells.pulse[i]], cells.amplitude[i], cells.f0[i], cells.damping[i]
             found[:, i] = follow(system, *load, target, dt[i], steps, no_history)
-    t_snap, energy_error = found
+    t_snap, energy_error, pulse_work = found
     nothing = np.full(t_snap.size, np.nan)
-    return t_snap, nothing, np.zeros(t_snap.size, np.int8), energy_error, nothing
+    return t_snap, nothing, np.zeros(t_snap.size, np.int8), energy_error, nothing, pulse_work
 
 
 def record(model, pulse, amplitude, f0, damping, dt, steps, stride):

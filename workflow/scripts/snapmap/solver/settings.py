@@ -8,6 +8,8 @@ from ..pulse import Pulse, make_pulse
 UNTIL = ("settled", "snap")
 SNAP, STAY, MOVE = QUESTIONS = ("snap", "stay", "move")
 """Does it snap, where does it stay, how does it move: each has its own time step."""
+QUESTION = {"settled": STAY, "snap": SNAP, "pulse": SNAP, "moved": MOVE}
+"""What is asked by how long a cell is followed."""
 THRESHOLD_TOLERANCE = 1e-4
 """How closely thresholds in N are refined, relative, unless told."""
 
@@ -16,7 +18,9 @@ class Settings(NamedTuple):
     """What is asked of each cell, and how many threads work at it.
 
     horizon: time followed after the pulse's end, us
-    until: "settled" follows a cell until its well is proven, "snap" ends it at its snap too
+    until: "settled" follows a cell until its well is proven, "snap" ends it at its snap too; within
+        the solver "pulse" ends it with its pulse as well, and "moved" is "settled" in the steps
+        that the motion needs
     repeat: whether each cell is run again with another step, to see if its outcome is reproduced
     energy_tolerance: a run is believed if its energy ledger closes within this share of the
         pulse's gross work
@@ -33,7 +37,7 @@ class Settings(NamedTuple):
     @property
     def question(self) -> str:
         """The one of QUESTIONS that is asked."""
-        return STAY if self.until == "settled" else SNAP
+        return QUESTION[self.until]
 
     def asked(self) -> dict:
         """All but the threads, on which no result depends, and the pulses."""

@@ -556,12 +556,12 @@ def follow_all(X, shape, conserving, devices, pulses, cells, ends_at, tolerance,
         the saddle at the end; 0 where the run ended before its pulse or at its snap), energy_error
         (residual of the energy ledger over the gross work of the pulse, not finite after a
         blow-up), well_share (share of the mass's last swing spent on that side, 1 if proven; NaN
-        for well 0); (cells,)
+        for well 0), pulse_work (of the whole pulse, pJ; NaN if the run ended before); (cells,)
     """
     widen_vectors()
     device_of, pulse_of, amplitude, f0, damping, t_end, dt = cells
     stop_at_snap, stop_after_pulse = ends_at
-    t_snap, t_settled, well, energy_error, well_share = facts
+    t_snap, t_settled, well, energy_error, well_share, pulse_work = facts
     cell_in = np.full(LANES, -1)
     pushes, shocks, pushed = no_pushes(), np.zeros(BLOCK * LANES), False
     steps, lasts = pushes.steps, pushes.lasts
@@ -643,6 +643,8 @@ def follow_all(X, shape, conserving, devices, pulses, cells, ends_at, tolerance,
                 if not abs(guarded) * scale <= GUARD:
                     residual = guarded
             energy_error[cell] = abs(residual) * scale
+            is_whole = steps[l] >= lasts[l]
+            pulse_work[cell] = X[WORK * LANES + l] / (2 * step**2) if is_whole else np.nan
             t_snap[cell] = snap_time(X, l, step) if snapped else np.nan
             t_settled[cell] = (steps[l] - 1) * step if proven else np.nan
             share = (X[BEYOND * LANES + l] - beyond[l]) / (steps[l] - since[l])

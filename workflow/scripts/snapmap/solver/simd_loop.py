@@ -38,8 +38,8 @@ def march(model, cells, dt, settings):
     model: a `Model`; cells: `Cells`, each column (cells,); dt: us, (cells,)
     """
     n_cells, modes = cells.f0.size, model.modes
-    t_snap, t_settled, energy_error, well_share = (np.empty(n_cells) for _ in range(4))
-    facts = t_snap, t_settled, np.empty(n_cells, np.int8), energy_error, well_share
+    t_snap, t_settled, *others = (np.empty(n_cells) for _ in range(5))
+    facts = t_snap, t_settled, np.empty(n_cells, np.int8), *others
     rows, pulses = coefficients(model, snap_target(model)), table(settings.pulses)
     ends = settings.until in ("snap", "pulse"), settings.until == "pulse"
     asked = ends, settings.energy_tolerance
@@ -121,9 +121,10 @@ def coefficients(model, target):
     model: a `Model`; target: w(L/2) from rest at which a run counts as snapped, um; -inf for never
     """
     device, modal, barrier = model.device, model.modal, model.barrier
+    proves_below = np.where(model.proves, barrier.energy, 0.0)
     numbers = [
         *(modal.axial, modal.residual, contact_stiffness(device, modal.residual), device.mass),
-        *(device.spring, target, barrier.energy, barrier.midpoint, device.gap),
+        *(device.spring, target, proves_below, barrier.midpoint, device.gap),
         device.beam.damping,
     ]
     vectors = modal.stiffness, *modal[2:5]

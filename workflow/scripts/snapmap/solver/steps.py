@@ -57,6 +57,11 @@ class Steps:
         return replace(self, longest=longest, shortest=self.shortest[which])
 
 
+def fixed(dt: np.ndarray) -> Steps:
+    """The rule that has one step for each device, us, (devices,), but for very short pulses."""
+    return Steps(dict.fromkeys(QUESTIONS, dt), np.zeros(dt.shape), FEWEST)
+
+
 def steps_of(
     device: Device, modal: ModalBeam, scheme: str, whole: bool, step: float | None
 ) -> Steps:
@@ -73,5 +78,4 @@ def steps_of(
         dt = default_step(device, modal, whole)
     else:
         dt = step * stability_limit(device, modal, scheme)
-    dt = np.atleast_1d(dt)
-    return Steps(dict.fromkeys(QUESTIONS, dt), np.zeros(dt.shape), FEWEST)
+    return fixed(np.atleast_1d(dt))

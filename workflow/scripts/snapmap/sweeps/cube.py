@@ -48,6 +48,11 @@ VARIABLES = {
         "units": "1",
         "comment": "of what the scheme conserves, or beyond a tenth of the energy at whole steps",
     },
+    "pulse_work": {
+        "long_name": "work of the pulse on mass and beam",
+        "units": "pJ",
+        "comment": "of the whole pulse; NaN where the run ended before it or failed",
+    },
     "halvings": {
         "long_name": "how often the time step was halved until the energy ledger closed",
         "units": "1",
@@ -71,6 +76,16 @@ VARIABLES = {
         "long_name": "whether it also ended on the same side of the saddle",
         "flag_values": np.arange(2, dtype=np.int8),
         "flag_meanings": "not_reproduced reproduced",
+    },
+    "work_error": {
+        "long_name": "difference of the work of the pulse in a run with another time step",
+        "units": "1",
+        "comment": "over the larger of both works; NaN where one of them is not known",
+    },
+    "t_snap_error": {
+        "long_name": "difference of the time of snap in a run with another time step",
+        "units": "us",
+        "comment": "NaN where one of both runs did not snap",
     },
 }
 

@@ -8,11 +8,11 @@ from ..axes import Grid
 from ..solver.cells import Rows, rows_of, to_cells
 from ..solver.model import Follows
 from ..solver.outcome import ABSENT, FAILED, label
+from ..solver.repeat import REPEATED_STEP, t_snap_error, work_error
 from ..solver.settings import Settings
 
-REPEATED_STEP = 0.75
-"""The second run of a cell takes this fraction of the first one's step."""
-UNKNOWN = dict.fromkeys(("t_snap", "t_settled", "well_share", "energy_error"), np.nan)
+TIMES = "t_snap", "t_settled", "t_snap_error"
+UNKNOWN = dict.fromkeys((*TIMES, "well_share", "energy_error", "pulse_work", "work_error"), np.nan)
 KNOWN = dict.fromkeys(("agreed", "reproduced", "well_reproduced"), 1)
 NONE = dict.fromkeys(("well", "halvings", "level"), 0)
 ABSENCE = {"outcome": ABSENT, **NONE, **KNOWN, **UNKNOWN}
@@ -36,14 +36,13 @@ def follow_rows(
     order = np.argsort(N, kind="stable")
     device, f0, C, pulse = (column[there, np.newaxis] for column in rows)
     cells = to_cells(model.device, device, N[order], f0, C, settings.horizon, pulse)
-    found = _follow(model, cells, settings)
+    seen = model.follow(cells, settings)
+    found = _variables(seen, settings)
     if settings.repeat:
-        again = _follow(model.with_step(REPEATED_STEP), cells, settings)
-        same = again["outcome"] == found["outcome"]
-        found["reproduced"] = same.astype(np.int8)
-        if "well" in found:
-            same &= again["well"] == found["well"]
-            found["well_reproduced"] = same.astype(np.int8)
+        again = model.with_step(REPEATED_STEP).follow(cells, settings)
+        found |= _repeated(found, _variables(again, settings))
+        for compare in (work_error, t_snap_error):
+            found[compare.__name__] = compare(seen, again).astype(np.float32)
     variables = {}
     for key, values in found.items():
         variables[key] = np.full((there.size, N.size), ABSENCE[key], values.dtype)
@@ -51,13 +50,13 @@ def follow_rows(
     return variables
 
 
-def _follow(model, cells, settings):
-    seen = model.follow(cells, settings)
+def _variables(seen, settings):
     variables = {
         "outcome": label(*seen[:4], settings.energy_tolerance),
         "t_snap": seen.t_snap,
         "t_settled": seen.t_settled,
         "energy_error": seen.energy_error,
+        "pulse_work": seen.pulse_work.astype(np.float32),
         "halvings": seen.halvings,
         "level": seen.level,
         "agreed": seen.agreed,
@@ -67,3 +66,13 @@ def _follow(model, cells, settings):
         variables["well"] = np.where(failed, 0, seen.well).astype(np.int8)
         variables["well_share"] = np.where(failed, np.nan, seen.well_share).astype(np.float32)
     return {key: values for key, values in variables.items() if values is not None}
+
+
+def _repeated(found, again):
+    """What a run has in common with another."""
+    same = again["outcome"] == found["outcome"]
+    variables = {"reproduced": same.astype(np.int8)}
+    if "well" in found:
+        same = same & (again["well"] == found["well"])
+        variables["well_reproduced"] = same.astype(np.int8)
+    return variables

@@ -36,7 +36,8 @@ def measure_pair(
     """
     device = changed(device, case)
     try:
-        model = build_model(device, **options)
+        # Explicit proofs are judged here even where no sweep believes them.
+        model = replace(build_model(device, **options), proves=True)
     except ValueError:
         return _blank(steps, REFUSED)
     limit = stability_limit(device, model.modal, model.scheme)

@@ -1,0 +1,153 @@
+"""The work of the pulse: what it is, and by how much it differs with another step."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import snapmap
+from snapmap.solver.cells import Observations, to_cells
+from snapmap.solver.models import build_model
+from snapmap.solver.repeat import REPEATED_STEP, work_error
+from snapmap.solver.schemes import EXPLICIT, SCHEMES
+from snapmap.solver.settings import Settings
+from snapmap.sweeps.grid import ABSENCE
+
+SETTINGS = Settings(horizon=300.0)
+ENERGIES = ("kinetic", "spring", "bending", "axial", "contact", "dissipated")
+
+
+def work_of(model, N, f0, C, settings=SETTINGS):
+    cells = to_cells(model.device, 0, np.atleast_1d(N), f0, C, settings.horizon)
+    return model.follow_once(cells, settings).pulse_work
+
+
+@pytest.mark.parametrize("ratio", [0.3, 1.0, 1.6, 2.0])
+def test_the_work_on_a_mass_alone_is_what_its_residual_swing_holds(handout, ratio):
+    """Undamped, and too far from the beam to touch it: K/2 of the amplitude squared.
+
+    After a versed sine of `ratio` of its periods a mass on a spring swings by
+    N g/omega^2 sin(pi ratio)/(1 - ratio^2), and at ratio 1 by pi/2 of N g/omega^2.
+    """
+    omega, device = handout.own_frequency, dataclasses.replace(handout, gap=1e3)
+    f0, shock = omega / (2 * np.pi * ratio), 50 * handout.gravity / omega**2
+    swing = shock * (np.pi / 2 if ratio == 1 else np.sin(np.pi * ratio) / (1 - ratio**2))
+    found = work_of(build_model(device, "cosines", modes=3), 50.0, f0 * 1e6, 0.0)
+    # The pulse also moves the beam, which weighs less by a factor of 160, by a thousandth of that.
+    assert found == pytest.approx(device.spring * swing**2 / 2, rel=1e-4, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("model", "options"),
+    [("cosines", {"modes": 3, "scheme": scheme}) for scheme in SCHEMES] + [("reference", {})],
+)
+@pytest.mark.parametrize("N", [700.0, 1500.0])
+def test_the_work_is_the_change_of_energy_and_the_losses(handout, model, options, N):
+    device = dataclasses.replace(handout, beam=dataclasses.replace(handout.beam, damping=1e-3))
+    asked = {"model": model, "horizon": 100.0, **options}
+    run = snapmap.simulate(device, N, 2e3, 25.0, **asked)
+    gained = sum(run[f"{kind}_energy"][-1] for kind in ENERGIES)
+    assert float(run.pulse_work[-1]) == pytest.approx(float(gained), rel=2e-3)
+    cube = snapmap.sweep(device, [N], [2e3], [25.0], **asked)
+    if model == "reference" and N > 1000:
+        assert np.isnan(cube.pulse_work)  # its run ends at the snap, within the pulse
+    else:
+        assert cube.pulse_work.item() == pytest.approx(float(run.pulse_work[-1]), rel=1e-6)
+
+
+@pytest.mark.parametrize(("contact", "modes"), [(40.0, 3), (40.0, 5), (np.inf, 3)])
+def test_the_work_converges_with_order_two(handout, contact, modes):
+    """Cells that never snap, where the motion is smooth."""
+    device = dataclasses.replace(handout, contact=contact)
+    model = build_model(device, "cosines", modes=modes, step=0.2)
+    works = [work_of(model.with_step(2.0**-k), [500.0, 700.0], 3e3, 25.0) for k in range(3)]
+    first, second = abs(np.diff(works, axis=0))
+    np.testing.assert_allclose(np.log2(first / second), 2, atol=0.2)
+
+
+def test_the_error_of_the_work_is_the_difference_of_two_runs_over_the_larger():
+    def seen(*works):
+        blank = np.zeros(len(works))
+        return Observations(*(blank,) * 5, np.array(works), blank)
+
+    found = work_error(seen(0.0, 4.0, 3.0, -1.0, np.nan, 2.0), seen(0.0, 3.0, 4.0, 1.0, 1.0, 0.0))
+    np.testing.assert_array_equal(found, [0.0, 0.25, 0.25, 2.0, np.nan, 1.0])
+
+
+@pytest.fixture(scope="module")
+def cube(handout):
+    asked = {"model": "cosines", "modes": 3, "horizon": 300.0}
+    return snapmap.sweep(handout, [0.0, 700.0, 1400.0], [1500.0, 6e3], [25.0], **asked)
+
+
+def test_a_cube_says_by_how_much_another_step_differs(handout, cube):
+    model = build_model(handout, "cosines", modes=3)
+    f0, N = (values.ravel() for values in np.meshgrid(cube.f0, cube.N, indexing="ij"))
+    cells = to_cells(handout, 0, N, f0, 25.0, 300.0)
+    seen, again = (one.follow(cells, SETTINGS) for one in (model, model.with_step(REPEATED_STEP)))
+    works, times = np.array([(run.pulse_work, run.t_snap) for run in (seen, again)]).swapaxes(0, 1)
+    np.testing.assert_array_equal(cube.pulse_work.values.ravel(), np.float32(works[0]))
+    apart = np.float32(abs(works[1] - works[0])[N > 0] / works.max(axis=0)[N > 0])
+    np.testing.assert_array_equal(cube.work_error.values.ravel()[N > 0], apart)
+    np.testing.assert_array_equal(
+        cube.t_snap_error.values.ravel(), np.float32(abs(times[1] - times[0]))
+    )
+    assert (cube.t_snap_error.isnull() == cube.t_snap.isnull()).all()
+
+
+def test_no_push_does_no_work_and_differs_by_none(cube):
+    still = cube.sel(N=0)
+    assert (still.pulse_work == 0).all() and (still.work_error == 0).all()
+
+
+def test_without_a_second_run_nothing_is_said_of_it(handout):
+    cube = snapmap.sweep(handout, [700.0], [1500.0], [25.0], model="cosines", repeat=False)
+    assert "pulse_work" in cube and not {"work_error", "t_snap_error"} & set(cube)
+
+
+def test_a_run_that_ends_in_its_pulse_has_no_work(handout):
+    """To the snap, in a pulse of 10 ms; and one that snaps after its pulse has all of it."""
+    asked = {"model": "cosines", "until": "snap"}
+    cube = snapmap.sweep(handout, [2400.0], [100.0, 2e4], [25.0], **asked).squeeze()
+    assert cube.t_snap[0] < 1e4 and cube.t_snap[1] > 50
+    assert np.isnan(cube.pulse_work[0]) and cube.pulse_work[1] > 0
+
+
+def test_a_failed_run_has_no_work(handout):
+    model = build_model(handout, "cosines", modes=3).with_step(5.0)
+    assert np.isnan(work_of(model, 1500.0, 1500.0, 0.025)).all()
+    assert all(np.isnan(ABSENCE[key]) for key in ("pulse_work", "work_error", "t_snap_error"))
+
+
+@pytest.mark.parametrize("model", ["cosines", "handout", "reference"])
+def test_a_history_is_checked_as_a_cell_of_a_cube(handout, model):
+    asked = {"model": model, "horizon": 300.0}
+    run = snapmap.simulate(handout, 1400.0, 1500.0, 25.0, **asked)
+    cube = snapmap.sweep(handout, [1400.0], [1500.0], [25.0], **asked).squeeze()
+    assert np.float32(run.t_snap_error) == cube.t_snap_error
+    assert run.work_error > 0
+    assert model == "reference" or np.float32(run.work_error) == cube.work_error
+
+
+def test_explicit_runs_prove_nothing_where_they_are_not_the_default(handout):
+    """They are followed to the horizon and stay open; with soft contact and all modes they do."""
+    hard = dataclasses.replace(handout, contact=np.inf)
+    for device, name in ((hard, "handout"), (handout, "cosines")):
+        asked = {"horizon": 500.0, "model": name, "scheme": EXPLICIT}
+        cube = snapmap.sweep(device, [600.0, 1500.0], [3e3], [25.0], **asked)
+        assert cube.t_settled.isnull().all() and cube.share_proven == 0
+        assert cube.outcome.values.ravel().tolist() == [0, 2]
+    soft = snapmap.sweep(handout, [600.0], [3e3], [25.0], model="handout", scheme=EXPLICIT)
+    assert soft.share_proven == 1
+
+
+def test_a_batch_proves_what_each_device_proves_alone(handout):
+    devices = {"soft": handout, "stiff": dataclasses.replace(handout, contact=4000.0)}
+    asked = {"model": "handout", "scheme": EXPLICIT}
+    axes = [600.0, 800.0], [3e3], [25.0]
+    both = snapmap.sweep(devices, *axes, **asked)
+    alone = [snapmap.sweep(device, *axes, **asked) for device in devices.values()]
+    xr.testing.assert_equal(both.t_settled.isel(device=0, drop=True), alone[0].t_settled)
+    xr.testing.assert_equal(both.t_settled.isel(device=1, drop=True), alone[1].t_settled)
+    assert (both.t_settled.notnull().all(["C", "f0", "N"]).values == [True, False]).all()

@@ -1,0 +1,249 @@
+"""Quality factors: what a config gives is what a free decay measures; frequencies likewise."""
+
+import copy
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.linalg
+import yaml
+
+import snapmap
+from snapmap.beam.elements import hermite_elements
+from snapmap.beam.vibration import natural_frequency
+from snapmap.config.devices import load_device, read_device
+from snapmap.config.study import load_study
+from snapmap.config.yaml_file import ConfigError, read_document
+from snapmap.pulse import make_pulse
+from snapmap.solver.models import build_model
+from snapmap.solver.plain_loop import follow, nodal_system
+
+DOCUMENT = yaml.safe_load("""
+device:
+  beam: {span: 600 um, rise: 10 um, thickness: 2 um, depth: 22 um, youngs_modulus: 150 GPa,
+         density: 2330 kg/m^3, quality_factor: 60}
+  mass: 1e-8 kg
+  spring: 5.5 N/m
+  contact: 40 N/m
+  gravity: 9.81 m/s^2
+  gap: 5 um
+  quality_factor: 94
+model: {name: cosines, modes: 3}
+sweep: {N: [900, 1000], f0: [1500 Hz], horizon: 100 us}
+""")
+BEAMS = [
+    {},
+    {"rise": "5 um"},
+    {"residual_stress": "-40 MPa"},
+    {"residual_stress": "20 MPa", "rise": "12 um"},
+    {"guide": "free", "imperfection": "0.05 um"},
+    {"guide": "free", "imperfection": "2 um", "residual_stress": "-8 MPa"},
+]
+
+
+def changed(**values):
+    """The document with other values of the device, of its beam, or in the sweep; None: without."""
+    document = copy.deepcopy(DOCUMENT)
+    device, sweep = document["device"], document["sweep"]
+    for key, value in values.items():
+        part = {"beam": device["beam"], "device": device, "sweep": sweep}[key.partition("_")[0]]
+        part[key.partition("_")[2]] = value
+    for part in (device, device["beam"], sweep):
+        for key in [key for key, value in part.items() if value is None]:
+            del part[key]
+    return document
+
+
+def faults(document):
+    with pytest.raises(ConfigError) as caught:
+        load_study(document)
+    return caught.value.args
+
+
+def dense_modes(beam, elements):
+    """Mass matrix, squares of frequencies and shapes at the least of the energy, by LAPACK."""
+    basis = hermite_elements(elements, free=bool(beam.free)).scaled_to(beam)
+    made = q = basis.start
+    for _ in range(20):
+        stretch = made @ basis.geometric @ made - q @ basis.geometric @ q
+        N = beam.axial_stiffness * stretch - beam.residual_stress * beam.area
+        slope = basis.geometric @ q
+        tangent = basis.bending - N * basis.geometric
+        tangent = tangent + 2 * beam.axial_stiffness * np.outer(slope, slope)
+        q = q - np.linalg.solve(tangent, basis.bending @ (q - made) - N * slope)
+    squares, shapes = scipy.linalg.eigh(tangent, basis.mass)
+    return basis, squares, shapes
+
+
+def symmetric_mode(beam, elements):
+    """Frequency and shape of the one of the first two that a shaken frame moves more."""
+    basis, squares, shapes = dense_modes(beam, elements)
+    first = np.argmax(abs(basis.load @ shapes)[: 1 + bool(beam.free)])
+    return np.sqrt(squares[first]), shapes[:, first]
+
+
+@pytest.mark.parametrize("values", BEAMS, ids=str)
+def test_the_frequency_is_that_of_the_dense_problem(values):
+    document = changed(**{f"beam_{key}": value for key, value in values.items()})
+    beam = read_device(document["device"]).beam
+    omega, _ = symmetric_mode(beam, elements=20)
+    # Ten elements leave 1e-4 of what twenty have almost to the end: order 4.
+    assert natural_frequency(beam) == pytest.approx(omega, rel=1.5e-4)
+
+
+def decay(time, motion):
+    """Undamped frequency and quality factor, from the peaks of a swing that dies away."""
+    size = abs(motion)
+    peak = 1 + np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:]))
+    rate = -np.polyfit(time[peak], np.log(size[peak]), 1)[0]
+    half_period = np.polyfit(np.arange(peak.size), time[peak], 1)[0]
+    omega = math.hypot(math.pi / half_period, rate)
+    return omega, omega / (2 * rate)
+
+
+@pytest.mark.parametrize("values", BEAMS, ids=str)
+def test_a_free_decay_measures_the_quality_factor_of_the_beam(values):
+    document = changed(**{f"beam_{key}": value for key, value in values.items()})
+    device = read_device(document["device"])
+    model = build_model(device, "reference", elements=5)
+    system, n = nodal_system(device, model.basis), model.basis.load.size
+    history = np.zeros((round(300.0 / model.dt), 2 * n + 4))
+    # A weak, short push: the mass stays away, and the beam's motion is linear.
+    follow(
+        system, make_pulse().curve, 1e-3 * device.gravity, 0.5, 0.0, -np.inf, model.dt,
+        len(history), history,
+    )  # fmt: skip
+    omega, shape = symmetric_mode(device.beam, elements=5)
+    time, free = np.arange(len(history)) * model.dt, slice(math.ceil(3.0 / model.dt), None)
+    motion = history[free, :n] @ system.inertia @ shape
+    measured, quality = decay(time[free], motion)
+    # Five elements are up to 2e-3 too fast.
+    assert measured == pytest.approx(omega, rel=2e-4)
+    assert measured == pytest.approx(natural_frequency(device.beam), rel=2e-3)
+    assert quality == pytest.approx(60.0, rel=2e-3)
+
+
+def test_a_free_decay_measures_the_quality_factor_of_the_mass():
+    study = load_study(changed(device_quality_factor=20))
+    (C,) = study.axes["C"]
+    run = snapmap.simulate(study.device, 0.1, 50e3, C, model="cosines", modes=3, horizon=3000.0)
+    after = run.time > 25.0
+    omega, quality = decay(run.time.values[after], run.z_mass.values[after] - 10.0 - 5.0)
+    assert omega == pytest.approx(math.sqrt(5.5 / 1e4), rel=1e-3)
+    assert quality == pytest.approx(20.0, rel=2e-3)
+
+
+def test_a_quality_factor_stands_for_the_damping():
+    study = load_study(DOCUMENT)
+    beam = study.device.beam
+    assert beam.damping == natural_frequency(replace(beam, damping=0.0)) / 60
+    assert study.axes["C"].tolist() == [math.sqrt(5.5 * 1e4) / 94]
+    spelled = changed(
+        beam_quality_factor=None,
+        beam_damping=f"{beam.damping!r} /us",
+        device_quality_factor=None,
+        sweep_C=[f"{study.axes['C'].item()!r} uN*us/um"],
+    )
+    again = load_study(spelled)
+    assert again.document() == study.document() and again.axes["C"] == study.axes["C"]
+
+
+def test_axes_and_tolerances_leave_the_damping_as_it_is():
+    study = load_study(changed(sweep_thickness=["1.9 um", "2.1 um"], sweep_spring=["5 N/m"]))
+    alone = load_study(DOCUMENT)
+    assert set(study.grid.device.beam.damping) == {alone.device.beam.damping}
+    assert study.axes["C"] == alone.axes["C"]
+
+
+@pytest.mark.parametrize(
+    "values, line",
+    [
+        (
+            {"beam_damping": "4e-3 /us"},
+            "device.beam.quality_factor: stands beside damping; write one of them",
+        ),
+        (
+            {"sweep_C": ["1 uN*us/um"]},
+            "device.quality_factor: stands beside sweep.C; write one of them",
+        ),
+        (
+            {"device_quality_factor": None},
+            "sweep.C: missing; write dampers (force time per length) of the mass, "
+            "or device.quality_factor",
+        ),
+        (
+            {"beam_quality_factor": 0},
+            "device.beam.quality_factor: 0 is not positive; "
+            "write a plain number > 0 such as 250",
+        ),
+        (
+            {"device_quality_factor": "-3"},
+            "device.quality_factor: '-3' is not positive; write a plain number > 0 such as 250",
+        ),
+        (
+            {"device_quality_factor": "94 um"},
+            "device.quality_factor: '94 um' is not a plain number; "
+            "write a plain number > 0 such as 250",
+        ),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_is_one_line(values, line):
+    assert faults(changed(**values)) == (line,)
+
+
+def several(**softer):
+    parts = {key: value for key, value in DOCUMENT.items() if key != "device"}
+    return parts | {"devices": {"one": DOCUMENT["device"], "two": DOCUMENT["device"] | softer}}
+
+
+def test_several_devices_share_one_C():
+    alone = load_study(DOCUMENT)
+    assert load_study(several(gap="3 um")).axes["C"] == alone.axes["C"]
+    for softer in ({"spring": "4 N/m"}, {"quality_factor": 90}):
+        (line,) = faults(several(**softer))
+        assert line == "devices: quality factors give no C that all devices share; write sweep.C"
+    both = several()
+    both["sweep"] = both["sweep"] | {"C": ["1 uN*us/um"]}
+    assert faults(both) == (
+        "devices.one.quality_factor: stands beside sweep.C; write one of them",
+        "devices.two.quality_factor: stands beside sweep.C; write one of them",
+    )
+
+
+def test_a_device_is_described(handout):
+    assert snapmap.describe(handout) == "beam 157.8 kHz, quality factor infinite; mass 3.733 kHz"
+    study = load_study(DOCUMENT)
+    (line,) = study.descriptions()
+    C = study.axes["C"].item()
+    assert line == (
+        "device: beam 157.8 kHz, quality factor 60; mass 3.733 kHz, "
+        f"quality factor 94 at C = {C:.4g} uN us/um"
+    )
+    assert snapmap.describe(handout, [10.0, 0.0, 2.5]).endswith(
+        "quality factor infinite at C = 0 to 23.45 at C = 10 uN us/um"
+    )
+    with pytest.raises(ValueError, match=r"^C: -1 cannot be; "):
+        snapmap.describe(handout, [-1.0])
+
+
+def test_documents_quote_the_quality_factors_of_their_configs(root):
+    damped = load_device(root / "config" / "damped.yaml")
+    beam = f"{natural_frequency(damped.beam) / damped.beam.damping:.0f}"
+    first, second = (math.sqrt(damped.spring * damped.mass) / C for C in (2.5, 10.0))
+    said = {
+        "config/damped.yaml": [f"is {first:.0f} and {second:.0f}", f"itself ({beam})"],
+        "README.md": [f"quality factors {first:.0f} of the mass, {beam} of the beam"],
+        "docs/make_picture.py": [f"quality factors {first:.0f} (mass), {beam} (beam)"],
+    }
+    sensor = load_device(root / "config" / "sensor.yaml")
+    beam = f"{natural_frequency(sensor.beam) / sensor.beam.damping:.0f}"
+    mass = f"{math.sqrt(sensor.spring * sensor.mass) / 5:.0f}"
+    said["docs/tutorial.md"] = [f"{mass} of the mass", f"{beam} of the beam"]
+    for name, words in said.items():
+        text = (root / name).read_text(encoding="utf-8")
+        assert all(word in text for word in words), name
+
+
+def test_the_sensor_of_the_tutorial_is_read(root):
+    assert load_study(read_document(root / "config" / "sensor.yaml")).descriptions()
