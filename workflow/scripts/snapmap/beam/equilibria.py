@@ -42,7 +42,8 @@ def static_threshold(device: Device) -> float | np.ndarray:
     """Lowest N, in multiples of g, whose lasting acceleration leaves no equilibrium to rest in.
 
     That is the first maximum on the way, or where the beam leaves the mass to snap by itself. A
-    beam that leaves the mass where it could still rest alone goes on to its own first maximum.
+    beam that leaves the mass where it could still rest alone, or that the mass does not reach
+    across its gap, goes on to its own first maximum.
     """
     if np.ndim(device.mass):
         return np.array([static_threshold(device.pick(i)) for i in range(len(device))])
@@ -59,9 +60,10 @@ def static_threshold(device: Device) -> float | np.ndarray:
         return behind & np.logical_or.accumulate(~behind)
 
     a, reached, leaves = _end_of(modes, pressed, is_left, whole)
-    if leaves:
+    if leaves or device.gap > 0:
         alone, edge, _ = _end_of(modes, _shock_alone, lambda a, reached: a < 0, whole)
-        if reached < edge:
+        apart = device.mass * alone < device.spring * (edge + device.gap)
+        if reached < edge if leaves else apart:
             a = alone
     return float(a / device.gravity)
 
