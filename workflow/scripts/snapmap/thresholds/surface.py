@@ -13,7 +13,7 @@ from ..solver.adaptive import choose_survey
 from ..solver.cells import check_cells, rows_of, to_rows
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings, check_number, check_settings
 from .cost import tell_cost
-from .islands import ABOVE, STATUS, survey
+from .islands import ABOVE, NOT_FOLLOWED, NOTHING_SNAPS, STATUS, survey
 from .reuse import joined, recall
 from .settling import lowest_latched
 
@@ -238,6 +238,9 @@ def summary(found: xr.Dataset) -> str:
         f"{int(found.ragged.sum())} of them ragged, {int((known > 0.01).sum())} with an error "
         f"above 1 %, median {typical}"
     )
+    for number in (NOTHING_SNAPS, NOT_FOLLOWED):
+        count = int((found.status == number).sum())
+        line += f"; {STATUS[number].replace('_', ' ')} in {count}" if count else ""
     if found.sizes.get("direction", 1) < 2:
         return line
     # Where nothing snaps, the other side is the weaker one.
