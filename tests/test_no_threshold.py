@@ -1,4 +1,4 @@
-"""Where nothing snaps, and why: bounds by energy, failing runs, thresholds far below the statics."""
+"""Where nothing snaps, and why: bounds by energy, runs that fail, thresholds below the statics."""
 
 from dataclasses import replace
 
