@@ -8,7 +8,7 @@ from .model import Follows
 
 MOST_SECONDS = 3.6e7
 """What takes longer, 10 000 core hours, is taken for a slip."""
-WORTH_SAYING = 60.0
+WORTH_SAYING = 30.0
 """What takes longer, s, is told before it begins."""
 
 

@@ -9,7 +9,7 @@ from ..solver.settings import Settings
 
 SCANNED, DECIDED = 400, 50
 """Cells of a row that the scanning and the deciding level follow, about."""
-ROUNDS, WIDTH = 13, 32
+ROUNDS, WIDTH = 26, 32
 """Refinement asks so often in turn, and fewer cells at a time take as long as WIDTH."""
 
 
