@@ -33,7 +33,7 @@ VARIABLES = {
         "long_name": "whether there is a threshold, and if not, why",
         "flag_values": np.arange(len(STATUS), dtype=np.int8),
         "flag_meanings": " ".join(STATUS),
-        "comment": "nothing_snaps: up to N_looked; not_followed: its runs fail",
+        "comment": "nothing_snaps: up to N_looked, within the horizon; not_followed: its runs fail",
     },
     "N_bound": {"long_name": "amplitude below which nothing snaps, by energy", **MULTIPLES},
     "N_looked": {"long_name": "highest amplitude looked at", **MULTIPLES},
