@@ -260,7 +260,7 @@ def test_map_shows_the_refined_threshold_in_its_band_dashed_where_late():
         "the same, after the pulse",
         "error band of it",
         "above it, all $N$ snap",
-        "static, impulsive limits",
+        "limits of long and of short pulses",
     ]
 
 

@@ -36,7 +36,8 @@ def pays_explicit(device: Device, modal: ModalBeam, whole: bool) -> Value:
 
 def stability_limit(device: Device, modal: ModalBeam, scheme: str) -> Value:
     """Largest step, us, for which every run stays bounded: 2/omega_max; see docs/theory.md."""
-    return bending_limit(modal) if scheme == CONSERVING else tangent_limit(device, modal)
+    of_beam = bending_limit(modal) if scheme == CONSERVING else tangent_limit(device, modal)
+    return np.minimum(of_beam, 2 / np.sqrt(device.spring / device.mass))
 
 
 def default_step(device: Device, modal: ModalBeam, scheme: str, whole: bool) -> Value:
