@@ -1,4 +1,5 @@
 import fcntl
+import json
 import os
 import sys
 from pathlib import Path
@@ -16,6 +17,7 @@ from snapmap.io.dependencies import code_hash, kernel_cache
 os.environ.update(PYTHONDONTWRITEBYTECODE="1")
 os.environ.setdefault("NUMBA_CACHE_DIR", str(kernel_cache()))
 from snapmap.io.atomic import remove_leftovers, remove_others
+from snapmap.io.named import check_as_planned
 from snapmap.io.progress import Progress, hush
 from snapmap.config.devices import nominal
 from snapmap.config.study import load_study
@@ -34,6 +36,10 @@ try:
     for path in workflow.overwrite_configfiles:
         read_document(path)  # Snakemake keeps the last of two equal keys without a word
     study = load_study(config)
+    # A job that reads the Snakefile again, on another machine, has the plan's by its environment.
+    if workflow.is_main_process:
+        os.environ["SNAPMAP_PLANNED"] = json.dumps(study.files())
+    check_as_planned(study.files(), json.loads(os.environ.get("SNAPMAP_PLANNED", "{}")))
     plan = make_plan(
         study.grid, study.model, study.settings, [h.f0 for h in study.histories]
     )
@@ -47,7 +53,6 @@ names = [
     slab_name(study.device, study.model, slab, asked, study.shocks)
     for slab in plan.slabs
 ]
-recorded = [study.pulse["file"]] if "file" in study.pulse else []
 slabs = dict(zip(names, plan.slabs))
 requests = dict(zip(names, plan.requests))
 cells = {cell.name: cell for cell in study.histories}
@@ -64,7 +69,6 @@ map_stems = [view.name for view in ends] + ["maps"] * bool(ends)
 map_stems += [view.name for view in times]
 snap_stems = [view.name for view in snaps] + ["snap_maps"] * bool(snaps)
 snap_stems += [view.name for view in fields]
-marked = {"points": study.marks} if study.marks else {}
 curve_stems = [*(view.name for view in study.curves), study.boundary.name]
 batches = batch_places(study.grid)
 of_batch = ["probability", "sensitivity", *["yield"] * bool(study.requirements)]

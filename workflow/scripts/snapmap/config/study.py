@@ -20,7 +20,6 @@ from .shocks import (
     Requirement,
     marks_outside,
     pulse_key,
-    pulse_values,
     read_marks,
     read_requirements,
     read_shocks,
@@ -39,12 +38,12 @@ class Study:
     grid: all axes, each ascending
     skip: whether a device without a second stable shape is marked, not refused
     settings: how each cell is followed
-    shocks: their pulses; pulse: the values of the section, for `shocks_of`
+    shocks: their pulses; pulse: values for `shocks_of`
     requirements: shocks that must or must not trip the device
     tolerances: what scatters from device to device, or nothing
     threshold_tolerance: of the thresholds in N, relative
     maps, curves, boundary: what is drawn of cells, thresholds, and the damage boundary
-    marks: path of a user's own points on the maps, or nothing
+    marks: file and SHA-256 of a user's own points on the maps, or nothing
     left_out: one line on what is not drawn, or nothing
     """
 
@@ -62,7 +61,7 @@ class Study:
     maps: tuple[View, ...]
     curves: tuple[View, ...]
     boundary: View
-    marks: str
+    marks: dict[str, str]
     left_out: str
 
     @property
@@ -73,6 +72,11 @@ class Study:
     def document(self) -> dict:
         """What its products say was asked for: the same however the config spells it."""
         return asked_for(self.device, self.shocks, self.model, self.settings.asked())
+
+    def files(self) -> dict[str, str]:
+        """SHA-256 of each file that the config names, as it was read, by path."""
+        named = [self.pulse, *(asked.pulse for asked in self.requirements), self.marks]
+        return {one["file"]: one["sha256"] for one in named if "file" in one}
 
     def doubts(self) -> list[str]:
         """Lines on what its devices and its recorded shocks may leave out."""
@@ -96,11 +100,10 @@ def load_study(document: Mapping) -> Study:
     recorded = isinstance(parts.get("pulse"), Mapping) and "file" in parts["pulse"]
     pulse = pulse_key(given, ("sweep",), faults, recorded)
     varied = [key for key in given if key in VALUES] if isinstance(given, Mapping) else []
-    shocks = (
-        convert_part(document, ("pulse",), faults, read_shocks)
-        if "pulse" in parts
-        else HANDOUT_SHOCK
-    )
+    push = HANDOUT_SHOCK, {}
+    if "pulse" in parts:
+        push = convert_part(document, ("pulse",), faults, read_shocks)
+    shocks, pulse_values = push or (None, {})
     keys = [*varied, "C", *([pulse] if pulse else []), "N"]
     axes = {
         "f0" if key == "duration" else key: convert_part(
@@ -123,7 +126,7 @@ def load_study(document: Mapping) -> Study:
         at = ("tolerances",)
         tolerances = convert_part(document, at, faults, read_tolerances, devices, KIND_OF)
     histories = read_histories(document, device, grid, faults)
-    marks = convert_part(document, ("marks",), faults, read_marks) if "marks" in parts else ""
+    marks = convert_part(document, ("marks",), faults, read_marks) if "marks" in parts else {}
     maps = read_views(document, "maps", faults, grid)
     curves = read_views(document, "thresholds", faults, grid)
     refuse(faults)
@@ -135,7 +138,7 @@ def load_study(document: Mapping) -> Study:
         skip=skip,
         settings=_settings(given),
         shocks=shocks,
-        pulse=pulse_values(parts.get("pulse", {})),
+        pulse=pulse_values,
         requirements=requirements,
         tolerances=tolerances,
         threshold_tolerance=given.get("threshold_tolerance", THRESHOLD_TOLERANCE),
