@@ -123,9 +123,8 @@ def marks_outside(marks: Mapping[str, str], axes: Mapping[str, np.ndarray]) -> l
             low, high = axes[key].min(), axes[key].max()
             if not low <= value <= high:
                 place = f"{key} = {value:g}, maps from {low:g} to {high:g}"
-                lines.append(
-                    f"{marks['file']}: {point.name or f'point {number}'} lies on no map: {place}"
-                )
+                who = f"{marks['file']}: {point.name or f'point {number}'}"
+                lines.append(f"{who} lies on no map: {place}")
     return lines
 
 
