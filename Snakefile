@@ -16,7 +16,7 @@ from snapmap.io.dependencies import code_hash, kernel_cache
 # Jobs inherit both: a kernel is compiled once per user.
 os.environ.update(PYTHONDONTWRITEBYTECODE="1")
 os.environ.setdefault("NUMBA_CACHE_DIR", str(kernel_cache()))
-from snapmap.io.atomic import remove_leftovers, remove_others
+from snapmap.io.atomic import refuse_folders, remove_leftovers, remove_others
 from snapmap.io.named import check_as_planned
 from snapmap.io.progress import Progress, hush
 from snapmap.config.devices import nominal
@@ -35,6 +35,7 @@ if not workflow.overwrite_configfiles:
 try:
     for path in workflow.overwrite_configfiles:
         read_document(path)  # Snakemake keeps the last of two equal keys without a word
+    refuse_folders("results", [".nc", ".csv", ".md", ".html", ".pdf", ".png"])
     study = load_study(config)
     # A job that reads the Snakefile again, on another machine, has the plan's by its environment.
     if workflow.is_main_process:

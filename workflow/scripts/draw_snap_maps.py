@@ -6,6 +6,7 @@ import xarray as xr
 
 from snapmap.figures import layout, maps, scales, style, thresholds
 from snapmap.io.job_log import job_log
+from snapmap.io.netcdf import check_alike
 from snapmap.io.points import read_points
 
 
@@ -23,6 +24,7 @@ def draw_snap_maps(cube_path, threshold_path, views, together, fields, marks, ow
         xr.open_dataset(threshold_path, engine="netcdf4") as found,
         style.paper(),
     ):
+        check_alike(cube, found, threshold_path)
         for view in views:
             ax = layout.single_box()
             panel, x, y = _panel(cube, found, view), view["x"], view["y"]
