@@ -69,7 +69,7 @@ def test_a_study_knows_its_files_by_what_they_hold(folder):
 def test_an_edit_since_the_plan_is_refused_by_every_reader(folder):
     study = load_study(yaml.safe_load(STUDY))
     shocks_of(study.pulse)
-    read_points(*study.marks.values())
+    read_points(study.marks, study.marks_sha256)
     check_as_planned(study.files(), study.files())
     write_record(folder / "shock.csv", 3)
     (folder / "points.csv").write_text("N,f0\n1000,2001\n", encoding="utf-8")
@@ -82,7 +82,7 @@ def test_an_edit_since_the_plan_is_refused_by_every_reader(folder):
         with pytest.raises(ValueError, match=r"^shock\.csv: was edited after the run was planned"):
             read()
     with pytest.raises(ValueError, match=r"^points\.csv: was edited after the run was planned"):
-        read_points(*study.marks.values())
+        read_points(study.marks, study.marks_sha256)
 
 
 def test_contents_decide_what_runs_again_and_dates_do_not(root, folder):

@@ -15,9 +15,9 @@ def draw_maps(cube_path, ends, together, times, marks, own, folder):
     ends, times: views: name, x, y and at, the place on each other axis
     together: some of `ends` over the same axes, for maps.pdf
     marks: name, f0 and N of shocks to point out
-    own: file and SHA-256 of a user's own points, or nothing
+    own: path and SHA-256 of a user's own points, or nothing
     """
-    points = read_points(*own.values()) if own else ()
+    points = read_points(*own) if own else ()
     with xr.open_dataset(cube_path, engine="netcdf4") as cube, style.paper():
         for view in ends:
             _draw(maps.draw_end_map, cube, view, folder, marks=marks, points=points)

@@ -16,9 +16,9 @@ def draw_snap_maps(cube_path, threshold_path, views, together, fields, marks, ow
     views: of cells: name, x, y and at, the place on each other axis; fields: of thresholds
     together: some of `views` over the same axes, for snap_maps.pdf
     marks: name, f0 and N of shocks to point out
-    own: file and SHA-256 of a user's own points, or nothing
+    own: path and SHA-256 of a user's own points, or nothing
     """
-    points = read_points(*own.values()) if own else ()
+    points = read_points(*own) if own else ()
     with (
         xr.open_dataset(cube_path, engine="netcdf4") as cube,
         xr.open_dataset(threshold_path, engine="netcdf4") as found,

@@ -104,26 +104,26 @@ def _requirement(section, path, names):
         raise ValueError(f"{name_of(path)}: {error}") from None
 
 
-def read_marks(path: str) -> dict[str, str]:
-    """File and SHA-256 of a user's own points, all in order; else ValueError, one line."""
+def read_marks(path: str) -> tuple[str, str]:
+    """Path and SHA-256 of a user's own points, all in order; else ValueError, one line."""
     try:
         _check_path(path)
-        marks = {"file": path, "sha256": sha256_of(path, *POINTS)}
-        read_points(*marks.values())
+        sha256 = sha256_of(path, *POINTS)
+        read_points(path, sha256)
     except ValueError as error:
         raise ValueError(f"marks: {error}") from None
-    return marks
+    return path, sha256
 
 
-def marks_outside(marks: Mapping[str, str], axes: Mapping[str, np.ndarray]) -> list[str]:
-    """A line for each of a user's own points that lies on no map; marks: {} for none."""
+def marks_outside(path: str, axes: Mapping[str, np.ndarray]) -> list[str]:
+    """A line for each of a user's own points that lies on no map; path: "" for none."""
     lines = []
-    for number, point in enumerate(read_points(*marks.values()) if marks else (), start=1):
+    for number, point in enumerate(read_points(path) if path else (), start=1):
         for key, value in (("f0", point.f0), ("N", point.N)):
             low, high = axes[key].min(), axes[key].max()
             if not low <= value <= high:
                 place = f"{key} = {value:g}, maps from {low:g} to {high:g}"
-                who = f"{marks['file']}: {point.name or f'point {number}'}"
+                who = f"{path}: {point.name or f'point {number}'}"
                 lines.append(f"{who} lies on no map: {place}")
     return lines
 

@@ -43,7 +43,7 @@ class Study:
     tolerances: what scatters from device to device, or nothing
     threshold_tolerance: of the thresholds in N, relative
     maps, curves, boundary: what is drawn of cells, thresholds, and the damage boundary
-    marks: file and SHA-256 of a user's own points on the maps, or nothing
+    marks, marks_sha256: path of a user's own points on the maps, or nothing, and what it held
     left_out: one line on what is not drawn, or nothing
     """
 
@@ -61,7 +61,8 @@ class Study:
     maps: tuple[View, ...]
     curves: tuple[View, ...]
     boundary: View
-    marks: dict[str, str]
+    marks: str
+    marks_sha256: str
     left_out: str
 
     @property
@@ -75,8 +76,9 @@ class Study:
 
     def files(self) -> dict[str, str]:
         """SHA-256 of each file that the config names, as it was read, by path."""
-        named = [self.pulse, *(asked.pulse for asked in self.requirements), self.marks]
-        return {one["file"]: one["sha256"] for one in named if "file" in one}
+        pulses = [self.pulse, *(asked.pulse for asked in self.requirements)]
+        own = {self.marks: self.marks_sha256} if self.marks else {}
+        return {one["file"]: one["sha256"] for one in pulses if "file" in one} | own
 
     def doubts(self) -> list[str]:
         """Lines on what its devices and its recorded shocks may leave out."""
@@ -126,7 +128,7 @@ def load_study(document: Mapping) -> Study:
         at = ("tolerances",)
         tolerances = convert_part(document, at, faults, read_tolerances, devices, KIND_OF)
     histories = read_histories(document, device, grid, faults)
-    marks = convert_part(document, ("marks",), faults, read_marks) if "marks" in parts else {}
+    marks = convert_part(document, ("marks",), faults, read_marks) if "marks" in parts else ("", "")
     maps = read_views(document, "maps", faults, grid)
     curves = read_views(document, "thresholds", faults, grid)
     refuse(faults)
@@ -146,7 +148,8 @@ def load_study(document: Mapping) -> Study:
         maps=chosen,
         curves=choose_curves(grid, nominal(device), curves),
         boundary=choose_boundary(grid, nominal(device)),
-        marks=marks,
+        marks=marks[0],
+        marks_sha256=marks[1],
         left_out=left_out,
     )
 
