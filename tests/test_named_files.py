@@ -1,6 +1,7 @@
 """Files that a config names: what they hold decides, and what cannot be a file is refused."""
 
 import hashlib
+import json
 import os
 import subprocess
 import tracemalloc
@@ -8,12 +9,14 @@ import tracemalloc
 import numpy as np
 import pytest
 import yaml
+from small_results import CONFIG, make_cells, make_found
 from small_studies import THREE_COSINES
 
 import snapmap
 from snapmap.config.study import load_study
 from snapmap.config.yaml_file import ConfigError, read_document
 from snapmap.io.named import check_as_planned
+from snapmap.io.netcdf import check_alike
 from snapmap.io.points import read_points
 from snapmap.io.recorded import shocks_of
 
@@ -188,3 +191,17 @@ def test_plain_numbers_are_read_as_they_are(tmp_path):
 def test_half_characters_are_refused_at_the_door(change):
     with pytest.raises(ConfigError, match="has half a character"):
         load_study(yaml.safe_load(THREE_COSINES) | change)
+
+
+def test_a_product_of_another_study_is_named():
+    cube, found = make_cells(["22"]), make_found(C=(25.0,)).isel(f0=slice(2))
+    cube = cube.expand_dims("C").assign_coords(f0=found.f0)
+    check_alike(cube, found, "threshold.nc")
+    other = CONFIG | {"model": {"name": "cosines"}}
+    for foreign in (
+        found.assign_coords(C=[7.0]),
+        found.assign_attrs(config=json.dumps(other)),
+        found.drop_attrs(),
+    ):
+        with pytest.raises(ValueError, match=r"^threshold\.nc: is of another study; remove it"):
+            check_alike(cube, foreign, "threshold.nc")
