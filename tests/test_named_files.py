@@ -159,7 +159,7 @@ def test_a_folder_in_place_of_a_product_is_named(root, folder):
     ("text", "complaint"),
     [
         (b"a: \xe9\n", "is no text in UTF-8"),
-        (b"a: " + b"[" * 3000 + b"]" * 3000, "is nested deeper than any key of a config"),
+        (b"a: " + b"[" * 3000 + b"]" * 3000, "not valid YAML: is nested deeper than any key"),
         (b"a: " + b"9" * 5000, "line 1 is not valid YAML: '9999"),
         (b"a: 1:30:00", "line 1 is not valid YAML: '1:30:00' is no plain decimal number"),
         (b"a: 010", "line 1 is not valid YAML: '010' is no plain decimal number"),

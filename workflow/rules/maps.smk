@@ -23,7 +23,7 @@ rule draw_maps:
         together=[view._asdict() for view in together if ends],
         times=[view._asdict() for view in times],
         marks=[(asked.name, asked.f0, asked.N) for asked in study.requirements],
-        own=[study.marks, study.marks_sha256] if study.marks else [],
+        own=own_points,
     message:
         "Draw where the beams end, and when they snap"
     script:
@@ -56,7 +56,7 @@ rule draw_snap_maps:
         together=[view._asdict() for view in together],
         fields=[view._asdict() for view in fields],
         marks=[(asked.name, asked.f0, asked.N) for asked in study.requirements],
-        own=[study.marks, study.marks_sha256] if study.marks else [],
+        own=own_points,
     message:
         "Draw which cells snap, with the thresholds"
     script:

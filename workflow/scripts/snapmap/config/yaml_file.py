@@ -38,7 +38,8 @@ def read_document(path: str | Path) -> dict:
     try:
         document = yaml.load(text, Loader=_Loader)
     except RecursionError:
-        raise ConfigError(f"{path}: is nested deeper than any key of a config") from None
+        reason = "is nested deeper than any key of a config"
+        raise ConfigError(f"{path}: not valid YAML: {reason}") from None
     except yaml.MarkedYAMLError as error:
         line = error.problem_mark.line + 1
         raise ConfigError(f"{path}: line {line} is not valid YAML: {error.problem}") from None
