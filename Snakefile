@@ -1,5 +1,4 @@
 import fcntl
-import json
 import os
 import sys
 from pathlib import Path
@@ -17,7 +16,7 @@ from snapmap.io.dependencies import code_hash, kernel_cache
 os.environ.update(PYTHONDONTWRITEBYTECODE="1")
 os.environ.setdefault("NUMBA_CACHE_DIR", str(kernel_cache()))
 from snapmap.io.atomic import refuse_folders, remove_leftovers, remove_others
-from snapmap.io.named import check_as_planned
+from snapmap.io.named import hold_to_plan
 from snapmap.io.progress import Progress, hush
 from snapmap.config.devices import nominal
 from snapmap.config.study import load_study
@@ -37,10 +36,7 @@ try:
         read_document(path)  # Snakemake keeps the last of two equal keys without a word
     refuse_folders("results", [".nc", ".csv", ".md", ".html", ".pdf", ".png"])
     study = load_study(config)
-    # A job that reads the Snakefile again, on another machine, has the plan's by its environment.
-    if workflow.is_main_process:
-        os.environ["SNAPMAP_PLANNED"] = json.dumps(study.files())
-    check_as_planned(study.files(), json.loads(os.environ.get("SNAPMAP_PLANNED", "{}")))
+    hold_to_plan(study.files(), workflow.is_main_process)
     plan = make_plan(
         study.grid, study.model, study.settings, [h.f0 for h in study.histories]
     )

@@ -15,7 +15,7 @@ from small_studies import THREE_COSINES
 import snapmap
 from snapmap.config.study import load_study
 from snapmap.config.yaml_file import ConfigError, read_document
-from snapmap.io.named import check_as_planned
+from snapmap.io.named import hold_to_plan
 from snapmap.io.netcdf import check_alike
 from snapmap.io.points import read_points
 from snapmap.io.recorded import shocks_of
@@ -69,18 +69,20 @@ def test_a_study_knows_its_files_by_what_they_hold(folder):
     assert study.pulse["sha256"] == study.requirements[0].pulse["sha256"] == hashes[0]
 
 
-def test_an_edit_since_the_plan_is_refused_by_every_reader(folder):
+def test_an_edit_since_the_plan_is_refused_by_every_reader(folder, monkeypatch):
     study = load_study(yaml.safe_load(STUDY))
     shocks_of(study.pulse)
     read_points(study.marks, study.marks_sha256)
-    check_as_planned(study.files(), study.files())
+    monkeypatch.setenv("SNAPMAP_PLANNED", "{}")
+    hold_to_plan(study.files(), plans=False)
+    hold_to_plan(study.files(), plans=True)
     write_record(folder / "shock.csv", 3)
     (folder / "points.csv").write_text("N,f0\n1000,2001\n", encoding="utf-8")
     edited = load_study(yaml.safe_load(STUDY))
     for read in (
         lambda: shocks_of(study.pulse),
         lambda: shocks_of(study.requirements[0].pulse),
-        lambda: check_as_planned(edited.files(), study.files()),
+        lambda: hold_to_plan(edited.files(), plans=False),
     ):
         with pytest.raises(ValueError, match=r"^shock\.csv: was edited after the run was planned"):
             read()

@@ -1,10 +1,14 @@
 """Files that a config names: plain ones of a bounded size, read whole, as they were planned."""
 
 import hashlib
+import json
+import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
+PLANNED = "SNAPMAP_PLANNED"
+"""The variable of the environment, which jobs inherit."""
 EDITED = "was edited after the run was planned; run again"
 
 
@@ -47,8 +51,15 @@ def sha256_of(path: str | Path, most: int, remedy: str) -> str:
         return hashlib.sha256(read_named(path, most, remedy)).hexdigest()
 
 
-def check_as_planned(files: Mapping[str, str], planned: Mapping[str, str]) -> None:
-    """Raise ValueError, one line, for a file whose SHA-256 is not the planned one; both by path."""
+def hold_to_plan(files: Mapping[str, str], plans: bool) -> None:
+    """Hand the SHA-256 of files, by path, to jobs that plan again on other machines, or check it.
+
+    plans: whether this process hands it on
+    Raises ValueError, one line, for a file that another process planned with other content.
+    """
+    if plans:
+        os.environ[PLANNED] = json.dumps(files)
+    planned = json.loads(os.environ.get(PLANNED, "{}"))
     for path, sha256 in files.items():
         if planned.get(path, sha256) != sha256:
             raise ValueError(f"{path}: {EDITED}")
