@@ -345,6 +345,14 @@ def test_shocks_are_pointed_out_by_numbers():
     assert ax.get_title(loc="left").splitlines()[-2:] == ["1: far", "2: drop"]
 
 
+def test_names_are_drawn_as_they_are():
+    name = r"$\frac$ of {x}"
+    ax = snap_map(TINY, marks=[(name, 400.0, 1000.0)], points=[Point(name, 1000.0, 400.0, True)])
+    ax.figure.draw_without_rendering()
+    for text in (ax.get_title(loc="left").splitlines()[-1], ax.texts[-1].get_text()):
+        assert text.endswith(r"\$\frac\$ of {x}")
+
+
 POINTS = (Point("bench", 1000.0, 400.0, True), Point("", 1100.0, 800.0, False))
 
 
