@@ -15,7 +15,8 @@ from snapmap.io.dependencies import code_hash, kernel_cache
 # Jobs inherit both: a kernel is compiled once per user.
 os.environ.update(PYTHONDONTWRITEBYTECODE="1")
 os.environ.setdefault("NUMBA_CACHE_DIR", str(kernel_cache()))
-from snapmap.io.atomic import remove_leftovers, remove_others
+from snapmap.io.atomic import refuse_folders, remove_leftovers, remove_others
+from snapmap.io.named import hold_to_plan
 from snapmap.io.progress import Progress, hush
 from snapmap.config.devices import nominal
 from snapmap.config.study import load_study
@@ -33,7 +34,9 @@ if not workflow.overwrite_configfiles:
 try:
     for path in workflow.overwrite_configfiles:
         read_document(path)  # Snakemake keeps the last of two equal keys without a word
+    refuse_folders("results", [".nc", ".csv", ".md", ".html", ".pdf", ".png"])
     study = load_study(config)
+    hold_to_plan(study.files(), workflow.is_main_process)
     plan = make_plan(
         study.grid, study.model, study.settings, [h.f0 for h in study.histories]
     )
@@ -47,7 +50,6 @@ names = [
     slab_name(study.device, study.model, slab, asked, study.shocks)
     for slab in plan.slabs
 ]
-recorded = [study.pulse["file"]] if "file" in study.pulse else []
 slabs = dict(zip(names, plan.slabs))
 requests = dict(zip(names, plan.requests))
 cells = {cell.name: cell for cell in study.histories}
@@ -64,7 +66,6 @@ map_stems = [view.name for view in ends] + ["maps"] * bool(ends)
 map_stems += [view.name for view in times]
 snap_stems = [view.name for view in snaps] + ["snap_maps"] * bool(snaps)
 snap_stems += [view.name for view in fields]
-marked = {"points": study.marks} if study.marks else {}
 curve_stems = [*(view.name for view in study.curves), study.boundary.name]
 batches = batch_places(study.grid)
 of_batch = ["probability", "sensitivity", *["yield"] * bool(study.requirements)]

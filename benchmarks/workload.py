@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from snapmap.beam.barrier import Barrier
 from snapmap.device import Device
 from snapmap.solver.cells import Cells, to_cells
 from snapmap.solver.model import Model
@@ -30,7 +29,7 @@ def map_cells(device: Device, side: int = 16) -> Cells:
 
 def without_proofs(model: Model) -> Model:
     """Under a barrier of no height nothing is proven: each cell goes on to its snap or horizon."""
-    return replace(model, barrier=Barrier(0.0, 0.0))
+    return replace(model, barrier=model.barrier._replace(energy=0.0, midpoint=0.0))
 
 
 def by_model(model: Model) -> Follow:

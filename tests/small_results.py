@@ -59,6 +59,7 @@ def make_found(C=(25.0, 200.0)):
         "islands": (axes, np.broadcast_to([0, 0, 2], N.shape)),
         "island_from": ((*axes, "island"), np.concatenate([nan, last], axis=1)),
         "island_to": ((*axes, "island"), np.concatenate([nan, last + 50], axis=1)),
+        "N_bound": (axes, np.broadcast_to([180.0, 190.0, 630.0], N.shape)),
         "N_static": ((), 990.0),
         "area": ((), 0.5),
         "velocity_change": ("C", 0.5 + 0.1 * np.arange(len(C))),

@@ -117,6 +117,27 @@ def test_at_rest_no_force_is_left(handout, basis: Basis, stress):
     assert basis.midpoint @ rest.start * beam.rise == pytest.approx(beam.height, rel=2e-3)
 
 
+def test_a_free_beam_with_stress_starts_from_its_own_midpoint(handout):
+    """Where its energy is least, by a search; that of a guided one is elsewhere."""
+    stressed = replace(handout.beam, residual_stress=-8.0, imperfection=2.0, free=1.0)
+    made = buckling_shapes(8).scaled_to(stressed)
+
+    def energy(q):
+        u = q - made.start
+        stretch = q @ made.geometric @ q - made.start @ made.geometric @ made.start
+        axial = stressed.residual_stress * stressed.area * stretch / 2
+        return u @ made.bending @ u / 2 + axial + stressed.axial_stiffness * stretch**2 / 4
+
+    found = minimize(energy, made.start, method="BFGS", options={"gtol": 1e-9})
+    rest = made.midpoint @ found.x
+    assert rest == pytest.approx(10.3461, abs=1e-4) and abs(rest - stressed.height) > 0.02
+    assert find_barrier(stressed, buckling_shapes(8)).first == pytest.approx(rest, abs=1e-5)
+    run = snapmap.simulate(
+        replace(handout, beam=stressed), 1, 1500, 25, model="cosines", modes=3, horizon=0
+    )
+    assert run.w_mid[0].item() == run.z_mass[0].item() == pytest.approx(rest, abs=1e-4)
+
+
 def pass_by_search(beam, basis):
     """The largest of the least energies for each midpoint, on the way to the second shape."""
     modal = reduce_to_modes(beam, basis)

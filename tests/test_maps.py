@@ -260,7 +260,7 @@ def test_map_shows_the_refined_threshold_in_its_band_dashed_where_late():
         "the same, after the pulse",
         "error band of it",
         "above it, all $N$ snap",
-        "static, impulsive limits",
+        "limits of long and of short pulses",
     ]
 
 
@@ -343,6 +343,14 @@ def test_shocks_are_pointed_out_by_numbers():
     ax = snap_map(TINY, marks=[("far", 1e3, 1e6), ("drop", 400.0, 1000.0)])
     assert [text.get_text() for text in ax.texts] == ["2"]
     assert ax.get_title(loc="left").splitlines()[-2:] == ["1: far", "2: drop"]
+
+
+def test_names_are_drawn_as_they_are():
+    name = r"$\frac$ of {x}"
+    ax = snap_map(TINY, marks=[(name, 400.0, 1000.0)], points=[Point(name, 1000.0, 400.0, True)])
+    ax.figure.draw_without_rendering()
+    for text in (ax.get_title(loc="left").splitlines()[-1], ax.texts[-1].get_text()):
+        assert text.endswith(r"\$\frac\$ of {x}")
 
 
 POINTS = (Point("bench", 1000.0, 400.0, True), Point("", 1100.0, 800.0, False))

@@ -8,7 +8,13 @@ import pytest
 
 import snapmap
 from snapmap.solver.bracket import amplitudes, first_snap, refine
-from snapmap.thresholds.islands import _closer_window, _decide, _distance, _whole_window
+from snapmap.thresholds.islands import (
+    _closer_window,
+    _decide,
+    _distance,
+    _whole_window,
+    first_seen,
+)
 from snapmap.thresholds.transitions import refine_edges, stretches
 
 
@@ -59,7 +65,8 @@ def surveyed(coarse, fine, highest=None):
 
     wide = np.tile(np.geomspace(0.1, 8.0, 200), (2, 1))
     slow = np.zeros(2, bool)
-    whole = _whole_window(asking(coarse), wide, highest, slow)
+    rough, _ = first_seen(asking(coarse), wide, np.full(2, 0.01))
+    whole = _whole_window(rough, None, highest, slow)
     window, ragged = _closer_window(asking(coarse), whole, slow)
     edges, open_end, *_ = _decide(asking(fine), window, whole, ragged)
     edges = refine_edges(lambda rows: lambda N: asking(fine)(N, rows), edges, 1e-6)

@@ -12,3 +12,8 @@ def code(script):
     """Make the parameter that holds a hash of all that a script runs, found by its imports."""
     path = Path(workflow.basedir) / "workflow" / "scripts" / f"{script}.py"
     return lambda wildcards: once(path)
+
+
+def own_points(wildcards):
+    """Path and hash of a user's own points: a function, as a path may have braces."""
+    return [study.marks, study.marks_sha256] if study.marks else []

@@ -1,6 +1,4 @@
 rule simulate_history:
-    input:
-        recorded,
     output:
         history="results/histories/{cell}.nc",
     log:

@@ -1,6 +1,5 @@
 rule draw_maps:
     input:
-        **marked,
         cube="results/cube.nc",
     output:
         pdf=[f"results/figures/{stem}.pdf" for stem in map_stems],
@@ -24,6 +23,7 @@ rule draw_maps:
         together=[view._asdict() for view in together if ends],
         times=[view._asdict() for view in times],
         marks=[(asked.name, asked.f0, asked.N) for asked in study.requirements],
+        own=own_points,
     message:
         "Draw where the beams end, and when they snap"
     script:
@@ -32,7 +32,6 @@ rule draw_maps:
 
 rule draw_snap_maps:
     input:
-        **marked,
         cube="results/cube.nc",
         threshold="results/threshold.nc",
     output:
@@ -57,6 +56,7 @@ rule draw_snap_maps:
         together=[view._asdict() for view in together],
         fields=[view._asdict() for view in fields],
         marks=[(asked.name, asked.f0, asked.N) for asked in study.requirements],
+        own=own_points,
     message:
         "Draw which cells snap, with the thresholds"
     script:

@@ -1,6 +1,4 @@
 rule check_requirements:
-    input:
-        [asked.pulse["file"] for asked in study.requirements if "file" in asked.pulse],
     output:
         requirements="results/requirements.csv",
     log:

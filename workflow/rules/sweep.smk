@@ -1,6 +1,4 @@
 rule simulate_slab:
-    input:
-        recorded,
     output:
         slab="results/slabs/{slab}.nc",
     log:

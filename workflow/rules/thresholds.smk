@@ -1,6 +1,4 @@
 rule find_threshold:
-    input:
-        recorded,
     output:
         threshold=update("results/threshold.nc"),
         table="results/thresholds.csv",

@@ -1,7 +1,4 @@
 rule find_tolerance:
-    input:
-        recorded,
-        [asked.pulse["file"] for asked in study.requirements if "file" in asked.pulse],
     output:
         tolerance="results/tolerance.nc",
     log:

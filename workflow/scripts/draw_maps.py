@@ -9,14 +9,15 @@ from snapmap.io.job_log import job_log
 from snapmap.io.points import read_points
 
 
-def draw_maps(cube_path, ends, together, times, marks, points_path, folder):
+def draw_maps(cube_path, ends, together, times, marks, own, folder):
     """Draw where beams end, one column wide, and some of it side by side; then when they snap.
 
     ends, times: views: name, x, y and at, the place on each other axis
     together: some of `ends` over the same axes, for maps.pdf
-    marks: name, f0 and N of shocks to point out; points_path: of a user's own points, or nothing
+    marks: name, f0 and N of shocks to point out
+    own: path and SHA-256 of a user's own points, or nothing
     """
-    points = read_points(points_path) if points_path else ()
+    points = read_points(*own) if own else ()
     with xr.open_dataset(cube_path, engine="netcdf4") as cube, style.paper():
         for view in ends:
             _draw(maps.draw_end_map, cube, view, folder, marks=marks, points=points)
@@ -51,6 +52,6 @@ if __name__ == "__main__":
             together=snakemake.params.together,
             times=snakemake.params.times,
             marks=snakemake.params.marks,
-            points_path=snakemake.input.get("points"),
+            own=snakemake.params.own,
             folder=Path(snakemake.output.png[0]).parent,
         )

@@ -6,22 +6,25 @@ import xarray as xr
 
 from snapmap.figures import layout, maps, scales, style, thresholds
 from snapmap.io.job_log import job_log
+from snapmap.io.netcdf import check_alike
 from snapmap.io.points import read_points
 
 
-def draw_snap_maps(cube_path, threshold_path, views, together, fields, marks, points_path, folder):
+def draw_snap_maps(cube_path, threshold_path, views, together, fields, marks, own, folder):
     """Draw which cells snap, one column wide, and some of it side by side; then thresholds.
 
     views: of cells: name, x, y and at, the place on each other axis; fields: of thresholds
     together: some of `views` over the same axes, for snap_maps.pdf
-    marks: name, f0 and N of shocks to point out; points_path: of a user's own points, or nothing
+    marks: name, f0 and N of shocks to point out
+    own: path and SHA-256 of a user's own points, or nothing
     """
-    points = read_points(points_path) if points_path else ()
+    points = read_points(*own) if own else ()
     with (
         xr.open_dataset(cube_path, engine="netcdf4") as cube,
         xr.open_dataset(threshold_path, engine="netcdf4") as found,
         style.paper(),
     ):
+        check_alike(cube, found, threshold_path)
         for view in views:
             ax = layout.single_box()
             panel, x, y = _panel(cube, found, view), view["x"], view["y"]
@@ -59,6 +62,6 @@ if __name__ == "__main__":
             together=snakemake.params.together,
             fields=snakemake.params.fields,
             marks=snakemake.params.marks,
-            points_path=snakemake.input.get("points"),
+            own=snakemake.params.own,
             folder=Path(snakemake.output.png[0]).parent,
         )

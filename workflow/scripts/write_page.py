@@ -8,6 +8,7 @@ import xarray as xr
 from snapmap.figures.explore import page
 from snapmap.io.atomic import replacing
 from snapmap.io.job_log import job_log
+from snapmap.io.netcdf import check_alike
 
 
 def write_page(cube_path, traces_path, threshold_path, horizon, path, tolerance_path=None):
@@ -21,6 +22,10 @@ def write_page(cube_path, traces_path, threshold_path, horizon, path, tolerance_
         xr.open_dataset(threshold_path, engine="netcdf4") as found,
         xr.open_dataset(tolerance_path) if tolerance_path else nullcontext() as made,
     ):
+        check_alike(cube, traces, traces_path)
+        check_alike(cube, found, threshold_path)
+        if made is not None:
+            check_alike(cube, made, tolerance_path)
         text = page(cube, traces, found, horizon, made)
     with replacing(path) as temporary:
         Path(temporary).write_text(text, encoding="utf-8")

@@ -51,13 +51,27 @@ class Pulse:
     @cached_property
     def area(self) -> float:
         """Velocity change over peak times duration."""
+        return float(np.sum(self._areas))
+
+    @cached_property
+    def gross_area(self) -> float:
+        """No less than the integral of what it is without its sign, over peak times duration."""
+        begin, value, slope, turns, _, _ = self.pieces.T
+        length = np.diff(begin, append=1.0)
+        straight = length * (abs(value) + abs(value + slope * length)) / 2
+        # The sines of `SHAPES` keep their sign.
+        return float(np.sum(np.where(turns > 0, abs(self._areas), straight)))
+
+    @property
+    def _areas(self):
+        """Of each piece."""
         begin, value, slope, turns, lift, swing = self.pieces.T
         length = np.diff(begin, append=1.0)
         straight = length * (value + lift + slope * length / 2)
         phase = np.where(turns > 0, 2 * np.pi * turns, 1.0)
         turned = phase * length
         waves = (swing * (1 - np.cos(turned)) - lift * np.sin(turned)) / phase
-        return float(np.sum(straight + np.where(turns > 0, waves, 0.0)))
+        return straight + np.where(turns > 0, waves, 0.0)
 
     @cached_property
     def variation(self) -> float:

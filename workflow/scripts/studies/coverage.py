@@ -1,6 +1,8 @@
 """How many thresholds of random devices lie within their error bars: docs/thresholds.md.
 
-PYTHONPATH=workflow/scripts ./run python -m studies.coverage [devices]
+PYTHONPATH=workflow/scripts ./run python -m studies.coverage [devices] [any]
+
+With `any`, devices with gaps and stress, free to tilt, under all shapes and along both directions.
 
 Writes results/figures/coverage.pdf and .png: errors over their bars, by model.
 """
@@ -14,13 +16,15 @@ from matplotlib.figure import Figure
 
 from snapmap import threshold
 from snapmap.device import Device
+from snapmap.pulse import HANDOUT_SHOCK, Shocks
 from snapmap.solver.bracket import lowest_snap
 from snapmap.solver.cells import Rows, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
+from snapmap.thresholds.islands import FOUND, NOT_FOLLOWED, NOTHING_SNAPS
 
 from .markdown import number, table
-from .random_devices import draw_device, draw_shocks
+from .random_devices import draw_any_device, draw_device, draw_pulse, draw_shocks
 from .timing import Run
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -45,6 +49,9 @@ HEAD = [
     "within the bar",
     "share",
     "missed",
+    "nothing snaps",
+    "not followed",
+    "NaN without a reason",
     "failed",
     "s per threshold",
     "bar",
@@ -53,13 +60,16 @@ HEAD = [
 
 def main():
     count = int(sys.argv[1]) if len(sys.argv) > 1 else DEVICES
+    of_all = sys.argv[2:] == ["any"]
     draw = np.random.default_rng(SEED)
     found = {name: [] for name in MODELS}
     for _ in range(count):
-        device = draw_device(draw)
+        device = draw_any_device(draw) if of_all else draw_device(draw)
+        shocks = draw_pulse(draw) if of_all else HANDOUT_SHOCK
         f0, C = draw_shocks(draw, device)
-        runs = {name: ask(device, f0, C, options) for name, options in MODELS.items()}
-        truth = judge(device, f0, C, next(run.result[0] for run in runs.values() if run.result))
+        runs = {name: ask(device, f0, C, options, shocks) for name, options in MODELS.items()}
+        about = next(run.result[0] for run in runs.values() if run.result)
+        truth = judge(device, f0, C, about, shocks)
         for name, run in runs.items():
             found[name].append((run, truth))
     print(f"{count} devices, {count * len(f0) * len(C)} thresholds\n")
@@ -67,29 +77,31 @@ def main():
     draw_errors(found)
 
 
-def ask(device: Device, f0, C, options) -> Run:
-    """N_first and N_error, (thresholds,), or None after an exception, and the time taken."""
+def ask(device: Device, f0, C, options, shocks: Shocks = HANDOUT_SHOCK) -> Run:
+    """N_first, N_error and status, (thresholds,), or None after an exception; the time taken."""
+    asked = {"pulse": shocks.pulse, "direction": shocks.direction, "threads": THREADS}
     begin = perf_counter()
     try:
-        answer = threshold(device, f0, C, horizon=HORIZON, threads=THREADS, **options)
-        answer = answer.N_first.values.ravel(), answer.N_error.values.ravel()
+        answer = threshold(device, f0, C, horizon=HORIZON, **asked, **options)
+        answer = tuple(answer[key].values.ravel() for key in ("N_first", "N_error", "status"))
     except ValueError as error:
         print(f"{device}: {error}")
         answer = None
     return Run(answer, perf_counter() - begin)
 
 
-def judge(device: Device, f0, C, about) -> np.ndarray:
+def judge(device: Device, f0, C, about, shocks: Shocks = HANDOUT_SHOCK) -> np.ndarray:
     """Thresholds, (thresholds,), NaN where the judges do not agree, or one finds none."""
     rows = to_rows(0, np.tile(f0, len(C)), np.repeat(C, len(f0)))
-    by_judge = [look(build_model(device, **options), rows, about) for options in JUDGES]
+    settings = Settings(HORIZON, threads=THREADS, pulses=shocks.pulses)
+    by_judge = [look(build_model(device, **options), rows, about, settings) for options in JUDGES]
     mean = np.mean(by_judge, axis=0)
     return np.where(np.ptp(by_judge, axis=0) <= AGREED * mean, mean, np.nan)
 
 
-def look(model, rows: Rows, about) -> np.ndarray:
+def look(model, rows: Rows, about, settings: Settings) -> np.ndarray:
     """Thresholds by one judge, (thresholds,); NaN where there is none within REACHES."""
-    settings, found = Settings(HORIZON, threads=THREADS), np.full(about.size, np.nan)
+    found = np.full(about.size, np.nan)
     for reach in REACHES:
         left = np.flatnonzero(np.isnan(found))
         bracket = about[left] / reach, about[left] * reach
@@ -103,7 +115,7 @@ def ratios(runs) -> np.ndarray:
     for run, truth in runs:
         known = np.isfinite(truth)
         if run.result is not None:
-            N, bar = (values[known] for values in run.result)
+            N, bar, _ = (values[known] for values in run.result)
             each.append(np.nan_to_num(abs(N - truth[known]) / bar, nan=np.inf))
     return np.concatenate(each)
 
@@ -112,12 +124,15 @@ def summary(runs):
     """A row of the table."""
     over = ratios(runs)
     asked = sum(truth.size for _, truth in runs)
+    N, status = (np.concatenate([run.result[i] for run, _ in runs if run.result]) for i in (0, 2))
     bars = np.concatenate([run.result[1] / run.result[0] for run, _ in runs if run.result])
     return [
         str(over.size),
         str(np.sum(over <= 1)),
         f"{np.mean(over <= 1):.1%}",
         str(np.sum(np.isinf(over))),
+        *(str(np.sum(status == reason)) for reason in (NOTHING_SNAPS, NOT_FOLLOWED)),
+        str(np.sum(np.isnan(N) & (status == FOUND))),
         str(sum(run.result is None for run, _ in runs)),
         number(sum(run.seconds for run, _ in runs) / asked),
         f"{np.nanmedian(bars):.2%}",

@@ -1,10 +1,12 @@
 """Devices and shocks drawn at random, over all that the model is meant for."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from snapmap.device import Beam, Device
+from snapmap.pulse import DIRECTIONS, SHAPES, Shocks, make_pulse, sampled
 
 PULSES, DAMPINGS = 4, (0.01, 0.6)
 """Frequencies of each device, and its dampings over sqrt(K M)."""
@@ -33,6 +35,29 @@ def draw_device(draw: np.random.Generator) -> Device:
         contact=contact,
         gravity=9.81e-6,
     )
+
+
+def draw_any_device(draw: np.random.Generator) -> Device:
+    """A device as drawn above, half of them with a gap, stressed, and one in four free to tilt."""
+    device = draw_device(draw)
+    beam = device.beam
+    if draw.random() < 0.5:
+        # Up to half of the tension that leaves no second shape, or as much compression.
+        beam = replace(beam, residual_stress=draw.uniform(-0.5, 0.5) * beam.most_stress)
+    if draw.random() < 0.25:
+        beam = replace(beam, free=1.0, imperfection=beam.thickness * _even(draw, 0.01, 1.0))
+    gap = beam.rise * _even(draw, 0.03, 3.0) if draw.random() < 0.5 else 0.0
+    return replace(device, beam=beam, gap=gap)
+
+
+def draw_pulse(draw: np.random.Generator) -> Shocks:
+    """A shape, or a record with ringing and noise, along either direction."""
+    name = draw.choice([*SHAPES, "recorded"])
+    x = np.linspace(0.0, 1.0, 201)
+    rings = np.sin(np.pi * x) ** 2 * (1 + draw.normal(0.0, 0.3) * np.sin(14 * np.pi * x))
+    noise = 0.02 * draw.normal(size=x.size) * np.sin(np.pi * x)
+    pulse = sampled(x, rings + noise) if name == "recorded" else make_pulse(str(name))
+    return Shocks(pulse, str(draw.choice([*DIRECTIONS])))
 
 
 def draw_shocks(draw: np.random.Generator, device: Device) -> tuple[list[float], list[float]]:

@@ -261,7 +261,7 @@ def _other(model, N):
     device, modal = model.device, model.modal
     k, contact = modal.load.size, float(contact_stiffness(device, modal.residual))
     shock, f0 = make_pulse(), F0 * 1e-6
-    target = model.barrier.second - device.beam.height
+    target = model.barrier.second - model.barrier.first
 
     def overlap(x):
         return contact * max(0.0, modal.midpoint @ x[:k] - x[k] - device.gap)

@@ -9,7 +9,7 @@ from ..device import Beam, Value
 from ..numerics.linalg import apply, dot, eigh, is_positive, solve
 from .basis import Basis
 from .modal import unit_form, unit_modes
-from .prestress import kinds_of
+from .prestress import first_midpoint, kinds_of
 
 PASSES = 3
 """Equilibria that may be the lowest pass."""
@@ -27,11 +27,13 @@ class Barrier(NamedTuple):
     midpoint: w(L/2) there, from that at rest, um
     second: w(L/2) in the second shape, um; of a beam that has none because it is free to tilt, that
         of a guided one
+    first: w(L/2) in the shape at rest, um
     """
 
     energy: Value
     midpoint: Value
     second: Value
+    first: Value
 
 
 def find_barrier(beam: Beam, basis: Basis, modes: int | None = None) -> Barrier:
@@ -61,11 +63,13 @@ def find_barrier(beam: Beam, basis: Basis, modes: int | None = None) -> Barrier:
     exists = np.isfinite(energy)
     unit = beam.stiffness_unit * beam.rise * beam.rise
     second = np.atleast_1d(beam.second_equilibrium)
+    first = first_midpoint(basis, beam)
     if basis.tilt.any():
-        stays = beam.height + dot(modal.midpoint, own)[kind] * beam.rise
+        stays = first + dot(modal.midpoint, own)[kind] * beam.rise
         second = np.where(exists, stays, second)
     barrier = np.where(exists, energy, 0.0) * unit, np.where(exists, midpoint, 0.0) * beam.rise
-    return Barrier(*(value if np.ndim(beam.rise) else value.item() for value in (*barrier, second)))
+    found = *barrier, second, first
+    return Barrier(*(value if np.ndim(beam.rise) else value.item() for value in found))
 
 
 @cache

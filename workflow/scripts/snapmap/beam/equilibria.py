@@ -17,9 +17,10 @@ import numpy as np
 from ..device import Beam, Device
 from ..numerics.linalg import apply, eigh
 from .barrier import unit_buckling
+from .basis import Basis
 from .cosines import buckling_shapes, symmetric_cosines
 from .modal import ModalBeam, contact_stiffness, unit_form, unit_modes
-from .prestress import kinds_of
+from .prestress import first_midpoint, kinds_of
 
 COSINES = 40
 GRID, ZOOMS = 100, 5
@@ -41,12 +42,14 @@ def static_threshold(device: Device) -> float | np.ndarray:
     """Lowest N, in multiples of g, whose lasting acceleration leaves no equilibrium to rest in.
 
     That is the first maximum on the way, or where the beam leaves the mass to snap by itself. A
-    beam that leaves the mass where it could still rest alone goes on to its own first maximum.
+    beam that leaves the mass where it could still rest alone, or that the mass does not reach
+    across its gap, goes on to its own first maximum.
     """
     if np.ndim(device.mass):
         return np.array([static_threshold(device.pick(i)) for i in range(len(device))])
     modes = buckling_modes(device.beam)
-    whole = device.beam.height - device.beam.second_equilibrium
+    first = first_midpoint(shapes_of(device.beam), device.beam).item()
+    whole = first - device.beam.second_equilibrium
 
     def pressed(modes, N):
         return _shock(device, modes, N)
@@ -57,9 +60,10 @@ def static_threshold(device: Device) -> float | np.ndarray:
         return behind & np.logical_or.accumulate(~behind)
 
     a, reached, leaves = _end_of(modes, pressed, is_left, whole)
-    if leaves:
+    if leaves or device.gap > 0:
         alone, edge, _ = _end_of(modes, _shock_alone, lambda a, reached: a < 0, whole)
-        if reached < edge:
+        apart = device.mass * alone < device.spring * (edge + device.gap)
+        if reached < edge if leaves else apart:
             a = alone
     return float(a / device.gravity)
 
@@ -93,11 +97,15 @@ def _along(modes, loaded, largest, places):
     return x, way(modes, constant + slope * x)
 
 
+def shapes_of(beam: Beam) -> Basis:
+    """The basis in which a beam's equilibria are found: COSINES shapes of each kind it takes."""
+    return buckling_shapes(COSINES) if beam.free else symmetric_cosines(COSINES)
+
+
 def buckling_modes(beam: Beam) -> BucklingModes:
     """Expand a beam in COSINES buckling modes, twice as many if it is free to tilt."""
-    basis = buckling_shapes(COSINES) if beam.free else symmetric_cosines(COSINES)
     kinds, _ = kinds_of(beam)
-    loads, start, load, midpoint, residual = _unit_modes(basis, kinds)
+    loads, start, load, midpoint, residual = _unit_modes(shapes_of(beam), kinds)
     root = np.sqrt(beam.span)
     return BucklingModes(
         buckling=loads * (beam.stiffness_unit * beam.span),

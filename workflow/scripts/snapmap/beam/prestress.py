@@ -65,6 +65,14 @@ def at_rest(basis: Basis, kinds: Kinds) -> tuple[np.ndarray, np.ndarray]:
     return T, q
 
 
+def first_midpoint(basis: Basis, beam: Beam) -> np.ndarray:
+    """w(L/2) of beams at rest in their first shape, um; (beams,)."""
+    kinds, kind = kinds_of(beam)
+    _, q = at_rest(basis, kinds)
+    shares = np.where(kinds.compression == 0, 1.0, apply(q, basis.midpoint))
+    return beam.rise * shares[kind]
+
+
 def settled(basis: Basis, beam: Beam) -> Basis:
     """The basis of one beam whose start is its shape at rest, and whose bending holds T."""
     kinds, _ = kinds_of(beam)

@@ -7,7 +7,17 @@ from ..device import Device
 from ..io.provenance import device_sections, provenance
 from .barrier import find_barrier
 from .cosines import symmetric_cosines
-from .equilibria import COSINES, BucklingModes, buckling_modes, largest_force, push, roots, way
+from .equilibria import (
+    COSINES,
+    BucklingModes,
+    buckling_modes,
+    largest_force,
+    push,
+    roots,
+    shapes_of,
+    way,
+)
+from .prestress import first_midpoint
 
 POINTS = 400
 """On each of the parts of a path."""
@@ -26,6 +36,7 @@ def force_displacement(device: Device) -> xr.Dataset:
     """
     modes = buckling_modes(device.beam)
     barrier = find_barrier(device.beam, symmetric_cosines(COSINES))
+    first = first_midpoint(shapes_of(device.beam), device.beam).item()
     second = modes.buckling[1, 0]
     # The second mode neither moves the midpoint nor is in the start: it enters by bifurcation.
     odd = BucklingModes(*(column[0::2] for column in modes[:4]), *modes[4:])
@@ -40,9 +51,9 @@ def force_displacement(device: Device) -> xr.Dataset:
     return xr.Dataset(data, {"branch": ["followed", "unbranched"]}).assign_attrs(
         Conventions="CF-1.11",
         title="Static force on the midpoint of the beam",
-        rise=device.beam.height,
+        rise=first,
         second_equilibrium=device.beam.second_equilibrium,
-        saddle=device.beam.height + barrier.midpoint,
+        saddle=first + barrier.midpoint,
         barrier=barrier.energy,
         top_force=float(force[: 2 * POINTS].max()),
         bottom_force=float(force[POINTS:].min()),

@@ -9,16 +9,19 @@ import yaml
 from jsonschema import Draft202012Validator, ValidationError, validators
 
 from .units import read, show
-from .yaml_file import unwieldy_part
+from .yaml_file import ConfigError, unwieldy_part
 
 _LONGEST_KEY = 40
 
 
 def schema_faults(document: Mapping) -> dict[tuple, str]:
-    """Say where a document breaks the schema: lines by path."""
+    """Say where a document breaks the schema: lines by path.
+
+    Raises ConfigError, one line, for a part that cannot be looked at or written.
+    """
     if unwieldy := unwieldy_part(document):
         path, complaint = unwieldy
-        return {path: f"{name_of(path)}: {complaint}"}
+        raise ConfigError(f"{name_of(path)}: {complaint}")
     errors = validator().iter_errors(document)
     return {
         path: f"{name_of(path)}: {message}" for error in errors for path, message in _explain(error)

@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..io.points import read_points
-from ..io.recorded import shocks_of
+from ..io.named import sha256_of
+from ..io.points import POINTS, read_points
+from ..io.recorded import RECORD, shocks_of
 from ..pulse import Shocks
 from .axes import KIND_OF, frequency_of
 from .faults import Faults, Place, convert_part
@@ -48,22 +49,26 @@ def pulse_key(section: object, path: Place, faults: Faults, recorded: bool = Fal
     return "f0"
 
 
-def read_shocks(section: Mapping) -> Shocks:
-    """Read the shocks of a section with shape or file; raises ValueError, one line."""
+def read_shocks(section: Mapping) -> tuple[Shocks, dict]:
+    """Read the shocks of a section with shape or file, and their values for `shocks_of`.
+
+    Values hold the SHA-256 of a file. Raises ValueError, one line.
+    """
+    values = _pulse_values(section)
     if "file" in section:
         beside = next((key for key in ("shape", "rise", "fall") if key in section), None)
         if beside:
             raise ValueError(f"pulse.{beside}: stands beside file; write one of them")
         try:
             _check_path(section["file"])
-            return shocks_of(pulse_values(section))
+            values["sha256"] = sha256_of(section["file"], *RECORD)
+            return shocks_of(values), values
         except ValueError as error:
             raise ValueError(f"pulse.file: {error}") from None
-    return shocks_of(pulse_values(section))
+    return shocks_of(values), values
 
 
-def pulse_values(section: Mapping) -> dict:
-    """The values of a pulse's section as `shocks_of` takes them, shares as numbers."""
+def _pulse_values(section):
     keys = [key for key in ("shape", "rise", "fall", "file", "direction") if key in section]
     return {key: read(section[key], "share") if key in SHARES else section[key] for key in keys}
 
@@ -86,7 +91,7 @@ def _requirement(section, path, names):
         raise ValueError(f"{name_of((*path, 'name'))}: {show(name)} comes twice; write another")
     names.add(name)
     try:
-        shocks = read_shocks(section)
+        shocks, pulse = read_shocks(section)
         given = {
             key: read(section[key], KIND_OF[key]) for key in ("f0", "duration") if key in section
         }
@@ -94,21 +99,20 @@ def _requirement(section, path, names):
         N = read(section["N"], "number")
         if not N > 0:
             raise ValueError(f"N: {N:g} is not above 0; a direction of -z pushes the other way")
-        return Requirement(
-            name, pulse_values(section), N, f0 or shocks.own_frequency(), section["snaps"]
-        )
+        return Requirement(name, pulse, N, f0 or shocks.own_frequency(), section["snaps"])
     except ValueError as error:
         raise ValueError(f"{name_of(path)}: {error}") from None
 
 
-def read_marks(path: str) -> str:
-    """The path of a user's own points, which are all in order; else ValueError, one line."""
+def read_marks(path: str) -> tuple[str, str]:
+    """Path and SHA-256 of a user's own points, all in order; else ValueError, one line."""
     try:
         _check_path(path)
-        read_points(path)
+        sha256 = sha256_of(path, *POINTS)
+        read_points(path, sha256)
     except ValueError as error:
         raise ValueError(f"marks: {error}") from None
-    return path
+    return path, sha256
 
 
 def marks_outside(path: str, axes: Mapping[str, np.ndarray]) -> list[str]:
@@ -119,7 +123,8 @@ def marks_outside(path: str, axes: Mapping[str, np.ndarray]) -> list[str]:
             low, high = axes[key].min(), axes[key].max()
             if not low <= value <= high:
                 place = f"{key} = {value:g}, maps from {low:g} to {high:g}"
-                lines.append(f"{path}: {point.name or f'point {number}'} lies on no map: {place}")
+                who = f"{path}: {point.name or f'point {number}'}"
+                lines.append(f"{who} lies on no map: {place}")
     return lines
 
 

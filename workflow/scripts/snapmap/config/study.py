@@ -21,7 +21,6 @@ from .shocks import (
     Requirement,
     marks_outside,
     pulse_key,
-    pulse_values,
     read_marks,
     read_requirements,
     read_shocks,
@@ -40,12 +39,12 @@ class Study:
     grid: all axes, each ascending
     skip: whether a device without a second stable shape is marked, not refused
     settings: how each cell is followed
-    shocks: their pulses; pulse: the values of the section, for `shocks_of`
+    shocks: their pulses; pulse: values for `shocks_of`
     requirements: shocks that must or must not trip the device
     tolerances: what scatters from device to device, or nothing
     threshold_tolerance: of the thresholds in N, relative
     maps, curves, boundary: what is drawn of cells, thresholds, and the damage boundary
-    marks: path of a user's own points on the maps, or nothing
+    marks, marks_sha256: path of a user's own points on the maps, or nothing, and what it held
     left_out: one line on what is not drawn, or nothing
     """
 
@@ -64,6 +63,7 @@ class Study:
     curves: tuple[View, ...]
     boundary: View
     marks: str
+    marks_sha256: str
     left_out: str
 
     @property
@@ -83,6 +83,12 @@ class Study:
         """A line on how each device vibrates as written, whatever the axes change."""
         C = self.axes["C"]
         return [f"{name}: {describe(one, C)}" for name, one in self.devices().items()]
+
+    def files(self) -> dict[str, str]:
+        """SHA-256 of each file that the config names, as it was read, by path."""
+        pulses = [self.pulse, *(asked.pulse for asked in self.requirements)]
+        own = {self.marks: self.marks_sha256} if self.marks else {}
+        return {one["file"]: one["sha256"] for one in pulses if "file" in one} | own
 
     def doubts(self) -> list[str]:
         """Lines on what its devices and its recorded shocks may leave out."""
@@ -106,11 +112,10 @@ def load_study(document: Mapping) -> Study:
     recorded = isinstance(parts.get("pulse"), Mapping) and "file" in parts["pulse"]
     pulse = pulse_key(given, ("sweep",), faults, recorded)
     varied = [key for key in given if key in (*VALUES, "C")] if isinstance(given, Mapping) else []
-    shocks = (
-        convert_part(document, ("pulse",), faults, read_shocks)
-        if "pulse" in parts
-        else HANDOUT_SHOCK
-    )
+    push = HANDOUT_SHOCK, {}
+    if "pulse" in parts:
+        push = convert_part(document, ("pulse",), faults, read_shocks)
+    shocks, pulse_values = push or (None, {})
     C = damper_of(parts, device, faults)
     keys = [*varied, *([pulse] if pulse else []), "N"]
     axes = {
@@ -136,7 +141,7 @@ def load_study(document: Mapping) -> Study:
         at = ("tolerances",)
         tolerances = convert_part(document, at, faults, read_tolerances, devices, KIND_OF)
     histories = read_histories(document, device, grid, faults)
-    marks = convert_part(document, ("marks",), faults, read_marks) if "marks" in parts else ""
+    marks = convert_part(document, ("marks",), faults, read_marks) if "marks" in parts else ("", "")
     maps = read_views(document, "maps", faults, grid)
     curves = read_views(document, "thresholds", faults, grid)
     refuse(faults)
@@ -148,7 +153,7 @@ def load_study(document: Mapping) -> Study:
         skip=skip,
         settings=_settings(given),
         shocks=shocks,
-        pulse=pulse_values(parts.get("pulse", {})),
+        pulse=pulse_values,
         requirements=requirements,
         tolerances=tolerances,
         threshold_tolerance=given.get("threshold_tolerance", THRESHOLD_TOLERANCE),
@@ -156,7 +161,8 @@ def load_study(document: Mapping) -> Study:
         maps=chosen,
         curves=choose_curves(grid, nominal(device), curves),
         boundary=choose_boundary(grid, nominal(device)),
-        marks=marks,
+        marks=marks[0],
+        marks_sha256=marks[1],
         left_out=left_out,
     )
 

@@ -7,8 +7,6 @@ from decimal import Context, Decimal
 from functools import cache
 from typing import NamedTuple
 
-import pint
-
 
 class Kind(NamedTuple):
     """What a key expects: its name with article, internal unit, an example, what fits beside > 0.
@@ -169,4 +167,6 @@ def _factor(unit, target):
 
 @cache
 def _registry():
+    import pint  # imported late: it takes as long as all else
+
     return pint.UnitRegistry()

@@ -15,12 +15,13 @@ LOOKS = (("C0", "o"), ("C6", "s"), ("C2", "^"), ("C5", "D"), ("C3", "v"), ("C7",
 CURVES, MARKS = 6, 45
 """Most lines in one figure, and most markers and error bars on a curve."""
 LIMIT = {"color": "0.4", "linewidth": 0.6, "zorder": 1.5}
-LIMITS = "static, impulsive limits"
+LIMITS = "limits of long and of short pulses"
 DASH, DOT = (6, 1.5), (1, 1.5)
 """Limits are dashes with dots between them: one on the first line, two on the second."""
 BAND = {"color": "0.25", "alpha": 0.35, "linewidth": 0}
 ALWAYS = {"color": "black", "linewidth": 0.7, "linestyle": (0, (1, 1.2))}
 """The band of errors about N_first on a map, and N_always."""
+BOUND = {"color": "0.4", "linewidth": 0.6, "linestyle": ":", "zorder": 1.5}
 LATE = {"linestyle": "--", "markerfacecolor": "white", "markeredgewidth": 0.6}
 
 
@@ -63,6 +64,17 @@ def draw_static(ax: Axes, found: xr.Dataset, x: str, colour: str = "0.4", place:
         ax.plot(scale_of(x, found[x].values).places, static.values, **look)
     elif np.isfinite(static):
         ax.axhline(static.item(), **look)
+
+
+def undercuts(found: xr.Dataset) -> bool:
+    """Whether some pulse snaps below the limit of long ones, as with a run-up, or that has none."""
+    return bool((found.N_first.notnull() & ~(found.N_first >= found.N_static)).any())
+
+
+def draw_bound(ax: Axes, found: xr.Dataset, x: str, lines: str) -> None:
+    """Draw below which N nothing snaps, by energy, over an axis; where lines share it, once."""
+    bound = found.N_bound.transpose(x, lines).values
+    ax.plot(scale_of(x, found[x].values).places, np.unique(bound, axis=1), **BOUND)
 
 
 def draw_impulsive(ax: Axes, found: xr.Dataset, colour: str, place: int = 0) -> None:
@@ -111,6 +123,11 @@ def band_keys(found: xr.Dataset) -> list[Line2D | Patch]:
 def limit_key(label: str, colour: str = "0.4") -> Line2D:
     """Key of a legend for a limit."""
     return Line2D([], [], **limit_look(colour), label=label)
+
+
+def bound_key() -> Line2D:
+    """Key of a legend for what `draw_bound` draws."""
+    return Line2D([], [], **BOUND, label="below it nothing snaps, by energy")
 
 
 def freeze(ax: Axes) -> None:

@@ -178,7 +178,7 @@ def _draw_map(ax, kind, panel, x, y, marks, points):
     _fill_map(ax, kind, panel, x, y)
     number_shocks(ax, x, marks)
     draw_points(ax, x, points)
-    names = [f"{number}: {name}" for number, (name, *_) in enumerate(marks, start=1)]
+    names = [f"{number}: {style.literal(name)}" for number, (name, *_) in enumerate(marks, start=1)]
     ax.set_title("\n".join([_title(panel.cells), *names]))
     keys = [*_keys(kind, [panel], y), *point_keys(points)]
     style.legend_below(ax, keys, kind.words, ncols=2)

@@ -7,6 +7,7 @@ from matplotlib.lines import Line2D
 
 from ..io.points import Point
 from .curves import freeze
+from .style import literal
 
 MARK = {"markerfacecolor": "white", "markeredgecolor": "black", "markeredgewidth": 0.8}
 POINT = {"marker": "D", "markersize": 4, "markeredgecolor": "black", "linestyle": ""}
@@ -40,7 +41,7 @@ def draw_points(ax: Axes, x: str, points: Sequence[Point]) -> None:
         place = _place(x, point.f0), point.N
         ax.plot(*place, markerfacecolor=TRIPPED[point.snapped], **POINT)
         if point.name and len(points) <= NAMED:
-            ax.annotate(point.name, place, **NAME)
+            ax.annotate(literal(point.name), place, **NAME)
 
 
 def point_keys(points: Sequence[Point]) -> list[Line2D]:

@@ -50,4 +50,4 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping[str, str]]) -> Axes:
 def _name(row):
     words = "trips" if row["must_snap"] == "True" else "does not trip"
     where = f"{row['device']}, " if row["device"] else ""
-    return f"{row['requirement']}, {words}\n{where}$C$ = {float(row['C']):g}"
+    return f"{style.literal(row['requirement'])}, {words}\n{where}$C$ = {float(row['C']):g}"

@@ -72,11 +72,16 @@ def case(attributes: Mapping[str, str], width: int = PAGE) -> str:
     horizon = config["sweep"]["horizon"].replace("us", "µs")
     pulse = config.get("pulse", {})
     shape, way = pulse.get("file", pulse.get("shape", VERSED_SINE)), pulse.get("direction")
-    words = [shape] if isinstance(shape, str) else []
+    words = [literal(shape)] if isinstance(shape, str) else []
     words += [f"along {way}"] if way == "-z" else []
     words += guides(config)
     words += [model_words(config), f"followed {horizon} beyond the pulse"]
     return textwrap.fill(", ".join(words), width)
+
+
+def literal(text: str) -> str:
+    """A user's text, drawn as it is: a dollar begins no formula."""
+    return text.replace("$", r"\$")
 
 
 def model_words(config: Mapping) -> str:

@@ -8,7 +8,9 @@ from matplotlib.patches import Patch
 
 from . import style
 from .curves import (
+    bound_key,
     curve_keys,
+    draw_bound,
     draw_curve,
     draw_impulsive,
     draw_static,
@@ -18,6 +20,7 @@ from .curves import (
     limit_look,
     line_keys,
     some_lines,
+    undercuts,
     velocity_change,
 )
 from .plane import BELOW_BAR, colour_bar, fill_field, open_plane
@@ -74,7 +77,8 @@ def draw_thresholds(ax: Axes, found: xr.Dataset, x: str = "f0", lines: str = "C"
     keys = [*line_keys(found, lines), *curve_keys(found, "0.4", "o"), *_gap_keys(found)]
     if found.N_latched.notnull().any():
         keys.append(Line2D([], [], color="0.4", **LATCHED, label="above it, all looked at latch"))
-    keys += [] if x == "f0" else [limit_key("static limit")]
+    keys += [] if x == "f0" else [limit_key("threshold of long pulses")]
+    keys += [bound_key()] if undercuts(found) else []
     style.legend_below(ax, keys, _title(found, style.PAGE), ncols=4 if len(keys) < MANY_KEYS else 3)
     return ax
 
@@ -163,6 +167,8 @@ def _draw_limits(ax, found, x, lines):
     for place, (one, colour, _) in enumerate(each_line(found, lines)):
         if lines in found.N_static.dims:
             draw_static(ax, one, x, colour, place)
+    if undercuts(found):
+        draw_bound(ax, found, x, lines)
     _make_room(ax)
     if x == "f0":
         for place, (one, colour, _) in enumerate(each_line(found, lines)):
@@ -197,14 +203,14 @@ def _draw_gap(ax, found, scale, colour):
 def _label_limits(ax, found):
     static = _known(found.N_static)
     if static.size:
-        words = "static limit of long pulses"
+        words = "threshold of long pulses"
         words += f", $N$ = {static[0]:.4g}" if static.size == 1 else ""
         ax.annotate(words, (ax.get_xlim()[0], static[0]), xytext=(4, -4), va="top", **NOTE)
     per_N = _known(found.gravity * found.area / (1e-6 * found.velocity_change))
     if static.size and per_N.size:
         lowest = np.fmin(static[0], np.nanmin(found.N_first.values, initial=np.inf))
         N = np.sqrt(lowest * ax.get_ylim()[0])
-        words = "impulsive limit of short pulses"
+        words = "limit of short pulses"
         if found.area.ndim == 0:
             words += f",\n$N = {1 / found.area.item():.3g} f_0\\,\\Delta v/g$"
         place = {"xytext": (-6, 0), "ha": "right", "va": "center", **NOTE}
@@ -241,7 +247,7 @@ def _draw_boundary_limits(ax, found, lines):
     _make_room(ax)
     freeze(ax)
     if static.size and changes.size:
-        words = "static" + (f", $N$ = {static[0]:.4g}" if static.size == 1 else "")
+        words = "long pulses" + (f", $N$ = {static[0]:.4g}" if static.size == 1 else "")
         at = changes[-1], static[0]
         ax.annotate(words, at, xytext=(4, -4), va="top", **NOTE)
 

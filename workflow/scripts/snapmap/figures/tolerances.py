@@ -147,7 +147,7 @@ def draw_requirement(ax: Axes, found: xr.Dataset) -> Axes:
     share, bounds = found.share_meeting.item(), 100 * found.share_meeting_bound.values
     words = "trips" if must else "does not trip"
     ax.set_title(
-        f"{found.requirement.item()}, {words}\n{value_text('C', found.C.item())}\n"
+        f"{style.literal(found.requirement.item())}, {words}\n{value_text('C', found.C.item())}\n"
         f"met by {share:.1%} ({bounds[0]:.1f} to {bounds[1]:.1f} %)".replace("%", " %", 1)
     )
     ax.set(xlim=(low, high), xlabel="threshold $N$ (multiples of $g$)", ylabel="devices")

@@ -25,6 +25,13 @@ def replacing(path: str | Path) -> Iterator[str]:
         Path(part).unlink(missing_ok=True)
 
 
+def refuse_folders(folder: str | Path, endings: Sequence[str]) -> None:
+    """Raise ValueError, one line, for a folder below `folder` with the ending of a product."""
+    for path in Path(folder).rglob("*.*"):
+        if path.suffix in endings and path.is_dir():
+            raise ValueError(f"{path}: is a folder, where a file belongs; remove it")
+
+
 def remove_leftovers(folder: str | Path) -> None:
     """Remove the temporary files of killed jobs below `folder`."""
     for part in Path(folder).rglob("*.part"):

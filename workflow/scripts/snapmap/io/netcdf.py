@@ -1,8 +1,10 @@
 """Datasets as files."""
 
+import json
 from pathlib import Path
 
 import dask
+import numpy as np
 import xarray as xr
 
 from .atomic import replacing
@@ -29,6 +31,31 @@ def read_earlier(path: str | Path) -> xr.Dataset | None:
         return xr.load_dataset(path, engine="netcdf4", mask_and_scale=False)
     except (OSError, RuntimeError, ValueError):
         return None
+
+
+def check_alike(cube: xr.Dataset, other: xr.Dataset, path: str | Path) -> None:
+    """Raise ValueError, one line, unless another product is of the same study as a cube.
+
+    path: of the other product, whose axes hold more than the cube's, or fewer
+    """
+    ours, theirs = (json.loads(one.attrs.get("config", "{}")) for one in (cube, other))
+    axes = set(cube.dims) & set(other.dims)
+    if not (
+        theirs
+        and all(ours.get(key) == theirs.get(key) for key in ("device", "devices", "pulse", "model"))
+        and _agree(ours["sweep"], theirs["sweep"])
+        and all(_overlap(cube[key].values, other[key].values) for key in axes)
+    ):
+        raise ValueError(f"{path}: is of another study; remove it and run again")
+
+
+def _agree(ours, theirs):
+    """Whether two sections say the same where both say anything."""
+    return all(ours[key] == theirs[key] for key in set(ours) & set(theirs))
+
+
+def _overlap(ours, theirs):
+    return np.isin(ours, theirs).all() or np.isin(theirs, ours).all()
 
 
 def _digits(variable):

@@ -1,9 +1,12 @@
 """A user's own points on the maps: a table of shocks, with what the device did under each."""
 
 import csv
+import io
 import math
 from pathlib import Path
 from typing import NamedTuple
+
+from .named import naming, read_named
 
 COLUMNS = {
     "N": "N",
@@ -17,6 +20,8 @@ COLUMNS = {
 """What a column is, by its header."""
 ANSWERS = {"yes": True, "no": False, "": None}
 MOST = 10_000
+POINTS = 2_000_000, f"write at most {MOST} rows"
+"""Bytes that such a file may have, and what to do about more."""
 
 
 class Point(NamedTuple):
@@ -31,23 +36,20 @@ class Point(NamedTuple):
     snapped: bool | None
 
 
-def read_points(path: str | Path) -> tuple[Point, ...]:
+def read_points(path: str | Path, sha256: str = "") -> tuple[Point, ...]:
     """Read points from CSV; raises ValueError, one line, naming file, line, column and fault.
 
     The header names the columns: N; f0 (Hz) or duration (ms); and, if wanted, name and snapped
     (yes, no or nothing).
+    sha256: of the file as it was planned, hex digits; nothing where anything goes
     """
-    try:
-        with open(path, newline="", encoding="utf-8-sig") as file:
-            rows = list(csv.reader(file))[: MOST + 2]
+    with naming(path):
+        text = read_named(path, *POINTS, sha256).decode("utf-8-sig")
+        try:
+            rows = list(csv.reader(io.StringIO(text, newline="")))
+        except csv.Error as error:
+            raise ValueError(f"is no CSV ({error})") from None
         return tuple(_points(rows))
-    except FileNotFoundError:
-        raise ValueError(f"{path}: is not there") from None
-    except UnicodeDecodeError:
-        raise ValueError(f"{path}: is no text in UTF-8") from None
-    except (OSError, csv.Error, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        raise ValueError(f"{path}: {reason}") from None
 
 
 def _points(rows):
@@ -55,7 +57,7 @@ def _points(rows):
         raise ValueError("is empty; write a header such as N,f0,name,snapped")
     if len(rows) > MOST + 1:
         raise ValueError(f"has more than {MOST} rows; write fewer")
-    header = [_column(word.strip()) for word in rows[0]]
+    header = _header([word.strip() for word in rows[0]])
     for key in header:
         if header.count(key) > 1:
             raise ValueError(f"line 1: column {key} comes twice; write it once")
@@ -70,11 +72,14 @@ def _points(rows):
             yield _point(dict(zip(header, map(str.strip, row), strict=True)), line)
 
 
-def _column(word):
-    if word not in COLUMNS:
-        known = ", ".join(COLUMNS)
-        raise ValueError(f"line 1: column {word!r} is unknown; known are {known}")
-    return COLUMNS[word]
+def _header(words):
+    known = ", ".join(COLUMNS)
+    if not any(word in COLUMNS for word in words):  # another file, which is not to be quoted
+        raise ValueError(f"line 1: names no column of points; known are {known}")
+    for word in words:
+        if word not in COLUMNS:
+            raise ValueError(f"line 1: column {word!r} is unknown; known are {known}")
+    return [COLUMNS[word] for word in words]
 
 
 def _point(row, line):

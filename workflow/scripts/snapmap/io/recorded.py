@@ -1,15 +1,19 @@
 """Recorded shocks: files of acceleration over time, read, checked and made pulses."""
 
+import io
 import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from tempfile import NamedTemporaryFile
 
 import numpy as np
 
 from ..pulse import Pulse, Shocks, make_pulse, sampled, shocks_from
+from .named import naming, read_named
 
-MOST_SAMPLES, MOST_BYTES = 1_000_000, 200_000_000
+MOST_SAMPLES = 1_000_000
+RECORD = 200_000_000, f"write at most {MOST_SAMPLES} samples"
 """Longer records are refused: a shock is over sooner, or is sampled far finer than it needs."""
 UFF = (".uff", ".unv", ".uf")
 TIMES = {"s": 1e6, "ms": 1e3, "us": 1.0, "µs": 1.0, "μs": 1.0}
@@ -18,42 +22,34 @@ ACCELERATIONS = {"g": 9.80665e-6, "m/s^2": 1e-6, "m/s2": 1e-6, "m/s²": 1e-6, "m
 _UNIT = re.compile(r"[(\[]\s*([^)\]]+?)\s*[)\]]")
 
 
-def read_pulse(path: str | Path) -> Pulse:
+def read_pulse(path: str | Path, sha256: str = "") -> Pulse:
     """Read a recorded shock; N scales its largest acceleration, and it keeps its own duration.
 
     path: CSV of two columns, time (s, ms or us) and acceleration (g or m/s^2), whose header names
         the units, as in `time (ms),acceleration (g)`; or UFF with a dataset 58
+    sha256: of the file as it was planned, hex digits; nothing where anything goes
     Between samples the acceleration is linear. Raises ValueError, one line, naming file and fault.
 
     >>> snapmap.read_pulse("config/half_sine.csv").duration
     500.0
     """
     path = Path(path)
-    try:
-        size = path.stat().st_size
-        if not path.is_file():
-            raise ValueError("is no file")
-        if not size:
+    with naming(path):
+        content = read_named(path, *RECORD, sha256)
+        if not content:
             raise ValueError("is empty")
-        if size > MOST_BYTES:
-            raise ValueError(f"has {size / 1e6:.0f} MB; write at most {MOST_SAMPLES} samples")
-        time, acceleration = (_read_uff if path.suffix.lower() in UFF else _read_csv)(path)
+        time, acceleration = (_read_uff if path.suffix.lower() in UFF else _read_csv)(content)
         return replace(sampled(time, acceleration, path.stem), given={"file": str(path)})
-    except FileNotFoundError:
-        raise ValueError(f"{path}: is not there") from None
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        raise ValueError(f"{path}: {' '.join(reason.split())}") from None
 
 
 def shocks_of(values: Mapping) -> Shocks:
     """Make the shocks of a study from the values of its section `pulse`; {} for the handout's.
 
-    values: shape (a name or several), rise, fall (shares), file, direction
+    values: shape (a name or several), rise, fall (shares), file and its sha256, direction
     """
     direction = values.get("direction", "+z")
     if "file" in values:
-        return shocks_from(read_pulse(values["file"]), direction)
+        return shocks_from(read_pulse(values["file"], values.get("sha256", "")), direction)
     shares = {key: values[key] for key in ("rise", "fall") if key in values}
     shape = values.get("shape", make_pulse().name)
     if isinstance(shape, str):
@@ -64,12 +60,11 @@ def shocks_of(values: Mapping) -> Shocks:
     return shocks_from(each, direction)
 
 
-def _read_csv(path):
+def _read_csv(content):
     """Time in us and acceleration in um/us^2."""
     import pandas  # imported late: most runs read no file
 
-    with open(path, encoding="utf-8-sig", errors="replace") as file:
-        header = file.readline()
+    header = content.splitlines()[0].decode("utf-8-sig", errors="replace")
     separator = max(",;\t", key=header.count)
     names = [name.strip().strip('"') for name in header.split(separator)]
     if len(names) != 2:
@@ -80,7 +75,12 @@ def _read_csv(path):
     )
     try:
         table = pandas.read_csv(
-            path, sep=separator, header=0, names=["t", "a"], index_col=False, nrows=MOST_SAMPLES + 1
+            io.BytesIO(content),
+            sep=separator,
+            header=0,
+            names=["t", "a"],
+            index_col=False,
+            nrows=MOST_SAMPLES + 1,
         )
     except (pandas.errors.ParserError, pandas.errors.EmptyDataError, UnicodeDecodeError) as error:
         raise ValueError(f"is no CSV of two columns ({error})") from None
@@ -105,12 +105,15 @@ def _scale(name, units, example):
     return units[unit]
 
 
-def _read_uff(path):
+def _read_uff(content):
     """The first dataset 58 of acceleration over time, SI unless it names its units."""
     import pyuff
 
     try:
-        found = pyuff.UFF(str(path)).read_sets()
+        with NamedTemporaryFile(suffix=".uff") as file:  # pyuff takes a path alone
+            file.write(content)
+            file.flush()
+            found = pyuff.UFF(file.name).read_sets()
     except Exception as error:  # pyuff lets errors of many types through
         raise ValueError(f"is no universal file ({error})") from None
     for one in found if isinstance(found, list) else [found]:

@@ -137,8 +137,8 @@ def _window(device, cube, cells, settings):
 
 def _follow(model, pulses, cells, window, bins, threads):
     """Values, (variables, bins, cells), and lengths of the bins, us; window: time followed, us."""
-    height, barrier = model.device.beam.height[cells.device], model.barrier.energy[cells.device]
-    origin = np.stack([height, height, height + model.device.gap[cells.device]])
+    first, barrier = model.barrier.first[cells.device], model.barrier.energy[cells.device]
+    origin = np.stack([first, first, first + model.device.gap[cells.device]])
     dt = model.steps.of(cells, pulses, MOVE)
     width = SAMPLE * np.ceil(window / (bins * SAMPLE * dt)).astype(np.int64)
     values = np.empty((len(VARIABLES), bins, width.size))
@@ -186,7 +186,7 @@ def _recall(earlier, grid, recipe, bins):
 
 
 def _dress(grid, cube, values, bin_length, model):
-    dims, beam = cube.outcome.dims, grid.device.beam
+    dims = cube.outcome.dims
     data = {}
     for key, attributes in VARIABLES.items():
         data[key] = (("bin", *dims), values[key].reshape(-1, *grid.shape), attributes, DIGITS)
@@ -195,7 +195,7 @@ def _dress(grid, cube, values, bin_length, model):
     of_device, barrier = dims[: grid.device_of.ndim], _barrier_of(model)
     shown = {
         "second_equilibrium": (barrier.second, "midpoint of the second stable shape"),
-        "saddle": (beam.height + barrier.midpoint, "midpoint of the saddle between both"),
+        "saddle": (barrier.first + barrier.midpoint, "midpoint of the saddle between both"),
         "barrier": (barrier.energy, "energy of the saddle"),
     }
     for key, (column, name) in shown.items():

@@ -81,7 +81,7 @@ def simulate(
     steps, stride = _sampling(t_end, dt)
     shock = settings.pulses[0]
     motion, form = built.loop().record(built, shock, amplitude, per_us, damping, dt, steps, stride)
-    values = _observe(device, form, motion) | {
+    values = _observe(device, built.barrier.first, form, motion) | {
         "acceleration": amplitude * shock.at(per_us * motion.time),
         "dissipated_energy": motion.lost,
         "pulse_work": motion.work,
@@ -125,8 +125,8 @@ def _sampling(t_end, dt):
     return steps, min(stride, BLOCK)
 
 
-def _observe(device, form, motion):
-    """Deflections, forces and energies from the coordinates."""
+def _observe(device, first, form, motion):
+    """Deflections, forces and energies from the coordinates; first: w(L/2) at rest, um."""
     velocity = motion.u_velocity
     stiffness = contact_stiffness(device, form.residual)
     overlap = dot(motion.u, form.midpoint) - motion.y - device.gap
@@ -134,8 +134,8 @@ def _observe(device, form, motion):
     axial_force = -device.beam.axial_stiffness * motion.stretch
     kinetic = dot(velocity, multiply(velocity, form.inertia)) / 2
     return {
-        "w_mid": device.beam.height + dot(motion.u, form.midpoint) - form.residual * contact,
-        "z_mass": device.beam.height + device.gap + motion.y,
+        "w_mid": first + dot(motion.u, form.midpoint) - form.residual * contact,
+        "z_mass": first + device.gap + motion.y,
         "contact_force": contact,
         "axial_force": axial_force,
         "kinetic_energy": kinetic + device.mass * motion.y_velocity**2 / 2,

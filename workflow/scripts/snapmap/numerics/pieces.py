@@ -10,6 +10,7 @@ curve may jump.
 
 from numba import njit
 
+from . import kept_kernels  # noqa: F401, before any kernel is kept
 from .arithmetic import sine
 
 BEGIN, VALUE, SLOPE, TURNS, LIFT, SWING = range(6)

@@ -11,6 +11,7 @@ from ..beam.equilibria import static_threshold
 from ..device import Device, batch
 from .bracket import SCAN_STEP, lowest_snap
 from .cells import Cells, Observations, to_rows
+from .cost import steps_and_costs, tell
 from .model import Follows, mix
 from .models import RUNGS, build_model, check_options
 from .settings import Settings
@@ -23,6 +24,9 @@ LONG_PULSES = np.array([0.1, 0.2, 0.4])
 """Frequencies, over the mass's own, at which levels are compared."""
 REACHES, REFINED = (1.005, 1.05, 2.0, 30.0), 1e-5
 """How far from what is known thresholds are looked for, and how closely they are found."""
+COMPARED, IN_TURN = 40, 800
+"""Cells of each pulse that the choice of rungs takes, counted as the fourth rung's; and more of a
+single device, as they run in turn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,6 +115,7 @@ def choose_model(
     if model["name"] != "auto":
         return build_model(device, **model)
     check_options(device, "auto", options)
+    tell_choice(device, threads)
     adaptive = build_adaptive(device, **options, threads=threads, static=static)
     _tell_of_errors(adaptive, options.get("tolerance", TOLERANCE))
     return adaptive
@@ -122,6 +127,7 @@ def choose_survey(device: Device, model: Mapping, threads: int = 1) -> Survey:
     chosen = choose_model(device, model, threads, static)
     if model["name"] == "auto":
         return Survey(chosen.base, chosen.top, chosen.check, None, static)
+    tell_choice(device, threads)
     levels = build_adaptive(device, threads=threads, static=static)
     return Survey(levels.base, chosen, levels.check, levels.top, static)
 
@@ -167,6 +173,18 @@ def build_adaptive(
     check, top = (mix(devices, [(part[0], part[i]) for part in parts]) for i in (1, 2))
     adaptive = Adaptive(build_model(devices, "cosines", modes=RUNGS[0]), check, top, errors)
     return adaptive if devices is device else adaptive.pick(0)
+
+
+def tell_choice(device: Device, threads: int = 1) -> None:
+    """Warn of a long choice of levels before it begins; a ValueError refuses one without end."""
+    devices = batch([device]) if np.ndim(device.mass) == 0 else device
+    own = devices.own_frequency
+    lasts = 2 * np.pi / own * np.sum(1 / LONG_PULSES)
+    # At least four rungs are compared; the fourth takes most of the time.
+    cost = steps_and_costs(build_model(devices, "cosines", modes=RUNGS[3]))[1] * lasts
+    seconds = COMPARED * cost.sum() / threads + IN_TURN * cost.max()
+    slowest = f"a device with a period of {2e-6 * np.pi / own[np.argmax(cost)]:.3g} s"
+    tell("model: choosing its levels", seconds, slowest, "write a stiffer spring", stacklevel=4)
 
 
 def _tell_of_errors(adaptive, tolerance):

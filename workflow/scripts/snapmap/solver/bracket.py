@@ -37,7 +37,8 @@ def lowest_snap(
 def asker(model: Follows, rows: Rows, settings: Settings) -> Callable[[np.ndarray], np.ndarray]:
     """Make a function that tells when the cells of rows snap.
 
-    It takes N, (rows, n), and returns t_snap, us; NaN where a cell does not snap, or N is NaN.
+    It takes N, (rows, n), and returns t_snap, us; NaN where a cell does not snap, or N is NaN, and
+    -inf where no run of it can be believed.
     """
     asked = settings._replace(until="snap", repeat=False)
 
@@ -47,7 +48,9 @@ def asker(model: Follows, rows: Rows, settings: Settings) -> Callable[[np.ndarra
         device, f0, C, pulse = columns
         cells = to_cells(model.device, device, N[given], f0, C, asked.horizon, pulse)
         t_snap = np.full(N.shape, np.nan)
-        t_snap[given] = model.follow(cells, asked).t_snap
+        seen = model.follow(cells, asked)
+        lost = np.isnan(seen.t_snap) & ~(seen.energy_error <= asked.energy_tolerance)
+        t_snap[given] = np.where(lost, -np.inf, seen.t_snap)
         return t_snap
 
     return ask
@@ -77,7 +80,7 @@ def refine(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Narrow intervals, (rows,), between what snaps and what does not, to a relative tolerance.
 
-    ask: gives t_snap of N, (rows, n), finite where a cell snaps at `high` and NaN at `low`
+    ask: gives t_snap of N, (rows, n), finite where a cell snaps, as at `high` and not at `low`
     """
     low, high = np.array(low), np.array(high)
     while (wide := np.flatnonzero(high / low > 1 + tolerance)).size:

@@ -198,7 +198,7 @@ def march(model, cells, dt, settings):
         one = model.pick(which)
         system = nodal_system(one.device, one.basis)
         no_history = np.empty((0, 2 * system.load.size + 4))
-        target = one.barrier.second - one.device.beam.height
+        target = one.barrier.second - one.barrier.first
         for i in np.flatnonzero(cells.device == which):
             steps = int(np.ceil(cells.t_end[i] / dt[i]))
             load = pulses[cells.pulse[i]], cells.amplitude[i], cells.f0[i], cells.damping[i]

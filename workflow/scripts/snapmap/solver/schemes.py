@@ -35,12 +35,13 @@ def stability_limit(device: Device, modal: ModalBeam, scheme: str) -> Value:
 
     The conserving scheme has no limit; there it is a measure by which `step` counts.
     """
-    return bending_limit(modal) if scheme == CONSERVING else tangent_limit(device, modal)
+    of_beam = bending_limit(modal) if scheme == CONSERVING else tangent_limit(device, modal)
+    return np.minimum(of_beam, 2 / np.sqrt(device.spring / device.mass))
 
 
 def default_step(device: Device, modal: ModalBeam, whole: bool) -> Value:
     """Time step of the explicit scheme, us, by default; whole: as in `pays_explicit`."""
-    return (WHOLE if whole else PART) * tangent_limit(device, modal)
+    return (WHOLE if whole else PART) * stability_limit(device, modal, EXPLICIT)
 
 
 def bending_limit(modal: ModalBeam) -> Value:

@@ -140,7 +140,7 @@ def _conserving(model):
 
 def snap_target(model):
     """Where the midpoint snaps, from where it rests, um."""
-    return model.barrier.second - model.device.beam.height
+    return model.barrier.second - model.barrier.first
 
 
 def work_array(modes):

@@ -1,13 +1,16 @@
 """Thresholds as a product: where snapping begins and where it is certain, with an error bar."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from ..solver.adaptive import Survey
+from ..solver.bounds import least_amplitudes
 from ..solver.bracket import SCAN_STEP, amplitudes, asker, first_snap, refine
 from ..solver.cells import Rows
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
+from .reuse import joined
 from .transitions import (
     FINE_STEP,
     Edges,
@@ -39,6 +42,12 @@ LEAST_PUSH = 0.25
 """Of a pulse that pulls, amplitudes are looked at as if it pressed with this share of its peak."""
 LOOKS = 4
 """At so many distances another level must agree that a threshold lies between."""
+SLACK = 0.99
+"""Of the bound by energy, down to which amplitudes are looked at: a model may itself be off."""
+STATUS = "no_device", "found", "nothing_snaps", "not_followed"
+"""Whether there is a threshold, and if not, why: nothing snaps up to the highest N looked at, or
+runs fail, as of a pulse too short for any step."""
+NO_DEVICE, FOUND, NOTHING_SNAPS, NOT_FOLLOWED = range(len(STATUS))
 FARTHEST = 0.25
 """Relative distance up to which another level's threshold is looked for; beyond, a row is ragged.
 """
@@ -47,6 +56,9 @@ FARTHEST = 0.25
 class Thresholds(NamedTuple):
     """Thresholds of rows, (rows,), in multiples of g; NaN where none was found.
 
+    status: whether N_first was found, or why not: index into STATUS
+    N_bound: below it nothing can snap, by energy
+    N_looked: the highest N looked at
     N_first: the lowest N that snaps
     N_error: of N_first: what the finer levels, half the step and the refinement leave open
     N_half: N_always less the lengths of the islands: as much snaps below it as does not above
@@ -59,6 +71,9 @@ class Thresholds(NamedTuple):
     island_from, island_to: their ends, (rows, most islands), NaN where a row has fewer
     """
 
+    status: np.ndarray
+    N_bound: np.ndarray
+    N_looked: np.ndarray
     N_first: np.ndarray
     N_error: np.ndarray
     N_half: np.ndarray
@@ -83,8 +98,22 @@ def survey(
 
     highest: up to which N islands are looked for; ABOVE times the threshold if not given
     The cheap model scans; the one that decides looks again where labels change, and refines; the
-    others, and half the step, tell what that is worth.
+    others, and half the step, tell what that is worth. Where the cheap one fails, or sees another
+    threshold than the one that decides, that one scans too.
     """
+    bound = least_amplitudes(models.decides, rows, settings.pulses)
+    found = _survey(models, rows, settings, tolerance, highest, bound)._asdict()
+    lost = np.flatnonzero(found["status"] == NOT_FOLLOWED)
+    if lost.size:
+        finer = models._replace(scans=models.decides), rows.some(lost)
+        again = _survey(*finer, settings, tolerance, highest, bound[lost], SLACK * bound[lost])
+        again = again._asdict()
+        found = {key: joined(bound.size, lost, again[key], found[key]) for key in found}
+    return Thresholds(**found)
+
+
+def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
+    """Thresholds of rows; lowest: from which N islands are looked for, if not from BELOW."""
 
     def ask(model, some=slice(None), horizon=settings.horizon):
         return asker(model, rows.some(some), settings._replace(horizon=horizon))
@@ -92,7 +121,8 @@ def survey(
     scans, decides, doubts, better, static = models
     slow = _is_slow(scans.device, rows, settings.pulses)
     wide = wide_scan(scans.device, static, rows, settings.pulses, slow)
-    whole = _whole_window(ask(scans), wide, highest, slow)
+    rough, quiet = first_seen(ask(scans), wide, bound)
+    whole = _whole_window(rough, lowest, highest, slow)
     window, ragged = _closer_window(ask(scans), whole, slow)
     edges, open_end, window, ragged = _decide(ask(decides), window, whole, ragged)
     edges = refine_edges(lambda some: ask(decides, some), edges, tolerance)
@@ -113,7 +143,11 @@ def survey(
     half_error = _farthest(N_half, [one[1] for one in found])
     N_error, half_error = (np.where(ragged, far, near) for far in (first_error, half_error))
     resolution = np.where(ragged, window.step, 0.0) + tolerance
+    none = np.where(quiet, NOTHING_SNAPS, NOT_FOLLOWED)
     return Thresholds(
+        np.where(np.isnan(N_first), none, FOUND).astype(np.int8),
+        bound,
+        np.fmax(np.fmax.reduce(wide, axis=1), whole.high),
         N_first,
         N_error + resolution * N_first,
         N_half,
@@ -152,11 +186,26 @@ def wide_scan(device, static, rows, pulses, slow=False) -> np.ndarray:
     return amplitudes(low, high, SCAN_STEP)
 
 
-def _whole_window(ask, wide, highest, slow):
+def first_seen(ask: Callable, wide: np.ndarray, bound: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Find the first of wide amplitudes, (rows, n), that snaps, and in which rows all are quiet.
+
+    bound: below which nothing can snap, (rows,); down to there it is looked where the lowest snaps
+    Returns N, (rows,), NaN where none was found, and bools, (rows,), false where a run failed
+    """
+    told = ask(wide)
+    first = first_snap(wide, np.isfinite(told))[1]
+    quiet = np.isnan(told).all(axis=1) & np.isfinite(wide[:, 0])
+    begins = np.isfinite(told[:, 0])
+    if begins.any():
+        lower = amplitudes(np.where(begins, SLACK * bound, np.nan), wide[:, 0], SCAN_STEP)
+        first = np.where(begins, first_snap(lower, np.isfinite(ask(lower)))[1], first)
+    return first, quiet
+
+
+def _whole_window(rough, lowest, highest, slow):
     """Where islands are looked for, about the first of wide amplitudes that snaps."""
-    rough = first_snap(wide, np.isfinite(ask(wide)))[1]
     top = ABOVE * rough if highest is None else np.fmax(highest, FAR_BESIDE * rough)
-    low = np.where(slow, rough / SLOW_BESIDE, BELOW * rough)
+    low = np.where(slow, rough / SLOW_BESIDE, BELOW * rough if lowest is None else lowest)
     high = np.where(slow, SLOW_BESIDE * rough, np.where(np.isfinite(rough), top, np.nan))
     return Window(low, high, np.full(rough.size, FINE_STEP))
 

@@ -32,3 +32,20 @@ def recall(
 def blank(shape: tuple[int, ...], kind: np.dtype) -> np.ndarray:
     """An array in which nothing is known: NaN, or 0 where a kind has none."""
     return np.full(shape, np.nan if kind.kind == "f" else 0, kind)
+
+
+def joined(
+    n_rows: int, new: np.ndarray, found: np.ndarray | None, known: np.ndarray | None
+) -> np.ndarray:
+    """New rows of a variable and known ones; either may be missing, or have fewer islands.
+
+    new: indices of those found, (new,), which take the place of the known, of (n_rows, ...)
+    """
+    parts = [part for part in (found, known) if part is not None]
+    widest = max((part.shape[1:] for part in parts), key=np.prod)
+    whole = blank((n_rows, *widest), parts[0].dtype)
+    for where, part in ((slice(None), known), (new, found)):
+        if part is not None:
+            whole[where] = blank(whole[where].shape, whole.dtype)
+            whole[(where, *map(slice, part.shape[1:]))] = part
+    return whole

@@ -13,8 +13,8 @@ from ..solver.adaptive import choose_survey
 from ..solver.cells import check_cells, rows_of, to_rows
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings, check_number, check_settings
 from .cost import tell_cost
-from .islands import ABOVE, survey
-from .reuse import blank, recall
+from .islands import ABOVE, NOT_FOLLOWED, NOTHING_SNAPS, STATUS, survey
+from .reuse import joined, recall
 from .settling import lowest_latched
 
 IMPULSE, IMPULSE_OF_BEAM = 100.0, 10.0
@@ -29,6 +29,14 @@ NO_AREA = 1e-3
 
 MULTIPLES = {"units": "1", "comment": "in multiples of g"}
 VARIABLES = {
+    "status": {
+        "long_name": "whether there is a threshold, and if not, why",
+        "flag_values": np.arange(len(STATUS), dtype=np.int8),
+        "flag_meanings": " ".join(STATUS),
+        "comment": "nothing_snaps: up to N_looked, within the horizon; not_followed: its runs fail",
+    },
+    "N_bound": {"long_name": "amplitude below which nothing snaps, by energy", **MULTIPLES},
+    "N_looked": {"long_name": "highest amplitude looked at", **MULTIPLES},
     "N_first": {"long_name": "lowest amplitude that snaps", **MULTIPLES},
     "N_error": {"long_name": "uncertainty of N_first from space, time and refinement", **MULTIPLES},
     "N_half": {
@@ -163,21 +171,10 @@ def _look(models, rows, settings, tolerance, highest, new, known):
         low = np.where(first <= top, first, np.nan)
         found["N_latched"] = lowest_latched(models.decides, some, low, top, settings)
     whole = {
-        key: _joined(rows.f0.size, new, found.get(key), known.get(key)) for key in found | known
+        key: joined(rows.f0.size, new, found.get(key), known.get(key)) for key in found | known
     }
     most = whole["islands"].max(initial=0)
     return whole | {key: whole[key][:, :most] for key in ("island_from", "island_to")}
-
-
-def _joined(n_rows, new, found, known):
-    """New rows of a variable and known ones; either may be missing, or have fewer islands."""
-    parts = [part for part in (found, known) if part is not None]
-    widest = max((part.shape[1:] for part in parts), key=np.prod)
-    whole = blank((n_rows, *widest), parts[0].dtype)
-    for where, part in ((slice(None), known), (new, found)):
-        if part is not None:
-            whole[(where, *map(slice, part.shape[1:]))] = part
-    return whole
 
 
 def _limits(grid, models, settings, tolerance, highest):
@@ -241,6 +238,9 @@ def summary(found: xr.Dataset) -> str:
         f"{int(found.ragged.sum())} of them ragged, {int((known > 0.01).sum())} with an error "
         f"above 1 %, median {typical}"
     )
+    for number in (NOTHING_SNAPS, NOT_FOLLOWED):
+        count = int((found.status == number).sum())
+        line += f"; {STATUS[number].replace('_', ' ')} in {count}" if count else ""
     if found.sizes.get("direction", 1) < 2:
         return line
     # Where nothing snaps, the other side is the weaker one.

@@ -39,7 +39,7 @@ class Edges(NamedTuple):
 def scan(ask: Callable, window: Window) -> tuple[Edges, np.ndarray, np.ndarray]:
     """Find the edges in each row's window, and whether its first and last amplitude snap, (rows,).
 
-    ask: gives t_snap of N, (rows, n); NaN for none
+    ask: gives t_snap of N, (rows, n); not finite for none
     """
     N = amplitudes(*window)
     snapped, known = np.isfinite(ask(N)), np.isfinite(N)
@@ -79,7 +79,7 @@ def refine_edges(ask_rows: Callable, edges: Edges, tolerance: float) -> Edges:
     for rising in (True, False):
         some = np.flatnonzero(edges.rising == rising)
         ask = ask_rows(edges.row[some])
-        told = ask if rising else lambda N, ask=ask: np.where(np.isnan(ask(N)), 0.0, np.nan)
+        told = ask if rising else lambda N, ask=ask: np.where(np.isfinite(ask(N)), np.nan, 0.0)
         found[:, some] = refine(told, *found[:, some], tolerance)
     return edges._replace(low=found[0], high=found[1])
 

@@ -8,7 +8,7 @@ import numpy as np
 from ..beam.equilibria import static_threshold
 from ..device import FROM_ZERO, SIGNED, VALUES, Device, is_bistable
 from ..device import batch as batch_of
-from ..solver.adaptive import TOLERANCE, build_adaptive
+from ..solver.adaptive import TOLERANCE, build_adaptive, tell_choice
 from ..solver.bracket import asker
 from ..solver.cells import to_cells, to_rows
 from ..solver.model import Follows
@@ -140,6 +140,7 @@ def _cheapest(device, model, threads):
         return model
     options = {key: value for key, value in model.items() if key != "name"}
     check_options(device, "auto", options)
+    tell_choice(device, threads)
     levels = build_adaptive(device, **options, threads=threads)
     kept = levels.errors < options.get("tolerance", TOLERANCE)
     # ASSUME: what suffices for the nominal device suffices for those that scatter about it.

@@ -4,11 +4,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..solver.bracket import asker, first_snap, refine
+from ..solver.bounds import least_amplitudes
+from ..solver.bracket import asker, refine
 from ..solver.cells import Rows
 from ..solver.model import Follows
 from ..solver.settings import Settings
-from ..thresholds.islands import BELOW, wide_scan
+from ..thresholds.islands import BELOW, first_seen, wide_scan
 from ..thresholds.transitions import FINE_STEP, Window, scan
 
 FIRST, GROWTH = 64, 8
@@ -55,7 +56,7 @@ def nominal_thresholds(
     """Find the lowest N that snaps of rows of which nothing is known, (rows,); NaN for none."""
     ask = asker(model, rows, settings)
     wide = wide_scan(model.device, static, rows, settings.pulses)
-    rough = first_snap(wide, np.isfinite(ask(wide)))[1]
+    rough, _ = first_seen(ask, wide, least_amplitudes(model, rows, settings.pulses))
     edges, *_ = scan(ask, Window(BELOW * rough, rough, np.full(rough.size, FINE_STEP)))
     first = np.full((2, rough.size), np.nan)
     for row, low, high, rising in zip(*edges, strict=True):

@@ -1,0 +1,209 @@
+"""Files that a config names: what they hold decides, and what cannot be a file is refused."""
+
+import hashlib
+import json
+import os
+import subprocess
+import tracemalloc
+
+import numpy as np
+import pytest
+import yaml
+from small_results import CONFIG, make_cells, make_found
+from small_studies import THREE_COSINES
+
+import snapmap
+from snapmap.config.study import load_study
+from snapmap.config.yaml_file import ConfigError, read_document
+from snapmap.io.named import hold_to_plan
+from snapmap.io.netcdf import check_alike
+from snapmap.io.points import read_points
+from snapmap.io.recorded import shocks_of
+
+STUDY = (
+    THREE_COSINES
+    + """pulse: {file: shock.csv}
+marks: points.csv
+requirements: [{name: drop, file: shock.csv, N: 1000, snaps: false}]
+sweep:
+  N: {from: 600, to: 2400, points: 3}
+  C: [25 uN*us/um]
+  horizon: 0 us
+  until: snap
+"""
+)
+POINTS = "N,f0\n1000,2000\n"
+
+
+def write_record(path, power):
+    """Half a millisecond of a half sine to some power."""
+    times = np.linspace(0, 0.5, 51)
+    table = np.column_stack([times, np.sin(np.pi * times / 0.5) ** power])
+    header = "time (ms),acceleration (g)"
+    np.savetxt(path, table, delimiter=",", header=header, comments="")
+    return path
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A folder with a study, its record and its points."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.yaml").write_text(STUDY, encoding="utf-8")
+    (tmp_path / "points.csv").write_text(POINTS, encoding="utf-8")
+    write_record(tmp_path / "shock.csv", 1)
+    return tmp_path
+
+
+def snakemake(root, *options):
+    """Run the workflow in the current folder; its exit code and output."""
+    command = ["snakemake", "--snakefile", root / "Snakefile", "--configfile", "mine.yaml"]
+    done = subprocess.run([*command, "--cores", "1", *options], capture_output=True, text=True)
+    return done.returncode, done.stdout + done.stderr
+
+
+def test_a_study_knows_its_files_by_what_they_hold(folder):
+    study = load_study(yaml.safe_load(STUDY))
+    content = (folder / "shock.csv").read_bytes(), POINTS.encode()
+    hashes = [hashlib.sha256(held).hexdigest() for held in content]
+    assert study.files() == dict(zip(["shock.csv", "points.csv"], hashes, strict=True))
+    assert study.pulse["sha256"] == study.requirements[0].pulse["sha256"] == hashes[0]
+
+
+def test_an_edit_since_the_plan_is_refused_by_every_reader(folder, monkeypatch):
+    study = load_study(yaml.safe_load(STUDY))
+    shocks_of(study.pulse)
+    read_points(study.marks, study.marks_sha256)
+    monkeypatch.setenv("SNAPMAP_PLANNED", "{}")
+    hold_to_plan(study.files(), plans=False)
+    hold_to_plan(study.files(), plans=True)
+    write_record(folder / "shock.csv", 3)
+    (folder / "points.csv").write_text("N,f0\n1000,2001\n", encoding="utf-8")
+    edited = load_study(yaml.safe_load(STUDY))
+    for read in (
+        lambda: shocks_of(study.pulse),
+        lambda: shocks_of(study.requirements[0].pulse),
+        lambda: hold_to_plan(edited.files(), plans=False),
+    ):
+        with pytest.raises(ValueError, match=r"^shock\.csv: was edited after the run was planned"):
+            read()
+    with pytest.raises(ValueError, match=r"^points\.csv: was edited after the run was planned"):
+        read_points(study.marks, study.marks_sha256)
+
+
+def test_contents_decide_what_runs_again_and_dates_do_not(root, folder):
+    products = ["results/threshold.nc", "results/requirements.csv"]
+    code, output = snakemake(root, *products)
+    assert code == 0, output
+    os.utime(folder / "shock.csv")
+    assert "Nothing to be done" in snakemake(root, "--dry-run", *products)[1]
+    write_record(folder / "other.csv", 3)
+    os.utime(folder / "other.csv", (0, 0))
+    (folder / "other.csv").replace(folder / "shock.csv")
+    code, output = snakemake(root, "--dry-run", *products)
+    assert all(f"{rule}  " in output for rule in ("find_threshold", "check_requirements")), output
+
+
+def open_pipe(path):
+    os.mkfifo(path)
+
+
+def open_device(path):
+    path.symlink_to("/dev/zero")
+
+
+@pytest.mark.parametrize("odd", [open_pipe, open_device])
+@pytest.mark.parametrize("read", [read_points, snapmap.read_pulse, read_document])
+def test_what_never_ends_is_refused(tmp_path, odd, read):
+    path = tmp_path / "odd.csv"
+    odd(path)
+    with pytest.raises(ValueError, match=r"odd\.csv: is no file"):
+        read(path)
+
+
+def test_ten_million_rows_are_refused_unread(tmp_path):
+    path = tmp_path / "points.csv"
+    with open(path, "wb") as file:
+        file.truncate(100_000_000)
+    tracemalloc.start()
+    with pytest.raises(ValueError, match=r"points\.csv: has 100 MB; write at most 10000 rows"):
+        read_points(path)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 10_000_000
+
+
+def test_no_other_file_is_quoted(tmp_path):
+    path = tmp_path / "points.csv"
+    path.write_text("root:x:0:0:secret,word\n", encoding="utf-8")
+    with pytest.raises(ValueError) as fault:
+        read_points(path)
+    assert "line 1: names no column of points" in str(fault.value)
+    assert "secret" not in str(fault.value) and "word" not in str(fault.value)
+
+
+def test_names_may_have_braces(root, folder):
+    (folder / "shock.csv").rename(folder / "a{b}.csv")
+    (folder / "points.csv").rename(folder / "{slab}.csv")
+    text = STUDY.replace("shock.csv", "'a{b}.csv'").replace("points.csv", "'{slab}.csv'")
+    (folder / "mine.yaml").write_text(text, encoding="utf-8")
+    code, output = snakemake(root, "--dry-run")
+    assert code == 0 and "simulate_slab  " in output, output
+
+
+def test_a_folder_in_place_of_a_product_is_named(root, folder):
+    (folder / "results/cube.nc").mkdir(parents=True)
+    code, output = snakemake(root, "results/cube.nc")
+    assert code != 0 and "results/cube.nc: is a folder, where a file belongs; remove it" in output
+    assert "Traceback" not in output
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        (b"a: \xe9\n", "is no text in UTF-8"),
+        (b"a: " + b"[" * 3000 + b"]" * 3000, "not valid YAML: is nested deeper than any key"),
+        (b"a: " + b"9" * 5000, "line 1 is not valid YAML: '9999"),
+        (b"a: 1:30:00", "line 1 is not valid YAML: '1:30:00' is no plain decimal number"),
+        (b"a: 010", "line 1 is not valid YAML: '010' is no plain decimal number"),
+        (b"a: 1:30.5", "line 1 is not valid YAML: '1:30.5' is no plain decimal number"),
+        (b"a: [" + b"1234567, " * 1_000_000 + b"]", "has 9 MB; write axes as from, to, points"),
+        (b'"__use\\x5fyte__": true', "__use_yte__ is not allowed"),
+    ],
+)
+def test_odd_configs_are_one_line_before_snakemake_reads_them(root, tmp_path, text, complaint):
+    path = tmp_path / "odd.yaml"
+    path.write_bytes(text + b"\n? \"?open('PWNED', 'w')\"\n: 1\n")
+    with pytest.raises(ConfigError) as fault:
+        read_document(path)
+    assert str(fault.value).startswith(f"{path}: {complaint}")
+    for words in (["--configfile", path], [f"--configfile={path}"]):
+        command = [root / "run", "snakemake", "--snakefile", root / "Snakefile", *words]
+        done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+        assert (done.returncode, done.stderr) == (1, f"{fault.value}\n")
+    assert [found.name for found in tmp_path.iterdir()] == ["odd.yaml"]
+
+
+def test_plain_numbers_are_read_as_they_are(tmp_path):
+    path = tmp_path / "plain.yaml"
+    path.write_text("a: [0, -7, 0.5, +3, 1.5e+3, .5, 1e3]\n", encoding="utf-8")
+    assert read_document(path) == {"a": [0, -7, 0.5, 3, 1500.0, 0.5, "1e3"]}
+
+
+@pytest.mark.parametrize("change", [{"x\ud800": 1}, {"device": {"mass": "\udfff"}}])
+def test_half_characters_are_refused_at_the_door(change):
+    with pytest.raises(ConfigError, match="has half a character"):
+        load_study(yaml.safe_load(THREE_COSINES) | change)
+
+
+def test_a_product_of_another_study_is_named():
+    cube, found = make_cells(["22"]), make_found(C=(25.0,)).isel(f0=slice(2))
+    cube = cube.expand_dims("C").assign_coords(f0=found.f0)
+    check_alike(cube, found, "threshold.nc")
+    other = CONFIG | {"model": {"name": "cosines"}}
+    for foreign in (
+        found.assign_coords(C=[7.0]),
+        found.assign_attrs(config=json.dumps(other)),
+        found.drop_attrs(),
+    ):
+        with pytest.raises(ValueError, match=r"^threshold\.nc: is of another study; remove it"):
+            check_alike(cube, foreign, "threshold.nc")

@@ -1,0 +1,153 @@
+"""Where nothing snaps, and why: bounds by energy, runs that fail, thresholds below the statics."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import snapmap
+from snapmap.beam.equilibria import static_threshold
+from snapmap.device import batch
+from snapmap.pulse import SHAPES, make_pulse, sampled
+from snapmap.solver.adaptive import tell_choice
+from snapmap.solver.bounds import least_amplitudes
+from snapmap.solver.cells import to_cells, to_rows
+from snapmap.solver.models import build_model
+from snapmap.solver.settings import Settings
+from snapmap.thresholds.islands import FOUND, NOT_FOLLOWED, NOTHING_SNAPS, first_seen
+from snapmap.thresholds.rows import tidy
+from snapmap.thresholds.surface import summary
+
+COSINES = {"model": "cosines", "modes": 5}
+
+
+@pytest.mark.parametrize(
+    ("change", "N", "f0", "C", "shape", "direction"),
+    [
+        ({"spring": 0.1}, 80, 1000.0, 0.0, "versed sine", "-z"),
+        ({"spring": 0.1, "gap": 30.0}, 150, 500.0, 0.5, "trapezoid", "+z"),
+        ({}, 900, 1500.0, 0.025, "half sine", "+z"),
+        ({}, 700, 300.0, 25.0, "sawtooth", "-z"),
+        ({"mass": 30.0}, 20000, 5000.0, 0.0, "sawtooth", "+z"),
+    ],
+)
+def test_no_run_has_more_energy_than_its_pulse_can_give(
+    handout, change, N, f0, C, shape, direction
+):
+    """Held against histories; the compliances are those of handbooks."""
+    device = replace(handout, **change)
+    run = snapmap.simulate(
+        device, N, f0, C, horizon=500.0, pulse=shape, direction=direction, **COSINES
+    )
+    parts = ("kinetic", "spring", "bending", "axial", "contact")
+    energy = sum(run[f"{part}_energy"] for part in parts).values
+    # Until it snaps, as the bounds are asked for no longer.
+    energy = energy[: 1 + np.argmax(np.append(run.w_mid.values < 0, True))]
+    beam, pulse = device.beam, make_pulse(shape)
+    speed = N * device.gravity * pulse.gross_area / (1e-6 * f0)
+    by_impulse = (device.mass + beam.weight) * speed**2 / 2
+    sag = beam.weight**2 * beam.span**3 / (720 * beam.bending_stiffness)
+    swing = N * device.gravity * pulse.variation
+    by_sag = 2 * (device.mass**2 / device.spring + sag) * swing**2
+    assert 0 < energy.max() <= 1.001 * min(by_impulse, by_sag)
+
+
+def test_the_bound_is_that_of_the_saddle(handout):
+    """486.805 pJ, of which both bounds are closed forms."""
+    model = build_model(batch([handout]), "cosines", modes=18)
+    f0 = np.array([10.0, 1e5])
+    slow, fast = least_amplitudes(model, to_rows(0, f0, 25.0), (make_pulse(),))
+    beam, energy = handout.beam, 486.805
+    sag = beam.weight**2 * beam.span**3 / (720 * beam.bending_stiffness)
+    compliance = handout.mass**2 / handout.spring + sag
+    assert slow == pytest.approx(np.sqrt(energy / 2 / compliance) / 2 / handout.gravity, rel=1e-5)
+    speed = np.sqrt(2 * energy / (handout.mass + beam.weight))
+    assert fast == pytest.approx(speed * 0.1 / 0.5 / handout.gravity, rel=1e-5)
+
+
+def test_the_gross_area_counts_both_signs():
+    for shape in SHAPES:
+        assert make_pulse(shape).gross_area == pytest.approx(make_pulse(shape).area)
+        assert make_pulse(shape).reversed().gross_area == pytest.approx(make_pulse(shape).area)
+    swing = sampled(np.arange(5.0), np.array([0.0, 1.0, 0.0, -1.0, 0.0]))
+    assert swing.area == pytest.approx(0) and swing.gross_area == pytest.approx(0.5)
+
+
+def test_it_is_looked_down_to_the_bound():
+    """By hand: a threshold below what is looked at first, none, a run that fails, one too weak."""
+    exact = np.array([[0.3], [np.inf], [5.0], [0.0]])
+
+    def ask(N):
+        told = np.where(exact <= N, 1.0, np.nan)
+        told[2] = np.where(N[2] > 1, -np.inf, np.nan)
+        return np.where(np.isfinite(N), told, np.nan)
+
+    first, quiet = first_seen(ask, np.tile([1.0, 2.0, 4.0], (4, 1)), np.full(4, 0.1))
+    assert 0.3 <= first[0] <= 0.3 * 1.03 and np.isnan(first[1:]).all()
+    assert quiet.tolist() == [False, True, False, False]
+
+
+@pytest.mark.parametrize(
+    ("change", "asked", "independent"),
+    [
+        ({"spring": 0.1}, {"f0": [1000.0], "direction": "-z"}, 77.76),
+        ({"spring": 0.5}, {"f0": [1000.0], "direction": "-z", "pulse": "half sine"}, 228.4),
+        pytest.param(
+            {"spring": 0.1, "gap": 30.0},
+            {"f0": [500.0], "pulse": "trapezoid"},
+            151.5,
+            marks=pytest.mark.long,
+        ),
+    ],
+)
+def test_a_mass_with_a_run_up_snaps_far_below_the_statics(handout, change, asked, independent):
+    """Thresholds of a code of others; half a unit of their last digit."""
+    found = snapmap.threshold(replace(handout, **change), C=[0.5], horizon=6000.0, **asked)
+    assert found.status.item() == FOUND
+    assert abs(found.N_first.item() - independent) <= found.N_error.item() + 0.05
+    assert found.N_bound < found.N_first < 0.25 * static_threshold(handout)
+
+
+def test_a_threshold_that_is_not_there_has_its_reason(handout):
+    """Pulses that pull slowly, ordinary ones, and those too short for any step."""
+    asked = {"C": [25.0], "horizon": 100.0, "model": "cosines", "modes": 3}
+    back = snapmap.threshold(handout, [50.0], direction="-z", **asked)
+    there = snapmap.threshold(handout, [1500.0, 1e12], **asked).squeeze("C")
+    assert back.status.item() == NOTHING_SNAPS and back.N_looked > 4 * static_threshold(handout)
+    assert there.status.values.tolist() == [FOUND, NOT_FOLLOWED]
+    assert np.isfinite(there.N_first).values.tolist() == [True, False]
+    assert tidy(there).status.tolist() == ["found", "not_followed"]
+    assert summary(there).endswith("; not followed in 1")
+    assert summary(back).endswith("; nothing snaps in 1")
+
+
+def test_the_deciding_level_looks_where_the_cheap_one_cannot(handout):
+    """At 1e8 Hz only its shorter steps follow the pulse, which is as good as a jump in velocity."""
+    found = snapmap.threshold(handout, [1e8], [25.0], horizon=300.0).squeeze()
+    change = found.N_first * handout.gravity * 0.5 / 100.0
+    assert change.item() == pytest.approx(found.velocity_change.item(), rel=0.01)
+
+
+def test_a_gap_that_the_mass_does_not_cross_leaves_the_beam_alone(handout):
+    alone = static_threshold(replace(handout, mass=1e-5))
+    assert static_threshold(replace(handout, gap=1e4)) == alone
+    # At that acceleration the mass has gone as far as its spring lets it, M a / K.
+    reach = handout.mass * alone * handout.gravity / handout.spring
+    assert static_threshold(replace(handout, gap=1.1 * reach)) == alone
+    assert static_threshold(replace(handout, gap=0.5 * reach)) < alone
+
+
+def test_a_light_mass_on_its_spring_bounds_the_step(handout):
+    light = replace(handout, mass=1e-5)
+    model = build_model(light, "cosines", modes=3)
+    assert model.dt <= np.sqrt(light.mass / light.spring)
+    cells = to_cells(light, 0, [1e5], 1e5, 0.025, 20.0)
+    assert model.follow(cells, Settings(20.0)).energy_error < 1e-6
+
+
+def test_a_long_choice_of_levels_is_told_before_it_begins(handout):
+    soft, softest = (replace(handout, spring=spring) for spring in (1e-9, 1e-16))
+    with pytest.warns(UserWarning, match="choosing its levels: about .* h; a device with a period"):
+        tell_choice(soft)
+    with pytest.raises(ValueError, match="write a stiffer spring"):
+        tell_choice(softest)

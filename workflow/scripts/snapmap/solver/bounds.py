@@ -1,0 +1,47 @@
+"""Shocks too weak to snap a device, by energy: whatever their shape, direction, gap and damping.
+
+Let H be the energy of mass, spring, beam and contact, no part of which is below 0, and X = M y +
+f.u, so that the pulse a does the work -a dX/dt a time, and damping only takes. With m the mass of
+all and T <= H kinetic, (dX/dt)^2 <= 2 m T (Cauchy), and hence
+
+    d sqrt(H)/dt <= |a| sqrt(m/2),                  H <= (m/2) (integral of |a|)^2.
+
+The spring and the beam's bending alone hold X^2 <= 2 c H with c = M^2/K + f.bending^-1 f. By parts
+the work is at most the largest |X| times all ups and downs of a, and so
+
+    H <= 2 c (ups and downs of a)^2.
+
+A snap takes H at least to the saddle, and to what bending alone asks for the midpoint's way.
+"""
+
+import numpy as np
+
+from ..numerics.linalg import dot
+from ..pulse import Pulse
+from .cells import Rows
+from .model import Follows
+
+
+def least_amplitudes(model: Follows, rows: Rows, pulses: tuple[Pulse, ...]) -> np.ndarray:
+    """Bound the N that can snap, multiples of g, (rows,): below, the energy does not suffice.
+
+    model: of a batch; pulses: those that the rows name
+    """
+    bounds = np.empty((2, len(model.device)))
+    for mine, part, row in model.split(np.arange(bounds.shape[1])):
+        bounds[:, mine] = np.array(_of_devices(part))[:, row]
+    speed, swing = bounds[:, rows.device]
+    facts = np.array([(pulse.gross_area, pulse.variation) for pulse in pulses])
+    gross, ups_and_downs = facts[rows.pulse].T
+    a = np.maximum(speed * rows.f0 * 1e-6 / gross, swing / ups_and_downs)
+    return a / model.device.gravity[rows.device]
+
+
+def _of_devices(model):
+    """The least integral of |a|, um/us, and ups and downs of a, um/us^2; each (devices,)."""
+    device, modal, barrier = model.device, model.modal, model.barrier
+    way = barrier.first - barrier.second
+    soft = dot(modal.midpoint, modal.midpoint / modal.stiffness) + modal.residual
+    energy = np.maximum(barrier.energy, way * way / (2 * soft))
+    sag = device.mass * device.mass / device.spring + dot(modal.load, modal.load / modal.stiffness)
+    return np.sqrt(2 * energy / (device.mass + device.beam.weight)), np.sqrt(energy / (2 * sag))
