@@ -9,6 +9,8 @@ rule accuracy:
 
 
 rule measure_accuracy:
+    input:
+        recorded,
     output:
         accuracy="results/accuracy{size}.nc",
     log:
@@ -20,6 +22,7 @@ rule measure_accuracy:
     params:
         code=code("measure_accuracy"),
         device=values_of(nominal(study.device)),
+        pulse=study.pulse,
         axes={key: study.axes[key].tolist() for key in ("C", "f0", "N")},
         settings=asked,
         plan=lambda wildcards: "quick" if wildcards.size else "full",

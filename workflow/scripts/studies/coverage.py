@@ -1,6 +1,6 @@
 """How many thresholds of random devices lie within their error bars: docs/thresholds.md.
 
-PYTHONPATH=workflow/scripts ./run python -m studies.coverage [devices]
+PYTHONPATH=workflow/scripts ./run python -m studies.coverage [devices] [--small]
 
 Writes results/figures/coverage.pdf and .png: errors over their bars, by model.
 """
@@ -19,11 +19,11 @@ from snapmap.solver.cells import Rows, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
 
+from .few import SMALL, few
 from .markdown import number, table
 from .random_devices import draw_device, draw_shocks
 from .timing import Run
 
-ROOT = Path(__file__).resolve().parents[3]
 SEED, DEVICES, THREADS = 13, 24, 2
 MODELS = {
     "auto": {"model": "auto"},
@@ -52,12 +52,13 @@ HEAD = [
 
 
 def main():
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else DEVICES
+    given = [word for word in sys.argv[1:] if word != SMALL]
+    count = few(int(given[0]) if given else DEVICES)
     draw = np.random.default_rng(SEED)
     found = {name: [] for name in MODELS}
     for _ in range(count):
         device = draw_device(draw)
-        f0, C = draw_shocks(draw, device)
+        f0, C = (few(values) for values in draw_shocks(draw, device))
         runs = {name: ask(device, f0, C, options) for name, options in MODELS.items()}
         truth = judge(device, f0, C, next(run.result[0] for run in runs.values() if run.result))
         for name, run in runs.items():
@@ -135,7 +136,7 @@ def draw_errors(found):
     ax.set(xscale="log", xlim=(1e-3, 10), ylim=(0, 1.02))
     ax.set(xlabel="error over error bar", ylabel="share of the thresholds")
     ax.legend(frameon=False)
-    folder = ROOT / "results" / "figures"
+    folder = Path("results") / "figures"
     folder.mkdir(parents=True, exist_ok=True)
     for kind in ("pdf", "png"):
         figure.savefig(folder / f"coverage.{kind}", dpi=200)
