@@ -1,6 +1,7 @@
 rule accuracy:
     input:
         "results/accuracy.nc",
+        "results/accuracy.md",
         expand(
             "results/figures/{stem}.{kind}",
             stem=["accuracy", "convergence"],
@@ -30,6 +31,23 @@ rule measure_accuracy:
         "Measure error and time of every model: {output.accuracy}"
     script:
         "../scripts/measure_accuracy.py"
+
+
+rule write_accuracy_table:
+    input:
+        accuracy="results/accuracy.nc",
+    output:
+        table="results/accuracy.md",
+    log:
+        "results/logs/write_accuracy_table.log",
+    conda:
+        "../envs/snapmap.yaml"
+    params:
+        code=code("write_accuracy_table"),
+    message:
+        "Write the tables of docs/accuracy.md"
+    script:
+        "../scripts/write_accuracy_table.py"
 
 
 rule draw_accuracy:
