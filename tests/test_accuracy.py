@@ -6,7 +6,6 @@ import warnings
 import numpy as np
 import pytest
 
-import snapmap
 from snapmap.device import Beam, Device
 from snapmap.figures import accuracy, convergence, style
 from snapmap.pulse import HANDOUT_SHOCK, sampled, shocks_from
@@ -17,7 +16,7 @@ from snapmap.solver.settings import Settings
 from studies.accuracy.budget import afford
 from studies.accuracy.cases import CONVERGED, list_cases
 from studies.accuracy.comparison import disagreement, pareto_front
-from studies.accuracy.converged import converge, decided, gap
+from studies.accuracy.converged import FINE_STEP, converge, decided, gap
 from studies.accuracy.dataset import summary
 from studies.accuracy.measure import measure
 from studies.accuracy.plans import PLANS as plans
@@ -203,15 +202,18 @@ def test_the_figure_marks_the_front_and_the_handouts_setting(found):
     assert all(low < error < high for error in sources.values())
 
 
-def test_other_shocks_have_other_thresholds(handout, found):
+def test_other_shocks_have_other_thresholds(handout):
     """The study's own pulses are measured, and named."""
     axes = axes_of([25.0], [1000.0], [800.0, 1200.0])
-    both = measure(handout, axes, SNAP, TINY, shocks_from("half sine", "both"))
+    shocks = shocks_from("half sine", "both")
+    both = measure(handout, axes, SNAP, TINY, shocks)
     assert both["shape"].values.tolist() == 2 * ["half sine"]
     assert both.direction.values.tolist() == ["+z", "-z"]
-    expected = snapmap.threshold(handout, [1000.0], [25.0], pulse="half sine", direction="both")
-    ours = both.converged_threshold.isel(reference=0)
-    assert ours.values == pytest.approx(expected.N_first.values.ravel(), rel=1e-3)
+    ours = both.converged_threshold.isel(reference=0).values
+    model = build_model(handout, "cosines", modes=8, step=FINE_STEP)
+    rows, settings = to_rows(0, 1000.0, 25.0, [0, 1]), SNAP._replace(pulses=shocks.pulses)
+    again = lowest_snap(model, rows, (ours / 1.01, ours * 1.01), settings, 1e-6, 0.005)
+    assert again == pytest.approx(ours, rel=3e-6) and ours[1] > 2 * ours[0]
 
 
 def test_without_thresholds_labels_are_judged(handout):
