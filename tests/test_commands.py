@@ -108,7 +108,7 @@ def test_a_study_runs_in_small(monkeypatch, capsys, tmp_path, root, study):
     monkeypatch.setattr(sys, "argv", [study, "--small"])
     runpy.run_module(f"studies.{study}", run_name="__main__")
     rows = [line for line in capsys.readouterr().out.splitlines() if line.startswith("| ")]
-    assert len(rows) > 2 or study == "thresholds"
+    assert len(rows) > 2
 
 
 def test_the_comparison_in_small(root, tmp_path):

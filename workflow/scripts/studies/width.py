@@ -35,9 +35,9 @@ class Width(NamedTuple):
 
 def measure_widths() -> dict[int, Width]:
     """Start the processes, one at a time; a machine without vectors so wide gives one width."""
-    runs = [(bits, _run(bits)) for _ in range(few(ROUNDS)) for bits in few(WIDTHS)]
+    runs = [(bits, _run(bits)) for _ in range(few(ROUNDS)) for bits in WIDTHS]
     found = {}
-    for bits in few(WIDTHS):
+    for bits in WIDTHS:
         mine = [run for asked, run in runs if asked == bits]
         if mine[0]["bits"] == bits:
             names = mine[0]["seconds"]
