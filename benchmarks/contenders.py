@@ -8,10 +8,13 @@ from workload import Follow
 from snapmap.device import Device
 from snapmap.solver.model import Model
 from snapmap.solver.models import build_model
+from studies.few import few
 from studies.kernel import HANDOUT, KERNELS
 
 REFERENCE = "reference (plain loop)"
 MODELS = {REFERENCE: {"name": "reference"}, **KERNELS}
+FEWEST = 3
+"""Models of a small run."""
 WIDTHS = {"heyoka, 1 lane": 1, "heyoka, 8 lanes": 8}
 METHODS = {"SciPy DOP853": "DOP853", "SciPy LSODA": "LSODA"}
 
@@ -34,4 +37,4 @@ def scipys(device: Device) -> dict[str, Follow]:
     if not find_spec("scipy"):
         return {}
     modal = build(device, HANDOUT).modal
-    return {name: by_scipy(device, modal, method) for name, method in METHODS.items()}
+    return {name: by_scipy(device, modal, method) for name, method in few(METHODS).items()}

@@ -4,11 +4,12 @@ import dataclasses
 import math
 
 import numpy as np
-from contenders import HANDOUT, MODELS, REFERENCE, heyokas
+from contenders import FEWEST, HANDOUT, MODELS, REFERENCE, heyokas
 from workload import by_model, map_cells, same_labels, threshold
 
 from snapmap.device import Device
 from snapmap.solver.models import build_model
+from studies.few import few
 from studies.markdown import DASH, table
 
 PULSES = 500.0, 1500.0
@@ -20,18 +21,19 @@ HEAD = [
 ]
 LEGEND = """
 The lowest N that snaps within 300 us of the pulse, by refining a grid to 1e-6. First row: converged
-(16 cosines, a quarter of the step limit), g. The others: differences from it, g; the last two
-columns: from five elements without error in time (handout, a fifth of the step limit), 40 N/m.
+({cosines} cosines, a quarter of the step limit), g. The others: differences from it, g; the last
+two columns: from five elements without error in time (handout, a fifth of the step limit), 40 N/m.
 """
 
 
 def error_section(device: Device) -> str:
     """Everyone's errors."""
     hard = dataclasses.replace(device, contact=math.inf)
-    soft_limit, hard_limit = (_model(d, "cosines", modes=16, step=0.25) for d in (device, hard))
+    finest = {"name": "cosines", "modes": few(16, 5), "step": 0.25}
+    soft_limit, hard_limit = (_model(d, **finest) for d in (device, hard))
     exact = _model(device, "handout", step=0.2)
     rows = [["converged", *(f"{N:.2f}" for N in (*soft_limit, *hard_limit))]]
-    for name, model in MODELS.items():
+    for name, model in few(MODELS, FEWEST).items():
         soft = _model(device, **model)
         stiff = NONE if name == REFERENCE else _model(hard, **model)
         nodal = soft - exact if name in (REFERENCE, HANDOUT) else NONE
@@ -41,7 +43,8 @@ def error_section(device: Device) -> str:
         soft = _thresholds(device, follow)
         rows.append(_row(name, soft - soft_limit, NONE, soft - exact))
     note = _agreement(device, *rivals.popitem()) if rivals else ""
-    return f"\n## Error of the threshold\n\n{table(HEAD, rows)}{LEGEND}{note}"
+    legend = LEGEND.format(cosines=finest["modes"])
+    return f"\n## Error of the threshold\n\n{table(HEAD, rows)}{legend}{note}"
 
 
 def _model(device, name, **options):

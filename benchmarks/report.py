@@ -8,11 +8,12 @@ from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 
-from contenders import MODELS, build
+from contenders import FEWEST, MODELS, build
 from errors import error_section
 from speed import speed_section
 
 from snapmap.device import Device
+from studies.few import few
 from studies.kernel import peak_flops, vector_bits
 
 
@@ -20,7 +21,7 @@ def sections(device: Device) -> Iterator[str]:
     """Measure one after the other."""
     peak = peak_flops()
     yield header(vector_bits(), peak)
-    yield speed_section(device, {name: build(device, name) for name in MODELS}, peak)
+    yield speed_section(device, {name: build(device, name) for name in few(MODELS, FEWEST)}, peak)
     yield error_section(device)
 
 

@@ -5,7 +5,9 @@ from functools import partial
 from contenders import REFERENCE, heyokas, scipys
 from peers import TOLERANCE
 from workload import (
+    FEWEST,
     SETTINGS,
+    SIDE,
     by_model,
     count_steps,
     map_cells,
@@ -15,6 +17,7 @@ from workload import (
 
 from snapmap.device import Device
 from snapmap.solver.model import Model
+from studies.few import few
 from studies.kernel import step_flops
 from studies.markdown import DASH, number, rate, ratio, table
 from studies.timing import take_turns
@@ -27,16 +30,16 @@ HEAD = [
     *("sims/s with proofs", "to reference"),
     *("cells repeated", "ns per lane-step", "GFLOP/s", "of peak"),
 ]
-LEGEND = f"""
-The cells: 16 x 16, N = 600 to 2400, f0 = 300 Hz to 20 kHz, C = 0.025 uN us/um, contact of 40 N/m,
-each followed to its snap (w_mid <= w2) or {SETTINGS.horizon:g} us past the pulse. Times are the
-best of {ROUNDS} rounds in turns (A B C A B C ...), SciPy's of one; ratios are to the reference on
+LEGEND = """
+The cells: {side} x {side}, N = 600 to 2400, f0 = 300 Hz to 20 kHz, C = 0.025 uN us/um, contact of
+40 N/m, each followed to its snap (w_mid <= w2) or {horizon:g} us past the pulse. Times are the
+best of {rounds} rounds in turns (A B C A B C ...), SciPy's of one; ratios are to the reference on
 the same cells. *With proofs*, as in a sweep, a cell also ends once it is proven never to snap.
 *Repeated* cells are followed again with half the step, as their energy ledger did not close. The
 last three columns are of the first pass: all steps to the snap or the horizon, some lanes being
 empty in the end.
 
-The peers solve the 9-mode form to a tolerance of {TOLERANCE:g}, SciPy with its right-hand side
+The peers solve the 9-mode form to a tolerance of {tolerance:g}, SciPy with its right-hand side
 compiled by numba, heyoka with contact as an event, all at the settings found fastest. heyoka's own
 class for one cell at a time is about 4 % faster than its one lane here.
 """
@@ -50,7 +53,7 @@ def speed_section(device: Device, models: dict[str, Model], peak: float) -> str:
     for name, model in models.items():
         tasks |= _model_tasks(name, model, cells)
     take_turns(tasks, 1)  # compiles
-    runs = take_turns(tasks, ROUNDS)
+    runs = take_turns(tasks, few(ROUNDS))
     plain = runs[REFERENCE, "open"]
     rows = [
         _speed(name, runs[name, "open"], plain) + _kernel(name, model, cells, runs, peak)
@@ -58,7 +61,9 @@ def speed_section(device: Device, models: dict[str, Model], peak: float) -> str:
     ]
     rows += [_speed(name, runs[name, "open"], plain) for name in rivals]
     rows += _slow_rows(device, models[REFERENCE], cells.some(FEW))
-    return f"\n## Speed\n\n{table(HEAD, rows)}{LEGEND}"
+    facts = {"horizon": SETTINGS.horizon, "tolerance": TOLERANCE}
+    legend = LEGEND.format(side=few(SIDE, FEWEST), rounds=few(ROUNDS), **facts)
+    return f"\n## Speed\n\n{table(HEAD, rows)}{legend}"
 
 
 def _model_tasks(name, model, cells):
@@ -93,6 +98,6 @@ def _kernel(name, model, cells, runs, peak):
 
 
 def _slow_rows(device, reference, cells):
-    plain = take_turns({REFERENCE: partial(by_model(reference), cells)}, ROUNDS)[REFERENCE]
+    plain = take_turns({REFERENCE: partial(by_model(reference), cells)}, few(ROUNDS))[REFERENCE]
     tasks = {name: partial(follow, cells) for name, follow in scipys(device).items()}
     return [_speed(name, run, plain) for name, run in take_turns(tasks, 1).items()]

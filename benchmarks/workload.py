@@ -9,10 +9,13 @@ from snapmap.device import Device
 from snapmap.solver.cells import Cells, to_cells
 from snapmap.solver.model import Model
 from snapmap.solver.settings import Settings
+from studies.few import few
 
 HORIZON = 1500.0
 DAMPING = 0.025
 SETTINGS = Settings(HORIZON, until="snap", repeat=False)
+SIDE, FEWEST = 16, 4
+"""Cells of the map along N and f0, all and in a small run."""
 N_RANGE = 600.0, 2400.0
 F0_RANGE = 300.0, 20e3
 """Hz."""
@@ -21,8 +24,9 @@ Follow = Callable[[Cells], np.ndarray]
 """Cells to t_snap, us, NaN for a cell that does not snap."""
 
 
-def map_cells(device: Device, side: int = 16) -> Cells:
-    """Workload A: side x side cells, N spaced evenly and f0 by ratio."""
+def map_cells(device: Device) -> Cells:
+    """Workload A: N spaced evenly and f0 by ratio."""
+    side = few(SIDE, FEWEST)
     N, f0 = np.meshgrid(np.linspace(*N_RANGE, side), np.geomspace(*F0_RANGE, side))
     return to_cells(device, 0, N.ravel(), f0.ravel(), DAMPING, HORIZON)
 

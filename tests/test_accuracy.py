@@ -7,18 +7,21 @@ import numpy as np
 import pytest
 
 from snapmap.device import Beam, Device
-from snapmap.figures import accuracy, style
+from snapmap.figures import accuracy, convergence, style
+from snapmap.pulse import HANDOUT_SHOCK, sampled, shocks_from
 from snapmap.solver.bracket import lowest_snap
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
+from studies.accuracy.budget import afford
 from studies.accuracy.cases import CONVERGED, list_cases
 from studies.accuracy.comparison import disagreement, pareto_front
-from studies.accuracy.converged import converge, decided, gap
+from studies.accuracy.converged import FINE_STEP, converge, decided, gap
+from studies.accuracy.dataset import summary
 from studies.accuracy.measure import measure
 from studies.accuracy.plans import PLANS as plans
 from studies.accuracy.plans import Refinement
-from studies.accuracy.probe import make_probe
+from studies.accuracy.probe import MOST_ROWS, Probe, list_own_rows, list_rows, make_probe
 
 SNAP = Settings(300.0, "snap", False, threads=2)
 REFINEMENT = Refinement((8, 6), (12, 6), (8, 6))
@@ -52,7 +55,20 @@ def axes_of(C, f0, N):
 
 
 def probe_of(f0, N):
-    return make_probe(axes_of([25.0], f0, N), side=2)
+    """Thresholds at C = 25 of a few f0, all near the mean of N, and a map."""
+    rows, axes = to_rows(0, f0, 25.0), {"C": np.array([25.0]), "f0": np.array(f0), "N": np.array(N)}
+    near = np.full(len(f0), np.mean(N))
+    return Probe(rows, near, np.ones(len(f0), bool), axes, HANDOUT_SHOCK)
+
+
+def drawn(found):
+    """Both figures of a report, as axes."""
+    with style.paper(), warnings.catch_warnings(action="error"):
+        ax = accuracy.draw_accuracy(style.double_column(height=3.6).subplots(), found)
+        axes = convergence.draw_convergence(style.double_column(height=3.2).subplots(1, 2), found)
+        ax.figure.canvas.draw()
+        axes[0].figure.canvas.draw()
+    return ax, *axes
 
 
 def test_the_front_is_what_no_other_beats_in_both():
@@ -70,16 +86,53 @@ def test_labels_disagree_where_one_snaps_and_the_other_does_not():
     assert np.isnan(disagreement(t_snap, 0 * t_snap + np.nan, f0)[1])
 
 
-def test_what_is_asked_lies_within_the_sweep():
-    axes = axes_of([200.0, 1.0, 5.0], np.geomspace(100, 1e4, 5), [-50.0, 0.0, 900.0])
-    probe = make_probe(axes, 3)
-    assert probe.C.tolist() == [1.0, 200.0]
-    assert probe.f0 == pytest.approx([100 * 10**0.5, 1000, 1000 * 10**0.5])
-    assert probe.bracket == (25.0, 1800.0)
+def test_what_is_asked_lies_within_the_sweep(handout):
+    axes = axes_of([200.0, 1.0, 5.0], np.geomspace(100, 1e4, 5), [0.0, 500.0, 900.0])
+    rows = list_rows(axes, HANDOUT_SHOCK)
+    assert rows.C.tolist() == 3 * [1.0] + 3 * [200.0] and rows.device.tolist() == 6 * [0]
+    assert rows.f0[:3] == pytest.approx([100 * 10**0.5, 1000, 1000 * 10**0.5])
+    probe = make_probe(handout, axes, SNAP, TINY._replace(side=3), HANDOUT_SHOCK)
     C, f0, N = (probe.axes[key] for key in ("C", "f0", "N"))
     assert C.tolist() == [1.0, 200.0] and f0 == pytest.approx([100, 1000, 1e4])
-    assert N.tolist() == [-50.0, 425.0, 900.0]
-    assert make_probe(axes_of([1.0], [1e3], [0.0]), 3).axes["N"].tolist() == [0.0]
+    assert N.tolist() == [0.0, 450.0, 900.0]
+
+
+def test_every_pulse_of_the_study_is_asked():
+    axes = axes_of([1.0, 200.0], np.geomspace(100, 1e4, 5), [900.0])
+    shocks = shocks_from(["half sine", "sawtooth"], "both")
+    rows = list_rows(axes, shocks)
+    assert set(rows.pulse) == set(range(4)) and rows.f0.size == MOST_ROWS
+    assert set(list_rows(axes, shocks_from("sawtooth")).pulse) == {0}
+
+
+def test_own_rows_are_slow_and_damped(handout):
+    rows = list_own_rows(handout, 400.0, HANDOUT_SHOCK)
+    own = handout.own_frequency / (2 * np.pi) * 1e6
+    assert rows.f0 == pytest.approx([0.2 * own, 0.4 * own])
+    assert pytest.approx(0.2 * np.sqrt(handout.spring * handout.mass)) == rows.C
+
+
+def test_rows_of_the_device_itself_stand_in_for_those_that_are_not_well_posed(handout):
+    """Far above the device's own frequency, without damping, no threshold is clean."""
+    axes = axes_of([0.0], [9000.0], [1000.0])
+    probe = make_probe(handout, axes, SNAP, TINY, HANDOUT_SHOCK)
+    ragged = probe.rows.f0 == 9000.0
+    assert not probe.clean[ragged].any() and probe.clean[~ragged].all() and (~ragged).sum() == 3
+
+
+@pytest.mark.parametrize("spring", [5.5, 1e-2])
+@pytest.mark.parametrize("slowest", [1.0, 1000.0])
+def test_what_is_measured_is_affordable(handout, spring, slowest):
+    """However slow the pulses, long the horizon, and many the shocks."""
+    device = dataclasses.replace(handout, spring=spring)
+    axes = axes_of([0.0, 1.0], np.geomspace(slowest, 1e4, 5), [1000.0])
+    shocks, long = shocks_from(["half sine", "sawtooth"], "both"), SNAP._replace(horizon=1e6)
+    found = afford(device, axes, long, plans["full"], shocks)
+    again = afford(device, found.axes, found.settings, found.plan, shocks)
+    assert found.settings.horizon < 1e6 and len(found.left_out) == 2 + (slowest == 1.0)
+    assert again.left_out == () and again.plan == found.plan
+    easy = afford(device, axes_of([1.0], [1e4], [1.0]), SNAP, plans["quick"], HANDOUT_SHOCK)
+    assert easy.left_out == () and easy.settings == SNAP
 
 
 @pytest.mark.parametrize("hard", [False, True])
@@ -136,14 +189,12 @@ def test_the_report_states_the_largest_sources(found):
 
 
 def test_the_figure_marks_the_front_and_the_handouts_setting(found):
-    with style.paper(), warnings.catch_warnings(action="error"):
-        ax = accuracy.draw_accuracy(style.double_column(height=3.6).subplots(), found)
-        ax.figure.canvas.draw()
-    drawn = {line.get_label(): line.get_xydata() for line in ax.lines}
+    ax, *_ = drawn(found)
+    lines = {line.get_label(): line.get_xydata() for line in ax.lines}
     case = found.sel(model=accuracy.HANDOUT)
     at = [case.time_per_simulation.item(), case.threshold_worst.item()]
-    assert drawn["the handout's setting"].tolist() == [at]
-    (front,) = (points for label, points in drawn.items() if label.startswith("Pareto"))
+    assert lines["the handout's setting"].tolist() == [at]
+    (front,) = (points for label, points in lines.items() if label.startswith("Pareto"))
     assert len(front) == found.on_front.sum()
     sources = accuracy.other_sources(found)
     assert sources["contact 40 N/m, not hard"] == found.threshold_worst.sel(model="contact x 1")
@@ -151,9 +202,28 @@ def test_the_figure_marks_the_front_and_the_handouts_setting(found):
     assert all(low < error < high for error in sources.values())
 
 
-def test_a_report_without_any_threshold_can_be_drawn(handout):
-    found = measure(handout, axes_of([1.0], [1500.0], [0.0]), SNAP, TINY)
-    assert not found.threshold_decided.any() and found.threshold.isnull().all()
-    with style.paper(), warnings.catch_warnings(action="error"):
-        ax = accuracy.draw_accuracy(style.double_column(height=3.6).subplots(), found)
-        ax.figure.canvas.draw()
+def test_other_shocks_have_other_thresholds(handout):
+    """The study's own pulses are measured, and named."""
+    axes = axes_of([25.0], [1000.0], [800.0, 1200.0])
+    shocks = shocks_from("half sine", "both")
+    both = measure(handout, axes, SNAP, TINY, shocks)
+    assert both["shape"].values.tolist() == 2 * ["half sine"]
+    assert both.direction.values.tolist() == ["+z", "-z"]
+    ours = both.converged_threshold.isel(reference=0).values
+    model = build_model(handout, "cosines", modes=8, step=FINE_STEP)
+    rows, settings = to_rows(0, 1000.0, 25.0, [0, 1]), SNAP._replace(pulses=shocks.pulses)
+    again = lowest_snap(model, rows, (ours / 1.01, ours * 1.01), settings, 1e-6, 0.005)
+    assert again == pytest.approx(ours, rel=3e-6) and ours[1] > 2 * ours[0]
+
+
+def test_without_thresholds_labels_are_judged(handout):
+    """Pulses that press nothing snap nothing: no threshold, and yet no empty picture."""
+    pulls = shocks_from(sampled(np.array([0.0, 1.0, 2.0]), np.array([0.0, -1e-6, 0.0])))
+    found = measure(handout, axes_of([200.0], [1e5], [1.0, 2.0]), SNAP, TINY, pulls)
+    assert not found.threshold_decided.any() and found.judged_by == "label_error"
+    assert (found.on_front == 1).any() and "labels" in summary(found)
+    ax, number, step = drawn(found)
+    assert "no threshold is well posed" in ax.get_legend().get_title().get_text()
+    for one in (ax, number, step):
+        points = np.concatenate([line.get_xydata() for line in one.lines])
+        assert points.size and np.isfinite(points).all()

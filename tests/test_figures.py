@@ -67,15 +67,16 @@ def make_accuracy():
     names = [name for cases in families.values() for name in cases]
     codes = [i for i, cases in enumerate(families.values()) for _ in cases]
     worst = [error for cases in families.values() for error in cases.values()]
-    one = ("reference", "C", "f0")
+    one = ("reference", "row")
     variables = {
         "threshold_worst": ("model", worst),
-        "converged_threshold": (one, [[[1000.0, 1000.0]]]),
-        "converged_threshold_error": (one, [[[0.02, 5.0]]]),
-        "threshold_decided": (one, [[[1, 0]]]),
+        "converged_threshold": (one, [[1000.0, 1000.0]]),
+        "converged_threshold_error": (one, [[0.02, 5.0]]),
+        "threshold_decided": (one, [[1, 0]]),
     }
     family = ("model", codes, {"flag_meanings": " ".join(families)})
-    return xr.Dataset(variables, {"model": names, "family": family}, ATTRIBUTES)
+    attributes = ATTRIBUTES | {"judged_by": "threshold_worst"}
+    return xr.Dataset(variables, {"model": names, "family": family}, attributes)
 
 
 def make_history(w_mid):

@@ -3,6 +3,7 @@
 import json
 import shutil
 import subprocess
+import zipfile
 from contextlib import contextmanager
 
 import pytest
@@ -210,6 +211,14 @@ def test_a_comment_a_docstring_and_a_touch_rerun_nothing(clone, finished):
         text = device.read_text(encoding="utf-8")
         device.write_text(text.replace('"""', '"""In other words: ', 1), encoding="utf-8")
         assert planned_after_edit(clone, finished, "snapmap/io/job_log.py", "# Words\n\n") == set()
+
+
+@pytest.mark.long
+def test_a_finished_run_makes_a_report(clone, finished):
+    folder, config, _ = finished
+    snakemake(clone, folder, config, "--report", folder / "report.zip")
+    with zipfile.ZipFile(folder / "report.zip") as report:
+        assert any(name.endswith("report.html") for name in report.namelist())
 
 
 @pytest.mark.long

@@ -1,6 +1,7 @@
 rule accuracy:
     input:
         "results/accuracy.nc",
+        "results/accuracy.md",
         expand(
             "results/figures/{stem}.{kind}",
             stem=["accuracy", "convergence"],
@@ -9,6 +10,8 @@ rule accuracy:
 
 
 rule measure_accuracy:
+    input:
+        recorded,
     output:
         accuracy="results/accuracy{size}.nc",
     log:
@@ -20,6 +23,7 @@ rule measure_accuracy:
     params:
         code=code("measure_accuracy"),
         device=values_of(nominal(study.device)),
+        pulse=study.pulse,
         axes={key: study.axes[key].tolist() for key in ("C", "f0", "N")},
         settings=asked,
         plan=lambda wildcards: "quick" if wildcards.size else "full",
@@ -27,6 +31,23 @@ rule measure_accuracy:
         "Measure error and time of every model: {output.accuracy}"
     script:
         "../scripts/measure_accuracy.py"
+
+
+rule write_accuracy_table:
+    input:
+        accuracy="results/accuracy.nc",
+    output:
+        table="results/accuracy.md",
+    log:
+        "results/logs/write_accuracy_table.log",
+    conda:
+        "../envs/snapmap.yaml"
+    params:
+        code=code("write_accuracy_table"),
+    message:
+        "Write the tables of docs/accuracy.md"
+    script:
+        "../scripts/write_accuracy_table.py"
 
 
 rule draw_accuracy:

@@ -3,16 +3,17 @@
 from snapmap.device import device_from
 from snapmap.io.job_log import job_log
 from snapmap.io.netcdf import write
+from snapmap.io.recorded import shocks_of
 from snapmap.solver.settings import Settings
 from studies.accuracy.dataset import summary
 from studies.accuracy.measure import measure
 from studies.accuracy.plans import PLANS
 
 
-def measure_accuracy(device, axes, settings, plan, path, threads):
+def measure_accuracy(device, pulse, axes, settings, plan, path, threads):
     """Measure the cases of a plan, by name; values in internal units, axes: C, f0 and N."""
     settings = Settings(**settings, threads=threads)
-    found = measure(device_from(device), axes, settings, PLANS[plan])
+    found = measure(device_from(device), axes, settings, PLANS[plan], shocks_of(pulse))
     write(found, path)
     print(f"{path}: {summary(found)}")
 
@@ -21,6 +22,7 @@ if __name__ == "__main__":
     with job_log(snakemake.log[0]):
         measure_accuracy(
             device=snakemake.params.device,
+            pulse=snakemake.params.pulse,
             axes=snakemake.params.axes,
             settings=snakemake.params.settings,
             plan=snakemake.params.plan,

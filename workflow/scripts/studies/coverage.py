@@ -1,6 +1,6 @@
 """How many thresholds of random devices lie within their error bars: docs/thresholds.md.
 
-PYTHONPATH=workflow/scripts ./run python -m studies.coverage [devices] [any]
+PYTHONPATH=workflow/scripts ./run python -m studies.coverage [devices] [any] [--small]
 
 With `any`, devices with gaps and stress, free to tilt, under all shapes and along both directions.
 
@@ -23,11 +23,11 @@ from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
 from snapmap.thresholds.islands import FOUND, NOT_FOLLOWED, NOTHING_SNAPS
 
+from .few import SMALL, few
 from .markdown import number, table
 from .random_devices import draw_any_device, draw_device, draw_pulse, draw_shocks
 from .timing import Run
 
-ROOT = Path(__file__).resolve().parents[3]
 SEED, DEVICES, THREADS = 13, 24, 2
 MODELS = {
     "auto": {"model": "auto"},
@@ -59,14 +59,14 @@ HEAD = [
 
 
 def main():
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else DEVICES
-    of_all = sys.argv[2:] == ["any"]
+    given = [word for word in sys.argv[1:] if word not in (SMALL, "any")]
+    count, of_all = few(int(given[0]) if given else DEVICES), "any" in sys.argv[1:]
     draw = np.random.default_rng(SEED)
     found = {name: [] for name in MODELS}
     for _ in range(count):
         device = draw_any_device(draw) if of_all else draw_device(draw)
         shocks = draw_pulse(draw) if of_all else HANDOUT_SHOCK
-        f0, C = draw_shocks(draw, device)
+        f0, C = (few(values) for values in draw_shocks(draw, device))
         runs = {name: ask(device, f0, C, options, shocks) for name, options in MODELS.items()}
         about = next(run.result[0] for run in runs.values() if run.result)
         truth = judge(device, f0, C, about, shocks)
@@ -150,7 +150,7 @@ def draw_errors(found):
     ax.set(xscale="log", xlim=(1e-3, 10), ylim=(0, 1.02))
     ax.set(xlabel="error over error bar", ylabel="share of the thresholds")
     ax.legend(frameon=False)
-    folder = ROOT / "results" / "figures"
+    folder = Path("results") / "figures"
     folder.mkdir(parents=True, exist_ok=True)
     for kind in ("pdf", "png"):
         figure.savefig(folder / f"coverage.{kind}", dpi=200)

@@ -17,6 +17,7 @@ from snapmap.solver.simd_kernel import (
 )
 from snapmap.solver.simd_loop import coefficients, work_array
 
+from .few import few
 from .timing import take_turns
 
 HANDOUT, FOUR = "handout (9 modes)", "cosines, 4 modes"
@@ -49,7 +50,7 @@ def peak_flops(numbers: int = 256, rounds: int = 15_000) -> float:
     """Most multiply-adds that this core was seen to do in a second, times two."""
     x = np.zeros(numbers)
     multiply_add(x, 0.5, 0.5, 1)
-    runs = take_turns({"all": lambda: multiply_add(x, 0.5, 0.5, rounds)}, ROUNDS)
+    runs = take_turns({"all": lambda: multiply_add(x, 0.5, 0.5, rounds)}, few(ROUNDS))
     return 2 * CHAIN * numbers * rounds / runs["all"].seconds
 
 
@@ -85,7 +86,7 @@ def block_seconds(model: Model, steps: int = 50 * BLOCK) -> float:
             go(X, shape, shocks, 0, BLOCK)
 
     go(X, shape, shocks, 0, 1)
-    runs = take_turns({"all": advance_blocks}, ROUNDS)
+    runs = take_turns({"all": advance_blocks}, few(ROUNDS))
     return runs["all"].seconds / (steps * LANES)
 
 

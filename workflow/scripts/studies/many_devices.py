@@ -1,6 +1,6 @@
 """Cells of many devices against cells of one: how many a second, with the set-up of the models.
 
-PYTHONPATH=workflow/scripts ./run python -m studies.many_devices
+PYTHONPATH=workflow/scripts ./run python -m studies.many_devices [--small]
 """
 
 from functools import partial
@@ -18,11 +18,12 @@ from snapmap.solver.outcome import count
 from snapmap.solver.settings import Settings
 from snapmap.sweeps.grid import follow_grid
 
+from .few import few
 from .markdown import number, rate, table
 from .timing import take_turns
 
 ROOT = Path(__file__).resolve().parents[3]
-DEVICES, ROUNDS, THREADS, SIDE = 10_000, 3, 2, 21
+DEVICES, FEWEST, ROUNDS, THREADS, SIDE = 10_000, 16, 3, 2, 21
 N, SHOCK = 1000.0, {"C": [25.0], "f0": [1500.0]}
 VARIED = np.linspace(0.9, 1.1, DEVICES)
 """Thickness over the nominal one."""
@@ -41,22 +42,22 @@ HEAD = [
 
 def main():
     device, rows = load_device(ROOT / "config" / "config.yaml"), []
-    for (name, model), repeat in product(MODELS.items(), (False, True)):
+    for (name, model), repeat in product(few(MODELS).items(), few((False, True))):
         settings = Settings(repeat=repeat, threads=THREADS)
         rows.append([name, "yes" if repeat else "no", *_compare(device, model, settings)])
-    print(f"{DEVICES} devices with one cell each, and as many cells of one device\n")
+    print(f"{few(DEVICES, FEWEST)} devices with one cell each, and as many cells of one device\n")
     print(table(HEAD, rows))
     print(f"\n{_threshold_map(device)}")
 
 
 def _threshold_map(device):
     """Time and error bars of thresholds over thickness and spring, pulses of 1 ms."""
-    axes = {"thickness": linear(1.8, 2.2, SIDE), "spring": linear(4, 7, SIDE)}
+    axes = {"thickness": few(linear(1.8, 2.2, SIDE)), "spring": few(linear(4, 7, SIDE))}
     begin = perf_counter()
     found = threshold(device, [1000.0], [25.0], threads=THREADS, **axes)
     seconds, relative = perf_counter() - begin, (found.N_error / found.N_first).values
     return (
-        f"{SIDE} x {SIDE} thresholds of `auto`: {seconds:.0f} s, error bars "
+        f"{found.N_first.size} thresholds of `auto`: {seconds:.0f} s, error bars "
         f"{np.median(relative):.3%} (median), {relative.max():.2%} (largest)"
     )
 
@@ -72,18 +73,18 @@ def _compare(device, model, settings):
     runs = take_turns(tasks, ROUNDS)
     outcomes = [_words(count(runs[name].result)) for name in ("devices", "cells")]
     devices, cells, setup = (run.seconds for run in runs.values())
-    rates = [rate(DEVICES, seconds) for seconds in (devices, cells)]
+    rates = [rate(few(DEVICES, FEWEST), seconds) for seconds in (devices, cells)]
     return [*rates, f"{cells / devices:.2f}", number(setup), *outcomes]
 
 
 def of_many(device):
     """Axes of devices, no two of which share a barrier, under one shock."""
-    return {"thickness": device.beam.thickness * VARIED, **SHOCK, "N": [N]}
+    return {"thickness": device.beam.thickness * few(VARIED, FEWEST), **SHOCK, "N": [N]}
 
 
 def of_one():
     """Axes of as many cells, as far below and above the threshold as those of the devices."""
-    return SHOCK | {"N": N * VARIED**EXPONENT}
+    return SHOCK | {"N": N * few(VARIED, FEWEST) ** EXPONENT}
 
 
 def _build(device, axes, model, settings):

@@ -1,6 +1,6 @@
 """How many proven runs stay in their wells if they are followed on for 10 ms: docs/stability.md.
 
-PYTHONPATH=workflow/scripts ./run python -m studies.proofs
+PYTHONPATH=workflow/scripts ./run python -m studies.proofs [--small]
 """
 
 from dataclasses import replace
@@ -17,6 +17,7 @@ from snapmap.solver.settings import Settings
 from snapmap.solver.simd_kernel import LANES, SAMPLE
 from snapmap.solver.simd_loop import trace
 
+from .few import few
 from .markdown import table
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -42,18 +43,18 @@ def main():
     device, rows = load_device(ROOT / "config" / "config.yaml"), []
     tilting = replace(device, beam=replace(device.beam, **FREE))
     for (name, beam), scheme, contact, label in product(
-        {"guided": device, "free": tilting}.items(), SCHEMES, (40.0, np.inf), MODELS
+        few({"guided": device, "free": tilting}).items(), SCHEMES, few((40.0, np.inf)), few(MODELS)
     ):
         model = build_model(replace(beam, contact=contact), **MODELS[label], scheme=scheme)
         model = replace(model, proves=True)  # also what no sweep believes
-        found = np.sum([count(model, C) for C in DAMPINGS], axis=0)
+        found = np.sum([count(model, C) for C in few(DAMPINGS)], axis=0)
         rows.append([name, scheme, f"{contact:g}", label, *(str(number) for number in found)])
     print(table(HEAD, rows))
 
 
 def count(model, C):
     """How many cells are proven at the model's own step, and how many of them leave their well."""
-    f0, amplitude = (values.ravel() for values in np.meshgrid(F0, N))
+    f0, amplitude = (values.ravel() for values in np.meshgrid(few(F0), N))
     cells = to_cells(model.device, 0, amplitude, f0, C, SETTINGS.horizon)
     seen = model.follow_once(cells, SETTINGS)
     settled = np.isfinite(seen.t_settled)

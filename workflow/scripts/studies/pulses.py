@@ -1,6 +1,6 @@
 """What the numbers of docs/pulses.md are: both sides of the device, and what kinks and jumps cost.
 
-PYTHONPATH=workflow/scripts ./run python -m studies.pulses
+PYTHONPATH=workflow/scripts ./run python -m studies.pulses [--small]
 """
 
 from pathlib import Path
@@ -10,6 +10,7 @@ import numpy as np
 from snapmap import load_device, simulate, threshold
 from snapmap.pulse import SHAPES
 
+from .few import few
 from .markdown import table
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -35,9 +36,9 @@ def sides(device):
 
 def kinks(device):
     """Largest error of a flying mass's way after the pulse, over that way, by step and shape."""
-    errors = [errors_of(device, shape) for shape in SHAPES]
+    errors = [errors_of(device, shape) for shape in few(list(SHAPES))]
     rows = [[f"{step:g}", *(f"{one[i]:.1e}" for one in errors)] for i, step in enumerate(STEPS)]
-    return table(["step", *SHAPES], rows)
+    return table(["step", *few(list(SHAPES))], rows)
 
 
 def errors_of(device, shape):

@@ -1,6 +1,6 @@
 """Cells per second by their number and that of threads: docs/performance.md.
 
-PYTHONPATH=workflow/scripts ./run python -m studies.scaling
+PYTHONPATH=workflow/scripts ./run python -m studies.scaling [--small]
 """
 
 from functools import partial
@@ -14,6 +14,7 @@ from snapmap.solver.cells import Cells, to_cells
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
 
+from .few import few
 from .kernel import FOUR, KERNELS
 from .markdown import number, rate, ratio, table
 from .timing import take_turns
@@ -26,7 +27,7 @@ SETTINGS = Settings(until="snap", repeat=False)
 def main():
     device = load_device(ROOT / "config" / "config.yaml")
     model, rows = build_model(device, **KERNELS[FOUR]), []
-    for count in COUNTS:
+    for count in few(COUNTS):
         cells = random_cells(device, count)
         tasks = {n: partial(model.follow, cells, SETTINGS._replace(threads=n)) for n in (1, 2)}
         one, two = (run.seconds for run in take_turns(tasks, min(5, 10**6 // count)).values())

@@ -1,6 +1,6 @@
 """What either scheme costs with soft, stiff and hard contact: docs/performance.md.
 
-PYTHONPATH=workflow/scripts ./run python -m studies.schemes
+PYTHONPATH=workflow/scripts ./run python -m studies.schemes [--small]
 """
 
 from dataclasses import replace
@@ -16,6 +16,7 @@ from snapmap.solver.models import build_model
 from snapmap.solver.schemes import SCHEMES
 from snapmap.solver.settings import UNTIL, Settings
 
+from .few import few
 from .markdown import number, table
 from .timing import take_turns
 
@@ -37,13 +38,13 @@ HEAD = [
 
 def main():
     device = load_device(ROOT / "config" / "config.yaml")
-    N, f0 = np.meshgrid(np.linspace(600, 2400, SIDE), np.geomspace(300, 20e3, SIDE))
+    N, f0 = np.meshgrid(np.linspace(600, 2400, SIDE), few(np.geomspace(300, 20e3, SIDE)))
     rows = []
-    for (name, options), contact, until in product(MODELS.items(), CONTACTS, UNTIL):
+    for (name, options), contact, until in product(few(MODELS).items(), CONTACTS, few(UNTIL)):
         one = replace(device, contact=contact)
         cells = to_cells(one, 0, N.ravel(), f0.ravel(), C, Settings().horizon)
         rows.append([name, f"{contact:g}", until, *compare(one, options, cells, until)])
-    print(f"{SIDE} x {SIDE} cells, C = {C} uN us/um, best of {ROUNDS} rounds in turns\n")
+    print(f"{N.size} cells, C = {C} uN us/um, best of {few(ROUNDS)} rounds in turns\n")
     print(table(HEAD, rows))
 
 
@@ -53,7 +54,7 @@ def compare(device, options, cells, until):
     settings = Settings(until=until)
     tasks = {scheme: partial(model.follow, cells, settings) for scheme, model in models.items()}
     take_turns(tasks, 1)  # compiles
-    runs = take_turns(tasks, ROUNDS)
+    runs = take_turns(tasks, few(ROUNDS))
     shown = []
     for run in runs.values():
         repeated = float((run.result.halvings > 0).mean())

@@ -1,6 +1,6 @@
 """How the threshold moves with the device, and how much the beam is stressed: docs/limits.md.
 
-PYTHONPATH=workflow/scripts ./run python -m studies.sensitivity
+PYTHONPATH=workflow/scripts ./run python -m studies.sensitivity [--small]
 """
 
 from dataclasses import replace
@@ -17,6 +17,7 @@ from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
 from snapmap.thresholds.islands import survey
 
+from .few import few
 from .markdown import table
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -38,9 +39,9 @@ def main():
 def one_percent_more(device):
     beam = device.beam
     changed = {"as it is": device}
-    for key in OF_BEAM:
+    for key in few(OF_BEAM):
         changed[key] = replace(device, beam=replace(beam, **{key: 1.01 * getattr(beam, key)}))
-    for key in OF_DEVICE:
+    for key in few(OF_DEVICE):
         changed[key] = replace(device, **{key: 1.01 * getattr(device, key)})
     changed["damping 4e-4 /us"] = replace(device, beam=replace(beam, damping=4e-4))
     asked = {"f0": [F0], "model": COSINES, "tolerance": TOLERANCE}
@@ -59,7 +60,7 @@ def eigenstrain(device):
     """Thresholds with an eigenstrain e, that is a residual stress of -E e."""
     first, rows = None, []
     row = to_rows(0, F0, C)
-    for strain in (0.0, 1e-5, -1e-5, 1e-4, -1e-4):
+    for strain in few((0.0, 1e-5, -1e-5, 1e-4, -1e-4), 2):
         stress = -strain * device.beam.youngs_modulus
         strained = replace(device, beam=replace(device.beam, residual_stress=stress))
         models = choose_survey(batch([strained]), COSINES)
@@ -72,15 +73,15 @@ def eigenstrain(device):
 
 def gaps(device):
     """Thresholds with a gap between mass and beam."""
-    found = threshold(device, [F0], [C], model=COSINES, tolerance=TOLERANCE, gap=GAPS)
-    rows = zip(GAPS, found.N_first.values.ravel(), strict=True)
+    found = threshold(device, [F0], [C], model=COSINES, tolerance=TOLERANCE, gap=few(GAPS))
+    rows = zip(few(GAPS), found.N_first.values.ravel(), strict=True)
     return table(["gap, um", "N_first"], [[f"{gap:g}", f"{N:.1f}"] for gap, N in rows])
 
 
 def stresses(device):
     model = build_model(device, "reference", elements=ELEMENTS)
     rows = []
-    for N in (984, 1000, 1500, 2400):
+    for N in few((984, 1000, 1500, 2400)):
         u, form = motion(model, N)
         w = device.beam.rise + u @ form.midpoint
         snap = np.argmax(w <= device.beam.second_equilibrium)

@@ -1,6 +1,6 @@
 """What share of the snapped cells settles in which well, by scheme and step: docs/stability.md.
 
-PYTHONPATH=workflow/scripts ./run python -m studies.settling
+PYTHONPATH=workflow/scripts ./run python -m studies.settling [--small]
 """
 
 from dataclasses import replace
@@ -15,6 +15,7 @@ from snapmap.solver.models import build_model
 from snapmap.solver.schemes import SCHEMES
 from snapmap.solver.settings import Settings
 
+from .few import few
 from .markdown import number, table
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -27,7 +28,7 @@ HEAD = ["cosines", "beam damping, 1/us", "scheme", "step, us", "latched", "retur
 
 def main():
     device, rows = load_device(ROOT / "config" / "config.yaml"), []
-    for modes, damping, scheme in product((3, 4, 5), (0.0, 4e-4), SCHEMES):
+    for modes, damping, scheme in product(few((3, 4, 5)), few((0.0, 4e-4)), SCHEMES):
         one = replace(device, beam=replace(device.beam, damping=damping))
         for step in STEPS:
             model = build_model(one, "cosines", modes=modes, scheme=scheme, **step)
@@ -39,7 +40,7 @@ def main():
 
 def settled(model):
     """Shares of the snapped cells that are proven to stay in the second and in the first shape."""
-    f0, amplitude = (values.ravel() for values in np.meshgrid(F0, N))
+    f0, amplitude = (values.ravel() for values in np.meshgrid(few(F0), N))
     cells = to_cells(model.device, 0, amplitude, f0, C, HORIZON)
     seen = model.follow(cells, Settings(HORIZON, threads=2))
     snapped = np.isfinite(seen.t_snap)

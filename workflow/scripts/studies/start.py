@@ -1,6 +1,6 @@
 """From the start of a process to its first result: docs/performance.md.
 
-PYTHONPATH=workflow/scripts ./run python -m studies.start
+PYTHONPATH=workflow/scripts ./run python -m studies.start [--small]
 """
 
 import os
@@ -11,6 +11,7 @@ from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import NamedTuple
 
+from .few import few
 from .markdown import number, table
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -46,7 +47,7 @@ class Start(NamedTuple):
 
 
 def main():
-    rows = [[name, *map(number, time_start(name))] for name in ("handout", "cosines")]
+    rows = [[name, *map(number, time_start(name))] for name in few(("cosines", "handout"))]
     head = ["one cell", "`sweep`, nothing cached, s", "`sweep`, s", "`Model.follow`, s"]
     print(table(head, rows))
 
@@ -56,7 +57,7 @@ def time_start(model: str, rounds: int = 3) -> Start:
     with TemporaryDirectory() as cache:
         cold = _one_process(SWEEP, model, cache)
         programs = SWEEP, FOLLOW
-        warm = (min(_one_process(p, model, cache) for _ in range(rounds)) for p in programs)
+        warm = (min(_one_process(p, model, cache) for _ in range(few(rounds))) for p in programs)
         return Start(cold, *warm)
 
 

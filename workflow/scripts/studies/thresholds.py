@@ -1,6 +1,6 @@
 """Time, islands and error of thresholds, as told in docs/thresholds.md.
 
-PYTHONPATH=workflow/scripts ./run python -m studies.thresholds
+PYTHONPATH=workflow/scripts ./run python -m studies.thresholds [--small]
 """
 
 import time
@@ -11,9 +11,12 @@ import numpy as np
 
 from snapmap import load_device, sweep, threshold
 
+from .few import few
 from .markdown import number, table
 
 ROOT = Path(__file__).resolve().parents[3]
+SLOW = (35, 3.5, 0.35)
+"""f0, Hz."""
 CONVERGED = {"model": "cosines", "modes": 14, "step": 0.15}
 
 
@@ -30,7 +33,7 @@ def changes_of_label(device):
     """Where labels change at 5.8 kHz, C = 0.025, on a scan in steps of 0.05 %."""
     N = np.geomspace(850, 1250, 800)
     rows = []
-    for modes in (3, 5, 7, 10):
+    for modes in few((3, 5, 7, 10)):
         asked = {"model": "cosines", "modes": modes, "until": "snap", "threads": 2}
         snapped = sweep(device, N=N, f0=[5800.0], C=[0.025], **asked).t_snap.notnull()
         changes = N[1:][np.diff(snapped.values.ravel().astype(int)) != 0]
@@ -50,7 +53,7 @@ def slow_pulses(device):
     heavy = replace(device, mass=1e6)
     threshold(heavy, [200.0], [25.0])  # compiles
     rows = []
-    for f0 in (3.5, 0.35):
+    for f0 in few(SLOW):
         begin = time.perf_counter()
         found = threshold(heavy, [f0], [25.0]).squeeze()
         seconds = time.perf_counter() - begin
@@ -60,7 +63,7 @@ def slow_pulses(device):
 
 def surface(device):
     """Time of 250 x 20 thresholds, and at how many frequencies there are islands for each C."""
-    axes = {"f0": np.geomspace(100, 3e4, 250), "C": np.geomspace(0.025, 200, 20)}
+    axes = {"f0": few(np.geomspace(3e4, 100, 250)), "C": few(np.geomspace(0.025, 200, 20))}
     threshold(device, f0=[1500.0], C=[25.0])  # compiles
     begin = time.perf_counter()
     found = threshold(device, **axes, threads=2)
@@ -77,7 +80,7 @@ def errors(device):
     """Thresholds of eight devices drawn at random, against converged ones."""
     draw = np.random.default_rng(3)
     rows = []
-    for i in range(8):
+    for i in range(few(8)):
         beam = {
             "rise": draw.uniform(5.5, 14),
             "thickness": draw.uniform(1.6, 2.4) if i % 2 else 2.0,

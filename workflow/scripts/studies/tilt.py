@@ -1,6 +1,6 @@
 """Slow and fast snap-through of guided and free beams: docs/limits.md, results/figures/tilt.pdf.
 
-PYTHONPATH=workflow/scripts ./run python -m studies.tilt
+PYTHONPATH=workflow/scripts ./run python -m studies.tilt [--small]
 """
 
 from dataclasses import replace
@@ -13,6 +13,7 @@ from snapmap.figures import style, thresholds
 from snapmap.numerics.portable import geometric
 from snapmap.thresholds.surface import threshold
 
+from .few import few
 from .markdown import table
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -27,17 +28,17 @@ MODEL = {"model": "cosines", "modes": 5}
 def main():
     device = load_device(ROOT / "config" / "config.yaml")
     devices = {"guided": device}
-    for imperfection in IMPERFECTIONS:
+    for imperfection in few(IMPERFECTIONS):
         beam = replace(device.beam, free=1.0, imperfection=imperfection)
         devices[f"free-{imperfection:g}um"] = replace(device, beam=beam)
-    found = threshold(devices, F0, C, threads=2, **MODEL).isel(C=0)
+    found = threshold(devices, few(F0), C, threads=2, **MODEL).isel(C=0)
     rows = []
     for name in devices:
         one = found.sel(device=name)
-        N = (f"{one.N_first.values[i]:.0f}" for i in SHOWN)
+        N = (f"{one.N_first.values[i]:.0f}" for i in few(SHOWN))
         rows.append([name, f"{one.N_static.item():.0f}", *N])
     print(lost(device.beam), end="\n\n")
-    print(table(["beam", "static", *(f"{F0[i]:.3g} Hz" for i in SHOWN)], rows))
+    print(table(["beam", "static", *(f"{F0[i]:.3g} Hz" for i in few(SHOWN))], rows))
     draw(found)
 
 
@@ -53,7 +54,7 @@ def lost(beam):
 
 def draw(found):
     """Draw the thresholds of all beams over f0, two columns wide."""
-    folder = ROOT / "results" / "figures"
+    folder = Path("results") / "figures"
     folder.mkdir(parents=True, exist_ok=True)
     with style.paper():
         figure = style.double_column(height=3.6)

@@ -1,6 +1,6 @@
 """Devices as made, for the handout's device: docs/tolerances.md.
 
-PYTHONPATH=workflow/scripts ./run python -m studies.tolerances
+PYTHONPATH=workflow/scripts ./run python -m studies.tolerances [--small]
 """
 
 import time
@@ -13,6 +13,7 @@ from snapmap.numerics.portable import geometric
 from snapmap.thresholds.design import design
 from snapmap.tolerances.dataset import tolerance
 
+from .few import few
 from .markdown import table
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -38,7 +39,9 @@ def main():
 
 def indices(device):
     """Total indices of each value, with their bounds."""
-    made = tolerance(device, SCATTERS, F0, C, samples=1024, threads=THREADS).squeeze("C")
+    made = tolerance(device, SCATTERS, few(F0), C, samples=few(1024, 16), threads=THREADS).squeeze(
+        "C"
+    )
     total, bounds = made.sensitivity, made.sensitivity_bound
     rows = []
     for value in made.value.values:
@@ -47,15 +50,17 @@ def indices(device):
         middle = total.sel(at).values
         cells = (f"{m:.2f} ({a:.2f} to {b:.2f})" for m, (a, b) in zip(middle, ends, strict=True))
         rows.append([str(value), *cells])
-    return table(["value", *(f"{f0:g} Hz" for f0 in F0)], rows)
+    return table(["value", *(f"{f0:g} Hz" for f0 in few(F0))], rows)
 
 
 def distribution(device):
     """How thresholds scatter."""
-    made = tolerance(device, SCATTERS, F0, C, samples=4096, index_samples=16, threads=THREADS)
+    made = tolerance(
+        device, SCATTERS, few(F0), C, samples=few(4096, 16), index_samples=16, threads=THREADS
+    )
     made = made.squeeze("C")
     rows = []
-    for f0 in F0:
+    for f0 in few(F0):
         at = made.sel(f0=f0)
         low, high = (at.N_quantile.sel(quantile=share).item() for share in (0.01, 0.99))
         spread = at.N_std.item() / at.N_mean.item()
@@ -71,14 +76,15 @@ def cost(device):
     asked = {"threads": THREADS, "index_samples": 16}
     tolerance(device, SCATTERS, F0[:1], C, samples=16, **asked)
     begun = time.perf_counter()
-    tolerance(device, SCATTERS, FREQUENCIES, C, samples=MANY, **asked)
+    tolerance(device, SCATTERS, few(FREQUENCIES), C, samples=few(MANY, 16), **asked)
     took = time.perf_counter() - begun
-    return f"{MANY} devices x {FREQUENCIES.size} frequencies: {took:.0f} s in {THREADS} threads"
+    cells = f"{few(MANY, 16)} devices x {few(FREQUENCIES).size} frequencies"
+    return f"{cells}: {took:.0f} s in {THREADS} threads"
 
 
 def line_of_design(device):
     """Which thickness a threshold of 1500 g at 1 ms asks for, over the rise."""
-    rise = np.array([8.0, 9.0, 10.0, 11.0, 12.0])
+    rise = few(np.array([8.0, 9.0, 10.0, 11.0, 12.0]))
     asked = {"N": 1500.0, "f0": 1000.0, "C": 25.0, "between": (1.5, 3.2), "threads": THREADS}
     found = design(device, "thickness", rise=rise, **asked)
     rows = [

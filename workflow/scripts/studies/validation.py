@@ -1,6 +1,6 @@
-"""Writes docs/validation.md: closed forms, published values and another code, beside our own.
+"""Prints docs/validation.md: closed forms, published values and another code, beside our own.
 
-PYTHONPATH=workflow/scripts ./run python -m studies.validation
+PYTHONPATH=workflow/scripts ./run python -m studies.validation > docs/validation.md
 """
 
 from dataclasses import replace
@@ -27,7 +27,6 @@ from snapmap.solver.settings import Settings
 from .markdown import table
 
 ROOT = Path(__file__).resolve().parents[3]
-PAGE = ROOT / "docs" / "validation.md"
 HEAD = ["what", "source", "theirs", "ours", "difference"]
 LARGE_Q = 300.0
 F0, C = 1500.0, 25.0
@@ -36,9 +35,9 @@ TOLERANCE = 1e-9
 TEXT = """\
 # Validation
 
-What can be checked against something else, by one command, which writes this page:
+What can be checked against something else, by one command, which prints this page:
 
-    PYTHONPATH=workflow/scripts ./run python -m studies.validation
+    PYTHONPATH=workflow/scripts ./run python -m studies.validation > docs/validation.md
 
 **No measured device has been compared.** What is below checks that the equations are solved, not
 that a device obeys them. A laboratory that would compare should send: span, thickness, depth and
@@ -105,7 +104,7 @@ def main():
         "thresholds": thresholds(device),
     }
     tables = {name: table(HEAD, rows) for name, rows in sections.items()}
-    PAGE.write_text(TEXT.format(**tables, tolerance=TOLERANCE, f0=F0, C=C), encoding="utf-8")
+    print(TEXT.format(**tables, tolerance=TOLERANCE, f0=F0, C=C), end="")
 
 
 def row(what, source, theirs, ours, digits=6):

@@ -1,6 +1,6 @@
 """What one core can do, and how near the kernel comes, with vectors of either width.
 
-PYTHONPATH=workflow/scripts ./run python -m studies.width
+PYTHONPATH=workflow/scripts ./run python -m studies.width [--small]
 
 Each width is measured in processes of its own, as a kernel is compiled for one.
 """
@@ -16,6 +16,7 @@ from typing import NamedTuple
 from snapmap import load_device
 from snapmap.numerics import arithmetic
 
+from .few import few
 from .markdown import number, table
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -34,7 +35,7 @@ class Width(NamedTuple):
 
 def measure_widths() -> dict[int, Width]:
     """Start the processes, one at a time; a machine without vectors so wide gives one width."""
-    runs = [(bits, _run(bits)) for _ in range(ROUNDS) for bits in WIDTHS]
+    runs = [(bits, _run(bits)) for _ in range(few(ROUNDS)) for bits in WIDTHS]
     found = {}
     for bits in WIDTHS:
         mine = [run for asked, run in runs if asked == bits]
@@ -67,7 +68,7 @@ def width_table(widths: dict[int, Width]) -> str:
 def _run(bits):
     with TemporaryDirectory() as cache:
         paths = {"NUMBA_CACHE_DIR": cache}
-        command = [sys.executable, "-m", "studies.width", str(bits)]
+        command = [sys.executable, "-m", "studies.width", *sys.argv[1:], str(bits)]
         done = subprocess.run(command, env=os.environ | paths, stdout=subprocess.PIPE, check=True)
     return json.loads(done.stdout)
 
@@ -79,7 +80,7 @@ def _measure(bits):
     from .kernel import KERNELS, block_seconds, peak_flops, step_flops, vector_bits
 
     device = load_device(ROOT / "config" / "config.yaml")
-    models = {name: build_model(device, **options) for name, options in KERNELS.items()}
+    models = {name: build_model(device, **options) for name, options in few(KERNELS).items()}
     return {
         "peak": peak_flops(),
         "bits": vector_bits(),
@@ -89,8 +90,8 @@ def _measure(bits):
 
 
 def main():
-    if len(sys.argv) > 1:
-        print(json.dumps(_measure(int(sys.argv[1]))))
+    if sys.argv[-1].isdigit():
+        print(json.dumps(_measure(int(sys.argv[-1]))))
     else:
         print(width_table(measure_widths()))
 

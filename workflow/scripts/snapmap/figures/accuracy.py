@@ -1,4 +1,7 @@
-"""Error of the threshold against time per simulation, for every model; other sources beside it."""
+"""Error against time per simulation, for every model; other sources beside it.
+
+The error is that of the threshold or, where no threshold is well posed, that of the labels.
+"""
 
 import numpy as np
 import xarray as xr
@@ -18,12 +21,17 @@ LINES = {
 HANDOUT, HANDOUT_STEP = "5 elements, consistent", "step 0.8"
 LEAST = 1e-6
 """Errors below this, the tolerance of the thresholds, are not drawn."""
+JUDGED = {
+    "threshold_worst": "largest relative error of the threshold",
+    "label_error": "share of cells with another label",
+}
+"""Words for the errors by which models may be ranked."""
 
 
 def draw_accuracy(ax: Axes, found: xr.Dataset) -> Axes:
-    """Draw the largest relative error of the threshold over the time per simulation, us."""
+    """Draw the error over the time per simulation, us."""
     ax.set_xscale("log")
-    ax.set_yscale("log")
+    scale_error(ax, found)
     ax.margins(x=0.08)
     _draw_front(ax, found)
     for family, style in LINES.items():
@@ -33,11 +41,21 @@ def draw_accuracy(ax: Axes, found: xr.Dataset) -> Axes:
     _draw_sources(ax, sources)
     _draw_own_error(ax, found)
     ax.set_xlabel("time per simulation (µs)")
-    ax.set_ylabel("largest relative error of the threshold")
-    ax.yaxis.set_major_formatter(lambda error, _: f"{100 * error:.6g} %")
+    ax.set_ylabel(JUDGED[found.judged_by])
     place = {"loc": "lower left", "bbox_to_anchor": (0, 1.03), "ncols": 3}
     ax.legend(title=_caption(found), alignment="left", **place)
     return ax
+
+
+def error_of(cases: xr.Dataset) -> xr.DataArray:
+    """The error by which cases are ranked."""
+    return cases[cases.judged_by]
+
+
+def scale_error(ax: Axes, found: xr.Dataset) -> None:
+    """Scale y for errors in percent: by ratio for thresholds; those of labels may be 0."""
+    ax.set_yscale("log" if found.judged_by == "threshold_worst" else "linear")
+    ax.yaxis.set_major_formatter(lambda error, _: f"{100 * error:.6g} %")
 
 
 def of_family(found: xr.Dataset, family: str) -> xr.Dataset:
@@ -49,10 +67,10 @@ def of_family(found: xr.Dataset, family: str) -> xr.Dataset:
 def other_sources(found: xr.Dataset) -> dict[str, float]:
     """Error of each penalty against hard contact, and of the handout's step, by label."""
     penalties = of_family(found, "penalty")
-    cases = zip(penalties.contact.values, penalties.threshold_worst.values, strict=True)
+    cases = zip(penalties.contact.values, error_of(penalties).values, strict=True)
     soft = [(contact, worst) for contact, worst in cases if contact < np.inf]
     sources = {f"contact {contact:g} N/m, not hard": worst for contact, worst in soft}
-    step = found.threshold_worst.sel(model=HANDOUT_STEP).item()
+    step = error_of(found).sel(model=HANDOUT_STEP).item()
     sources["time step, 0.8 of its limit"] = step
     return {label: float(worst) for label, worst in sources.items() if worst > LEAST}
 
@@ -61,7 +79,7 @@ def _draw_front(ax, found):
     front = found.isel(model=np.flatnonzero(found.on_front)).sortby("time_per_simulation")
     path = {"color": "0.8", "linewidth": 4, "solid_capstyle": "round", "zorder": 1}
     label = "Pareto front: none is faster and better"
-    ax.step(front.time_per_simulation, front.threshold_worst, where="post", label=label, **path)
+    ax.step(front.time_per_simulation, error_of(front), where="post", label=label, **path)
 
 
 def _draw_family(ax, cases, label, colour, marker, filled, offset):
@@ -69,10 +87,10 @@ def _draw_family(ax, cases, label, colour, marker, filled, offset):
         return
     look = {"color": colour, "marker": marker, "linestyle": "-" if filled else "--"}
     look["markerfacecolor"] = colour if filled else "white"
-    ax.plot(cases.time_per_simulation, cases.threshold_worst, label=label, **look)
+    ax.plot(cases.time_per_simulation, error_of(cases), label=label, **look)
     text = {"textcoords": "offset points", "xytext": offset, "color": colour, "fontsize": 6}
     text["path_effects"] = [withStroke(linewidth=1.5, foreground="white")]
-    points = zip(cases.time_per_simulation.values, cases.threshold_worst.values, strict=True)
+    points = zip(cases.time_per_simulation.values, error_of(cases).values, strict=True)
     for name, point in zip(cases.model.values, points, strict=True):
         if np.isfinite(point).all():
             ax.annotate(_number(str(name)), point, **text)
@@ -87,7 +105,7 @@ def _draw_handout(ax, found):
     case = found.sel(model=HANDOUT)
     ring = {"marker": "o", "markersize": 8, "fillstyle": "none", "color": "black"}
     label = {"label": "the handout's setting", "linestyle": ""}
-    ax.plot(case.time_per_simulation, case.threshold_worst, **label, **ring)
+    ax.plot(case.time_per_simulation, error_of(case), **label, **ring)
 
 
 def _reach(ax, values):
@@ -107,14 +125,21 @@ def _draw_sources(ax, sources):
     right.set_ylabel("other sources, each alone")
 
 
-def _draw_own_error(ax, found):
-    """Shade what lies below the own error of the converged thresholds."""
+def own_error(found: xr.Dataset) -> float:
+    """Of the converged run: its largest, of well-posed thresholds, or that of its labels."""
     run = found.isel(reference=0)
-    own = (run.converged_threshold_error / run.converged_threshold).where(run.threshold_decided)
-    if own.isnull().all():
+    if found.judged_by == "label_error":
+        return run.converged_label_error.item()
+    own = run.converged_threshold_error / run.converged_threshold
+    return own.where(run.threshold_decided).max().item()
+
+
+def _draw_own_error(ax, found):
+    """Shade what lies below the own error of the converged run."""
+    if not (highest := own_error(found)):
         return
-    highest = own.max().item()
-    _reach(ax, [highest / 2])
+    if found.judged_by == "threshold_worst":
+        _reach(ax, [highest / 2])
     ax.axhspan(0, highest, color="0.93", zorder=0)
     text = {"fontsize": 6, "color": "0.35", "va": "top", "xytext": (3, -2)}
     place = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
@@ -122,10 +147,20 @@ def _draw_own_error(ax, found):
 
 
 def _caption(found):
-    """Which thresholds are meant, and what a star does."""
-    known = found.threshold_decided.isel(reference=0)
-    f0 = ", ".join(f"{value:.4g}" for value in found.f0.values)
-    C = " or ".join(value_text("C", value) for value in found.C.values)
-    caption = f"thresholds at $f_0$ = {f0} Hz, {C}; {int(known.sum())} of {known.size} well posed"
+    """Which errors are meant, what a star does, and what was cut down."""
+    lines = [_of_thresholds(found) if found.judged_by == "threshold_worst" else _of_labels(found)]
     starred = [str(name) for name in found.model.values if str(name).endswith(" modes")]
-    return "; *".join([caption, *{name.split(", ")[-1] + " kept" for name in starred}])
+    lines[0] = "; *".join([lines[0], *{name.split(", ")[-1] + " kept" for name in starred}])
+    return "\n".join([*lines, *(f"only {line}" for line in [found.left_out] if line)])
+
+
+def _of_thresholds(found):
+    known = found.threshold_decided.isel(reference=0)
+    f0 = ", ".join(f"{value:.4g}" for value in np.unique(found.f0))
+    C = " or ".join(value_text("C", value) for value in np.unique(found.C))
+    return f"thresholds at $f_0$ = {f0} Hz, {C}; {int(known.sum())} of {known.size} well posed"
+
+
+def _of_labels(found):
+    snapped = found.share_snapped.values[0]
+    return f"labels of a map of which {snapped:.0%} snaps, as no threshold is well posed"

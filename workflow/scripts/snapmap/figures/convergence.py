@@ -1,4 +1,7 @@
-"""How the error of the threshold falls with the number of elements or cosines, and the step."""
+"""How the error falls with the number of elements or cosines, and the step.
+
+The error is that of the threshold or, where no threshold is well posed, that of the labels.
+"""
 
 from collections.abc import Sequence
 
@@ -6,7 +9,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from .accuracy import LEAST, LINES, of_family
+from .accuracy import JUDGED, LEAST, LINES, error_of, of_family, own_error, scale_error
 
 ORDERS = {"elements_consistent": -4, "cosines_uncorrected": -3}
 """Of Hermite elements, and of the flexibility that the cosines left out would have added."""
@@ -18,10 +21,11 @@ APART = 2.0
 
 
 def draw_convergence(axes: Sequence[Axes], found: xr.Dataset) -> Sequence[Axes]:
-    """Draw the largest relative error of the threshold over number and step on two axes."""
+    """Draw the error over number and step on two axes."""
     number, step = axes
     for ax in axes:
-        ax.set(xscale="log", yscale="log")
+        ax.set_xscale("log")
+        scale_error(ax, found)
     for family, (label, colour, marker, filled, _) in LINES.items():
         look = {"label": label, "color": colour, "marker": marker}
         look |= {"linestyle": "-"} if filled else {"linestyle": "--", "markerfacecolor": "white"}
@@ -32,7 +36,7 @@ def draw_convergence(axes: Sequence[Axes], found: xr.Dataset) -> Sequence[Axes]:
     _draw_family(step, of_family(found, "step"), 1, look)
     _draw_slope(step, of_family(found, "step"), 1, STEP_ORDER)
     _draw_own_error(number, found)
-    _label(axes)
+    _label(axes, JUDGED[found.judged_by])
     return axes
 
 
@@ -43,17 +47,20 @@ def _draw_family(ax, cases, word, look):
 
 
 def _points(cases, word):
-    """Number or step, a word of the name, and error of the cases that err by more than LEAST."""
+    """Number or step, a word of the name, and error of the cases.
+
+    Of thresholds only what errs by more than LEAST.
+    """
     x = np.array([float(str(name).split()[word]) for name in cases.model.values])
-    error = cases.threshold_worst.values
-    drawn = error > LEAST
+    error = error_of(cases).values
+    drawn = (error > LEAST) | (cases.judged_by == "label_error")
     return x[drawn], error[drawn]
 
 
 def _draw_slope(ax, cases, word, order):
     """Draw a power of that order beside the points, from the largest error on."""
     x, error = _points(cases, word)
-    if x.size < 2:
+    if x.size < 2 or cases.judged_by == "label_error":
         return
     worst = x[np.argmax(error)]
     ax.plot(x, line := APART * error.max() * (x / worst) ** float(order), **SLOPE)
@@ -64,24 +71,21 @@ def _draw_slope(ax, cases, word, order):
 
 
 def _draw_own_error(ax, found):
-    """Shade what lies below the own error of the converged thresholds."""
-    run = found.isel(reference=0)
-    own = (run.converged_threshold_error / run.converged_threshold).where(run.threshold_decided)
-    if own.notnull().any():
-        low = min(ax.get_ylim()[0], own.max().item() / 2)
-        ax.axhspan(low, own.max().item(), **OWN)
-        ax.set_ylim(bottom=low)
+    if own := own_error(found):
+        log = found.judged_by == "threshold_worst"
+        low = min(ax.get_ylim()[0], own / 2) if log else 0.0
+        ax.axhspan(low, own, **OWN)
+        ax.set_ylim(bottom=low if log else None)
 
 
-def _label(axes):
+def _label(axes, of_error):
     number, step = axes
     number.set_xlabel("number $n$ of elements or cosines")
     step.set_xlabel("time step over its stability limit")
-    number.set_ylabel("largest relative error of the threshold")
+    number.set_ylabel(of_error)
     for ax in axes:
         ticks = sorted({x for line in ax.lines for x in line.get_xdata()})
         ax.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
         ax.set_xticks([], minor=True)
-        ax.yaxis.set_major_formatter(lambda error, _: f"{100 * error:.6g} %")
         keys, _ = ax.get_legend_handles_labels()
         ax.legend(handles=keys, loc="lower left", bbox_to_anchor=(0, 1.03), ncols=2)

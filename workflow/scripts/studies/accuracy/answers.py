@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from snapmap.axes import make_grid
-from snapmap.solver.bracket import lowest_snap
-from snapmap.solver.cells import to_cells, to_rows
+from snapmap.solver.bracket import SCAN_STEP, lowest_snap
+from snapmap.solver.cells import to_cells
 from snapmap.solver.model import Model
 from snapmap.solver.settings import Settings
 from snapmap.sweeps.grid import follow_grid
@@ -21,6 +21,8 @@ from .probe import Probe
 
 TOLERANCE = 1e-6
 """To which thresholds are refined, relative."""
+REACHES = (1.02, 1.5, 4.0)
+"""Within these factors of where the judges saw a threshold it is looked for, in turn."""
 ABOVE = 1.05
 """The time of the snap is taken at this multiple of the case's own threshold."""
 ROUNDS, SLOW = 3, 0.5
@@ -30,8 +32,8 @@ ROUNDS, SLOW = 3, 0.5
 class Answer(NamedTuple):
     """What was found.
 
-    values: threshold, in multiples of g, and time of the snap, us, (2, C, f0)
-    t_snap: of the map, us, (C, f0, N)
+    values: threshold, in multiples of g, and time of the snap, us, (2, rows)
+    t_snap: of the map, us, (..., C, f0, N)
     seconds: per simulation of the map, on one thread
     """
 
@@ -41,12 +43,23 @@ class Answer(NamedTuple):
 
 
 def ask_all(cases: Sequence[Case], probe: Probe) -> dict[str, Answer]:
-    """Ask every case everything, by name; the map is timed on one thread."""
-    answers = {case.name: _ask_case(case, probe) for case in cases}
+    """Ask every case everything, by name; the map is timed on one thread.
+
+    Cases of several families that are the same are asked once.
+    """
+    distinct = {_identity(case): case for case in cases}
+    answers = {key: _ask_case(case, probe) for key, case in distinct.items()}
     # In rounds, so that whatever else the machine does for a while slows no case alone.
-    for case in [*cases] * ROUNDS:
-        answers[case.name] = _least_seconds(case, answers[case.name], probe)
-    return answers
+    for key, case in [*distinct.items()] * ROUNDS:
+        answers[key] = _least_seconds(case, answers[key], probe)
+    return {case.name: answers[_identity(case)] for case in cases}
+
+
+def _identity(case):
+    """What tells cases apart; equal for those that differ in name and family alone."""
+    model = case.model
+    numbers = model.dt, model.device.contact, model.modal.residual
+    return model.scheme, model.modes, *map(float, numbers), case.settings.horizon
 
 
 def _ask_case(case, probe):
@@ -64,18 +77,24 @@ def _least_seconds(case, found, probe):
 
 
 def ask(model: Model, probe: Probe, settings: Settings) -> np.ndarray:
-    """Lowest N that snaps, in multiples of g, and t_snap at ABOVE times that, us; (2, C, f0)."""
-    C, f0 = (values.ravel() for values in np.meshgrid(probe.C, probe.f0, indexing="ij"))
-    rows = to_rows(0, f0, C)
-    lowest = lowest_snap(model, rows, probe.bracket, settings, TOLERANCE)
-    cells = to_cells(model.device, 0, np.nan_to_num(ABOVE * lowest), f0, C, settings.horizon)
-    t_snap = model.follow(cells, settings).t_snap
-    return np.reshape([lowest, t_snap], (2, probe.C.size, probe.f0.size))
+    """Lowest N that snaps, in multiples of g, and t_snap at ABOVE times that, us; (2, rows)."""
+    rows, lowest = probe.rows, np.full(probe.N.size, np.nan)
+    for reach in REACHES:
+        left = np.flatnonzero(np.isnan(lowest))
+        bracket = probe.N[left] / reach, probe.N[left] * reach
+        step = min(SCAN_STEP, (reach - 1) / 2)
+        lowest[left] = lowest_snap(model, rows.some(left), bracket, settings, TOLERANCE, step)
+    N = np.nan_to_num(ABOVE * lowest)
+    cells = to_cells(model.device, 0, N, rows.f0, rows.C, settings.horizon, rows.pulse)
+    return np.array([lowest, model.follow(cells, settings).t_snap])
 
 
 def follow_map(model: Model, probe: Probe, settings: Settings) -> tuple[np.ndarray, float]:
-    """t_snap of the map's cells, us, (C, f0, N), and the seconds that each took on one thread."""
-    grid = make_grid(model.device, probe.axes)
+    """t_snap of the map's cells, us, (..., C, f0, N), and the seconds that each took on one thread.
+
+    In front stand the axes of the shocks.
+    """
+    grid = make_grid(model.device, probe.axes, shocks=probe.shocks)
     start = perf_counter()
     t_snap = follow_grid(model, grid, settings._replace(threads=1))["t_snap"]
     return t_snap, (perf_counter() - start) / t_snap.size

@@ -6,16 +6,16 @@ import numpy as np
 def largest_errors(errors: np.ndarray, known: np.ndarray) -> np.ndarray:
     """Largest |error| where it is known, (model, 2); NaN if nowhere, or where a case found none.
 
-    errors, known: (model, 2, C, f0), relative, and whether its reference can fault others
+    errors, known: (model, 2, rows), relative, and whether its reference can fault others
     """
-    worst = np.where(known, np.abs(errors), -np.inf).max(axis=(2, 3))
+    worst = np.where(known, np.abs(errors), -np.inf).max(axis=2, initial=-np.inf)
     return np.where(np.isneginf(worst), np.nan, worst)
 
 
 def disagreement(t_snap: np.ndarray, reference: np.ndarray, f0: np.ndarray) -> tuple[float, float]:
     """Share of cells labelled otherwise (snaps or not), of all and of those that snap in the pulse.
 
-    t_snap, reference: us, (C, f0, N), NaN for no snap; the reference tells which cells snap in
+    t_snap, reference: us, (..., f0, N), NaN for no snap; the reference tells which cells snap in
     the pulse; NaN where none does. f0: Hz
     """
     other = np.isnan(t_snap) != np.isnan(reference)

@@ -25,11 +25,13 @@ SAFETY = 2.0
 class Converged(NamedTuple):
     """A converged run and its own error; the same of another discretisation, NaN if not planned.
 
+    clean: whether labels change once along N, (rows,)
     error, other, other_error: as `Answer.values`
     repeated: t_snap of the map with twice the step
     """
 
     answer: Answer
+    clean: np.ndarray
     error: np.ndarray
     other: np.ndarray
     other_error: np.ndarray
@@ -50,7 +52,7 @@ def converge(device: Device, probe: Probe, settings: Settings, refinement: Refin
     model = build_model(device, "cosines", modes=refinement.cosines[0], step=FINE_STEP)
     found = Answer(fine, *follow_map(model, probe, settings))
     repeated, _ = follow_map(model.with_step(2), probe, settings)
-    return Converged(found, error, other, other_error, repeated)
+    return Converged(found, probe.clean, error, other, other_error, repeated)
 
 
 def _refine(refined, name, many, fewer, **options):
@@ -85,8 +87,8 @@ def gap(run: Converged) -> float:
 
 
 def decided(run: Converged) -> np.ndarray:
-    """Where the converged values are known well enough to fault others, (2, C, f0).
+    """Where the converged values are known well enough to fault others, (2, rows).
 
     No snap is timed above a threshold that is not known.
     """
-    return np.logical_and.accumulate(run.error < DECIDED * run.answer.values)
+    return np.logical_and.accumulate(run.clean & (run.error < DECIDED * run.answer.values))

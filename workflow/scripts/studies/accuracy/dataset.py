@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from snapmap.axes import coordinates as axis_coordinates
+from snapmap.axes import COORDINATES, PULSE_AXES
 
 from .answers import Answer
 from .cases import CONVERGED, FAMILIES, MODELS, Case
@@ -34,23 +34,44 @@ def dress(
         "family": _flags("model", family, "family of cases that differ in one thing", FAMILIES),
         "against": ("model", [case.against for case in cases], {"long_name": "held against"}),
         "reference": list(converged),
-        **axis_coordinates({"C": probe.C, "f0": probe.f0}),
+        **_rows(probe),
     }
     variables = _comparison(cases, answers, converged, probe) | _references(converged, probe)
     return xr.Dataset(variables, coordinates).assign_attrs(
         Conventions="CF-1.11",
         title="Error from each source, and the time that a simulation takes",
         discretisations_gap=max(gap(run) for run in converged.values()),
+        judged_by=_judge(converged),
     )
 
 
+def _judge(converged):
+    """The variable by which models are ranked: labels where no threshold is known to be right."""
+    return "threshold_worst" if decided(converged[CONVERGED])[0].any() else "label_error"
+
+
+def _rows(probe):
+    """Coordinates of the thresholds."""
+    shocks, rows = probe.shocks, probe.rows
+    names = np.array([(shape, way) for shape in shocks.shapes for way in shocks.ways])
+    values = {"C": rows.C, "f0": rows.f0} | dict(zip(PULSE_AXES, names[rows.pulse].T, strict=True))
+    return {key: ("row", column, COORDINATES[key]) for key, column in values.items()}
+
+
 def summary(found: xr.Dataset) -> str:
-    """One line: the models that none beats, and how many thresholds could be decided."""
+    """What no model beats, by which error, how many thresholds could be decided, what is cut down.
+
+    One line.
+    """
     front = found.isel(model=np.flatnonzero(found.on_front))
-    points = zip(front.model.values, front.threshold_worst.values, strict=True)
-    known = int(found.threshold_decided.sum()), found.threshold_decided.size
+    points = zip(front.model.values, front[found.judged_by].values, strict=True)
+    known = int(found.threshold_decided[0].sum()), found.sizes["row"]
     best = ", ".join(f"{name} ({worst:.1e})" for name, worst in points)
-    return f"not beaten {best or 'none'}; {known[0]} of {known[1]} thresholds are well posed"
+    line = f"not beaten {best or 'none'}; {known[0]} of {known[1]} thresholds are well posed"
+    if found.judged_by == "label_error":
+        snapped = found.share_snapped[0].item()
+        line += f", so errors are those of labels; {snapped:.0%} of the cells snap"
+    return "; only ".join([line, *filter(None, [found.left_out])])
 
 
 def _comparison(cases, answers, converged, probe):
@@ -61,12 +82,10 @@ def _comparison(cases, answers, converged, probe):
     known = [decided(converged.get(case.against, converged[CONVERGED])) for case in cases]
     worst = largest_errors(errors, np.array(known))
     seconds = np.array([one.seconds for one, _ in found])
-    return {
-        **_settings(cases),
-        **_ranking(cases, seconds, worst[:, 0]),
-        **_label_errors(found, probe.axes["f0"]),
-        **_errors(values, errors, worst),
-    }
+    labels = _label_errors(found, probe.axes["f0"])
+    compared = labels | _errors(values, errors, worst)
+    _, judged, _ = compared[_judge(converged)]
+    return {**_settings(cases), **_ranking(cases, seconds, judged), **compared}
 
 
 def _settings(cases):
@@ -99,7 +118,7 @@ def _label_errors(found, f0):
 
 
 def _errors(values, errors, worst):
-    variables, dims = {}, ("model", "C", "f0")
+    variables, dims = {}, ("model", "row")
     for i, (key, (name, unit)) in enumerate(QUANTITIES.items()):
         relative = f"error of the {name}, relative"
         variables[key] = _variable(dims, values[:, i], name, unit)
@@ -110,10 +129,12 @@ def _errors(values, errors, worst):
 
 def _references(converged, probe):
     """The variables along `reference`."""
-    runs, dims = list(converged.values()), ("reference", "C", "f0")
+    runs, dims = list(converged.values()), ("reference", "row")
     labels = [disagreement(r.repeated, r.answer.t_snap, probe.axes["f0"])[0] for r in runs]
     seconds = [run.answer.seconds * 1e6 for run in runs]
+    snapped = [np.isfinite(run.answer.t_snap).mean() for run in runs]
     variables = {
+        "share_snapped": _variable("reference", snapped, "share of the map's cells that snap", "1"),
         "converged_time": _variable("reference", seconds, "time per cell of the map", "us"),
         "converged_label_error": _variable("reference", labels, f"{LABELS} at twice the step", "1"),
     }

@@ -23,6 +23,7 @@ class Plan(NamedTuple):
     penalties: multiples of the device's contact, beside hard contact
     horizons: multiples of the settings', the longest last
     converged, hard: refinement of the converged run, and of that with hard contact
+    judges: cosines of the models that choose the thresholds: to scan, to decide and to doubt
     side: cells of the map along N and f0
     """
 
@@ -34,6 +35,7 @@ class Plan(NamedTuple):
     horizons: tuple[float, ...]
     converged: Refinement
     hard: Refinement
+    judges: tuple[int, int, int]
     side: int
 
 
@@ -48,6 +50,7 @@ PLANS = {
         horizons=(0, 0.3, 1, 3),
         converged=Refinement((16, 12), (20, 10), (12, 8)),
         hard=Refinement((12, 8), (20, 10), (12, 8)),
+        judges=(3, 8, 5),
         side=24,
     ),
     # Three numbers of modes, 3, 5 and 9: for each a kernel is compiled.
@@ -60,6 +63,7 @@ PLANS = {
         horizons=(0, 1),
         converged=Refinement((9, 5)),
         hard=Refinement((5, 3)),
+        judges=(3, 5, 3),
         side=16,
     ),
 }

@@ -1,0 +1,80 @@
+"""Rule write_accuracy_table: write the tables of docs/accuracy.md."""
+
+import numpy as np
+import xarray as xr
+
+from snapmap.figures.accuracy import of_family
+from snapmap.io.atomic import replacing
+from snapmap.io.job_log import job_log
+from studies.accuracy.cases import FAMILIES, MODELS
+from studies.markdown import DASH, number, table
+
+COLUMNS = {
+    "threshold_worst": "threshold",
+    "t_snap_worst": "$t_{\\rm snap}$",
+    "label_error": "labels, all",
+    "label_error_in_pulse": "labels, in the pulse",
+}
+"""Errors, and how columns name them."""
+
+
+def write_accuracy_table(accuracy_path, table_path):
+    """Read the measured errors and write what is converged, the models and the other sources."""
+    with xr.open_dataset(accuracy_path, engine="netcdf4") as found:
+        tables = [converged_table(found), cases_table(found, MODELS)]
+        tables.append(cases_table(found, FAMILIES[len(MODELS) :]))
+        left_out = [f"Only {found.left_out}.\n"] if found.left_out else []
+    with replacing(table_path) as temporary, open(temporary, "w", encoding="utf-8") as file:
+        file.write("\n".join([*left_out, *tables]))
+
+
+def converged_table(found: xr.Dataset) -> str:
+    """The converged thresholds and their own errors; in italics what is not well posed."""
+    head = ["pulse", "direction", "$f_0$, Hz", "$C$"]
+    for name in found.reference.values:
+        head += [str(name), "own error", "elements", "own error"]
+    rows = []
+    for i in range(found.sizes["row"]):
+        row = found.isel(row=i)
+        cells = [str(row["shape"].values), str(row.direction.values)]
+        cells += [number(row.f0.item()), number(row.C.item())]
+        for j in range(found.sizes["reference"]):
+            cells += _converged(row.isel(reference=j))
+        rows.append(cells)
+    return table(head, rows)
+
+
+def _converged(run):
+    mark = "" if run.threshold_decided else "*"
+    pairs = [(f"{way}_threshold", f"{way}_threshold_error") for way in ("converged", "elements")]
+    return [
+        f"{mark}{run[key].item():.{digits}g}{mark}" if np.isfinite(run[key]) else DASH
+        for pair in pairs
+        for key, digits in zip(pair, (7, 2), strict=True)
+    ]
+
+
+def cases_table(found: xr.Dataset, families) -> str:
+    """Errors and times of the cases of some families; bold on the Pareto front."""
+    head = ["", *COLUMNS.values(), "us per simulation", "simulations/s"]
+    rows = []
+    for cases in (of_family(found, family) for family in families):
+        for i in range(cases.sizes["model"]):
+            case = cases.isel(model=i)
+            bold = "**" * int(case.on_front)
+            errors = [_percent(case[key].item()) for key in COLUMNS]
+            speed = [case.time_per_simulation.item(), case.simulations_per_second.item()]
+            rows.append([f"{bold}{case.model.item()}{bold}", *errors, *map(number, speed)])
+    return table(head, rows)
+
+
+def _percent(error):
+    return f"{100 * error:.2g} %" if np.isfinite(error) else DASH
+
+
+if __name__ == "__main__":
+    with job_log(snakemake.log[0]):
+        write_accuracy_table(
+            accuracy_path=snakemake.input.accuracy,
+            table_path=snakemake.output.table,
+        )
