@@ -121,7 +121,7 @@ def grid_of(
 def _levels(device, model, threads):
     """A model with modes for each level of the cube's."""
     name = "handout" if model["name"] == "reference" else model["name"]
-    return choose_model(device, {**model, "name": name}, threads).levels
+    return choose_model(device, {**model, "name": name}).levels
 
 
 def _window(device, cube, cells, settings):

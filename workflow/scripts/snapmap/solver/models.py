@@ -23,9 +23,6 @@ OPTIONS = {
     "auto": ("tolerance",),
 }
 
-RUNGS = (3, 5, 7, 10, 14, 18)
-"""Cosines that `auto` chooses from; fewer than three save next to nothing and cost ten times."""
-
 
 def simd() -> Loop:
     """The SIMD kernel."""

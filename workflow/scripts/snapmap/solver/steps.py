@@ -44,10 +44,11 @@ class Steps:
         swing = 1 / (swings * cells.f0)
         resolved = np.maximum(swing / self.per_swing, self.shortest[cells.device])
         step = np.minimum(self.longest[question][cells.device], resolved)
-        return self.factor * np.minimum(step, swing / FEWEST)
+        fewest = min(self.factor, 1.0) * swing / FEWEST
+        return np.minimum(self.factor * step, fewest)
 
     def times(self, factor: float) -> "Steps":
-        """The same rule with every step multiplied by `factor`."""
+        """The same rule with every step multiplied by `factor`, but for very short pulses."""
         return replace(self, factor=factor * self.factor)
 
     def pick(self, which: int | np.ndarray) -> "Steps":

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..axes import DEVICE, Grid
+from ..solver.adaptive import choose_model
 from ..solver.cells import to_cells
 from ..solver.cost import MOST_SECONDS, steps_and_seconds
-from ..solver.models import RUNGS, build_model, check_options
 from ..solver.settings import Settings
 from .partition import SINGLE, Slab
 
@@ -120,18 +120,9 @@ def _check_cost(lowest_f0, settings, dt, seconds):
         )
 
 
-def _cheapest(device, model):
-    """The model that follows every cell; its options are checked."""
-    if model["name"] != "auto":
-        return build_model(device, **model)
-    options = {key: value for key, value in model.items() if key != "name"}
-    check_options(device, "auto", options)
-    return build_model(device, "cosines", modes=RUNGS[0])
-
-
 def _expected_of_each(grid, model, settings, f0):
     """Shortest step, us, and the time of one cell of each device and f0, s; mean over pulses."""
-    built = _cheapest(grid.device, model)
+    built = choose_model(grid.device, model).levels[0]
     device, pulse = np.arange(len(grid.device)), np.arange(len(grid.pulses))[:, np.newaxis]
     at = device[:, np.newaxis, np.newaxis], 0.0, f0, 0.0, settings.horizon, pulse
     settings = settings._replace(pulses=grid.pulses)

@@ -12,7 +12,7 @@ from ..numerics.portable import geometric
 from ..pulse import VERSED_SINE, Pulse, shocks_from
 from ..solver.cells import check_cells
 from ..solver.settings import Settings, check_number, check_settings
-from .batch import Batch
+from .batch import Batch, choose_builder
 from .samples import SHOCK, Plan
 from .sensitivity import crossed, indices
 from .statistics import count_below, moments, quantiles, wilson
@@ -135,7 +135,8 @@ def tolerance(
         points = plan.points(samples, seed)
         paired = points[:, :power]
         every = np.concatenate([points[0], paired[1], *crossed(paired)])
-        whole = Batch(one, plan, every, model, threads)
+        build = choose_builder(one, model, *axes.values(), settings)
+        whole = Batch(one, plan, every, build)
         some = whole.first(samples)
         data, N_first = _thresholds(whole, samples, shocks, axes, settings, tolerance)
         data = data.merge(_made(some))
