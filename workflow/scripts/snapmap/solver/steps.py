@@ -19,7 +19,7 @@ PER_SWING = 500
 """Steps in each swing of a pulse that is slow for the device."""
 SHORTEST = 0.1
 """Over the arch's frequency: no pulse asks for shorter steps, unless for FEWEST."""
-LONGEST = {SNAP: 3.0, STAY: 0.3, MOVE: 0.06}
+LONGEST = {SNAP: 5.0, STAY: 0.5, MOVE: 0.12}
 """Over the arch's frequency, by question."""
 
 
