@@ -1,4 +1,4 @@
-"""The model `auto`: what it calls safe, against its own top level over whole maps."""
+"""The model `auto`: what it calls safe, against its own finest level over whole maps."""
 
 import dataclasses
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import snapmap
-from snapmap.solver.adaptive import Adaptive, build_adaptive, choose_model
+from snapmap.solver.adaptive import TOLERANCE, Adaptive, build_adaptive, choose_model
 from snapmap.solver.cells import to_cells
 from snapmap.solver.settings import Settings
 
@@ -37,30 +37,46 @@ def own_map(device, C):
 
 @pytest.mark.parametrize("which", range(3))
 @pytest.mark.parametrize("C", [0.025, 25.0])
-def test_safe_cells_agree_with_the_top_level(handout, which, C):
+def test_safe_cells_agree_with_the_finest_level(handout, which, C):
     device = other_devices(handout)[which]
     adaptive = build_adaptive(device)
     cells = own_map(device, C)
     seen = adaptive.follow(cells, SNAP)
-    top = adaptive.top.follow(cells, SNAP)
-    wrong = np.isfinite(seen.t_snap) != np.isfinite(top.t_snap)
-    assert 0.1 < np.isfinite(top.t_snap).mean() < 0.9
+    finest = adaptive.levels[-1].follow(cells, SNAP)
+    wrong = np.isfinite(seen.t_snap) != np.isfinite(finest.t_snap)
+    assert 0.1 < np.isfinite(finest.t_snap).mean() < 0.9
     assert wrong[seen.agreed == 1].mean() <= 1e-3
-    assert not wrong[seen.level == 1].any()
-    assert (seen.level == 1).mean() < 0.35
+    assert not wrong[seen.level == 2].any()
+    assert (seen.level > 0).mean() < 0.35 and (seen.level == 2).mean() < 0.1
 
 
-def test_auto_keeps_its_tolerance(handout):
-    base, check, top = build_adaptive(handout, 1e-3).errors
-    assert max(check, top) < 1e-3 and base < 0.01
-    assert max(build_adaptive(handout, 1e-4).errors[1:]) < 1e-4
+def test_each_level_labels_what_it_decides(handout):
+    """And the finest is asked where two disagree, and nowhere else."""
+    adaptive, cells = build_adaptive(handout), own_map(handout, 0.025)
+    seen = adaptive.follow(cells, SNAP)
+    snaps = np.array([np.isfinite(one.follow(cells, SNAP).t_snap) for one in adaptive.levels])
+    own = np.take_along_axis(snaps, seen.level[np.newaxis].astype(int), axis=0)[0]
+    np.testing.assert_array_equal(np.isfinite(seen.t_snap), own)
+    coarse, middle, fine = snaps
+    np.testing.assert_array_equal(seen.level == 2, (seen.level > 0) & (coarse != middle))
+    np.testing.assert_array_equal(seen.agreed == 0, (seen.level == 2) & (middle != fine))
+
+
+def test_a_tolerance_sets_the_steps(handout):
+    """Of second order: a hundredth of the error, a tenth of the step."""
+    cells = to_cells(handout, 0, 900.0, [[1500.0]], 25.0, 300.0)
+    default, strict = (
+        [level.steps.of(cells, SNAP.pulses, SNAP.question).item() for level in auto.levels]
+        for auto in (build_adaptive(handout), build_adaptive(handout, TOLERANCE / 100))
+    )
+    assert strict == pytest.approx([step / 10 for step in default])
 
 
 def test_auto_by_name_records_how_it_decided(handout):
     N = np.linspace(900, 1100, 41)
     cell = {"N": N, "f0": [1500.0], "C": [0.025], "horizon": 300.0}
     cube = snapmap.sweep(handout, **cell, model="auto", tolerance=1e-3)
-    assert cube.level.flag_meanings == "base top"
+    assert cube.level.flag_meanings == "base middle top"
     first = int(np.argmax(np.isfinite(cube.t_snap.values.ravel())))
     assert cube.level.values.ravel()[first - 1 : first + 1].tolist() == [1, 1]
     assert (cube.level == 0).sum() > 30 and cube.agreed.all()
@@ -68,7 +84,7 @@ def test_auto_by_name_records_how_it_decided(handout):
     np.testing.assert_array_equal(shuffled.t_snap.values[..., ::-1], cube.t_snap.values)
 
 
-def test_a_single_cell_goes_to_the_top(handout):
+def test_a_single_cell_is_decided_by_two_levels(handout):
     cube = snapmap.sweep(handout, N=[1000.0], f0=[1500.0], C=[0.025], model="auto")
     assert cube.level.values.ravel().tolist() == [1]
 

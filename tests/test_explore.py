@@ -19,10 +19,11 @@ from snapmap.figures.states import SNAPS, STATES, end_states, is_doubtful
 from snapmap.io.netcdf import read_earlier, write
 from snapmap.motion import envelopes
 from snapmap.solver.adaptive import Adaptive
+from snapmap.solver.cells import to_cells
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import ABSENT, OUTCOMES
 from snapmap.solver.schemes import EXPLICIT, SCHEMES
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import MOVE, Settings
 from snapmap.solver.simd_kernel import SAMPLE
 
 MODEL = {"name": "cosines", "modes": 3}
@@ -58,10 +59,15 @@ def write_text(path, cube, traces):
     path.write_text(page(cube, traces, edges_of(cube), SETTINGS.horizon), encoding="utf-8")
 
 
+def steps_of(model, N, f0, C):
+    """The steps in which motions are followed, us; the axes broadcast."""
+    return model.steps.of(to_cells(model.device, 0, N, f0, C, 0.0), SETTINGS.pulses, MOVE)
+
+
 def history_of(device, cell):
     """The cell's history at the steps that a trace looks at, and the time between two looks."""
     run = snapmap.simulate(device, **cell, model="cosines", modes=3, horizon=SETTINGS.horizon)
-    dt = build_model(device, "cosines", modes=3).dt
+    dt = steps_of(build_model(device, "cosines", modes=3), **cell).item()
     assert float(run.time[1] - run.time[0]) == pytest.approx(dt), "the history leaves out steps"
     return run.isel(time=slice(None, None, SAMPLE)), SAMPLE * dt
 
@@ -96,7 +102,8 @@ def test_traces_are_the_sweeps_runs(handout, scheme):
     )
     cube = swept(handout, N=N, f0=f0, scheme=scheme)
     traced = envelopes.trace(handout, cube, model, SETTINGS)
-    looks = traced.bin_length / (SAMPLE * build_model(handout, **model).dt)
+    dt = steps_of(build_model(handout, **model), N, f0[:, np.newaxis], 1.0)
+    looks = traced.bin_length / (SAMPLE * dt)
     halved = abs(looks - looks.round()) > 0.1
     assert halved.any() == (scheme == EXPLICIT), "what is tested is not there"
 
@@ -123,7 +130,8 @@ def test_traces_end_where_the_sweep_did(handout):
     traced = envelopes.trace(handout, cube, MODEL, SETTINGS._replace(until="snap"))
     shown = (traced.bin_length * traced.sizes["bin"]).where(cube.t_snap.notnull())
     assert shown.notnull().any() and (shown >= cube.t_snap).where(shown.notnull(), True).all()
-    look = SAMPLE * build_model(handout, **MODEL).dt * traced.sizes["bin"]
+    dt = build_model(handout, **MODEL).steps.longest[MOVE].item()
+    look = SAMPLE * dt * traced.sizes["bin"]
     assert (shown - cube.t_snap).max() <= look
 
 
@@ -157,10 +165,10 @@ def test_a_failed_cell_is_kept_as_far_as_numbers_go(handout, scheme):
 def test_an_adaptive_cell_is_traced_by_the_level_that_decided(handout, cube, monkeypatch):
     models = [{**MODEL, "step": step} for step in (0.5, 0.3)]
 
-    def choose_model(device, model, threads):
+    def choose_model(device, model):
         base, top = (build_model(device, **one) for one in models)
         is_auto = model["name"] == "auto"
-        return Adaptive(base, top, top, np.zeros(3)) if is_auto else build_model(device, **model)
+        return Adaptive((base, top, top)) if is_auto else build_model(device, **model)
 
     monkeypatch.setattr(envelopes, "choose_model", choose_model)
     level = (cube.N > 900).astype(np.int8).broadcast_like(cube.outcome)

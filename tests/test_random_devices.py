@@ -8,7 +8,6 @@ import pytest
 
 import snapmap
 from snapmap.beam.equilibria import static_threshold
-from snapmap.solver.adaptive import build_adaptive
 from snapmap.solver.bracket import lowest_snap
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
@@ -101,17 +100,6 @@ def test_a_slow_pulse_costs_no_wide_scan(handout):
     found = snapmap.threshold(handout, f0, [0.025], model="cosines", threads=2).squeeze("C")
     assert found.N_first[0].item() == pytest.approx(found.N_first[1].item(), rel=1e-3)
     assert (found.N_first > found.N_static).all() and (found.N_always == found.N_first).all()
-
-
-def test_the_ladder_gives_what_it_can(handout, monkeypatch):
-    """A tolerance that no rung keeps: the finest two, and errors that say so."""
-    monkeypatch.setattr("snapmap.solver.adaptive.RUNGS", (3, 5, 7, 10))
-    found = build_adaptive(handout, 1e-9)
-    assert found.top.modes == 10 and found.check.modes == 7
-    assert found.errors[2] > 1e-9
-    told = "1e-09 is not kept on 1 of 1 devices; 10 cosines are off by up to"
-    with pytest.warns(UserWarning, match=told):
-        snapmap.sweep(handout, [900.0], [1500.0], [25.0], model="auto", tolerance=1e-9)
 
 
 def test_ragged_rows_have_a_band_and_finite_bars(handout):

@@ -16,9 +16,9 @@ from snapmap.solver.repeat import REPEATED_STEP, work_error
 from snapmap.solver.settings import MOVE, Settings
 from snapmap.solver.simd_kernel import SAMPLE
 from snapmap.solver.simd_loop import trace
-from snapmap.solver.steps import fixed
 
 from .markdown import number, table
+from .stepped import stepped
 
 ROOT = Path(__file__).resolve().parents[3]
 N, F0, C = np.linspace(1100, 3000, 4), np.geomspace(1e3, 8e3, 4), 25.0
@@ -73,11 +73,6 @@ def main():
     print(table([*HEAD, *TOLD], models))
     print(table(HEAD, steps))
     print(table(HEAD_PLANE, plane))
-
-
-def stepped(model, dt):
-    """The model with one step, us, for all that is asked."""
-    return replace(model, steps=fixed(np.array([dt])))
 
 
 def step_of(model):

@@ -15,11 +15,13 @@ from ..pulse import Pulse
 from .cells import Cells, Observations, no_observations
 from .record import Form, Motion
 from .schemes import CONSERVING
-from .settings import Settings
+from .settings import MOVE, Settings
 from .steps import Steps
 
 HALVINGS = 4
 """How often a cell whose energy ledger does not close is followed again with half the step."""
+SMALLEST = 2.0**-8
+"""Over the longest step that motions take: a pulse that needs a shorter one is not followed."""
 
 
 class Follows(Protocol):
@@ -131,13 +133,14 @@ class Model:
         The conserving scheme's steps depend on the question. To learn where a cell stays, it is
         first followed to the end of its pulse as if to learn whether it snaps; what then is proven
         never to snap is done. A cell whose ledger does not close is followed again with half the
-        step, up to HALVINGS times.
+        step, up to HALVINGS times; one whose pulse is too short to be followed has failed.
         """
         flat = Cells(*(np.ravel(column) for column in cells))
-        seen, left = no_observations(flat.f0.shape), np.arange(flat.f0.size)
+        seen, left = no_observations(flat.f0.shape), self._followed(flat, settings)
         if settings.until == "settled" and self.scheme == CONSERVING:
-            seen = self.follow_once(flat, settings._replace(until="pulse"))
-            left = np.flatnonzero(np.isnan(seen.t_settled))
+            first = self.follow_once(flat.some(left), settings._replace(until="pulse"))
+            seen.replace(left, first)
+            left = left[np.isnan(first.t_settled)]
         for halvings in range(HALVINGS + 1):
             if not left.size:
                 break
@@ -146,6 +149,12 @@ class Model:
             seen.halvings[left] = halvings
             left = left[~(seen.energy_error[left] <= settings.energy_tolerance)]
         return seen.shaped(np.shape(cells.f0))
+
+    def _followed(self, cells, settings):
+        """Indices of the cells whose pulse needs no step below SMALLEST."""
+        longest = self.steps.longest[MOVE][cells.device]
+        dt = self.steps.of(cells, settings.pulses, settings.question)
+        return np.flatnonzero(dt >= self.steps.factor * SMALLEST * longest)
 
     def follow_once(self, cells: Cells, settings: Settings) -> Observations:
         """Follow every cell, (cells,), in steps of the rule, whatever its ledger then says."""
