@@ -25,33 +25,39 @@ TOLERANCE = 1e-3
 class Adaptive:
     """Three models of one device or a batch, ever finer.
 
-    The first labels every cell. Those near a change of label are decided by the second, and where
-    these two disagree, by the third.
+    base labels every cell; those that are not safe are decided by top, and check says whether a
+    second level agrees with it
     """
 
-    levels: tuple[Follows, Follows, Follows]
+    base: Follows
+    check: Follows
+    top: Follows
 
     @property
     def device(self) -> Device:
         """That of all three."""
-        return self.levels[0].device
+        return self.base.device
+
+    @property
+    def levels(self) -> tuple[Follows, Follows]:
+        """Those that decide cells."""
+        return self.base, self.top
 
     def with_step(self, factor: float) -> "Adaptive":
         """The same levels with every step multiplied by `factor`."""
-        return Adaptive(tuple(level.with_step(factor) for level in self.levels))
+        return Adaptive(*(one.with_step(factor) for one in (self.base, self.check, self.top)))
 
     def pick(self, which: int | np.ndarray) -> "Adaptive":
         """The same levels of one device of the batch, or of some."""
-        return Adaptive(tuple(level.pick(which) for level in self.levels))
+        return Adaptive(*(one.pick(which) for one in (self.base, self.check, self.top)))
 
     def follow(self, cells: Cells, settings: Settings) -> Observations:
         """Follow rows of cells along ascending N, (rows, n), each cell by the level that suffices.
 
-        A cell is safe where the first level sees no change of label within REACH along N and its
-        ledger closes.
+        A cell is safe where base sees no change of label within REACH along N and its ledger
+        closes.
         """
-        coarse, middle, fine = self.levels
-        seen = coarse.follow(cells, settings)
+        seen = self.base.follow(cells, settings)
         level, agreed = np.zeros(cells.f0.shape, np.int8), np.ones(cells.f0.shape, np.int8)
         unsafe = ~(seen.energy_error <= settings.energy_tolerance)
         unsafe[:, [0, -1]] = True  # what lies beyond the ends is unknown
@@ -60,15 +66,12 @@ class Adaptive:
             new = unsafe & (level == 0)
             if not new.any():
                 return seen._replace(level=level, agreed=agreed)
-            before = np.isfinite(seen.t_snap)
-            seen.replace(new, middle.follow(cells.some(new), settings))
+            asked = settings._replace(until="snap")
+            check = self.check.follow(cells.some(new), asked)
+            top = self.top.follow(cells.some(new), settings)
             level[new] = 1
-            disputed = new & (np.isfinite(seen.t_snap) != before)
-            if disputed.any():
-                before = np.isfinite(seen.t_snap[disputed])
-                seen.replace(disputed, fine.follow(cells.some(disputed), settings))
-                level[disputed] = 2
-                agreed[disputed] = np.isfinite(seen.t_snap[disputed]) == before
+            agreed[new] = np.isfinite(check.t_snap) == np.isfinite(top.t_snap)
+            seen.replace(new, top)
 
 
 class Survey(NamedTuple):
@@ -106,9 +109,9 @@ def choose_survey(device: Device, model: Mapping) -> Survey:
     """Build what finds the thresholds of a model, given by its name and options, for a batch."""
     static, chosen = static_threshold(device), choose_model(device, model)
     if model["name"] != "auto":
-        coarse, middle, fine = build_adaptive(device).levels
-        return Survey(coarse, chosen, middle, fine, static)
-    coarse, middle, fine = chosen.levels
+        levels = build_adaptive(device)
+        return Survey(levels.base, chosen, levels.check, levels.top, static)
+    coarse, middle, fine = chosen.base, chosen.check, chosen.top
     finer = Survey(middle, fine.with_step(0.5), middle, None, static, other_step=2.0)
     accepted = model.get("tolerance", TOLERANCE)
     return Survey(coarse, middle, coarse, None, static, judge=fine, tolerance=accepted, finer=finer)
@@ -118,7 +121,7 @@ def build_adaptive(device: Device, tolerance: float = TOLERANCE) -> Adaptive:
     """Build the levels, with steps for a tolerance of the threshold, relative."""
     levels = (build_model(device, "cosines", modes=modes) for modes in RUNGS)
     # The scheme is of second order.
-    return Adaptive(tuple(levels)).with_step(np.sqrt(tolerance / TOLERANCE))
+    return Adaptive(*levels).with_step(np.sqrt(tolerance / TOLERANCE))
 
 
 def _near_change(snapped):

@@ -59,8 +59,8 @@ VARIABLES = {
     },
     "level": {
         "long_name": "level of the model that decided the cell",
-        "flag_values": np.arange(3, dtype=np.int8),
-        "flag_meanings": "base middle top",
+        "flag_values": np.arange(2, dtype=np.int8),
+        "flag_meanings": "base top",
     },
     "agreed": {
         "long_name": "whether no two levels that decided the cell disagree on whether it snaps",

@@ -161,11 +161,13 @@ def choose_builder(
         return nominal_thresholds(level, rows, static, settings, accepted / 10)
 
     # ASSUME: what suffices for the nominal device suffices for those that scatter about it.
-    rung, found = 0, find(auto.levels[0])
-    for rung, level in enumerate(auto.levels[1:]):
-        finer, halved = find(level), find(level.with_step(0.5))
-        clean = abs(halved / finer - 1) < accepted
-        if (abs(found / finer - 1)[clean] < accepted).all():
+    found = find(auto.base)
+    for name, finer in (("base", auto.check), ("check", auto.top)):
+        better, halved = find(finer), find(finer.with_step(0.5))
+        clean = abs(halved / better - 1) < accepted
+        if (abs(found / better - 1)[clean] < accepted).all():
             break
-        rung, found = rung + 1, finer
-    return lambda devices: choose_model(devices, model).levels[rung]
+        found = better
+    else:
+        name = "top"
+    return lambda devices: getattr(choose_model(devices, model), name)
