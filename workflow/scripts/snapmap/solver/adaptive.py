@@ -75,9 +75,11 @@ class Survey(NamedTuple):
     """Models by which thresholds are found: scans is cheap, and doubts has another opinion.
 
     better: than the one that decides; None where that is the best
+    other_step: of the one that decides, times its own, by which the error of time is seen
     static: threshold of slow pulses, about which to look, in multiples of g; (devices,)
-    finer: takes the rows that this one leaves open by more than tolerance, relative; None for no
-        further look
+    judge: has its say where rows are ragged, in wider steps; None if the others suffice
+    finer: takes the clean rows that this one leaves open by more than tolerance, relative; None for
+        no further look
     """
 
     scans: Follows
@@ -85,6 +87,8 @@ class Survey(NamedTuple):
     doubts: Follows
     better: Follows | None
     static: np.ndarray
+    other_step: float = 0.5
+    judge: Follows | None = None
     tolerance: float = np.inf
     finer: Optional["Survey"] = None
 
@@ -105,9 +109,9 @@ def choose_survey(device: Device, model: Mapping) -> Survey:
         coarse, middle, fine = build_adaptive(device).levels
         return Survey(coarse, chosen, middle, fine, static)
     coarse, middle, fine = chosen.levels
-    half_middle, half_fine = (level.with_step(0.5) for level in (middle, fine))
-    finer = Survey(half_middle, half_fine, half_middle, None, static)
-    return Survey(coarse, middle, coarse, None, static, model.get("tolerance", TOLERANCE), finer)
+    finer = Survey(middle, fine.with_step(0.5), middle, None, static, other_step=2.0)
+    accepted = model.get("tolerance", TOLERANCE)
+    return Survey(coarse, middle, coarse, None, static, judge=fine, tolerance=accepted, finer=finer)
 
 
 def build_adaptive(device: Device, tolerance: float = TOLERANCE) -> Adaptive:

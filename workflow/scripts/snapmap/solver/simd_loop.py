@@ -44,7 +44,7 @@ def march(model, cells, dt, settings):
     ends = settings.until in ("snap", "pulse"), settings.until == "pulse"
     asked = ends, settings.energy_tolerance
     X, shape = work_array(modes), (0,) * modes
-    follow_all(X, shape, _conserving(model), rows, pulses, (*cells, dt), *asked, facts)
+    follow_all(X, shape, *_schemes(model), rows, pulses, (*cells, dt), *asked, facts)
     return facts
 
 
@@ -59,7 +59,7 @@ def trace(model, device, dt, pulses, cells, bins):
     w_range, instants = np.empty((2, bins, n_cells)), np.empty((3, bins, n_cells))
     X, shape, rows = work_array(model.modes), (0,) * model.modes, coefficients(model, -np.inf)
     asked = table(pulses), cells
-    trace_all(X, shape, _conserving(model), rows[device], dt, *asked, w_range, instants)
+    trace_all(X, shape, *_schemes(model), rows[device], dt, *asked, w_range, instants)
     return w_range, instants
 
 
@@ -99,7 +99,7 @@ def _pairs(model, load, shock, dt, steps, stride):
     X, shape = work_array(modes), (0,) * modes
     state = slice(STATE * LANES, (VECTORS + SCRATCH * modes) * LANES, LANES)
     go = advance if model.scheme == EXPLICIT else advance_conserving
-    fill(X, shape, _conserving(model), 0, coefficients(model, -np.inf)[0], *load, dt)
+    fill(X, shape, model.scheme == CONSERVING, 0, coefficients(model, -np.inf)[0], *load, dt)
     before, after, shocks = [], [], np.zeros(BLOCK * LANES)
     pulses, pushes = table([pulse]), no_pushes()
     push(X, 0, pushes, pulses, 0, f0 * dt)
@@ -134,8 +134,9 @@ def coefficients(model, target):
     return np.concatenate([*columns, np.reshape(modal.geometric, (n, k * k))], axis=1)
 
 
-def _conserving(model):
-    return True if model.scheme == CONSERVING else None
+def _schemes(model):
+    """As kernels take it, `explicit` and `conserving`: None but for the one taken."""
+    return (None, True) if model.scheme == CONSERVING else (True, None)
 
 
 def snap_target(model):

@@ -17,9 +17,9 @@ FEWEST = 16
 # ASSUME: the steps of the conserving scheme are chosen by measurement, see docs/accuracy.md.
 PER_SWING = 500
 """Steps in each swing of a pulse that is slow for the device."""
-SHORTEST = 0.1
+SHORTEST = 0.25
 """Over the arch's frequency: no pulse asks for shorter steps, unless for FEWEST."""
-LONGEST = {SNAP: 3.0, STAY: 0.15, MOVE: 0.08}
+LONGEST = {SNAP: 5.0, STAY: 0.5, MOVE: 0.12}
 """Over the arch's frequency, by question."""
 
 

@@ -48,6 +48,8 @@ STATUS = "no_device", "found", "nothing_snaps", "not_followed"
 """Whether there is a threshold, and if not, why: nothing snaps up to the highest N looked at, or
 runs fail, as of a pulse too short for any step."""
 NO_DEVICE, FOUND, NOTHING_SNAPS, NOT_FOLLOWED = range(len(STATUS))
+JUDGED_STEP = 4.0
+"""Steps of the judge's scan of a ragged row, over those of the others."""
 FARTHEST = 0.25
 """Relative distance up to which another level's threshold is looked for; beyond, a row is ragged.
 """
@@ -101,8 +103,8 @@ def survey(
     highest: up to which N islands are looked for; ABOVE times the threshold if not given
     The cheap model scans; the one that decides looks again where labels change, and refines; the
     others, and half the step, tell what that is worth. Where the cheap one fails, or sees another
-    threshold than the one that decides, that one scans too. Rows that are left open by more than
-    the models' tolerance are taken by finer ones.
+    threshold than the one that decides, that one scans too. Clean rows that are left open by more
+    than the models' tolerance are taken by finer ones.
     """
     bound = least_amplitudes(models.decides, rows, settings.pulses)
     found = _survey(models, rows, settings, tolerance, highest, bound)
@@ -111,7 +113,7 @@ def survey(
         finer = models._replace(scans=models.decides), rows.some(lost)
         again = _survey(*finer, settings, tolerance, highest, bound[lost], SLACK * bound[lost])
         found = _taken(found, lost, again)
-    unsure = (found.ragged == 1) | (found.N_error > models.tolerance * found.N_first)
+    unsure = (found.ragged == 0) & (found.N_error > models.tolerance * found.N_first)
     if models.finer is not None and unsure.any():
         again = survey(models.finer, rows.some(unsure), settings, tolerance, highest)
         found = _taken(found, np.flatnonzero(unsure), again._replace(level=again.level + 1))
@@ -130,7 +132,7 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
     def ask(model, some=slice(None), horizon=settings.horizon):
         return asker(model, rows.some(some), settings._replace(horizon=horizon))
 
-    scans, decides, doubts, better, static, *_ = models
+    scans, decides, doubts, better, static, other_step, judge, *_ = models
     slow = _is_slow(scans.device, rows, settings.pulses)
     wide = wide_scan(scans.device, static, rows, settings.pulses, slow)
     rough, quiet = first_seen(ask(scans), wide, bound)
@@ -142,7 +144,7 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
     N_half = np.where(np.isnan(N_always), np.nan, balance(edges, N_first.size))
     if highest is not None:
         N_always = np.where(N_always <= highest, N_always, np.nan)
-    others = [ask(m) for m in (decides.with_step(0.5), doubts, better) if m is not None]
+    others = [ask(m) for m in (decides.with_step(other_step), doubts, better) if m is not None]
     clean = np.where(ragged, np.nan, N_first)
     in_time, *in_space = (_distance(other, clean, tolerance) for other in others)
     # The better level may itself be off by as much.
@@ -151,6 +153,9 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
     ragged |= apart
     window = chosen(apart, whole, window)
     found = [_elsewhere(other, window, ragged) for other in others]
+    if judge is not None:
+        wider = window._replace(step=JUDGED_STEP * window.step)
+        found.append(_elsewhere(ask(judge), wider, ragged))
     first_error = np.fmax(_spread(edges, N_first), _farthest(N_first, [one[0] for one in found]))
     half_error = _farthest(N_half, [one[1] for one in found])
     N_error, half_error = (np.where(ragged, far, near) for far in (first_error, half_error))
