@@ -45,8 +45,12 @@ def test_safe_cells_agree_with_the_finest_level(handout, which, C):
     finest = adaptive.levels[-1].follow(cells, SNAP)
     wrong = np.isfinite(seen.t_snap) != np.isfinite(finest.t_snap)
     assert 0.1 < np.isfinite(finest.t_snap).mean() < 0.9
-    assert wrong[seen.agreed == 1].mean() <= 1e-3
+    assert wrong[seen.level == 0].mean() <= 1e-3
     assert not wrong[seen.level == 2].any()
+    # About a change two levels may agree and a third not, as often as steps move the third's label.
+    again = adaptive.levels[-1].with_step(0.5).follow(cells, SNAP)
+    moved = np.isfinite(again.t_snap) != np.isfinite(finest.t_snap)
+    assert wrong.sum() <= max(2 * moved.sum(), 1e-3 * wrong.size)
     assert (seen.level > 0).mean() < 0.35 and (seen.level == 2).mean() < 0.1
 
 

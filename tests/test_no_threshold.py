@@ -136,9 +136,10 @@ def test_a_gap_that_the_mass_does_not_cross_leaves_the_beam_alone(handout):
     assert static_threshold(replace(handout, gap=0.5 * reach)) < alone
 
 
-def test_a_light_mass_on_its_spring_bounds_the_step(handout):
+def test_a_light_mass_on_its_spring_does_not_bound_the_step(handout):
+    """It swings hundreds of times in a step, and the ledger closes all the same."""
     light = replace(handout, mass=1e-5)
     model = build_model(light, "cosines", modes=3)
-    assert model.steps.longest[SNAP] <= np.sqrt(light.mass / light.spring)
+    assert model.steps.longest[SNAP] > 100 * np.sqrt(light.mass / light.spring)
     cells = to_cells(light, 0, [1e5], 1e5, 0.025, 20.0)
     assert model.follow(cells, Settings(20.0)).energy_error < 1e-6

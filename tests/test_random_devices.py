@@ -18,6 +18,7 @@ from studies import coverage
 from studies.coverage import ask, judge, ratios
 from studies.random_devices import draw_device, draw_shocks
 
+SNAP_ONLY = Settings(300.0, until="snap")
 LIGHT, STIFF = {"mass": 0.6}, {"spring": 1e5}
 
 
@@ -76,8 +77,9 @@ def test_a_pulse_shorter_than_a_step_still_pushes(handout):
     model = build_model(handout, "cosines", modes=3)
     f0 = np.array([1e4, 3e5, 2e6, 1e12])
     cells = to_cells(handout, 0, 0.3 * f0, f0, 0.0, 300.0)
-    seen = model.follow(cells, Settings(300.0, until="snap"))
-    assert seen.halvings[0] == 0 < seen.halvings[1] < seen.halvings[2]
+    seen = model.follow(cells, SNAP_ONLY)
+    dt = model.steps.of(cells, SNAP_ONLY.pulses, SNAP_ONLY.question)
+    np.testing.assert_allclose(dt[2:], 1 / (16 * cells.f0[2:]))
     assert np.isfinite(seen.t_snap[1:3]).all() and np.isnan(seen.t_snap[3])
     outcome = label(*seen[:4], Settings().energy_tolerance)
     assert outcome[3] == FAILED and (outcome[:3] != FAILED).all()
@@ -86,9 +88,9 @@ def test_a_pulse_shorter_than_a_step_still_pushes(handout):
 def test_a_long_search_is_told_before_it_begins(handout, monkeypatch):
     """And one without end is refused; what is quick goes without a word."""
     monkeypatch.setattr("snapmap.thresholds.surface._look", lambda *_: pytest.fail("it began"))
-    told = pytest.warns(UserWarning, match=r"about [\d.]+ min; f0 = 0.05 Hz takes longest")
+    told = pytest.warns(UserWarning, match=r"about [\d.]+ min; f0 = 0.005 Hz takes longest")
     with told, pytest.raises(pytest.fail.Exception):
-        snapmap.threshold(handout, [0.05, 1500.0], [25.0], model="cosines")
+        snapmap.threshold(handout, [0.005, 1500.0], [25.0], model="cosines")
     with pytest.raises(ValueError, match="f0 = 1e-09 Hz takes longest; write a higher f0"):
         snapmap.threshold(handout, [1e-9], [25.0], model="cosines")
 

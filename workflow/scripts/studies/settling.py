@@ -35,15 +35,7 @@ def main():
             dt = model.steps.longest[STAY].item()
             # Explicit proofs, too, which no sweep believes here.
             shares = (f"{share:.1%}" for share in settled(replace(model, proves=True)))
-            rows.append(
-                [
-                    str(modes),
-                    f"{damping:g}",
-                    scheme,
-                    number(model.steps.longest[STAY].item()),
-                    *shares,
-                ]
-            )
+            rows.append([str(modes), f"{damping:g}", scheme, number(dt), *shares])
     print(table(HEAD, rows))
 
 

@@ -9,7 +9,11 @@ UNTIL = ("settled", "snap")
 SNAP, STAY, MOVE = QUESTIONS = ("snap", "stay", "move")
 """Does it snap, where does it stay, how does it move: each has its own time step."""
 QUESTION = {"settled": STAY, "snap": SNAP, "pulse": SNAP, "moved": MOVE}
-"""What is asked by how long a cell is followed."""
+"""What is asked by how long a cell is followed.
+
+Beside UNTIL, within the solver: "pulse" ends a run with its pulse or its snap, and "moved" is
+"settled" in the steps that the motion needs.
+"""
 THRESHOLD_TOLERANCE = 1e-4
 """How closely thresholds in N are refined, relative, unless told."""
 
@@ -18,9 +22,7 @@ class Settings(NamedTuple):
     """What is asked of each cell, and how many threads work at it.
 
     horizon: time followed after the pulse's end, us
-    until: "settled" follows a cell until its well is proven, "snap" ends it at its snap too; within
-        the solver "pulse" ends it with its pulse as well, and "moved" is "settled" in the steps
-        that the motion needs
+    until: "settled" follows a cell until its well is proven, "snap" ends it at its snap too
     repeat: whether each cell is run again with another step, to see if its outcome is reproduced
     energy_tolerance: a run is believed if its energy ledger closes within this share of the
         pulse's gross work
