@@ -37,40 +37,30 @@ def own_map(device, C):
 
 @pytest.mark.parametrize("which", range(3))
 @pytest.mark.parametrize("C", [0.025, 25.0])
-def test_safe_cells_agree_with_the_finest_level(handout, which, C):
+def test_safe_cells_agree_with_the_top_level(handout, which, C):
     device = other_devices(handout)[which]
     adaptive = build_adaptive(device)
     cells = own_map(device, C)
     seen = adaptive.follow(cells, SNAP)
-    finest = adaptive.levels[-1].follow(cells, SNAP)
-    wrong = np.isfinite(seen.t_snap) != np.isfinite(finest.t_snap)
-    assert 0.1 < np.isfinite(finest.t_snap).mean() < 0.9
-    assert wrong[seen.level == 0].mean() <= 1e-3
-    assert not wrong[seen.level == 2].any()
-    # About a change two levels may agree and a third not, as often as steps move the third's label.
-    again = adaptive.levels[-1].with_step(0.5).follow(cells, SNAP)
-    moved = np.isfinite(again.t_snap) != np.isfinite(finest.t_snap)
-    assert wrong.sum() <= max(2 * moved.sum(), 1e-3 * wrong.size)
-    assert (seen.level > 0).mean() < 0.35 and (seen.level == 2).mean() < 0.1
-
-
-def test_each_level_labels_what_it_decides(handout):
-    """And the finest is asked where two disagree, and nowhere else."""
-    adaptive, cells = build_adaptive(handout), own_map(handout, 0.025)
-    seen = adaptive.follow(cells, SNAP)
-    snaps = np.array([np.isfinite(one.follow(cells, SNAP).t_snap) for one in adaptive.levels])
-    own = np.take_along_axis(snaps, seen.level[np.newaxis].astype(int), axis=0)[0]
-    np.testing.assert_array_equal(np.isfinite(seen.t_snap), own)
-    coarse, middle, fine = snaps
-    np.testing.assert_array_equal(seen.level == 2, (seen.level > 0) & (coarse != middle))
-    np.testing.assert_array_equal(seen.agreed == 0, (seen.level == 2) & (middle != fine))
+    check, top = (
+        np.isfinite(one.follow(cells, SNAP).t_snap) for one in (adaptive.check, adaptive.top)
+    )
+    wrong = np.isfinite(seen.t_snap) != top
+    assert 0.1 < top.mean() < 0.9
+    assert wrong[seen.agreed == 1].mean() <= 1e-3
+    assert not wrong[seen.level == 1].any()
+    assert (seen.level == 1).mean() < 0.35
+    np.testing.assert_array_equal(seen.agreed == 0, (seen.level == 1) & (check != top))
 
 
 def test_a_tolerance_sets_the_steps(handout):
     """Of second order: a hundredth of the error, a tenth of the step."""
     cells = to_cells(handout, 0, 900.0, [[1500.0]], 25.0, 300.0)
     default, strict = (
-        [level.steps.of(cells, SNAP.pulses, SNAP.question).item() for level in auto.levels]
+        [
+            level.steps.of(cells, SNAP.pulses, SNAP.question).item()
+            for level in (auto.base, auto.check, auto.top)
+        ]
         for auto in (build_adaptive(handout), build_adaptive(handout, TOLERANCE / 100))
     )
     assert strict == pytest.approx([step / 10 for step in default])
@@ -80,7 +70,7 @@ def test_auto_by_name_records_how_it_decided(handout):
     N = np.linspace(900, 1100, 41)
     cell = {"N": N, "f0": [1500.0], "C": [0.025], "horizon": 300.0}
     cube = snapmap.sweep(handout, **cell, model="auto", tolerance=1e-3)
-    assert cube.level.flag_meanings == "base middle top"
+    assert cube.level.flag_meanings == "base top"
     first = int(np.argmax(np.isfinite(cube.t_snap.values.ravel())))
     assert cube.level.values.ravel()[first - 1 : first + 1].tolist() == [1, 1]
     assert (cube.level == 0).sum() > 30 and cube.agreed.all()
@@ -88,7 +78,7 @@ def test_auto_by_name_records_how_it_decided(handout):
     np.testing.assert_array_equal(shuffled.t_snap.values[..., ::-1], cube.t_snap.values)
 
 
-def test_a_single_cell_is_decided_by_two_levels(handout):
+def test_a_single_cell_goes_to_the_top(handout):
     cube = snapmap.sweep(handout, N=[1000.0], f0=[1500.0], C=[0.025], model="auto")
     assert cube.level.values.ravel().tolist() == [1]
 

@@ -162,12 +162,12 @@ def choose_builder(
 
     # ASSUME: what suffices for the nominal device suffices for those that scatter about it.
     found = find(auto.base)
-    for name, finer in (("base", auto.check), ("check", auto.top)):
+    for level, finer in (("base", auto.check), ("check", auto.top)):
         better, halved = find(finer), find(finer.with_step(0.5))
         clean = abs(halved / better - 1) < accepted
         if (abs(found / better - 1)[clean] < accepted).all():
             break
         found = better
     else:
-        name = "top"
-    return lambda devices: getattr(choose_model(devices, model), name)
+        level = "top"
+    return lambda devices: getattr(choose_model(devices, model), level)
