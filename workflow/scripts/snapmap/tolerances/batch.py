@@ -161,13 +161,12 @@ def choose_builder(
         return nominal_thresholds(level, rows, static, settings, accepted / 10)
 
     # ASSUME: what suffices for the nominal device suffices for those that scatter about it.
-    found = find(auto.base)
-    for level, finer in (("base", auto.check), ("check", auto.top)):
-        better, halved = find(finer), find(finer.with_step(0.5))
-        clean = abs(halved / better - 1) < accepted
-        if (abs(found / better - 1)[clean] < accepted).all():
+    name, found = "base", find(auto.base)
+    for better in ("check", "top"):
+        finer = getattr(auto, better)
+        nearer, halved = find(finer), find(finer.with_step(0.5))
+        clean = abs(halved / nearer - 1) < accepted
+        if (abs(found / nearer - 1)[clean] < accepted).all():
             break
-        found = better
-    else:
-        level = "top"
-    return lambda devices: getattr(choose_model(devices, model), level)
+        name, found = better, nearer
+    return lambda devices: getattr(choose_model(devices, model), name)
