@@ -13,8 +13,8 @@ from .model import Follows
 from .models import build_model, check_options
 from .settings import Settings
 
-RUNGS = (4, 7, 12)
-"""Cosines of the levels; fewer than four save next to nothing."""
+RUNGS = (3, 5, 11)
+"""Cosines of the levels: odd ones, as even ones do not move the midpoint."""
 REACH = 2
 """Cells along N on either side of a change of label that count as near it."""
 TOLERANCE = 1e-3
