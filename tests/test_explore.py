@@ -73,8 +73,9 @@ def history_of(device, cell):
 
 
 @pytest.mark.parametrize(("N", "f0", "C"), [(800.0, 9000.0, 200.0), (2200.0, 1000.0, 0.025)])
-def test_traces_are_the_history(handout, traced, N, f0, C):
+def test_traces_are_the_history(handout, traced, monkeypatch, N, f0, C):
     """The band ends at the extremes of each bin."""
+    monkeypatch.setattr("snapmap.motion.history.SAMPLES", 10**6)
     run, look = history_of(handout, {"N": N, "f0": f0, "C": C})
     cell = traced.sel(N=N, f0=f0, C=C)
     per_bin = round(float(cell.bin_length) / look)
@@ -116,9 +117,12 @@ def test_traces_are_the_sweeps_runs(handout, scheme):
 
 
 def test_traces_show_the_proofs(cube, traced):
-    """What is proven by all its energy ends below the saddle, and all that is proven is shown."""
+    """What is proven by all its energy ends below the saddle, and all that is proven is shown.
+
+    Traces have steps of their own, in which a cell may end elsewhere if it does so in other steps.
+    """
     outcome = cube.outcome.copy(data=np.array(OUTCOMES)[cube.outcome.values])
-    proven = outcome.isin(["never", "returned"])
+    proven = outcome.isin(["never", "returned"]) & (cube.reproduced == 1)
     assert proven.any() and (traced.energy.isel(bin=-1) < 1).where(proven, True).all()
     shown = traced.bin_length * traced.sizes["bin"]
     assert (shown >= 1e6 / cube.f0).all() and (shown >= cube.t_settled.fillna(0)).all()
@@ -152,13 +156,13 @@ def test_a_large_grid_is_thinned_by_whole_strides(cube):
 
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_a_failed_cell_is_kept_as_far_as_numbers_go(handout, scheme):
-    """What blew up has no trace; the conserving scheme stays finite, and is wrong."""
-    failed = swept(handout, N=[800.0, 2200.0, 1e30], f0=[1000.0], C=[0.025], scheme=scheme)
+    """What blew up, or is beyond the largest numbers, has no trace."""
+    failed = swept(handout, N=[800.0, 2200.0, 1e200], f0=[1000.0], C=[0.025], scheme=scheme)
     assert failed.outcome.values.ravel()[-1] == OUTCOMES.index("failed")
     found = envelopes.trace(handout, failed, MODEL | {"scheme": scheme}, SETTINGS)
     last = found.isel(N=-1)
     assert not last.isel(bin=0).energy.isnull()
-    assert last.energy.isnull().any() == (scheme == EXPLICIT)
+    assert last.energy.isnull().any()
     assert float(abs(found.w_low).max()) <= 1.001 * envelopes.MOST
 
 

@@ -58,7 +58,7 @@ def ask_all(cases: Sequence[Case], probe: Probe) -> dict[str, Answer]:
 def _identity(case):
     """What tells cases apart; equal for those that differ in name and family alone."""
     model = case.model
-    numbers = model.steps.longest[SNAP], model.device.contact, model.modal.residual
+    numbers = model.steps.longest[SNAP].item(), model.device.contact, model.modal.residual
     return model.scheme, model.modes, *map(float, numbers), case.settings.horizon
 
 

@@ -88,9 +88,9 @@ def afford(
 
 def _cost(device, f0, settings, plan, maps):
     def seconds(model):
-        """Expected time to follow one cell for 1 us, of the pulse that asks for most steps."""
-        cells = to_cells(model.device, 0, 0.0, f0, 0.0, settings.horizon)
-        return (steps_and_seconds(model, cells, settings)[1] / cells.t_end).max()
+        """Expected time to follow one cell for 1 us, of the shortest pulse: it asks for most."""
+        cells = to_cells(model.device, [0], 0.0, f0.max(), 0.0, 0.0)
+        return (steps_and_seconds(model, cells, settings)[1] / cells.t_end).item()
 
     def fine(one, name, **options):
         return seconds(build_model(one, name, step=FINE_STEP, **options))
