@@ -622,10 +622,13 @@ def follow_all(X, shape, explicit, conserving, devices, pulses, cells, ends_at, 
         pushed = pushing
         before, last_before = last_before, before
         after, last_after = last_after, after
-        for first, n_steps in ((0, BLOCK - 1), (BLOCK - 1, 1)):
+        if explicit is not None:
+            advance(X, shape, shocks, 0, BLOCK - 1)
             copy(X, before, *state)
-            go(X, shape, explicit, conserving, shocks, first, n_steps)
-        copy(X, after, *state)
+            advance(X, shape, shocks, BLOCK - 1, 1)
+            copy(X, after, *state)
+        if conserving is not None:
+            advance_conserving(X, shape, shocks, 0, BLOCK)
         for l in range(LANES):
             cell = cell_in[l]
             if cell < 0:

@@ -15,12 +15,14 @@ from .settings import MOVE, QUESTIONS, SNAP, STAY
 FEWEST = 16
 """Steps in each swing of any pulse: its sum is then exact to 1e-4."""
 # ASSUME: the steps of the conserving scheme are chosen by measurement, see docs/accuracy.md.
-PER_SWING = 500
+PER_SWING = 700
 """Steps in each swing of a pulse that is slow for the device."""
-SHORTEST = 0.25
+SHORTEST = 0.15
 """Over the arch's frequency: no pulse asks for shorter steps, unless for FEWEST."""
 LONGEST = {SNAP: 5.0, STAY: 0.5, MOVE: 0.12}
 """Over the arch's frequency, by question."""
+CORNERED = 0.4
+"""Times the longest step for SNAP, of pulses with corners, which ring the beam."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,12 +32,14 @@ class Steps:
     longest: us, (devices,), by question
     shortest: us, (devices,): so long a step resolves the device, however short the pulse
     per_swing: steps in each swing of a pulse
+    cornered: times the longest for SNAP, of pulses with corners
     factor: by which all are multiplied
     """
 
     longest: Mapping[str, np.ndarray]
     shortest: np.ndarray
     per_swing: float
+    cornered: float = 1.0
     factor: float = 1.0
 
     def of(self, cells: Cells, pulses: Sequence[Pulse], question: str) -> np.ndarray:
@@ -43,7 +47,11 @@ class Steps:
         swings = np.array([max(1.0, pulse.variation / 2) for pulse in pulses])[cells.pulse]
         swing = 1 / (swings * cells.f0)
         resolved = np.maximum(swing / self.per_swing, self.shortest[cells.device])
-        step = np.minimum(self.longest[question][cells.device], resolved)
+        longest = self.longest[question][cells.device]
+        if question == SNAP:
+            smooth = np.array([pulse.is_smooth for pulse in pulses])[cells.pulse]
+            longest = np.where(smooth, longest, self.cornered * longest)
+        step = np.minimum(longest, resolved)
         fewest = min(self.factor, 1.0) * swing / FEWEST
         return np.minimum(self.factor * step, fewest)
 
@@ -74,7 +82,7 @@ def steps_of(
     if step is None and scheme != EXPLICIT:
         period = np.atleast_1d(1 / arch_frequency(modal))
         longest = {question: turn * period for question, turn in LONGEST.items()}
-        return Steps(longest, SHORTEST * period, PER_SWING)
+        return Steps(longest, SHORTEST * period, PER_SWING, CORNERED)
     if step is None:
         dt = default_step(device, modal, whole)
     else:
