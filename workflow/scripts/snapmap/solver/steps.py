@@ -21,6 +21,9 @@ SHORTEST = 0.15
 """Over the arch's frequency: no pulse asks for shorter steps, unless for FEWEST."""
 LONGEST = {SNAP: 5.0, STAY: 0.5, MOVE: 0.12}
 """Over the arch's frequency, by question."""
+MOST = 20_000
+"""Steps in each swing of a smooth pulse that are enough for SNAP, however slow it is: the beam
+follows it from rest to rest."""
 CORNERED = 0.4
 """Times the longest step for SNAP, of pulses with corners, which ring the beam."""
 
@@ -32,6 +35,7 @@ class Steps:
     longest: us, (devices,), by question
     shortest: us, (devices,): so long a step resolves the device, however short the pulse
     per_swing: steps in each swing of a pulse
+    most: steps in each swing of a smooth pulse that are enough for SNAP
     cornered: times the longest for SNAP, of pulses with corners
     factor: by which all are multiplied
     """
@@ -39,6 +43,7 @@ class Steps:
     longest: Mapping[str, np.ndarray]
     shortest: np.ndarray
     per_swing: float
+    most: float = np.inf
     cornered: float = 1.0
     factor: float = 1.0
 
@@ -50,7 +55,9 @@ class Steps:
         longest = self.longest[question][cells.device]
         if question == SNAP:
             smooth = np.array([pulse.is_smooth for pulse in pulses])[cells.pulse]
-            longest = np.where(smooth, longest, self.cornered * longest)
+            longest = np.where(
+                smooth, np.maximum(longest, swing / self.most), self.cornered * longest
+            )
         step = np.minimum(longest, resolved)
         fewest = min(self.factor, 1.0) * swing / FEWEST
         return np.minimum(self.factor * step, fewest)
@@ -82,7 +89,7 @@ def steps_of(
     if step is None and scheme != EXPLICIT:
         period = np.atleast_1d(1 / arch_frequency(modal))
         longest = {question: turn * period for question, turn in LONGEST.items()}
-        return Steps(longest, SHORTEST * period, PER_SWING, CORNERED)
+        return Steps(longest, SHORTEST * period, PER_SWING, MOST, CORNERED)
     if step is None:
         dt = default_step(device, modal, whole)
     else:
