@@ -583,7 +583,7 @@ STEMS = (
 def save_all(folder):
     """Save figures through the rules' own functions; the files' bytes."""
     made = {
-        "cube": TINY.expand_dims("C"),
+        "cube": TINY.isel(f0=slice(3)).assign_coords(f0=F0).expand_dims("C"),
         "threshold": make_found(),
         "history": make_history([10, 0, -8, -12]),
         "statics": make_statics(),
@@ -598,10 +598,10 @@ def save_all(folder):
     views = {stem: [plane | {"name": stem}] for stem in ("map", "time", "snap")}
     points = folder / "points.csv"
     points.write_text("N,f0\n1100,300\n")
-    ends = views["map"]
-    draw_maps.draw_maps(files["cube"], ends, ends, views["time"], (), points, folder)
+    ends, own = views["map"], (points, "")
+    draw_maps.draw_maps(files["cube"], ends, ends, views["time"], (), own, folder)
     draw_snap_maps.draw_snap_maps(
-        files["cube"], files["threshold"], views["snap"], ends, [], [], points, folder
+        files["cube"], files["threshold"], views["snap"], ends, [], [], own, folder
     )
     draw_thresholds.draw_thresholds(files["threshold"], [curve], boundary, folder)
     draw_histories.draw_histories([files["history"]], [folder / "history"])
