@@ -362,6 +362,16 @@ def test_thresholds_approach_both_limits():
     assert legend_words(ax)[0] == r"$C$ = 25, $\Delta v$ = 0.5 m/s"
 
 
+@pytest.mark.parametrize("draw", [thresholds.draw_thresholds, thresholds.draw_damage_boundary])
+def test_what_has_no_threshold_or_limit_says_so(draw):
+    found = make_found()
+    found["N_first"] = found.N_first.where(found.C == 25)
+    found["velocity_change"] = np.nan * found.velocity_change
+    ax = drawn(draw, found)
+    assert legend_words(ax)[:2] == ["$C$ = 25", "$C$ = 200, no threshold"]
+    assert "velocity change" not in ax.get_legend().get_title().get_text()
+
+
 def test_damage_boundary_is_over_the_velocity_change():
     ax = drawn(thresholds.draw_damage_boundary, make_found())
     # N g / (2 f0), with g = 10 m/s^2
