@@ -17,6 +17,7 @@ from snapmap.solver.settings import Settings
 from snapmap.solver.simd_kernel import SAMPLE
 from snapmap.solver.simd_loop import trace
 
+from .few import few
 from .markdown import number, table
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -54,9 +55,9 @@ class Moved(NamedTuple):
 def main():
     device = load_device(ROOT / "config" / "damped.yaml")
     models, steps, plane = [], [], []
-    for contact in CONTACTS:
+    for contact in few(CONTACTS):
         one = replace(device, contact=contact)
-        built = {name: build_model(one, **options) for name, options in MODELS.items()}
+        built = {name: build_model(one, **options) for name, options in few(MODELS, 3).items()}
         for name, model in built.items():
             plane += [[f"{contact:g}", name, *row] for row in tell(model)]
         finest = follow(replace(built[FINEST], dt=FINE))
@@ -66,7 +67,7 @@ def main():
             errors = told(model, cells_of(device))[0]
             models.append([f"{contact:g}", name, number(model.dt), *off, *spread(errors)])
         fine = follow(replace(built[STEPPED], dt=FINE))
-        for dt in STEPS:
+        for dt in few(STEPS):
             off = compare(follow(replace(built[STEPPED], dt=dt)), fine)
             steps.append([f"{contact:g}", STEPPED, number(dt), *off])
     print(table([*HEAD, *TOLD], models))
@@ -75,7 +76,7 @@ def main():
 
 
 def cells_of(device, N=N, f0=F0):
-    f0, amplitude = (values.ravel() for values in np.meshgrid(f0, N))
+    f0, amplitude = (values.ravel() for values in np.meshgrid(few(f0), N))
     return to_cells(device, 0, amplitude, f0, C, SETTINGS.horizon).some(np.arange(f0.size))
 
 
