@@ -227,3 +227,5 @@ def test_without_thresholds_labels_are_judged(handout):
     for one in (ax, number, step):
         points = np.concatenate([line.get_xydata() for line in one.lines])
         assert points.size and np.isfinite(points).all()
+        low, high = one.get_ylim()
+        assert not ((low < one.get_yticks()) & (one.get_yticks() < 0)).any() and low < 0 < high

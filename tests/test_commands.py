@@ -62,7 +62,7 @@ ELSEWHERE = {
     "ruff format": ITSELF,
 }
 """What runs each command that is no study, in small."""
-SHORT = ("scaling", "schemes", "sensitivity", "settling")
+SHORT = ("motion", "scaling", "schemes", "sensitivity", "settling")
 LONG = ("coverage", "many_devices", "proofs", "pulses", "start", "thresholds", "tilt")
 LONG += ("tolerances", "validation", "width")
 MARKED = [pytest.param(name, marks=pytest.mark.long) for name in LONG]

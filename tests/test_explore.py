@@ -15,6 +15,7 @@ from write_page import write_page
 import snapmap
 from snapmap.figures.explore import page
 from snapmap.figures.explore_cells import GREY, WORDS
+from snapmap.figures.explore_device import device_rows
 from snapmap.figures.states import SNAPS, STATES, end_states, is_doubtful
 from snapmap.io.netcdf import read_earlier, write
 from snapmap.motion import envelopes
@@ -52,7 +53,8 @@ def traced(handout, cube):
 def edges_of(cube):
     """Thresholds of a cube, read off its grid: what the page needs of threshold.nc."""
     first = cube.N.where(cube.t_snap.notnull()).min("N")
-    return xr.Dataset({"N_first": first, "N_error": 0 * first + 20, "N_always": first + 50})
+    variables = {"N_first": first, "N_error": 0 * first + 20, "N_always": first + 50}
+    return xr.Dataset(variables, attrs=cube.attrs)
 
 
 def write_text(path, cube, traces):
@@ -654,10 +656,12 @@ def test_a_thinned_page_says_so(cube, traced):
 def test_text_from_a_config_is_text(cube, traced):
     document = json.loads(cube.attrs["config"])
     document["model"]["name"] = "<b>bold</b>"
-    document["device"]["spring"] = "<b>bold</b>"
+    document["devices"] = {"<b>bold</b>": document.pop("device")}
     named = cube.assign_attrs(config=json.dumps(document))
     text = page(named, traced, edges_of(cube), SETTINGS.horizon)
-    assert "&lt;b&gt;bold" in text and "<b>bold</b>" not in text
+    assert text.count("&lt;b&gt;bold") == 3 and "<b>bold</b>" not in text
+    (row,) = device_rows({"device": {"spring": "<b>bold</b>"}})[""]
+    assert row[2] == "&lt;b&gt;bold&lt;/b&gt;"
 
 
 def view_of(browser, path, device, **asked):

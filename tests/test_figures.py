@@ -362,6 +362,16 @@ def test_thresholds_approach_both_limits():
     assert legend_words(ax)[0] == r"$C$ = 25, $\Delta v$ = 0.5 m/s"
 
 
+@pytest.mark.parametrize("draw", [thresholds.draw_thresholds, thresholds.draw_damage_boundary])
+def test_what_has_no_threshold_or_limit_says_so(draw):
+    found = make_found()
+    found["N_first"] = found.N_first.where(found.C == 25)
+    found["velocity_change"] = np.nan * found.velocity_change
+    ax = drawn(draw, found)
+    assert legend_words(ax)[:2] == ["$C$ = 25", "$C$ = 200, no threshold"]
+    assert "velocity change" not in ax.get_legend().get_title().get_text()
+
+
 def test_damage_boundary_is_over_the_velocity_change():
     ax = drawn(thresholds.draw_damage_boundary, make_found())
     # N g / (2 f0), with g = 10 m/s^2
@@ -583,7 +593,7 @@ STEMS = (
 def save_all(folder):
     """Save figures through the rules' own functions; the files' bytes."""
     made = {
-        "cube": TINY.expand_dims("C"),
+        "cube": TINY.isel(f0=slice(3)).assign_coords(f0=F0).expand_dims("C"),
         "threshold": make_found(),
         "history": make_history([10, 0, -8, -12]),
         "statics": make_statics(),
@@ -598,10 +608,10 @@ def save_all(folder):
     views = {stem: [plane | {"name": stem}] for stem in ("map", "time", "snap")}
     points = folder / "points.csv"
     points.write_text("N,f0\n1100,300\n")
-    ends = views["map"]
-    draw_maps.draw_maps(files["cube"], ends, ends, views["time"], (), points, folder)
+    ends, own = views["map"], (points, "")
+    draw_maps.draw_maps(files["cube"], ends, ends, views["time"], (), own, folder)
     draw_snap_maps.draw_snap_maps(
-        files["cube"], files["threshold"], views["snap"], ends, [], [], points, folder
+        files["cube"], files["threshold"], views["snap"], ends, [], [], own, folder
     )
     draw_thresholds.draw_thresholds(files["threshold"], [curve], boundary, folder)
     draw_histories.draw_histories([files["history"]], [folder / "history"])

@@ -10,8 +10,6 @@ rule accuracy:
 
 
 rule measure_accuracy:
-    input:
-        recorded,
     output:
         accuracy="results/accuracy{size}.nc",
     log:

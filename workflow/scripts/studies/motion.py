@@ -17,6 +17,7 @@ from snapmap.solver.settings import MOVE, Settings
 from snapmap.solver.simd_kernel import SAMPLE
 from snapmap.solver.simd_loop import trace
 
+from .few import few
 from .markdown import number, table
 from .stepped import stepped
 
@@ -55,9 +56,9 @@ class Moved(NamedTuple):
 def main():
     device = load_device(ROOT / "config" / "damped.yaml")
     models, steps, plane = [], [], []
-    for contact in CONTACTS:
+    for contact in few(CONTACTS):
         one = replace(device, contact=contact)
-        built = {name: build_model(one, **options) for name, options in MODELS.items()}
+        built = {name: build_model(one, **options) for name, options in few(MODELS, 3).items()}
         for name, model in built.items():
             plane += [[f"{contact:g}", name, *row] for row in tell(model)]
         finest = follow(stepped(built[FINEST], FINE))
@@ -67,7 +68,7 @@ def main():
             errors = told(model, cells_of(device))[0]
             models.append([f"{contact:g}", name, number(step_of(model)), *off, *spread(errors)])
         fine = follow(stepped(built[STEPPED], FINE))
-        for dt in STEPS:
+        for dt in few(STEPS):
             off = compare(follow(stepped(built[STEPPED], dt)), fine)
             steps.append([f"{contact:g}", STEPPED, number(dt), *off])
     print(table([*HEAD, *TOLD], models))
@@ -81,7 +82,7 @@ def step_of(model):
 
 
 def cells_of(device, N=N, f0=F0):
-    f0, amplitude = (values.ravel() for values in np.meshgrid(f0, N))
+    f0, amplitude = (values.ravel() for values in np.meshgrid(few(f0), N))
     return to_cells(device, 0, amplitude, f0, C, SETTINGS.horizon).some(np.arange(f0.size))
 
 

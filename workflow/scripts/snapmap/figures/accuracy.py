@@ -40,6 +40,7 @@ def draw_accuracy(ax: Axes, found: xr.Dataset) -> Axes:
     sources = other_sources(found)
     _draw_sources(ax, sources)
     _draw_own_error(ax, found)
+    begin_at_zero(ax, found)
     ax.set_xlabel("time per simulation (µs)")
     ax.set_ylabel(JUDGED[found.judged_by])
     place = {"loc": "lower left", "bbox_to_anchor": (0, 1.03), "ncols": 3}
@@ -56,6 +57,13 @@ def scale_error(ax: Axes, found: xr.Dataset) -> None:
     """Scale y for errors in percent: by ratio for thresholds; those of labels may be 0."""
     ax.set_yscale("log" if found.judged_by == "threshold_worst" else "linear")
     ax.yaxis.set_major_formatter(lambda error, _: f"{100 * error:.6g} %")
+
+
+def begin_at_zero(ax: Axes, found: xr.Dataset) -> None:
+    """Let y begin at errors of 0 where they are those of labels, with room for their markers."""
+    if found.judged_by == "label_error":
+        top = ax.get_ylim()[1]
+        ax.set_ylim(-0.05 * top, top)
 
 
 def of_family(found: xr.Dataset, family: str) -> xr.Dataset:

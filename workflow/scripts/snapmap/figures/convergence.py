@@ -9,7 +9,16 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from .accuracy import JUDGED, LEAST, LINES, error_of, of_family, own_error, scale_error
+from .accuracy import (
+    JUDGED,
+    LEAST,
+    LINES,
+    begin_at_zero,
+    error_of,
+    of_family,
+    own_error,
+    scale_error,
+)
 
 ORDERS = {"elements_consistent": -4, "cosines_uncorrected": -3}
 """Of Hermite elements, and of the flexibility that the cosines left out would have added."""
@@ -36,6 +45,8 @@ def draw_convergence(axes: Sequence[Axes], found: xr.Dataset) -> Sequence[Axes]:
     _draw_family(step, of_family(found, "step"), 1, look)
     _draw_slope(step, of_family(found, "step"), 1, STEP_ORDER)
     _draw_own_error(number, found)
+    for ax in axes:
+        begin_at_zero(ax, found)
     _label(axes, JUDGED[found.judged_by])
     return axes
 

@@ -149,9 +149,10 @@ def each_line(found: xr.Dataset, lines: str) -> Iterator[tuple[xr.Dataset, str, 
 
 
 def line_keys(found: xr.Dataset, lines: str) -> Iterator[Line2D]:
-    """Keys of a legend for every line, with the velocity change in the limit of short pulses."""
+    """Keys of a legend for every line: the limit of short pulses, or that nothing is drawn."""
     for one, colour, marker in each_line(found, lines):
         v = one.velocity_change
         label = value_text(lines, one[lines].item()).replace(WORDS["C"][1], "").strip()
-        label += f", $\\Delta v$ = {v.item():.3g} m/s" if v.ndim == 0 else ""
+        label += f", $\\Delta v$ = {v.item():.3g} m/s" if v.ndim == 0 and np.isfinite(v) else ""
+        label += "" if one.N_first.notnull().any() else ", no threshold"
         yield Line2D([], [], color=colour, marker=marker, label=label)

@@ -273,8 +273,10 @@ def _label_duration(ax, words, v):
 def _title(found, width):
     """What every curve has in common, in lines of so many signs."""
     place = place_text(found).replace("\n", ", ")
-    symbols = f"$C$ in {WORDS['C'][1]}; {SYMBOLS}" if "C" in found.dims else SYMBOLS
-    return "\n".join(filter(None, [style.case(found.attrs, width), place, symbols]))
+    units = f"$C$ in {WORDS['C'][1]}" if "C" in found.dims else ""
+    symbols = SYMBOLS if found.velocity_change.notnull().any() else ""
+    words = "; ".join(filter(None, [units, symbols]))
+    return "\n".join(filter(None, [style.case(found.attrs, width), place, words]))
 
 
 def _gap_keys(found):
