@@ -21,7 +21,7 @@ from snapmap.solver.outcome import (
     label,
 )
 from snapmap.solver.schemes import EXPLICIT
-from snapmap.solver.settings import STAY, Settings
+from snapmap.solver.settings import SNAP, STAY, Settings
 from snapmap.solver.simd_kernel import BLOCK
 from snapmap.sweeps.cube import summary
 
@@ -205,7 +205,9 @@ def test_most_cells_under_the_threshold_end_with_the_pulse(handout):
     N, f0 = np.meshgrid(np.linspace(600, 900, 30), np.geomspace(100, 1.5e3, 20))
     cells = (N.ravel(), f0.ravel(), np.full(N.size, 0.025))
     seen, outcome = follow(handout, cells, 1500.0, "cosines", modes=4)
-    early = seen.t_settled < 1e6 / f0.ravel() + 40
+    steps = build_model(handout, "cosines", modes=4).steps
+    dt = steps.of(to_cells(handout, 0, *cells, 1500.0), Settings().pulses, SNAP)
+    early = seen.t_settled < 1e6 / f0.ravel() + BLOCK * dt  # at the first look
     assert (outcome == NEVER).mean() > 0.9 and early.mean() > 0.7
 
 

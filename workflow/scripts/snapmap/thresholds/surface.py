@@ -57,7 +57,8 @@ VARIABLES = {
     "N_latched": {
         "long_name": "lowest amplitude above which every cell seen is latched",
         "units": "1",
-        "comment": "in multiples of g; seen up to the highest N, in steps of 1 %; NaN: not there",
+        "comment": "in multiples of g; seen up to the highest N, in steps of 1 %; NaN: not there, "
+        "or not looked for, as a run to its end takes more than two million steps",
     },
     "t_snap": {
         "long_name": "time of the snap at N_first",

@@ -245,7 +245,7 @@ def _probability(data, N):
     if N is None:
         known = own[np.isfinite(own)]
         ends = (known.min(), known.max()) if known.size else (1.0, 2.0)
-        N = geometric(*ends, AMPLITUDES)
+        N = np.append(geometric(*ends, AMPLITUDES)[:-1], ends[1])  # to its last digit
     N = np.sort(np.atleast_1d(np.asarray(N, float)))
     return _share("probability", count_below(own, N), len(own), (*data.N_nominal.dims, "N"), N=N)
 
