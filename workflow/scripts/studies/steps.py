@@ -28,11 +28,11 @@ from .random_devices import draw_any_device, draw_pulse, draw_shocks
 ROOT = Path(__file__).resolve().parents[3]
 SEED, DEVICES, COSINES, THREADS = 5, 24, 7, 2
 RULES = (
-    (2000, 1.0, 0.06),
-    (1000, 3.0, 0.12),
-    (500, 3.0, 0.12),
+    (2000, 1.0, 0.05),
+    (1000, 3.0, 0.1),
+    (PER_SWING, 3.0, SHORTEST),
     (PER_SWING, LONGEST[SNAP], SHORTEST),
-    (500, 10.0, 0.5),
+    (500, LONGEST[SNAP], 0.25),
     (250, 10.0, 0.5),
 )
 """Steps in each swing of the pulse; longest and shortest, over the arch's frequency."""
