@@ -70,11 +70,15 @@ def test_a_batch_is_each_of_its_devices(devices, name):
 
 @pytest.mark.parametrize("model", ["cosines", "auto"])
 @pytest.mark.parametrize(
-    ("key", "values"),
-    [("thickness", [1.8, 2.1]), ("contact", [40.0, np.inf]), ("mass", [6e3, 1e4])],
+    ("key", "values", "f0"),
+    [
+        ("thickness", [1.8, 2.1], 9000.0),
+        ("contact", [40.0, np.inf], 9000.0),
+        ("mass", [6e3, 1e4], 5800.0),
+    ],
 )
-def test_thresholds_of_a_batch_are_those_of_each_device(handout, model, key, values):
-    asked = {"f0": [1500.0, 9000.0], "C": [0.025, 25.0], "horizon": 300.0, "model": model}
+def test_thresholds_of_a_batch_are_those_of_each_device(handout, model, key, values, f0):
+    asked = {"f0": [1500.0, f0], "C": [0.025, 25.0], "horizon": 300.0, "model": model}
     together = snapmap.threshold(handout, **asked, **{key: values})
     for value in values:
         if key == "thickness":

@@ -86,13 +86,14 @@ def test_a_pulse_shorter_than_a_step_still_pushes(handout):
 
 
 def test_a_long_search_is_told_before_it_begins(handout, monkeypatch):
-    """And one without end is refused; what is quick goes without a word."""
+    """And one without end is refused; what is quick, as a smooth pulse, goes without a word."""
     monkeypatch.setattr("snapmap.thresholds.surface._look", lambda *_: pytest.fail("it began"))
+    asked = {"model": "cosines", "pulse": "half sine"}
     told = pytest.warns(UserWarning, match=r"about [\d.]+ min; f0 = 0.005 Hz takes longest")
     with told, pytest.raises(pytest.fail.Exception):
-        snapmap.threshold(handout, [0.005, 1500.0], [25.0], model="cosines")
+        snapmap.threshold(handout, [0.005, 1500.0], [25.0], **asked)
     with pytest.raises(ValueError, match="f0 = 1e-09 Hz takes longest; write a higher f0"):
-        snapmap.threshold(handout, [1e-9], [25.0], model="cosines")
+        snapmap.threshold(handout, [1e-9], [25.0], **asked)
 
 
 def test_a_slow_pulse_costs_no_wide_scan(handout):

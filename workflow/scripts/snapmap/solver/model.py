@@ -140,7 +140,8 @@ class Model:
         if settings.until == "settled" and self.scheme == CONSERVING:
             first = self.follow_once(flat.some(left), settings._replace(until="pulse"))
             seen.replace(left, first)
-            left = left[np.isnan(first.t_settled)]
+            believed = first.energy_error <= settings.energy_tolerance
+            left = left[np.isnan(first.t_settled) | ~believed]
         for halvings in range(HALVINGS + 1):
             if not left.size:
                 break
