@@ -43,7 +43,8 @@ def by_model(model: Model) -> Follow:
 
 def count_steps(model: Model, cells: Cells, t_snap: np.ndarray) -> float:
     """Steps that the cells need to their snaps or horizons."""
-    return float(np.sum(np.where(np.isnan(t_snap), cells.t_end, t_snap)) / model.dt)
+    dt = model.steps.of(cells, SETTINGS.pulses, SETTINGS.question)
+    return float(np.sum(np.where(np.isnan(t_snap), cells.t_end, t_snap) / dt))
 
 
 def same_labels(some: np.ndarray, others: np.ndarray) -> int:

@@ -23,7 +23,7 @@ from snapmap.device import VALUES, Beam, Device
 from snapmap.pulse import TENTH, VERSED_SINE
 from snapmap.solver.adaptive import TOLERANCE
 from snapmap.solver.models import OPTIONS, build_model
-from snapmap.solver.settings import THRESHOLD_TOLERANCE, Settings
+from snapmap.solver.settings import MOVE, QUESTIONS, THRESHOLD_TOLERANCE, Settings
 from snapmap.sweeps import plan
 from snapmap.tolerances.dataset import INDEX_SAMPLES
 from snapmap.tolerances.samples import SHOCK
@@ -268,16 +268,14 @@ def _default_modes(device):
 
 
 def _default_steps(device):
-    def share(name, **options):
-        return (
-            build_model(device, name, **options).dt
-            / build_model(device, name, **options, step=1).dt
-        )
-
-    few, some = share("cosines", modes=3), share("cosines", modes=4)
+    whole, limit = (build_model(device, "elements", **step).steps for step in ({}, {"step": 1}))
+    share = (whole.longest[MOVE] / limit.longest[MOVE]).item()
+    longest = build_model(device, "cosines").steps.longest
+    snap, stay, move = (f"{longest[question].item():.2g} us" for question in QUESTIONS)
     return (
-        f"`{share('elements'):g}` for elements; for cosines what the arch asks for, on the "
-        f"handout's device `{few:.2g}` for 3, `{some:.2g}` for 4, `{share('cosines'):g}` from 5 on"
+        f"of all modes of elements with soft contact `{share:g}`; elsewhere what the question, the "
+        f"pulse and the device ask for: of slow pulses on the handout's device {snap} for whether "
+        f"it snaps, {stay} for where it stays, {move} for how it moves"
     )
 
 

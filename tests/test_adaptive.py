@@ -1,4 +1,4 @@
-"""The model `auto`: what it calls safe, against its own top level over whole maps."""
+"""The model `auto`: what it calls safe, against its own finest level over whole maps."""
 
 import dataclasses
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import snapmap
-from snapmap.solver.adaptive import Adaptive, build_adaptive, choose_model
+from snapmap.solver.adaptive import TOLERANCE, Adaptive, build_adaptive, choose_model
 from snapmap.solver.cells import to_cells
 from snapmap.solver.settings import Settings
 
@@ -42,18 +42,28 @@ def test_safe_cells_agree_with_the_top_level(handout, which, C):
     adaptive = build_adaptive(device)
     cells = own_map(device, C)
     seen = adaptive.follow(cells, SNAP)
-    top = adaptive.top.follow(cells, SNAP)
-    wrong = np.isfinite(seen.t_snap) != np.isfinite(top.t_snap)
-    assert 0.1 < np.isfinite(top.t_snap).mean() < 0.9
+    check, top = (
+        np.isfinite(one.follow(cells, SNAP).t_snap) for one in (adaptive.check, adaptive.top)
+    )
+    wrong = np.isfinite(seen.t_snap) != top
+    assert 0.1 < top.mean() < 0.9
     assert wrong[seen.agreed == 1].mean() <= 1e-3
     assert not wrong[seen.level == 1].any()
     assert (seen.level == 1).mean() < 0.35
+    np.testing.assert_array_equal(seen.agreed == 0, (seen.level == 1) & (check != top))
 
 
-def test_auto_keeps_its_tolerance(handout):
-    base, check, top = build_adaptive(handout, 1e-3).errors
-    assert max(check, top) < 1e-3 and base < 0.01
-    assert max(build_adaptive(handout, 1e-4).errors[1:]) < 1e-4
+def test_a_tolerance_sets_the_steps(handout):
+    """Of second order: a hundredth of the error, a tenth of the step."""
+    cells = to_cells(handout, 0, 900.0, [[1500.0]], 25.0, 300.0)
+    default, strict = (
+        [
+            level.steps.of(cells, SNAP.pulses, SNAP.question).item()
+            for level in (auto.base, auto.check, auto.top)
+        ]
+        for auto in (build_adaptive(handout), build_adaptive(handout, TOLERANCE / 100))
+    )
+    assert strict == pytest.approx([step / 10 for step in default])
 
 
 def test_auto_by_name_records_how_it_decided(handout):

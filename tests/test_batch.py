@@ -10,7 +10,7 @@ from snapmap.beam.equilibria import static_threshold
 from snapmap.device import Beam, Device, batch
 from snapmap.solver.adaptive import choose_model
 from snapmap.solver.cells import to_cells
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import SNAP, Settings
 
 MODELS = {
     "handout": {"name": "handout"},
@@ -40,13 +40,6 @@ def devices():
     return found
 
 
-def parts(model):
-    """The discretisations of a model."""
-    if hasattr(model, "errors"):
-        return model.base, model.check, model.top
-    return (model,)
-
-
 @pytest.mark.parametrize("name", MODELS)
 def test_a_batch_is_each_of_its_devices(devices, name):
     together, settings = choose_model(batch(devices), MODELS[name]), Settings(horizon=200.0)
@@ -60,14 +53,15 @@ def test_a_batch_is_each_of_its_devices(devices, name):
     assert 0.2 < snapped.mean() < 0.9
     for i, device in enumerate(devices):
         alone = choose_model(device, MODELS[name])
-        for one, picked in zip(parts(alone), parts(together.pick(i)), strict=True):
-            assert one.device == picked.device and one.dt == picked.dt
+        for one, picked in zip(alone.levels, together.pick(i).levels, strict=True):
+            assert one.device == picked.device
             for values, others in zip(
                 (*one.modal, *one.barrier), (*picked.modal, *picked.barrier), strict=True
             ):
                 np.testing.assert_array_equal(values, others)
-        if name == "auto":
-            np.testing.assert_array_equal(alone.errors, together.pick(i).errors)
+            own_cells = to_cells(device, 0, N[i], f0, 5.0, 200.0)
+            dt = (m.steps.of(own_cells, settings.pulses, SNAP) for m in (one, picked))
+            np.testing.assert_array_equal(*dt)
         single = alone.follow(to_cells(device, 0, N[[i, i]], f0, 5.0, 200.0), settings)
         for whole, own in zip(mixed, single, strict=True):
             if own is not None:
@@ -76,11 +70,15 @@ def test_a_batch_is_each_of_its_devices(devices, name):
 
 @pytest.mark.parametrize("model", ["cosines", "auto"])
 @pytest.mark.parametrize(
-    ("key", "values"),
-    [("thickness", [1.8, 2.1]), ("contact", [40.0, np.inf]), ("mass", [6e3, 1e4])],
+    ("key", "values", "f0"),
+    [
+        ("thickness", [1.8, 2.1], 9000.0),
+        ("contact", [40.0, np.inf], 9000.0),
+        ("mass", [6e3, 1e4], 5800.0),
+    ],
 )
-def test_thresholds_of_a_batch_are_those_of_each_device(handout, model, key, values):
-    asked = {"f0": [1500.0, 5800.0], "C": [0.025, 25.0], "horizon": 300.0, "model": model}
+def test_thresholds_of_a_batch_are_those_of_each_device(handout, model, key, values, f0):
+    asked = {"f0": [1500.0, f0], "C": [0.025, 25.0], "horizon": 300.0, "model": model}
     together = snapmap.threshold(handout, **asked, **{key: values})
     for value in values:
         if key == "thickness":

@@ -63,7 +63,7 @@ ELSEWHERE = {
 }
 """What runs each command that is no study, in small."""
 SHORT = ("motion", "scaling", "schemes", "sensitivity", "settling")
-LONG = ("coverage", "many_devices", "proofs", "pulses", "start", "thresholds", "tilt")
+LONG = ("coverage", "many_devices", "proofs", "pulses", "start", "steps", "thresholds", "tilt")
 LONG += ("tolerances", "validation", "width")
 MARKED = [pytest.param(name, marks=pytest.mark.long) for name in LONG]
 

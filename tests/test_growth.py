@@ -13,6 +13,8 @@ from small_studies import THREE_COSINES
 import snapmap
 from snapmap.config.study import load_study
 from snapmap.io.netcdf import read_earlier, write
+from snapmap.solver.cells import to_cells
+from snapmap.solver.cost import steps_and_seconds
 from snapmap.solver.models import build_model
 from snapmap.sweeps import plan
 from snapmap.sweeps.assemble import collect_slabs
@@ -50,8 +52,9 @@ def seconds(slab):
     slab = dict(slab)
     whole = study(slab["N"], slab["f0"])
     model = build_model(whole.device, **whole.model)
-    durations = 1e6 / np.array(slab["f0"]) + whole.settings.horizon
-    return sum(durations / model.dt * (1 + model.modes**2 / 20) * 1e-9) * len(slab["N"])
+    f0, N = np.meshgrid(slab["f0"], slab["N"])
+    cells = to_cells(whole.device, 0, N, f0, 1.0, whole.settings.horizon)
+    return steps_and_seconds(model, cells, whole.settings)[1].sum()
 
 
 def cells(slabs):

@@ -9,11 +9,10 @@ import snapmap
 from snapmap.beam.equilibria import static_threshold
 from snapmap.device import batch
 from snapmap.pulse import SHAPES, make_pulse, sampled
-from snapmap.solver.adaptive import tell_choice
 from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import SNAP, Settings
 from snapmap.thresholds.islands import FOUND, NOT_FOLLOWED, NOTHING_SNAPS, first_seen
 from snapmap.thresholds.rows import tidy
 from snapmap.thresholds.surface import summary
@@ -137,17 +136,10 @@ def test_a_gap_that_the_mass_does_not_cross_leaves_the_beam_alone(handout):
     assert static_threshold(replace(handout, gap=0.5 * reach)) < alone
 
 
-def test_a_light_mass_on_its_spring_bounds_the_step(handout):
+def test_a_light_mass_on_its_spring_does_not_bound_the_step(handout):
+    """It swings hundreds of times in a step, and the ledger closes all the same."""
     light = replace(handout, mass=1e-5)
     model = build_model(light, "cosines", modes=3)
-    assert model.dt <= np.sqrt(light.mass / light.spring)
+    assert model.steps.longest[SNAP] > 100 * np.sqrt(light.mass / light.spring)
     cells = to_cells(light, 0, [1e5], 1e5, 0.025, 20.0)
     assert model.follow(cells, Settings(20.0)).energy_error < 1e-6
-
-
-def test_a_long_choice_of_levels_is_told_before_it_begins(handout):
-    soft, softest = (replace(handout, spring=spring) for spring in (1e-9, 1e-16))
-    with pytest.warns(UserWarning, match="choosing its levels: about .* h; a device with a period"):
-        tell_choice(soft)
-    with pytest.raises(ValueError, match="write a stiffer spring"):
-        tell_choice(softest)

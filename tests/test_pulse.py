@@ -161,7 +161,7 @@ def test_a_shock_from_the_other_side_is_one_pushed_back(handout):
     alone = snapmap.threshold(handout, **asked, direction="-z").squeeze()
     assert alone.N_first.item() == both.N_first.sel(direction="-z").item()
     N = both.N_first.sel(direction="-z").item() * np.array([0.997, 1.0])
-    cube = snapmap.sweep(handout, N, **asked, direction="-z")
+    cube = snapmap.sweep(handout, N, **asked, direction="-z", until="snap")
     assert cube.t_snap.notnull().values.ravel().tolist() == [False, True]
     with pytest.raises(ValueError, match="N: -600 is below 0; direction -z"):
         snapmap.sweep(handout, [-600.0], **asked)

@@ -18,6 +18,7 @@ from snapmap.config.yaml_file import ConfigError, read_document
 from snapmap.pulse import make_pulse
 from snapmap.solver.models import build_model
 from snapmap.solver.plain_loop import follow, nodal_system
+from snapmap.solver.settings import MOVE
 
 DOCUMENT = yaml.safe_load("""
 device:
@@ -108,14 +109,15 @@ def test_a_free_decay_measures_the_quality_factor_of_the_beam(values):
     device = read_device(document["device"])
     model = build_model(device, "reference", elements=5)
     system, n = nodal_system(device, model.basis), model.basis.load.size
-    history = np.zeros((round(300.0 / model.dt), 2 * n + 4))
+    dt = model.steps.longest[MOVE].item()
+    history = np.zeros((round(300.0 / dt), 2 * n + 4))
     # A weak, short push: the mass stays away, and the beam's motion is linear.
     follow(
-        system, make_pulse().curve, 1e-3 * device.gravity, 0.5, 0.0, -np.inf, model.dt,
+        system, make_pulse().curve, 1e-3 * device.gravity, 0.5, 0.0, -np.inf, dt,
         len(history), history,
     )  # fmt: skip
     omega, shape = symmetric_mode(device.beam, elements=5)
-    time, free = np.arange(len(history)) * model.dt, slice(math.ceil(3.0 / model.dt), None)
+    time, free = np.arange(len(history)) * dt, slice(math.ceil(3.0 / dt), None)
     motion = history[free, :n] @ system.inertia @ shape
     measured, quality = decay(time[free], motion)
     # Five elements are up to 2e-3 too fast.

@@ -17,6 +17,7 @@ from snapmap.config.yaml_file import ConfigError
 from snapmap.device import values_of
 from snapmap.figures.explore_batch import batch_section
 from snapmap.pulse import shocks_from
+from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
 from snapmap.tolerances.batch import Batch
 from snapmap.tolerances.dataset import summary
@@ -146,8 +147,11 @@ def test_the_share_that_snaps_lies_within_its_bounds(handout):
     f0, C = np.array([1500.0]), np.array([25.0])
     settings = Settings(300.0, threads=2)
 
+    def build(devices):
+        return build_model(devices, **SETTINGS)
+
     def thresholds(samples, seed):
-        batch = Batch(handout, plan, plan.points(samples, seed)[0], SETTINGS)
+        batch = Batch(handout, plan, plan.points(samples, seed)[0], build)
         return batch.thresholds(C, f0, settings, 1e-3)[0]
 
     many = thresholds(4096, 1000)

@@ -84,6 +84,16 @@ class Pulse:
         """Its highest value along +z; 0 where it only pulls."""
         return float(max(0.0, self.at(self._places).max()))
 
+    @cached_property
+    def is_smooth(self) -> bool:
+        """Whether its slope has no jump, within or at its ends, that would ring the beam."""
+        begin, _, slope, turns, lift, swing = self.pieces.T
+        ends, turn = turns * np.diff(begin, append=1.0), 2 * np.pi * turns
+        sine, cosine = (np.vectorize(portable.sine)(ends + quarter) for quarter in (0.0, 0.25))
+        first, last = slope + turn * swing, slope + turn * (lift * sine + swing * cosine)
+        jumps = np.append(first, 0.0) - np.insert(last, 0, 0.0)
+        return not any(self.ends) and bool(abs(jumps).max() < NO_JUMP)
+
     @property
     def _places(self):
         """x at which it is looked at: the ends of all pieces, and places between."""

@@ -8,6 +8,7 @@ from numba import njit
 from snapmap.numerics.arithmetic import widen_vectors
 from snapmap.solver.model import Model
 from snapmap.solver.schemes import EXPLICIT
+from snapmap.solver.settings import MOVE
 from snapmap.solver.simd_kernel import (
     BLOCK,
     LANES,
@@ -77,9 +78,10 @@ def step_flops(model: Model) -> int:
 
 def block_seconds(model: Model, steps: int = 50 * BLOCK) -> float:
     """Time of the steps alone per lane-step, all lanes full, s."""
-    X, shape = _filled(model)
+    dt = model.steps.longest[MOVE].item()
+    X, shape = _filled(model, dt)
     go = advance if model.scheme == EXPLICIT else advance_conserving
-    shocks = np.ones(BLOCK * LANES) * model.device.gravity * model.dt**2
+    shocks = np.ones(BLOCK * LANES) * model.device.gravity * dt**2
 
     def advance_blocks():
         for _ in range(steps // BLOCK):
@@ -90,10 +92,10 @@ def block_seconds(model: Model, steps: int = 50 * BLOCK) -> float:
     return runs["all"].seconds / (steps * LANES)
 
 
-def _filled(model):
-    modes = model.modes
+def _filled(model, dt):
+    modes, conserving = model.modes, None if model.scheme == EXPLICIT else True
     X, shape = work_array(modes), (0,) * modes
     row = coefficients(model, target=-np.inf)[0]
     for l in range(LANES):
-        fill(X, shape, l, row, 0.025, 900 * model.device.gravity, model.dt)
+        fill(X, shape, conserving, l, row, 0.025, 900 * model.device.gravity, dt)
     return X, shape

@@ -67,7 +67,7 @@ def _compare(device, model, settings):
     tasks = {
         "devices": partial(_follow, device, many, model, settings),
         "cells": partial(_follow, device, one, model, settings),
-        "set-up": partial(_build, device, many, model, settings),
+        "set-up": partial(_build, device, many, model),
     }
     take_turns(tasks, 1)  # compiles
     runs = take_turns(tasks, ROUNDS)
@@ -87,13 +87,13 @@ def of_one():
     return SHOCK | {"N": N * few(VARIED, FEWEST) ** EXPONENT}
 
 
-def _build(device, axes, model, settings):
+def _build(device, axes, model):
     grid = make_grid(device, axes)
-    return grid, choose_model(grid.device, model, settings.threads)
+    return grid, choose_model(grid.device, model)
 
 
 def _follow(device, axes, model, settings):
-    grid, built = _build(device, axes, model, settings)
+    grid, built = _build(device, axes, model)
     return follow_grid(built, grid, settings)["outcome"]
 
 

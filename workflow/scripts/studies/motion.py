@@ -13,12 +13,13 @@ from snapmap import load_device
 from snapmap.solver.cells import to_cells
 from snapmap.solver.models import build_model
 from snapmap.solver.repeat import REPEATED_STEP, work_error
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import MOVE, Settings
 from snapmap.solver.simd_kernel import SAMPLE
 from snapmap.solver.simd_loop import trace
 
 from .few import few
 from .markdown import number, table
+from .stepped import stepped
 
 ROOT = Path(__file__).resolve().parents[3]
 N, F0, C = np.linspace(1100, 3000, 4), np.geomspace(1e3, 8e3, 4), 25.0
@@ -60,19 +61,24 @@ def main():
         built = {name: build_model(one, **options) for name, options in few(MODELS, 3).items()}
         for name, model in built.items():
             plane += [[f"{contact:g}", name, *row] for row in tell(model)]
-        finest = follow(replace(built[FINEST], dt=FINE))
-        built[FINEST + ", fine"] = replace(built[FINEST], dt=OTHER)
+        finest = follow(stepped(built[FINEST], FINE))
+        built[FINEST + ", fine"] = stepped(built[FINEST], OTHER)
         for name, model in built.items():
             off = compare(follow(model), finest)
             errors = told(model, cells_of(device))[0]
-            models.append([f"{contact:g}", name, number(model.dt), *off, *spread(errors)])
-        fine = follow(replace(built[STEPPED], dt=FINE))
+            models.append([f"{contact:g}", name, number(step_of(model)), *off, *spread(errors)])
+        fine = follow(stepped(built[STEPPED], FINE))
         for dt in few(STEPS):
-            off = compare(follow(replace(built[STEPPED], dt=dt)), fine)
+            off = compare(follow(stepped(built[STEPPED], dt)), fine)
             steps.append([f"{contact:g}", STEPPED, number(dt), *off])
     print(table([*HEAD, *TOLD], models))
     print(table(HEAD, steps))
     print(table(HEAD_PLANE, plane))
+
+
+def step_of(model):
+    """The step in which the model's motion is followed, us, of pulses as long as here."""
+    return model.steps.longest[MOVE].item()
 
 
 def cells_of(device, N=N, f0=F0):
@@ -83,10 +89,11 @@ def cells_of(device, N=N, f0=F0):
 def follow(model):
     """Follow the cells with the model's own step."""
     cells = cells_of(model.device)
-    seen = model.follow_once(cells, SETTINGS)
-    width = SAMPLE * np.ceil(cells.t_end / (BINS * SAMPLE * model.dt)).astype(int)
+    seen = model.follow_once(cells, SETTINGS._replace(until="moved"))
+    dt = model.steps.of(cells, SETTINGS.pulses, MOVE)
+    width = SAMPLE * np.ceil(cells.t_end / (BINS * SAMPLE * dt)).astype(int)
     loads = cells.pulse, cells.amplitude, cells.f0, cells.damping, width
-    (y, _, _) = trace(model, cells.device, SETTINGS.pulses, loads, BINS)[1]
+    (y, _, _) = trace(model, cells.device, dt, SETTINGS.pulses, loads, BINS)[1]
     return Moved(seen.pulse_work, seen.t_snap, y.max(axis=0))
 
 
@@ -99,8 +106,7 @@ def compare(found, converged):
 
 def told(model, cells):
     """What a cube says: the `work_error` of each cell, and whether it snaps."""
-    seen = model.follow(cells, SETTINGS)
-    again = model.with_step(REPEATED_STEP).follow(cells, SETTINGS)
+    seen, again = (one.follow(cells, SETTINGS) for one in (model, model.with_step(REPEATED_STEP)))
     return work_error(seen, again), np.isfinite(seen.t_snap)
 
 

@@ -13,7 +13,7 @@ from snapmap import load_device
 from snapmap.solver.cells import to_cells
 from snapmap.solver.models import build_model
 from snapmap.solver.schemes import SCHEMES
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import STAY, Settings
 from snapmap.solver.simd_kernel import LANES, SAMPLE
 from snapmap.solver.simd_loop import trace
 
@@ -71,10 +71,11 @@ def leavers(model, cells, t_settled, well):
 
     t_settled, well: of each, as observed
     """
-    width = SAMPLE * np.ceil((1 / cells.f0 + FURTHER) / (BINS * SAMPLE * model.dt)).astype(int)
+    dt = model.steps.of(cells, SETTINGS.pulses, STAY)
+    width = SAMPLE * np.ceil((1 / cells.f0 + FURTHER) / (BINS * SAMPLE * dt)).astype(int)
     loads = cells.pulse, cells.amplitude, cells.f0, cells.damping, width
-    (low, high), _ = trace(model, cells.device, SETTINGS.pulses, loads, BINS)
-    later = np.arange(BINS)[:, np.newaxis] * width * model.dt >= t_settled
+    (low, high), _ = trace(model, cells.device, dt, SETTINGS.pulses, loads, BINS)
+    later = np.arange(BINS)[:, np.newaxis] * width * dt >= t_settled
     saddle = model.barrier.midpoint
     # A run that has blown up since is on neither side.
     stays = np.where(well == 1, low > saddle, high < saddle)

@@ -14,7 +14,7 @@ from snapmap.pulse import make_pulse
 from snapmap.solver.adaptive import choose_survey
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import MOVE, Settings
 from snapmap.thresholds.islands import survey
 
 from .few import few
@@ -99,8 +99,9 @@ def motion(model, N):
     """Nodal displacements from the start at every step, (steps, n), and their matrices."""
     cell = to_cells(model.device, [0], [N], [F0], [C], Settings().horizon)
     *load, t_end = (column.item() for column in cell[2:])
-    steps = int(np.ceil(t_end / model.dt))
-    run, form = model.loop().record(model, make_pulse(), *load, steps, stride=1)
+    dt = model.steps.of(cell, Settings().pulses, MOVE).item()
+    steps = int(np.ceil(t_end / dt))
+    run, form = model.loop().record(model, make_pulse(), *load, dt, steps, stride=1)
     return run.u, form
 
 

@@ -16,7 +16,7 @@ from ..pulse import HANDOUT_SHOCK, Shocks
 from ..solver import simd_loop
 from ..solver.adaptive import choose_model
 from ..solver.cells import rows_of, to_cells
-from ..solver.settings import Settings
+from ..solver.settings import MOVE, Settings
 from ..solver.simd_kernel import LANES, SAMPLE
 
 CELLS = 40_000
@@ -121,7 +121,7 @@ def grid_of(
 def _levels(device, model, threads):
     """A model with modes for each level of the cube's."""
     name = "handout" if model["name"] == "reference" else model["name"]
-    return choose_model(device, {**model, "name": name}, threads).levels
+    return choose_model(device, {**model, "name": name}).levels
 
 
 def _window(device, cube, cells, settings):
@@ -139,7 +139,7 @@ def _follow(model, pulses, cells, window, bins, threads):
     """Values, (variables, bins, cells), and lengths of the bins, us; window: time followed, us."""
     first, barrier = model.barrier.first[cells.device], model.barrier.energy[cells.device]
     origin = np.stack([first, first, first + model.device.gap[cells.device]])
-    dt = model.dt[cells.device]
+    dt = model.steps.of(cells, pulses, MOVE)
     width = SAMPLE * np.ceil(window / (bins * SAMPLE * dt)).astype(np.int64)
     values = np.empty((len(VARIABLES), bins, width.size))
     # Lanes run together to the end of the longest: those of one call should be of one length.
@@ -147,7 +147,9 @@ def _follow(model, pulses, cells, window, bins, threads):
 
     def follow(some):
         loads = *(column[some] for column in cells[1:5]), width[some]
-        w_range, instants = simd_loop.trace(model, cells.device[some], pulses, loads, bins)
+        w_range, instants = simd_loop.trace(
+            model, cells.device[some], dt[some], pulses, loads, bins
+        )
         values[:3, :, some] = origin[:, np.newaxis, some] + np.concatenate([w_range, instants[:1]])
         with np.errstate(divide="ignore", invalid="ignore"):  # no barrier: nothing is below it
             values[3:, :, some] = instants[1:] / barrier[some]

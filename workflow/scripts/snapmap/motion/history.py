@@ -14,7 +14,7 @@ from ..pulse import VERSED_SINE, Pulse, shocks_from
 from ..solver.adaptive import choose_model
 from ..solver.cells import check_cells, to_cells
 from ..solver.repeat import REPEATED_STEP, t_snap_error, work_error
-from ..solver.settings import Settings, check_settings
+from ..solver.settings import MOVE, Settings, check_settings
 from ..solver.simd_kernel import BLOCK
 
 SAMPLES = 4000
@@ -76,10 +76,11 @@ def simulate(
     built = choose_model(device, {"name": model, **options}).levels[-1]
     cells = to_cells(device, [0], [N], [f0], [C], horizon)
     built = built.with_step(0.5 ** built.follow(cells, settings).halvings.item())
+    dt = built.steps.of(cells, settings.pulses, MOVE).item()
     amplitude, per_us, damping, t_end = (column.item() for column in cells[2:])
-    steps, stride = _sampling(t_end, built.dt)
+    steps, stride = _sampling(t_end, dt)
     shock = settings.pulses[0]
-    motion, form = built.loop().record(built, shock, amplitude, per_us, damping, steps, stride)
+    motion, form = built.loop().record(built, shock, amplitude, per_us, damping, dt, steps, stride)
     values = _observe(device, built.barrier.first, form, motion) | {
         "acceleration": amplitude * shock.at(per_us * motion.time),
         "dissipated_energy": motion.lost,
@@ -98,14 +99,14 @@ def simulate(
         second_equilibrium=built.barrier.second,
         barrier=built.barrier.energy,
         gravity=device.gravity,
-        time_step=built.dt,
+        time_step=dt,
         **_differences(built, cells, settings),
     )
 
 
 def _differences(model, cells, settings):
     """By how much the pulse's work and the time of snap, us, differ with another step."""
-    settings = settings._replace(until="settled")
+    settings = settings._replace(until="moved")
     # No snap ends a run of the model `reference` before its pulse is over.
     onward = replace(model, barrier=model.barrier._replace(second=-np.inf))
     models = {work_error: onward, t_snap_error: model}
@@ -128,7 +129,8 @@ def _observe(device, first, form, motion):
     """Deflections, forces and energies from the coordinates; first: w(L/2) at rest, um."""
     velocity = motion.u_velocity
     stiffness = contact_stiffness(device, form.residual)
-    contact = stiffness * np.maximum(0.0, motion.overlap)
+    overlap = dot(motion.u, form.midpoint) - motion.y - device.gap
+    contact = stiffness * np.maximum(0.0, overlap)
     axial_force = -device.beam.axial_stiffness * motion.stretch
     kinetic = dot(velocity, multiply(velocity, form.inertia)) / 2
     return {
@@ -137,8 +139,8 @@ def _observe(device, first, form, motion):
         "contact_force": contact,
         "axial_force": axial_force,
         "kinetic_energy": kinetic + device.mass * motion.y_velocity**2 / 2,
-        "spring_energy": motion.spring_energy,
-        "bending_energy": motion.bending_energy,
+        "spring_energy": device.spring * motion.y**2 / 2,
+        "bending_energy": dot(motion.u, multiply(motion.u, form.bending)) / 2,
         "axial_energy": axial_force**2 / (4 * device.beam.axial_stiffness),
         "contact_energy": contact**2 / (2 * stiffness),
     }

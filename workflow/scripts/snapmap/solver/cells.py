@@ -78,9 +78,11 @@ class Observations(NamedTuple):
 
 
 def no_observations(shape: tuple[int, ...]) -> Observations:
-    """Room for observations of so many cells."""
+    """Room for observations of so many cells: nothing was seen, and no ledger closes."""
     kinds = float, float, np.int8, float, float, float, np.int8
-    return Observations(*(np.zeros(shape, kind) for kind in kinds))
+    nothing = np.nan, np.nan, 0, np.inf, np.nan, np.nan, 0
+    columns = zip(nothing, kinds, strict=True)
+    return Observations(*(np.full(shape, value, kind) for value, kind in columns))
 
 
 def rows_of(grid: Grid) -> Rows:

@@ -4,7 +4,9 @@ import warnings
 
 import numpy as np
 
+from .cells import Cells
 from .model import Follows
+from .settings import Settings
 
 MOST_SECONDS = 3.6e7
 """What takes longer, 10 000 core hours, is taken for a slip."""
@@ -32,13 +34,17 @@ def _spoken(seconds):
     return f"{seconds:.2g} s"
 
 
-def steps_and_costs(built: Follows, plain: bool = False) -> tuple[np.ndarray, np.ndarray]:
-    """Time step of each device, us, and the expected time to follow a cell of it for 1 us, s.
+def steps_and_seconds(
+    built: Follows, cells: Cells, settings: Settings, plain: bool = False
+) -> tuple[np.ndarray, np.ndarray]:
+    """Time step of each cell, us, and the time it takes to follow it to its horizon, s, about.
 
-    plain: whether by the plain loop
+    plain: whether by the plain loop; both results in the cells' shape
     """
-    dt, seconds = np.empty((2, len(built.device)))
-    for mine, part, row in built.split(np.arange(dt.size)):
+    dt, seconds = np.empty((2, *cells.f0.shape))
+    for mine, part, row in built.split(cells.device):
+        some = cells.some(mine)._replace(device=row)
+        dt[mine] = part.steps.of(some, settings.pulses, settings.question)
         nanoseconds = 80 if plain else 1 + part.modes**2 / 20
-        dt[mine], seconds[mine] = part.dt[row], nanoseconds * 1e-9 / part.dt[row]
+        seconds[mine] = nanoseconds * 1e-9 * some.t_end / dt[mine]
     return dt, seconds

@@ -14,15 +14,14 @@ from ..device import Device
 from ..pulse import Pulse
 from .cells import Cells, Observations, no_observations
 from .record import Form, Motion
-from .settings import Settings
+from .schemes import CONSERVING
+from .settings import MOVE, Settings
+from .steps import Steps
 
 HALVINGS = 4
 """How often a cell whose energy ledger does not close is followed again with half the step."""
-PULSE_STEPS = 16
-"""Fewest steps in a pulse: its sum is then exact to 1e-4. A cell with fewer starts with half the
-step, or half of that."""
-MOST_HALVINGS = 8
-"""Beyond, a pulse is too short for any run: the cell fails."""
+SMALLEST = 2.0**-8
+"""Over the longest step that motions take: a pulse that needs a shorter one is not followed."""
 
 
 class Follows(Protocol):
@@ -54,8 +53,13 @@ class Follows(Protocol):
 class Loop(Protocol):
     """A module with a time loop."""
 
-    def march(self, model: "Model", cells: Cells, settings: Settings) -> tuple[np.ndarray, ...]:
-        """t_snap, t_settled, well, energy_error, well_share and pulse_work of cells, (cells,)."""
+    def march(
+        self, model: "Model", cells: Cells, dt: np.ndarray, settings: Settings
+    ) -> tuple[np.ndarray, ...]:
+        """t_snap, t_settled, well, energy_error, well_share and pulse_work of cells, (cells,).
+
+        dt: us, (cells,)
+        """
 
     def record(
         self,
@@ -64,10 +68,11 @@ class Loop(Protocol):
         amplitude: float,
         f0: float,
         damping: float,
+        dt: float,
         steps: int,
         stride: int,
     ) -> tuple[Motion, Form]:
-        """The motion of one cell of a model of one device, at every `stride`th instant."""
+        """The motion of one cell of a model of one device, at every `stride`th instant; dt: us."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +83,7 @@ class Model:
     loop: imports the time loop when a run begins, as a plan needs no compiler
     basis, modal: its matrices, and their reduced form
     barrier: between the two shapes of that form
-    dt: time step, us; of a batch (devices,)
+    steps: the rule of its time steps
     proves: whether its energy says where a beam settles; bool, of a batch (devices,)
     """
 
@@ -89,7 +94,7 @@ class Model:
     basis: Basis
     modal: ModalBeam
     barrier: Barrier
-    dt: float | np.ndarray
+    steps: Steps
     proves: bool | np.ndarray
 
     @property
@@ -109,14 +114,14 @@ class Model:
 
     def with_step(self, factor: float) -> "Model":
         """The same model with its step multiplied by `factor`."""
-        return replace(self, dt=factor * self.dt)
+        return replace(self, steps=self.steps.times(factor))
 
     def pick(self, which: int | np.ndarray) -> "Model":
         """The same model of one device of the batch, or of some."""
-        if np.ndim(self.dt) == 0:
+        if np.ndim(self.device.mass) == 0:
             return self
-        parts = {key: getattr(self, key)[which] for key in ("dt", "proves")}
-        parts["device"] = self.device.pick(which)
+        parts = {"device": self.device.pick(which), "steps": self.steps.pick(which)}
+        parts["proves"] = self.proves[which]
         for key in ("modal", "barrier"):
             whole = getattr(self, key)
             parts[key] = type(whole)(*(value[which] for value in whole))
@@ -125,41 +130,43 @@ class Model:
     def follow(self, cells: Cells, settings: Settings) -> Observations:
         """Follow every cell as the settings ask; cells of any shape.
 
-        A cell whose pulse has too few steps is followed with less; one whose ledger does not close
-        is followed again with half the step, up to HALVINGS times.
+        The conserving scheme's steps depend on the question. To learn where a cell stays, it is
+        first followed to the end of its pulse as if to learn whether it snaps; what then is proven
+        never to snap is done. A cell whose ledger does not close is followed again with half the
+        step, up to HALVINGS times; one whose pulse is too short to be followed has failed.
         """
         flat = Cells(*(np.ravel(column) for column in cells))
-        seen, halvings = no_observations(flat.f0.shape), self._halvings(flat, settings.pulses)
-        left = np.flatnonzero(halvings <= MOST_HALVINGS)
-        nothing = np.nan, np.nan, 0, np.inf, np.nan, np.nan
-        for column, never in zip(seen[:6], nothing, strict=True):
-            column[halvings > MOST_HALVINGS] = never
-        for _ in range(HALVINGS + 1):
-            for number in np.unique(halvings[left]):
-                some = left[halvings[left] == number]
-                model = self.with_step(0.5 ** int(number))
-                seen.replace(some, model.follow_once(flat.some(some), settings))
-                seen.halvings[some] = number
+        seen, left = no_observations(flat.f0.shape), self._followed(flat, settings)
+        if settings.until == "settled" and self.scheme == CONSERVING:
+            first = self.follow_once(flat.some(left), settings._replace(until="pulse"))
+            seen.replace(left, first)
+            believed = first.energy_error <= settings.energy_tolerance
+            left = left[np.isnan(first.t_settled) | ~believed]
+        for halvings in range(HALVINGS + 1):
+            if not left.size:
+                break
+            model = self.with_step(0.5**halvings)
+            seen.replace(left, model.follow_once(flat.some(left), settings))
+            seen.halvings[left] = halvings
             left = left[~(seen.energy_error[left] <= settings.energy_tolerance)]
-            halvings[left] += 1
         return seen.shaped(np.shape(cells.f0))
 
-    def _halvings(self, cells, pulses):
-        """How often a cell's step must be halved for PULSE_STEPS in each swing of its pulse."""
-        swings = np.array([max(1.0, pulse.variation / 2) for pulse in pulses])[cells.pulse]
-        in_pulse = PULSE_STEPS * swings * cells.f0 * np.atleast_1d(self.dt)[cells.device]
-        return np.maximum(np.frexp(in_pulse)[1], 0)
+    def _followed(self, cells, settings):
+        """Indices of the cells whose pulse needs no step below SMALLEST."""
+        longest = self.steps.longest[MOVE][cells.device]
+        dt = self.steps.of(cells, settings.pulses, settings.question)
+        return np.flatnonzero(dt >= self.steps.factor * SMALLEST * longest)
 
     def follow_once(self, cells: Cells, settings: Settings) -> Observations:
-        """Follow every cell, (cells,), with the model's own step, whatever its ledger then says."""
+        """Follow every cell, (cells,), in steps of the rule, whatever its ledger then says."""
         seen = no_observations(cells.f0.shape)
+        dt = self.steps.of(cells, settings.pulses, settings.question)
         # Lanes run side by side: those of one call should take about as many steps.
-        steps = cells.t_end / np.atleast_1d(self.dt)[cells.device]
-        order = np.argsort(-steps, kind="stable")
+        order = np.argsort(-cells.t_end / dt, kind="stable")
 
         def follow_share(first):
             share = order[first :: settings.threads]
-            found = self.loop().march(self, cells.some(share), settings)
+            found = self.loop().march(self, cells.some(share), dt[share], settings)
             for whole, part in zip(seen[:6], found, strict=True):
                 whole[share] = part
 

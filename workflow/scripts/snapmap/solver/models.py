@@ -10,8 +10,9 @@ from ..beam.elements import hermite_elements
 from ..beam.modal import contact_stiffness, reduce_to_modes
 from ..device import Device
 from .model import Follows, Loop, Model, mix
-from .schemes import CONSERVING, EXPLICIT, SCHEMES, default_step, pays_explicit, stability_limit
+from .schemes import CONSERVING, EXPLICIT, SCHEMES, pays_explicit
 from .settings import check_number
+from .steps import steps_of
 
 ELEMENT_OPTIONS = ("elements", "mass_matrix", "step")
 OPTIONS = {
@@ -21,9 +22,6 @@ OPTIONS = {
     "cosines": ("cosines", "modes", "scheme", "step"),
     "auto": ("tolerance",),
 }
-
-RUNGS = (3, 5, 7, 10, 14, 18)
-"""Cosines that `auto` chooses from; fewer than three save next to nothing and cost ten times."""
 
 
 def simd() -> Loop:
@@ -98,15 +96,12 @@ def _build_alike(device, name, options, kind):
             f"with {modes} of {basis.load.size} modes; write fewer modes, or a contact in N/m"
         )
     whole = basis.complete and modes == basis.load.size
-    if "step" in options:
-        dt = options["step"] * stability_limit(device, modal, scheme)
-    else:
-        dt = default_step(device, modal, scheme, whole)
+    steps = steps_of(device, modal, scheme, whole, options.get("step"))
     # Elsewhere explicit impacts create energy, and some proofs are false: docs/stability.md.
     proves = pays_explicit(device, modal, whole) | (not is_explicit)
     loop = plain if name == "reference" else simd
     barrier = find_barrier(device.beam, basis, modes)
-    return Model(name, scheme, loop, device, basis, modal, barrier, dt, proves)
+    return Model(name, scheme, loop, device, basis, modal, barrier, steps, proves)
 
 
 def check_options(device: Device, name: str, options: Mapping) -> None:

@@ -11,7 +11,7 @@ from ..device import Device
 from ..numerics import pieces as curve
 from ..numerics.arithmetic import fma
 from ..numerics.linalg import apply, solve_all
-from .record import Form, at_instants
+from .record import Form, Motion
 
 # No fast maths: a result is the same on every machine, compiled afresh or taken from the cache.
 PLAIN = {"error_model": "numpy", "nogil": True, "cache": True}
@@ -186,10 +186,10 @@ def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
     return t_snap, error, pulse_work
 
 
-def march(model, cells, settings):
+def march(model, cells, dt, settings):
     """Follow cells; proves nothing: each ends at its snap or the horizon, whatever is asked.
 
-    model: a `Model`; cells: `Cells`, each column (cells,)
+    model: a `Model`; cells: `Cells`, each column (cells,); dt: us, (cells,)
     Returns what the SIMD kernel does; no well is told
     """
     found = np.empty((3, cells.f0.size))
@@ -200,27 +200,27 @@ def march(model, cells, settings):
         no_history = np.empty((0, 2 * system.load.size + 4))
         target = one.barrier.second - one.barrier.first
         for i in np.flatnonzero(cells.device == which):
-            steps = int(np.ceil(cells.t_end[i] / one.dt))
+            steps = int(np.ceil(cells.t_end[i] / dt[i]))
             load = pulses[cells.pulse[i]], cells.amplitude[i], cells.f0[i], cells.damping[i]
-            found[:, i] = follow(system, *load, target, one.dt, steps, no_history)
+            found[:, i] = follow(system, *load, target, dt[i], steps, no_history)
     t_snap, energy_error, pulse_work = found
     nothing = np.full(t_snap.size, np.nan)
     return t_snap, nothing, np.zeros(t_snap.size, np.int8), energy_error, nothing, pulse_work
 
 
-def record(model, pulse, amplitude, f0, damping, steps, stride):
+def record(model, pulse, amplitude, f0, damping, dt, steps, stride):
     """Follow one cell and keep every `stride`th instant.
 
     model: of one device; returns Motion and Form
     """
     system, n = nodal_system(model.device, model.basis), model.basis.load.size
     kept = np.zeros((steps, 2 * n + 4))
-    follow(system, pulse.curve, amplitude, f0, damping, -np.inf, model.dt, steps, kept)
+    follow(system, pulse.curve, amplitude, f0, damping, -np.inf, dt, steps, kept)
     kept = kept[::stride]
-    time = np.arange(len(kept)) * stride * model.dt
+    time = np.arange(len(kept)) * stride * dt
     shape = system.bending, system.geometric, system.slope_start, system.midpoint
     form = Form(system.inertia, *shape, residual=0.0)
-    names = "y", "y_velocity", "work", "lost"
-    samples = {"time": time, "u": kept[:, :n], "u_velocity": kept[:, n : 2 * n]}
-    samples |= dict(zip(names, kept[:, 2 * n :].T, strict=True))
-    return at_instants(model.device, form, **samples), form
+    u = kept[:, :n]
+    rest = kept[:, 2 * n :].T
+    motion = Motion(time, u, kept[:, n : 2 * n], rest[0], rest[1], form.stretch(u), *rest[2:])
+    return motion, form

@@ -4,7 +4,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..device import Device
 from ..numerics.linalg import dot, multiply
 
 
@@ -15,8 +14,8 @@ class Motion(NamedTuple):
 
     time: us
     u, u_velocity: (samples, n); the others (samples,)
-    stretch: u.G u + 2 u.G q0, um; overlap: of mass and beam where positive, um
-    bending_energy, spring_energy, work of the pulse, energy lost to damping: pJ
+    stretch: u.G u + 2 u.G q0, um
+    work of the pulse, energy lost to damping: pJ
     """
 
     time: np.ndarray
@@ -25,9 +24,6 @@ class Motion(NamedTuple):
     y: np.ndarray
     y_velocity: np.ndarray
     stretch: np.ndarray
-    overlap: np.ndarray
-    bending_energy: np.ndarray
-    spring_energy: np.ndarray
     work: np.ndarray
     lost: np.ndarray
 
@@ -42,14 +38,6 @@ class Form(NamedTuple):
     midpoint: np.ndarray
     residual: float
 
-
-def at_instants(device: Device, form: Form, **samples: np.ndarray) -> Motion:
-    """The motion of coordinates at instants; samples: what only the time loop knows, by name."""
-    u, y = samples["u"], samples["y"]
-    return Motion(
-        stretch=dot(u, multiply(u, form.geometric) + 2 * form.slope_start),
-        overlap=dot(u, form.midpoint) - y - device.gap,
-        bending_energy=dot(u, multiply(u, form.bending)) / 2,
-        spring_energy=device.spring * y**2 / 2,
-        **samples,
-    )
+    def stretch(self, u: np.ndarray) -> np.ndarray:
+        """u.G u + 2 u.G q0 of coordinates, (samples, n); um."""
+        return dot(u, multiply(u, self.geometric) + 2 * self.slope_start)

@@ -1,4 +1,4 @@
-"""The two schemes of the SIMD kernel: which one a model takes, and how long its steps are."""
+"""The two schemes of the SIMD kernel: which one a model takes, and its limit of stability."""
 
 import numpy as np
 
@@ -12,13 +12,9 @@ EXPLICIT, CONSERVING = SCHEMES = ("explicit", "conserving")
 TENSION_REACH = 1.25
 SOFT_CONTACT = 0.2
 """Up to this product of the contact's frequency and the step, explicit impacts cost no repeats."""
-# ASSUME: all steps here are chosen by measurement, see docs/stability.md.
+# ASSUME: explicit steps are chosen by measurement, see docs/stability.md.
 WHOLE, PART = 0.8, 0.5
-"""Explicit steps over the limit of stability, with all modes of a mesh and with some left out."""
-MANY, FEW = (0.8, 0.45), (0.5, 0.7)
-"""Conserving steps, at most: over the limit of stability, and times the arch's own frequency."""
-MOST_FEW = 3
-"""Modes up to which FEW holds."""
+"""Over the limit of stability, with all modes of a mesh and with some left out."""
 
 
 def pays_explicit(device: Device, modal: ModalBeam, whole: bool) -> Value:
@@ -35,18 +31,17 @@ def pays_explicit(device: Device, modal: ModalBeam, whole: bool) -> Value:
 
 
 def stability_limit(device: Device, modal: ModalBeam, scheme: str) -> Value:
-    """Largest step, us, for which every run stays bounded: 2/omega_max; see docs/theory.md."""
+    """2/omega_max, us: of all that an explicit run meets, else of linear bending; docs/theory.md.
+
+    The conserving scheme has no limit; there it is a measure by which `step` counts.
+    """
     of_beam = bending_limit(modal) if scheme == CONSERVING else tangent_limit(device, modal)
     return np.minimum(of_beam, 2 / np.sqrt(device.spring / device.mass))
 
 
-def default_step(device: Device, modal: ModalBeam, scheme: str, whole: bool) -> Value:
-    """Time step, us, unless told; whole: as in `pays_explicit`."""
-    limit = stability_limit(device, modal, scheme)
-    if scheme == EXPLICIT:
-        return (WHOLE if whole else PART) * limit
-    share, turn = FEW if modal.load.shape[-1] <= MOST_FEW else MANY
-    return np.minimum(share * limit, turn / arch_frequency(modal))
+def default_step(device: Device, modal: ModalBeam, whole: bool) -> Value:
+    """Time step of the explicit scheme, us, by default; whole: as in `pays_explicit`."""
+    return (WHOLE if whole else PART) * stability_limit(device, modal, EXPLICIT)
 
 
 def bending_limit(modal: ModalBeam) -> Value:

@@ -6,6 +6,14 @@ from typing import NamedTuple
 from ..pulse import Pulse, make_pulse
 
 UNTIL = ("settled", "snap")
+SNAP, STAY, MOVE = QUESTIONS = ("snap", "stay", "move")
+"""Does it snap, where does it stay, how does it move: each has its own time step."""
+QUESTION = {"settled": STAY, "snap": SNAP, "pulse": SNAP, "moved": MOVE}
+"""What is asked by how long a cell is followed.
+
+Beside UNTIL, within the solver: "pulse" ends a run with its pulse or its snap, and "moved" is
+"settled" in the steps that the motion needs.
+"""
 THRESHOLD_TOLERANCE = 1e-4
 """How closely thresholds in N are refined, relative, unless told."""
 
@@ -27,6 +35,11 @@ class Settings(NamedTuple):
     energy_tolerance: float = 1e-3
     threads: int = 1
     pulses: tuple[Pulse, ...] = (make_pulse(),)
+
+    @property
+    def question(self) -> str:
+        """The one of QUESTIONS that is asked."""
+        return QUESTION[self.until]
 
     def asked(self) -> dict:
         """All but the threads, on which no result depends, and the pulses."""

@@ -18,7 +18,7 @@ from ..numerics import pieces as curve
 from ..numerics.arithmetic import fma, sine, widen_vectors
 
 LANES = 16
-BLOCK = 128
+BLOCK = 64
 """Steps between two looks at the lanes; the pulse is set out for so many at a time."""
 MARGIN = 2.0
 """A proof must hold by this many times the largest residual of the energy ledger seen so far."""
@@ -50,6 +50,8 @@ P, P_STEP, SCRATCH, FREE, STIFFNESS, SLOPE_START, LOAD, MIDPOINT, GEOMETRIC = ra
 # No fast maths: NaN stays visible, and a result does not depend on how a call was compiled. What
 # speed needs is written out: fused multiply-adds, and sums in an order that vectorises over lanes.
 JIT = {"error_model": "numpy", "nogil": True, "cache": True}
+INLINE = {"error_model": "numpy", "forceinline": True}
+"""Of what the compiler puts into its caller, without which nothing is vectorised."""
 
 
 class Pushes(NamedTuple):
@@ -65,20 +67,20 @@ class Pushes(NamedTuple):
     lasts: np.ndarray
 
 
-@njit(inline="always")
+@njit(**INLINE)
 def at(vector, i, modes, l):
     """Place in X of component i of a vector, lane l."""
     return (VECTORS + vector * modes + i) * LANES + l
 
 
-@njit(inline="always")
+@njit(**INLINE)
 def take(X, shocks, step):
     """a of this step of every lane; apart, as only so the compiler keeps lanes side by side."""
     for l in range(LANES):
         X[SHOCK * LANES + l] = shocks[step * LANES + l]
 
 
-@njit(inline="always")
+@njit(**INLINE)
 def stretch(X, l, modes, first, last):
     """scratch_i = (S p + S q0)_i; returns their share of p.S p + 2 p.S q0."""
     quadratic = 0.0
@@ -92,7 +94,7 @@ def stretch(X, l, modes, first, last):
     return quadratic
 
 
-@njit(inline="always")
+@njit(**INLINE)
 def move(X, l, modes, first, last, axial, contact, a):
     """One step of p_i; returns their share of load.(p+ - p-) and of |p+ - p-|^2."""
     swept, squared = 0.0, 0.0
@@ -169,7 +171,7 @@ def advance(X, shape, shocks, first, steps):
             X[SWEPT * LANES + l] = fma(before + after, before + after, X[SWEPT * LANES + l])
 
 
-@njit(inline="always")
+@njit(**INLINE)
 def release(X, l, modes, first, last, a, sums):
     """`release_some`, its modes cut in two once more."""
     middle = (first + last) // 2
@@ -177,7 +179,7 @@ def release(X, l, modes, first, last, a, sums):
     return release_some(X, l, modes, middle, last, a, sums)
 
 
-@njit(inline="always")
+@njit(**INLINE)
 def release_some(X, l, modes, first, last, a, sums):
     """free_i = keep d_i + push (-kappa p - f a)_i and u_i = (S p + S q0)_i, d = p - p-.
 
@@ -198,7 +200,7 @@ def release_some(X, l, modes, first, last, a, sums):
     return uu, eu, ep, ef, ud
 
 
-@njit(inline="always")
+@njit(**INLINE)
 def press(X, l, modes, first, last, pull, contact, sums):
     """p+ - p = free - pull u - contact e.
 
@@ -309,20 +311,41 @@ def advance_conserving(X, shape, shocks, first, steps):
 
 
 @njit(**JIT)
-def fill(X, shape, l, coefficients, damping, amplitude, dt):
-    """Put a cell at rest into lane l."""
+def fill(X, shape, is_conserving, l, device, damping, amplitude, dt):
+    """Put a cell at rest into lane l.
+
+    device: as `simd_loop.coefficients` has it; damping: C, uN us/um; amplitude: um/us^2; dt: us
+    The conserving scheme takes the mean of linear forces over three instants, which is a mode
+    heavier by kappa dt^2/4: its coordinate is stretched by 1/s, s^2 = 1/(1 + kappa dt^2/4).
+    """
     X[l::LANES] = 0.0
-    scalars = BEAM_DAMPING + 1 - AXIAL
-    vectors = VECTORS + STIFFNESS * len(shape)
-    for i in range(coefficients.size):
-        row = AXIAL + i if i < scalars else vectors + i - scalars
-        X[row * LANES + l] = coefficients[i]
+    modes, square = len(shape), dt * dt
+    for row in range(AXIAL, BEAM_DAMPING + 1):
+        X[row * LANES + l] = device[row]
+    for row in (AXIAL, CONTACT, SPRING, BARRIER):
+        X[row * LANES + l] *= square
+    X[RESIDUAL * LANES + l] /= square
+    X[BEAM_DAMPING * LANES + l] *= dt
+    of_modes = device[BEAM_DAMPING + 1 :]
+    for i in range(modes):
+        stiffness = square * of_modes[i]
+        s = 1 / np.sqrt(1 + stiffness / 4) if is_conserving else 1.0
+        X[at(STIFFNESS, i, modes, l)] = stiffness * (s * s)
+        for v in range(SLOPE_START, GEOMETRIC):
+            X[at(v, i, modes, l)] = s * of_modes[(v - STIFFNESS) * modes + i]
+        X[at(SCRATCH, i, modes, l)] = s
+    for i in range(modes):
+        for j in range(modes):
+            element = of_modes[(GEOMETRIC - STIFFNESS + i) * modes + j]
+            both = X[at(SCRATCH, i, modes, l)] * X[at(SCRATCH, j, modes, l)]
+            X[at(GEOMETRIC + i, j, modes, l)] = both * element
     X[GAP * LANES + l] = 0.0 - X[CLEARANCE * LANES + l]
     drag = damping * dt / 2
     mass = X[MASS * LANES + l]
+    heavier = mass + X[SPRING * LANES + l] / 4 if is_conserving else mass
     X[AMPLITUDE * LANES + l] = amplitude * dt**2
-    X[KEEP * LANES + l] = (mass - drag) / (mass + drag)
-    X[PUSH * LANES + l] = 1 / (mass + drag)
+    X[KEEP * LANES + l] = (heavier - drag) / (heavier + drag)
+    X[PUSH * LANES + l] = 1 / (heavier + drag)
     beam_drag = X[BEAM_DAMPING * LANES + l] / 2
     X[BEAM_KEEP * LANES + l] = (1 - beam_drag) / (1 + beam_drag)
     X[BEAM_PUSH * LANES + l] = 1 / (1 + beam_drag)
@@ -472,7 +495,8 @@ def conserved_energies(X, shape, l):
         beam += d * d / 2 + X[at(STIFFNESS, i, modes, l)] * p * (p - d) / 2
         w += X[at(MIDPOINT, i, modes, l)] * (p - d / 2)
     d, y = X[Y_STEP * LANES + l], X[Y * LANES + l]
-    mass = X[MASS * LANES + l] * d * d / 2 + X[SPRING * LANES + l] * y * (y - d) / 2
+    middle = y - d / 2
+    mass = X[MASS * LANES + l] * d * d / 2 + X[SPRING * LANES + l] * middle * middle / 2
     return beam, mass, X[CONTACT * LANES + l] * max(0.0, X[GAP * LANES + l]) ** 2 / 2, w
 
 
@@ -486,6 +510,33 @@ def conserved_ledger(X, shape, l, drag):
     swept = drag * X[SWEPT * LANES + l] + X[BEAM_DAMPING * LANES + l] * X[BEAM_SWEPT * LANES + l]
     energy = beam + mass + contact
     return beam, mass, contact, w, energy + swept / 4 - X[WORK * LANES + l] / 2
+
+
+@njit(**JIT)
+def go(X, shape, explicit, conserving, shocks, first, steps):
+    """Advance every lane by the scheme that is not None: of the other nothing is compiled."""
+    if explicit is not None:
+        advance(X, shape, shocks, first, steps)
+    if conserving is not None:
+        advance_conserving(X, shape, shocks, first, steps)
+
+
+@njit(**JIT)
+def ledger(before, after, X, shape, explicit, conserving, l, drag):
+    """Energies and residual of the scheme that is not None."""
+    found = 0.0, 0.0, 0.0, 0.0, 0.0
+    if explicit is not None:
+        found = whole_step_ledger(before, after, X, shape, l, drag)
+    if conserving is not None:
+        found = conserved_ledger(X, shape, l, drag)
+    return found
+
+
+@njit(**JIT)
+def copy(of, into, first, end):
+    """Copy a stretch of an array into another; slices would take seconds more to compile."""
+    for i in range(first, end):
+        into[i] = of[i]
 
 
 @njit(**JIT)
@@ -513,22 +564,22 @@ def snap_time(X, l, dt):
 
 
 @njit(**JIT)
-def follow_all(X, shape, conserving, devices, dt, pulses, cells, stop_at_snap, tolerance, facts):
+def follow_all(X, shape, explicit, conserving, devices, pulses, cells, ends_at, tolerance, facts):
     """Follow every cell until its well is proven or t_end is past, refilling each free lane.
 
     A proof is looked for after the pulse. The explicit scheme's energy wobbles with modes near the
     step limit, and one look may miss it: there a proof must hold at two, by a margin over the
-    largest residual of all of them. A run that ends at its snap is judged at the look before. Of
-    either scheme a run is believed only if its energy at whole steps closes within GUARD, too: an
-    explicit one at its very end, as it may have blown up meanwhile.
+    largest residual of all of them. It is judged at the look before a snap that ends it, and
+    believed only if its energy closes within GUARD at its very end, too, as it may have blown up
+    meanwhile.
 
-    X: work array; devices: (n_devices, coefficients), dt: (n_devices,), us
-    conserving: None for the explicit scheme, which the compiler then takes alone
-    cells: device_of, pulse_of, amplitude (um/us^2), f0 (1/us), damping (C, uN us/um), t_end (us);
-        (cells,)
+    X: work array; devices: (n_devices, coefficients)
+    explicit, conserving: None for the scheme that is not taken
+    cells: device_of, pulse_of, amplitude (um/us^2), f0 (1/us), damping (C, uN us/um), t_end and dt
+        (us); (cells,)
     pulses: as in `numerics.pieces`, over x = f0 t: the pieces of all, (pieces, 6), where each one's
         begin and end, (pulses + 1,), and what it begins and ends with, (pulses, 2)
-    stop_at_snap: whether a cell also ends at its snap
+    ends_at: whether a cell also ends at its snap, and at the first look after its pulse
     tolerance: of the ledger, over the gross work of the pulse; a run that exceeds it is given up
     facts, modified in place: t_snap, t_settled (us, NaN if not seen), well (1 or 2, the side of
         the saddle at the end; 0 where the run ended before its pulse or at its snap), energy_error
@@ -537,7 +588,8 @@ def follow_all(X, shape, conserving, devices, dt, pulses, cells, stop_at_snap, t
         for well 0), pulse_work (of the whole pulse, pJ; NaN if the run ended before); (cells,)
     """
     widen_vectors()
-    device_of, pulse_of, amplitude, f0, damping, t_end = cells
+    device_of, pulse_of, amplitude, f0, damping, t_end, dt = cells
+    stop_at_snap, stop_after_pulse = ends_at
     t_snap, t_settled, well, energy_error, well_share, pulse_work = facts
     cell_in = np.full(LANES, -1)
     pushes, shocks, pushed = no_pushes(), np.zeros(BLOCK * LANES), False
@@ -546,7 +598,7 @@ def follow_all(X, shape, conserving, devices, dt, pulses, cells, stop_at_snap, t
     last_swing, since, beyond = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
     next_cell, running = 0, 0
     X[:] = 0.0
-    state = slice(STATE * LANES, (VECTORS + SCRATCH * len(shape)) * LANES)
+    state = STATE * LANES, (VECTORS + SCRATCH * len(shape)) * LANES
     before, after = X.copy(), X.copy()
     last_before, last_after = X.copy(), X.copy()
     while next_cell < t_snap.size or running > 0:
@@ -555,12 +607,12 @@ def follow_all(X, shape, conserving, devices, dt, pulses, cells, stop_at_snap, t
             if cell_in[l] < 0 and next_cell < t_snap.size:
                 device = device_of[next_cell]
                 load = damping[next_cell], amplitude[next_cell]
-                fill(X, shape, l, devices[device], *load, dt[device])
-                push(X, l, pushes, pulses, pulse_of[next_cell], f0[next_cell] * dt[device])
+                fill(X, shape, conserving is not None, l, devices[device], *load, dt[next_cell])
+                push(X, l, pushes, pulses, pulse_of[next_cell], f0[next_cell] * dt[next_cell])
                 cell_in[l] = next_cell
                 worst[l], found_before[l] = 0.0, 0
                 swing = 2 * np.pi * np.sqrt(X[MASS * LANES + l] / X[SPRING * LANES + l])
-                last_swing[l] = t_end[next_cell] / dt[device] - swing
+                last_swing[l] = t_end[next_cell] / dt[next_cell] - swing
                 since[l], beyond[l] = 0.0, 0.0
                 next_cell += 1
                 running += 1
@@ -570,13 +622,13 @@ def follow_all(X, shape, conserving, devices, dt, pulses, cells, stop_at_snap, t
         pushed = pushing
         before, last_before = last_before, before
         after, last_after = last_after, after
-        for first, n_steps in ((0, BLOCK - 1), (BLOCK - 1, 1)):
-            before[state] = X[state]
-            if conserving is None:
-                advance(X, shape, shocks, first, n_steps)
-            else:
-                advance_conserving(X, shape, shocks, first, n_steps)
-        after[state] = X[state]
+        if explicit is not None:
+            advance(X, shape, shocks, 0, BLOCK - 1)
+            copy(X, before, *state)
+            advance(X, shape, shocks, BLOCK - 1, 1)
+            copy(X, after, *state)
+        if conserving is not None:
+            advance_conserving(X, shape, shocks, 0, BLOCK)
         for l in range(LANES):
             cell = cell_in[l]
             if cell < 0:
@@ -584,21 +636,20 @@ def follow_all(X, shape, conserving, devices, dt, pulses, cells, stop_at_snap, t
             steps[l] += BLOCK
             if steps[l] <= last_swing[l]:
                 since[l], beyond[l] = steps[l], X[BEYOND * LANES + l]
-            step = dt[device_of[cell]]
+            step = dt[cell]
             drag = damping[cell] * step
             snapped = X[W * LANES + l] <= X[TARGET * LANES + l]
             in_pulse = steps[l] - 1 < lasts[l]
             ended = steps[l] * step > t_end[cell] or not np.isfinite(X[Y * LANES + l])
             ended |= snapped and stop_at_snap
+            ended |= stop_after_pulse and not in_pulse
             if in_pulse and not ended:
                 continue
 
             at_snap = snapped and stop_at_snap and steps[l] > BLOCK
-            if conserving is not None:
-                beam, mass, contact, w, residual = conserved_ledger(X, shape, l, drag)
-            else:
-                ends = (last_before, last_after) if at_snap else (before, after)
-                beam, mass, contact, w, residual = whole_step_ledger(*ends, X, shape, l, drag)
+            ends = (last_before, last_after) if at_snap else (before, after)
+            found_by = ledger(*ends, X, shape, explicit, conserving, l, drag)
+            beam, mass, contact, w, residual = found_by
             gross_work = X[GROSS_WORK * LANES + l] / 2
             scale = 1 / gross_work if gross_work > 0 else 1.0
             found = 0
@@ -607,16 +658,15 @@ def follow_all(X, shape, conserving, devices, dt, pulses, cells, stop_at_snap, t
                 found = proven_well(X, l, beam, mass, contact, w, MARGIN * worst[l])
                 ended |= not abs(residual) * scale <= OPENED * tolerance
             proven = found == 1 or (found == 2 and snapped)
-            if conserving is None:
+            if explicit is not None:
                 proven &= found == found_before[l]
-            found_before[l] = found
+                found_before[l] = found
             if not ended and not proven:
                 continue
-            is_bounded = at_snap and conserving is not None
-            ends = (last_before, last_after) if is_bounded else (before, after)
-            guarded = whole_step_ledger(*ends, X, shape, l, drag)[4]
-            if not abs(guarded) * scale <= GUARD:
-                residual = guarded
+            if explicit is not None:
+                guarded = whole_step_ledger(before, after, X, shape, l, drag)[4]
+                if not abs(guarded) * scale <= GUARD:
+                    residual = guarded
             energy_error[cell] = abs(residual) * scale
             is_whole = steps[l] >= lasts[l]
             pulse_work[cell] = X[WORK * LANES + l] / (2 * step**2) if is_whole else np.nan
@@ -633,7 +683,7 @@ def follow_all(X, shape, conserving, devices, dt, pulses, cells, stop_at_snap, t
             X[l::LANES] = 0.0
 
 
-@njit(inline="always")
+@njit(**INLINE)
 def half_step_midpoint(X, shape, l):
     """w(L/2) from rest at the last half step, contact within the midpoint's own stiffness."""
     w = 0.0
@@ -653,13 +703,13 @@ def keep_range(w_range, bin, l, low, high):
 
 
 @njit(**JIT)
-def trace_all(X, shape, conserving, devices, dt, pulses, cells, w_range, instants):
+def trace_all(X, shape, explicit, conserving, devices, dt, pulses, cells, w_range, instants):
     """Follow up to LANES cells as `follow_all` does, bit for bit, and keep their motion in bins.
 
     At instants; the conserving scheme's half way between two, as its energies.
 
     X: zeros; devices: each cell's row of coefficients, with target -inf, so that row W is never
-        latched; dt: each cell's, us; conserving: as in `follow_all`
+        latched; dt: each cell's, us; explicit, conserving: as in `follow_all`
     pulses: as in `follow_all`
     cells: pulse_of, amplitude, f0 and damping as in `follow_all`, and width, steps of one bin, a
         multiple of SAMPLE; (cells,)
@@ -671,7 +721,7 @@ def trace_all(X, shape, conserving, devices, dt, pulses, cells, w_range, instant
     n_cells, shocks = width.size, np.zeros(BLOCK * LANES)
     pushes = no_pushes()
     for l in range(n_cells):
-        fill(X, shape, l, devices[l], damping[l], amplitude[l], dt[l])
+        fill(X, shape, conserving is not None, l, devices[l], damping[l], amplitude[l], dt[l])
         push(X, l, pushes, pulses, pulse_of[l], f0[l] * dt[l])
     before = X.copy()
     bin, begin = np.full(LANES, -1), np.zeros(LANES, np.int64)
@@ -687,10 +737,7 @@ def trace_all(X, shape, conserving, devices, dt, pulses, cells, w_range, instant
             if begin[l] == step:
                 begins = True
                 before[l + first : end : LANES] = X[l + first : end : LANES]
-        if conserving is None:
-            advance(X, shape, shocks, in_block, 1)
-        else:
-            advance_conserving(X, shape, shocks, in_block, 1)
+        go(X, shape, explicit, conserving, shocks, in_block, 1)
         for l in range(n_cells if begins else 0):
             if begin[l] != step:
                 continue
@@ -700,22 +747,21 @@ def trace_all(X, shape, conserving, devices, dt, pulses, cells, w_range, instant
             low[l], high[l] = np.inf, -np.inf
             if bin[l] >= bins:
                 continue
-            if conserving is None:
-                y = before[Y * LANES + l]
+            y, beam, mass, contact = before[Y * LANES + l], 0.0, 0.0, 0.0
+            if explicit is not None:
                 beam, mass, contact, _ = energies(before, X, X, shape, l)
-            else:
-                y = before[Y * LANES + l] + X[Y_STEP * LANES + l] / 2
+            if conserving is not None:
+                y += X[Y_STEP * LANES + l] / 2
                 beam, mass, contact, _ = conserved_energies(X, shape, l)
             instants[0, bin[l], l] = y
             instants[1, bin[l], l] = (beam + mass + contact) / dt[l] ** 2
             instants[2, bin[l], l] = beam / dt[l] ** 2
         for l in range(LANES):
-            w = X[W * LANES + l] if conserving is None else half_step_midpoint(X, shape, l)
+            w = X[W * LANES + l]
+            if conserving is not None:
+                w = half_step_midpoint(X, shape, l)
             low[l] = w if w < low[l] else low[l]
             high[l] = w if w > high[l] else high[l]
-        if conserving is None:
-            advance(X, shape, shocks, in_block + 1, SAMPLE - 1)
-        else:
-            advance_conserving(X, shape, shocks, in_block + 1, SAMPLE - 1)
+        go(X, shape, explicit, conserving, shocks, in_block + 1, SAMPLE - 1)
     for l in range(n_cells):
         keep_range(w_range, bin[l], l, low[l], high[l])

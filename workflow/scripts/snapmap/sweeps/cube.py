@@ -134,7 +134,7 @@ def sweep(
     check_settings(settings)
     grid = make_grid(device, {**varied, "C": C, "f0": f0, "N": N}, skip, shocks)
     model = {"name": model, **options}
-    variables = follow_grid(choose_model(grid.device, model, threads), grid, settings)
+    variables = follow_grid(choose_model(grid.device, model), grid, settings)
     document = asked_for(device, shocks, model, settings.asked())
     return with_summary(dress(grid.axes, variables, document))
 

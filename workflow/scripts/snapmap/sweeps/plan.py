@@ -7,8 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..axes import DEVICE, Grid
-from ..solver.cost import MOST_SECONDS, steps_and_costs
-from ..solver.models import RUNGS, build_model, check_options
+from ..solver.adaptive import choose_model
+from ..solver.cells import to_cells
+from ..solver.cost import MOST_SECONDS, steps_and_seconds
 from ..solver.settings import Settings
 from .partition import SINGLE, Slab
 
@@ -30,16 +31,6 @@ class Request(NamedTuple):
     runtime: int
 
 
-class Cost(NamedTuple):
-    """Expected time of a cell, a product: of its device per us, s, and how long it lasts, us.
-
-    of_device: over the device's axes; of_f0: over the pulse's
-    """
-
-    of_device: np.ndarray
-    of_f0: np.ndarray
-
-
 class Plan(NamedTuple):
     """The slabs of a study, and what the job of each asks for."""
 
@@ -55,12 +46,14 @@ def make_plan(grid: Grid, model: Mapping, settings: Settings, alone: Sequence[fl
     """
     axes = grid.axes
     _check_size(grid)
-    dt, per_us = steps_and_costs(_cheapest(grid.device, model), model["name"] == "reference")
-    cost = _cost(grid, per_us, settings)
-    total = cost.of_device.sum() * cost.of_f0.sum() * axes["N"].size * axes["C"].size
-    total *= len(grid.pulses)
-    total += sum(per_us.max() * (1e6 / f0 + settings.horizon) for f0 in alone)
-    _check_cost(axes["f0"][0], settings, dt.min(), total)
+    dt, seconds = _expected_of_each(grid, model, settings, axes["f0"])
+    total = seconds.sum() * axes["N"].size * axes["C"].size * len(grid.pulses)
+    if len(alone):
+        moved = settings._replace(until="moved")
+        total += _expected_of_each(grid, model, moved, np.array(alone))[1].max(axis=0).sum()
+    _check_cost(axes["f0"][0], settings, dt, total)
+    known = np.where(grid.device_of < 0, 0, grid.device_of)
+    cost = np.where(grid.device_of[..., np.newaxis] < 0, 0.0, seconds[known])
     # `auto` looks at neighbours along N: they stay together.
     whole = ("N",) if model["name"] == "auto" else ()
     single = [key for key in SINGLE if key in axes]
@@ -68,7 +61,7 @@ def make_plan(grid: Grid, model: Mapping, settings: Settings, alone: Sequence[fl
     slabs, requests = [], []
     for place in product(*(range(axes[key].size) for key in single)):
         at = dict(zip(single, place, strict=True))
-        rows = cost._replace(of_device=cost.of_device[at[DEVICE]]) if DEVICE in at else cost
+        rows = cost[at[DEVICE]] if DEVICE in at else cost
         for box in _boxes(everything, axes, rows, whole):
             chosen = box | {key: [at[key]] for key in single}
             slabs.append({key: tuple(axes[key][chosen[key]].tolist()) for key in axes})
@@ -94,9 +87,8 @@ def _boxes(box, axes, cost, whole):
 
 
 def _expected(box, cost):
-    *of_device, f0, N = box.values()
-    devices = cost.of_device[np.ix_(*of_device)] if of_device else cost.of_device
-    return float(devices.sum() * cost.of_f0[f0].sum()) * N.size
+    *places, N = box.values()
+    return float(cost[np.ix_(*places)].sum()) * N.size
 
 
 def _level(ascending):
@@ -128,19 +120,16 @@ def _check_cost(lowest_f0, settings, dt, seconds):
         )
 
 
-def _cheapest(device, model):
-    """The model that follows every cell; its options are checked."""
-    if model["name"] != "auto":
-        return build_model(device, **model)
-    options = {key: value for key, value in model.items() if key != "name"}
-    check_options(device, "auto", options)
-    return build_model(device, "cosines", modes=RUNGS[0])
-
-
-def _cost(grid, per_us, settings):
-    of_device = grid.device_of
-    known = np.where(of_device < 0, 0.0, per_us[np.maximum(of_device, 0)])
-    return Cost(known, 1e6 / grid.axes["f0"] + settings.horizon)
+def _expected_of_each(grid, model, settings, f0):
+    """Shortest step, us, and the time of one cell of each device and f0, s; mean over pulses."""
+    built = choose_model(grid.device, model).levels[0]
+    device, pulse = np.arange(len(grid.device)), np.arange(len(grid.pulses))[:, np.newaxis]
+    at = device[:, np.newaxis, np.newaxis], 0.0, f0, 0.0, settings.horizon, pulse
+    settings = settings._replace(pulses=grid.pulses)
+    dt, seconds = steps_and_seconds(
+        built, to_cells(grid.device, *at), settings, model["name"] == "reference"
+    )
+    return dt.min(), seconds.mean(axis=1)
 
 
 def _request(box, cost):

@@ -56,7 +56,7 @@ def _follow_unknown(grid, model, settings, variables, known):
     """Follow what is not known, rows with the same gaps at once, and set it in the variables."""
     if known.all():
         return
-    built, rows = choose_model(grid.device, model, settings.threads), rows_of(grid)
+    built, rows = choose_model(grid.device, model), rows_of(grid)
     patterns, pattern_of = np.unique(
         ~known.reshape(-1, known.shape[-1]), axis=0, return_inverse=True
     )

@@ -3,8 +3,8 @@
 import numpy as np
 
 from ..solver.adaptive import Survey
-from ..solver.cells import Rows
-from ..solver.cost import steps_and_costs, tell
+from ..solver.cells import Rows, to_cells
+from ..solver.cost import steps_and_seconds, tell
 from ..solver.settings import Settings
 
 SCANNED, DECIDED = 400, 50
@@ -17,9 +17,11 @@ def tell_cost(models: Survey, rows: Rows, settings: Settings):
     """Warn of a long search before it begins, in one line; a ValueError refuses one without end."""
     if not rows.f0.size:
         return
-    lasts = 1e6 / rows.f0 + settings.horizon
+    device = models.scans.device
+    cells = to_cells(device, rows.device, 0.0, rows.f0, rows.C, settings.horizon, rows.pulse)
+    asked = settings._replace(until="snap")
     scanned, decided = (
-        steps_and_costs(model)[1][rows.device] * lasts for model in (models.scans, models.decides)
+        steps_and_seconds(model, cells, asked)[1] for model in (models.scans, models.decides)
     )
     work = np.sum(SCANNED * scanned + DECIDED * decided) / settings.threads
     seconds = work + ROUNDS * WIDTH * decided.max()

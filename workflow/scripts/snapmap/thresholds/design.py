@@ -121,7 +121,7 @@ def _thresholds(device, values, model, settings, f0, C):
     if there.size:
         some = {key: column[there] for key, column in values.items()}
         varied = batch([device]).pick(np.zeros(there.size, int)).vary(some)
-        models = choose_survey(varied, model, settings.threads)
+        models = choose_survey(varied, model)
         rows = to_rows(np.arange(there.size), f0, C)
         told = survey(models, rows, settings, THRESHOLD_TOLERANCE)
         found[:, there] = told.N_first, told.N_error

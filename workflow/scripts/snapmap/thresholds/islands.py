@@ -48,6 +48,8 @@ STATUS = "no_device", "found", "nothing_snaps", "not_followed"
 """Whether there is a threshold, and if not, why: nothing snaps up to the highest N looked at, or
 runs fail, as of a pulse too short for any step."""
 NO_DEVICE, FOUND, NOTHING_SNAPS, NOT_FOLLOWED = range(len(STATUS))
+JUDGED_STEP = 4.0
+"""Steps of the judge's scan of a ragged row, over those of the others."""
 FARTHEST = 0.25
 """Relative distance up to which another level's threshold is looked for; beyond, a row is ragged.
 """
@@ -67,6 +69,7 @@ class Thresholds(NamedTuple):
     N_always: the lowest above which every N looked at snaps
     N_pulse: the lowest N that snaps while the pulse lasts
     t_snap: at N_first, us after the pulse's start
+    level: of the models that decided: 1 where the first left too much open, else 0
     islands: number of separate stretches of N below N_always that snap
     island_from, island_to: their ends, (rows, most islands), NaN where a row has fewer
     """
@@ -82,6 +85,7 @@ class Thresholds(NamedTuple):
     N_always: np.ndarray
     N_pulse: np.ndarray
     t_snap: np.ndarray
+    level: np.ndarray
     islands: np.ndarray
     island_from: np.ndarray
     island_to: np.ndarray
@@ -99,17 +103,27 @@ def survey(
     highest: up to which N islands are looked for; ABOVE times the threshold if not given
     The cheap model scans; the one that decides looks again where labels change, and refines; the
     others, and half the step, tell what that is worth. Where the cheap one fails, or sees another
-    threshold than the one that decides, that one scans too.
+    threshold than the one that decides, that one scans too. Clean rows that are left open by more
+    than the models' tolerance are taken by finer ones.
     """
     bound = least_amplitudes(models.decides, rows, settings.pulses)
-    found = _survey(models, rows, settings, tolerance, highest, bound)._asdict()
-    lost = np.flatnonzero(found["status"] == NOT_FOLLOWED)
+    found = _survey(models, rows, settings, tolerance, highest, bound)
+    lost = np.flatnonzero(found.status == NOT_FOLLOWED)
     if lost.size:
         finer = models._replace(scans=models.decides), rows.some(lost)
         again = _survey(*finer, settings, tolerance, highest, bound[lost], SLACK * bound[lost])
-        again = again._asdict()
-        found = {key: joined(bound.size, lost, again[key], found[key]) for key in found}
-    return Thresholds(**found)
+        found = _taken(found, lost, again)
+    unsure = (found.ragged == 0) & (found.N_error > models.tolerance * found.N_first)
+    if models.finer is not None and unsure.any():
+        again = survey(models.finer, rows.some(unsure), settings, tolerance, highest)
+        found = _taken(found, np.flatnonzero(unsure), again._replace(level=again.level + 1))
+    return found
+
+
+def _taken(found, which, again):
+    """Thresholds with those of some rows, by their indices, in the place of the others."""
+    pairs = zip(again, found, strict=True)
+    return Thresholds(*(joined(found.status.size, which, new, old) for new, old in pairs))
 
 
 def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
@@ -118,7 +132,7 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
     def ask(model, some=slice(None), horizon=settings.horizon):
         return asker(model, rows.some(some), settings._replace(horizon=horizon))
 
-    scans, decides, doubts, better, static = models
+    scans, decides, doubts, better, static, other_step, judge, *_ = models
     slow = _is_slow(scans.device, rows, settings.pulses)
     wide = wide_scan(scans.device, static, rows, settings.pulses, slow)
     rough, quiet = first_seen(ask(scans), wide, bound)
@@ -130,7 +144,7 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
     N_half = np.where(np.isnan(N_always), np.nan, balance(edges, N_first.size))
     if highest is not None:
         N_always = np.where(N_always <= highest, N_always, np.nan)
-    others = [ask(m) for m in (decides.with_step(0.5), doubts, better) if m is not None]
+    others = [ask(m) for m in (decides.with_step(other_step), doubts, better) if m is not None]
     clean = np.where(ragged, np.nan, N_first)
     in_time, *in_space = (_distance(other, clean, tolerance) for other in others)
     # The better level may itself be off by as much.
@@ -139,6 +153,9 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
     ragged |= apart
     window = chosen(apart, whole, window)
     found = [_elsewhere(other, window, ragged) for other in others]
+    if judge is not None:
+        wider = window._replace(step=JUDGED_STEP * window.step)
+        found.append(_elsewhere(ask(judge), wider, ragged))
     first_error = np.fmax(_spread(edges, N_first), _farthest(N_first, [one[0] for one in found]))
     half_error = _farthest(N_half, [one[1] for one in found])
     N_error, half_error = (np.where(ragged, far, near) for far in (first_error, half_error))
@@ -155,6 +172,7 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
         ragged.astype(np.int8),
         N_always,
         *_pulse(ask, decides, rows.f0, N_first, highest, tolerance),
+        np.zeros(N_first.size, np.int8),
         np.count_nonzero(np.isfinite(islands[0]), axis=1),
         *islands,
     )

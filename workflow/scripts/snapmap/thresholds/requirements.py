@@ -79,7 +79,7 @@ def _verdicts(device, name, asked, C, model, followed, threads):
     )
     device = batch([device])
     cells = to_cells(device, 0, [[N]], f0, np.reshape(C, (-1, 1)), settings.horizon)
-    seen = choose_model(device, model, threads).follow(cells, settings)
+    seen = choose_model(device, model).follow(cells, settings)
     outcomes = label(*seen[:4], settings.energy_tolerance)[:, 0]
     for i, (damping, outcome) in enumerate(zip(C, outcomes, strict=True)):
         row, snapped = found.isel(C=i), bool(np.isfinite(seen.t_snap[i, 0]))

@@ -4,6 +4,7 @@ import numpy as np
 
 from ..solver.bracket import amplitudes
 from ..solver.cells import Rows, to_cells
+from ..solver.cost import steps_and_seconds
 from ..solver.model import Follows
 from ..solver.outcome import LATCHED, label
 from ..solver.settings import Settings
@@ -11,6 +12,8 @@ from ..solver.settings import Settings
 STEP = 0.01
 """Relative distance of the amplitudes that are followed to their end."""
 TOGETHER = 8
+MOST_STEPS = 2e6
+"""Of a run to its end: rows of slower pulses are left out."""
 
 
 def lowest_latched(
@@ -21,7 +24,10 @@ def lowest_latched(
     low, high: amplitudes from and to which cells are looked at, multiples of g, (rows,); NaN for
         none. From the highest down, as far as all latch.
     """
-    N = amplitudes(low, high, STEP)
+    columns = rows.device, 0.0, rows.f0, rows.C, settings.horizon, rows.pulse
+    cells = to_cells(model.device, *columns)
+    lasts = cells.t_end / steps_and_seconds(model, cells, settings)[0]
+    N = amplitudes(np.where(lasts <= MOST_STEPS, low, np.nan), high, STEP)
     found = np.full(len(N), np.nan)
     last = np.count_nonzero(np.isfinite(N), axis=1)
     left = np.flatnonzero(last > 0)

@@ -57,12 +57,18 @@ VARIABLES = {
     "N_latched": {
         "long_name": "lowest amplitude above which every cell seen is latched",
         "units": "1",
-        "comment": "in multiples of g; seen up to the highest N, in steps of 1 %; NaN: not there",
+        "comment": "in multiples of g; seen up to the highest N, in steps of 1 %; NaN: not there, "
+        "or not looked for, as a run to its end takes more than two million steps",
     },
     "t_snap": {
         "long_name": "time of the snap at N_first",
         "units": "us",
         "comment": "counted from the start of the pulse",
+    },
+    "level": {
+        "long_name": "level of the models that decided",
+        "flag_values": np.arange(2, dtype=np.int8),
+        "flag_meanings": "base fine",
     },
     "islands": {"long_name": "number of stretches of N below N_always that snap", "units": "1"},
     "island_from": {"long_name": "lowest amplitude of an island", **MULTIPLES},
@@ -137,7 +143,7 @@ def threshold(
     asked = settings.asked() | {"threshold_tolerance": tolerance}
     document = asked_for(device, shocks, model, {key: asked[key] for key in ROWS_HANG_ON})
     made_by = recipe(document, grid.pulses, highest)
-    models, rows = choose_survey(grid.device, model, threads), rows_of(grid)
+    models, rows = choose_survey(grid.device, model), rows_of(grid)
     found, known = recall(earlier, grid, made_by)
     new = np.flatnonzero(~known & (rows.device >= 0))
     tell_cost(models, rows.some(new), settings)

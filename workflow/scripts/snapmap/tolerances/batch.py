@@ -1,6 +1,6 @@
 """A batch of devices as made: what is asked of it, and answered by running each of them."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from copy import copy
 
 import numpy as np
@@ -8,11 +8,11 @@ import numpy as np
 from ..beam.equilibria import static_threshold
 from ..device import FROM_ZERO, SIGNED, VALUES, Device, is_bistable
 from ..device import batch as batch_of
-from ..solver.adaptive import TOLERANCE, build_adaptive, tell_choice
+from ..solver.adaptive import TOLERANCE, choose_model
 from ..solver.bracket import asker
 from ..solver.cells import to_cells, to_rows
 from ..solver.model import Follows
-from ..solver.models import build_model, check_options
+from ..solver.models import build_model
 from ..solver.outcome import LATCHED, label
 from ..solver.settings import Settings
 from .samples import SHOCK, Plan
@@ -25,12 +25,17 @@ class Batch:
     values: by name, (samples,); those of SHOCK are factors; bistable: which have a second shape
     """
 
-    def __init__(self, device: Device, plan: Plan, points: np.ndarray, model: Mapping, threads=1):
+    def __init__(
+        self,
+        device: Device,
+        plan: Plan,
+        points: np.ndarray,
+        build: Callable[[Device], Follows],
+    ):
         """Make the devices at points of a plan, (samples, draws); ValueError for what cannot be."""
         self.values = plan.values(points)
         self._check(plan)
-        options = _cheapest(device, model, threads)
-        self.nominal = build_model(batch_of([device]), **options)
+        self.nominal = build(batch_of([device]))
         made = {key: values for key, values in self.values.items() if key in VALUES}
         self.bistable = is_bistable(device.beam, made, len(points))
         made = {key: values[self.bistable] for key, values in made.items()}
@@ -38,7 +43,7 @@ class Batch:
         self.model: Follows | None = None
         if self.size:
             devices = self.nominal.device.pick(np.zeros(self.size, int)).vary(made)
-            self.model = build_model(devices, **options)
+            self.model = build(devices)
         self.factors = {
             key: self.values[key][self.bistable] if key in self.values else np.ones(self.size)
             for key in SHOCK
@@ -134,15 +139,34 @@ class Batch:
                 )
 
 
-def _cheapest(device, model, threads):
-    """Name and options of the cheapest model that keeps the tolerance for the nominal device."""
+def choose_builder(
+    device: Device, model: Mapping, C: np.ndarray, f0: np.ndarray, settings: Settings
+) -> Callable[[Device], Follows]:
+    """What builds the model of a batch, given by its name and options.
+
+    Of `auto` it is the cheapest level whose thresholds of the nominal device, over C (uN us/um) and
+    f0 (Hz), are within its tolerance those of the next; where twice the steps move them, no level
+    is told from another.
+    """
     if model["name"] != "auto":
-        return model
-    options = {key: value for key, value in model.items() if key != "name"}
-    check_options(device, "auto", options)
-    tell_choice(device, threads)
-    levels = build_adaptive(device, **options, threads=threads)
-    kept = levels.errors < options.get("tolerance", TOLERANCE)
+        return lambda devices: build_model(devices, **model)
+    auto = choose_model(batch_of([device]), model)
+    accepted = model.get("tolerance", TOLERANCE)
+    rows = to_rows(
+        0, *np.meshgrid(f0, C), np.arange(len(settings.pulses))[:, np.newaxis, np.newaxis]
+    )
+    static = static_threshold(auto.device)
+
+    def find(level):
+        return nominal_thresholds(level, rows, static, settings, accepted / 10)
+
     # ASSUME: what suffices for the nominal device suffices for those that scatter about it.
-    chosen = (levels.base, levels.check, levels.top)[int(np.argmax(kept)) if kept.any() else 2]
-    return {"name": "cosines", "modes": chosen.modes // (2 if device.beam.free else 1)}
+    name, found = "base", find(auto.base)
+    for better in ("check", "top"):
+        finer = getattr(auto, better)
+        nearer, halved = find(finer), find(finer.with_step(0.5))
+        clean = abs(halved / nearer - 1) < accepted
+        if (abs(found / nearer - 1)[clean] < accepted).all():
+            break
+        name, found = better, nearer
+    return lambda devices: getattr(choose_model(devices, model), name)

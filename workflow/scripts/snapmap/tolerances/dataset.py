@@ -12,7 +12,7 @@ from ..numerics.portable import geometric
 from ..pulse import VERSED_SINE, Pulse, shocks_from
 from ..solver.cells import check_cells
 from ..solver.settings import Settings, check_number, check_settings
-from .batch import Batch
+from .batch import Batch, choose_builder
 from .samples import SHOCK, Plan
 from .sensitivity import crossed, indices
 from .statistics import count_below, moments, quantiles, wilson
@@ -135,7 +135,8 @@ def tolerance(
         points = plan.points(samples, seed)
         paired = points[:, :power]
         every = np.concatenate([points[0], paired[1], *crossed(paired)])
-        whole = Batch(one, plan, every, model, threads)
+        build = choose_builder(one, model, *axes.values(), settings)
+        whole = Batch(one, plan, every, build)
         some = whole.first(samples)
         data, N_first = _thresholds(whole, samples, shocks, axes, settings, tolerance)
         data = data.merge(_made(some))
@@ -244,7 +245,7 @@ def _probability(data, N):
     if N is None:
         known = own[np.isfinite(own)]
         ends = (known.min(), known.max()) if known.size else (1.0, 2.0)
-        N = geometric(*ends, AMPLITUDES)
+        N = np.append(geometric(*ends, AMPLITUDES)[:-1], ends[1])  # to its last digit
     N = np.sort(np.atleast_1d(np.asarray(N, float)))
     return _share("probability", count_below(own, N), len(own), (*data.N_nominal.dims, "N"), N=N)
 

@@ -9,7 +9,8 @@ import numpy as np
 
 from snapmap.device import Device
 from snapmap.pulse import Shocks
-from snapmap.solver.cost import steps_and_costs
+from snapmap.solver.cells import to_cells
+from snapmap.solver.cost import steps_and_seconds
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
 
@@ -65,7 +66,8 @@ def afford(
     axes: C, f0 (Hz) and N of the sweep
     """
     axes = {key: np.sort(np.asarray(axes[key], float)) for key in ("C", "f0", "N")}
-    cost = _cost(device, settings, plan, np.unique(axes["C"][[0, -1]]).size * len(shocks.pulses))
+    maps = np.unique(axes["C"][[0, -1]]).size * len(shocks.pulses)
+    cost = _cost(device, axes["f0"], settings, plan, maps)
     longest = SECONDS / cost.seconds(min(plan.side, LEAST_SIDE), 1.0)
     slowest = 2e6 / longest
     f0 = np.unique(np.maximum(axes["f0"], slowest))
@@ -84,27 +86,26 @@ def afford(
     return Affordable(axes | {"f0": f0}, settings, plan, tuple(told), slowest)
 
 
-def _cost(device, settings, plan, maps):
-    of_cases = sum(_seconds(case.model) for case in list_cases(device, settings, plan))
+def _cost(device, f0, settings, plan, maps):
+    def seconds(model):
+        """Expected time to follow one cell for 1 us, of the shortest pulse: it asks for most."""
+        cells = to_cells(model.device, [0], 0.0, f0.max(), 0.0, 0.0)
+        return (steps_and_seconds(model, cells, settings)[1] / cells.t_end).item()
+
+    def fine(one, name, **options):
+        return seconds(build_model(one, name, step=FINE_STEP, **options))
+
+    of_cases = sum(seconds(case.model) for case in list_cases(device, settings, plan))
     of_map, of_row = of_cases, of_cases
     runs = [(device, plan.converged)]
     if math.isfinite(device.contact):
         runs.append((replace(device, contact=math.inf), plan.hard))
     for one, refinement in runs:
-        cosines = [_fine(one, "cosines", modes=modes) for modes in refinement.cosines]
+        cosines = [fine(one, "cosines", modes=modes) for modes in refinement.cosines]
         meshes = [
-            _fine(one, "elements", modes=refinement.modes[0], elements=elements)
+            fine(one, "elements", modes=refinement.modes[0], elements=elements)
             for elements in refinement.meshes
         ]
         of_map += REPEATED * cosines[0]
         of_row += REPEATED * sum(cosines) + 2 * sum(meshes)
     return Cost(of_map, of_row, maps)
-
-
-def _fine(device, name, **options):
-    return _seconds(build_model(device, name, step=FINE_STEP, **options))
-
-
-def _seconds(model):
-    """Expected time to follow one cell for 1 us."""
-    return steps_and_costs(replace(model, dt=np.array([model.dt])))[1].item()

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from snapmap.axes import COORDINATES, PULSE_AXES
+from snapmap.solver.settings import SNAP
 
 from .answers import Answer
 from .cases import CONVERGED, FAMILIES, MODELS, Case
@@ -91,9 +92,10 @@ def _comparison(cases, answers, converged, probe):
 def _settings(cases):
     modes = [case.model.modes for case in cases]
     contact = [case.model.device.contact for case in cases]
+    steps = [case.model.steps.longest[SNAP].item() for case in cases]
     return {
         "modes": _variable("model", modes, "number of modes", "1"),
-        "step": _variable("model", [case.model.dt for case in cases], "time step", "us"),
+        "step": _variable("model", steps, "longest time step", "us"),
         "contact": _variable("model", contact, "contact penalty; inf: hard", "uN um-1"),
     }
 

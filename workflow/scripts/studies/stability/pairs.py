@@ -15,6 +15,7 @@ from snapmap.solver.schemes import stability_limit
 from snapmap.solver.settings import Settings
 from snapmap.solver.simd_kernel import LANES
 
+from ..stepped import stepped
 from .cases import APART, Case, changed
 from .verdicts import LEFT_OUT, NO_RUNS, REFUSED, Runs, judge, snap_shift
 
@@ -41,11 +42,18 @@ def measure_pair(
     except ValueError:
         return _blank(steps, REFUSED)
     limit = stability_limit(device, model.modal, model.scheme)
-    values = _blank(steps, LEFT_OUT) | {"limit": limit, "default_step": model.dt / limit}
+    default = _default_step(device, model, case)
+    values = _blank(steps, LEFT_OUT) | {"limit": limit, "default_step": default / limit}
     search = [FINE_STEPS[0] * limit] * 4 * case.of_threshold  # a dozen runs, over at the snap
-    if _seconds(model, case, [model.dt, *search]) > BUDGET / 8:
+    if _seconds(model, case, [default, *search]) > BUDGET / 8:
         return values
     return values | _follow(case, model, limit, steps)
+
+
+def _default_step(device, model, case):
+    """The step in which a sweep tells where the case stays, us."""
+    cells, settings = to_cells(device, [0], 0.0, case.f0, case.C, case.horizon), Settings()
+    return model.steps.of(cells, settings.pulses, settings.question).item()
 
 
 def _follow(case, model, limit, steps):
@@ -54,7 +62,7 @@ def _follow(case, model, limit, steps):
 
     @cache
     def follow_at(dt):
-        return _to_runs(replace(model, dt=dt).follow_once(cells, settings))
+        return _to_runs(stepped(model, dt).follow_once(cells, settings))
 
     fine, values = NO_RUNS, {}
     if _seconds(model, case, limit * np.array([*FINE_STEPS, *steps])) < BUDGET:
@@ -77,7 +85,7 @@ def _seconds(model, case, steps):
 def _cells(model, case, limit):
     N = case.N
     if case.of_threshold:
-        fine = replace(model, dt=FINE_STEPS[0] * limit)
+        fine = stepped(model, FINE_STEPS[0] * limit)
         row = to_rows(0, case.f0, case.C)
         asked = SEARCHED, Settings(horizon=300.0)
         N *= lowest_snap(fine, row, *asked, tolerance=10 * APART)[0]

@@ -1,0 +1,97 @@
+"""How long the time steps of a run are: by what is asked, the pulse and the device."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..beam.modal import ModalBeam
+from ..device import Device
+from ..pulse import Pulse
+from .cells import Cells
+from .schemes import EXPLICIT, arch_frequency, default_step, stability_limit
+from .settings import MOVE, QUESTIONS, SNAP, STAY
+
+FEWEST = 16
+"""Steps in each swing of any pulse: its sum is then exact to 1e-4."""
+# ASSUME: the steps of the conserving scheme are chosen by measurement, see docs/accuracy.md.
+PER_SWING = 700
+"""Steps in each swing of a pulse that is slow for the device."""
+SHORTEST = 0.15
+"""Over the arch's frequency: no pulse asks for shorter steps, unless for FEWEST."""
+LONGEST = {SNAP: 5.0, STAY: 0.5, MOVE: 0.12}
+"""Over the arch's frequency, by question."""
+MOST = 20_000
+"""Steps in each swing of a smooth pulse that are enough for SNAP, however slow it is: the beam
+follows it from rest to rest."""
+CORNERED = 0.4
+"""Times the longest step for SNAP, of pulses with corners, which ring the beam."""
+
+
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """The rule of the steps of a batch of devices.
+
+    longest: us, (devices,), by question
+    shortest: us, (devices,): so long a step resolves the device, however short the pulse
+    per_swing: steps in each swing of a pulse
+    most: steps in each swing of a smooth pulse that are enough for SNAP
+    cornered: times the longest for SNAP, of pulses with corners
+    factor: by which all are multiplied
+    """
+
+    longest: Mapping[str, np.ndarray]
+    shortest: np.ndarray
+    per_swing: float
+    most: float = np.inf
+    cornered: float = 1.0
+    factor: float = 1.0
+
+    def of(self, cells: Cells, pulses: Sequence[Pulse], question: str) -> np.ndarray:
+        """Time step of each cell, us, in the cells' shape; pulses: what the cells refer to."""
+        swings = np.array([max(1.0, pulse.variation / 2) for pulse in pulses])[cells.pulse]
+        swing = 1 / (swings * cells.f0)
+        resolved = np.maximum(swing / self.per_swing, self.shortest[cells.device])
+        longest = self.longest[question][cells.device]
+        if question == SNAP:
+            smooth = np.array([pulse.is_smooth for pulse in pulses])[cells.pulse]
+            longest = np.where(
+                smooth, np.maximum(longest, swing / self.most), self.cornered * longest
+            )
+        step = np.minimum(longest, resolved)
+        fewest = min(self.factor, 1.0) * swing / FEWEST
+        return np.minimum(self.factor * step, fewest)
+
+    def times(self, factor: float) -> "Steps":
+        """The same rule with every step multiplied by `factor`, but for very short pulses."""
+        return replace(self, factor=factor * self.factor)
+
+    def pick(self, which: int | np.ndarray) -> "Steps":
+        """The rule of one device of the batch, or of some."""
+        which = np.atleast_1d(which)
+        longest = {question: step[which] for question, step in self.longest.items()}
+        return replace(self, longest=longest, shortest=self.shortest[which])
+
+
+def fixed(dt: np.ndarray) -> Steps:
+    """The rule that has one step for each device, us, (devices,), but for very short pulses."""
+    return Steps(dict.fromkeys(QUESTIONS, dt), np.zeros(dt.shape), FEWEST)
+
+
+def steps_of(
+    device: Device, modal: ModalBeam, scheme: str, whole: bool, step: float | None
+) -> Steps:
+    """The rule of a device or a batch.
+
+    whole: as in `schemes.pays_explicit`; step: over the limit of linear stability, the same for all
+        questions; by default that of the explicit scheme, or the one that the question needs
+    """
+    if step is None and scheme != EXPLICIT:
+        period = np.atleast_1d(1 / arch_frequency(modal))
+        longest = {question: turn * period for question, turn in LONGEST.items()}
+        return Steps(longest, SHORTEST * period, PER_SWING, MOST, CORNERED)
+    if step is None:
+        dt = default_step(device, modal, whole)
+    else:
+        dt = step * stability_limit(device, modal, scheme)
+    return fixed(np.atleast_1d(dt))
