@@ -241,7 +241,7 @@ def summary(found: xr.Dataset) -> str:
     typical = f"{np.median(known):.2%}" if known.size else "unknown"
     line = (
         f"{N.size} of {found.N_first.size} thresholds found, {ends}"
-        f"{int(found.ragged.sum())} of them ragged, {int((known > 0.01).sum())} with an error "
+        f"{int(found.ragged.where(found.N_first.notnull(), 0).sum())} of them ragged, {int((known > 0.01).sum())} with an error "
         f"above 1 %, median {typical}"
     )
     for number in (NOTHING_SNAPS, NOT_FOLLOWED):
