@@ -239,10 +239,11 @@ def summary(found: xr.Dataset) -> str:
     relative = (found.N_error / found.N_first).values
     known = relative[np.isfinite(relative)]
     typical = f"{np.median(known):.2%}" if known.size else "unknown"
+    ragged = int(found.ragged.where(found.N_first.notnull(), 0).sum())
     line = (
         f"{N.size} of {found.N_first.size} thresholds found, {ends}"
-        f"{int(found.ragged.sum())} of them ragged, {int((known > 0.01).sum())} with an error "
-        f"above 1 %, median {typical}"
+        f"{ragged} of them ragged, {int((known > 0.01).sum())} with an error above 1 %, "
+        f"median {typical}"
     )
     for number in (NOTHING_SNAPS, NOT_FOLLOWED):
         count = int((found.status == number).sum())
