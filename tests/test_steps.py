@@ -13,11 +13,10 @@ from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.schemes import CONSERVING, EXPLICIT, arch_frequency, bending_limit, default_step
 from snapmap.solver.settings import MOVE, QUESTIONS, SNAP, STAY, Settings
-from snapmap.solver.steps import FEWEST, LONGEST, PER_SWING, SHORTEST, Steps, fixed
+from snapmap.solver.steps import FEWEST, LONGEST, MORE, PER_SWING, SHORTEST, Steps, fixed
 
-RULE = Steps(
-    {SNAP: np.array([3.0]), STAY: np.array([0.2]), MOVE: np.array([0.1])}, np.array([0.05]), 500
-)
+LONG = {SNAP: np.array([3.0]), STAY: np.array([0.2]), MOVE: np.array([0.1])}
+RULE = Steps(LONG, np.array([0.05]), np.array([False]), 500)
 VERSED_SINE = (make_pulse(),)
 
 
@@ -51,11 +50,28 @@ def test_a_pulse_of_many_swings_has_steps_in_each(handout):
     assert few == pytest.approx(1.0) and many == pytest.approx(1 / 3)
 
 
+@pytest.mark.parametrize(
+    ("direction", "shape", "apart", "expected"),
+    [
+        ("+z", "versed sine", False, 3.0),
+        ("+z", "trapezoid", False, 1.2),  # corners ring the beam
+        ("-z", "versed sine", False, 0.3),  # the mass flies off, and strikes on its way back
+        ("-z", "trapezoid", False, 0.3),
+        ("+z", "versed sine", True, 0.3),  # or crosses a gap
+    ],
+)
+def test_what_strikes_is_followed_closely(handout, direction, shape, apart, expected):
+    rule = replace(RULE, apart=np.array([apart]), cornered=0.4, striking=0.1)
+    pulse = make_pulse(shape) if direction == "+z" else make_pulse(shape).reversed()
+    for question, step in ((SNAP, expected), (STAY, 0.2)):
+        assert step_of(rule, handout, 10.0, question, (pulse,)) == pytest.approx(step)
+
+
 def test_a_factor_leaves_very_short_pulses_their_steps(handout):
     assert step_of(RULE.times(0.5), handout, 2e3) == pytest.approx(0.5)
     assert step_of(RULE.times(0.5).times(4.0), handout, 2e3) == pytest.approx(2.0)
     short = 0.4 / FEWEST
-    assert step_of(RULE.times(4.0), handout, 2.5e6) == pytest.approx(short)
+    assert step_of(RULE.times(4.0), handout, 2.5e6) == pytest.approx(MORE * short)
     assert step_of(RULE.times(0.5), handout, 2.5e6) == pytest.approx(short / 2)
 
 

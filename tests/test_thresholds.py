@@ -143,7 +143,8 @@ def test_islands_and_late_snaps_are_those_of_a_sweep(handout):
         snapped = np.isfinite(cube.t_snap.values.ravel())
         known = 2 * start.size + 1
         assert snapped[:known].all() and not snapped[known:].reshape(gaps.shape).all(axis=0).any()
-    N = found.N_pulse.values[:, np.newaxis] * [0.999, 1.0]
+    # Just below, within the tolerance of the refinement: closer labels change back and forth.
+    N = found.N_pulse.values[:, np.newaxis] * [1 - 1e-4, 1.0]
     for row in range(2):
         cube = snapmap.sweep(handout, N=N[row], f0=[f0[row]], C=[0.025], until="snap", **model)
         assert (cube.t_snap.values.ravel() * f0[row] < 1e6).tolist() == [False, True]

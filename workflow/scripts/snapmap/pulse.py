@@ -15,6 +15,8 @@ NO_JUMP = 1e-12
 """What a pulse begins or ends with, over its peak, is no jump up to here."""
 AT_REST, BASELINE = 0.05, 0.005
 """A recorded shock is over below this share of its peak, and its rest should be below that."""
+PULLED = 0.05
+"""A pulse of which no more than this share points back lets the mass stay on the beam."""
 COARSE = 8.0
 """Fewer samples in a period of the device's make a record too coarse for it."""
 TENTH = 0.1
@@ -93,6 +95,11 @@ class Pulse:
         first, last = slope + turn * swing, slope + turn * (lift * sine + swing * cosine)
         jumps = np.append(first, 0.0) - np.insert(last, 0, 0.0)
         return not any(self.ends) and bool(abs(jumps).max() < NO_JUMP)
+
+    @property
+    def pulls(self) -> bool:
+        """Whether more than PULLED of it points away from the beam, and the mass comes back."""
+        return self.gross_area - self.area > 2 * PULLED * self.gross_area
 
     @property
     def _places(self):

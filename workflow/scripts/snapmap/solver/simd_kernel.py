@@ -267,10 +267,10 @@ def advance_conserving(X, shape, shocks, first, steps):
             X[STRETCH_MEAN * LANES + l], X[INVERSE * LANES + l] = rho, inverse
             X[ALONG * LANES + l] = eu
 
-        turning = 0.0
+        turning = False
         for l in range(LANES):
-            turning += X[TURNING * LANES + l]
-        if turning > 0.0:
+            turning |= X[TURNING * LANES + l] > 0.0
+        if turning:
             for l in range(LANES):
                 if X[TURNING * LANES + l] == 0.0:
                     continue

@@ -14,8 +14,10 @@ from .settings import MOVE, QUESTIONS, SNAP, STAY
 
 FEWEST = 16
 """Steps in each swing of any pulse: its sum is then exact to 1e-4."""
+MORE = 1.5
+"""No factor makes the steps of the shortest pulses longer than so many times."""
 # ASSUME: the steps of the conserving scheme are chosen by measurement, see docs/accuracy.md.
-PER_SWING = 700
+PER_SWING = 500
 """Steps in each swing of a pulse that is slow for the device."""
 SHORTEST = 0.15
 """Over the arch's frequency: no pulse asks for shorter steps, unless for FEWEST."""
@@ -26,6 +28,9 @@ MOST = 20_000
 follows it from rest to rest."""
 CORNERED = 0.4
 """Times the longest step for SNAP, of pulses with corners, which ring the beam."""
+STRIKING = 0.05
+"""Times the longest step for SNAP, where the mass strikes with a run-up: across a gap, or after a
+pulse that pulls."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,17 +39,21 @@ class Steps:
 
     longest: us, (devices,), by question
     shortest: us, (devices,): so long a step resolves the device, however short the pulse
+    apart: whether the mass rests apart from the beam, (devices,)
     per_swing: steps in each swing of a pulse
     most: steps in each swing of a smooth pulse that are enough for SNAP
     cornered: times the longest for SNAP, of pulses with corners
+    striking: the same, where the mass strikes with a run-up
     factor: by which all are multiplied
     """
 
     longest: Mapping[str, np.ndarray]
     shortest: np.ndarray
+    apart: np.ndarray
     per_swing: float
     most: float = np.inf
     cornered: float = 1.0
+    striking: float = 1.0
     factor: float = 1.0
 
     def of(self, cells: Cells, pulses: Sequence[Pulse], question: str) -> np.ndarray:
@@ -54,12 +63,13 @@ class Steps:
         resolved = np.maximum(swing / self.per_swing, self.shortest[cells.device])
         longest = self.longest[question][cells.device]
         if question == SNAP:
-            smooth = np.array([pulse.is_smooth for pulse in pulses])[cells.pulse]
-            longest = np.where(
-                smooth, np.maximum(longest, swing / self.most), self.cornered * longest
-            )
+            smooth, pulls = np.array([(one.is_smooth, one.pulls) for one in pulses]).T
+            strikes = pulls[cells.pulse] | self.apart[cells.device]
+            careful = np.where(strikes, self.striking, self.cornered) * longest
+            calm = smooth[cells.pulse] & ~strikes
+            longest = np.where(calm, np.maximum(longest, swing / self.most), careful)
         step = np.minimum(longest, resolved)
-        fewest = min(self.factor, 1.0) * swing / FEWEST
+        fewest = min(self.factor, MORE) * swing / FEWEST
         return np.minimum(self.factor * step, fewest)
 
     def times(self, factor: float) -> "Steps":
@@ -70,12 +80,14 @@ class Steps:
         """The rule of one device of the batch, or of some."""
         which = np.atleast_1d(which)
         longest = {question: step[which] for question, step in self.longest.items()}
-        return replace(self, longest=longest, shortest=self.shortest[which])
+        parts = {"shortest": self.shortest[which], "apart": self.apart[which]}
+        return replace(self, longest=longest, **parts)
 
 
 def fixed(dt: np.ndarray) -> Steps:
     """The rule that has one step for each device, us, (devices,), but for very short pulses."""
-    return Steps(dict.fromkeys(QUESTIONS, dt), np.zeros(dt.shape), FEWEST)
+    none = np.zeros(dt.shape)
+    return Steps(dict.fromkeys(QUESTIONS, dt), none, none > 0, FEWEST)
 
 
 def steps_of(
@@ -89,7 +101,9 @@ def steps_of(
     if step is None and scheme != EXPLICIT:
         period = np.atleast_1d(1 / arch_frequency(modal))
         longest = {question: turn * period for question, turn in LONGEST.items()}
-        return Steps(longest, SHORTEST * period, PER_SWING, MOST, CORNERED)
+        apart = np.broadcast_to(np.asarray(device.gap) > 0, period.shape)
+        shares = MOST, CORNERED, STRIKING
+        return Steps(longest, SHORTEST * period, apart, PER_SWING, *shares)
     if step is None:
         dt = default_step(device, modal, whole)
     else:

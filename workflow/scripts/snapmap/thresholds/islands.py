@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..solver.adaptive import Survey
+from ..solver.adaptive import OTHER_STEP, Survey
 from ..solver.bounds import least_amplitudes
 from ..solver.bracket import SCAN_STEP, amplitudes, asker, first_snap, refine
 from ..solver.cells import Rows
@@ -62,7 +62,7 @@ class Thresholds(NamedTuple):
     N_bound: below it nothing can snap, by energy
     N_looked: the highest N looked at
     N_first: the lowest N that snaps
-    N_error: of N_first: what the finer levels, half the step and the refinement leave open
+    N_error: of N_first: what other levels, another step and the refinement leave open
     N_half: N_always less the lengths of the islands: as much snaps below it as does not above
     half_error: of N_half, likewise
     ragged: 1 where labels change back and forth, or levels differ by far, else 0
@@ -102,7 +102,7 @@ def survey(
 
     highest: up to which N islands are looked for; ABOVE times the threshold if not given
     The cheap model scans; the one that decides looks again where labels change, and refines; the
-    others, and half the step, tell what that is worth. Where the cheap one fails, or sees another
+    others, and another step, tell what that is worth. Where the cheap one fails, or sees another
     threshold than the one that decides, that one scans too. Clean rows that are left open by more
     than the models' tolerance are taken by finer ones.
     """
@@ -144,14 +144,16 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
     N_half = np.where(np.isnan(N_always), np.nan, balance(edges, N_first.size))
     if highest is not None:
         N_always = np.where(N_always <= highest, N_always, np.nan)
-    others = [ask(m) for m in (decides.with_step(other_step), doubts, better) if m is not None]
+    levels = [ask(m) for m in (doubts, better) if m is not None]
     clean = np.where(ragged, np.nan, N_first)
-    in_time, *in_space = (_distance(other, clean, tolerance) for other in others)
+    in_time = _distance(ask(decides.with_step(other_step)), clean, tolerance)
+    in_space = [_distance(level, clean, tolerance) for level in levels]
     # The better level may itself be off by as much.
     near = in_time + np.max(in_space, axis=0) + (in_space[1] if better else 0.0)
     apart = np.isinf(near)
     ragged |= apart
     window = chosen(apart, whole, window)
+    others = ask(decides.with_step(OTHER_STEP)), *levels
     found = [_elsewhere(other, window, ragged) for other in others]
     if judge is not None:
         wider = window._replace(step=JUDGED_STEP * window.step)
