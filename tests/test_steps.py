@@ -12,11 +12,17 @@ from snapmap.solver.bracket import lowest_snap
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.schemes import CONSERVING, EXPLICIT, arch_frequency, bending_limit, default_step
-from snapmap.solver.settings import MOVE, QUESTIONS, SNAP, STAY, Settings
+from snapmap.solver.settings import EDGE, MOVE, QUESTIONS, SNAP, STAY, Settings
 from snapmap.solver.steps import FEWEST, LONGEST, MORE, PER_SWING, SHORTEST, Steps, fixed
 
-LONG = {SNAP: np.array([3.0]), STAY: np.array([0.2]), MOVE: np.array([0.1])}
-RULE = Steps(LONG, np.array([0.05]), np.array([False]), 500)
+LONGEST_STEPS = {SNAP: 3.0, EDGE: 3.0, STAY: 0.2, MOVE: 0.1}
+RULE = Steps(
+    {question: np.array([step]) for question, step in LONGEST_STEPS.items()},
+    shortest=np.array([0.05]),
+    blows=np.array([100.0]),
+    apart=np.array([False]),
+    per_swing=500,
+)
 VERSED_SINE = (make_pulse(),)
 
 
@@ -32,6 +38,9 @@ def step_of(rule, handout, f0, question=SNAP, pulses=VERSED_SINE):
         (10.0, STAY, 0.2),
         (10.0, MOVE, 0.1),
         (2e3, SNAP, 1.0),  # 500 steps in 500 us
+        (2e3, EDGE, 1.0),
+        (5e3, EDGE, 0.2),  # twice as long as where blows decide: four times the shortest
+        (2e4, EDGE, 0.05),
         (2e3, MOVE, 0.1),
         (1e5, SNAP, 0.05),  # 500 steps of 0.02 us are more than the device asks for
         (1e5, MOVE, 0.05),
@@ -63,7 +72,7 @@ def test_a_pulse_of_many_swings_has_steps_in_each(handout):
 def test_what_strikes_is_followed_closely(handout, direction, shape, apart, expected):
     rule = replace(RULE, apart=np.array([apart]), cornered=0.4, striking=0.1)
     pulse = make_pulse(shape) if direction == "+z" else make_pulse(shape).reversed()
-    for question, step in ((SNAP, expected), (STAY, 0.2)):
+    for question, step in ((SNAP, expected), (EDGE, expected), (STAY, 0.2)):
         assert step_of(rule, handout, 10.0, question, (pulse,)) == pytest.approx(step)
 
 

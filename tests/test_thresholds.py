@@ -7,7 +7,10 @@ import numpy as np
 import pytest
 
 import snapmap
-from snapmap.solver.bracket import amplitudes, first_snap, refine
+from snapmap.solver.bracket import amplitudes, asker, first_snap, refine
+from snapmap.solver.cells import to_rows
+from snapmap.solver.models import build_model
+from snapmap.solver.settings import Settings
 from snapmap.thresholds.islands import (
     _closer_window,
     _decide,
@@ -125,29 +128,29 @@ def test_a_threshold_is_where_the_sweep_changes(handout):
     assert np.isfinite(cube.t_snap.values).ravel().tolist() == [False, True]
 
 
-def test_islands_and_late_snaps_are_those_of_a_sweep(handout):
+def test_islands_and_late_snaps_are_those_of_single_runs(handout):
     """Near 6 kHz with little damping the ringing after the pulse decides, in islands of N."""
-    f0, model = [5800.0, 7036.0], {"model": "cosines", "modes": 7}
-    found = snapmap.threshold(handout, f0=f0, C=[0.025], **model, highest=2400.0).squeeze("C")
+    f0, options = np.array([5800.0, 6200.0]), {"modes": 7}
+    asked = {"model": "cosines", "highest": 2400.0, **options}
+    found = snapmap.threshold(handout, f0=f0, C=[0.025], **asked).squeeze("C")
     assert (found.islands >= 1).all() and (found.N_always > 1.01 * found.N_first).all()
     assert (found.t_snap > 1e6 / found.f0).all() and (found.N_pulse > found.N_first).all()
+    model = build_model(handout, "cosines", **options)
     for row in range(2):
         one = found.isel(f0=row)
+        ask = asker(model, to_rows(0, f0[row : row + 1], 0.025), Settings())
         start, end = (
             key.values[np.isfinite(key.values)] for key in (one.island_from, one.island_to)
         )
         assert (start <= end).all() and start[0] == one.N_first and start.size == one.islands
         gaps = np.linspace(end, np.append(start[1:], one.N_always), 22)[1:-1]
-        N = [*start, *end, float(one.N_always), *gaps.ravel()]
-        cube = snapmap.sweep(handout, N=N, f0=[f0[row]], C=[0.025], until="snap", **model)
-        snapped = np.isfinite(cube.t_snap.values.ravel())
+        N = np.array([*start, *end, float(one.N_always), *gaps.ravel()])
+        snapped = np.isfinite(ask(N[np.newaxis])[0])
         known = 2 * start.size + 1
         assert snapped[:known].all() and not snapped[known:].reshape(gaps.shape).all(axis=0).any()
-    # Just below, within the tolerance of the refinement: closer labels change back and forth.
-    N = found.N_pulse.values[:, np.newaxis] * [1 - 1e-4, 1.0]
-    for row in range(2):
-        cube = snapmap.sweep(handout, N=N[row], f0=[f0[row]], C=[0.025], until="snap", **model)
-        assert (cube.t_snap.values.ravel() * f0[row] < 1e6).tolist() == [False, True]
+        # Just below, within the tolerance of the refinement: closer labels change back and forth.
+        t_snap = ask(one.N_pulse.item() * np.array([[1 - 1e-4, 1.0]]))[0]
+        assert (t_snap * f0[row] < 1e6).tolist() == [False, True]
 
 
 def test_a_model_section_is_taken_whole(handout):

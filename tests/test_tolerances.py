@@ -116,7 +116,9 @@ def test_thresholds_are_those_of_the_devices_one_by_one(handout):
         own = np.array(f0) / sample.duration_factor.item()
         alone = snapmap.threshold(vary(handout, **values), own, C, **CHEAP)
         off = abs(sample.N_first.values * sample.N_factor.item() / alone.N_first.values - 1)
-        assert (off[alone.ragged.values == 0] < 1.2e-3).all()
+        # Clean rows may hide an island as narrow as their bars.
+        known = np.fmax(1.2e-3, (alone.N_error / alone.N_first).values)
+        assert (off < known)[alone.ragged.values == 0].all()
         assert (off < 0.01).all() and (alone.ragged == 0).mean() >= 0.5
 
 

@@ -17,12 +17,6 @@ RUNGS = (3, 5, 11)
 """Cosines of the levels: odd ones, as even ones do not move the midpoint."""
 REACH = 2
 """Cells along N on either side of a change of label that count as near it."""
-CHECKED = 0.35
-"""Times the own step, of the runs by which a clean row's error of time is seen: where blows decide,
-order 2 is only reached in steps as short."""
-OTHER_STEP = 2.0**0.5
-"""The same, where that step is as short already, or the row is ragged: the threshold then changes
-by its own error."""
 TOLERANCE = 1e-3
 """Error of the threshold that `auto` may make, relative, by default; that of its steps, too."""
 
@@ -84,7 +78,6 @@ class Survey(NamedTuple):
     """Models by which thresholds are found: scans is cheap, and doubts has another opinion.
 
     better: than the one that decides; None where that is the best
-    other_step: of the one that decides, times its own, by which a clean row's error of time is seen
     static: threshold of slow pulses, about which to look, in multiples of g; (devices,)
     judge: has its say where rows are ragged, in wider steps; None if the others suffice
     finer: takes the clean rows that this one leaves open by more than tolerance, relative; None for
@@ -96,7 +89,6 @@ class Survey(NamedTuple):
     doubts: Follows
     better: Follows | None
     static: np.ndarray
-    other_step: float = CHECKED
     judge: Follows | None = None
     tolerance: float = np.inf
     finer: Optional["Survey"] = None
@@ -118,7 +110,7 @@ def choose_survey(device: Device, model: Mapping) -> Survey:
         levels = build_adaptive(device)
         return Survey(levels.base, chosen, levels.check, levels.top, static)
     coarse, middle, fine = chosen.base, chosen.check, chosen.top
-    finer = Survey(middle, fine.with_step(CHECKED), middle, None, static, other_step=OTHER_STEP)
+    finer = Survey(middle, fine.with_step(0.5), middle, None, static)
     accepted = model.get("tolerance", TOLERANCE)
     return Survey(coarse, middle, coarse, None, static, judge=fine, tolerance=accepted, finer=finer)
 

@@ -34,13 +34,16 @@ def lowest_snap(
     return refine(ask, *first_snap(N, np.isfinite(ask(N))), tolerance)[1]
 
 
-def asker(model: Follows, rows: Rows, settings: Settings) -> Callable[[np.ndarray], np.ndarray]:
+def asker(
+    model: Follows, rows: Rows, settings: Settings, until: str = "edge"
+) -> Callable[[np.ndarray], np.ndarray]:
     """Make a function that tells when the cells of rows snap.
 
+    until: "edge" or "snap", as in `settings.QUESTION`
     It takes N, (rows, n), and returns t_snap, us; NaN where a cell does not snap, or N is NaN, and
     -inf where no run of it can be believed.
     """
-    asked = settings._replace(until="snap", repeat=False)
+    asked = settings._replace(until=until, repeat=False)
 
     def ask(N):
         given = np.isfinite(N)

@@ -6,13 +6,13 @@ from typing import NamedTuple
 from ..pulse import Pulse, make_pulse
 
 UNTIL = ("settled", "snap")
-SNAP, STAY, MOVE = QUESTIONS = ("snap", "stay", "move")
-"""Does it snap, where does it stay, how does it move: each has its own time step."""
-QUESTION = {"settled": STAY, "snap": SNAP, "pulse": SNAP, "moved": MOVE}
+SNAP, EDGE, STAY, MOVE = QUESTIONS = ("snap", "edge", "stay", "move")
+"""Does it snap, from which N on, where does it stay, how does it move: each has its time step."""
+QUESTION = {"settled": STAY, "snap": SNAP, "edge": EDGE, "pulse": SNAP, "moved": MOVE}
 """What is asked by how long a cell is followed.
 
-Beside UNTIL, within the solver: "pulse" ends a run with its pulse or its snap, and "moved" is
-"settled" in the steps that the motion needs.
+Beside UNTIL, within the solver: "edge" is "snap" in the steps that a threshold needs, "pulse" ends
+a run with its pulse or its snap, and "moved" is "settled" in the steps that the motion needs.
 """
 THRESHOLD_TOLERANCE = 1e-4
 """How closely thresholds in N are refined, relative, unless told."""

@@ -41,7 +41,7 @@ def march(model, cells, dt, settings):
     t_snap, t_settled, *others = (np.empty(n_cells) for _ in range(5))
     facts = t_snap, t_settled, np.empty(n_cells, np.int8), *others
     rows, pulses = coefficients(model, snap_target(model)), table(settings.pulses)
-    ends = settings.until in ("snap", "pulse"), settings.until == "pulse"
+    ends = settings.until in ("snap", "edge", "pulse"), settings.until == "pulse"
     asked = ends, settings.energy_tolerance
     X, shape = work_array(modes), (0,) * modes
     follow_all(X, shape, *_schemes(model), rows, pulses, (*cells, dt), *asked, facts)

@@ -10,7 +10,7 @@ from ..device import Device
 from ..pulse import Pulse
 from .cells import Cells
 from .schemes import EXPLICIT, arch_frequency, default_step, stability_limit
-from .settings import MOVE, QUESTIONS, SNAP, STAY
+from .settings import EDGE, MOVE, QUESTIONS, SNAP, STAY
 
 FEWEST = 16
 """Steps in each swing of any pulse: its sum is then exact to 1e-4."""
@@ -21,16 +21,18 @@ PER_SWING = 500
 """Steps in each swing of a pulse that is slow for the device."""
 SHORTEST = 0.15
 """Over the arch's frequency: no pulse asks for shorter steps, unless for FEWEST."""
-LONGEST = {SNAP: 5.0, STAY: 0.5, MOVE: 0.12}
+BLOWS = 400.0
+"""Radians of the arch in each swing of a pulse up to which EDGE has the shortest steps: below,
+blows decide. Longer pulses leave it steps that grow with the square of their length."""
+LONGEST = {SNAP: 5.0, EDGE: 5.0, STAY: 0.5, MOVE: 0.12}
 """Over the arch's frequency, by question."""
 MOST = 20_000
-"""Steps in each swing of a smooth pulse that are enough for SNAP, however slow it is: the beam
+"""Steps in each swing of a smooth pulse that are enough for SNAP and EDGE, however slow: the beam
 follows it from rest to rest."""
 CORNERED = 0.4
-"""Times the longest step for SNAP, of pulses with corners, which ring the beam."""
+"""Times the longest step for SNAP and EDGE, of pulses with corners, which ring the beam."""
 STRIKING = 0.05
-"""Times the longest step for SNAP, where the mass strikes with a run-up: across a gap, or after a
-pulse that pulls."""
+"""The same, where the mass strikes with a run-up: across a gap, or after a pulse that pulls."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,16 +41,18 @@ class Steps:
 
     longest: us, (devices,), by question
     shortest: us, (devices,): so long a step resolves the device, however short the pulse
+    blows: us, (devices,): swings up to which blows decide
     apart: whether the mass rests apart from the beam, (devices,)
     per_swing: steps in each swing of a pulse
-    most: steps in each swing of a smooth pulse that are enough for SNAP
-    cornered: times the longest for SNAP, of pulses with corners
+    most: steps in each swing of a smooth pulse that are enough for SNAP and EDGE
+    cornered: times the longest for these, of pulses with corners
     striking: the same, where the mass strikes with a run-up
     factor: by which all are multiplied
     """
 
     longest: Mapping[str, np.ndarray]
     shortest: np.ndarray
+    blows: np.ndarray
     apart: np.ndarray
     per_swing: float
     most: float = np.inf
@@ -60,15 +64,18 @@ class Steps:
         """Time step of each cell, us, in the cells' shape; pulses: what the cells refer to."""
         swings = np.array([max(1.0, pulse.variation / 2) for pulse in pulses])[cells.pulse]
         swing = 1 / (swings * cells.f0)
-        resolved = np.maximum(swing / self.per_swing, self.shortest[cells.device])
+        resolved, shortest = swing / self.per_swing, self.shortest[cells.device]
+        if question == EDGE:
+            strikes = (swing / self.blows[cells.device]) ** 2
+            resolved = np.minimum(resolved, strikes * shortest)
         longest = self.longest[question][cells.device]
-        if question == SNAP:
+        if question in (SNAP, EDGE):
             smooth, pulls = np.array([(one.is_smooth, one.pulls) for one in pulses]).T
             strikes = pulls[cells.pulse] | self.apart[cells.device]
             careful = np.where(strikes, self.striking, self.cornered) * longest
             calm = smooth[cells.pulse] & ~strikes
             longest = np.where(calm, np.maximum(longest, swing / self.most), careful)
-        step = np.minimum(longest, resolved)
+        step = np.minimum(longest, np.maximum(resolved, shortest))
         fewest = min(self.factor, MORE) * swing / FEWEST
         return np.minimum(self.factor * step, fewest)
 
@@ -80,14 +87,13 @@ class Steps:
         """The rule of one device of the batch, or of some."""
         which = np.atleast_1d(which)
         longest = {question: step[which] for question, step in self.longest.items()}
-        parts = {"shortest": self.shortest[which], "apart": self.apart[which]}
+        parts = {key: getattr(self, key)[which] for key in ("shortest", "blows", "apart")}
         return replace(self, longest=longest, **parts)
 
 
 def fixed(dt: np.ndarray) -> Steps:
     """The rule that has one step for each device, us, (devices,), but for very short pulses."""
-    none = np.zeros(dt.shape)
-    return Steps(dict.fromkeys(QUESTIONS, dt), none, none > 0, FEWEST)
+    return Steps(dict.fromkeys(QUESTIONS, dt), dt, dt, np.zeros(dt.shape, bool), FEWEST)
 
 
 def steps_of(
@@ -102,8 +108,8 @@ def steps_of(
         period = np.atleast_1d(1 / arch_frequency(modal))
         longest = {question: turn * period for question, turn in LONGEST.items()}
         apart = np.broadcast_to(np.asarray(device.gap) > 0, period.shape)
-        shares = MOST, CORNERED, STRIKING
-        return Steps(longest, SHORTEST * period, apart, PER_SWING, *shares)
+        lengths, shares = (SHORTEST * period, BLOWS * period), (MOST, CORNERED, STRIKING)
+        return Steps(longest, *lengths, apart, PER_SWING, *shares)
     if step is None:
         dt = default_step(device, modal, whole)
     else:

@@ -19,7 +19,7 @@ def tell_cost(models: Survey, rows: Rows, settings: Settings):
         return
     device = models.scans.device
     cells = to_cells(device, rows.device, 0.0, rows.f0, rows.C, settings.horizon, rows.pulse)
-    asked = settings._replace(until="snap")
+    asked = settings._replace(until="edge")
     scanned, decided = (
         steps_and_seconds(model, cells, asked)[1] for model in (models.scans, models.decides)
     )

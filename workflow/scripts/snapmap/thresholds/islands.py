@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..solver.adaptive import OTHER_STEP, Survey
+from ..solver.adaptive import Survey
 from ..solver.bounds import least_amplitudes
 from ..solver.bracket import SCAN_STEP, amplitudes, asker, first_snap, refine
 from ..solver.cells import Rows
@@ -48,6 +48,9 @@ STATUS = "no_device", "found", "nothing_snaps", "not_followed"
 """Whether there is a threshold, and if not, why: nothing snaps up to the highest N looked at, or
 runs fail, as of a pulse too short for any step."""
 NO_DEVICE, FOUND, NOTHING_SNAPS, NOT_FOLLOWED = range(len(STATUS))
+OTHER_STEP = 2.0**0.5
+"""Times the own step, of the runs by which the error of time is seen: of second order, it changes
+by itself."""
 JUDGED_STEP = 4.0
 """Steps of the judge's scan of a ragged row, over those of the others."""
 FARTHEST = 0.25
@@ -132,32 +135,34 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
     def ask(model, some=slice(None), horizon=settings.horizon):
         return asker(model, rows.some(some), settings._replace(horizon=horizon))
 
-    scans, decides, doubts, better, static, other_step, judge, *_ = models
+    def scan_by(model):
+        """In the longer steps of a label, which tell where to look."""
+        return asker(model, rows, settings, until="snap")
+
+    scans, decides, doubts, better, static, judge, *_ = models
     slow = _is_slow(scans.device, rows, settings.pulses)
     wide = wide_scan(scans.device, static, rows, settings.pulses, slow)
-    rough, quiet = first_seen(ask(scans), wide, bound)
+    rough, quiet = first_seen(scan_by(scans), wide, bound)
     whole = _whole_window(rough, lowest, highest, slow)
-    window, ragged = _closer_window(ask(scans), whole, slow)
+    window, ragged = _closer_window(scan_by(scans), whole, slow)
     edges, open_end, window, ragged = _decide(ask(decides), window, whole, ragged)
     edges = refine_edges(lambda some: ask(decides, some), edges, tolerance)
     N_first, N_always, islands = stretches(edges, open_end)
     N_half = np.where(np.isnan(N_always), np.nan, balance(edges, N_first.size))
     if highest is not None:
         N_always = np.where(N_always <= highest, N_always, np.nan)
-    levels = [ask(m) for m in (doubts, better) if m is not None]
+    others = [m for m in (decides.with_step(OTHER_STEP), doubts, better) if m is not None]
     clean = np.where(ragged, np.nan, N_first)
-    in_time = _distance(ask(decides.with_step(other_step)), clean, tolerance)
-    in_space = [_distance(level, clean, tolerance) for level in levels]
+    in_time, *in_space = (_distance(ask(other), clean, tolerance) for other in others)
     # The better level may itself be off by as much.
     near = in_time + np.max(in_space, axis=0) + (in_space[1] if better else 0.0)
     apart = np.isinf(near)
     ragged |= apart
     window = chosen(apart, whole, window)
-    others = ask(decides.with_step(OTHER_STEP)), *levels
-    found = [_elsewhere(other, window, ragged) for other in others]
+    found = [_elsewhere(scan_by(other), window, ragged) for other in others]
     if judge is not None:
         wider = window._replace(step=JUDGED_STEP * window.step)
-        found.append(_elsewhere(ask(judge), wider, ragged))
+        found.append(_elsewhere(scan_by(judge), wider, ragged))
     first_error = np.fmax(_spread(edges, N_first), _farthest(N_first, [one[0] for one in found]))
     half_error = _farthest(N_half, [one[1] for one in found])
     N_error, half_error = (np.where(ragged, far, near) for far in (first_error, half_error))
