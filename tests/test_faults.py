@@ -340,6 +340,19 @@ def _twice(x):
     return 2 * x[0]
 
 
+def test_what_is_compiled_is_said_and_what_was_is_not(tmp_path, monkeypatch, recwarn):
+    monkeypatch.setattr("numba.core.config.CACHE_DIR", str(tmp_path))
+    for _ in range(2):
+        assert njit(cache=True)(_size)((0,) * 23) == 23
+    assert [str(one.message) for one in recwarn] == [
+        "compiling the kernel of 23 modes: once, some seconds"
+    ]
+
+
+def _size(shape):
+    return len(shape)
+
+
 def test_all_kernels_are_checked():
     names = [(module, name) for module in (plain_loop, simd_kernel) for name in dir(module)]
     caches = [getattr(getattr(module, name), "_cache", None) for module, name in names]

@@ -35,10 +35,12 @@ MODELS = {
     "5 cosines": {"model": "cosines", "modes": 5},
 }
 JUDGES = (
-    {"name": "cosines", "modes": 16, "step": 0.4},
-    {"name": "elements", "elements": 20, "modes": 12, "step": 0.4},
+    {"name": "cosines", "modes": 16},
+    {"name": "elements", "elements": 20, "modes": 12},
 )
-"""Two discretisations, far finer than what is judged; what they agree on is well posed."""
+JUDGED_STEP = 0.2
+"""Two discretisations, far finer than what is judged, in a fifth of its steps; what they agree on
+is well posed."""
 AGREED, REFINED = 3e-4, 1e-5
 REACHES, CLOSE = (1.01, 1.1), 0.002
 """About a threshold found before, the judges look this far around it in turn, in such steps."""
@@ -94,7 +96,8 @@ def judge(device: Device, f0, C, about, shocks: Shocks = HANDOUT_SHOCK) -> np.nd
     """Thresholds, (thresholds,), NaN where the judges do not agree, or one finds none."""
     rows = to_rows(0, np.tile(f0, len(C)), np.repeat(C, len(f0)))
     settings = Settings(HORIZON, threads=THREADS, pulses=shocks.pulses)
-    by_judge = [look(build_model(device, **options), rows, about, settings) for options in JUDGES]
+    judges = [build_model(device, **options).with_step(JUDGED_STEP) for options in JUDGES]
+    by_judge = [look(model, rows, about, settings) for model in judges]
     mean = np.mean(by_judge, axis=0)
     return np.where(np.ptp(by_judge, axis=0) <= AGREED * mean, mean, np.nan)
 

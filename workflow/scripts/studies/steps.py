@@ -17,8 +17,8 @@ from snapmap.solver.bracket import asker, refine
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.repeat import work_error
-from snapmap.solver.settings import MOVE, SNAP, STAY, Settings
-from snapmap.solver.steps import LONGEST, PER_SWING, SHORTEST
+from snapmap.solver.settings import EDGE, MOVE, SNAP, STAY, Settings
+from snapmap.solver.steps import LONGEST
 from snapmap.thresholds.islands import first_seen, wide_scan
 
 from .few import few
@@ -27,18 +27,27 @@ from .random_devices import draw_any_device, draw_pulse, draw_shocks
 
 ROOT = Path(__file__).resolve().parents[3]
 SEED, DEVICES, COSINES, THREADS = 5, 24, 7, 2
-RULES = (
-    (2000, 1.0, 0.05),
-    (1000, 3.0, 0.1),
-    (PER_SWING, 3.0, SHORTEST),
-    (PER_SWING, LONGEST[SNAP], SHORTEST),
-    (500, LONGEST[SNAP], 0.25),
-    (250, 10.0, 0.5),
-)
-"""Steps in each swing of the pulse; longest and shortest, over the arch's frequency."""
-FINE, FINER = (4000, 0.5, 0.03), (8000, 0.25, 0.015)
+DEFAULT = "default"
+RULES = {
+    DEFAULT: {},
+    "for a label": {"question": SNAP},
+    "all steps halved": {"factor": 0.5},
+    "all steps doubled": {"factor": 2.0},
+    "`PER_SWING` halved": {"per_swing": 0.5},
+    "`SHORTEST` doubled": {"shortest": 2.0},
+    "`BLOWS` halved": {"blows": 0.5},
+    "`LONGEST` doubled": {"longest": 2.0},
+    "`MOST` halved": {"most": 0.5},
+    "`CORNERED` doubled": {"cornered": 2.0},
+    "`STRIKING` doubled": {"striking": 2.0},
+    "`STRIKING` five times": {"striking": 5.0},
+}
+"""By what the constants of the rule for EDGE are multiplied."""
+FINE, FINER = {"factor": 0.15}, {"factor": 0.1}
 AGREED, REFINED, NEAR = 2e-4, 2e-6, 1.04
 """Rows in which the fine rules agree so well are judged; thresholds are refined so far, near."""
+F0, C = np.geomspace(1e3, 3e4, 18), np.array([25.0, 200.0])
+"""Of the handout's device, whose mass strikes the beam again and again."""
 LONGEST_PULSE = 1e5
 """Pulses of more than so many of the arch's radians are left to the other studies."""
 STAYS, MOVES = (0.2, 0.4, LONGEST[STAY], 0.7, 1.0), (0.05, LONGEST[MOVE], 0.2, 0.3)
@@ -47,7 +56,7 @@ CONTACTS = (40.0, 400.0, np.inf)
 
 def main():
     warnings.simplefilter("ignore")
-    print(table(["steps per swing", "longest", "shortest", *HEAD], snaps()))
+    print(table(["steps", *HEAD, *HEAD[:-1]], edges()))
     print(table(["contact, N/m", *(f"{turn:g}" for turn in few(STAYS))], stays()))
     head = [f"{turn:g}: median, 95 %, within 2 %" for turn in few(MOVES)]
     print(table(["contact, N/m", *head], moves()))
@@ -56,15 +65,12 @@ def main():
 HEAD = ["rows", "median", "90 %", "largest", "no threshold near"]
 
 
-def ruled(model, per_swing, longest, shortest):
-    """The model with another rule for the question whether it snaps."""
-    steps = model.steps
-    period = steps.longest[SNAP] / LONGEST[SNAP]
-    longest = {**steps.longest, SNAP: longest * period}
-    return replace(
-        model,
-        steps=replace(steps, longest=longest, shortest=shortest * period, per_swing=per_swing),
-    )
+def changed(model, question=EDGE, factor=1.0, longest=1.0, **factors):
+    """The model with constants of its rule for EDGE multiplied, or with the rule of SNAP."""
+    steps = model.steps.times(factor)
+    parts = {key: times * getattr(steps, key) for key, times in factors.items()}
+    parts["longest"] = {**steps.longest, EDGE: longest * steps.longest[EDGE]}
+    return replace(model, steps=replace(steps, **parts)), question
 
 
 def turned(model, question, turn):
@@ -74,40 +80,54 @@ def turned(model, question, turn):
     return replace(model, steps=replace(model.steps, longest=longest))
 
 
-def snaps():
-    """Rows: errors of the thresholds of random devices, by rule."""
+def edges():
+    """Rows: errors of thresholds by rule, of random devices and of the handout's."""
     draw, errors = np.random.default_rng(SEED), []
     for _ in range(few(DEVICES)):
         errors.append(errors_of(draw_any_device(draw), draw_pulse(draw), draw))
-    for i, rule in enumerate(few(RULES)):
-        known = np.concatenate([found[i] for found in errors])
-        lost, off = np.isnan(known), abs(known[np.isfinite(known)])
-        spread = np.quantile(off, [0.5, 0.9, 1.0]) if off.size else []
-        shown = (f"{number(100 * value)} %" for value in spread)
-        yield [*(f"{value:g}" for value in rule), str(known.size), *shown, str(np.sum(lost))]
+    device = load_device(ROOT / "config" / "config.yaml")
+    rows = to_rows(0, few(F0), C[:, np.newaxis])
+    own = errors_of_rows(device, rows, Settings(threads=THREADS))
+    for i, name in enumerate(few(RULES)):
+        of_random = _spread(np.concatenate([found[i] for found in errors]))
+        yield [name, *of_random, *_spread(own[i])[:-1]]
+
+
+def _spread(errors):
+    """Cells of a table: how many rows, their errors, and how many found nothing near."""
+    off = abs(errors[np.isfinite(errors)])
+    spread = np.quantile(off, [0.5, 0.9, 1.0]) if off.size else np.full(3, np.nan)
+    shown = [f"{number(100 * value)} %" for value in spread]
+    return [str(errors.size), *shown, str(np.sum(np.isnan(errors)))]
 
 
 def errors_of(device, shocks, draw):
-    """Relative errors of one device's well-posed thresholds, (rules, rows); NaN where none."""
+    """Relative errors of one random device's well-posed thresholds, (rules, rows)."""
     model = build_model(batch([device]), "cosines", modes=COSINES)
     f0, C = draw_shocks(draw, device)
     arch = LONGEST[SNAP] / model.steps.longest[SNAP].item()
     f0 = [one for one in f0 if 2e-6 * np.pi * one * LONGEST_PULSE > arch] or f0[-1:]
     rows = to_rows(0, np.array(f0), np.array(C)[:, np.newaxis])
-    horizon = 4 * 2 * np.pi / device.own_frequency
-    settings = Settings(min(horizon, 3e4 / arch), threads=THREADS, pulses=shocks.pulses)
+    horizon = min(4 * 2 * np.pi / device.own_frequency, 3e4 / arch)
+    return errors_of_rows(device, rows, Settings(horizon, threads=THREADS, pulses=shocks.pulses))
+
+
+def errors_of_rows(device, rows, settings):
+    """Relative errors of well-posed thresholds, (rules, rows); NaN where none is near."""
+    model = build_model(batch([device]), "cosines", modes=COSINES)
 
     def ask(rule):
-        return asker(ruled(model, *rule), rows, settings)
+        ruled, question = changed(model, **rule)
+        return asker(ruled, rows, settings, until=question)
 
-    wide = wide_scan(model.device, static_threshold(model.device), rows, shocks.pulses)
-    bound = least_amplitudes(model, rows, shocks.pulses)
-    near = first_seen(ask(RULES[2]), wide, bound)[0]
+    wide = wide_scan(model.device, static_threshold(model.device), rows, settings.pulses)
+    bound = least_amplitudes(model, rows, settings.pulses)
+    near = first_seen(ask(RULES[DEFAULT]), wide, bound)[0]
     fine = threshold_near(ask(FINE), near)
     finer = threshold_near(ask(FINER), fine)
     posed = abs(fine / finer - 1) < AGREED
     known = np.where(posed, finer, np.nan)
-    found = [threshold_near(ask(rule), known) / known - 1 for rule in few(RULES)]
+    found = [threshold_near(ask(rule), known) / known - 1 for rule in few(RULES).values()]
     return np.array(found)[:, posed]
 
 
