@@ -13,7 +13,7 @@ from snapmap.axes import make_grid
 from snapmap.solver.bracket import SCAN_STEP, lowest_snap
 from snapmap.solver.cells import to_cells
 from snapmap.solver.model import Model
-from snapmap.solver.settings import SNAP, Settings
+from snapmap.solver.settings import EDGE, Settings
 from snapmap.sweeps.grid import follow_grid
 
 from .cases import Case
@@ -58,7 +58,7 @@ def ask_all(cases: Sequence[Case], probe: Probe) -> dict[str, Answer]:
 def _identity(case):
     """What tells cases apart; equal for those that differ in name and family alone."""
     model = case.model
-    numbers = model.steps.longest[SNAP].item(), model.device.contact, model.modal.residual
+    numbers = model.steps.longest[EDGE].item(), model.device.contact, model.modal.residual
     return model.scheme, model.modes, *map(float, numbers), case.settings.horizon
 
 

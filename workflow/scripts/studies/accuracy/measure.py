@@ -37,7 +37,7 @@ def measure(
     shocks: of the study; its pulses are those of the settings
     What the device does not afford is cut down, and `left_out` says so.
     """
-    settings = settings._replace(until="snap", repeat=False, pulses=shocks.pulses)
+    settings = settings._replace(until="edge", repeat=False, pulses=shocks.pulses)
     axes, settings, plan, left_out, slowest = afford(device, axes, settings, plan, shocks)
     probe = make_probe(device, axes, settings, plan, shocks, slowest)
     converged = {CONVERGED: converge(device, probe, settings, plan.converged)}
