@@ -1,42 +1,79 @@
-"""Draws docs/map.png from two of the configs:
+"""Draws docs/map.png: which shocks snap the handout's device, and speed against error.
 
-PYTHONPATH=workflow/scripts ./run python docs/make_picture.py
+PYTHONPATH=workflow/scripts ./run python docs/make_picture.py [accuracy.nc [earlier.nc]]
+
+accuracy.nc: from `./run snakemake accuracy --cores 2`; earlier.nc: of another version, for its front
 """
 
+import sys
 from pathlib import Path
+
+import numpy as np
+import xarray as xr
 
 import snapmap
 from snapmap.config.study import load_study
 from snapmap.config.yaml_file import read_document
 from snapmap.figures import layout, maps, style
+from snapmap.figures.accuracy import HANDOUT, error_of, of_family
 
 ROOT = Path(__file__).parents[1]
-BESIDE = {
-    "config.yaml": (25.0, "the handout's device, $C$ = 25 µN µs µm$^{-1}$"),
-    "damped.yaml": (2.5, "with real damping: quality factors 94 (mass), 248 (beam)"),
-}
-"""The C of each config that is drawn, and what it is called."""
+C = 25.0
 
 
 def main():
+    measured = [xr.load_dataset(path) for path in sys.argv[1:] or ["results/accuracy.nc"]]
     with style.paper():
         figure = style.double_column(height=9)
-        panels = [maps.Panel(cells(name, C)) for name, (C, _) in BESIDE.items()]
-        axes = maps.draw_maps(figure, panels, "f0", "N")
-        for ax, (_, words) in zip(axes.flat, BESIDE.values(), strict=True):
-            ax.set_title(words)
-        axes[-1, 0].get_legend().set_title(maps.END.words)
+        left, right = layout.boxes(figure, 2, 2).flat
+        box = right.get_position()
+        right.set_position([box.x0 + 0.07, box.y0, box.width - 0.07, box.height])
+        maps.draw_snap_map(left, *snaps())
+        draw_fronts(right, *measured)
         layout.trim(figure)
         figure.savefig(ROOT / "docs" / "map.png", dpi=200)
 
 
-def cells(name, C):
-    """The cells of a config at one C."""
-    study = load_study(read_document(ROOT / "config" / name))
-    options = {**study.model, "horizon": study.settings.horizon, "threads": 2}
-    model = options.pop("name")
-    axes = {"N": study.axes["N"], "f0": study.axes["f0"], "C": [C]}
-    return snapmap.sweep(study.device, **axes, model=model, **options).squeeze("C")
+def snaps():
+    """The cells of config.yaml at one C, and the thresholds over them."""
+    study = load_study(read_document(ROOT / "config" / "config.yaml"))
+    asked = {"C": [C], "horizon": study.settings.horizon, "threads": 2}
+    cells = snapmap.sweep(
+        study.device, study.axes["N"], study.axes["f0"], model="auto", until="snap", **asked
+    )
+    fine = np.geomspace(*study.axes["f0"][[0, -1]], 121)
+    found = snapmap.threshold(study.device, fine, **asked)
+    return cells.squeeze("C"), found.squeeze("C")
+
+
+def draw_fronts(ax, found, earlier=None):
+    """Largest error of a threshold over the time of a simulation, and what no case beats."""
+    ax.set(xscale="log", yscale="log")
+    ax.set(xlabel="time per simulation (µs)", ylabel="largest error of the threshold")
+    ax.yaxis.set_major_formatter(lambda error, _: f"{100 * error:g} %")
+    for one, label, look in (
+        (found, "this version", {"color": "0.3"}),
+        (earlier, "before steps followed the question", {"color": "0.7", "linestyle": "--"}),
+    ):
+        if one is not None:
+            front = one.isel(model=np.flatnonzero(one.on_front)).sortby("time_per_simulation")
+            ax.step(front.time_per_simulation, error_of(front), where="post", label=label, **look)
+    for family, words, marker in (
+        ("cosines", "$n$ cosines", "D"),
+        ("elements_consistent", "$n$ elements", "o"),
+    ):
+        cases = of_family(found, family)
+        ax.plot(cases.time_per_simulation, error_of(cases), marker, markersize=4, label=words)
+        for name, x, y in zip(
+            cases.model.values, cases.time_per_simulation, error_of(cases), strict=True
+        ):
+            number = str(name).split()[0]
+            ax.annotate(number, (x, y), (3, 3), textcoords="offset points", fontsize=6)
+    case = found.sel(model=HANDOUT)
+    ring = {"markersize": 9, "fillstyle": "none", "color": "black", "label": "the handout's setting"}
+    ax.plot(case.time_per_simulation, error_of(case), "o", **ring)
+    ax.set_title("Speed against error\none thread, against a converged run")
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.25), ncols=2, frameon=False)
 
 
 if __name__ == "__main__":
