@@ -19,10 +19,11 @@ from snapmap.io.atomic import refuse_folders, remove_leftovers, remove_others
 from snapmap.io.named import hold_to_plan
 from snapmap.io.progress import Progress, hush
 from snapmap.config.devices import nominal
-from snapmap.config.study import load_study
-from snapmap.config.views import batch_places, side_by_side
+from snapmap.config.products import products
+from snapmap.config.study import load_config
 from snapmap.config.yaml_file import read_document
 from snapmap.device import values_of
+from snapmap.study import THRESHOLD_SETTINGS
 from snapmap.sweeps.partition import cells_in, slab_name
 from snapmap.sweeps.plan import make_plan
 
@@ -35,7 +36,7 @@ try:
     for path in workflow.overwrite_configfiles:
         read_document(path)  # Snakemake keeps the last of two equal keys without a word
     refuse_folders("results", [".nc", ".csv", ".md", ".html", ".pdf", ".png"])
-    study = load_study(config)
+    study = load_config(config)
     hold_to_plan(study.files(), workflow.is_main_process)
     plan = make_plan(
         study.grid, study.model, study.settings, [h.f0 for h in study.histories]
@@ -44,43 +45,10 @@ try:
 except ValueError as error:
     raise WorkflowError(str(error))
 
-device_values = values_of(study.device)
-asked = study.settings.asked()
-names = [
-    slab_name(study.device, study.model, slab, asked, study.shocks)
-    for slab in plan.slabs
-]
+names = [slab_name(study, slab) for slab in plan.slabs]
 slabs = dict(zip(names, plan.slabs))
 requests = dict(zip(names, plan.requests))
-cells = {cell.name: cell for cell in study.histories}
-statics = {"": study.device}
-if isinstance(study.device, dict):
-    statics = {f"_{name}": device for name, device in study.device.items()}
-of_cells = [view for view in study.maps if view.is_of_cells]
-ends = of_cells if study.settings.until == "settled" else []
-together = side_by_side(of_cells)
-times = [view.called("time") for view in of_cells]
-snaps = [view.called("snap") for view in of_cells]
-fields = [view for view in study.maps if not view.is_of_cells]
-map_stems = [view.name for view in ends] + ["maps"] * bool(ends)
-map_stems += [view.name for view in times]
-snap_stems = [view.name for view in snaps] + ["snap_maps"] * bool(snaps)
-snap_stems += [view.name for view in fields]
-curve_stems = [*(view.name for view in study.curves), study.boundary.name]
-batches = batch_places(study.grid)
-of_batch = ["probability", "sensitivity", *["yield"] * bool(study.requirements)]
-batch_stems = [f"{stem}{ending}" for stem in of_batch for ending in batches]
-stems = [
-    *map_stems,
-    *snap_stems,
-    *curve_stems,
-    *[f"history_{cell}" for cell in cells],
-    *[f"statics{which}" for which in statics],
-    *["requirements"] * bool(study.requirements),
-    *(batch_stems if study.tolerances else []),
-]
-
-
+made = products(study)
 new = [name for name in names if not os.path.exists(f"results/slabs/{name}.nc")]
 progress = Progress({name: cells_in(slabs[name]) for name in new})
 FIGURES = ("map*", "snap*", "time*", "thresholds*", "damage_boundary*", "history_*")
@@ -121,10 +89,10 @@ onerror:
 
 onsuccess:
     progress.close()
-    remove_others("results/figures", FIGURES, stems)
-    remove_others("results/histories", ["*"], cells)
+    remove_others("results/figures", FIGURES, made.stems)
+    remove_others("results/histories", ["*"], made.histories)
     remove_others(
-        "results", ["statics_*"], [f"statics{which}" for which in statics]
+        "results", ["statics_*"], [f"statics{which}" for which in made.statics]
     )
     told = ["find_threshold", "collect"]
     told += ["check_requirements"] * bool(study.requirements)
@@ -155,5 +123,5 @@ rule all:
     input:
         "results/cube.nc",
         "results/explore.html",
-        expand("results/figures/{stem}.{kind}", stem=stems, kind=["pdf", "png"]),
+        expand("results/figures/{stem}.{kind}", stem=made.stems, kind=["pdf", "png"]),
         ["results/requirements.csv"] if study.requirements else [],

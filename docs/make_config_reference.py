@@ -15,8 +15,7 @@ from snapmap.config import units
 from snapmap.config.devices import load_device
 from snapmap.config.histories import HANDOUT_CASE
 from snapmap.config.shocks import SHARES
-from snapmap.config.study import load_study
-from snapmap.config.tolerances import OPTIONS as OPTIONS_OF_BATCH
+from snapmap.config.study import load_config
 from snapmap.config.units import KINDS
 from snapmap.config.views import MOST_MAPS
 from snapmap.device import VALUES, Beam, Device
@@ -26,7 +25,7 @@ from snapmap.solver.models import OPTIONS, build_model
 from snapmap.solver.settings import MOVE, QUESTIONS, THRESHOLD_TOLERANCE, Settings
 from snapmap.sweeps import plan
 from snapmap.tolerances.dataset import INDEX_SAMPLES
-from snapmap.tolerances.samples import SHOCK
+from snapmap.tolerances.samples import SHOCK, Tolerances
 
 HERE = Path(__file__).parent
 SCHEMA = Path(config.__file__).with_name("schema.yaml")
@@ -159,10 +158,10 @@ written once:
 def reference() -> str:
     """The text of docs/config.md."""
     document = yaml.safe_load(EXAMPLE)
-    load_study(document)
-    load_study(document | yaml.safe_load(TWO_AXES))
+    load_config(document)
+    load_config(document | yaml.safe_load(TWO_AXES))
     named = {key: document[key] for key in ("model", "sweep")} | yaml.safe_load(DEVICES)
-    load_study(named)
+    load_config(named)
     schema = yaml.safe_load(SCHEMA.read_text(encoding="utf-8"))
     return PAGE.format(
         least=units.LEAST,
@@ -235,9 +234,9 @@ def code_defaults() -> dict[str, str]:
         "tolerances": "every device is as drawn",
         **{f"tolerances.{key}": "it does not scatter" for key in (*VALUES, *SHOCK)},
         "tolerances.together": "each value by a draw of its own",
-        "tolerances.samples": f"`{OPTIONS_OF_BATCH['samples']}`",
+        "tolerances.samples": f"`{Tolerances._field_defaults['samples']}`",
         "tolerances.index_samples": f"`{INDEX_SAMPLES}`, or `samples` if these are fewer",
-        "tolerances.seed": f"`{OPTIONS_OF_BATCH['seed']}`",
+        "tolerances.seed": f"`{Tolerances._field_defaults['seed']}`",
         **{f"{where}.shape": f"`{VERSED_SINE}`" for where in pushes},
         **{f"{where}.{key}": f"`{TENTH * 100:g} %`" for where in pushes for key in SHARES},
         **{f"{where}.file": "`shape`" for where in pushes},

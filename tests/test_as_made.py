@@ -17,7 +17,7 @@ from snapmap.beam.equilibria import static_threshold
 from snapmap.beam.modal import reduce_to_modes
 from snapmap.beam.prestress import settled
 from snapmap.config.devices import tilting
-from snapmap.config.study import load_study
+from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError
 from snapmap.device import batch
 from snapmap.solver.cells import to_cells
@@ -327,12 +327,12 @@ def with_beam(document, **values):
 
 def test_a_config_says_how_the_beam_is_made(document):
     beam = {"residual_stress": "-11 MPa", "guide": "free", "imperfection": "10 nm"}
-    study = load_study(with_beam(document, **beam))
+    study = load_config(with_beam(document, **beam))
     made = study.device.beam
     assert (made.residual_stress, made.free, made.imperfection) == (-11.0, 1.0, 0.01)
     assert study.device.gap == 0.5
     sweep = document["sweep"] | {"residual_stress": ["-5 MPa", "0 MPa", "5 MPa"]}
-    assert next(iter(load_study(document | {"sweep": sweep}).axes)) == "residual_stress"
+    assert next(iter(load_config(document | {"sweep": sweep}).axes)) == "residual_stress"
 
 
 @pytest.mark.parametrize(
@@ -348,12 +348,12 @@ def test_a_config_says_how_the_beam_is_made(document):
 )
 def test_what_cannot_be_made_is_named_in_one_line(document, beam, wanted):
     with pytest.raises(ConfigError) as fault:
-        load_study(with_beam(document, **beam))
+        load_config(with_beam(document, **beam))
     assert str(fault.value).startswith(wanted) and "\n" not in str(fault.value)
 
 
 def test_a_study_says_for_which_beam_its_labels_hold(document, handout):
-    (line,) = load_study(document).doubts()
+    (line,) = load_config(document).doubts()
     assert line.startswith("device: rise/thickness = 5: labels hold for a guided beam only")
     assert tilting(replace(handout.beam, thickness=1.7)) == ""
     assert tilting(replace(handout.beam, residual_stress=-5.0)) == ""

@@ -10,7 +10,7 @@ from small_studies import TINY
 
 import snapmap
 from snapmap.axes import make_grid
-from snapmap.config.study import load_study
+from snapmap.config.study import load_config
 from snapmap.device import VALUES
 from snapmap.solver.outcome import ABSENT
 from snapmap.sweeps.assemble import collect_slabs
@@ -138,20 +138,20 @@ def document(**sweep):
 
 
 def test_a_study_has_its_axes_in_the_order_of_the_config():
-    study = load_study(document(spring=["4 N/m", "3 N/m"], thickness=["1.8 um", "1.9 um"]))
+    study = load_config(document(spring=["4 N/m", "3 N/m"], thickness=["1.8 um", "1.9 um"]))
     assert list(study.axes) == ["spring", "thickness", "C", "f0", "N"]
     assert study.axes["spring"].tolist() == [3.0, 4.0]
-    contact = load_study(document(contact=["hard", "40 N/m"])).axes["contact"]
+    contact = load_config(document(contact=["hard", "40 N/m"])).axes["contact"]
     assert contact.tolist() == [40.0, np.inf]
 
 
 def test_a_study_names_the_point_that_cannot_be():
     for skip in ({}, {"not_bistable": "refuse"}):
         with pytest.raises(ValueError, match=r"^sweep: thickness = 4 um: device.beam.rise: 8 um"):
-            load_study(document(thickness=["1.9 um", "4 um"], **skip))
+            load_config(document(thickness=["1.9 um", "4 um"], **skip))
     with pytest.raises(ValueError, match=r"^sweep: no device has a second stable shape"):
-        load_study(document(thickness=["4 um", "5 um"], not_bistable="skip"))
-    study = load_study(document(thickness=["1.9 um", "4 um"], not_bistable="skip"))
+        load_config(document(thickness=["4 um", "5 um"], not_bistable="skip"))
+    study = load_config(document(thickness=["1.9 um", "4 um"], not_bistable="skip"))
     assert study.grid.device_of.tolist() == [0, -1]
 
 
@@ -159,13 +159,12 @@ def test_slabs_of_many_axes_make_the_cube_of_one_sweep(tmp_path, monkeypatch):
     monkeypatch.setattr("snapmap.sweeps.plan.JOB_SECONDS", 2e-4)
     whole = document(thickness=["1.8 um", "1.9 um", "4 um"], not_bistable="skip")
     whole |= {"model": {"name": "cosines", "modes": 3}}
-    study = load_study(whole)
-    of_study, asked = (study.device, study.model), study.settings.asked()
+    study = load_config(whole)
     slabs = make_plan(study.grid, study.model, study.settings).slabs
     assert len(slabs) > 4 and sum(np.prod([len(v) for v in s.values()]) for s in slabs) == 96
-    paths = [tmp_path / f"{slab_name(*of_study, slab, asked)}.nc" for slab in slabs]
+    paths = [tmp_path / f"{slab_name(study, slab)}.nc" for slab in slabs]
     for slab, path in zip(slabs, paths, strict=True):
-        write_slab(*of_study, slab, study.settings, path, skip=True)
+        write_slab(replace(study, skip=True), slab, path)
     cube = collect_slabs(paths, study.axes, whole)
     axes = {key: values for key, values in study.axes.items()}
     in_one = snapmap.sweep(study.device, **axes, model="cosines", modes=3, horizon=200.0, skip=True)
@@ -185,16 +184,15 @@ def test_an_axis_of_the_device_grows_as_any_other(tmp_path, monkeypatch):
     monkeypatch.setattr("snapmap.sweeps.slab.follow_rows", counted)
     for thickness in (["1.8 um", "1.9 um"], ["1.8 um", "1.85 um", "1.9 um"]):
         followed.clear()
-        study = load_study(document(thickness=thickness) | {"model": {"name": "cosines"}})
-        of_study, asked = (study.device, study.model), study.settings.asked()
+        study = load_config(document(thickness=thickness) | {"model": {"name": "cosines"}})
         for slab in make_plan(study.grid, study.model, study.settings).slabs:
-            path = tmp_path / f"{slab_name(*of_study, slab, asked)}.nc"
-            write_slab(*of_study, slab, study.settings, path)
+            path = tmp_path / f"{slab_name(study, slab)}.nc"
+            write_slab(study, slab, path)
     assert sum(followed) == study.grid.axes["C"].size * 2 * 8
 
 
 def test_default_maps_are_N_over_f0_for_all_else():
-    study = load_study(document(spring=["3 N/m", "4 N/m"]))
+    study = load_config(document(spring=["3 N/m", "4 N/m"]))
     assert [view.name for view in study.maps] == [
         "map_spring3_C0.5",
         "map_spring3_C30",
@@ -207,7 +205,7 @@ def test_default_maps_are_N_over_f0_for_all_else():
 
 def test_of_too_many_maps_some_are_drawn_and_the_rest_is_told():
     many = {"from": "3 N/m", "to": "5 N/m", "points": 50}
-    study = load_study(document(spring=many))
+    study = load_config(document(spring=many))
     assert len(study.maps) == 24
     assert study.left_out.startswith("maps: 24 of 100 are drawn, evenly chosen over spring, C; ")
 
@@ -215,7 +213,7 @@ def test_of_too_many_maps_some_are_drawn_and_the_rest_is_told():
 def test_a_grid_without_a_plane_of_N_and_f0_is_drawn_over_what_varies():
     one = {"f0": ["1 kHz"], "N": [1000], "C": ["25 uN*us/um"]}
     two = {"thickness": ["1.8 um", "1.9 um"], "spring": ["3 N/m", "4 N/m"]}
-    study = load_study(document(**one, **two))
+    study = load_config(document(**one, **two))
     (only,) = study.maps
     assert (only.x, only.y, set(only.at)) == ("thickness", "spring", {"C", "f0"})
 
@@ -223,7 +221,7 @@ def test_a_grid_without_a_plane_of_N_and_f0_is_drawn_over_what_varies():
 def test_a_map_is_asked_for_by_axes_and_the_nearest_values():
     whole = document(thickness=["1.8 um", "1.9 um"])
     whole["maps"] = [{"x": "thickness", "y": "N", "at": {"f0": "1.9 kHz", "C": "1 uN*us/um"}}]
-    (view,) = load_study(whole).maps
+    (view,) = load_config(whole).maps
     assert view.at == {"C": 0, "f0": 1}
     assert view.name == "map_thickness_N_C0.5_f02000"
 
@@ -247,7 +245,7 @@ def test_a_view_that_cannot_be_is_one_line(section, view, start):
     whole = document()
     whole[section] = [view]
     with pytest.raises(ValueError) as fault:
-        load_study(whole)
+        load_config(whole)
     (line,) = str(fault.value).splitlines()
     assert line.startswith(start)
 
@@ -256,23 +254,23 @@ def test_devices_in_a_config_stand_beside_no_other():
     whole = document()
     one = whole.pop("device")
     whole["devices"] = {"a": one, "b": {**one, "spring": "5 N/m"}}
-    study = load_study(whole)
+    study = load_config(whole)
     assert study.axes["device"].tolist() == ["a", "b"]
     assert [history.changes for history in study.histories] == [{"device": "a"}]
     with pytest.raises(ValueError, match=r"^devices: stand beside device"):
-        load_study(whole | {"device": one})
+        load_config(whole | {"device": one})
     broken = {**one, "spring": "-1 N/m"}
     with pytest.raises(ValueError, match=r"^devices.b.spring: '-1 N/m' is not positive"):
-        load_study(whole | {"devices": {"a": one, "b": broken}})
+        load_config(whole | {"devices": {"a": one, "b": broken}})
 
 
 def test_a_history_may_change_the_device():
     whole = document()
     cell = {"N": 1000, "duration": "1 ms", "C": "30 uN*us/um", "thickness": "2 um"}
     whole["histories"] = [cell]
-    (history,) = load_study(whole).histories
+    (history,) = load_config(whole).histories
     assert history.name == "N1000_f1000_C30_thickness2"
-    assert history.device == varied(load_study(document()).device, thickness=2.0)
+    assert history.device == varied(load_config(document()).device, thickness=2.0)
 
 
 @pytest.mark.parametrize(
@@ -284,7 +282,7 @@ def test_a_history_may_change_the_device():
     ],
 )
 def test_the_history_left_out_is_a_cell_of_the_study(sweep):
-    study = load_study(document(**sweep))
+    study = load_config(document(**sweep))
     (history,) = study.histories
     for key, value in (history.shock | history.changes).items():
         assert value in study.axes[key]
@@ -295,7 +293,7 @@ def test_the_history_left_out_is_a_cell_of_the_study(sweep):
 def test_maps_are_called_by_what_they_show():
     whole = document(thickness=["1.8 um", "1.9 um"])
     whole["maps"] = [{"x": "f0", "y": "N"}, {"x": "thickness", "y": "C"}]
-    cells, thresholds = load_study(whole).maps
+    cells, thresholds = load_config(whole).maps
     assert cells.is_of_cells and not thresholds.is_of_cells
     assert cells.called("snap").name == cells.name.replace("map", "snap", 1)
     assert cells.called("snap")._replace(name=cells.name) == cells
@@ -304,7 +302,7 @@ def test_maps_are_called_by_what_they_show():
 def test_two_maps_of_the_same_values_are_one():
     whole = document()
     whole["maps"] = [{"x": "f0", "y": "N"}, {"x": "f0", "y": "N", "at": {"C": "29 uN*us/um"}}]
-    assert [view.name for view in load_study(whole).maps] == ["map_f0_N_C30"]
+    assert [view.name for view in load_config(whole).maps] == ["map_f0_N_C30"]
 
 
 @pytest.mark.parametrize(
@@ -326,7 +324,7 @@ def test_two_maps_of_the_same_values_are_one():
 )
 def test_an_axis_that_is_a_slip_is_one_line(change, start):
     with pytest.raises(ValueError) as fault:
-        load_study(document(**change))
+        load_config(document(**change))
     assert str(fault.value).startswith(start) and "\n" not in str(fault.value)
 
 
@@ -341,4 +339,4 @@ def test_a_history_that_cannot_be_is_named(change, complaint):
     whole = document()
     whole["histories"] = [{"N": 1000, "f0": "1 kHz", "C": "1 uN*us/um", **change}]
     with pytest.raises(ValueError, match=rf"^histories\[0\]: {complaint}"):
-        load_study(whole)
+        load_config(whole)

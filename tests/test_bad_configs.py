@@ -12,7 +12,7 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from snapmap.config.study import load_study
+from snapmap.config.study import load_config
 from snapmap.config.units import KINDS, show
 from snapmap.config.yaml_file import ConfigError, read_document
 from snapmap.sweeps.plan import make_plan
@@ -196,7 +196,7 @@ DAMAGES = [
 def lines_of(document):
     """The faults of a document, each a clear single line; empty if it gives slabs."""
     try:
-        study = load_study(document)
+        study = load_config(document)
         make_plan(study.grid, study.model, study.settings, [one.f0 for one in study.histories])
     except ConfigError as error:
         lines = list(error.args)

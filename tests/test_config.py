@@ -14,7 +14,8 @@ from jsonschema import Draft202012Validator
 
 from snapmap import config
 from snapmap.config.devices import load_device
-from snapmap.config.study import load_study
+from snapmap.config.products import products
+from snapmap.config.study import load_config
 from snapmap.config.units import KINDS, read
 from snapmap.config.yaml_file import ConfigError, read_document
 from snapmap.device import Beam, Device
@@ -42,7 +43,7 @@ def changed(**values):
 
 def faults(document):
     with pytest.raises(ConfigError) as caught:
-        load_study(document)
+        load_config(document)
     lines = str(caught.value).splitlines()
     assert lines == list(caught.value.args)
     assert all(len(line) < 200 for line in lines)
@@ -55,7 +56,7 @@ def only_fault(document):
 
 
 def test_default_study_is_exact():
-    study = load_study(DEFAULT)
+    study = load_config(DEFAULT)
     assert study.device == Device(
         beam=Beam(
             span=600.0,
@@ -79,7 +80,7 @@ def test_default_study_is_exact():
         30000.0,
     )
     assert np.allclose(study.axes["f0"][1:] / study.axes["f0"][:-1], 300 ** (1 / 30), rtol=1e-13)
-    assert study.settings == Settings(1500.0, "settled", True, 1e-3)
+    assert study.settings.asked() == Settings(1500.0, "settled", True, 1e-3).asked()
     (cell,) = study.histories
     nearest = study.axes["f0"][14]
     assert cell.shock == {"N": 1000.0, "f0": nearest, "C": 0.025} and cell.changes == {}
@@ -258,13 +259,13 @@ def test_range_that_is_none(axis, complaint):
     ],
 )
 def test_axes_ascend(axis, values):
-    assert np.array_equal(load_study(changed(sweep__N=axis)).axes["N"], values)
+    assert np.array_equal(load_config(changed(sweep__N=axis)).axes["N"], values)
 
 
 def test_a_finer_range_keeps_the_values_of_a_coarser():
     for ends in ({"from": 600, "to": 2400}, {"from": 0.1, "to": 33, "spacing": "log"}):
         coarse, fine = (
-            load_study(changed(sweep__N={**ends, "points": points})).axes["N"]
+            load_config(changed(sweep__N={**ends, "points": points})).axes["N"]
             for points in (91, 181)
         )
         assert set(coarse) < set(fine)
@@ -272,17 +273,17 @@ def test_a_finer_range_keeps_the_values_of_a_coarser():
 
 def test_histories():
     cell = {"N": "1e3", "f0": "2 kHz", "C": "0 kg/s"}
-    assert load_study(changed(histories=[cell])).histories[0].shock == {
+    assert load_config(changed(histories=[cell])).histories[0].shock == {
         "N": 1000.0,
         "f0": 2000.0,
         "C": 0.0,
     }
-    assert load_study(changed(histories=[])).histories == ()
+    assert load_config(changed(histories=[])).histories == ()
 
 
 def test_the_history_left_out_is_the_cell_nearest_the_handouts_case():
     f0 = ["1 kHz", "2 kHz", "2.3 kHz"]  # 1500 Hz is nearer to 2000, as a ratio
-    study = load_study(changed(sweep__N=[900, 1090], sweep__f0=f0, sweep__C=["7 kg/s", "0 kg/s"]))
+    study = load_config(changed(sweep__N=[900, 1090], sweep__f0=f0, sweep__C=["7 kg/s", "0 kg/s"]))
     (cell,) = study.histories
     assert cell.shock == {"N": 1090.0, "f0": 2000.0, "C": 0.0}
     assert cell.name == "N1090_f2000_C0"
@@ -295,15 +296,17 @@ def with_points(folder, monkeypatch, text):
 
 
 def test_own_points_are_checked_with_the_config(tmp_path, monkeypatch):
-    assert load_study(with_points(tmp_path, monkeypatch, "N,f0\n1000,1500\n")).marks == "points.csv"
+    assert (
+        load_config(with_points(tmp_path, monkeypatch, "N,f0\n1000,1500\n")).marks == "points.csv"
+    )
     with pytest.raises(ConfigError) as fault:
-        load_study(with_points(tmp_path, monkeypatch, "N,f0\n1000,soon\n"))
+        load_config(with_points(tmp_path, monkeypatch, "N,f0\n1000,soon\n"))
     assert str(fault.value) == ("marks: points.csv: line 2, column f0: 'soon' is no number above 0")
 
 
 def test_a_point_on_no_map_is_named(tmp_path, monkeypatch):
     text = "name,N,f0\nslip,1000,1.5\nhere,1000,1500\n,9000,1500\n"
-    study = load_study(with_points(tmp_path, monkeypatch, text))
+    study = load_config(with_points(tmp_path, monkeypatch, text))
     told = [line for line in study.doubts() if "points.csv" in line]
     assert [line.split(",")[0] for line in told] == [
         "points.csv: slip lies on no map: f0 = 1.5",
@@ -323,7 +326,7 @@ def test_a_point_on_no_map_is_named(tmp_path, monkeypatch):
 )
 def test_own_points_that_cannot_be_are_one_line(path, complaint):
     with pytest.raises(ConfigError) as fault:
-        load_study(changed(marks=path))
+        load_config(changed(marks=path))
     (line,) = str(fault.value).splitlines()
     assert line.startswith(complaint)
 
@@ -336,7 +339,7 @@ def with_durations(given):
 
 
 def test_durations_stand_for_frequencies():
-    assert load_study(with_durations(["0.5 ms", "2 ms", "100 us"])).axes["f0"].tolist() == [
+    assert load_config(with_durations(["0.5 ms", "2 ms", "100 us"])).axes["f0"].tolist() == [
         500,
         2000,
         10000,
@@ -344,12 +347,12 @@ def test_durations_stand_for_frequencies():
     log = {"from": "0.1 ms", "to": "10 ms", "points": 21, "spacing": "log"}
     same = {"from": "100 Hz", "to": "10 kHz", "points": 21, "spacing": "log"}
     np.testing.assert_allclose(
-        load_study(with_durations(log)).axes["f0"],
-        load_study(changed(sweep__f0=same)).axes["f0"],
+        load_config(with_durations(log)).axes["f0"],
+        load_config(changed(sweep__f0=same)).axes["f0"],
         rtol=1e-13,
     )
     cell = {"N": 1000, "duration": "0.5 ms", "C": "25 uN*us/um"}
-    assert load_study(changed(histories=[cell])).histories[0].shock == {
+    assert load_config(changed(histories=[cell])).histories[0].shock == {
         "N": 1000.0,
         "f0": 2000.0,
         "C": 25.0,
@@ -375,13 +378,13 @@ def test_one_of_frequency_and_duration_is_given(document, fault):
 
 
 def test_hard_contact_and_damping():
-    device = load_study(changed(device__contact="hard", device__beam__damping="4e-4 /us")).device
+    device = load_config(changed(device__contact="hard", device__beam__damping="4e-4 /us")).device
     assert (device.contact, device.beam.damping) == (math.inf, 4e-4)
 
 
 def test_ordered_mappings_are_mappings():
     document = OrderedDict({key: OrderedDict(value) for key, value in DEFAULT.items()})
-    assert load_study(document).device == load_study(DEFAULT).device
+    assert load_config(document).device == load_config(DEFAULT).device
 
 
 def test_all_faults_are_reported_in_order():
@@ -415,7 +418,7 @@ def test_document_is_a_mapping(document):
 def test_load_device_looks_at_the_device_only(tmp_path):
     path = tmp_path / "config.yaml"
     path.write_text(yaml.safe_dump({"device": DEFAULT["device"], "model": 1, "more": 2}))
-    assert load_device(path) == load_study(DEFAULT).device
+    assert load_device(path) == load_config(DEFAULT).device
 
 
 @pytest.mark.parametrize(
@@ -513,7 +516,7 @@ def damaged(draw):
 
 def study_or_faults(document):
     try:
-        study = load_study(document)
+        study = load_config(document)
     except ConfigError as error:
         assert error.args and not any("\n" in line for line in error.args)
         return
@@ -554,4 +557,21 @@ def test_a_tolerance_is_a_share_in_percent():
         with pytest.raises(ValueError, match=r"write a share such as '0\.1 %'$"):
             read(wrong, "share")
     document = changed(model={"name": "auto", "tolerance": "0.1 %"})
-    assert load_study(document).model == {"name": "auto", "tolerance": 0.001}
+    assert load_config(document).model == {"name": "auto", "tolerance": 0.001}
+
+
+def test_what_a_study_makes_is_listed():
+    """Figures by the rule that draws them; all, without any twice."""
+    made = products(load_config(DEFAULT))
+    assert [view.name for view in made.snaps] == [one.replace("map", "snap") for one in _maps(made)]
+    assert made.map_stems[: len(made.ends)] == _maps(made) and "maps" in made.map_stems
+    assert made.batch_stems == ["probability", "sensitivity"] and list(made.statics) == [""]
+    assert not {*made.batch_stems, "requirements"} & {*made.stems}
+    assert len({*made.stems}) == len(made.stems)
+    snapping = copy.deepcopy(DEFAULT)
+    snapping["sweep"]["until"] = "snap"
+    assert not products(load_config(snapping)).ends
+
+
+def _maps(made):
+    return [view.name for view in made.ends]

@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 import snapmap
-from snapmap.config.study import load_study
+from snapmap.config.study import load_config
 from snapmap.io.netcdf import write
 
 
@@ -26,7 +26,7 @@ def test_the_reference_is_what_the_docstrings_say(root):
 def test_the_tutorial_writes_the_config_that_there_is(root):
     written = "\n".join(blocks(root / "docs" / "tutorial.md", "yaml"))
     assert written == (root / "config" / "sensor.yaml").read_text(encoding="utf-8")
-    load_study(yaml.safe_load(written))
+    load_config(yaml.safe_load(written))
 
 
 def test_the_gallery_has_every_figure(root):

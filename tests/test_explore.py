@@ -26,6 +26,7 @@ from snapmap.solver.outcome import ABSENT, OUTCOMES
 from snapmap.solver.schemes import CONSERVING, EXPLICIT, SCHEMES
 from snapmap.solver.settings import MOVE, Settings
 from snapmap.solver.simd_kernel import SAMPLE
+from snapmap.study import Study
 
 MODEL = {"name": "cosines", "modes": 3}
 SETTINGS = Settings(horizon=300.0)
@@ -45,9 +46,15 @@ def cube(handout):
     return swept(handout)
 
 
+def trace(device, cube, model, settings, earlier=None):
+    """The traces of a study of one device."""
+    study = Study(device=device, model=model, settings=settings)
+    return envelopes.trace(study, cube, earlier)
+
+
 @pytest.fixture(scope="module")
 def traced(handout, cube):
-    return envelopes.trace(handout, cube, MODEL, SETTINGS._replace(threads=2))
+    return trace(handout, cube, MODEL, SETTINGS._replace(threads=2))
 
 
 def edges_of(cube):
@@ -105,7 +112,7 @@ def test_traces_are_the_sweeps_runs(handout, scheme):
     if scheme == CONSERVING:
         options["step"] = 0.5
     cube, model = swept(handout, N=N, f0=f0, **options), MODEL | options
-    traced = envelopes.trace(handout, cube, model, SETTINGS)
+    traced = trace(handout, cube, model, SETTINGS)
     dt = steps_of(build_model(handout, **model), N, f0[:, np.newaxis], 1.0)
     looks = traced.bin_length / (SAMPLE * dt)
     halved = abs(looks - looks.round()) > 0.1
@@ -134,7 +141,7 @@ def test_traces_show_the_proofs(cube, traced):
 def test_traces_end_where_the_sweep_did(handout):
     """A sweep that ends at the snap has proven its step good enough up to there, not beyond."""
     cube = swept(handout, until="snap")
-    traced = envelopes.trace(handout, cube, MODEL, SETTINGS._replace(until="snap"))
+    traced = trace(handout, cube, MODEL, SETTINGS._replace(until="snap"))
     shown = (traced.bin_length * traced.sizes["bin"]).where(cube.t_snap.notnull())
     assert shown.notnull().any() and (shown >= cube.t_snap).where(shown.notnull(), True).all()
     dt = build_model(handout, **MODEL).steps.longest[MOVE].item()
@@ -144,7 +151,7 @@ def test_traces_end_where_the_sweep_did(handout):
 
 def test_traces_do_not_depend_on_threads_or_order(handout, cube, traced):
     mixed = cube.isel(N=[2, 0, 3, 1], f0=[1, 2, 0])
-    again = envelopes.trace(handout, mixed, MODEL, SETTINGS)
+    again = trace(handout, mixed, MODEL, SETTINGS)
     xr.testing.assert_equal(again, traced)
 
 
@@ -162,7 +169,7 @@ def test_a_failed_cell_is_kept_as_far_as_numbers_go(handout, scheme):
     """What blew up, or is beyond the largest numbers, has no trace."""
     failed = swept(handout, N=[800.0, 2200.0, 1e200], f0=[1000.0], C=[0.025], scheme=scheme)
     assert failed.outcome.values.ravel()[-1] == OUTCOMES.index("failed")
-    found = envelopes.trace(handout, failed, MODEL | {"scheme": scheme}, SETTINGS)
+    found = trace(handout, failed, MODEL | {"scheme": scheme}, SETTINGS)
     last = found.isel(N=-1)
     assert not last.isel(bin=0).energy.isnull()
     assert last.energy.isnull().any()
@@ -179,8 +186,8 @@ def test_an_adaptive_cell_is_traced_by_the_level_that_decided(handout, cube, mon
 
     monkeypatch.setattr(envelopes, "choose_model", choose_model)
     level = (cube.N > 900).astype(np.int8).broadcast_like(cube.outcome)
-    found = envelopes.trace(handout, cube.assign(level=level), {"name": "auto"}, SETTINGS)
-    alone = [envelopes.trace(handout, cube, model, SETTINGS).bin_length for model in models]
+    found = trace(handout, cube.assign(level=level), {"name": "auto"}, SETTINGS)
+    alone = [trace(handout, cube, model, SETTINGS).bin_length for model in models]
     assert (alone[0] != alone[1]).any()
     xr.testing.assert_equal(found.bin_length, xr.where(level == 0, *alone))
 
@@ -192,13 +199,13 @@ def test_devices_are_traced_as_each_alone(handout):
     del asked["name"]
     points = {"thickness": [1.8, 4.4], "contact": [40.0, np.inf]}
     cube = snapmap.sweep(handout, **asked, **points, skip=True)
-    traced = envelopes.trace(handout, cube, model, SETTINGS)
+    traced = trace(handout, cube, model, SETTINGS)
     assert traced.second_equilibrium.dims == ("thickness", "contact")
     for contact in points["contact"]:
         thin = replace(handout.beam, thickness=1.8)
         device = replace(handout, beam=thin, contact=contact)
         own = snapmap.sweep(device, **asked)
-        alone = envelopes.trace(device, own, model, SETTINGS)
+        alone = trace(device, own, model, SETTINGS)
         there = traced.sel(thickness=1.8, contact=contact)
         assert float(there.second_equilibrium) == device.beam.second_equilibrium
         np.testing.assert_array_equal(there.bin_length, alone.bin_length)
@@ -220,14 +227,14 @@ def test_what_follows_the_horizon_spoils_no_range(handout, cube, traced, monkeyp
         return values, bin_length
 
     monkeypatch.setattr(envelopes, "_follow", blow_up)
-    found = envelopes.trace(handout, cube, MODEL, SETTINGS)
+    found = trace(handout, cube, MODEL, SETTINGS)
     for key in ("w_high", "z_mass", "energy"):
         np.testing.assert_array_equal(found[key].max("bin") <= traced[key].max("bin"), True)
 
 
 def test_traces_that_grow_are_those_followed_at_once(handout, cube, traced, tmp_path, monkeypatch):
     """As files: what is kept of a number does not hang on how often it was written."""
-    part = envelopes.trace(handout, cube.isel(f0=[0, 2], C=[1]), MODEL, SETTINGS)
+    part = trace(handout, cube.isel(f0=[0, 2], C=[1]), MODEL, SETTINGS)
     write(part, tmp_path / "part.nc")
     write(traced, tmp_path / "whole.nc")
     follow, followed = envelopes._follow, []
@@ -237,9 +244,7 @@ def test_traces_that_grow_are_those_followed_at_once(handout, cube, traced, tmp_
         return follow(model, pulses, cells, *asked)
 
     monkeypatch.setattr(envelopes, "_follow", counted)
-    grown = envelopes.trace(
-        handout, cube, MODEL, SETTINGS, earlier=read_earlier(tmp_path / "part.nc")
-    )
+    grown = trace(handout, cube, MODEL, SETTINGS, earlier=read_earlier(tmp_path / "part.nc"))
     assert sum(followed) == cube.outcome.size - 8
     write(grown, tmp_path / "grown.nc")
     with (
@@ -251,8 +256,8 @@ def test_traces_that_grow_are_those_followed_at_once(handout, cube, traced, tmp_
 
 def test_the_reference_is_traced_by_its_elements_in_modes(handout, cube):
     model = {"name": "reference", "elements": 2}
-    as_reference = envelopes.trace(handout, cube, model, SETTINGS)
-    as_handout = envelopes.trace(handout, cube, {**model, "name": "handout"}, SETTINGS)
+    as_reference = trace(handout, cube, model, SETTINGS)
+    as_handout = trace(handout, cube, {**model, "name": "handout"}, SETTINGS)
     xr.testing.assert_equal(as_reference, as_handout)
 
 
@@ -263,7 +268,9 @@ def page_file(handout, cube, tmp_path_factory):
     names = ("cube.nc", "traces.nc", "threshold.nc", "explore.html")
     paths = [folder / name for name in names]
     write(cube, paths[0])
-    trace_cells(paths[0], asdict(handout), {}, MODEL, SETTINGS.asked(), paths[1], threads=1)
+    study = {"device": asdict(handout), "pulse": {}, "model": MODEL, "skip": False}
+    study["settings"] = SETTINGS.asked()
+    trace_cells(paths[0], study, paths[1], threads=1)
     write(edges_of(cube), paths[2])
     write_page(*paths[:3], SETTINGS.horizon, paths[3])
     assert sorted(folder.iterdir()) == sorted(paths)
@@ -560,7 +567,7 @@ def test_energies_beyond_what_is_kept_are_told_as_at_least(browser, cube, traced
 def test_weak_shocks_are_traced_without_steps(handout, tmp_path):
     """A thousandth of the usual shock, too, has as many steps as the page can show."""
     weak = swept(handout, N=[1.0], f0=[3000.0], C=[25.0])
-    write(envelopes.trace(handout, weak, MODEL, SETTINGS), tmp_path / "traces.nc")
+    write(trace(handout, weak, MODEL, SETTINGS), tmp_path / "traces.nc")
     with xr.open_dataset(tmp_path / "traces.nc") as kept:
         for key in ("w_low", "w_high", "z_mass"):
             values = np.unique(kept[key].values[np.isfinite(kept[key].values)])
@@ -670,7 +677,7 @@ def view_of(browser, path, device, **asked):
     cube = swept(device, **asked)
     model = json.loads(cube.attrs["config"])["model"]
     asked_for = SETTINGS._replace(until=asked.get("until", SETTINGS.until))
-    write_text(path, cube, envelopes.trace(device, cube, model, asked_for))
+    write_text(path, cube, trace(device, cube, model, asked_for))
     return cube, View(browser, path)
 
 

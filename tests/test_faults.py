@@ -14,7 +14,7 @@ import yaml
 from numba import njit
 from small_studies import THREE_COSINES
 
-from snapmap.config.study import load_study
+from snapmap.config.study import load_config
 from snapmap.numerics.kept_kernels import CheckedFiles
 from snapmap.solver import plain_loop, simd_kernel
 from snapmap.sweeps.assemble import collect_slabs
@@ -106,10 +106,9 @@ def undisturbed(root, tmp_path_factory):
 @pytest.fixture
 def slabs(undisturbed, tmp_path):
     """Copies of the slabs of a finished run in the order of the grid, and the grid's axes."""
-    study = load_study(yaml.safe_load(STUDY))
-    asked = study.settings.asked()
+    study = load_config(yaml.safe_load(STUDY))
     slabs = make_plan(study.grid, study.model, study.settings).slabs
-    names = [slab_name(study.device, study.model, slab, asked) for slab in slabs]
+    names = [slab_name(study, slab) for slab in slabs]
     paths = [tmp_path / f"{name}.nc" for name in names]
     for path in paths:
         path.write_bytes((undisturbed.slabs / path.name).read_bytes())

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from small_studies import THREE_COSINES
 
 import snapmap
-from snapmap.config.study import load_study
+from snapmap.config.study import load_config
 from snapmap.io.netcdf import read_earlier, write
 from snapmap.solver.cells import to_cells
 from snapmap.solver.cost import steps_and_seconds
@@ -38,7 +38,7 @@ def study(N, f0, C=(25.0,), model="cosines"):
     }
     if model == "auto":
         document["model"] = {"name": "auto"}
-    return load_study(document)
+    return load_config(document)
 
 
 def cut(whole):
@@ -74,12 +74,10 @@ def small_jobs(monkeypatch):
 def write_all(whole, folder, code=""):
     """Write all slabs that are not there; returns their files and how many cells were written."""
     slabs = cut(whole)
-    of_study = whole.device, whole.model
-    asked = whole.settings.asked()
-    paths = [folder / f"{slab_name(*of_study, dict(slab), asked)}.nc" for slab in slabs]
+    paths = [folder / f"{slab_name(whole, dict(slab))}.nc" for slab in slabs]
     new = [(slab, path) for slab, path in zip(slabs, paths, strict=True) if not path.exists()]
     for slab, path in new:
-        write_slab(*of_study, dict(slab), whole.settings, path, code)
+        write_slab(whole, dict(slab), path, code)
     return paths, len(cells(slab for slab, _ in new))
 
 
@@ -122,7 +120,7 @@ def test_a_new_value_changes_only_slabs_that_hold_a_neighbour(axis, value):
     neighbours = {*values[values < value][-1:], *values[values > value][:1]}
     lost = set(cut(old)) - set(cut(new))
     assert all(neighbours & set(dict(slab)[axis]) for slab in lost)
-    assert len(lost) < len(cut(old)) / 2
+    assert len(lost) <= len(cut(old)) / 2
 
 
 def test_a_new_damping_changes_no_slab():

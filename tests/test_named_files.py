@@ -13,7 +13,7 @@ from small_results import CONFIG, make_cells, make_found
 from small_studies import THREE_COSINES
 
 import snapmap
-from snapmap.config.study import load_study
+from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError, read_document
 from snapmap.io.named import hold_to_plan
 from snapmap.io.netcdf import check_alike
@@ -62,7 +62,7 @@ def snakemake(root, *options):
 
 
 def test_a_study_knows_its_files_by_what_they_hold(folder):
-    study = load_study(yaml.safe_load(STUDY))
+    study = load_config(yaml.safe_load(STUDY))
     content = (folder / "shock.csv").read_bytes(), POINTS.encode()
     hashes = [hashlib.sha256(held).hexdigest() for held in content]
     assert study.files() == dict(zip(["shock.csv", "points.csv"], hashes, strict=True))
@@ -70,7 +70,7 @@ def test_a_study_knows_its_files_by_what_they_hold(folder):
 
 
 def test_an_edit_since_the_plan_is_refused_by_every_reader(folder, monkeypatch):
-    study = load_study(yaml.safe_load(STUDY))
+    study = load_config(yaml.safe_load(STUDY))
     shocks_of(study.pulse)
     read_points(study.marks, study.marks_sha256)
     monkeypatch.setenv("SNAPMAP_PLANNED", "{}")
@@ -78,7 +78,7 @@ def test_an_edit_since_the_plan_is_refused_by_every_reader(folder, monkeypatch):
     hold_to_plan(study.files(), plans=True)
     write_record(folder / "shock.csv", 3)
     (folder / "points.csv").write_text("N,f0\n1000,2001\n", encoding="utf-8")
-    edited = load_study(yaml.safe_load(STUDY))
+    edited = load_config(yaml.safe_load(STUDY))
     for read in (
         lambda: shocks_of(study.pulse),
         lambda: shocks_of(study.requirements[0].pulse),
@@ -192,7 +192,7 @@ def test_plain_numbers_are_read_as_they_are(tmp_path):
 @pytest.mark.parametrize("change", [{"x\ud800": 1}, {"device": {"mass": "\udfff"}}])
 def test_half_characters_are_refused_at_the_door(change):
     with pytest.raises(ConfigError, match="has half a character"):
-        load_study(yaml.safe_load(THREE_COSINES) | change)
+        load_config(yaml.safe_load(THREE_COSINES) | change)
 
 
 def test_a_product_of_another_study_is_named():

@@ -12,7 +12,7 @@ import yaml
 from small_studies import TINY
 
 import snapmap
-from snapmap.config.study import load_study
+from snapmap.config.study import load_config
 from snapmap.io.dependencies import code_files
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
 from snapmap.sweeps.plan import make_plan
@@ -100,7 +100,7 @@ def test_the_cube_keeps_the_contract(finished):
         assert (cube.t_settled.notnull() == proven).all()
         assert cube.energy_error.max() <= 1e-3
         assert set(cube.reproduced.values.ravel()) <= {0, 1}
-        assert json.loads(cube.config) == load_study(yaml.safe_load(TINY)).document()
+        assert json.loads(cube.config) == load_config(yaml.safe_load(TINY)).document()
         assert snapmap.__version__ in cube.code_version and "numba" in cube.packages
     assert " never, " in output and "cells: " in output and " proven, " in output
 
@@ -145,7 +145,7 @@ def test_the_cube_is_what_python_gives(finished):
 
 def figures_of(config, *C):
     """Names of the figures of a tiny study over these C."""
-    (history,) = load_study(yaml.safe_load(config)).histories
+    (history,) = load_config(yaml.safe_load(config)).histories
     stems = [f"{kind}_C{value:g}" for kind in ("map", "snap", "time") for value in C]
     stems += ["maps", "snap_maps", "thresholds", "damage_boundary", "statics"]
     stems += [f"history_{history.name}"]
@@ -296,7 +296,7 @@ def test_bad_input_is_one_line(old, new, key):
     """All that the Snakefile asks of a config before any job is planned."""
     assert old in TINY
     with pytest.raises(ValueError) as fault:
-        study = load_study(yaml.safe_load(TINY.replace(old, new, 1)))
+        study = load_config(yaml.safe_load(TINY.replace(old, new, 1)))
         make_plan(study.grid, study.model, study.settings)
     (line,) = str(fault.value).splitlines()
     assert line.startswith(key)

@@ -13,7 +13,7 @@ import snapmap
 from snapmap.beam.elements import hermite_elements
 from snapmap.beam.vibration import natural_frequency
 from snapmap.config.devices import load_device, read_device
-from snapmap.config.study import load_study
+from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError, read_document
 from snapmap.pulse import make_pulse
 from snapmap.solver.models import build_model
@@ -58,7 +58,7 @@ def changed(**values):
 
 def faults(document):
     with pytest.raises(ConfigError) as caught:
-        load_study(document)
+        load_config(document)
     return caught.value.args
 
 
@@ -127,7 +127,7 @@ def test_a_free_decay_measures_the_quality_factor_of_the_beam(values):
 
 
 def test_a_free_decay_measures_the_quality_factor_of_the_mass():
-    study = load_study(changed(device_quality_factor=20))
+    study = load_config(changed(device_quality_factor=20))
     (C,) = study.axes["C"]
     run = snapmap.simulate(study.device, 0.1, 50e3, C, model="cosines", modes=3, horizon=3000.0)
     after = run.time > 25.0
@@ -137,7 +137,7 @@ def test_a_free_decay_measures_the_quality_factor_of_the_mass():
 
 
 def test_a_quality_factor_stands_for_the_damping():
-    study = load_study(DOCUMENT)
+    study = load_config(DOCUMENT)
     beam = study.device.beam
     assert beam.damping == natural_frequency(replace(beam, damping=0.0)) / 60
     assert study.axes["C"].tolist() == [math.sqrt(5.5 * 1e4) / 94]
@@ -147,13 +147,13 @@ def test_a_quality_factor_stands_for_the_damping():
         device_quality_factor=None,
         sweep_C=[f"{study.axes['C'].item()!r} uN*us/um"],
     )
-    again = load_study(spelled)
+    again = load_config(spelled)
     assert again.document() == study.document() and again.axes["C"] == study.axes["C"]
 
 
 def test_axes_and_tolerances_leave_the_damping_as_it_is():
-    study = load_study(changed(sweep_thickness=["1.9 um", "2.1 um"], sweep_spring=["5 N/m"]))
-    alone = load_study(DOCUMENT)
+    study = load_config(changed(sweep_thickness=["1.9 um", "2.1 um"], sweep_spring=["5 N/m"]))
+    alone = load_config(DOCUMENT)
     assert set(study.grid.device.beam.damping) == {alone.device.beam.damping}
     assert study.axes["C"] == alone.axes["C"]
 
@@ -200,8 +200,8 @@ def several(**softer):
 
 
 def test_several_devices_share_one_C():
-    alone = load_study(DOCUMENT)
-    assert load_study(several(gap="3 um")).axes["C"] == alone.axes["C"]
+    alone = load_config(DOCUMENT)
+    assert load_config(several(gap="3 um")).axes["C"] == alone.axes["C"]
     for softer in ({"spring": "4 N/m"}, {"quality_factor": 90}):
         (line,) = faults(several(**softer))
         assert line == "devices: quality factors give no C that all devices share; write sweep.C"
@@ -215,7 +215,7 @@ def test_several_devices_share_one_C():
 
 def test_a_device_is_described(handout):
     assert snapmap.describe(handout) == "beam 157.8 kHz, quality factor infinite; mass 3.733 kHz"
-    study = load_study(DOCUMENT)
+    study = load_config(DOCUMENT)
     (line,) = study.descriptions()
     C = study.axes["C"].item()
     assert line == (
@@ -248,4 +248,4 @@ def test_documents_quote_the_quality_factors_of_their_configs(root):
 
 
 def test_the_sensor_of_the_tutorial_is_read(root):
-    assert load_study(read_document(root / "config" / "sensor.yaml")).descriptions()
+    assert load_config(read_document(root / "config" / "sensor.yaml")).descriptions()

@@ -9,12 +9,14 @@ import yaml
 import snapmap
 from snapmap.axes import make_grid
 from snapmap.config.schema import validator
-from snapmap.config.study import load_study
+from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError
 from snapmap.pulse import SHAPES, shocks_from
+from snapmap.solver.settings import Settings
+from snapmap.study import Study
 from snapmap.thresholds.requirements import check, summary
 
-FOLLOWED = {"horizon": 300.0, "energy_tolerance": 1e-3, "tolerance": 1e-4}
+SETTINGS = Settings(horizon=300.0)
 
 
 @pytest.fixture
@@ -24,13 +26,13 @@ def document(root):
 
 def faults(document, **changes):
     with pytest.raises(ConfigError) as fault:
-        load_study(copy.deepcopy(document) | changes)
+        load_config(copy.deepcopy(document) | changes)
     return str(fault.value)
 
 
 def test_shapes_and_directions_are_axes_of_a_study(document):
     asked = {"shape": ["half sine", "trapezoid"], "rise": "20 %", "direction": "both"}
-    study = load_study(document | {"pulse": asked})
+    study = load_config(document | {"pulse": asked})
     assert [*study.axes][-5:] == ["shape", "direction", "C", "f0", "N"]
     half, back, trapezoid, _ = study.grid.pulses
     assert half.name == "half sine" and back.area == -half.area
@@ -38,16 +40,16 @@ def test_shapes_and_directions_are_axes_of_a_study(document):
     assert {view.y for view in study.curves} == {"shape", "direction"}
     drawn = [(view.y, view.at["C"]) for view in study.curves if view.y == "direction"]
     assert drawn == [("direction", place) for place in range(study.axes["C"].size)]
-    plain = load_study(document)
+    plain = load_config(document)
     assert plain.pulse == {} and "shape" not in plain.axes
 
 
 def test_a_record_keeps_its_own_duration_or_takes_another(document, root, monkeypatch):
     monkeypatch.chdir(root)
     sweep = {key: document["sweep"][key] for key in document["sweep"] if key != "f0"}
-    study = load_study(document | {"pulse": {"file": "config/half_sine.csv"}, "sweep": sweep})
+    study = load_config(document | {"pulse": {"file": "config/half_sine.csv"}, "sweep": sweep})
     assert study.axes["f0"].tolist() == [2000.0]
-    study = load_study(document | {"pulse": {"file": "config/half_sine.csv"}})
+    study = load_config(document | {"pulse": {"file": "config/half_sine.csv"}})
     assert study.axes["f0"].size == document["sweep"]["f0"]["points"]
     assert any("coarse for a period" in line for line in study.doubts()) is False
     assert "sweep.f0: missing" in faults(document, sweep=sweep)
@@ -93,7 +95,7 @@ def test_a_requirement_that_cannot_be_is_named_in_one_line(document, change, wan
 
 def test_names_of_requirements_are_written_once(document):
     asked = {"name": "drop", "N": 500, "duration": "1 ms", "snaps": False}
-    study = load_study(document | {"requirements": [asked]})
+    study = load_config(document | {"requirements": [asked]})
     assert study.requirements[0].f0 == 1000.0 and study.requirements[0].pulse == {}
     assert "'drop' comes twice" in faults(document, requirements=[asked, asked])
 
@@ -113,7 +115,7 @@ def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout):
         for name, N in amounts.items()
         for must in (True, False)
     ]
-    verdicts = check(handout, asked, [25.0], {"name": "auto"}, FOLLOWED)
+    verdicts = check(Study(device=handout, settings=SETTINGS), asked, [25.0])
     expected = ["failed", "met", "unclear", "unclear", "met", "failed"]
     assert [one.verdict for one in verdicts] == expected
     for one, N in zip(verdicts, np.repeat([*amounts.values()], 2), strict=True):

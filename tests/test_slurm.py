@@ -14,7 +14,7 @@ import pytest
 import yaml
 from small_studies import TINY
 
-from snapmap.config.study import load_study
+from snapmap.config.study import load_config
 from snapmap.sweeps.plan import make_plan
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sinfo", "sbatch", "srun")
@@ -200,7 +200,7 @@ def test_a_slab_asks_for_more_the_more_there_is_to_do(monkeypatch):
 
     def request(f0, points):
         document["sweep"] |= {"f0": [f0], "N": {"from": 600, "to": 20600, "points": points}}
-        study = load_study(document)
+        study = load_config(document)
         (only,) = make_plan(study.grid, study.model, study.settings).requests
         return only
 

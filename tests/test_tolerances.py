@@ -12,7 +12,7 @@ from scipy import stats
 from small_studies import THREE_COSINES
 
 import snapmap
-from snapmap.config.study import load_study
+from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError
 from snapmap.device import values_of
 from snapmap.figures.explore_batch import batch_section
@@ -248,11 +248,11 @@ def test_tolerances_of_a_config_are_read_in_internal_units(document):
         "together": [["thickness", "rise"]],
         "samples": 64,
     }
-    read = load_study(document | {"tolerances": asked}).tolerances
+    read = load_config(document | {"tolerances": asked}).tolerances
     assert read.scatters["thickness"] == 0.05 and read.scatters["youngs_modulus"] == "5 %"
     assert read.scatters["rise"] == {"uniform": 0.2} and read.scatters["N"] == "2 %"
     assert (read.samples, read.seed, read.index_samples) == (64, 1, None)
-    assert load_study(document).tolerances is None
+    assert load_config(document).tolerances is None
 
 
 @pytest.mark.parametrize(
@@ -273,7 +273,7 @@ def test_tolerances_of_a_config_are_read_in_internal_units(document):
 )
 def test_tolerances_that_cannot_be_are_named_in_one_line(document, asked, wanted):
     with pytest.raises(ConfigError) as fault:
-        load_study(document | {"tolerances": asked})
+        load_config(document | {"tolerances": asked})
     assert str(fault.value).startswith(wanted) and "\n" not in str(fault.value)
 
 
@@ -289,13 +289,16 @@ def test_the_rules_write_and_draw_what_is_asked(handout, tmp_path):
     required = {"name": "drop", "pulse": {"shape": "half sine"}, "N": 900.0, "f0": 1e3}
     asked = {"scatters": {"thickness": 0.05, "N": "2 %"}, "together": [], "samples": 32}
     find_tolerance(
-        device=values_of({"one": handout, "two": vary(handout, thickness=1.9)}),
-        pulse={"direction": "both"},
-        model={"name": "cosines", "modes": 3},
+        study={
+            "device": values_of({"one": handout, "two": vary(handout, thickness=1.9)}),
+            "pulse": {"direction": "both"},
+            "model": {"name": "cosines", "modes": 3},
+            "settings": {"horizon": 300.0, "energy_tolerance": 1e-3},
+            "skip": False,
+        },
         axes={"C": [25.0], "f0": [800.0, 1500.0], "N": [800.0, 1000.0, 1200.0]},
-        asked=asked | {"index_samples": None, "seed": 1},
+        tolerances=asked | {"index_samples": None, "seed": 1},
         requirements=[required | {"snaps": True}],
-        followed={"horizon": 300.0, "energy_tolerance": 1e-3},
         path=tmp_path / "tolerance.nc",
         threads=2,
     )

@@ -23,7 +23,7 @@ rule measure_accuracy:
         device=values_of(nominal(study.device)),
         pulse=study.pulse,
         axes={key: study.axes[key].tolist() for key in ("C", "f0", "N")},
-        settings=asked,
+        settings=study.settings.asked(),
         plan=lambda wildcards: "quick" if wildcards.size else "full",
     message:
         "Measure error and time of every model: {output.accuracy}"

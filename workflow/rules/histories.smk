@@ -7,11 +7,11 @@ rule simulate_history:
         "../envs/snapmap.yaml"
     params:
         code=code("simulate_history"),
-        device=lambda wildcards: values_of(cells[wildcards.cell].device),
-        pulse=study.pulse,
-        model=study.model,
-        cell=lambda wildcards: cells[wildcards.cell].shock,
-        followed={key: asked[key] for key in ("horizon", "until", "energy_tolerance")},
+        study=lambda wildcards: {
+            **study.values("horizon", "until", "energy_tolerance"),
+            "device": values_of(made.histories[wildcards.cell].device),
+        },
+        cell=lambda wildcards: made.histories[wildcards.cell].shock,
     message:
         "Follow single cells in full"
     script:
@@ -20,9 +20,9 @@ rule simulate_history:
 
 rule draw_histories:
     input:
-        histories=[f"results/histories/{cell}.nc" for cell in cells],
+        histories=[f"results/histories/{cell}.nc" for cell in made.histories],
     output:
-        pdf=[f"results/figures/history_{cell}.pdf" for cell in cells],
+        pdf=[f"results/figures/history_{cell}.pdf" for cell in made.histories],
         png=[
             report(
                 f"results/figures/history_{cell}.png",
@@ -30,7 +30,7 @@ rule draw_histories:
                 category="Histories",
                 labels={"figure": cell},
             )
-            for cell in cells
+            for cell in made.histories
         ],
     log:
         "results/logs/draw_histories.log",

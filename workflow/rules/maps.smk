@@ -2,7 +2,7 @@ rule draw_maps:
     input:
         cube="results/cube.nc",
     output:
-        pdf=[f"results/figures/{stem}.pdf" for stem in map_stems],
+        pdf=[f"results/figures/{stem}.pdf" for stem in made.map_stems],
         png=[
             report(
                 f"results/figures/{stem}.png",
@@ -10,7 +10,7 @@ rule draw_maps:
                 category="Maps",
                 labels={"figure": stem},
             )
-            for stem in map_stems
+            for stem in made.map_stems
         ],
     log:
         "results/logs/draw_maps.log",
@@ -19,9 +19,9 @@ rule draw_maps:
         "../envs/snapmap.yaml"
     params:
         code=code("draw_maps"),
-        ends=[view._asdict() for view in ends],
-        together=[view._asdict() for view in together if ends],
-        times=[view._asdict() for view in times],
+        ends=[view._asdict() for view in made.ends],
+        together=[view._asdict() for view in made.together if made.ends],
+        times=[view._asdict() for view in made.times],
         marks=[(asked.name, asked.f0, asked.N) for asked in study.requirements],
         own=own_points,
     message:
@@ -35,7 +35,7 @@ rule draw_snap_maps:
         cube="results/cube.nc",
         threshold="results/threshold.nc",
     output:
-        pdf=[f"results/figures/{stem}.pdf" for stem in snap_stems],
+        pdf=[f"results/figures/{stem}.pdf" for stem in made.snap_stems],
         png=[
             report(
                 f"results/figures/{stem}.png",
@@ -43,7 +43,7 @@ rule draw_snap_maps:
                 category="Maps",
                 labels={"figure": stem},
             )
-            for stem in snap_stems
+            for stem in made.snap_stems
         ],
     log:
         "results/logs/draw_snap_maps.log",
@@ -52,9 +52,9 @@ rule draw_snap_maps:
         "../envs/snapmap.yaml"
     params:
         code=code("draw_snap_maps"),
-        views=[view._asdict() for view in snaps],
-        together=[view._asdict() for view in together],
-        fields=[view._asdict() for view in fields],
+        views=[view._asdict() for view in made.snaps],
+        together=[view._asdict() for view in made.together],
+        fields=[view._asdict() for view in made.fields],
         marks=[(asked.name, asked.f0, asked.N) for asked in study.requirements],
         own=own_points,
     message:

@@ -13,10 +13,7 @@ rule trace_cells:
         mem_mb=lambda wildcards, attempt: attempt * 2000,
     params:
         code=code("trace_cells"),
-        device=device_values,
-        pulse=study.pulse,
-        model=study.model,
-        settings=asked,
+        study=study.values(),
     message:
         "Trace the motion of the cells"
     script:

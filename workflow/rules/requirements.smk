@@ -9,15 +9,10 @@ rule check_requirements:
     threads: 4
     params:
         code=code("check_requirements"),
-        device=device_values,
+        study=study.values(*THRESHOLD_SETTINGS),
         requirements=[asked._asdict() for asked in study.requirements],
         C=study.axes["C"].tolist(),
-        model=study.model,
-        followed={
-            "horizon": study.settings.horizon,
-            "energy_tolerance": study.settings.energy_tolerance,
-            "tolerance": study.threshold_tolerance,
-        },
+        tolerance=study.threshold_tolerance,
     message:
         "Check the required shocks"
     script:

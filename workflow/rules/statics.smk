@@ -7,7 +7,7 @@ rule trace_statics:
         "../envs/snapmap.yaml"
     params:
         code=code("trace_statics"),
-        device=lambda wildcards: values_of(statics[wildcards.which]),
+        device=lambda wildcards: values_of(made.statics[wildcards.which]),
     message:
         "Push the beam slowly through"
     script:
@@ -16,9 +16,9 @@ rule trace_statics:
 
 rule draw_statics:
     input:
-        statics=[f"results/statics{which}.nc" for which in statics],
+        statics=[f"results/statics{which}.nc" for which in made.statics],
     output:
-        pdf=[f"results/figures/statics{which}.pdf" for which in statics],
+        pdf=[f"results/figures/statics{which}.pdf" for which in made.statics],
         png=[
             report(
                 f"results/figures/statics{which}.png",
@@ -26,7 +26,7 @@ rule draw_statics:
                 category="Device",
                 labels={"figure": f"force and energy of the beam{which}"},
             )
-            for which in statics
+            for which in made.statics
         ],
     log:
         "results/logs/draw_statics.log",

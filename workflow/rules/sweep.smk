@@ -13,12 +13,8 @@ rule simulate_slab:
         runtime=lambda wildcards, attempt: attempt * requests[wildcards.slab].runtime,
     params:
         code=code("simulate_slab"),
-        device=device_values,
-        pulse=study.pulse,
-        model=study.model,
+        study=study.values(),
         axes=lambda wildcards: slabs[wildcards.slab],
-        settings=asked,
-        skip=study.skip,
     message:
         "Simulate the cells"
     script:

@@ -12,21 +12,14 @@ rule find_threshold:
         mem_mb=lambda wildcards, attempt: attempt * 2000,
     params:
         code=code("find_threshold"),
-        device=device_values,
-        pulse=study.pulse,
-        model=study.model,
+        study=study.values(*THRESHOLD_SETTINGS),
         axes={
             key: values.tolist()
             for key, values in study.axes.items()
             if key not in ("device", "shape", "direction", "N")
         },
+        tolerance=study.threshold_tolerance,
         highest=float(study.axes["N"][-1]),
-        followed={
-            "horizon": study.settings.horizon,
-            "energy_tolerance": study.settings.energy_tolerance,
-            "tolerance": study.threshold_tolerance,
-            "skip": study.skip,
-        },
     message:
         "Find the thresholds"
     script:
@@ -37,7 +30,7 @@ rule draw_thresholds:
     input:
         threshold="results/threshold.nc",
     output:
-        pdf=[f"results/figures/{stem}.pdf" for stem in curve_stems],
+        pdf=[f"results/figures/{stem}.pdf" for stem in made.curve_stems],
         png=[
             report(
                 f"results/figures/{stem}.png",
@@ -45,7 +38,7 @@ rule draw_thresholds:
                 category="Thresholds",
                 labels={"figure": stem},
             )
-            for stem in curve_stems
+            for stem in made.curve_stems
         ],
     log:
         "results/logs/draw_thresholds.log",

@@ -11,16 +11,10 @@ rule find_tolerance:
         mem_mb=lambda wildcards, attempt: attempt * 4000,
     params:
         code=code("find_tolerance"),
-        device=device_values,
-        pulse=study.pulse,
-        model=study.model,
+        study=study.values(*THRESHOLD_SETTINGS),
         axes={key: study.axes[key].tolist() for key in ("C", "f0", "N")},
-        asked=study.tolerances._asdict() if study.tolerances else {},
+        tolerances=study.tolerances._asdict() if study.tolerances else {},
         requirements=[asked._asdict() for asked in study.requirements],
-        followed={
-            "horizon": study.settings.horizon,
-            "energy_tolerance": study.settings.energy_tolerance,
-        },
     message:
         "Find the thresholds of devices as made"
     script:
@@ -31,7 +25,7 @@ rule draw_tolerance:
     input:
         tolerance="results/tolerance.nc",
     output:
-        pdf=[f"results/figures/{stem}.pdf" for stem in batch_stems],
+        pdf=[f"results/figures/{stem}.pdf" for stem in made.batch_stems],
         png=[
             report(
                 f"results/figures/{stem}.png",
@@ -39,7 +33,7 @@ rule draw_tolerance:
                 category="Devices as made",
                 labels={"figure": stem},
             )
-            for stem in batch_stems
+            for stem in made.batch_stems
         ],
     log:
         "results/logs/draw_tolerance.log",
@@ -48,7 +42,7 @@ rule draw_tolerance:
         "../envs/snapmap.yaml"
     params:
         code=code("draw_tolerance"),
-        places=batches,
+        places=made.batches,
     message:
         "Draw what devices as made do"
     script:

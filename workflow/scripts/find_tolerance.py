@@ -1,23 +1,20 @@
 """Rule find_tolerance: find what thresholds devices have whose values scatter."""
 
-from snapmap.device import devices_from
 from snapmap.io.job_log import job_log
 from snapmap.io.netcdf import write
+from snapmap.io.planned import study_from
 from snapmap.io.recorded import shocks_of
-from snapmap.tolerances.dataset import summary, tolerance
+from snapmap.tolerances.dataset import summary, tolerances_of
+from snapmap.tolerances.samples import Tolerances
 
 
-def find_tolerance(device, pulse, model, axes, asked, requirements, followed, path, threads):
+def find_tolerance(study, axes, tolerances, requirements, path, threads):
     """Draw the devices, find their thresholds and write them; values in internal units.
 
-    asked: scatters, together, samples, index_samples and seed, as `tolerance` takes them
-    followed: horizon and energy_tolerance
+    tolerances: fields of `Tolerances`
     """
-    shocks = shocks_of(pulse)
-    shocks = {"pulse": shocks.pulse, "direction": shocks.direction}
     required = [one | {"shocks": shocks_of(one["pulse"])} for one in requirements]
-    asked = {**axes, **asked, **followed, **shocks, "requirements": required}
-    found = tolerance(devices_from(device), model=model, threads=threads, **asked)
+    found = tolerances_of(study_from(study, threads), axes, Tolerances(**tolerances), required)
     write(found, path)
     print(f"{path}: {summary(found)}")
 
@@ -25,13 +22,10 @@ def find_tolerance(device, pulse, model, axes, asked, requirements, followed, pa
 if __name__ == "__main__":
     with job_log(snakemake.log[0]):
         find_tolerance(
-            device=snakemake.params.device,
-            pulse=snakemake.params.pulse,
-            model=snakemake.params.model,
+            study=snakemake.params.study,
             axes=snakemake.params.axes,
-            asked=snakemake.params.asked,
+            tolerances=snakemake.params.tolerances,
             requirements=snakemake.params.requirements,
-            followed=snakemake.params.followed,
             path=snakemake.output.tolerance,
             threads=snakemake.threads,
         )

@@ -281,6 +281,10 @@ class Shocks:
             direction = tuple(names["direction"])
         return Shocks(pulse, direction)
 
+    def first(self) -> "Shocks":
+        """The first shape in the first direction."""
+        return Shocks(next(iter(self.shapes.values())), self.ways[0])
+
     def own_frequency(self) -> float:
         """Hz, of recorded shocks that last equally long; else a ValueError, one line."""
         durations = {pulse.duration for pulse in self.shapes.values()}

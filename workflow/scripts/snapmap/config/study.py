@@ -1,4 +1,4 @@
-"""The door: a config document to a `Study` in internal units, or one line for every fault."""
+"""The door: a config document to a `Config` in internal units, or one line for every fault."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -6,10 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..axes import Grid, make_grid
-from ..device import VALUES, Device
-from ..io.provenance import asked_for
-from ..pulse import HANDOUT_SHOCK, Shocks
+from ..device import VALUES, values_of
+from ..pulse import HANDOUT_SHOCK
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
+from ..study import Study
+from ..tolerances.samples import Tolerances
 from .asked_views import read_views
 from .axes import KIND_OF, read_axis
 from .devices import nominal, read_devices, tilting
@@ -25,21 +26,17 @@ from .shocks import (
     read_requirements,
     read_shocks,
 )
-from .tolerances import Tolerances, read_tolerances
+from .tolerances import read_tolerances
 from .units import read
 from .views import View, choose_boundary, choose_curves, choose_maps
 
 
-@dataclass(frozen=True, eq=False)
-class Study:
-    """A device, a model and the cells of a sweep.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Config(Study):
+    """A study with the cells of its sweep, and what else is made of it.
 
-    device: the nominal one, or several by name
-    model: name and options, as given
     grid: all axes, each ascending
-    skip: whether a device without a second stable shape is marked, not refused
-    settings: how each cell is followed
-    shocks: their pulses; pulse: values for `shocks_of`
+    pulse: values for `shocks_of`
     requirements: shocks that must or must not trip the device
     tolerances: what scatters from device to device, or nothing
     threshold_tolerance: of the thresholds in N, relative
@@ -48,12 +45,7 @@ class Study:
     left_out: one line on what is not drawn, or nothing
     """
 
-    device: Device | dict[str, Device]
-    model: dict
     grid: Grid
-    skip: bool
-    settings: Settings
-    shocks: Shocks
     pulse: dict
     requirements: tuple[Requirement, ...]
     tolerances: Tolerances | None
@@ -71,13 +63,16 @@ class Study:
         """Values by name, in the order of all products."""
         return self.grid.axes
 
-    def document(self) -> dict:
-        """What its products say was asked for: the same however the config spells it."""
-        return asked_for(self.device, self.shocks, self.model, self.settings.asked())
-
-    def devices(self) -> dict[str, Device]:
-        """Its devices by name; one alone is called `device`."""
-        return self.device if isinstance(self.device, Mapping) else {"device": self.device}
+    def values(self, *keys: str) -> dict:
+        """Plain values of the study for `study_from`, with some of its settings; all by default."""
+        settings = self.settings.asked()
+        return {
+            "device": values_of(self.device),
+            "pulse": self.pulse,
+            "model": self.model,
+            "settings": {key: settings[key] for key in keys or settings},
+            "skip": self.skip,
+        }
 
     def descriptions(self) -> list[str]:
         """A line on how each device vibrates as written, whatever the axes change."""
@@ -103,7 +98,7 @@ class Study:
         return tilts + pulses + marks_outside(self.marks, self.axes)
 
 
-def load_study(document: Mapping) -> Study:
+def load_config(document: Mapping) -> Config:
     """Check a whole config document and convert it; raises ConfigError naming every fault."""
     faults = schema_faults(document)
     parts = document if isinstance(document, Mapping) else {}
@@ -146,7 +141,7 @@ def load_study(document: Mapping) -> Study:
     curves = read_views(document, "thresholds", faults, grid)
     refuse(faults)
     chosen, left_out = choose_maps(grid, nominal(device), maps)
-    return Study(
+    return Config(
         device=device,
         model=_model(document["model"]),
         grid=grid,

@@ -1,28 +1,9 @@
 """The section `tolerances`: what scatters, and how much."""
 
 from collections.abc import Mapping
-from typing import NamedTuple
 
-from ..tolerances.samples import SHOCK, Plan
+from ..tolerances.samples import SHOCK, Plan, Tolerances
 from .units import read, show
-
-
-class Tolerances(NamedTuple):
-    """What a study asks of devices as made.
-
-    scatters: by the names of values; numbers in internal units, or shares as text
-    together: groups of values that one draw moves
-    samples, index_samples, seed: as `tolerances.dataset.tolerance` takes them
-    """
-
-    scatters: dict
-    together: list[list[str]]
-    samples: int
-    index_samples: int | None
-    seed: int
-
-
-OPTIONS = {"together": [], "samples": 1000, "index_samples": None, "seed": 1}
 
 
 def read_tolerances(section: Mapping, devices, kinds: Mapping[str, str]) -> Tolerances:
@@ -30,9 +11,10 @@ def read_tolerances(section: Mapping, devices, kinds: Mapping[str, str]) -> Tole
 
     devices: all that are to scatter so; kinds: of the values, by their names
     """
-    keys = [key for key in section if key not in OPTIONS]
+    options = {key: section[key] for key in section if key in Tolerances._fields}
+    keys = [key for key in section if key not in options]
     scatters = {key: _scatter(key, section[key], kinds.get(key)) for key in keys}
-    found = Tolerances(scatters, **{key: section.get(key, OPTIONS[key]) for key in OPTIONS})
+    found = Tolerances(scatters, **options)
     for device in devices:
         Plan(device, scatters, found.together)
     if (found.index_samples or 0) > found.samples:

@@ -2,22 +2,21 @@
 
 import json
 import math
-from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
 
-from ..axes import DEVICE, NAMES, PULSE_AXES, Grid, coordinates, make_grid, shared_points
+from ..axes import NAMES, Grid, coordinates, shared_points
 from ..beam.barrier import Barrier
-from ..device import Device
 from ..io.provenance import provenance, recipe
-from ..pulse import HANDOUT_SHOCK, Shocks
 from ..solver import simd_loop
 from ..solver.adaptive import choose_model
 from ..solver.cells import rows_of, to_cells
-from ..solver.settings import MOVE, Settings
+from ..solver.settings import MOVE
 from ..solver.simd_kernel import LANES, SAMPLE
+from ..study import Study
 
 CELLS = 40_000
 """A larger grid is thinned along its longest axes by whole strides."""
@@ -49,27 +48,19 @@ MOST = 1e30
 """Of what a failed run blew up to, all that is kept."""
 
 
-def trace(
-    device: Device | Mapping[str, Device],
-    cube: xr.Dataset,
-    model: Mapping,
-    settings: Settings,
-    shocks: Shocks = HANDOUT_SHOCK,
-    earlier: xr.Dataset | None = None,
-) -> xr.Dataset:
-    """Follow the cells of a cube again, at its steps, and keep their motion.
+def trace(study: Study, cube: xr.Dataset, earlier: xr.Dataset | None = None) -> xr.Dataset:
+    """Follow the cells of a study's cube again, at its steps, and keep their motion.
 
-    device: the nominal one, or several by name; the cube's axes say which values are others
-    model: name and options, as the cube's; a cell of `auto` is followed by the level that decided
-        it, and a cell of `reference` by the same elements in their modes
+    A cell of `auto` is followed by the level that decided it, and a cell of `reference` by the same
+    elements in their modes.
     earlier: traces of the same study on other axes, from which cells are taken that the same code
         followed
     Returns the variables of VARIABLES, (bin, *axes), and the length of the bins, (*axes); NaN where
     there is no device.
     """
     cube = thin(cube.sortby([key for key in cube.outcome.dims if key not in NAMES]))
-    grid = grid_of(device, cube, shocks)
-    levels = _levels(grid.device, model, settings.threads)
+    grid, settings = grid_of(study, cube), study.settings
+    levels = _levels(grid.device, study.model)
     level = cube.level.values.ravel() if "level" in cube else np.zeros(cube.outcome.size, int)
     halvings = cube.halvings.values.ravel()
     rows, N = rows_of(grid), grid.axes["N"]
@@ -107,18 +98,14 @@ def thin(cube: xr.Dataset) -> xr.Dataset:
     return cube.isel({key: slice(None, None, stride) for key, stride in strides.items()})
 
 
-def grid_of(
-    device: Device | Mapping[str, Device], cube: xr.Dataset, shocks: Shocks = HANDOUT_SHOCK
-) -> Grid:
+def grid_of(study: Study, cube: xr.Dataset) -> Grid:
     """Set out the points of a cube's axes again."""
     axes = {key: cube[key].values for key in cube.outcome.dims}
-    shocks = shocks.some({key: axes.pop(key).tolist() for key in PULSE_AXES if key in axes})
-    if isinstance(device, Mapping):
-        device = {name: device[name] for name in axes.pop(DEVICE).tolist()}
-    return make_grid(device, axes, skip=True, shocks=shocks)
+    names = {key: axes.pop(key).tolist() for key in NAMES if key in axes}
+    return replace(study.part(names), skip=True).set_out(axes)
 
 
-def _levels(device, model, threads):
+def _levels(device, model):
     """A model with modes for each level of the cube's."""
     name = "handout" if model["name"] == "reference" else model["name"]
     return choose_model(device, {**model, "name": name}).levels

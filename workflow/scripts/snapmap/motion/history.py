@@ -1,6 +1,7 @@
 """One cell in full: motion, contact force and every energy over time."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -10,12 +11,12 @@ from ..beam.modal import contact_stiffness
 from ..device import Device
 from ..io.provenance import device_sections, provenance
 from ..numerics.linalg import dot, multiply
-from ..pulse import VERSED_SINE, Pulse, shocks_from
 from ..solver.adaptive import choose_model
 from ..solver.cells import check_cells, to_cells
 from ..solver.repeat import REPEATED_STEP, t_snap_error, work_error
-from ..solver.settings import MOVE, Settings, check_settings
+from ..solver.settings import MOVE
 from ..solver.simd_kernel import BLOCK
+from ..study import Study, study_of
 
 SAMPLES = 4000
 """A history keeps this many instants, up to twice as many, or all that there are."""
@@ -41,21 +42,16 @@ def simulate(
     N: float,
     f0: float | None,
     C: float,
-    model: str = "handout",
-    horizon: float = 1500.0,
-    until: str = "settled",
-    energy_tolerance: float = 1e-3,
-    pulse: str | Pulse = VERSED_SINE,
-    direction: str = "+z",
+    model: str | Mapping = "handout",
     **options,
 ) -> xr.Dataset:
     """Follow one cell to the horizon, beyond its snap, and return its history over time.
 
     N: multiples of g; f0: Hz, or None for a recorded shock's own; C: uN us/um
-    horizon: us followed after the pulse
-    until, energy_tolerance: of a sweep, whose step for this cell is taken
-    pulse: a shape by name, or what `read_pulse` returns; direction: "+z" or "-z"
-    model, options: as in the config's model section
+    model: name, or as a mapping the whole of the config's model section
+    options: as in `study.study_of`: horizon (us followed after the pulse), until and
+        energy_tolerance, of a sweep whose step for this cell is taken; pulse and direction, of one
+        shape in one direction; and options of the model
     The attributes work_error and t_snap_error say by how much the pulse's work and the time of snap
     differ with another step, as in a cube.
 
@@ -64,17 +60,23 @@ def simulate(
     >>> bool(run.w_mid.min() < device.beam.second_equilibrium)
     True
     """
-    f0 = shocks_from(pulse, direction).own_frequency() if f0 is None else f0
+    study, varied = study_of(device, model, options, ("horizon", "energy_tolerance", "until"))
+    if varied:
+        raise ValueError(f"{next(iter(varied))}: is no option; vary the device")
+    f0 = study.shocks.own_frequency() if f0 is None else f0
+    return history_of(study, N, f0, C)
+
+
+def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
+    """Follow one cell of a study of one device and pulse, as `simulate` does."""
     check_cells(N=[N], f0=[f0], C=[C])
     if N < 0:
         raise ValueError(f"N: {N:g} is below 0; direction -z pushes the other way")
-    shocks = shocks_from(pulse, direction)
-    if shocks.axes:
+    if study.shocks.axes:
         raise ValueError("pulse: several; a history is of one shape in one direction")
-    settings = Settings(horizon, until, False, energy_tolerance, pulses=shocks.pulses)
-    check_settings(settings)
-    built = choose_model(device, {"name": model, **options}).levels[-1]
-    cells = to_cells(device, [0], [N], [f0], [C], horizon)
+    device, settings = study.device, study.settings._replace(repeat=False)
+    built = choose_model(device, study.model).levels[-1]
+    cells = to_cells(device, [0], [N], [f0], [C], settings.horizon)
     built = built.with_step(0.5 ** built.follow(cells, settings).halvings.item())
     dt = built.steps.of(cells, settings.pulses, MOVE).item()
     amplitude, per_us, damping, t_end = (column.item() for column in cells[2:])
@@ -88,8 +90,8 @@ def simulate(
     }
     document = {
         **device_sections(device),
-        **shocks.section(),
-        "model": {"name": model, **options},
+        **study.shocks.section(),
+        "model": dict(study.model),
         "histories": [{"N": N, "f0": f"{f0!r} Hz", "C": f"{C!r} uN*us/um"}],
     }
     return _dress(motion.time, values, document).assign_attrs(

@@ -7,14 +7,13 @@ import dask.array
 import numpy as np
 import xarray as xr
 
-from ..axes import coordinates, make_grid, split_axes
+from ..axes import coordinates
 from ..device import Device
-from ..io.provenance import asked_for, provenance
-from ..pulse import VERSED_SINE, Pulse, shocks_from
+from ..io.provenance import provenance
 from ..solver.adaptive import choose_model
 from ..solver.cells import check_cells
 from ..solver.outcome import ABSENT, OUTCOMES, count, shares
-from ..solver.settings import Settings, check_settings
+from ..study import FOLLOWED, frequencies, study_of
 from .grid import follow_grid
 
 VARIABLES = {
@@ -95,28 +94,19 @@ def sweep(
     N: Sequence[float],
     f0: Sequence[float] | None,
     C: Sequence[float],
-    model: str = "handout",
-    horizon: float = 1500.0,
-    until: str = "settled",
-    repeat: bool | None = None,
-    energy_tolerance: float = 1e-3,
-    threads: int = 1,
-    skip: bool = False,
-    pulse: str | Pulse | Sequence | Mapping = VERSED_SINE,
-    direction: str | Sequence[str] = "+z",
-    **others,
+    model: str | Mapping = "handout",
+    **options,
 ) -> xr.Dataset:
     """Simulate every cell of a grid and return it as in cube.nc.
 
     device: one, or several by name, which then are an axis
     N: multiples of g; f0: Hz, above 0, or None for a recorded shock's own; C: uN us/um, from 0
-    horizon (us), until, repeat, energy_tolerance, threads: as in `Settings`; only settled cells are
-        repeated unless told
-    skip: whether a device without a second stable shape is marked `absent`, not refused
-    pulse: a shape by name, or what `read_pulse` returns; several are an axis, `shape`
-    direction: "+z", "-z"; several, or "both", are an axis
-    others: options of the model, as in the config; and further axes in front of C, f0 and N: values
-        of the device by their names, in internal units
+    model: name, or as a mapping the whole of the config's model section
+    options: as in `study.study_of`: horizon (us), until, repeat, energy_tolerance, threads, as in
+        `Settings`; pulse; direction; skip: whether a device without a second stable shape is marked
+        `absent`, not refused; options of the model; and values of the device by their names, in
+        internal units, as axes in front of C, f0 and N
+    By default only settled cells are repeated.
     Raises ValueError, one line, for a value that cannot be.
 
     >>> device = snapmap.load_device("config/config.yaml")
@@ -125,18 +115,14 @@ def sweep(
     >>> cube.t_snap.notnull().squeeze().values.tolist()
     [[False, True], [False, True]]
     """
-    shocks = shocks_from(pulse, direction)
-    f0 = [shocks.own_frequency()] if f0 is None else f0
+    repeat = options.pop("repeat", None)
+    options["repeat"] = options.get("until", "settled") == "settled" if repeat is None else repeat
+    study, varied = study_of(device, model, options, (*FOLLOWED, "until", "repeat"))
+    f0 = frequencies(f0, study.shocks)
     check_cells(N=N, f0=f0, C=C)
-    varied, options = split_axes(others)
-    repeat = until == "settled" if repeat is None else repeat
-    settings = Settings(horizon, until, repeat, energy_tolerance, threads, shocks.pulses)
-    check_settings(settings)
-    grid = make_grid(device, {**varied, "C": C, "f0": f0, "N": N}, skip, shocks)
-    model = {"name": model, **options}
-    variables = follow_grid(choose_model(grid.device, model), grid, settings)
-    document = asked_for(device, shocks, model, settings.asked())
-    return with_summary(dress(grid.axes, variables, document))
+    grid = study.set_out({**varied, "C": C, "f0": f0, "N": N})
+    variables = follow_grid(choose_model(grid.device, study.model), grid, study.settings)
+    return with_summary(dress(grid.axes, variables, study.document()))
 
 
 def dress(axes: Mapping[str, np.ndarray], variables: Mapping, document: Mapping) -> xr.Dataset:

@@ -1,47 +1,32 @@
 """A slab as a file: its cells followed, or taken from earlier slabs."""
 
-from collections.abc import Mapping
 from pathlib import Path
 
 import netCDF4
 import numpy as np
 
 from ..axes import NAMES
-from ..device import Device
 from ..io.atomic import replacing
-from ..pulse import HANDOUT_SHOCK, Shocks
 from ..solver.adaptive import choose_model
 from ..solver.outcome import count
-from ..solver.settings import Settings
+from ..study import Study
 from .grid import follow_rows, rows_of
 from .partition import Slab, slab_grid, slab_name
 from .reuse import recall
 
 
-def write_slab(
-    device: Device | Mapping[str, Device],
-    model: Mapping,
-    slab: Slab,
-    settings: Settings,
-    path: str | Path,
-    code: str = "",
-    skip: bool = False,
-    shocks: Shocks = HANDOUT_SHOCK,
-) -> dict[str, int]:
+def write_slab(study: Study, slab: Slab, path: str | Path, code: str = "") -> dict[str, int]:
     """Follow the cells of one slab and write it to `path`; returns how many had which outcome.
 
     Cells that other slabs in the same folder hold are taken from there.
-    device: the nominal one, or several by name
-    model: name and options
     code: hash of the code on which the numbers depend; slabs made by another are not used
-    skip: whether a device without a second stable shape is marked, not refused
-    shocks: those of the study
     """
-    variables, known = recall(path, slab, code, same_N=model["name"] == "auto")
-    grid = slab_grid(device, slab, skip, shocks)
-    _follow_unknown(grid, model, settings._replace(pulses=grid.pulses), variables, known)
+    variables, known = recall(path, slab, code, same_N=study.model["name"] == "auto")
+    grid = slab_grid(study, slab)
+    settings = study.settings._replace(pulses=grid.pulses)
+    _follow_unknown(grid, study.model, settings, variables, known)
     with replacing(path) as temporary, netCDF4.Dataset(temporary, "w") as file:
-        file.slab, file.code = slab_name(device, model, slab, settings.asked(), shocks), code
+        file.slab, file.code = slab_name(study, slab), code
         for axis, values in slab.items():
             file.createDimension(axis, len(values))
             kind = {"datatype": str} if axis in NAMES else {"datatype": "f8", "fletcher32": True}

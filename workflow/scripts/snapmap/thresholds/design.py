@@ -7,12 +7,12 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from ..axes import COORDINATES, coordinates, split_axes
+from ..axes import COORDINATES, coordinates
 from ..device import SIGNED, UNITS, VALUES, Device, batch, is_bistable
-from ..pulse import VERSED_SINE, Pulse, shocks_from
 from ..solver.adaptive import choose_survey
 from ..solver.cells import check_cells, to_rows
-from ..solver.settings import THRESHOLD_TOLERANCE, Settings, check_settings
+from ..solver.settings import THRESHOLD_TOLERANCE
+from ..study import study_of
 from .islands import survey
 
 POINTS, SECTIONS, ROUNDS = 17, 8, 3
@@ -37,19 +37,15 @@ def design(
     C: float,
     between: tuple[float, float],
     model: str | Mapping = "auto",
-    pulse: str | Pulse = VERSED_SINE,
-    direction: str = "+z",
-    horizon: float = 1500.0,
-    energy_tolerance: float = 1e-3,
-    threads: int = 1,
-    **others,
+    **options,
 ) -> Design | xr.Dataset:
     """Find the value of a device, by its name, for which N (multiples of g) is its threshold.
 
     f0: Hz; C: uN us/um; between: where to look, internal units
-    model, pulse, direction, horizon (us), energy_tolerance, threads: as in `threshold`
-    others: options of the model; and one further value of the device with its values, along which
-        the answer is a line: a dataset of value and error, NaN where there is none
+    model: name, or as a mapping the whole of the config's model section
+    options: as in `study.study_of`: horizon (us), energy_tolerance, threads, pulse, direction,
+        options of the model; and one further value of the device with its values, along which the
+        answer is a line: a dataset of value and error, NaN where there is none
     Warns where several values are right, and returns the lowest. Raises ValueError, one line, where
     none is, or for a value that cannot be.
 
@@ -59,20 +55,15 @@ def design(
     >>> round(found.value, 1)
     2.1
     """
-    along, options = split_axes(others)
-    shocks = shocks_from(pulse, direction)
-    settings = Settings(
-        horizon, energy_tolerance=energy_tolerance, threads=threads, pulses=shocks.pulses
-    )
-    _check(device, value, N, f0, C, between, along, settings)
-    model = {"name": model, **options} if isinstance(model, str) else dict(model)
+    study, along = study_of(device, model, options)
+    _check(study, value, N, f0, C, between, along)
     key, values = next(iter(along.items()), (value, [np.nan]))
     values = np.atleast_1d(np.asarray(values, float))
 
     def above(tried, place):
         """How far above N thresholds are, with their errors, of values at places on the line."""
         asked = {key: values[place], value: tried}
-        found = _thresholds(device, asked, model, settings, f0, C)
+        found = _thresholds(study, asked, f0, C)
         return found[0] - N, found[1]
 
     found = _solve(above, between, values.size)
@@ -112,18 +103,18 @@ def _solve(above, between, places):
     return _Solutions(place, value, open_by / abs(slope), seen)
 
 
-def _thresholds(device, values, model, settings, f0, C):
-    """Thresholds of the device with other values, each (n,), and their errors; NaN for none."""
+def _thresholds(study, values, f0, C):
+    """Thresholds of a study's device with other values, each (n,), and their errors, or NaN."""
     values = {key: column for key, column in values.items() if np.isfinite(column).all()}
     size = next(iter(values.values())).size
-    there = np.flatnonzero(is_bistable(device.beam, values, size))
+    there = np.flatnonzero(is_bistable(study.device.beam, values, size))
     found = np.full((2, size), np.nan)
     if there.size:
         some = {key: column[there] for key, column in values.items()}
-        varied = batch([device]).pick(np.zeros(there.size, int)).vary(some)
-        models = choose_survey(varied, model)
+        varied = batch([study.device]).pick(np.zeros(there.size, int)).vary(some)
+        models = choose_survey(varied, study.model)
         rows = to_rows(np.arange(there.size), f0, C)
-        told = survey(models, rows, settings, THRESHOLD_TOLERANCE)
+        told = survey(models, rows, study.settings, THRESHOLD_TOLERANCE)
         found[:, there] = told.N_first, told.N_error
     return found
 
@@ -170,14 +161,13 @@ def _line(value, key, values, N, found):
     return xr.Dataset(data, coordinates({key: values}))
 
 
-def _check(device, value, N, f0, C, between, along, settings):
-    if not isinstance(device, Device):
-        raise ValueError(f"device: {device!r} is no device; `snapmap.load_device` reads one")
+def _check(study, value, N, f0, C, between, along):
+    if not isinstance(study.device, Device):
+        raise ValueError(f"device: {study.device!r} is no device; `snapmap.load_device` reads one")
     if value not in VALUES:
         raise ValueError(f"{value}: no value of a device; these are {', '.join(VALUES)}")
     check_cells(N=N, f0=f0, C=C)
-    check_settings(settings)
-    if len(settings.pulses) > 1:
+    if len(study.settings.pulses) > 1:
         raise ValueError("pulse: several; give one shape and one direction")
     if not N > 0:
         raise ValueError(f"N: {N:g} is not above 0")

@@ -1,19 +1,20 @@
 """Shocks that must or must not trip a device, each held against its own threshold."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from ..device import Device, batch
-from ..pulse import Shocks
+from ..device import batch
 from ..solver.adaptive import choose_model
 from ..solver.cells import to_cells
 from ..solver.outcome import FAILED as BLOWN_UP
 from ..solver.outcome import OUTCOMES, label
-from ..solver.settings import Settings
-from .surface import threshold
+from ..solver.settings import THRESHOLD_TOLERANCE
+from ..study import Study
+from .surface import thresholds_of
 
 MET, FAILED, UNCLEAR = "met", "failed", "unclear"
 
@@ -44,42 +45,38 @@ class Verdict(NamedTuple):
 
 
 def check(
-    device: Device | Mapping[str, Device],
+    study: Study,
     requirements: Sequence[Mapping],
     C: Sequence[float],
-    model: Mapping,
-    followed: Mapping,
-    threads: int = 1,
+    tolerance: float = THRESHOLD_TOLERANCE,
 ) -> list[Verdict]:
     """Simulate each required shock with its own pulse and find the threshold of that pulse.
 
-    device: one, or several by name; C: uN us/um; model: name and options
+    study: whose pulse is of no account
     requirements: name, shocks (of one shape and direction), N, f0 (Hz) and snaps of each
-    followed: horizon (us), energy_tolerance and tolerance, as `threshold` takes them
+    C: uN us/um; tolerance: of the thresholds in N, relative
     """
-    named = device if isinstance(device, Mapping) else {"": device}
+    several = isinstance(study.device, Mapping)
     return [
         verdict
         for asked in requirements
-        for name, one in named.items()
-        for verdict in _verdicts(one, name, asked, C, model, followed, threads)
+        for name, device in study.devices().items()
+        for verdict in _verdicts(
+            replace(study, device=device, shocks=asked["shocks"]),
+            name if several else "",
+            asked,
+            C,
+            tolerance,
+        )
     ]
 
 
-def _verdicts(device, name, asked, C, model, followed, threads):
-    shocks: Shocks = asked["shocks"]
-    push = {"pulse": shocks.pulse, "direction": shocks.direction, "threads": threads}
-    N, f0 = asked["N"], asked["f0"]
-    found = threshold(device, [f0], C, model=model, **followed, **push).squeeze("f0")
-    settings = Settings(
-        followed["horizon"],
-        energy_tolerance=followed["energy_tolerance"],
-        threads=threads,
-        pulses=shocks.pulses,
-    )
-    device = batch([device])
+def _verdicts(study, name, asked, C, tolerance):
+    N, f0, shocks, settings = asked["N"], asked["f0"], study.shocks, study.settings
+    found = thresholds_of(study, {"C": C, "f0": [f0]}, tolerance).squeeze("f0")
+    device = batch([study.device])
     cells = to_cells(device, 0, [[N]], f0, np.reshape(C, (-1, 1)), settings.horizon)
-    seen = choose_model(device, model).follow(cells, settings)
+    seen = choose_model(device, study.model).follow(cells, settings)
     outcomes = label(*seen[:4], settings.energy_tolerance)[:, 0]
     for i, (damping, outcome) in enumerate(zip(C, outcomes, strict=True)):
         row, snapped = found.isel(C=i), bool(np.isfinite(seen.t_snap[i, 0]))

@@ -5,13 +5,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from ..axes import PULSE_AXES, coordinates, make_grid, split_axes
+from ..axes import PULSE_AXES, coordinates
 from ..device import Device
-from ..io.provenance import asked_for, provenance, recipe
-from ..pulse import VERSED_SINE, Pulse, shocks_from
+from ..io.provenance import provenance, recipe
 from ..solver.adaptive import choose_survey
 from ..solver.cells import check_cells, rows_of, to_rows
-from ..solver.settings import THRESHOLD_TOLERANCE, Settings, check_number, check_settings
+from ..solver.settings import THRESHOLD_TOLERANCE, check_number
+from ..study import THRESHOLD_SETTINGS, Study, frequencies, study_of
 from .cost import tell_cost
 from .islands import ABOVE, NOT_FOLLOWED, NOTHING_SNAPS, STATUS, survey
 from .reuse import joined, recall
@@ -23,7 +23,6 @@ velocity."""
 
 SLOWNESS = 0.02
 """Frequency, over the device's own, of a pulse that stands for a long one where it jumps."""
-ROWS_HANG_ON = ("horizon", "energy_tolerance", "threshold_tolerance")
 NO_AREA = 1e-3
 """A pulse of less area leaves no change of velocity by which it could trip."""
 
@@ -93,35 +92,27 @@ def threshold(
     device: Device | Mapping[str, Device],
     f0: Sequence[float] | None,
     C: Sequence[float],
-    horizon: float = 1500.0,
     model: str | Mapping = "auto",
     tolerance: float = THRESHOLD_TOLERANCE,
     highest: float | None = None,
-    energy_tolerance: float = 1e-3,
-    threads: int = 1,
-    skip: bool = False,
-    pulse: str | Pulse | Sequence | Mapping = VERSED_SINE,
-    direction: str | Sequence[str] = "+z",
     earlier: xr.Dataset | None = None,
-    **others,
+    **options,
 ) -> xr.Dataset:
     """Find where snapping begins over C (uN us/um) and f0 (Hz), with error bars.
 
-    f0: None for a recorded shock's own
     device: one, or several by name, which then are an axis
-    horizon: us followed after the pulse; tolerance: of the refinement in N, relative
-    highest: up to which N islands are looked for; twice the threshold if not given
-    energy_tolerance, threads: as in `Settings`
-    skip: whether a device without a second stable shape has no threshold, and is not refused
+    f0: None for a recorded shock's own
     model: name, or as a mapping the whole of the config's model section, which may give `auto` a
-        tolerance of its own; not `handout` unless told, as in `sweep`: error bars need other levels
+        tolerance of its own; not `handout` by default, as in `sweep`: error bars need other levels
         in any case, and theirs is the better threshold
-    pulse: a shape by name, or what `read_pulse` returns; several are an axis, `shape`
-    direction: "+z", "-z"; several, or "both", are an axis
-    earlier: thresholds of the same device and settings on other axes, from which rows are taken
-        that the same code found
-    others: options of the model; and further axes in front of C and f0: values of the device by
-        their names, in internal units
+    tolerance: of the refinement in N, relative
+    highest: up to which N islands are looked for; twice the threshold if not given
+    earlier: thresholds of the same study on other axes, from which rows are taken that the same
+        code found
+    options: as in `study.study_of`: horizon (us followed after the pulse), energy_tolerance and
+        threads, as in `Settings`; pulse; direction; skip: whether a device without a second stable
+        shape has no threshold, and is not refused; options of the model; and values of the device
+        by their names, in internal units, as axes in front of C and f0
     The variables are those of `islands.Thresholds`, (..., C, f0), with N_latched; the limits for
     slow and short pulses, N_static, over the axes of device and pulse, and velocity_change, over
     these and C; and the `area` of each pulse: its velocity change is area N g / f0.
@@ -131,19 +122,29 @@ def threshold(
     >>> found.N_first.squeeze().round().values.tolist()
     [893.0, 990.0]
     """
-    varied, options = split_axes(others)
-    shocks = shocks_from(pulse, direction)
-    f0 = [shocks.own_frequency()] if f0 is None else f0
-    settings = Settings(
-        horizon, energy_tolerance=energy_tolerance, threads=threads, pulses=shocks.pulses
-    )
-    _check(f0, C, tolerance, highest, settings)
-    model = {"name": model, **options} if isinstance(model, str) else dict(model)
-    grid = make_grid(device, {**varied, "C": C, "f0": f0}, skip, shocks)
-    asked = settings.asked() | {"threshold_tolerance": tolerance}
-    document = asked_for(device, shocks, model, {key: asked[key] for key in ROWS_HANG_ON})
+    study, varied = study_of(device, model, options)
+    axes = {**varied, "C": C, "f0": frequencies(f0, study.shocks)}
+    return thresholds_of(study, axes, tolerance, highest, earlier)
+
+
+def thresholds_of(
+    study: Study,
+    axes: Mapping[str, Sequence[float]],
+    tolerance: float = THRESHOLD_TOLERANCE,
+    highest: float | None = None,
+    earlier: xr.Dataset | None = None,
+) -> xr.Dataset:
+    """Find the thresholds of a study, as `threshold` returns them.
+
+    axes: values of the device, C and f0, by name; tolerance, highest, earlier: as there
+    """
+    settings = study.settings
+    _check(axes["f0"], axes["C"], tolerance, highest)
+    grid = study.set_out(axes)
+    document = study.document(THRESHOLD_SETTINGS)
+    document["sweep"]["threshold_tolerance"] = tolerance
     made_by = recipe(document, grid.pulses, highest)
-    models, rows = choose_survey(grid.device, model), rows_of(grid)
+    models, rows = choose_survey(grid.device, study.model), rows_of(grid)
     found, known = recall(earlier, grid, made_by)
     new = np.flatnonzero(~known & (rows.device >= 0))
     tell_cost(models, rows.some(new), settings)
@@ -260,9 +261,8 @@ def summary(found: xr.Dataset) -> str:
     return f"{line}; weaker along {', '.join(sides)}"
 
 
-def _check(f0, C, tolerance, highest, settings):
+def _check(f0, C, tolerance, highest):
     check_cells(f0=f0, C=C)
-    check_settings(settings)
     check_number("tolerance", tolerance)
     if not 1e-9 <= tolerance <= 0.01:
         raise ValueError(f"tolerance: {tolerance} is not from 1e-9 to 0.01, of N")

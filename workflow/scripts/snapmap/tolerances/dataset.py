@@ -7,13 +7,13 @@ import xarray as xr
 
 from ..axes import COORDINATES, coordinates
 from ..device import Device
-from ..io.provenance import device_sections, provenance
+from ..io.provenance import provenance
 from ..numerics.portable import geometric
-from ..pulse import VERSED_SINE, Pulse, shocks_from
 from ..solver.cells import check_cells
-from ..solver.settings import Settings, check_number, check_settings
+from ..solver.settings import check_number
+from ..study import THRESHOLD_SETTINGS, Study, frequencies, study_of
 from .batch import Batch, choose_builder
-from .samples import SHOCK, Plan
+from .samples import SHOCK, Plan, Tolerances
 from .sensitivity import crossed, indices
 from .statistics import count_below, moments, quantiles, wilson
 
@@ -81,18 +81,8 @@ def tolerance(
     f0: Sequence[float] | None,
     C: Sequence[float],
     N: Sequence[float] | None = None,
-    samples: int = 1000,
-    index_samples: int | None = None,
-    seed: int = 1,
-    together: Sequence[Sequence[str]] = (),
-    requirements: Sequence[Mapping] = (),
     model: str | Mapping = "auto",
-    pulse: str | Pulse | Sequence | Mapping = VERSED_SINE,
-    direction: str | Sequence[str] = "+z",
-    horizon: float = 1500.0,
     tolerance: float = 1e-3,
-    energy_tolerance: float = 1e-3,
-    threads: int = 1,
     **options,
 ) -> xr.Dataset:
     """Find the thresholds, over C (uN us/um) and f0 (Hz), of devices whose values scatter.
@@ -103,15 +93,13 @@ def tolerance(
         standard deviations). N, duration and C scatter from shock to shock, in shares
     f0: None for a recorded shock's own; N: multiples of g at which the probability is told; from
         the lowest to the highest threshold unless given
-    samples: number of devices; index_samples: of those by which Sobol indices are estimated, cut
-        down to a power of two, each with a partner and one more for each scatter; INDEX_SAMPLES, if
-        there are so many, unless given
-    seed: of the draws; together: groups of values that one draw moves
-    requirements: name, shocks (of one shape and direction), N, f0 (Hz) and snaps of each
     model: name, or as a mapping the whole of the config's model section; `auto` takes the cheapest
         level that keeps its tolerance for the nominal device
-    pulse, direction, horizon (us), energy_tolerance, threads: as in `threshold`
-    tolerance: of each threshold, relative; options: of the model
+    tolerance: of each threshold, relative
+    options: samples, index_samples, seed and together, as in `Tolerances`; requirements: name,
+        shocks (of one shape and direction), N, f0 (Hz) and snaps of each; and as in
+        `study.study_of`: horizon (us), energy_tolerance, threads, pulse, direction, and options of
+        the model
     Raises ValueError, one line, for a value that cannot be.
 
     >>> device = snapmap.load_device("config/config.yaml")
@@ -119,28 +107,44 @@ def tolerance(
     >>> round((made.N_std / made.N_mean).item(), 2)
     0.1
     """
-    shocks = shocks_from(pulse, direction)
-    axes = {"C": C, "f0": [shocks.own_frequency()] if f0 is None else f0}
-    settings = Settings(
-        horizon, energy_tolerance=energy_tolerance, threads=threads, pulses=shocks.pulses
-    )
-    _check(axes, N, samples, index_samples, seed, tolerance, settings)
-    axes = {key: np.atleast_1d(np.asarray(values, float)) for key, values in axes.items()}
-    model = {"name": model, **options} if isinstance(model, str) else dict(model)
-    named = device if isinstance(device, Mapping) else {"": device}
-    power = _power(min(samples, index_samples or INDEX_SAMPLES))
+    given = {key: options.pop(key) for key in Tolerances._fields if key in options}
+    requirements = options.pop("requirements", ())
+    study, varied = study_of(device, model, options)
+    if varied:
+        raise ValueError(f"{next(iter(varied))}: is no option; write how it scatters in scatters")
+    axes = {"C": C, "f0": frequencies(f0, study.shocks)}
+    axes |= {} if N is None else {"N": N}
+    return tolerances_of(study, axes, Tolerances(scatters, **given), requirements, tolerance)
+
+
+def tolerances_of(
+    study: Study,
+    axes: Mapping[str, Sequence[float]],
+    asked: Tolerances,
+    requirements: Sequence[Mapping] = (),
+    tolerance: float = 1e-3,
+) -> xr.Dataset:
+    """Find the thresholds of a study's devices as made, as `tolerance` returns them.
+
+    axes: C, f0 and, unless it is to be chosen, N
+    """
+    settings, samples = study.settings, asked.samples
+    _check(axes, asked, tolerance)
+    N = axes.get("N")
+    axes = {key: np.atleast_1d(np.asarray(axes[key], float)) for key in ("C", "f0")}
+    power = _power(min(samples, asked.index_samples or INDEX_SAMPLES))
     found = []
-    for one in named.values():
-        plan = Plan(one, scatters, together)
-        points = plan.points(samples, seed)
+    for one in study.devices().values():
+        plan = Plan(one, asked.scatters, asked.together)
+        points = plan.points(samples, asked.seed)
         paired = points[:, :power]
         every = np.concatenate([points[0], paired[1], *crossed(paired)])
-        build = choose_builder(one, model, *axes.values(), settings)
+        build = choose_builder(one, study.model, *axes.values(), settings)
         whole = Batch(one, plan, every, build)
         some = whole.first(samples)
-        data, N_first = _thresholds(whole, samples, shocks, axes, settings, tolerance)
+        data, N_first = _thresholds(whole, samples, study.shocks, axes, settings, tolerance)
         data = data.merge(_made(some))
-        data = data.merge(_indices(N_first, samples, power, plan, seed, data))
+        data = data.merge(_indices(N_first, samples, power, plan, asked.seed, data))
         data = data.merge(_probability(data, N))
         if one.beam.damping > 0:
             data = data.merge(_latched(some, data, settings))
@@ -148,26 +152,29 @@ def tolerance(
             data = data.merge(_requirements(some, requirements, data, settings, tolerance))
         found.append(data)
     data = found[0]
-    if isinstance(device, Mapping):
-        names = xr.Variable("device", list(device), COORDINATES["device"])
+    if isinstance(study.device, Mapping):
+        names = xr.Variable("device", list(study.device), COORDINATES["device"])
         data = xr.concat(found, names, join="outer")
     for key in data.data_vars:
         data[key].attrs = VARIABLES[key] if key in VARIABLES else _attributes(key)
-    document = device_sections(device) | shocks.section() | {"model": model}
-    document["sweep"] = {"horizon": f"{horizon:.15g} us", "energy_tolerance": energy_tolerance}
-    document["tolerances"] = {key: _plain(given) for key, given in scatters.items()}
-    document["tolerances"] |= {
-        "samples": samples,
-        "seed": seed,
-        "together": list(map(list, together)),
-    }
     return data.assign_attrs(
         Conventions="CF-1.11, ACDD-1.3",
         title="Thresholds of devices as made",
         summary="Share of devices that snap over damping, frequency and amplitude of the shock",
         threshold_tolerance=tolerance,
-        **provenance(document),
+        **provenance(_document(study, asked)),
     )
+
+
+def _document(study, asked):
+    document = study.document(THRESHOLD_SETTINGS)
+    document["tolerances"] = {key: _plain(given) for key, given in asked.scatters.items()}
+    document["tolerances"] |= {
+        "samples": asked.samples,
+        "seed": asked.seed,
+        "together": list(map(list, asked.together)),
+    }
+    return document
 
 
 def summary(found: xr.Dataset) -> str:
@@ -306,14 +313,14 @@ def _plain(given):
     return dict(given) if isinstance(given, Mapping) else given
 
 
-def _check(axes, N, samples, index_samples, seed, tolerance, settings):
-    check_cells(**axes, **({} if N is None else {"N": N}))
-    check_settings(settings)
+def _check(axes, asked, tolerance):
+    check_cells(**axes)
     check_number("tolerance", tolerance)
     if not 1e-5 <= tolerance <= 0.01:
         raise ValueError(f"tolerance: {tolerance} is not from 1e-5 to 0.01, of N")
-    asked = {"samples": samples, "index_samples": index_samples or 2, "seed": seed}
-    for (key, value), least in zip(asked.items(), (2, 2, 0), strict=True):
+    samples, index_samples = asked.samples, asked.index_samples
+    whole = {"samples": samples, "index_samples": index_samples or 2, "seed": asked.seed}
+    for (key, value), least in zip(whole.items(), (2, 2, 0), strict=True):
         if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
             raise ValueError(f"tolerances.{key}: {value!r} is not a whole number from {least}")
     if index_samples is not None and index_samples > samples:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,6 +17,24 @@ CUT = 2.0
 DIGITS = 7
 """Decimals of a deviation over its width: no library's last digit shows in a sample."""
 NEED = "is no number above 0, nor a share such as '5 %'"
+
+
+class Tolerances(NamedTuple):
+    """What is asked of devices as made.
+
+    scatters: of each value the standard deviation, as `snapmap.tolerance` takes it
+    together: groups of values that one draw moves
+    samples: number of devices
+    index_samples: of those by which Sobol indices are estimated, cut down to a power of two, each
+        with a partner and one more for each scatter; by default as many as are affordable
+    seed: of the draws
+    """
+
+    scatters: Mapping[str, float | str | Mapping]
+    together: Sequence[Sequence[str]] = ()
+    samples: int = 1000
+    index_samples: int | None = None
+    seed: int = 1
 
 
 @dataclass(frozen=True)

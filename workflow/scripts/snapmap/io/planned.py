@@ -1,0 +1,19 @@
+"""A study as the rules of the workflow hand it to their scripts: plain values."""
+
+from collections.abc import Mapping
+
+from ..device import devices_from
+from ..solver.settings import Settings
+from ..study import Study
+from .recorded import shocks_of
+
+
+def study_from(values: Mapping, threads: int = 1) -> Study:
+    """Rebuild a study from the values that `Config.values` gives."""
+    return Study(
+        device=devices_from(values["device"]),
+        shocks=shocks_of(values["pulse"]),
+        model=values["model"],
+        settings=Settings(**values["settings"], threads=threads),
+        skip=values["skip"],
+    )
