@@ -15,7 +15,7 @@ import snapmap
 from snapmap.config.study import load_study
 from snapmap.config.yaml_file import read_document
 from snapmap.figures import layout, maps, style
-from snapmap.figures.accuracy import HANDOUT, error_of, of_family
+from snapmap.figures.accuracy import HANDOUT, of_family
 
 ROOT = Path(__file__).parents[1]
 C = 25.0
@@ -57,21 +57,21 @@ def draw_fronts(ax, found, earlier=None):
     ):
         if one is not None:
             front = one.isel(model=np.flatnonzero(one.on_front)).sortby("time_per_simulation")
-            ax.step(front.time_per_simulation, error_of(front), where="post", label=label, **look)
+            ax.step(front.time_per_simulation, front.threshold_worst, where="post", label=label, **look)
     for family, words, marker in (
         ("cosines", "$n$ cosines", "D"),
         ("elements_consistent", "$n$ elements", "o"),
     ):
         cases = of_family(found, family)
-        ax.plot(cases.time_per_simulation, error_of(cases), marker, markersize=4, label=words)
+        ax.plot(cases.time_per_simulation, cases.threshold_worst, marker, markersize=4, label=words)
         for name, x, y in zip(
-            cases.model.values, cases.time_per_simulation, error_of(cases), strict=True
+            cases.model.values, cases.time_per_simulation, cases.threshold_worst, strict=True
         ):
             number = str(name).split()[0]
             ax.annotate(number, (x, y), (3, 3), textcoords="offset points", fontsize=6)
     case = found.sel(model=HANDOUT)
     ring = {"markersize": 9, "fillstyle": "none", "color": "black", "label": "the handout's setting"}
-    ax.plot(case.time_per_simulation, error_of(case), "o", **ring)
+    ax.plot(case.time_per_simulation, case.threshold_worst, "o", **ring)
     ax.set_title("Speed against error\none thread, against a converged run")
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.25), ncols=2, frameon=False)
 
