@@ -22,7 +22,7 @@ from snapmap.device import VALUES, Beam, Device
 from snapmap.pulse import TENTH, VERSED_SINE
 from snapmap.solver.adaptive import TOLERANCE
 from snapmap.solver.models import OPTIONS, build_model
-from snapmap.solver.settings import MOVE, QUESTIONS, THRESHOLD_TOLERANCE, Settings
+from snapmap.solver.settings import MOVE, SNAP, STAY, THRESHOLD_TOLERANCE, Settings
 from snapmap.sweeps import plan
 from snapmap.tolerances.dataset import INDEX_SAMPLES
 from snapmap.tolerances.samples import SHOCK, Tolerances
@@ -270,7 +270,7 @@ def _default_steps(device):
     whole, limit = (build_model(device, "elements", **step).steps for step in ({}, {"step": 1}))
     share = (whole.longest[MOVE] / limit.longest[MOVE]).item()
     longest = build_model(device, "cosines").steps.longest
-    snap, stay, move = (f"{longest[question].item():.2g} us" for question in QUESTIONS)
+    snap, stay, move = (f"{longest[asked].item():.2g} us" for asked in (SNAP, STAY, MOVE))
     return (
         f"of all modes of elements with soft contact `{share:g}`; elsewhere what the question, the "
         f"pulse and the device ask for: of slow pulses on the handout's device {snap} for whether "

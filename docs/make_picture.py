@@ -2,7 +2,7 @@
 
 PYTHONPATH=workflow/scripts ./run python docs/make_picture.py [accuracy.nc [earlier.nc]]
 
-accuracy.nc: from `./run snakemake accuracy --cores 2`; earlier.nc: of another version, for its front
+accuracy.nc: of `./run snakemake accuracy --cores 2`; earlier.nc: of another version, for its front
 """
 
 import sys
@@ -72,12 +72,8 @@ def draw_fronts(ax, found, earlier=None):
             number = str(name).split()[0]
             ax.annotate(number, (x, y), (3, 3), textcoords="offset points", fontsize=6)
     case = found.sel(model=HANDOUT)
-    ring = {
-        "markersize": 9,
-        "fillstyle": "none",
-        "color": "black",
-        "label": "the handout's setting",
-    }
+    ring = {"markersize": 9, "fillstyle": "none", "color": "black"}
+    ring["label"] = "the handout's setting"
     ax.plot(case.time_per_simulation, case.threshold_worst, "o", **ring)
     ax.set_title("Speed against error\none thread, against a converged run")
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.25), ncols=2, frameon=False)

@@ -19,7 +19,7 @@ from .converged import FINE_STEP
 from .plans import Plan
 from .probe import MOST_ROWS
 
-SECONDS = 150.0
+SECONDS = 300.0
 """Expected time of all runs together, each to its horizon, in one thread."""
 LEAST_SIDE = 6
 ASKED = 30
