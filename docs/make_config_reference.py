@@ -23,7 +23,7 @@ from snapmap.device import VALUES, Beam, Device
 from snapmap.pulse import TENTH, VERSED_SINE
 from snapmap.solver.adaptive import TOLERANCE
 from snapmap.solver.models import OPTIONS, build_model
-from snapmap.solver.settings import MOVE, QUESTIONS, THRESHOLD_TOLERANCE, Settings
+from snapmap.solver.settings import MOVE, SNAP, STAY, THRESHOLD_TOLERANCE, Settings
 from snapmap.sweeps import plan
 from snapmap.tolerances.dataset import INDEX_SAMPLES
 from snapmap.tolerances.samples import SHOCK
@@ -101,6 +101,19 @@ devices:
     gravity: 9.81 m/s^2
   softer: {<<: *first, spring: 3 N/m}
 """
+
+MODELS = {
+    "handout": "Hermite elements on the half beam, all modes kept (hard contact: three quarters)",
+    "elements": "the same, a few modes kept",
+    "cosines": "symmetric cosines: [how exact each number is](accuracy.md#all-cases)",
+    "auto": "for each cell the cheapest number of cosines that suffices",
+    "reference": "the handout's scheme as a plain loop: slow, the oracle of the tests",
+}
+
+SCHEMES = """\
+By default the faster scheme is chosen: `explicit` for element models with soft contact (the
+handout's case), `conserving` otherwise. Where it is not the default, `explicit` proves nothing:
+labels stay open ([stability](stability.md#two-schemes-and-one-rule), also on the steps)."""
 
 PAGE = """\
 # The config, key by key
@@ -226,8 +239,8 @@ def code_defaults() -> dict[str, str]:
         "model.mass_matrix": f"`{elements['mass_matrix']}`",
         "model.cosines": "as many as `modes`",
         "model.modes": _default_modes(handout),
-        "model.scheme": "the faster one: `explicit` for elements with all their modes and a soft "
-        "contact, else `conserving`",
+        "model.scheme": "`explicit` for elements with all their modes and a soft contact, "
+        "`conserving` otherwise",
         "model.step": _default_steps(handout),
         "model.tolerance": f"`{TOLERANCE * 100:g} %`",
         "pulse": "a versed sine along +z",
@@ -271,10 +284,10 @@ def _default_steps(device):
     whole, limit = (build_model(device, "elements", **step).steps for step in ({}, {"step": 1}))
     share = (whole.longest[MOVE] / limit.longest[MOVE]).item()
     longest = build_model(device, "cosines").steps.longest
-    snap, stay, move = (f"{longest[question].item():.2g} us" for question in QUESTIONS)
+    snap, stay, move = (f"{longest[question].item():.2g} us" for question in (SNAP, STAY, MOVE))
     return (
-        f"of all modes of elements with soft contact `{share:g}`; elsewhere what the question, the "
-        f"pulse and the device ask for: of slow pulses on the handout's device {snap} for whether "
+        f"of all modes of elements with soft contact `{share:g}`; elsewhere as the question, the "
+        f"pulse and the device require: of slow pulses on the handout's device {snap} for whether "
         f"it snaps, {stay} for where it stays, {move} for how it moves"
     )
 
@@ -319,11 +332,11 @@ def _default(name, key, section, defaults):
 
 def _options():
     rows = [
-        f"| `{name}` | {', '.join(f'`{key}`' for key in keys)} |" for name, keys in OPTIONS.items()
+        f"| `{name}` | {MODELS[name]} | {', '.join(f'`{key}`' for key in keys)} |"
+        for name, keys in OPTIONS.items()
     ]
-    return "\n".join(
-        ["Each model has its own options:", "", "| name | options |", "|---|---|", *rows]
-    )
+    head = ["Each model has its own options:", "", "| name | what | options |", "|---|---|---|"]
+    return "\n".join([*head, *rows, "", SCHEMES])
 
 
 AT_LEFT_OUT = "where the device itself stands; else in the middle, and for maps no N"
