@@ -110,6 +110,17 @@ MODELS = {
     "reference": "the handout's scheme as a plain loop: slow, the oracle of the tests",
 }
 
+OF_VALUES = {
+    "sweep": "a list or a range of values in place of the device's own, written as in `device` "
+    "| `[-5 MPa, 0 MPa, 5 MPa]` | the device's own",
+    "tolerances": "a standard deviation, as a value or a share, or a mapping of its kind (uniform: "
+    "half the width; lognormal; truncated, at two standard deviations) to its width "
+    "| `0.05 um`, `5 %`, `{uniform: 0.2 um}` | it does not scatter",
+    "each of histories": "a value in place of the device's own, written as in `device` "
+    "| `1.9 um` | the device's own",
+}
+"""What a section has for each value of the device: what, example, if left out."""
+
 SCHEMES = """\
 By default the faster scheme is chosen: `explicit` for element models with soft contact (the
 handout's case), `conserving` otherwise. Where it is not the default, `explicit` proves nothing:
@@ -215,8 +226,6 @@ def code_defaults() -> dict[str, str]:
     history = "N = {N:g}, f0 = {f0:g} Hz, C = {C:g} uN*us/um".format(**HANDOUT_CASE)
     return {
         **{f"sweep.{key}": value for key, value in settings.items()},
-        **{f"sweep.{key}": "the device's own" for key in VALUES},
-        **{f"each of histories.{key}": "the device's own" for key in VALUES},
         "each of histories.device": "the first",
         "device": "required, or `devices`",
         "devices": "`device`",
@@ -246,7 +255,7 @@ def code_defaults() -> dict[str, str]:
         "pulse": "a versed sine along +z",
         "requirements": "none",
         "tolerances": "every device is as drawn",
-        **{f"tolerances.{key}": "it does not scatter" for key in (*VALUES, *SHOCK)},
+        **{f"tolerances.{key}": "it does not scatter" for key in SHOCK},
         "tolerances.together": "each value by a draw of its own",
         "tolerances.samples": f"`{OPTIONS_OF_BATCH['samples']}`",
         "tolerances.index_samples": f"`{INDEX_SAMPLES}`, or `samples` if these are fewer",
@@ -296,7 +305,10 @@ def _section(name, section, defaults):
     rows = [
         f"| `{key}` | {_what(part)} | {_example(part)} | {_default(name, key, section, defaults)} |"
         for key, part in section["properties"].items()
+        if name not in OF_VALUES or key not in VALUES
     ]
+    if name in OF_VALUES:
+        rows.append(f"| {', '.join(f'`{key}`' for key in VALUES)} | {OF_VALUES[name]} |")
     head = ["| key | what | example | if left out |", "|---|---|---|---|"]
     title = f"## {_title(name)}"
     return "\n".join([title, "", f"{_sentence(section['description'])}", "", *head, *rows])
@@ -317,6 +329,8 @@ def _what(part):
 def _example(part):
     if "examples" in part:
         return ", ".join(f"`{value}`" for value in part["examples"])
+    if len(part.get("enum", ())) > len(VALUES):
+        return "any axis"
     if "enum" in part:
         return ", ".join(f"`{value}`" for value in part["enum"])
     if "format" in part:
