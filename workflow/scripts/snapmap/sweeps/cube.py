@@ -110,8 +110,8 @@ def sweep(
 
     device: one, or several by name, which then are an axis
     N: multiples of g; f0: Hz, above 0, or None for a recorded shock's own; C: uN us/um, from 0
-    horizon (us), until, repeat, energy_tolerance, threads: as in `Settings`; only settled cells are
-        repeated unless told
+    horizon (us), until, repeat, energy_tolerance, threads: as in `Settings`; by default only
+        settled cells are repeated
     skip: whether a device without a second stable shape is marked `absent`, not refused
     pulse: a shape by name, or what `read_pulse` returns; several are an axis, `shape`
     direction: "+z", "-z"; several, or "both", are an axis

@@ -114,7 +114,7 @@ def threshold(
     energy_tolerance, threads: as in `Settings`
     skip: whether a device without a second stable shape has no threshold, and is not refused
     model: name, or as a mapping the whole of the config's model section, which may give `auto` a
-        tolerance of its own; not `handout` unless told, as in `sweep`: error bars need other levels
+        tolerance of its own; by default not `handout`, as in `sweep`: error bars need other levels
         in any case, and theirs is the better threshold
     pulse: a shape by name, or what `read_pulse` returns; several are an axis, `shape`
     direction: "+z", "-z"; several, or "both", are an axis
