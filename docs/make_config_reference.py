@@ -29,51 +29,8 @@ from snapmap.tolerances.dataset import INDEX_SAMPLES
 from snapmap.tolerances.samples import SHOCK
 
 HERE = Path(__file__).parent
+HANDOUT = HERE.parent / "config" / "config.yaml"
 SCHEMA = Path(config.__file__).with_name("schema.yaml")
-
-EXAMPLE = """\
-device:
-  beam:
-    span: 0.5 mm
-    rise: 8 um
-    thickness: 1.9 um
-    depth: 20 um
-    youngs_modulus: 160 GPa
-    density: 2.33 g/cm^3
-    damping: 4e-4 /us            # of the beam itself; left out: none
-  mass: 6 ug
-  spring: 4 N/m
-  contact: hard
-  gravity: 9.81 m/s^2
-
-model:
-  name: cosines
-  modes: 4
-
-sweep:
-  N: {from: 200, to: 3000, points: 57}
-  f0: {from: 0.2 kHz, to: 20 kHz, points: 25, spacing: log}
-  C: [0.5 uN*us/um, 30 uN*us/um]
-  horizon: 1 ms
-  until: snap
-
-pulse:
-  shape: [half sine, sawtooth]
-  direction: both
-
-tolerances:
-  thickness: 0.05 um             # standard deviation
-  youngs_modulus: 5 %
-  rise: {uniform: 0.2 um}        # half width
-  N: 2 %                         # of the test machine
-  samples: 500
-
-requirements:
-  - {name: drop test, shape: half sine, N: 1500, duration: 0.5 ms, snaps: true}
-
-histories:
-  - {N: 1200, f0: 2 kHz, C: 0.5 uN*us/um}
-"""
 
 TWO_AXES = """\
 sweep:
@@ -129,8 +86,10 @@ labels stay open ([stability](stability.md#two-schemes-and-one-rule), also on th
 PAGE = """\
 # The config, key by key
 
-A config is a YAML file of one mapping. This page comes from the schema that every config is checked
-against, `workflow/scripts/snapmap/config/schema.yaml`, and from the defaults in the code, by
+A config is a YAML file of one mapping, such as [the handout's](../config/config.yaml),
+[the same with damping](../config/damped.yaml) or [the tutorial's](../config/sensor.yaml). This page
+comes from the schema that every config is checked against,
+`workflow/scripts/snapmap/config/schema.yaml`, and from the defaults in the code, by
 
     PYTHONPATH=workflow/scripts ./run python docs/make_config_reference.py
 
@@ -151,19 +110,11 @@ No value is evaluated or reaches a shell. But Snakemake itself, before it starts
 evaluates the expressions of a config file that says `__use_yte__: true`. Such a file is refused,
 yet only after that: look for this line in a config that comes from somebody else.
 
-## An example
-
-Another device, with hard contact and some damping of the beam:
-
-```yaml
-{example}```
-
 ## Values of the device as axes
 
 Any value of the device may stand under `sweep`, by its own key, and then takes the place of the
 device's own. The axes of all products are these, in the order of the config, then `shape`,
 `direction`, C, f0 and N.
-With the device above:
 
 ```yaml
 {two_axes}```
@@ -182,8 +133,7 @@ written once:
 
 def reference() -> str:
     """The text of docs/config.md."""
-    document = yaml.safe_load(EXAMPLE)
-    load_study(document)
+    document = yaml.safe_load(HANDOUT.read_text(encoding="utf-8"))
     load_study(document | yaml.safe_load(TWO_AXES))
     named = {key: document[key] for key in ("model", "sweep")} | yaml.safe_load(DEVICES)
     load_study(named)
@@ -195,7 +145,6 @@ def reference() -> str:
         cells=plan.MOST_CELLS,
         dampings=plan.MOST_SINGLE,
         hours=plan.MOST_SECONDS / 3600,
-        example=EXAMPLE,
         two_axes=TWO_AXES,
         devices=DEVICES,
     )
@@ -219,7 +168,7 @@ def _sections(schema, defaults):
 
 def code_defaults() -> dict[str, str]:
     """What a key that is left out stands for, as text, by its name."""
-    handout = load_device(HERE.parent / "config" / "config.yaml")
+    handout = load_device(HANDOUT)
     elements = _arguments(hermite_elements)
     settings = {key: f"`{value}`" for key, value in Settings().asked().items()}
     pushes = "pulse", "each of requirements"
