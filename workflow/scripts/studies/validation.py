@@ -49,9 +49,9 @@ many of how many shocks at each level snapped the device, with those that did no
 ## Statics of the curved beam
 
 Force on the midpoint in $EI\\delta/L^3$, displacement in $\\delta$. Qiu, Lang and Slocum (J.
-Microelectromech. Syst. 13, 2004, 137) give the values for large $Q$ and the lines of three modes.
-Their numbers are as others quote them, and each line is derived: with the axial force at a
-buckling load $\\mu^2EI/L^2$ the first cosine alone gives
+Microelectromech. Syst. 13, 2004, 137) give the values for large $Q$ and the lines of three modes;
+the paper itself could not be opened here, so its numbers are as others quote them, and each line
+is derived: with the axial force at a buckling load $\\mu^2EI/L^2$ the first cosine alone gives
 $F=\\tfrac{{\\pi^2}}2\\mu^2-(\\tfrac{{\\pi^2}}2\\mu^2-2\\pi^4)\\Delta$, that is
 $8\\pi^4-6\\pi^4\\Delta$ for $\\mu=4\\pi$. For the antisymmetric path, $\\mu=8.9868$, that is
 $4.09\\pi^4-2.09\\pi^4\\Delta$; the printed $4.18\\pi^4-2.18\\pi^4\\Delta$ differs from the
