@@ -28,51 +28,8 @@ from snapmap.tolerances.dataset import INDEX_SAMPLES
 from snapmap.tolerances.samples import SHOCK, Tolerances
 
 HERE = Path(__file__).parent
+HANDOUT = HERE.parent / "config" / "config.yaml"
 SCHEMA = Path(config.__file__).with_name("schema.yaml")
-
-EXAMPLE = """\
-device:
-  beam:
-    span: 0.5 mm
-    rise: 8 um
-    thickness: 1.9 um
-    depth: 20 um
-    youngs_modulus: 160 GPa
-    density: 2.33 g/cm^3
-    damping: 4e-4 /us            # of the beam itself; left out: none
-  mass: 6 ug
-  spring: 4 N/m
-  contact: hard
-  gravity: 9.81 m/s^2
-
-model:
-  name: cosines
-  modes: 4
-
-sweep:
-  N: {from: 200, to: 3000, points: 57}
-  f0: {from: 0.2 kHz, to: 20 kHz, points: 25, spacing: log}
-  C: [0.5 uN*us/um, 30 uN*us/um]
-  horizon: 1 ms
-  until: snap
-
-pulse:
-  shape: [half sine, sawtooth]
-  direction: both
-
-tolerances:
-  thickness: 0.05 um             # standard deviation
-  youngs_modulus: 5 %
-  rise: {uniform: 0.2 um}        # half width
-  N: 2 %                         # of the test machine
-  samples: 500
-
-requirements:
-  - {name: drop test, shape: half sine, N: 1500, duration: 0.5 ms, snaps: true}
-
-histories:
-  - {N: 1200, f0: 2 kHz, C: 0.5 uN*us/um}
-"""
 
 TWO_AXES = """\
 sweep:
@@ -101,11 +58,37 @@ devices:
   softer: {<<: *first, spring: 3 N/m}
 """
 
+MODELS = {
+    "handout": "Hermite elements on the half beam, all modes kept (hard contact: three quarters)",
+    "elements": "the same, a few modes kept",
+    "cosines": "symmetric cosines: [how exact each number is](accuracy.md#all-cases)",
+    "auto": "for each cell the cheapest number of cosines that suffices",
+    "reference": "the handout's scheme as a plain loop: slow, the oracle of the tests",
+}
+
+OF_VALUES = {
+    "sweep": "a list or a range of values in place of the device's own, written as in `device` "
+    "| `[-5 MPa, 0 MPa, 5 MPa]` | the device's own",
+    "tolerances": "a standard deviation, as a value or a share, or a mapping of its kind (uniform: "
+    "half the width; lognormal; truncated, at two standard deviations) to its width "
+    "| `0.05 um`, `5 %`, `{uniform: 0.2 um}` | it does not scatter",
+    "each of histories": "a value in place of the device's own, written as in `device` "
+    "| `1.9 um` | the device's own",
+}
+"""What a section has for each value of the device: what, example, if left out."""
+
+SCHEMES = """\
+By default the faster scheme is chosen: `explicit` for element models with soft contact (the
+handout's case), `conserving` otherwise. Where it is not the default, `explicit` proves nothing:
+labels stay open ([stability](stability.md#two-schemes-and-one-rule), also on the steps)."""
+
 PAGE = """\
 # The config, key by key
 
-A config is a YAML file of one mapping. This page comes from the schema that every config is checked
-against, `workflow/scripts/snapmap/config/schema.yaml`, and from the defaults in the code, by
+A config is a YAML file of one mapping, such as [the handout's](../config/config.yaml),
+[the same with damping](../config/damped.yaml) or [the tutorial's](../config/sensor.yaml). This page
+comes from the schema that every config is checked against,
+`workflow/scripts/snapmap/config/schema.yaml`, and from the defaults in the code, by
 
     PYTHONPATH=workflow/scripts ./run python docs/make_config_reference.py
 
@@ -126,19 +109,11 @@ No value is evaluated or reaches a shell. But Snakemake itself, before it starts
 evaluates the expressions of a config file that says `__use_yte__: true`. Such a file is refused,
 yet only after that: look for this line in a config that comes from somebody else.
 
-## An example
-
-Another device, with hard contact and some damping of the beam:
-
-```yaml
-{example}```
-
 ## Values of the device as axes
 
 Any value of the device may stand under `sweep`, by its own key, and then takes the place of the
 device's own. The axes of all products are these, in the order of the config, then `shape`,
 `direction`, C, f0 and N.
-With the device above:
 
 ```yaml
 {two_axes}```
@@ -157,8 +132,7 @@ written once:
 
 def reference() -> str:
     """The text of docs/config.md."""
-    document = yaml.safe_load(EXAMPLE)
-    load_config(document)
+    document = yaml.safe_load(HANDOUT.read_text(encoding="utf-8"))
     load_config(document | yaml.safe_load(TWO_AXES))
     named = {key: document[key] for key in ("model", "sweep")} | yaml.safe_load(DEVICES)
     load_config(named)
@@ -170,7 +144,6 @@ def reference() -> str:
         cells=plan.MOST_CELLS,
         dampings=plan.MOST_SINGLE,
         hours=plan.MOST_SECONDS / 3600,
-        example=EXAMPLE,
         two_axes=TWO_AXES,
         devices=DEVICES,
     )
@@ -194,15 +167,13 @@ def _sections(schema, defaults):
 
 def code_defaults() -> dict[str, str]:
     """What a key that is left out stands for, as text, by its name."""
-    handout = load_device(HERE.parent / "config" / "config.yaml")
+    handout = load_device(HANDOUT)
     elements = _arguments(hermite_elements)
     settings = {key: f"`{value}`" for key, value in Settings().asked().items()}
     pushes = "pulse", "each of requirements"
     history = "N = {N:g}, f0 = {f0:g} Hz, C = {C:g} uN*us/um".format(**HANDOUT_CASE)
     return {
         **{f"sweep.{key}": value for key, value in settings.items()},
-        **{f"sweep.{key}": "the device's own" for key in VALUES},
-        **{f"each of histories.{key}": "the device's own" for key in VALUES},
         "each of histories.device": "the first",
         "device": "required, or `devices`",
         "devices": "`device`",
@@ -225,14 +196,14 @@ def code_defaults() -> dict[str, str]:
         "model.mass_matrix": f"`{elements['mass_matrix']}`",
         "model.cosines": "as many as `modes`",
         "model.modes": _default_modes(handout),
-        "model.scheme": "the faster one: `explicit` for elements with all their modes and a soft "
-        "contact, else `conserving`",
+        "model.scheme": "`explicit` for elements with all their modes and a soft contact, "
+        "`conserving` otherwise",
         "model.step": _default_steps(handout),
         "model.tolerance": f"`{TOLERANCE * 100:g} %`",
         "pulse": "a versed sine along +z",
         "requirements": "none",
         "tolerances": "every device is as drawn",
-        **{f"tolerances.{key}": "it does not scatter" for key in (*VALUES, *SHOCK)},
+        **{f"tolerances.{key}": "it does not scatter" for key in SHOCK},
         "tolerances.together": "each value by a draw of its own",
         "tolerances.samples": f"`{Tolerances._field_defaults['samples']}`",
         "tolerances.index_samples": f"`{INDEX_SAMPLES}`, or `samples` if these are fewer",
@@ -270,10 +241,10 @@ def _default_steps(device):
     whole, limit = (build_model(device, "elements", **step).steps for step in ({}, {"step": 1}))
     share = (whole.longest[MOVE] / limit.longest[MOVE]).item()
     longest = build_model(device, "cosines").steps.longest
-    snap, stay, move = (f"{longest[asked].item():.2g} us" for asked in (SNAP, STAY, MOVE))
+    snap, stay, move = (f"{longest[question].item():.2g} us" for question in (SNAP, STAY, MOVE))
     return (
-        f"of all modes of elements with soft contact `{share:g}`; elsewhere what the question, the "
-        f"pulse and the device ask for: of slow pulses on the handout's device {snap} for whether "
+        f"of all modes of elements with soft contact `{share:g}`; elsewhere as the question, the "
+        f"pulse and the device require: of slow pulses on the handout's device {snap} for whether "
         f"it snaps, {stay} for where it stays, {move} for how it moves"
     )
 
@@ -282,7 +253,10 @@ def _section(name, section, defaults):
     rows = [
         f"| `{key}` | {_what(part)} | {_example(part)} | {_default(name, key, section, defaults)} |"
         for key, part in section["properties"].items()
+        if name not in OF_VALUES or key not in VALUES
     ]
+    if name in OF_VALUES:
+        rows.append(f"| {', '.join(f'`{key}`' for key in VALUES)} | {OF_VALUES[name]} |")
     head = ["| key | what | example | if left out |", "|---|---|---|---|"]
     title = f"## {_title(name)}"
     return "\n".join([title, "", f"{_sentence(section['description'])}", "", *head, *rows])
@@ -303,6 +277,8 @@ def _what(part):
 def _example(part):
     if "examples" in part:
         return ", ".join(f"`{value}`" for value in part["examples"])
+    if len(part.get("enum", ())) > len(VALUES):
+        return "any axis"
     if "enum" in part:
         return ", ".join(f"`{value}`" for value in part["enum"])
     if "format" in part:
@@ -318,11 +294,11 @@ def _default(name, key, section, defaults):
 
 def _options():
     rows = [
-        f"| `{name}` | {', '.join(f'`{key}`' for key in keys)} |" for name, keys in OPTIONS.items()
+        f"| `{name}` | {MODELS[name]} | {', '.join(f'`{key}`' for key in keys)} |"
+        for name, keys in OPTIONS.items()
     ]
-    return "\n".join(
-        ["Each model has its own options:", "", "| name | options |", "|---|---|", *rows]
-    )
+    head = ["Each model has its own options:", "", "| name | what | options |", "|---|---|---|"]
+    return "\n".join([*head, *rows, "", SCHEMES])
 
 
 AT_LEFT_OUT = "where the device itself stands; else in the middle, and for maps no N"

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 import snapmap
-from snapmap.config.study import load_study
+from snapmap.config.study import load_config
 from snapmap.config.yaml_file import read_document
 from snapmap.figures import layout, maps, style
 from snapmap.figures.accuracy import HANDOUT, of_family
@@ -36,7 +36,7 @@ def main():
 
 def snaps():
     """The cells of config.yaml at one C, and the thresholds over them."""
-    study = load_study(read_document(ROOT / "config" / "config.yaml"))
+    study = load_config(read_document(ROOT / "config" / "config.yaml"))
     asked = {"C": [C], "horizon": study.settings.horizon, "threads": 2}
     cells = snapmap.sweep(
         study.device, study.axes["N"], study.axes["f0"], model="auto", until="snap", **asked

@@ -24,13 +24,53 @@ of g. Recipes are [here](recipes.md). This page comes from the docstrings, by
 
 {functions}
 
+## The cube
+
+Its dimensions are the axes of the device, in the order of the config, `shape` and `direction` if
+there are several, then C (uN us/um), f0 (Hz) and N (multiples of g). Each slice is, bit for bit,
+what that device gives alone. A cell *snaps* when the midpoint first reaches the second equilibrium.
+
+| `outcome` | means | known by |
+|---|---|---|
+| `never` | did not snap and never will | energy: less than the barrier is left |
+| `latched` | snapped and stays in the second shape for ever | energy of all, or of the beam, \
+parted from the mass |
+| `returned` | snapped and is back in the first shape for ever | energy |
+| `unsnapped`, `snapped` | so at the horizon; what follows is open | simulation |
+| `failed` | the run blew up or its energy ledger did not close | the ledger |
+| `absent` | no second stable shape (only with `not_bistable: skip`) | Q = rise/thickness |
+
+| other variables | what |
+|---|---|
+| `t_snap`, `t_settled` | when it snapped, and when it was seen to be settled; us after the \
+pulse's start, NaN if not |
+| `well`, `well_share` | side of the saddle on which the beam is at the end of its run, and the \
+share of the mass's last swing spent there: 1 where it is proven; 0 and NaN with the model \
+`reference`, whose runs end at their snap; not with `until: snap` |
+| `energy_error` | residual of the energy ledger over the gross work of the pulse; of the \
+conserving scheme about 1e-13, in coarse steps as in fine ones |
+| `pulse_work` | work of the whole pulse on mass and beam, pJ; NaN where the run ended before its \
+pulse, at a snap, or failed |
+| `halvings` | how often the step was halved until the ledger closed; histories and traces take \
+the same step |
+| `reproduced`, `well_reproduced` | 1 if a run with another step had the same outcome, and ended \
+on the same side, too; what did not is hatched on the maps of ends |
+| `work_error`, `t_snap_error` | difference of the work of the pulse (over the larger of both) and \
+of the time of snap (us) in that other run: how far \
+[the motion](accuracy.md#the-motion-after-the-snap) is known; a history has both as attributes |
+| `level`, `agreed` | of the model `auto`: the level that decided, 0 or 1, and whether no two that \
+did disagree |
+
+Attributes hold the config, the versions of code and packages, and the shares of proven and open
+cells.
+
 ## What they take
 
 {values}
 """
 
 RETURNED = {
-    "sweep": "What the variables are: [the cube](../README.md#the-cube).",
+    "sweep": "What the variables are: [the cube](#the-cube).",
     "threshold": "What the variables are: [thresholds](thresholds.md).",
     "tolerance": "What the variables are: [devices as made](tolerances.md#what-comes-out).",
     "simulate": "The variables, over `time` (us):\n\n"

@@ -112,7 +112,7 @@ def test_a_study_runs_in_small(monkeypatch, capsys, tmp_path, root, study):
 
 
 def test_the_comparison_in_small(root, tmp_path):
-    """The README's third command; without heyoka, which the usual packages do not have."""
+    """The command of docs/performance.md; without heyoka, which the usual packages do not have."""
     command = [sys.executable, root / "benchmarks" / "compare.py", "--small"]
     path = {"PYTHONPATH": str(root / "workflow" / "scripts")}
     report = tmp_path / "report.md"

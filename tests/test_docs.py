@@ -42,10 +42,11 @@ def test_the_recipes_in_python_run(root, handout, tmp_path):
     (tmp_path / "results").mkdir()
     cells = {"N": [900.0, 1100.0], "f0": [500.0, 1500.0], "C": [25.0, 200.0]}
     write(snapmap.sweep(handout, **cells), tmp_path / "results" / "cube.nc")
-    code = "\n".join(blocks(root / "docs" / "recipes.md", "python"))
+    pages = root / "README.md", root / "docs" / "recipes.md"
+    code = "\n".join(block for page in pages for block in blocks(page, "python"))
     path = {"PYTHONPATH": str(root / "workflow" / "scripts"), "MPLBACKEND": "agg"}
     subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=os.environ | path, check=True)
-    assert (tmp_path / "mine.pdf").exists()
+    assert (tmp_path / "map.pdf").exists() and (tmp_path / "mine.pdf").exists()
 
 
 def test_the_site_is_made_without_a_warning_and_asks_no_other_host(root, tmp_path):

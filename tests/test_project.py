@@ -1,5 +1,6 @@
 """The project's own files agree with each other."""
 
+import ast
 import re
 import runpy
 import subprocess
@@ -28,6 +29,47 @@ def tracked(root):
 def test_the_config_reference_is_what_the_schema_says(root):
     page = (root / "docs" / "config.md").read_text(encoding="utf-8")
     assert runpy.run_path(root / "docs" / "make_config_reference.py")["reference"]() == page
+
+
+@pytest.fixture(scope="module")
+def architecture(root):
+    return (root / "docs" / "architecture.md").read_text(encoding="utf-8")
+
+
+def imported(path, package):
+    """The folders and modules at the top of the package that a file imports."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.level:
+            base = path.parents[node.level - 1]
+            targets = [node.module] if node.module else [name.name for name in node.names]
+            for target in targets:
+                yield base.joinpath(*target.split(".")).relative_to(package).parts[0]
+
+
+def test_imports_point_as_the_page_on_architecture_shows(root, architecture):
+    package = root / "workflow" / "scripts" / "snapmap"
+    (diagram,) = re.findall(r"```text\n(.*?)```", architecture, re.S)
+    lines = [re.findall(r"(\w+)(?:/|\.py)(?= |$)", line[:38]) for line in diagram.splitlines()]
+    level = {name: place for place, names in enumerate(lines) for name in names}
+    files = [path for path in package.rglob("*.py") if path != package / "__init__.py"]
+    top = {path: path.relative_to(package).with_suffix("").parts[0] for path in files}
+    assert set(level) == set(top.values())
+    for path, name in top.items():
+        for other in set(imported(path, package)) & set(level) - {name}:
+            assert level[other] < level[name], f"{path.relative_to(package)} imports {other}"
+
+
+def test_the_page_on_architecture_names_files_and_types_that_there_are(root, architecture):
+    scripts = root / "workflow" / "scripts"
+    folders = root, root / "workflow", scripts, scripts / "snapmap"
+    names = re.findall(r"`([\w/]+(?:/|\.(?:py|yaml)))`", architecture)
+    assert len(names) > 15
+    for name in names:
+        assert any((folder / name).exists() for folder in folders), name
+    types = re.findall(r"^\| `(\w+)`[^|]*\| `(\S+)` \|", architecture, re.M)
+    assert len(types) > 2
+    for kind, name in types:
+        assert re.search(rf"^class {kind}\b", (folders[-1] / name).read_text(), re.M), kind
 
 
 def test_the_version_is_the_same_everywhere(root):

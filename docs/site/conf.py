@@ -57,6 +57,7 @@ Limits <docs/limits>
 ```{toctree}
 :hidden:
 :caption: Project
+docs/architecture
 CONTRIBUTING
 CHANGELOG
 ```

@@ -2,8 +2,8 @@
 
 import csv
 
+from snapmap.config.planned import study_from
 from snapmap.io.job_log import job_log
-from snapmap.io.planned import study_from
 from snapmap.io.recorded import shocks_of
 from snapmap.thresholds.requirements import Verdict, check, summary
 

@@ -1,4 +1,4 @@
-"""Rule draw_tolerance: draw how probably devices snap, what that hangs on, and the yield."""
+"""Rule draw_tolerance: draw how probably devices snap, what that depends on, and the yield."""
 
 from pathlib import Path
 

@@ -1,9 +1,9 @@
 """Rule find_threshold: find where snapping begins, for each point of all axes but N."""
 
+from snapmap.config.planned import study_from
 from snapmap.io.atomic import replacing
 from snapmap.io.job_log import job_log
 from snapmap.io.netcdf import read_earlier, write
-from snapmap.io.planned import study_from
 from snapmap.thresholds.rows import tidy
 from snapmap.thresholds.surface import summary, thresholds_of
 

@@ -1,8 +1,8 @@
 """Rule find_tolerance: find what thresholds devices have whose values scatter."""
 
+from snapmap.config.planned import study_from
 from snapmap.io.job_log import job_log
 from snapmap.io.netcdf import write
-from snapmap.io.planned import study_from
 from snapmap.io.recorded import shocks_of
 from snapmap.tolerances.dataset import summary, tolerances_of
 from snapmap.tolerances.samples import Tolerances

@@ -2,9 +2,9 @@
 
 from dataclasses import replace
 
+from snapmap.config.planned import study_from
 from snapmap.io.job_log import job_log
 from snapmap.io.netcdf import write
-from snapmap.io.planned import study_from
 from snapmap.motion.history import history_of
 
 

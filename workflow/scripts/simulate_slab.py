@@ -1,7 +1,7 @@
 """Rule simulate_slab: follow the cells of one slab of the grid."""
 
+from snapmap.config.planned import study_from
 from snapmap.io.job_log import job_log
-from snapmap.io.planned import study_from
 from snapmap.sweeps.slab import write_slab
 
 

@@ -2,9 +2,9 @@
 
 import xarray as xr
 
+from snapmap.config.planned import study_from
 from snapmap.io.job_log import job_log
 from snapmap.io.netcdf import read_earlier, write
-from snapmap.io.planned import study_from
 from snapmap.motion.envelopes import trace
 
 

@@ -41,7 +41,7 @@ BINS = 2000
 """In which the position of the mass is looked at."""
 SPREAD = ["work: median", "third quartile", "largest"]
 HEAD = ["contact, N/m", "model", "step, us", *SPREAD, "t_snap, us", "highest z, um"]
-TOLD = ["told: median", "third quartile", "largest"]
+TOLD = ["reported: median", "third quartile", "largest"]
 HEAD_PLANE = ["contact, N/m", "model", "cells", "number", *TOLD, "within 2 %"]
 
 

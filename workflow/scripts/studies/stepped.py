@@ -1,4 +1,4 @@
-"""Models that take one step for all that is asked."""
+"""Models that take one step for every question."""
 
 from dataclasses import replace
 

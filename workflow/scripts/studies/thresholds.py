@@ -1,4 +1,4 @@
-"""Time, islands and error of thresholds, as told in docs/thresholds.md.
+"""Time, islands and error of thresholds, for docs/thresholds.md.
 
 PYTHONPATH=workflow/scripts ./run python -m studies.thresholds [--small]
 """

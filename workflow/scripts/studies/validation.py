@@ -40,15 +40,15 @@ What can be checked against something else, by one command, which prints this pa
     PYTHONPATH=workflow/scripts ./run python -m studies.validation > docs/validation.md
 
 **No measured device has been compared.** What is below checks that the equations are solved, not
-that a device obeys them. A laboratory that would compare should send: span, thickness, depth and
-rise of the beam, as measured rather than drawn; its first frequency before assembly (it gives
+that a device obeys them. A comparison would need: span, thickness, depth and rise of the beam, as
+measured rather than drawn; its first frequency before assembly (it gives
 modulus over density, and the residual stress); mass and spring, or the frequency of the mass; gap
 and gas pressure; the recorded acceleration at the die, not the setting of the machine; and how
 many of how many shocks at each level snapped the device, with those that did not.
 
 ## Statics of the curved beam
 
-Force on the midpoint in $EI\\delta/L^3$, way in $\\delta$. Qiu, Lang and Slocum (J.
+Force on the midpoint in $EI\\delta/L^3$, displacement in $\\delta$. Qiu, Lang and Slocum (J.
 Microelectromech. Syst. 13, 2004, 137) give the values for large $Q$ and the lines of three modes;
 the paper itself could not be opened here, so its numbers are as others quote them, and each line
 is derived: with the axial force at a buckling load $\\mu^2EI/L^2$ the first cosine alone gives
@@ -121,7 +121,7 @@ def statics(device):
     rise, quoted = thin.beam.rise, "Qiu et al. (2004), large Q, as quoted"
     yield row("largest force", quoted, 740, path.top_force / unit, 4)
     yield row("least force", quoted, -370, path.bottom_force / unit, 4)
-    yield row("way to the saddle", quoted, 4 / 3, (rise - path.saddle) / rise)
+    yield row("displacement of the saddle", quoted, 4 / 3, (rise - path.saddle) / rise)
     for name, basis, mu, line in (
         ("symmetric", symmetric_cosines(2), 4 * np.pi, (8, 6)),
         ("antisymmetric", buckling_shapes(1), 2 * brentq(_tilts, 4.4, 4.6), (4.18, 2.18)),

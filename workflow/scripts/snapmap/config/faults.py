@@ -1,4 +1,4 @@
-"""Faults of a config: every one is found, and all are told at once."""
+"""Faults of a config: every one is found, and all are reported at once."""
 
 from collections.abc import Callable, Mapping
 

@@ -10,9 +10,9 @@ from ..axes import DEVICE, NAMES, PULSE_AXES, Grid, axis_behind
 from ..device import VALUES, Device
 
 MOST_DAMPINGS = 6
-"""Figures of one kind, each at its own C, unless more are asked for."""
+"""Figures of one kind, each at its own C, unless more are requested."""
 MOST_MAPS, PANELS = 24, 12
-"""Maps that are drawn unless more are asked for by name, and most of them in one figure."""
+"""Maps that are drawn unless more are requested by name, and most of them in one figure."""
 
 
 class View(NamedTuple):
@@ -41,7 +41,7 @@ class View(NamedTuple):
 def choose_maps(
     grid: Grid, nominal: Device, asked: Sequence[Mapping] | None
 ) -> tuple[tuple[View, ...], str]:
-    """Choose maps: those asked for, or N over f0 (or over what has several values) for all others.
+    """Choose maps: those requested, or N over f0 (or over what has several values) for all others.
 
     asked: x, y and at of each; what `at` leaves out is taken where the nominal device stands, or
         in the middle
@@ -84,7 +84,7 @@ def side_by_side(maps: Sequence[View]) -> list[View]:
 
 
 def choose_curves(grid: Grid, nominal: Device, asked: Sequence[Mapping] | None) -> tuple[View, ...]:
-    """Choose figures of thresholds: those asked for, or one over each axis of several values."""
+    """Choose figures of thresholds: those requested, or one over each axis of several values."""
     if asked is not None:
         stem = "thresholds"
         return _once(_asked_view(grid, nominal, stem, v["x"], v["lines"], v["at"]) for v in asked)

@@ -1,4 +1,4 @@
-"""The part of the page on devices as made: how many snap, and which value that hangs on."""
+"""The part of the page on devices as made: how many snap, and which value that depends on."""
 
 import html
 from itertools import product

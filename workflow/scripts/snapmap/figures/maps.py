@@ -131,8 +131,8 @@ def plot_outcome(
 ) -> Axes:
     """Draw a map in a notebook, with its legend: on `ax`, or on a figure of its own.
 
-    cube: as from `sweep` or `open_cube`, of one value on every axis but x and y; where it tells on
-        which side of the saddle each beam ends, that is drawn, else which cells snap
+    cube: as from `sweep` or `open_cube`, of one value on every axis but x and y; where it has
+        the side of the saddle on which each beam ends, that is drawn, else which cells snap
     found: thresholds over x, drawn if y is N
 
     >>> device = snapmap.load_device("config/config.yaml")

@@ -1,4 +1,4 @@
-"""Devices as made: how probably one snaps, which value that hangs on, what meets a requirement."""
+"""Devices as made: how probably one snaps, which value that depends on, what meets requirements."""
 
 from collections.abc import Mapping
 

@@ -11,7 +11,7 @@ from .settings import Settings
 MOST_SECONDS = 3.6e7
 """What takes longer, 10 000 core hours, is taken for a slip."""
 WORTH_SAYING = 30.0
-"""What takes longer, s, is told before it begins."""
+"""What takes longer, s, is reported before it begins."""
 
 
 def tell(what: str, seconds: float, where: str, cure: str, stacklevel: int) -> None:

@@ -187,10 +187,10 @@ def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
 
 
 def march(model, cells, dt, settings):
-    """Follow cells; proves nothing: each ends at its snap or the horizon, whatever is asked.
+    """Follow cells; proves nothing: each ends at its snap or the horizon, whatever the settings.
 
     model: a `Model`; cells: `Cells`, each column (cells,); dt: us, (cells,)
-    Returns what the SIMD kernel does; no well is told
+    Returns what the SIMD kernel does; no well is known
     """
     found = np.empty((3, cells.f0.size))
     pulses = [one.curve for one in settings.pulses]

@@ -15,11 +15,11 @@ Beside UNTIL, within the solver: "edge" is "snap" in the steps that a threshold 
 a run with its pulse or its snap, and "moved" is "settled" in the steps that the motion needs.
 """
 THRESHOLD_TOLERANCE = 1e-4
-"""How closely thresholds in N are refined, relative, unless told."""
+"""How closely thresholds in N are refined by default, relative."""
 
 
 class Settings(NamedTuple):
-    """What is asked of each cell, and how many threads work at it.
+    """How each cell is followed, and how many threads work at it.
 
     horizon: time followed after the pulse's end, us
     until: "settled" follows a cell until its well is proven, "snap" ends it at its snap too

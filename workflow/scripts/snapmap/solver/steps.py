@@ -1,4 +1,4 @@
-"""How long the time steps of a run are: by what is asked, the pulse and the device."""
+"""How long the time steps of a run are: by the question, the pulse and the device."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -20,7 +20,7 @@ MORE = 1.5
 PER_SWING = 500
 """Steps in each swing of a pulse that is slow for the device."""
 SHORTEST = 0.15
-"""Over the arch's frequency: no pulse asks for shorter steps, unless for FEWEST."""
+"""Over the arch's frequency: no pulse needs shorter steps, unless for FEWEST."""
 BLOWS = 400.0
 """Radians of the arch in each swing of a pulse up to which EDGE has the shortest steps: below,
 blows decide. Longer pulses leave it steps that grow with the square of their length."""

@@ -11,7 +11,7 @@ from ..solver.outcome import OUTCOMES
 def open_cube(path: str | Path) -> xr.Dataset:
     """Open a cube; `outcome` is its name, such as "latched", and `outcome_code` its number.
 
-    The rest stays in the file until it is asked for.
+    The rest stays in the file until it is used.
 
     >>> snapmap.open_cube("config/config.yaml")
     Traceback (most recent call last):

@@ -103,7 +103,7 @@ def threshold(
     device: one, or several by name, which then are an axis
     f0: None for a recorded shock's own
     model: name, or as a mapping the whole of the config's model section, which may give `auto` a
-        tolerance of its own; not `handout` by default, as in `sweep`: error bars need other levels
+        tolerance of its own; by default not `handout`, as in `sweep`: error bars need other levels
         in any case, and theirs is the better threshold
     tolerance: of the refinement in N, relative
     highest: up to which N islands are looked for; twice the threshold if not given

@@ -21,7 +21,7 @@ MOST_SAMPLES = 100_000
 QUANTILES = (0.01, 0.1, 0.5, 0.9, 0.99)
 INDEX_SAMPLES = 1024
 AMPLITUDES = 101
-"""Values of N, from the lowest to the highest threshold, unless others are asked for."""
+"""Values of N, by default from the lowest to the highest threshold."""
 FOLLOWED_CELLS, FEWEST_FOLLOWED = 1_000_000, 64
 """So many cells are followed to their end, or at least those of so many samples."""
 
@@ -91,8 +91,8 @@ def tolerance(
     scatters: of each value the standard deviation, a number in internal units or a share such as
         "5 %", or {kind: width}; kind is uniform (half width), lognormal, or truncated (at two
         standard deviations). N, duration and C scatter from shock to shock, in shares
-    f0: None for a recorded shock's own; N: multiples of g at which the probability is told; from
-        the lowest to the highest threshold unless given
+    f0: None for a recorded shock's own; N: multiples of g at which the probability is given;
+        by default from the lowest to the highest threshold
     model: name, or as a mapping the whole of the config's model section; `auto` takes the cheapest
         level that keeps its tolerance for the nominal device
     tolerance: of each threshold, relative

@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 
 from ..device import devices_from
+from ..io.recorded import shocks_of
 from ..solver.settings import Settings
 from ..study import Study
-from .recorded import shocks_of
 
 
 def study_from(values: Mapping, threads: int = 1) -> Study:
