@@ -21,12 +21,14 @@ class Source(NamedTuple):
     strings: frozenset[str] = frozenset()
 
 
-def code_hash(script: str | Path) -> str:
-    """Hash what a script runs of this project, 12 hex digits; comments and docstrings apart."""
-    digest = hashlib.sha256()
-    for path in code_files(script):
-        name = path.relative_to(Path(script).parent).as_posix()
-        digest.update(f"{name}\0{_source(path).code}\0".encode())
+def code_hash(script: str | Path, folder: str | Path | None = None) -> str:
+    """Hash what a script or a module runs of this project; comments and docstrings apart.
+
+    folder: as in `code_files`; returns 12 hex digits
+    """
+    digest, folder = hashlib.sha256(), Path(folder or Path(script).parent)
+    for path in code_files(script, folder):
+        digest.update(f"{path.relative_to(folder).as_posix()}\0{_source(path).code}\0".encode())
     return digest.hexdigest()[:12]
 
 

@@ -7,12 +7,14 @@ import platform
 import subprocess
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
 from .. import __version__
 from ..device import UNITS, Device
 from ..pulse import Pulse, Shocks
+from .dependencies import code_hash
 
 KEYWORDS = "bistable beam, snap-through, MEMS, shock sensor"
 PACKAGES = ("numpy", "numba", "xarray", "netCDF4", "dask", "matplotlib", "snakemake")
@@ -47,14 +49,20 @@ def asked_for(
     return of_shock | {"model": dict(model), "sweep": dict(settings) | horizon}
 
 
-def recipe(document: Mapping, pulses: Sequence[Pulse], *others: float | None) -> str:
+def recipe(module: str, document: Mapping, pulses: Sequence[Pulse], *others: float | None) -> str:
     """Hash all that a product depends on beside its axes, 12 hex digits.
 
+    module: path of the one that makes it
     document: what was asked for, as from `asked_for`; others: further numbers
     """
     pushed = [hashlib.sha256(one.pieces.tobytes()).hexdigest() for one in pulses]
-    whole = json.dumps([document, pushed, others, sources_hash()], sort_keys=True)
+    whole = json.dumps([document, pushed, others, _code(module)], sort_keys=True)
     return hashlib.sha256(whole.encode()).hexdigest()[:12]
+
+
+@cache
+def _code(module):
+    return code_hash(module, _SOURCES.parent)
 
 
 def device_sections(device: Device | Mapping[str, Device]) -> dict:
