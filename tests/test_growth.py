@@ -209,7 +209,7 @@ def counting(survey, looked):
 
 
 def test_the_colour_of_a_figure_empties_no_reuse(root):
-    """Thresholds and traces are found again where code that they run has changed, and only there."""
+    """Thresholds and traces are found anew where code that they run has changed, only there."""
     package = root / "workflow" / "scripts" / "snapmap"
     for module in (surface, envelopes):
         files = code_files(module.__file__, package.parent)
