@@ -9,27 +9,26 @@ from pathlib import Path
 
 import yaml
 
-from snapmap import config
 from snapmap.beam.elements import hermite_elements
 from snapmap.config import units
 from snapmap.config.devices import load_device
 from snapmap.config.histories import HANDOUT_CASE
+from snapmap.config.schema import validator
 from snapmap.config.shocks import SHARES
 from snapmap.config.study import load_study
 from snapmap.config.tolerances import OPTIONS as OPTIONS_OF_BATCH
-from snapmap.config.units import KINDS
 from snapmap.config.views import MOST_MAPS
 from snapmap.device import VALUES, Beam, Device
 from snapmap.pulse import TENTH, VERSED_SINE
+from snapmap.quantities import KINDS, QUANTITIES
 from snapmap.solver.adaptive import TOLERANCE
 from snapmap.solver.models import OPTIONS, build_model
-from snapmap.solver.settings import MOVE, QUESTIONS, THRESHOLD_TOLERANCE, Settings
+from snapmap.solver.settings import MOVE, SNAP, STAY, THRESHOLD_TOLERANCE, Settings
 from snapmap.sweeps import plan
 from snapmap.tolerances.dataset import INDEX_SAMPLES
 from snapmap.tolerances.samples import SHOCK
 
 HERE = Path(__file__).parent
-SCHEMA = Path(config.__file__).with_name("schema.yaml")
 
 EXAMPLE = """\
 device:
@@ -163,7 +162,7 @@ def reference() -> str:
     load_study(document | yaml.safe_load(TWO_AXES))
     named = {key: document[key] for key in ("model", "sweep")} | yaml.safe_load(DEVICES)
     load_study(named)
-    schema = yaml.safe_load(SCHEMA.read_text(encoding="utf-8"))
+    schema = validator().schema
     return PAGE.format(
         least=units.LEAST,
         most=units.MOST,
@@ -205,6 +204,8 @@ def code_defaults() -> dict[str, str]:
         **{f"sweep.{key}": "the device's own" for key in VALUES},
         **{f"each of histories.{key}": "the device's own" for key in VALUES},
         "each of histories.device": "the first",
+        **_nominal("device.beam", Beam),
+        **_nominal("device", Device),
         "device": "required, or `devices`",
         "devices": "`device`",
         "histories": f"the cell nearest to {history}",
@@ -214,14 +215,11 @@ def code_defaults() -> dict[str, str]:
         "each of maps.at": AT_LEFT_OUT,
         "each of thresholds.at": AT_LEFT_OUT,
         "sweep.not_bistable": "`refuse`",
-        "device.beam.damping": f"`{Beam.damping:g} /us`",
         "device.beam.quality_factor": "`damping`",
         "device.quality_factor": "`sweep.C`",
         "sweep.C": "required, or `device.quality_factor`",
-        "device.beam.residual_stress": f"`{Beam.residual_stress:g} MPa`",
         "device.beam.guide": "`guided`",
         "device.beam.imperfection": "required if `guide` is `free`",
-        "device.gap": f"`{Device.gap:g} um`",
         "model.elements": f"`{elements['elements']}`",
         "model.mass_matrix": f"`{elements['mass_matrix']}`",
         "model.cosines": "as many as `modes`",
@@ -254,6 +252,15 @@ def code_defaults() -> dict[str, str]:
     }
 
 
+def _nominal(section, part):
+    """What the values of a device are if its config is silent, by their keys."""
+    return {
+        f"{section}.{key}": f"`{getattr(part, key):g} {QUANTITIES[key].unit.removeprefix('1')}`"
+        for key in VALUES
+        if hasattr(part, key)
+    }
+
+
 def _arguments(function):
     return {key: given.default for key, given in inspect.signature(function).parameters.items()}
 
@@ -271,7 +278,7 @@ def _default_steps(device):
     whole, limit = (build_model(device, "elements", **step).steps for step in ({}, {"step": 1}))
     share = (whole.longest[MOVE] / limit.longest[MOVE]).item()
     longest = build_model(device, "cosines").steps.longest
-    snap, stay, move = (f"{longest[question].item():.2g} us" for question in QUESTIONS)
+    snap, stay, move = (f"{longest[question].item():.2g} us" for question in (SNAP, STAY, MOVE))
     return (
         f"of all modes of elements with soft contact `{share:g}`; elsewhere what the question, the "
         f"pulse and the device ask for: of slow pulses on the handout's device {snap} for whether "

@@ -12,17 +12,18 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
 
-from snapmap import config
 from snapmap.config.devices import load_device
+from snapmap.config.schema import validator
 from snapmap.config.study import load_study
-from snapmap.config.units import KINDS, read
+from snapmap.config.units import read
 from snapmap.config.yaml_file import ConfigError, read_document
 from snapmap.device import Beam, Device
+from snapmap.quantities import KINDS
 from snapmap.solver.settings import Settings
 
 ROOT = Path(__file__).parents[1]
 DEFAULT = read_document(ROOT / "config/config.yaml")
-SCHEMA = yaml.safe_load(Path(config.__file__).with_name("schema.yaml").read_text(encoding="utf-8"))
+SCHEMA = validator().schema
 MISSING = object()
 
 

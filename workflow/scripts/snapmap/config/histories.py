@@ -7,7 +7,8 @@ import numpy as np
 
 from ..axes import DEVICE, PULSE_AXES, SHOCK, Grid
 from ..device import VALUES, Device, batch
-from .axes import KIND_OF, frequency_of
+from ..quantities import QUANTITIES
+from .axes import frequency_of
 from .devices import nominal
 from .faults import Faults, convert_part
 from .schema import name_of
@@ -80,7 +81,7 @@ def _history(cell, device, read_values=True):
         raise ValueError("device is for studies of several devices; leave it out")
     values = {key: cell[key] for key in cell if key != DEVICE}
     if read_values:
-        values = {key: read(value, KIND_OF[key]) for key, value in values.items()}
+        values = {key: read(value, QUANTITIES[key].kind) for key, value in values.items()}
     if "duration" in values:
         values["f0"] = frequency_of(values.pop("duration"))
     changes = {key: values[key] for key in values if key in VALUES}

@@ -10,7 +10,8 @@ from ..io.named import sha256_of
 from ..io.points import POINTS, read_points
 from ..io.recorded import RECORD, shocks_of
 from ..pulse import Shocks
-from .axes import KIND_OF, frequency_of
+from ..quantities import QUANTITIES
+from .axes import frequency_of
 from .faults import Faults, Place, convert_part
 from .schema import name_of
 from .units import read, show
@@ -92,9 +93,8 @@ def _requirement(section, path, names):
     names.add(name)
     try:
         shocks, pulse = read_shocks(section)
-        given = {
-            key: read(section[key], KIND_OF[key]) for key in ("f0", "duration") if key in section
-        }
+        keys = [key for key in ("f0", "duration") if key in section]
+        given = {key: read(section[key], QUANTITIES[key].kind) for key in keys}
         f0 = frequency_of(given["duration"]) if "duration" in given else given.get("f0")
         N = read(section["N"], "number")
         if not N > 0:

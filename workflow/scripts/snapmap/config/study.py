@@ -11,7 +11,7 @@ from ..io.provenance import asked_for
 from ..pulse import HANDOUT_SHOCK, Shocks
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
 from .asked_views import read_views
-from .axes import KIND_OF, read_axis
+from .axes import read_axis
 from .devices import nominal, read_devices, tilting
 from .faults import convert_part, refuse
 from .histories import History, read_histories
@@ -139,7 +139,7 @@ def load_study(document: Mapping) -> Study:
     if "tolerances" in parts:
         devices = list(device.values()) if isinstance(device, Mapping) else [device]
         at = ("tolerances",)
-        tolerances = convert_part(document, at, faults, read_tolerances, devices, KIND_OF)
+        tolerances = convert_part(document, at, faults, read_tolerances, devices)
     histories = read_histories(document, device, grid, faults)
     marks = convert_part(document, ("marks",), faults, read_marks) if "marks" in parts else ("", "")
     maps = read_views(document, "maps", faults, grid)

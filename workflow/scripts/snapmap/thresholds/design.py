@@ -8,8 +8,9 @@ import numpy as np
 import xarray as xr
 
 from ..axes import COORDINATES, coordinates, split_axes
-from ..device import SIGNED, UNITS, VALUES, Device, batch, is_bistable
+from ..device import SIGNED, VALUES, Device, batch, is_bistable
 from ..pulse import VERSED_SINE, Pulse, shocks_from
+from ..quantities import QUANTITIES
 from ..solver.adaptive import choose_survey
 from ..solver.cells import check_cells, to_rows
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings, check_settings
@@ -129,7 +130,7 @@ def _thresholds(device, values, model, settings, f0, C):
 
 
 def _single(value, N, between, found):
-    unit = UNITS[value]
+    unit = QUANTITIES[value].unit
     ends = f"from {between[0]:g} to {between[1]:g} {unit}"
     if not found.value.size:
         known = found.seen[np.isfinite(found.seen)] + N
@@ -157,10 +158,8 @@ def _line(value, key, values, N, found):
     count = np.bincount(found.place, minlength=values.size)
     if (count > 1).any():
         where = ", ".join(f"{one:.5g}" for one in values[count > 1])
-        warnings.warn(
-            f"{value}: not the only one at {key} = {where} {UNITS[key]}; the lowest is told",
-            stacklevel=3,
-        )
+        place = f"{key} = {where} {QUANTITIES[key].unit}"
+        warnings.warn(f"{value}: not the only one at {place}; the lowest is told", stacklevel=3)
     name = COORDINATES[value]["long_name"]
     data = {
         value: (key, lowest, COORDINATES[value] | {"comment": f"where the threshold is {N:g} g"}),
