@@ -1,12 +1,13 @@
-"""The keys of a config that are quantities, as parts of its schema."""
+"""The keys of a config that are quantities or take a shape by name, as parts of its schema."""
 
 from ..axes import COORDINATES, axis_behind
 from ..device import BEAM_VALUES, VALUES
+from ..pulse import SHAPES
 from ..quantities import QUANTITIES
 
 
 def write_out(schema: dict) -> None:
-    """Complete the sections of a schema that hold quantities; what they say themselves counts."""
+    """Complete the keys that are quantities or shapes; what the schema itself says stays."""
     parts, kinds = schema["properties"], schema["$defs"]
     of_beam = [key for key in VALUES if key in BEAM_VALUES]
     of_device = [key for key in VALUES if key not in BEAM_VALUES]
@@ -21,6 +22,11 @@ def write_out(schema: dict) -> None:
         given = _in_order(section["properties"], keys)
         section["properties"] = {key: _added(key, kinds, write) | own for key, own in given}
     kinds["axis_name"]["enum"] = [key for key in QUANTITIES if axis_behind(key) in COORDINATES]
+    names = f"one of {', '.join(SHAPES)}"
+    kinds["shape"] = {"enum": [*SHAPES], "description": names}
+    parts["requirements"]["items"]["properties"]["shape"]["description"] = names
+    or_several = f"{names}, or a list of these, which then is an axis"
+    parts["pulse"]["properties"]["shape"]["description"] = or_several
 
 
 def _in_order(given, keys):
