@@ -26,7 +26,7 @@ from snapmap.solver.models import OPTIONS, build_model
 from snapmap.solver.settings import MOVE, SNAP, STAY, THRESHOLD_TOLERANCE, Settings
 from snapmap.sweeps import plan
 from snapmap.tolerances.dataset import INDEX_SAMPLES
-from snapmap.tolerances.samples import SHOCK
+from snapmap.tolerances.samples import SHOCK_FACTORS
 
 HERE = Path(__file__).parent
 
@@ -231,7 +231,7 @@ def code_defaults() -> dict[str, str]:
         "pulse": "a versed sine along +z",
         "requirements": "none",
         "tolerances": "every device is as drawn",
-        **{f"tolerances.{key}": "it does not scatter" for key in (*VALUES, *SHOCK)},
+        **{f"tolerances.{key}": "it does not scatter" for key in (*VALUES, *SHOCK_FACTORS)},
         "tolerances.together": "each value by a draw of its own",
         "tolerances.samples": f"`{OPTIONS_OF_BATCH['samples']}`",
         "tolerances.index_samples": f"`{INDEX_SAMPLES}`, or `samples` if these are fewer",

@@ -14,7 +14,7 @@ def simulate_history(device, pulse, model, cell, followed, path):
     """
     name, options = model["name"], {key: model[key] for key in model if key != "name"}
     shocks = shocks_of(pulse)
-    push = {"pulse": next(iter(shocks.shapes.values())), "direction": shocks.ways[0]}
+    push = {"pulse": next(iter(shocks.shapes.values())), "direction": shocks.directions[0]}
     history = simulate(device_from(device), **cell, model=name, **followed, **push, **options)
     write(history, path)
 

@@ -15,11 +15,11 @@ from .device import VALUES, Device, batch, is_bistable
 from .pulse import HANDOUT_SHOCK, Pulse, Shocks
 from .quantities import QUANTITIES
 
-SHOCK = ("C", "f0", "N")
+SHOCK_AXES = ("C", "f0", "N")
 DEVICE = "device"
 """The axis of devices that have names."""
 SHAPE, DIRECTION = "shape", "direction"
-"""Those of the pulse's shape, by name, and of the way the frame is pushed."""
+"""Those of the pulse's shape, by name, and of the direction in which the frame is pushed."""
 PULSE_AXES = (SHAPE, DIRECTION)
 NAMES = (DEVICE, *PULSE_AXES)
 """Axes whose points have names, and no order but the one they were given in."""
@@ -70,7 +70,7 @@ def make_grid(
     """
     unknown = [key for key in axes if key not in COORDINATES]
     if unknown:
-        raise ValueError(f"{unknown[0]}: no axis; axes are {', '.join((*VALUES, *SHOCK))}")
+        raise ValueError(f"{unknown[0]}: no axis; axes are {', '.join((*VALUES, *SHOCK_AXES))}")
     points = {key: _points(key, values) for key, values in axes.items()}
     if (points.get("N", np.zeros(1)) < 0).any():
         raise ValueError(f"N: {points['N'].min():g} is below 0; direction -z pushes the other way")
@@ -80,7 +80,7 @@ def make_grid(
             raise ValueError(f"device: {one!r} is no device; `snapmap.load_device` reads one")
     if len({one.gravity for one in named.values()}) > 1:
         raise ValueError("devices: gravity differs; write one, as N counts multiples of it")
-    varied = [key for key in points if key not in SHOCK]
+    varied = [key for key in points if key not in SHOCK_AXES]
     shape = (*[len(named)] * bool(named), *(points[key].size for key in varied))
     if math.prod(shape) > MOST_DEVICES:
         size = f"{math.prod(shape):.3g} points of the device's axes"
@@ -97,7 +97,7 @@ def make_grid(
     device_of = np.where(stays, np.cumsum(stays) - 1, -1).reshape(shape)
     names = {DEVICE: np.array(list(named))} if named else {}
     values = {key: points[key] for key in varied} | shocks.axes
-    values |= {key: points[key] for key in SHOCK if key in points}
+    values |= {key: points[key] for key in SHOCK_AXES if key in points}
     return Grid(names | values, devices, device_of, shocks.pulses)
 
 

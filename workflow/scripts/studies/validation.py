@@ -14,7 +14,7 @@ from snapmap import load_device, simulate, sweep
 from snapmap.beam.barrier import find_barrier, unit_buckling
 from snapmap.beam.cosines import buckling_shapes, symmetric_cosines
 from snapmap.beam.elements import hermite_elements
-from snapmap.beam.equilibria import BucklingModes, push, roots, way
+from snapmap.beam.equilibria import BucklingModes, displacement, push, roots
 from snapmap.beam.modal import contact_stiffness, unit_modes
 from snapmap.beam.statics import force_displacement
 from snapmap.numerics.linalg import apply, eigh
@@ -48,7 +48,7 @@ many of how many shocks at each level snapped the device, with those that did no
 
 ## Statics of the curved beam
 
-Force on the midpoint in $EI\\delta/L^3$, way in $\\delta$. Qiu, Lang and Slocum (J.
+Force on the midpoint in $EI\\delta/L^3$, displacement in $\\delta$. Qiu, Lang and Slocum (J.
 Microelectromech. Syst. 13, 2004, 137) give the values for large $Q$ and the lines of three modes;
 the paper itself could not be opened here, so its numbers are as others quote them, and each line
 is derived: with the axial force at a buckling load $\\mu^2EI/L^2$ the first cosine alone gives
@@ -121,7 +121,7 @@ def statics(device):
     rise, quoted = thin.beam.rise, "Qiu et al. (2004), large Q, as quoted"
     yield row("largest force", quoted, 740, path.top_force / unit, 4)
     yield row("least force", quoted, -370, path.bottom_force / unit, 4)
-    yield row("way to the saddle", quoted, 4 / 3, (rise - path.saddle) / rise)
+    yield row("displacement of the saddle", quoted, 4 / 3, (rise - path.saddle) / rise)
     for name, basis, mu, line in (
         ("symmetric", symmetric_cosines(2), 4 * np.pi, (8, 6)),
         ("antisymmetric", buckling_shapes(1), 2 * brentq(_tilts, 4.4, 4.6), (4.18, 2.18)),
@@ -147,9 +147,9 @@ def _line(basis):
     N = loads[1:2]
     constant, slope = push(first, N)
     ends = np.concatenate(roots(first, N, constant, slope))
-    ways = np.array([way(first, constant + slope * P).item() for P in ends])
-    falls = np.diff(ends)[0] / np.diff(ways)[0]
-    return ends[0] - falls * ways[0], falls
+    places = np.array([displacement(first, constant + slope * P).item() for P in ends])
+    falls = np.diff(ends)[0] / np.diff(places)[0]
+    return ends[0] - falls * places[0], falls
 
 
 def spectra():

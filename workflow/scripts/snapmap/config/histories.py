@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..axes import DEVICE, PULSE_AXES, SHOCK, Grid
+from ..axes import DEVICE, PULSE_AXES, SHOCK_AXES, Grid
 from ..device import VALUES, Device, batch
 from ..quantities import QUANTITIES
 from .axes import frequency_of
@@ -56,7 +56,7 @@ def _nearest_history(device, grid):
     at = nearest_cell(grid, nominal(device), HANDOUT_CASE)
     values = {key: grid.axes[key][place].item() for key, place in at.items()}
     names = {"N": "N", "f": "f0", "C": "C"}
-    names |= {key: key for key in at if key not in (*SHOCK, *PULSE_AXES)}
+    names |= {key: key for key in at if key not in (*SHOCK_AXES, *PULSE_AXES)}
     named = (value_name(word, grid.axes[key], at[key]) for word, key in names.items())
     cell = {key: value for key, value in values.items() if key not in PULSE_AXES}
     return _history(cell, device, read_values=False)._replace(name="_".join(named))

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from ..quantities import QUANTITIES
-from ..tolerances.samples import SHOCK, Plan
+from ..tolerances.samples import SHOCK_FACTORS, Plan
 from .units import read, show
 
 
@@ -52,7 +52,7 @@ def _width(key, text):
     try:
         if text.strip().endswith("%"):
             return f"{100 * read(text, 'share'):.12g} %"
-        if key in SHOCK:
+        if key in SHOCK_FACTORS:
             raise ValueError(f"{show(text)} is no share; write one such as '5 %'")
         return read(text, QUANTITIES[key].kind)
     except ValueError as error:

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, MaxNLocator
 
-from ..axes import COORDINATES, DURATION, PULSE_AXES, SHOCK, axis_behind
+from ..axes import COORDINATES, DURATION, PULSE_AXES, SHOCK_AXES, axis_behind
 from ..quantities import QUANTITIES
 
 WORDS = {
@@ -198,7 +198,7 @@ def place_text(data: xr.Dataset) -> str:
     """Typeset where on all other axes a dataset is: the device's in one line, the shock's below."""
     alone = [key for key in WORDS if key in data.coords and data[key].ndim == 0]
     texts = [value_text(key, data[key].item()) for key in alone]
-    of_device = sum(key not in (*PULSE_AXES, *SHOCK) for key in alone)
+    of_device = sum(key not in (*PULSE_AXES, *SHOCK_AXES) for key in alone)
     return "\n".join(filter(None, (", ".join(texts[:of_device]), ", ".join(texts[of_device:]))))
 
 
