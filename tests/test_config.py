@@ -85,7 +85,7 @@ def test_default_study_is_exact():
     nearest = study.axes["f0"][14]
     assert cell.shock == {"N": 1000.0, "f0": nearest, "C": 0.025} and cell.changes == {}
     assert cell.name == f"N1000_f{nearest:.6g}_C0.025"
-    assert study.marks == ""
+    assert study.own_points == ()
 
 
 @pytest.mark.parametrize(
@@ -296,7 +296,8 @@ def with_points(folder, monkeypatch, text):
 
 
 def test_own_points_are_checked_with_the_config(tmp_path, monkeypatch):
-    assert load_study(with_points(tmp_path, monkeypatch, "N,f0\n1000,1500\n")).marks == "points.csv"
+    study = load_study(with_points(tmp_path, monkeypatch, "N,f0\n1000,1500\n"))
+    assert study.own_points[0] == "points.csv"
     with pytest.raises(ConfigError) as fault:
         load_study(with_points(tmp_path, monkeypatch, "N,f0\n1000,soon\n"))
     assert str(fault.value) == ("marks: points.csv: line 2, column f0: 'soon' is no number above 0")

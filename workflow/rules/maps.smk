@@ -22,8 +22,8 @@ rule draw_maps:
         ends=[view._asdict() for view in ends],
         together=[view._asdict() for view in together if ends],
         times=[view._asdict() for view in times],
-        marks=[(asked.name, asked.f0, asked.N) for asked in study.requirements],
-        own=own_points,
+        required_shocks=[(asked.name, asked.f0, asked.N) for asked in study.requirements],
+        own_points=own_points,
     message:
         "Draw where the beams end, and when they snap"
     script:
@@ -55,8 +55,8 @@ rule draw_snap_maps:
         views=[view._asdict() for view in snaps],
         together=[view._asdict() for view in together],
         fields=[view._asdict() for view in fields],
-        marks=[(asked.name, asked.f0, asked.N) for asked in study.requirements],
-        own=own_points,
+        required_shocks=[(asked.name, asked.f0, asked.N) for asked in study.requirements],
+        own_points=own_points,
     message:
         "Draw which cells snap, with the thresholds"
     script:

@@ -104,7 +104,7 @@ def _requirement(section, path, names):
         raise ValueError(f"{name_of(path)}: {error}") from None
 
 
-def read_marks(path: str) -> tuple[str, str]:
+def read_own_points(path: str) -> tuple[str, str]:
     """Path and SHA-256 of a user's own points, all in order; else ValueError, one line."""
     try:
         _check_path(path)
@@ -115,10 +115,10 @@ def read_marks(path: str) -> tuple[str, str]:
     return path, sha256
 
 
-def marks_outside(path: str, axes: Mapping[str, np.ndarray]) -> list[str]:
-    """A line for each of a user's own points that lies on no map; path: "" for none."""
+def own_points_outside(path: str, axes: Mapping[str, np.ndarray]) -> list[str]:
+    """A line for each of a user's own points that lies on no map."""
     lines = []
-    for number, point in enumerate(read_points(path) if path else (), start=1):
+    for number, point in enumerate(read_points(path), start=1):
         for key, value in (("f0", point.f0), ("N", point.N)):
             low, high = axes[key].min(), axes[key].max()
             if not low <= value <= high:

@@ -19,9 +19,9 @@ from .quality import damper_of, describe
 from .schema import schema_faults, validator
 from .shocks import (
     Requirement,
-    marks_outside,
+    own_points_outside,
     pulse_key,
-    read_marks,
+    read_own_points,
     read_requirements,
     read_shocks,
 )
@@ -44,7 +44,7 @@ class Study:
     tolerances: what scatters from device to device, or nothing
     threshold_tolerance: of the thresholds in N, relative
     maps, curves, boundary: what is drawn of cells, thresholds, and the damage boundary
-    marks, marks_sha256: path of a user's own points on the maps, or nothing, and what it held
+    own_points: path and SHA-256 of a user's own points on the maps, or nothing
     left_out: one line on what is not drawn, or nothing
     """
 
@@ -62,8 +62,7 @@ class Study:
     maps: tuple[View, ...]
     curves: tuple[View, ...]
     boundary: View
-    marks: str
-    marks_sha256: str
+    own_points: tuple[str, str] | tuple[()]
     left_out: str
 
     @property
@@ -87,7 +86,7 @@ class Study:
     def files(self) -> dict[str, str]:
         """SHA-256 of each file that the config names, as it was read, by path."""
         pulses = [self.pulse, *(asked.pulse for asked in self.requirements)]
-        own = {self.marks: self.marks_sha256} if self.marks else {}
+        own = dict([self.own_points] if self.own_points else [])
         return {one["file"]: one["sha256"] for one in pulses if "file" in one} | own
 
     def doubts(self) -> list[str]:
@@ -100,7 +99,8 @@ class Study:
             for pulse in self.shocks.shapes.values()
             for line in pulse.doubts(float(device.own_frequency), float(shortest))
         ]
-        return tilts + pulses + marks_outside(self.marks, self.axes)
+        outside = own_points_outside(self.own_points[0], self.axes) if self.own_points else []
+        return tilts + pulses + outside
 
 
 def load_study(document: Mapping) -> Study:
@@ -141,7 +141,9 @@ def load_study(document: Mapping) -> Study:
         at = ("tolerances",)
         tolerances = convert_part(document, at, faults, read_tolerances, devices)
     histories = read_histories(document, device, grid, faults)
-    marks = convert_part(document, ("marks",), faults, read_marks) if "marks" in parts else ("", "")
+    own_points = ()
+    if "marks" in parts:
+        own_points = convert_part(document, ("marks",), faults, read_own_points)
     maps = read_views(document, "maps", faults, grid)
     curves = read_views(document, "thresholds", faults, grid)
     refuse(faults)
@@ -161,8 +163,7 @@ def load_study(document: Mapping) -> Study:
         maps=chosen,
         curves=choose_curves(grid, nominal(device), curves),
         boundary=choose_boundary(grid, nominal(device)),
-        marks=marks[0],
-        marks_sha256=marks[1],
+        own_points=own_points,
         left_out=left_out,
     )
 
