@@ -9,27 +9,26 @@ from pathlib import Path
 
 import yaml
 
-from snapmap import config
 from snapmap.beam.elements import hermite_elements
 from snapmap.config import units
 from snapmap.config.devices import load_device
 from snapmap.config.histories import HANDOUT_CASE
+from snapmap.config.schema import validator
 from snapmap.config.shocks import SHARES
 from snapmap.config.study import load_config
-from snapmap.config.units import KINDS
 from snapmap.config.views import MOST_MAPS
 from snapmap.device import VALUES, Beam, Device
 from snapmap.pulse import TENTH, VERSED_SINE
+from snapmap.quantities import KINDS, QUANTITIES
 from snapmap.solver.adaptive import TOLERANCE
 from snapmap.solver.models import OPTIONS, build_model
 from snapmap.solver.settings import MOVE, SNAP, STAY, THRESHOLD_TOLERANCE, Settings
 from snapmap.sweeps import plan
 from snapmap.tolerances.dataset import INDEX_SAMPLES
-from snapmap.tolerances.samples import SHOCK, Tolerances
+from snapmap.tolerances.samples import SHOCK_FACTORS, Tolerances
 
 HERE = Path(__file__).parent
 HANDOUT = HERE.parent / "config" / "config.yaml"
-SCHEMA = Path(config.__file__).with_name("schema.yaml")
 
 TWO_AXES = """\
 sweep:
@@ -136,7 +135,7 @@ def reference() -> str:
     load_config(document | yaml.safe_load(TWO_AXES))
     named = {key: document[key] for key in ("model", "sweep")} | yaml.safe_load(DEVICES)
     load_config(named)
-    schema = yaml.safe_load(SCHEMA.read_text(encoding="utf-8"))
+    schema = validator().schema
     return PAGE.format(
         least=units.LEAST,
         most=units.MOST,
@@ -175,6 +174,8 @@ def code_defaults() -> dict[str, str]:
     return {
         **{f"sweep.{key}": value for key, value in settings.items()},
         "each of histories.device": "the first",
+        **_nominal("device.beam", Beam),
+        **_nominal("device", Device),
         "device": "required, or `devices`",
         "devices": "`device`",
         "histories": f"the cell nearest to {history}",
@@ -184,14 +185,11 @@ def code_defaults() -> dict[str, str]:
         "each of maps.at": AT_LEFT_OUT,
         "each of thresholds.at": AT_LEFT_OUT,
         "sweep.not_bistable": "`refuse`",
-        "device.beam.damping": f"`{Beam.damping:g} /us`",
         "device.beam.quality_factor": "`damping`",
         "device.quality_factor": "`sweep.C`",
         "sweep.C": "required, or `device.quality_factor`",
-        "device.beam.residual_stress": f"`{Beam.residual_stress:g} MPa`",
         "device.beam.guide": "`guided`",
         "device.beam.imperfection": "required if `guide` is `free`",
-        "device.gap": f"`{Device.gap:g} um`",
         "model.elements": f"`{elements['elements']}`",
         "model.mass_matrix": f"`{elements['mass_matrix']}`",
         "model.cosines": "as many as `modes`",
@@ -203,7 +201,7 @@ def code_defaults() -> dict[str, str]:
         "pulse": "a versed sine along +z",
         "requirements": "none",
         "tolerances": "every device is as drawn",
-        **{f"tolerances.{key}": "it does not scatter" for key in SHOCK},
+        **{f"tolerances.{key}": "it does not scatter" for key in SHOCK_FACTORS},
         "tolerances.together": "each value by a draw of its own",
         "tolerances.samples": f"`{Tolerances._field_defaults['samples']}`",
         "tolerances.index_samples": f"`{INDEX_SAMPLES}`, or `samples` if these are fewer",
@@ -221,6 +219,15 @@ def code_defaults() -> dict[str, str]:
         "sweep.repeat": "`true` where `until` is `settled`",
         "sweep.threshold_tolerance": f"`{THRESHOLD_TOLERANCE:g}`",
         "an axis given as a range.spacing": "`linear`",
+    }
+
+
+def _nominal(section, part):
+    """What the values of a device are if its config is silent, by their keys."""
+    return {
+        f"{section}.{key}": f"`{getattr(part, key):g} {QUANTITIES[key].unit.removeprefix('1')}`"
+        for key in VALUES
+        if hasattr(part, key)
     }
 
 

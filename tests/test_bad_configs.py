@@ -13,8 +13,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from snapmap.config.study import load_config
-from snapmap.config.units import KINDS, show
+from snapmap.config.units import show
 from snapmap.config.yaml_file import ConfigError, read_document
+from snapmap.quantities import KINDS
 from snapmap.sweeps.plan import make_plan
 
 DEFAULT = yaml.safe_load("""

@@ -12,18 +12,19 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
 
-from snapmap import config
 from snapmap.config.devices import load_device
 from snapmap.config.products import products
+from snapmap.config.schema import validator
 from snapmap.config.study import load_config
-from snapmap.config.units import KINDS, read
+from snapmap.config.units import read
 from snapmap.config.yaml_file import ConfigError, read_document
 from snapmap.device import Beam, Device
+from snapmap.quantities import KINDS
 from snapmap.solver.settings import Settings
 
 ROOT = Path(__file__).parents[1]
 DEFAULT = read_document(ROOT / "config/config.yaml")
-SCHEMA = yaml.safe_load(Path(config.__file__).with_name("schema.yaml").read_text(encoding="utf-8"))
+SCHEMA = validator().schema
 MISSING = object()
 
 
@@ -85,7 +86,7 @@ def test_default_study_is_exact():
     nearest = study.axes["f0"][14]
     assert cell.shock == {"N": 1000.0, "f0": nearest, "C": 0.025} and cell.changes == {}
     assert cell.name == f"N1000_f{nearest:.6g}_C0.025"
-    assert study.marks == ""
+    assert study.own_points == ()
 
 
 @pytest.mark.parametrize(
@@ -296,9 +297,8 @@ def with_points(folder, monkeypatch, text):
 
 
 def test_own_points_are_checked_with_the_config(tmp_path, monkeypatch):
-    assert (
-        load_config(with_points(tmp_path, monkeypatch, "N,f0\n1000,1500\n")).marks == "points.csv"
-    )
+    study = load_config(with_points(tmp_path, monkeypatch, "N,f0\n1000,1500\n"))
+    assert study.own_points[0] == "points.csv"
     with pytest.raises(ConfigError) as fault:
         load_config(with_points(tmp_path, monkeypatch, "N,f0\n1000,soon\n"))
     assert str(fault.value) == ("marks: points.csv: line 2, column f0: 'soon' is no number above 0")

@@ -275,11 +275,10 @@ def test_map_keeps_its_limits_and_shows_both_asymptotes():
 
 
 def test_boxes_have_one_size_whatever_is_written():
+    shocks = [(f"shock {i}", 100.0, 1100.0) for i in range(9)]
     few, many = (
         end_map(make_cells(["1"])),
-        snap_map(
-            TINY, make_found().isel(C=0), marks=[(f"shock {i}", 100.0, 1100.0) for i in range(9)]
-        ),
+        snap_map(TINY, make_found().isel(C=0), required_shocks=shocks),
     )
     times = maps.draw_time_map(layout.single_box(), TINY)
     for ax in (few, many, times):
@@ -340,14 +339,16 @@ def test_maps_stand_in_rows(number, shape):
 
 
 def test_shocks_are_pointed_out_by_numbers():
-    ax = snap_map(TINY, marks=[("far", 1e3, 1e6), ("drop", 400.0, 1000.0)])
+    ax = snap_map(TINY, required_shocks=[("far", 1e3, 1e6), ("drop", 400.0, 1000.0)])
     assert [text.get_text() for text in ax.texts] == ["2"]
     assert ax.get_title(loc="left").splitlines()[-2:] == ["1: far", "2: drop"]
 
 
 def test_names_are_drawn_as_they_are():
     name = r"$\frac$ of {x}"
-    ax = snap_map(TINY, marks=[(name, 400.0, 1000.0)], points=[Point(name, 1000.0, 400.0, True)])
+    ax = snap_map(
+        TINY, required_shocks=[(name, 400.0, 1000.0)], own_points=[Point(name, 1000.0, 400.0, True)]
+    )
     ax.figure.draw_without_rendering()
     for text in (ax.get_title(loc="left").splitlines()[-1], ax.texts[-1].get_text()):
         assert text.endswith(r"\$\frac\$ of {x}")
@@ -357,7 +358,7 @@ POINTS = (Point("bench", 1000.0, 400.0, True), Point("", 1100.0, 800.0, False))
 
 
 def test_own_points_are_filled_where_the_device_tripped():
-    for ax in (end_map(TINY, points=POINTS), snap_map(TINY, points=POINTS)):
+    for ax in (end_map(TINY, own_points=POINTS), snap_map(TINY, own_points=POINTS)):
         filled, hollow = ax.lines[-2:]
         assert filled.get_xydata().tolist() == [[400.0, 1000.0]]
         assert hollow.get_xydata().tolist() == [[800.0, 1100.0]]
@@ -368,7 +369,7 @@ def test_own_points_are_filled_where_the_device_tripped():
 
 def test_own_points_have_no_place_on_other_axes():
     cells = TINY.assign_coords(f0=[1.0, 2.0, 3.0, 4.0]).rename(f0="thickness")
-    ax = maps.draw_end_map(layout.single_box(), cells, "thickness", "N", points=POINTS)
+    ax = maps.draw_end_map(layout.single_box(), cells, "thickness", "N", own_points=POINTS)
     assert len(ax.lines) == 2 and not ax.texts
 
 

@@ -72,7 +72,7 @@ def test_a_study_knows_its_files_by_what_they_hold(folder):
 def test_an_edit_since_the_plan_is_refused_by_every_reader(folder, monkeypatch):
     study = load_config(yaml.safe_load(STUDY))
     shocks_of(study.pulse)
-    read_points(study.marks, study.marks_sha256)
+    read_points(*study.own_points)
     monkeypatch.setenv("SNAPMAP_PLANNED", "{}")
     hold_to_plan(study.files(), plans=False)
     hold_to_plan(study.files(), plans=True)
@@ -87,7 +87,7 @@ def test_an_edit_since_the_plan_is_refused_by_every_reader(folder, monkeypatch):
         with pytest.raises(ValueError, match=r"^shock\.csv: was edited after the run was planned"):
             read()
     with pytest.raises(ValueError, match=r"^points\.csv: was edited after the run was planned"):
-        read_points(study.marks, study.marks_sha256)
+        read_points(*study.own_points)
 
 
 def test_contents_decide_what_runs_again_and_dates_do_not(root, folder):

@@ -8,10 +8,9 @@ import yaml
 
 import snapmap
 from snapmap.axes import make_grid
-from snapmap.config.schema import validator
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError
-from snapmap.pulse import SHAPES, shocks_from
+from snapmap.pulse import shocks_from
 from snapmap.solver.settings import Settings
 from snapmap.study import Study
 from snapmap.thresholds.requirements import check, summary
@@ -129,7 +128,3 @@ def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout):
 def test_grids_know_their_pulses(handout):
     axes = {"C": [25.0], "f0": [1500.0], "N": [900.0]}
     assert [one.name for one in make_grid(handout, axes).pulses] == ["versed sine"]
-
-
-def test_the_schema_knows_every_shape():
-    assert validator().schema["$defs"]["shape"]["enum"] == [*SHAPES]

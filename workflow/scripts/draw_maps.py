@@ -9,23 +9,24 @@ from snapmap.io.job_log import job_log
 from snapmap.io.points import read_points
 
 
-def draw_maps(cube_path, ends, together, times, marks, own, folder):
+def draw_maps(cube_path, ends, together, times, required_shocks, own_points, folder):
     """Draw where beams end, one column wide, and some of it side by side; then when they snap.
 
     ends, times: views: name, x, y and at, the place on each other axis
     together: some of `ends` over the same axes, for maps.pdf
-    marks: name, f0 and N of shocks to point out
-    own: path and SHA-256 of a user's own points, or nothing
+    required_shocks: name, f0 and N of shocks to point out
+    own_points: path and SHA-256 of a user's own points, or nothing
     """
-    points = read_points(*own) if own else ()
+    own_points = read_points(*own_points) if own_points else ()
+    shown = {"required_shocks": required_shocks, "own_points": own_points}
     with xr.open_dataset(cube_path, engine="netcdf4") as cube, style.paper():
         for view in ends:
-            _draw(maps.draw_end_map, cube, view, folder, marks=marks, points=points)
+            _draw(maps.draw_end_map, cube, view, folder, **shown)
         if together:
             x, y = together[0]["x"], together[0]["y"]
             panels = [maps.Panel(_cells(cube, view)) for view in together]
             figure = style.double_column(height=9)
-            maps.draw_maps(figure, panels, x, y, points)
+            maps.draw_maps(figure, panels, x, y, own_points)
             style.save(figure, f"{folder}/maps", cube.attrs)
         # Of what is drawn: a cube may be larger than memory.
         colours = maps.snap_times(_cells(cube, view) for view in times)
@@ -51,7 +52,7 @@ if __name__ == "__main__":
             ends=snakemake.params.ends,
             together=snakemake.params.together,
             times=snakemake.params.times,
-            marks=snakemake.params.marks,
-            own=snakemake.params.own,
+            required_shocks=snakemake.params.required_shocks,
+            own_points=snakemake.params.own_points,
             folder=Path(snakemake.output.png[0]).parent,
         )

@@ -10,15 +10,17 @@ from snapmap.io.netcdf import check_alike
 from snapmap.io.points import read_points
 
 
-def draw_snap_maps(cube_path, threshold_path, views, together, fields, marks, own, folder):
+def draw_snap_maps(
+    cube_path, threshold_path, views, together, fields, required_shocks, own_points, folder
+):
     """Draw which cells snap, one column wide, and some of it side by side; then thresholds.
 
     views: of cells: name, x, y and at, the place on each other axis; fields: of thresholds
     together: some of `views` over the same axes, for snap_maps.pdf
-    marks: name, f0 and N of shocks to point out
-    own: path and SHA-256 of a user's own points, or nothing
+    required_shocks: name, f0 and N of shocks to point out
+    own_points: path and SHA-256 of a user's own points, or nothing
     """
-    points = read_points(*own) if own else ()
+    own_points = read_points(*own_points) if own_points else ()
     with (
         xr.open_dataset(cube_path, engine="netcdf4") as cube,
         xr.open_dataset(threshold_path, engine="netcdf4") as found,
@@ -28,12 +30,12 @@ def draw_snap_maps(cube_path, threshold_path, views, together, fields, marks, ow
         for view in views:
             ax = layout.single_box()
             panel, x, y = _panel(cube, found, view), view["x"], view["y"]
-            maps.draw_snap_map(ax, *panel, x, y, marks, points)
+            maps.draw_snap_map(ax, *panel, x, y, required_shocks, own_points)
             _save(ax.figure, f"{folder}/{view['name']}", cube.attrs)
         if together:
             figure = style.double_column(height=9)
             panels = [_panel(cube, found, view) for view in together]
-            maps.draw_maps(figure, panels, together[0]["x"], together[0]["y"], points)
+            maps.draw_maps(figure, panels, together[0]["x"], together[0]["y"], own_points)
             style.save(figure, f"{folder}/snap_maps", cube.attrs)
         for view in fields:
             ax = layout.single_box()
@@ -61,7 +63,7 @@ if __name__ == "__main__":
             views=snakemake.params.views,
             together=snakemake.params.together,
             fields=snakemake.params.fields,
-            marks=snakemake.params.marks,
-            own=snakemake.params.own,
+            required_shocks=snakemake.params.required_shocks,
+            own_points=snakemake.params.own_points,
             folder=Path(snakemake.output.png[0]).parent,
         )

@@ -46,7 +46,8 @@ def converged_table(found: xr.Dataset) -> str:
 
 def _converged(run):
     mark = "" if run.threshold_decided else "*"
-    pairs = [(f"{way}_threshold", f"{way}_threshold_error") for way in ("converged", "elements")]
+    models = "converged", "elements"
+    pairs = [(f"{model}_threshold", f"{model}_threshold_error") for model in models]
     return [
         f"{mark}{run[key].item():.{digits}g}{mark}" if np.isfinite(run[key]) else DASH
         for pair in pairs

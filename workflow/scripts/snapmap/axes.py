@@ -11,14 +11,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .device import UNITS, VALUES, Device, batch, is_bistable
+from .device import VALUES, Device, batch, is_bistable
 from .pulse import HANDOUT_SHOCK, Pulse, Shocks
+from .quantities import QUANTITIES
 
-SHOCK = ("C", "f0", "N")
+SHOCK_AXES = ("C", "f0", "N")
 DEVICE = "device"
 """The axis of devices that have names."""
 SHAPE, DIRECTION = "shape", "direction"
-"""Those of the pulse's shape, by name, and of the way the frame is pushed."""
+"""Those of the pulse's shape, by name, and of the direction in which the frame is pushed."""
 PULSE_AXES = (SHAPE, DIRECTION)
 NAMES = (DEVICE, *PULSE_AXES)
 """Axes whose points have names, and no order but the one they were given in."""
@@ -29,26 +30,9 @@ MOST_DEVICES = 100_000
 """More points on the device's axes are taken for a slip."""
 
 COORDINATES = {
-    DEVICE: {"long_name": "device"},
-    "span": {"long_name": "span of the beam", "units": "um"},
-    "rise": {"long_name": "rise of the beam", "units": "um"},
-    "thickness": {"long_name": "thickness of the beam", "units": "um"},
-    "depth": {"long_name": "depth of the beam", "units": "um"},
-    "youngs_modulus": {"long_name": "Young's modulus", "units": "MPa"},
-    "density": {"long_name": "density of the beam", "units": "ng um-3"},
-    "damping": {"long_name": "damping rate of the beam itself", "units": "us-1"},
-    "residual_stress": {"long_name": "residual stress of the beam, tension > 0", "units": "MPa"},
-    "imperfection": {"long_name": "antisymmetric imperfection of the beam", "units": "um"},
-    "mass": {"long_name": "mass that strikes the beam", "units": "ng"},
-    "spring": {"long_name": "stiffness of the mass's spring", "units": "uN um-1"},
-    "contact": {"long_name": "stiffness of the contact", "units": "uN um-1"},
-    "gap": {"long_name": "gap between mass and beam at rest", "units": "um"},
-    SHAPE: {"long_name": "shape of the pulse"},
-    DIRECTION: {"long_name": "direction of the frame's acceleration; +z presses the mass down"},
-    "C": {"long_name": "damping coefficient of the mass", "units": "uN us um-1"},
-    "f0": {"long_name": "frequency of the pulse", "units": "Hz"},
-    "N": {"long_name": "amplitude of the pulse in multiples of g", "units": "1"},
+    key: quantity.attributes for key, quantity in QUANTITIES.items() if quantity.long_name
 }
+"""The attributes of all that can be an axis."""
 
 
 class Grid(NamedTuple):
@@ -86,7 +70,7 @@ def make_grid(
     """
     unknown = [key for key in axes if key not in COORDINATES]
     if unknown:
-        raise ValueError(f"{unknown[0]}: no axis; axes are {', '.join((*VALUES, *SHOCK))}")
+        raise ValueError(f"{unknown[0]}: no axis; axes are {', '.join((*VALUES, *SHOCK_AXES))}")
     points = {key: _points(key, values) for key, values in axes.items()}
     if (points.get("N", np.zeros(1)) < 0).any():
         raise ValueError(f"N: {points['N'].min():g} is below 0; direction -z pushes the other way")
@@ -96,7 +80,7 @@ def make_grid(
             raise ValueError(f"device: {one!r} is no device; `snapmap.load_device` reads one")
     if len({one.gravity for one in named.values()}) > 1:
         raise ValueError("devices: gravity differs; write one, as N counts multiples of it")
-    varied = [key for key in points if key not in SHOCK]
+    varied = [key for key in points if key not in SHOCK_AXES]
     shape = (*[len(named)] * bool(named), *(points[key].size for key in varied))
     if math.prod(shape) > MOST_DEVICES:
         size = f"{math.prod(shape):.3g} points of the device's axes"
@@ -113,7 +97,7 @@ def make_grid(
     device_of = np.where(stays, np.cumsum(stays) - 1, -1).reshape(shape)
     names = {DEVICE: np.array(list(named))} if named else {}
     values = {key: points[key] for key in varied} | shocks.axes
-    values |= {key: points[key] for key in SHOCK if key in points}
+    values |= {key: points[key] for key in SHOCK_AXES if key in points}
     return Grid(names | values, devices, device_of, shocks.pulses)
 
 
@@ -144,11 +128,14 @@ def _vary(nominal, values):
 
 def point_text(point: Mapping[str, float | str]) -> str:
     """Write where a point is on some axes, with units, for messages."""
-    units = {**UNITS, "C": "uN us/um", "f0": "Hz", "N": "g"}
     return ", ".join(
-        f"{key} = {value}" if key in NAMES else f"{key} = {value:.6g} {units[key]}"
+        f"{key} = {value}" if key in NAMES else f"{key} = {value:.6g} {_unit_text(key)}"
         for key, value in point.items()
     )
+
+
+def _unit_text(key):
+    return "g" if key == "N" else QUANTITIES[key].unit
 
 
 def axis_behind(name: str) -> str:

@@ -9,6 +9,8 @@ from dataclasses import asdict, dataclass, fields
 
 import numpy as np
 
+from .quantities import KINDS, QUANTITIES
+
 BISTABILITY_LIMIT = 4 / math.sqrt(3)
 SECOND = 4.0
 """Buckling load of the second symmetric shape over the first's: there state 2 is no longer stable.
@@ -217,19 +219,12 @@ class Device:
 
 BEAM_VALUES = tuple(field.name for field in fields(Beam))
 SIZES = BEAM_VALUES[:6]
-VALUES = (*BEAM_VALUES[:-1], "mass", "spring", "contact", "gap")
+_NAMES = (*BEAM_VALUES, *(field.name for field in fields(Device)))
+VALUES = tuple(key for key in _NAMES if key in QUANTITIES and QUANTITIES[key].long_name)
 """Names of the values that tell one device from another."""
-SIGNED, FROM_ZERO = ("residual_stress",), ("damping", "imperfection", "gap")
+SIGNED = tuple(key for key in VALUES if KINDS[QUANTITIES[key].kind].signed)
+FROM_ZERO = tuple(key for key in VALUES if KINDS[QUANTITIES[key].kind].zero and key not in SIGNED)
 """Those that may be negative, or zero; all others are positive."""
-
-
-UNITS = {
-    **dict.fromkeys(("span", "rise", "thickness", "depth", "imperfection", "gap"), "um"),
-    **{"youngs_modulus": "MPa", "density": "ng/um^3", "damping": "1/us", "mass": "ng"},
-    **{"residual_stress": "MPa"},
-    **{"spring": "uN/um", "contact": "uN/um", "gravity": "um/us^2"},
-}
-"""Internal units, as a config spells them."""
 
 
 def device_from(values: Mapping) -> Device:

@@ -249,7 +249,7 @@ class Shocks:
         return dict(self.pulse) if several else {self.pulse.name: self.pulse}
 
     @property
-    def ways(self) -> tuple[str, ...]:
+    def directions(self) -> tuple[str, ...]:
         """All directions."""
         return (self.direction,) if isinstance(self.direction, str) else self.direction
 
@@ -260,16 +260,16 @@ class Shocks:
         if isinstance(self.pulse, Mapping):
             axes["shape"] = np.array(list(self.pulse))
         if not isinstance(self.direction, str):
-            axes["direction"] = np.array(self.ways)
+            axes["direction"] = np.array(self.directions)
         return axes
 
     @property
     def pulses(self) -> tuple[Pulse, ...]:
         """One for each point of its axes, in order."""
         return tuple(
-            pulse if DIRECTIONS[way] > 0 else pulse.reversed()
+            pulse if DIRECTIONS[direction] > 0 else pulse.reversed()
             for pulse in self.shapes.values()
-            for way in self.ways
+            for direction in self.directions
         )
 
     def some(self, names: Mapping[str, Sequence[str]]) -> "Shocks":
@@ -283,7 +283,7 @@ class Shocks:
 
     def first(self) -> "Shocks":
         """The first shape in the first direction."""
-        return Shocks(next(iter(self.shapes.values())), self.ways[0])
+        return Shocks(next(iter(self.shapes.values())), self.directions[0])
 
     def own_frequency(self) -> float:
         """Hz, of recorded shocks that last equally long; else a ValueError, one line."""
@@ -298,7 +298,7 @@ class Shocks:
         given = {"shape": [*self.shapes]} if several else dict(self.pulse.given)
         given = {} if given == {"shape": VERSED_SINE} else given
         if self.direction != "+z":
-            both = self.ways == tuple(DIRECTIONS)
+            both = self.directions == tuple(DIRECTIONS)
             given["direction"] = "both" if both else self.direction
         return {"pulse": given} if given else {}
 
@@ -313,14 +313,14 @@ def shocks_from(pulse=VERSED_SINE, direction="+z") -> Shocks:
     pulse: a name, a `Pulse`, several of these, or several by names of their own
     direction: "+z", "-z", several, or "both"
     """
-    ways = tuple(DIRECTIONS) if direction == "both" else direction
-    each = (ways,) if isinstance(ways, str) else tuple(ways)
-    for way in each:
-        if way not in DIRECTIONS:
-            raise ValueError(f"direction: {way!r} is not one of {', '.join(DIRECTIONS)}, both")
+    directions = tuple(DIRECTIONS) if direction == "both" else direction
+    each = (directions,) if isinstance(directions, str) else tuple(directions)
+    for one in each:
+        if one not in DIRECTIONS:
+            raise ValueError(f"direction: {one!r} is not one of {', '.join(DIRECTIONS)}, both")
     if not each or len(set(each)) < len(each):
         raise ValueError("direction: empty or with one twice; write every one once")
-    return Shocks(_named(pulse), ways if isinstance(ways, str) else each)
+    return Shocks(_named(pulse), directions if isinstance(directions, str) else each)
 
 
 def _named(pulse):

@@ -28,14 +28,14 @@ def sides(device):
     found = threshold(device, [5000.0], [0.025], direction="both", threads=2).squeeze()
     keys = "N_first", "N_error", "N_half", "half_error"
     rows = [
-        [way, *(f"{found[key].sel(direction=way).item():.0f}" for key in keys)]
-        for way in found.direction.values.tolist()
+        [direction, *(f"{found[key].sel(direction=direction).item():.0f}" for key in keys)]
+        for direction in found.direction.values.tolist()
     ]
     return table(["direction", *keys], rows)
 
 
 def kinks(device):
-    """Largest error of a flying mass's way after the pulse, over that way, by step and shape."""
+    """Largest relative error of a flying mass's displacement after the pulse, by step and shape."""
     errors = [errors_of(device, shape) for shape in few(list(SHAPES))]
     rows = [[f"{step:g}", *(f"{one[i]:.1e}" for one in errors)] for i, step in enumerate(STEPS)]
     return table(["step", *few(list(SHAPES))], rows)
@@ -49,9 +49,9 @@ def errors_of(device, shape):
         run = simulate(device, N, F0, C, "cosines", scheme="explicit", **asked)
         runs.append((run.time.values, run.z_mass.values))
     late = runs[0][0][runs[0][0] > 1.02e6 / F0]  # instants of all runs
-    *ways, exact = (np.interp(late, *run) for run in runs)
+    *paths, exact = (np.interp(late, *run) for run in runs)
     size = abs(exact - device.beam.rise).max()
-    return [abs(way - exact).max() / size for way in ways]
+    return [abs(path - exact).max() / size for path in paths]
 
 
 if __name__ == "__main__":

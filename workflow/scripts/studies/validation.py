@@ -14,7 +14,7 @@ from snapmap import load_device, simulate, sweep
 from snapmap.beam.barrier import find_barrier, unit_buckling
 from snapmap.beam.cosines import buckling_shapes, symmetric_cosines
 from snapmap.beam.elements import hermite_elements
-from snapmap.beam.equilibria import BucklingModes, push, roots, way
+from snapmap.beam.equilibria import BucklingModes, displacement, push, roots
 from snapmap.beam.modal import contact_stiffness, unit_modes
 from snapmap.beam.statics import force_displacement
 from snapmap.numerics.linalg import apply, eigh
@@ -147,9 +147,9 @@ def _line(basis):
     N = loads[1:2]
     constant, slope = push(first, N)
     ends = np.concatenate(roots(first, N, constant, slope))
-    ways = np.array([way(first, constant + slope * P).item() for P in ends])
-    falls = np.diff(ends)[0] / np.diff(ways)[0]
-    return ends[0] - falls * ways[0], falls
+    places = np.array([displacement(first, constant + slope * P).item() for P in ends])
+    falls = np.diff(ends)[0] / np.diff(places)[0]
+    return ends[0] - falls * places[0], falls
 
 
 def spectra():

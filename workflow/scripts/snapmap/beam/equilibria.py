@@ -5,8 +5,8 @@ midpoint and an acceleration a of the frame reads, with s_j = v_j.S q0,
 
     (N_j - N) c_j = N s_j - f_j a - e_j P,    N = -EA/2L sum (c_j^2 + 2 c_j s_j).
 
-For a given N the load is a root of a quadratic: one belongs to the way from the first shape to the
-largest N, the other, farther along, to the way on from there.
+For a given N the load is a root of a quadratic: one belongs to the path from the first shape to the
+largest N, the other, farther along, to the path on from there.
 """
 
 from collections.abc import Callable
@@ -41,7 +41,7 @@ class BucklingModes(NamedTuple):
 def static_threshold(device: Device) -> float | np.ndarray:
     """Lowest N, in multiples of g, whose lasting acceleration leaves no equilibrium to rest in.
 
-    That is the first maximum on the way, or where the beam leaves the mass to snap by itself. A
+    That is the first maximum on the path, or where the beam leaves the mass to snap by itself. A
     beam that leaves the mass where it could still rest alone, or that the mass does not reach
     across its gap, goes on to its own first maximum.
     """
@@ -71,9 +71,9 @@ def static_threshold(device: Device) -> float | np.ndarray:
 def _end_of(modes, loaded, is_left, whole):
     """The first maximum of a on a path, its end, or where the midpoint goes ahead of the mass.
 
-    is_left: tells which points of a path are such, from a and the way of the midpoint there
-    whole: the way to the second shape, um
-    Returns a, the way of the midpoint, and whether the mass is left there.
+    is_left: tells which points of a path are such, from a and the midpoint's displacement there
+    whole: that of the second shape, um
+    Returns a, the midpoint's displacement, and whether the mass is left there.
     """
     largest = largest_force(modes, loaded, modes.buckling[1, 0])
     low, high = 0.0, 2.0
@@ -87,14 +87,14 @@ def _end_of(modes, loaded, is_left, whole):
 
 
 def _along(modes, loaded, largest, places):
-    """Load and way of the midpoint along a path: N grows to the largest up to 1, and falls to 2."""
+    """Load and displacement along a path: N grows to the largest up to 1, and falls to 2."""
     N = largest * (1 - (1 - places) ** 2)
     constant, slope = loaded(modes, N)
     lower, upper = roots(modes, N, constant, slope)
-    # Which root belongs to the way there changes where the loads' direction does.
-    there_first = way(modes, slope) > 0
+    # Which root belongs to the path there changes where the loads' direction does.
+    there_first = displacement(modes, slope) > 0
     x = np.where(there_first == (places <= 1), lower, upper)
-    return x, way(modes, constant + slope * x)
+    return x, displacement(modes, constant + slope * x)
 
 
 def shapes_of(beam: Beam) -> Basis:
@@ -164,7 +164,7 @@ def roots(
     return (-half - root) / square, (-half + root) / square
 
 
-def way(modes: BucklingModes, c: np.ndarray) -> np.ndarray:
+def displacement(modes: BucklingModes, c: np.ndarray) -> np.ndarray:
     """How far the midpoint of the kept modes has moved from the first shape, um; c: (modes, n)."""
     return -np.sum(modes.midpoint * c, axis=0)
 

@@ -1,4 +1,4 @@
-"""The beam pushed slowly: force and energy over the way of its midpoint."""
+"""The beam pushed slowly: force and energy over the displacement of its midpoint."""
 
 import numpy as np
 import xarray as xr
@@ -11,11 +11,11 @@ from .equilibria import (
     COSINES,
     BucklingModes,
     buckling_modes,
+    displacement,
     largest_force,
     push,
     roots,
     shapes_of,
-    way,
 )
 from .prestress import first_midpoint
 
@@ -80,4 +80,4 @@ def _path(modes, turn):
     # At `turn` the stretch that the odd modes leave open is the second mode's.
     free = np.maximum(0.0, -N / modes.axial - np.sum(c * (c + 2 * modes.start), axis=0))
     energy = np.sum(modes.buckling * c**2, axis=0) / 2 + N * free / 2 + N**2 / (4 * modes.axial)
-    return way(modes, c) + modes.residual * force, force, energy
+    return displacement(modes, c) + modes.residual * force, force, energy

@@ -5,7 +5,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..axes import DURATION, NAMES, Grid, axis_behind
-from .axes import KIND_OF, frequency_of
+from ..quantities import QUANTITIES
+from .axes import frequency_of
 from .faults import Faults, convert_part
 from .schema import name_of
 from .units import read, show
@@ -44,7 +45,7 @@ def _view(asked, path, axes):
             at[axis] = axes[axis].tolist().index(value)
             continue
         try:
-            number = read(value, KIND_OF[asked_axis])
+            number = read(value, QUANTITIES[asked_axis].kind)
             number = frequency_of(number) if asked_axis == DURATION else number
         except ValueError as error:
             raise ValueError(f"{name}: {error}") from None

@@ -5,16 +5,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ..numerics.portable import geometric, linear
-from .units import KINDS, read
-
-KIND_OF = {
-    **dict.fromkeys(("span", "rise", "thickness", "depth"), "length"),
-    **{"youngs_modulus": "modulus", "density": "density", "damping": "rate", "mass": "mass"},
-    **{"residual_stress": "stress", "imperfection": "distance", "gap": "distance"},
-    **{"spring": "stiffness", "contact": "contact", "C": "damper", "f0": "frequency"},
-    **{"duration": "pulse", "N": "number"},
-}
-"""What kind of value stands under each key: a key of `units.KINDS`."""
+from ..quantities import KINDS, QUANTITIES
+from .units import read
 
 
 def frequency_of(duration: float) -> float:
@@ -27,7 +19,7 @@ def read_axis(section: Mapping | Sequence, key: str) -> np.ndarray:
 
     section: values, or a range; raises ValueError, one line, naming what cannot be
     """
-    kind = KIND_OF[key]
+    kind = QUANTITIES[key].kind
     if isinstance(section, Mapping):
         values = _range(section, f"sweep.{key}", kind)
     else:

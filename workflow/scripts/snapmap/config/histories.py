@@ -5,9 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..axes import DEVICE, PULSE_AXES, SHOCK, Grid
+from ..axes import DEVICE, PULSE_AXES, SHOCK_AXES, Grid
 from ..device import VALUES, Device, batch
-from .axes import KIND_OF, frequency_of
+from ..quantities import QUANTITIES
+from .axes import frequency_of
 from .devices import nominal
 from .faults import Faults, convert_part
 from .schema import name_of
@@ -55,7 +56,7 @@ def _nearest_history(device, grid):
     at = nearest_cell(grid, nominal(device), HANDOUT_CASE)
     values = {key: grid.axes[key][place].item() for key, place in at.items()}
     names = {"N": "N", "f": "f0", "C": "C"}
-    names |= {key: key for key in at if key not in (*SHOCK, *PULSE_AXES)}
+    names |= {key: key for key in at if key not in (*SHOCK_AXES, *PULSE_AXES)}
     named = (value_name(word, grid.axes[key], at[key]) for word, key in names.items())
     cell = {key: value for key, value in values.items() if key not in PULSE_AXES}
     return _history(cell, device, read_values=False)._replace(name="_".join(named))
@@ -80,7 +81,7 @@ def _history(cell, device, read_values=True):
         raise ValueError("device is for studies of several devices; leave it out")
     values = {key: cell[key] for key in cell if key != DEVICE}
     if read_values:
-        values = {key: read(value, KIND_OF[key]) for key, value in values.items()}
+        values = {key: read(value, QUANTITIES[key].kind) for key, value in values.items()}
     if "duration" in values:
         values["f0"] = frequency_of(values.pop("duration"))
     changes = {key: values[key] for key in values if key in VALUES}

@@ -8,6 +8,7 @@ from pathlib import Path
 import yaml
 from jsonschema import Draft202012Validator, ValidationError, validators
 
+from .quantity_keys import write_out
 from .units import read, show
 from .yaml_file import ConfigError, unwieldy_part
 
@@ -61,8 +62,9 @@ def order_of(path: tuple) -> list[str]:
 
 @cache
 def validator() -> Draft202012Validator:
-    """Read the schema; `format` names a kind of quantity."""
+    """Read the schema and write out its quantities; `format` names the kind of each."""
     schema = yaml.safe_load(Path(__file__).with_name("schema.yaml").read_text(encoding="utf-8"))
+    write_out(schema)
     types = Draft202012Validator.TYPE_CHECKER.redefine_many(
         {
             "object": lambda _, value: isinstance(value, Mapping),

@@ -10,7 +10,8 @@ from ..io.named import sha256_of
 from ..io.points import POINTS, read_points
 from ..io.recorded import RECORD, shocks_of
 from ..pulse import Shocks
-from .axes import KIND_OF, frequency_of
+from ..quantities import QUANTITIES
+from .axes import frequency_of
 from .faults import Faults, Place, convert_part
 from .schema import name_of
 from .units import read, show
@@ -92,9 +93,8 @@ def _requirement(section, path, names):
     names.add(name)
     try:
         shocks, pulse = read_shocks(section)
-        given = {
-            key: read(section[key], KIND_OF[key]) for key in ("f0", "duration") if key in section
-        }
+        keys = [key for key in ("f0", "duration") if key in section]
+        given = {key: read(section[key], QUANTITIES[key].kind) for key in keys}
         f0 = frequency_of(given["duration"]) if "duration" in given else given.get("f0")
         N = read(section["N"], "number")
         if not N > 0:
@@ -104,7 +104,7 @@ def _requirement(section, path, names):
         raise ValueError(f"{name_of(path)}: {error}") from None
 
 
-def read_marks(path: str) -> tuple[str, str]:
+def read_own_points(path: str) -> tuple[str, str]:
     """Path and SHA-256 of a user's own points, all in order; else ValueError, one line."""
     try:
         _check_path(path)
@@ -115,10 +115,10 @@ def read_marks(path: str) -> tuple[str, str]:
     return path, sha256
 
 
-def marks_outside(path: str, axes: Mapping[str, np.ndarray]) -> list[str]:
-    """A line for each of a user's own points that lies on no map; path: "" for none."""
+def own_points_outside(path: str, axes: Mapping[str, np.ndarray]) -> list[str]:
+    """A line for each of a user's own points that lies on no map."""
     lines = []
-    for number, point in enumerate(read_points(path) if path else (), start=1):
+    for number, point in enumerate(read_points(path), start=1):
         for key, value in (("f0", point.f0), ("N", point.N)):
             low, high = axes[key].min(), axes[key].max()
             if not low <= value <= high:

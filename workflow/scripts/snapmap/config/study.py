@@ -12,7 +12,7 @@ from ..solver.settings import THRESHOLD_TOLERANCE, Settings
 from ..study import Study
 from ..tolerances.samples import Tolerances
 from .asked_views import read_views
-from .axes import KIND_OF, read_axis
+from .axes import read_axis
 from .devices import nominal, read_devices, tilting
 from .faults import convert_part, refuse
 from .histories import History, read_histories
@@ -20,9 +20,9 @@ from .quality import damper_of, describe
 from .schema import schema_faults, validator
 from .shocks import (
     Requirement,
-    marks_outside,
+    own_points_outside,
     pulse_key,
-    read_marks,
+    read_own_points,
     read_requirements,
     read_shocks,
 )
@@ -41,7 +41,7 @@ class Config(Study):
     tolerances: what scatters from device to device, or nothing
     threshold_tolerance: of the thresholds in N, relative
     maps, curves, boundary: what is drawn of cells, thresholds, and the damage boundary
-    marks, marks_sha256: path of a user's own points on the maps, or nothing, and what it held
+    own_points: path and SHA-256 of a user's own points on the maps, or nothing
     left_out: one line on what is not drawn, or nothing
     """
 
@@ -54,8 +54,7 @@ class Config(Study):
     maps: tuple[View, ...]
     curves: tuple[View, ...]
     boundary: View
-    marks: str
-    marks_sha256: str
+    own_points: tuple[str, str] | tuple[()]
     left_out: str
 
     @property
@@ -82,7 +81,7 @@ class Config(Study):
     def files(self) -> dict[str, str]:
         """SHA-256 of each file that the config names, as it was read, by path."""
         pulses = [self.pulse, *(asked.pulse for asked in self.requirements)]
-        own = {self.marks: self.marks_sha256} if self.marks else {}
+        own = dict([self.own_points] if self.own_points else [])
         return {one["file"]: one["sha256"] for one in pulses if "file" in one} | own
 
     def doubts(self) -> list[str]:
@@ -95,7 +94,8 @@ class Config(Study):
             for pulse in self.shocks.shapes.values()
             for line in pulse.doubts(float(device.own_frequency), float(shortest))
         ]
-        return tilts + pulses + marks_outside(self.marks, self.axes)
+        outside = own_points_outside(self.own_points[0], self.axes) if self.own_points else []
+        return tilts + pulses + outside
 
 
 def load_config(document: Mapping) -> Config:
@@ -134,9 +134,11 @@ def load_config(document: Mapping) -> Config:
     if "tolerances" in parts:
         devices = list(device.values()) if isinstance(device, Mapping) else [device]
         at = ("tolerances",)
-        tolerances = convert_part(document, at, faults, read_tolerances, devices, KIND_OF)
+        tolerances = convert_part(document, at, faults, read_tolerances, devices)
     histories = read_histories(document, device, grid, faults)
-    marks = convert_part(document, ("marks",), faults, read_marks) if "marks" in parts else ("", "")
+    own_points = ()
+    if "marks" in parts:
+        own_points = convert_part(document, ("marks",), faults, read_own_points)
     maps = read_views(document, "maps", faults, grid)
     curves = read_views(document, "thresholds", faults, grid)
     refuse(faults)
@@ -156,8 +158,7 @@ def load_config(document: Mapping) -> Config:
         maps=chosen,
         curves=choose_curves(grid, nominal(device), curves),
         boundary=choose_boundary(grid, nominal(device)),
-        marks=marks[0],
-        marks_sha256=marks[1],
+        own_points=own_points,
         left_out=left_out,
     )
 

@@ -2,18 +2,18 @@
 
 from collections.abc import Mapping
 
-from ..tolerances.samples import SHOCK, Plan, Tolerances
+from ..quantities import QUANTITIES
+from ..tolerances.samples import SHOCK_FACTORS, Plan, Tolerances
 from .units import read, show
 
 
-def read_tolerances(section: Mapping, devices, kinds: Mapping[str, str]) -> Tolerances:
+def read_tolerances(section: Mapping, devices) -> Tolerances:
     """Convert the section; ValueError names what cannot be.
 
-    devices: all that are to scatter so; kinds: of the values, by their names
+    devices: all that are to scatter so
     """
     options = {key: section[key] for key in section if key in Tolerances._fields}
-    keys = [key for key in section if key not in options]
-    scatters = {key: _scatter(key, section[key], kinds.get(key)) for key in keys}
+    scatters = {key: _scatter(key, section[key]) for key in section if key not in options}
     found = Tolerances(scatters, **options)
     for device in devices:
         Plan(device, scatters, found.together)
@@ -23,18 +23,18 @@ def read_tolerances(section: Mapping, devices, kinds: Mapping[str, str]) -> Tole
     return found
 
 
-def _scatter(key, given, kind):
+def _scatter(key, given):
     if isinstance(given, Mapping):
-        return {name: _width(key, width, kind) for name, width in given.items()}
-    return _width(key, given, kind)
+        return {name: _width(key, width) for name, width in given.items()}
+    return _width(key, given)
 
 
-def _width(key, text, kind):
+def _width(key, text):
     try:
         if text.strip().endswith("%"):
             return f"{100 * read(text, 'share'):.12g} %"
-        if key in SHOCK:
+        if key in SHOCK_FACTORS:
             raise ValueError(f"{show(text)} is no share; write one such as '5 %'")
-        return read(text, kind)
+        return read(text, QUANTITIES[key].kind)
     except ValueError as error:
         raise ValueError(f"tolerances.{key}: {error}") from None

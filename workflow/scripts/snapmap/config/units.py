@@ -5,41 +5,8 @@ import re
 from collections.abc import Mapping
 from decimal import Context, Decimal
 from functools import cache
-from typing import NamedTuple
 
-
-class Kind(NamedTuple):
-    """What a key expects: its name with article, internal unit, an example, what fits beside > 0.
-
-    zero: whether 0 does; signed: whether less does, too
-    """
-
-    name: str
-    unit: str
-    example: str
-    zero: bool = False
-    signed: bool = False
-
-
-KINDS = {
-    "number": Kind("a plain number", "", "1000", zero=True, signed=True),
-    "quality": Kind("a plain number > 0", "", "250"),
-    "length": Kind("a length", "um", "'600 um'"),
-    "modulus": Kind("a modulus", "MPa", "'150 GPa'"),
-    "distance": Kind("a length", "um", "'0.5 um'", zero=True),
-    "stress": Kind("a stress", "MPa", "'-11 MPa'", zero=True, signed=True),
-    "density": Kind("a density", "ng/um^3", "'2330 kg/m^3'"),
-    "rate": Kind("a damping rate", "1/us", "'4e-4 /us'", zero=True),
-    "mass": Kind("a mass", "ng", "'1e-8 kg'"),
-    "stiffness": Kind("a stiffness", "uN/um", "'5.5 N/m'"),
-    "contact": Kind("a stiffness", "uN/um", "'40 N/m', or the word hard"),
-    "acceleration": Kind("an acceleration", "um/us^2", "'9.81 m/s^2'"),
-    "frequency": Kind("a frequency", "Hz", "'1500 Hz'"),
-    "damper": Kind("a damper constant", "uN*us/um", "'25 uN*us/um'", zero=True),
-    "share": Kind("a share", "%", "'0.1 %'"),
-    "duration": Kind("a duration", "us", "'1500 us'", zero=True),
-    "pulse": Kind("a duration", "us", "'0.5 ms'"),
-}
+from ..quantities import KINDS
 
 LEAST, MOST = 1e-15, 1e15
 """In internal units: no device has values beyond, and they would overflow further on."""

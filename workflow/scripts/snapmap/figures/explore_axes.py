@@ -1,33 +1,16 @@
 """The axes of the page: what they are called, where their values stand, and how they are ticked."""
 
 import html
+import re
 
 import numpy as np
 import xarray as xr
 from matplotlib.ticker import LogLocator, MaxNLocator
 
-from ..axes import DEVICE, DIRECTION, SHAPE
+from ..axes import NAMES
+from ..quantities import QUANTITIES
 from . import scales
 
-NAMES = scales.WORDS | {
-    "density": ("density", "ng/µm³"),
-    "damping": ("damping of the beam", "1/µs"),
-    SHAPE: ("shape of the pulse", ""),
-    DIRECTION: ("direction of the shock", ""),
-    "C": ("damping of the mass C", "µN\u00a0µs/µm"),
-    "f0": ("pulse frequency f<sub>0</sub>", "Hz"),
-    "N": ("pulse amplitude N (multiples of g)", ""),
-}
-"""Of each axis what it is called, and the unit."""
-LEADS = {
-    DEVICE: "device ",
-    SHAPE: "",
-    DIRECTION: "along ",
-    "C": "C = ",
-    "f0": "f<sub>0</sub> = ",
-    "N": "N = ",
-}
-"""What stands before a value of an axis, if not its name."""
 DURATIONS = 8
 """Most durations ticked above the map, so that they stand apart on a phone."""
 
@@ -41,14 +24,20 @@ def plane(cells: xr.Dataset) -> tuple[str, str]:
     return x, y
 
 
+def axis_words(key: str) -> str:
+    """What the quantity of an axis is called, as HTML."""
+    quantity = QUANTITIES[key]
+    return _typeset(quantity.label or quantity.words)
+
+
 def axis(cells: xr.Dataset, key: str) -> dict:
     """An axis as the page's code knows it: where its values stand, and their texts."""
-    label, unit = NAMES[key]
+    label, unit = axis_words(key), QUANTITIES[key].spelt.page
     values = cells[key].values
     return {
         "name": key,
         "label": label,
-        "lead": LEADS.get(key, f"{label} = "),
+        "lead": _lead(key),
         "values": scales.scale_of(key, values).places.tolist(),
         "texts": [say(value, unit) for value in values.tolist()],
     }
@@ -56,7 +45,7 @@ def axis(cells: xr.Dataset, key: str) -> dict:
 
 def layout(scale: scales.Scale) -> dict:
     """An axis of the map, for plotly; values that are no numbers, or one alone, are ticked."""
-    label, unit = NAMES[scale.key]
+    label, unit = axis_words(scale.key), QUANTITIES[scale.key].spelt.page
     title = f"{label} ({unit})" if unit else label
     ends = np.log10(scale.edges[[0, -1]]) if scale.is_log else scale.edges[[0, -1]]
     kind = {"type": "linear"}
@@ -92,6 +81,18 @@ def say(value: float | str, unit: str = "") -> str:
     digits = {"precision": 4, "fractional": False, "trim": "-"}
     text = f"{value:.4g}" if tiny else np.format_float_positional(value, **digits)
     return f"{text}\u00a0{unit}" if unit else text
+
+
+def _lead(key):
+    """What stands before a value of an axis."""
+    if key in NAMES:
+        return f"{QUANTITIES[key].words} ".lstrip()
+    return f"{_typeset(QUANTITIES[key].words)} = "
+
+
+def _typeset(words):
+    """Formulas, in dollars, as HTML."""
+    return re.sub(r"_(\w)", r"<sub>\1</sub>", words.replace("$", ""))
 
 
 def _ticks(least, most):

@@ -5,11 +5,8 @@ from collections.abc import Mapping, Sequence
 
 from ..config.devices import read_device
 from ..config.quality import describe
-from ..device import UNITS
-from .explore_axes import NAMES
+from ..quantities import QUANTITIES, Quantity
 
-SYMBOLS = {"span": "L", "rise": "δ", "thickness": "t", "mass": "M", "spring": "K"}
-"""As the drawing has them."""
 SHOWN = {
     "youngs_modulus": (1e-3, "GPa"),
     "density": (1e6, "kg/m³"),
@@ -35,9 +32,9 @@ def vibrations(document: Mapping, C: Sequence[float]) -> dict[str, str]:
 
 def words_of(key: str) -> str:
     """What a value of the device is called, with its symbol, as HTML."""
-    words, _ = NAMES.get(key, (key.replace("_", " "), ""))
-    symbol = f" <i>{SYMBOLS[key]}</i>" if key in SYMBOLS else ""
-    return html.escape(words) + symbol
+    quantity = QUANTITIES.get(key, Quantity(key))
+    words = html.escape(quantity.words or key.replace("_", " "))
+    return f"{words} <i>{quantity.symbol}</i>" if quantity.symbol else words
 
 
 def _devices(document):
@@ -56,7 +53,7 @@ def _rows(values):
 def _text(key, written):
     """A value in the unit of its axis, or as it is written."""
     number, _, unit = written.partition(" ")
-    if unit != UNITS.get(key):
+    if key not in QUANTITIES or unit != QUANTITIES[key].unit:
         return html.escape(written)
-    factor, shown = SHOWN.get(key, (1.0, NAMES[key][1] if key in NAMES else unit))
+    factor, shown = SHOWN.get(key) or (1.0, QUANTITIES[key].spelt.page)
     return f"{float(number) * factor:.6g}\u00a0{shown}"

@@ -65,14 +65,14 @@ def draw_end_map(
     cells: xr.Dataset,
     x: str = "f0",
     y: str = "N",
-    marks: Sequence[tuple[str, float, float]] = (),
-    points: Sequence[Point] = (),
+    required_shocks: Sequence[tuple[str, float, float]] = (),
+    own_points: Sequence[Point] = (),
 ) -> Axes:
     """Draw over two axes on which side of the saddle the beam of each cell ends, and how sure.
 
-    marks, points: as for `draw_snap_map`
+    required_shocks, own_points: as for `draw_snap_map`
     """
-    return _draw_map(ax, END, Panel(cells), x, y, marks, points)
+    return _draw_map(ax, END, Panel(cells), x, y, required_shocks, own_points)
 
 
 def draw_snap_map(
@@ -81,15 +81,15 @@ def draw_snap_map(
     found: xr.Dataset | None = None,
     x: str = "f0",
     y: str = "N",
-    marks: Sequence[tuple[str, float, float]] = (),
-    points: Sequence[Point] = (),
+    required_shocks: Sequence[tuple[str, float, float]] = (),
+    own_points: Sequence[Point] = (),
 ) -> Axes:
     """Draw over two axes which cells snap.
 
     found: thresholds over x, drawn with their errors and limits if y is N
-    marks: name, f0 (Hz) and N of shocks to point out by numbers; points: a user's own
+    required_shocks: name, f0 (Hz) and N of shocks to point out by numbers; own_points: a user's own
     """
-    return _draw_map(ax, SNAP, Panel(cells, found), x, y, marks, points)
+    return _draw_map(ax, SNAP, Panel(cells, found), x, y, required_shocks, own_points)
 
 
 def draw_time_map(
@@ -151,7 +151,7 @@ def plot_outcome(
 
 
 def draw_maps(
-    figure: Figure, panels: Sequence[Panel], x: str, y: str, points: Sequence[Point] = ()
+    figure: Figure, panels: Sequence[Panel], x: str, y: str, own_points: Sequence[Point] = ()
 ) -> np.ndarray:
     """Draw several maps of one kind over the same axes on an empty figure, and one legend.
 
@@ -160,27 +160,27 @@ def draw_maps(
     apart = _differing([cells for cells, _ in panels])
     titles = [place_text(cells.drop_vars(apart)) for cells, _ in panels]
     axes = layout.boxes(figure, len(panels), 1 + max(title.count("\n") for title in titles))
-    kind, points = panels[0].kind, _of_plane(x, y, points)
+    kind, own_points = panels[0].kind, _of_plane(x, y, own_points)
     for ax, panel, title in zip(axes.flat, panels, titles, strict=False):
         _fill_map(ax, kind, panel, x, y)
-        draw_points(ax, x, points)
+        draw_points(ax, x, own_points)
         ax.set_title(title)
     _keep_outer_labels(axes)
     words = "\n".join(filter(None, [kind.words, style.case(panels[0].cells.attrs)]))
-    keys = [*_keys(kind, panels, y), *point_keys(points)]
+    keys = [*_keys(kind, panels, y), *point_keys(own_points)]
     style.legend_below(axes[-1, 0], keys, words, ncols=kind.columns, of_all=True)
     layout.trim(figure)
     return axes
 
 
-def _draw_map(ax, kind, panel, x, y, marks, points):
-    marks, points = _of_plane(x, y, marks), _of_plane(x, y, points)
+def _draw_map(ax, kind, panel, x, y, required_shocks, own_points):
+    required_shocks, own_points = _of_plane(x, y, required_shocks), _of_plane(x, y, own_points)
     _fill_map(ax, kind, panel, x, y)
-    number_shocks(ax, x, marks)
-    draw_points(ax, x, points)
-    names = [f"{number}: {style.literal(name)}" for number, (name, *_) in enumerate(marks, start=1)]
+    number_shocks(ax, x, required_shocks)
+    draw_points(ax, x, own_points)
+    names = [f"{i}: {style.literal(name)}" for i, (name, *_) in enumerate(required_shocks, start=1)]
     ax.set_title("\n".join([_title(panel.cells), *names]))
-    keys = [*_keys(kind, [panel], y), *point_keys(points)]
+    keys = [*_keys(kind, [panel], y), *point_keys(own_points)]
     style.legend_below(ax, keys, kind.words, ncols=2)
     return ax
 

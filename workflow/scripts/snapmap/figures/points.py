@@ -20,11 +20,11 @@ NAMED = 12
 """Most points whose names are written beside them."""
 
 
-def number_shocks(ax: Axes, x: str, marks: Sequence[tuple[str, float, float]]) -> None:
-    """Point out shocks by numbers in the order given; marks: name, f0 (Hz) and N of each."""
+def number_shocks(ax: Axes, x: str, shocks: Sequence[tuple[str, float, float]]) -> None:
+    """Point out shocks, each its name, f0 (Hz) and N, by numbers in the order given."""
     freeze(ax)
     low, high = ax.get_ylim()
-    for number, (_, f0, N) in enumerate(marks, start=1):
+    for number, (_, f0, N) in enumerate(shocks, start=1):
         place = _place(x, f0)
         if low <= N <= high:
             ax.plot(place, N, "o", markersize=7, **MARK)

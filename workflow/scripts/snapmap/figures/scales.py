@@ -9,38 +9,15 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, MaxNLocator
 
-from ..axes import DEVICE, DIRECTION, DURATION, PULSE_AXES, SHAPE, SHOCK
+from ..axes import COORDINATES, DURATION, PULSE_AXES, SHOCK_AXES, axis_behind
+from ..quantities import QUANTITIES
 
 WORDS = {
-    DEVICE: ("device", ""),
-    "span": ("span", "µm"),
-    "rise": ("rise", "µm"),
-    "thickness": ("thickness", "µm"),
-    "depth": ("depth", "µm"),
-    "youngs_modulus": ("Young's modulus", "MPa"),
-    "density": ("density", "ng µm$^{-3}$"),
-    "damping": ("damping of the beam", "µs$^{-1}$"),
-    "residual_stress": ("residual stress", "MPa"),
-    "imperfection": ("imperfection", "µm"),
-    "mass": ("mass", "ng"),
-    "spring": ("spring", "N/m"),
-    "contact": ("contact", "N/m"),
-    "gap": ("gap", "µm"),
-    SHAPE: ("", ""),
-    DIRECTION: ("along", ""),
-    "C": ("$C$", "µN µs µm$^{-1}$"),
-    "f0": ("$f_0$", "Hz"),
-    DURATION: ("pulse duration $1/f_0$", "ms"),
-    "N": ("$N$", ""),
+    key: (quantity.words, "ms" if key == DURATION else quantity.spelt.figures)
+    for key, quantity in QUANTITIES.items()
+    if axis_behind(key) in COORDINATES
 }
-LABELS = {
-    SHAPE: "shape of the pulse",
-    DIRECTION: "direction of the shock",
-    DURATION: "pulse duration $1/f_0$ (ms)",
-    "N": "pulse amplitude $N$ (multiples of $g$)",
-    "f0": "pulse frequency $f_0$ (Hz)",
-    "C": "damping of the mass $C$ (µN µs µm$^{-1}$)",
-}
+"""What stands for each axis before a value, and the unit behind it."""
 SHORT, CLOSE_TICKS = 3.5, (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8)
 """Ratio of its ends below which a logarithmic axis is short, and how that is ticked."""
 SEVERAL = 10
@@ -89,8 +66,7 @@ def set_scale(ax: Axes, which: str, scale: Scale) -> None:
     axis = getattr(ax, f"{which}axis")
     if scale.is_log:
         getattr(ax, f"set_{which}scale")("log")
-    words, unit = WORDS[scale.key]
-    axis.set_label_text(LABELS.get(scale.key, f"{words} ({unit})" if unit else words))
+    axis.set_label_text(axis_label(scale.key))
     if scale.is_counted:
         every = -(-scale.values.size // SEVERAL)
         axis.set_ticks(scale.places[::every], [number(value) for value in scale.values[::every]])
@@ -106,6 +82,13 @@ def set_scale(ax: Axes, which: str, scale: Scale) -> None:
     getattr(ax, f"set_{which}lim")(ends[0], ends[-1])
 
 
+def axis_label(key: str) -> str:
+    """What is written along an axis: its quantity, and the unit in brackets."""
+    words, unit = WORDS[key]
+    label = QUANTITIES[key].label or words
+    return f"{label} ({unit})" if unit else label
+
+
 def frequency_axis(ax: Axes, f0: np.ndarray) -> Axes:
     """Make x the frequency of the pulse, logarithmic, and add its duration above; returns that.
 
@@ -113,7 +96,7 @@ def frequency_axis(ax: Axes, f0: np.ndarray) -> Axes:
     """
     set_scale(ax, "x", scale_of("f0", f0))
     top = ax.secondary_xaxis("top", functions=(_reciprocal, _reciprocal))
-    top.set_xlabel(LABELS[DURATION])
+    top.set_xlabel(axis_label(DURATION))
     if f0.size == 1:
         top.xaxis.set_ticks(1e3 / f0, [f"{1e3 / f0.item():.3g}"])
         top.xaxis.set_ticks([], minor=True)
@@ -125,7 +108,7 @@ def frequency_axis(ax: Axes, f0: np.ndarray) -> Axes:
 def amplitude_axis(ax: Axes) -> None:
     """Make y the amplitude of the pulse, logarithmic, ticked 1, 2, 3, 5 in every decade."""
     ax.set_yscale("log")
-    ax.set_ylabel(LABELS["N"])
+    ax.set_ylabel(axis_label("N"))
     ax.yaxis.set_major_locator(LogLocator(subs=(1, 2, 3, 5)))
     _write_numbers(ax.yaxis)
 
@@ -215,7 +198,7 @@ def place_text(data: xr.Dataset) -> str:
     """Typeset where on all other axes a dataset is: the device's in one line, the shock's below."""
     alone = [key for key in WORDS if key in data.coords and data[key].ndim == 0]
     texts = [value_text(key, data[key].item()) for key in alone]
-    of_device = sum(key not in (*PULSE_AXES, *SHOCK) for key in alone)
+    of_device = sum(key not in (*PULSE_AXES, *SHOCK_AXES) for key in alone)
     return "\n".join(filter(None, (", ".join(texts[:of_device]), ", ".join(texts[of_device:]))))
 
 

@@ -71,9 +71,9 @@ def case(attributes: Mapping[str, str], width: int = PAGE) -> str:
     config = json.loads(attributes["config"])
     horizon = config["sweep"]["horizon"].replace("us", "µs")
     pulse = config.get("pulse", {})
-    shape, way = pulse.get("file", pulse.get("shape", VERSED_SINE)), pulse.get("direction")
+    shape, direction = pulse.get("file", pulse.get("shape", VERSED_SINE)), pulse.get("direction")
     words = [literal(shape)] if isinstance(shape, str) else []
-    words += [f"along {way}"] if way == "-z" else []
+    words += [f"along {direction}"] if direction == "-z" else []
     words += guides(config)
     words += [model_words(config), f"followed {horizon} beyond the pulse"]
     return textwrap.fill(", ".join(words), width)

@@ -11,9 +11,9 @@ from matplotlib.patches import Patch
 from . import style
 from .curves import LOOKS
 from .scales import (
-    LABELS,
     WORDS,
     arithmetic_edges,
+    axis_label,
     frequency_axis,
     geometric_edges,
     scale_of,
@@ -65,7 +65,7 @@ def _draw_shares(ax, found):
     ax.axvline(found.N_nominal.item(), **NOMINAL)
     if "latched" in found:
         ax.plot(N, found.latched.squeeze("f0").values, **LATCHED)
-    ax.set(xlabel=LABELS["N"], ylabel="share of devices that snap")
+    ax.set(xlabel=axis_label("N"), ylabel="share of devices that snap")
     ax.set(xlim=(N[0], N[-1]), ylim=(0, 1))
     return ax
 

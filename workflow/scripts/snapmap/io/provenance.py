@@ -12,14 +12,13 @@ from importlib.metadata import version
 from pathlib import Path
 
 from .. import __version__
-from ..device import UNITS, Device
+from ..device import Device
 from ..pulse import Pulse, Shocks
+from ..quantities import QUANTITIES
 from .dependencies import code_hash
 
 KEYWORDS = "bistable beam, snap-through, MEMS, shock sensor"
 PACKAGES = ("numpy", "numba", "xarray", "netCDF4", "dask", "matplotlib", "snakemake")
-LEFT_OUT = ("residual_stress", "imperfection", "gap")
-"""Values of a device that are not written where they are 0."""
 _SOURCES = Path(__file__).parents[1]
 
 
@@ -81,9 +80,9 @@ def _section(device):
 
 def _with_units(values):
     return {
-        key: "hard" if value == math.inf else f"{float(value)!r} {UNITS[key]}"
+        key: "hard" if value == math.inf else f"{float(value)!r} {QUANTITIES[key].unit}"
         for key, value in values.items()
-        if value or key not in LEFT_OUT
+        if value or not QUANTITIES[key].left_out
     }
 
 

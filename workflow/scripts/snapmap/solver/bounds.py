@@ -11,7 +11,8 @@ the work is at most the largest |X| times all ups and downs of a, and so
 
     H <= 2 c (ups and downs of a)^2.
 
-A snap takes H at least to the saddle, and to what bending alone asks for the midpoint's way.
+A snap takes H at least to the saddle, and to what bending alone asks for the displacement of the
+midpoint.
 """
 
 import numpy as np
@@ -40,8 +41,8 @@ def least_amplitudes(model: Follows, rows: Rows, pulses: tuple[Pulse, ...]) -> n
 def _of_devices(model):
     """The least integral of |a|, um/us, and ups and downs of a, um/us^2; each (devices,)."""
     device, modal, barrier = model.device, model.modal, model.barrier
-    way = barrier.first - barrier.second
+    displacement = barrier.first - barrier.second
     soft = dot(modal.midpoint, modal.midpoint / modal.stiffness) + modal.residual
-    energy = np.maximum(barrier.energy, way * way / (2 * soft))
+    energy = np.maximum(barrier.energy, displacement * displacement / (2 * soft))
     sag = device.mass * device.mass / device.spring + dot(modal.load, modal.load / modal.stiffness)
     return np.sqrt(2 * energy / (device.mass + device.beam.weight)), np.sqrt(energy / (2 * sag))

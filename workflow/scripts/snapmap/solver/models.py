@@ -14,11 +14,10 @@ from .schemes import CONSERVING, EXPLICIT, SCHEMES, pays_explicit
 from .settings import check_number
 from .steps import steps_of
 
-ELEMENT_OPTIONS = ("elements", "mass_matrix", "step")
+OF_ELEMENTS = ("elements", "mass_matrix", "step", "scheme", "modes")
 OPTIONS = {
-    "reference": ELEMENT_OPTIONS,
-    "handout": (*ELEMENT_OPTIONS, "scheme"),
-    "elements": (*ELEMENT_OPTIONS, "scheme", "modes"),
+    "reference": OF_ELEMENTS[:3],
+    **dict.fromkeys(("handout", "elements"), OF_ELEMENTS),
     "cosines": ("cosines", "modes", "scheme", "step"),
     "auto": ("tolerance",),
 }

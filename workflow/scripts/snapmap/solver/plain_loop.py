@@ -113,7 +113,7 @@ def total_energy(system, u, velocity, y, y_velocity, compression):
 def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
     """March one cell by central differences until w(L/2) reaches `target` or `steps` are done.
 
-    With u = q - q0 and y the way of the mass, from rest, at t = n dt:
+    With u = q - q0 and y the displacement of the mass, from rest, at t = n dt:
 
         N = -EA/2L (2 u.G q0 + u.G u),  P = lambda <u(L/2) - y - h>+
         Mb (u+ - 2 u + u-)/dt^2 + alpha Mb (u+ - u-)/(2 dt) = -Kb u + N (G u + G q0) - f a - e P

@@ -8,7 +8,7 @@ from ..numerics.linalg import dot, multiply
 
 
 class Motion(NamedTuple):
-    """Samples over time of the beam's n coordinates u, of the mass's way y, and of the ledger.
+    """Samples over time of the beam's n coordinates u, the mass's displacement y, and the ledger.
 
     At instants; the conserving scheme's half way between two, where its energies are known.
 

@@ -8,7 +8,8 @@ import numpy as np
 import xarray as xr
 
 from ..axes import COORDINATES, coordinates
-from ..device import SIGNED, UNITS, VALUES, Device, batch, is_bistable
+from ..device import SIGNED, VALUES, Device, batch, is_bistable
+from ..quantities import QUANTITIES
 from ..solver.adaptive import choose_survey
 from ..solver.cells import check_cells, to_rows
 from ..solver.settings import THRESHOLD_TOLERANCE
@@ -120,7 +121,7 @@ def _thresholds(study, values, f0, C):
 
 
 def _single(value, N, between, found):
-    unit = UNITS[value]
+    unit = QUANTITIES[value].unit
     ends = f"from {between[0]:g} to {between[1]:g} {unit}"
     if not found.value.size:
         known = found.seen[np.isfinite(found.seen)] + N
@@ -148,10 +149,8 @@ def _line(value, key, values, N, found):
     count = np.bincount(found.place, minlength=values.size)
     if (count > 1).any():
         where = ", ".join(f"{one:.5g}" for one in values[count > 1])
-        warnings.warn(
-            f"{value}: not the only one at {key} = {where} {UNITS[key]}; the lowest is told",
-            stacklevel=3,
-        )
+        place = f"{key} = {where} {QUANTITIES[key].unit}"
+        warnings.warn(f"{value}: not the only one at {place}; the lowest is told", stacklevel=3)
     name = COORDINATES[value]["long_name"]
     data = {
         value: (key, lowest, COORDINATES[value] | {"comment": f"where the threshold is {N:g} g"}),

@@ -10,13 +10,12 @@ import xarray as xr
 from ..device import batch
 from ..solver.adaptive import choose_model
 from ..solver.cells import to_cells
-from ..solver.outcome import FAILED as BLOWN_UP
-from ..solver.outcome import OUTCOMES, label
+from ..solver.outcome import FAILED, OUTCOMES, label
 from ..solver.settings import THRESHOLD_TOLERANCE
 from ..study import Study
 from .surface import thresholds_of
 
-MET, FAILED, UNCLEAR = "met", "failed", "unclear"
+MET, VIOLATED, UNCLEAR = "met", "failed", "unclear"
 
 
 class Verdict(NamedTuple):
@@ -24,7 +23,7 @@ class Verdict(NamedTuple):
 
     N, N_first, N_error: multiples of g; f0: Hz; duration: ms; C: uN us/um
     margin, margin_error: N_first and its bar over N; NaN where nothing snaps
-    outcome: of the shock as simulated; verdict: MET, FAILED, or UNCLEAR within the bar
+    outcome: of the shock as simulated; verdict: MET, VIOLATED, or UNCLEAR within the bar
     """
 
     requirement: str
@@ -81,9 +80,9 @@ def _verdicts(study, name, asked, C, tolerance):
     for i, (damping, outcome) in enumerate(zip(C, outcomes, strict=True)):
         row, snapped = found.isel(C=i), bool(np.isfinite(seen.t_snap[i, 0]))
         first, error = row.N_first.item(), row.N_error.item()
-        verdict = UNCLEAR if outcome == BLOWN_UP or _is_close(row, N) else MET
+        verdict = UNCLEAR if outcome == FAILED or _is_close(row, N) else MET
         if verdict == MET and snapped != asked["snaps"]:
-            verdict = FAILED
+            verdict = VIOLATED
         yield Verdict(
             *(asked["name"], name, shocks.pulse.name, shocks.direction),
             *(N, f0, 1e3 / f0, damping, asked["snaps"], OUTCOMES[outcome]),
@@ -101,9 +100,9 @@ def _is_close(row: xr.Dataset, N: float) -> bool:
 def summary(verdicts: Sequence[Verdict]) -> str:
     """One line: how many requirements are met everywhere, and the names of those that are not."""
     worst = {one.requirement: MET for one in verdicts}
-    for kind in (UNCLEAR, FAILED):
+    for kind in (UNCLEAR, VIOLATED):
         worst |= {one.requirement: kind for one in verdicts if one.verdict == kind}
-    names = {kind: [key for key in worst if worst[key] == kind] for kind in (FAILED, UNCLEAR)}
+    names = {kind: [key for key in worst if worst[key] == kind] for kind in (VIOLATED, UNCLEAR)}
     told = [f"{len(worst) - sum(map(len, names.values()))} of {len(worst)} requirements met"]
     told += [f"{kind}: {', '.join(keys)}" for kind, keys in names.items() if keys]
     return "; ".join(told)

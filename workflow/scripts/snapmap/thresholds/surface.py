@@ -257,7 +257,7 @@ def summary(found: xr.Dataset) -> str:
         .idxmin("direction")
         .where(found.N_first.notnull().any("direction"))
     )
-    sides = [f"{way} in {int((weaker == way).sum())} rows" for way in found.direction.values]
+    sides = [f"{side} in {int((weaker == side).sum())} rows" for side in found.direction.values]
     return f"{line}; weaker along {', '.join(sides)}"
 
 

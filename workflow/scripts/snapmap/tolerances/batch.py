@@ -15,7 +15,7 @@ from ..solver.model import Follows
 from ..solver.models import build_model
 from ..solver.outcome import LATCHED, label
 from ..solver.settings import Settings
-from .samples import SHOCK, Plan
+from .samples import SHOCK_FACTORS, Plan
 from .search import nominal_thresholds, thresholds_of_samples
 
 MOST_ROWS = 0.9
@@ -25,7 +25,7 @@ MOST_ROWS = 0.9
 class Batch:
     """Samples of one device, each with its own values, and shocks that scatter as well.
 
-    values: by name, (samples,); those of SHOCK are factors; bistable: which have a second shape
+    values: by name, (samples,); of SHOCK_FACTORS as such; bistable: which have a second shape
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class Batch:
             self.model = build(devices)
         self.factors = {
             key: self.values[key][self.bistable] if key in self.values else np.ones(self.size)
-            for key in SHOCK
+            for key in SHOCK_FACTORS
         }
         nominal = np.array([plan.nominal[key] for key in self.values])
         self.deviations = np.column_stack(list(self.values.values()))[self.bistable] - nominal

@@ -13,7 +13,7 @@ from ..solver.cells import check_cells
 from ..solver.settings import check_number
 from ..study import THRESHOLD_SETTINGS, Study, frequencies, study_of
 from .batch import Batch, choose_builder
-from .samples import SHOCK, Plan, Tolerances
+from .samples import SHOCK_FACTORS, Plan, Tolerances
 from .sensitivity import crossed, indices
 from .statistics import count_below, moments, quantiles, wilson
 
@@ -202,7 +202,7 @@ def _power(samples):
 def _made(some):
     """The values of the samples."""
     values = {key: ("sample", column) for key, column in some.values.items()}
-    for key in SHOCK:
+    for key in SHOCK_FACTORS:
         if key in values:
             values[f"{key}_factor"] = values.pop(key)
     return xr.Dataset(values | {"bistable": ("sample", some.bistable.astype(np.int8))})

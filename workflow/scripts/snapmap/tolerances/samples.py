@@ -9,7 +9,7 @@ import numpy as np
 
 from ..device import VALUES
 
-SHOCK = ("N", "duration", "C")
+SHOCK_FACTORS = ("N", "duration", "C")
 """Values of the shock and of the damper that scatter, too, as shares: they have no nominal ones."""
 KINDS = ("normal", "uniform", "lognormal", "truncated")
 CUT = 2.0
@@ -122,8 +122,8 @@ def scatter_from(key: str, given) -> Scatter:
     if isinstance(given, Scatter):
         return given
     name = f"tolerances.{key}"
-    if key not in (*VALUES, *SHOCK):
-        known = ", ".join((*VALUES, *SHOCK))
+    if key not in (*VALUES, *SHOCK_FACTORS):
+        known = ", ".join((*VALUES, *SHOCK_FACTORS))
         raise ValueError(f"{name}: is no value that scatters; these are {known}")
     kind, width = "normal", given
     if isinstance(given, Mapping):
@@ -139,14 +139,14 @@ def scatter_from(key: str, given) -> Scatter:
         raise ValueError(f"{name}: {width!r} {NEED}") from None
     if not 0 < number < math.inf:
         raise ValueError(f"{name}: {width!r} {NEED}")
-    if key in SHOCK and not is_share:
+    if key in SHOCK_FACTORS and not is_share:
         raise ValueError(f"{name}: {width!r} is no share; write one such as '5 %'")
     return Scatter(kind, number, is_share)
 
 
 def _nominal(device, key):
     """The nominal value; 1 for those of the shock, which are factors."""
-    if key in SHOCK:
+    if key in SHOCK_FACTORS:
         return 1.0
     return float(getattr(device.beam if hasattr(device.beam, key) else device, key))
 

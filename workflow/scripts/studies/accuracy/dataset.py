@@ -1,5 +1,6 @@
 """The report as an xarray dataset: every case held against its reference."""
 
+import itertools
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -54,7 +55,7 @@ def _judge(converged):
 def _rows(probe):
     """Coordinates of the thresholds."""
     shocks, rows = probe.shocks, probe.rows
-    names = np.array([(shape, way) for shape in shocks.shapes for way in shocks.ways])
+    names = np.array([*itertools.product(shocks.shapes, shocks.directions)])
     values = {"C": rows.C, "f0": rows.f0} | dict(zip(PULSE_AXES, names[rows.pulse].T, strict=True))
     return {key: ("row", column, COORDINATES[key]) for key, column in values.items()}
 

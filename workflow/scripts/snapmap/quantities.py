@@ -1,0 +1,149 @@
+"""What a device and its shock are described by: one line for each quantity, and their units.
+
+A value of the device is a line in QUANTITIES, a field in `device.py`, and its physics: units,
+attributes in files, words in figures and on the page, and the keys of the config follow.
+"""
+
+from typing import NamedTuple
+
+
+class Kind(NamedTuple):
+    """What a key expects: its name with article, internal unit, an example, what fits beside > 0.
+
+    zero: whether 0 does; signed: whether less does, too
+    """
+
+    name: str
+    unit: str
+    example: str
+    zero: bool = False
+    signed: bool = False
+
+
+KINDS = {
+    "number": Kind("a plain number", "", "1000", zero=True, signed=True),
+    "quality": Kind("a plain number > 0", "", "250"),
+    "length": Kind("a length", "um", "'600 um'"),
+    "modulus": Kind("a modulus", "MPa", "'150 GPa'"),
+    "distance": Kind("a length", "um", "'0.5 um'", zero=True),
+    "stress": Kind("a stress", "MPa", "'-11 MPa'", zero=True, signed=True),
+    "density": Kind("a density", "ng/um^3", "'2330 kg/m^3'"),
+    "rate": Kind("a damping rate", "1/us", "'4e-4 /us'", zero=True),
+    "mass": Kind("a mass", "ng", "'1e-8 kg'"),
+    "stiffness": Kind("a stiffness", "uN/um", "'5.5 N/m'"),
+    "contact": Kind("a stiffness", "uN/um", "'40 N/m', or the word hard"),
+    "acceleration": Kind("an acceleration", "um/us^2", "'9.81 m/s^2'"),
+    "frequency": Kind("a frequency", "Hz", "'1500 Hz'"),
+    "damper": Kind("a damper constant", "uN*us/um", "'25 uN*us/um'", zero=True),
+    "share": Kind("a share", "%", "'0.1 %'"),
+    "duration": Kind("a duration", "us", "'1500 us'", zero=True),
+    "pulse": Kind("a duration", "us", "'0.5 ms'"),
+}
+
+
+class Unit(NamedTuple):
+    """How an internal unit is spelt in files, in figures and on the page."""
+
+    files: str
+    figures: str
+    page: str
+
+
+SPELT = {
+    "": Unit("1", "", ""),
+    "Hz": Unit("Hz", "Hz", "Hz"),
+    "MPa": Unit("MPa", "MPa", "MPa"),
+    "ng": Unit("ng", "ng", "ng"),
+    "um": Unit("um", "µm", "µm"),
+    "us": Unit("us", "µs", "µs"),
+    "ng/um^3": Unit("ng um-3", "ng µm$^{-3}$", "ng/µm³"),
+    "1/us": Unit("us-1", "µs$^{-1}$", "1/µs"),
+    "uN/um": Unit("uN um-1", "N/m", "N/m"),
+    "uN*us/um": Unit("uN us um-1", "µN µs µm$^{-1}$", "µN\u00a0µs/µm"),
+}
+"""By their spelling in a config."""
+
+
+class Quantity(NamedTuple):
+    """A value of the device, or of its shock, or what else an axis may have.
+
+    kind: a key of KINDS, none if its values are names; long_name: in files, of what can be an axis
+    words: in figures, in short; label: there along an axis, if not the words
+    symbol: in the drawing of the device
+    left_out: whether a recipe is silent of it where it is 0; the config lists it last
+    """
+
+    name: str
+    kind: str = ""
+    long_name: str = ""
+    words: str = ""
+    label: str = ""
+    symbol: str = ""
+    left_out: bool = False
+
+    @property
+    def unit(self) -> str:
+        """The internal unit, as a config spells it."""
+        return KINDS[self.kind].unit if self.kind else ""
+
+    @property
+    def spelt(self) -> Unit:
+        """The internal unit elsewhere."""
+        return SPELT[self.unit]
+
+    @property
+    def attributes(self) -> dict[str, str]:
+        """Of a coordinate in a file."""
+        units = {"units": self.spelt.files} if self.kind else {}
+        return {"long_name": self.long_name} | units
+
+
+_ALL = (
+    Quantity("device", "", "device", "device"),
+    Quantity("span", "length", "span of the beam", "span", symbol="L"),
+    Quantity("rise", "length", "rise of the beam", "rise", symbol="δ"),
+    Quantity("thickness", "length", "thickness of the beam", "thickness", symbol="t"),
+    Quantity("depth", "length", "depth of the beam", "depth"),
+    Quantity("youngs_modulus", "modulus", "Young's modulus", "Young's modulus"),
+    Quantity("density", "density", "density of the beam", "density"),
+    Quantity("damping", "rate", "damping rate of the beam itself", "damping of the beam"),
+    Quantity(
+        "residual_stress",
+        "stress",
+        "residual stress of the beam, tension > 0",
+        "residual stress",
+        left_out=True,
+    ),
+    Quantity(
+        "imperfection",
+        "distance",
+        "antisymmetric imperfection of the beam",
+        "imperfection",
+        left_out=True,
+    ),
+    Quantity("mass", "mass", "mass that strikes the beam", "mass", symbol="M"),
+    Quantity("spring", "stiffness", "stiffness of the mass's spring", "spring", symbol="K"),
+    Quantity("contact", "contact", "stiffness of the contact", "contact"),
+    Quantity("gap", "distance", "gap between mass and beam at rest", "gap", left_out=True),
+    Quantity("gravity", "acceleration"),
+    Quantity("shape", "", "shape of the pulse", "", "shape of the pulse"),
+    Quantity(
+        "direction",
+        "",
+        "direction of the frame's acceleration; +z presses the mass down",
+        "along",
+        "direction of the shock",
+    ),
+    Quantity("C", "damper", "damping coefficient of the mass", "$C$", "damping of the mass $C$"),
+    Quantity("f0", "frequency", "frequency of the pulse", "$f_0$", "pulse frequency $f_0$"),
+    Quantity("duration", "pulse", "", "pulse duration $1/f_0$"),
+    Quantity(
+        "N",
+        "number",
+        "amplitude of the pulse in multiples of g",
+        "$N$",
+        "pulse amplitude $N$ (multiples of $g$)",
+    ),
+)
+QUANTITIES = {quantity.name: quantity for quantity in _ALL}
+"""By their names, in the order in which figures name them."""
