@@ -159,12 +159,12 @@ def test_figures_over_durations_are_those_over_frequencies():
 
 def test_margins_of_requirements_are_the_data_with_their_bars():
     verdicts = [
-        {"requirement": "drop", "device": "", "C": "25.0", "must_snap": "True"}
-        | {"margin": "0.8", "margin_error": "0.01", "verdict": "met"},
-        {"requirement": "back", "device": "a", "C": "25.0", "must_snap": "False"}
-        | {"margin": "nan", "margin_error": "nan", "verdict": "met"},
-        {"requirement": "shelf", "device": "", "C": "0.5", "must_snap": "False"}
-        | {"margin": "0.9", "margin_error": "0.02", "verdict": "failed"},
+        {"requirement": "drop", "device": "", "C": 25.0, "must_snap": True}
+        | {"margin": 0.8, "margin_error": 0.01, "verdict": "met"},
+        {"requirement": "back", "device": "a", "C": 25.0, "must_snap": False}
+        | {"margin": np.nan, "margin_error": np.nan, "verdict": "met"},
+        {"requirement": "shelf", "device": "", "C": 0.5, "must_snap": False}
+        | {"margin": 0.9, "margin_error": 0.02, "verdict": "failed"},
     ]
     ax = requirements.draw_margins(style.double_column(height=2.0).subplots(), verdicts)
     points = {line.get_xydata()[0].tolist()[0] for line in ax.lines if line.get_marker() != "None"}

@@ -1,6 +1,6 @@
 """Rule draw_requirements: draw the margins of the required shocks."""
 
-import csv
+import pandas as pd
 
 from snapmap.figures import requirements, style
 from snapmap.io.job_log import job_log
@@ -8,8 +8,14 @@ from snapmap.io.job_log import job_log
 
 def draw_requirements(csv_path, stem):
     """Draw the margin of each required shock, a row for each device and C; two columns wide."""
-    with open(csv_path, newline="", encoding="utf-8") as file:
-        verdicts = list(csv.DictReader(file))
+    # A name stays as it is, were it 12 or nan.
+    names, numbers = ("requirement", "device"), ("margin", "margin_error")
+    verdicts = pd.read_csv(
+        csv_path,
+        dtype=dict.fromkeys(names, str),
+        na_values=dict.fromkeys(numbers, "nan"),
+        keep_default_na=False,
+    ).to_dict("records")
     with style.paper():
         figure = style.double_column(height=1.2 + 0.32 * len(verdicts))
         requirements.draw_margins(figure.subplots(), verdicts)

@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-import numpy as np
 import xarray as xr
 
 from snapmap.figures import style, tolerances
 from snapmap.io.job_log import job_log
+from snapmap.numerics.portable import evenly
 
 DRAWN = {
     "probability": (tolerances.draw_probability, tolerances.probability_keys),
@@ -25,21 +25,17 @@ def draw_tolerance(tolerance_path, places, folder):
         for ending, at in places.items():
             here = found.isel({key: place for key, place in at.items() if key in found.dims})
             for name, (draw, keys) in DRAWN.items():
-                panels = [here.isel(C=i) for i in _some(here.C.size)]
+                panels = [here.isel(C=i) for i in evenly(here.C.size, MOST)]
                 _draw(f"{folder}/{name}{ending}", panels, draw, keys(here), found.attrs)
             if "requirement" in found.dims:
                 panels = [
                     here.isel(requirement=i, C=j)
-                    for i in _some(here.requirement.size)
-                    for j in _some(here.C.size, MOST // min(MOST, here.requirement.size))
+                    for i in evenly(here.requirement.size, MOST)
+                    for j in evenly(here.C.size, MOST // min(MOST, here.requirement.size))
                 ]
                 keys = tolerances.requirement_keys()
                 draw = tolerances.draw_requirement
                 _draw(f"{folder}/yield{ending}", panels, draw, keys, found.attrs)
-
-
-def _some(size, most=MOST):
-    return np.unique(np.linspace(0, size - 1, min(size, most)).round().astype(int))
 
 
 def _draw(stem, panels, draw, keys, attributes):

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..axes import DEVICE, NAMES, PULSE_AXES, Grid, axis_behind
 from ..device import VALUES, Device
+from ..numerics.portable import evenly
 
 MOST_DAMPINGS = 6
 """Figures of one kind, each at its own C, unless more are requested."""
@@ -53,8 +54,8 @@ def choose_maps(
     x, y = _default_plane(grid)
     others = [key for key in grid.axes if key not in (x, y) and not (key == "N" != y)]
     places = list(product(*(range(grid.axes[key].size) for key in others)))
-    kept = np.unique(np.linspace(0, len(places) - 1, min(len(places), MOST_MAPS)).round())
-    chosen = [dict(zip(others, places[int(place)], strict=True)) for place in kept]
+    kept = evenly(len(places), MOST_MAPS)
+    chosen = [dict(zip(others, places[place], strict=True)) for place in kept]
     line = ""
     if len(chosen) < len(places):
         line = (
@@ -79,8 +80,7 @@ def side_by_side(maps: Sequence[View]) -> list[View]:
     """Maps of cells over the same axes, those of the first; at most PANELS, evenly chosen."""
     of_cells = [view for view in maps if view.is_of_cells]
     alike = [view for view in of_cells if (view.x, view.y) == (of_cells[0].x, of_cells[0].y)]
-    kept = np.unique(np.linspace(0, len(alike) - 1, min(len(alike), PANELS)).round())
-    return [alike[int(place)] for place in kept]
+    return [alike[place] for place in evenly(len(alike), PANELS)]
 
 
 def choose_curves(grid: Grid, nominal: Device, asked: Sequence[Mapping] | None) -> tuple[View, ...]:
@@ -109,9 +109,8 @@ def _for_each_C(grid, nominal, view):
     """A view whose lines are names, for each C, at most MOST_DAMPINGS; any other as it is."""
     if view.y not in NAMES or "C" not in view.at:
         return [view]
-    count = grid.axes["C"].size
-    chosen = np.unique(np.linspace(0, count - 1, min(count, MOST_DAMPINGS)).round()).astype(int)
-    at = ({**view.at, "C": int(place)} for place in chosen)
+    chosen = evenly(grid.axes["C"].size, MOST_DAMPINGS)
+    at = ({**view.at, "C": place} for place in chosen)
     return [_asked_view(grid, nominal, "thresholds", view.x, view.y, one) for one in at]
 
 

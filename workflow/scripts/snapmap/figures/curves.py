@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from ..numerics.portable import evenly
 from .scales import WORDS, scale_of, value_text
 
 LOOKS = (("C0", "o"), ("C6", "s"), ("C2", "^"), ("C5", "D"), ("C3", "v"), ("C7", "P"), ("C1", "X"))
@@ -138,8 +139,7 @@ def freeze(ax: Axes) -> None:
 def some_lines(found: xr.Dataset, x: str, lines: str) -> xr.Dataset:
     """The thresholds in order of two axes, for CURVES values of `lines` at most, evenly chosen."""
     found = found.sortby([key for key in (lines, x) if found[key].dtype.kind in "fiu"])
-    size = found.sizes[lines]
-    return found.isel({lines: np.linspace(0, size - 1, min(size, CURVES)).round().astype(int)})
+    return found.isel({lines: evenly(found.sizes[lines], CURVES)})
 
 
 def each_line(found: xr.Dataset, lines: str) -> Iterator[tuple[xr.Dataset, str, str]]:

@@ -14,23 +14,22 @@ BEYOND = 1.25
 """Room beyond the outermost margins, as a factor."""
 
 
-def draw_margins(ax: Axes, verdicts: Sequence[Mapping[str, str]]) -> Axes:
+def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
     """Draw the threshold over the required N of each verdict, with its bar; logarithmic.
 
-    verdicts: rows of requirements.csv, as text
+    verdicts: rows of requirements.csv
     Shaded is where a requirement is met: above one if the shock must not trip, below if it must.
     """
-    margins = [float(row["margin"]) for row in verdicts]
+    margins = [row["margin"] for row in verdicts]
     known = [margin for margin in margins if margin == margin]
     low, high = min([*known, 0.8]) / BEYOND, max([*known, 1.25]) * BEYOND
     ax.set(xscale="log", xlim=(low, high), ylim=(len(verdicts) - 0.5, -0.5))
     for place, (row, margin) in enumerate(zip(verdicts, margins, strict=True)):
-        must = row["must_snap"] == "True"
-        ends = (low, 1) if must else (1, high)
+        ends = (low, 1) if row["must_snap"] else (1, high)
         ax.fill_betweenx([place - 0.45, place + 0.45], *ends, color="0.93", linewidth=0)
         look = {"color": COLOURS[row["verdict"]], "marker": MARKERS[row["verdict"]]}
         if margin == margin:
-            ax.errorbar(margin, place, xerr=float(row["margin_error"]), **look)
+            ax.errorbar(margin, place, xerr=row["margin_error"], **look)
         else:
             ax.annotate("snaps at no $N$ seen ", (high, place), ha="right", va="center", fontsize=6)
     ax.axvline(1, color="black", linewidth=0.6)
@@ -48,6 +47,6 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping[str, str]]) -> Axes:
 
 
 def _name(row):
-    words = "trips" if row["must_snap"] == "True" else "does not trip"
+    words = "trips" if row["must_snap"] else "does not trip"
     where = f"{row['device']}, " if row["device"] else ""
-    return f"{style.literal(row['requirement'])}, {words}\n{where}$C$ = {float(row['C']):g}"
+    return f"{style.literal(row['requirement'])}, {words}\n{where}$C$ = {row['C']:g}"

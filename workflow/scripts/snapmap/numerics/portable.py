@@ -42,6 +42,11 @@ def geometric(start: float, stop: float, points: int) -> np.ndarray:
     return _rounded([start, *values, stop])
 
 
+def evenly(size: int, most: int) -> list[int]:
+    """Indices of at most so many of `size` values, evenly chosen, the first and last among them."""
+    return np.unique(np.linspace(0, size - 1, min(size, most)).round().astype(int)).tolist()
+
+
 def _rounded(values):
     """To 14 digits, so that a finer range has the same values where it has them at all."""
     return np.array([float(f"{value:.14g}") for value in values])
