@@ -7,8 +7,6 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
-import platformdirs
-
 
 class Source(NamedTuple):
     """What a file says, but for comments and docstrings, and what it asks for.
@@ -28,15 +26,6 @@ def code_hash(script: str | Path) -> str:
         name = path.relative_to(Path(script).parent).as_posix()
         digest.update(f"{name}\0{_source(path).code}\0".encode())
     return digest.hexdigest()[:12]
-
-
-def kernel_cache() -> Path:
-    """Folder for compiled kernels: another one once what they share has changed.
-
-    numba compiles a kernel again when its own file was edited, but not for what it calls elsewhere.
-    """
-    shared = Path(__file__).parents[1] / "numerics" / "pieces.py"
-    return platformdirs.user_cache_path("snapmap") / f"numba_{code_hash(shared)}"
 
 
 def code_files(script: str | Path, folder: str | Path | None = None) -> list[Path]:

@@ -6,16 +6,16 @@ Each lane has coefficients of its own, so cells of different devices share a cal
 result depends on its neighbours. Times in X are counted in steps, forces are times dt^2.
 
 A function compiled for k modes gets them as `shape`, a tuple of k numbers, whose length the
-compiler knows. All kernels stand in this one file: numba's cache does not see edits elsewhere.
+compiler knows.
 """
 
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from ..numerics import pieces as curve
 from ..numerics.arithmetic import fma, sine, widen_vectors
+from ..numerics.kept_kernels import compiled, inlined
 
 LANES = 16
 BLOCK = 64
@@ -47,12 +47,6 @@ W_BEFORE, W, COUNT, WORK, GROSS_WORK, SWEPT, BEAM_SWEPT, BEYOND = range(44, 52)
 VECTORS = 52
 P, P_STEP, SCRATCH, FREE, STIFFNESS, SLOPE_START, LOAD, MIDPOINT, GEOMETRIC = range(9)
 
-# No fast maths: NaN stays visible, and a result does not depend on how a call was compiled. What
-# speed needs is written out: fused multiply-adds, and sums in an order that vectorises over lanes.
-JIT = {"error_model": "numpy", "nogil": True, "cache": True}
-INLINE = {"error_model": "numpy", "forceinline": True}
-"""Of what the compiler puts into its caller, without which nothing is vectorised."""
-
 
 class Pushes(NamedTuple):
     """How the pulse stands in each lane, (LANES,); modified in place.
@@ -67,20 +61,20 @@ class Pushes(NamedTuple):
     lasts: np.ndarray
 
 
-@njit(**INLINE)
+@inlined
 def at(vector, i, modes, l):
     """Place in X of component i of a vector, lane l."""
     return (VECTORS + vector * modes + i) * LANES + l
 
 
-@njit(**INLINE)
+@inlined
 def take(X, shocks, step):
     """a of this step of every lane; apart, as only so the compiler keeps lanes side by side."""
     for l in range(LANES):
         X[SHOCK * LANES + l] = shocks[step * LANES + l]
 
 
-@njit(**INLINE)
+@inlined
 def stretch(X, l, modes, first, last):
     """scratch_i = (S p + S q0)_i; returns their share of p.S p + 2 p.S q0."""
     quadratic = 0.0
@@ -94,7 +88,7 @@ def stretch(X, l, modes, first, last):
     return quadratic
 
 
-@njit(**INLINE)
+@inlined
 def move(X, l, modes, first, last, axial, contact, a):
     """One step of p_i; returns their share of load.(p+ - p-) and of |p+ - p-|^2."""
     swept, squared = 0.0, 0.0
@@ -112,7 +106,7 @@ def move(X, l, modes, first, last, axial, contact, a):
     return swept, squared
 
 
-@njit(**JIT)
+@compiled
 def advance(X, shape, shocks, first, steps):
     """Advance every lane by `steps` steps of the modal form of eqs. (2), (4) and (5).
 
@@ -171,7 +165,7 @@ def advance(X, shape, shocks, first, steps):
             X[SWEPT * LANES + l] = fma(before + after, before + after, X[SWEPT * LANES + l])
 
 
-@njit(**INLINE)
+@inlined
 def release(X, l, modes, first, last, a, sums):
     """`release_some`, its modes cut in two once more."""
     middle = (first + last) // 2
@@ -179,7 +173,7 @@ def release(X, l, modes, first, last, a, sums):
     return release_some(X, l, modes, middle, last, a, sums)
 
 
-@njit(**INLINE)
+@inlined
 def release_some(X, l, modes, first, last, a, sums):
     """free_i = keep d_i + push (-kappa p - f a)_i and u_i = (S p + S q0)_i, d = p - p-.
 
@@ -200,7 +194,7 @@ def release_some(X, l, modes, first, last, a, sums):
     return uu, eu, ep, ef, ud
 
 
-@njit(**INLINE)
+@inlined
 def press(X, l, modes, first, last, pull, contact, sums):
     """p+ - p = free - pull u - contact e.
 
@@ -218,7 +212,7 @@ def press(X, l, modes, first, last, pull, contact, sums):
     return swept, squared
 
 
-@njit(**JIT)
+@compiled
 def advance_conserving(X, shape, shocks, first, steps):
     """Advance every lane by `steps` steps in which contact and stretch do the work they store.
 
@@ -310,7 +304,7 @@ def advance_conserving(X, shape, shocks, first, steps):
             X[SWEPT * LANES + l] = fma(before + after, before + after, X[SWEPT * LANES + l])
 
 
-@njit(**JIT)
+@compiled
 def fill(X, shape, is_conserving, l, device, damping, amplitude, dt):
     """Put a cell at rest into lane l.
 
@@ -358,14 +352,14 @@ def fill(X, shape, is_conserving, l, device, damping, amplitude, dt):
     X[COMPLIANCE * LANES + l] = (beam_push * softness + X[PUSH * LANES + l]) / 2
 
 
-@njit(**JIT)
+@compiled
 def no_pushes():
     """Lanes without a pulse."""
     pulse, piece, steps, lasts = np.zeros((4, LANES), np.int64)
     return Pushes(pulse, piece, steps, lasts)
 
 
-@njit(**JIT)
+@compiled
 def push(X, l, pushes, pulses, pulse, x_step):
     """Begin a pulse in lane l; pulses: as in `follow_all`; x_step: f0 dt."""
     bounds, jumps = pulses[1:]
@@ -374,7 +368,7 @@ def push(X, l, pushes, pulses, pulse, x_step):
     X[X_STEP * LANES + l] = x_step
 
 
-@njit(**JIT)
+@compiled
 def set_out(X, shocks, pushes, pulses):
     """a dt^2 of every lane and each step of the next block, in rows as X has them."""
     pieces, bounds, jumps = pulses
@@ -406,7 +400,7 @@ def set_out(X, shocks, pushes, pulses):
             set_out_joined(X, shocks, l, pushes, pulses)
 
 
-@njit(**JIT)
+@compiled
 def set_out_joined(X, shocks, l, pushes, pulses):
     """The same of a lane in whose block pieces join, or the pulse jumps."""
     pieces, bounds, jumps = pulses
@@ -418,7 +412,7 @@ def set_out_joined(X, shocks, l, pushes, pulses):
         shocks[i * LANES + l] = X[AMPLITUDE * LANES + l] * sample
 
 
-@njit(**JIT)
+@compiled
 def go_on(X, shocks):
     """Follow each lane's piece through a block, from x = PULSE on.
 
@@ -443,7 +437,7 @@ def go_on(X, shocks):
             shocks[step * LANES + l] = a
 
 
-@njit(**JIT)
+@compiled
 def energies(before, after, X, shape, l):
     """Energy of the beam, of the mass on its spring, and of the contact; and w; times dt^2.
 
@@ -469,7 +463,7 @@ def energies(before, after, X, shape, l):
     return beam, mass, contact, w
 
 
-@njit(**JIT)
+@compiled
 def whole_step_ledger(before, after, X, shape, l, drag):
     """What `energies` returns, and energy + losses - work of the pulse, times dt^2.
 
@@ -483,7 +477,7 @@ def whole_step_ledger(before, after, X, shape, l, drag):
     return beam, mass, contact, w, kept - work
 
 
-@njit(**JIT)
+@compiled
 def conserved_energies(X, shape, l):
     """What `advance_conserving` conserves, of the beam, the mass and the contact; and w.
 
@@ -500,7 +494,7 @@ def conserved_energies(X, shape, l):
     return beam, mass, X[CONTACT * LANES + l] * max(0.0, X[GAP * LANES + l]) ** 2 / 2, w
 
 
-@njit(**JIT)
+@compiled
 def conserved_ledger(X, shape, l, drag):
     """What `conserved_energies` returns, and energy + losses - work of the pulse, times dt^2.
 
@@ -512,7 +506,7 @@ def conserved_ledger(X, shape, l, drag):
     return beam, mass, contact, w, energy + swept / 4 - X[WORK * LANES + l] / 2
 
 
-@njit(**JIT)
+@compiled
 def go(X, shape, explicit, conserving, shocks, first, steps):
     """Advance every lane by the scheme that is not None: of the other nothing is compiled."""
     if explicit is not None:
@@ -521,7 +515,7 @@ def go(X, shape, explicit, conserving, shocks, first, steps):
         advance_conserving(X, shape, shocks, first, steps)
 
 
-@njit(**JIT)
+@compiled
 def ledger(before, after, X, shape, explicit, conserving, l, drag):
     """Energies and residual of the scheme that is not None."""
     found = 0.0, 0.0, 0.0, 0.0, 0.0
@@ -532,14 +526,14 @@ def ledger(before, after, X, shape, explicit, conserving, l, drag):
     return found
 
 
-@njit(**JIT)
+@compiled
 def copy(of, into, first, end):
     """Copy a stretch of an array into another; slices would take seconds more to compile."""
     for i in range(first, end):
         into[i] = of[i]
 
 
-@njit(**JIT)
+@compiled
 def proven_well(X, l, beam, mass, contact, w, margin):
     """The well (1 or 2) that the beam can never leave without a shock, or 0 if that is open.
 
@@ -555,7 +549,7 @@ def proven_well(X, l, beam, mass, contact, w, margin):
     return 0
 
 
-@njit(**JIT)
+@compiled
 def snap_time(X, l, dt):
     """Time at which w passed the target, linear between the two instants around it."""
     before, after = X[W_BEFORE * LANES + l], X[W * LANES + l]
@@ -563,7 +557,7 @@ def snap_time(X, l, dt):
     return (X[COUNT * LANES + l] - 2 + fraction) * dt
 
 
-@njit(**JIT)
+@compiled
 def follow_all(X, shape, explicit, conserving, devices, pulses, cells, ends_at, tolerance, facts):
     """Follow every cell until its well is proven or t_end is past, refilling each free lane.
 
@@ -683,7 +677,7 @@ def follow_all(X, shape, explicit, conserving, devices, pulses, cells, ends_at, 
             X[l::LANES] = 0.0
 
 
-@njit(**INLINE)
+@inlined
 def half_step_midpoint(X, shape, l):
     """w(L/2) from rest at the last half step, contact within the midpoint's own stiffness."""
     w = 0.0
@@ -695,14 +689,14 @@ def half_step_midpoint(X, shape, l):
     return w - X[RESIDUAL * LANES + l] * force
 
 
-@njit(**JIT)
+@compiled
 def keep_range(w_range, bin, l, low, high):
     """Set the least and greatest w of a bin, unless it lies before the first or after the last."""
     if 0 <= bin < w_range.shape[1]:
         w_range[0, bin, l], w_range[1, bin, l] = low, high
 
 
-@njit(**JIT)
+@compiled
 def trace_all(X, shape, explicit, conserving, devices, dt, pulses, cells, w_range, instants):
     """Follow up to LANES cells as `follow_all` does, bit for bit, and keep their motion in bins.
 
