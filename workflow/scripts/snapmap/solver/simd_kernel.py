@@ -1,7 +1,7 @@
 """The kernels of every modal model: central differences of two kinds, one cell per SIMD lane.
 
 All state and coefficients of the cells in flight stand in one flat array X, row r of lane l at
-X[r * LANES + l]: only so does the compiler see that rows never alias, and vectorises over lanes.
+X[row(r, l)]: only so does the compiler see that rows never alias, and vectorises over lanes.
 Each lane has coefficients of its own, so cells of different devices share a call, and no lane's
 result depends on its neighbours. Times in X are counted in steps, forces are times dt^2.
 
@@ -62,6 +62,12 @@ class Pushes(NamedTuple):
 
 
 @inlined
+def row(name, l):
+    """Place in X of a row of one number, lane l."""
+    return name * LANES + l
+
+
+@inlined
 def at(vector, i, modes, l):
     """Place in X of component i of a vector, lane l."""
     return (VECTORS + vector * modes + i) * LANES + l
@@ -71,7 +77,7 @@ def at(vector, i, modes, l):
 def take(X, shocks, step):
     """a of this step of every lane; apart, as only so the compiler keeps lanes side by side."""
     for l in range(LANES):
-        X[SHOCK * LANES + l] = shocks[step * LANES + l]
+        X[row(SHOCK, l)] = shocks[step * LANES + l]
 
 
 @inlined
@@ -98,7 +104,7 @@ def move(X, l, modes, first, last, axial, contact, a):
         force = fma(-X[at(STIFFNESS, i, modes, l)], p, axial * X[at(SCRATCH, i, modes, l)])
         force = fma(-X[at(MIDPOINT, i, modes, l)], contact, force)
         force = fma(-X[at(LOAD, i, modes, l)], a, force)
-        after = fma(X[BEAM_KEEP * LANES + l], before, X[BEAM_PUSH * LANES + l] * force)
+        after = fma(X[row(BEAM_KEEP, l)], before, X[row(BEAM_PUSH, l)] * force)
         X[at(P_STEP, i, modes, l)] = after
         X[at(P, i, modes, l)] = p + after
         swept = fma(X[at(LOAD, i, modes, l)], before + after, swept)
@@ -127,42 +133,42 @@ def advance(X, shape, shocks, first, steps):
     for step in range(first, first + steps):
         take(X, shocks, step)
         for l in range(LANES):
-            a = X[SHOCK * LANES + l]
+            a = X[row(SHOCK, l)]
             quadratic = stretch(X, l, modes, 0, cut_1) + stretch(X, l, modes, cut_1, cut_2)
             quadratic += stretch(X, l, modes, cut_2, cut_3) + stretch(X, l, modes, cut_3, modes)
-            axial = -X[AXIAL * LANES + l] * quadratic
+            axial = -X[row(AXIAL, l)] * quadratic
             w = 0.0
             for i in range(modes):
                 w = fma(X[at(MIDPOINT, i, modes, l)], X[at(P, i, modes, l)], w)
-            y = X[Y * LANES + l]
-            contact = X[CONTACT * LANES + l] * (w - y - X[CLEARANCE * LANES + l])
+            y = X[row(Y, l)]
+            contact = X[row(CONTACT, l)] * (w - y - X[row(CLEARANCE, l)])
             contact = contact if contact > 0.0 else 0.0
 
-            w_last = X[W * LANES + l]
-            above = w_last > X[TARGET * LANES + l]
-            w_now = fma(-X[RESIDUAL * LANES + l], contact, w)
-            X[W_BEFORE * LANES + l] = w_last if above else X[W_BEFORE * LANES + l]
-            X[W * LANES + l] = w_now if above else w_last
-            X[COUNT * LANES + l] += 1.0 if above else 0.0
-            X[BEYOND * LANES + l] += 1.0 if w_now < X[SADDLE * LANES + l] else 0.0
+            w_last = X[row(W, l)]
+            above = w_last > X[row(TARGET, l)]
+            w_now = fma(-X[row(RESIDUAL, l)], contact, w)
+            X[row(W_BEFORE, l)] = w_last if above else X[row(W_BEFORE, l)]
+            X[row(W, l)] = w_now if above else w_last
+            X[row(COUNT, l)] += 1.0 if above else 0.0
+            X[row(BEYOND, l)] += 1.0 if w_now < X[row(SADDLE, l)] else 0.0
 
             swept_1, squared_1 = move(X, l, modes, 0, cut_1, axial, contact, a)
             swept_2, squared_2 = move(X, l, modes, cut_1, cut_2, axial, contact, a)
             swept_3, squared_3 = move(X, l, modes, cut_2, cut_3, axial, contact, a)
             swept_4, squared_4 = move(X, l, modes, cut_3, modes, axial, contact, a)
             swept = swept_1 + swept_2 + swept_3 + swept_4
-            X[BEAM_SWEPT * LANES + l] += squared_1 + squared_2 + squared_3 + squared_4
-            mass = X[MASS * LANES + l]
-            before = X[Y_STEP * LANES + l]
-            pull = fma(-mass, a, fma(-X[SPRING * LANES + l], y, contact))
-            after = fma(X[KEEP * LANES + l], before, X[PUSH * LANES + l] * pull)
-            X[Y_STEP * LANES + l] = after
-            X[Y * LANES + l] = y + after
+            X[row(BEAM_SWEPT, l)] += squared_1 + squared_2 + squared_3 + squared_4
+            mass = X[row(MASS, l)]
+            before = X[row(Y_STEP, l)]
+            pull = fma(-mass, a, fma(-X[row(SPRING, l)], y, contact))
+            after = fma(X[row(KEEP, l)], before, X[row(PUSH, l)] * pull)
+            X[row(Y_STEP, l)] = after
+            X[row(Y, l)] = y + after
 
             work = -a * fma(mass, before + after, swept)
-            X[WORK * LANES + l] += work
-            X[GROSS_WORK * LANES + l] += abs(work)
-            X[SWEPT * LANES + l] = fma(before + after, before + after, X[SWEPT * LANES + l])
+            X[row(WORK, l)] += work
+            X[row(GROSS_WORK, l)] += abs(work)
+            X[row(SWEPT, l)] = fma(before + after, before + after, X[row(SWEPT, l)])
 
 
 @inlined
@@ -186,7 +192,7 @@ def release_some(X, l, modes, first, last, a, sums):
             u = fma(X[at(GEOMETRIC + i, j, modes, l)], X[at(P, j, modes, l)], u)
         p, d = X[at(P, i, modes, l)], X[at(P_STEP, i, modes, l)]
         force = fma(-X[at(STIFFNESS, i, modes, l)], p, -X[at(LOAD, i, modes, l)] * a)
-        free = fma(X[BEAM_PUSH * LANES + l], force, X[BEAM_KEEP * LANES + l] * d)
+        free = fma(X[row(BEAM_PUSH, l)], force, X[row(BEAM_KEEP, l)] * d)
         X[at(SCRATCH, i, modes, l)], X[at(FREE, i, modes, l)] = u, free
         e = X[at(MIDPOINT, i, modes, l)]
         uu, eu, ep = fma(u, u, uu), fma(e, u, eu), fma(e, p, ep)
@@ -233,75 +239,75 @@ def advance_conserving(X, shape, shocks, first, steps):
     for step in range(first, first + steps):
         take(X, shocks, step)
         for l in range(LANES):
-            a = X[SHOCK * LANES + l]
+            a = X[row(SHOCK, l)]
             sums = release(X, l, modes, 0, cut_1, a, (0.0, 0.0, 0.0, 0.0, 0.0))
             sums = release(X, l, modes, cut_1, cut_2, a, sums)
             sums = release(X, l, modes, cut_2, cut_3, a, sums)
             uu, eu, w, ef, ud = release(X, l, modes, cut_3, modes, a, sums)
-            y, gap = X[Y * LANES + l], X[GAP * LANES + l]
-            pull = fma(-X[MASS * LANES + l], a, -X[SPRING * LANES + l] * y)
-            y_free = fma(X[PUSH * LANES + l], pull, X[KEEP * LANES + l] * X[Y_STEP * LANES + l])
+            y, gap = X[row(Y, l)], X[row(GAP, l)]
+            pull = fma(-X[row(MASS, l)], a, -X[row(SPRING, l)] * y)
+            y_free = fma(X[row(PUSH, l)], pull, X[row(KEEP, l)] * X[row(Y_STEP, l)])
 
             # r = (rho - push eu P/2) / t, with t = 1 + push EA/4L u.u
-            tension, half = X[TENSION * LANES + l], X[HALF_CONTACT * LANES + l]
+            tension, half = X[row(TENSION, l)], X[row(HALF_CONTACT, l)]
             t = fma(tension, uu, 1.0)
-            rho = fma(0.5, ud, X[STRETCH * LANES + l])
-            give = fma(X[COMPLIANCE * LANES + l], t, -X[SOFTENING * LANES + l] * eu * eu)
+            rho = fma(0.5, ud, X[row(STRETCH, l)])
+            give = fma(X[row(COMPLIANCE, l)], t, -X[row(SOFTENING, l)] * eu * eu)
             stiff = fma(half, give, t)
             both = 1.0 / (t * stiff)
             inverse, b = stiff * both, give * (stiff * both)
-            apart = w - y - X[CLEARANCE * LANES + l]
+            apart = w - y - X[row(CLEARANCE, l)]
             free = fma(-tension * eu, rho * inverse, apart + (ef - y_free) / 2)
             is_open = (gap <= 0.0) & (free <= 0.0)
             is_closed = (gap >= 0.0) & (free >= half * b * gap)
-            X[PRESS * LANES + l] = half * (free + gap) * (t * (t * both)) if is_closed else 0.0
-            X[TURNING * LANES + l] = 0.0 if is_open | is_closed else 1.0
-            X[W_FREE * LANES + l], X[Y_FREE * LANES + l] = w, y_free
-            X[GAP_FREE * LANES + l], X[GAP_GIVE * LANES + l] = free, b
-            X[STRETCH_MEAN * LANES + l], X[INVERSE * LANES + l] = rho, inverse
-            X[ALONG * LANES + l] = eu
+            X[row(PRESS, l)] = half * (free + gap) * (t * (t * both)) if is_closed else 0.0
+            X[row(TURNING, l)] = 0.0 if is_open | is_closed else 1.0
+            X[row(W_FREE, l)], X[row(Y_FREE, l)] = w, y_free
+            X[row(GAP_FREE, l)], X[row(GAP_GIVE, l)] = free, b
+            X[row(STRETCH_MEAN, l)], X[row(INVERSE, l)] = rho, inverse
+            X[row(ALONG, l)] = eu
 
         turning = False
         for l in range(LANES):
-            turning |= X[TURNING * LANES + l] > 0.0
+            turning |= X[row(TURNING, l)] > 0.0
         if turning:
             for l in range(LANES):
-                if X[TURNING * LANES + l] == 0.0:
+                if X[row(TURNING, l)] == 0.0:
                     continue
-                m, F, b = X[GAP * LANES + l], X[GAP_FREE * LANES + l], X[GAP_GIVE * LANES + l]
-                h = X[HALF_CONTACT * LANES + l] * b
+                m, F, b = X[row(GAP, l)], X[row(GAP_FREE, l)], X[row(GAP_GIVE, l)]
+                h = X[row(HALF_CONTACT, l)] * b
                 root = np.sqrt((F - m) ** 2 + 4 * h * m * (m if m > 0.0 else -F))
                 x = (F + m - root) / 2 if m > 0.0 else (F + m + root) / (2 * (1 + h))
-                X[PRESS * LANES + l] = (F - x) / b
+                X[row(PRESS, l)] = (F - x) / b
 
         for l in range(LANES):
-            contact, push = X[PRESS * LANES + l], X[BEAM_PUSH * LANES + l]
-            r = fma(-X[ALONG * LANES + l] * (push / 2), contact, X[STRETCH_MEAN * LANES + l])
-            r *= X[INVERSE * LANES + l]
-            X[STRETCH * LANES + l] = fma(2.0, r, -X[STRETCH * LANES + l])
-            X[GAP * LANES + l] = fma(-X[GAP_GIVE * LANES + l], contact, X[GAP_FREE * LANES + l])
+            contact, push = X[row(PRESS, l)], X[row(BEAM_PUSH, l)]
+            r = fma(-X[row(ALONG, l)] * (push / 2), contact, X[row(STRETCH_MEAN, l)])
+            r *= X[row(INVERSE, l)]
+            X[row(STRETCH, l)] = fma(2.0, r, -X[row(STRETCH, l)])
+            X[row(GAP, l)] = fma(-X[row(GAP_GIVE, l)], contact, X[row(GAP_FREE, l)])
 
-            w_last = X[W * LANES + l]
-            above = w_last > X[TARGET * LANES + l]
-            w_now = fma(-X[RESIDUAL * LANES + l], contact, X[W_FREE * LANES + l])
-            X[W_BEFORE * LANES + l] = w_last if above else X[W_BEFORE * LANES + l]
-            X[W * LANES + l] = w_now if above else w_last
-            X[COUNT * LANES + l] += 1.0 if above else 0.0
-            X[BEYOND * LANES + l] += 1.0 if w_now < X[SADDLE * LANES + l] else 0.0
+            w_last = X[row(W, l)]
+            above = w_last > X[row(TARGET, l)]
+            w_now = fma(-X[row(RESIDUAL, l)], contact, X[row(W_FREE, l)])
+            X[row(W_BEFORE, l)] = w_last if above else X[row(W_BEFORE, l)]
+            X[row(W, l)] = w_now if above else w_last
+            X[row(COUNT, l)] += 1.0 if above else 0.0
+            X[row(BEYOND, l)] += 1.0 if w_now < X[row(SADDLE, l)] else 0.0
 
-            pull, kick = 2 * X[TENSION * LANES + l] * r, push * contact
-            sums = press(X, l, modes, 0, cut_1, pull, kick, (0.0, X[BEAM_SWEPT * LANES + l]))
+            pull, kick = 2 * X[row(TENSION, l)] * r, push * contact
+            sums = press(X, l, modes, 0, cut_1, pull, kick, (0.0, X[row(BEAM_SWEPT, l)]))
             sums = press(X, l, modes, cut_1, cut_2, pull, kick, sums)
             sums = press(X, l, modes, cut_2, cut_3, pull, kick, sums)
-            swept, X[BEAM_SWEPT * LANES + l] = press(X, l, modes, cut_3, modes, pull, kick, sums)
-            before = X[Y_STEP * LANES + l]
-            after = fma(X[PUSH * LANES + l], contact, X[Y_FREE * LANES + l])
-            X[Y_STEP * LANES + l] = after
-            X[Y * LANES + l] += after
-            work = -X[SHOCK * LANES + l] * fma(X[MASS * LANES + l], before + after, swept)
-            X[WORK * LANES + l] += work
-            X[GROSS_WORK * LANES + l] += abs(work)
-            X[SWEPT * LANES + l] = fma(before + after, before + after, X[SWEPT * LANES + l])
+            swept, X[row(BEAM_SWEPT, l)] = press(X, l, modes, cut_3, modes, pull, kick, sums)
+            before = X[row(Y_STEP, l)]
+            after = fma(X[row(PUSH, l)], contact, X[row(Y_FREE, l)])
+            X[row(Y_STEP, l)] = after
+            X[row(Y, l)] += after
+            work = -X[row(SHOCK, l)] * fma(X[row(MASS, l)], before + after, swept)
+            X[row(WORK, l)] += work
+            X[row(GROSS_WORK, l)] += abs(work)
+            X[row(SWEPT, l)] = fma(before + after, before + after, X[row(SWEPT, l)])
 
 
 @compiled
@@ -314,12 +320,12 @@ def fill(X, shape, is_conserving, l, device, damping, amplitude, dt):
     """
     X[l::LANES] = 0.0
     modes, square = len(shape), dt * dt
-    for row in range(AXIAL, BEAM_DAMPING + 1):
-        X[row * LANES + l] = device[row]
-    for row in (AXIAL, CONTACT, SPRING, BARRIER):
-        X[row * LANES + l] *= square
-    X[RESIDUAL * LANES + l] /= square
-    X[BEAM_DAMPING * LANES + l] *= dt
+    for name in range(AXIAL, BEAM_DAMPING + 1):
+        X[row(name, l)] = device[name]
+    for name in (AXIAL, CONTACT, SPRING, BARRIER):
+        X[row(name, l)] *= square
+    X[row(RESIDUAL, l)] /= square
+    X[row(BEAM_DAMPING, l)] *= dt
     of_modes = device[BEAM_DAMPING + 1 :]
     for i in range(modes):
         stiffness = square * of_modes[i]
@@ -333,23 +339,23 @@ def fill(X, shape, is_conserving, l, device, damping, amplitude, dt):
             element = of_modes[(GEOMETRIC - STIFFNESS + i) * modes + j]
             both = X[at(SCRATCH, i, modes, l)] * X[at(SCRATCH, j, modes, l)]
             X[at(GEOMETRIC + i, j, modes, l)] = both * element
-    X[GAP * LANES + l] = 0.0 - X[CLEARANCE * LANES + l]
+    X[row(GAP, l)] = 0.0 - X[row(CLEARANCE, l)]
     drag = damping * dt / 2
-    mass = X[MASS * LANES + l]
-    heavier = mass + X[SPRING * LANES + l] / 4 if is_conserving else mass
-    X[AMPLITUDE * LANES + l] = amplitude * dt**2
-    X[KEEP * LANES + l] = (heavier - drag) / (heavier + drag)
-    X[PUSH * LANES + l] = 1 / (heavier + drag)
-    beam_drag = X[BEAM_DAMPING * LANES + l] / 2
-    X[BEAM_KEEP * LANES + l] = (1 - beam_drag) / (1 + beam_drag)
-    X[BEAM_PUSH * LANES + l] = 1 / (1 + beam_drag)
-    beam_push, softness = X[BEAM_PUSH * LANES + l], 0.0
+    mass = X[row(MASS, l)]
+    heavier = mass + X[row(SPRING, l)] / 4 if is_conserving else mass
+    X[row(AMPLITUDE, l)] = amplitude * dt**2
+    X[row(KEEP, l)] = (heavier - drag) / (heavier + drag)
+    X[row(PUSH, l)] = 1 / (heavier + drag)
+    beam_drag = X[row(BEAM_DAMPING, l)] / 2
+    X[row(BEAM_KEEP, l)] = (1 - beam_drag) / (1 + beam_drag)
+    X[row(BEAM_PUSH, l)] = 1 / (1 + beam_drag)
+    beam_push, softness = X[row(BEAM_PUSH, l)], 0.0
     for i in range(len(shape)):
         softness += X[at(MIDPOINT, i, len(shape), l)] ** 2
-    X[HALF_CONTACT * LANES + l] = X[CONTACT * LANES + l] / 2
-    X[TENSION * LANES + l] = beam_push * X[AXIAL * LANES + l] / 2
-    X[SOFTENING * LANES + l] = beam_push * X[TENSION * LANES + l] / 2
-    X[COMPLIANCE * LANES + l] = (beam_push * softness + X[PUSH * LANES + l]) / 2
+    X[row(HALF_CONTACT, l)] = X[row(CONTACT, l)] / 2
+    X[row(TENSION, l)] = beam_push * X[row(AXIAL, l)] / 2
+    X[row(SOFTENING, l)] = beam_push * X[row(TENSION, l)] / 2
+    X[row(COMPLIANCE, l)] = (beam_push * softness + X[row(PUSH, l)]) / 2
 
 
 @compiled
@@ -365,7 +371,7 @@ def push(X, l, pushes, pulses, pulse, x_step):
     bounds, jumps = pulses[1:]
     pushes.pulse[l], pushes.piece[l], pushes.steps[l] = pulse, bounds[pulse] - 1, 0
     pushes.lasts[l] = curve.lasts(jumps[pulse, 1], x_step)
-    X[X_STEP * LANES + l] = x_step
+    X[row(X_STEP, l)] = x_step
 
 
 @compiled
@@ -374,22 +380,22 @@ def set_out(X, shocks, pushes, pulses):
     pieces, bounds, jumps = pulses
     joined = 0
     for l in range(LANES):
-        steps, pulse, step = pushes.steps[l], pushes.pulse[l], X[X_STEP * LANES + l]
+        steps, pulse, step = pushes.steps[l], pushes.pulse[l], X[row(X_STEP, l)]
         left = pushes.lasts[l] - steps
-        X[PULSE_LEFT * LANES + l] = left
+        X[row(PULSE_LEFT, l)] = left
         if left <= 0:
             # What a lane goes on with must not grow: denormal numbers would slow down all.
-            for row in range(PIECE, PULSE_LEFT):
-                X[row * LANES + l] = 0.0
+            for name in range(PIECE, PULSE_LEFT):
+                X[row(name, l)] = 0.0
             continue
         end, x = bounds[pulse + 1], step * steps
         k = curve.at(pieces, max(pushes.piece[l], bounds[pulse]), end, x)
         if k != pushes.piece[l]:
             pushes.piece[l] = k
             for column in range(curve.COLUMNS):
-                X[(PIECE + column) * LANES + l] = pieces[k, column]
-            X[TURN * LANES + l] = 4 * sine(X[TURNS * LANES + l] * step / 2) ** 2
-        X[PULSE * LANES + l] = x
+                X[row(PIECE + column, l)] = pieces[k, column]
+            X[row(TURN, l)] = 4 * sine(X[row(TURNS, l)] * step / 2) ** 2
+        X[row(PULSE, l)] = x
         joins = k + 1 < end and pieces[k + 1, curve.BEGIN] < x + BLOCK * step
         joins |= steps == 0 and jumps[pulse, 0] != 0
         joins |= left <= BLOCK + 1 and jumps[pulse, 1] != 0
@@ -404,12 +410,12 @@ def set_out(X, shocks, pushes, pulses):
 def set_out_joined(X, shocks, l, pushes, pulses):
     """The same of a lane in whose block pieces join, or the pulse jumps."""
     pieces, bounds, jumps = pulses
-    pulse, k, step = pushes.pulse[l], pushes.piece[l], X[X_STEP * LANES + l]
+    pulse, k, step = pushes.pulse[l], pushes.piece[l], X[row(X_STEP, l)]
     for i in range(BLOCK):
         x = step * (pushes.steps[l] + i)
         k = curve.at(pieces, k, bounds[pulse + 1], x)
         sample = curve.sample(pieces, k, (jumps[pulse, 0], jumps[pulse, 1]), x, step)
-        shocks[i * LANES + l] = X[AMPLITUDE * LANES + l] * sample
+        shocks[i * LANES + l] = X[row(AMPLITUDE, l)] * sample
 
 
 @compiled
@@ -420,20 +426,20 @@ def go_on(X, shocks):
     """
     widen_vectors()
     for l in range(LANES):
-        s, turns = X[PULSE * LANES + l] - X[BEGIN * LANES + l], X[TURNS * LANES + l]
-        slope, lift, swing = X[SLOPE * LANES + l], X[LIFT * LANES + l], X[SWING * LANES + l]
-        X[PULSE * LANES + l] = curve.form(X[START * LANES + l], slope, turns, lift, swing, s)
-        last = curve.increment(slope, turns, lift, swing, s, X[X_STEP * LANES + l])
-        X[PULSE_STEP * LANES + l] = last
+        s, turns = X[row(PULSE, l)] - X[row(BEGIN, l)], X[row(TURNS, l)]
+        slope, lift, swing = X[row(SLOPE, l)], X[row(LIFT, l)], X[row(SWING, l)]
+        X[row(PULSE, l)] = curve.form(X[row(START, l)], slope, turns, lift, swing, s)
+        last = curve.increment(slope, turns, lift, swing, s, X[row(X_STEP, l)])
+        X[row(PULSE_STEP, l)] = last
     for step in range(BLOCK):
         for l in range(LANES):
-            pulse, left = X[PULSE * LANES + l], X[PULSE_LEFT * LANES + l]
-            bend = X[START * LANES + l] + X[LIFT * LANES + l] - pulse
-            pulse_step = fma(X[TURN * LANES + l], bend, X[PULSE_STEP * LANES + l])
-            X[PULSE_STEP * LANES + l] = pulse_step
-            X[PULSE * LANES + l] = pulse + pulse_step
-            X[PULSE_LEFT * LANES + l] = left - 1.0
-            a = X[AMPLITUDE * LANES + l] * pulse if left > 0.0 else 0.0
+            pulse, left = X[row(PULSE, l)], X[row(PULSE_LEFT, l)]
+            bend = X[row(START, l)] + X[row(LIFT, l)] - pulse
+            pulse_step = fma(X[row(TURN, l)], bend, X[row(PULSE_STEP, l)])
+            X[row(PULSE_STEP, l)] = pulse_step
+            X[row(PULSE, l)] = pulse + pulse_step
+            X[row(PULSE_LEFT, l)] = left - 1.0
+            a = X[row(AMPLITUDE, l)] * pulse if left > 0.0 else 0.0
             shocks[step * LANES + l] = a
 
 
@@ -454,12 +460,12 @@ def energies(before, after, X, shape, l):
         w += X[at(MIDPOINT, i, modes, l)] * p
         velocity = (before[at(P_STEP, i, modes, l)] + after[at(P_STEP, i, modes, l)]) / 2
         beam += velocity**2 / 2 + X[at(STIFFNESS, i, modes, l)] * p**2 / 2
-    beam += X[AXIAL * LANES + l] * quadratic**2 / 4
-    y = before[Y * LANES + l]
-    velocity = (before[Y_STEP * LANES + l] + after[Y_STEP * LANES + l]) / 2
-    mass = X[MASS * LANES + l] * velocity**2 / 2 + X[SPRING * LANES + l] * y**2 / 2
-    overlap = max(0.0, w - y - X[CLEARANCE * LANES + l])
-    contact = X[CONTACT * LANES + l] * overlap**2 / 2
+    beam += X[row(AXIAL, l)] * quadratic**2 / 4
+    y = before[row(Y, l)]
+    velocity = (before[row(Y_STEP, l)] + after[row(Y_STEP, l)]) / 2
+    mass = X[row(MASS, l)] * velocity**2 / 2 + X[row(SPRING, l)] * y**2 / 2
+    overlap = max(0.0, w - y - X[row(CLEARANCE, l)])
+    contact = X[row(CONTACT, l)] * overlap**2 / 2
     return beam, mass, contact, w
 
 
@@ -470,10 +476,10 @@ def whole_step_ledger(before, after, X, shape, l, drag):
     By the trapezoidal rule; drag: C dt.
     """
     beam, mass, contact, w = energies(before, after, X, shape, l)
-    work = (before[WORK * LANES + l] + after[WORK * LANES + l]) / 4
-    swept = drag * (before[SWEPT * LANES + l] + after[SWEPT * LANES + l]) / 8
-    beam_swept = before[BEAM_SWEPT * LANES + l] + after[BEAM_SWEPT * LANES + l]
-    kept = beam + mass + contact + swept + X[BEAM_DAMPING * LANES + l] * beam_swept / 8
+    work = (before[row(WORK, l)] + after[row(WORK, l)]) / 4
+    swept = drag * (before[row(SWEPT, l)] + after[row(SWEPT, l)]) / 8
+    beam_swept = before[row(BEAM_SWEPT, l)] + after[row(BEAM_SWEPT, l)]
+    kept = beam + mass + contact + swept + X[row(BEAM_DAMPING, l)] * beam_swept / 8
     return beam, mass, contact, w, kept - work
 
 
@@ -483,15 +489,15 @@ def conserved_energies(X, shape, l):
 
     At the last half step, times dt^2: products of two instants stand for squares.
     """
-    modes, w, beam = len(shape), 0.0, X[AXIAL * LANES + l] * X[STRETCH * LANES + l] ** 2 / 4
+    modes, w, beam = len(shape), 0.0, X[row(AXIAL, l)] * X[row(STRETCH, l)] ** 2 / 4
     for i in range(modes):
         d, p = X[at(P_STEP, i, modes, l)], X[at(P, i, modes, l)]
         beam += d * d / 2 + X[at(STIFFNESS, i, modes, l)] * p * (p - d) / 2
         w += X[at(MIDPOINT, i, modes, l)] * (p - d / 2)
-    d, y = X[Y_STEP * LANES + l], X[Y * LANES + l]
+    d, y = X[row(Y_STEP, l)], X[row(Y, l)]
     middle = y - d / 2
-    mass = X[MASS * LANES + l] * d * d / 2 + X[SPRING * LANES + l] * middle * middle / 2
-    return beam, mass, X[CONTACT * LANES + l] * max(0.0, X[GAP * LANES + l]) ** 2 / 2, w
+    mass = X[row(MASS, l)] * d * d / 2 + X[row(SPRING, l)] * middle * middle / 2
+    return beam, mass, X[row(CONTACT, l)] * max(0.0, X[row(GAP, l)]) ** 2 / 2, w
 
 
 @compiled
@@ -501,9 +507,9 @@ def conserved_ledger(X, shape, l, drag):
     Up to the last half step; drag: C dt.
     """
     beam, mass, contact, w = conserved_energies(X, shape, l)
-    swept = drag * X[SWEPT * LANES + l] + X[BEAM_DAMPING * LANES + l] * X[BEAM_SWEPT * LANES + l]
+    swept = drag * X[row(SWEPT, l)] + X[row(BEAM_DAMPING, l)] * X[row(BEAM_SWEPT, l)]
     energy = beam + mass + contact
-    return beam, mass, contact, w, energy + swept / 4 - X[WORK * LANES + l] / 2
+    return beam, mass, contact, w, energy + swept / 4 - X[row(WORK, l)] / 2
 
 
 @compiled
@@ -540,11 +546,11 @@ def proven_well(X, l, beam, mass, contact, w, margin):
     Energy only falls after the pulse. 1 or 2: all of it is below the barrier. 2: the beam's alone
     is, and the mass on its spring cannot swing as low as the beam can rise, the saddle.
     """
-    barrier, saddle = X[BARRIER * LANES + l], X[SADDLE * LANES + l]
+    barrier, saddle = X[row(BARRIER, l)], X[row(SADDLE, l)]
     if beam + mass + contact + margin < barrier:
         return 1 if w > saddle else 2
-    lowest_mass = -np.sqrt(2 * (mass + margin) / X[SPRING * LANES + l])
-    if beam + margin < barrier and w < saddle < lowest_mass + X[CLEARANCE * LANES + l]:
+    lowest_mass = -np.sqrt(2 * (mass + margin) / X[row(SPRING, l)])
+    if beam + margin < barrier and w < saddle < lowest_mass + X[row(CLEARANCE, l)]:
         return 2
     return 0
 
@@ -552,9 +558,9 @@ def proven_well(X, l, beam, mass, contact, w, margin):
 @compiled
 def snap_time(X, l, dt):
     """Time at which w passed the target, linear between the two instants around it."""
-    before, after = X[W_BEFORE * LANES + l], X[W * LANES + l]
-    fraction = (before - X[TARGET * LANES + l]) / (before - after)
-    return (X[COUNT * LANES + l] - 2 + fraction) * dt
+    before, after = X[row(W_BEFORE, l)], X[row(W, l)]
+    fraction = (before - X[row(TARGET, l)]) / (before - after)
+    return (X[row(COUNT, l)] - 2 + fraction) * dt
 
 
 @compiled
@@ -605,7 +611,7 @@ def follow_all(X, shape, explicit, conserving, devices, pulses, cells, ends_at, 
                 push(X, l, pushes, pulses, pulse_of[next_cell], f0[next_cell] * dt[next_cell])
                 cell_in[l] = next_cell
                 worst[l], found_before[l] = 0.0, 0
-                swing = 2 * np.pi * np.sqrt(X[MASS * LANES + l] / X[SPRING * LANES + l])
+                swing = 2 * np.pi * np.sqrt(X[row(MASS, l)] / X[row(SPRING, l)])
                 last_swing[l] = t_end[next_cell] / dt[next_cell] - swing
                 since[l], beyond[l] = 0.0, 0.0
                 next_cell += 1
@@ -629,12 +635,12 @@ def follow_all(X, shape, explicit, conserving, devices, pulses, cells, ends_at, 
                 continue
             steps[l] += BLOCK
             if steps[l] <= last_swing[l]:
-                since[l], beyond[l] = steps[l], X[BEYOND * LANES + l]
+                since[l], beyond[l] = steps[l], X[row(BEYOND, l)]
             step = dt[cell]
             drag = damping[cell] * step
-            snapped = X[W * LANES + l] <= X[TARGET * LANES + l]
+            snapped = X[row(W, l)] <= X[row(TARGET, l)]
             in_pulse = steps[l] - 1 < lasts[l]
-            ended = steps[l] * step > t_end[cell] or not np.isfinite(X[Y * LANES + l])
+            ended = steps[l] * step > t_end[cell] or not np.isfinite(X[row(Y, l)])
             ended |= snapped and stop_at_snap
             ended |= stop_after_pulse and not in_pulse
             if in_pulse and not ended:
@@ -644,7 +650,7 @@ def follow_all(X, shape, explicit, conserving, devices, pulses, cells, ends_at, 
             ends = (last_before, last_after) if at_snap else (before, after)
             found_by = ledger(*ends, X, shape, explicit, conserving, l, drag)
             beam, mass, contact, w, residual = found_by
-            gross_work = X[GROSS_WORK * LANES + l] / 2
+            gross_work = X[row(GROSS_WORK, l)] / 2
             scale = 1 / gross_work if gross_work > 0 else 1.0
             found = 0
             if not in_pulse:
@@ -663,11 +669,11 @@ def follow_all(X, shape, explicit, conserving, devices, pulses, cells, ends_at, 
                     residual = guarded
             energy_error[cell] = abs(residual) * scale
             is_whole = steps[l] >= lasts[l]
-            pulse_work[cell] = X[WORK * LANES + l] / (2 * step**2) if is_whole else np.nan
+            pulse_work[cell] = X[row(WORK, l)] / (2 * step**2) if is_whole else np.nan
             t_snap[cell] = snap_time(X, l, step) if snapped else np.nan
             t_settled[cell] = (steps[l] - 1) * step if proven else np.nan
-            share = (X[BEYOND * LANES + l] - beyond[l]) / (steps[l] - since[l])
-            is_second = found == 2 if proven else not w > X[SADDLE * LANES + l]
+            share = (X[row(BEYOND, l)] - beyond[l]) / (steps[l] - since[l])
+            is_second = found == 2 if proven else not w > X[row(SADDLE, l)]
             well[cell] = 2 if is_second else 1
             well_share[cell] = 1.0 if proven else share if is_second else 1 - share
             if in_pulse or (snapped and stop_at_snap):
@@ -684,9 +690,9 @@ def half_step_midpoint(X, shape, l):
     for i in range(len(shape)):
         d, p = X[at(P_STEP, i, len(shape), l)], X[at(P, i, len(shape), l)]
         w += X[at(MIDPOINT, i, len(shape), l)] * (p - d / 2)
-    gap = X[GAP * LANES + l]
-    force = X[CONTACT * LANES + l] * (gap if gap > 0.0 else 0.0)
-    return w - X[RESIDUAL * LANES + l] * force
+    gap = X[row(GAP, l)]
+    force = X[row(CONTACT, l)] * (gap if gap > 0.0 else 0.0)
+    return w - X[row(RESIDUAL, l)] * force
 
 
 @compiled
@@ -741,17 +747,17 @@ def trace_all(X, shape, explicit, conserving, devices, dt, pulses, cells, w_rang
             low[l], high[l] = np.inf, -np.inf
             if bin[l] >= bins:
                 continue
-            y, beam, mass, contact = before[Y * LANES + l], 0.0, 0.0, 0.0
+            y, beam, mass, contact = before[row(Y, l)], 0.0, 0.0, 0.0
             if explicit is not None:
                 beam, mass, contact, _ = energies(before, X, X, shape, l)
             if conserving is not None:
-                y += X[Y_STEP * LANES + l] / 2
+                y += X[row(Y_STEP, l)] / 2
                 beam, mass, contact, _ = conserved_energies(X, shape, l)
             instants[0, bin[l], l] = y
             instants[1, bin[l], l] = (beam + mass + contact) / dt[l] ** 2
             instants[2, bin[l], l] = beam / dt[l] ** 2
         for l in range(LANES):
-            w = X[W * LANES + l]
+            w = X[row(W, l)]
             if conserving is not None:
                 w = half_step_midpoint(X, shape, l)
             low[l] = w if w < low[l] else low[l]
