@@ -18,7 +18,8 @@ from small_studies import THREE_COSINES
 
 from snapmap.config.study import load_study
 from snapmap.numerics.kept_kernels import CheckedFiles
-from snapmap.solver import plain_loop, simd_kernel
+from snapmap.solver import plain_loop
+from snapmap.solver.kernel import drive, trace
 from snapmap.sweeps.assemble import collect_slabs
 from snapmap.sweeps.partition import slab_name
 from snapmap.sweeps.plan import make_plan
@@ -392,7 +393,7 @@ def _size(shape):
 
 
 def test_all_kernels_are_checked():
-    names = [(module, name) for module in (plain_loop, simd_kernel) for name in dir(module)]
+    names = [(module, name) for module in (plain_loop, drive, trace) for name in dir(module)]
     caches = [getattr(getattr(module, name), "_cache", None) for module, name in names]
     files = [cache._cache_file for cache in caches if hasattr(cache, "_cache_file")]
     assert len(files) > 10 and all(isinstance(one, CheckedFiles) for one in files)

@@ -16,8 +16,9 @@ from ..pulse import HANDOUT_SHOCK, Shocks
 from ..solver import simd_loop
 from ..solver.adaptive import choose_model
 from ..solver.cells import rows_of, to_cells
+from ..solver.kernel.rows import LANES
+from ..solver.kernel.trace import SAMPLE
 from ..solver.settings import MOVE, Settings
-from ..solver.simd_kernel import LANES, SAMPLE
 
 CELLS = 40_000
 """A larger grid is thinned along its longest axes by whole strides."""

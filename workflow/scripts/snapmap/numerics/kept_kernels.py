@@ -13,6 +13,8 @@ from numba import njit
 from numba.core import caching, config, event, types
 
 DIGEST = hashlib.sha256().digest_size
+INLINED = "forceinline", "no_cpython_wrapper", "no_cfunc_wrapper"
+"""Options of what is compiled into its callers alone."""
 
 
 def compiled(function: Callable) -> Callable:
@@ -26,14 +28,20 @@ def compiled(function: Callable) -> Callable:
     own = users or platformdirs.user_cache_path("snapmap")
     config.CACHE_DIR = str(Path(own, _name_of_sources(Path(function.__code__.co_filename).parent)))
     try:
-        return njit(error_model="numpy", nogil=True, cache=True)(function)
+        # numba hands the options of an inlined caller down unless they are said.
+        return njit(nogil=True, cache=True, error_model="numpy", **dict.fromkeys(INLINED, False))(
+            function
+        )
     finally:
         config.CACHE_DIR = users
 
 
 def inlined(function: Callable) -> Callable:
-    """Compile a function into each of its callers, without which nothing is vectorised."""
-    return njit(error_model="numpy", forceinline=True)(function)
+    """Compile a function into each of its callers, without which nothing is vectorised.
+
+    Python itself cannot call it: what that takes would be half of its time to compile.
+    """
+    return njit(error_model="numpy", **dict.fromkeys(INLINED, True))(function)
 
 
 @cache
