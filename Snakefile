@@ -10,11 +10,9 @@ from snakemake.logging import logger
 # numba keeps in its cache asks for it by name.
 sys.dont_write_bytecode = True
 sys.path.append(str(Path(workflow.basedir) / "workflow" / "scripts"))
-from snapmap.io.dependencies import code_hash, kernel_cache
+from snapmap.io.dependencies import code_hash
 
-# Jobs inherit both: a kernel is compiled once per user.
-os.environ.update(PYTHONDONTWRITEBYTECODE="1")
-os.environ.setdefault("NUMBA_CACHE_DIR", str(kernel_cache()))
+os.environ.update(PYTHONDONTWRITEBYTECODE="1")  # jobs inherit it
 from snapmap.io.atomic import refuse_folders, remove_leftovers, remove_others
 from snapmap.io.named import hold_to_plan
 from snapmap.io.progress import Progress, hush

@@ -1,12 +1,6 @@
-import os
 from pathlib import Path
 
 import pytest
-
-from snapmap.io.dependencies import kernel_cache
-
-# Before numba is imported: tests and the runs that they start share compiled kernels.
-os.environ.setdefault("NUMBA_CACHE_DIR", str(kernel_cache()))
 
 from snapmap.config.devices import load_device
 

@@ -8,10 +8,14 @@ import pytest
 import snapmap
 from snapmap.device import batch
 from snapmap.pulse import make_pulse, table
-from snapmap.solver import simd_kernel as kernel
 from snapmap.solver import simd_loop
 from snapmap.solver.bracket import lowest_snap
 from snapmap.solver.cells import to_cells, to_rows
+from snapmap.solver.kernel import rows as R
+from snapmap.solver.kernel.lanes import load
+from snapmap.solver.kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
+from snapmap.solver.kernel.rows import LANES
+from snapmap.solver.kernel.scheme import advance
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import LATCHED, RETURNED, label
 from snapmap.solver.schemes import CONSERVING, EXPLICIT, SCHEMES
@@ -37,25 +41,22 @@ def conserving(device, name, **options):
 
 def states(model, N, C, dt, steps):
     """Every row of X after each step of one cell, (steps, rows)."""
-    shape = (0,) * model.modes
-    X = simd_loop.work_array(model.modes)
-    row = simd_loop.coefficients(model, -np.inf)[0]
-    kernel.fill(X, shape, True, 0, row, C, N * model.device.gravity, dt)
-    pulses, shocks = table([make_pulse()]), np.zeros(kernel.BLOCK * kernel.LANES)
-    pushes = kernel.no_pushes()
-    kernel.push(X, 0, pushes, pulses, 0, 1.5e-3 * dt)
+    lanes, device = simd_loop.empty_lanes(model), simd_loop.coefficients(model, -np.inf)[0]
+    load(*lanes, 0, device, C, N * model.device.gravity, dt)
+    pulses, shocks, state = table([make_pulse()]), np.zeros(BLOCK * LANES), no_pulse()
+    begin_pulse(lanes[0], 0, state, pulses, 0, 1.5e-3 * dt)
     found = []
     for step in range(steps):
-        if step % kernel.BLOCK == 0:
-            pushes.steps[:] = step
-            kernel.set_out(X, shocks, pushes, pulses)
-        kernel.advance_conserving(X, shape, shocks, step % kernel.BLOCK, 1)
-        found.append(X[:: kernel.LANES].copy())
+        if step % BLOCK == 0:
+            state.steps[:] = step
+            set_out(lanes[0], shocks, state, pulses)
+        advance(*lanes, shocks, step % BLOCK, 1)
+        found.append(lanes[0][::LANES].copy())
     return np.array(found)
 
 
 def vector(found, which, modes):
-    return found[:, kernel.VECTORS + which * modes :][:, :modes]
+    return found[:, R.VECTORS + which * modes :][:, :modes]
 
 
 @pytest.mark.parametrize("dt", [0.1, 2.0])
@@ -67,8 +68,8 @@ def test_each_step_solves_the_equations_of_the_scheme(handout, contact, dt):
     modal, modes = model.modal, model.modes
     found = states(model, 1500.0, C, dt, 4000)
     heavier = 1 + dt**2 * modal.stiffness / 4
-    p, y = vector(found, kernel.P, modes) / np.sqrt(heavier), found[:, kernel.Y]
-    a = found[2:, kernel.SHOCK] / dt**2
+    p, y = vector(found, R.P, modes) / np.sqrt(heavier), found[:, R.Y]
+    a = found[2:, R.SHOCK] / dt**2
 
     ahead = p[:-1] @ modal.geometric
     q = np.sum(ahead * p[1:], axis=1) + (p[:-1] + p[1:]) @ modal.slope_start
@@ -96,8 +97,8 @@ def test_each_step_solves_the_equations_of_the_scheme(handout, contact, dt):
 
     kinds = (x[1:] > 0).astype(int) + 2 * (x[:-1] > 0)
     assert np.unique(kinds[sure]).tolist() == [0, 1, 2, 3], "a kind of contact is not there"
-    np.testing.assert_allclose(found[1:, kernel.STRETCH], q, atol=1e-9 * np.abs(q).max())
-    np.testing.assert_allclose(found[1:, kernel.GAP], x, atol=1e-9 * np.abs(x).max())
+    np.testing.assert_allclose(found[1:, R.STRETCH], q, atol=1e-9 * np.abs(q).max())
+    np.testing.assert_allclose(found[1:, R.OVERLAP], x, atol=1e-9 * np.abs(x).max())
 
 
 @pytest.mark.parametrize("beam_damping", [0.0, 4e-3])

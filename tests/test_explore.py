@@ -21,11 +21,11 @@ from snapmap.io.netcdf import read_earlier, write
 from snapmap.motion import envelopes
 from snapmap.solver.adaptive import Adaptive
 from snapmap.solver.cells import to_cells
+from snapmap.solver.kernel.trace import SAMPLE
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import ABSENT, OUTCOMES
 from snapmap.solver.schemes import CONSERVING, EXPLICIT, SCHEMES
 from snapmap.solver.settings import MOVE, Settings
-from snapmap.solver.simd_kernel import SAMPLE
 from snapmap.study import Study
 
 MODEL = {"name": "cosines", "modes": 3}

@@ -1,8 +1,10 @@
 """What goes wrong on real machines, done for real: nothing is lost, and nothing false is merged."""
 
+import os
 import shutil
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -16,7 +18,8 @@ from small_studies import THREE_COSINES
 
 from snapmap.config.study import load_config
 from snapmap.numerics.kept_kernels import CheckedFiles
-from snapmap.solver import plain_loop, simd_kernel
+from snapmap.solver import plain_loop
+from snapmap.solver.kernel import drive, trace
 from snapmap.sweeps.assemble import collect_slabs
 from snapmap.sweeps.partition import slab_name
 from snapmap.sweeps.plan import make_plan
@@ -339,6 +342,42 @@ def _twice(x):
     return 2 * x[0]
 
 
+OUTER = """
+import numba
+from snapmap.numerics.kept_kernels import compiled
+from inner import factor
+
+@compiled
+def scaled(x):
+    return factor(x) * x
+
+print(scaled(2.0), sum(scaled.stats.cache_hits.values()), numba.config.CACHE_DIR)
+"""
+INNER = """
+from numba import njit
+
+@njit
+def factor(x):
+    return {}
+"""
+
+
+@pytest.mark.parametrize("variable", ["XDG_CACHE_HOME", "NUMBA_CACHE_DIR"])
+def test_a_kernel_is_never_of_another_source(root, tmp_path, variable):
+    """numba by itself would keep the first: the file of the kernel stays as it is."""
+    sources = tmp_path / "sources"
+    sources.mkdir()
+    (sources / "outer.py").write_text(OUTER)
+    path = {"PYTHONPATH": f"{sources}:{root / 'workflow' / 'scripts'}", variable: str(tmp_path)}
+    users = path.get("NUMBA_CACHE_DIR", "")
+    for factor, hits in ((3.0, 0), (3.0, 1), (5.0, 0)):
+        (sources / "inner.py").write_text(INNER.format(factor))
+        command = [sys.executable, "-B", "-c", "import outer"]
+        run = subprocess.run(command, env=os.environ | path, capture_output=True, text=True)
+        assert run.stdout.split() == [str(2 * factor), str(hits), *users.split()], run.stderr
+    assert len({path.parent for path in tmp_path.rglob("*.nbi")}) == 2
+
+
 def test_what_is_compiled_is_said_and_what_was_is_not(tmp_path, monkeypatch, recwarn):
     monkeypatch.setattr("numba.core.config.CACHE_DIR", str(tmp_path))
     for _ in range(2):
@@ -353,7 +392,7 @@ def _size(shape):
 
 
 def test_all_kernels_are_checked():
-    names = [(module, name) for module in (plain_loop, simd_kernel) for name in dir(module)]
+    names = [(module, name) for module in (plain_loop, drive, trace) for name in dir(module)]
     caches = [getattr(getattr(module, name), "_cache", None) for module, name in names]
     files = [cache._cache_file for cache in caches if hasattr(cache, "_cache_file")]
     assert len(files) > 10 and all(isinstance(one, CheckedFiles) for one in files)

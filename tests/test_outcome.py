@@ -9,6 +9,7 @@ import xarray as xr
 import snapmap
 from snapmap.pulse import make_pulse
 from snapmap.solver.cells import to_cells
+from snapmap.solver.kernel.pulse import BLOCK
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import (
     FAILED,
@@ -22,7 +23,6 @@ from snapmap.solver.outcome import (
 )
 from snapmap.solver.schemes import EXPLICIT
 from snapmap.solver.settings import SNAP, STAY, Settings
-from snapmap.solver.simd_kernel import BLOCK
 from snapmap.sweeps.cube import summary
 
 PROVEN = (NEVER, LATCHED, RETURNED)

@@ -194,7 +194,7 @@ def planned_after_edit(clone, finished, path, text="EDITED = 1\n"):
         ("draw_maps.py", {"draw_maps"}),
         ("snapmap/figures/maps.py", {"draw_maps", "draw_snap_maps"}),
         ("snapmap/thresholds/islands.py", reruns({"find_threshold"})),
-        ("snapmap/solver/simd_kernel.py", set(RULES) - {"trace_statics", "draw_statics"}),
+        ("snapmap/solver/kernel/drive.py", set(RULES) - {"trace_statics", "draw_statics"}),
         ("snapmap/sweeps/plan.py", set()),
     ],
 )

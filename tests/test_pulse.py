@@ -12,7 +12,9 @@ from scipy.integrate import solve_ivp
 
 import snapmap
 from snapmap.pulse import SHAPES, make_pulse, sampled, table
-from snapmap.solver import simd_kernel as kernel
+from snapmap.solver.kernel import rows as R
+from snapmap.solver.kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
+from snapmap.solver.kernel.rows import LANES
 
 FORMS = {
     "versed sine": lambda x: (1 - np.cos(2 * np.pi * x)) / 2,
@@ -39,19 +41,15 @@ def test_shapes_are_what_their_names_say(shape):
 @pytest.mark.parametrize("x_step", [1e-4, 0.0031, 0.047])
 def test_the_kernel_sets_a_pulse_out_as_it_is(shape, x_step):
     """Every step of every block; with a jump the sum over steps stays the area."""
-    X, pulse = np.zeros((kernel.VECTORS + 40) * kernel.LANES), make_pulse(shape)
-    shocks, pushes, pulses = (
-        np.zeros(kernel.BLOCK * kernel.LANES),
-        kernel.no_pushes(),
-        table([pulse]),
-    )
-    X[kernel.AMPLITUDE * kernel.LANES :][: kernel.LANES] = 1.0
-    kernel.push(X, 3, pushes, pulses, 0, x_step)
+    X, pulse = np.zeros((R.VECTORS + 40) * LANES), make_pulse(shape)
+    shocks, state, pulses = np.zeros(BLOCK * LANES), no_pulse(), table([pulse])
+    X[R.AMPLITUDE * LANES :][:LANES] = 1.0
+    begin_pulse(X, 3, state, pulses, 0, x_step)
     found = []
-    for block in range(int(1 / x_step / kernel.BLOCK) + 2):
-        pushes.steps[:] = block * kernel.BLOCK
-        kernel.set_out(X, shocks, pushes, pulses)
-        found.append(shocks.reshape(-1, kernel.LANES).copy())
+    for block in range(int(1 / x_step / BLOCK) + 2):
+        state.steps[:] = block * BLOCK
+        set_out(X, shocks, state, pulses)
+        found.append(shocks.reshape(-1, LANES).copy())
     found = np.concatenate(found)
     assert not np.delete(found, 3, axis=1).any()
     x = x_step * np.arange(len(found))

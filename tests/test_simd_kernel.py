@@ -9,12 +9,15 @@ from numba.core.codegen import get_host_cpu_features
 
 import snapmap
 from snapmap.device import batch
-from snapmap.solver import simd_kernel, simd_loop
+from snapmap.solver import simd_loop
 from snapmap.solver.cells import to_cells
+from snapmap.solver.kernel.conserving import advance_conserving
+from snapmap.solver.kernel.explicit import advance_explicit
+from snapmap.solver.kernel.pulse import BLOCK, go_on
+from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import FAILED, NEVER, label
 from snapmap.solver.settings import STAY, Settings
-from snapmap.solver.simd_kernel import LANES
 
 SMALL = {"N": np.linspace(700, 2300, 9), "f0": [500.0, 1500.0, 6000.0], "C": [0.025, 200.0]}
 
@@ -178,11 +181,11 @@ def test_a_failed_ledger_is_given_smaller_steps(handout):
 @pytest.mark.skipif("+avx512f" not in get_host_cpu_features(), reason="no vectors of 512 bits")
 def test_kernels_take_the_widest_vectors_and_leave_other_functions_alone():
     """LLVM by itself stops at 256 bits on some processors that have more."""
-    X, shocks = simd_loop.work_array(2), np.zeros(simd_kernel.BLOCK * simd_kernel.LANES)
+    X, shocks = simd_loop.work_array(2), np.zeros(BLOCK * LANES)
     asked = {
-        simd_kernel.advance: (X, (0, 0), shocks, 0, 1),
-        simd_kernel.advance_conserving: (X, (0, 0), shocks, 0, 1),
-        simd_kernel.go_on: (X, shocks),
+        advance_explicit: (X, (0, 0), shocks, 0, 1),
+        advance_conserving: (X, (0, 0), shocks, 0, 1),
+        go_on: (X, shocks),
     }
     for function, arguments in asked.items():
         kernel = numba.njit(error_model="numpy")(function.py_func)

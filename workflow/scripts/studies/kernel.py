@@ -6,17 +6,14 @@ import numpy as np
 from numba import njit
 
 from snapmap.numerics.arithmetic import widen_vectors
+from snapmap.solver.kernel.lanes import load
+from snapmap.solver.kernel.pulse import BLOCK
+from snapmap.solver.kernel.rows import LANES
+from snapmap.solver.kernel.scheme import advance
 from snapmap.solver.model import Model
 from snapmap.solver.schemes import EXPLICIT
 from snapmap.solver.settings import MOVE
-from snapmap.solver.simd_kernel import (
-    BLOCK,
-    LANES,
-    advance,
-    advance_conserving,
-    fill,
-)
-from snapmap.solver.simd_loop import coefficients, work_array
+from snapmap.solver.simd_loop import coefficients, empty_lanes
 
 from .few import few
 from .timing import take_turns
@@ -79,23 +76,20 @@ def step_flops(model: Model) -> int:
 def block_seconds(model: Model, steps: int = 50 * BLOCK) -> float:
     """Time of the steps alone per lane-step, all lanes full, s."""
     dt = model.steps.longest[MOVE].item()
-    X, shape = _filled(model, dt)
-    go = advance if model.scheme == EXPLICIT else advance_conserving
+    lanes = _filled(model, dt)
     shocks = np.ones(BLOCK * LANES) * model.device.gravity * dt**2
 
     def advance_blocks():
         for _ in range(steps // BLOCK):
-            go(X, shape, shocks, 0, BLOCK)
+            advance(*lanes, shocks, 0, BLOCK)
 
-    go(X, shape, shocks, 0, 1)
+    advance(*lanes, shocks, 0, 1)
     runs = take_turns({"all": advance_blocks}, few(ROUNDS))
     return runs["all"].seconds / (steps * LANES)
 
 
 def _filled(model, dt):
-    modes, conserving = model.modes, None if model.scheme == EXPLICIT else True
-    X, shape = work_array(modes), (0,) * modes
-    row = coefficients(model, target=-np.inf)[0]
+    lanes, row = empty_lanes(model), coefficients(model, target=-np.inf)[0]
     for l in range(LANES):
-        fill(X, shape, conserving, l, row, 0.025, 900 * model.device.gravity, dt)
-    return X, shape
+        load(*lanes, l, row, 0.025, 900 * model.device.gravity, dt)
+    return lanes

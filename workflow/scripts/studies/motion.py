@@ -11,10 +11,10 @@ import numpy as np
 
 from snapmap import load_device
 from snapmap.solver.cells import to_cells
+from snapmap.solver.kernel.trace import SAMPLE
 from snapmap.solver.models import build_model
 from snapmap.solver.repeat import REPEATED_STEP, work_error
 from snapmap.solver.settings import MOVE, Settings
-from snapmap.solver.simd_kernel import SAMPLE
 from snapmap.solver.simd_loop import trace
 
 from .few import few

@@ -11,10 +11,11 @@ import numpy as np
 
 from snapmap import load_device
 from snapmap.solver.cells import to_cells
+from snapmap.solver.kernel.rows import LANES
+from snapmap.solver.kernel.trace import SAMPLE
 from snapmap.solver.models import build_model
 from snapmap.solver.schemes import SCHEMES
 from snapmap.solver.settings import STAY, Settings
-from snapmap.solver.simd_kernel import LANES, SAMPLE
 from snapmap.solver.simd_loop import trace
 
 from .few import few

@@ -7,8 +7,6 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
-import platformdirs
-
 
 class Source(NamedTuple):
     """What a file says, but for comments and docstrings, and what it asks for.
@@ -30,15 +28,6 @@ def code_hash(script: str | Path, folder: str | Path | None = None) -> str:
     for path in code_files(script, folder):
         digest.update(f"{path.relative_to(folder).as_posix()}\0{_source(path).code}\0".encode())
     return digest.hexdigest()[:12]
-
-
-def kernel_cache() -> Path:
-    """Folder for compiled kernels: another one once what they share has changed.
-
-    numba compiles a kernel again when its own file was edited, but not for what it calls elsewhere.
-    """
-    shared = Path(__file__).parents[1] / "numerics" / "pieces.py"
-    return platformdirs.user_cache_path("snapmap") / f"numba_{code_hash(shared)}"
 
 
 def code_files(script: str | Path, folder: str | Path | None = None) -> list[Path]:

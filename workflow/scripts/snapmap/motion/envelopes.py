@@ -14,8 +14,9 @@ from ..io.provenance import provenance, recipe
 from ..solver import simd_loop
 from ..solver.adaptive import choose_model
 from ..solver.cells import rows_of, to_cells
+from ..solver.kernel.rows import LANES
+from ..solver.kernel.trace import SAMPLE
 from ..solver.settings import MOVE
-from ..solver.simd_kernel import LANES, SAMPLE
 from ..study import Study
 
 CELLS = 40_000

@@ -15,7 +15,6 @@ from ..solver.adaptive import choose_model
 from ..solver.cells import check_cells, to_cells
 from ..solver.repeat import REPEATED_STEP, t_snap_error, work_error
 from ..solver.settings import MOVE
-from ..solver.simd_kernel import BLOCK
 from ..study import Study, study_of
 
 SAMPLES = 4000
@@ -124,7 +123,7 @@ def _sampling(t_end, dt):
     """Steps to t_end, and the largest power of two between samples that keeps SAMPLES or more."""
     steps = int(np.ceil(t_end / dt))
     stride = 2 ** max(0, math.floor(math.log2(max(1, steps / SAMPLES))))
-    return steps, min(stride, BLOCK)
+    return steps, stride
 
 
 def _observe(device, first, form, motion):

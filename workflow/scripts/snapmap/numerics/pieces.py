@@ -10,12 +10,11 @@ curve may jump.
 
 from numba import njit
 
-from . import kept_kernels  # noqa: F401, before any kernel is kept
 from .arithmetic import sine
+from .kept_kernels import compiled
 
 BEGIN, VALUE, SLOPE, TURNS, LIFT, SWING = range(6)
 COLUMNS = 6
-_JIT = {"error_model": "numpy", "cache": True}
 
 
 @njit(inline="always")
@@ -33,14 +32,14 @@ def increment(slope, turns, lift, swing, s, step):
     return slope * step + lift * (twice * sine(middle)) + swing * (twice * sine(middle + 0.25))
 
 
-@njit(**_JIT)
+@compiled
 def value(pieces, k, x):
     """Piece k at x."""
     start, slope, turns = pieces[k, VALUE], pieces[k, SLOPE], pieces[k, TURNS]
     return form(start, slope, turns, pieces[k, LIFT], pieces[k, SWING], x - pieces[k, BEGIN])
 
 
-@njit(**_JIT)
+@compiled
 def at(pieces, k, end, x):
     """Number of the piece that x is in, from k on, which does not begin beyond x, to before end."""
     while k + 1 < end and pieces[k + 1, BEGIN] <= x:
@@ -48,7 +47,7 @@ def at(pieces, k, end, x):
     return k
 
 
-@njit(**_JIT)
+@compiled
 def sample(pieces, k, jumps, x, step):
     """The curve at x, in piece k; at a jump its mean over a step: so its sum over steps is exact.
 
@@ -64,7 +63,7 @@ def sample(pieces, k, jumps, x, step):
     return found - end * beyond if beyond > 0 else found
 
 
-@njit(**_JIT)
+@compiled
 def lasts(end, step):
     """Number of steps, the one at 0 among them, until a curve that jumps at its end is over."""
     last = 1 / step

@@ -3,18 +3,15 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from ..beam.basis import Basis
 from ..beam.prestress import settled
 from ..device import Device
 from ..numerics import pieces as curve
 from ..numerics.arithmetic import fma
+from ..numerics.kept_kernels import compiled
 from ..numerics.linalg import apply, solve_all
 from .record import Form, Motion
-
-# No fast maths: a result is the same on every machine, compiled afresh or taken from the cache.
-PLAIN = {"error_model": "numpy", "nogil": True, "cache": True}
 
 
 class System(NamedTuple):
@@ -63,7 +60,7 @@ def nodal_system(device: Device, basis: Basis) -> System:
     )
 
 
-@njit(**PLAIN)
+@compiled
 def dot(a, b):
     """a . b"""
     total = 0.0
@@ -72,7 +69,7 @@ def dot(a, b):
     return total
 
 
-@njit(**PLAIN)
+@compiled
 def multiply(matrix, vector, result):
     """result = matrix vector; result is modified in place."""
     for i in range(vector.size):
@@ -82,7 +79,7 @@ def multiply(matrix, vector, result):
         result[i] = total
 
 
-@njit(**PLAIN)
+@compiled
 def beam_stresses(system, u, bending_u, geometric_u):
     """Kb u and G u, modified in place; returns N = -EA/2L (2 u.G q0 + u.G u), uN."""
     quadratic = 0.0
@@ -96,7 +93,7 @@ def beam_stresses(system, u, bending_u, geometric_u):
     return -system.axial * quadratic
 
 
-@njit(**PLAIN)
+@compiled
 def total_energy(system, u, velocity, y, y_velocity, compression):
     """Kinetic, bending, axial, spring and contact energy of beam and mass, pJ."""
     product = np.empty(u.size)
@@ -109,7 +106,7 @@ def total_energy(system, u, velocity, y, y_velocity, compression):
     return beam + mass + system.penalty * overlap**2 / 2
 
 
-@njit(**PLAIN)
+@compiled
 def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
     """March one cell by central differences until w(L/2) reaches `target` or `steps` are done.
 

@@ -4,47 +4,29 @@ import numpy as np
 
 from ..beam.modal import contact_stiffness
 from ..pulse import table
+from .kernel import rows as R
+from .kernel import scheme
+from .kernel.drive import follow_all
+from .kernel.lanes import Facts, Task, load
+from .kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
+from .kernel.rows import LANES
+from .kernel.trace import trace_all
 from .record import Form, Motion
-from .schemes import CONSERVING, EXPLICIT
-from .simd_kernel import (
-    BEAM_SWEPT,
-    BLOCK,
-    GEOMETRIC,
-    LANES,
-    P_STEP,
-    SCRATCH,
-    STATE,
-    STRETCH,
-    SWEPT,
-    VECTORS,
-    WORK,
-    Y_STEP,
-    P,
-    Y,
-    advance,
-    advance_conserving,
-    fill,
-    follow_all,
-    no_pushes,
-    push,
-    set_out,
-    trace_all,
-)
+from .schemes import CONSERVING
 
 
 def march(model, cells, dt, settings):
-    """Follow cells, each with the device that it names; returns the facts of `follow_all`.
+    """Follow cells, each with the device that it names; returns `Facts`.
 
     model: a `Model`; cells: `Cells`, each column (cells,); dt: us, (cells,)
     """
-    n_cells, modes = cells.f0.size, model.modes
+    n_cells = cells.f0.size
     t_snap, t_settled, *others = (np.empty(n_cells) for _ in range(5))
-    facts = t_snap, t_settled, np.empty(n_cells, np.int8), *others
-    rows, pulses = coefficients(model, snap_target(model)), table(settings.pulses)
+    facts = Facts(t_snap, t_settled, np.empty(n_cells, np.int8), *others)
+    devices, pulses = coefficients(model, snap_target(model)), table(settings.pulses)
     ends = settings.until in ("snap", "edge", "pulse"), settings.until == "pulse"
-    asked = ends, settings.energy_tolerance
-    X, shape = work_array(modes), (0,) * modes
-    follow_all(X, shape, *_schemes(model), rows, pulses, (*cells, dt), *asked, facts)
+    task = Task(devices, pulses, *cells, dt, *ends, settings.energy_tolerance, facts)
+    follow_all(*empty_lanes(model), task)
     return facts
 
 
@@ -57,26 +39,26 @@ def trace(model, device, dt, pulses, cells, bins):
     """
     n_cells = cells[0].size
     w_range, instants = np.empty((2, bins, n_cells)), np.empty((3, bins, n_cells))
-    X, shape, rows = work_array(model.modes), (0,) * model.modes, coefficients(model, -np.inf)
-    asked = table(pulses), cells
-    trace_all(X, shape, *_schemes(model), rows[device], dt, *asked, w_range, instants)
+    devices, kept = coefficients(model, -np.inf)[device], (w_range, instants)
+    trace_all(*empty_lanes(model), devices, dt, table(pulses), cells, kept)
     return w_range, instants
 
 
 def record(model, pulse, amplitude, f0, damping, dt, steps, stride):
     """Follow one cell as `follow_all` does, bit for bit, and keep every `stride`th step.
 
-    model: of one device; dt: us; stride: a divisor of BLOCK; returns Motion and Form
+    model: of one device; dt: us; stride: a power of two; returns Motion and Form
     """
+    stride = min(stride, BLOCK)
     modal, modes, at_half = model.modal, model.modes, model.scheme == CONSERVING
     before, after = _pairs(model, (damping, amplitude), (pulse, f0), dt, steps, stride)
     middle = (before + after) / 2
     places, moving = (middle, after) if at_half else (before, middle)
     shrink = 1 / np.sqrt(1 + dt * dt * modal.stiffness / 4) if at_half else np.ones(modes)
-    p, p_step = (VECTORS - STATE + modes * v + np.arange(modes) for v in (P, P_STEP))
-    lost = damping * moving[SWEPT - STATE]
-    lost += model.device.beam.damping * moving[BEAM_SWEPT - STATE]
-    u, y = shrink * places[p].T, places[Y - STATE]
+    p, p_step = (R.VECTORS - R.STATE + modes * v + np.arange(modes) for v in (R.P, R.P_STEP))
+    lost = damping * moving[R.SWEPT - R.STATE]
+    lost += model.device.beam.damping * moving[R.BEAM_SWEPT - R.STATE]
+    u, y = shrink * places[p].T, places[R.Y - R.STATE]
     form = Form(
         np.eye(modes), np.diag(modal.stiffness), *modal[1:3], modal.midpoint, modal.residual
     )
@@ -85,33 +67,31 @@ def record(model, pulse, amplitude, f0, damping, dt, steps, stride):
         u=u,
         u_velocity=shrink * moving[p_step].T / dt,
         y=y,
-        y_velocity=moving[Y_STEP - STATE] / dt,
-        stretch=after[STRETCH - STATE] if at_half else form.stretch(u),
-        work=moving[WORK - STATE] / (2 * dt**2),
+        y_velocity=moving[R.Y_STEP - R.STATE] / dt,
+        stretch=after[R.STRETCH - R.STATE] if at_half else form.stretch(u),
+        work=moving[R.WORK - R.STATE] / (2 * dt**2),
         lost=lost / (4 * dt),
     )
     return motion, form
 
 
-def _pairs(model, load, shock, dt, steps, stride):
+def _pairs(model, load_of_cell, shock, dt, steps, stride):
     """The state of one cell at every `stride`th instant, and one step on; (rows, samples)."""
-    modes, (pulse, f0) = model.modes, shock
-    X, shape = work_array(modes), (0,) * modes
-    state = slice(STATE * LANES, (VECTORS + SCRATCH * modes) * LANES, LANES)
-    go = advance if model.scheme == EXPLICIT else advance_conserving
-    fill(X, shape, model.scheme == CONSERVING, 0, coefficients(model, -np.inf)[0], *load, dt)
+    lanes, (pulse, f0) = empty_lanes(model), shock
+    X, pulses, pulse_state = lanes[0], table([pulse]), no_pulse()
+    state = slice(R.STATE * LANES, (R.VECTORS + R.SCRATCH * model.modes) * LANES, LANES)
+    load(*lanes, 0, coefficients(model, -np.inf)[0], *load_of_cell, dt)
+    begin_pulse(X, 0, pulse_state, pulses, 0, f0 * dt)
     before, after, shocks = [], [], np.zeros(BLOCK * LANES)
-    pulses, pushes = table([pulse]), no_pushes()
-    push(X, 0, pushes, pulses, 0, f0 * dt)
     for step in range(0, steps, stride):
         in_block = step % BLOCK
         if in_block == 0:
-            pushes.steps[:] = step
-            set_out(X, shocks, pushes, pulses)
+            pulse_state.steps[:] = step
+            set_out(X, shocks, pulse_state, pulses)
         before.append(X[state].copy())
-        go(X, shape, shocks, in_block, 1)
+        scheme.advance(*lanes, shocks, in_block, 1)
         after.append(X[state].copy())
-        go(X, shape, shocks, in_block + 1, stride - 1)
+        scheme.advance(*lanes, shocks, in_block + 1, stride - 1)
     return np.array(before).T, np.array(after).T
 
 
@@ -134,9 +114,10 @@ def coefficients(model, target):
     return np.concatenate([*columns, np.reshape(modal.geometric, (n, k * k))], axis=1)
 
 
-def _schemes(model):
-    """As kernels take it, `explicit` and `conserving`: None but for the one taken."""
-    return (None, True) if model.scheme == CONSERVING else (True, None)
+def empty_lanes(model):
+    """X, shape and scheme, as the kernels of a model take them."""
+    taken = scheme.CONSERVING if model.scheme == CONSERVING else scheme.EXPLICIT
+    return work_array(model.modes), (0,) * model.modes, taken
 
 
 def snap_target(model):
@@ -146,5 +127,5 @@ def snap_target(model):
 
 def work_array(modes):
     """Zeros for X, from the start of a cache line, where wide vector loads are fastest."""
-    padded = np.zeros((VECTORS + (GEOMETRIC + modes) * modes) * LANES + 8)
+    padded = np.zeros((R.VECTORS + (R.GEOMETRIC + modes) * modes) * LANES + 8)
     return padded[(-padded.ctypes.data // 8) % 8 :][: padded.size - 8]

@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from snapmap.device import BISTABILITY_LIMIT, Device
+from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.schemes import EXPLICIT, SCHEMES
-from snapmap.solver.simd_kernel import LANES
 
 APART = 1e-9
 """The amplitudes of a case's cells lie this share apart."""

@@ -9,11 +9,11 @@ import numpy as np
 from snapmap.device import Device
 from snapmap.solver.bracket import lowest_snap
 from snapmap.solver.cells import to_cells, to_rows
+from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import FAILED, label
 from snapmap.solver.schemes import stability_limit
 from snapmap.solver.settings import Settings
-from snapmap.solver.simd_kernel import LANES
 
 from ..stepped import stepped
 from .cases import APART, Case, changed

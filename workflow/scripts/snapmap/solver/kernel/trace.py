@@ -1,0 +1,106 @@
+"""Cells followed for their motion, kept in bins."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...numerics.arithmetic import widen_vectors
+from ...numerics.kept_kernels import compiled, inlined
+from . import rows as R
+from .lanes import load
+from .pulse import BLOCK, begin_pulse, no_pulse, set_out
+from .rows import LANES
+from .scheme import advance, midpoint, observe
+from .shared import copy
+
+# ASSUME: a trace looks at every fourth instant; the ringing of w has some forty to a period.
+SAMPLE = 4
+"""Steps between two looks at w for a trace; a divisor of BLOCK."""
+
+
+class Bins(NamedTuple):
+    """What a trace keeps; modified in place.
+
+    w_range: least and greatest w(L/2) from rest in each bin, (2, bins, cells)
+    instants: at each bin's start y, all energy and the beam's (pJ), (3, bins, cells)
+    bin, begin: of each lane the number of its bin, and the step at which the next one begins
+    low, high: w in that bin so far; (LANES,)
+    """
+
+    w_range: np.ndarray
+    instants: np.ndarray
+    bin: np.ndarray
+    begin: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+
+
+@compiled
+def trace_all(X, shape, scheme, devices, dt, pulses, cells, kept):
+    """Follow up to LANES cells as `follow_all` does, bit for bit, and keep their motion in bins.
+
+    At instants; the conserving scheme's half way between two, as its energies.
+
+    X: zeros; devices: each cell's row of coefficients, with target -inf, so that row W is never
+        latched; dt: each cell's, us; pulses: as in `Task`
+    cells: pulse, amplitude, f0 and damping as in `Task`, and width, steps of one bin, a multiple
+        of SAMPLE; (cells,)
+    kept: w_range and instants, as in `Bins`; modified in place
+    """
+    widen_vectors()
+    pulse, amplitude, f0, damping, width = cells
+    state, shocks = no_pulse(), np.zeros(BLOCK * LANES)
+    for l in range(width.size):
+        load(X, shape, scheme, l, devices[l], damping[l], amplitude[l], dt[l])
+        begin_pulse(X, l, state, pulses, pulse[l], f0[l] * dt[l])
+    before, number, begin = X.copy(), np.full(LANES, -1), np.zeros(LANES, np.int64)
+    bins = Bins(*kept, number, begin, np.empty(LANES), np.empty(LANES))
+    end = (R.VECTORS + R.SCRATCH * len(shape)) * LANES
+    for step in range(0, kept[0].shape[1] * width.max(), SAMPLE):
+        in_block = step % BLOCK
+        if in_block == 0:
+            state.steps[:] = step
+            set_out(X, shocks, state, pulses)
+        for l in range(width.size):
+            if begin[l] == step:
+                copy(X, before, R.STATE * LANES + l, end, LANES)
+        advance(X, shape, scheme, shocks, in_block, 1)
+        for l in range(width.size):
+            if begin[l] == step:
+                begin_bin(before, X, shape, scheme, l, bins, dt[l])
+                begin[l] += width[l]
+        widen(X, shape, scheme, bins.low, bins.high)
+        advance(X, shape, scheme, shocks, in_block + 1, SAMPLE - 1)
+    for l in range(width.size):
+        keep_range(bins, l)
+
+
+@inlined
+def begin_bin(before, X, shape, scheme, l, bins, dt):
+    """Keep the bin of lane l, and begin the next one."""
+    keep_range(bins, l)
+    bins.bin[l] += 1
+    bins.low[l], bins.high[l] = np.inf, -np.inf
+    bin = bins.bin[l]
+    if bin < bins.instants.shape[1]:
+        y, energy, of_beam = observe(before, X, shape, scheme, l)
+        bins.instants[0, bin, l] = y
+        bins.instants[1, bin, l] = energy / dt**2
+        bins.instants[2, bin, l] = of_beam / dt**2
+
+
+@inlined
+def widen(X, shape, scheme, low, high):
+    """Take w of every lane into the range of its bin."""
+    for l in range(LANES):
+        w = midpoint(X, shape, scheme, l)
+        low[l] = w if w < low[l] else low[l]
+        high[l] = w if w > high[l] else high[l]
+
+
+@inlined
+def keep_range(bins, l):
+    """Set the least and greatest w of a bin, unless it lies before the first or after the last."""
+    bin = bins.bin[l]
+    if 0 <= bin < bins.w_range.shape[1]:
+        bins.w_range[0, bin, l], bins.w_range[1, bin, l] = bins.low[l], bins.high[l]
