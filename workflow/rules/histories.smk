@@ -20,7 +20,7 @@ rule simulate_history:
 
 rule draw_histories:
     input:
-        histories=[f"results/histories/{cell}.nc" for cell in made.histories],
+        history=[f"results/histories/{cell}.nc" for cell in made.histories],
     output:
         pdf=[f"results/figures/history_{cell}.pdf" for cell in made.histories],
         png=[

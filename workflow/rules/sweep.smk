@@ -23,7 +23,7 @@ rule simulate_slab:
 
 rule collect:
     input:
-        slabs=[f"results/slabs/{name}.nc" for name in slabs],
+        slab=[f"results/slabs/{name}.nc" for name in slabs],
     output:
         cube="results/cube.nc",
     log:

@@ -3,7 +3,7 @@
 import csv
 
 from snapmap.config.planned import study_from
-from snapmap.io.job_log import job_log
+from snapmap.io.job_log import run_rule
 from snapmap.io.recorded import shocks_of
 from snapmap.thresholds.requirements import Verdict, check, summary
 
@@ -20,12 +20,4 @@ def check_requirements(study, requirements, C, tolerance, path, threads):
 
 
 if __name__ == "__main__":
-    with job_log(snakemake.log[0]):
-        check_requirements(
-            study=snakemake.params.study,
-            requirements=snakemake.params.requirements,
-            C=snakemake.params.C,
-            tolerance=snakemake.params.tolerance,
-            path=snakemake.output.requirements,
-            threads=snakemake.threads,
-        )
+    run_rule(check_requirements, snakemake)

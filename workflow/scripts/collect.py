@@ -1,6 +1,6 @@
 """Rule collect: join the slabs into one cube."""
 
-from snapmap.io.job_log import job_log
+from snapmap.io.job_log import run_rule
 from snapmap.io.netcdf import write
 from snapmap.sweeps.assemble import collect_slabs
 from snapmap.sweeps.cube import summary
@@ -14,10 +14,4 @@ def collect(slab_paths, axes, config, cube_path):
 
 
 if __name__ == "__main__":
-    with job_log(snakemake.log[0]):
-        collect(
-            slab_paths=snakemake.input.slabs,
-            axes=snakemake.params.axes,
-            config=snakemake.params.config,
-            cube_path=snakemake.output.cube,
-        )
+    run_rule(collect, snakemake)

@@ -3,7 +3,7 @@
 import xarray as xr
 
 from snapmap.figures import accuracy, style
-from snapmap.io.job_log import job_log
+from snapmap.io.job_log import run_rule
 
 
 def draw_accuracy(accuracy_path, stem):
@@ -15,8 +15,4 @@ def draw_accuracy(accuracy_path, stem):
 
 
 if __name__ == "__main__":
-    with job_log(snakemake.log[0]):
-        draw_accuracy(
-            accuracy_path=snakemake.input.accuracy,
-            stem=snakemake.output.pdf.removesuffix(".pdf"),
-        )
+    run_rule(draw_accuracy, snakemake)

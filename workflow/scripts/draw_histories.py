@@ -1,11 +1,9 @@
 """Rule draw_histories: draw the time history of each cell that was followed in full."""
 
-from pathlib import Path
-
 import xarray as xr
 
 from snapmap.figures import histories, style
-from snapmap.io.job_log import job_log
+from snapmap.io.job_log import run_rule
 
 
 def draw_histories(history_paths, stems):
@@ -19,8 +17,4 @@ def draw_histories(history_paths, stems):
 
 
 if __name__ == "__main__":
-    with job_log(snakemake.log[0]):
-        draw_histories(
-            history_paths=snakemake.input.histories,
-            stems=[Path(png).with_suffix("") for png in snakemake.output.png],
-        )
+    run_rule(draw_histories, snakemake)

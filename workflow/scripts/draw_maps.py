@@ -1,11 +1,9 @@
 """Rule draw_maps: draw maps over two axes of the cube: where beams end, and when they snap."""
 
-from pathlib import Path
-
 import xarray as xr
 
 from snapmap.figures import layout, maps, scales, style
-from snapmap.io.job_log import job_log
+from snapmap.io.job_log import run_rule
 from snapmap.io.points import read_points
 
 
@@ -46,13 +44,4 @@ def _cells(cube, view):
 
 
 if __name__ == "__main__":
-    with job_log(snakemake.log[0]):
-        draw_maps(
-            cube_path=snakemake.input.cube,
-            ends=snakemake.params.ends,
-            together=snakemake.params.together,
-            times=snakemake.params.times,
-            required_shocks=snakemake.params.required_shocks,
-            own_points=snakemake.params.own_points,
-            folder=Path(snakemake.output.png[0]).parent,
-        )
+    run_rule(draw_maps, snakemake)

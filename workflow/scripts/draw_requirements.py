@@ -3,15 +3,15 @@
 import pandas as pd
 
 from snapmap.figures import requirements, style
-from snapmap.io.job_log import job_log
+from snapmap.io.job_log import run_rule
 
 
-def draw_requirements(csv_path, stem):
+def draw_requirements(requirements_path, stem):
     """Draw the margin of each required shock, a row for each device and C; two columns wide."""
     # A name stays as it is, were it 12 or nan.
     names, numbers = ("requirement", "device"), ("margin", "margin_error")
     verdicts = pd.read_csv(
-        csv_path,
+        requirements_path,
         dtype=dict.fromkeys(names, str),
         na_values=dict.fromkeys(numbers, "nan"),
         keep_default_na=False,
@@ -23,8 +23,4 @@ def draw_requirements(csv_path, stem):
 
 
 if __name__ == "__main__":
-    with job_log(snakemake.log[0]):
-        draw_requirements(
-            csv_path=snakemake.input.requirements,
-            stem=snakemake.output.pdf.removesuffix(".pdf"),
-        )
+    run_rule(draw_requirements, snakemake)

@@ -3,7 +3,7 @@
 import xarray as xr
 
 from snapmap.figures import maps, style
-from snapmap.io.job_log import job_log
+from snapmap.io.job_log import run_rule
 
 
 def draw_settled(settled_path, beam_dampings, C, stem):
@@ -16,10 +16,4 @@ def draw_settled(settled_path, beam_dampings, C, stem):
 
 
 if __name__ == "__main__":
-    with job_log(snakemake.log[0]):
-        draw_settled(
-            settled_path=snakemake.input.settled,
-            beam_dampings=snakemake.params.beam_dampings,
-            C=snakemake.params.C,
-            stem=snakemake.output.pdf.removesuffix(".pdf"),
-        )
+    run_rule(draw_settled, snakemake)

@@ -1,11 +1,9 @@
 """Rule draw_snap_maps: draw which cells snap, with the thresholds, and maps of thresholds."""
 
-from pathlib import Path
-
 import xarray as xr
 
 from snapmap.figures import layout, maps, scales, style, thresholds
-from snapmap.io.job_log import job_log
+from snapmap.io.job_log import run_rule
 from snapmap.io.netcdf import check_alike
 from snapmap.io.points import read_points
 
@@ -56,14 +54,4 @@ def _save(figure, stem, attributes):
 
 
 if __name__ == "__main__":
-    with job_log(snakemake.log[0]):
-        draw_snap_maps(
-            cube_path=snakemake.input.cube,
-            threshold_path=snakemake.input.threshold,
-            views=snakemake.params.views,
-            together=snakemake.params.together,
-            fields=snakemake.params.fields,
-            required_shocks=snakemake.params.required_shocks,
-            own_points=snakemake.params.own_points,
-            folder=Path(snakemake.output.png[0]).parent,
-        )
+    run_rule(draw_snap_maps, snakemake)

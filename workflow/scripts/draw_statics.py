@@ -1,11 +1,9 @@
 """Rule draw_statics: draw the force and the energy of each beam that was pushed slowly."""
 
-from pathlib import Path
-
 import xarray as xr
 
 from snapmap.figures import statics, style
-from snapmap.io.job_log import job_log
+from snapmap.io.job_log import run_rule
 
 
 def draw_statics(statics_paths, stems):
@@ -21,8 +19,4 @@ def draw_statics(statics_paths, stems):
 
 
 if __name__ == "__main__":
-    with job_log(snakemake.log[0]):
-        draw_statics(
-            statics_paths=snakemake.input.statics,
-            stems=[Path(png).with_suffix("") for png in snakemake.output.png],
-        )
+    run_rule(draw_statics, snakemake)

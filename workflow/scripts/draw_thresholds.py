@@ -1,11 +1,9 @@
 """Rule draw_thresholds: draw the thresholds over each axis, and as a damage boundary."""
 
-from pathlib import Path
-
 import xarray as xr
 
 from snapmap.figures import scales, style, thresholds
-from snapmap.io.job_log import job_log
+from snapmap.io.job_log import run_rule
 
 
 def draw_thresholds(threshold_path, views, boundary, folder):
@@ -26,10 +24,4 @@ def draw_thresholds(threshold_path, views, boundary, folder):
 
 
 if __name__ == "__main__":
-    with job_log(snakemake.log[0]):
-        draw_thresholds(
-            threshold_path=snakemake.input.threshold,
-            views=snakemake.params.views,
-            boundary=snakemake.params.boundary,
-            folder=Path(snakemake.output.png[0]).parent,
-        )
+    run_rule(draw_thresholds, snakemake)

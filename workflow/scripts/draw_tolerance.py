@@ -1,11 +1,9 @@
 """Rule draw_tolerance: draw how probably devices snap, what that depends on, and the yield."""
 
-from pathlib import Path
-
 import xarray as xr
 
 from snapmap.figures import style, tolerances
-from snapmap.io.job_log import job_log
+from snapmap.io.job_log import run_rule
 from snapmap.numerics.portable import evenly
 
 DRAWN = {
@@ -54,9 +52,4 @@ def _draw(stem, panels, draw, keys, attributes):
 
 
 if __name__ == "__main__":
-    with job_log(snakemake.log[0]):
-        draw_tolerance(
-            tolerance_path=snakemake.input.tolerance,
-            places=snakemake.params.places,
-            folder=Path(snakemake.output.png[0]).parent,
-        )
+    run_rule(draw_tolerance, snakemake)

@@ -1,7 +1,7 @@
 """Rule find_tolerance: find what thresholds devices have whose values scatter."""
 
 from snapmap.config.planned import study_from
-from snapmap.io.job_log import job_log
+from snapmap.io.job_log import run_rule
 from snapmap.io.netcdf import write
 from snapmap.io.recorded import shocks_of
 from snapmap.tolerances.dataset import summary, tolerances_of
@@ -20,12 +20,4 @@ def find_tolerance(study, axes, tolerances, requirements, path, threads):
 
 
 if __name__ == "__main__":
-    with job_log(snakemake.log[0]):
-        find_tolerance(
-            study=snakemake.params.study,
-            axes=snakemake.params.axes,
-            tolerances=snakemake.params.tolerances,
-            requirements=snakemake.params.requirements,
-            path=snakemake.output.tolerance,
-            threads=snakemake.threads,
-        )
+    run_rule(find_tolerance, snakemake)

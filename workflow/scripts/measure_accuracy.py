@@ -1,7 +1,7 @@
 """Rule measure_accuracy: measure the error from each source, and the time of a simulation."""
 
 from snapmap.device import device_from
-from snapmap.io.job_log import job_log
+from snapmap.io.job_log import run_rule
 from snapmap.io.netcdf import write
 from snapmap.io.recorded import shocks_of
 from snapmap.solver.settings import Settings
@@ -19,13 +19,4 @@ def measure_accuracy(device, pulse, axes, settings, plan, path, threads):
 
 
 if __name__ == "__main__":
-    with job_log(snakemake.log[0]):
-        measure_accuracy(
-            device=snakemake.params.device,
-            pulse=snakemake.params.pulse,
-            axes=snakemake.params.axes,
-            settings=snakemake.params.settings,
-            plan=snakemake.params.plan,
-            path=snakemake.output.accuracy,
-            threads=snakemake.threads,
-        )
+    run_rule(measure_accuracy, snakemake)

@@ -1,7 +1,7 @@
 """Rule measure_settled: sweep one grid with less and more damping of the beam."""
 
 from snapmap.device import device_from
-from snapmap.io.job_log import job_log
+from snapmap.io.job_log import run_rule
 from snapmap.io.netcdf import write
 from snapmap.numerics.portable import geometric, linear
 from snapmap.sweeps.cube import sweep
@@ -26,10 +26,4 @@ def measure_settled(device, beam_dampings, path, threads):
 
 
 if __name__ == "__main__":
-    with job_log(snakemake.log[0]):
-        measure_settled(
-            device=snakemake.params.device,
-            beam_dampings=snakemake.params.beam_dampings,
-            path=snakemake.output.settled,
-            threads=snakemake.threads,
-        )
+    run_rule(measure_settled, snakemake)

@@ -1,7 +1,7 @@
 """Rule measure_stability: follow the hard cases with every model at many steps."""
 
 from snapmap.device import device_from
-from snapmap.io.job_log import job_log
+from snapmap.io.job_log import run_rule
 from snapmap.io.netcdf import write
 from studies.stability.measure import measure
 
@@ -12,9 +12,4 @@ def measure_stability(device, path, threads):
 
 
 if __name__ == "__main__":
-    with job_log(snakemake.log[0]):
-        measure_stability(
-            device=snakemake.params.device,
-            path=snakemake.output.stability,
-            threads=snakemake.threads,
-        )
+    run_rule(measure_stability, snakemake)

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from snapmap.config.planned import study_from
-from snapmap.io.job_log import job_log
+from snapmap.io.job_log import run_rule
 from snapmap.io.netcdf import write
 from snapmap.motion.history import history_of
 
@@ -18,9 +18,4 @@ def simulate_history(study, cell, path):
 
 
 if __name__ == "__main__":
-    with job_log(snakemake.log[0]):
-        simulate_history(
-            study=snakemake.params.study,
-            cell=snakemake.params.cell,
-            path=snakemake.output.history,
-        )
+    run_rule(simulate_history, snakemake)

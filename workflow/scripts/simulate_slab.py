@@ -1,7 +1,7 @@
 """Rule simulate_slab: follow the cells of one slab of the grid."""
 
 from snapmap.config.planned import study_from
-from snapmap.io.job_log import job_log
+from snapmap.io.job_log import run_rule
 from snapmap.sweeps.slab import write_slab
 
 
@@ -12,11 +12,4 @@ def simulate_slab(study, axes, path, threads, code):
 
 
 if __name__ == "__main__":
-    with job_log(snakemake.log[0]):
-        simulate_slab(
-            study=snakemake.params.study,
-            axes=snakemake.params.axes,
-            path=snakemake.output.slab,
-            threads=snakemake.threads,
-            code=snakemake.params.code,
-        )
+    run_rule(simulate_slab, snakemake)

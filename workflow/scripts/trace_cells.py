@@ -3,7 +3,7 @@
 import xarray as xr
 
 from snapmap.config.planned import study_from
-from snapmap.io.job_log import job_log
+from snapmap.io.job_log import run_rule
 from snapmap.io.netcdf import read_earlier, write
 from snapmap.motion.envelopes import trace
 
@@ -21,10 +21,4 @@ def trace_cells(cube_path, study, path, threads):
 
 
 if __name__ == "__main__":
-    with job_log(snakemake.log[0]):
-        trace_cells(
-            cube_path=snakemake.input.cube,
-            study=snakemake.params.study,
-            path=snakemake.output.traces,
-            threads=snakemake.threads,
-        )
+    run_rule(trace_cells, snakemake)

@@ -2,7 +2,7 @@
 
 from snapmap.beam.statics import force_displacement
 from snapmap.device import device_from
-from snapmap.io.job_log import job_log
+from snapmap.io.job_log import run_rule
 from snapmap.io.netcdf import write
 
 
@@ -12,5 +12,4 @@ def trace_statics(device, path):
 
 
 if __name__ == "__main__":
-    with job_log(snakemake.log[0]):
-        trace_statics(device=snakemake.params.device, path=snakemake.output.statics)
+    run_rule(trace_statics, snakemake)

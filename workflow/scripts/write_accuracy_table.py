@@ -5,7 +5,7 @@ import xarray as xr
 
 from snapmap.figures.accuracy import of_family
 from snapmap.io.atomic import replacing
-from snapmap.io.job_log import job_log
+from snapmap.io.job_log import run_rule
 from studies.accuracy.cases import FAMILIES, MODELS
 from studies.markdown import DASH, number, table
 
@@ -74,8 +74,4 @@ def _percent(error):
 
 
 if __name__ == "__main__":
-    with job_log(snakemake.log[0]):
-        write_accuracy_table(
-            accuracy_path=snakemake.input.accuracy,
-            table_path=snakemake.output.table,
-        )
+    run_rule(write_accuracy_table, snakemake)

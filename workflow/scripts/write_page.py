@@ -7,7 +7,7 @@ import xarray as xr
 
 from snapmap.figures.explore import page
 from snapmap.io.atomic import replacing
-from snapmap.io.job_log import job_log
+from snapmap.io.job_log import run_rule
 from snapmap.io.netcdf import check_alike
 
 
@@ -32,12 +32,4 @@ def write_page(cube_path, traces_path, threshold_path, horizon, path, tolerance_
 
 
 if __name__ == "__main__":
-    with job_log(snakemake.log[0]):
-        write_page(
-            cube_path=snakemake.input.cube,
-            traces_path=snakemake.input.traces,
-            threshold_path=snakemake.input.threshold,
-            tolerance_path=snakemake.input.get("tolerance"),
-            horizon=snakemake.params.horizon,
-            path=snakemake.output.page,
-        )
+    run_rule(write_page, snakemake)

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from snapmap.io.atomic import replacing
-from snapmap.io.job_log import job_log
+from snapmap.io.job_log import run_rule
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, OUTCOMES, RETURNED, SNAPPED, UNSNAPPED
 from snapmap.solver.schemes import SCHEMES
 from studies.stability.verdicts import (
@@ -123,9 +123,4 @@ def _table(head, rows):
 
 
 if __name__ == "__main__":
-    with job_log(snakemake.log[0]):
-        write_stability_table(
-            stability_path=snakemake.input.stability,
-            settled_path=snakemake.input.settled,
-            table_path=snakemake.output.table,
-        )
+    run_rule(write_stability_table, snakemake)

@@ -1,11 +1,30 @@
-"""The log of a rule's script."""
+"""A rule's script: its arguments, and its log."""
 
+import inspect
 import sys
 import traceback
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from pathlib import Path
+
+
+def run_rule(function: Callable, job) -> None:
+    """Call a script's function with what its job has under the names of its parameters.
+
+    job: the `snakemake` object. A parameter is one of its params, `threads`, or NAME_path (several:
+    NAME_paths) of an input or output NAME; `path`, `stem` and `folder` are those of the first
+    output, `stems` of all.
+    """
+    first = Path(job.output[0])
+    given = {"threads": job.threads, "path": str(first), "folder": first.parent}
+    given |= {"stem": str(first.with_suffix("")), **dict(job.params.items())}
+    given["stems"] = list(dict.fromkeys(Path(path).with_suffix("") for path in job.output))
+    for name, files in [*job.input.items(), *job.output.items()]:
+        given[f"{name}_path" if isinstance(files, str) else f"{name}_paths"] = files
+    wanted = inspect.signature(function).parameters
+    with job_log(job.log[0]):
+        function(**{name: given[name] for name in wanted if name in given})
 
 
 @contextmanager
