@@ -1,6 +1,7 @@
 """The SIMD kernel against the plain loop, against itself, and past its limits."""
 
 import dataclasses
+import re
 
 import numba
 import numpy as np
@@ -11,12 +12,14 @@ import snapmap
 from snapmap.device import batch
 from snapmap.solver import simd_loop
 from snapmap.solver.cells import to_cells
+from snapmap.solver.kernel import rows as R
 from snapmap.solver.kernel.conserving import advance_conserving
 from snapmap.solver.kernel.explicit import advance_explicit
 from snapmap.solver.kernel.pulse import BLOCK, go_on
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import FAILED, NEVER, label
+from snapmap.solver.plain_loop import System, follow
 from snapmap.solver.settings import STAY, Settings
 
 SMALL = {"N": np.linspace(700, 2300, 9), "f0": [500.0, 1500.0, 6000.0], "C": [0.025, 200.0]}
@@ -176,6 +179,18 @@ def test_a_failed_ledger_is_given_smaller_steps(handout):
     cells = to_cells(handout, 0, N.ravel(), f0.ravel(), 0.025, 300.0)
     assert (labels(model.follow_once, cells) == FAILED).any()
     assert not (labels(model.follow, cells) == FAILED).any()
+
+
+def test_every_row_and_every_variable_stands_in_the_table_of_symbols(root):
+    section = (root / "docs" / "theory.md").read_text().split("## Symbols")[1].split("\n## ")[0]
+    table = [line.split("|")[1:3] for line in section.splitlines() if line.startswith("| ")]
+    in_kernel, in_plain_loop = (
+        re.findall(r"`(\w+)`", " ".join(c)) for c in zip(*table, strict=True)
+    )
+    bounds = {"LANES", "STATE", "VECTORS"}
+    assert sorted(in_kernel) == sorted({name for name in vars(R) if name.isupper()} - bounds)
+    assert set(System._fields) <= set(in_plain_loop)
+    assert set(in_plain_loop) <= {*System._fields, *follow.py_func.__code__.co_varnames}
 
 
 @pytest.mark.skipif("+avx512f" not in get_host_cpu_features(), reason="no vectors of 512 bits")

@@ -21,7 +21,7 @@ class System(NamedTuple):
     slope_start: (n,), G q0, of the shape at rest
     axial: E A / (2 L), uN/um
     mass, spring, penalty: M (ng), K (uN/um), lambda (uN/um)
-    gap: h, between mass and midpoint at rest, um
+    gap: z0, between mass and midpoint at rest, um
     beam_damping: rate alpha of the force -alpha Mb du/dt on the beam, 1/us
     """
 
@@ -112,7 +112,7 @@ def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
 
     With u = q - q0 and y the displacement of the mass, from rest, at t = n dt:
 
-        N = -EA/2L (2 u.G q0 + u.G u),  P = lambda <u(L/2) - y - h>+
+        N = -EA/2L (2 u.G q0 + u.G u),  P = lambda <u(L/2) - y - z0>+
         Mb (u+ - 2 u + u-)/dt^2 + alpha Mb (u+ - u-)/(2 dt) = -Kb u + N (G u + G q0) - f a - e P
         M (y+ - 2 y + y-)/dt^2 + C (y+ - y-)/(2 dt) = -M a - K y + P
 
