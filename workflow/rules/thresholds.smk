@@ -4,7 +4,8 @@ rule find_threshold:
         table="results/thresholds.csv",
     log:
         "results/logs/find_threshold.log",
-    priority: 80
+    # Beside the first cells, not after them: of these no two then compile the same kernel at once.
+    priority: 110
     conda:
         "../envs/snapmap.yaml"
     threads: half
