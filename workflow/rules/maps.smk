@@ -22,7 +22,9 @@ rule draw_maps:
         ends=[view._asdict() for view in made.ends],
         together=[view._asdict() for view in made.together if made.ends],
         times=[view._asdict() for view in made.times],
-        required_shocks=[(asked.name, asked.f0, asked.N) for asked in study.requirements],
+        required_shocks=[
+            (asked.name, asked.f0, asked.N) for asked in study.requirements
+        ],
         own_points=own_points,
     message:
         "Draw where the beams end, and when they snap"
@@ -55,7 +57,9 @@ rule draw_snap_maps:
         views=[view._asdict() for view in made.snaps],
         together=[view._asdict() for view in made.together],
         fields=[view._asdict() for view in made.fields],
-        required_shocks=[(asked.name, asked.f0, asked.N) for asked in study.requirements],
+        required_shocks=[
+            (asked.name, asked.f0, asked.N) for asked in study.requirements
+        ],
         own_points=own_points,
     message:
         "Draw which cells snap, with the thresholds"
