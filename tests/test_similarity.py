@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 import snapmap
@@ -13,7 +13,7 @@ from snapmap.pulse import make_pulse, sampled
 from snapmap.solver.bracket import lowest_snap
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.schemes import SCHEMES
+from snapmap.solver.schemes import CONSERVING, EXPLICIT, SCHEMES
 from snapmap.solver.settings import Settings
 
 FACTORS = st.floats(0.01, 100.0)
@@ -45,17 +45,18 @@ def shocks(_, mass, time):
     return {**axes, **MODEL, "horizon": 1500.0 * time}
 
 
-@pytest.mark.parametrize("scheme", SCHEMES)
-@settings(max_examples=5, deadline=None, derandomize=True)
+@pytest.mark.parametrize(("scheme", "until"), [(CONSERVING, "settled"), (EXPLICIT, "snap")])
+@settings(max_examples=5, deadline=None, derandomize=True, phases=[Phase.generate])
 @given(st.tuples(FACTORS, FACTORS, FACTORS))
-def test_similar_devices_answer_alike(device, scheme, factors):
-    N, time = {"N": [600.0, 900.0, 1300.0, 1800.0], "scheme": scheme}, factors[2]
-    own = snapmap.sweep(device, **shocks(1, 1, 1), **N)
-    found = snapmap.sweep(scaled(device, *factors), **shocks(*factors), **N)
+def test_similar_devices_answer_alike(device, scheme, until, factors):
+    """Explicit runs end at their snap: what follows without a proof is chaotic."""
+    asked = {"N": [600.0, 900.0, 1300.0, 1800.0], "scheme": scheme, "until": until}
+    own = snapmap.sweep(device, **shocks(1, 1, 1), **asked)
+    found = snapmap.sweep(scaled(device, *factors), **shocks(*factors), **asked)
     assert 0 < own.t_snap.notnull().sum() < own.t_snap.size
     np.testing.assert_array_equal(found.outcome, own.outcome)
-    for key in ("t_snap", "t_settled"):
-        np.testing.assert_allclose(found[key] / time, own[key], rtol=1e-12)
+    for key in {"t_snap", "t_settled"} & set(own):
+        np.testing.assert_allclose(found[key] / factors[2], own[key], rtol=1e-12)
 
 
 def test_similar_devices_have_one_threshold(device):
