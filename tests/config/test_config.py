@@ -21,7 +21,7 @@ from snapmap.config.yaml_file import ConfigError, read_document
 from snapmap.device import Beam, Device
 from snapmap.solver.settings import Settings
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 DEFAULT = read_document(ROOT / "config/config.yaml")
 SCHEMA = yaml.safe_load(Path(config.__file__).with_name("schema.yaml").read_text(encoding="utf-8"))
 MISSING = object()
