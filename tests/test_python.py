@@ -10,14 +10,6 @@ import snapmap
 CELL = {"N": [1000.0], "f0": [1500.0], "C": [25.0]}
 
 
-def test_the_package_shows_its_functions_and_no_more():
-    assert set(dir(snapmap)) == {*snapmap.__all__, "__version__"}
-    assert all(
-        callable(getattr(snapmap, name)) and getattr(snapmap, name).__doc__
-        for name in snapmap.__all__
-    )
-
-
 @pytest.mark.parametrize("name", snapmap.__all__)
 def test_the_example_of_each_function_is_true(root, monkeypatch, name):
     monkeypatch.chdir(root)

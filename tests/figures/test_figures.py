@@ -124,12 +124,9 @@ def line(ax, label):
     return next(line for line in ax.lines if line.get_label().startswith(label))
 
 
-def test_geometric_edges():
+def test_edges_lie_midway():
     edges = scales.geometric_edges(np.array([100.0, 400.0, 6400.0]))
     assert edges.tolist() == [50.0, 200.0, 1600.0, 25600.0]
-
-
-def test_arithmetic_edges():
     assert scales.arithmetic_edges(np.array([-1.0, 0.0, 3.0])).tolist() == [-1.5, -0.5, 1.5, 4.5]
 
 
@@ -138,12 +135,9 @@ def test_edges_surround_a_lone_value(value):
     low, high = scales.arithmetic_edges(np.array([value]))
     assert low < value < high
     assert low + high == pytest.approx(2 * value)
-
-
-def test_geometric_edges_surround_a_lone_value():
-    low, high = scales.geometric_edges(np.array([1500.0]))
-    assert 0 < low < 1500 < high
-    assert low * high == pytest.approx(1500.0**2)
+    if value > 0:
+        low, high = scales.geometric_edges(np.array([value]))
+        assert 0 < low < value < high and low * high == pytest.approx(value**2)
 
 
 def test_figures_over_durations_are_those_over_frequencies():
@@ -247,11 +241,8 @@ def test_a_design_is_drawn_over_both_values():
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("rise (µm)", "thickness (µm)")
 
 
-def test_snap_time_is_between_two_samples():
+def test_snap_time_is_between_two_samples_or_not_seen():
     assert histories.snap_time(make_history([10, 0, -8, -12, -5, -12])) == 22.5
-
-
-def test_snap_time_is_not_seen():
     assert math.isnan(histories.snap_time(make_history([10, 0, -8.9])))
 
 
@@ -632,18 +623,10 @@ def test_saved_files_repeat_byte_for_byte(saved, tmp_path):
 
 
 @pytest.mark.parametrize("stem", STEMS)
-def test_pdf_embeds_truetype_fonts(saved, stem):
-    assert b"/FontFile2" in saved[f"{stem}.pdf"]
-    assert b"/Type3" not in saved[f"{stem}.pdf"]
-
-
-@pytest.mark.parametrize("stem", STEMS)
-def test_pdf_carries_provenance_and_no_date(saved, stem):
+def test_pdf_carries_truetype_fonts_provenance_and_no_date(saved, stem):
     pdf = saved[f"{stem}.pdf"]
-    assert b"/Title (A title)" in pdf
-    assert b"/Creator (0.1.0+abc)" in pdf
-    assert b"1.5 ms" in pdf
-    assert b"Date" not in pdf
+    there = b"/FontFile2", b"/Title (A title)", b"/Creator (0.1.0+abc)", b"1.5 ms"
+    assert all(part in pdf for part in there) and b"/Type3" not in pdf and b"Date" not in pdf
 
 
 @pytest.mark.parametrize("stem", STEMS)

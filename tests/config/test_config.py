@@ -22,7 +22,7 @@ from snapmap.device import Beam, Device
 from snapmap.quantities import KINDS
 from snapmap.solver.settings import Settings
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 DEFAULT = read_document(ROOT / "config/config.yaml")
 SCHEMA = validator().schema
 MISSING = object()

@@ -116,6 +116,13 @@ def test_who_takes_which_rule(handout):
         assert all(step_of(model.steps, handout, 10.0, question) == dt for question in QUESTIONS)
 
 
+def test_the_arch_is_stiffer_than_its_bending_by_its_rise(handout):
+    """Of a single cosine by 1 + 12 Q^2 / 8."""
+    modal = build_model(handout, "cosines", modes=1).modal
+    ratio = arch_frequency(modal) ** 2 / modal.stiffness[0]
+    assert ratio == pytest.approx(1 + 1.5 * handout.beam.bistability**2, rel=1e-12)
+
+
 def threshold(model, f0, C, pulse, tolerance):
     rows, settings = to_rows(0, f0, C), Settings(300.0, until="snap", pulses=(pulse,))
     reach = static_threshold(model.device) * np.array([0.5, 4.0])

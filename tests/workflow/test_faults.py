@@ -175,34 +175,20 @@ def test_a_broken_slab_is_refused_by_name_and_made_again(folder, undisturbed):
     assert folder.cube.read_bytes() == undisturbed.cube.read_bytes()
 
 
-def _truncated(path, other):
-    path.write_bytes(path.read_bytes()[:-1000])
+FAULTS = {
+    "truncated": lambda path, other: path.write_bytes(path.read_bytes()[:-1000]),
+    "empty": lambda path, other: path.write_bytes(b""),
+    "text": lambda path, other: path.write_text("N: 600\n"),
+    "foreign": lambda path, other: path.write_bytes(other.read_bytes()),
+    "another file": lambda path, other: xr.Dataset({"N": [600.0]}).to_netcdf(path),
+    "missing": lambda path, other: path.unlink(),
+}
 
 
-def _empty(path, other):
-    path.write_bytes(b"")
-
-
-def _text(path, other):
-    path.write_text("N: 600\n")
-
-
-def _foreign(path, other):
-    path.write_bytes(other.read_bytes())
-
-
-def _another_file(path, other):
-    xr.Dataset({"N": [600.0]}).to_netcdf(path)
-
-
-def _missing(path, other):
-    path.unlink()
-
-
-@pytest.mark.parametrize("fault", [_truncated, _empty, _text, _foreign, _another_file, _missing])
+@pytest.mark.parametrize("fault", FAULTS)
 def test_a_faulty_file_is_named_with_the_hole_it_leaves(slabs, fault):
     paths, axes = slabs
-    fault(paths[1], paths[2])
+    FAULTS[fault](paths[1], paths[2])
     with pytest.raises(ValueError) as refusal:
         collect_slabs(paths, axes, {})
     first, second = str(refusal.value).splitlines()

@@ -53,20 +53,6 @@ def test_a_mass_that_flies_away_is_a_linear_oscillator(handout, f0):
     np.testing.assert_allclose(history[:, 18][flying], exact[flying], atol=2e-5 * exact.max())
 
 
-def test_shock_spectrum_of_the_versed_sine():
-    """Largest response ratio 1.705 at tau/T = 1.00; nothing remains at tau/T = 2."""
-    omega, t = 1.0, np.linspace(0, 60, 60001)
-    peaks = {
-        ratio: abs(versed_sine_response(t, 1.0, omega / (2 * np.pi * ratio), omega)).max()
-        for ratio in np.arange(0.805, 1.2, 0.01)
-    }
-    best = max(peaks, key=peaks.get)
-    assert peaks[best] == pytest.approx(1.705, abs=1e-3) and best == pytest.approx(1.0, abs=0.011)
-    f0 = 1 / (2 * 2 * np.pi + 1e-9)
-    residual = versed_sine_response(t[t > 4 * np.pi + 0.1], 1.0, f0, omega)
-    assert abs(residual).max() < 1e-6
-
-
 def test_order_two_in_the_step_before_first_separation(handout):
     duration = 60.0
     ends = []
@@ -80,9 +66,8 @@ def test_order_two_in_the_step_before_first_separation(handout):
     assert orders == pytest.approx(2.0, abs=0.1)
 
 
-def test_the_threshold_converges_with_order_four_in_h(handout):
-    """The static pull-in of eq. (4), seen by the dynamics: threshold error of n elements."""
-    # Deflection at a fixed time, before contact can chatter.
+def test_the_deflection_converges_with_order_four_in_h(handout):
+    """At a fixed time, before contact can chatter."""
     ends = []
     for elements in (3, 6, 12):
         _, history, _ = march(handout, 800.0, 1.5e-3, 0.025, 0.002, 250.0, elements=elements)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 PYTHONS = ["python3", "python3.13", "python3.12", "python3.11"]
 
 # Notes each venv that it is asked for; a file beside it named `fault` holds shell code to run then.

@@ -299,13 +299,13 @@ def test_absurd_values_are_refused(path, value, start):
     assert line.startswith(start)
 
 
-def test_a_grid_of_a_million_cubed_is_refused():
+def test_a_grid_of_too_many_cells_is_refused():
     document = copy.deepcopy(DEFAULT)
     for key in ("N", "f0", "C"):
         unit = KINDS[KIND[key]].unit
-        document["sweep"][key] = {"from": f"1 {unit}", "to": f"9 {unit}", "points": 10**6}
+        document["sweep"][key] = {"from": f"1 {unit}", "to": f"9 {unit}", "points": 10**5}
     document["sweep"]["N"] |= {"from": 1, "to": 9}
-    assert lines_of(document) == ["sweep: 1e+18 cells, more than 1e+10; write fewer points"]
+    assert lines_of(document) == ["sweep: 1e+15 cells, more than 1e+10; write fewer points"]
 
 
 def test_documents_that_hold_themselves_or_a_billion_parts_are_refused():

@@ -201,6 +201,8 @@ def test_tilting_lowers_the_barrier_and_may_end_it(handout):
         energies.append(find_barrier(replace(free, imperfection=imperfection), basis).energy)
     whole = find_barrier(guided, symmetric_cosines(4)).energy
     assert whole > energies[0] > energies[1] > energies[2] > 0
+    w2 = guided.second_equilibrium
+    assert find_barrier(free, basis).second == pytest.approx(w2, rel=1e-9)
     assert find_barrier(replace(free, thickness=2.0), basis).energy == 0
     assert find_barrier(replace(free, imperfection=2.0), basis).energy == 0
 
