@@ -193,7 +193,7 @@ def test_a_faulty_file_is_named_with_the_hole_it_leaves(slabs, fault):
         collect_slabs(paths, axes, {})
     first, second = str(refusal.value).splitlines()
     assert first.startswith(f"{paths[1]}: ")
-    hole = "hole in the grid: C = 25 uN us/um, f0 = 300 to 10000 Hz: 0 of 800 cells are there"
+    hole = "hole in the grid: C = 25 uN*us/um, f0 = 300 to 10000 Hz: 0 of 800 cells are there"
     assert second == hole
 
 
