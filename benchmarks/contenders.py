@@ -2,6 +2,7 @@
 
 from importlib.util import find_spec
 
+from kernel import HANDOUT, KERNELS
 from peers import by_heyoka, by_scipy
 from workload import Follow
 
@@ -9,7 +10,6 @@ from snapmap.device import Device
 from snapmap.solver.model import Model
 from snapmap.solver.models import build_model
 from studies.few import few
-from studies.kernel import HANDOUT, KERNELS
 
 REFERENCE = "reference (plain loop)"
 MODELS = {REFERENCE: {"name": "reference"}, **KERNELS}

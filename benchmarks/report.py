@@ -10,11 +10,11 @@ from pathlib import Path
 
 from contenders import FEWEST, MODELS, build
 from errors import error_section
+from kernel import peak_flops, vector_bits
 from speed import speed_section
 
 from snapmap.device import Device
 from studies.few import few
-from studies.kernel import peak_flops, vector_bits
 
 
 def sections(device: Device) -> Iterator[str]:

@@ -3,7 +3,9 @@
 from functools import partial
 
 from contenders import REFERENCE, heyokas, scipys
+from kernel import step_flops
 from peers import TOLERANCE
+from timing import take_turns
 from workload import (
     FEWEST,
     SETTINGS,
@@ -18,9 +20,7 @@ from workload import (
 from snapmap.device import Device
 from snapmap.solver.model import Model
 from studies.few import few
-from studies.kernel import step_flops
 from studies.markdown import DASH, number, rate, ratio, table
-from studies.timing import take_turns
 
 ROUNDS = 5
 FEW = slice(4, None, 29)

@@ -21,6 +21,7 @@ from studies.stability.measure import measure
 LINE = re.compile(r"^    ((?:PYTHONPATH=\S+ )?(?:\./|/path/to/)run .*?)(?:  +#.*)?$", re.M)
 SPAN = re.compile(r"`((?:PYTHONPATH=\S+ )?\./run [^`]+)`")
 STUDY = re.compile(r"\bstudies\.(\w+)")
+BENCHMARK = re.compile(r"\bbenchmarks/(\w+)\.py")
 
 ITSELF = "this run of the tests"
 A_STUDY = "test_pipeline.py::test_every_figure_is_there"
@@ -62,10 +63,14 @@ ELSEWHERE = {
     "ruff format": ITSELF,
 }
 """What runs each command that is no study, in small."""
-SHORT = ("motion", "scaling", "schemes", "sensitivity", "settling")
-LONG = ("coverage", "many_devices", "proofs", "pulses", "start", "steps", "thresholds", "tilt")
-LONG += ("tolerances", "validation", "width")
-MARKED = [pytest.param(name, marks=pytest.mark.long) for name in LONG]
+SHORT = ("motion", "sensitivity", "settling")
+LONG = ("coverage", "proofs", "pulses", "steps", "thresholds", "tilt", "tolerances", "validation")
+BENCHMARKS = ("scaling", "schemes")
+LONG_BENCHMARKS = ("many_devices", "start", "width")
+
+
+def marked(names):
+    return [pytest.param(name, marks=pytest.mark.long) for name in names]
 
 
 @pytest.fixture(scope="module")
@@ -85,23 +90,30 @@ def commands_in(text):
 
 def test_every_command_is_run_by_a_test(root, documents):
     commands = commands_in(documents)
+    own = {f"python benchmarks/{name}.py" for name in (*BENCHMARKS, *LONG_BENCHMARKS)}
     others = {one for one in commands if not one.startswith("pytest") and not STUDY.search(one)}
-    assert others == set(ELSEWHERE)
+    assert others - own == set(ELSEWHERE)
     for place in set(ELSEWHERE.values()) - {ITSELF}:
         file, name = place.split("::")
         (path,) = (root / "tests").rglob(file)
         assert f"def {name}(" in path.read_text(encoding="utf-8")
 
 
-def test_every_study_is_run_by_a_test(root, documents):
-    named = set(STUDY.findall(documents))
-    assert named == {*SHORT, *LONG}
-    modules = (root / "workflow" / "scripts" / "studies").glob("*.py")
+@pytest.mark.parametrize(
+    ("folder", "named_as", "run"),
+    [
+        ("workflow/scripts/studies", STUDY, {*SHORT, *LONG}),
+        ("benchmarks", BENCHMARK, {"compare", *BENCHMARKS, *LONG_BENCHMARKS}),
+    ],
+)
+def test_every_study_and_benchmark_is_run_by_a_test(root, documents, folder, named_as, run):
+    assert set(named_as.findall(documents)) == run
+    modules = (root / folder).glob("*.py")
     runnable = {path.stem for path in modules if "__main__" in path.read_text(encoding="utf-8")}
-    assert named == runnable
+    assert run == runnable
 
 
-@pytest.mark.parametrize("study", [*SHORT, *MARKED])
+@pytest.mark.parametrize("study", [*SHORT, *marked(LONG)])
 def test_a_study_runs_in_small(monkeypatch, capsys, tmp_path, root, study):
     """As by `python -m`; what it writes lands in the current folder."""
     monkeypatch.chdir(tmp_path)
@@ -110,6 +122,15 @@ def test_a_study_runs_in_small(monkeypatch, capsys, tmp_path, root, study):
     runpy.run_module(f"studies.{study}", run_name="__main__")
     rows = [line for line in capsys.readouterr().out.splitlines() if line.startswith("| ")]
     assert len(rows) > 2
+
+
+@pytest.mark.parametrize("benchmark", [*BENCHMARKS, *marked(LONG_BENCHMARKS)])
+def test_a_benchmark_runs_in_small(root, tmp_path, benchmark):
+    command = [sys.executable, root / "benchmarks" / f"{benchmark}.py", "--small"]
+    path = {"PYTHONPATH": str(root / "workflow" / "scripts")}
+    options = {"cwd": tmp_path, "env": os.environ | path, "check": True, "capture_output": True}
+    out = subprocess.run(command, **options, text=True).stdout
+    assert len([line for line in out.splitlines() if line.startswith("| ")]) > 2
 
 
 def test_the_comparison_in_small(root, tmp_path):

@@ -10,6 +10,7 @@ Writes results/figures/coverage.pdf and .png: errors over their bars, by model.
 import sys
 from pathlib import Path
 from time import perf_counter
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -26,9 +27,17 @@ from snapmap.thresholds.islands import FOUND, NOT_FOLLOWED, NOTHING_SNAPS
 from .few import SMALL, few
 from .markdown import number, table
 from .random_devices import draw_any_device, draw_device, draw_pulse, draw_shocks
-from .timing import Run
 
 SEED, DEVICES, THREADS = 13, 24, 2
+
+
+class Run(NamedTuple):
+    """What a model answered, or None after an exception, and the time that it took, s."""
+
+    result: tuple | None
+    seconds: float
+
+
 MODELS = {
     "auto": {"model": "auto"},
     "handout": {"model": "handout"},

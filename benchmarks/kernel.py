@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 from numba import njit
+from timing import take_turns
 
 from snapmap.numerics.arithmetic import widen_vectors
 from snapmap.solver.kernel.lanes import load
@@ -14,9 +15,7 @@ from snapmap.solver.model import Model
 from snapmap.solver.schemes import EXPLICIT
 from snapmap.solver.settings import MOVE
 from snapmap.solver.simd_loop import coefficients, empty_lanes
-
-from .few import few
-from .timing import take_turns
+from studies.few import few
 
 HANDOUT, FOUR = "handout (9 modes)", "cosines, 4 modes"
 KERNELS = {

@@ -1,6 +1,6 @@
 """What one core can do, and how near the kernel comes, with vectors of either width.
 
-PYTHONPATH=workflow/scripts ./run python -m studies.width [--small]
+PYTHONPATH=workflow/scripts ./run python benchmarks/width.py [--small]
 
 Each width is measured in processes of its own, as a kernel is compiled for one.
 """
@@ -15,11 +15,10 @@ from typing import NamedTuple
 
 from snapmap import load_device
 from snapmap.numerics import arithmetic
+from studies.few import few
+from studies.markdown import number, table
 
-from .few import few
-from .markdown import number, table
-
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[1]
 WIDTHS = 512, 256
 ROUNDS = 2
 """Processes of each width, in turns; the best of each figure counts."""
@@ -68,16 +67,16 @@ def width_table(widths: dict[int, Width]) -> str:
 def _run(bits):
     with TemporaryDirectory() as cache:
         paths = {"NUMBA_CACHE_DIR": cache}
-        command = [sys.executable, "-m", "studies.width", *sys.argv[1:], str(bits)]
+        command = [sys.executable, __file__, *sys.argv[1:], str(bits)]
         done = subprocess.run(command, env=os.environ | paths, stdout=subprocess.PIPE, check=True)
     return json.loads(done.stdout)
 
 
 def _measure(bits):
     arithmetic.VECTOR_BITS = bits  # before anything is compiled
-    from snapmap.solver.models import build_model
+    from kernel import KERNELS, block_seconds, peak_flops, step_flops, vector_bits
 
-    from .kernel import KERNELS, block_seconds, peak_flops, step_flops, vector_bits
+    from snapmap.solver.models import build_model
 
     device = load_device(ROOT / "config" / "config.yaml")
     models = {name: build_model(device, **options) for name, options in few(KERNELS).items()}

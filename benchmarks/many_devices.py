@@ -1,6 +1,6 @@
 """Cells of many devices against cells of one: how many a second, with the set-up of the models.
 
-PYTHONPATH=workflow/scripts ./run python -m studies.many_devices [--small]
+PYTHONPATH=workflow/scripts ./run python benchmarks/many_devices.py [--small]
 """
 
 from functools import partial
@@ -9,6 +9,7 @@ from pathlib import Path
 from time import perf_counter
 
 import numpy as np
+from timing import take_turns
 
 from snapmap import load_device, threshold
 from snapmap.axes import make_grid
@@ -17,12 +18,10 @@ from snapmap.solver.adaptive import choose_model
 from snapmap.solver.outcome import count
 from snapmap.solver.settings import Settings
 from snapmap.sweeps.grid import follow_grid
+from studies.few import few
+from studies.markdown import number, rate, table
 
-from .few import few
-from .markdown import number, rate, table
-from .timing import take_turns
-
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[1]
 DEVICES, FEWEST, ROUNDS, THREADS, SIDE = 10_000, 16, 3, 2, 21
 N, SHOCK = 1000.0, {"C": [25.0], "f0": [1500.0]}
 VARIED = np.linspace(0.9, 1.1, DEVICES)

@@ -1,6 +1,6 @@
 """From the start of a process to its first result: docs/performance.md.
 
-PYTHONPATH=workflow/scripts ./run python -m studies.start [--small]
+PYTHONPATH=workflow/scripts ./run python benchmarks/start.py [--small]
 """
 
 import os
@@ -11,10 +11,10 @@ from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import NamedTuple
 
-from .few import few
-from .markdown import number, table
+from studies.few import few
+from studies.markdown import number, table
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[1]
 
 SWEEP = """
 import sys, snapmap

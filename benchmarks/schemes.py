@@ -1,6 +1,6 @@
 """What either scheme costs with soft, stiff and hard contact: docs/performance.md.
 
-PYTHONPATH=workflow/scripts ./run python -m studies.schemes [--small]
+PYTHONPATH=workflow/scripts ./run python benchmarks/schemes.py [--small]
 """
 
 from dataclasses import replace
@@ -9,18 +9,17 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
+from timing import take_turns
 
 from snapmap import load_device
 from snapmap.solver.cells import to_cells
 from snapmap.solver.models import build_model
 from snapmap.solver.schemes import SCHEMES
 from snapmap.solver.settings import UNTIL, Settings
+from studies.few import few
+from studies.markdown import number, table
 
-from .few import few
-from .markdown import number, table
-from .timing import take_turns
-
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[1]
 SIDE, C, ROUNDS = 16, 0.025, 5
 CONTACTS = (40.0, 4000.0, np.inf)
 MODELS = {

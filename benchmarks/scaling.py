@@ -1,25 +1,24 @@
 """Cells per second by their number and that of threads: docs/performance.md.
 
-PYTHONPATH=workflow/scripts ./run python -m studies.scaling [--small]
+PYTHONPATH=workflow/scripts ./run python benchmarks/scaling.py [--small]
 """
 
 from functools import partial
 from pathlib import Path
 
 import numpy as np
+from kernel import FOUR, KERNELS
+from timing import take_turns
 
 from snapmap import load_device
 from snapmap.device import Device
 from snapmap.solver.cells import Cells, to_cells
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
+from studies.few import few
+from studies.markdown import number, rate, ratio, table
 
-from .few import few
-from .kernel import FOUR, KERNELS
-from .markdown import number, rate, ratio, table
-from .timing import take_turns
-
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[1]
 COUNTS = 1_000, 10_000, 100_000, 1_000_000
 SETTINGS = Settings(until="snap", repeat=False)
 
