@@ -6,6 +6,7 @@ import runpy
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 import yaml
 
@@ -34,6 +35,19 @@ def test_the_gallery_has_every_figure(root):
     figures = {name for cell in table for name in re.findall(r"`(\w+\*?)`", cell)}
     shown = set(re.findall(r"`(\w+\*?)`", (root / "docs" / "gallery.md").read_text()))
     assert {"maps", "yield", "accuracy"} <= figures - {"thresholds_*", "accuracy_quick"} <= shown
+
+
+def test_the_example_of_the_first_screen_runs(root, tmp_path, monkeypatch):
+    lines = (root / "README.md").read_text().splitlines()[:45]
+    (code,) = re.findall(r"^```python\n(.*?)^```", "\n".join(lines), re.M | re.S)
+    (tmp_path / "config").symlink_to(root / "config")
+    monkeypatch.chdir(tmp_path)
+    exec(code, found := {})
+    said = re.search(r"# (.*?) and (.*?), \+- (.*?) and (.*)", code).groups()
+    edge = found["edge"]
+    values = np.concatenate([edge.N_first.values.ravel(), edge.N_error.values.ravel()])
+    assert tuple(f"{value:.1f}" for value in values) == said
+    assert (tmp_path / "map.pdf").exists()
 
 
 @pytest.mark.long
