@@ -76,14 +76,14 @@ def test_default_study_is_exact():
     assert np.array_equal(study.axes["N"], np.arange(600.0, 2401.0, 20.0))
     assert np.array_equal(study.axes["C"], [0.025, 25.0, 200.0])
     assert (study.axes["f0"].size, study.axes["f0"][0], study.axes["f0"][-1]) == (
-        31,
+        41,
         100.0,
         30000.0,
     )
-    assert np.allclose(study.axes["f0"][1:] / study.axes["f0"][:-1], 300 ** (1 / 30), rtol=1e-13)
+    assert np.allclose(study.axes["f0"][1:] / study.axes["f0"][:-1], 300 ** (1 / 40), rtol=1e-13)
     assert study.settings.asked() == Settings(1500.0, "settled", True, 1e-3).asked()
     (cell,) = study.histories
-    nearest = study.axes["f0"][14]
+    nearest = study.axes["f0"][19]
     assert cell.shock == {"N": 1000.0, "f0": nearest, "C": 0.025} and cell.changes == {}
     assert cell.name == f"N1000_f{nearest:.6g}_C0.025"
     assert study.own_points == ()
