@@ -16,6 +16,7 @@ _HOME = {
     "sweep": "sweeps.cube",
     "threshold": "thresholds.surface",
     "tolerance": "tolerances.dataset",
+    "vibration": "random_vibration.probability",
 }
 __all__ = [
     "describe",
@@ -29,6 +30,7 @@ __all__ = [
     "sweep",
     "threshold",
     "tolerance",
+    "vibration",
 ]
 
 

@@ -91,7 +91,9 @@ class Pulse:
         """Whether its slope has no jump, within or at its ends, that would ring the beam."""
         begin, _, slope, turns, lift, swing = self.pieces.T
         ends, turn = turns * np.diff(begin, append=1.0), 2 * np.pi * turns
-        sine, cosine = (np.vectorize(portable.sine)(ends + quarter) for quarter in (0.0, 0.25))
+        ends, place = np.unique(ends, return_inverse=True)
+        each = (np.vectorize(portable.sine)(ends + quarter) for quarter in (0.0, 0.25))
+        sine, cosine = (values[place] for values in each)
         first, last = slope + turn * swing, slope + turn * (lift * sine + swing * cosine)
         jumps = np.append(first, 0.0) - np.insert(last, 0, 0.0)
         return not any(self.ends) and bool(abs(jumps).max() < NO_JUMP)

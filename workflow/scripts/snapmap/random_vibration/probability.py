@@ -1,0 +1,283 @@
+"""How likely random vibration trips a device, and at which level it does."""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from ..axes import Grid, coordinates
+from ..device import Device
+from ..io.provenance import provenance, recipe
+from ..solver.adaptive import choose_survey
+from ..solver.cells import check_cells, to_cells
+from ..solver.model import Follows
+from ..solver.settings import Settings
+from ..study import THRESHOLD_SETTINGS, Study, study_of
+from .spectrum import Spectrum, record
+
+RECORDS, SEED, REACH = 16, 1, 0.01
+"""Records by default, the seed of their phases, and the probability whose level is looked for."""
+RUNG = 2**0.25
+"""Between levels that are tried."""
+STRIDE, FARTHEST = 4, 60
+"""Rungs between levels at first; and how far from the given one is tried."""
+RUNGS = 4
+"""Rungs from the lowest that snaps on to which a rate is fitted: far above it Rice's law ends."""
+STEP = 4.0
+"""Over the time steps of a threshold: what a record needs, as docs/vibration.md measures."""
+PIECES = 2_000_000
+"""Of records that are followed at a time; 96 MB."""
+NORMAL = 1.959964
+"""Standard deviations within which a normal number is at 95 %."""
+ENOUGH = 1e-12
+
+VARIABLES = {
+    "snaps": ("records that snap at the given level", "1"),
+    "simulated": ("time followed at the given level, to the snaps", "s"),
+    "rate": ("snaps in a time", "s-1"),
+    "rate_low": ("lower bound of the rate, at 95 % both ways", "s-1"),
+    "rate_high": ("upper bound of the rate, at 95 % both ways", "s-1"),
+    "probability": ("probability of a snap within the duration", "1"),
+    "probability_low": ("lower bound of the probability", "1"),
+    "probability_high": ("upper bound of the probability", "1"),
+    "level": ("level at which the probability is `reach`", "1"),
+    "level_low": ("lower bound of the level, at 95 % both ways", "1"),
+    "level_high": ("upper bound of the level, at 95 % both ways", "1"),
+    "failed": ("records whose runs cannot be believed", "1"),
+}
+
+
+class Seen(NamedTuple):
+    """What was seen at a level of each row: records that snap and that fail, and time, s."""
+
+    snaps: np.ndarray
+    failed: np.ndarray
+    time: np.ndarray
+
+
+def vibration(
+    device: Device | Mapping[str, Device],
+    psd: Sequence[Sequence[float]],
+    duration: float,
+    C: Sequence[float],
+    records: int = RECORDS,
+    seed: int = SEED,
+    model: str | Mapping = "auto",
+    **options,
+) -> xr.Dataset:
+    """Find the rate at which stationary Gaussian vibration snaps a device, and the level it stands.
+
+    device: one, or several by name, which then are an axis
+    psd: pairs of frequency (Hz) and one-sided density (g^2/Hz), joined by straight lines on
+        logarithmic scales; duration: s; C: uN us/um
+    records: how many are followed from rest, each a second long, or ten periods of the lowest
+        frequency, or the duration if that is shorter; seed: of their phases
+    options: reach, the probability within the duration whose level is looked for, 0.01 by default;
+        energy_tolerance and threads, as in `study.study_of`; values of the device, as axes; and
+        options of the model; `auto` is its threshold's, five cosines
+    The variables are those of VARIABLES, (..., C), levels in g rms: rate and probability from the
+    snaps seen at the given level, bounds by Poisson's distribution; the level by Rice's law, fitted
+    to what was seen at this one and others, its bounds those of the fit, inf where even long runs
+    do not tell. Attributes: rms, of the given spectrum, duration, reach, record_length.
+    """
+    options = dict(options)
+    reach = options.pop("reach", REACH)
+    study, varied = study_of(device, model, options, ("energy_tolerance", "threads"))
+    asked = {"duration": duration, "records": records, "seed": seed, "reach": reach}
+    _check(C, asked)
+    return vibration_of(study, {**varied, "C": C}, Spectrum(psd), asked)
+
+
+def vibration_of(
+    study: Study, axes: Mapping[str, Sequence[float]], spectrum: Spectrum, asked: Mapping
+) -> xr.Dataset:
+    """Find the rate and the level of a study's devices, as `vibration` returns them.
+
+    axes: values of the device, and C; asked: duration, records, seed and reach
+    """
+    grid = study.set_out(axes)
+    length = spectrum.record_length(asked["duration"])
+    rms, T = spectrum.rms, asked["duration"]
+    model = choose_survey(grid.device, study.model).decides.with_step(STEP)
+    there = _rows(grid)[0] >= 0
+
+    def follow(which, level):
+        return _follow(model, grid, study.settings, (spectrum, length, asked), which, level)
+
+    ladder = _climb(follow, there, asked["records"])
+    given = ladder[0]
+    shape = tuple(grid.axes[key].size for key in grid.axes)
+    needed = -math.log1p(-asked["reach"]) / T
+    levels = np.array([_level(ladder, row, needed) for row in range(given.time.size)]) * rms
+    data = _rates(given, T) | dict(zip(("level", "level_low", "level_high"), levels.T, strict=True))
+    data = {key: np.where(there, values, np.nan) for key, values in data.items()}
+    document = study.document(THRESHOLD_SETTINGS) | {
+        "vibration": {"psd": [spectrum.f.tolist(), spectrum.density.tolist()], **asked}
+    }
+    return xr.Dataset(
+        {
+            key: (tuple(grid.axes), data[key].reshape(shape), {"long_name": name, "units": unit})
+            for key, (name, unit) in VARIABLES.items()
+        },
+        coordinates(grid.axes),
+    ).assign_attrs(
+        Conventions="CF-1.11, ACDD-1.3",
+        title="Snaps under random vibration",
+        summary="How often stationary Gaussian vibration trips a device, and at which level",
+        rms=rms,
+        record_length=length,
+        recipe=recipe(__file__, document, ()),
+        **asked,
+        **provenance(document),
+    )
+
+
+def _rows(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
+    """Device and C of each row; -1 for the device where there is none."""
+    device, C = np.broadcast_arrays(grid.device_of[..., np.newaxis], grid.axes["C"])
+    return device.ravel(), C.ravel()
+
+
+def _follow(
+    model: Follows, grid: Grid, settings: Settings, drawn: tuple, which: np.ndarray, level: float
+) -> Seen:
+    """Follow all records, as `_groups` draws them, at a level of some rows."""
+    length = drawn[1]
+    device, C = (column[which] for column in _rows(grid))
+    seen = Seen(*np.zeros((3, which.size)))
+    for pulses, peaks in _groups(*drawn):
+        N, number = level * np.array(peaks), np.arange(len(pulses))
+        cells = to_cells(grid.device, device[:, None], N, 1 / length, C[:, None], 0.0, number)
+        found = model.follow(cells, settings._replace(until="snap", repeat=False, pulses=pulses))
+        failed = ~(found.energy_error <= settings.energy_tolerance)
+        snapped = np.isfinite(found.t_snap) & ~failed
+        time = np.where(snapped, found.t_snap * 1e-6, length)
+        seen.snaps[:] += snapped.sum(axis=1)
+        seen.failed[:] += failed.sum(axis=1)
+        seen.time[:] += np.where(failed, 0.0, time).sum(axis=1)
+    return seen
+
+
+def _groups(spectrum: Spectrum, length: float, asked: Mapping) -> Iterator[tuple[tuple, tuple]]:
+    """Records and their peaks, so many at a time as PIECES allow."""
+    first = record(spectrum, length, [asked["seed"], 0])
+    size = max(1, PIECES // len(first[0].pieces))
+    for begin in range(0, asked["records"], size):
+        numbers = range(begin, min(begin + size, asked["records"]))
+        yield tuple(
+            zip(*(record(spectrum, length, [asked["seed"], n]) for n in numbers), strict=True)
+        )
+
+
+def _climb(follow: Callable, there: np.ndarray, records: int) -> dict[int, Seen]:
+    """What is seen at rungs about the given level, 0: by STRIDE from none that snaps to all.
+
+    follow: of indices of rows and a level; there: rows that have a device
+    A rung holds NaN for rows at which it was not looked.
+    """
+    ladder = {}
+
+    def look(rung, which):
+        seen = ladder.setdefault(rung, Seen(*np.full((3, there.size), np.nan)))
+        which = which[np.isnan(seen.snaps[which])]
+        if which.size:
+            for whole, part in zip(seen, follow(which, RUNG**rung), strict=True):
+                whole[which] = part
+        return seen
+
+    every = np.flatnonzero(there)
+    all_snap, none_snaps = np.full((2, there.size), 0)
+    for found, way in ((all_snap, 1), (none_snaps, -1)):
+        rung, left = 0, every
+        while left.size and abs(rung) <= FARTHEST:
+            seen = look(rung, left)
+            stays = (
+                seen.snaps[left] + seen.failed[left] < records if way > 0 else seen.snaps[left] > 0
+            )
+            found[left], left, rung = rung, left[stays], rung + way * STRIDE
+    for rung in range(none_snaps[every].min(initial=0), all_snap[every].max(initial=0)):
+        low = np.array([_last_quiet(ladder, row) for row in every], int)
+        look(rung, every[(low < rung) & (rung < all_snap[every])])
+    return ladder
+
+
+def _last_quiet(ladder, row):
+    """The highest rung seen so far below which no record snaps, or the lowest."""
+    rungs = sorted(rung for rung in ladder if ladder[rung].time[row] > 0)
+    snaps = [rung for rung in rungs if ladder[rung].snaps[row] > 0]
+    quiet = [rung for rung in rungs if not snaps or rung < snaps[0]]
+    return quiet[-1] if quiet else rungs[0]
+
+
+def _level(ladder: Mapping[int, Seen], row: int, needed: float) -> tuple[float, float, float]:
+    """Level over the given one at which the rate is `needed`, 1/s, and its bounds."""
+    rungs = sorted(rung for rung in ladder if ladder[rung].time[row] > 0)
+    seen = [rung for rung in rungs if ladder[rung].snaps[row] > 0]
+    if not seen:
+        return (np.inf,) * 3 if rungs else (np.nan,) * 3
+    rungs = [rung for rung in rungs if rung < seen[0] + RUNGS]
+    x = [RUNG ** (-2 * rung) for rung in rungs]
+    counts = [ladder[rung].snaps[row] for rung in rungs]
+    times = [ladder[rung].time[row] for rung in rungs]
+    a, b, variance = fit_rates(x, counts, times)
+    if not b > 0:
+        return np.nan, np.nan, np.nan
+    reached = (a - math.log(needed)) / b
+    spread = math.sqrt(variance(reached)) / b
+    bounds = reached, reached + NORMAL * spread, reached - NORMAL * spread
+    return tuple(one**-0.5 if one > 0 else np.inf for one in bounds)
+
+
+def fit_rates(x: Sequence[float], counts: Sequence[float], times: Sequence[float]):
+    """Fit Rice's law ln(rate) = a - b x, x one over the square of the level, to counts in times.
+
+    By greatest likelihood of Poisson's distribution. Returns a, b, and a function of x that gives
+    the variance of a - b x; that grows with what the law leaves unexplained.
+    """
+    a, b = math.log(sum(counts) / sum(times)), 0.0
+    for _ in range(100):
+        expected = [t * math.exp(min(a - b * one, 700.0)) for one, t in zip(x, times, strict=True)]
+        s0, s1, s2 = (sum(m * one**k for one, m in zip(x, expected, strict=True)) for k in range(3))
+        g0 = sum(n - m for n, m in zip(counts, expected, strict=True))
+        g1 = sum((n - m) * one for n, m, one in zip(counts, expected, x, strict=True))
+        det = s0 * s2 - s1 * s1
+        if not det > ENOUGH * s0 * s2:
+            return a, 0.0, lambda one: np.inf
+        da, db = (s2 * g0 - s1 * g1) / det, (s1 * g0 - s0 * g1) / det
+        a, b = a + da, b + db
+        if abs(da) + abs(db) < 1e-9 * (1 + abs(a) + abs(b)):
+            break
+    residual = sum((n - m) ** 2 / m for n, m in zip(counts, expected, strict=True) if m > 0)
+    scatter = max(1.0, residual / max(1, len(x) - 2))
+    return a, b, lambda one: scatter * (s2 - 2 * s1 * one + s0 * one * one) / det
+
+
+def _rates(given: Seen, T: float) -> dict[str, np.ndarray]:
+    """Rate and probability within T, s, with bounds by Poisson's distribution."""
+    from scipy.special import chdtri  # half a second, for which nobody else has to wait
+
+    n, time = given.snaps, given.time
+    with np.errstate(divide="ignore", invalid="ignore"):
+        low = np.where(n > 0, chdtri(2 * n, 0.975) / (2 * time), 0.0)
+        rates = {
+            "rate": n / time,
+            "rate_low": low,
+            "rate_high": chdtri(2 * n + 2, 0.025) / (2 * time),
+        }
+    chances = {
+        key.replace("rate", "probability"): -np.expm1(-rate * T) for key, rate in rates.items()
+    }
+    return {"snaps": n, "simulated": time, "failed": given.failed} | rates | chances
+
+
+def _check(C, asked):
+    check_cells(C=C)
+    if not 0 < asked["duration"] < math.inf:
+        raise ValueError(f"duration: {asked['duration']!r} is no time above 0, in s")
+    if not 0 < asked["reach"] < 1:
+        raise ValueError(f"reach: {asked['reach']!r} is no probability between 0 and 1")
+    for key in ("records", "seed"):
+        if isinstance(asked[key], bool) or not isinstance(asked[key], int) or asked[key] < 1:
+            raise ValueError(f"{key}: {asked[key]!r} is no whole number from 1")
