@@ -43,6 +43,7 @@ rule draw_tolerance:
     params:
         code=code("draw_tolerance"),
         places=made.batches,
+        yields=made.yields,
     message:
         "Draw what devices as made do"
     script:
