@@ -685,6 +685,14 @@ def test_every_figure_and_the_page_are_in_the_report_with_a_caption(root, workfl
     assert all(path.read_text().strip() for path in written)
 
 
+def test_what_snaps_comes_first_in_the_report_and_in_the_run(workflow_text):
+    pattern = r'caption="\.\./report/(\w+)\.rst",\s*category="([^"]+)"'
+    assert min(re.findall(pattern, workflow_text), key=lambda each: each[1])[0] == "snap_maps"
+    rules = [f"rule {name}:.*?priority: (\\d+)" for name in ("draw_snap_maps", "draw_maps")]
+    first, then = (int(re.search(rule, workflow_text, re.S)[1]) for rule in rules)
+    assert first > then
+
+
 def test_examples_of_the_page_on_figures_run(root, tmp_path):
     """On a tiny cube, as they stand; the last has ten lines."""
     page = (root / "docs" / "figures.md").read_text()

@@ -8,7 +8,7 @@ rule draw_snap_maps:
             report(
                 f"results/figures/{stem}.png",
                 caption="../report/snap_maps.rst",
-                category="Maps",
+                category="1 Which shock snaps it",
                 labels={"figure": stem},
             )
             for stem in made.snap_stems
@@ -39,7 +39,7 @@ rule draw_maps:
             report(
                 f"results/figures/{stem}.png",
                 caption="../report/maps.rst",
-                category="Maps",
+                category="3 When it snaps, where it ends",
                 labels={"figure": stem},
             )
             for stem in made.map_stems

@@ -263,7 +263,7 @@ function addSlider({ name, label, values, texts }, n) {
 
 function addViews() {
   const row = document.getElementById("views");
-  row.innerHTML += study.views.map(({ words }, n) =>
+  row.innerHTML = study.views.map(({ words }, n) =>
     `<label><input type="radio" name="view" value="${n}" ${n ? "" : "checked"}>${words}</label>`).join("");
   row.addEventListener("change", ({ target }) => {
     view = study.views[target.value];
