@@ -493,6 +493,8 @@ def test_very_fine_grids_are_rasterised_in_the_same_colours():
 def test_a_plot_in_a_notebook_shows_what_snaps_or_where_it_ends():
     words = legend_words(snapmap.plot_outcome(TINY, layout.single_box(), ends=True))
     assert words[0].startswith("not tripped")
+    with pytest.raises(ValueError, match="not known"):
+        snapmap.plot_outcome(TINY.drop_vars("well"), layout.single_box(), ends=True)
     words = legend_words(
         snapmap.plot_outcome(TINY, layout.single_box(), found=make_found().isel(C=0))
     )

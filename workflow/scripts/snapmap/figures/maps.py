@@ -153,6 +153,8 @@ def plot_outcome(
         raise ValueError(f"cube: has several {many[0]}; choose one, as cube.isel({many[0]}=0)")
     cells = cube.squeeze([key for key in cube.outcome.dims if key not in (x, y)])
     cells = cells.assign(outcome=cells.outcome_code) if "outcome_code" in cells else cells
+    if ends and "well" not in cells:
+        raise ValueError("cube: its runs end at the snap; where beams end is not known")
     kind = END if ends else SNAP
     return _draw_map(ax or style.notebook_axes(), kind, Panel(cells, found), x, y, (), ())
 
