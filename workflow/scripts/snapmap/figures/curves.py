@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.markers import CARETUPBASE
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 
@@ -21,9 +22,11 @@ LIMITS = "limits of long and of short pulses"
 DASH, DOT = (6, 1.5), (1, 1.5)
 """Limits are dashes with dots between them: one on the first line, two on the second."""
 BAND = {"color": "0.25", "alpha": 0.35, "linewidth": 0}
-HALO = {"path_effects": [withStroke(linewidth=2, foreground="white")]}
-ALWAYS = {"color": "black", "linewidth": 0.6, "marker": "_", "markersize": 5, **HALO}
+ALWAYS = {"color": "black", "linewidth": 0.6, "marker": "_", "markersize": 5}
+ALWAYS |= {"path_effects": [withStroke(linewidth=2, foreground="white")]}
 """The band of errors about N_first on a map, and N_always where it is another."""
+STAYS = {"linestyle": "", "marker": CARETUPBASE, "markersize": 4.5, "markeredgewidth": 0.6}
+"""Of an N above which beams stay: an arrow's head upward, which a marker below it leaves to see."""
 MISSING = {"linestyle": "", "marker": "x", "markersize": 3, "markeredgewidth": 0.8}
 FIRST_ROW, NEXT_ROW = 0.975, 0.03
 """How high the marks of missing points of the first line are, and how far below those of others."""

@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 
 from ..tolerances.statistics import percents
 from . import style
-from .curves import HALO, LOOKS, MISSING, each_line
+from .curves import LOOKS, MISSING, STAYS, each_line
 from .scales import (
     WORDS,
     arithmetic_edges,
@@ -30,8 +30,8 @@ LINES = {0.01: ":", 0.1: "--", 0.5: "-", 0.9: "--", 0.99: ":"}
 NOMINAL = {"color": "#d55e00", "linewidth": 1.0, "linestyle": "-."}
 LATCHED = {"color": "#0072b2", "linewidth": 0.9}
 STAYING = {
-    share: {"color": LATCHED["color"], "linestyle": "", "marker": marker, "markersize": 5, **HALO}
-    for share, marker in {0.5: "_", 0.99: "^"}.items()
+    share: {"color": LATCHED["color"], "markerfacecolor": face, **STAYS}
+    for share, face in {0.5: "white", 0.99: LATCHED["color"]}.items()
 }
 """Of the lowest N above which so large a share stays in the second shape."""
 FIELD = {"cmap": "Greys", "vmin": 0, "vmax": 3, "edgecolors": "face", "rasterized": True}
