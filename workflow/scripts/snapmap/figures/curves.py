@@ -62,11 +62,14 @@ def has_gap(found: xr.Dataset) -> xr.DataArray:
 
 def mark_missing(ax: Axes, x: np.ndarray, found: xr.Dataset, colour: str, place: int = 0) -> None:
     """Mark at the upper edge where a line has no threshold; place: of the line, from 0."""
-    missing = x[found.N_first.isnull().values]
-    height = np.full(missing.size, FIRST_ROW - NEXT_ROW * place)
-    at = {"transform": ax.get_xaxis_transform(), "color": colour, "clip_on": False}
-    if missing.size:
-        ax.plot(missing, height, **at, **MISSING)
+    cross(ax, x[found.N_first.isnull().values], FIRST_ROW - NEXT_ROW * place, colour)
+
+
+def cross(ax: Axes, x: np.ndarray, height: float, colour: str) -> None:
+    """Draw crosses at some x, if any, at a share of the height of the axes."""
+    if x.size:  # an empty line has no extent that a layout could take into account
+        at = {"transform": ax.get_xaxis_transform(), "color": colour, "clip_on": False}
+        ax.plot(x, np.full(x.size, height), **at, **MISSING)
 
 
 def missing_keys(found: xr.Dataset, colour: str = "0.4") -> list[Line2D]:

@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 
 from ..tolerances.statistics import percents
 from . import style
-from .curves import LOOKS, MISSING, STAYS, each_line
+from .curves import LOOKS, MISSING, STAYS, cross, each_line
 from .scales import (
     WORDS,
     arithmetic_edges,
@@ -125,9 +125,7 @@ def draw_sensitivity(ax: Axes, found: xr.Dataset) -> Axes:
         ax.errorbar(f0.places, middle, error, elinewidth=0.5, **look)
         hollow = {"color": colour, "marker": marker, "markersize": 2.5, **FIRST}
         ax.plot(f0.places, first.sel(value=value).values, **hollow)
-    unknown = f0.places[total.isnull().all("value").values]
-    low = {"transform": ax.get_xaxis_transform(), "clip_on": False, "color": "0.4"}
-    ax.plot(unknown, np.full(unknown.size, 0.02), **low, **MISSING)
+    cross(ax, f0.places[total.isnull().all("value").values], 0.02, "0.4")
     ax.set_ylim(-0.05, 1.1)
     ax.set_ylabel("share of the variance of the threshold")
     return ax
