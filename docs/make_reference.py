@@ -53,8 +53,9 @@ conserving scheme about 1e-13, in coarse steps as in fine ones |
 pulse, at a snap, or failed |
 | `halvings` | how often the step was halved until the ledger closed; histories and traces take \
 the same step |
-| `reproduced`, `well_reproduced` | 1 if a run with another step had the same outcome, and ended \
-on the same side, too; what did not is hatched on the maps of ends |
+| `reproduced`, `well_reproduced` | 1 if a run with another step had the same outcome, and 1 if it \
+ended on the same side; what did not, and no longer goes back and forth, is hatched on the maps of \
+ends |
 | `work_error`, `t_snap_error` | difference of the work of the pulse (over the larger of both) and \
 of the time of snap (us) in that other run: how far \
 [the motion](accuracy.md#the-motion-after-the-snap) is known; a history has both as attributes |

@@ -564,7 +564,9 @@ def test_what_a_study_makes_is_listed():
     """Figures by the rule that draws them; all, without any twice."""
     made = products(load_config(DEFAULT))
     assert [view.name for view in made.snaps] == [one.replace("map", "snap") for one in _maps(made)]
-    assert made.map_stems[: len(made.ends)] == _maps(made) and "maps" in made.map_stems
+    times = [view.name for view in made.times]
+    assert made.map_stems == [*times, *_maps(made), "maps"]
+    assert made.stems[: len(made.snap_stems)] == made.snap_stems
     assert made.batch_stems == ["probability", "sensitivity"] and list(made.statics) == [""]
     assert not {*made.batch_stems, "requirements"} & {*made.stems}
     assert len({*made.stems}) == len(made.stems)

@@ -16,7 +16,7 @@ import snapmap
 from snapmap.figures.explore import page
 from snapmap.figures.explore_cells import GREY, WORDS
 from snapmap.figures.explore_device import device_rows
-from snapmap.figures.states import SNAPS, STATES, end_states, is_doubtful
+from snapmap.figures.states import SNAPS, STATES, end_elsewhere, end_states, snap_states
 from snapmap.io.netcdf import read_earlier, write
 from snapmap.motion import envelopes
 from snapmap.solver.adaptive import Adaptive
@@ -348,6 +348,9 @@ class View:
     def slide(self, index, key="C"):
         self.page.fill(f"#at-{key}", str(index))
 
+    def choose(self, words):
+        self.page.check(f"#views label:has-text('{words}') input")
+
     def sliders(self):
         """The label and the value of each slider."""
         rows = "[...document.querySelectorAll('#sliders input')].map((slider) => ["
@@ -370,7 +373,7 @@ def view(browser, page_file):
 
 
 def codes_of(cube, c):
-    return end_states(cube.isel(C=c)).transpose("N", "f0").values.tolist()
+    return snap_states(cube.isel(C=c)).transpose("N", "f0").values.tolist()
 
 
 def test_the_page_is_alone_and_sends_the_study_nowhere(browser, page_file):
@@ -400,15 +403,35 @@ def test_the_slider_changes_the_map(view, cube):
         assert view.sliders() == [["damping of the mass C", words]]
         assert view.page.get_attribute("#at-C", "aria-valuetext").replace("\xa0", " ") == words
         assert f"C = {words}" in view.text("#cell")
-        apart = is_doubtful(cube.isel(C=c)).sum()
-        assert len(view.shown("map", "x", curve=APART)) == apart
+        assert view.shown("map", "x", curve=APART) == []
 
 
 def test_the_classes_are_named_and_counted(view, cube):
     view.slide(0)
-    counts = np.bincount(np.ravel(codes_of(cube, 0)), minlength=len(STATES))
-    for state, count in zip(STATES, counts, strict=True):
+    counts = np.bincount(np.ravel(codes_of(cube, 0)), minlength=len(SNAPS))
+    for state, count in zip(SNAPS, counts, strict=True):
         assert (f"{state.words} ({count})" in view.text("#classes")) == (count > 0)
+
+
+def test_a_switch_shows_when_cells_snap_and_where_they_end(view, cube):
+    """Lines are those of snapping, hatches those of ends; each time is a colour of its own."""
+    view.slide(0)
+    cells = cube.isel(C=0).transpose("N", "f0")
+    view.choose("time")
+    shown = np.array(view.shown("map", "z"))
+    times = cells.t_snap.values
+    snaps = np.isfinite(times)
+    assert (shown[~snaps] == 0).all() and (abs(shown[snaps] - 1) < 0.5).all()
+    assert (np.argsort(shown[snaps]) == np.argsort(times[snaps])).all()
+    first, last = (f"{end / 1e3:.4g} ms" for end in (cube.t_snap.min(), cube.t_snap.max()))
+    said = view.text("#classes")
+    assert f"{first} {last}, first snap ({snaps.sum()})" in said and "no snap seen" in said
+    view.choose("where it ends")
+    assert view.shown("map", "z") == end_states(cells).values.tolist()
+    assert len(view.shown("map", "x", curve=APART)) == end_elsewhere(cells).sum() > 0
+    assert view.shown("map", "y", FIRST) == []
+    view.choose("snaps")
+    assert view.shown("map", "z") == codes_of(cube, 0) and view.shown("map", "y", FIRST) != []
 
 
 def test_a_cell_says_what_it_is_under_the_pointer(view, cube):
@@ -584,7 +607,7 @@ def test_a_phone_shows_all_in_one_column(phone):
 
 
 def test_a_finger_chooses_slides_and_steps(phone):
-    for control in phone.page.query_selector_all("#sliders input, #steps button"):
+    for control in phone.page.query_selector_all("#views label, #sliders input, #steps button"):
         assert control.bounding_box()["height"] >= 44
     phone.page.touchscreen.tap(*phone.point_at(2, 3))
     phone.wait_for(2, 3)
@@ -672,9 +695,9 @@ def view_of(browser, path, device, **asked):
     return cube, View(browser, path)
 
 
-def shows(view, cells, x, y):
+def shows(view, cells, x, y, states=snap_states):
     """Whether the map is that of some cells, and of the axes x and y."""
-    codes = end_states(cells).transpose(y, x).values.tolist()
+    codes = states(cells).transpose(y, x).values.tolist()
     return view.shown("map", "z") == codes
 
 
@@ -688,12 +711,13 @@ def of_devices(browser, handout, tmp_path_factory):
 
 def test_each_further_axis_of_several_values_has_a_slider(of_devices):
     cube, view = of_devices
+    view.choose("where it ends")
     maps = set()
     for t, s in np.ndindex(3, 2):
         view.slide(t, "thickness")
         view.slide(s, "spring")
         cells = cube.isel(thickness=t, spring=s, C=0)
-        assert shows(view, cells, "f0", "N")
+        assert shows(view, cells, "f0", "N", end_states)
         maps.add(end_states(cells).values.tobytes())
         values = [f"{cells.thickness:g} µm", f"{cells.spring:g} N/m"]
         assert view.sliders() == [["thickness", values[0]], ["spring", values[1]]]
@@ -703,6 +727,7 @@ def test_each_further_axis_of_several_values_has_a_slider(of_devices):
         heading = f"C = 25 µN µs/µm, spring = {values[1]}, thickness = {values[0]}"
         assert view.text("#cell").endswith(heading)
     assert len(maps) == 5, "the maps of some devices are alike"
+    view.choose("snaps")
     assert view.complaints == []
 
 
@@ -846,8 +871,10 @@ def test_the_page_opens_at_the_threshold_near_the_middle(browser, handout, tmp_p
 def test_the_page_opens_on_a_reproduced_cell(browser, view, cube, traced, tmp_path):
     """Even if the ones nearest the middle are not."""
     usual = view.opened
-    doubted = cube.assign(reproduced=xr.ones_like(cube.reproduced))
-    doubted.reproduced[{"f0": usual[1]}] = 0
+    doubted = cube.assign(
+        well_share=xr.ones_like(cube.well_share), well_reproduced=xr.ones_like(cube.reproduced)
+    )
+    doubted.well_reproduced[{"f0": usual[1]}] = 0
     write_text(tmp_path / "page.html", doubted, traced)
     c, i, j = View(browser, tmp_path / "page.html").opened
     assert i != usual[1] and np.isfinite(cube.t_snap.values[c, i, j])

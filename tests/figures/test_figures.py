@@ -39,6 +39,7 @@ from snapmap.figures import (
     tolerances,
 )
 from snapmap.io.netcdf import write
+from snapmap.tolerances.statistics import percents
 
 
 def make_statics():
@@ -193,6 +194,8 @@ def make_batch(f0=F0):
         "must_snap": ("requirement", [1]),
         "share_meeting": (("requirement", "C"), [[0.5]]),
         "share_meeting_bound": (("bound", "requirement", "C"), [[[0.15]], [[0.85]]]),
+        "yield": ("C", [0.4]),
+        "yield_bound": (("bound", "C"), [[0.4], [0.9]]),
     }
     axes = {"C": [25.0], "f0": f0, "N": N, "quantile": list(tolerances.LINES)}
     axes |= {"order": ["first", "total"], "value": ["thickness+depth", "N"]}
@@ -228,6 +231,17 @@ def test_a_requirement_is_drawn_with_the_share_that_meets_it():
     assert "met by 50.0 % (15.0 to 85.0 %)" in ax.get_title(loc="left")
     assert sum(patch.get_height() for patch in ax.patches[1:]) == 3
     assert ax.patches[0].get_x() == 1050.0
+
+
+def test_the_yield_stands_below_the_shares_that_meet_each_requirement():
+    ax = tolerances.draw_yield(style.single_column(height=3.0).subplots(), make_batch())
+    assert [label.get_text() for label in ax.get_yticklabels()] == ["drop", "all together"]
+    assert ax.lines[0].get_xydata().tolist() == [[0.5, 0.0], [0.4, 1.0]]
+    assert [text.get_text() for text in ax.texts] == [
+        "50.0 % (15.0 to 85.0 %)",
+        "40.0 % (40.0 to 90.0 %)",
+    ]
+    assert percents(0.9631, 0.9632) == "96.3 %"
 
 
 def test_a_design_is_drawn_over_both_values():
@@ -593,16 +607,16 @@ def save_all(folder):
     files = {name: folder / f"{name}.nc" for name in made}
     for name, dataset in made.items():
         write(dataset, files[name])
-    plane = {"name": "map", "x": "f0", "y": "N", "at": {"C": 0}}
+    plane = {"name": "map", "x": "f0", "y": "N", "at": {"C": 0}, "required_shocks": ()}
     curve = {"name": "thresholds", "x": "f0", "y": "C", "at": {}}
     boundary = curve | {"name": "damage_boundary"}
     views = {stem: [plane | {"name": stem}] for stem in ("map", "time", "snap")}
     points = folder / "points.csv"
     points.write_text("N,f0\n1100,300\n")
     ends, own = views["map"], (points, "")
-    draw_maps.draw_maps(files["cube"], ends, ends, views["time"], (), own, folder)
+    draw_maps.draw_maps(files["cube"], views["time"], ends, ends, own, folder)
     draw_snap_maps.draw_snap_maps(
-        files["cube"], files["threshold"], views["snap"], ends, [], [], own, folder
+        files["cube"], files["threshold"], views["snap"], ends, [], own, folder
     )
     draw_thresholds.draw_thresholds(files["threshold"], [curve], boundary, folder)
     draw_histories.draw_histories([files["history"]], [folder / "history"])
@@ -669,6 +683,14 @@ def test_every_figure_and_the_page_are_in_the_report_with_a_caption(root, workfl
     written = list((root / "workflow" / "report").iterdir())
     assert {path.name for path in written} == {*captions, "study.rst"}
     assert all(path.read_text().strip() for path in written)
+
+
+def test_what_snaps_comes_first_in_the_report_and_in_the_run(workflow_text):
+    pattern = r'caption="\.\./report/(\w+)\.rst",\s*category="([^"]+)"'
+    assert min(re.findall(pattern, workflow_text), key=lambda each: each[1])[0] == "snap_maps"
+    rules = [f"rule {name}:.*?priority: (\\d+)" for name in ("draw_snap_maps", "draw_maps")]
+    first, then = (int(re.search(rule, workflow_text, re.S)[1]) for rule in rules)
+    assert first > then
 
 
 def test_examples_of_the_page_on_figures_run(root, tmp_path):

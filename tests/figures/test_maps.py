@@ -24,11 +24,12 @@ from snapmap.figures.states import (
     STATES,
     TRIPPED_PROVEN,
     TRIPPED_SEEN,
+    end_elsewhere,
     end_states,
-    is_doubtful,
     snap_states,
 )
 from snapmap.io.points import Point, read_points
+from snapmap.sweeps.cube import summary, with_summary
 
 EVERY = make_cells(["0123456"])
 """A cell of each outcome."""
@@ -144,19 +145,19 @@ def test_snap_states_tell_whether_a_cell_snaps():
     assert snap_states(EVERY).squeeze().values.tolist() == [0, 0, 1, 1, 1, 2, 3]
 
 
-def test_a_cell_is_doubtful_by_its_step_or_its_level():
+def test_an_end_is_elsewhere_by_its_side_alone():
+    """Not by its label, as of a proof before the horizon in one step alone, nor by its level."""
     cells = make_cells(["2222"])
-    assert not is_doubtful(cells).any()
-    for name, values in {"reproduced": [0, 1, 0, 1], "agreed": [0, 0, 1, 1]}.items():
-        cells[name] = (("f0", "N"), np.array(values)[:, np.newaxis])
-    assert is_doubtful(cells).squeeze().values.tolist() == [True, True, True, False]
-
-
-def test_an_end_is_doubtful_unless_it_goes_back_and_forth():
-    cells = make_cells(["22"])
-    cells["well_reproduced"] = xr.zeros_like(cells.outcome)
-    cells["well_share"] = (("f0", "N"), [[1.0], [0.5]])
-    assert is_doubtful(cells).squeeze().values.tolist() == [True, False]
+    for name in ("reproduced", "agreed"):
+        cells[name] = xr.zeros_like(cells.outcome)
+    assert not end_elsewhere(cells).any()
+    cells["well_reproduced"] = (("f0", "N"), [[0], [0], [1], [1]])
+    cells["well_share"] = (("f0", "N"), [[1.0], [0.5], [1.0], [0.5]])
+    assert end_elsewhere(cells).squeeze().values.tolist() == [True, False, False, False]
+    told = with_summary(cells)
+    assert told.attrs["cells_ended_elsewhere"] == 1
+    assert "another step ended elsewhere (1)" in legend_words(end_map(cells))
+    assert "1 ended elsewhere with another step" in summary(told)
 
 
 @pytest.mark.parametrize("order", [1, -1])
@@ -199,15 +200,15 @@ def test_keys_look_as_their_states():
     assert [key.get_hatch() for key in keys] == [None] * 5 + [plane.ABSENT["hatch"]]
 
 
-def test_doubtful_cells_are_hatched_light_on_dark():
+def test_what_ended_elsewhere_is_hatched_light_on_dark():
     cells = make_cells(["43", "20"])
-    cells["reproduced"] = xr.zeros_like(cells.outcome)
+    cells["well_reproduced"] = xr.zeros_like(cells.outcome)
     ax = end_map(cells)
-    ((light,), (dark,)) = hatched(ax, plane.DOUBTFUL), hatched(ax, plane.DOUBTFUL_DARK)
+    ((light,), (dark,)) = hatched(ax, plane.ELSEWHERE), hatched(ax, plane.ELSEWHERE_DARK)
     assert rectangles(light) == [(50.0, 950.0, 200.0, 1050.0), (200.0, 950.0, 800.0, 1050.0)]
     assert rectangles(dark) == [(50.0, 1050.0, 200.0, 1150.0), (200.0, 1050.0, 800.0, 1150.0)]
-    assert legend_words(ax)[-1] == "of these, other step differs (4)"
-    assert not hatched(snap_map(cells), plane.DOUBTFUL)
+    assert legend_words(ax)[-1] == "another step ended elsewhere (4)"
+    assert not hatched(snap_map(cells), plane.ELSEWHERE)
 
 
 def test_where_no_device_is_cells_are_hatched():
@@ -251,7 +252,7 @@ def test_map_shows_the_refined_threshold_in_its_band_dashed_where_late():
     assert (dashed.get_linestyle(), solid.get_linestyle()) == ("--", "-")
     assert visible(solid) == [[100.0, 1000.0], [1000.0, 1100.0]]
     assert visible(dashed) == [[1000.0, 1100.0], [10000.0, 2000.0]]
-    assert visible(always)[-1] == [10000.0, 2300.0]
+    assert visible(always) == [[10000.0, 2300.0]]
     (band,) = artists(ax, FillBetweenPolyCollection)
     corners = band.get_paths()[0].vertices
     assert {993.0, 1007.0} <= set(corners[corners[:, 0] == 100.0, 1])
@@ -275,7 +276,7 @@ def test_map_keeps_its_limits_and_shows_both_asymptotes():
 
 
 def test_boxes_have_one_size_whatever_is_written():
-    shocks = [(f"shock {i}", 100.0, 1100.0) for i in range(9)]
+    shocks = [(f"shock {i}", 100.0, 1100.0, True) for i in range(9)]
     few, many = (
         end_map(make_cells(["1"])),
         snap_map(TINY, make_found().isel(C=0), required_shocks=shocks),
@@ -290,7 +291,7 @@ def test_boxes_have_one_size_whatever_is_written():
 @pytest.mark.parametrize("draw", [end_map, snap_map])
 def test_nothing_is_clipped_by_the_edge_of_a_figure(draw):
     cells = make_cells(["0123456" * 4] * 40, f0=np.geomspace(100, 3e4, 28), N=np.arange(40) + 6e2)
-    cells["reproduced"] = xr.zeros_like(cells.outcome)
+    cells["well_reproduced"] = xr.zeros_like(cells.outcome)
     figure = draw(cells).figure
     layout.trim(figure)
     drawn = figure.get_tightbbox()
@@ -338,16 +339,37 @@ def test_maps_stand_in_rows(number, shape):
     assert [ax for ax in there if ax.get_ylabel()] == [axes[-1, 0]]
 
 
-def test_shocks_are_pointed_out_by_numbers():
-    ax = snap_map(TINY, required_shocks=[("far", 1e3, 1e6), ("drop", 400.0, 1000.0)])
-    assert [text.get_text() for text in ax.texts] == ["2"]
-    assert ax.get_title(loc="left").splitlines()[-2:] == ["1: far", "2: drop"]
+def test_shocks_are_pointed_out_by_numbers_at_the_edge_if_they_lie_beyond():
+    shocks = [
+        ("far", 1e3, 1e6, True),
+        ("back", 400.0, 1000.0, False),
+        ("drop", 400.0, 1000.0, True),
+    ]
+    ax = snap_map(TINY, required_shocks=shocks)
+    top = ax.get_ylim()[1]
+    assert [(text.get_text(), *text.xy) for text in ax.texts] == [("1", 1e3, top), ("3", 400, 1000)]
+    assert ax.get_title(loc="left").splitlines()[-3:] == [
+        "1:\u00a0far at $N$ = 1\u2009000\u2009000, $f_0$ = 1000 Hz",
+        "3:\u00a0drop",
+        "of another shape or direction: 2:\u00a0back",
+    ]
+
+
+def test_where_no_threshold_is_the_edge_is_marked():
+    found = make_found().isel(C=0)
+    found["N_first"] = found.N_first.where(found.f0 != 1000)
+    ax = snap_map(make_cells(["22", "00"]), found)
+    (marks,) = [line for line in ax.lines if line.get_marker() == "x"]
+    assert marks.get_xdata().tolist() == [1000.0] and 0 < marks.get_ydata()[0] < 1
+    assert "here no threshold found" in legend_words(ax)
 
 
 def test_names_are_drawn_as_they_are():
     name = r"$\frac$ of {x}"
     ax = snap_map(
-        TINY, required_shocks=[(name, 400.0, 1000.0)], own_points=[Point(name, 1000.0, 400.0, True)]
+        TINY,
+        required_shocks=[(name, 400.0, 1000.0, True)],
+        own_points=[Point(name, 1000.0, 400.0, True)],
     )
     ax.figure.draw_without_rendering()
     for text in (ax.get_title(loc="left").splitlines()[-1], ax.texts[-1].get_text()):
@@ -468,11 +490,14 @@ def test_very_fine_grids_are_rasterised_in_the_same_colours():
     ]
 
 
-def test_a_plot_in_a_notebook_shows_the_ends_if_they_are_known():
-    words = legend_words(snapmap.plot_outcome(TINY, layout.single_box()))
+def test_a_plot_in_a_notebook_shows_what_snaps_or_where_it_ends():
+    words = legend_words(snapmap.plot_outcome(TINY, layout.single_box(), ends=True))
     assert words[0].startswith("not tripped")
-    without, found = TINY.drop_vars(["well", "well_share"]), make_found().isel(C=0)
-    words = legend_words(snapmap.plot_outcome(without, layout.single_box(), found=found))
+    with pytest.raises(ValueError, match="not known"):
+        snapmap.plot_outcome(TINY.drop_vars("well"), layout.single_box(), ends=True)
+    words = legend_words(
+        snapmap.plot_outcome(TINY, layout.single_box(), found=make_found().isel(C=0))
+    )
     assert words[0] == "does not snap (8)" and "lowest $N$ that snaps" in words
 
 

@@ -249,7 +249,7 @@ def test_the_well_is_where_the_recorded_beam_spends_the_last_swing(handout, mode
 
 
 def test_a_share_is_never_told_as_more_than_it_is():
-    told = {"share_proven": 0.99996, "share_reproduced": 1.0, "cells_never": 25_000}
+    told = {"share_proven": 0.99996, "cells_ended_elsewhere": 2, "cells_never": 25_000}
     assert summary(xr.Dataset(attrs=told)) == (
-        "25000 cells: 99.9 % proven, 100 % reproduced with another step, 25000 never, 0 failed"
+        "25000 cells: 99.9 % proven, 2 ended elsewhere with another step, 25000 never, 0 failed"
     )

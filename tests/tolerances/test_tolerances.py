@@ -303,12 +303,19 @@ def test_the_rules_write_and_draw_what_is_asked(handout, tmp_path):
         threads=2,
     )
     places = {"_one_+z": {"device": 0, "direction": 0}, "_two_-z": {"device": 1, "direction": 1}}
-    draw_tolerance(tmp_path / "tolerance.nc", places, tmp_path)
-    names = {f"{stem}{ending}" for stem in ("probability", "sensitivity", "yield")
-             for ending in places}  # fmt: skip
+    yields = {"_one": {"device": 0}, "_two": {"device": 1}}
+    draw_tolerance(tmp_path / "tolerance.nc", places, yields, tmp_path)
+    names = {f"{stem}{ending}" for stem in ("probability", "sensitivity") for ending in places}
+    names |= {f"yield{ending}" for ending in yields}
     assert {path.stem for path in tmp_path.glob("*.pdf")} == names
     with xr.open_dataset(tmp_path / "tolerance.nc") as found:
         assert found.N_first.dims == ("device", "sample", "direction", "C", "f0")
         text = batch_section(found, lambda figure, name: f"<div>{name}: {len(figure.data)}</div>")
         assert "made-probability: 28" in text and text.count("<tr>") == 1 + 2 * 2
         assert summary(found).startswith("64 samples")
+        owed = found.sensitivity.where(
+            found.direction == "+z", found.sensitivity.isel(value=-1) / 2
+        )
+        owed[{"direction": 1, "value": 1}] = 2.0
+        told = summary(found.assign(sensitivity=owed))
+        assert "most by thickness (one +z, two +z), most by N (one -z, two -z), yield" in told

@@ -56,7 +56,7 @@ rule draw_accuracy:
         png=report(
             "results/figures/accuracy{size}.png",
             caption="../report/accuracy.rst",
-            category="Accuracy",
+            category="9 Accuracy",
             labels={"figure": "error over time{size}"},
         ),
     log:
@@ -79,7 +79,7 @@ rule draw_convergence:
         png=report(
             "results/figures/convergence.png",
             caption="../report/convergence.rst",
-            category="Accuracy",
+            category="9 Accuracy",
             labels={"figure": "error over number and step"},
         ),
     log:

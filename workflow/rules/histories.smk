@@ -27,7 +27,7 @@ rule draw_histories:
             report(
                 f"results/figures/history_{cell}.png",
                 caption="../report/history.rst",
-                category="Histories",
+                category="8 Histories",
                 labels={"figure": cell},
             )
             for cell in made.histories

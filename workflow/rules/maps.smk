@@ -1,37 +1,3 @@
-rule draw_maps:
-    input:
-        cube="results/cube.nc",
-    output:
-        pdf=[f"results/figures/{stem}.pdf" for stem in made.map_stems],
-        png=[
-            report(
-                f"results/figures/{stem}.png",
-                caption="../report/maps.rst",
-                category="Maps",
-                labels={"figure": stem},
-            )
-            for stem in made.map_stems
-        ],
-    log:
-        "results/logs/draw_maps.log",
-    priority: 85
-    conda:
-        "../envs/snapmap.yaml"
-    params:
-        code=code("draw_maps"),
-        ends=[view._asdict() for view in made.ends],
-        together=[view._asdict() for view in made.together if made.ends],
-        times=[view._asdict() for view in made.times],
-        required_shocks=[
-            (asked.name, asked.f0, asked.N) for asked in study.requirements
-        ],
-        own_points=own_points,
-    message:
-        "Draw where the beams end, and when they snap"
-    script:
-        "../scripts/draw_maps.py"
-
-
 rule draw_snap_maps:
     input:
         cube="results/cube.nc",
@@ -42,14 +8,14 @@ rule draw_snap_maps:
             report(
                 f"results/figures/{stem}.png",
                 caption="../report/snap_maps.rst",
-                category="Maps",
+                category="1 Which shock snaps it",
                 labels={"figure": stem},
             )
             for stem in made.snap_stems
         ],
     log:
         "results/logs/draw_snap_maps.log",
-    priority: 70
+    priority: 85
     conda:
         "../envs/snapmap.yaml"
     params:
@@ -57,11 +23,39 @@ rule draw_snap_maps:
         views=[view._asdict() for view in made.snaps],
         together=[view._asdict() for view in made.together],
         fields=[view._asdict() for view in made.fields],
-        required_shocks=[
-            (asked.name, asked.f0, asked.N) for asked in study.requirements
-        ],
         own_points=own_points,
     message:
         "Draw which cells snap, with the thresholds"
     script:
         "../scripts/draw_snap_maps.py"
+
+
+rule draw_maps:
+    input:
+        cube="results/cube.nc",
+    output:
+        pdf=[f"results/figures/{stem}.pdf" for stem in made.map_stems],
+        png=[
+            report(
+                f"results/figures/{stem}.png",
+                caption="../report/maps.rst",
+                category="3 When it snaps, where it ends",
+                labels={"figure": stem},
+            )
+            for stem in made.map_stems
+        ],
+    log:
+        "results/logs/draw_maps.log",
+    priority: 80
+    conda:
+        "../envs/snapmap.yaml"
+    params:
+        code=code("draw_maps"),
+        times=[view._asdict() for view in made.times],
+        ends=[view._asdict() for view in made.ends],
+        together=[view._asdict() for view in made.together if made.ends],
+        own_points=own_points,
+    message:
+        "Draw when the beams snap, and where they end"
+    script:
+        "../scripts/draw_maps.py"

@@ -30,7 +30,7 @@ rule write_page:
         page=report(
             "results/explore.html",
             caption="../report/page.rst",
-            category="Page",
+            category="4 Page",
             labels={"page": "explore"},
         ),
     log:

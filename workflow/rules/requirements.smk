@@ -27,7 +27,7 @@ rule draw_requirements:
         png=report(
             "results/figures/requirements.png",
             caption="../report/requirements.rst",
-            category="Requirements",
+            category="5 Requirements",
             labels={"figure": "margins"},
         ),
     log:

@@ -49,7 +49,7 @@ rule draw_stability:
         png=report(
             "results/figures/stability.png",
             caption="../report/stability.rst",
-            category="Stability",
+            category="9 Stability",
             labels={"figure": "hard cases"},
         ),
     log:
@@ -72,7 +72,7 @@ rule draw_settled:
         png=report(
             "results/figures/settled.png",
             caption="../report/settled.rst",
-            category="Stability",
+            category="9 Stability",
             labels={"figure": "what has settled"},
         ),
     log:

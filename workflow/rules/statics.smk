@@ -23,7 +23,7 @@ rule draw_statics:
             report(
                 f"results/figures/statics{which}.png",
                 caption="../report/statics.rst",
-                category="Device",
+                category="7 Device",
                 labels={"figure": f"force and energy of the beam{which}"},
             )
             for which in made.statics

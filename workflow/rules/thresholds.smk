@@ -36,7 +36,7 @@ rule draw_thresholds:
             report(
                 f"results/figures/{stem}.png",
                 caption="../report/thresholds.rst",
-                category="Thresholds",
+                category="2 Thresholds",
                 labels={"figure": stem},
             )
             for stem in made.curve_stems

@@ -30,7 +30,7 @@ rule draw_tolerance:
             report(
                 f"results/figures/{stem}.png",
                 caption="../report/tolerances.rst",
-                category="Devices as made",
+                category="6 Devices as made",
                 labels={"figure": stem},
             )
             for stem in made.batch_stems
@@ -43,6 +43,7 @@ rule draw_tolerance:
     params:
         code=code("draw_tolerance"),
         places=made.batches,
+        yields=made.yields,
     message:
         "Draw what devices as made do"
     script:

@@ -1,4 +1,4 @@
-"""Rule draw_maps: draw maps over two axes of the cube: where beams end, and when they snap."""
+"""Rule draw_maps: draw maps over two axes of the cube: when beams snap, and where they end."""
 
 import xarray as xr
 
@@ -7,18 +7,21 @@ from snapmap.io.job_log import run_rule
 from snapmap.io.points import read_points
 
 
-def draw_maps(cube_path, ends, together, times, required_shocks, own_points, folder):
-    """Draw where beams end, one column wide, and some of it side by side; then when they snap.
+def draw_maps(cube_path, times, ends, together, own_points, folder):
+    """Draw when beams snap, one column wide; then where they end, and some of it side by side.
 
-    ends, times: views: name, x, y and at, the place on each other axis
+    times, ends: views: name, x, y, at, the place on each other axis, and required_shocks
     together: some of `ends` over the same axes, for maps.pdf
-    required_shocks: name, f0 and N of shocks to point out
     own_points: path and SHA-256 of a user's own points, or nothing
     """
     own_points = read_points(*own_points) if own_points else ()
-    shown = {"required_shocks": required_shocks, "own_points": own_points}
     with xr.open_dataset(cube_path, engine="netcdf4") as cube, style.paper():
+        # Of what is drawn: a cube may be larger than memory.
+        colours = maps.snap_times(_cells(cube, view) for view in times)
+        for view in times:
+            _draw(maps.draw_time_map, cube, view, folder, ends=colours)
         for view in ends:
+            shown = {"required_shocks": view["required_shocks"], "own_points": own_points}
             _draw(maps.draw_end_map, cube, view, folder, **shown)
         if together:
             x, y = together[0]["x"], together[0]["y"]
@@ -26,10 +29,6 @@ def draw_maps(cube_path, ends, together, times, required_shocks, own_points, fol
             figure = style.double_column(height=9)
             maps.draw_maps(figure, panels, x, y, own_points)
             style.save(figure, f"{folder}/maps", cube.attrs)
-        # Of what is drawn: a cube may be larger than memory.
-        colours = maps.snap_times(_cells(cube, view) for view in times)
-        for view in times:
-            _draw(maps.draw_time_map, cube, view, folder, ends=colours)
 
 
 def _draw(draw, cube, view, folder, **others):

@@ -8,14 +8,12 @@ from snapmap.io.netcdf import check_alike
 from snapmap.io.points import read_points
 
 
-def draw_snap_maps(
-    cube_path, threshold_path, views, together, fields, required_shocks, own_points, folder
-):
+def draw_snap_maps(cube_path, threshold_path, views, together, fields, own_points, folder):
     """Draw which cells snap, one column wide, and some of it side by side; then thresholds.
 
-    views: of cells: name, x, y and at, the place on each other axis; fields: of thresholds
+    views: of cells: name, x, y, at, the place on each other axis, and required_shocks
+    fields: views of thresholds
     together: some of `views` over the same axes, for snap_maps.pdf
-    required_shocks: name, f0 and N of shocks to point out
     own_points: path and SHA-256 of a user's own points, or nothing
     """
     own_points = read_points(*own_points) if own_points else ()
@@ -28,7 +26,7 @@ def draw_snap_maps(
         for view in views:
             ax = layout.single_box()
             panel, x, y = _panel(cube, found, view), view["x"], view["y"]
-            maps.draw_snap_map(ax, *panel, x, y, required_shocks, own_points)
+            maps.draw_snap_map(ax, *panel, x, y, view["required_shocks"], own_points)
             _save(ax.figure, f"{folder}/{view['name']}", cube.attrs)
         if together:
             figure = style.double_column(height=9)

@@ -10,43 +10,59 @@ DRAWN = {
     "probability": (tolerances.draw_probability, tolerances.probability_keys),
     "sensitivity": (tolerances.draw_sensitivity, tolerances.sensitivity_keys),
 }
-COLUMNS, MOST = 3, 12
-"""Panels side by side, and in one figure; of more values some are drawn, evenly chosen."""
+COLUMNS, MOST, LINES = 3, 12, 6
+"""Panels side by side, and in one figure, and lines; of more values some are drawn, evenly."""
+ROW = 2.6
+"""Height of a row of panels, in."""
 
 
-def draw_tolerance(tolerance_path, places, folder):
+def draw_tolerance(tolerance_path, places, yields, folder):
     """Draw for each place on the axes of names a panel for each C, and for each requirement.
 
-    places: by the ending of the figures' names
+    places, yields: by the ending of the figures' names
     """
     with xr.open_dataset(tolerance_path, engine="netcdf4") as found, style.paper():
         for ending, at in places.items():
-            here = found.isel({key: place for key, place in at.items() if key in found.dims})
+            here = found.isel(at)
             for name, (draw, keys) in DRAWN.items():
                 panels = [here.isel(C=i) for i in evenly(here.C.size, MOST)]
-                _draw(f"{folder}/{name}{ending}", panels, draw, keys(here), found.attrs)
-            if "requirement" in found.dims:
-                panels = [
-                    here.isel(requirement=i, C=j)
-                    for i in evenly(here.requirement.size, MOST)
-                    for j in evenly(here.C.size, MOST // min(MOST, here.requirement.size))
-                ]
-                keys = tolerances.requirement_keys()
-                draw = tolerances.draw_requirement
-                _draw(f"{folder}/yield{ending}", panels, draw, keys, found.attrs)
+                figure, _ = _draw(panels, draw)
+                _save(figure, f"{folder}/{name}{ending}", keys(here), here, found.attrs)
+        for ending, at in yields.items():
+            here = found.isel(at)
+            here = here.isel(C=evenly(here.C.size, LINES))
+            _draw_yield(here, f"{folder}/yield{ending}", found.attrs)
 
 
-def _draw(stem, panels, draw, keys, attributes):
+def _draw_yield(found, stem, attributes):
+    """What meets the requirements, and below it a panel for each."""
+    panels = [
+        found.isel(requirement=i, C=j)
+        for i in evenly(found.requirement.size, MOST)
+        for j in evenly(found.C.size, MOST // min(MOST, found.requirement.size))
+    ]
+    height = 0.5 + 0.17 * (found.requirement.size + 1) * found.C.size
+    figure, whole = _draw(panels, tolerances.draw_requirement, height)
+    tolerances.draw_yield(whole, found)
+    _save(figure, stem, tolerances.requirement_keys(found), panels[0], attributes)
+
+
+def _draw(panels, draw, above=0.0):
+    """A figure of panels, and axes of their own above them if these have a height, in."""
     dampings = len({panel.C.item() for panel in panels})
     columns = dampings if dampings in (2, COLUMNS) else min(COLUMNS, len(panels))
     rows = -(-len(panels) // columns)
-    figure = style.double_column(height=0.9 + 2.6 * rows)
-    axes = figure.subplots(rows, columns, squeeze=False).ravel()
-    for ax, panel in zip(axes, panels, strict=False):
-        draw(ax, panel)
-    for ax in axes[len(panels) :]:
-        ax.remove()
-    title = tolerances.batch_text(panels[0], attributes)
+    figure = style.double_column(height=0.9 + ROW * rows + above)
+    heights = [above] * bool(above) + [ROW] * rows
+    grid = figure.add_gridspec(len(heights), columns, height_ratios=heights)
+    for number, panel in enumerate(panels):
+        row, column = divmod(number, columns)
+        draw(figure.add_subplot(grid[row + bool(above), column]), panel)
+    return figure, figure.add_subplot(grid[0, :]) if above else None
+
+
+def _save(figure, stem, keys, found, attributes):
+    title = tolerances.batch_text(found, attributes)
     figure.legend(handles=keys, loc="outside lower center", ncols=4, title=title)
     style.save(figure, stem, attributes)
 

@@ -2,7 +2,9 @@
 
 from typing import NamedTuple
 
+from ..axes import DEVICE, DIRECTION, SHAPE
 from ..device import Device
+from ..io.recorded import shocks_of
 from .histories import History
 from .study import Config
 from .views import View, batch_places, side_by_side
@@ -13,7 +15,8 @@ class Products(NamedTuple):
 
     ends, times, snaps: maps of cells: where beams end, when and whether they snap
     fields: maps of thresholds; together: maps of cells that are drawn side by side
-    batches: places on the axes of names of figures of devices as made, by the ending of their names
+    batches, yields: places on the axes of names of figures of devices as made, by the ending of
+        their names; a yield does not depend on the study's own pulse
     histories: cells followed in full; statics: devices by the ending of their files' names
     map_stems, snap_stems, curve_stems, batch_stems: figures, by the rule that draws them
     stems: all figures
@@ -25,6 +28,7 @@ class Products(NamedTuple):
     fields: list[View]
     together: list[View]
     batches: dict[str, dict[str, int]]
+    yields: dict[str, dict[str, int]]
     histories: dict[str, History]
     statics: dict[str, Device]
     map_stems: list[str]
@@ -36,31 +40,44 @@ class Products(NamedTuple):
 
 def products(study: Config) -> Products:
     """List what is made of a study."""
-    of_cells = [view for view in study.maps if view.is_of_cells]
+    of_cells = [_with_shocks(view, study) for view in study.maps if view.is_of_cells]
     ends = of_cells if study.settings.until == "settled" else []
     times, snaps = ([view.called(word) for view in of_cells] for word in ("time", "snap"))
     fields = [view for view in study.maps if not view.is_of_cells]
     batches = batch_places(study.grid)
-    of_batch = ["probability", "sensitivity", *["yield"] * bool(study.requirements)]
+    yields = batch_places(study.grid, of=[DEVICE]) if study.requirements else {}
     several = isinstance(study.device, dict)
     statics = {f"_{name}" if several else "": one for name, one in study.devices().items()}
     histories = {cell.name: cell for cell in study.histories}
-    maps = [*_names(ends), *["maps"] * bool(ends), *_names(times)]
+    maps = [*_names(times), *_names(ends), *["maps"] * bool(ends)]
     snap_maps = [*_names(snaps), *["snap_maps"] * bool(snaps), *_names(fields)]
     curves = [*_names(study.curves), study.boundary.name]
-    made = [f"{stem}{ending}" for stem in of_batch for ending in batches]
+    made = [f"{stem}{ending}" for stem in ("probability", "sensitivity") for ending in batches]
+    made += [f"yield{ending}" for ending in yields]
     return Products(
         *(ends, times, snaps, fields, side_by_side(of_cells)),
-        *(batches, histories, statics),
+        *(batches, yields, histories, statics),
         *(maps, snap_maps, curves, made),
         [
-            *(*maps, *snap_maps, *curves),
+            *(*snap_maps, *maps, *curves),
             *(f"history_{name}" for name in histories),
             *(f"statics{which}" for which in statics),
             *["requirements"] * bool(study.requirements),
             *(made if study.tolerances else []),
         ],
     )
+
+
+def _with_shocks(view, study):
+    """A map with the required shocks, and whether each has the pulse of the map's cells."""
+    shape = list(study.shocks.shapes.values())[view.at.get(SHAPE, 0)]
+    direction = study.shocks.directions[view.at.get(DIRECTION, 0)]
+    required = []
+    for asked in study.requirements:
+        own = shocks_of(asked.pulse)
+        is_of_map = (own.pulse.given, own.direction) == (shape.given, direction)
+        required.append((asked.name, asked.f0, asked.N, is_of_map))
+    return view._replace(required_shocks=tuple(required))
 
 
 def _names(views):

@@ -1,6 +1,6 @@
 """What is drawn of a study: which two axes, and where on all others."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from itertools import product
 from typing import NamedTuple
 
@@ -22,12 +22,14 @@ class View(NamedTuple):
     name: of its file
     x, y: names of axes; of thresholds y has a line for each of its values
     at: place on each other axis; of a map without N as x or y and not in `at` thresholds are meant
+    required_shocks: of a map of cells: name, f0 (Hz), N, and whether its pulse is that of the map
     """
 
     name: str
     x: str
     y: str
     at: dict[str, int]
+    required_shocks: tuple[tuple[str, float, float, bool], ...] = ()
 
     @property
     def is_of_cells(self) -> bool:
@@ -65,9 +67,12 @@ def choose_maps(
     return tuple(View(_name(grid, "map", at), x, y, at) for at in chosen), line
 
 
-def batch_places(grid: Grid) -> dict[str, dict[str, int]]:
-    """Places on the axes of names where devices as made are drawn, by the ending of the names."""
-    names = _names(grid)
+def batch_places(grid: Grid, of: Collection[str] = NAMES) -> dict[str, dict[str, int]]:
+    """Places where devices as made are drawn, by the ending of the figures' names.
+
+    of: those of the axes of names that matter
+    """
+    names = [key for key in _names(grid) if key in of]
     places = product(*(range(grid.axes[key].size) for key in names))
     found = [dict(zip(names, place, strict=True)) for place in places]
     return {

@@ -16,6 +16,8 @@ from .curves import (
     draw_impulsive,
     draw_static,
     limit_key,
+    mark_missing,
+    missing_keys,
 )
 from .scales import amplitude_axis, end_at_ticks, frequency_axis, value_text
 
@@ -48,8 +50,9 @@ def plot_thresholds(studies: Mapping[str, xr.Dataset], ax: Axes | None = None) -
         for place, words in zip(shared[name], _words(studies, shared), strict=True)
     ]
     looks = [LOOKS[i % len(LOOKS)] for i in range(len(lines))]
-    for (_, found), (colour, marker) in zip(lines, looks, strict=True):
+    for place, ((_, found), (colour, marker)) in enumerate(zip(lines, looks, strict=True)):
         draw_curve(ax, found.f0.values, found, colour, marker)
+        mark_missing(ax, found.f0.values, found, colour, place)
     firsts = {found.N_static.item(): place for place, (_, found) in reversed([*enumerate(lines)])}
     for place in firsts.values():
         draw_static(ax, lines[place][1], "f0", looks[place][0], place)
@@ -94,5 +97,9 @@ def _draw_legend(ax, lines, looks):
         Line2D([], [], color=colour, marker=marker, label=name)
         for (name, _), (colour, marker) in zip(lines, looks, strict=True)
     ]
-    ways = {key.get_label(): key for _, found in lines for key in curve_keys(found, "0.4", "o")}
+    ways = {
+        key.get_label(): key
+        for _, found in lines
+        for key in [*curve_keys(found, "0.4", "o"), *missing_keys(found)]
+    }
     style.legend_below(ax, [*keys, *ways.values(), limit_key(LIMITS)], "", ncols=2)

@@ -6,7 +6,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.markers import CARETUPBASE
 from matplotlib.patches import Patch
+from matplotlib.patheffects import withStroke
 
 from ..numerics.portable import evenly
 from .scales import WORDS, scale_of, value_text
@@ -20,8 +22,14 @@ LIMITS = "limits of long and of short pulses"
 DASH, DOT = (6, 1.5), (1, 1.5)
 """Limits are dashes with dots between them: one on the first line, two on the second."""
 BAND = {"color": "0.25", "alpha": 0.35, "linewidth": 0}
-ALWAYS = {"color": "black", "linewidth": 0.7, "linestyle": (0, (1, 1.2))}
-"""The band of errors about N_first on a map, and N_always."""
+ALWAYS = {"color": "black", "linewidth": 0.6, "marker": "_", "markersize": 5}
+ALWAYS |= {"path_effects": [withStroke(linewidth=2, foreground="white")]}
+"""The band of errors about N_first on a map, and N_always where it is another."""
+STAYS = {"linestyle": "", "marker": CARETUPBASE, "markersize": 4.5, "markeredgewidth": 0.6}
+"""Of an N above which beams stay: an arrow's head upward, which a marker below it leaves to see."""
+MISSING = {"linestyle": "", "marker": "x", "markersize": 3, "markeredgewidth": 0.8}
+FIRST_ROW, NEXT_ROW = 0.975, 0.03
+"""How high the marks of missing points of the first line are, and how far below those of others."""
 BOUND = {"color": "0.4", "linewidth": 0.6, "linestyle": ":", "zorder": 1.5}
 LATE = {"linestyle": "--", "markerfacecolor": "white", "markeredgewidth": 0.6}
 
@@ -38,12 +46,36 @@ def draw_curve(
 
 
 def draw_band(ax: Axes, x: np.ndarray, found: xr.Dataset) -> None:
-    """Draw N_first over x in a band as wide as its error, and N_always if there are islands."""
+    """Draw N_first over x in a band as wide as its error, and N_always where it is another."""
     N, error = found.N_first.values, _known_error(found)
     ax.fill_between(x, N - error, N + error, **BAND)
     _draw_line(ax, x, found, {"color": "black"})
-    if found.islands.any():
-        ax.plot(x, found.N_always.values, **ALWAYS)
+    mark_missing(ax, x, found, "black")
+    if has_gap(found).any():
+        ax.plot(x, found.N_always.where(has_gap(found)).values, **ALWAYS)
+
+
+def has_gap(found: xr.Dataset) -> xr.DataArray:
+    """Whether N_always lies above N_first by more than the error."""
+    return found.N_always > found.N_first + found.N_error.where(np.isfinite(found.N_error), 0)
+
+
+def mark_missing(ax: Axes, x: np.ndarray, found: xr.Dataset, colour: str, place: int = 0) -> None:
+    """Mark at the upper edge where a line has no threshold; place: of the line, from 0."""
+    cross(ax, x[found.N_first.isnull().values], FIRST_ROW - NEXT_ROW * place, colour)
+
+
+def cross(ax: Axes, x: np.ndarray, height: float, colour: str) -> None:
+    """Draw crosses at some x, if any, at a share of the height of the axes."""
+    if x.size:  # an empty line has no extent that a layout could take into account
+        at = {"transform": ax.get_xaxis_transform(), "color": colour, "clip_on": False}
+        ax.plot(x, np.full(x.size, height), **at, **MISSING)
+
+
+def missing_keys(found: xr.Dataset, colour: str = "0.4") -> list[Line2D]:
+    """Key of a legend for what `mark_missing` draws, if it is anything."""
+    key = Line2D([], [], color=colour, **MISSING, label="here no threshold found")
+    return [key] * bool(found.N_first.isnull().any())
 
 
 def _draw_line(ax, x, found, look, every=1):
@@ -118,7 +150,7 @@ def band_keys(found: xr.Dataset) -> list[Line2D | Patch]:
     """Keys of a legend for what `draw_band` draws."""
     keys = [*curve_keys(found, "black"), Patch(**BAND, label="error band of it")]
     above = Line2D([], [], **ALWAYS, label="above it, all $N$ snap")
-    return keys + [above] * bool(found.islands.any())
+    return [*keys, *[above] * bool(has_gap(found).any()), *missing_keys(found, "black")]
 
 
 def limit_key(label: str, colour: str = "0.4") -> Line2D:

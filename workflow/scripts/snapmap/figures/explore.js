@@ -10,7 +10,10 @@ const strides = axes.map((_, n) => axes.slice(n + 1).reduce((cells, { values }) 
 const MOVES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 const STEPS = [[X, [["ArrowLeft", "←"], ["ArrowRight", "→"]]], [Y, [["ArrowDown", "↓"], ["ArrowUp", "↑"]]]];
 const LINES = [1, 2, 3], APART = 4, CHOSEN = [5, 6]; // curves of the map, after the cells
+const SNAPPED = study.views[0].states.findIndex(({ name }) => name === "snapped");
 const KINDS = { uint8: Uint8Array, float32: Float32Array };
+const ends = study.views.find(({ name }) => name === "end") ?? study.views[0]; // of which words tell
+let view = study.views[0]; // what the map shows
 const cells = {}; // arrays over the cells; the thresholds' are over the rows of cells along N
 const at = study.start; // the chosen cell's place on each axis
 
@@ -22,7 +25,7 @@ async function unpack({ kind, bytes }) {
 
 const round = (value) => String(Number(value.toPrecision(4)));
 const say = (n, place) => axes[n].lead + axes[n].texts[place];
-const state = (k) => study.states[cells.state[k]];
+const state = (k) => ends.states[cells[ends.code][k]];
 const outcome = (k) => study.outcomes[cells.outcome[k]];
 const isOpen = (k) => ["unsnapped", "snapped"].includes(outcome(k).name);
 const isAbsent = (k) => outcome(k).name === "absent";
@@ -44,7 +47,7 @@ function describe(k, i, j) {
   const lines = [`<b>${state(k).words}</b>`, ...ending(k), say(Y, j), say(X, i)];
   if (isAbsent(k)) return lines.join("<br>");
   lines.push(Number.isNaN(snap) ? "no snap" : `t<sub>snap</sub> = ${round(snap)} µs`);
-  return lines.concat(cells.doubtful[k] ? [study.doubt] : []).join("<br>");
+  return lines.concat(cells.elsewhere[k] ? ["another step ended elsewhere"] : []).join("<br>");
 }
 
 // What a cell's colour leaves out, in lines.
@@ -62,22 +65,41 @@ function side(k) {
 }
 
 function drawMap() {
-  const apart = byCell((k, i, j) => (cells.doubtful[k] ? [[i, j]] : [])).flat(2);
-  const codes = byCell((k) => cells.state[k]);
-  const lines = axes[Y].name === "N" ? thresholds() : LINES.map(() => ({ x: [], y: [] }));
+  const apart = byCell((k, i, j) => (view === ends && cells.elsewhere[k] ? [[i, j]] : [])).flat(2);
+  const codes = byCell((k) => cells[view.code][k]);
+  const hasLines = axes[Y].name === "N" && view.name === "snap";
+  const lines = hasLines ? thresholds() : LINES.map(() => ({ x: [], y: [] }));
   listClasses(codes.flat(), apart.length, lines.map(({ y }) => y.some(Number.isFinite)));
   const layers = { x: lines.map(({ x }) => x), y: lines.map(({ y }) => y) };
   Plotly.restyle(map, layers, LINES);
-  const inks = apart.map(([i, j]) => inkOn(study.states[codes[j][i]].colour));
+  const inks = apart.map(([i, j]) => inkOn(view.states[codes[j][i]].colour));
   Plotly.restyle(map, { ...marksAt(apart), "marker.color": [inks] }, [APART]);
-  Plotly.restyle(map, { z: [codes], text: [byCell(describe)] }, [0]);
+  const colours = { colorscale: [view.scale], zmax: view.states.length - 0.5 };
+  const z = byCell((k) => cells[view.code][k] + (view.ramp && cells.snap[k] === SNAPPED ? shade(k) : 0));
+  Plotly.restyle(map, { z: [z], text: [byCell(describe)], ...colours }, [0]);
 }
 
-// N_always, the band of N_first's error, and N_first along the map's x.
+// Where a cell that snaps stands among the colours of times, nearly from -0.5 to 0.5.
+function shade(k) {
+  const [first, last] = snapTimes();
+  const scaled = last > study.wide * first ? Math.log : (time) => time;
+  const share = (scaled(cells.t_snap[k]) - scaled(first)) / (scaled(last) - scaled(first) || 1);
+  return 0.98 * (share - 0.5);
+}
+
+// The first and the last snap of all cells, us.
+function snapTimes() {
+  cells.ends ??= cells.t_snap.reduce(([first, last], time) =>
+    (Number.isNaN(time) ? [first, last] : [Math.min(first, time), Math.max(last, time)]), [Infinity, 0]);
+  return cells.ends;
+}
+
+// N_always where it is another, the band of N_first's error, and N_first along the map's x.
 function thresholds() {
   const x = axes[X].values;
   const [N, error, always] = ["N_first", "N_error", "N_always"].map((key) =>
     x.map((_, i) => cells[key][rowOf(place(i, 0))]));
+  const known = (bar) => (Number.isFinite(bar) ? bar : 0);
   const band = { x: [], y: [] };
   const close = (from, to) => {
     const there = Array.from({ length: to - from }, (_, n) => from + n);
@@ -91,7 +113,7 @@ function thresholds() {
     if (i > from) close(from, i);
     from = i + 1;
   }
-  return [{ x, y: always }, band, { x, y: N }];
+  return [{ x, y: always.map((all, i) => (all > N[i] + known(error[i]) ? all : null)) }, band, { x, y: N }];
 }
 
 function inkOn(colour) {
@@ -104,14 +126,20 @@ function marksAt(places) {
 }
 
 function listClasses(codes, apart, [hasAlways, , hasFirst]) {
-  const items = study.states.map(({ words, colour }, code) => {
+  const items = view.states.map(({ words, colour }, code) => {
     const count = codes.filter((other) => other === code).length;
-    return count ? `<li><i style="background:${colour}"></i>${words} (${count})</li>` : "";
+    const key = view.ramp && code === SNAPPED ? timeKey() : `<i style="background:${colour}"></i>${words}`;
+    return count ? `<li>${key} (${count})</li>` : "";
   });
-  if (apart) items.push(`<li><i class="apart"></i>${study.doubt} (${apart})</li>`);
+  if (apart) items.push(`<li><i class="apart"></i>another step ended elsewhere (${apart})</li>`);
   if (hasFirst) items.push('<li><i class="line"></i>lowest N that snaps, with its error</li>');
   if (hasAlways) items.push('<li><i class="line always"></i>N above which all snap</li>');
   document.getElementById("classes").innerHTML = items.join("");
+}
+
+function timeKey() {
+  const [first, last] = snapTimes().map((time) => `${round(time / 1e3)} ms`);
+  return `${first} <i class="ramp" style="background:linear-gradient(to right, ${view.ramp})"></i>${last}, first snap`;
 }
 
 function trace(name, k) {
@@ -170,7 +198,7 @@ function verdict(k) {
   const open = `${kept}; what follows is open: ${left(cells.energy_at_end[k])}`;
   // After the pulse the energy only falls: if it is above the saddle after the proof, so it was then.
   const parted = cells.energy_at_proof[k] > 1;
-  const doubt = cells.doubtful[k] ? ` Its outcome was ${study.doubt}.` : "";
+  const doubt = cells.elsewhere[k] ? " With another step it ended elsewhere." : "";
   return {
     unsnapped: `no snap within ${study.horizon} µs after the pulse${open}.`,
     never: `no snap, ${proven}: after the pulse nothing adds to the energy, and it is below the saddle.`,
@@ -233,6 +261,16 @@ function addSlider({ name, label, values, texts }, n) {
   show();
 }
 
+function addViews() {
+  const row = document.getElementById("views");
+  row.innerHTML = study.views.map(({ words }, n) =>
+    `<label><input type="radio" name="view" value="${n}" ${n ? "" : "checked"}>${words}</label>`).join("");
+  row.addEventListener("change", ({ target }) => {
+    view = study.views[target.value];
+    drawMap();
+  });
+}
+
 function addSteps() {
   const row = document.getElementById("steps");
   row.innerHTML = STEPS.map(([n, keys]) => {
@@ -254,6 +292,7 @@ async function start() {
   await Promise.all(Object.entries(study.arrays).map(async ([key, packed]) => {
     cells[key] = await unpack(packed);
   }));
+  addViews();
   axes.forEach(addSlider);
   addSteps();
   map.on("plotly_click", ({ points }) => choose(points[0].pointIndex[1], points[0].pointIndex[0]));

@@ -5,7 +5,6 @@ import json
 from pathlib import Path
 from string import Template
 
-import numpy as np
 import plotly.graph_objects as go
 import xarray as xr
 
@@ -13,7 +12,7 @@ from ..device import VALUES
 from . import scales, style
 from .explore_axes import axis, durations, layout, plane
 from .explore_batch import batch_section
-from .explore_cells import cell_data, opening, states
+from .explore_cells import cell_data, opening
 from .explore_device import device_rows, vibrations, words_of
 from .explore_history import history, legend
 
@@ -35,8 +34,8 @@ BUTTONS = {
 }
 
 COLOURED_BY = {
-    True: "whether the beam is tripped in the end, dark where that is proven",
-    False: "whether the beam snaps",
+    True: "whether the beam snaps, when it first does, or where it ends, dark where that is proven",
+    False: "whether the beam snaps, or when it first does",
 }
 """What the colours of the map say, by whether it is known where the beam stays."""
 
@@ -102,16 +101,12 @@ def _figure_of_batch(figure, name):
 
 
 def _map(cells, x, y):
-    """The map without its cells and lines, which the page fills in for the other axes' values."""
+    """The map without cells, colours and lines; the page fills them in as chosen."""
     right, up = (scales.scale_of(key, cells[key].values) for key in (x, y))
-    colours = [state.colour for state in states(cells)]
-    steps = np.repeat(np.arange(len(colours) + 1) / len(colours), 2)[1:-1]
     heatmap = go.Heatmap(
         x=right.edges.tolist(),
         y=up.edges.tolist(),
         zmin=-0.5,
-        zmax=len(colours) - 0.5,
-        colorscale=list(zip(steps, np.repeat(colours, 2).tolist(), strict=True)),
         showscale=False,
         hovertemplate="%{text}<extra></extra>",
     )
@@ -127,17 +122,18 @@ def _map(cells, x, y):
 def _thresholds():
     """Where all snap from, and where the first snap, with its band of error."""
     bare = {"hoverinfo": "skip", "showlegend": False}
-    always = {"color": "black", "width": 1, "dash": "dot"}
-    pale = "rgba(255, 255, 255, 0.6)"  # so that the line stands out from dark cells, too
+    always = {"line": {"color": "black", "width": 1}}
+    always["marker"] = {"symbol": "line-ew-open", "size": 9, "color": "black"}
+    pale = "rgba(255, 255, 255, 0.6)"
     error = {"fill": "toself", "fillcolor": pale, "line": {"width": 3, "color": pale}}
     first = {"line": {"color": "black", "width": 1.5}, "marker": {"size": 3, "color": "black"}}
-    yield go.Scatter(**bare, mode="lines", line=always, opacity=0.7)
+    yield go.Scatter(**bare, mode="lines+markers", **always)
     yield go.Scatter(**bare, mode="lines", **error)
     yield go.Scatter(**bare, mode="lines+markers", **first)
 
 
 def _marks():
-    """What another step did not reproduce, and the chosen cell with a halo."""
+    """What another step had end elsewhere, and the chosen cell with a halo."""
     bare = {"mode": "markers", "hoverinfo": "skip", "showlegend": False}
     apart = {"symbol": "line-ne-open", "size": 5, "color": "#333333"}
     chosen = {"symbol": "circle-open", "size": 15, "color": "black", "line": {"width": 2}}

@@ -7,6 +7,7 @@ import numpy as np
 import plotly.graph_objects as go
 import xarray as xr
 
+from ..tolerances.statistics import percents
 from .scales import value_text
 from .tolerances import LINES, words_of
 
@@ -146,8 +147,7 @@ def _requirements(found):
         for place in product(*(range(found.sizes[key]) for key in others)):
             at = dict(zip(others, place, strict=True))
             where = ", ".join(_plain(key, found[key].values[i].item()) for key, i in at.items())
-            low, high = (f"{end:.1%}" for end in ends.isel(at).values)
-            cells = (name, where, f"{values.isel(at).item():.1%}", f"{low} to {high}")
+            cells = name, where, percents(values.isel(at)), percents(*ends.isel(at))
             rows.append("".join(f"<td>{html.escape(cell)}</td>" for cell in cells))
     head = "".join(f"<th>{cell}</th>" for cell in ("requirement", "", "met by", "at 95 %"))
     body = "".join(f"<tr>{row}</tr>" for row in rows)

@@ -5,9 +5,19 @@ import zlib
 
 import numpy as np
 import xarray as xr
+from matplotlib.colors import to_hex
 
-from ..solver.outcome import OUTCOMES
-from .states import SNAPS, STATES, WHOLE_SWING, State, end_states, is_doubtful, snap_states
+from ..solver.outcome import OUTCOMES, WHOLE_SWING
+from .states import (
+    SNAPS,
+    STATES,
+    TIME_COLOURS,
+    WAITING,
+    WIDE,
+    end_elsewhere,
+    end_states,
+    snap_states,
+)
 
 WORDS = {
     "unsnapped": "no snap, end open",
@@ -21,20 +31,43 @@ WORDS = {
 """Of each outcome, in the order of the codes."""
 GREY = "#999999"
 """Of what is absent, in place of the white that maps in print hatch."""
-DOUBT = {
-    False: "not reproduced with another step",
-    True: "not reproduced with another step or level",
-}
-"""Of a doubtful cell, by whether it was followed at several levels of a model."""
+RAMP = [to_hex(colour) for colour in TIME_COLOURS(np.linspace(0, 1, 9))]
+"""Colours of snap times, from the first to the last."""
 TRACED = ("w_low", "w_high", "z_mass", "energy", "beam_energy")
 EDGES = ("N_first", "N_error", "N_always")
 STEPS, MISSING = 254, 255
 
 
-def states(cells: xr.Dataset) -> tuple[State, ...]:
-    """What cells can be: where they end, or whether they snap if runs end there."""
-    *others, absent = STATES if "well" in cells else SNAPS
-    return *others, absent._replace(colour=GREY)
+def views(cells: xr.Dataset) -> list[dict]:
+    """What the map can show: whether cells snap, when, and where they end if that is known.
+
+    Of each its name and words; states, and the array that has their codes; and a colour scale for
+    plotly, with RAMP in place of `snaps` on the map of times.
+    """
+    times = [WAITING, *_greyed(SNAPS)[1:]]
+    shown = [
+        {"name": "snap", "words": "snaps", "code": "snap", "states": _greyed(SNAPS)},
+        {"name": "time", "words": "time", "code": "snap", "states": times, "ramp": RAMP},
+    ]
+    if "well" in cells:
+        ends = _greyed(STATES)
+        shown.append({"name": "end", "words": "where it ends", "code": "end", "states": ends})
+    for view in shown:
+        colours = [[state.colour] * 2 for state in view["states"]]
+        if "ramp" in view:
+            colours[1] = view["ramp"]
+        view["scale"] = [
+            ((place + share) / len(colours), colour)
+            for place, some in enumerate(colours)
+            for share, colour in zip(np.linspace(0, 1, len(some)).tolist(), some, strict=True)
+        ]
+        view["states"] = [state._asdict() for state in view["states"]]
+    return shown
+
+
+def _greyed(states):
+    *others, absent = states
+    return [*others, absent._replace(colour=GREY)]
 
 
 def cell_data(cells: xr.Dataset, traces: xr.Dataset, found: xr.Dataset) -> dict:
@@ -50,10 +83,10 @@ def cell_data(cells: xr.Dataset, traces: xr.Dataset, found: xr.Dataset) -> dict:
     for key in TRACED:
         arrays |= _scaled(key, traces[key].transpose(*dims, "bin").values, failed)
     return {
-        "states": [state._asdict() for state in states(cells)],
+        "views": views(cells),
+        "wide": WIDE,
         "outcomes": [{"name": name, "words": WORDS[name]} for name in OUTCOMES],
         "whole": WHOLE_SWING,
-        "doubt": DOUBT["agreed" in cells],
         "bins": traces.sizes["bin"],
         "missing": MISSING,
         "reach": float(traces.energy.attrs["clipped_at"]),
@@ -65,11 +98,11 @@ def cell_data(cells: xr.Dataset, traces: xr.Dataset, found: xr.Dataset) -> dict:
 def opening(cells: xr.Dataset, x: str, y: str) -> list[int]:
     """Place on each axis of the cell to begin with: at the threshold, near the middle of x and y.
 
-    One that snaps, and does so with another step, too, if there is any.
+    One that snaps, and ends alike with another step, if there is any.
     """
     dims, snaps = cells.outcome.dims, np.isfinite(cells.t_snap.values)
     known = ~np.isin(cells.outcome.values, (OUTCOMES.index("failed"), OUTCOMES.index("absent")))
-    sure = ~is_doubtful(cells).values
+    sure = ~end_elsewhere(cells).values
     first = _at_threshold(snaps, known, dims, x, y)
     choice = next(some for some in (first & sure, first, known, ~known) if some.any())
     places, size = np.argwhere(choice), np.array(choice.shape)
@@ -97,9 +130,10 @@ def _at_threshold(snaps, known, dims, x, y):
 def _labels(cells):
     """Codes of each cell, (*axes)."""
     return {
-        "state": end_states(cells) if "well" in cells else snap_states(cells),
+        "snap": snap_states(cells),
+        **({"end": end_states(cells)} if "well" in cells else {}),
         "outcome": cells.outcome,
-        "doubtful": is_doubtful(cells),
+        "elsewhere": end_elsewhere(cells),
         "well": cells.get("well", xr.zeros_like(cells.outcome)),
     }
 

@@ -1,13 +1,12 @@
-"""Maps over two axes of a study: where the beam ends, where it snaps, and when."""
+"""Maps over two axes of a study: which cells snap, when, and where the beam ends."""
 
 from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
-from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap, LogNorm, Normalize
+from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 
 from ..axes import axis_behind
@@ -16,11 +15,17 @@ from . import layout, plane, style
 from .curves import LIMITS, band_keys, draw_band, draw_impulsive, draw_static, freeze, limit_key
 from .points import draw_points, number_shocks, point_keys
 from .scales import Scale, place_text, scale_of, tick_log
-from .states import SNAPS, STATES, State, end_states, is_doubtful, snap_states
-
-WAITING = State("waiting", "no snap seen", "#ececec")
-WIDE = 30
-"""Ratio of snap times from which their colours are logarithmic."""
+from .states import (
+    SNAPS,
+    STATES,
+    TIME_COLOURS,
+    WAITING,
+    WIDE,
+    State,
+    end_elsewhere,
+    end_states,
+    snap_states,
+)
 
 
 class Kind(NamedTuple):
@@ -28,14 +33,14 @@ class Kind(NamedTuple):
 
     states: what there are; classify: gives the index in them of each cell
     words, columns: of the legend below maps side by side
-    has_doubt: whether cells of which another step said otherwise are hatched
+    is_of_ends: whether cells that another step had end elsewhere are hatched
     """
 
     states: tuple[State, ...]
     classify: Callable[[xr.Dataset], xr.DataArray]
     words: str
     columns: int
-    has_doubt: bool
+    is_of_ends: bool
 
 
 END = Kind(
@@ -65,7 +70,7 @@ def draw_end_map(
     cells: xr.Dataset,
     x: str = "f0",
     y: str = "N",
-    required_shocks: Sequence[tuple[str, float, float]] = (),
+    required_shocks: Sequence[tuple[str, float, float, bool]] = (),
     own_points: Sequence[Point] = (),
 ) -> Axes:
     """Draw over two axes on which side of the saddle the beam of each cell ends, and how sure.
@@ -81,13 +86,14 @@ def draw_snap_map(
     found: xr.Dataset | None = None,
     x: str = "f0",
     y: str = "N",
-    required_shocks: Sequence[tuple[str, float, float]] = (),
+    required_shocks: Sequence[tuple[str, float, float, bool]] = (),
     own_points: Sequence[Point] = (),
 ) -> Axes:
     """Draw over two axes which cells snap.
 
     found: thresholds over x, drawn with their errors and limits if y is N
-    required_shocks: name, f0 (Hz) and N of shocks to point out by numbers; own_points: a user's own
+    required_shocks: to point out by numbers: name, f0 (Hz), N, and whether the map is of its pulse
+    own_points: a user's own
     """
     return _draw_map(ax, SNAP, Panel(cells, found), x, y, required_shocks, own_points)
 
@@ -128,12 +134,13 @@ def plot_outcome(
     x: str = "f0",
     y: str = "N",
     found: xr.Dataset | None = None,
+    ends: bool = False,
 ) -> Axes:
-    """Draw a map in a notebook, with its legend: on `ax`, or on a figure of its own.
+    """Draw in a notebook which cells snap, with a legend: on `ax`, or on a figure of its own.
 
-    cube: as from `sweep` or `open_cube`, of one value on every axis but x and y; where it has
-        the side of the saddle on which each beam ends, that is drawn, else which cells snap
+    cube: as from `sweep` or `open_cube`, of one value on every axis but x and y
     found: thresholds over x, drawn if y is N
+    ends: draw instead on which side of the saddle each beam ends
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> cube = snapmap.sweep(device, [900, 1100], [500, 1500], [25], model="cosines", until="snap")
@@ -146,7 +153,9 @@ def plot_outcome(
         raise ValueError(f"cube: has several {many[0]}; choose one, as cube.isel({many[0]}=0)")
     cells = cube.squeeze([key for key in cube.outcome.dims if key not in (x, y)])
     cells = cells.assign(outcome=cells.outcome_code) if "outcome_code" in cells else cells
-    kind = Panel(cells).kind
+    if ends and "well" not in cells:
+        raise ValueError("cube: its runs end at the snap; where beams end is not known")
+    kind = END if ends else SNAP
     return _draw_map(ax or style.notebook_axes(), kind, Panel(cells, found), x, y, (), ())
 
 
@@ -176,9 +185,8 @@ def draw_maps(
 def _draw_map(ax, kind, panel, x, y, required_shocks, own_points):
     required_shocks, own_points = _of_plane(x, y, required_shocks), _of_plane(x, y, own_points)
     _fill_map(ax, kind, panel, x, y)
-    number_shocks(ax, x, required_shocks)
+    names = number_shocks(ax, x, required_shocks)
     draw_points(ax, x, own_points)
-    names = [f"{i}: {style.literal(name)}" for i, (name, *_) in enumerate(required_shocks, start=1)]
     ax.set_title("\n".join([_title(panel.cells), *names]))
     keys = [*_keys(kind, [panel], y), *point_keys(own_points)]
     style.legend_below(ax, keys, kind.words, ncols=2)
@@ -199,9 +207,9 @@ def _fill_map(ax, kind, panel, x, y):
     across = plane.open_plane(ax, cells, x, y)
     found = kind.classify(cells)
     plane.fill_states(ax, found, kind.states, *across)
-    if kind.has_doubt:
+    if kind.is_of_ends:
         dark = plane.is_dark(found, kind.states)
-        plane.hatch_doubtful(ax, is_doubtful(cells), dark, *across)
+        plane.hatch_cells(ax, end_elsewhere(cells), dark, *across)
     if panel.found is not None and y == "N":
         _draw_threshold(ax, panel.found, x)
 
@@ -219,20 +227,18 @@ def _draw_times(ax, times, ends, x: Scale, y: Scale):
     unit, per_unit = ("ms", 1e3) if ends[1] >= 1e3 else ("µs", 1.0)
     low, high = ends[0] / per_unit, ends[1] / per_unit
     norm = LogNorm(low, high) if high > WIDE * low else Normalize(low, high)
-    # Short of its lightest end, which in grey is as light as a cell without a snap.
-    colours = ListedColormap(colormaps["cividis"](np.linspace(0, 0.88, 256)))
-    field = plane.fill_field(ax, times / per_unit, x, y, cmap=colours, norm=norm)
+    field = plane.fill_field(ax, times / per_unit, x, y, cmap=TIME_COLOURS, norm=norm)
     bar = plane.colour_bar(ax, field, f"first snap after the start of the pulse ({unit})")
     if high > WIDE * low:
         tick_log(bar.ax.xaxis, (low, high), ax.bbox.width / ax.get_figure().dpi)
 
 
 def _keys(kind, panels, y):
-    """Of states, doubt and thresholds; all panels have thresholds or none."""
+    """Of states, hatches and thresholds; all panels have thresholds or none."""
     found = [kind.classify(cells) for cells, _ in panels]
     keys = list(plane.state_keys(found, kind.states))
-    if kind.has_doubt:
-        keys += plane.doubtful_keys([is_doubtful(cells) for cells, _ in panels])
+    if kind.is_of_ends:
+        keys += plane.elsewhere_keys([end_elsewhere(cells) for cells, _ in panels])
     if panels[0].found is None or y != "N":
         return keys
     lines = {key.get_label(): key for _, found in panels for key in band_keys(found)}

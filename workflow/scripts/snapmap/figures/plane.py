@@ -15,9 +15,9 @@ from .scales import Scale, frequency_axis, scale_of, set_scale
 from .states import State
 
 ABSENT = {"hatch": "x" * 3, "hatchcolor": "0.6"}
-DOUBTFUL = {"hatch": "/" * 14, "hatchcolor": "0.1"}
-DOUBTFUL_DARK = DOUBTFUL | {"hatchcolor": "0.9"}
-"""Hatches of cells without a device, and of what another step did not say, on light and dark."""
+ELSEWHERE = {"hatch": "/" * 14, "hatchcolor": "0.1"}
+ELSEWHERE_DARK = ELSEWHERE | {"hatchcolor": "0.9"}
+"""Hatches of cells without a device, and of those that another step had end elsewhere."""
 LUMA, DARK = (0.299, 0.587, 0.114), 0.4
 """Shares of red, green and blue in how light a colour is, and below what a hatch is light."""
 RESOLVED, VECTORS = 700, 100_000
@@ -76,12 +76,10 @@ def fill_field(ax: Axes, field: xr.DataArray, x: Scale, y: Scale, **look) -> Qua
     return ax.pcolormesh(x.edges, y.edges, values, rasterized=field.size > VECTORS, **edges, **look)
 
 
-def hatch_doubtful(
-    ax: Axes, doubtful: xr.DataArray, dark: xr.DataArray, x: Scale, y: Scale
-) -> None:
-    """Hatch the doubtful cells, with light strokes where the cells are dark."""
-    for chosen, look in ((doubtful & ~dark, DOUBTFUL), (doubtful & dark, DOUBTFUL_DARK)):
-        _fill(ax, chosen, x, y, **_hatched(look))
+def hatch_cells(ax: Axes, chosen: xr.DataArray, dark: xr.DataArray, x: Scale, y: Scale) -> None:
+    """Hatch the chosen cells, with light strokes where the cells are dark."""
+    for some, look in ((chosen & ~dark, ELSEWHERE), (chosen & dark, ELSEWHERE_DARK)):
+        _fill(ax, some, x, y, **_hatched(look))
 
 
 def is_dark(found: xr.DataArray, states: Sequence[State]) -> xr.DataArray:
@@ -99,11 +97,11 @@ def state_keys(found: Sequence[xr.DataArray], states: Sequence[State]) -> Iterat
             yield Patch(**look, label=f"{state.words} ({count})")
 
 
-def doubtful_keys(doubtful: Sequence[xr.DataArray]) -> Iterator[Patch]:
+def elsewhere_keys(hatched: Sequence[xr.DataArray]) -> Iterator[Patch]:
     """A key of a legend for hatched cells, with their number."""
-    if count := sum(np.count_nonzero(panel) for panel in doubtful):
-        look = {"facecolor": "none", "edgecolor": "black", **DOUBTFUL}
-        yield Patch(**look, label=f"of these, other step differs ({count})")
+    if count := sum(np.count_nonzero(panel) for panel in hatched):
+        look = {"facecolor": "none", "edgecolor": "black", **ELSEWHERE}
+        yield Patch(**look, label=f"another step ended elsewhere ({count})")
 
 
 def colour_bar(ax: Axes, field: QuadMesh, label: str) -> Colorbar:

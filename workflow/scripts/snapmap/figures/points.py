@@ -1,15 +1,24 @@
 """Shocks pointed out on a map: those that are required, and a user's own."""
 
+import textwrap
 from collections.abc import Sequence
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from ..io.points import Point
 from .curves import freeze
-from .style import literal
+from .scales import value_text
+from .style import COLUMN, literal
 
-MARK = {"markerfacecolor": "white", "markeredgecolor": "black", "markeredgewidth": 0.8}
+RING = {"boxstyle": "circle,pad=0.25", "facecolor": "white", "linewidth": 0.8}
+ARROW = {"arrowstyle": "-|>,head_length=0.3,head_width=0.15", "facecolor": "black"}
+ARROW |= {"linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
+NUMBER = {"fontsize": 5, "ha": "center", "va": "center", "bbox": RING, "arrowprops": ARROW}
+NUMBER |= {"textcoords": "offset points"}
+INWARD = 12
+"""How far from an edge the number of a shock beyond it stands, pt."""
 POINT = {"marker": "D", "markersize": 4, "markeredgecolor": "black", "linestyle": ""}
 TRIPPED = {True: "black", False: "white", None: "0.6"}
 POINT_WORDS = {True: "own point, tripped", False: "own point, not tripped", None: "own point"}
@@ -20,15 +29,28 @@ NAMED = 12
 """Most points whose names are written beside them."""
 
 
-def number_shocks(ax: Axes, x: str, shocks: Sequence[tuple[str, float, float]]) -> None:
-    """Point out shocks, each its name, f0 (Hz) and N, by numbers in the order given."""
+def number_shocks(ax: Axes, x: str, shocks: Sequence[tuple[str, float, float, bool]]) -> list[str]:
+    """Point out shocks by numbers in the order given, by arrows at the edge what lies beyond it.
+
+    shocks: name, f0 (Hz), N, and whether it has the map's pulse; what has not is but named
+    Returns lines that name them.
+    """
     freeze(ax)
-    low, high = ax.get_ylim()
-    for number, (_, f0, N) in enumerate(shocks, start=1):
-        place = _place(x, f0)
-        if low <= N <= high:
-            ax.plot(place, N, "o", markersize=7, **MARK)
-            ax.annotate(str(number), (place, N), ha="center", va="center", fontsize=5)
+    lines, others = [], []
+    for number, (name, f0, N, is_of_map) in enumerate(shocks, start=1):
+        name = f"{number}:\u00a0{literal(name)}"
+        if not is_of_map:
+            others.append(name)
+            continue
+        place = np.array([_place(x, f0), N])
+        low, high = np.transpose([ax.get_xlim(), ax.get_ylim()])
+        inside = np.clip(place, low, high)
+        inward = {"xytext": INWARD * np.sign(inside - place)}
+        ax.annotate(str(number), inside, **inward, **NUMBER)
+        beyond = f" at {value_text('N', N)}, {value_text('f0', f0)}"
+        lines.append(name + beyond * bool((place != inside).any()))
+    others = ["of another shape or direction: " + ", ".join(others)] if others else []
+    return [*lines, *(textwrap.fill(line, COLUMN) for line in others)]
 
 
 def draw_points(ax: Axes, x: str, points: Sequence[Point]) -> None:

@@ -1,12 +1,13 @@
-"""Where the beam of each cell is at the end of its run, as maps and the page show it."""
+"""What maps and the page show of each cell: whether it snaps, when, and where its beam ends."""
 
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
+from matplotlib import colormaps
+from matplotlib.colors import ListedColormap
 
-WHOLE_SWING = 0.999
-"""Share of the last swing above which the beam has kept to one side."""
+from ..solver.outcome import WHOLE_SWING, ended_elsewhere
 
 
 class State(NamedTuple):
@@ -39,6 +40,11 @@ SNAPS = (
     STATES[ABSENT],
 )
 """Whether a cell snaps within its run."""
+WAITING = State("waiting", "no snap seen", "#ececec")
+# Short of its lightest end, which in grey is as light as a cell without a snap.
+TIME_COLOURS = ListedColormap(colormaps["cividis"](np.linspace(0, 0.88, 256)))
+WIDE = 30
+"""Ratio of snap times from which their colours are logarithmic."""
 
 
 def end_states(cells: xr.Dataset) -> xr.DataArray:
@@ -61,18 +67,11 @@ def snap_states(cells: xr.Dataset) -> xr.DataArray:
     return _without_runs(cells.t_snap.notnull(), _outcomes(cells), 2, 3)
 
 
-def is_doubtful(cells: xr.Dataset) -> xr.DataArray:
-    """Whether a run of the cell with another step, or another level of the model, differed.
-
-    One that still goes back and forth may end on either side.
-    """
-    doubtful = xr.zeros_like(cells.outcome, bool)
-    for name in ("reproduced", "agreed"):
-        if name in cells:
-            doubtful = doubtful | (cells[name] == 0)
-    if "well_reproduced" in cells:
-        doubtful = doubtful | ((cells.well_reproduced == 0) & (end_states(cells) != CROSSING))
-    return doubtful
+def end_elsewhere(cells: xr.Dataset) -> xr.DataArray:
+    """Whether a run of each cell with another step ended elsewhere; no where there was none."""
+    if "well_reproduced" not in cells:
+        return xr.zeros_like(cells.outcome, bool)
+    return ended_elsewhere(cells.well_reproduced, cells.well_share)
 
 
 def _outcomes(cells):

@@ -8,6 +8,7 @@ from matplotlib.patches import Patch
 
 from . import style
 from .curves import (
+    STAYS,
     bound_key,
     curve_keys,
     draw_bound,
@@ -19,6 +20,8 @@ from .curves import (
     limit_key,
     limit_look,
     line_keys,
+    mark_missing,
+    missing_keys,
     some_lines,
     undercuts,
     velocity_change,
@@ -40,7 +43,6 @@ from .scales import (
 DOUBTFUL = 0.01
 """Error bars above this share of the threshold are marked."""
 DURATION = {"color": "0.6", "linewidth": 0.5, "linestyle": ":", "zorder": 1}
-LATCHED = {"linewidth": 0.7, "linestyle": (0, (1, 1))}
 SHADE = {"color": "0.9", "linewidth": 0, "zorder": 0}
 NOTE = {"fontsize": 6, "textcoords": "offset points"}
 SYMBOLS = r"$\Delta v$: velocity change, limit of short pulses"
@@ -66,19 +68,20 @@ def draw_thresholds(ax: Axes, found: xr.Dataset, x: str = "f0", lines: str = "C"
     else:
         set_scale(ax, "x", scale)
     amplitude_axis(ax)
-    for one, colour, marker in each_line(found, lines):
+    for place, (one, colour, marker) in enumerate(each_line(found, lines)):
         _draw_gap(ax, one, scale, colour)
         draw_curve(ax, scale.places, one, colour, marker)
+        mark_missing(ax, scale.places, one, colour, place)
         if one.N_latched.notnull().any():
-            ax.plot(scale.places, one.N_latched.values, color=colour, **LATCHED)
+            ax.plot(scale.places, one.N_latched.values, color=colour, **STAYS)
     _draw_limits(ax, found, x, lines)
     if x == "f0":
         _label_limits(ax, found)
     keys = [*line_keys(found, lines), *curve_keys(found, "0.4", "o"), *_gap_keys(found)]
     if found.N_latched.notnull().any():
-        keys.append(Line2D([], [], color="0.4", **LATCHED, label="above it, all looked at latch"))
+        keys.append(Line2D([], [], color="0.4", **STAYS, label="above it, all looked at latch"))
     keys += [] if x == "f0" else [limit_key("threshold of long pulses")]
-    keys += [bound_key()] if undercuts(found) else []
+    keys += [*missing_keys(found), *[bound_key()] * undercuts(found)]
     style.legend_below(ax, keys, _title(found, style.PAGE), ncols=4 if len(keys) < MANY_KEYS else 3)
     return ax
 

@@ -1,21 +1,25 @@
 """Devices as made: how probably one snaps, which value that depends on, what meets requirements."""
 
+import textwrap
 from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from ..tolerances.statistics import percents
 from . import style
-from .curves import LOOKS
+from .curves import LOOKS, MISSING, STAYS, cross, each_line
 from .scales import (
     WORDS,
     arithmetic_edges,
     axis_label,
     frequency_axis,
     geometric_edges,
+    place_text,
     scale_of,
     set_scale,
     value_text,
@@ -25,9 +29,17 @@ LINES = {0.01: ":", 0.1: "--", 0.5: "-", 0.9: "--", 0.99: ":"}
 """Of the shares of devices that snap."""
 NOMINAL = {"color": "#d55e00", "linewidth": 1.0, "linestyle": "-."}
 LATCHED = {"color": "#0072b2", "linewidth": 0.9}
-BOTH = {"colors": LATCHED["color"], "linewidths": 0.9, "linestyles": ["-", ":"]}
+STAYING = {
+    share: {"color": LATCHED["color"], "markerfacecolor": face, **STAYS}
+    for share, face in {0.5: "white", 0.99: LATCHED["color"]}.items()
+}
+"""Of the lowest N above which so large a share stays in the second shape."""
+FIELD = {"cmap": "Greys", "vmin": 0, "vmax": 3, "edgecolors": "face", "rasterized": True}
+"""Of shares; the darkest grey is one that lines are read on."""
 FIRST = {"linestyle": ":", "markerfacecolor": "white", "markeredgewidth": 0.5}
 """Of indices of first order, beside the solid ones of all."""
+NAME = 24
+"""Signs in a line of a requirement's name beside its shares."""
 FAILS = {"color": "0.9", "linewidth": 0}
 
 
@@ -36,7 +48,7 @@ def draw_probability(ax: Axes, found: xr.Dataset) -> Axes:
 
     found: of one C; lines where 1, 10, 50, 90 and 99 % snap, and the nominal threshold
     """
-    ax.set_title(value_text("C", found.C.item()))
+    ax.set_title(place_text(found))
     return _draw_shares(ax, found) if found.f0.size == 1 else _draw_field(ax, found)
 
 
@@ -45,15 +57,17 @@ def _draw_field(ax, found):
     shares = found.probability.transpose("N", "f0").values
     frequency_axis(ax, found.f0.values)
     set_scale(ax, "y", scale_of("N", found.N.values))
-    look = {"cmap": "Greys", "vmin": 0, "vmax": 1.4, "edgecolors": "face", "rasterized": True}
-    ax.pcolormesh(*edges, shares, **look)
+    ax.pcolormesh(*edges, shares, **FIELD)
     for share, dashes in LINES.items():
         N = found.N_quantile.sel(quantile=share).values
         ax.plot(found.f0.values, N, color="black", linestyle=dashes, linewidth=0.8)
     ax.plot(found.f0.values, found.N_nominal.values, **NOMINAL)
     if "latched" in found:
-        latched = found.latched.transpose("N", "f0").values
-        ax.contour(found.f0.values, found.N.values, latched, [0.5, 0.99], **BOTH)
+        for share, look in STAYING.items():
+            stay = (found.latched >= share).transpose("f0", "N").values
+            above = np.logical_and.accumulate(stay[:, ::-1], axis=1)[:, ::-1]
+            N = np.where(above.any(axis=1), found.N.values[above.argmax(axis=1)], np.nan)
+            ax.plot(found.f0.values, N, **look)
     return ax
 
 
@@ -80,18 +94,22 @@ def probability_keys(found: xr.Dataset) -> list[Line2D]:
         keys = [Patch(color="0.8", label="bounds at 95 %")]
     keys.append(Line2D([], [], **NOMINAL, label="threshold of the nominal device"))
     if "latched" in found:
-        words = (
-            "50 and (dotted) 99 % stay in the second shape"
-            if found.f0.size > 1
-            else "stay in the second shape"
+        keys += (
+            [Line2D([], [], **LATCHED, label="stay in the second shape")]
+            if found.f0.size == 1
+            else [
+                Line2D(
+                    [], [], **look, label=f"above it, {100 * share:g} % stay in the second shape"
+                )
+                for share, look in STAYING.items()
+            ]
         )
-        keys.append(Line2D([], [], **LATCHED, label=words))
     return keys
 
 
 def draw_sensitivity(ax: Axes, found: xr.Dataset) -> Axes:
     """Draw the Sobol indices of each value over f0, with their bounds; found: of one C."""
-    ax.set_title(value_text("C", found.C.item()))
+    ax.set_title(place_text(found))
     f0 = scale_of("f0", found.f0.values)
     if f0.values.size > 1:
         frequency_axis(ax, f0.values)
@@ -107,6 +125,7 @@ def draw_sensitivity(ax: Axes, found: xr.Dataset) -> Axes:
         ax.errorbar(f0.places, middle, error, elinewidth=0.5, **look)
         hollow = {"color": colour, "marker": marker, "markersize": 2.5, **FIRST}
         ax.plot(f0.places, first.sel(value=value).values, **hollow)
+    cross(ax, f0.places[total.isnull().all("value").values], 0.02, "0.4")
     ax.set_ylim(-0.05, 1.1)
     ax.set_ylabel("share of the variance of the threshold")
     return ax
@@ -121,7 +140,8 @@ def sensitivity_keys(found: xr.Dataset) -> list[Line2D]:
     ]
     alone = Line2D([], [], color="0.4", marker="o", markersize=2.5, **FIRST)
     alone.set_label("alone (first order)")
-    return [*keys, alone]
+    unknown = Line2D([], [], color="0.4", **MISSING, label="not known: few devices snap")
+    return [*keys, alone, *[unknown] * bool(found.sensitivity.isnull().any())]
 
 
 def words_of(value: str) -> str:
@@ -144,19 +164,48 @@ def draw_requirement(ax: Axes, found: xr.Dataset) -> Axes:
     ax.axvspan(*((N, high) if must else (low, N)), **FAILS)
     ax.hist(known, bins="sqrt", range=(low, high), color="#0072b2", alpha=0.8)
     ax.axvline(N, color="black", linewidth=0.8)
-    share, bounds = found.share_meeting.item(), 100 * found.share_meeting_bound.values
     words = "trips" if must else "does not trip"
     ax.set_title(
-        f"{style.literal(found.requirement.item())}, {words}\n{value_text('C', found.C.item())}\n"
-        f"met by {share:.1%} ({bounds[0]:.1f} to {bounds[1]:.1f} %)".replace("%", " %", 1)
+        f"{style.literal(found.requirement.item())}, {words}\n{place_text(found)}\n"
+        f"met by {percents(found.share_meeting)} ({percents(*found.share_meeting_bound)})"
     )
     ax.set(xlim=(low, high), xlabel="threshold $N$ (multiples of $g$)", ylabel="devices")
     return ax
 
 
-def requirement_keys() -> list[Patch]:
-    """The legend of `draw_requirement`."""
+def draw_yield(ax: Axes, found: xr.Dataset) -> Axes:
+    """Draw the shares of devices that meet each requirement, and all of them, with their bounds.
+
+    found: over requirements and C
+    """
+    names = [*map(style.literal, found.requirement.values), "all together"]
+    shares = np.vstack([found.share_meeting.transpose("requirement", "C"), found["yield"]])
+    bounds = found.share_meeting_bound.transpose("bound", "requirement", "C")
+    bounds = np.concatenate([bounds, found.yield_bound.values[:, np.newaxis]], axis=1)
+    rows = np.arange(len(names))
+    for i, (_, colour, marker) in enumerate(each_line(found, "C")):
+        y = rows + 0.7 * ((i + 0.5) / found.C.size - 0.5)
+        error = abs(bounds[:, :, i] - shares[:, i])
+        ax.errorbar(shares[:, i], y, xerr=error, color=colour, marker=marker, linestyle="")
+        for at, share, ends in zip(y, shares[:, i], bounds[:, :, i].T, strict=True):
+            words = f"{percents(share)} ({percents(*ends)})"
+            ax.annotate(words, (1.03, at), va="center", fontsize=6)
+    ax.axhline(rows[-1] - 0.5, color="0.6", linewidth=0.5)
+    ax.set(xlim=(0, 1.3), ylim=(rows[-1] + 0.5, -0.5), xlabel="share of devices that meet it")
+    ax.set_xticks([0, 0.2, 0.4, 0.6, 0.8, 1])
+    ax.set_yticks(rows, [textwrap.fill(name, NAME) for name in names])
+    ax.tick_params(axis="y", which="minor", left=False)
+    return ax
+
+
+def requirement_keys(found: xr.Dataset) -> list[Artist]:
+    """The legend of `draw_requirement` and `draw_yield`."""
+    lines = [
+        Line2D([], [], color=colour, marker=marker, label=value_text("C", one.C.item()))
+        for one, colour, marker in each_line(found, "C")
+    ]
     return [
+        *lines,
         Patch(**FAILS, label="the requirement fails"),
         Line2D([], [], color="black", linewidth=0.8, label="required $N$"),
     ]

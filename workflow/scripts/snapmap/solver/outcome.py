@@ -20,6 +20,8 @@ class Outcome(IntEnum):
 
 UNSNAPPED, NEVER, SNAPPED, LATCHED, RETURNED, FAILED, ABSENT = Outcome
 OUTCOMES = tuple(outcome.name.lower() for outcome in Outcome)
+WHOLE_SWING = 0.999
+"""Share of the last swing above which the beam has kept to one side."""
 
 
 def label(
@@ -50,10 +52,18 @@ def count(outcome: np.ndarray) -> dict[str, int]:
     return {name: int(n) for name, n in zip(OUTCOMES, numbers, strict=True) if n}
 
 
-def shares(counts: Mapping[str, int], reproduced: int | None = None) -> dict[str, float]:
-    """Shares of the cells that are proven, open and failed; and reproduced, if that is known.
+def ended_elsewhere(well_reproduced: np.ndarray, well_share: np.ndarray) -> np.ndarray:
+    """Whether a run with another step ended on the other side of the saddle, as in a cube.
 
-    counts: as from `count`; reproduced: number of cells; those without a device do not count
+    A cell that still goes back and forth over it ends on neither.
+    """
+    return (well_reproduced == 0) & ~(well_share < WHOLE_SWING)
+
+
+def shares(counts: Mapping[str, int]) -> dict[str, float]:
+    """Shares of the cells that are proven, open and failed; those without a device do not count.
+
+    counts: as from `count`
     """
     total = max(1, sum(counts.values()) - counts.get("absent", 0))
     found = {
@@ -61,6 +71,4 @@ def shares(counts: Mapping[str, int], reproduced: int | None = None) -> dict[str
         "open": sum(counts.get(name, 0) for name in ("unsnapped", "snapped")),
         "failed": counts.get("failed", 0),
     }
-    if reproduced is not None:
-        found["reproduced"] = reproduced
     return {f"share_{name}": round(number / total, 6) for name, number in found.items()}

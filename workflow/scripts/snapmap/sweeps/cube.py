@@ -12,7 +12,7 @@ from ..device import Device
 from ..io.provenance import provenance
 from ..solver.adaptive import choose_model
 from ..solver.cells import check_cells
-from ..solver.outcome import ABSENT, OUTCOMES, count, shares
+from ..solver.outcome import ABSENT, OUTCOMES, count, ended_elsewhere, shares
 from ..study import FOLLOWED, frequencies, study_of
 from .grid import follow_grid
 
@@ -72,7 +72,7 @@ VARIABLES = {
         "flag_meanings": "not_reproduced reproduced",
     },
     "well_reproduced": {
-        "long_name": "whether it also ended on the same side of the saddle",
+        "long_name": "whether a run with another time step ended on the same side of the saddle",
         "flag_values": np.arange(2, dtype=np.int8),
         "flag_meanings": "not_reproduced reproduced",
     },
@@ -87,6 +87,8 @@ VARIABLES = {
         "comment": "NaN where one of both runs did not snap",
     },
 }
+
+ELSEWHERE = "cells_ended_elsewhere"
 
 
 def sweep(
@@ -139,19 +141,21 @@ def dress(axes: Mapping[str, np.ndarray], variables: Mapping, document: Mapping)
 
 
 def with_summary(cube: xr.Dataset) -> xr.Dataset:
-    """Add the number of cells of each outcome and the shares of `outcome.shares` as attributes."""
+    """Add numbers of cells as attributes, and the shares of `outcome.shares`.
+
+    Of each outcome, and of those that ended elsewhere with another step.
+    """
     found = [count(block) for block in _blocks(cube.outcome)]
     counts = {name: sum(block.get(name, 0) for block in found) for name in OUTCOMES}
     counts = {name: number for name, number in counts.items() if number}
-    reproduced = None
-    if "reproduced" in cube:
-        reproduced = sum(int((block == 1).sum()) for block in _blocks(cube.reproduced))
-        reproduced -= counts.get("absent", 0)
     if "absent" in counts:
         flags = {"flag_values": np.arange(len(OUTCOMES), dtype=np.int8)}
         cube.outcome.attrs.update(flags, flag_meanings=" ".join(OUTCOMES))
     named = {f"cells_{name}": number for name, number in counts.items()}
-    return cube.assign_attrs(named | shares(counts, reproduced))
+    if "well_reproduced" in cube:
+        apart = ended_elsewhere(cube.well_reproduced, cube.well_share)
+        named[ELSEWHERE] = sum(int(block.sum()) for block in _blocks(apart))
+    return cube.assign_attrs(named | shares(counts))
 
 
 def _blocks(variable):
@@ -164,8 +168,8 @@ def summary(cube: xr.Dataset) -> str:
     """One line of what `with_summary` added: how many cells, how sure, of which kinds."""
     counts = {name: cube.attrs.get(f"cells_{name}", 0) for name in OUTCOMES}
     told = [f"{_percent(cube.attrs['share_proven'])} proven"]
-    if "share_reproduced" in cube.attrs:
-        told.append(f"{_percent(cube.attrs['share_reproduced'])} reproduced with another step")
+    if ELSEWHERE in cube.attrs:
+        told.append(f"{cube.attrs[ELSEWHERE]} ended elsewhere with another step")
     told += [f"{number} {name}" for name, number in counts.items() if number or name == "failed"]
     return f"{sum(counts.values())} cells: {', '.join(told)}"
 

@@ -1,11 +1,12 @@
 """Thresholds of devices as made, as an xarray dataset: probability, sensitivity and yield."""
 
 from collections.abc import Mapping, Sequence
+from itertools import product
 
 import numpy as np
 import xarray as xr
 
-from ..axes import COORDINATES, coordinates
+from ..axes import COORDINATES, NAMES, coordinates
 from ..device import Device
 from ..io.provenance import provenance
 from ..numerics.portable import geometric
@@ -15,7 +16,7 @@ from ..study import THRESHOLD_SETTINGS, Study, frequencies, study_of
 from .batch import Batch, choose_builder
 from .samples import SHOCK_FACTORS, Plan, Tolerances
 from .sensitivity import crossed, indices
-from .statistics import count_below, moments, quantiles, wilson
+from .statistics import count_below, moments, percents, quantiles, wilson
 
 MOST_SAMPLES = 100_000
 QUANTILES = (0.01, 0.1, 0.5, 0.9, 0.99)
@@ -185,13 +186,25 @@ def summary(found: xr.Dataset) -> str:
     told = [f"{size} samples", f"{missing} without a second stable shape"]
     if spread.size:
         told.append(f"thresholds scatter by {spread.min():.2g} to {spread.max():.2g}, relative")
-    owed = found.sensitivity.sel(order="total")
-    owed = owed.mean([dim for dim in owed.dims if dim != "value"])
-    if owed.notnull().any():
-        told.append(f"most by {owed.idxmax().item()}")
+    told += _most_owed(found.sensitivity.sel(order="total"))
     if "yield" in found:
-        told.append(f"yield {float(found['yield'].min()):.1%} to {float(found['yield'].max()):.1%}")
+        told.append(f"yield {percents(*found['yield'].values.ravel())}")
     return ", ".join(told)
+
+
+def _most_owed(sensitivity):
+    """What thresholds owe most of their variance to; where that differs, of each named pulse."""
+    named = [dim for dim in NAMES if dim in sensitivity.dims]
+    owed = sensitivity.mean([dim for dim in sensitivity.dims if dim not in ("value", *named)])
+    most = {}
+    for place in product(*(range(owed.sizes[dim]) for dim in named)):
+        one = owed.isel(dict(zip(named, place, strict=True)))
+        if one.notnull().any():
+            names = " ".join(str(one[dim].item()) for dim in named)
+            most.setdefault(one.idxmax().item(), []).append(names)
+    if len(most) < 2:
+        return [f"most by {value}" for value in most]
+    return [f"most by {value} ({', '.join(names)})" for value, names in most.items()]
 
 
 def _power(samples):

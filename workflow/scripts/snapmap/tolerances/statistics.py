@@ -8,6 +8,12 @@ DEVIATIONS = 1.959963984540054
 """Of a normal distribution, within which 95 % lie."""
 
 
+def percents(*shares: float) -> str:
+    """A share in per cent, or from the lowest of some to the highest: once if both read alike."""
+    ends = dict.fromkeys(f"{100 * float(end):.1f}" for end in (min(shares), max(shares)))
+    return f"{' to '.join(ends)} %"
+
+
 def wilson(count: np.ndarray, samples: int) -> tuple[np.ndarray, np.ndarray]:
     """Bounds at 95 % of the share that `count` of so many samples stand for (Wilson, 1927)."""
     z2 = DEVIATIONS * DEVIATIONS

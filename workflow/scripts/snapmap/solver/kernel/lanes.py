@@ -186,8 +186,9 @@ def judge(X, l, cell, state, task, seen):
     is_whole, proven = steps >= state.lasts[l], seen.well != 0
     facts.pulse_work[cell] = X[row(R.WORK, l)] / (2 * dt**2) if is_whole else np.nan
     facts.t_snap[cell] = snap_time(X, l, dt) if seen.snapped else np.nan
-    facts.t_settled[cell] = (steps - 1) * dt if proven else np.nan
-    if seen.in_pulse or (seen.snapped and task.stop_at_snap):
+    ends_at_snap = seen.snapped and task.stop_at_snap
+    facts.t_settled[cell] = (steps - 1) * dt if proven and not ends_at_snap else np.nan
+    if seen.in_pulse or ends_at_snap:
         facts.well[cell], facts.well_share[cell] = 0, np.nan
         return
     share = (X[row(R.BEYOND, l)] - X[row(R.BEYOND_SINCE, l)]) / (steps - X[row(R.SINCE, l)])
