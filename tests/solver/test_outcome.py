@@ -173,6 +173,16 @@ def test_no_proof_below_the_energy_that_a_run_keeps(handout):
     assert proven[:, -1].all() and not proven[:, :-1].any()
 
 
+def test_a_snap_seen_together_with_the_end_of_its_pulse_is_followed_on(root):
+    device = snapmap.load_device(root / "config" / "sensor.yaml")
+    N, f0 = np.linspace(1240.0, 1280.0, 41), np.linspace(7900.0, 8000.0, 5)
+    cells = {"model": "cosines", "cosines": 3, "horizon": 4000, "pulse": "half sine"}
+    found = snapmap.sweep(device, N, f0, [100.0], **cells)
+    assert ((found.well > 0) == np.isin(found.outcome, PROVEN)).where(found.well == 0, True).all()
+    to_snap = snapmap.sweep(device, N, f0, [100.0], until="snap", **cells)
+    assert not np.isin(to_snap.outcome, (LATCHED, RETURNED)).any()
+
+
 def test_with_a_damped_beam_everything_settles(handout):
     device = with_damping(handout, 4e-3)
     cells = random_cells(device, 200, 4, [25.0])
