@@ -5,13 +5,16 @@ from pathlib import Path
 
 from ..beam.barrier import find_barrier
 from ..beam.cosines import buckling_shapes
-from ..device import Beam, Device
+from ..device import STOPS, Beam, Device
+from ..quantities import QUANTITIES
 from .faults import Faults, convert_part, refuse
 from .quality import KEY, damped
 from .schema import schema_faults, validator
 from .units import read
 from .yaml_file import ConfigError, read_document
 
+APART = "beam", "stops", KEY
+"""Keys of a device that are no value of it."""
 TILTING = 8
 """Shapes of each kind by which it is told whether a free beam has a second one."""
 
@@ -85,7 +88,8 @@ def read_device(section: Mapping, name: str = "device") -> Device:
     try:
         return Device(
             beam=_beam(section["beam"], formats["beam"]["properties"]),
-            **_convert({key: section[key] for key in section if key not in ("beam", KEY)}, formats),
+            **_convert({key: section[key] for key in section if key not in APART}, formats),
+            **_stops(section.get("stops", {})),
         )
     except ValueError as error:
         raise ValueError(str(error).replace("device.", f"{name}.", 1)) from None
@@ -102,6 +106,11 @@ def _beam(section, formats):
     if "damping" in section:
         raise ValueError(f"device.beam.{KEY}: stands beside damping; write one of them")
     return damped(beam, read(section[KEY], "quality"))
+
+
+def _stops(section):
+    named = {STOPS[key]: value for key, value in section.items()}
+    return {key: read(value, QUANTITIES[key].kind) for key, value in named.items()}
 
 
 def _convert(section, formats):
