@@ -7,7 +7,7 @@ from ...numerics.kept_kernels import compiled, inlined
 from . import rows as R
 from .rows import LANES, at, row
 from .shared import latch, move_mass, take
-from .stops import has_stops, meet_stops
+from .stops import crossed, has_stops, meet_stops
 
 
 @compiled
@@ -31,7 +31,7 @@ def advance_conserving(X, shape, shocks, first, steps):
     cut_1, cut_2, cut_3 = modes // 4, modes // 2, 3 * modes // 4
     stopped = has_stops(X)
     for step in range(first, first + steps):
-        if stopped:
+        if stopped and crossed(X):
             meet_stops(X)
         take(X, shocks, step)
         for l in range(LANES):

@@ -5,7 +5,7 @@ from ...numerics.kept_kernels import compiled, inlined
 from . import rows as R
 from .rows import LANES, at, row
 from .shared import latch, move_mass, take
-from .stops import has_stops, meet_stops, overlap_at_half
+from .stops import crossed, has_stops, meet_stops, overlap_at_half
 
 
 @compiled
@@ -25,7 +25,7 @@ def advance_explicit(X, shape, shocks, first, steps):
     cut_1, cut_2, cut_3 = modes // 4, modes // 2, 3 * modes // 4
     stopped = has_stops(X)
     for step in range(first, first + steps):
-        if stopped:
+        if stopped and crossed(X):
             overlap_at_half(X, shape)
             meet_stops(X)
         take(X, shocks, step)

@@ -14,7 +14,7 @@ from .explicit import advance_explicit
 from .pulse import BLOCK
 from .rows import LANES, row
 from .shared import copy
-from .stops import has_stops, meet_stops, overlap_at_half
+from .stops import crossed, has_stops, meet_stops, overlap_at_half
 
 EXPLICIT, CONSERVING = (0,), (0, 0)
 """As kernels take a scheme: numba knows a tuple's length, and compiles nothing of the other one."""
@@ -42,7 +42,7 @@ def advance(X, shape, scheme, shocks, first, steps):
 @compiled
 def rebound(X, shape, scheme):
     """Reflect the masses that have crossed a stop, as the next step else begins with."""
-    if has_stops(X):
+    if has_stops(X) and crossed(X):
         if len(scheme) == 1:
             overlap_at_half(X, shape)
         meet_stops(X)

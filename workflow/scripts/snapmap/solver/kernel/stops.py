@@ -19,6 +19,16 @@ def has_stops(X):
 
 
 @inlined
+def crossed(X):
+    """Whether the mass of any lane is beyond a stop."""
+    some = False
+    for l in range(LANES):
+        y = X[row(R.Y, l)]
+        some |= (y < -X[row(R.STOP_TOWARD, l)]) | (y > X[row(R.STOP_AWAY, l)])
+    return some
+
+
+@inlined
 def overlap_at_half(X, shape):
     """The overlap at the last half step, which the explicit scheme itself does without."""
     for l in range(LANES):
