@@ -5,6 +5,7 @@ from pathlib import Path
 
 from ..beam.barrier import find_barrier
 from ..beam.cosines import buckling_shapes
+from ..beam.equilibria import least_way
 from ..device import STOPS, Beam, Device
 from ..quantities import QUANTITIES
 from .faults import Faults, convert_part, refuse
@@ -52,6 +53,19 @@ def tilting(beam: Beam) -> str:
         return (
             "free to tilt, the beam has no stable second shape: a snap is the midpoint's first "
             "arrival where a guided beam has its own, and nothing latches"
+        )
+    return ""
+
+
+def stopped(device: Device) -> str:
+    """One line on stops that leave the mass no room to snap the beam, or nothing."""
+    way, needed = device.stop_toward, least_way(device)
+    if way <= device.gap:
+        return f"stops.toward: {way:.4g} um is not beyond the gap; the mass never meets the beam"
+    if way < needed:
+        return (
+            f"stops.toward: {way:.4g} um is short of the saddle, {needed:.4g} um from rest: a slow "
+            "push does not snap the beam, and a fast one only by the speed that it gives the beam"
         )
     return ""
 
