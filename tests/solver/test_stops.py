@@ -122,7 +122,7 @@ def test_kernel_and_plain_loop_bounce_alike(handout):
     for key in ("z_mass", "w_mid", "pulse_work", "dissipated_energy"):
         ours, theirs = (run[key].values for run in runs)
         np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-8 * np.ptp(theirs))
-    assert np.ptp(runs[0].z_mass.values) == 5.0 and runs[0].dissipated_energy[-1] > 100
+    assert np.ptp(runs[0].z_mass.values) > 4.95 and runs[0].dissipated_energy[-1] > 100
     cells = to_cells(device, 0, [3000.0, 9000.0], 2e4, 25.0, 250.0)
     for name, how in both.items():
         model = build_model(device, name, **how)
