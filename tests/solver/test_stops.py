@@ -30,6 +30,7 @@ from snapmap.solver.settings import Settings
 
 ALONE = {"gap": 1e4}
 """The beam is far beyond the mass's stop."""
+NONE = {"stop_toward": np.inf, "stop_away": np.inf}
 
 
 def changed(device, **values):
@@ -222,7 +223,9 @@ def test_a_config_has_stops_and_its_recipe_too(root):
     study = load_config(document)
     device = study.device
     assert (device.stop_toward, device.stop_away, device.restitution) == (14.0, 6.0, 0.7)
-    assert read_device(device_sections(device)["device"]) == device
+    for one in (device, changed(device, stop_toward=np.inf), changed(device, **NONE)):
+        assert read_device(device_sections(one)["device"]) == one
+    assert "stops" not in device_sections(changed(device, **NONE, restitution=0.5))["device"]
     assert list(study.axes)[:2] == ["stop_toward", "restitution"]
     wrong = {"toward": "0 um", "away": "-1 um", "restitution": 1.5}
     for key, value in wrong.items():

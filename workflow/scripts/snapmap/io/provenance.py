@@ -12,7 +12,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from .. import __version__
-from ..device import STOPS, Device
+from ..device import RESTITUTION, STOPS, Device
 from ..pulse import Pulse, Shocks
 from ..quantities import QUANTITIES
 from .dependencies import code_hash
@@ -77,7 +77,9 @@ def _section(device):
     guide = {"guide": "free"} if beam.pop("free") else {}
     stops = _with_units({name: values.pop(name) for name in STOPS.values()})
     stops = {key: stops[name] for key, name in STOPS.items() if name in stops}
-    written = {"stops": stops} if device.has_stops else {}
+    # Stops that are an axis alone bounce as the device says.
+    is_told = device.has_stops or device.restitution != RESTITUTION
+    written = {"stops": stops} if is_told else {}
     return {"beam": _with_units(beam) | guide, **_with_units(values), **written}
 
 
