@@ -17,7 +17,7 @@ from snapmap.config.schema import validator
 from snapmap.config.shocks import SHARES
 from snapmap.config.study import load_config
 from snapmap.config.views import MOST_MAPS
-from snapmap.device import VALUES, Beam, Device
+from snapmap.device import RESTITUTION, VALUES, Beam, Device
 from snapmap.pulse import TENTH, VERSED_SINE
 from snapmap.quantities import KINDS, QUANTITIES
 from snapmap.solver.adaptive import TOLERANCE
@@ -154,6 +154,7 @@ def _sections(schema, defaults):
     device = schema["$defs"]["device"]
     yield _section("device", device, defaults)
     yield _section("device.beam", device["properties"]["beam"], defaults)
+    yield _section("device.stops", device["properties"]["stops"], defaults)
     yield _section("model", parts["model"], defaults)
     yield _options()
     yield _section("pulse", parts["pulse"], defaults)
@@ -188,6 +189,9 @@ def code_defaults() -> dict[str, str]:
         "device.beam.quality_factor": "`damping`",
         "device.quality_factor": "`sweep.C`",
         "sweep.C": "required, or `device.quality_factor`",
+        "device.stops": "the mass travels freely",
+        **dict.fromkeys(("device.stops.toward", "device.stops.away"), "no stop on that side"),
+        "device.stops.restitution": f"`{RESTITUTION:g}`",
         "device.beam.guide": "`guided`",
         "device.beam.imperfection": "required if `guide` is `free`",
         "model.elements": f"`{elements['elements']}`",

@@ -18,6 +18,10 @@ SECOND = 4.0
 TILT = (8.986818915818128 / (2 * math.pi)) ** 2
 """Likewise of the first antisymmetric shape; tan(mu/2) = mu/2."""
 NEWTON_STEPS = 100
+# ASSUME: silicon that meets silicon; a config says its own.
+RESTITUTION = 0.5
+STOPS = {"toward": "stop_toward", "away": "stop_away", "restitution": "restitution"}
+"""Values of the device by their keys in the config's section `stops`."""
 THINNEST = 1e6
 """Most of rise over thickness: beyond, the digits of a float no longer hold bending and stretch."""
 
@@ -178,6 +182,9 @@ class Device:
     spring, contact: uN/um; contact = math.inf is a hard contact
     gravity: the unit of the shock's amplitude N, um/us^2
     gap: between mass and midpoint at rest, um
+    stop_toward, stop_away: way of the mass from rest to a rigid stop, towards the beam and away
+        from it, um; math.inf for none
+    restitution: share of its speed with which the mass leaves a stop, 0 to 1
     """
 
     beam: Beam
@@ -186,9 +193,17 @@ class Device:
     contact: Value
     gravity: Value
     gap: Value = 0.0
+    stop_toward: Value = math.inf
+    stop_away: Value = math.inf
+    restitution: Value = RESTITUTION
 
     def __post_init__(self):
         _require_from_zero("device.gap", self.gap)
+        for key in ("toward", "away"):
+            way = getattr(self, STOPS[key])
+            _require(np.greater(way, 0), f"device.stops.{key}: {{}} is not a positive number", way)
+        share = np.greater_equal(self.restitution, 0) & np.less_equal(self.restitution, 1)
+        _require(share, "device.stops.restitution: {} is not from 0 to 1", self.restitution)
         for name in ("mass", "spring", "gravity"):
             _require_positive(f"device.{name}", getattr(self, name))
         stiff = "device.contact: {} is not a positive number or inf"
@@ -201,6 +216,11 @@ class Device:
         A light mass, or one on a stiff spring, rests on a beam that snaps by its own inertia.
         """
         return np.minimum(np.sqrt(self.spring / self.mass), self.beam.bending_frequency)
+
+    @property
+    def has_stops(self) -> bool | np.ndarray:
+        """Whether the mass meets a stop on either side."""
+        return np.isfinite(self.stop_toward) | np.isfinite(self.stop_away)
 
     def __len__(self) -> int:
         """Number of devices in a batch; 1 for a single device."""

@@ -4,6 +4,7 @@ A value of the device is a line in QUANTITIES, a field in `device.py`, and its p
 attributes in files, words in figures and on the page, and the keys of the config follow.
 """
 
+import math
 from typing import NamedTuple
 
 
@@ -35,6 +36,7 @@ KINDS = {
     "acceleration": Kind("an acceleration", "um/us^2", "'9.81 m/s^2'"),
     "frequency": Kind("a frequency", "Hz", "'1500 Hz'"),
     "damper": Kind("a damper constant", "uN*us/um", "'25 uN*us/um'", zero=True),
+    "restitution": Kind("a plain number from 0 to 1", "", "0.5", zero=True),
     "share": Kind("a share", "%", "'0.1 %'"),
     "duration": Kind("a duration", "us", "'1500 us'", zero=True),
     "pulse": Kind("a duration", "us", "'0.5 ms'"),
@@ -70,7 +72,7 @@ class Quantity(NamedTuple):
     kind: a key of KINDS, none if its values are names; long_name: in files, of what can be an axis
     words: in figures, in short; label: there along an axis, if not the words
     symbol: in the drawing of the device
-    left_out: whether a recipe is silent of it where it is 0; the config lists it last
+    left_out: of which value a recipe is silent, NaN for none; the config then lists it last
     """
 
     name: str
@@ -79,7 +81,7 @@ class Quantity(NamedTuple):
     words: str = ""
     label: str = ""
     symbol: str = ""
-    left_out: bool = False
+    left_out: float | None = None
 
     @property
     def unit(self) -> str:
@@ -112,19 +114,40 @@ _ALL = (
         "stress",
         "residual stress of the beam, tension > 0",
         "residual stress",
-        left_out=True,
+        left_out=0.0,
     ),
     Quantity(
         "imperfection",
         "distance",
         "antisymmetric imperfection of the beam",
         "imperfection",
-        left_out=True,
+        left_out=0.0,
     ),
     Quantity("mass", "mass", "mass that strikes the beam", "mass", symbol="M"),
     Quantity("spring", "stiffness", "stiffness of the mass's spring", "spring", symbol="K"),
     Quantity("contact", "contact", "stiffness of the contact", "contact"),
-    Quantity("gap", "distance", "gap between mass and beam at rest", "gap", left_out=True),
+    Quantity("gap", "distance", "gap between mass and beam at rest", "gap", left_out=0.0),
+    Quantity(
+        "stop_toward",
+        "length",
+        "way of the mass from rest to its stop towards the beam",
+        "stop towards the beam",
+        left_out=math.inf,
+    ),
+    Quantity(
+        "stop_away",
+        "length",
+        "way of the mass from rest to its stop away from the beam",
+        "stop away from the beam",
+        left_out=math.inf,
+    ),
+    Quantity(
+        "restitution",
+        "restitution",
+        "share of its speed with which the mass leaves a stop",
+        "restitution of the stops",
+        left_out=math.nan,
+    ),
     Quantity("gravity", "acceleration"),
     Quantity("shape", "", "shape of the pulse", "", "shape of the pulse"),
     Quantity(

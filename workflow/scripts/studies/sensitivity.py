@@ -25,6 +25,8 @@ OF_BEAM = SIZES
 OF_DEVICE = ("mass", "spring", "contact")
 COSINES = {"name": "cosines", "modes": 5}
 GAPS = [0.0, 0.5, 1.0, 2.0]
+STOPS = [(np.inf, np.inf, 0.5), (15.0, 6.0, 0.5), (15.0, 6.0, 0.9), (10.0, 6.0, 0.5)]
+BLOWS = [1500.0, 5000.0, 30000.0]
 F0, C, TOLERANCE, ELEMENTS = 1500.0, 0.025, 1e-6, 10
 
 
@@ -33,6 +35,7 @@ def main():
     print(one_percent_more(device))
     print(eigenstrain(device))
     print(gaps(device))
+    print(stops(device))
     print(stresses(device))
 
 
@@ -76,6 +79,19 @@ def gaps(device):
     found = threshold(device, [F0], [C], model=COSINES, tolerance=TOLERANCE, gap=few(GAPS))
     rows = zip(few(GAPS), found.N_first.values.ravel(), strict=True)
     return table(["gap, um", "N_first"], [[f"{gap:g}", f"{N:.1f}"] for gap, N in rows])
+
+
+def stops(device):
+    """Thresholds along +z and -z with stops, C = 25."""
+    rows = []
+    for toward, away, e in few(STOPS):
+        held = replace(device, stop_toward=toward, stop_away=away, restitution=e)
+        found = threshold(held, few(BLOWS), [25.0], direction="both").squeeze("C")
+        numbers = found.N_first.transpose("direction", "f0").values.ravel()
+        told = ["none" if np.isnan(N) else f"{N:.0f}" for N in numbers]
+        rows.append([f"{toward:g} µm", f"{away:g} µm", f"{e:g}", *told])
+    blows = [f"{way} {f0:g} Hz" for way in ("+z", "−z") for f0 in few(BLOWS)]
+    return table(["toward", "away", "restitution", *blows], rows)
 
 
 def stresses(device):

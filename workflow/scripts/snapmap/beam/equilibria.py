@@ -16,7 +16,7 @@ import numpy as np
 
 from ..device import Beam, Device
 from ..numerics.linalg import apply, eigh
-from .barrier import unit_buckling
+from .barrier import find_barrier, unit_buckling
 from .basis import Basis
 from .cosines import buckling_shapes, symmetric_cosines
 from .modal import ModalBeam, contact_stiffness, unit_form, unit_modes
@@ -43,7 +43,7 @@ def static_threshold(device: Device) -> float | np.ndarray:
 
     That is the first maximum on the path, or where the beam leaves the mass to snap by itself. A
     beam that leaves the mass where it could still rest alone, or that the mass does not reach
-    across its gap, goes on to its own first maximum.
+    across its gap, or is stopped before the saddle, goes on to its own first maximum.
     """
     if np.ndim(device.mass):
         return np.array([static_threshold(device.pick(i)) for i in range(len(device))])
@@ -60,12 +60,18 @@ def static_threshold(device: Device) -> float | np.ndarray:
         return behind & np.logical_or.accumulate(~behind)
 
     a, reached, leaves = _end_of(modes, pressed, is_left, whole)
-    if leaves or device.gap > 0:
+    stopped = device.stop_toward < np.inf and device.stop_toward < least_way(device)
+    if leaves or device.gap > 0 or stopped:
         alone, edge, _ = _end_of(modes, _shock_alone, lambda a, reached: a < 0, whole)
         apart = device.mass * alone < device.spring * (edge + device.gap)
-        if reached < edge if leaves else apart:
+        if stopped or (reached < edge if leaves else apart):
             a = alone
     return float(a / device.gravity)
+
+
+def least_way(device: Device) -> float:
+    """How far the mass must travel from rest to push the midpoint slowly to the saddle, um."""
+    return device.gap - find_barrier(device.beam, shapes_of(device.beam)).midpoint
 
 
 def _end_of(modes, loaded, is_left, whole):

@@ -5,13 +5,17 @@ from pathlib import Path
 
 from ..beam.barrier import find_barrier
 from ..beam.cosines import buckling_shapes
-from ..device import Beam, Device
+from ..beam.equilibria import least_way
+from ..device import STOPS, Beam, Device
+from ..quantities import QUANTITIES
 from .faults import Faults, convert_part, refuse
 from .quality import KEY, damped
 from .schema import schema_faults, validator
 from .units import read
 from .yaml_file import ConfigError, read_document
 
+APART = "beam", "stops", KEY
+"""Keys of a device that are no value of it."""
 TILTING = 8
 """Shapes of each kind by which it is told whether a free beam has a second one."""
 
@@ -53,6 +57,19 @@ def tilting(beam: Beam) -> str:
     return ""
 
 
+def stopped(device: Device) -> str:
+    """One line on stops that leave the mass no room to snap the beam, or nothing."""
+    way, needed = device.stop_toward, least_way(device)
+    if way <= device.gap:
+        return f"stops.toward: {way:.4g} um is not beyond the gap; the mass never meets the beam"
+    if way < needed:
+        return (
+            f"stops.toward: {way:.4g} um is short of the saddle, {needed:.4g} um from rest: a slow "
+            "push does not snap the beam, and a fast one only by the speed that it gives the beam"
+        )
+    return ""
+
+
 def read_devices(document: Mapping, faults: Faults) -> Device | dict[str, Device] | None:
     """Read the device of a study, or several by name; what is wrong joins `faults`.
 
@@ -85,7 +102,8 @@ def read_device(section: Mapping, name: str = "device") -> Device:
     try:
         return Device(
             beam=_beam(section["beam"], formats["beam"]["properties"]),
-            **_convert({key: section[key] for key in section if key not in ("beam", KEY)}, formats),
+            **_convert({key: section[key] for key in section if key not in APART}, formats),
+            **_stops(section.get("stops", {})),
         )
     except ValueError as error:
         raise ValueError(str(error).replace("device.", f"{name}.", 1)) from None
@@ -102,6 +120,11 @@ def _beam(section, formats):
     if "damping" in section:
         raise ValueError(f"device.beam.{KEY}: stands beside damping; write one of them")
     return damped(beam, read(section[KEY], "quality"))
+
+
+def _stops(section):
+    named = {STOPS[key]: value for key, value in section.items()}
+    return {key: read(value, QUANTITIES[key].kind) for key, value in named.items()}
 
 
 def _convert(section, formats):

@@ -1,7 +1,7 @@
 """The keys of a config that are quantities or take a shape by name, as parts of its schema."""
 
 from ..axes import COORDINATES, axis_behind
-from ..device import BEAM_VALUES, VALUES
+from ..device import BEAM_VALUES, STOPS, VALUES
 from ..pulse import SHAPES
 from ..quantities import QUANTITIES
 
@@ -10,8 +10,8 @@ def write_out(schema: dict) -> None:
     """Complete the keys that are quantities or shapes; what the schema itself says stays."""
     parts, kinds = schema["properties"], schema["$defs"]
     of_beam = [key for key in VALUES if key in BEAM_VALUES]
-    of_device = [key for key in VALUES if key not in BEAM_VALUES]
-    rare_last = sorted(VALUES, key=lambda key: QUANTITIES[key].left_out)
+    of_device = [key for key in VALUES if key not in (*BEAM_VALUES, *STOPS.values())]
+    rare_last = sorted(VALUES, key=lambda key: QUANTITIES[key].left_out is not None)
     for section, keys, write in (
         (kinds["device"]["properties"]["beam"], of_beam, _own),
         (kinds["device"], of_device, _own),

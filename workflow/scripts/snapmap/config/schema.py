@@ -51,7 +51,7 @@ def name_of(path: tuple) -> str:
     name = ""
     for key in path:
         plain = isinstance(key, str) and key.isidentifier() and len(key) <= _LONGEST_KEY
-        name += f".{key}" if plain else f"[{show(key)}]"
+        name += f".{key}" if plain else f"[{show(key, _LONGEST_KEY)}]"
     return name.removeprefix(".") or "config"
 
 

@@ -13,7 +13,7 @@ from ..study import Study
 from ..tolerances.samples import Tolerances
 from .asked_views import read_views
 from .axes import read_axis
-from .devices import nominal, read_devices, tilting
+from .devices import nominal, read_devices, stopped, tilting
 from .faults import convert_part, refuse
 from .histories import History, read_histories
 from .quality import damper_of, describe
@@ -88,14 +88,14 @@ class Config(Study):
         """Lines on what its devices and its recorded shocks may leave out."""
         shortest, device = 1e6 / self.axes["f0"][-1], nominal(self.device)
         named = self.devices().items()
-        tilts = [f"{name}: {line}" for name, one in named if (line := tilting(one.beam))]
+        lines = [(name, line) for name, one in named for line in (tilting(one.beam), stopped(one))]
         pulses = [
             line
             for pulse in self.shocks.shapes.values()
             for line in pulse.doubts(float(device.own_frequency), float(shortest))
         ]
         outside = own_points_outside(self.own_points[0], self.axes) if self.own_points else []
-        return tilts + pulses + outside
+        return [f"{name}: {line}" for name, line in lines if line] + pulses + outside
 
 
 def load_config(document: Mapping) -> Config:

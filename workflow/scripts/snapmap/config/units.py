@@ -33,8 +33,8 @@ def read(value: object, kind: str) -> float:
     return _read_quantity(value, KINDS[kind])
 
 
-def show(value: object) -> str:
-    """Quote a value in a message, in one short line."""
+def show(value: object, longest: int = _LONGEST) -> str:
+    """Quote a value in a message, in one short line; text longer than that is cut."""
     if isinstance(value, Mapping):
         return "a mapping"
     if isinstance(value, list | tuple):
@@ -45,7 +45,7 @@ def show(value: object) -> str:
         text = repr(value)
     except ValueError:  # an int of more than 4300 digits
         return "a number of thousands of digits"
-    return text if len(text) <= _LONGEST else f"{text[:40]}...{text[-1]}"
+    return text if len(text) <= longest else f"{text[:40]}...{text[-1]}"
 
 
 def _read_number(value, kind):

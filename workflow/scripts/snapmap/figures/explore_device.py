@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 
 from ..config.devices import read_device
 from ..config.quality import describe
+from ..device import STOPS
 from ..quantities import QUANTITIES, Quantity
 
 SHOWN = {
@@ -47,7 +48,8 @@ def _rows(values):
         if isinstance(value, Mapping):
             yield from _rows(value)
         else:
-            yield key, words_of(key), _text(key, str(value))
+            name = STOPS.get(key, key)
+            yield name, words_of(name), _text(name, str(value))
 
 
 def _text(key, written):
@@ -56,4 +58,4 @@ def _text(key, written):
     if key not in QUANTITIES or unit != QUANTITIES[key].unit:
         return html.escape(written)
     factor, shown = SHOWN.get(key) or (1.0, QUANTITIES[key].spelt.page)
-    return f"{float(number) * factor:.6g}\u00a0{shown}"
+    return f"{float(number) * factor:.6g}\u00a0{shown}".strip()

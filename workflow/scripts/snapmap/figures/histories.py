@@ -49,6 +49,9 @@ def _draw_positions(ax, time, history):
     ax.plot(time, history.z_mass, color=MASS, label="mass $z_M$")
     second = {"color": AID, "linestyle": "--", "label": "second equilibrium $w_2$"}
     ax.axhline(history.second_equilibrium, **second)
+    places = [history.attrs[key] for key in ("stop_toward", "stop_away") if key in history.attrs]
+    for place, label in zip(places, ["stop of the mass", None], strict=False):
+        ax.axhline(place, color=MASS, linestyle="-.", linewidth=FINE, label=label)
     ax.set_ylabel("position (µm)")
 
 

@@ -12,7 +12,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from .. import __version__
-from ..device import Device
+from ..device import RESTITUTION, STOPS, Device
 from ..pulse import Pulse, Shocks
 from ..quantities import QUANTITIES
 from .dependencies import code_hash
@@ -75,14 +75,19 @@ def _section(device):
     values = asdict(device)
     beam = values.pop("beam")
     guide = {"guide": "free"} if beam.pop("free") else {}
-    return {"beam": _with_units(beam) | guide, **_with_units(values)}
+    stops = _with_units({name: values.pop(name) for name in STOPS.values()})
+    stops = {key: stops[name] for key, name in STOPS.items() if name in stops}
+    # Stops that are an axis alone bounce as the device says.
+    is_told = device.has_stops or device.restitution != RESTITUTION
+    written = {"stops": stops} if is_told else {}
+    return {"beam": _with_units(beam) | guide, **_with_units(values), **written}
 
 
 def _with_units(values):
     return {
-        key: "hard" if value == math.inf else f"{float(value)!r} {QUANTITIES[key].unit}"
+        key: "hard" if value == math.inf else f"{float(value)!r} {QUANTITIES[key].unit}".strip()
         for key, value in values.items()
-        if value or not QUANTITIES[key].left_out
+        if value != QUANTITIES[key].left_out
     }
 
 

@@ -16,8 +16,10 @@ from ..solver.adaptive import choose_model
 from ..solver.cells import rows_of, to_cells
 from ..solver.kernel.rows import LANES
 from ..solver.kernel.trace import SAMPLE
+from ..solver.outcome import FAILED
 from ..solver.settings import MOVE
 from ..study import Study
+from .travel import warn_of_travel
 
 CELLS = 40_000
 """A larger grid is thinned along its longest axes by whole strides."""
@@ -82,6 +84,11 @@ def trace(study: Study, cube: xr.Dataset, earlier: xr.Dataset | None = None) -> 
             alike = cells.some(which)._replace(device=row)
             found = _follow(part, grid.pulses, alike, window[which], bins, settings.threads)
             values[..., which], bin_length[which] = _shown(*found, window[which])
+    y = values[2] - values[2, 0]
+    ran = np.isfinite(y).all(axis=0) & (cube.outcome.values.ravel() != FAILED)
+    if ran.any():
+        extremes = y[:, ran].min(axis=0), y[:, ran].max(axis=0)
+        warn_of_travel(grid.device.pick(device_of[ran]), *extremes)
     named = dict(zip(VARIABLES, values, strict=True))
     return _dress(grid, cube, named, bin_length, levels[0]).assign_attrs(recipe=made_by)
 
@@ -126,7 +133,8 @@ def _window(device, cube, cells, settings):
 def _follow(model, pulses, cells, window, bins, threads):
     """Values, (variables, bins, cells), and lengths of the bins, us; window: time followed, us."""
     first, barrier = model.barrier.first[cells.device], model.barrier.energy[cells.device]
-    origin = np.stack([first, first, first + model.device.gap[cells.device]])
+    device = model.device
+    origin = np.stack([first, first, first + device.gap[cells.device]])
     dt = model.steps.of(cells, pulses, MOVE)
     width = SAMPLE * np.ceil(window / (bins * SAMPLE * dt)).astype(np.int64)
     values = np.empty((len(VARIABLES), bins, width.size))
@@ -138,6 +146,9 @@ def _follow(model, pulses, cells, window, bins, threads):
         w_range, instants = simd_loop.trace(
             model, cells.device[some], dt[some], pulses, loads, bins
         )
+        # Half way through the step in which it bounces the mass is beyond a stop.
+        which = cells.device[some]
+        np.clip(instants[0], -device.stop_toward[which], device.stop_away[which], instants[0])
         values[:3, :, some] = origin[:, np.newaxis, some] + np.concatenate([w_range, instants[:1]])
         with np.errstate(divide="ignore", invalid="ignore"):  # no barrier: nothing is below it
             values[3:, :, some] = instants[1:] / barrier[some]

@@ -16,6 +16,7 @@ from ..solver.cells import check_cells, to_cells
 from ..solver.repeat import REPEATED_STEP, t_snap_error, work_error
 from ..solver.settings import MOVE
 from ..study import Study, study_of
+from .travel import warn_of_travel
 
 SAMPLES = 4000
 """A history keeps this many instants, up to twice as many, or all that there are."""
@@ -82,6 +83,7 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     steps, stride = _sampling(t_end, dt)
     shock = settings.pulses[0]
     motion, form = built.loop().record(built, shock, amplitude, per_us, damping, dt, steps, stride)
+    warn_of_travel(device, motion.y.min(), motion.y.max())
     values = _observe(device, built.barrier.first, form, motion) | {
         "acceleration": amplitude * shock.at(per_us * motion.time),
         "dissipated_energy": motion.lost,
@@ -101,8 +103,16 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
         barrier=built.barrier.energy,
         gravity=device.gravity,
         time_step=dt,
+        **_stops(device, built.barrier.first),
         **_differences(built, cells, settings),
     )
+
+
+def _stops(device, first):
+    """Where the mass meets its stops, um, of those that it has."""
+    rest = first + device.gap
+    places = {"stop_toward": rest - device.stop_toward, "stop_away": rest + device.stop_away}
+    return {key: place for key, place in places.items() if math.isfinite(place)}
 
 
 def _differences(model, cells, settings):
@@ -136,7 +146,8 @@ def _observe(device, first, form, motion):
     kinetic = dot(velocity, multiply(velocity, form.inertia)) / 2
     return {
         "w_mid": first + dot(motion.u, form.midpoint) - form.residual * contact,
-        "z_mass": first + device.gap + motion.y,
+        # Half way through the step in which it bounces the mass is beyond a stop.
+        "z_mass": first + device.gap + np.clip(motion.y, -device.stop_toward, device.stop_away),
         "contact_force": contact,
         "axial_force": axial_force,
         "kinetic_energy": kinetic + device.mass * motion.y_velocity**2 / 2,

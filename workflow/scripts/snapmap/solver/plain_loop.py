@@ -23,6 +23,7 @@ class System(NamedTuple):
     mass, spring, penalty: M (ng), K (uN/um), lambda (uN/um)
     gap: z0, between mass and midpoint at rest, um
     beam_damping: rate alpha of the force -alpha Mb du/dt on the beam, 1/us
+    stop_toward, stop_away: way of the mass up to a stop, um; restitution: of both
     """
 
     inertia: np.ndarray
@@ -38,6 +39,9 @@ class System(NamedTuple):
     penalty: float
     gap: float
     beam_damping: float
+    stop_toward: float
+    stop_away: float
+    restitution: float
 
 
 def nodal_system(device: Device, basis: Basis) -> System:
@@ -57,6 +61,9 @@ def nodal_system(device: Device, basis: Basis) -> System:
         penalty=device.contact,
         gap=device.gap,
         beam_damping=device.beam.damping,
+        stop_toward=device.stop_toward,
+        stop_away=device.stop_away,
+        restitution=device.restitution,
     )
 
 
@@ -107,6 +114,49 @@ def total_energy(system, u, velocity, y, y_velocity, compression):
 
 
 @compiled
+def potential(system, w_mid, a, z):
+    """Energy of the mass at z: in its spring, in the contact with a midpoint at w_mid, under -a."""
+    overlap = max(0.0, w_mid - z - system.gap)
+    return system.spring * z**2 / 2 + system.penalty * overlap**2 / 2 + system.mass * a * z
+
+
+@compiled
+def reflect(system, stop, w_mid, a, middle, velocity):
+    """Place and velocity half a step back of a mass that has passed a stop: at `middle` it had not.
+
+    w_mid: of the midpoint there; a: of the frame
+    """
+    at_stop, e = potential(system, w_mid, a, stop), system.restitution
+    falls = 2 * (potential(system, w_mid, a, middle) - at_stop) / system.mass
+    if velocity**2 + falls <= 0 and (middle - stop) * velocity < 0:
+        return middle, velocity  # it turns before it is there
+    left = e**2 * max(0.0, velocity**2 + falls)
+    place = stop - e * (middle - stop)
+    climbs = 2 * (potential(system, w_mid, a, place) - at_stop) / system.mass
+    if left < climbs:
+        place, climbs = stop, 0.0
+    return place, -np.copysign(np.sqrt(left - climbs), velocity)
+
+
+@compiled
+def meet_stops(system, w_mid, a, y_before, y, dt):
+    """Two instants of a mass that is beyond a stop, as if it had bounced between them.
+
+    Returns them with the work of the pulse on its way between both paths, and what it lost, pJ.
+    """
+    pushed, taken = 0.0, 0.0
+    for side, way in ((-1.0, system.stop_toward), (1.0, system.stop_away)):
+        middle, velocity = (y_before + y) / 2, (y - y_before) / dt
+        if side * y > way and side * velocity > 0:
+            place, turned = reflect(system, side * way, w_mid, a, middle, velocity)
+            falls = potential(system, w_mid, a, middle) - potential(system, w_mid, a, place)
+            pushed += system.mass * a * (middle - place)
+            taken += system.mass * (velocity**2 - turned**2) / 2 + falls
+            y_before, y = place - turned * dt / 2, place + turned * dt / 2
+    return y_before, y, pushed, taken
+
+
+@compiled
 def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
     """March one cell by central differences until w(L/2) reaches `target` or `steps` are done.
 
@@ -134,9 +184,13 @@ def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
     power, work, gross_work, loss, lost = 0.0, 0.0, 0.0, 0.0, 0.0
     t_snap, residual, pulse_work = np.nan, 0.0, np.nan
     pieces, ends = pulse
-    k = 0
+    k, a = 0, 0.0
 
     for step in range(steps):
+        if y < -system.stop_toward or y > system.stop_away:
+            w_half = dot(system.midpoint, (u_before + u) / 2)
+            y_before, y, pushed, taken = meet_stops(system, w_half, a, y_before, y, dt)
+            work, gross_work, lost = work + pushed, gross_work + abs(pushed), lost + taken
         x = f0 * (step * dt)
         k = curve.at(pieces, k, len(pieces), x)
         a = amplitude * curve.sample(pieces, k, ends, x, f0 * dt)

@@ -58,6 +58,7 @@ def record(model, pulse, amplitude, f0, damping, dt, steps, stride):
     p, p_step = (R.VECTORS - R.STATE + modes * v + np.arange(modes) for v in (R.P, R.P_STEP))
     lost = damping * moving[R.SWEPT - R.STATE]
     lost += model.device.beam.damping * moving[R.BEAM_SWEPT - R.STATE]
+    at_stops = (after if at_half else before)[R.LOST - R.STATE]
     u, y = shrink * places[p].T, places[R.Y - R.STATE]
     form = Form(
         np.eye(modes), np.diag(modal.stiffness), *modal[1:3], modal.midpoint, modal.residual
@@ -70,7 +71,7 @@ def record(model, pulse, amplitude, f0, damping, dt, steps, stride):
         y_velocity=moving[R.Y_STEP - R.STATE] / dt,
         stretch=after[R.STRETCH - R.STATE] if at_half else form.stretch(u),
         work=moving[R.WORK - R.STATE] / (2 * dt**2),
-        lost=lost / (4 * dt),
+        lost=lost / (4 * dt) + at_stops / dt**2,
     )
     return motion, form
 
@@ -88,6 +89,7 @@ def _pairs(model, load_of_cell, shock, dt, steps, stride):
         if in_block == 0:
             pulse_state.steps[:] = step
             set_out(X, shocks, pulse_state, pulses)
+        scheme.rebound(*lanes)
         before.append(X[state].copy())
         scheme.advance(*lanes, shocks, in_block, 1)
         after.append(X[state].copy())
@@ -105,7 +107,7 @@ def coefficients(model, target):
     numbers = [
         *(modal.axial, modal.residual, contact_stiffness(device, modal.residual), device.mass),
         *(device.spring, target, proves_below, barrier.midpoint, device.gap),
-        device.beam.damping,
+        *(device.beam.damping, device.stop_toward, device.stop_away, device.restitution),
     ]
     vectors = modal.stiffness, *modal[2:5]
     n, k = len(device), model.modes

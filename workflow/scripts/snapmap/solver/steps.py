@@ -32,7 +32,8 @@ follows it from rest to rest."""
 CORNERED = 0.4
 """Times the longest step for SNAP and EDGE, of pulses with corners, which ring the beam."""
 STRIKING = 0.05
-"""The same, where the mass strikes with a run-up: across a gap, or after a pulse that pulls."""
+"""The same, where the mass strikes with a run-up: across a gap, after a pulse that pulls, or back
+from a stop."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +43,7 @@ class Steps:
     longest: us, (devices,), by question
     shortest: us, (devices,): so long a step resolves the device, however short the pulse
     blows: us, (devices,): swings up to which blows decide
-    apart: whether the mass rests apart from the beam, (devices,)
+    apart: whether the mass rests apart from the beam, or comes back from a stop, (devices,)
     per_swing: steps in each swing of a pulse
     most: steps in each swing of a smooth pulse that are enough for SNAP and EDGE
     cornered: times the longest for these, of pulses with corners
@@ -107,7 +108,7 @@ def steps_of(
     if step is None and scheme != EXPLICIT:
         period = np.atleast_1d(1 / arch_frequency(modal))
         longest = {question: turn * period for question, turn in LONGEST.items()}
-        apart = np.broadcast_to(np.asarray(device.gap) > 0, period.shape)
+        apart = np.broadcast_to((np.asarray(device.gap) > 0) | device.has_stops, period.shape)
         lengths, shares = (SHORTEST * period, BLOWS * period), (MOST, CORNERED, STRIKING)
         return Steps(longest, *lengths, apart, PER_SWING, *shares)
     if step is None:

@@ -82,7 +82,8 @@ class Plan:
         self.nominal = {key: _nominal(device, key) for key in self.scatters}
         for key, scatter in self.scatters.items():
             if math.isinf(self.nominal[key]):
-                raise ValueError(f"tolerances.{key}: a hard contact does not scatter")
+                what = "a hard contact" if key == "contact" else "a stop that is not there"
+                raise ValueError(f"tolerances.{key}: {what} does not scatter")
             if scatter.kind == "lognormal" and not self.nominal[key] > 0:
                 raise ValueError(f"tolerances.{key}: lognormal needs a nominal value above 0")
         self.factors = _factors(self.scatters, together)

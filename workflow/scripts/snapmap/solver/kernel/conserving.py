@@ -7,6 +7,7 @@ from ...numerics.kept_kernels import compiled, inlined
 from . import rows as R
 from .rows import LANES, at, row
 from .shared import latch, move_mass, take
+from .stops import crossed, has_stops, meet_stops
 
 
 @compiled
@@ -28,7 +29,10 @@ def advance_conserving(X, shape, shocks, first, steps):
     modes = len(shape)
     # Cut as in `advance_explicit`.
     cut_1, cut_2, cut_3 = modes // 4, modes // 2, 3 * modes // 4
+    stopped = has_stops(X)
     for step in range(first, first + steps):
+        if stopped and crossed(X):
+            meet_stops(X)
         take(X, shocks, step)
         for l in range(LANES):
             a = X[row(R.SHOCK, l)]

@@ -41,9 +41,9 @@ def whole_step_ledger(before, after, X, shape, l, drag):
     """
     beam, mass, contact, w = whole_step_energies(before, after, X, shape, l)
     work = (before[row(R.WORK, l)] + after[row(R.WORK, l)]) / 4
-    swept = drag * (before[row(R.SWEPT, l)] + after[row(R.SWEPT, l)]) / 8
+    lost = before[row(R.LOST, l)] + drag * (before[row(R.SWEPT, l)] + after[row(R.SWEPT, l)]) / 8
     beam_swept = before[row(R.BEAM_SWEPT, l)] + after[row(R.BEAM_SWEPT, l)]
-    kept = beam + mass + contact + swept + X[row(R.BEAM_DAMPING, l)] * beam_swept / 8
+    kept = beam + mass + contact + lost + X[row(R.BEAM_DAMPING, l)] * beam_swept / 8
     return beam, mass, contact, w, kept - work
 
 
@@ -82,7 +82,7 @@ def conserved_ledger(X, shape, l, drag):
     """
     beam, mass, contact, w = conserved_energies(X, shape, l)
     swept = drag * X[row(R.SWEPT, l)] + X[row(R.BEAM_DAMPING, l)] * X[row(R.BEAM_SWEPT, l)]
-    energy = beam + mass + contact
+    energy = beam + mass + contact + X[row(R.LOST, l)]
     return beam, mass, contact, w, energy + swept / 4 - X[row(R.WORK, l)] / 2
 
 

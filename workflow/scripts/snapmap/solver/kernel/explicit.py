@@ -5,6 +5,7 @@ from ...numerics.kept_kernels import compiled, inlined
 from . import rows as R
 from .rows import LANES, at, row
 from .shared import latch, move_mass, take
+from .stops import crossed, has_stops, meet_stops, overlap_at_half
 
 
 @compiled
@@ -22,7 +23,11 @@ def advance_explicit(X, shape, shocks, first, steps):
     # LLVM unrolls a short loop and gives up on a long one, and only what is unrolled vectorises
     # over lanes: so the loops over modes are cut in four.
     cut_1, cut_2, cut_3 = modes // 4, modes // 2, 3 * modes // 4
+    stopped = has_stops(X)
     for step in range(first, first + steps):
+        if stopped and crossed(X):
+            overlap_at_half(X, shape)
+            meet_stops(X)
         take(X, shocks, step)
         for l in range(LANES):
             a, y = X[row(R.SHOCK, l)], X[row(R.Y, l)]

@@ -96,13 +96,13 @@ def load(X, shape, scheme, l, device, damping, amplitude, dt):
     """
     X[l::LANES] = 0.0
     added, drag = added_inertia(scheme), damping * dt / 2
-    for name in range(R.AXIAL, R.BEAM_DAMPING + 1):
+    for name in range(R.AXIAL, R.RESTITUTION + 1):
         X[row(name, l)] = device[name]
     for name in (R.AXIAL, R.CONTACT, R.SPRING, R.BARRIER):
         X[row(name, l)] *= dt * dt
     X[row(R.RESIDUAL, l)] /= dt * dt
     X[row(R.BEAM_DAMPING, l)] *= dt
-    load_modes(X, shape, added, l, device[R.BEAM_DAMPING + 1 :], dt * dt)
+    load_modes(X, shape, added, l, device[R.RESTITUTION + 1 :], dt * dt)
     X[row(R.OVERLAP, l)] = 0.0 - X[row(R.GAP, l)]
     X[row(R.AMPLITUDE, l)] = amplitude * dt**2
     mass = X[row(R.MASS, l)] + added * X[row(R.SPRING, l)]

@@ -14,6 +14,7 @@ from .explicit import advance_explicit
 from .pulse import BLOCK
 from .rows import LANES, row
 from .shared import copy
+from .stops import crossed, has_stops, meet_stops, overlap_at_half
 
 EXPLICIT, CONSERVING = (0,), (0, 0)
 """As kernels take a scheme: numba knows a tuple's length, and compiles nothing of the other one."""
@@ -38,6 +39,15 @@ def advance(X, shape, scheme, shocks, first, steps):
         advance_conserving(X, shape, shocks, first, steps)
 
 
+@compiled
+def rebound(X, shape, scheme):
+    """Reflect the masses that have crossed a stop, as the next step else begins with."""
+    if has_stops(X) and crossed(X):
+        if len(scheme) == 1:
+            overlap_at_half(X, shape)
+        meet_stops(X)
+
+
 @inlined
 def advance_block(X, shape, scheme, shocks, before, after):
     """Advance every lane by a block.
@@ -48,6 +58,7 @@ def advance_block(X, shape, scheme, shocks, before, after):
     if len(scheme) == 1:
         first, end = R.STATE * LANES, (R.VECTORS + R.SCRATCH * len(shape)) * LANES
         advance_explicit(X, shape, shocks, 0, BLOCK - 1)
+        rebound(X, shape, scheme)
         copy(X, before, first, end, 1)
         advance_explicit(X, shape, shocks, BLOCK - 1, 1)
         copy(X, after, first, end, 1)

@@ -10,7 +10,7 @@ from . import rows as R
 from .lanes import load
 from .pulse import BLOCK, begin_pulse, no_pulse, set_out
 from .rows import LANES
-from .scheme import advance, midpoint, observe
+from .scheme import advance, midpoint, observe, rebound
 from .shared import copy
 
 # ASSUME: a trace looks at every fourth instant; the ringing of w has some forty to a period.
@@ -61,6 +61,7 @@ def trace_all(X, shape, scheme, devices, dt, pulses, cells, kept):
         if in_block == 0:
             state.steps[:] = step
             set_out(X, shocks, state, pulses)
+        rebound(X, shape, scheme)
         for l in range(width.size):
             if begin[l] == step:
                 copy(X, before, R.STATE * LANES + l, end, LANES)

@@ -1,0 +1,234 @@
+"""Stops of the mass: closed forms, the ledger, both loops, another integrator, and the door."""
+
+import dataclasses
+import warnings
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import yaml
+from scipy.integrate import solve_ivp
+
+import snapmap
+from snapmap.beam.equilibria import static_threshold
+from snapmap.beam.modal import contact_stiffness
+from snapmap.config.devices import read_device, stopped
+from snapmap.config.study import load_config
+from snapmap.config.yaml_file import ConfigError
+from snapmap.io.provenance import device_sections
+from snapmap.pulse import Shocks, make_pulse
+from snapmap.solver import simd_loop
+from snapmap.solver.bracket import lowest_snap
+from snapmap.solver.cells import to_cells, to_rows
+from snapmap.solver.kernel import rows as R
+from snapmap.solver.kernel.lanes import load
+from snapmap.solver.kernel.rows import LANES
+from snapmap.solver.kernel.scheme import advance, rebound
+from snapmap.solver.models import build_model
+from snapmap.solver.schemes import EXPLICIT, SCHEMES
+from snapmap.solver.settings import Settings
+
+ALONE = {"gap": 1e4}
+"""The beam is far beyond the mass's stop."""
+NONE = {"stop_toward": np.inf, "stop_away": np.inf}
+
+
+def changed(device, **values):
+    return dataclasses.replace(device, **values)
+
+
+def thrown(device, scheme, dt, steps, velocity, a=0.0, C=0.0):
+    """Place of a mass alone at each instant, um; from rest's place at a velocity, as given there.
+
+    Returns it with what its stops took, pJ.
+    """
+    model = build_model(device, "elements", elements=2, modes=2, scheme=scheme)
+    lanes = simd_loop.empty_lanes(model)
+    X, shocks = lanes[0], np.full(LANES, a * dt**2)
+    load(*lanes, 0, simd_loop.coefficients(model, -np.inf)[0], C, 1.0, dt)
+    # One step back on its free path, to third order.
+    bend = -a - C * velocity / device.mass
+    jerk = -(device.spring * velocity + C * bend) / device.mass
+    X[R.Y_STEP * LANES] = velocity * dt - bend * dt**2 / 2 + jerk * dt**3 / 6
+    places = []
+    for _ in range(steps):
+        places.append(X[R.Y * LANES])
+        advance(*lanes, shocks, 0, 1)
+        rebound(*lanes)
+    return np.array([*places, X[R.Y * LANES]]), X[R.LOST * LANES] / dt**2
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_between_two_stops_the_period_is_twice_the_way_over_the_speed(handout, scheme):
+    device = changed(handout, **ALONE, spring=1e-9, stop_toward=7.0, stop_away=5.0, restitution=1.0)
+    y, lost = thrown(device, scheme, dt=0.05, steps=4800, velocity=-1.0)
+    assert y[::480] == pytest.approx(0.0, abs=1e-6) and abs(lost) < 1e-12 * device.mass
+    assert y.min() == pytest.approx(-7.0, abs=0.03) and y.max() == pytest.approx(5.0, abs=0.03)
+    assert y.min() >= -7.0 and y.max() <= 5.0
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize("e", [1.0, 0.6])
+def test_bounces_on_a_spring_are_those_of_the_closed_form_to_second_order(handout, scheme, e):
+    """Thrown at v from rest; back at the stop s after 2 (pi - atan(v / omega s)) / omega."""
+    device = changed(handout, **ALONE, stop_toward=2.0, restitution=e)
+    omega, v, t = np.sqrt(device.spring / device.mass), 0.1, 500.0
+    left, v = t - np.arcsin(2 * omega / v) / omega, np.sqrt(v**2 - (2 * omega) ** 2)
+    while (swing := 2 * (np.pi - np.arctan2(e * v / omega, 2.0)) / omega) <= left + 1e-9:
+        left, v = left - swing, e * v
+    exact = -2 * np.cos(omega * left) + e * v / omega * np.sin(omega * left)
+    errors = [abs(thrown(device, scheme, t / n, n, -0.1)[0][-1] - exact) for n in (500, 8000)]
+    assert errors[1] < 1e-4 and errors[1] < errors[0] / 60  # of 256, as where a blow falls counts
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_a_dropped_mass_rebounds_by_e_each_time_and_comes_to_rest(handout, scheme):
+    """From a height h it falls at g: the n-th rebound is e^2n h high; then it lies on the stop."""
+    h, e, a = 5.0, 0.7, 1e-3
+    device = changed(handout, **ALONE, spring=1e-9, stop_toward=h, restitution=e)
+    y, lost = thrown(device, scheme, dt=0.25, steps=6000, velocity=0.0, a=a)
+    falls = np.flatnonzero((y[1:-1] < y[:-2]) & (y[1:-1] <= y[2:])) + 1
+    heights = [y[begin:end].max() + h for begin, end in pairwise(falls[:7])]
+    assert heights == pytest.approx(h * e ** (2 * np.arange(1, 7)), abs=2e-4)
+    assert y[-1000:] == pytest.approx(-h, abs=1e-8) and lost == pytest.approx(
+        device.mass * a * h, rel=1e-4
+    )
+
+
+@pytest.mark.parametrize("C", [0.0, 25.0])
+def test_the_energy_is_known_to_rounding(handout, C):
+    """With bounces on the beam and off both stops; with e = 1 the stops take none."""
+    for e in (1.0, 0.5):
+        device = changed(handout, stop_toward=14.0, stop_away=3.0, restitution=e)
+        model = build_model(device, "cosines", modes=3)
+        cells = to_cells(device, 0, [600.0, 1100.0, 5000.0], [1500.0, 1500.0, 2e4], C, 2000.0)
+        seen = model.follow_once(cells, Settings(2000.0))
+        assert seen.energy_error.max() < 1e-11
+    elastic = changed(device, restitution=1.0)
+    run = snapmap.simulate(elastic, 5000.0, 2e4, 0.0, model="cosines", modes=3)
+    assert run.z_mass.max() - run.z_mass.min() == 17.0
+    assert abs(run.dissipated_energy).max() < 1e-12 * run.pulse_work.max()
+
+
+def test_kernel_and_plain_loop_bounce_alike(handout):
+    """The same scheme in modes and in nodes: to rounding, until chaos magnifies it."""
+    device = changed(handout, stop_toward=4.0, stop_away=1.0, restitution=0.8)
+    both = {"reference": {"elements": 2}, "handout": {"elements": 2, "scheme": EXPLICIT}}
+    runs = [
+        snapmap.simulate(
+            device, 3000.0, 2e4, 25.0, model={"name": name, **how}, horizon=250.0, step=0.5
+        )
+        for name, how in both.items()
+    ]
+    for key in ("z_mass", "w_mid", "pulse_work", "dissipated_energy"):
+        ours, theirs = (run[key].values for run in runs)
+        np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-8 * np.ptp(theirs))
+    assert np.ptp(runs[0].z_mass.values) > 4.95 and runs[0].dissipated_energy[-1] > 100
+    cells = to_cells(device, 0, [3000.0, 9000.0], 2e4, 25.0, 250.0)
+    for name, how in both.items():
+        model = build_model(device, name, **how)
+        assert model.follow_once(cells, Settings(250.0)).energy_error.max() < 1e-3
+
+
+@pytest.mark.parametrize("model", ["handout", "cosines", "reference"])
+def test_stops_out_of_reach_change_no_bit(handout, model):
+    far = changed(handout, stop_toward=1e3, stop_away=1e3)
+    free, held = (snapmap.simulate(one, 1300.0, 3000.0, 25.0, model) for one in (handout, far))
+    for key in free:
+        np.testing.assert_array_equal(free[key], held[key])
+
+
+def snaps_by_scipy(model, pulse, N, f0, t_end):
+    """Whether a run of N snaps: equations (2), (4) and (5) in modes, stops as events; C = 0."""
+    device, modal = model.device, model.modal
+    k, way = modal.load.size, {-1: device.stop_toward, 1: device.stop_away}
+    target = model.barrier.second - model.barrier.first
+    contact = contact_stiffness(device, modal.residual)
+
+    def pressed(x):
+        return contact * max(0.0, modal.midpoint @ x[:k] - x[k] - device.gap)
+
+    def rate(t, x):
+        p, y, rates = x[:k], x[k], x[k + 1 :]
+        a = N * device.gravity * pulse.at(np.array([f0 * t]))[0]
+        slope = modal.geometric @ p + modal.slope_start
+        force = -modal.axial * p @ (slope + modal.slope_start)
+        P = pressed(x)
+        pull = force * slope - modal.stiffness * p - modal.load * a - modal.midpoint * P
+        return np.concatenate([rates, pull, [(P - device.spring * y) / device.mass - a]])
+
+    def at_stop(side):
+        def event(_, x):
+            return side * x[k] - way[side]
+
+        event.terminal, event.direction = True, 1
+        return event
+
+    def snap(_, x):
+        return modal.midpoint @ x[:k] - modal.residual * pressed(x) - target
+
+    snap.terminal = True
+    t, x = 0.0, np.zeros(2 * k + 2)
+    events = [at_stop(-1), at_stop(1), snap]
+    while t < t_end:
+        run = solve_ivp(rate, (t, t_end), x, "DOP853", events=events, rtol=1e-9, max_step=1.0)
+        if run.t_events[2].size:
+            return True
+        t, x = run.t[-1], run.y[:, -1].copy()
+        x[-1] *= -device.restitution if run.status == 1 else 1.0
+    return False
+
+
+def test_a_threshold_across_a_stop_by_another_integrator(handout):
+    """Along -z the mass comes back from the stop behind it, and strikes."""
+    device = changed(handout, stop_toward=12.0, stop_away=6.0, restitution=0.9)
+    model = build_model(device, "cosines", cosines=1, modes=1)
+    pulses = Shocks(make_pulse("half sine"), "-z").pulses
+    asked = to_rows(0, 3e4, 0.0), (1e4, 3e4), Settings(100.0, pulses=pulses)
+    N, fine = (lowest_snap(one, *asked, 1e-6).item() for one in (model, model.with_step(0.25)))
+    assert abs(N - fine) < 5e-4 * fine
+    one = model.pick(0)
+    below, above = (
+        snaps_by_scipy(one, pulses[0], share * fine, 0.03, 133.0) for share in (0.9999, 1.0001)
+    )
+    assert not below and above
+
+
+def test_a_stop_before_the_saddle_leaves_no_static_threshold_but_the_beams_own(handout):
+    alone = static_threshold(changed(handout, gap=1e4))
+    assert static_threshold(changed(handout, stop_toward=13.3)) == alone
+    assert static_threshold(changed(handout, stop_toward=13.4)) == static_threshold(handout)
+    assert "short of the saddle, 13.33 um from rest" in stopped(changed(handout, stop_toward=13.3))
+    assert "not beyond the gap" in stopped(changed(handout, gap=2.0, stop_toward=2.0))
+    assert stopped(changed(handout, stop_toward=13.4)) == stopped(handout) == ""
+
+
+def test_a_flight_that_no_stop_ends_is_told(handout):
+    shot = {"N": 3e4, "f0": 33e3, "C": 0.025, "model": "cosines", "modes": 3, "horizon": 300.0}
+    with pytest.warns(
+        UserWarning, match="the mass travels up to .* um from rest, more than 5 times"
+    ):
+        snapmap.simulate(handout, **shot)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        run = snapmap.simulate(changed(handout, stop_toward=14.0, stop_away=6.0), **shot)
+    assert run.z_mass.min() == run.stop_toward == -4.0 and run.z_mass.max() == run.stop_away == 16.0
+
+
+def test_a_config_has_stops_and_its_recipe_too(root):
+    document = yaml.safe_load((root / "config" / "config.yaml").read_text(encoding="utf-8"))
+    stops = {"toward": "14 um", "away": "6 um", "restitution": 0.7}
+    document["device"]["stops"] = stops
+    document["sweep"] |= {"stop_toward": ["12 um", "14 um"], "restitution": [0.2, 0.7]}
+    study = load_config(document)
+    device = study.device
+    assert (device.stop_toward, device.stop_away, device.restitution) == (14.0, 6.0, 0.7)
+    for one in (device, changed(device, stop_toward=np.inf), changed(device, **NONE)):
+        assert read_device(device_sections(one)["device"]) == one
+    assert "stops" not in device_sections(changed(device, **NONE, restitution=0.5))["device"]
+    assert list(study.axes)[:2] == ["stop_toward", "restitution"]
+    wrong = {"toward": "0 um", "away": "-1 um", "restitution": 1.5}
+    for key, value in wrong.items():
+        document["device"]["stops"] = stops | {key: value}
+        with pytest.raises(ConfigError, match=f"^device.stops.{key}: [^\n]*$"):
+            load_config(document)
