@@ -2,9 +2,11 @@
 
 import logging
 import sys
+import time
 from collections.abc import Mapping
 from threading import Event, Thread
 
+import psutil
 from tqdm import tqdm
 
 CELLS = "simulate_slab"
@@ -46,7 +48,9 @@ class Progress(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         """Take note of a job that starts or ends; other records are nothing to it."""
         event = str(getattr(record, "event", ""))
-        if event == "job_info" and record.rule_msg:
+        if record.getMessage().startswith(STOPPING):
+            Thread(target=_end_jobs, daemon=True).start()
+        elif event == "job_info" and record.rule_msg:
             self.jobs[record.jobid] = record
             self._name_stages(record.rule_msg)
         elif event == "job_finished" and record.job_id in self.jobs:
@@ -79,6 +83,14 @@ class Progress(logging.Handler):
             self.line.refresh()
 
 
+def _end_jobs():
+    """End the processes of jobs, and those that are just being started."""
+    while True:
+        for job in psutil.Process().children():
+            job.terminate()
+        time.sleep(0.1)
+
+
 def hush(handler: logging.Handler) -> None:
     """Keep a handler of Snakemake from all but faults, and what concerns a run as a whole.
 
@@ -90,7 +102,7 @@ def hush(handler: logging.Handler) -> None:
         event, words = str(getattr(record, "event", "")), record.getMessage()
         if words.startswith(STOPPING) and not stopped.is_set():
             stopped.set()
-            print(STOPPED, file=sys.stderr)
+            tqdm.write(STOPPED, file=sys.stderr)
         is_chatter = event in CHATTER or words.startswith("Select jobs")
         return not (stopped.is_set() or is_chatter)
 
