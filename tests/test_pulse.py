@@ -195,6 +195,7 @@ def test_a_recorded_half_sine_is_a_half_sine(handout, tmp_path):
     path = write(tmp_path / "half.csv", 0.5 * x, 37.0 * np.sin(np.pi * x))
     pulse = snapmap.read_pulse(path)
     assert pulse.name == "half" and pulse.duration == pytest.approx(500.0) and not pulse.notes
+    assert pulse.peak == pytest.approx(37 * 9.80665e-6) and np.isnan(make_pulse().peak)
     asked = {"C": [25.0], "model": "cosines"}
     exact = snapmap.threshold(handout, [2000.0, 5000.0], **asked, pulse="half sine").N_first
     own = snapmap.threshold(handout, None, **asked, pulse=pulse)
@@ -225,6 +226,7 @@ def test_a_recorded_half_sine_is_a_half_sine(handout, tmp_path):
     pyuff.UFF(str(uff)).write_sets(data, "overwrite")
     again = snapmap.read_pulse(uff)
     assert again.duration == pytest.approx(500.0, rel=1e-5)
+    assert again.peak == pytest.approx(9.81e-6, rel=1e-5)
     np.testing.assert_allclose(again.at(x), pulse.at(x), atol=1e-5)
 
 

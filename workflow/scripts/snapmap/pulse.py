@@ -31,6 +31,7 @@ class Pulse:
 
     pieces: (pieces, 6), as in `numerics.pieces`
     duration: its own, us, of a recorded shock; None where f0 alone tells it
+    peak: its own, um/us^2, of a recorded shock in known units, else NaN
     given: what a config says of it
     notes: lines on what the user of a recorded shock should know
     """
@@ -38,6 +39,7 @@ class Pulse:
     name: str
     pieces: np.ndarray
     duration: float | None = None
+    peak: float = np.nan
     given: Mapping = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
@@ -205,7 +207,7 @@ def sampled(time: np.ndarray, acceleration: np.ndarray, name: str = "recorded") 
             f"the acceleration ends at {abs(values[-1]):.0%} of its peak; record until it is over"
         )
     pieces = straight((time - time[0]) / lasts, values)
-    return Pulse(name, pieces, float(lasts), {"shape": name}, _notes(values))
+    return Pulse(name, pieces, float(lasts), given={"shape": name}, notes=_notes(values))
 
 
 def _notes(values):

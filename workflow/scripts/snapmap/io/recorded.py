@@ -40,7 +40,8 @@ def read_pulse(path: str | Path, sha256: str = "") -> Pulse:
         if not content:
             raise ValueError("is empty")
         time, acceleration = (_read_uff if path.suffix.lower() in UFF else _read_csv)(content)
-        return replace(sampled(time, acceleration, path.stem), given={"file": str(path)})
+        pulse = sampled(time, acceleration, path.stem)
+        return replace(pulse, peak=abs(acceleration).max(), given={"file": str(path)})
 
 
 def shocks_of(values: Mapping) -> Shocks:
