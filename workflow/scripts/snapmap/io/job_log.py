@@ -11,6 +11,8 @@ from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppres
 from pathlib import Path
 from threading import Thread
 
+from .counting import counting
+
 RUN = "SNAPMAP_RUN"
 """The variable of the environment with the process of a job's run."""
 SHELL_PREFIX = f"trap '' INT; {RUN}=$PPID exec "
@@ -35,7 +37,7 @@ def run_rule(function: Callable, job) -> None:
         given[f"{name}_path" if isinstance(files, str) else f"{name}_paths"] = files
     wanted = inspect.signature(function).parameters
     Thread(target=_end_with, args=[int(os.environ[RUN])], daemon=True).start()
-    with job_log(job.log[0]):
+    with job_log(job.log[0]), _counted(job.log[0]):
         function(**{name: given[name] for name in wanted if name in given})
 
 
@@ -68,6 +70,22 @@ def job_log(path: str | Path) -> Iterator[None]:
         log.close()
     if complaint:
         sys.exit(1)
+
+
+def count_path(log: str | Path) -> Path:
+    """Where a job, by its log, leaves how many cells it has followed, as long as it is at work."""
+    return Path(log).with_suffix(".part")
+
+
+@contextmanager
+def _counted(log):
+    path = count_path(log)
+    look = {"bar_format": "{n_fmt} cells", "mininterval": 1.0, "disable": False}
+    try:
+        with open(path, "w", encoding="utf-8") as file, counting("", file=file, **look):
+            yield
+    finally:
+        path.unlink(missing_ok=True)
 
 
 def _end_with(run):

@@ -4,10 +4,13 @@ import logging
 import sys
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from threading import Event, Thread
 
 import psutil
 from tqdm import tqdm
+
+from .job_log import count_path
 
 CELLS = "simulate_slab"
 """The rule whose jobs follow cells."""
@@ -72,7 +75,7 @@ class Progress(logging.Handler):
     def _name_stages(self, begun=""):
         """Name what is being done on the line or, once each, in the log."""
         if not self.line.disable:
-            doing = dict.fromkeys(job.rule_msg for job in self.jobs.values())
+            doing = dict.fromkeys(_look_at(job) for job in self.jobs.values())
             self.line.set_postfix_str("; ".join(filter(None, [self.done, *doing])))
         elif begun and begun not in self.stages:
             self.stages.append(begun)
@@ -80,7 +83,16 @@ class Progress(logging.Handler):
 
     def _tick(self):
         while not self.closed.wait(1.0):
-            self.line.refresh()
+            self._name_stages()
+
+
+def _look_at(job):
+    """What a job does, and how many cells it has followed; those of CELLS are on the line."""
+    with suppress(OSError):
+        if job.rule_name != CELLS:
+            *_, told = count_path(job.log[0]).read_text(encoding="utf-8").split("\n")
+            return f"{job.rule_msg}, {told.strip()}" if told.strip() else job.rule_msg
+    return job.rule_msg
 
 
 def _end_jobs():

@@ -20,7 +20,7 @@ from ..study import Study, study_of
 
 SAMPLES = 4000
 """A history keeps this many instants, up to twice as many, or all that there are."""
-SAMPLES_OF_EXTREMES = 100_000
+SAMPLES_OF_EXTREMES = 50_000
 """Likewise what is looked at for the largest values: all of most motions."""
 
 VARIABLES = {

@@ -7,6 +7,7 @@ import xarray as xr
 
 from ..axes import PULSE_AXES, coordinates
 from ..device import Device
+from ..io.counting import counting
 from ..io.provenance import provenance, recipe
 from ..solver.adaptive import choose_survey
 from ..solver.cells import check_cells, rows_of, to_rows
@@ -130,7 +131,8 @@ def threshold(
     """
     study, varied = study_of(device, model, options)
     axes = {**varied, "C": C, "f0": frequencies(f0, study.shocks)}
-    return thresholds_of(study, axes, tolerance, highest, earlier)
+    with counting("threshold"):
+        return thresholds_of(study, axes, tolerance, highest, earlier)
 
 
 def thresholds_of(
