@@ -214,13 +214,13 @@ def test_several_devices_share_one_C():
 
 
 def test_a_device_is_described(handout):
-    made = "rise/thickness 5, rise/span 0.0167, span/thickness 300; beam 157.8 kHz, quality factor"
-    assert snapmap.describe(handout) == f"{made} infinite; mass 3.733 kHz"
+    assert snapmap.describe(handout) == "beam 157.8 kHz, quality factor infinite; mass 3.733 kHz"
     study = load_config(DOCUMENT)
     (line,) = study.descriptions()
     C = study.axes["C"].item()
     assert line == (
-        f"device: {made} 60; mass 3.733 kHz, "
+        "device: rise/thickness 5, rise/span 0.0167, span/thickness 300; "
+        "beam 157.8 kHz, quality factor 60; mass 3.733 kHz, "
         f"quality factor 94 at C = {C:.4g} uN*us/um (critical: {94 * 2 * C:.4g})"
     )
     assert snapmap.describe(handout, [10.0, 0.0, 2.5]).endswith(

@@ -94,6 +94,9 @@ def test_faults_are_not_hushed():
     hush(handler)
     assert not handler.filter(record("job_info")) and not handler.filter(record("progress"))
     assert handler.filter(record("job_error")) and handler.filter(record(None))
+    wrapped = record("error")
+    wrapped.msg = 'RuleException:\nCalledProcessError in file "sweep.smk", line 43:\nCommand'
+    assert not handler.filter(wrapped)
 
 
 def test_a_run_that_is_stopped_ends_in_one_line(capsys):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..device import Device
+from ..device import Beam, Device
 
 STEEP = 0.1
 """Rise over span above which the slope that is neglected is a tenth of what is kept."""
@@ -12,6 +12,14 @@ CREEPING = 10.0
 """C over that of critical damping."""
 FAR = 1000.0
 """Duration of a pulse over a period, or the reverse."""
+
+
+def proportions(beam: Beam) -> str:
+    """How flat and how slender a beam is."""
+    return (
+        f"rise/thickness {beam.bistability:.4g}, rise/span {beam.rise / beam.span:.3g}, "
+        f"span/thickness {beam.span / beam.thickness:.4g}"
+    )
 
 
 def implausible(device: Device, C: np.ndarray, f0: np.ndarray) -> list[str]:

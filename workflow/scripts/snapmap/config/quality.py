@@ -58,31 +58,23 @@ def _damper(device, section):
 
 
 def describe(device: Device, C: Sequence[float] = ()) -> str:
-    """One line on a device: proportions, and how beam and mass vibrate, each by itself.
+    """One line on how beam and mass vibrate, each by itself: frequencies and quality factors.
 
     device: a single one; C: of the mass, uN us/um, from 0; a ValueError names one that cannot be
 
-    >>> snapmap.describe(snapmap.load_device("config/damped.yaml")).partition("; ")[2]
+    >>> snapmap.describe(snapmap.load_device("config/damped.yaml"))
     'beam 157.8 kHz, quality factor 247.8; mass 3.733 kHz'
     """
-    beam, mass = device.beam, float(np.sqrt(device.spring / device.mass))
-    own = natural_frequency(beam)
-    words = (
-        f"rise/thickness {beam.bistability:.4g}, rise/span {beam.rise / beam.span:.3g}, "
-        f"span/thickness {beam.span / beam.thickness:.4g}; beam {_kilohertz(own)}, "
-        f"quality factor {_quality(own, beam.damping)}; mass {_kilohertz(mass)}"
-    )
+    own = natural_frequency(device.beam), float(np.sqrt(device.spring / device.mass))
+    beam, mass = (f"{1e3 * omega / (2 * np.pi):.4g} kHz" for omega in own)
+    words = f"beam {beam}, quality factor {_quality(own[0], device.beam.damping)}; mass {mass}"
     if not np.size(C):
         return words
     check_cells(C=C)
     ends = dict.fromkeys((np.min(C), np.max(C)))
-    rates = (f"{_quality(mass, one / device.mass)} at C = {one:.4g}" for one in ends)
-    critical = 2 * device.mass * mass
+    rates = (f"{_quality(own[1], one / device.mass)} at C = {one:.4g}" for one in ends)
+    critical = 2 * device.mass * own[1]
     return f"{words}, quality factor {' to '.join(rates)} uN*us/um (critical: {critical:.4g})"
-
-
-def _kilohertz(omega):
-    return f"{1e3 * omega / (2 * np.pi):.4g} kHz"
 
 
 def _quality(omega, rate):

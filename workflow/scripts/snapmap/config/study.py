@@ -16,7 +16,7 @@ from .axes import read_axis
 from .devices import nominal, read_devices, tilting
 from .faults import convert_part, refuse
 from .histories import History, read_histories
-from .plausible import implausible
+from .plausible import implausible, proportions
 from .quality import damper_of, describe
 from .schema import schema_faults, validator
 from .shocks import (
@@ -77,7 +77,8 @@ class Config(Study):
     def descriptions(self) -> list[str]:
         """A line on each device as written, whatever the axes change: proportions, vibration."""
         C = self.axes["C"]
-        return [f"{name}: {describe(one, C)}" for name, one in self.devices().items()]
+        named = self.devices().items()
+        return [f"{name}: {proportions(one.beam)}; {describe(one, C)}" for name, one in named]
 
     def files(self) -> dict[str, str]:
         """SHA-256 of each file that the config names, as it was read, by path."""

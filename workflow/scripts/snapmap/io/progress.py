@@ -24,6 +24,12 @@ CHATTER = (
     "resources_info",
 )
 """Events of Snakemake that its own log file keeps, and the terminal is spared."""
+WRAPPED = (
+    "Select jobs",
+    "RuleException:\nCalledProcessError in file",
+    "WorkflowError:\nAt least one job did not complete",
+)
+"""How messages begin that say nothing which the log of a job, shown beside them, does not."""
 STOPPING = "Terminating processes on user request"
 STOPPED = "interrupted: what is whole is kept, and the same command goes on"
 LOOK = "{n_fmt} of {total_fmt} cells, {percentage:.0f} %, {remaining} left for them{postfix}"
@@ -115,7 +121,7 @@ def hush(handler: logging.Handler) -> None:
         if words.startswith(STOPPING) and not stopped.is_set():
             stopped.set()
             tqdm.write(STOPPED, file=sys.stderr)
-        is_chatter = event in CHATTER or words.startswith("Select jobs")
+        is_chatter = event in CHATTER or words.startswith(WRAPPED)
         return not (stopped.is_set() or is_chatter)
 
     handler.addFilter(is_kept)
