@@ -100,8 +100,10 @@ onsuccess:
     logs = [f"results/logs/{rule}.log" for rule in told]
     logs += [log for log in progress.logs if "measure_" in log]
     for log in map(Path, logs):
-        if log.exists():  # its last line is what was found; warnings were told as they came
-            print(*log.read_text(encoding="utf-8").splitlines()[-1:], file=sys.stderr)
+        if log.exists():
+            # The last line is what was found; warnings were told as they came.
+            found = log.read_text(encoding="utf-8").splitlines()[-1:]
+            print(*found, file=sys.stderr)
     if os.path.exists("results/explore.html"):
         print("results/explore.html: open it in a browser", file=sys.stderr)
 
