@@ -3,7 +3,6 @@ import os
 import sys
 from pathlib import Path
 
-from snakemake.exceptions import WorkflowError
 from snakemake.logging import logger
 
 # Nothing is written beside the code. The package has the name that the scripts call it by, as what
@@ -14,6 +13,7 @@ from snapmap.io.dependencies import code_hash
 
 os.environ.update(PYTHONDONTWRITEBYTECODE="1")  # jobs inherit it
 from snapmap.io.atomic import refuse_folders, remove_leftovers, remove_others
+from snapmap.io.job_log import SHELL_PREFIX
 from snapmap.io.named import hold_to_plan
 from snapmap.io.progress import Progress, hush
 from snapmap.config.devices import nominal
@@ -41,7 +41,9 @@ try:
     )
     doubts = study.doubts()
 except ValueError as error:
-    raise WorkflowError(str(error))
+    sys.exit(str(error))  # Snakemake would put its own words before and after
+
+shell.prefix(SHELL_PREFIX)
 
 names = [slab_name(study, slab) for slab in plan.slabs]
 slabs = dict(zip(names, plan.slabs))
@@ -70,7 +72,7 @@ onstart:
     try:
         fcntl.flock(running, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
-        raise WorkflowError(f"{os.getcwd()}: another run is at work in this folder")
+        sys.exit(f"{os.getcwd()}: another run is at work in this folder")
     remove_leftovers("results")
     for line in filter(None, [*study.descriptions(), study.left_out, *doubts]):
         print(line, file=sys.stderr)
@@ -99,7 +101,9 @@ onsuccess:
     logs += [log for log in progress.logs if "measure_" in log]
     for log in map(Path, logs):
         if log.exists():
-            print(log.read_text(encoding="utf-8").strip(), file=sys.stderr)
+            # The last line is what was found; warnings were told as they came.
+            found = log.read_text(encoding="utf-8").splitlines()[-1:]
+            print(*found, file=sys.stderr)
     if os.path.exists("results/explore.html"):
         print("results/explore.html: open it in a browser", file=sys.stderr)
 

@@ -31,7 +31,7 @@ def test_second_equilibrium_is_half_the_rise_at_the_limit():
 
 def test_beam_needs_a_second_equilibrium():
     with pytest.raises(
-        ValueError, match=r"^device\.beam\.rise: 4 um gives Q = .* = 2; .*> 2\.309$"
+        ValueError, match=r"^device\.beam: rise/thickness = 4 um/2 um = 2; .* more than 2\.309$"
     ):
         replace(BEAM, rise=4.0)
 

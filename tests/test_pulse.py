@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -194,6 +195,7 @@ def test_a_recorded_half_sine_is_a_half_sine(handout, tmp_path):
     path = write(tmp_path / "half.csv", 0.5 * x, 37.0 * np.sin(np.pi * x))
     pulse = snapmap.read_pulse(path)
     assert pulse.name == "half" and pulse.duration == pytest.approx(500.0) and not pulse.notes
+    assert pulse.peak == pytest.approx(37 * 9.80665e-6) and np.isnan(make_pulse().peak)
     asked = {"C": [25.0], "model": "cosines"}
     exact = snapmap.threshold(handout, [2000.0, 5000.0], **asked, pulse="half sine").N_first
     own = snapmap.threshold(handout, None, **asked, pulse=pulse)
@@ -224,6 +226,7 @@ def test_a_recorded_half_sine_is_a_half_sine(handout, tmp_path):
     pyuff.UFF(str(uff)).write_sets(data, "overwrite")
     again = snapmap.read_pulse(uff)
     assert again.duration == pytest.approx(500.0, rel=1e-5)
+    assert again.peak == pytest.approx(9.81e-6, rel=1e-5)
     np.testing.assert_allclose(again.at(x), pulse.at(x), atol=1e-5)
 
 
@@ -254,10 +257,18 @@ def test_a_record_is_told_what_it_lacks(handout):
     jump = sampled(time, np.linspace(1, 0, 21))
     assert jump.ends == (1.0, 0.0) and "begins at 100% of its peak" in jump.notes[0]
     shifted = np.where(time < 100, 0.02, np.sin(np.pi * np.clip((time - 100) / 400, 0, 1)))
-    assert any("rests at 2.0%" in note for note in sampled(time, shifted).notes)
+    assert any("rests at 2.0% of its peak before" in one for one in sampled(time, shifted).notes)
+    assert "rests at 2.0% of its peak after" in sampled(time, shifted[::-1]).notes[-1]
     smooth = sampled(time, np.sin(np.pi * time / 500))
     assert smooth.doubts(handout.own_frequency, 500.0) == []
     assert "coarse for a period" in smooth.doubts(handout.own_frequency, 5000.0)[0]
+    fine = np.linspace(0, 500, 401)
+    for swings in (60, 20, 0):  # of a record that rings there is no noise
+        whole = np.sin(np.pi * fine / 500) * (1 + 0.3 * np.sin(2 * np.pi * swings * fine / 500))
+        assert not sampled(fine, whole).notes
+    noise = 0.03 * np.random.default_rng(1).standard_normal(399)
+    (told,) = sampled(fine, whole + np.pad(noise, 1)).notes
+    assert re.fullmatch(r"has noise of 2\.\d% of its peak, .* N scales; filter it", told)
 
 
 @pytest.mark.parametrize(
@@ -274,6 +285,12 @@ def test_a_record_is_told_what_it_lacks(handout):
         ("time (ms),a (g)\n0,0\n1,1\n1,0\n", "time of sample 3 is not after the one before"),
         ("time (ms),a (g)\n0,0\n1,0\n", "the acceleration is 0 throughout"),
         ("time (ms),a (g)\n0,0\n1,1\n2,1\n", "ends at 100% of its peak"),
+        (
+            "time (ms);a (g)\n0;0\n0,1;1\n",
+            "line 3, time .ms.: is no .* number; write decimals with",
+        ),
+        ("time (ms),a (g)\n0,0,1,5\n", "line 2: has more than two columns; write decimals with"),
+        ("time (ms),a (g)\n0,0\n0,1,5\n", "in line 3, saw 3 .*; write decimals with a point"),
         ("time (ms),a (g),b (g)\n0,0,0\n", "has 3 columns; write two"),
     ],
 )

@@ -341,6 +341,15 @@ def test_a_config_says_how_the_beam_is_made(document):
     ("beam", "wanted"),
     [
         ({"residual_stress": "80 MPa"}, "device.beam.residual_stress: 80 MPa leaves no second"),
+        (
+            {"thickness": "22 um", "residual_stress": "-11 MPa"},
+            "device.beam: rise/thickness = 10 um/22 um = 0.454545; a second stable shape needs "
+            "more than 2.309, or a residual stress up to -1234.1 MPa",
+        ),
+        (
+            {"thickness": "22 um", "residual_stress": "11 MPa"},
+            "device.beam: rise/thickness = 10 um/22",
+        ),
         ({"residual_stress": "5 um"}, "device.beam.residual_stress: '5 um' does not convert"),
         ({"guide": "loose"}, "device.beam.guide: 'loose' is not one of guided"),
         ({"imperfection": "1 um"}, "device.beam.imperfection: is of a free beam"),

@@ -219,14 +219,44 @@ def test_a_device_is_described(handout):
     (line,) = study.descriptions()
     C = study.axes["C"].item()
     assert line == (
-        "device: beam 157.8 kHz, quality factor 60; mass 3.733 kHz, "
-        f"quality factor 94 at C = {C:.4g} uN us/um"
+        "device: rise/thickness 5, rise/span 0.0167, span/thickness 300; "
+        "beam 157.8 kHz, quality factor 60; mass 3.733 kHz, "
+        f"quality factor 94 at C = {C:.4g} uN*us/um (critical: {94 * 2 * C:.4g})"
     )
     assert snapmap.describe(handout, [10.0, 0.0, 2.5]).endswith(
-        "quality factor infinite at C = 0 to 23.45 at C = 10 uN us/um"
+        "quality factor infinite at C = 0 to 23.45 at C = 10 uN*us/um (critical: 469)"
     )
     with pytest.raises(ValueError, match=r"^C: -1 cannot be; "):
         snapmap.describe(handout, [-1.0])
+
+
+@pytest.mark.parametrize(
+    ("values", "told"),
+    [
+        ({"beam_span": "800 mm"}, ["span/thickness = 4e+05: no beam is made above 5000"]),
+        ({"beam_span": "60 um"}, ["rise/span = 0.167: above 0.1 the beam is no shallow arch"]),
+        (
+            {"beam_span": "60 um", "beam_thickness": "4 um"},
+            ["rise/span = 0.167", "span/thickness = 15: below 20 shear counts"],
+        ),
+        (
+            {"sweep_thickness": ["2 um", "0.1 um"]},
+            ["span/thickness = 6e+03: no beam is made above"],
+        ),
+        (
+            {"device_quality_factor": None, "sweep_C": ["0 uN*us/um", "0.025e6 uN*us/um"]},
+            ["C = 2.5e+04 uN*us/um is 53.3 times that of critical damping; is its unit right?"],
+        ),
+        ({"sweep_f0": ["0.1 Hz", "3 Hz"]}, ["f0 up to 3 Hz: all pulses last over 1000 periods"]),
+        ({"sweep_f0": ["1500 MHz"]}, ["f0 from 1.5e+09 Hz: all pulses are over in a 1000th"]),
+        ({"sweep_f0": ["3 Hz", "1500 MHz"]}, []),
+    ],
+)
+def test_what_is_hardly_meant_is_told(values, told):
+    guided = "labels hold for a guided beam only"
+    lines = [line for line in load_config(changed(**values)).doubts() if guided not in line]
+    assert len(lines) == len(told)
+    assert all(line.startswith(start) for line, start in zip(lines, told, strict=True))
 
 
 def test_documents_quote_the_quality_factors_of_their_configs(root):

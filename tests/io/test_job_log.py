@@ -28,7 +28,6 @@ def test_a_warning_is_in_both_places(tmp_path, capsys):
         (ValueError("cube.nc: a hole"), "cube.nc: a hole\n"),
         (OSError("cube.nc: not written"), "cube.nc: not written\n"),
         (MemoryError(), "MemoryError\n"),
-        (KeyboardInterrupt(), "interrupted; what is whole is kept, and the same command goes on\n"),
     ],
 )
 def test_what_a_user_can_mend_is_one_line(tmp_path, fault, said):

@@ -4,9 +4,12 @@ import io
 import logging
 import re
 import sys
+from pathlib import Path
 
 import pytest
 
+from snapmap.io.counting import count, counting
+from snapmap.io.job_log import count_path
 from snapmap.io.progress import Progress, hush
 
 
@@ -55,6 +58,29 @@ def test_a_terminal_has_one_line(progress, monkeypatch):
     assert "\n" not in sys.stderr.getvalue()
 
 
+def test_a_job_at_work_says_how_many_cells_it_has_followed(progress, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "stderr", Terminal())
+    Path("results/logs").mkdir(parents=True)
+    count_path("results/logs/find_threshold.log").write_text("\r100 cells\r700 cells ")
+    progress.begin()
+    tell(progress)
+    assert sys.stderr.getvalue().rstrip().endswith("Find the thresholds, 700 cells")
+
+
+def test_cells_are_counted_for_who_waits():
+    shown = io.StringIO()
+    with counting("sweep", file=shown, disable=False, delay=0, mininterval=0, miniters=1):
+        count(3)
+        count(4)
+    count(5)
+    assert re.findall(r"sweep: (\d+) cells", shown.getvalue()) == ["0", "3", "7"]
+    silent = io.StringIO()
+    with counting("sweep", file=silent):
+        count(3)
+    assert not silent.getvalue()
+
+
 def test_a_log_has_each_stage_once(progress, monkeypatch):
     monkeypatch.setattr(sys, "stderr", io.StringIO())
     progress.begin()
@@ -68,6 +94,9 @@ def test_faults_are_not_hushed():
     hush(handler)
     assert not handler.filter(record("job_info")) and not handler.filter(record("progress"))
     assert handler.filter(record("job_error")) and handler.filter(record(None))
+    wrapped = record("error")
+    wrapped.msg = 'RuleException:\nCalledProcessError in file "sweep.smk", line 43:\nCommand'
+    assert not handler.filter(wrapped)
 
 
 def test_a_run_that_is_stopped_ends_in_one_line(capsys):

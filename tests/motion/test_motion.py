@@ -7,11 +7,14 @@ import pytest
 import xarray as xr
 
 import snapmap
+from snapmap.motion.history import extremes_of
+from snapmap.pulse import shocks_from
 from snapmap.solver.cells import Observations, to_cells
 from snapmap.solver.models import build_model
 from snapmap.solver.repeat import REPEATED_STEP, work_error
 from snapmap.solver.schemes import EXPLICIT, SCHEMES
 from snapmap.solver.settings import Settings
+from snapmap.study import Study
 from snapmap.sweeps.grid import ABSENCE
 
 SETTINGS = Settings(horizon=300.0)
@@ -36,6 +39,29 @@ def test_the_work_on_a_mass_alone_is_what_its_residual_swing_holds(handout, rati
     found = work_of(build_model(device, "cosines", modes=3), 50.0, f0 * 1e6, 0.0)
     # The pulse also moves the beam, which weighs less by a factor of 160, by a thousandth of that.
     assert found == pytest.approx(device.spring * swing**2 / 2, rel=1e-4, abs=1e-4)
+
+
+@pytest.mark.parametrize("direction", ["+z", "-z"])
+def test_a_mass_alone_swings_as_far_as_the_shock_spectrum_says(handout, direction):
+    """By 1.705 of N g/omega^2 in the end, if the versed sine lasts for one of its periods."""
+    omega, device = handout.own_frequency, dataclasses.replace(handout, gap=1e3)
+    study = Study(device=device, shocks=shocks_from("versed sine", direction), settings=SETTINGS)
+    found = extremes_of(study, 50.0, omega / (2 * np.pi) * 1e6, 0.0)
+    assert found.contact_force_max == 0
+    reach = 1.705 * 50 * handout.gravity / omega**2
+    farthest = found.toward_max if direction == "+z" else found.away_max
+    assert farthest == pytest.approx(reach, rel=1e-3)
+
+
+def test_the_largest_values_are_those_of_the_history(handout):
+    asked = {"model": "cosines", "modes": 3, "horizon": 0.0}
+    run = snapmap.simulate(handout, 1200.0, 3e3, 25.0, **asked)
+    settings, model = Settings(horizon=0.0), {"name": "cosines", "modes": 3}
+    found = extremes_of(Study(device=handout, model=model, settings=settings), 1200.0, 3e3, 25.0)
+    moved = run.z_mass.values - handout.beam.rise
+    ways = max(0, -moved.min()), max(0, moved.max())
+    assert (found.toward_max, found.away_max) == pytest.approx(ways, rel=1e-4, abs=1e-4)
+    assert found.contact_force_max == pytest.approx(run.contact_force.max().item(), rel=1e-3)
 
 
 @pytest.mark.parametrize(

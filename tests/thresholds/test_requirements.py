@@ -1,6 +1,7 @@
 """Shocks of a config: shapes, records, directions; and those that must or must not trip."""
 
 import copy
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import snapmap
 from snapmap.axes import make_grid
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError
-from snapmap.pulse import shocks_from
+from snapmap.pulse import make_pulse, shocks_from
 from snapmap.solver.settings import Settings
 from snapmap.study import Study
 from snapmap.thresholds.requirements import check, summary
@@ -100,13 +101,15 @@ def test_names_of_requirements_are_written_once(document):
 
 
 def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout):
-    found = snapmap.threshold(handout, [2000.0], [25.0], pulse="half sine", horizon=300.0)
+    record = replace(make_pulse("half sine"), peak=100 * handout.gravity)  # of a record of 100 g
+    found = snapmap.threshold(handout, [2000.0], [25.0], pulse=record, horizon=300.0)
     first, error = found.N_first.item(), found.N_error.item()
+    assert found.scale_first.item() == pytest.approx(first / 100)
     amounts = {"below": 0.99 * first, "at": first, "above": 1.01 * first}
     asked = [
         {
             "name": f"{name} {must}",
-            "shocks": shocks_from("half sine"),
+            "shocks": shocks_from(record),
             "N": N,
             "f0": 2000.0,
             "snaps": must,
@@ -120,6 +123,7 @@ def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout):
     for one, N in zip(verdicts, np.repeat([*amounts.values()], 2), strict=True):
         assert one.N_first == first and one.N_error == error
         assert one.margin == pytest.approx(first / N)
+        assert (one.scale, one.scale_first) == pytest.approx((N / 100, first / 100))
         assert one.duration == 0.5 and one.shape == "half sine" and one.direction == "+z"
     told = summary(verdicts)
     assert told.startswith("2 of 6 requirements met; failed: below True, above False; unclear: at")

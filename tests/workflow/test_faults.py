@@ -46,10 +46,10 @@ class Folder:
         self.command = ["snakemake", "--snakefile", root / "Snakefile", "--directory", path]
         self.command += ["--configfile", path / "mine.yaml", "--cores", "2", "results/cube.nc"]
 
-    def start(self):
+    def start(self, **options):
         """Start the command in the background."""
         pipe = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
-        return subprocess.Popen(self.command, **pipe)
+        return subprocess.Popen(self.command, **pipe, **options)
 
     def run(self, *options):
         """Run the command to its end; returns its exit code and output."""
@@ -150,15 +150,22 @@ def test_a_killed_run_goes_on_with_the_same_command(folder, undisturbed):
     assert not folder.leftovers()
 
 
-@pytest.mark.long
-def test_jobs_that_outlive_their_run_do_no_harm(folder, undisturbed):
+def test_ctrl_c_ends_a_run_in_one_line(folder):
+    run = folder.start(start_new_session=True)
+    jobs = wait_for(lambda: jobs_of(run), run)
+    os.killpg(run.pid, signal.SIGINT)  # as a terminal does; the jobs have hardly begun to import
+    output, _ = run.communicate(timeout=60)
+    assert run.returncode == 1 and not psutil.wait_procs(jobs, timeout=20)[1]
+    assert "Traceback" not in output and "Error" not in output
+    assert output.count("interrupted: what is whole is kept") == 1
+
+
+def test_jobs_end_with_a_killed_run(folder):
     run = folder.start()
-    wait_for(lambda: jobs_of(run), run)
+    jobs = wait_for(lambda: jobs_of(run), run)
     run.kill()
-    code, output = folder.run()
-    assert code == 0, output
-    assert folder.cube.read_bytes() == undisturbed.cube.read_bytes()
-    assert not folder.leftovers()
+    assert not psutil.wait_procs(jobs, timeout=20)[1]
+    assert not folder.finished()
 
 
 def test_a_broken_slab_is_refused_by_name_and_made_again(folder, undisturbed):
@@ -167,7 +174,7 @@ def test_a_broken_slab_is_refused_by_name_and_made_again(folder, undisturbed):
     broken.write_bytes(broken.read_bytes()[:20000])
     code, output = folder.run()
     assert code != 0 and f"results/slabs/{broken.name}: not a whole slab" in output
-    assert "Traceback" not in output
+    assert "Traceback" not in output and "WorkflowError" not in output and ", line " not in output
     assert not folder.cube.exists()
     broken.unlink()
     code, output = folder.run()

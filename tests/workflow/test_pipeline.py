@@ -284,7 +284,7 @@ BAD = [
     ("thickness: 1.9 um", "thickness: -1.9 um", "device.beam.thickness"),
     ("[800 Hz, 2 kHz]", "[]", "sweep.f0"),
     ("spring: 4 N/m", "spring: .nan", "device.spring"),
-    ("rise: 8 um", "rise: 4 um", "device.beam.rise"),
+    ("rise: 8 um", "rise: 4 um", "device.beam"),
     ("elements: 3", "elements: 3, step: 1.2", "model.step"),
     ("elements: 3", "cosines: 3", "model.cosines"),
     ("elements: 3", "elements: 0", "model.elements"),

@@ -1,21 +1,32 @@
 """Rule check_requirements: hold each required shock against its threshold."""
 
 import csv
+from dataclasses import replace
 
 from snapmap.config.planned import study_from
 from snapmap.io.job_log import run_rule
 from snapmap.io.recorded import shocks_of
+from snapmap.motion.history import Extremes, extremes_of
 from snapmap.thresholds.requirements import Verdict, check, summary
 
 
 def check_requirements(study, requirements, C, tolerance, path, threads):
-    """Simulate the required shocks and write a row for each, device and C."""
+    """Simulate the required shocks and write a row for each, device and C, with its motion."""
     required = [one | {"shocks": shocks_of(one["pulse"])} for one in requirements]
-    verdicts = check(study_from(study, threads), required, C, tolerance)
+    study = study_from(study, threads)
+    verdicts = check(study, required, C, tolerance)
+    moved = [
+        extremes_of(
+            replace(study, device=device, shocks=one["shocks"]), one["N"], one["f0"], damping
+        )
+        for one in required
+        for device in study.devices().values()
+        for damping in C
+    ]
     with open(path, "w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file)
-        rows.writerow(Verdict._fields)
-        rows.writerows(verdicts)
+        rows.writerow(Verdict._fields + Extremes._fields)
+        rows.writerows(told + found for told, found in zip(verdicts, moved, strict=True))
     print(f"{path}: {summary(verdicts)}")
 
 

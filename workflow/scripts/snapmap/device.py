@@ -60,12 +60,16 @@ class Beam:
             _require_from_zero(f"device.beam.{name}", getattr(self, name))
         stress, Q = self.residual_stress, self.bistability
         _require(np.isfinite(stress), "device.beam.residual_stress: {} is not finite", stress)
-        two_shapes = (
-            "device.beam.rise: {:g} um gives Q = rise/thickness = {:.6g}; a second stable shape "
-            f"needs Q > {BISTABILITY_LIMIT:.3f}"
-        )
         has_shapes = has_second_shape(Q, self.compression)
-        _require(has_shapes | np.not_equal(stress, 0), two_shapes, self.rise, Q)
+        two_shapes = (
+            "device.beam: rise/thickness = {:g} um/{:g} um = {:.6g}; a second stable shape needs "
+            f"more than {BISTABILITY_LIMIT:.3f}"
+        )
+        at_fault = self.rise, self.thickness, Q
+        holds = has_shapes | np.greater(Q, BISTABILITY_LIMIT)
+        _require(holds | np.less(stress, 0), two_shapes, *at_fault)
+        pressed = f"{two_shapes}, or a residual stress up to {{:.5g}} MPa"
+        _require(holds, pressed, *at_fault, self.most_stress)
         beyond = (
             "device.beam.residual_stress: {:g} MPa leaves no second stable shape; there is one up "
             "to {:.5g} MPa"

@@ -15,6 +15,8 @@ NO_JUMP = 1e-12
 """What a pulse begins or ends with, over its peak, is no jump up to here."""
 AT_REST, BASELINE = 0.05, 0.005
 """A recorded shock is over below this share of its peak, and its rest should be below that."""
+NOISE = 0.01
+"""Root mean square of a record's noise over its peak, from which on it is told."""
 PULLED = 0.05
 """A pulse of which no more than this share points back lets the mass stay on the beam."""
 COARSE = 8.0
@@ -29,6 +31,7 @@ class Pulse:
 
     pieces: (pieces, 6), as in `numerics.pieces`
     duration: its own, us, of a recorded shock; None where f0 alone tells it
+    peak: its own, um/us^2, of a recorded shock in known units, else NaN
     given: what a config says of it
     notes: lines on what the user of a recorded shock should know
     """
@@ -36,6 +39,7 @@ class Pulse:
     name: str
     pieces: np.ndarray
     duration: float | None = None
+    peak: float = np.nan
     given: Mapping = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
@@ -204,15 +208,28 @@ def sampled(time: np.ndarray, acceleration: np.ndarray, name: str = "recorded") 
         raise ValueError(
             f"the acceleration ends at {abs(values[-1]):.0%} of its peak; record until it is over"
         )
-    notes = []
-    if abs(values[0]) > AT_REST:
-        notes.append(f"begins at {values[0]:.0%} of its peak, as with a jump")
-    quiet = values[: np.flatnonzero(abs(values) > AT_REST)[0]]
-    low, baseline, high = np.percentile(quiet, [10, 50, 90]) if quiet.size else np.zeros(3)
-    if abs(baseline) > max(BASELINE, high - low):
-        notes.append(f"rests at {baseline:.1%} of its peak before the shock; take that off")
     pieces = straight((time - time[0]) / lasts, values)
-    return Pulse(name, pieces, float(lasts), {"shape": name}, tuple(notes))
+    return Pulse(name, pieces, float(lasts), given={"shape": name}, notes=_notes(values))
+
+
+def _notes(values):
+    """Lines on a record over its peak: a jump, an offset, noise."""
+    notes = [f"begins at {values[0]:.0%} of its peak, as with a jump"]
+    notes = notes if abs(values[0]) > AT_REST else []
+    shock = np.flatnonzero(abs(values) > AT_REST)
+    rests = {"before": values[: shock[0]], "after": values[shock[-1] + 1 :]}
+    for when, quiet in rests.items():
+        low, baseline, high = np.percentile(quiet, [10, 50, 90]) if quiet.size else np.zeros(3)
+        if abs(baseline) > max(BASELINE, high - low):
+            notes.append(f"rests at {baseline:.1%} of its peak {when} the shock; take that off")
+    # White noise leaves 3/2 of its square in what a sample differs from the mean of its neighbours,
+    # and that turns its sign from one to the next; of a smooth record it keeps its sign.
+    rough = values[1:-1] - (values[2:] + values[:-2]) / 2
+    square = np.sum(rough * rough)
+    noise = np.sqrt(square / (1.5 * max(1, rough.size)))
+    if noise > NOISE and np.sum(rough[1:] * rough[:-1]) < -square / 3:
+        notes.append(f"has noise of {noise:.1%} of its peak, which is what N scales; filter it")
+    return tuple(notes)
 
 
 def make_pulse(shape: str = VERSED_SINE, **shares: float) -> Pulse:

@@ -22,7 +22,7 @@ class Kind(NamedTuple):
 
 
 KINDS = {
-    "number": Kind("a plain number", "", "1000", zero=True, signed=True),
+    "number": Kind("a multiple of gravity without a unit", "", "1000", zero=True, signed=True),
     "quality": Kind("a plain number > 0", "", "250"),
     "length": Kind("a length", "um", "'600 um'"),
     "modulus": Kind("a modulus", "MPa", "'150 GPa'"),

@@ -73,7 +73,8 @@ def describe(device: Device, C: Sequence[float] = ()) -> str:
     check_cells(C=C)
     ends = dict.fromkeys((np.min(C), np.max(C)))
     rates = (f"{_quality(own[1], one / device.mass)} at C = {one:.4g}" for one in ends)
-    return f"{words}, quality factor {' to '.join(rates)} uN us/um"
+    critical = 2 * device.mass * own[1]
+    return f"{words}, quality factor {' to '.join(rates)} uN*us/um (critical: {critical:.4g})"
 
 
 def _quality(omega, rate):

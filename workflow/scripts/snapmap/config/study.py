@@ -16,6 +16,7 @@ from .axes import read_axis
 from .devices import nominal, read_devices, stopped, tilting
 from .faults import convert_part, refuse
 from .histories import History, read_histories
+from .plausible import implausible, proportions
 from .quality import damper_of, describe
 from .schema import schema_faults, validator
 from .shocks import (
@@ -74,9 +75,10 @@ class Config(Study):
         }
 
     def descriptions(self) -> list[str]:
-        """A line on how each device vibrates as written, whatever the axes change."""
+        """A line on each device as written, whatever the axes change: proportions, vibration."""
         C = self.axes["C"]
-        return [f"{name}: {describe(one, C)}" for name, one in self.devices().items()]
+        named = self.devices().items()
+        return [f"{name}: {proportions(one.beam)}; {describe(one, C)}" for name, one in named]
 
     def files(self) -> dict[str, str]:
         """SHA-256 of each file that the config names, as it was read, by path."""
@@ -85,17 +87,19 @@ class Config(Study):
         return {one["file"]: one["sha256"] for one in pulses if "file" in one} | own
 
     def doubts(self) -> list[str]:
-        """Lines on what its devices and its recorded shocks may leave out."""
+        """Lines on what is hardly meant, and on what devices and recorded shocks may leave out."""
         shortest, device = 1e6 / self.axes["f0"][-1], nominal(self.device)
-        named = self.devices().items()
-        lines = [(name, line) for name, one in named for line in (tilting(one.beam), stopped(one))]
+        each = self.devices().items()
+        lines = [(name, line) for name, one in each for line in (tilting(one.beam), stopped(one))]
         pulses = [
             line
             for pulse in self.shocks.shapes.values()
             for line in pulse.doubts(float(device.own_frequency), float(shortest))
         ]
+        unlikely = implausible(self.grid.device, self.axes["C"], self.axes["f0"])
         outside = own_points_outside(self.own_points[0], self.axes) if self.own_points else []
-        return [f"{name}: {line}" for name, line in lines if line] + pulses + outside
+        named = [f"{name}: {line}" for name, line in lines if line]
+        return unlikely + named + pulses + outside
 
 
 def load_config(document: Mapping) -> Config:

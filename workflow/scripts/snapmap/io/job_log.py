@@ -1,12 +1,25 @@
 """A rule's script: its arguments, and its log."""
 
 import inspect
+import os
 import sys
+import time
 import traceback
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from pathlib import Path
+from threading import Thread
+
+from .counting import counting
+
+RUN = "SNAPMAP_RUN"
+"""The variable of the environment with the process of a job's run."""
+SHELL_PREFIX = f"trap '' INT; {RUN}=$PPID exec "
+"""Of a job's command: its run becomes its parent. Ctrl-C, which a terminal sends to all, is left to
+the run, which ends its jobs: one that began to import would answer with a traceback."""
+LOOK_AROUND = 1.0
+"""Seconds after which a job looks whether its run is still there."""
 
 
 def run_rule(function: Callable, job) -> None:
@@ -23,7 +36,8 @@ def run_rule(function: Callable, job) -> None:
     for name, files in [*job.input.items(), *job.output.items()]:
         given[f"{name}_path" if isinstance(files, str) else f"{name}_paths"] = files
     wanted = inspect.signature(function).parameters
-    with job_log(job.log[0]):
+    Thread(target=_end_with, args=[int(os.environ[RUN])], daemon=True).start()
+    with job_log(job.log[0]), _counted(job.log[0]):
         function(**{name: given[name] for name in wanted if name in given})
 
 
@@ -32,7 +46,7 @@ def job_log(path: str | Path) -> Iterator[None]:
     """Keep what a script prints in its log, and its warnings there and on the terminal.
 
     Snakemake shows the log of a job that fails. A fault that the user can mend (ValueError,
-    OSError, MemoryError) is one line there, and so is Ctrl-C; any other a traceback.
+    OSError, MemoryError) is one line there; any other a traceback.
     """
     complaint = ""
     log = open(path, "w", buffering=1, encoding="utf-8")  # noqa: SIM115, closing may fail, too
@@ -48,8 +62,6 @@ def job_log(path: str | Path) -> Iterator[None]:
             yield
         except (MemoryError, OSError, ValueError) as fault:
             complaint = str(fault) or type(fault).__name__
-        except KeyboardInterrupt:
-            complaint = "interrupted; what is whole is kept, and the same command goes on"
         except Exception:
             complaint = traceback.format_exc()
     if complaint:
@@ -58,6 +70,29 @@ def job_log(path: str | Path) -> Iterator[None]:
         log.close()
     if complaint:
         sys.exit(1)
+
+
+def count_path(log: str | Path) -> Path:
+    """Where a job, by its log, leaves how many cells it has followed, as long as it is at work."""
+    return Path(log).with_suffix(".part")
+
+
+@contextmanager
+def _counted(log):
+    path = count_path(log)
+    look = {"bar_format": "{n_fmt} cells", "mininterval": 1.0, "disable": False}
+    try:
+        with open(path, "w", encoding="utf-8") as file, counting("", file=file, **look):
+            yield
+    finally:
+        path.unlink(missing_ok=True)
+
+
+def _end_with(run):
+    """End this process with its parent: jobs of a killed run would go on beside the next."""
+    while os.getppid() == run:
+        time.sleep(LOOK_AROUND)
+    os._exit(1)
 
 
 def _complain(complaint, log):

@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import NamedTuple
 
-from .named import naming, read_named
+from .named import DECIMALS, naming, read_named
 
 COLUMNS = {
     "N": "N",
@@ -68,12 +68,15 @@ def _points(rows):
     for line, row in enumerate(rows[1:], start=2):
         if any(word.strip() for word in row):
             if len(row) != len(header):
-                raise ValueError(f"line {line}: has {len(row)} columns, the header {len(header)}")
+                found = f"line {line}: has {len(row)} columns, the header {len(header)}"
+                raise ValueError(f"{found}; {DECIMALS}" if len(row) > len(header) else found)
             yield _point(dict(zip(header, map(str.strip, row), strict=True)), line)
 
 
 def _header(words):
     known = ", ".join(COLUMNS)
+    if any(word.strip() in COLUMNS for word in ",".join(words).split(";")[1:]):
+        raise ValueError(f"line 1: semicolons separate the columns; write commas; {DECIMALS}")
     if not any(word in COLUMNS for word in words):  # another file, which is not to be quoted
         raise ValueError(f"line 1: names no column of points; known are {known}")
     for word in words:
@@ -96,5 +99,6 @@ def _number(row, column, line):
     except ValueError:
         value = math.nan
     if not 0 < value < math.inf:
-        raise ValueError(f"line {line}, column {column}: {row[column]!r} is no number above 0")
+        complaint = f"line {line}, column {column}: {row[column]!r} is no number above 0"
+        raise ValueError(f"{complaint}; {DECIMALS}" if "," in row[column] else complaint)
     return value

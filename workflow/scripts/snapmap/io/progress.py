@@ -2,10 +2,15 @@
 
 import logging
 import sys
+import time
 from collections.abc import Mapping
+from contextlib import suppress
 from threading import Event, Thread
 
+import psutil
 from tqdm import tqdm
+
+from .job_log import count_path
 
 CELLS = "simulate_slab"
 """The rule whose jobs follow cells."""
@@ -19,6 +24,12 @@ CHATTER = (
     "resources_info",
 )
 """Events of Snakemake that its own log file keeps, and the terminal is spared."""
+WRAPPED = (
+    "Select jobs",
+    "RuleException:\nCalledProcessError in file",
+    "WorkflowError:\nAt least one job did not complete",
+)
+"""How messages begin that say nothing which the log of a job, shown beside them, does not."""
 STOPPING = "Terminating processes on user request"
 STOPPED = "interrupted: what is whole is kept, and the same command goes on"
 LOOK = "{n_fmt} of {total_fmt} cells, {percentage:.0f} %, {remaining} left for them{postfix}"
@@ -46,7 +57,9 @@ class Progress(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         """Take note of a job that starts or ends; other records are nothing to it."""
         event = str(getattr(record, "event", ""))
-        if event == "job_info" and record.rule_msg:
+        if record.getMessage().startswith(STOPPING):
+            Thread(target=_end_jobs, daemon=True).start()
+        elif event == "job_info" and record.rule_msg:
             self.jobs[record.jobid] = record
             self._name_stages(record.rule_msg)
         elif event == "job_finished" and record.job_id in self.jobs:
@@ -68,7 +81,7 @@ class Progress(logging.Handler):
     def _name_stages(self, begun=""):
         """Name what is being done on the line or, once each, in the log."""
         if not self.line.disable:
-            doing = dict.fromkeys(job.rule_msg for job in self.jobs.values())
+            doing = dict.fromkeys(_look_at(job) for job in self.jobs.values())
             self.line.set_postfix_str("; ".join(filter(None, [self.done, *doing])))
         elif begun and begun not in self.stages:
             self.stages.append(begun)
@@ -76,7 +89,24 @@ class Progress(logging.Handler):
 
     def _tick(self):
         while not self.closed.wait(1.0):
-            self.line.refresh()
+            self._name_stages()
+
+
+def _look_at(job):
+    """What a job does, and how many cells it has followed; those of CELLS are on the line."""
+    with suppress(OSError):
+        if job.rule_name != CELLS:
+            *_, told = count_path(job.log[0]).read_text(encoding="utf-8").split("\n")
+            return f"{job.rule_msg}, {told.strip()}" if told.strip() else job.rule_msg
+    return job.rule_msg
+
+
+def _end_jobs():
+    """End the processes of jobs, and those that are just being started."""
+    while True:
+        for job in psutil.Process().children():
+            job.terminate()
+        time.sleep(0.1)
 
 
 def hush(handler: logging.Handler) -> None:
@@ -90,8 +120,8 @@ def hush(handler: logging.Handler) -> None:
         event, words = str(getattr(record, "event", "")), record.getMessage()
         if words.startswith(STOPPING) and not stopped.is_set():
             stopped.set()
-            print(STOPPED, file=sys.stderr)
-        is_chatter = event in CHATTER or words.startswith("Select jobs")
+            tqdm.write(STOPPED, file=sys.stderr)
+        is_chatter = event in CHATTER or words.startswith(WRAPPED)
         return not (stopped.is_set() or is_chatter)
 
     handler.addFilter(is_kept)

@@ -2,6 +2,7 @@
 
 import io
 import re
+import warnings
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -10,7 +11,7 @@ from tempfile import NamedTemporaryFile
 import numpy as np
 
 from ..pulse import Pulse, Shocks, make_pulse, sampled, shocks_from
-from .named import naming, read_named
+from .named import DECIMALS, naming, read_named
 
 MOST_SAMPLES = 1_000_000
 RECORD = 200_000_000, f"write at most {MOST_SAMPLES} samples"
@@ -39,7 +40,8 @@ def read_pulse(path: str | Path, sha256: str = "") -> Pulse:
         if not content:
             raise ValueError("is empty")
         time, acceleration = (_read_uff if path.suffix.lower() in UFF else _read_csv)(content)
-        return replace(sampled(time, acceleration, path.stem), given={"file": str(path)})
+        pulse = sampled(time, acceleration, path.stem)
+        return replace(pulse, peak=abs(acceleration).max(), given={"file": str(path)})
 
 
 def shocks_of(values: Mapping) -> Shocks:
@@ -73,25 +75,24 @@ def _read_csv(content):
         _scale(names[0], TIMES, "time (ms)"),
         _scale(names[1], ACCELERATIONS, "acceleration (g)"),
     )
+    reading = {"sep": separator, "names": ["t", "a"], "header": 0, "index_col": False}
     try:
-        table = pandas.read_csv(
-            io.BytesIO(content),
-            sep=separator,
-            header=0,
-            names=["t", "a"],
-            index_col=False,
-            nrows=MOST_SAMPLES + 1,
-        )
+        with warnings.catch_warnings(action="error", category=pandas.errors.ParserWarning):
+            table = pandas.read_csv(io.BytesIO(content), nrows=MOST_SAMPLES + 1, **reading)
+    except pandas.errors.ParserWarning:  # it would leave out what is beyond two columns
+        raise ValueError(f"line 2: has more than two columns; {DECIMALS}") from None
     except (pandas.errors.ParserError, pandas.errors.EmptyDataError, UnicodeDecodeError) as error:
-        raise ValueError(f"is no CSV of two columns ({error})") from None
+        raise ValueError(f"is no CSV of two columns ({error}); {DECIMALS}") from None
     if len(table) > MOST_SAMPLES:
         raise ValueError(f"has more than {MOST_SAMPLES} samples; write fewer")
     columns = []
     for key, name, scale in zip("ta", names, scales, strict=True):
         values = pandas.to_numeric(table[key], errors="coerce").to_numpy(float)
         if not np.isfinite(values).all():
-            row = int(np.flatnonzero(~np.isfinite(values))[0]) + 2
-            raise ValueError(f"line {row}, {name}: is no finite number")
+            row = int(np.flatnonzero(~np.isfinite(values))[0])
+            complaint = f"line {row + 2}, {name}: is no finite number"
+            comma = "," in str(table[key][row])
+            raise ValueError(f"{complaint}; {DECIMALS}" if comma else complaint)
         columns.append(values * scale)
     return columns
 

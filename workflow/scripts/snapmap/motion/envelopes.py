@@ -10,6 +10,7 @@ import xarray as xr
 
 from ..axes import NAMES, Grid, coordinates, shared_points
 from ..beam.barrier import Barrier
+from ..io.counting import count
 from ..io.provenance import provenance, recipe
 from ..solver import simd_loop
 from ..solver.adaptive import choose_model
@@ -152,6 +153,7 @@ def _follow(model, pulses, cells, window, bins, threads):
         values[:3, :, some] = origin[:, np.newaxis, some] + np.concatenate([w_range, instants[:1]])
         with np.errstate(divide="ignore", invalid="ignore"):  # no barrier: nothing is below it
             values[3:, :, some] = instants[1:] / barrier[some]
+        count(some.size)
 
     with ThreadPoolExecutor(threads) as pool:
         list(pool.map(follow, np.split(order, range(LANES, order.size, LANES))))

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -20,6 +21,8 @@ from .travel import warn_of_travel
 
 SAMPLES = 4000
 """A history keeps this many instants, up to twice as many, or all that there are."""
+SAMPLES_OF_EXTREMES = 50_000
+"""Likewise what is looked at for the largest values: all of most motions."""
 
 VARIABLES = {
     "w_mid": ("deflection of the beam's midpoint", "um"),
@@ -75,27 +78,15 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     if study.shocks.axes:
         raise ValueError("pulse: several; a history is of one shape in one direction")
     device, settings = study.device, study.settings._replace(repeat=False)
-    built = choose_model(device, study.model).levels[-1]
-    cells = to_cells(device, [0], [N], [f0], [C], settings.horizon)
-    built = built.with_step(0.5 ** built.follow(cells, settings).halvings.item())
-    dt = built.steps.of(cells, settings.pulses, MOVE).item()
-    amplitude, per_us, damping, t_end = (column.item() for column in cells[2:])
-    steps, stride = _sampling(t_end, dt)
-    shock = settings.pulses[0]
-    motion, form = built.loop().record(built, shock, amplitude, per_us, damping, dt, steps, stride)
-    warn_of_travel(device, motion.y.min(), motion.y.max())
-    values = _observe(device, built.barrier.first, form, motion) | {
-        "acceleration": amplitude * shock.at(per_us * motion.time),
-        "dissipated_energy": motion.lost,
-        "pulse_work": motion.work,
-    }
+    built, cells = _cell(study, N, f0, C)
+    time, dt, values = _record(built, cells, settings, SAMPLES)
     document = {
         **device_sections(device),
         **study.shocks.section(),
         "model": dict(study.model),
         "histories": [{"N": N, "f0": f"{f0!r} Hz", "C": f"{C!r} uN*us/um"}],
     }
-    return _dress(motion.time, values, document).assign_attrs(
+    return _dress(time, values, document).assign_attrs(
         N=N,
         f0=f0,
         C=C,
@@ -115,6 +106,51 @@ def _stops(device, first):
     return {key: place for key, place in places.items() if math.isfinite(place)}
 
 
+class Extremes(NamedTuple):
+    """What a device meets under one shock, to the horizon.
+
+    toward_max, away_max: of the mass from rest, toward the beam and away from it, um
+    contact_force_max: between mass and beam, uN
+    """
+
+    toward_max: float
+    away_max: float
+    contact_force_max: float
+
+
+def extremes_of(study: Study, N: float, f0: float, C: float) -> Extremes:
+    """Follow one cell of a study of one device and pulse for what is largest in its motion."""
+    built, cells = _cell(study, N, f0, C)
+    _, _, values = _record(built, cells, study.settings, SAMPLES_OF_EXTREMES)
+    y = values["z_mass"] - (built.barrier.first + study.device.gap)
+    ways = np.maximum(0.0, [-y.min(), y.max()])  # NaN of a run that failed
+    return Extremes(*ways.tolist(), values["contact_force"].max().item())
+
+
+def _cell(study, N, f0, C):
+    """One cell, and the model at the step that a sweep takes for it."""
+    cells = to_cells(study.device, [0], [N], [f0], [C], study.settings.horizon)
+    built = choose_model(study.device, study.model).levels[-1]
+    seen = built.follow(cells, study.settings._replace(repeat=False))
+    return built.with_step(0.5 ** seen.halvings.item()), cells
+
+
+def _record(built, cells, settings, samples):
+    """Instants, us, the time step, and the values of a cell at so many of them, or more."""
+    dt = built.steps.of(cells, settings.pulses, MOVE).item()
+    amplitude, per_us, damping, t_end = (column.item() for column in cells[2:])
+    steps, stride = _sampling(t_end, dt, samples)
+    shock = settings.pulses[0]
+    motion, form = built.loop().record(built, shock, amplitude, per_us, damping, dt, steps, stride)
+    warn_of_travel(built.device, motion.y.min(), motion.y.max())
+    values = _observe(built.device, built.barrier.first, form, motion) | {
+        "acceleration": amplitude * shock.at(per_us * motion.time),
+        "dissipated_energy": motion.lost,
+        "pulse_work": motion.work,
+    }
+    return motion.time, dt, values
+
+
 def _differences(model, cells, settings):
     """By how much the pulse's work and the time of snap, us, differ with another step."""
     settings = settings._replace(until="moved")
@@ -129,10 +165,10 @@ def _differences(model, cells, settings):
     return differences
 
 
-def _sampling(t_end, dt):
-    """Steps to t_end, and the largest power of two between samples that keeps SAMPLES or more."""
+def _sampling(t_end, dt, samples):
+    """Steps to t_end, and the largest power of two between samples that keeps so many or more."""
     steps = int(np.ceil(t_end / dt))
-    stride = 2 ** max(0, math.floor(math.log2(max(1, steps / SAMPLES))))
+    stride = 2 ** max(0, math.floor(math.log2(max(1, steps / samples))))
     return steps, stride
 
 

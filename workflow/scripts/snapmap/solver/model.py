@@ -11,6 +11,7 @@ from ..beam.barrier import Barrier
 from ..beam.basis import Basis
 from ..beam.modal import ModalBeam
 from ..device import Device
+from ..io.counting import count
 from ..pulse import Pulse
 from .cells import Cells, Observations, no_observations
 from .record import Form, Motion
@@ -18,6 +19,8 @@ from .schemes import CONSERVING
 from .settings import MOVE, Settings
 from .steps import Steps
 
+BUNCH = 8192
+"""Cells after which it is told how many are done; the last lanes of a call run half empty."""
 HALVINGS = 4
 """How often a cell whose energy ledger does not close is followed again with half the step."""
 SMALLEST = 2.0**-8
@@ -166,9 +169,11 @@ class Model:
 
         def follow_share(first):
             share = order[first :: settings.threads]
-            found = self.loop().march(self, cells.some(share), dt[share], settings)
-            for whole, part in zip(seen[:6], found, strict=True):
-                whole[share] = part
+            for some in np.split(share, range(BUNCH, share.size, BUNCH)):
+                found = self.loop().march(self, cells.some(some), dt[some], settings)
+                for whole, part in zip(seen[:6], found, strict=True):
+                    whole[some] = part
+                count(some.size)
 
         with ThreadPoolExecutor(settings.threads) as pool:
             list(pool.map(follow_share, range(settings.threads)))

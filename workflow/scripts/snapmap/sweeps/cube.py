@@ -9,6 +9,7 @@ import xarray as xr
 
 from ..axes import coordinates
 from ..device import Device
+from ..io.counting import counting
 from ..io.provenance import provenance
 from ..solver.adaptive import choose_model
 from ..solver.cells import check_cells
@@ -123,7 +124,8 @@ def sweep(
     f0 = frequencies(f0, study.shocks)
     check_cells(N=N, f0=f0, C=C)
     grid = study.set_out({**varied, "C": C, "f0": f0, "N": N})
-    variables = follow_grid(choose_model(grid.device, study.model), grid, study.settings)
+    with counting("sweep"):
+        variables = follow_grid(choose_model(grid.device, study.model), grid, study.settings)
     return with_summary(dress(grid.axes, variables, study.document()))
 
 

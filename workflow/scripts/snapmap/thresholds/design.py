@@ -9,6 +9,7 @@ import xarray as xr
 
 from ..axes import COORDINATES, coordinates
 from ..device import SIGNED, VALUES, Device, batch, is_bistable
+from ..io.counting import counting
 from ..quantities import QUANTITIES
 from ..solver.adaptive import choose_survey
 from ..solver.cells import check_cells, to_rows
@@ -67,7 +68,8 @@ def design(
         found = _thresholds(study, asked, f0, C)
         return found[0] - N, found[1]
 
-    found = _solve(above, between, values.size)
+    with counting("design"):
+        found = _solve(above, between, values.size)
     return _line(value, key, values, N, found) if along else _single(value, N, between, found)
 
 

@@ -22,6 +22,7 @@ class Verdict(NamedTuple):
     """One requirement on one device at one damping.
 
     N, N_first, N_error: multiples of g; f0: Hz; duration: ms; C: uN us/um
+    scale, scale_first: N and N_first as factors of the record; NaN unless it is one
     margin, margin_error: N_first and its bar over N; NaN where nothing snaps
     outcome: of the shock as simulated; verdict: MET, VIOLATED, or UNCLEAR within the bar
     """
@@ -41,6 +42,8 @@ class Verdict(NamedTuple):
     margin: float
     margin_error: float
     verdict: str
+    scale: float
+    scale_first: float
 
 
 def check(
@@ -80,13 +83,14 @@ def _verdicts(study, name, asked, C, tolerance):
     for i, (damping, outcome) in enumerate(zip(C, outcomes, strict=True)):
         row, snapped = found.isel(C=i), bool(np.isfinite(seen.t_snap[i, 0]))
         first, error = row.N_first.item(), row.N_error.item()
+        over = study.device.gravity / shocks.pulse.peak
         verdict = UNCLEAR if outcome == FAILED or _is_close(row, N) else MET
         if verdict == MET and snapped != asked["snaps"]:
             verdict = VIOLATED
         yield Verdict(
             *(asked["name"], name, shocks.pulse.name, shocks.direction),
             *(N, f0, 1e3 / f0, damping, asked["snaps"], OUTCOMES[outcome]),
-            *(first, error, first / N, error / N, verdict),
+            *(first, error, first / N, error / N, verdict, N * over, first * over),
         )
 
 

@@ -7,6 +7,7 @@ import xarray as xr
 
 from ..axes import PULSE_AXES, coordinates
 from ..device import Device
+from ..io.counting import counting
 from ..io.provenance import provenance, recipe
 from ..solver.adaptive import choose_survey
 from ..solver.cells import check_cells, rows_of, to_rows
@@ -37,6 +38,11 @@ VARIABLES = {
     "N_bound": {"long_name": "amplitude below which nothing snaps, by energy", **MULTIPLES},
     "N_looked": {"long_name": "highest amplitude looked at", **MULTIPLES},
     "N_first": {"long_name": "lowest amplitude that snaps", **MULTIPLES},
+    "scale_first": {
+        "long_name": "lowest factor of the record that snaps",
+        "units": "1",
+        "comment": "N_first over the largest acceleration of the record, noise and all",
+    },
     "N_error": {"long_name": "uncertainty of N_first from space, time and refinement", **MULTIPLES},
     "N_half": {
         "long_name": "amplitude below which as much snaps as does not above it",
@@ -115,7 +121,8 @@ def threshold(
         by their names, in internal units, as axes in front of C and f0
     The variables are those of `islands.Thresholds`, (..., C, f0), with N_latched; the limits for
     slow and short pulses, N_static, over the axes of device and pulse, and velocity_change, over
-    these and C; and the `area` of each pulse: its velocity change is area N g / f0.
+    these and C; and the `area` of each pulse: its velocity change is area N g / f0. Of records in
+    known units `scale_first` is the factor of the record at which it snaps.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> found = snapmap.threshold(device, [1500], [25], model="cosines", thickness=[1.9, 2.0])
@@ -124,7 +131,8 @@ def threshold(
     """
     study, varied = study_of(device, model, options)
     axes = {**varied, "C": C, "f0": frequencies(f0, study.shocks)}
-    return thresholds_of(study, axes, tolerance, highest, earlier)
+    with counting("threshold"):
+        return thresholds_of(study, axes, tolerance, highest, earlier)
 
 
 def thresholds_of(
@@ -149,6 +157,11 @@ def thresholds_of(
     new = np.flatnonzero(~known & (rows.device >= 0))
     tell_cost(models, rows.some(new), settings)
     found = _look(models, rows, settings, tolerance, highest, new, found)
+    peak = np.array([pulse.peak for pulse in settings.pulses])
+    if np.isfinite(peak).any():
+        found["scale_first"] = (
+            found["N_first"] * grid.device.gravity[rows.device] / peak[rows.pulse]
+        )
     dims = *grid.axes, "island"
     data = {
         key: (dims[: len(grid.shape) + values.ndim - 1], _reshape(values, grid.shape))

@@ -8,6 +8,7 @@ import xarray as xr
 
 from ..axes import COORDINATES, NAMES, coordinates
 from ..device import Device
+from ..io.counting import counting
 from ..io.provenance import provenance
 from ..numerics.portable import geometric
 from ..solver.cells import check_cells
@@ -115,7 +116,8 @@ def tolerance(
         raise ValueError(f"{next(iter(varied))}: is no option; write how it scatters in scatters")
     axes = {"C": C, "f0": frequencies(f0, study.shocks)}
     axes |= {} if N is None else {"N": N}
-    return tolerances_of(study, axes, Tolerances(scatters, **given), requirements, tolerance)
+    with counting("tolerance"):
+        return tolerances_of(study, axes, Tolerances(scatters, **given), requirements, tolerance)
 
 
 def tolerances_of(

@@ -1,0 +1,47 @@
+"""Values that convert, and yet are hardly meant: what a wrong unit leaves behind."""
+
+import numpy as np
+
+from ..device import Beam, Device
+
+STEEP = 0.1
+"""Rise over span above which the slope that is neglected is a tenth of what is kept."""
+SLENDER = 20.0, 5000.0
+"""Span over thickness below which the same holds of shear; above no beam is made."""
+CREEPING = 10.0
+"""C over that of critical damping."""
+FAR = 1000.0
+"""Duration of a pulse over a period, or the reverse."""
+
+
+def proportions(beam: Beam) -> str:
+    """How flat and how slender a beam is."""
+    return (
+        f"rise/thickness {beam.bistability:.4g}, rise/span {beam.rise / beam.span:.3g}, "
+        f"span/thickness {beam.span / beam.thickness:.4g}"
+    )
+
+
+def implausible(device: Device, C: np.ndarray, f0: np.ndarray) -> list[str]:
+    """Lines on what is hardly meant, of a batch of devices; C: uN us/um, f0: Hz, ascending."""
+    beam, mass = device.beam, np.sqrt(device.spring / device.mass)
+    steepest = np.max(beam.rise / beam.span)
+    slender = beam.span / beam.thickness
+    damped = C[-1] / np.min(2 * device.mass * mass)
+    lasts = f0 * (2e-6 * np.pi)
+    first, last = np.min(device.own_frequency), np.max(np.maximum(mass, beam.bending_frequency))
+    told = {
+        f"rise/span = {steepest:.3g}: above {STEEP:g} the beam is no shallow arch, as the model "
+        "has it": steepest > STEEP,
+        f"span/thickness = {slender.min():.3g}: below {SLENDER[0]:g} shear counts, which the model "
+        "leaves out": slender.min() < SLENDER[0],
+        f"span/thickness = {slender.max():.3g}: no beam is made above {SLENDER[1]:g}; is a unit "
+        "wrong?": slender.max() > SLENDER[1],
+        f"C = {C[-1]:.4g} uN*us/um is {damped:.3g} times that of critical damping; is its unit "
+        "right?": damped > CREEPING,
+        f"f0 up to {f0[-1]:.4g} Hz: all pulses last over {FAR:g} periods of beam and mass; they "
+        "act as a lasting acceleration": lasts[-1] * FAR < first,
+        f"f0 from {f0[0]:.4g} Hz: all pulses are over in a {FAR:g}th of any period; they act as a "
+        "jump in velocity": lasts[0] > FAR * last,
+    }
+    return [line for line, holds in told.items() if holds]
