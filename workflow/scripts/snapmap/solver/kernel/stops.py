@@ -8,7 +8,7 @@ from .energy import half_step_midpoint
 from .rows import LANES, row
 
 
-@inlined
+@compiled
 def has_stops(X):
     """Whether the mass of any lane has one; an empty lane has zeros there."""
     some = False
@@ -19,21 +19,28 @@ def has_stops(X):
 
 
 @inlined
+def is_beyond(X, l):
+    """Whether the mass of lane l is beyond a stop."""
+    y = X[row(R.Y, l)]
+    return (y < -X[row(R.STOP_TOWARD, l)]) | (y > X[row(R.STOP_AWAY, l)])
+
+
+@compiled
 def crossed(X):
-    """Whether the mass of any lane is beyond a stop."""
+    """Whether the mass of any lane is."""
     some = False
     for l in range(LANES):
-        y = X[row(R.Y, l)]
-        some |= (y < -X[row(R.STOP_TOWARD, l)]) | (y > X[row(R.STOP_AWAY, l)])
+        some |= is_beyond(X, l)
     return some
 
 
-@inlined
+@compiled
 def overlap_at_half(X, shape):
-    """The overlap at the last half step, which the explicit scheme itself does without."""
+    """The overlap at the last half step, without which the explicit scheme itself does."""
     for l in range(LANES):
         middle = X[row(R.Y, l)] - X[row(R.Y_STEP, l)] / 2
-        X[row(R.OVERLAP, l)] = half_step_midpoint(X, shape, l) - middle - X[row(R.GAP, l)]
+        if is_beyond(X, l):
+            X[row(R.OVERLAP, l)] = half_step_midpoint(X, shape, l) - middle - X[row(R.GAP, l)]
 
 
 @compiled
