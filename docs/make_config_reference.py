@@ -17,7 +17,7 @@ from snapmap.config.schema import validator
 from snapmap.config.shocks import SHARES
 from snapmap.config.study import load_config
 from snapmap.config.views import MOST_MAPS
-from snapmap.device import RESTITUTION, VALUES, Beam, Device
+from snapmap.device import REFERENCE, RESTITUTION, VALUES, Beam, Device
 from snapmap.pulse import TENTH, VERSED_SINE
 from snapmap.quantities import KINDS, QUANTITIES
 from snapmap.solver.adaptive import TOLERANCE
@@ -155,6 +155,7 @@ def _sections(schema, defaults):
     yield _section("device", device, defaults)
     yield _section("device.beam", device["properties"]["beam"], defaults)
     yield _section("device.stops", device["properties"]["stops"], defaults)
+    yield _section("device.thermal", device["properties"]["thermal"], defaults)
     yield _section("model", parts["model"], defaults)
     yield _options()
     yield _section("pulse", parts["pulse"], defaults)
@@ -192,6 +193,11 @@ def code_defaults() -> dict[str, str]:
         "device.stops": "the mass travels freely",
         **dict.fromkeys(("device.stops.toward", "device.stops.away"), "no stop on that side"),
         "device.stops.restitution": f"`{RESTITUTION:g}`",
+        "device.thermal": "an axis temperature changes nothing",
+        "device.thermal.reference": f"`{REFERENCE:g} degC`",
+        **dict.fromkeys(
+            (f"device.thermal.{key}" for key in ("modulus", "mismatch", "damping")), "`0`"
+        ),
         "device.beam.guide": "`guided`",
         "device.beam.imperfection": "required if `guide` is `free`",
         "model.elements": f"`{elements['elements']}`",

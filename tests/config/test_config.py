@@ -147,7 +147,7 @@ def test_conversion_adds_no_noise(text, kind, value):
         ("600 nan", "'600 nan' has an unknown unit, 'nan'"),
         ("600 um*dB", "'600 um*dB' has an unknown unit, 'um*dB'"),
         ("600 Pa^0", "'600 Pa^0' has an unknown unit, 'Pa^0'"),
-        ("20 degC", "'20 degC' does not convert to "),
+        ("20 degF", "'20 degF' does not convert to "),
         ("3 dB", "'3 dB' does not convert to "),
         ("3 %", "'3 %' does not convert to "),
     ],

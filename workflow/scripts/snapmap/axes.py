@@ -90,7 +90,7 @@ def make_grid(
     nominal = nominal.pick(places[0] if named else np.zeros(places.shape[1], int))
     columns = zip(varied, places[bool(named) :], strict=True)
     values = {key: points[key][place] for key, place in columns}
-    stays = is_bistable(nominal.beam, values, len(nominal)) if skip else np.ones(len(nominal), bool)
+    stays = is_bistable(nominal, values, len(nominal)) if skip else np.ones(len(nominal), bool)
     some = {key: column[stays] for key, column in values.items()}
     # Where no point has a device, the nominal one stands for the kind of model.
     devices = _vary(nominal.pick(stays), some) if stays.any() else nominal.pick([0])

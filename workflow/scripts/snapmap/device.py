@@ -22,6 +22,17 @@ NEWTON_STEPS = 100
 RESTITUTION = 0.5
 STOPS = {"toward": "stop_toward", "away": "stop_away", "restitution": "restitution"}
 """Values of the device by their keys in the config's section `stops`."""
+THERMAL = {
+    "reference": "reference_temperature",
+    "modulus": "modulus_slope",
+    "mismatch": "expansion_mismatch",
+    "damping": "damper_exponent",
+}
+"""Likewise in its section `thermal`."""
+REFERENCE = 20.0
+"""Temperature, degC, at which the values of a device hold unless it says another."""
+ZERO = 273.15
+"""K, of 0 degC."""
 THINNEST = 1e6
 """Most of rise over thickness: beyond, the digits of a float no longer hold bending and stretch."""
 
@@ -189,6 +200,11 @@ class Device:
     stop_toward, stop_away: way of the mass from rest to a rigid stop, towards the beam and away
         from it, um; math.inf for none
     restitution: share of its speed with which the mass leaves a stop, 0 to 1
+    temperature: at which the other values hold, degC; `vary` takes it to others
+    reference_temperature: at which they were given, degC
+    modulus_slope: change of Young's modulus over itself, 1/K
+    expansion_mismatch: thermal expansion of the beam less that of what it is clamped to, 1/K
+    damper_exponent: C grows with the absolute temperature to this power
     """
 
     beam: Beam
@@ -200,6 +216,11 @@ class Device:
     stop_toward: Value = math.inf
     stop_away: Value = math.inf
     restitution: Value = RESTITUTION
+    temperature: Value = REFERENCE
+    reference_temperature: Value = REFERENCE
+    modulus_slope: Value = 0.0
+    expansion_mismatch: Value = 0.0
+    damper_exponent: Value = 0.0
 
     def __post_init__(self):
         _require_from_zero("device.gap", self.gap)
@@ -208,6 +229,14 @@ class Device:
             _require(np.greater(way, 0), f"device.stops.{key}: {{}} is not a positive number", way)
         share = np.greater_equal(self.restitution, 0) & np.less_equal(self.restitution, 1)
         _require(share, "device.stops.restitution: {} is not from 0 to 1", self.restitution)
+        for key, name in (
+            ("temperature", "temperature"),
+            ("thermal.reference", THERMAL["reference"]),
+        ):
+            value = getattr(self, name)
+            _require(
+                np.greater(value, -ZERO), f"device.{key}: {{}} degC is not above -273.15", value
+            )
         for name in ("mass", "spring", "gravity"):
             _require_positive(f"device.{name}", getattr(self, name))
         stiff = "device.contact: {} is not a positive number or inf"
@@ -226,6 +255,14 @@ class Device:
         """Whether the mass meets a stop on either side."""
         return np.isfinite(self.stop_toward) | np.isfinite(self.stop_away)
 
+    @property
+    def damper_factor(self) -> Value:
+        """C at the device's temperature over that at the reference."""
+        if not np.any(self.damper_exponent):
+            return np.ones(np.shape(self.temperature))[()]
+        ratio = np.add(self.temperature, ZERO) / np.add(self.reference_temperature, ZERO)
+        return np.vectorize(float.__pow__)(ratio, self.damper_exponent)[()]
+
     def __len__(self) -> int:
         """Number of devices in a batch; 1 for a single device."""
         return int(np.size(self.mass))
@@ -236,9 +273,32 @@ class Device:
         return _from_values({**values.pop("beam"), **values}, lambda value: value[which])
 
     def vary(self, values: Mapping[str, np.ndarray]) -> "Device":
-        """The same devices but for some values, each (devices,), by their names in VALUES."""
+        """The same devices but for some values, each (devices,), by their names in VALUES.
+
+        Where the temperature is among them, the others are those at the reference.
+        """
         whole = asdict(self)
-        return _from_values({**whole.pop("beam"), **whole, **values}, np.asarray)
+        return _from_values({**whole.pop("beam"), **whole, **self.warmed(values)}, np.asarray)
+
+    def warmed(self, values: Mapping[str, np.ndarray]) -> Mapping[str, np.ndarray]:
+        """Values for `vary`, with the modulus and the stress at the temperature among them.
+
+        E = E0 (1 + slope dT),  stress = stress0 - E0 mismatch dT
+        """
+        if "temperature" not in values:
+            return values
+        # ASSUME: all else stays as it is: expansion moves sizes by some 1e-4.
+        here = self.temperature - self.reference_temperature
+        there = values["temperature"] - self.reference_temperature
+        own = self.beam.youngs_modulus / (1 + self.modulus_slope * here)
+        relaxed = self.beam.residual_stress + own * self.expansion_mismatch * here
+        modulus = values.get("youngs_modulus", own)
+        stress = values.get("residual_stress", relaxed)
+        return {
+            **values,
+            "youngs_modulus": modulus * (1 + self.modulus_slope * there),
+            "residual_stress": stress - modulus * self.expansion_mismatch * there,
+        }
 
 
 BEAM_VALUES = tuple(field.name for field in fields(Beam))
@@ -278,8 +338,9 @@ def batch(devices: Sequence[Device]) -> Device:
     return _from_values(whole, np.asarray)
 
 
-def is_bistable(beam: Beam, values: Mapping[str, np.ndarray], size: int) -> np.ndarray:
+def is_bistable(device: Device, values: Mapping[str, np.ndarray], size: int) -> np.ndarray:
     """Whether the beam with other values, each (size,), has a second stable shape; (size,)."""
+    beam, values = device.beam, device.warmed(values)
     keys = "rise", "thickness", "span", "youngs_modulus", "residual_stress"
     rise, thickness, span, modulus, stress = (values.get(key, getattr(beam, key)) for key in keys)
     root = math.pi * thickness / span

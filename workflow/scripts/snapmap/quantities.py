@@ -36,6 +36,9 @@ KINDS = {
     "acceleration": Kind("an acceleration", "um/us^2", "'9.81 m/s^2'"),
     "frequency": Kind("a frequency", "Hz", "'1500 Hz'"),
     "damper": Kind("a damper constant", "uN*us/um", "'25 uN*us/um'", zero=True),
+    "temperature": Kind("a temperature", "degC", "'85 degC'", zero=True, signed=True),
+    "expansion": Kind("a change per kelvin", "1/K", "'-63e-6 /K'", zero=True, signed=True),
+    "exponent": Kind("a plain number", "", "0.7", zero=True, signed=True),
     "restitution": Kind("a plain number from 0 to 1", "", "0.5", zero=True),
     "share": Kind("a share", "%", "'0.1 %'"),
     "duration": Kind("a duration", "us", "'1500 us'", zero=True),
@@ -58,6 +61,8 @@ SPELT = {
     "ng": Unit("ng", "ng", "ng"),
     "um": Unit("um", "µm", "µm"),
     "us": Unit("us", "µs", "µs"),
+    "degC": Unit("degC", "°C", "°C"),
+    "1/K": Unit("K-1", "K$^{-1}$", "1/K"),
     "ng/um^3": Unit("ng um-3", "ng µm$^{-3}$", "ng/µm³"),
     "1/us": Unit("us-1", "µs$^{-1}$", "1/µs"),
     "uN/um": Unit("uN um-1", "N/m", "N/m"),
@@ -148,6 +153,13 @@ _ALL = (
         "restitution of the stops",
         left_out=math.nan,
     ),
+    Quantity(
+        "temperature", "temperature", "temperature of the device", "temperature", left_out=20.0
+    ),
+    Quantity("reference_temperature", "temperature", left_out=math.nan),
+    Quantity("modulus_slope", "expansion", left_out=0.0),
+    Quantity("expansion_mismatch", "expansion", left_out=0.0),
+    Quantity("damper_exponent", "exponent", left_out=0.0),
     Quantity("gravity", "acceleration"),
     Quantity("shape", "", "shape of the pulse", "", "shape of the pulse"),
     Quantity(

@@ -4,19 +4,21 @@ from ..axes import COORDINATES, axis_behind
 from ..device import BEAM_VALUES, STOPS, VALUES
 from ..pulse import SHAPES
 from ..quantities import QUANTITIES
+from ..tolerances.samples import OF_DEVICE
 
 
 def write_out(schema: dict) -> None:
     """Complete the keys that are quantities or shapes; what the schema itself says stays."""
     parts, kinds = schema["properties"], schema["$defs"]
     of_beam = [key for key in VALUES if key in BEAM_VALUES]
-    of_device = [key for key in VALUES if key not in (*BEAM_VALUES, *STOPS.values())]
+    apart = *BEAM_VALUES, *STOPS.values(), "temperature"
+    of_device = [key for key in VALUES if key not in apart]
     rare_last = sorted(VALUES, key=lambda key: QUANTITIES[key].left_out is not None)
     for section, keys, write in (
         (kinds["device"]["properties"]["beam"], of_beam, _own),
         (kinds["device"], of_device, _own),
         (parts["sweep"], rare_last, _axis),
-        (parts["tolerances"], rare_last, _scatter),
+        (parts["tolerances"], [key for key in rare_last if key in OF_DEVICE], _scatter),
         (parts["histories"]["items"], rare_last, _instead),
     ):
         given = _in_order(section["properties"], keys)

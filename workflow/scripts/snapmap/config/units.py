@@ -18,6 +18,7 @@ _UNIT = rf"(?:(?<= )1 *(?=/))?(/? *{_FACTOR}(?:(?: *[*/] *| +){_FACTOR})*)"
 _PLAIN = re.compile(_NUMBER, re.ASCII)
 _QUANTITY = re.compile(rf"({_NUMBER}) *{_UNIT}", re.ASCII)
 _LONGEST = 60
+_ZERO = Decimal("273.15")
 _ARITHMETIC = Context(prec=40, traps=[])
 
 
@@ -70,6 +71,8 @@ def _read_quantity(value, kind):
     if not match:
         raise _fault(value, "is not a number with a unit", kind)
     number, unit = match.groups()
+    if kind.unit == "degC":
+        return _read_temperature(value, number, unit, kind)
     if kind.unit == "%":
         return _read_share(value, number, unit, kind)
     try:
@@ -89,6 +92,22 @@ def _read_quantity(value, kind):
 def _check_sign(value, number, kind):
     if (number < 0 and not kind.signed) or (number == 0 and not kind.zero):
         raise _fault(value, "is negative" if kind.zero else "is not positive", kind)
+
+
+def _read_temperature(value, number, unit, kind):
+    """Of the two scales with an offset between them."""
+    found = Decimal(number)
+    if unit.strip() == "K":
+        found -= _ZERO
+    elif unit.strip() != "degC":
+        try:
+            _factor(unit, "K")
+        except ValueError as error:
+            raise _fault(value, str(error), kind) from None
+        raise _fault(value, "does not convert to degC here", kind)
+    if not -_ZERO < found <= MOST:
+        raise _fault(value, f"is not above {-_ZERO} degC", kind)
+    return float(found)
 
 
 def _read_share(value, number, unit, kind):

@@ -12,7 +12,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from .. import __version__
-from ..device import RESTITUTION, STOPS, Device
+from ..device import REFERENCE, RESTITUTION, STOPS, THERMAL, Device
 from ..pulse import Pulse, Shocks
 from ..quantities import QUANTITIES
 from .dependencies import code_hash
@@ -75,12 +75,20 @@ def _section(device):
     values = asdict(device)
     beam = values.pop("beam")
     guide = {"guide": "free"} if beam.pop("free") else {}
-    stops = _with_units({name: values.pop(name) for name in STOPS.values()})
-    stops = {key: stops[name] for key, name in STOPS.items() if name in stops}
+    stops, thermal = (_named(values, names) for names in (STOPS, THERMAL))
+    values.pop("temperature")  # its values hold there
     # Stops that are an axis alone bounce as the device says.
-    is_told = device.has_stops or device.restitution != RESTITUTION
-    written = {"stops": stops} if is_told else {}
+    stopped = device.has_stops or device.restitution != RESTITUTION
+    warms = len(thermal) > 1 or device.reference_temperature != REFERENCE
+    written = {"stops": stops} if stopped else {}
+    written |= {"thermal": thermal} if warms else {}
     return {"beam": _with_units(beam) | guide, **_with_units(values), **written}
+
+
+def _named(values, names):
+    """A section of a device of its own, taken out of the values."""
+    section = _with_units({name: values.pop(name) for name in names.values()})
+    return {key: section[name] for key, name in names.items() if name in section}
 
 
 def _with_units(values):

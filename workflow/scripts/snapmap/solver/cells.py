@@ -126,6 +126,6 @@ def to_cells(devices: Device, device, N, f0, C, horizon: float, pulse=0) -> Cell
     indices = (np.asarray(column, np.int64) for column in (device, pulse))
     values = (np.asarray(column, float) for column in (N, f0, C))
     device, pulse, N, f0, C = np.broadcast_arrays(*indices, *values)
-    gravity = np.atleast_1d(devices.gravity)[device]
+    gravity, factor = (np.atleast_1d(a)[device] for a in (devices.gravity, devices.damper_factor))
     f0 = f0 * 1e-6
-    return Cells(device, pulse, N * gravity, f0, C, 1 / f0 + horizon)
+    return Cells(device, pulse, N * gravity, f0, C * factor, 1 / f0 + horizon)

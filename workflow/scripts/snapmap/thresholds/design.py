@@ -110,7 +110,7 @@ def _thresholds(study, values, f0, C):
     """Thresholds of a study's device with other values, each (n,), and their errors, or NaN."""
     values = {key: column for key, column in values.items() if np.isfinite(column).all()}
     size = next(iter(values.values())).size
-    there = np.flatnonzero(is_bistable(study.device.beam, values, size))
+    there = np.flatnonzero(is_bistable(study.device, values, size))
     found = np.full((2, size), np.nan)
     if there.size:
         some = {key: column[there] for key, column in values.items()}

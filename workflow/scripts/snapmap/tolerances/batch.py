@@ -40,7 +40,7 @@ class Batch:
         self._check(plan)
         self.nominal = build(batch_of([device]))
         made = {key: values for key, values in self.values.items() if key in VALUES}
-        self.bistable = is_bistable(device.beam, made, len(points))
+        self.bistable = is_bistable(device, made, len(points))
         made = {key: values[self.bistable] for key, values in made.items()}
         self.size = np.count_nonzero(self.bistable)
         self.model: Follows | None = None

@@ -9,6 +9,8 @@ import numpy as np
 
 from ..device import VALUES
 
+OF_DEVICE = tuple(key for key in VALUES if key != "temperature")
+"""Values of the device that scatter: it is as warm as it is."""
 SHOCK_FACTORS = ("N", "duration", "C")
 """Values of the shock and of the damper that scatter, too, as shares: they have no nominal ones."""
 KINDS = ("normal", "uniform", "lognormal", "truncated")
@@ -123,8 +125,8 @@ def scatter_from(key: str, given) -> Scatter:
     if isinstance(given, Scatter):
         return given
     name = f"tolerances.{key}"
-    if key not in (*VALUES, *SHOCK_FACTORS):
-        known = ", ".join((*VALUES, *SHOCK_FACTORS))
+    if key not in (*OF_DEVICE, *SHOCK_FACTORS):
+        known = ", ".join((*OF_DEVICE, *SHOCK_FACTORS))
         raise ValueError(f"{name}: is no value that scatters; these are {known}")
     kind, width = "normal", given
     if isinstance(given, Mapping):

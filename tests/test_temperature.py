@@ -1,0 +1,89 @@
+"""Temperature: the axis that sets modulus, stress and damping together."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import snapmap
+from snapmap.config.devices import read_device
+from snapmap.config.yaml_file import read_document
+from snapmap.device import batch
+from snapmap.solver.cells import to_cells
+
+THERMAL = {
+    "modulus_slope": -63e-6,
+    "expansion_mismatch": -0.5e-6,
+    "damper_exponent": 0.7,
+}
+
+
+@pytest.fixture(scope="module")
+def document(root):
+    return read_document(root / "config" / "config.yaml")
+
+
+@pytest.fixture(scope="module")
+def silicon(handout):
+    return dataclasses.replace(handout, **THERMAL)
+
+
+def at(device, temperature, **values):
+    columns = {key: np.array([value]) for key, value in values.items()}
+    return batch([device]).vary({"temperature": np.array([temperature]), **columns}).pick(0)
+
+
+def test_modulus_stress_and_damping_follow_the_temperature(silicon):
+    hot = at(silicon, 120.0)
+    assert hot.beam.youngs_modulus == pytest.approx(150e3 * (1 - 63e-4), rel=1e-15)
+    assert hot.beam.residual_stress == pytest.approx(150e3 * 0.5e-4, rel=1e-15)
+    (C,) = to_cells(batch([hot]), [0], [1000.0], [1500.0], [25.0], 0.0).damping
+    assert pytest.approx(25 * (393.15 / 293.15) ** 0.7, rel=1e-15) == C
+
+
+def test_the_way_there_does_not_matter(silicon):
+    once, twice = at(silicon, -40.0), at(at(silicon, 300.0), -40.0)
+    assert twice.beam.youngs_modulus == pytest.approx(once.beam.youngs_modulus, rel=1e-14)
+    assert twice.beam.residual_stress == pytest.approx(once.beam.residual_stress, rel=1e-12)
+    assert at(silicon, 20.0).beam == silicon.beam
+
+
+def test_a_modulus_beside_the_temperature_is_that_at_the_reference(silicon):
+    assert at(silicon, 120.0, youngs_modulus=160e3).beam.youngs_modulus == pytest.approx(
+        160e3 * (1 - 63e-4), rel=1e-15
+    )
+
+
+def test_the_axis_is_the_device_with_other_values(silicon):
+    asked = {"f0": [1500.0], "model": "cosines", "horizon": 0}
+    along = snapmap.threshold(silicon, C=[25.0], temperature=[-40.0, 20.0, 120.0], **asked)
+    hot = at(silicon, 120.0)
+    factor = (393.15 / 293.15) ** 0.7
+    apart = dataclasses.replace(hot, damper_exponent=0.0)
+    alone = snapmap.threshold(apart, C=[25.0 * factor], **asked)
+    assert along.N_first.values[2].item() == pytest.approx(alone.N_first.item(), rel=1e-9)
+    assert along.temperature.attrs["units"] == "degC"
+
+
+def test_a_device_without_coefficients_keeps_its_bits(handout):
+    assert at(handout, 120.0).beam == handout.beam
+
+
+def test_a_config_says_the_coefficients_with_units(document):
+    section = document["device"] | {
+        "thermal": {
+            "reference": "300 K",
+            "modulus": "-63e-6 /K",
+            "mismatch": "2e-6 /K",
+            "damping": 0.7,
+        }
+    }
+    device = read_device(section)
+    assert device.temperature == device.reference_temperature == pytest.approx(26.85)
+    assert (device.modulus_slope, device.damper_exponent) == (-63e-6, 0.7)
+
+
+@pytest.mark.parametrize("value", ["20", "20 um", "-300 degC", "-1 K"])
+def test_what_is_no_temperature_is_named(document, value):
+    with pytest.raises(ValueError, match="degC"):
+        read_device(document["device"] | {"thermal": {"reference": value}})
