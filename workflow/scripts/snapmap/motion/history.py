@@ -11,6 +11,7 @@ from ..beam.modal import contact_stiffness
 from ..device import Device
 from ..io.provenance import device_sections, provenance
 from ..numerics.linalg import dot, multiply
+from ..pulse import blow_at
 from ..solver.adaptive import choose_model
 from ..solver.cells import check_cells, to_cells
 from ..solver.repeat import REPEATED_STEP, t_snap_error, work_error
@@ -52,7 +53,7 @@ def simulate(
         energy_tolerance, of a sweep whose step for this cell is taken; pulse and direction, of one
         shape in one direction; and options of the model
     The attributes work_error and t_snap_error say by how much the pulse's work and the time of snap
-    differ with another step, as in a cube.
+    differ with another step, as in a cube; of a train, blow tells at which it snaps.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> run = snapmap.simulate(device, 1100, 1500, 25, model="cosines", horizon=0)
@@ -76,11 +77,13 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     device, settings = study.device, study.settings._replace(repeat=False)
     built = choose_model(device, study.model).levels[-1]
     cells = to_cells(device, [0], [N], [f0], [C], settings.horizon)
-    built = built.with_step(0.5 ** built.follow(cells, settings).halvings.item())
+    seen = built.follow(cells, settings)
+    built = built.with_step(0.5 ** seen.halvings.item())
     dt = built.steps.of(cells, settings.pulses, MOVE).item()
     amplitude, per_us, damping, t_end = (column.item() for column in cells[2:])
     steps, stride = _sampling(t_end, dt)
     shock = settings.pulses[0]
+    blow = {"blow": blow_at([shock], cells.pulse, seen.t_snap * per_us).item()}
     motion, form = built.loop().record(built, shock, amplitude, per_us, damping, dt, steps, stride)
     values = _observe(device, built.barrier.first, form, motion) | {
         "acceleration": amplitude * shock.at(per_us * motion.time),
@@ -101,6 +104,7 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
         barrier=built.barrier.energy,
         gravity=device.gravity,
         time_step=dt,
+        **(blow if shock.blows.size else {}),
         **_differences(built, cells, settings),
     )
 
