@@ -112,7 +112,7 @@ def make_sweep(sweep: Mapping) -> Pulse:
         "sweep",
         straight(x, values),
         1e6 * float(time[-1]),
-        {"sweep": _said(given)},
+        given={"sweep": _said(given)},
         blows=x[:-1:half],
         swing=float(np.diff(ends).min() / time[-1]),
         strongest=alone,
@@ -186,7 +186,7 @@ def _joined(name, parts, given, **others):
         name,
         _scaled(pieces, lasts, peak),
         lasts,
-        given,
+        given=given,
         blows=begins[:-1][blows] / lasts,
         swing=swing / lasts,
         strongest=Pulse(
