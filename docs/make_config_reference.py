@@ -14,7 +14,7 @@ from snapmap.config import units
 from snapmap.config.devices import load_device
 from snapmap.config.histories import HANDOUT_CASE
 from snapmap.config.schema import validator
-from snapmap.config.shocks import SHARES
+from snapmap.config.shocks import SHARES, WHOLE
 from snapmap.config.study import load_config
 from snapmap.config.views import MOST_MAPS
 from snapmap.device import REFERENCE, RESTITUTION, VALUES, Beam, Device
@@ -158,7 +158,7 @@ def _sections(schema, defaults):
     yield _section("device.thermal", device["properties"]["thermal"], defaults)
     yield _section("model", parts["model"], defaults)
     yield _options()
-    yield _section("pulse", parts["pulse"], defaults)
+    yield _section("pulse", _resolved(parts["pulse"], schema), defaults)
     yield _section("sweep", parts["sweep"], defaults)
     yield _section("tolerances", parts["tolerances"], defaults)
     yield _section("an axis given as a range", schema["$defs"]["axis"], defaults)
@@ -218,11 +218,12 @@ def code_defaults() -> dict[str, str]:
         "tolerances.seed": f"`{Tolerances._field_defaults['seed']}`",
         **{f"{where}.shape": f"`{VERSED_SINE}`" for where in pushes},
         **{f"{where}.{key}": f"`{TENTH * 100:g} %`" for where in pushes for key in SHARES},
-        **{f"{where}.file": "`shape`" for where in pushes},
+        **{f"{where}.{key}": "`shape`" for where in pushes for key in WHOLE},
         **{f"{where}.direction": "`+z`" for where in pushes},
-        "each of requirements.f0": "required, or `duration`, or `file`",
+        "each of requirements.f0": "required, or `duration`, `file`, `train`, `drop`, `sweep`",
+        "each of requirements.N": "required, but of a drop",
         "each of requirements.duration": "`f0`",
-        "sweep.f0": "required, or `duration`, or `pulse.file`",
+        "sweep.f0": "required, or `duration`, or a pulse that has its own",
         "sweep.duration": "`f0`",
         "each of histories.f0": "required, or `duration`",
         "each of histories.duration": "`f0`",

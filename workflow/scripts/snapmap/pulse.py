@@ -21,6 +21,8 @@ PULLED = 0.05
 """A pulse of which no more than this share points back lets the mass stay on the beam."""
 COARSE = 8.0
 """Fewer samples in a period of the device's make a record too coarse for it."""
+SHARES = ("rise", "fall")
+"""Of a trapezoid, over its duration."""
 TENTH = 0.1
 """Rise and fall of a trapezoid over its duration, unless given."""
 
@@ -30,10 +32,14 @@ class Pulse:
     """One shape of peak 1 over x = t/duration from 0 to 1.
 
     pieces: (pieces, 6), as in `numerics.pieces`
-    duration: its own, us, of a recorded shock; None where f0 alone tells it
+    duration: its own, us, of a recorded shock or a train; None where f0 alone tells it
     peak: its own, um/us^2, of a recorded shock in known units, else NaN
     given: what a config says of it
     notes: lines on what the user of a recorded shock should know
+    blows: x at which each blow of a train begins, ascending; none of other pulses
+    swing: share of the duration that the shortest blow takes
+    strongest: the blow of a train that changes the velocity most, alone, over the train's peak
+    own_N: multiples of g at which a drop is that from its height
     """
 
     name: str
@@ -42,10 +48,16 @@ class Pulse:
     peak: float = np.nan
     given: Mapping = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    blows: np.ndarray = field(default_factory=lambda: np.empty(0))
+    swing: float = 1.0
+    strongest: "Pulse | None" = None
+    own_N: float | None = None
 
     @cached_property
     def ends(self) -> tuple[float, float]:
-        """What it begins and ends with; 0 where it does not jump."""
+        """What it begins and ends with; 0 where it does not jump, as a train."""
+        if self.blows.size:
+            return 0.0, 0.0
         begin, end = self.at(np.array([0.0, 1.0])).tolist()
         return begin if abs(begin) > NO_JUMP else 0.0, end if abs(end) > NO_JUMP else 0.0
 
@@ -58,6 +70,18 @@ class Pulse:
     def area(self) -> float:
         """Velocity change over peak times duration."""
         return float(np.sum(self._areas))
+
+    @property
+    def alone(self) -> "Pulse":
+        """The strongest blow of a train, alone; else itself."""
+        return self.strongest or self
+
+    @property
+    def impact(self) -> float:
+        """Velocity change of the strongest blow over peak times duration of the whole."""
+        if self.strongest is None:
+            return self.area
+        return self.strongest.area * self.strongest.duration / self.duration
 
     @cached_property
     def gross_area(self) -> float:
@@ -85,6 +109,11 @@ class Pulse:
         values = np.concatenate([[0.0], self.at(self._places), [0.0]])
         return float(np.sum(abs(np.diff(values))))
 
+    @property
+    def swings(self) -> float:
+        """Its duration over that of a swing, the fastest of a train."""
+        return max(1.0, self.variation / 2, 1 / self.swing)
+
     @cached_property
     def highest(self) -> float:
         """Its highest value along +z; 0 where it only pulls."""
@@ -108,9 +137,16 @@ class Pulse:
         return self.gross_area - self.area > 2 * PULLED * self.gross_area
 
     @property
+    def strikes(self) -> bool:
+        """Whether it leaves the mass to strike with a run-up: it pulls, or blows again."""
+        return self.pulls or self.blows.size > 1
+
+    @property
     def _places(self):
         """x at which it is looked at: the ends of all pieces, and places between."""
-        return np.union1d(np.append(self.pieces[:, 0], 1.0), np.linspace(0.0, 1.0, 1001))
+        ends = np.append(self.pieces[:, 0], 1.0)
+        tops = ((ends[1:] + ends[:-1]) / 2)[self.pieces[:, 3] > 0]
+        return np.union1d(np.append(ends, tops), np.linspace(0.0, 1.0, 1001))
 
     @cached_property
     def steepest(self) -> float:
@@ -137,7 +173,7 @@ class Pulse:
         own_frequency: the device's, rad/us; lasts: us, as it is used
         """
         lines = list(self.notes)
-        if self.duration is None:
+        if self.duration is None or self.blows.size:
             return [f"{self.name}: {line}" for line in lines]
         period, apart = 2 * np.pi / own_frequency, np.diff(self.pieces[:, 0], append=1.0)
         if (step := apart.max() * lasts) * COARSE > period:
@@ -147,7 +183,8 @@ class Pulse:
     def reversed(self) -> "Pulse":
         """The same along the other direction."""
         flipped = self.pieces * [1.0, -1.0, -1.0, 1.0, -1.0, -1.0]
-        return replace(self, pieces=flipped)
+        strongest = self.strongest and self.strongest.reversed()
+        return replace(self, pieces=flipped, strongest=strongest)
 
 
 def _versed_sine():
@@ -240,7 +277,7 @@ def make_pulse(shape: str = VERSED_SINE, **shares: float) -> Pulse:
     if shape not in SHAPES:
         raise ValueError(f"pulse.shape: {shape!r} is not one of {', '.join(SHAPES)}")
     for key, share in shares.items():
-        if shape != "trapezoid" or key not in ("rise", "fall"):
+        if shape != "trapezoid" or key not in SHARES:
             raise ValueError(f"pulse.{key}: is of a trapezoid alone; leave it out")
         if isinstance(share, bool) or not isinstance(share, int | float) or not 0 < share < 1:
             raise ValueError(f"pulse.{key}: {share!r} is no share of the duration, from 0 to 1")
@@ -375,3 +412,15 @@ def table(pulses: Sequence[Pulse]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         bounds,
         np.array([pulse.ends for pulse in pulses]),
     )
+
+
+def blow_at(pulses: Sequence[Pulse], which: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Number from 1 of the blow of a train that began last before x, int32; 0 where x is NaN.
+
+    which: index of each one's pulse, in the shape of x
+    """
+    number = np.zeros(np.shape(x), np.int32)
+    for place, pulse in enumerate(pulses):
+        mine = (which == place) & np.isfinite(x)
+        number[mine] = np.searchsorted(pulse.blows, x[mine], side="right")
+    return number

@@ -10,6 +10,7 @@ from .device import Device
 from .io.provenance import asked_for
 from .pulse import HANDOUT_SHOCK, VERSED_SINE, Shocks, shocks_from
 from .solver.settings import Settings, check_settings
+from .trains import pulses_of
 
 FOLLOWED = ("horizon", "energy_tolerance", "threads")
 """Settings that every verb takes from Python."""
@@ -73,13 +74,15 @@ def study_of(
     """Make a study of a verb's keywords; raises ValueError, one line.
 
     model: name, or as a mapping the whole of the config's model section
-    options: some of `taken`, as in `Settings`; pulse (a shape by name, or what `read_pulse` gives;
-        several are an axis) and direction ("+z", "-z", several, or "both"); skip; values of the
-        device, which are axes; and options of the model
+    options: some of `taken`, as in `Settings`; pulse (a shape by name, what `read_pulse` gives, or
+        {"train": ...}, {"drop": ...}, {"sweep": ...} of `trains.MAKERS`; several are an axis) and
+        direction ("+z", "-z", several, or "both"); skip; values of the device, which are axes; and
+        options of the model
     Returns the study, and the device's axes by name.
     """
     options = dict(options)
-    shocks = shocks_from(options.pop("pulse", VERSED_SINE), options.pop("direction", "+z"))
+    pulse = pulses_of(options.pop("pulse", VERSED_SINE))
+    shocks = shocks_from(pulse, options.pop("direction", "+z"))
     settings = Settings(**{key: options.pop(key) for key in taken if key in options})
     check_settings(settings)
     skip = options.pop("skip", False)

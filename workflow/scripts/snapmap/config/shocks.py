@@ -9,15 +9,23 @@ import numpy as np
 from ..io.named import sha256_of
 from ..io.points import POINTS, read_points
 from ..io.recorded import RECORD, shocks_of
-from ..pulse import Shocks
+from ..pulse import SHARES, Shocks
 from ..quantities import QUANTITIES
+from ..trains import MAKERS
 from .axes import frequency_of
 from .faults import Faults, Place, convert_part
 from .schema import name_of
 from .units import read, show
 
-SHARES = ("rise", "fall")
-"""Of a trapezoid, over its duration."""
+WHOLE = ("file", *MAKERS)
+"""Keys of shocks that are more than a shape, and last as long as they last."""
+KINDS_IN_TRAINS = {
+    **dict.fromkeys(SHARES, "share"),
+    **dict.fromkeys(("N", "rebound"), "number"),
+    **dict.fromkeys(("duration", "wait"), "pulse"),
+    **dict.fromkeys(("from", "to"), "frequency"),
+    "height": "length",
+}
 
 
 class Requirement(NamedTuple):
@@ -31,6 +39,11 @@ class Requirement(NamedTuple):
     N: float
     f0: float
     snaps: bool
+
+
+def lasts_itself(section: object) -> bool:
+    """Whether the shock of a section has a duration of its own."""
+    return isinstance(section, Mapping) and any(key in section for key in WHOLE)
 
 
 def pulse_key(section: object, path: Place, faults: Faults, recorded: bool = False) -> str:
@@ -56,10 +69,11 @@ def read_shocks(section: Mapping) -> tuple[Shocks, dict]:
     Values hold the SHA-256 of a file. Raises ValueError, one line.
     """
     values = _pulse_values(section)
-    if "file" in section:
-        beside = next((key for key in ("shape", "rise", "fall") if key in section), None)
-        if beside:
-            raise ValueError(f"pulse.{beside}: stands beside file; write one of them")
+    whole = next((key for key in WHOLE if key in section), "")
+    others = ("shape", *SHARES, *WHOLE) if whole else ()
+    if beside := next((key for key in others if key in section and key != whole), None):
+        raise ValueError(f"pulse.{beside}: stands beside {whole}; write one of them")
+    if whole == "file":
         try:
             _check_path(section["file"])
             values["sha256"] = sha256_of(section["file"], *RECORD)
@@ -70,8 +84,17 @@ def read_shocks(section: Mapping) -> tuple[Shocks, dict]:
 
 
 def _pulse_values(section):
-    keys = [key for key in ("shape", "rise", "fall", "file", "direction") if key in section]
-    return {key: read(section[key], "share") if key in SHARES else section[key] for key in keys}
+    keys = [key for key in ("shape", *SHARES, *WHOLE, "direction") if key in section]
+    return {key: _plain(section[key], key) for key in keys}
+
+
+def _plain(value, key):
+    """The value of a key of a shock in internal units, and all that is in it."""
+    if isinstance(value, Mapping):
+        return {name: _plain(one, name) for name, one in value.items()}
+    if isinstance(value, list | tuple) and key in MAKERS:
+        return [_plain(one, "") for one in value]
+    return read(value, KINDS_IN_TRAINS[key]) if key in KINDS_IN_TRAINS else value
 
 
 def read_requirements(document: Mapping, faults: Faults) -> tuple[Requirement, ...]:
@@ -80,8 +103,7 @@ def read_requirements(document: Mapping, faults: Faults) -> tuple[Requirement, .
     found, names = [], set()
     for place, section in enumerate(asked if isinstance(asked, list | tuple) else ()):
         path = ("requirements", place)
-        recorded = isinstance(section, Mapping) and "file" in section
-        pulse_key(section, path, faults, recorded)
+        pulse_key(section, path, faults, lasts_itself(section))
         found.append(convert_part(document, path, faults, _requirement, path, names))
     return tuple(found)
 
@@ -96,7 +118,10 @@ def _requirement(section, path, names):
         keys = [key for key in ("f0", "duration") if key in section]
         given = {key: read(section[key], QUANTITIES[key].kind) for key in keys}
         f0 = frequency_of(given["duration"]) if "duration" in given else given.get("f0")
-        N = read(section["N"], "number")
+        own_N = shocks.pulse.own_N
+        if own_N is None and "N" not in section:
+            raise ValueError("N: missing; write a plain number of gravities > 0")
+        N = read(section["N"], "number") if "N" in section else own_N
         if not N > 0:
             raise ValueError(f"N: {N:g} is not above 0; a direction of -z pushes the other way")
         return Requirement(name, pulse, N, f0 or shocks.own_frequency(), section["snaps"])

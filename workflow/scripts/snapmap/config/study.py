@@ -21,6 +21,7 @@ from .quality import damper_of, describe
 from .schema import schema_faults, validator
 from .shocks import (
     Requirement,
+    lasts_itself,
     own_points_outside,
     pulse_key,
     read_own_points,
@@ -108,8 +109,7 @@ def load_config(document: Mapping) -> Config:
     parts = document if isinstance(document, Mapping) else {}
     device = read_devices(parts, faults)
     given = parts.get("sweep")
-    recorded = isinstance(parts.get("pulse"), Mapping) and "file" in parts["pulse"]
-    pulse = pulse_key(given, ("sweep",), faults, recorded)
+    pulse = pulse_key(given, ("sweep",), faults, lasts_itself(parts.get("pulse")))
     varied = [key for key in given if key in (*VALUES, "C")] if isinstance(given, Mapping) else []
     push = HANDOUT_SHOCK, {}
     if "pulse" in parts:

@@ -14,6 +14,7 @@ from matplotlib.transforms import ScaledTranslation, blended_transform_factory
 
 from ..io.atomic import replacing
 from ..pulse import VERSED_SINE
+from ..trains import MAKERS
 
 COLUMN, PAGE = 50, 130
 """Signs in a line over one column, and over two."""
@@ -71,7 +72,8 @@ def case(attributes: Mapping[str, str], width: int = PAGE) -> str:
     config = json.loads(attributes["config"])
     horizon = config["sweep"]["horizon"].replace("us", "µs")
     pulse = config.get("pulse", {})
-    shape, direction = pulse.get("file", pulse.get("shape", VERSED_SINE)), pulse.get("direction")
+    made = next((key for key in MAKERS if key in pulse), VERSED_SINE)
+    shape, direction = pulse.get("file", pulse.get("shape", made)), pulse.get("direction")
     words = [literal(shape)] if isinstance(shape, str) else []
     words += [f"along {direction}"] if direction == "-z" else []
     words += guides(config)

@@ -11,6 +11,7 @@ from tempfile import NamedTemporaryFile
 import numpy as np
 
 from ..pulse import Pulse, Shocks, make_pulse, sampled, shocks_from
+from ..trains import MAKERS
 from .named import DECIMALS, naming, read_named
 
 MOST_SAMPLES = 1_000_000
@@ -47,9 +48,12 @@ def read_pulse(path: str | Path, sha256: str = "") -> Pulse:
 def shocks_of(values: Mapping) -> Shocks:
     """Make the shocks of a study from the values of its section `pulse`; {} for the handout's.
 
-    values: shape (a name or several), rise, fall (shares), file and its sha256, direction
+    values: shape (a name or several), rise, fall (shares), file and its sha256, or one of
+        `trains.MAKERS`; direction
     """
     direction = values.get("direction", "+z")
+    if made := [make(values[key]) for key, make in MAKERS.items() if key in values]:
+        return shocks_from(*made, direction)
     if "file" in values:
         return shocks_from(read_pulse(values["file"], values.get("sha256", "")), direction)
     shares = {key: values[key] for key in ("rise", "fall") if key in values}

@@ -12,6 +12,7 @@ from ..beam.modal import contact_stiffness
 from ..device import Device
 from ..io.provenance import device_sections, provenance
 from ..numerics.linalg import dot, multiply
+from ..pulse import blow_at
 from ..solver.adaptive import choose_model
 from ..solver.cells import check_cells, to_cells
 from ..solver.repeat import REPEATED_STEP, t_snap_error, work_error
@@ -56,7 +57,7 @@ def simulate(
         energy_tolerance, of a sweep whose step for this cell is taken; pulse and direction, of one
         shape in one direction; and options of the model
     The attributes work_error and t_snap_error say by how much the pulse's work and the time of snap
-    differ with another step, as in a cube.
+    differ with another step, as in a cube; of a train, blow tells at which it snaps.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> run = snapmap.simulate(device, 1100, 1500, 25, model="cosines", horizon=0)
@@ -78,7 +79,8 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     if study.shocks.axes:
         raise ValueError("pulse: several; a history is of one shape in one direction")
     device, settings = study.device, study.settings._replace(repeat=False)
-    built, cells = _cell(study, N, f0, C)
+    built, cells, t_snap = _cell(study, N, f0, C)
+    blow = blow_at(settings.pulses, cells.pulse, t_snap * cells.f0).item()
     time, dt, values = _record(built, cells, settings, SAMPLES)
     document = {
         **device_sections(device),
@@ -95,6 +97,7 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
         gravity=device.gravity,
         time_step=dt,
         **_stops(device, built.barrier.first),
+        **({"blow": blow} if settings.pulses[0].blows.size else {}),
         **_differences(built, cells, settings),
     )
 
@@ -120,7 +123,7 @@ class Extremes(NamedTuple):
 
 def extremes_of(study: Study, N: float, f0: float, C: float) -> Extremes:
     """Follow one cell of a study of one device and pulse for what is largest in its motion."""
-    built, cells = _cell(study, N, f0, C)
+    built, cells, _ = _cell(study, N, f0, C)
     _, _, values = _record(built, cells, study.settings, SAMPLES_OF_EXTREMES)
     y = values["z_mass"] - (built.barrier.first + study.device.gap)
     ways = np.maximum(0.0, [-y.min(), y.max()])  # NaN of a run that failed
@@ -128,11 +131,11 @@ def extremes_of(study: Study, N: float, f0: float, C: float) -> Extremes:
 
 
 def _cell(study, N, f0, C):
-    """One cell, and the model at the step that a sweep takes for it."""
+    """The model at the step that a sweep takes for a cell, the cell, and when it then snaps, us."""
     cells = to_cells(study.device, [0], [N], [f0], [C], study.settings.horizon)
     built = choose_model(study.device, study.model).levels[-1]
     seen = built.follow(cells, study.settings._replace(repeat=False))
-    return built.with_step(0.5 ** seen.halvings.item()), cells
+    return built.with_step(0.5 ** seen.halvings.item()), cells, seen.t_snap
 
 
 def _record(built, cells, settings, samples):

@@ -32,8 +32,8 @@ follows it from rest to rest."""
 CORNERED = 0.4
 """Times the longest step for SNAP and EDGE, of pulses with corners, which ring the beam."""
 STRIKING = 0.05
-"""The same, where the mass strikes with a run-up: across a gap, after a pulse that pulls, or back
-from a stop."""
+"""The same, where the mass strikes with a run-up: across a gap, after a pulse that pulls, back from a
+stop, or in a train of blows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +63,7 @@ class Steps:
 
     def of(self, cells: Cells, pulses: Sequence[Pulse], question: str) -> np.ndarray:
         """Time step of each cell, us, in the cells' shape; pulses: what the cells refer to."""
-        swings = np.array([max(1.0, pulse.variation / 2) for pulse in pulses])[cells.pulse]
+        swings = np.array([pulse.swings for pulse in pulses])[cells.pulse]
         swing = 1 / (swings * cells.f0)
         resolved, shortest = swing / self.per_swing, self.shortest[cells.device]
         if question == EDGE:
@@ -71,8 +71,8 @@ class Steps:
             resolved = np.minimum(resolved, strikes * shortest)
         longest = self.longest[question][cells.device]
         if question in (SNAP, EDGE):
-            smooth, pulls = np.array([(one.is_smooth, one.pulls) for one in pulses]).T
-            strikes = pulls[cells.pulse] | self.apart[cells.device]
+            smooth, strikes = np.array([(one.is_smooth, one.strikes) for one in pulses]).T
+            strikes = strikes[cells.pulse] | self.apart[cells.device]
             careful = np.where(strikes, self.striking, self.cornered) * longest
             calm = smooth[cells.pulse] & ~strikes
             longest = np.where(calm, np.maximum(longest, swing / self.most), careful)

@@ -28,6 +28,11 @@ VARIABLES = {
         "units": "us",
         "comment": "counted from the start of the pulse; NaN: not within the horizon",
     },
+    "blow": {
+        "long_name": "blow of the train at which it snaps, the first is 1",
+        "units": "1",
+        "comment": "0: not within the horizon",
+    },
     "t_settled": {
         "long_name": "time at which the beam was proven to stay in its well for ever",
         "units": "us",

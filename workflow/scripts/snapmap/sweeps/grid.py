@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..axes import Grid
+from ..pulse import blow_at
 from ..solver.cells import Rows, rows_of, to_cells
 from ..solver.model import Follows
 from ..solver.outcome import ABSENT, FAILED, label
@@ -14,7 +15,7 @@ from ..solver.settings import Settings
 TIMES = "t_snap", "t_settled", "t_snap_error"
 UNKNOWN = dict.fromkeys((*TIMES, "well_share", "energy_error", "pulse_work", "work_error"), np.nan)
 KNOWN = dict.fromkeys(("agreed", "reproduced", "well_reproduced"), 1)
-NONE = dict.fromkeys(("well", "halvings", "level"), 0)
+NONE = dict.fromkeys(("well", "halvings", "level", "blow"), 0)
 ABSENCE = {"outcome": ABSENT, **NONE, **KNOWN, **UNKNOWN}
 """What stands where there is no device."""
 
@@ -43,6 +44,8 @@ def follow_rows(
         found |= _repeated(found, _variables(again, settings))
         for compare in (work_error, t_snap_error):
             found[compare.__name__] = compare(seen, again).astype(np.float32)
+    if any(one.blows.size for one in settings.pulses):
+        found["blow"] = blow_at(settings.pulses, cells.pulse, seen.t_snap * cells.f0)
     variables = {}
     for key, values in found.items():
         variables[key] = np.full((there.size, N.size), ABSENCE[key], values.dtype)

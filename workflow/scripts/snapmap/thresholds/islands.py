@@ -199,10 +199,12 @@ def wide_scan(device, static, rows, pulses, slow=False) -> np.ndarray:
     """
     columns = static, device.own_frequency, device.mass
     static, own, mass = (column[rows.device] for column in columns)
-    facts = [(pulse.variation, abs(pulse.area), pulse.highest) for pulse in pulses]
+    facts = [
+        (one.variation, max(abs(one.impact), LEAST_AREA * one.swing), one.highest) for one in pulses
+    ]
     variation, area, highest = (column[rows.pulse] for column in np.array(facts).T)
     # A pulse amplifies no more than it varies; a short one must bring a velocity, against damping.
-    fast = 1e-6 * np.pi * rows.f0 / (own * np.fmax(area, LEAST_AREA))
+    fast = 1e-6 * np.pi * rows.f0 / (own * area)
     damped = rows.C / (2 * own * mass)
     low = np.where(slow, static / SLOW_REACH, static / (1.5 * np.fmax(variation, 2)))
     # What mostly pulls must do so far more strongly.

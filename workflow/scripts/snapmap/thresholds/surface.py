@@ -9,6 +9,7 @@ from ..axes import PULSE_AXES, coordinates
 from ..device import Device
 from ..io.counting import counting
 from ..io.provenance import provenance, recipe
+from ..pulse import blow_at
 from ..solver.adaptive import choose_survey
 from ..solver.cells import check_cells, rows_of, to_rows
 from ..solver.settings import THRESHOLD_TOLERANCE, check_number
@@ -70,6 +71,7 @@ VARIABLES = {
         "units": "us",
         "comment": "counted from the start of the pulse",
     },
+    "blow": {"long_name": "blow of the train at which N_first snaps, the first is 1", "units": "1"},
     "level": {
         "long_name": "level of the models that decided",
         "flag_values": np.arange(2, dtype=np.int8),
@@ -193,15 +195,18 @@ def _look(models, rows, settings, tolerance, highest, new, known):
     whole = {
         key: joined(rows.f0.size, new, found.get(key), known.get(key)) for key in found | known
     }
+    if any(pulse.blows.size for pulse in settings.pulses):
+        whole["blow"] = blow_at(settings.pulses, rows.pulse, whole["t_snap"] * rows.f0 * 1e-6)
     most = whole["islands"].max(initial=0)
     return whole | {key: whole[key][:, :most] for key in ("island_from", "island_to")}
 
 
 def _limits(grid, models, settings, tolerance, highest):
-    """Thresholds of slow and of short pulses, and the area of these."""
+    """Thresholds of slow and of short pulses, of trains their strongest blow; and their area."""
     device, C = grid.device, grid.axes["C"]
     own, of_beam = device.own_frequency, device.beam.bending_frequency
     fast, slow = np.maximum(IMPULSE * own, IMPULSE_OF_BEAM * of_beam), SLOWNESS * own
+    alone = settings._replace(pulses=tuple(pulse.alone for pulse in settings.pulses))
 
     def look(omega, which, C):
         """N_first, (devices, pulses, C), of pulses of one frequency for each device, rad/us."""
@@ -209,15 +214,16 @@ def _limits(grid, models, settings, tolerance, highest):
         numbers, pulse, damping = (place.ravel() for place in np.indices(shape))
         f0 = omega[numbers] / (2 * np.pi) * 1e6
         rows = to_rows(numbers, f0, C[damping], np.array(which)[pulse])
-        return survey(models, rows, settings, tolerance, highest).N_first.reshape(shape)
+        return survey(models, rows, alone, tolerance, highest).N_first.reshape(shape)
 
-    area = np.array([pulse.area for pulse in settings.pulses])
-    pushes = [p for p, one in enumerate(settings.pulses) if abs(one.area) > NO_AREA]
+    area = np.array([pulse.area for pulse in alone.pulses])
+    pushes = [p for p, size in enumerate(abs(area)) if size > NO_AREA]
     change = np.full((len(device), area.size, C.size), np.nan)
     lasts = 2 * np.pi / fast
     if pushes:
         change[:, pushes] = look(fast, pushes, C) * (device.gravity * lasts)[:, None, None]
     change *= abs(area)[:, np.newaxis]
+    impact = np.array([pulse.impact for pulse in settings.pulses])
     with np.errstate(divide="ignore"):
         highest_of = np.array([one.highest for one in settings.pulses])
         static = models.static[:, np.newaxis] / np.where(highest_of > 0, highest_of, np.nan)
@@ -238,7 +244,7 @@ def _limits(grid, models, settings, tolerance, highest):
     return {
         "N_static": ((*of_device, *of_pulse), spread(static)),
         "velocity_change": ((*of_device, *of_pulse, "C"), spread(change)),
-        "area": (tuple(of_pulse), abs(area).reshape(sizes)),
+        "area": (tuple(of_pulse), abs(impact).reshape(sizes)),
     }
 
 

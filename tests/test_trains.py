@@ -1,0 +1,195 @@
+"""Trains of blows, drops with rebound and sine sweeps, against closed forms and single blows."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+import yaml
+
+import snapmap
+from snapmap.config.study import load_config
+from snapmap.config.yaml_file import ConfigError
+from snapmap.device import batch
+from snapmap.numerics import portable
+from snapmap.pulse import blow_at, make_pulse
+from snapmap.solver.bracket import lowest_snap
+from snapmap.solver.cells import to_cells, to_rows
+from snapmap.solver.models import build_model
+from snapmap.solver.settings import QUESTIONS, Settings
+from snapmap.trains import GRAVITY, make_drop, make_sweep, make_train
+
+BLOW = {"shape": "half sine", "duration": 500.0}
+
+
+def train(*items):
+    return {"train": [*items]}
+
+
+def areas(pulse):
+    """Of each blow, with what follows up to the next, us over the peak."""
+    place = np.searchsorted(pulse.pieces[:, 0], pulse.blows)
+    return np.add.reduceat(pulse._areas, place) * pulse.duration
+
+
+@pytest.fixture
+def calm(handout):
+    """A device whose beam rings no longer than its mass."""
+    return dataclasses.replace(handout, beam=dataclasses.replace(handout.beam, damping=0.02))
+
+
+def test_a_train_is_its_blows_at_their_times():
+    pulse = make_train([BLOW, {"wait": 1500.0}, {**BLOW, "N": -0.5}, {"repeat": 3}])
+    assert pulse.duration == 7500.0 and pulse.ends == (0.0, 0.0)
+    begins = np.array([0.0, 2000.0, 2500.0, 4500.0, 5000.0, 7000.0])
+    np.testing.assert_allclose(pulse.blows * pulse.duration, begins, rtol=1e-14)
+    x = np.linspace(0, 1, 1001)
+    for begin, N in zip(begins, [1, -0.5] * 3, strict=True):
+        found = pulse.at((begin + 500.0 * x) / pulse.duration)
+        np.testing.assert_allclose(found, N * make_pulse("half sine").at(x), atol=1e-11)
+    one = 500.0 * 2 / math.pi
+    np.testing.assert_allclose(areas(pulse), [one, -one / 2] * 3)
+    assert pulse.impact * pulse.duration == pytest.approx(one)
+    assert pulse.variation == pytest.approx(9) and pulse.highest == pytest.approx(1)
+    assert pulse.reversed().impact == -pulse.impact
+    instants = np.array([np.nan, 0.1, 1999.0, 2001.0, 1e4]) / pulse.duration
+    assert blow_at([pulse], np.zeros(5, int), instants).tolist() == [0, 1, 1, 2, 6]
+    ramps = make_train([{"shape": "sawtooth", "duration": 100.0, "N": 3}, {"wait": 9.0}])
+    assert ramps.at(np.array([50.0, 100.5, 105.0]) / 110).tolist() == pytest.approx([0.5, 0.5, 0])
+
+
+@pytest.mark.parametrize(("shape", "rebound"), [("half sine", 0.3), ("sawtooth", 0.0)])
+def test_a_drop_changes_the_velocity_as_its_height_and_rebound_say(shape, rebound):
+    height, lasts = 2e4, 400.0
+    pulse = make_drop({"height": height, "duration": lasts, "shape": shape, "rebound": rebound})
+    velocity = math.sqrt(2 * GRAVITY * height)
+    one = pulse.own_N * GRAVITY
+    fall = pulse.duration * pulse.pieces[0, 0], pulse.blows[0] * pulse.duration
+    assert fall[1] == pytest.approx(velocity / GRAVITY, rel=1e-3)
+    assert one * pulse.impact * pulse.duration == pytest.approx((1 + rebound) * velocity)
+    changes = one * areas(pulse) / velocity
+    back = rebound ** np.arange(pulse.blows.size)
+    expected = (1 + rebound) * back
+    expected[:-1] -= 2 * back[1:]
+    np.testing.assert_allclose(changes, expected, rtol=1e-9)
+    assert pulse.blows.size == (3 if rebound else 1)
+    assert one * pulse.area * pulse.duration == pytest.approx(velocity * back[-1] * rebound)
+    flights = np.diff(pulse.blows * pulse.duration) - lasts
+    np.testing.assert_allclose(flights, 2 * back[1:] * velocity / GRAVITY, rtol=1e-3)
+
+
+@pytest.mark.parametrize("stop", [2000.0, 2.0, 20.0])
+def test_a_sweep_goes_through_as_many_octaves_in_each_second(stop):
+    """Half a turn of its phase, the integral of 20 Hz (stop / 20 Hz)^(t / T), in each blow."""
+    pulse = make_sweep({"from": 20.0, "to": stop, "duration": 2e6})
+    lasts, log = 1e-6 * pulse.duration, math.log(stop / 20.0)
+    begins = np.append(pulse.blows, 1.0)
+    turns = 20 * lasts * (np.expm1(log * begins) / log if log else begins)
+    np.testing.assert_allclose(turns, np.arange(begins.size) / 2, atol=1e-8)
+    assert lasts == pytest.approx(2, rel=0.03)
+    assert pulse.swing == pytest.approx(np.diff(begins).min())
+    tops = (begins[1:] + begins[:-1]) / 2
+    assert (np.sign(pulse.at(tops)) == np.resize([1, -1], tops.size)).all()
+    assert abs(pulse.pieces[:, 1]).max() == 1 and pulse.ends == (0.0, 0.0)
+    np.testing.assert_allclose(portable.logarithm(begins[1:]), np.log(begins[1:]), atol=1e-15)
+
+
+@pytest.mark.parametrize(("apart", "share"), [(1.0, 1.0), (0.5, 0.0), (1.25, 0.5**0.5)])
+def test_a_second_blow_adds_to_the_swing_of_the_mass_or_takes_it(handout, apart, share):
+    """Behind a wide gap the mass is a linear oscillator: times 2 |cos(pi apart)| in periods."""
+    far = dataclasses.replace(handout, gap=50.0)
+    period = 2 * math.pi / far.own_frequency
+    lasts, N = 0.1 * period, 30
+    blow = {"shape": "half sine", "duration": lasts}
+    push = train(blow, {"wait": apart * period - lasts}, blow)
+    asked = {"model": "cosines", "horizon": 2 * period, "pulse": push}
+    run = snapmap.simulate(far, N, None, 0.0, **asked)
+    after = run.z_mass.values[run.time.values > apart * period + lasts]
+    p, own = math.pi / lasts, far.own_frequency
+    alone = 2 * N * far.gravity * p * math.cos(own * lasts / 2) / (own * abs(own**2 - p**2))
+    swing = abs(after - far.beam.rise - far.gap).max()
+    assert swing == pytest.approx(2 * share * alone, abs=2e-3 * alone)
+    assert run.blow == 0
+
+
+def test_blows_far_apart_with_damping_are_blows_alone(calm):
+    """And N_static and velocity_change are those of one blow."""
+    asked = {"C": [25.0], "model": "cosines", "horizon": 500.0}
+    one = snapmap.threshold(calm, [2000.0], pulse="half sine", **asked).squeeze()
+    pushes = train(BLOW), train(BLOW, {"wait": 9000.0}, BLOW)
+    alone, two = (snapmap.threshold(calm, None, pulse=push, **asked).squeeze() for push in pushes)
+    for key in ("N_first", "N_error", "N_always", "t_snap"):
+        assert alone[key] == one[key]
+    assert two.N_first.item() == pytest.approx(one.N_first.item(), abs=(one + two).N_error.item())
+    for key in ("N_static", "velocity_change"):
+        assert two[key].item() == pytest.approx(one[key].item(), rel=1e-9)
+    assert "blow" not in one and alone.blow == 1
+
+
+def test_the_blow_that_snaps_is_told(calm):
+    push = train({**BLOW, "N": 0.8}, {"wait": 5000.0}, BLOW)
+    asked = {"f0": None, "C": [25.0], "model": "cosines", "horizon": 500.0, "pulse": push}
+    cube = snapmap.sweep(calm, [900.0, 1100.0, 1400.0], **asked).squeeze()
+    assert cube.blow.values.tolist() == [0, 2, 1]
+    run = snapmap.simulate(calm, 1100.0, None, 25.0, "cosines", horizon=100.0, pulse=push)
+    assert run.blow == 2
+
+
+def test_steps_resolve_each_blow_however_long_the_waits(calm):
+    """Those of a blow alone, or shorter ones; a quarter of them moves no threshold by 0.1 %."""
+    model, shapes = build_model(batch([calm]), "cosines"), ("half sine", "sawtooth")
+    for shape in shapes:
+        blow = {"shape": shape, "duration": 60.0}
+        pulse = make_train([blow, {"wait": 3000.0}, blow])
+        pulses = pulse, make_pulse(shape)
+        rows = to_rows(0, [1e6 / pulse.duration], 25.0)
+        cells = to_cells(calm, 0, 900.0, [1e6 / pulse.duration, 1e6 / 60], 25.0, 500.0, [0, 1])
+        for question in QUESTIONS:
+            many, one = model.steps.of(cells, pulses, question)
+            assert many <= one * (1 + 1e-12)
+        settings = Settings(horizon=500.0, pulses=pulses)
+        whole, quarter = (
+            lowest_snap(model.with_step(factor), rows, (800.0, 4000.0), settings).item()
+            for factor in (1.0, 0.25)
+        )
+        assert whole == pytest.approx(quarter, rel=1e-3)
+
+
+def test_a_config_asks_for_trains_in_units(root):
+    document = yaml.safe_load((root / "config" / "config.yaml").read_text(encoding="utf-8"))
+    del document["sweep"]["f0"]
+    items = [{"shape": "half sine", "N": 1, "duration": "0.5 ms"}, {"wait": "20 ms"}, {"repeat": 5}]
+    drop = {"height": "1 m", "duration": "0.5 ms", "shape": "half sine"}
+    required = {"name": "drop", "drop": drop, "snaps": True}
+    study = load_config(document | {"pulse": train(*items), "requirements": [required]})
+    assert study.axes["f0"].tolist() == pytest.approx([1e6 / 102500])
+    python = make_train([BLOW, {"wait": 20000.0}, {"repeat": 5}])
+    np.testing.assert_array_equal(study.shocks.pulse.pieces, python.pieces)
+    assert study.shocks.section()["pulse"]["train"][0]["duration"] == "500 us"
+    own_N = make_drop({"height": 1e6, **BLOW}).own_N
+    assert study.requirements[0].N == own_N == pytest.approx(1418.8, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("pulse", "wanted"),
+    [
+        ({"train": [{"wait": "1 ms"}]}, "pulse.train: has no blow"),
+        ({"train": [{"wait": "1 ms", "repeat": 2}]}, "pulse.train[0]: wait: unknown"),
+        ({"train": [{"duration": "1 ms"}, {"repeat": 0}]}, "pulse.train[1].repeat: 0 is not"),
+        ({"train": [{"duration": "1 ms", "N": 0}]}, "pulse.train[0]: N: 0 is no blow"),
+        ({"train": [{"duration": "1 ms"}], "shape": "half sine"}, "stands beside train"),
+        (
+            {"train": [{"duration": "1 ms"}, *2 * [{"repeat": 1000}]]},
+            "pulse.train[2]: repeat: makes",
+        ),
+        ({"drop": {"height": "1 m"}}, "pulse.drop.duration: missing"),
+        ({"drop": {"height": "1 m", "duration": "1 ms", "rebound": 1}}, "1 is not from 0"),
+        ({"drop": {"height": "1 um", "duration": "9 ms"}}, "write a shorter duration"),
+        ({"sweep": {"from": "9 Hz", "to": "9 kHz", "duration": "1 h"}}, "write a shorter duration"),
+    ],
+)
+def test_what_is_no_train_is_said_in_one_line(root, pulse, wanted):
+    document = yaml.safe_load((root / "config" / "config.yaml").read_text(encoding="utf-8"))
+    with pytest.raises(ConfigError) as fault:
+        load_config(document | {"pulse": pulse})
+    assert wanted in str(fault.value) and "\n" not in str(fault.value)

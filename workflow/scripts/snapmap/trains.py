@@ -1,0 +1,241 @@
+"""Trains of blows, drops with rebound, sine sweeps: pulses made of several, of a duration of their
+own."""
+
+import math
+from collections.abc import Mapping, Sequence
+from numbers import Real
+from typing import NamedTuple
+
+import numpy as np
+
+from .numerics import portable
+from .pulse import SHARES, VERSED_SINE, Pulse, make_pulse, straight
+
+# ASSUME: a blow that ends with a jump falls to rest within this share of its duration, straight.
+JOIN = 0.01
+GRAVITY = 9.80665e-6
+"""Of a free fall, um/us^2."""
+# ASSUME: a rebound below this share of the first impact's velocity is none.
+LEAST_REBOUND = 0.05
+MOST_BLOWS = 100_000
+PER_PERIOD = 32
+"""Samples in each period of a sweep, straight between."""
+MOST_SAMPLES = 2_000_000
+UNITS = {"duration": "us", "wait": "us", "height": "um", "from": "Hz", "to": "Hz"}
+"""Of what a train is made of."""
+
+
+class Part(NamedTuple):
+    """A blow, or what stands between two.
+
+    pieces: as in `numerics.pieces`, over us from its begin; lasts: us
+    peak: 0 where it is no blow; area: us times what has a peak of 1; swing: its fastest, us
+    """
+
+    pieces: np.ndarray
+    lasts: float
+    peak: float = 0.0
+    area: float = 0.0
+    swing: float = math.inf
+
+
+def make_train(items: Sequence[Mapping]) -> Pulse:
+    """Make a pulse of blows; its peak is that of its strongest.
+
+    items: each a blow {shape, N, duration (us), rise, fall}, N being its peak over those of others,
+        below 0 the other way; {wait: us}; or {repeat: how often all before it comes in all}
+    Raises ValueError, one line.
+    """
+    if isinstance(items, str | Mapping) or not isinstance(items, Sequence):
+        raise ValueError("pulse.train: is no list of blows, waits and repeats")
+    parts = []
+    for place, item in enumerate(items):
+        try:
+            parts = _with_item(parts, item)
+        except ValueError as error:
+            raise ValueError(f"pulse.train[{place}]: {error}") from None
+    return _joined("train", parts, {"train": [_said(item) for item in items]})
+
+
+def make_drop(drop: Mapping) -> Pulse:
+    """Make a pulse of a free fall from rest, its blow, and every flight and blow of the rebound.
+
+    drop: height (um), duration (us) and shape of each blow, rise, fall; rebound: velocity after
+        over before a blow, 0 if left out
+    The blow of a fall to v changes the velocity by (1 + rebound) v; the pulse's own_N follows.
+    Raises ValueError, one line.
+    """
+    given = _checked(drop, "drop", ("height", "duration"), ("rebound", "shape", *SHARES))
+    rebound = _number(given.get("rebound", 0.0), "rebound", signed=True)
+    if not 0 <= rebound < 1:
+        raise ValueError(f"pulse.drop: rebound: {rebound:g} is not from 0 to below 1")
+    velocity = math.sqrt(2 * GRAVITY * given["height"])
+    blow = {key: given[key] for key in given if key not in ("height", "rebound")}
+    own_N = (1 + rebound) * velocity / (GRAVITY * _blow(**blow).area)
+    if own_N < 1:
+        raise ValueError(f"pulse.drop: its blow has {own_N:.2g} g; write a shorter duration")
+    join, share = JOIN * given["duration"], 1.0
+    parts = [_fall(velocity / GRAVITY, own_N, join), _blow(**blow)]
+    while (share := share * rebound) >= LEAST_REBOUND:
+        parts += [_fall(2 * share * velocity / GRAVITY, own_N, join), _blow(**blow, N=share)]
+    note = f"is that from its height at N = {own_N:.5g}; at another N all of it is scaled"
+    return _joined("drop", parts, {"drop": _said(given)}, own_N=own_N, notes=(note,))
+
+
+def make_sweep(sweep: Mapping) -> Pulse:
+    """Make a sine whose logarithm of frequency goes straight over time; half a period is a blow.
+
+    sweep: from, to (Hz), duration (us), which is rounded so that it ends with a whole period
+    Raises ValueError, one line.
+    """
+    given = _checked(sweep, "sweep", ("from", "to", "duration"))
+    start, stop, lasts = given["from"], given["to"], 1e-6 * given["duration"]
+    rise = 0.0 if start == stop else float(portable.logarithm(stop / start))
+    periods = max(1, round(lasts * ((stop - start) / rise if rise else start)))
+    samples = PER_PERIOD * periods
+    if samples > MOST_SAMPLES:
+        raise ValueError(
+            f"pulse.sweep: {periods} periods need {samples:.2g} samples, more than "
+            f"{MOST_SAMPLES:.0e}; write a shorter duration, or lower frequencies"
+        )
+    turns = np.arange(samples + 1) / PER_PERIOD
+    slope = (stop - start) / periods  # of the frequency over whole turns
+    time = portable.logarithm(1 + turns * slope / start) / slope if slope else turns / start
+    wave = [portable.sine(turn / PER_PERIOD) for turn in range(PER_PERIOD)]
+    values = np.append(np.tile(wave, periods), 0.0)
+    half = PER_PERIOD // 2
+    x, ends = time / time[-1], time[::half]
+    slowest = slice(half + 1) if start <= stop else slice(-half - 1, None)
+    some = time[slowest] - time[slowest][0]
+    alone = Pulse("half swing", straight(some / some[-1], values[slowest]), 1e6 * some[-1])
+    return Pulse(
+        "sweep",
+        straight(x, values),
+        1e6 * float(time[-1]),
+        given={"sweep": _said(given)},
+        blows=x[:-1:half],
+        swing=float(np.diff(ends).min() / time[-1]),
+        strongest=alone,
+    )
+
+
+MAKERS = {"train": make_train, "drop": make_drop, "sweep": make_sweep}
+"""By the key of a config, or of the mapping that is a pulse in Python."""
+
+
+def pulses_of(pulse: object) -> object:
+    """What `pulse` means in Python, each mapping of one key of MAKERS made a `Pulse`."""
+    if isinstance(pulse, Mapping):
+        (key, *others) = pulse or [None]
+        if key in MAKERS and not others:
+            return MAKERS[key](pulse[key])
+        return {name: pulses_of(one) for name, one in pulse.items()}
+    return [pulses_of(one) for one in pulse] if isinstance(pulse, list | tuple) else pulse
+
+
+def _with_item(parts, item):
+    if not isinstance(item, Mapping):
+        raise ValueError(f"{item!r} is no mapping")
+    if set(item) == {"wait"}:
+        return [*parts, _line([0.0, _number(item["wait"], "wait")], [0.0, 0.0])]
+    if set(item) != {"repeat"}:
+        return [*parts, _blow(**_checked(item, "", ("duration",), ("shape", "N", *SHARES)))]
+    times = item["repeat"]
+    if isinstance(times, bool) or not isinstance(times, int) or times < 1:
+        raise ValueError(f"repeat: {times!r} is no whole number from 1")
+    if len(parts) * times > MOST_BLOWS:
+        raise ValueError(f"repeat: makes more than {MOST_BLOWS} blows and waits")
+    return parts * times
+
+
+def _blow(duration, shape=VERSED_SINE, N=1.0, **shares):
+    """A blow; where its shape ends with a jump, with the line that joins it to rest."""
+    pulse = make_pulse(shape, **shares)
+    pieces = pulse.pieces * [duration, N, N / duration, 1 / duration, N, N]
+    area, jump, join = N * pulse.area * duration, N * pulse.ends[1], JOIN * duration
+    if not jump:
+        return Part(pieces, duration, abs(N), area, duration)
+    pieces = np.vstack([pieces, [duration, jump, -jump / join, 0.0, 0.0, 0.0]])
+    # Steps that are as long as the line would miss a part of its area.
+    return Part(pieces, duration + join, abs(N), area + jump * join / 2, 10 * join)
+
+
+def _fall(lasts, own_N, join):
+    """Free fall over the peak, which begins and ends straight; its area is that of a sudden one."""
+    level = -1 / own_N
+    return _line([0.0, join, lasts, lasts + join], [0.0, level, level, 0.0])
+
+
+def _line(times, values):
+    pieces, lasts = straight(np.array(times) / times[-1], np.array(values)), times[-1]
+    return Part(pieces * [lasts, 1.0, 1 / lasts, 1.0, 1.0, 1.0], lasts)
+
+
+def _joined(name, parts, given, **others):
+    """A pulse of parts, one after another; the greatest peak is its own."""
+    begins = np.cumsum([0.0, *(part.lasts for part in parts)])
+    blows = np.array([part.peak > 0 for part in parts], bool)
+    if not blows.any():
+        raise ValueError(f"pulse.{name}: has no blow")
+    lasts, peak = float(begins[-1]), max(part.peak for part in parts)
+    pieces = np.vstack([part.pieces for part in parts])
+    pieces[:, 0] += np.repeat(begins[:-1], [len(part.pieces) for part in parts])
+    strongest = max(parts, key=lambda part: abs(part.area))
+    swing = min(part.swing for part in parts)
+    return Pulse(
+        name,
+        _scaled(pieces, lasts, peak),
+        lasts,
+        given=given,
+        blows=begins[:-1][blows] / lasts,
+        swing=swing / lasts,
+        strongest=Pulse(
+            "blow",
+            _scaled(strongest.pieces, strongest.lasts, peak),
+            strongest.lasts,
+            swing=strongest.swing / strongest.lasts,
+        ),
+        **others,
+    )
+
+
+def _scaled(pieces, lasts, peak):
+    """Pieces over us as those of a pulse."""
+    scaled = pieces * [1.0, 1 / peak, lasts / peak, lasts, 1 / peak, 1 / peak]
+    scaled[:, 0] /= lasts
+    return scaled
+
+
+def _said(item):
+    """What a config says of an item."""
+    said = {key: f"{value:.15g} {UNITS[key]}" for key, value in item.items() if key in UNITS}
+    shares = {key: f"{100 * item[key]:.15g} %" for key in SHARES if key in item}
+    return dict(item) | said | shares
+
+
+def _checked(given, where, needed, other=()):
+    """What is given, if it is a mapping of these keys, with numbers where there are units."""
+    name = f"pulse.{where}: " if where else ""
+    if not isinstance(given, Mapping):
+        raise ValueError(f"{name}{given!r} is no mapping of {', '.join((*needed, *other))}")
+    for key in given:
+        if key not in (*needed, *other):
+            known = ", ".join((*needed, *other))
+            raise ValueError(f"{name}{key}: unknown; known here are {known}")
+    for key in needed:
+        if key not in given:
+            raise ValueError(f"{name}{key}: missing")
+    for key in given:
+        if key in UNITS:
+            _number(given[key], f"{name}{key}")
+    if not _number(given.get("N", 1.0), f"{name}N", signed=True):
+        raise ValueError(f"{name}N: 0 is no blow")
+    return dict(given)
+
+
+def _number(value, name, signed=False):
+    if isinstance(value, bool) or not isinstance(value, Real) or not abs(value) < math.inf:
+        raise ValueError(f"{name}: {value!r} is no number")
+    if value <= 0 and not signed:
+        raise ValueError(f"{name}: {value:g} is not above 0")
+    return float(value)
