@@ -32,8 +32,8 @@ follows it from rest to rest."""
 CORNERED = 0.4
 """Times the longest step for SNAP and EDGE, of pulses with corners, which ring the beam."""
 STRIKING = 0.05
-"""The same, where the mass strikes with a run-up: across a gap, after a pulse that pulls, back from a
-stop, or in a train of blows."""
+"""The same, where the mass strikes with a run-up: across a gap, after a pulse that pulls, back from
+a stop, or in a train of blows."""
 
 
 @dataclass(frozen=True, eq=False)
