@@ -95,7 +95,7 @@ onsuccess:
         "results", ["statics_*"], [f"statics{which}" for which in made.statics]
     )
     told = ["find_threshold", "collect"]
-    told += ["check_requirements"] * bool(study.requirements)
+    told += ["check_requirements"] * bool(study.requirements or study.vibrations)
     told += ["find_tolerance"] * bool(study.tolerances)
     logs = [f"results/logs/{rule}.log" for rule in told]
     logs += [log for log in progress.logs if "measure_" in log]
@@ -126,4 +126,4 @@ rule all:
         "results/cube.nc",
         "results/explore.html",
         expand("results/figures/{stem}.{kind}", stem=made.stems, kind=["pdf", "png"]),
-        ["results/requirements.csv"] if study.requirements else [],
+        ["results/requirements.csv"] if study.requirements or study.vibrations else [],

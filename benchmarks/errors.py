@@ -8,9 +8,9 @@ from contenders import FEWEST, HANDOUT, MODELS, REFERENCE, heyokas
 from workload import by_model, map_cells, same_labels, threshold
 
 from snapmap.device import Device
+from snapmap.io.markdown import DASH, table
 from snapmap.solver.models import build_model
 from studies.few import few
-from studies.markdown import DASH, table
 
 PULSES = 500.0, 1500.0
 """f0, Hz."""

@@ -13,13 +13,13 @@ from timing import take_turns
 
 from snapmap import load_device, threshold
 from snapmap.axes import make_grid
+from snapmap.io.markdown import number, rate, table
 from snapmap.numerics.portable import linear
 from snapmap.solver.adaptive import choose_model
 from snapmap.solver.outcome import count
 from snapmap.solver.settings import Settings
 from snapmap.sweeps.grid import follow_grid
 from studies.few import few
-from studies.markdown import number, rate, table
 
 ROOT = Path(__file__).resolve().parents[1]
 DEVICES, FEWEST, ROUNDS, THREADS, SIDE = 10_000, 16, 3, 2, 21

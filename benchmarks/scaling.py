@@ -12,11 +12,11 @@ from timing import take_turns
 
 from snapmap import load_device
 from snapmap.device import Device
+from snapmap.io.markdown import number, rate, ratio, table
 from snapmap.solver.cells import Cells, to_cells
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
 from studies.few import few
-from studies.markdown import number, rate, ratio, table
 
 ROOT = Path(__file__).resolve().parents[1]
 COUNTS = 1_000, 10_000, 100_000, 1_000_000

@@ -12,12 +12,12 @@ import numpy as np
 from timing import take_turns
 
 from snapmap import load_device
+from snapmap.io.markdown import number, table
 from snapmap.solver.cells import to_cells
 from snapmap.solver.models import build_model
 from snapmap.solver.schemes import SCHEMES
 from snapmap.solver.settings import UNTIL, Settings
 from studies.few import few
-from studies.markdown import number, table
 
 ROOT = Path(__file__).resolve().parents[1]
 SIDE, C, ROUNDS = 16, 0.025, 5

@@ -18,9 +18,9 @@ from workload import (
 )
 
 from snapmap.device import Device
+from snapmap.io.markdown import DASH, number, rate, ratio, table
 from snapmap.solver.model import Model
 from studies.few import few
-from studies.markdown import DASH, number, rate, ratio, table
 
 ROUNDS = 5
 FEW = slice(4, None, 29)

@@ -11,8 +11,8 @@ from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import NamedTuple
 
+from snapmap.io.markdown import number, table
 from studies.few import few
-from studies.markdown import number, table
 
 ROOT = Path(__file__).resolve().parents[1]
 

@@ -14,9 +14,9 @@ from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 from snapmap import load_device
+from snapmap.io.markdown import number, table
 from snapmap.numerics import arithmetic
 from studies.few import few
-from studies.markdown import number, table
 
 ROOT = Path(__file__).resolve().parents[1]
 WIDTHS = 512, 256

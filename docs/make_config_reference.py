@@ -20,6 +20,7 @@ from snapmap.config.views import MOST_MAPS
 from snapmap.device import REFERENCE, RESTITUTION, VALUES, Beam, Device
 from snapmap.pulse import TENTH, VERSED_SINE
 from snapmap.quantities import KINDS, QUANTITIES
+from snapmap.random_vibration.spectrum import REACH
 from snapmap.solver.adaptive import TOLERANCE
 from snapmap.solver.models import OPTIONS, build_model
 from snapmap.solver.settings import MOVE, SNAP, STAY, THRESHOLD_TOLERANCE, Settings
@@ -220,8 +221,11 @@ def code_defaults() -> dict[str, str]:
         **{f"{where}.{key}": f"`{TENTH * 100:g} %`" for where in pushes for key in SHARES},
         **{f"{where}.{key}": "`shape`" for where in pushes for key in WHOLE},
         **{f"{where}.direction": "`+z`" for where in pushes},
-        "each of requirements.f0": "required, or `duration`, `file`, `train`, `drop`, `sweep`",
-        "each of requirements.N": "required, but of a drop",
+        "each of requirements.f0": "required, or `duration`, `file`, `train`, `drop`, `sweep`, "
+        "`psd`",
+        "each of requirements.N": "required, but of a drop or with `psd`",
+        "each of requirements.psd": "one shock",
+        "each of requirements.probability": f"`{100 * REACH:g} %`",
         "each of requirements.duration": "`f0`",
         "sweep.f0": "required, or `duration`, or a pulse that has its own",
         "sweep.duration": "`f0`",

@@ -8,7 +8,8 @@ from scipy import signal
 
 import snapmap
 from snapmap.random_vibration.probability import fit_rates
-from snapmap.random_vibration.spectrum import Spectrum, record
+from snapmap.random_vibration.records import record
+from snapmap.random_vibration.spectrum import Spectrum
 
 FLAT = [(20.0, 0.04), (2000.0, 0.04)]
 

@@ -11,6 +11,7 @@ rule check_requirements:
         code=code("check_requirements"),
         study=study.values(*THRESHOLD_SETTINGS),
         requirements=[asked._asdict() for asked in study.requirements],
+        vibrations=[asked._asdict() for asked in study.vibrations],
         C=study.axes["C"].tolist(),
         tolerance=study.threshold_tolerance,
     message:

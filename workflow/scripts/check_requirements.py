@@ -2,15 +2,17 @@
 
 import csv
 from dataclasses import replace
+from math import nan
 
 from snapmap.config.planned import study_from
 from snapmap.io.job_log import run_rule
 from snapmap.io.recorded import shocks_of
 from snapmap.motion.history import Extremes, extremes_of
+from snapmap.random_vibration.verdicts import check_vibrations
 from snapmap.thresholds.requirements import Verdict, check, summary
 
 
-def check_requirements(study, requirements, C, tolerance, path, threads):
+def check_requirements(study, requirements, vibrations, C, tolerance, path, threads):
     """Simulate the required shocks and write a row for each, device and C, with its motion."""
     required = [one | {"shocks": shocks_of(one["pulse"])} for one in requirements]
     study = study_from(study, threads)
@@ -23,6 +25,9 @@ def check_requirements(study, requirements, C, tolerance, path, threads):
         for device in study.devices().values()
         for damping in C
     ]
+    shaken = check_vibrations(study, vibrations, C)
+    verdicts += shaken
+    moved += [Extremes(*[nan] * len(Extremes._fields))] * len(shaken)
     with open(path, "w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file)
         rows.writerow(Verdict._fields + Extremes._fields)

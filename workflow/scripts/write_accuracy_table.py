@@ -6,8 +6,8 @@ import xarray as xr
 from snapmap.figures.accuracy import of_family
 from snapmap.io.atomic import replacing
 from snapmap.io.job_log import run_rule
+from snapmap.io.markdown import DASH, number, table
 from studies.accuracy.cases import FAMILIES, MODELS
-from studies.markdown import DASH, number, table
 
 COLUMNS = {
     "threshold_worst": "threshold",

@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 
 from snapmap import threshold
 from snapmap.device import Device
+from snapmap.io.markdown import number, table
 from snapmap.pulse import HANDOUT_SHOCK, Shocks
 from snapmap.solver.bracket import lowest_snap
 from snapmap.solver.cells import Rows, to_rows
@@ -25,7 +26,6 @@ from snapmap.solver.settings import Settings
 from snapmap.thresholds.islands import FOUND, NOT_FOLLOWED, NOTHING_SNAPS
 
 from .few import SMALL, few
-from .markdown import number, table
 from .random_devices import draw_any_device, draw_device, draw_pulse, draw_shocks
 
 SEED, DEVICES, THREADS = 13, 24, 2

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from snapmap import load_device
+from snapmap.io.markdown import number, table
 from snapmap.solver.cells import to_cells
 from snapmap.solver.kernel.trace import SAMPLE
 from snapmap.solver.models import build_model
@@ -18,7 +19,6 @@ from snapmap.solver.settings import MOVE, Settings
 from snapmap.solver.simd_loop import trace
 
 from .few import few
-from .markdown import number, table
 from .stepped import stepped
 
 ROOT = Path(__file__).resolve().parents[3]

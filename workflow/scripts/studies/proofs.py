@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from snapmap import load_device
+from snapmap.io.markdown import table
 from snapmap.solver.cells import to_cells
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.kernel.trace import SAMPLE
@@ -19,7 +20,6 @@ from snapmap.solver.settings import STAY, Settings
 from snapmap.solver.simd_loop import trace
 
 from .few import few
-from .markdown import table
 
 ROOT = Path(__file__).resolve().parents[3]
 N, F0 = np.linspace(600, 2400, 26), np.geomspace(100, 3e4, 16)

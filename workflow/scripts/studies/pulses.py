@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from snapmap import load_device, simulate, threshold
+from snapmap.io.markdown import table
 from snapmap.pulse import SHAPES
 
 from .few import few
-from .markdown import table
 
 ROOT = Path(__file__).resolve().parents[3]
 STEPS, FINE = (0.8, 0.4, 0.2), 0.025

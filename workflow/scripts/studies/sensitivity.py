@@ -10,6 +10,7 @@ import numpy as np
 
 from snapmap import load_device, threshold
 from snapmap.device import SIZES, batch
+from snapmap.io.markdown import table
 from snapmap.pulse import make_pulse
 from snapmap.solver.adaptive import choose_survey
 from snapmap.solver.cells import to_cells, to_rows
@@ -18,7 +19,6 @@ from snapmap.solver.settings import MOVE, Settings
 from snapmap.thresholds.islands import survey
 
 from .few import few
-from .markdown import table
 
 ROOT = Path(__file__).resolve().parents[3]
 OF_BEAM = SIZES

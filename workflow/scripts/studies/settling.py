@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 
 from snapmap import load_device
+from snapmap.io.markdown import number, table
 from snapmap.solver.cells import to_cells
 from snapmap.solver.models import build_model
 from snapmap.solver.schemes import SCHEMES
 from snapmap.solver.settings import STAY, Settings
 
 from .few import few
-from .markdown import number, table
 
 ROOT = Path(__file__).resolve().parents[3]
 N, F0, C = np.linspace(600, 2400, 61), np.geomspace(100, 3e4, 31), 25.0

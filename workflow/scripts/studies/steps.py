@@ -12,6 +12,7 @@ import numpy as np
 from snapmap import load_device
 from snapmap.beam.equilibria import static_threshold
 from snapmap.device import batch
+from snapmap.io.markdown import number, table
 from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.bracket import asker, refine
 from snapmap.solver.cells import to_cells, to_rows
@@ -22,7 +23,6 @@ from snapmap.solver.steps import LONGEST
 from snapmap.thresholds.islands import first_seen, wide_scan
 
 from .few import few
-from .markdown import number, table
 from .random_devices import draw_any_device, draw_pulse, draw_shocks
 
 ROOT = Path(__file__).resolve().parents[3]

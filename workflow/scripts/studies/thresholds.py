@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from snapmap import load_device, sweep, threshold
+from snapmap.io.markdown import number, table
 
 from .few import few
-from .markdown import number, table
 
 ROOT = Path(__file__).resolve().parents[3]
 SLOW = (35, 3.5, 0.35)

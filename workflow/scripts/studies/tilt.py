@@ -10,11 +10,11 @@ from snapmap import load_device
 from snapmap.beam.barrier import find_barrier
 from snapmap.beam.cosines import buckling_shapes
 from snapmap.figures import style, thresholds
+from snapmap.io.markdown import table
 from snapmap.numerics.portable import geometric
 from snapmap.thresholds.surface import threshold
 
 from .few import few
-from .markdown import table
 
 ROOT = Path(__file__).resolve().parents[3]
 IMPERFECTIONS = (0.001, 0.01, 0.1, 0.5)

@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 
 from snapmap import load_device
+from snapmap.io.markdown import table
 from snapmap.numerics.portable import geometric
 from snapmap.thresholds.design import design
 from snapmap.tolerances.dataset import tolerance
 
 from .few import few
-from .markdown import table
 
 ROOT = Path(__file__).resolve().parents[3]
 SCATTERS = {

@@ -17,14 +17,13 @@ from snapmap.beam.elements import hermite_elements
 from snapmap.beam.equilibria import BucklingModes, displacement, push, roots
 from snapmap.beam.modal import contact_stiffness, unit_modes
 from snapmap.beam.statics import force_displacement
+from snapmap.io.markdown import table
 from snapmap.numerics.linalg import apply, eigh
 from snapmap.pulse import make_pulse
 from snapmap.solver.bracket import lowest_snap
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
-
-from .markdown import table
 
 ROOT = Path(__file__).resolve().parents[3]
 HEAD = ["what", "source", "theirs", "ours", "difference"]

@@ -11,6 +11,7 @@ from ..io.points import POINTS, read_points
 from ..io.recorded import RECORD, shocks_of
 from ..pulse import SHARES, Shocks
 from ..quantities import QUANTITIES
+from ..random_vibration.spectrum import REACH, Spectrum
 from ..trains import MAKERS
 from .axes import frequency_of
 from .faults import Faults, Place, convert_part
@@ -19,6 +20,7 @@ from .units import read, show
 
 WHOLE = ("file", *MAKERS)
 """Keys of shocks that are more than a shape, and last as long as they last."""
+OF_VIBRATION = ("psd", "probability")
 KINDS_IN_TRAINS = {
     **dict.fromkeys(SHARES, "share"),
     **dict.fromkeys(("N", "rebound"), "number"),
@@ -39,6 +41,19 @@ class Requirement(NamedTuple):
     N: float
     f0: float
     snaps: bool
+
+
+class Vibration(NamedTuple):
+    """Random vibration that must or must not trip the device.
+
+    psd: pairs of Hz and g^2/Hz; duration: s; snaps: whether it must, but for `probability`
+    """
+
+    name: str
+    psd: list[list[float]]
+    duration: float
+    snaps: bool
+    probability: float
 
 
 def lasts_itself(section: object) -> bool:
@@ -97,36 +112,66 @@ def _plain(value, key):
     return read(value, KINDS_IN_TRAINS[key]) if key in KINDS_IN_TRAINS else value
 
 
-def read_requirements(document: Mapping, faults: Faults) -> tuple[Requirement, ...]:
-    """Read what must or must not trip the device; names are written once."""
+def read_requirements(
+    document: Mapping, faults: Faults
+) -> tuple[tuple[Requirement, ...], tuple[Vibration, ...]]:
+    """Read what must or must not trip the device, shocks and vibration; names are written once."""
     asked = document.get("requirements")
     found, names = [], set()
     for place, section in enumerate(asked if isinstance(asked, list | tuple) else ()):
         path = ("requirements", place)
-        pulse_key(section, path, faults, lasts_itself(section))
-        found.append(convert_part(document, path, faults, _requirement, path, names))
-    return tuple(found)
+        is_random = isinstance(section, Mapping) and "psd" in section
+        if not is_random:
+            pulse_key(section, path, faults, lasts_itself(section))
+        read_one = _vibration if is_random else _requirement
+        found.append(convert_part(document, path, faults, _named, path, names, read_one))
+    shocks = tuple(one for one in found if not isinstance(one, Vibration))
+    return shocks, tuple(one for one in found if isinstance(one, Vibration))
 
 
-def _requirement(section, path, names):
+def _named(section, path, names, read_one):
     name = section["name"]
     if name in names:
         raise ValueError(f"{name_of((*path, 'name'))}: {show(name)} comes twice; write another")
     names.add(name)
     try:
-        shocks, pulse = read_shocks(section)
-        keys = [key for key in ("f0", "duration") if key in section]
-        given = {key: read(section[key], QUANTITIES[key].kind) for key in keys}
-        f0 = frequency_of(given["duration"]) if "duration" in given else given.get("f0")
-        own_N = shocks.pulse.own_N
-        if own_N is None and "N" not in section:
-            raise ValueError("N: missing; write a plain number of gravities > 0")
-        N = read(section["N"], "number") if "N" in section else own_N
-        if not N > 0:
-            raise ValueError(f"N: {N:g} is not above 0; a direction of -z pushes the other way")
-        return Requirement(name, pulse, N, f0 or shocks.own_frequency(), section["snaps"])
+        return read_one(section, name)
     except ValueError as error:
         raise ValueError(f"{name_of(path)}: {error}") from None
+
+
+def _vibration(section, name):
+    beside = [key for key in section if key not in ("name", "snaps", "duration", *OF_VIBRATION)]
+    if beside:
+        raise ValueError(f"{beside[0]}: stands beside psd; leave it out")
+    if "duration" not in section:
+        raise ValueError("duration: missing; write a time such as '3 min'")
+    psd = [[read(f, "frequency"), _density(S)] for f, S in section["psd"]]
+    Spectrum(psd)
+    duration = 1e-6 * read(section["duration"], "pulse")
+    chance = read(section["probability"], "share") if "probability" in section else REACH
+    return Vibration(name, psd, duration, section["snaps"], chance)
+
+
+def _density(value):
+    number, _, unit = str(value).strip().partition(" ")
+    if unit.replace("²", "^2").replace("**", "^") != "g^2/Hz":
+        raise ValueError(f"psd: {show(value)} is no density; write one such as '0.04 g^2/Hz'")
+    return read(number, "number")
+
+
+def _requirement(section, name):
+    shocks, pulse = read_shocks(section)
+    keys = [key for key in ("f0", "duration") if key in section]
+    given = {key: read(section[key], QUANTITIES[key].kind) for key in keys}
+    f0 = frequency_of(given["duration"]) if "duration" in given else given.get("f0")
+    own_N = shocks.pulse.own_N
+    if own_N is None and "N" not in section:
+        raise ValueError("N: missing; write a plain number of gravities > 0")
+    N = read(section["N"], "number") if "N" in section else own_N
+    if not N > 0:
+        raise ValueError(f"N: {N:g} is not above 0; a direction of -z pushes the other way")
+    return Requirement(name, pulse, N, f0 or shocks.own_frequency(), section["snaps"])
 
 
 def read_own_points(path: str) -> tuple[str, str]:

@@ -21,6 +21,7 @@ from .quality import damper_of, describe
 from .schema import schema_faults, validator
 from .shocks import (
     Requirement,
+    Vibration,
     lasts_itself,
     own_points_outside,
     pulse_key,
@@ -39,7 +40,7 @@ class Config(Study):
 
     grid: all axes, each ascending
     pulse: values for `shocks_of`
-    requirements: shocks that must or must not trip the device
+    requirements: shocks that must or must not trip the device; vibrations: likewise
     tolerances: what scatters from device to device, or nothing
     threshold_tolerance: of the thresholds in N, relative
     maps, curves, boundary: what is drawn of cells, thresholds, and the damage boundary
@@ -50,6 +51,7 @@ class Config(Study):
     grid: Grid
     pulse: dict
     requirements: tuple[Requirement, ...]
+    vibrations: tuple[Vibration, ...]
     tolerances: Tolerances | None
     threshold_tolerance: float
     histories: tuple[History, ...]
@@ -126,7 +128,7 @@ def load_config(document: Mapping) -> Config:
     cells = parts.get("histories")
     for place, cell in enumerate(cells if isinstance(cells, list | tuple) else ()):
         pulse_key(cell, ("histories", place), faults)
-    requirements = read_requirements(parts, faults)
+    requirements, vibrations = read_requirements(parts, faults)
     refuse(faults)
     skip = given.get("not_bistable") == "skip"
     if C is not None:
@@ -156,6 +158,7 @@ def load_config(document: Mapping) -> Config:
         shocks=shocks,
         pulse=pulse_values,
         requirements=requirements,
+        vibrations=vibrations,
         tolerances=tolerances,
         threshold_tolerance=given.get("threshold_tolerance", THRESHOLD_TOLERANCE),
         histories=histories,

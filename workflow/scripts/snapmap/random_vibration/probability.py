@@ -15,10 +15,11 @@ from ..solver.cells import check_cells, to_cells
 from ..solver.model import Follows
 from ..solver.settings import Settings
 from ..study import THRESHOLD_SETTINGS, Study, study_of
-from .spectrum import Spectrum, record
+from .records import record
+from .spectrum import REACH, Spectrum
 
-RECORDS, SEED, REACH = 16, 1, 0.01
-"""Records by default, the seed of their phases, and the probability whose level is looked for."""
+RECORDS, SEED = 16, 1
+"""Records by default, and the seed of their phases."""
 RUNG = 2**0.25
 """Between levels that are tried."""
 STRIDE, FARTHEST = 4, 60
