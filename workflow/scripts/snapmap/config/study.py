@@ -16,7 +16,7 @@ from .axes import read_axis
 from .devices import nominal, read_devices, tilting
 from .faults import convert_part, refuse
 from .histories import History, read_histories
-from .quality import damper_of, describe
+from .quality import damper_of, describe, excited
 from .schema import schema_faults, validator
 from .shocks import (
     Requirement,
@@ -75,9 +75,20 @@ class Config(Study):
         }
 
     def descriptions(self) -> list[str]:
-        """A line on how each device vibrates as written, whatever the axes change."""
+        """A line on how each device vibrates as written, and how a recorded shock excites that."""
         C = self.axes["C"]
-        return [f"{name}: {describe(one, C)}" for name, one in self.devices().items()]
+        return [
+            line
+            for name, one in self.devices().items()
+            for line in (
+                f"{name}: {describe(one, C)}",
+                *(
+                    f"{name}, {pulse.name}: {excited(one, pulse)}"
+                    for pulse in self.shocks.shapes.values()
+                    if pulse.duration is not None and not pulse.blows.size
+                ),
+            )
+        ]
 
     def files(self) -> dict[str, str]:
         """SHA-256 of each file that the config names, as it was read, by path."""
