@@ -49,6 +49,7 @@ def test_a_record_keeps_its_own_duration_or_takes_another(document, root, monkey
     sweep = {key: document["sweep"][key] for key in document["sweep"] if key != "f0"}
     study = load_config(document | {"pulse": {"file": "config/half_sine.csv"}, "sweep": sweep})
     assert study.axes["f0"].tolist() == [2000.0]
+    assert "half_sine: shock response (quality factor 10)" in study.descriptions()[1]
     study = load_config(document | {"pulse": {"file": "config/half_sine.csv"}})
     assert study.axes["f0"].size == document["sweep"]["f0"]["points"]
     assert any("coarse for a period" in line for line in study.doubts()) is False

@@ -1,4 +1,4 @@
-"""Quality factors of a config, in place of the damping of beam and mass."""
+"""Quality factors of a config, in place of the damping of beam and mass, and what rings."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -7,6 +7,8 @@ import numpy as np
 
 from ..beam.vibration import natural_frequency
 from ..device import Beam, Device
+from ..pulse import Pulse
+from ..shock_spectra.spectrum import pulse_response
 from ..solver.cells import check_cells
 from .faults import Faults
 from .schema import name_of
@@ -65,7 +67,7 @@ def describe(device: Device, C: Sequence[float] = ()) -> str:
     >>> snapmap.describe(snapmap.load_device("config/damped.yaml"))
     'beam 157.8 kHz, quality factor 247.8; mass 3.733 kHz'
     """
-    own = natural_frequency(device.beam), float(np.sqrt(device.spring / device.mass))
+    own = _own(device)
     beam, mass = (f"{1e3 * omega / (2 * np.pi):.4g} kHz" for omega in own)
     words = f"beam {beam}, quality factor {_quality(own[0], device.beam.damping)}; mass {mass}"
     if not np.size(C):
@@ -75,6 +77,21 @@ def describe(device: Device, C: Sequence[float] = ()) -> str:
     rates = (f"{_quality(own[1], one / device.mass)} at C = {one:.4g}" for one in ends)
     critical = 2 * device.mass * own[1]
     return f"{words}, quality factor {' to '.join(rates)} uN*us/um (critical: {critical:.4g})"
+
+
+def excited(device: Device, pulse: Pulse) -> str:
+    """One line on the shock response spectrum of a pulse at the device's own frequencies."""
+    f = np.array(_own(device)) / (2e-6 * np.pi)
+    of_beam, of_mass = pulse_response(pulse, pulse.duration, f)
+    return (
+        f"shock response (quality factor 10) over its peak {of_mass:.3g} at the mass's frequency, "
+        f"{of_beam:.3g} at the beam's"
+    )
+
+
+def _own(device):
+    """Frequencies of beam and mass, rad/us."""
+    return natural_frequency(device.beam), float(np.sqrt(device.spring / device.mass))
 
 
 def _quality(omega, rate):

@@ -17,7 +17,7 @@ from .devices import nominal, read_devices, stopped, tilting
 from .faults import convert_part, refuse
 from .histories import History, read_histories
 from .plausible import implausible, proportions
-from .quality import damper_of, describe
+from .quality import damper_of, describe, excited
 from .schema import schema_faults, validator
 from .shocks import (
     Requirement,
@@ -78,10 +78,15 @@ class Config(Study):
         }
 
     def descriptions(self) -> list[str]:
-        """A line on each device as written, whatever the axes change: proportions, vibration."""
-        C = self.axes["C"]
-        named = self.devices().items()
-        return [f"{name}: {proportions(one.beam)}; {describe(one, C)}" for name, one in named]
+        """Lines on each device as written, whatever the axes change, and how a record excites it."""
+        C, lines = self.axes["C"], []
+        records = [
+            one for one in self.shocks.shapes.values() if one.duration and not one.blows.size
+        ]
+        for name, one in self.devices().items():
+            lines.append(f"{name}: {proportions(one.beam)}; {describe(one, C)}")
+            lines += [f"{name}, {pulse.name}: {excited(one, pulse)}" for pulse in records]
+        return lines
 
     def files(self) -> dict[str, str]:
         """SHA-256 of each file that the config names, as it was read, by path."""

@@ -1,0 +1,93 @@
+"""Shock response spectra against another code, records that meet one, and what they trip."""
+
+import numpy as np
+import pytest
+from pyyeti import srs as reference
+
+import snapmap
+from snapmap.pulse import make_pulse
+from snapmap.shock_spectra.spectrum import (
+    BAND,
+    check_points,
+    frequencies,
+    level,
+    pulse_response,
+    record,
+)
+from snapmap.shock_spectra.trips import summary
+
+CRASH = [(100.0, 100.0), (1000.0, 1500.0), (4000.0, 1500.0)]
+
+
+def samples(drawn):
+    """Acceleration, multiples of g, and the rate of its samples, Hz."""
+    pieces = drawn.pulse.pieces
+    return np.append(pieces[:, 1], 0.0) * drawn.peak, 1e6 * len(pieces) / drawn.pulse.duration
+
+
+def test_the_spectrum_of_a_half_sine_is_that_of_another_code():
+    f = np.array([200.0, 1600.0, 20_000.0])
+    x = np.linspace(0, 1, 4001)
+    how = {"ic": "zero", "time": "total", "parallel": "no"}
+    expected = reference.srs(np.sin(np.pi * x), 8e6, f, 10, **how)
+    found = pulse_response(make_pulse("half sine"), 500.0, f)
+    np.testing.assert_allclose(found, expected, rtol=1e-3)
+    assert found[2] == pytest.approx(1, abs=0.05)  # slow for it: as on the frame
+
+
+def test_a_record_meets_its_spectrum_as_another_code_sees_it():
+    f = frequencies(100.0, 4000.0)
+    assert f.size == 33 and np.diff(np.log2(f))[:-1] == pytest.approx(1 / 6)
+    drawn = record(check_points(CRASH), [1, 0])
+    a, rate = samples(drawn)
+    found = reference.srs(a, rate, f, 10, ic="zero", ppc=2, rolloff="none", parallel="no")
+    deviation = 20 * np.log10(found / level(CRASH, f))
+    np.testing.assert_allclose(deviation, drawn.deviation, atol=1e-9)
+    assert abs(deviation).max() < BAND / 2 and deviation.std() < 1.5
+    assert drawn.pulse.duration < 1e6 * 11 / 100
+
+
+def test_a_record_leaves_no_velocity_and_is_drawn_by_its_seed():
+    first, again, other = (record(check_points(CRASH), [1, seed]) for seed in (0, 0, 1))
+    assert abs(first.pulse.area) < 1e-4 * first.pulse.gross_area
+    np.testing.assert_array_equal(first.pulse.pieces, again.pulse.pieces)
+    assert first.pulse.duration != other.pulse.duration
+
+
+def test_records_of_a_spectrum_trip_a_device_by_share(handout):
+    asked = {"C": [25.0], "records": 2, "model": "cosines", "cosines": 3, "horizon": 0.0}
+    found = snapmap.srs_test(handout, [(400.0, 700.0), (4000.0, 1500.0)], **asked)
+    assert found.snaps.dims == ("C", "record", "factor")
+    share = found.snaps.mean(["C", "record"])
+    assert share[0] == 0 and share[-1] == 1 and (found.deviation < BAND).all()
+    one = found.isel(record=0, C=0)
+    drawn = record(check_points([(400.0, 700.0), (4000.0, 1500.0)]), [1, 0]).pulse
+    f0 = [1e6 / drawn.duration]
+    N = one.peak.item() * one.factor.values
+    cube = snapmap.sweep(
+        handout,
+        N,
+        f0,
+        [25.0],
+        until="snap",
+        pulse=drawn,
+        **{key: asked[key] for key in ("model", "cosines", "horizon")},
+    )
+    np.testing.assert_array_equal(cube.t_snap.notnull().squeeze(), one.snaps == 1)
+    assert "of the runs snap, none up to" in summary(found)
+
+
+@pytest.mark.parametrize(
+    ("asked", "wanted"),
+    [
+        ({"srs": [(10.0, 10.0)]}, "srs: give two frequencies"),
+        ({"srs": [(10.0, 10.0), (100.0, -1.0)]}, "srs: a frequency or a level"),
+        ({"srs": "much"}, "srs: 'much' is no list"),
+        ({"srs": [(1.0, 10.0), (1e6, 10.0)]}, "srs: its frequencies span"),
+        ({"srs": CRASH, "records": 0}, "records: 0 is no whole number"),
+        ({"srs": CRASH, "direction": "both"}, "pulse: is drawn from the spectrum"),
+    ],
+)
+def test_what_is_no_spectrum_is_said_in_one_line(handout, asked, wanted):
+    with pytest.raises(ValueError, match=wanted):
+        snapmap.srs_test(handout, C=[25.0], **asked)

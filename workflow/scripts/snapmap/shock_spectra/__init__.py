@@ -1,0 +1,1 @@
+"""Shocks known by their response spectrum."""

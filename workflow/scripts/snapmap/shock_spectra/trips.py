@@ -1,0 +1,106 @@
+"""Which of the records that meet a shock response spectrum trip a device, and at which level."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+
+from ..axes import coordinates
+from ..device import Device
+from ..io.provenance import provenance
+from ..pulse import DIRECTIONS
+from ..solver.adaptive import choose_survey
+from ..solver.bracket import asker
+from ..solver.cells import check_cells, to_rows
+from ..study import THRESHOLD_SETTINGS, study_of
+from .spectrum import check_points, record
+
+RECORDS, SEED = 8, 1
+FACTORS = tuple(2.0 ** (n / 4) for n in range(-8, 9))
+"""Of the spectrum, at which its records are followed: from 12 dB below to 12 dB above."""
+
+
+def srs_test(
+    device: Device | Mapping[str, Device],
+    srs: Sequence[Sequence[float]],
+    C: Sequence[float],
+    records: int = RECORDS,
+    seed: int = SEED,
+    model: str | Mapping = "auto",
+    **options,
+) -> xr.Dataset:
+    """Follow a device under records that meet a shock response spectrum of Q = 10.
+
+    device: one, or several by name, which then are an axis
+    srs: pairs of frequency (Hz) and level (multiples of g), ascending, joined by straight lines on
+        logarithmic scales; C: uN us/um
+    records: how many are drawn, of wavelets at sixth octaves; seed: of their draw
+    options: direction, of one; horizon, energy_tolerance, threads as in `study.study_of`; values of
+        the device, as axes; and options of the model
+    The variables: snaps, 1 or 0, NaN where a run fails, (..., C, record, factor), the latter of
+    FACTORS; the peak of each record, multiples of g, its duration, us, and its largest deviation
+    from the spectrum, dB, (record,).
+    Records of one spectrum differ: a device passes where none snaps it, or all do, with a margin.
+
+    >>> device = snapmap.load_device("config/config.yaml")
+    >>> asked = {"srs": [(500, 700), (2000, 1500)], "records": 2, "model": "cosines", "horizon": 0}
+    >>> snaps = snapmap.srs_test(device, C=[25], **asked).snaps
+    >>> snaps.sel(factor=[0.25, 4]).mean("record").squeeze().values.tolist()
+    [0.0, 1.0]
+    """
+    points = check_points(srs)
+    check_cells(C=C)
+    for key, value in (("records", records), ("seed", seed)):
+        if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+            raise ValueError(f"{key}: {value!r} is no whole number from 1")
+    study, varied = study_of(device, model, options)
+    if "pulse" in options or len(study.shocks.pulses) > 1:
+        raise ValueError("pulse: is drawn from the spectrum; give one direction alone")
+    drawn = [record(points, [seed, number]) for number in range(records)]
+    along = DIRECTIONS[study.shocks.direction]
+    pulses = tuple(one.pulse if along > 0 else one.pulse.reversed() for one in drawn)
+    grid = study.set_out({**varied, "C": C})
+    found = _follow(study, grid, pulses, np.array([one.peak for one in drawn]))
+    each = {
+        "peak": ([one.peak for one in drawn], "1"),
+        "duration": ([one.pulse.duration for one in drawn], "us"),
+        "deviation": ([abs(one.deviation).max() for one in drawn], "dB"),
+    }
+    data = {key: (("record",), values, {"units": unit}) for key, (values, unit) in each.items()}
+    told = {"long_name": "whether the record snaps it", "units": "1"}
+    data["snaps"] = ((*grid.axes, "record", "factor"), found, told)
+    document = study.document(THRESHOLD_SETTINGS)
+    document |= {"srs": points.tolist(), "records": records, "seed": seed}
+    return xr.Dataset(data, coordinates(grid.axes) | {"factor": list(FACTORS)}).assign_attrs(
+        Conventions="CF-1.11, ACDD-1.3",
+        title="Snaps under records of a shock response spectrum",
+        summary="Which records that meet a spectrum trip a device, and at which factors of it",
+        **provenance(document),
+    )
+
+
+def _follow(study, grid, pulses, peak):
+    """Whether each record snaps at each factor, (..., C, record, factor)."""
+    settings = study.settings._replace(pulses=pulses)
+    model = choose_survey(grid.device, study.model).decides
+    shape = (*(values.size for values in grid.axes.values()), len(pulses))
+    device = np.broadcast_to(grid.device_of[..., None, None], shape)
+    f0 = np.array([1e6 / one.duration for one in pulses])
+    rows = to_rows(device, f0, grid.axes["C"][:, None], np.arange(len(pulses)))
+    snaps = np.full((rows.device.size, len(FACTORS)), np.nan)
+    there = rows.device >= 0
+    some = rows.some(there)
+    told = asker(model, some, settings, until="snap")(peak[some.pulse][:, None] * FACTORS)
+    snaps[there] = np.where(np.isinf(told), np.nan, np.isfinite(told))
+    return snaps.reshape(*shape, len(FACTORS))
+
+
+def summary(found: xr.Dataset) -> str:
+    """One line: the share of records that snaps, below which factor none and from which all do."""
+    snaps = found.snaps.transpose("factor", ...).values.reshape(found.factor.size, -1)
+    none, every = ((snaps == value).all(axis=1) for value in (0, 1))
+    quiet, sure = (np.logical_and.accumulate(one) for one in (none, every[::-1]))
+    told = [f"{found.snaps.sel(factor=1.0).mean().item():.0%} of the runs snap"]
+    told += [f"none up to {found.factor.values[quiet][-1]:.2g} times it"] if quiet.any() else []
+    told += [f"all from {found.factor.values[::-1][sure][-1]:.2g} times it"] if sure.any() else []
+    return ", ".join(told)
