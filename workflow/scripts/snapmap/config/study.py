@@ -78,7 +78,7 @@ class Config(Study):
         }
 
     def descriptions(self) -> list[str]:
-        """Lines on each device as written, whatever the axes change, and how a record excites it."""
+        """Lines on each device, whatever the axes change, and on how a record excites it."""
         C, lines = self.axes["C"], []
         records = [
             one for one in self.shocks.shapes.values() if one.duration and not one.blows.size
