@@ -126,4 +126,6 @@ rule all:
         "results/cube.nc",
         "results/explore.html",
         expand("results/figures/{stem}.{kind}", stem=made.stems, kind=["pdf", "png"]),
-        ["results/requirements.csv"] if study.requirements or study.vibrations else [],
+        ["results/requirements.csv", "results/datasheet.md"]
+        if study.requirements or study.vibrations
+        else [],

@@ -42,3 +42,26 @@ rule draw_requirements:
         "Draw the margins of the required shocks"
     script:
         "../scripts/draw_requirements.py"
+
+
+rule write_datasheet:
+    input:
+        requirements="results/requirements.csv",
+    output:
+        datasheet="results/datasheet.md",
+    log:
+        "results/logs/write_datasheet.log",
+    priority: 30
+    conda:
+        "../envs/snapmap.yaml"
+    threads: 4
+    params:
+        code=code("write_datasheet"),
+        study=study.values(*THRESHOLD_SETTINGS),
+        C=study.axes["C"].tolist(),
+        tolerances=study.tolerances._asdict() if study.tolerances else {},
+        requirements=[asked._asdict() for asked in study.requirements],
+    message:
+        "Write the data sheet"
+    script:
+        "../scripts/write_datasheet.py"

@@ -121,10 +121,13 @@ class Extremes(NamedTuple):
     contact_force_max: float
 
 
-def extremes_of(study: Study, N: float, f0: float, C: float) -> Extremes:
-    """Follow one cell of a study of one device and pulse for what is largest in its motion."""
+def extremes_of(study: Study, N: float, f0: float, C: float, step: float = 1.0) -> Extremes:
+    """Follow one cell of a study of one device and pulse for what is largest in its motion.
+
+    step: over the one that the motion needs
+    """
     built, cells, _ = _cell(study, N, f0, C)
-    _, _, values = _record(built, cells, study.settings, SAMPLES_OF_EXTREMES)
+    _, _, values = _record(built.with_step(step), cells, study.settings, SAMPLES_OF_EXTREMES)
     y = values["z_mass"] - (built.barrier.first + study.device.gap)
     ways = np.maximum(0.0, [-y.min(), y.max()])  # NaN of a run that failed
     return Extremes(*ways.tolist(), values["contact_force"].max().item())
