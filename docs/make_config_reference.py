@@ -160,6 +160,10 @@ def _sections(schema, defaults):
     yield _section("model", parts["model"], defaults)
     yield _options()
     yield _section("pulse", _resolved(parts["pulse"], schema), defaults)
+    kinds = schema["$defs"]
+    yield _section("each of pulse.train", kinds["train"]["items"], defaults)
+    yield _section("pulse.drop", kinds["drop"], defaults)
+    yield _section("pulse.sweep", kinds["sine_sweep"], defaults)
     yield _section("sweep", parts["sweep"], defaults)
     yield _section("tolerances", parts["tolerances"], defaults)
     yield _section("an axis given as a range", schema["$defs"]["axis"], defaults)
@@ -173,6 +177,7 @@ def code_defaults() -> dict[str, str]:
     elements = _arguments(hermite_elements)
     settings = {key: f"`{value}`" for key, value in Settings().asked().items()}
     pushes = "pulse", "each of requirements"
+    blows = *pushes, "each of pulse.train", "pulse.drop"
     history = "N = {N:g}, f0 = {f0:g} Hz, C = {C:g} uN*us/um".format(**HANDOUT_CASE)
     return {
         **{f"sweep.{key}": value for key, value in settings.items()},
@@ -217,8 +222,13 @@ def code_defaults() -> dict[str, str]:
         "tolerances.samples": f"`{Tolerances._field_defaults['samples']}`",
         "tolerances.index_samples": f"`{INDEX_SAMPLES}`, or `samples` if these are fewer",
         "tolerances.seed": f"`{Tolerances._field_defaults['seed']}`",
-        **{f"{where}.shape": f"`{VERSED_SINE}`" for where in pushes},
-        **{f"{where}.{key}": f"`{TENTH * 100:g} %`" for where in pushes for key in SHARES},
+        **{f"{where}.shape": f"`{VERSED_SINE}`" for where in blows},
+        **{f"{where}.{key}": f"`{TENTH * 100:g} %`" for where in blows for key in SHARES},
+        "each of pulse.train.N": "`1`",
+        "each of pulse.train.duration": "`wait` or `repeat`, alone",
+        "each of pulse.train.wait": "none",
+        "each of pulse.train.repeat": "once",
+        "pulse.drop.rebound": "`0`",
         **{f"{where}.{key}": "`shape`" for where in pushes for key in WHOLE},
         **{f"{where}.direction": "`+z`" for where in pushes},
         "each of requirements.f0": "required, or `duration`, `file`, `train`, `drop`, `sweep`, "

@@ -135,6 +135,20 @@ def test_the_blow_that_snaps_is_told(calm):
     assert run.blow == 2
 
 
+def test_both_loops_agree_on_a_train(handout):
+    push = train(
+        {"shape": "sawtooth", "duration": 90.0}, {"wait": 60.0}, {**BLOW, "duration": 99.0}
+    )
+    asked = {"elements": 3, "step": 0.4, "horizon": 20.0, "pulse": push}
+    fast, plain = (
+        snapmap.simulate(handout, 700, None, 25.0, **model, **asked)
+        for model in ({"model": "handout", "scheme": "explicit"}, {"model": "reference"})
+    )
+    for key in ("z_mass", "w_mid", "pulse_work", "acceleration"):
+        scale = abs(plain[key]).max().item()
+        np.testing.assert_allclose(fast[key], plain[key], atol=1e-7 * scale)
+
+
 def test_steps_resolve_each_blow_however_long_the_waits(calm):
     """Those of a blow alone, or shorter ones; a quarter of them moves no threshold by 0.1 %."""
     model, shapes = build_model(batch([calm]), "cosines"), ("half sine", "sawtooth")
