@@ -6,7 +6,7 @@ __version__ = "0.1.0"
 
 _HOME = {
     "describe": "config.quality",
-    "design": "thresholds.design",
+    "design": "sizing.value",
     "load_device": "config.devices",
     "open_cube": "sweeps.reading",
     "plot_outcome": "figures.maps",

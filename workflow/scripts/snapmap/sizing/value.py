@@ -2,20 +2,21 @@
 
 import warnings
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from ..axes import COORDINATES, coordinates
-from ..device import SIGNED, VALUES, Device, batch, is_bistable
+from ..device import SIGNED, VALUES, Device
 from ..io.counting import counting
 from ..quantities import QUANTITIES
-from ..solver.adaptive import choose_survey
-from ..solver.cells import check_cells, to_rows
-from ..solver.settings import THRESHOLD_TOLERANCE
+from ..solver.cells import check_cells
 from ..study import study_of
-from .islands import survey
+from ..tolerances.samples import Tolerances
+from .search import thresholds_at
+from .window import window_of, with_shocks
 
 POINTS, SECTIONS, ROUNDS = 17, 8, 3
 """Values that are tried first; into so many parts each interval is cut, so often."""
@@ -34,16 +35,20 @@ class Design(NamedTuple):
 def design(
     device: Device,
     value: str,
-    N: float,
-    f0: float,
-    C: float,
-    between: tuple[float, float],
+    N: float | None = None,
+    f0: float | None = None,
+    C: float | None = None,
+    between: tuple[float, float] | None = None,
     model: str | Mapping = "auto",
     **options,
 ) -> Design | xr.Dataset:
     """Find the value of a device, by its name, for which N (multiples of g) is its threshold.
 
+    Or, with requirements in place of N and f0, the window of the value in which all are met, and
+    with scatters the yield in it, as `sizing.window.window_of` returns them.
     f0: Hz; C: uN us/um; between: where to look, internal units
+    requirements: mappings of name, N, f0 (Hz) and snaps, with pulse and direction, or shocks
+    scatters: of the value and others, as `tolerance` takes them, with samples, seed and together
     model: name, or as a mapping the whole of the config's model section
     options: as in `study.study_of`: horizon (us), energy_tolerance, threads, pulse, direction,
         options of the model; and one further value of the device with its values, along which the
@@ -57,7 +62,15 @@ def design(
     >>> round(found.value, 1)
     2.1
     """
+    options = dict(options)
+    required = [with_shocks(one) for one in options.pop("requirements", ())]
+    given = {key: options.pop(key) for key in Tolerances._fields if key in options}
     study, along = study_of(device, model, options)
+    if required:
+        _check_window(study, value, C, between, required, along)
+        asked = Tolerances(**given) if given else None
+        with counting("design"):
+            return window_of(study, value, C, between, required, asked)
     _check(study, value, N, f0, C, between, along)
     key, values = next(iter(along.items()), (value, [np.nan]))
     values = np.atleast_1d(np.asarray(values, float))
@@ -65,8 +78,8 @@ def design(
     def above(tried, place):
         """How far above N thresholds are, with their errors, of values at places on the line."""
         asked = {key: values[place], value: tried}
-        found = _thresholds(study, asked, f0, C)
-        return found[0] - N, found[1]
+        N_first, error, _ = thresholds_at(study, asked, f0, C)
+        return N_first - N, error
 
     with counting("design"):
         found = _solve(above, between, values.size)
@@ -104,22 +117,6 @@ def _solve(above, between, places):
     value = low - below * (high - low) / (beyond - below)
     open_by = np.maximum(error[row, k], error[row, k + 1]) + abs(beyond - below) / 2
     return _Solutions(place, value, open_by / abs(slope), seen)
-
-
-def _thresholds(study, values, f0, C):
-    """Thresholds of a study's device with other values, each (n,), and their errors, or NaN."""
-    values = {key: column for key, column in values.items() if np.isfinite(column).all()}
-    size = next(iter(values.values())).size
-    there = np.flatnonzero(is_bistable(study.device, values, size))
-    found = np.full((2, size), np.nan)
-    if there.size:
-        some = {key: column[there] for key, column in values.items()}
-        varied = batch([study.device]).pick(np.zeros(there.size, int)).vary(some)
-        models = choose_survey(varied, study.model)
-        rows = to_rows(np.arange(there.size), f0, C)
-        told = survey(models, rows, study.settings, THRESHOLD_TOLERANCE)
-        found[:, there] = told.N_first, told.N_error
-    return found
 
 
 def _single(value, N, between, found):
@@ -162,6 +159,16 @@ def _line(value, key, values, N, found):
     return xr.Dataset(data, coordinates({key: values}))
 
 
+def _check_window(study, value, C, between, required, along):
+    if along:
+        raise ValueError(f"{next(iter(along))}: is no option beside requirements; vary the device")
+    for one in required:
+        missing = [key for key in ("name", "N", "f0", "snaps") if key not in one]
+        if missing:
+            raise ValueError(f"requirements: {missing[0]} is missing in {one.get('name', 'one')}")
+        _check(replace(study, shocks=one["shocks"]), value, one["N"], one["f0"], C, between, along)
+
+
 def _check(study, value, N, f0, C, between, along):
     if not isinstance(study.device, Device):
         raise ValueError(f"device: {study.device!r} is no device; `snapmap.load_device` reads one")
@@ -172,7 +179,7 @@ def _check(study, value, N, f0, C, between, along):
         raise ValueError("pulse: several; give one shape and one direction")
     if not N > 0:
         raise ValueError(f"N: {N:g} is not above 0")
-    low, high = between
+    low, high = (np.nan, np.nan) if between is None else between
     least = -np.inf if value in SIGNED else 0.0
     if not least <= low < high < np.inf:
         raise ValueError(f"between: {low:g}, {high:g} are not two ascending values from {least:g}")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import snapmap
-from snapmap.thresholds.design import _single, _solve
+from snapmap.sizing.value import _single, _solve
 
 CHEAP = {"model": "cosines", "modes": 3, "horizon": 300.0}
 SHOCK = {"f0": 1000.0, "C": 25.0}
@@ -60,3 +60,53 @@ def test_what_cannot_be_is_named(handout, change, wanted):
     asked = {"value": "thickness", "N": 1100, "between": (1.9, 2.4), **SHOCK, **CHEAP} | change
     with pytest.raises(ValueError, match=wanted.replace("(", r"\(")):
         snapmap.design(handout, **asked)
+
+
+def test_the_window_in_which_all_requirements_are_met(handout):
+    asked = {"f0": 1500.0, "pulse": "versed sine"}
+    must, must_not = (
+        asked | {"name": "trip", "N": 1300.0, "snaps": True},
+        asked
+        | {
+            "name": "stay",
+            "N": 1100.0,
+            "snaps": False,
+        },
+    )
+    within = {"C": 25.0, "between": (1.8, 2.5)} | CHEAP
+    found = snapmap.design(handout, "thickness", requirements=[must, must_not], **within)
+    for end, N in (("low", 1100.0), ("high", 1300.0)):
+        alone = snapmap.design(handout, "thickness", N=N, f0=1500.0, **within)
+        error = alone.error + found[f"{end}_error"].item()
+        assert abs(found[end].item() - alone.value) <= error
+    assert (found.low_from.item(), found.high_from.item()) == ("stay", "trip")
+
+
+def test_no_window_and_one_that_the_range_ends(handout):
+    within = {"C": 25.0, "between": (1.8, 2.5)} | CHEAP
+    never = {"name": "trip", "N": 100.0, "f0": 1500.0, "snaps": True}
+    assert snapmap.design(handout, "thickness", requirements=[never], **within).sizes["window"] == 0
+    always = never | {"snaps": False}
+    found = snapmap.design(handout, "thickness", requirements=[always], **within)
+    assert (found.low.item(), found.high.item(), found.high_from.item()) == (1.8, 2.5, "between")
+
+
+def test_the_yield_is_largest_within_the_window(handout):
+    asked = {"f0": 1500.0, "C": 25.0}
+    needs = [
+        {"name": "trip", "N": 1300.0, "f0": 1500.0, "snaps": True},
+        {"name": "stay", "N": 1100.0, "f0": 1500.0, "snaps": False},
+    ]
+    scatter = {"scatters": {"thickness": 0.03}, "samples": 64}
+    found = snapmap.design(
+        handout,
+        "thickness",
+        C=asked["C"],
+        between=(1.8, 2.5),
+        requirements=needs,
+        **scatter,
+        **CHEAP,
+    )
+    middle = (found.low.item() + found.high.item()) / 2
+    assert abs(found.best - middle) < 0.3 * (found.high.item() - found.low.item())
+    assert found["yield"].max() > found["yield"][0] and found["yield"].max() > found["yield"][-1]
