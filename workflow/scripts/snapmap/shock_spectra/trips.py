@@ -57,10 +57,16 @@ def srs_test(
     if "pulse" in options or len(study.shocks.pulses) > 1:
         raise ValueError("pulse: is drawn from the spectrum; give one direction alone")
     drawn = [record(points, [seed, number]) for number in range(records)]
-    along = DIRECTIONS[study.shocks.direction]
+    along = DIRECTIONS[study.shocks.directions[0]]
     pulses = tuple(one.pulse if along > 0 else one.pulse.reversed() for one in drawn)
     grid = study.set_out({**varied, "C": C})
-    found = _follow(study, grid, pulses, np.array([one.peak for one in drawn]))
+    snaps = _follow(study, grid, pulses, np.array([one.peak for one in drawn]))
+    document = study.document(THRESHOLD_SETTINGS)
+    document |= {"srs": points.tolist(), "records": records, "seed": seed}
+    return _dress(grid.axes, drawn, snaps, document)
+
+
+def _dress(axes, drawn, snaps, document):
     each = {
         "peak": ([one.peak for one in drawn], "1"),
         "duration": ([one.pulse.duration for one in drawn], "us"),
@@ -68,10 +74,8 @@ def srs_test(
     }
     data = {key: (("record",), values, {"units": unit}) for key, (values, unit) in each.items()}
     told = {"long_name": "whether the record snaps it", "units": "1"}
-    data["snaps"] = ((*grid.axes, "record", "factor"), found, told)
-    document = study.document(THRESHOLD_SETTINGS)
-    document |= {"srs": points.tolist(), "records": records, "seed": seed}
-    return xr.Dataset(data, coordinates(grid.axes) | {"factor": list(FACTORS)}).assign_attrs(
+    data["snaps"] = ((*axes, "record", "factor"), snaps, told)
+    return xr.Dataset(data, coordinates(axes) | {"factor": list(FACTORS)}).assign_attrs(
         Conventions="CF-1.11, ACDD-1.3",
         title="Snaps under records of a shock response spectrum",
         summary="Which records that meet a spectrum trip a device, and at which factors of it",
