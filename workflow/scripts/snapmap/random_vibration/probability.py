@@ -82,6 +82,12 @@ def vibration(
     snaps seen at the given level, bounds by Poisson's distribution; the level by Rice's law, fitted
     to what was seen at this one and others, its bounds those of the fit, inf where even long runs
     do not tell. Attributes: rms, of the given spectrum, duration, reach, record_length.
+
+    >>> device = snapmap.load_device("config/config.yaml")
+    >>> asked = {"psd": [(20, 4.0), (2000, 4.0)], "duration": 0.1, "model": "cosines"}
+    >>> found = snapmap.vibration(device, C=[25], records=2, reach=0.5, **asked)
+    >>> round(found.rms), found.snaps.values.tolist()
+    (89, [0.0])
     """
     options = dict(options)
     reach = options.pop("reach", REACH)
