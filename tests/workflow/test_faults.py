@@ -150,7 +150,15 @@ def test_a_killed_run_goes_on_with_the_same_command(folder, undisturbed):
     assert not folder.leftovers()
 
 
-def test_ctrl_c_ends_a_run_in_one_line(folder):
+@pytest.fixture
+def listening():
+    """Ctrl-C is heard, though a shell ignores it for what it runs in the background."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def test_ctrl_c_ends_a_run_in_one_line(folder, listening):
     run = folder.start(start_new_session=True)
     jobs = wait_for(lambda: jobs_of(run), run)
     os.killpg(run.pid, signal.SIGINT)  # as a terminal does; the jobs have hardly begun to import
