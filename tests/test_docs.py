@@ -37,6 +37,16 @@ def test_the_gallery_has_every_figure(root):
     assert {"maps", "yield", "accuracy"} <= figures - {"thresholds_*", "accuracy_quick"} <= shown
 
 
+def test_the_demands_of_the_recipe_are_read(root):
+    asked = yaml.safe_load(blocks(root / "docs" / "recipes.md", "yaml")[0])
+    whole = yaml.safe_load((root / "config" / "sensor.yaml").read_text(encoding="utf-8"))
+    device = whole["device"] | asked["device"]
+    study = load_config(whole | {"device": device, "requirements": asked["requirements"]})
+    assert study.device.stop_away == 8.0
+    assert [one.snaps for one in study.requirements] == [True, False, False, False]
+    assert study.vibrations[0].duration == 180.0
+
+
 def test_the_example_of_the_first_screen_runs(root, tmp_path, monkeypatch):
     lines = (root / "README.md").read_text().splitlines()[:45]
     (code,) = re.findall(r"^```python\n(.*?)^```", "\n".join(lines), re.M | re.S)
