@@ -35,7 +35,10 @@ def check_spectra(
 
 def _verdicts(study, name, asked, C, records):
     drawn = {"records": records, "seed": SEED}
-    found = trips_of(study, {"C": C}, check_points(asked["srs"]), drawn)
+    try:
+        found = trips_of(study, {"C": C}, check_points(asked["srs"]), drawn)
+    except ValueError as error:  # a spectrum that no record meets is seen only here
+        raise ValueError(f"{asked['name']}: {error}") from None
     for damping, snaps in zip(C, found.snaps.values, strict=True):
         low, high = ends(snaps)[2:] if asked["snaps"] else ends(snaps)[:2]
         first, error = ((high + low) / 2, (high - low) / 2) if high < np.inf else (np.nan, np.nan)
