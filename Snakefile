@@ -95,7 +95,7 @@ onsuccess:
         "results", ["statics_*"], [f"statics{which}" for which in made.statics]
     )
     told = ["find_threshold", "collect"]
-    told += ["check_requirements"] * bool(study.requirements or study.vibrations)
+    told += ["check_requirements"] * bool(study.all_required)
     told += ["find_tolerance"] * bool(study.tolerances)
     logs = [f"results/logs/{rule}.log" for rule in told]
     logs += [log for log in progress.logs if "measure_" in log]
@@ -127,5 +127,5 @@ rule all:
         "results/explore.html",
         expand("results/figures/{stem}.{kind}", stem=made.stems, kind=["pdf", "png"]),
         ["results/requirements.csv", "results/datasheet.md"]
-        if study.requirements or study.vibrations
+        if study.all_required
         else [],

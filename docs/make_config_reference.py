@@ -14,7 +14,7 @@ from snapmap.config import units
 from snapmap.config.devices import load_device
 from snapmap.config.histories import HANDOUT_CASE
 from snapmap.config.schema import validator
-from snapmap.config.shocks import SHARES, WHOLE
+from snapmap.config.shocks import OF_SPECTRA, SHARES, WHOLE
 from snapmap.config.study import load_config
 from snapmap.config.views import MOST_MAPS
 from snapmap.device import REFERENCE, RESTITUTION, VALUES, Beam, Device
@@ -232,9 +232,9 @@ def code_defaults() -> dict[str, str]:
         **{f"{where}.{key}": "`shape`" for where in pushes for key in WHOLE},
         **{f"{where}.direction": "`+z`" for where in pushes},
         "each of requirements.f0": "required, or `duration`, `file`, `train`, `drop`, `sweep`, "
-        "`psd`",
-        "each of requirements.N": "required, but of a drop or with `psd`",
-        "each of requirements.psd": "one shock",
+        "`psd`, `srs`",
+        "each of requirements.N": "required, but of a drop or with `psd`, `srs`",
+        **{f"each of requirements.{key}": "one shock" for key in OF_SPECTRA},
         "each of requirements.probability": f"`{100 * REACH:g} %`",
         "each of requirements.duration": "`f0`",
         "sweep.f0": "required, or `duration`, or a pulse that has its own",

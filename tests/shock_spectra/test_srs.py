@@ -6,15 +6,12 @@ from pyyeti import srs as reference
 
 import snapmap
 from snapmap.pulse import make_pulse
-from snapmap.shock_spectra.spectrum import (
-    BAND,
-    check_points,
-    frequencies,
-    level,
-    pulse_response,
-    record,
-)
-from snapmap.shock_spectra.trips import summary
+from snapmap.shock_spectra.records import BAND, record
+from snapmap.shock_spectra.spectrum import check_points, frequencies, level, pulse_response
+from snapmap.shock_spectra.trips import FACTORS, ends, summary
+from snapmap.shock_spectra.verdicts import check_spectra
+from snapmap.solver.settings import Settings
+from snapmap.study import Study
 
 CRASH = [(100.0, 100.0), (1000.0, 1500.0), (4000.0, 1500.0)]
 
@@ -75,6 +72,34 @@ def test_records_of_a_spectrum_trip_a_device_by_share(handout):
     )
     np.testing.assert_array_equal(cube.t_snap.notnull().squeeze(), one.snaps == 1)
     assert "of the runs snap, none up to" in summary(found)
+
+
+def test_a_spectrum_is_held_against_the_factors_at_which_its_records_snap(handout):
+    levels, model = [(400.0, 700.0), (4000.0, 1500.0)], {"name": "cosines", "cosines": 3}
+    found = snapmap.srs_test(handout, levels, [25.0], records=2, horizon=0.0, model=model)
+    snaps = found.snaps.values[0].sum(axis=0)
+    quiet, first = FACTORS[np.argmax(snaps > 0) - 1], FACTORS[np.argmax(snaps > 0)]
+    last, sure = (FACTORS[len(snaps) - 1 - np.argmax(snaps[::-1] < 2) + up] for up in (0, 1))
+    study = Study(device=handout, model=model, settings=Settings(horizon=0.0))
+    asked = [
+        {"name": f"{by:g}", "srs": np.array(levels) * [1, by], "direction": "+z", "snaps": must}
+        for by in (1.0, 0.25, 4.0)
+        for must in (False, True)
+    ]
+    rows = check_spectra(study, asked, [25.0], records=2)
+    for row, (low, high) in zip(rows, [(quiet, first), (last, sure)], strict=False):
+        assert (row.N_first - row.N_error, row.N_first + row.N_error) == (low, high)
+        assert row.margin == row.N_first and (row.N, row.shape) == (1.0, "spectrum")
+    assert [row.verdict for row in rows[2:]] == ["met", "failed", "failed", "met"]
+    assert [row.outcome for row in rows[2:]] == ["unsnapped"] * 2 + ["snapped"] * 2
+
+
+def test_ends_leave_out_what_fails():
+    snaps = np.ones((2, len(FACTORS)))
+    snaps[:, :5], snaps[0, 5], snaps[0, 6], snaps[1, 7] = 0.0, np.nan, 0.0, np.nan
+    assert ends(snaps) == (FACTORS[4], FACTORS[5], FACTORS[6], FACTORS[8])
+    assert ends(np.zeros((2, len(FACTORS)))) == (4.0, np.inf, 4.0, np.inf)
+    assert ends(np.ones((2, len(FACTORS)))) == (0.0, 0.25, 0.0, 0.25)
 
 
 @pytest.mark.parametrize(

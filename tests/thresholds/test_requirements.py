@@ -9,6 +9,7 @@ import yaml
 
 import snapmap
 from snapmap.axes import make_grid
+from snapmap.config.products import products
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError
 from snapmap.pulse import make_pulse, shocks_from
@@ -99,6 +100,32 @@ def test_names_of_requirements_are_written_once(document):
     study = load_config(document | {"requirements": [asked]})
     assert study.requirements[0].f0 == 1000.0 and study.requirements[0].pulse == {}
     assert "'drop' comes twice" in faults(document, requirements=[asked, asked])
+
+
+@pytest.mark.parametrize(
+    ("change", "wanted"),
+    [
+        (
+            {"srs": [["1 kHz", "100 m"], ["2 kHz", "1 g"]]},
+            "srs: '100 m' is no level; write one",
+        ),
+        (
+            {"srs": [["2 kHz", "1 g"], ["1 kHz", "1 g"]]},
+            "srs: give two frequencies or more",
+        ),
+        ({"N": 100}, "N: stands beside srs; leave it out"),
+        ({"psd": [["1 kHz", "1 g^2/Hz"], ["2 kHz", "1 g^2/Hz"]]}, "srs: stands beside psd"),
+    ],
+)
+def test_a_required_spectrum_is_read_or_its_fault_named_in_one_line(document, change, wanted):
+    levels = [["100 Hz", "100 g"], ["1 kHz", "1500 g"]]
+    asked = {"name": "crash", "srs": levels, "snaps": False, "direction": "-z"}
+    study = load_config(document | {"requirements": [asked]})
+    (found,) = study.all_required
+    assert study.spectra == (found,) and "requirements" in products(study).stems
+    assert found == ("crash", [[100.0, 100.0], [1000.0, 1500.0]], "-z", False)
+    told = faults(document, requirements=[asked | change])
+    assert told.startswith(f"requirements[0]: {wanted}") and "\n" not in told
 
 
 def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout):

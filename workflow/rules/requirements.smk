@@ -12,6 +12,7 @@ rule check_requirements:
         study=study.values(*THRESHOLD_SETTINGS),
         requirements=[asked._asdict() for asked in study.requirements],
         vibrations=[asked._asdict() for asked in study.vibrations],
+        spectra=[asked._asdict() for asked in study.spectra],
         C=study.axes["C"].tolist(),
         tolerance=study.threshold_tolerance,
     message:

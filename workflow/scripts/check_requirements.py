@@ -9,10 +9,11 @@ from snapmap.io.job_log import run_rule
 from snapmap.io.recorded import shocks_of
 from snapmap.motion.history import Extremes, extremes_of
 from snapmap.random_vibration.verdicts import check_vibrations
+from snapmap.shock_spectra.verdicts import check_spectra
 from snapmap.thresholds.requirements import Verdict, check, summary
 
 
-def check_requirements(study, requirements, vibrations, C, tolerance, path, threads):
+def check_requirements(study, requirements, vibrations, spectra, C, tolerance, path, threads):
     """Simulate the required shocks and write a row for each, device and C, with its motion."""
     required = [one | {"shocks": shocks_of(one["pulse"])} for one in requirements]
     study = study_from(study, threads)
@@ -25,7 +26,7 @@ def check_requirements(study, requirements, vibrations, C, tolerance, path, thre
         for device in study.devices().values()
         for damping in C
     ]
-    shaken = check_vibrations(study, vibrations, C)
+    shaken = check_vibrations(study, vibrations, C) + check_spectra(study, spectra, C)
     verdicts += shaken
     moved += [Extremes(*[nan] * len(Extremes._fields))] * len(shaken)
     with open(path, "w", newline="", encoding="utf-8") as file:

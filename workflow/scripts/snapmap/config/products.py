@@ -62,7 +62,7 @@ def products(study: Config) -> Products:
             *(*snap_maps, *maps, *curves),
             *(f"history_{name}" for name in histories),
             *(f"statics{which}" for which in statics),
-            *["requirements"] * bool(study.requirements or study.vibrations),
+            *["requirements"] * bool(study.all_required),
             *(made if study.tolerances else []),
         ],
     )

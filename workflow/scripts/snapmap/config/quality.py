@@ -8,6 +8,7 @@ import numpy as np
 from ..beam.vibration import natural_frequency
 from ..device import Beam, Device
 from ..pulse import Pulse
+from ..shock_spectra.spectrum import pulse_response
 from ..solver.cells import check_cells
 from .faults import Faults
 from .schema import name_of
@@ -80,8 +81,6 @@ def describe(device: Device, C: Sequence[float] = ()) -> str:
 
 def excited(device: Device, pulse: Pulse) -> str:
     """One line on the shock response spectrum of a pulse at the device's own frequencies."""
-    from ..shock_spectra.spectrum import pulse_response  # imported late, for its compiler
-
     f = np.array(_own(device)) / (2e-6 * np.pi)
     of_beam, of_mass = pulse_response(pulse, pulse.duration, f)
     return (

@@ -12,6 +12,7 @@ from ..io.recorded import RECORD, shocks_of
 from ..pulse import SHARES, Shocks
 from ..quantities import QUANTITIES
 from ..random_vibration.spectrum import REACH, Spectrum
+from ..shock_spectra.spectrum import check_points
 from ..trains import MAKERS
 from .axes import frequency_of
 from .faults import Faults, Place, convert_part
@@ -20,7 +21,10 @@ from .units import read, show
 
 WHOLE = ("file", *MAKERS)
 """Keys of shocks that are more than a shape, and last as long as they last."""
-OF_VIBRATION = ("psd", "probability")
+OF_SPECTRA = {"psd": ("duration", "probability"), "srs": ("direction",)}
+"""What may stand beside a spectrum."""
+LEVELS = {"psd": ("density", "g^2/Hz", "0.04"), "srs": ("level", "g", "1500")}
+"""What a spectrum has at its frequencies: name, unit and an example."""
 KINDS_IN_TRAINS = {
     **dict.fromkeys(SHARES, "share"),
     **dict.fromkeys(("N", "rebound"), "number"),
@@ -54,6 +58,18 @@ class Vibration(NamedTuple):
     duration: float
     snaps: bool
     probability: float
+
+
+class SpectrumTest(NamedTuple):
+    """A shock response spectrum whose records must or must not trip the device.
+
+    srs: pairs of Hz and multiples of g; snaps: whether all must, or none
+    """
+
+    name: str
+    srs: list[list[float]]
+    direction: str
+    snaps: bool
 
 
 def lasts_itself(section: object) -> bool:
@@ -114,19 +130,20 @@ def _plain(value, key):
 
 def read_requirements(
     document: Mapping, faults: Faults
-) -> tuple[tuple[Requirement, ...], tuple[Vibration, ...]]:
-    """Read what must or must not trip the device, shocks and vibration; names are written once."""
+) -> tuple[tuple[Requirement, ...], tuple[Vibration, ...], tuple[SpectrumTest, ...]]:
+    """Read what must or must not trip the device, by its kind; names are written once."""
+    of_spectra = {"psd": _vibration, "srs": _spectrum_test}
     asked = document.get("requirements")
     found, names = [], set()
     for place, section in enumerate(asked if isinstance(asked, list | tuple) else ()):
         path = ("requirements", place)
-        is_random = isinstance(section, Mapping) and "psd" in section
-        if not is_random:
+        keys = [key for key in of_spectra if isinstance(section, Mapping) and key in section]
+        if not keys:
             pulse_key(section, path, faults, lasts_itself(section))
-        read_one = _vibration if is_random else _requirement
+        read_one = of_spectra[keys[0]] if keys else _requirement
         found.append(convert_part(document, path, faults, _named, path, names, read_one))
-    shocks = tuple(one for one in found if not isinstance(one, Vibration))
-    return shocks, tuple(one for one in found if isinstance(one, Vibration))
+    kinds = Requirement, Vibration, SpectrumTest
+    return tuple(tuple(one for one in found if isinstance(one, kind)) for kind in kinds)
 
 
 def _named(section, path, names, read_one):
@@ -141,22 +158,35 @@ def _named(section, path, names, read_one):
 
 
 def _vibration(section, name):
-    beside = [key for key in section if key not in ("name", "snaps", "duration", *OF_VIBRATION)]
-    if beside:
-        raise ValueError(f"{beside[0]}: stands beside psd; leave it out")
+    psd = _points(section, "psd")
     if "duration" not in section:
         raise ValueError("duration: missing; write a time such as '3 min'")
-    psd = [[read(f, "frequency"), _density(S)] for f, S in section["psd"]]
     Spectrum(psd)
     duration = 1e-6 * read(section["duration"], "pulse")
     chance = read(section["probability"], "share") if "probability" in section else REACH
     return Vibration(name, psd, duration, section["snaps"], chance)
 
 
-def _density(value):
-    number, _, unit = str(value).strip().partition(" ")
-    if unit.replace("²", "^2").replace("**", "^") != "g^2/Hz":
-        raise ValueError(f"psd: {show(value)} is no density; write one such as '0.04 g^2/Hz'")
+def _spectrum_test(section, name):
+    srs = _points(section, "srs")
+    check_points(srs)
+    return SpectrumTest(name, srs, section.get("direction", "+z"), section["snaps"])
+
+
+def _points(section, key):
+    """The pairs of a spectrum that stands alone."""
+    beside = [other for other in section if other not in ("name", "snaps", key, *OF_SPECTRA[key])]
+    if beside:
+        raise ValueError(f"{beside[0]}: stands beside {key}; leave it out")
+    return [[read(f, "frequency"), _level(value, key)] for f, value in section[key]]
+
+
+def _level(value, key):
+    word, unit, example = LEVELS[key]
+    number, _, own = str(value).strip().partition(" ")
+    if own.replace("²", "^2").replace("**", "^") != unit:
+        told = f"{show(value)} is no {word}; write one such as '{example} {unit}'"
+        raise ValueError(f"{key}: {told}")
     return read(number, "number")
 
 

@@ -21,6 +21,7 @@ from .quality import damper_of, describe, excited
 from .schema import schema_faults, validator
 from .shocks import (
     Requirement,
+    SpectrumTest,
     Vibration,
     lasts_itself,
     own_points_outside,
@@ -40,7 +41,7 @@ class Config(Study):
 
     grid: all axes, each ascending
     pulse: values for `shocks_of`
-    requirements: shocks that must or must not trip the device; vibrations: likewise
+    requirements: shocks that must or must not trip the device; vibrations, spectra: likewise
     tolerances: what scatters from device to device, or nothing
     threshold_tolerance: of the thresholds in N, relative
     maps, curves, boundary: what is drawn of cells, thresholds, and the damage boundary
@@ -52,6 +53,7 @@ class Config(Study):
     pulse: dict
     requirements: tuple[Requirement, ...]
     vibrations: tuple[Vibration, ...]
+    spectra: tuple[SpectrumTest, ...]
     tolerances: Tolerances | None
     threshold_tolerance: float
     histories: tuple[History, ...]
@@ -65,6 +67,11 @@ class Config(Study):
     def axes(self) -> dict[str, np.ndarray]:
         """Values by name, in the order of all products."""
         return self.grid.axes
+
+    @property
+    def all_required(self) -> tuple[Requirement | Vibration | SpectrumTest, ...]:
+        """What must or must not trip the device, of all kinds."""
+        return *self.requirements, *self.vibrations, *self.spectra
 
     def values(self, *keys: str) -> dict:
         """Plain values of the study for `study_from`, with some of its settings; all by default."""
@@ -133,7 +140,7 @@ def load_config(document: Mapping) -> Config:
     cells = parts.get("histories")
     for place, cell in enumerate(cells if isinstance(cells, list | tuple) else ()):
         pulse_key(cell, ("histories", place), faults)
-    requirements, vibrations = read_requirements(parts, faults)
+    requirements, vibrations, spectra = read_requirements(parts, faults)
     refuse(faults)
     skip = given.get("not_bistable") == "skip"
     if C is not None:
@@ -164,6 +171,7 @@ def load_config(document: Mapping) -> Config:
         pulse=pulse_values,
         requirements=requirements,
         vibrations=vibrations,
+        spectra=spectra,
         tolerances=tolerances,
         threshold_tolerance=given.get("threshold_tolerance", THRESHOLD_TOLERANCE),
         histories=histories,

@@ -12,8 +12,9 @@ from ..pulse import DIRECTIONS
 from ..solver.adaptive import choose_survey
 from ..solver.bracket import asker
 from ..solver.cells import check_cells, to_rows
-from ..study import THRESHOLD_SETTINGS, study_of
-from .spectrum import check_points, record
+from ..study import THRESHOLD_SETTINGS, Study, study_of
+from .records import record
+from .spectrum import check_points
 
 RECORDS, SEED = 8, 1
 FACTORS = tuple(2.0 ** (n / 4) for n in range(-8, 9))
@@ -56,13 +57,22 @@ def srs_test(
     study, varied = study_of(device, model, options)
     if "pulse" in options or len(study.shocks.pulses) > 1:
         raise ValueError("pulse: is drawn from the spectrum; give one direction alone")
-    drawn = [record(points, [seed, number]) for number in range(records)]
+    return trips_of(study, {**varied, "C": C}, points, {"records": records, "seed": seed})
+
+
+def trips_of(
+    study: Study, axes: Mapping[str, Sequence[float]], points: np.ndarray, asked: Mapping
+) -> xr.Dataset:
+    """Follow a study's devices under records of a spectrum, as `srs_test` returns it.
+
+    axes: values of the device, and C; points: as from `check_points`; asked: records, seed
+    """
+    drawn = [record(points, [asked["seed"], number]) for number in range(asked["records"])]
     along = DIRECTIONS[study.shocks.directions[0]]
     pulses = tuple(one.pulse if along > 0 else one.pulse.reversed() for one in drawn)
-    grid = study.set_out({**varied, "C": C})
+    grid = study.set_out(axes)
     snaps = _follow(study, grid, pulses, np.array([one.peak for one in drawn]))
-    document = study.document(THRESHOLD_SETTINGS)
-    document |= {"srs": points.tolist(), "records": records, "seed": seed}
+    document = study.document(THRESHOLD_SETTINGS) | {"srs": points.tolist(), **asked}
     return _dress(grid.axes, drawn, snaps, document)
 
 
@@ -99,12 +109,26 @@ def _follow(study, grid, pulses, peak):
     return snaps.reshape(*shape, len(FACTORS))
 
 
+def ends(snaps: np.ndarray) -> tuple[float, float, float, float]:
+    """Factors up to which no run snaps, from which one does, up to which one stays, from which all
+    snap; 0 or inf where there is none.
+
+    snaps: 1, 0 or NaN, (runs, factors)
+    """
+    factors, stays = np.array(FACTORS), snaps == 0
+    none = np.logical_and.accumulate(stays.all(axis=0))
+    every = np.logical_and.accumulate((snaps == 1).all(axis=0)[::-1])[::-1]
+    some = (snaps == 1).any(axis=0)
+    return (
+        *(factors[none].max(initial=0), factors[some].min(initial=np.inf)),
+        *(factors[stays.any(axis=0)].max(initial=0), factors[every].min(initial=np.inf)),
+    )
+
+
 def summary(found: xr.Dataset) -> str:
     """One line: the share of records that snaps, below which factor none and from which all do."""
-    snaps = found.snaps.transpose("factor", ...).values.reshape(found.factor.size, -1)
-    none, every = ((snaps == value).all(axis=1) for value in (0, 1))
-    quiet, sure = (np.logical_and.accumulate(one) for one in (none, every[::-1]))
+    quiet, _, _, sure = ends(found.snaps.transpose(..., "factor").values.reshape(-1, len(FACTORS)))
     told = [f"{found.snaps.sel(factor=1.0).mean().item():.0%} of the runs snap"]
-    told += [f"none up to {found.factor.values[quiet][-1]:.2g} times it"] if quiet.any() else []
-    told += [f"all from {found.factor.values[::-1][sure][-1]:.2g} times it"] if sure.any() else []
+    told += [f"none up to {quiet:.2g} times it"] if quiet else []
+    told += [f"all from {sure:.2g} times it"] if sure < np.inf else []
     return ", ".join(told)
