@@ -60,9 +60,7 @@ def record(model, pulse, amplitude, f0, damping, dt, steps, stride):
     lost += model.device.beam.damping * moving[R.BEAM_SWEPT - R.STATE]
     at_stops = (after if at_half else before)[R.LOST - R.STATE]
     u, y = shrink * places[p].T, places[R.Y - R.STATE]
-    form = Form(
-        np.eye(modes), np.diag(modal.stiffness), *modal[1:3], modal.midpoint, modal.residual
-    )
+    form = Form(np.eye(modes), np.diag(modal.stiffness), *modal[1:3], modal.midpoint, *modal[6:])
     motion = Motion(
         time=(np.arange(before.shape[1]) * stride + at_half / 2) * dt,
         u=u,
