@@ -14,7 +14,7 @@ from snapmap.config import units
 from snapmap.config.devices import load_device
 from snapmap.config.histories import HANDOUT_CASE
 from snapmap.config.schema import validator
-from snapmap.config.shocks import SHARES
+from snapmap.config.shocks import SHARES, SURVIVES
 from snapmap.config.study import load_config
 from snapmap.config.views import MOST_MAPS
 from snapmap.device import RESTITUTION, VALUES, Beam, Device
@@ -155,6 +155,7 @@ def _sections(schema, defaults):
     yield _section("device", device, defaults)
     yield _section("device.beam", device["properties"]["beam"], defaults)
     yield _section("device.stops", device["properties"]["stops"], defaults)
+    yield _section("device.strength", device["properties"]["strength"], defaults)
     yield _section("model", parts["model"], defaults)
     yield _options()
     yield _section("pulse", parts["pulse"], defaults)
@@ -192,6 +193,8 @@ def code_defaults() -> dict[str, str]:
         "device.stops": "the mass travels freely",
         **dict.fromkeys(("device.stops.toward", "device.stops.away"), "no stop on that side"),
         "device.stops.restitution": f"`{RESTITUTION:g}`",
+        "device.strength": "the beam never breaks",
+        "device.strength.threshold": "`0 MPa`",
         "device.beam.guide": "`guided`",
         "device.beam.imperfection": "required if `guide` is `free`",
         "model.elements": f"`{elements['elements']}`",
@@ -214,6 +217,7 @@ def code_defaults() -> dict[str, str]:
         **{f"{where}.{key}": f"`{TENTH * 100:g} %`" for where in pushes for key in SHARES},
         **{f"{where}.file": "`shape`" for where in pushes},
         **{f"{where}.direction": "`+z`" for where in pushes},
+        "each of requirements.survives": f"`true`, which asks for `{SURVIVES * 100:g} %`",
         "each of requirements.f0": "required, or `duration`, or `file`",
         "each of requirements.duration": "`f0`",
         "sweep.f0": "required, or `duration`, or `pulse.file`",

@@ -2,31 +2,33 @@
 
 import csv
 from dataclasses import replace
+from itertools import chain, product
 
 from snapmap.config.planned import study_from
 from snapmap.io.job_log import run_rule
 from snapmap.io.recorded import shocks_of
 from snapmap.motion.history import Extremes, extremes_of
-from snapmap.thresholds.requirements import Verdict, check, summary
+from snapmap.thresholds.requirements import Survival, Verdict, check, judge, summary
 
 
 def check_requirements(study, requirements, C, tolerance, path, threads):
-    """Simulate the required shocks and write a row for each, device and C, with its motion."""
+    """Simulate the required shocks; write a row for each, device and C: motion, and survival."""
     required = [one | {"shocks": shocks_of(one["pulse"])} for one in requirements]
     study = study_from(study, threads)
     verdicts = check(study, required, C, tolerance)
-    moved = [
-        extremes_of(
-            replace(study, device=device, shocks=one["shocks"]), one["N"], one["f0"], damping
+    asked = product(required, study.devices().values(), C)
+    moved, survived = [], []
+    for place, (one, device, damping) in enumerate(asked):
+        pushed = replace(study, device=device, shocks=one["shocks"])
+        moved.append(extremes_of(pushed, one["N"], one["f0"], damping))
+        verdicts[place], survival = judge(
+            verdicts[place], device, moved[-1].stress_max, one["survives"]
         )
-        for one in required
-        for device in study.devices().values()
-        for damping in C
-    ]
+        survived.append(survival)
     with open(path, "w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file)
-        rows.writerow(Verdict._fields + Extremes._fields)
-        rows.writerows(told + found for told, found in zip(verdicts, moved, strict=True))
+        rows.writerow(Verdict._fields + Extremes._fields + Survival._fields)
+        rows.writerows(map(chain.from_iterable, zip(verdicts, moved, survived, strict=True)))
     print(f"{path}: {summary(verdicts)}")
 
 

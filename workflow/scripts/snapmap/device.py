@@ -22,6 +22,12 @@ NEWTON_STEPS = 100
 RESTITUTION = 0.5
 STOPS = {"toward": "stop_toward", "away": "stop_away", "restitution": "restitution"}
 """Values of the device by their keys in the config's section `stops`."""
+STRENGTH = {
+    "scale": "strength",
+    "modulus": "strength_modulus",
+    "threshold": "strength_threshold",
+}
+"""Likewise in its section `strength`."""
 THINNEST = 1e6
 """Most of rise over thickness: beyond, the digits of a float no longer hold bending and stretch."""
 
@@ -189,6 +195,8 @@ class Device:
     stop_toward, stop_away: way of the mass from rest to a rigid stop, towards the beam and away
         from it, um; math.inf for none
     restitution: share of its speed with which the mass leaves a stop, 0 to 1
+    strength: tensile stress at which the beam breaks, MPa, math.inf for never; or the scale of a
+        Weibull distribution of it, with strength_modulus and strength_threshold, MPa
     """
 
     beam: Beam
@@ -200,12 +208,19 @@ class Device:
     stop_toward: Value = math.inf
     stop_away: Value = math.inf
     restitution: Value = RESTITUTION
+    strength: Value = math.inf
+    strength_modulus: Value = math.inf
+    strength_threshold: Value = 0.0
 
     def __post_init__(self):
         _require_from_zero("device.gap", self.gap)
         for key in ("toward", "away"):
             way = getattr(self, STOPS[key])
             _require(np.greater(way, 0), f"device.stops.{key}: {{}} is not a positive number", way)
+        for key in ("scale", "modulus"):
+            value = getattr(self, STRENGTH[key])
+            _require(np.greater(value, 0), f"device.strength.{key}: {{}} is not positive", value)
+        _require_from_zero("device.strength.threshold", self.strength_threshold)
         share = np.greater_equal(self.restitution, 0) & np.less_equal(self.restitution, 1)
         _require(share, "device.stops.restitution: {} is not from 0 to 1", self.restitution)
         for name in ("mass", "spring", "gravity"):

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..device import Beam
+from ..device import Beam, Device
 from ..numerics.linalg import apply, multiply, outer, solve
 from .basis import Basis
 from .prestress import at_rest, kinds_of
@@ -38,6 +38,18 @@ class Stress(NamedTuple):
         """
         bent = apply(self.bending, u) + self.rest - outer(contact, self.residual)
         return np.abs(bent).max(axis=-1) + self.tension - axial_force / self.area
+
+
+def break_probability(device: Device, stress: np.ndarray) -> np.ndarray:
+    """Probability that beams break under their largest stress, MPa.
+
+    That is 1 - exp(-((stress - threshold) / scale)^modulus) of a Weibull distribution of the
+    strength, and 0 or 1 where it is a number: a modulus without end.
+    """
+    # ASSUME: the largest stress alone decides, not how much of the beam bears it.
+    over = np.maximum(stress - device.strength_threshold, 0.0) / device.strength
+    with np.errstate(over="ignore"):
+        return -np.expm1(-(over**device.strength_modulus))
 
 
 def stress_of(beam: Beam, basis: Basis, shapes: np.ndarray) -> Stress:

@@ -6,7 +6,7 @@ from pathlib import Path
 from ..beam.barrier import find_barrier
 from ..beam.cosines import buckling_shapes
 from ..beam.equilibria import least_way
-from ..device import STOPS, Beam, Device
+from ..device import STOPS, STRENGTH, Beam, Device
 from ..quantities import QUANTITIES
 from .faults import Faults, convert_part, refuse
 from .quality import KEY, damped
@@ -14,7 +14,7 @@ from .schema import schema_faults, validator
 from .units import read
 from .yaml_file import ConfigError, read_document
 
-APART = "beam", "stops", KEY
+APART = "beam", "stops", "strength", KEY
 """Keys of a device that are no value of it."""
 TILTING = 8
 """Shapes of each kind by which it is told whether a free beam has a second one."""
@@ -103,7 +103,8 @@ def read_device(section: Mapping, name: str = "device") -> Device:
         return Device(
             beam=_beam(section["beam"], formats["beam"]["properties"]),
             **_convert({key: section[key] for key in section if key not in APART}, formats),
-            **_stops(section.get("stops", {})),
+            **_values(section.get("stops", {}), STOPS),
+            **_strength(section.get("strength", {})),
         )
     except ValueError as error:
         raise ValueError(str(error).replace("device.", f"{name}.", 1)) from None
@@ -122,8 +123,15 @@ def _beam(section, formats):
     return damped(beam, read(section[KEY], "quality"))
 
 
-def _stops(section):
-    named = {STOPS[key]: value for key, value in section.items()}
+def _strength(given):
+    try:
+        return _values(given if isinstance(given, Mapping) else {"scale": given}, STRENGTH)
+    except ValueError as error:
+        raise ValueError(f"device.strength: {error}") from None
+
+
+def _values(section, names):
+    named = {names[key]: value for key, value in section.items()}
     return {key: read(value, QUANTITIES[key].kind) for key, value in named.items()}
 
 

@@ -18,12 +18,15 @@ from .units import read, show
 
 SHARES = ("rise", "fall")
 """Of a trapezoid, over its duration."""
+# ASSUME: of devices whose strengths scatter all but one in a thousand must survive.
+SURVIVES = 0.999
 
 
 class Requirement(NamedTuple):
     """A shock that must or must not trip the device.
 
     pulse: values for `shocks_of`; N: multiples of g; f0: Hz; snaps: whether it must
+    survives: the least probability with which its beam must not break; 0 if it may
     """
 
     name: str
@@ -31,6 +34,7 @@ class Requirement(NamedTuple):
     N: float
     f0: float
     snaps: bool
+    survives: float
 
 
 def pulse_key(section: object, path: Place, faults: Faults, recorded: bool = False) -> str:
@@ -99,9 +103,20 @@ def _requirement(section, path, names):
         N = read(section["N"], "number")
         if not N > 0:
             raise ValueError(f"N: {N:g} is not above 0; a direction of -z pushes the other way")
-        return Requirement(name, pulse, N, f0 or shocks.own_frequency(), section["snaps"])
+        survives = _survives(section.get("survives", True))
+        own = f0 or shocks.own_frequency()
+        return Requirement(name, pulse, N, own, section["snaps"], survives)
     except ValueError as error:
         raise ValueError(f"{name_of(path)}: {error}") from None
+
+
+def _survives(given):
+    if isinstance(given, bool):
+        return SURVIVES if given else 0.0
+    try:
+        return read(given, "share")
+    except ValueError as error:
+        raise ValueError(f"survives: {error}") from None
 
 
 def read_own_points(path: str) -> tuple[str, str]:

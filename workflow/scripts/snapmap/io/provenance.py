@@ -12,7 +12,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from .. import __version__
-from ..device import RESTITUTION, STOPS, Device
+from ..device import RESTITUTION, STOPS, STRENGTH, Device
 from ..pulse import Pulse, Shocks
 from ..quantities import QUANTITIES
 from .dependencies import code_hash
@@ -75,12 +75,19 @@ def _section(device):
     values = asdict(device)
     beam = values.pop("beam")
     guide = {"guide": "free"} if beam.pop("free") else {}
-    stops = _with_units({name: values.pop(name) for name in STOPS.values()})
-    stops = {key: stops[name] for key, name in STOPS.items() if name in stops}
+    stops, strength = (_part(values, names) for names in (STOPS, STRENGTH))
     # Stops that are an axis alone bounce as the device says.
     is_told = device.has_stops or device.restitution != RESTITUTION
     written = {"stops": stops} if is_told else {}
+    if strength:
+        written["strength"] = strength["scale"] if [*strength] == ["scale"] else strength
     return {"beam": _with_units(beam) | guide, **_with_units(values), **written}
+
+
+def _part(values, names):
+    """Values taken out of all, by their keys in a section of their own."""
+    part = _with_units({name: values.pop(name) for name in names.values()})
+    return {key: part[name] for key, name in names.items() if name in part}
 
 
 def _with_units(values):

@@ -111,10 +111,11 @@ def _stops(device, first):
 
 
 def _stresses(values, second):
-    """The largest stress, MPa, over the run and up to its snap."""
+    """The largest stress, MPa, over the run and up to its snap, by their names."""
     snapped = np.flatnonzero(values["w_mid"] <= second)[:1]
     before = values["stress"][: snapped[0] + 1] if snapped.size else values["stress"]
-    return {"stress_max": values["stress"].max(), "stress_max_to_snap": before.max()}
+    found = {"stress_max": values["stress"], "stress_max_to_snap": before}
+    return {key: part.max().item() for key, part in found.items()}
 
 
 class Extremes(NamedTuple):
@@ -122,13 +123,14 @@ class Extremes(NamedTuple):
 
     toward_max, away_max: of the mass from rest, toward the beam and away from it, um
     contact_force_max: between mass and beam, uN
-    stress_max: tensile, in the beam, MPa
+    stress_max, stress_max_to_snap: tensile, in the beam, MPa
     """
 
     toward_max: float
     away_max: float
     contact_force_max: float
     stress_max: float
+    stress_max_to_snap: float
 
 
 def extremes_of(study: Study, N: float, f0: float, C: float) -> Extremes:
@@ -137,8 +139,8 @@ def extremes_of(study: Study, N: float, f0: float, C: float) -> Extremes:
     _, _, values = _record(built, cells, study.settings, SAMPLES_OF_EXTREMES)
     y = values["z_mass"] - (built.barrier.first + study.device.gap)
     ways = np.maximum(0.0, [-y.min(), y.max()])  # NaN of a run that failed
-    largest = (values[key].max().item() for key in ("contact_force", "stress"))
-    return Extremes(*ways.tolist(), *largest)
+    pressed = values["contact_force"].max().item()
+    return Extremes(*ways.tolist(), pressed, **_stresses(values, built.barrier.second))
 
 
 def _cell(study, N, f0, C):
