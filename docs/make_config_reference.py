@@ -14,7 +14,7 @@ from snapmap.config import units
 from snapmap.config.devices import load_device
 from snapmap.config.histories import HANDOUT_CASE
 from snapmap.config.schema import validator
-from snapmap.config.shocks import OF_SPECTRA, SHARES, WHOLE
+from snapmap.config.shocks import OF_SPECTRA, SHARES, SURVIVES, WHOLE
 from snapmap.config.study import load_config
 from snapmap.config.views import MOST_MAPS
 from snapmap.device import REFERENCE, RESTITUTION, VALUES, Beam, Device
@@ -157,6 +157,7 @@ def _sections(schema, defaults):
     yield _section("device.beam", device["properties"]["beam"], defaults)
     yield _section("device.stops", device["properties"]["stops"], defaults)
     yield _section("device.thermal", device["properties"]["thermal"], defaults)
+    yield _section("device.strength", device["properties"]["strength"], defaults)
     yield _section("model", parts["model"], defaults)
     yield _options()
     yield _section("pulse", _resolved(parts["pulse"], schema), defaults)
@@ -204,6 +205,8 @@ def code_defaults() -> dict[str, str]:
         **dict.fromkeys(
             (f"device.thermal.{key}" for key in ("modulus", "mismatch", "damping")), "`0`"
         ),
+        "device.strength": "the beam never breaks",
+        "device.strength.threshold": "`0 MPa`",
         "device.beam.guide": "`guided`",
         "device.beam.imperfection": "required if `guide` is `free`",
         "model.elements": f"`{elements['elements']}`",
@@ -236,6 +239,7 @@ def code_defaults() -> dict[str, str]:
         "each of requirements.N": "required, but of a drop or with `psd`, `srs`",
         **{f"each of requirements.{key}": "one shock" for key in OF_SPECTRA},
         "each of requirements.probability": f"`{100 * REACH:g} %`",
+        "each of requirements.survives": f"`true`, which asks for `{SURVIVES * 100:g} %`",
         "each of requirements.duration": "`f0`",
         "sweep.f0": "required, or `duration`, or a pulse that has its own",
         "sweep.duration": "`f0`",

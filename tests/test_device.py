@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from snapmap.device import THERMAL, VALUES, Beam, Device
+from snapmap.device import STRENGTH, THERMAL, VALUES, Beam, Device
 
 BEAM = Beam(span=600.0, rise=10.0, thickness=2.0, depth=22.0, youngs_modulus=1.5e5, density=0.00233)
 DEVICE = Device(beam=BEAM, mass=1e4, spring=5.5, contact=40.0, gravity=9.81e-6)
@@ -71,4 +71,4 @@ def test_contact_may_be_hard():
 
 def test_every_value_has_its_line_in_the_table():
     fields = {*Beam.__dataclass_fields__, *Device.__dataclass_fields__} - {"beam", "free"}
-    assert fields == {*VALUES, "gravity", *THERMAL.values()}
+    assert fields == {*VALUES, "gravity", *STRENGTH.values(), *THERMAL.values()}

@@ -161,10 +161,13 @@ def test_margins_of_requirements_are_the_data_with_their_bars():
         {"requirement": "shelf", "device": "", "C": 0.5, "must_snap": False}
         | {"margin": 0.9, "margin_error": 0.02, "verdict": "failed"},
     ]
+    for row, breaks in zip(verdicts, [0.0, 1e-4, 0.01], strict=True):
+        row |= {"must_survive": 0.999, "break_probability": breaks}
     ax = requirements.draw_margins(style.double_column(height=2.0).subplots(), verdicts)
     points = {line.get_xydata()[0].tolist()[0] for line in ax.lines if line.get_marker() != "None"}
     assert {0.8, 0.9} <= points
-    assert [text.get_text().strip() for text in ax.texts] == ["snaps at no $N$ seen"]
+    told = ["snaps at no $N$ seen", "the beam breaks"]
+    assert [text.get_text().strip() for text in ax.texts] == told
     assert [label.get_text().splitlines()[0] for label in ax.get_yticklabels()] == [
         "drop, trips",
         "back, does not trip",

@@ -62,6 +62,7 @@ def test_the_largest_values_are_those_of_the_history(handout):
     ways = max(0, -moved.min()), max(0, moved.max())
     assert (found.toward_max, found.away_max) == pytest.approx(ways, rel=1e-4, abs=1e-4)
     assert found.contact_force_max == pytest.approx(run.contact_force.max().item(), rel=1e-3)
+    assert found.stress_max == pytest.approx(run.stress_max, rel=5e-3)
 
 
 @pytest.mark.parametrize(

@@ -9,13 +9,16 @@ import yaml
 
 import snapmap
 from snapmap.axes import make_grid
+from snapmap.beam.stress import break_probability
+from snapmap.config.devices import read_device
 from snapmap.config.products import products
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError
+from snapmap.io.provenance import device_sections
 from snapmap.pulse import make_pulse, shocks_from
 from snapmap.solver.settings import Settings
 from snapmap.study import Study
-from snapmap.thresholds.requirements import check, summary
+from snapmap.thresholds.requirements import Verdict, check, judge, summary
 
 SETTINGS = Settings(horizon=300.0)
 
@@ -86,6 +89,8 @@ def test_a_pulse_that_cannot_be_is_named_in_one_line(document, pulse, wanted):
         ({"shape": "step"}, "requirements[0].shape: 'step' is not one of"),
         ({"direction": "both"}, "requirements[0].direction: 'both' is not one of"),
         ({"snaps": "yes"}, "requirements[0].snaps: "),
+        ({"survives": "100 %"}, "requirements[0]: survives: '100 %' is not between 0 % and 100 %"),
+        ({"survives": 1}, "requirements[0].survives: 1 is not true or false: whether the beam"),
         ({"file": "no.csv"}, "requirements[0]: pulse.file: no.csv: is not there"),
     ],
 )
@@ -155,6 +160,42 @@ def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout):
         assert one.duration == 0.5 and one.shape == "half sine" and one.direction == "+z"
     told = summary(verdicts)
     assert told.startswith("2 of 6 requirements met; failed: below True, above False; unclear: at")
+
+
+def test_a_requirement_fails_if_the_beam_breaks(handout):
+    blank = dict.fromkeys(Verdict._fields) | {"verdict": "met"}
+    told, brittle = Verdict(**blank), replace(handout, strength=1500.0)
+    for stress, must, verdict in ((1499, 0.999, "met"), (1501, 0.999, "failed"), (1501, 0, "met")):
+        found, survival = judge(told, brittle, float(stress), must)
+        assert found.verdict == verdict
+        assert survival == (must, pytest.approx(1500 / stress), float(stress > 1500))
+    found, survival = judge(told, handout, 9e9, 0.999)
+    assert found.verdict == "met" and np.isnan(survival.strength_margin)
+    scattered = replace(brittle, strength_modulus=2.0, strength_threshold=1000.0)
+    verdicts = [
+        judge(told, scattered, stress, 0.9)[0].verdict for stress in (900.0, 1400.0, 1600.0)
+    ]
+    assert verdicts == ["met", "met", "failed"]  # exp(-(1400 - 1000)^2/1500^2) = 0.931
+
+
+def test_a_config_has_a_strength_and_its_recipe_too(document):
+    def read(strength):
+        return load_config(document | {"device": document["device"] | {"strength": strength}})
+
+    weibull = {"scale": "3 GPa", "modulus": 10, "threshold": "1.446 GPa"}
+    for given, kept in (("1.5 GPa", (1500, np.inf, 0)), (weibull, (3000, 10, 1446))):
+        device = read(given).device
+        found = device.strength, device.strength_modulus, device.strength_threshold
+        assert found == kept
+        written = device_sections(device)["device"]
+        assert read_device(written) == device
+        assert break_probability(device, np.array(kept[2])) == 0
+    assert written["strength"]["modulus"] == "10.0"
+    assert break_probability(device, np.array(4446.0)) == pytest.approx(1 - np.exp(-1))
+    assert "strength" not in device_sections(load_config(document).device)["device"]
+    for given in ("1.5", "-1 GPa", {"scale": "3 GPa"}, {"scale": "3 m", "modulus": 10}, 3):
+        with pytest.raises(ConfigError, match=r"^device.strength[^\n]*$"):
+            read(given)
 
 
 def test_grids_know_their_pulses(handout):

@@ -19,6 +19,7 @@ from snapmap.figures.explore_batch import batch_section
 from snapmap.pulse import shocks_from
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
+from snapmap.tolerances import breaking
 from snapmap.tolerances.batch import Batch
 from snapmap.tolerances.dataset import summary
 from snapmap.tolerances.samples import CUT, Plan
@@ -185,14 +186,17 @@ def test_results_hang_neither_on_threads_nor_on_company(handout):
     np.testing.assert_array_equal(one.thickness, two.thickness[:80])
 
 
-def test_shares_that_meet_requirements_are_those_of_the_thresholds(handout):
+def test_shares_that_meet_requirements_are_those_of_the_thresholds(handout, monkeypatch):
+    monkeypatch.setattr(breaking, "FEWEST", 10)
+    monkeypatch.setattr(breaking, "FOLLOWED", 0)
     shocks = shocks_from("half sine", "+z")
     asked = [
         {"name": "trips", "shocks": shocks, "N": 1000.0, "f0": 2000.0, "snaps": True},
         {"name": "rests", "shocks": shocks, "N": 850.0, "f0": 1000.0, "snaps": False},
     ]
+    brittle = replace(handout, strength=225.0)
     made = snapmap.tolerance(
-        handout, {"thickness": "5 %"}, [1500.0], [25.0], samples=100, requirements=asked, **CHEAP
+        brittle, {"thickness": "5 %"}, [1500.0], [25.0], samples=100, requirements=asked, **CHEAP
     )
     first, rests = made.N_first_required.squeeze("C").values
     trips, quiet = first <= 1000, ~(rests <= 850)
@@ -200,6 +204,13 @@ def test_shares_that_meet_requirements_are_those_of_the_thresholds(handout):
     np.testing.assert_allclose(share, [trips.mean(), quiet.mean()], atol=0.011)
     assert made["yield"].item() == pytest.approx((trips & quiet).mean(), abs=0.011)
     assert made.yield_bound.values[0] < made["yield"].item() < made.yield_bound.values[1]
+    followed = made.stress_max.squeeze("C").dropna("sample")
+    assert followed.sizes["sample"] == 10
+    np.testing.assert_allclose(made.share_breaking.squeeze("C"), (followed > 225).mean("sample"))
+    assert 0 < made.share_breaking.values[0] < 1
+    alone = vary(handout, thickness=made.thickness[0].item())
+    run = snapmap.simulate(alone, 1000, 2000, 25, pulse="half sine", **CHEAP)
+    assert run.stress_max == pytest.approx(followed.values[0, 0], rel=0.05)
     kept = snapmap.threshold(handout, [2000.0], [25.0], pulse="half sine", **CHEAP)
     assert np.interp(made.thickness.mean(), *np.sort([made.thickness, first])) == pytest.approx(
         kept.N_first.item(), rel=5e-3

@@ -26,6 +26,7 @@ UNITS = {
     "toward_max": ("way of the mass towards the beam", "um"),
     "away_max": ("way of the mass away from the beam", "um"),
     "contact_force_max": ("force between mass and beam", "uN"),
+    "stress_max": ("tensile stress in the beam", "MPa"),
 }
 """Of `Extremes`, as a data sheet names them."""
 

@@ -33,6 +33,12 @@ REFERENCE = 20.0
 """Temperature, degC, at which the values of a device hold unless it says another."""
 ZERO = 273.15
 """K, of 0 degC."""
+STRENGTH = {
+    "scale": "strength",
+    "modulus": "strength_modulus",
+    "threshold": "strength_threshold",
+}
+"""Likewise in its section `strength`."""
 THINNEST = 1e6
 """Most of rise over thickness: beyond, the digits of a float no longer hold bending and stretch."""
 
@@ -205,6 +211,8 @@ class Device:
     modulus_slope: change of Young's modulus over itself, 1/K
     expansion_mismatch: thermal expansion of the beam less that of what it is clamped to, 1/K
     damper_exponent: C grows with the absolute temperature to this power
+    strength: tensile stress at which the beam breaks, MPa, math.inf for never; or the scale of a
+        Weibull distribution of it, with strength_modulus and strength_threshold, MPa
     """
 
     beam: Beam
@@ -221,12 +229,19 @@ class Device:
     modulus_slope: Value = 0.0
     expansion_mismatch: Value = 0.0
     damper_exponent: Value = 0.0
+    strength: Value = math.inf
+    strength_modulus: Value = math.inf
+    strength_threshold: Value = 0.0
 
     def __post_init__(self):
         _require_from_zero("device.gap", self.gap)
         for key in ("toward", "away"):
             way = getattr(self, STOPS[key])
             _require(np.greater(way, 0), f"device.stops.{key}: {{}} is not a positive number", way)
+        for key in ("scale", "modulus"):
+            value = getattr(self, STRENGTH[key])
+            _require(np.greater(value, 0), f"device.strength.{key}: {{}} is not positive", value)
+        _require_from_zero("device.strength.threshold", self.strength_threshold)
         share = np.greater_equal(self.restitution, 0) & np.less_equal(self.restitution, 1)
         _require(share, "device.stops.restitution: {} is not from 0 to 1", self.restitution)
         for key, name in (

@@ -27,6 +27,7 @@ KINDS = {
     "length": Kind("a length", "um", "'600 um'"),
     "modulus": Kind("a modulus", "MPa", "'150 GPa'"),
     "distance": Kind("a length", "um", "'0.5 um'", zero=True),
+    "strength": Kind("a stress", "MPa", "'1.5 GPa'"),
     "stress": Kind("a stress", "MPa", "'-11 MPa'", zero=True, signed=True),
     "density": Kind("a density", "ng/um^3", "'2330 kg/m^3'"),
     "rate": Kind("a damping rate", "1/us", "'4e-4 /us'", zero=True),
@@ -160,6 +161,9 @@ _ALL = (
     Quantity("modulus_slope", "expansion", left_out=0.0),
     Quantity("expansion_mismatch", "expansion", left_out=0.0),
     Quantity("damper_exponent", "exponent", left_out=0.0),
+    Quantity("strength", "strength", left_out=math.inf),
+    Quantity("strength_modulus", "quality", left_out=math.inf),
+    Quantity("strength_threshold", "strength", left_out=0.0),
     Quantity("gravity", "acceleration"),
     Quantity("shape", "", "shape of the pulse", "", "shape of the pulse"),
     Quantity(

@@ -7,6 +7,9 @@ import numpy as np
 
 from ..device import Beam
 
+PLACES = 5
+"""Where curvature is told: 0, L/4, L/2, 3L/4 and L."""
+
 
 @dataclass(frozen=True, eq=False)
 class Basis:
@@ -24,9 +27,11 @@ class Basis:
     midpoint: (n,), w~(L/2)
     start: (n,), the stress-free shape w0, in the rise
     tilt: (n,), the first antisymmetric shape, its largest displacement 1; 0 of a guided beam
+    curvature: (PLACES, n), w~'' there, in 1/L^2
     flexibility: axial force N (in EI/L^2) -> static deflection of the midpoint per force there
         (in L^3/EI)
-    complete: whether that flexibility is the n shapes' own; else it is the exact beam's
+    bent: likewise -> static w'' at the PLACES per force on the midpoint (in L/EI)
+    complete: whether these two are the n shapes' own; else they are the exact beam's
     """
 
     mass: np.ndarray
@@ -36,12 +41,14 @@ class Basis:
     midpoint: np.ndarray
     start: np.ndarray
     tilt: np.ndarray
+    curvature: np.ndarray
     flexibility: Callable[[np.ndarray], np.ndarray]
+    bent: Callable[[np.ndarray], np.ndarray]
     complete: bool
 
     def scaled_to(self, beam: Beam) -> "Basis":
         """The same shapes for a beam as made: ng, uN/um, 1/um, um and um/uN; N in uN."""
-        unit_force = beam.stiffness_unit * beam.span
+        unit_force, square = beam.stiffness_unit * beam.span, beam.span * beam.span
         return replace(
             self,
             mass=beam.weight * self.mass,
@@ -49,7 +56,9 @@ class Basis:
             geometric=self.geometric / beam.span,
             load=beam.weight * self.load,
             start=beam.rise * self.start + beam.imperfection * self.tilt,
+            curvature=self.curvature / square,
             flexibility=lambda force: self.flexibility(force / unit_force) / beam.stiffness_unit,
+            bent=lambda force: self.bent(force / unit_force) / (beam.stiffness_unit * square),
         )
 
 

@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 
 from ..numerics.portable import sine
-from .basis import Basis, block_diagonal
+from .basis import PLACES, Basis, block_diagonal
 
 TERMS = 30
 """Of the continued fraction of the tangent; ten give all digits up to the second buckling load."""
@@ -30,7 +30,9 @@ def symmetric_cosines(cosines: int) -> Basis:
         midpoint=np.where(n % 2, 2.0, 0.0),
         start=start,
         tilt=np.zeros(cosines),
+        curvature=square * _quarters(n),
         flexibility=_midpoint_flexibility,
+        bent=_bent,
         complete=False,
     )
 
@@ -53,7 +55,9 @@ def buckling_shapes(cosines: int) -> Basis:
         midpoint=np.append(symmetric.midpoint, none),
         start=np.append(symmetric.start, none),
         tilt=tilt,
+        curvature=np.hstack([symmetric.curvature, square * _halves(mu)]),
         flexibility=_midpoint_flexibility,
+        bent=_bent,
         complete=False,
     )
 
@@ -78,10 +82,34 @@ def _midpoint_flexibility(axial_force):
     """Clamped beam-column under a midpoint force: L^3/(192 EI) * 3 (tan u - u) / u^3.
 
     u = L/4 sqrt(N/EI), compression positive (Timoshenko & Gere, ch. 1); with Lambert's fraction
-    tan u = u / (1 - u^2/f), f = 3 - u^2/(5 - u^2/(7 - ...)), the last factor is 3 / (f - u^2).
+    tan u = u / (1 - u^2/f), the last factor is 3 / (f - u^2).
     """
+    square, fraction = _lambert(axial_force)
+    return 3 / (fraction - square) / 192
+
+
+def _bent(axial_force):
+    """Its w'' at the PLACES: L/(8 EI) tan u / u at the clamps, as much less than 0 at midspan."""
+    square, fraction = _lambert(axial_force)
+    return np.multiply.outer(fraction / (fraction - square) / 8, [1.0, 0.0, -1.0, 0.0, 1.0])
+
+
+def _lambert(axial_force):
+    """u^2 and f = 3 - u^2/(5 - u^2/(7 - ...))."""
     square = axial_force / 16
     fraction = 2.0 * TERMS + 1
     for odd in range(2 * TERMS - 1, 1, -2):
         fraction = odd - square / fraction
-    return 3 / (fraction - square) / 192
+    return square, fraction
+
+
+def _quarters(n):
+    """cos(2 n pi x / L) at the PLACES, (PLACES, n)."""
+    turns = n * np.arange(PLACES)[:, np.newaxis] % 4
+    return np.array([1.0, 0.0, -1.0, 0.0])[turns]
+
+
+def _halves(mu):
+    """-sin(mu y / L) / sin(mu / 2) at the PLACES, (PLACES, n): half way by the half angle."""
+    inner = np.array([0.5 / sine(one / (8 * np.pi) + 0.25) for one in mu.tolist()])
+    return np.stack([0 * mu + 1, inner, 0 * mu, -inner, 0 * mu - 1])

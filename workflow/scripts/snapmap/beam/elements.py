@@ -5,7 +5,7 @@ from math import pi
 
 import numpy as np
 
-from ..numerics.linalg import dot, solve
+from ..numerics.linalg import apply, dot, solve
 from ..numerics.portable import sine
 from .basis import Basis, block_diagonal
 from .cosines import antisymmetric_loads
@@ -33,19 +33,25 @@ def hermite_elements(
     bending, geometric, mass = (_assemble(elements, part, SYMMETRIC) for part in parts)
     none = np.zeros(2 * elements - 1)
     load, start, tilt = _assemble_vector(elements, _load(h)), _interpolate_start(elements), none
-    midpoint = none.copy()
+    midpoint, curvature = none.copy(), _curvature(elements, SYMMETRIC)
     midpoint[-1] = 1.0
     if free:
         others = (_assemble(elements, part, ANTISYMMETRIC) for part in parts)
         bending, geometric, mass = map(block_diagonal, (bending, geometric, mass), others)
         load, start, midpoint = (np.append(vector, none) for vector in (load, start, midpoint))
         tilt = np.append(none, _interpolate_tilt(elements))
+        curvature = np.hstack([curvature, _curvature(elements, ANTISYMMETRIC)])
 
-    def flexibility(axial_force):
+    def pushed(axial_force):
         tangent = bending - np.asarray(axial_force)[..., np.newaxis, np.newaxis] * geometric
-        return dot(midpoint, solve(tangent, midpoint))
+        return solve(tangent, midpoint)
 
-    return Basis(mass, bending, geometric, load, midpoint, start, tilt, flexibility, complete=True)
+    return Basis(
+        *(mass, bending, geometric, load, midpoint, start, tilt, curvature),
+        flexibility=lambda axial_force: dot(midpoint, pushed(axial_force)),
+        bent=lambda axial_force: apply(curvature, pushed(axial_force)),
+        complete=True,
+    )
 
 
 def _bending(h):
@@ -112,6 +118,20 @@ def _assemble_vector(elements, element_vector):
     for i in range(0, 2 * elements, 2):
         full[i : i + 4] += element_vector
     return 2 * full[2:-1]
+
+
+def _curvature(elements, fixed):
+    """w'' at the PLACES, the mean of both sides where it jumps, of the unknowns that are left."""
+    h, mirrored = 1 / (2 * elements), 1 if fixed == SYMMETRIC else -1
+    begins, ends = np.array([[-6, -4 * h, 6, -2 * h], [6, 2 * h, -6, 4 * h]]) / (h * h)
+    half = np.zeros((elements, 2, 2 * elements + 2))
+    for i in range(elements):
+        half[i, :, 2 * i : 2 * i + 4] = begins, ends
+    # A quarter of the span is a node, or the middle of an element.
+    quarter = (half[(elements - 1) // 2, 1] + half[elements // 2, 0]) / 2
+    middle = half[-1, 1] * (1 + mirrored) / 2
+    places = [half[0, 0], quarter, middle, mirrored * quarter, mirrored * half[0, 0]]
+    return np.delete(np.array(places), [0, 1, 2 * elements + 2 + fixed], axis=1)
 
 
 def _interpolate_start(elements):

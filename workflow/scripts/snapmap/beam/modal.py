@@ -25,6 +25,7 @@ class ModalBeam(NamedTuple):
     midpoint: (k,), ng^-0.5
     axial: E A / (2 L), uN/um
     residual: static flexibility of the modes left out, um/uN; 0 when none is
+    shapes: (n, k), V over the basis's n shapes, ng^-0.5
 
     Of a batch of devices each has one more axis, in front.
     """
@@ -36,6 +37,7 @@ class ModalBeam(NamedTuple):
     midpoint: np.ndarray
     axial: Value
     residual: Value
+    shapes: np.ndarray
 
 
 def reduce_to_modes(beam: Beam, basis: Basis, modes: int | None = None) -> ModalBeam:
@@ -54,6 +56,7 @@ def reduce_to_modes(beam: Beam, basis: Basis, modes: int | None = None) -> Modal
         midpoint=unit.midpoint / _column(root, 1),
         axial=beam.axial_stiffness,
         residual=unit.residual / beam.stiffness_unit,
+        shapes=unit.shapes / _column(root, 2),
     )
 
 
@@ -81,6 +84,7 @@ def unit_form(basis: Basis, modes: int | None, kinds: Kinds) -> ModalBeam:
         midpoint=apply(back, basis.midpoint),
         axial=np.ones(T.size),
         residual=np.zeros(T.size),
+        shapes=shapes,
     )
     return found._replace(residual=_residual_flexibility(basis, found, T))
 
@@ -98,6 +102,7 @@ def unit_modes(basis: Basis, modes: int | None = None) -> ModalBeam:
         midpoint=apply(shapes.T, basis.midpoint),
         axial=1.0,
         residual=0.0,
+        shapes=shapes,
     )
     return modal._replace(residual=_residual_flexibility(basis, modal, 0.0))
 

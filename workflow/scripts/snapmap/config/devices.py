@@ -6,7 +6,7 @@ from pathlib import Path
 from ..beam.barrier import find_barrier
 from ..beam.cosines import buckling_shapes
 from ..beam.equilibria import least_way
-from ..device import STOPS, THERMAL, Beam, Device
+from ..device import STOPS, STRENGTH, THERMAL, Beam, Device
 from ..quantities import QUANTITIES
 from .faults import Faults, convert_part, refuse
 from .quality import KEY, damped
@@ -14,7 +14,7 @@ from .schema import schema_faults, validator
 from .units import read
 from .yaml_file import ConfigError, read_document
 
-APART = "beam", "stops", "thermal", KEY
+APART = "beam", "stops", "strength", "thermal", KEY
 """Keys of a device that are no value of it."""
 TILTING = 8
 """Shapes of each kind by which it is told whether a free beam has a second one."""
@@ -103,7 +103,8 @@ def read_device(section: Mapping, name: str = "device") -> Device:
         return Device(
             beam=_beam(section["beam"], formats["beam"]["properties"]),
             **_convert({key: section[key] for key in section if key not in APART}, formats),
-            **_named(section.get("stops", {}), STOPS),
+            **_values(section.get("stops", {}), STOPS),
+            **_strength(section.get("strength", {})),
             **_thermal(section.get("thermal", {})),
         )
     except ValueError as error:
@@ -123,14 +124,21 @@ def _beam(section, formats):
     return damped(beam, read(section[KEY], "quality"))
 
 
-def _named(section, names):
+def _strength(given):
+    try:
+        return _values(given if isinstance(given, Mapping) else {"scale": given}, STRENGTH)
+    except ValueError as error:
+        raise ValueError(f"device.strength: {error}") from None
+
+
+def _values(section, names):
     named = {names[key]: value for key, value in section.items()}
     return {key: read(value, QUANTITIES[key].kind) for key, value in named.items()}
 
 
 def _thermal(section):
     """The device is at the reference: its temperature is an axis."""
-    values = _named(section, THERMAL)
+    values = _values(section, THERMAL)
     at = "reference_temperature"
     return values | {"temperature": values[at]} if at in values else values
 

@@ -32,12 +32,15 @@ KINDS_IN_TRAINS = {
     **dict.fromkeys(("from", "to"), "frequency"),
     "height": "length",
 }
+# ASSUME: of devices whose strengths scatter all but one in a thousand must survive.
+SURVIVES = 0.999
 
 
 class Requirement(NamedTuple):
     """A shock that must or must not trip the device.
 
     pulse: values for `shocks_of`; N: multiples of g; f0: Hz; snaps: whether it must
+    survives: the least probability with which its beam must not break; 0 if it may
     """
 
     name: str
@@ -45,6 +48,7 @@ class Requirement(NamedTuple):
     N: float
     f0: float
     snaps: bool
+    survives: float
 
 
 class Vibration(NamedTuple):
@@ -201,7 +205,18 @@ def _requirement(section, name):
     N = read(section["N"], "number") if "N" in section else own_N
     if not N > 0:
         raise ValueError(f"N: {N:g} is not above 0; a direction of -z pushes the other way")
-    return Requirement(name, pulse, N, f0 or shocks.own_frequency(), section["snaps"])
+    survives = _survives(section.get("survives", True))
+    own = f0 or shocks.own_frequency()
+    return Requirement(name, pulse, N, own, section["snaps"], survives)
+
+
+def _survives(given):
+    if isinstance(given, bool):
+        return SURVIVES if given else 0.0
+    try:
+        return read(given, "share")
+    except ValueError as error:
+        raise ValueError(f"survives: {error}") from None
 
 
 def read_own_points(path: str) -> tuple[str, str]:

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 
 from ..config.devices import read_device
 from ..config.quality import describe
-from ..device import STOPS
+from ..device import STOPS, STRENGTH
 from ..quantities import QUANTITIES, Quantity
 
 SHOWN = {
@@ -48,7 +48,7 @@ def _rows(values):
         if isinstance(value, Mapping):
             yield from _rows(value)
         else:
-            name = STOPS.get(key, key)
+            name = (STOPS | STRENGTH).get(key, key)
             yield name, words_of(name), _text(name, str(value))
 
 

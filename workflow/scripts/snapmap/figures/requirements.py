@@ -32,6 +32,9 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
             ax.errorbar(margin, place, xerr=row["margin_error"], **look)
         else:
             ax.annotate("snaps at no $N$ seen ", (high, place), ha="right", va="center", fontsize=6)
+        if row["break_probability"] > 1 - row["must_survive"]:
+            beside = margin if margin == margin else low
+            ax.annotate("   the beam breaks", (beside, place), va="center", fontsize=6)
     ax.axvline(1, color="black", linewidth=0.6)
     ax.set_yticks(range(len(verdicts)), [_name(row) for row in verdicts])
     ax.tick_params(axis="y", which="minor", left=False)

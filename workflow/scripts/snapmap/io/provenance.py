@@ -12,7 +12,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from .. import __version__
-from ..device import REFERENCE, RESTITUTION, STOPS, THERMAL, Device
+from ..device import REFERENCE, RESTITUTION, STOPS, STRENGTH, THERMAL, Device
 from ..pulse import Pulse, Shocks
 from ..quantities import QUANTITIES
 from .dependencies import code_hash
@@ -75,12 +75,14 @@ def _section(device):
     values = asdict(device)
     beam = values.pop("beam")
     guide = {"guide": "free"} if beam.pop("free") else {}
-    stops, thermal = (_named(values, names) for names in (STOPS, THERMAL))
+    stops, strength, thermal = (_named(values, names) for names in (STOPS, STRENGTH, THERMAL))
     values.pop("temperature")  # its values hold there
     # Stops that are an axis alone bounce as the device says.
     stopped = device.has_stops or device.restitution != RESTITUTION
     warms = len(thermal) > 1 or device.reference_temperature != REFERENCE
     written = {"stops": stops} if stopped else {}
+    if strength:
+        written["strength"] = strength["scale"] if [*strength] == ["scale"] else strength
     written |= {"thermal": thermal} if warms else {}
     return {"beam": _with_units(beam) | guide, **_with_units(values), **written}
 

@@ -75,7 +75,7 @@ def trace(study: Study, cube: xr.Dataset, earlier: xr.Dataset | None = None) -> 
     window = _window(grid.device, cube, cells, settings)
     bins = next((n for n in BINS if n * len(VARIABLES) * f0.size <= BYTES), BINS[-1])
     made_by = recipe(__file__, json.loads(cube.attrs["config"]), grid.pulses, bins)
-    values, bin_length, known = _recall(earlier, grid, made_by, bins)
+    values, bin_length, stress, known = _recall(earlier, grid, made_by, bins)
     new = ~known & (device_of >= 0)
     for number, halved in np.unique([level[new], halvings[new]], axis=1).T:
         some = np.flatnonzero(new & (level == number) & (halvings == halved))
@@ -84,13 +84,16 @@ def trace(study: Study, cube: xr.Dataset, earlier: xr.Dataset | None = None) -> 
             which = some[mine]
             alike = cells.some(which)._replace(device=row)
             found = _follow(part, grid.pulses, alike, window[which], bins, settings.threads)
-            values[..., which], bin_length[which] = _shown(*found, window[which])
+            values[..., which], bin_length[which] = _shown(*found[:2], window[which])
+            stress[which] = found[2]
     y = values[2] - values[2, 0]
     ran = np.isfinite(y).all(axis=0) & (cube.outcome.values.ravel() != FAILED)
     if ran.any():
         extremes = y[:, ran].min(axis=0), y[:, ran].max(axis=0)
         warn_of_travel(grid.device.pick(device_of[ran]), *extremes)
     named = dict(zip(VARIABLES, values, strict=True))
+    if np.isfinite(grid.device.strength).any():
+        named["stress_max"] = stress
     return _dress(grid, cube, named, bin_length, levels[0]).assign_attrs(recipe=made_by)
 
 
@@ -132,20 +135,27 @@ def _window(device, cube, cells, settings):
 
 
 def _follow(model, pulses, cells, window, bins, threads):
-    """Values, (variables, bins, cells), and lengths of the bins, us; window: time followed, us."""
+    """Values, (variables, bins, cells), lengths of the bins, us, and the largest stress, MPa.
+
+    window: time followed, us
+    """
     first, barrier = model.barrier.first[cells.device], model.barrier.energy[cells.device]
     device = model.device
     origin = np.stack([first, first, first + device.gap[cells.device]])
     dt = model.steps.of(cells, pulses, MOVE)
     width = SAMPLE * np.ceil(window / (bins * SAMPLE * dt)).astype(np.int64)
-    values = np.empty((len(VARIABLES), bins, width.size))
+    values, stress = np.empty((len(VARIABLES), bins, width.size)), np.full(width.size, np.nan)
+    rows = None
+    if np.isfinite(device.strength).any():
+        rows = simd_loop.stress_rows(model)[cells.device]
     # Lanes run together to the end of the longest: those of one call should be of one length.
     order = np.argsort(width, kind="stable")
 
     def follow(some):
         loads = *(column[some] for column in cells[1:5]), width[some]
-        w_range, instants = simd_loop.trace(
-            model, cells.device[some], dt[some], pulses, loads, bins
+        asked = np.empty((0, 1, model.modes + 2)) if rows is None else rows[some]
+        w_range, instants, stress[some] = simd_loop.trace(
+            model, cells.device[some], dt[some], pulses, loads, bins, asked
         )
         # Half way through the step in which it bounces the mass is beyond a stop.
         which = cells.device[some]
@@ -157,7 +167,7 @@ def _follow(model, pulses, cells, window, bins, threads):
 
     with ThreadPoolExecutor(threads) as pool:
         list(pool.map(follow, np.split(order, range(LANES, order.size, LANES))))
-    return values, width * dt
+    return values, width * dt, stress
 
 
 def _shown(values, bin_length, window):
@@ -172,18 +182,21 @@ def _shown(values, bin_length, window):
 
 
 def _recall(earlier, grid, recipe, bins):
-    """Values and lengths of bins that earlier traces hold, and which cells they are of."""
+    """Values, lengths of bins and stress that earlier traces hold, and which cells they are of."""
     n_cells = math.prod(grid.shape)
     values = np.full((len(VARIABLES), bins, n_cells), np.nan, np.float32)
     bin_length, known = np.zeros(n_cells, np.float32), np.zeros(n_cells, bool)
+    stress = np.full(n_cells, np.nan, np.float32)
     if earlier is None or earlier.attrs.get("recipe") != recipe:
-        return values, bin_length, known
+        return values, bin_length, stress, known
     place, there = (np.ix_(*side) for side in shared_points(grid.axes, earlier))
     for whole, key in zip(values, VARIABLES, strict=True):
         whole.reshape(bins, *grid.shape)[:, *place] = earlier[key].values[:, *there]
     bin_length.reshape(grid.shape)[place] = earlier.bin_length.values[there]
+    if "stress_max" in earlier:
+        stress.reshape(grid.shape)[place] = earlier.stress_max.values[there]
     known.reshape(grid.shape)[place] = True
-    return values, bin_length, known
+    return values, bin_length, stress, known
 
 
 def _dress(grid, cube, values, bin_length, model):
@@ -193,6 +206,9 @@ def _dress(grid, cube, values, bin_length, model):
         data[key] = (("bin", *dims), values[key].reshape(-1, *grid.shape), attributes, DIGITS)
     length = {"long_name": "length of the time bins", "units": "us"}
     data["bin_length"] = (dims, bin_length.reshape(grid.shape), length)
+    if "stress_max" in values:
+        told = {"long_name": "largest tensile stress in the beam", "units": "MPa"}
+        data["stress_max"] = (dims, values["stress_max"].reshape(grid.shape), told)
     of_device, barrier = dims[: grid.device_of.ndim], _barrier_of(model)
     shown = {
         "second_equilibrium": (barrier.second, "midpoint of the second stable shape"),

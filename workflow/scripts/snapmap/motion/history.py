@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from ..beam.modal import contact_stiffness
+from ..beam.stress import stress_of
 from ..device import Device
 from ..io.provenance import device_sections, provenance
 from ..numerics.linalg import dot, multiply
@@ -31,6 +32,7 @@ VARIABLES = {
     "contact_force": ("force between mass and beam", "uN"),
     "acceleration": ("acceleration of the frame", "um us-2"),
     "axial_force": ("compressive axial force in the beam", "uN"),
+    "stress": ("largest tensile stress in the beam", "MPa"),
     "kinetic_energy": ("kinetic energy of mass and beam", "pJ"),
     "spring_energy": ("energy of the mass's spring", "pJ"),
     "bending_energy": ("bending energy of the beam", "pJ"),
@@ -57,7 +59,9 @@ def simulate(
         energy_tolerance, of a sweep whose step for this cell is taken; pulse and direction, of one
         shape in one direction; and options of the model
     The attributes work_error and t_snap_error say by how much the pulse's work and the time of snap
-    differ with another step, as in a cube; of a train, blow tells at which it snaps.
+    differ with another step, as in a cube; stress_max and stress_max_to_snap are the largest of the
+    stress, MPa, over the instants that are kept, and over those up to the snap; of a train, blow
+    tells at which it snaps.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> run = snapmap.simulate(device, 1100, 1500, 25, model="cosines", horizon=0)
@@ -96,6 +100,7 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
         barrier=built.barrier.energy,
         gravity=device.gravity,
         time_step=dt,
+        **_stresses(values, built.barrier.second),
         **_stops(device, built.barrier.first),
         **({"blow": blow} if settings.pulses[0].blows.size else {}),
         **_differences(built, cells, settings),
@@ -109,16 +114,27 @@ def _stops(device, first):
     return {key: place for key, place in places.items() if math.isfinite(place)}
 
 
+def _stresses(values, second):
+    """The largest stress, MPa, over the run and up to its snap, by their names."""
+    snapped = np.flatnonzero(values["w_mid"] <= second)[:1]
+    before = values["stress"][: snapped[0] + 1] if snapped.size else values["stress"]
+    found = {"stress_max": values["stress"], "stress_max_to_snap": before}
+    return {key: part.max().item() for key, part in found.items()}
+
+
 class Extremes(NamedTuple):
     """What a device meets under one shock, to the horizon.
 
     toward_max, away_max: of the mass from rest, toward the beam and away from it, um
     contact_force_max: between mass and beam, uN
+    stress_max, stress_max_to_snap: tensile, in the beam, MPa
     """
 
     toward_max: float
     away_max: float
     contact_force_max: float
+    stress_max: float
+    stress_max_to_snap: float
 
 
 def extremes_of(study: Study, N: float, f0: float, C: float, step: float = 1.0) -> Extremes:
@@ -130,7 +146,8 @@ def extremes_of(study: Study, N: float, f0: float, C: float, step: float = 1.0) 
     _, _, values = _record(built.with_step(step), cells, study.settings, SAMPLES_OF_EXTREMES)
     y = values["z_mass"] - (built.barrier.first + study.device.gap)
     ways = np.maximum(0.0, [-y.min(), y.max()])  # NaN of a run that failed
-    return Extremes(*ways.tolist(), values["contact_force"].max().item())
+    pressed = values["contact_force"].max().item()
+    return Extremes(*ways.tolist(), pressed, **_stresses(values, built.barrier.second))
 
 
 def _cell(study, N, f0, C):
@@ -149,7 +166,8 @@ def _record(built, cells, settings, samples):
     shock = settings.pulses[0]
     motion, form = built.loop().record(built, shock, amplitude, per_us, damping, dt, steps, stride)
     warn_of_travel(built.device, motion.y.min(), motion.y.max())
-    values = _observe(built.device, built.barrier.first, form, motion) | {
+    stress = stress_of(built.device.beam, built.basis, form.shapes)
+    values = _observe(built.device, built.barrier.first, form, stress, motion) | {
         "acceleration": amplitude * shock.at(per_us * motion.time),
         "dissipated_energy": motion.lost,
         "pulse_work": motion.work,
@@ -178,7 +196,7 @@ def _sampling(t_end, dt, samples):
     return steps, stride
 
 
-def _observe(device, first, form, motion):
+def _observe(device, first, form, stress, motion):
     """Deflections, forces and energies from the coordinates; first: w(L/2) at rest, um."""
     velocity = motion.u_velocity
     stiffness = contact_stiffness(device, form.residual)
@@ -192,6 +210,7 @@ def _observe(device, first, form, motion):
         "z_mass": first + device.gap + np.clip(motion.y, -device.stop_toward, device.stop_away),
         "contact_force": contact,
         "axial_force": axial_force,
+        "stress": stress.largest(motion.u, contact, axial_force),
         "kinetic_energy": kinetic + device.mass * motion.y_velocity**2 / 2,
         "spring_energy": device.spring * motion.y**2 / 2,
         "bending_energy": dot(motion.u, multiply(motion.u, form.bending)) / 2,

@@ -270,7 +270,7 @@ def record(model, pulse, amplitude, f0, damping, dt, steps, stride):
     kept = kept[::stride]
     time = np.arange(len(kept)) * stride * dt
     shape = system.bending, system.geometric, system.slope_start, system.midpoint
-    form = Form(system.inertia, *shape, residual=0.0)
+    form = Form(system.inertia, *shape, residual=0.0, shapes=np.eye(n))
     u = kept[:, :n]
     rest = kept[:, 2 * n :].T
     motion = Motion(time, u, kept[:, n : 2 * n], rest[0], rest[1], form.stretch(u), *rest[2:])

@@ -37,6 +37,7 @@ class Form(NamedTuple):
     slope_start: np.ndarray
     midpoint: np.ndarray
     residual: float
+    shapes: np.ndarray
 
     def stretch(self, u: np.ndarray) -> np.ndarray:
         """u.G u + 2 u.G q0 of coordinates, (samples, n); um."""

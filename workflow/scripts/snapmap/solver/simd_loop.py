@@ -2,7 +2,9 @@
 
 import numpy as np
 
+from ..beam.basis import PLACES
 from ..beam.modal import contact_stiffness
+from ..beam.stress import stress_of
 from ..pulse import table
 from .kernel import rows as R
 from .kernel import scheme
@@ -30,18 +32,40 @@ def march(model, cells, dt, settings):
     return facts
 
 
-def trace(model, device, dt, pulses, cells, bins):
+def trace(model, device, dt, pulses, cells, bins, stress):
     """Follow up to LANES cells, each through `bins` bins of its own width.
 
     device: index of each cell's; dt: us, (cells,)
     pulses: those that the cells name; cells: as in `trace_all`
-    Returns w_range and instants from there
+    stress: of the cells, (cells, ...), as `stress_rows` has it of their devices; of none if empty
+    Returns w_range, instants and the largest stress from there
     """
     n_cells = cells[0].size
     w_range, instants = np.empty((2, bins, n_cells)), np.empty((3, bins, n_cells))
-    devices, kept = coefficients(model, -np.inf)[device], (w_range, instants)
-    trace_all(*empty_lanes(model), devices, dt, table(pulses), cells, kept)
-    return w_range, instants
+    kept = w_range, instants, np.full(n_cells, -np.inf)
+    rows, k = stress.copy(), model.modes
+    if model.scheme == CONSERVING:
+        kappa = np.reshape(model.modal.stiffness, (-1, k))[device]
+        rows[:, :-1, :k] *= _shrink(kappa, dt[:, np.newaxis])[: len(rows), np.newaxis]
+    rows[:, :-1, k] /= (dt * dt)[: len(rows), np.newaxis]
+    devices = coefficients(model, -np.inf)[device]
+    trace_all(*empty_lanes(model), devices, dt, table(pulses), cells, rows, kept)
+    return kept
+
+
+def stress_rows(model):
+    """What tells the stress of each device's beam, (devices, PLACES + 1, modes + 2).
+
+    Rows of bending, MPa per coordinate, per contact force and at rest; a last one of the axial
+    stress, per stretch and at rest
+    """
+    found = np.zeros((len(model.device), PLACES + 1, model.modes + 2))
+    for rows, i in zip(found, range(len(found)), strict=True):
+        one = model.pick(i)
+        form = stress_of(one.device.beam, one.basis, one.modal.shapes)
+        rows[:-1] = np.column_stack([form.bending, form.residual, form.rest])
+        rows[-1, -2:] = one.modal.axial / form.area, form.tension
+    return found
 
 
 def record(model, pulse, amplitude, f0, damping, dt, steps, stride):
@@ -54,15 +78,13 @@ def record(model, pulse, amplitude, f0, damping, dt, steps, stride):
     before, after = _pairs(model, (damping, amplitude), (pulse, f0), dt, steps, stride)
     middle = (before + after) / 2
     places, moving = (middle, after) if at_half else (before, middle)
-    shrink = 1 / np.sqrt(1 + dt * dt * modal.stiffness / 4) if at_half else np.ones(modes)
+    shrink = _shrink(modal.stiffness, dt) if at_half else np.ones(modes)
     p, p_step = (R.VECTORS - R.STATE + modes * v + np.arange(modes) for v in (R.P, R.P_STEP))
     lost = damping * moving[R.SWEPT - R.STATE]
     lost += model.device.beam.damping * moving[R.BEAM_SWEPT - R.STATE]
     at_stops = (after if at_half else before)[R.LOST - R.STATE]
     u, y = shrink * places[p].T, places[R.Y - R.STATE]
-    form = Form(
-        np.eye(modes), np.diag(modal.stiffness), *modal[1:3], modal.midpoint, modal.residual
-    )
+    form = Form(np.eye(modes), np.diag(modal.stiffness), *modal[1:3], modal.midpoint, *modal[6:])
     motion = Motion(
         time=(np.arange(before.shape[1]) * stride + at_half / 2) * dt,
         u=u,
@@ -74,6 +96,11 @@ def record(model, pulse, amplitude, f0, damping, dt, steps, stride):
         lost=lost / (4 * dt) + at_stops / dt**2,
     )
     return motion, form
+
+
+def _shrink(stiffness, dt):
+    """Coordinates over those of the conserving scheme."""
+    return 1 / np.sqrt(1 + dt * dt * stiffness / 4)
 
 
 def _pairs(model, load_of_cell, shock, dt, steps, stride):

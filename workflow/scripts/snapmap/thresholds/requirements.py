@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from ..device import batch
+from ..beam.stress import break_probability
+from ..device import Device, batch
 from ..solver.adaptive import choose_model
 from ..solver.cells import to_cells
 from ..solver.outcome import FAILED, OUTCOMES, label
@@ -44,6 +45,20 @@ class Verdict(NamedTuple):
     verdict: str
     scale: float
     scale_first: float
+
+
+class Survival(NamedTuple):
+    """What a required shock leaves of the beam.
+
+    must_survive: the least probability with which it must not break; 0 if it may
+    strength_margin: strength over the largest stress; of a Weibull distribution that of which 63 %
+        break; NaN if it never does
+    break_probability: under that stress; 0 or 1 if the strength is a number
+    """
+
+    must_survive: float
+    strength_margin: float
+    break_probability: float
 
 
 def check(
@@ -92,6 +107,18 @@ def _verdicts(study, name, asked, C, tolerance):
             *(N, f0, 1e3 / f0, damping, asked["snaps"], OUTCOMES[outcome]),
             *(first, error, first / N, error / N, verdict, N * over, first * over),
         )
+
+
+def judge(
+    verdict: Verdict, device: Device, stress: float, must_survive: float
+) -> tuple[Verdict, Survival]:
+    """The verdict once the largest stress of the shock is known, MPa, and what it is based on."""
+    strength = device.strength_threshold + device.strength
+    margin = strength / stress if stress > 0 and strength < np.inf else np.nan
+    breaks = break_probability(device, stress).item()
+    if breaks > 1 - must_survive:
+        verdict = verdict._replace(verdict=VIOLATED)
+    return verdict, Survival(must_survive, margin, breaks)
 
 
 def _is_close(row: xr.Dataset, N: float) -> bool:

@@ -1,12 +1,14 @@
 """Thresholds of devices as made, as an xarray dataset: probability, sensitivity and yield."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
 import xarray as xr
 
 from ..axes import COORDINATES, NAMES, coordinates
+from ..beam.stress import break_probability
 from ..device import Device
 from ..io.counting import counting
 from ..io.provenance import provenance
@@ -15,6 +17,7 @@ from ..solver.cells import check_cells
 from ..solver.settings import check_number
 from ..study import THRESHOLD_SETTINGS, Study, frequencies, study_of
 from .batch import Batch, choose_builder
+from .breaking import largest_stresses
 from .samples import SHOCK_FACTORS, Plan, Tolerances
 from .sensitivity import crossed, indices
 from .statistics import count_below, moments, percents, quantiles, wilson
@@ -71,6 +74,17 @@ VARIABLES = {
     },
     "share_meeting": {"long_name": "share of the samples that meet the requirement", **SHARE},
     "share_meeting_bound": {"long_name": "bounds of share_meeting at 95 % (Wilson)", **SHARE},
+    "stress_max": {
+        "long_name": "largest tensile stress in the beam of the sample under the required shock",
+        "comment": "NaN for samples that are not followed for it",
+        "units": "MPa",
+    },
+    "share_breaking": {
+        "long_name": "share of the samples whose beam the required shock breaks",
+        "comment": "of those that are followed for their stress",
+        **SHARE,
+    },
+    "share_breaking_bound": {"long_name": "bounds of share_breaking at 95 % (Wilson)", **SHARE},
     "yield": {"long_name": "share of the samples that meet all requirements", **SHARE},
     "yield_bound": {"long_name": "bounds of yield at 95 % (Wilson)", **SHARE},
 }
@@ -152,7 +166,10 @@ def tolerances_of(
         if one.beam.damping > 0:
             data = data.merge(_latched(some, data, settings))
         if requirements:
-            data = data.merge(_requirements(some, requirements, data, settings, tolerance))
+            own = replace(study, device=one)
+            data = data.merge(_requirements(some, own, requirements, data, tolerance))
+            if one.strength < np.inf and some.size:
+                data = data.merge(_breaking(some, own, requirements, data))
         found.append(data)
     data = found[0]
     if isinstance(study.device, Mapping):
@@ -189,8 +206,9 @@ def summary(found: xr.Dataset) -> str:
     if spread.size:
         told.append(f"thresholds scatter by {spread.min():.2g} to {spread.max():.2g}, relative")
     told += _most_owed(found.sensitivity.sel(order="total"))
-    if "yield" in found:
-        told.append(f"yield {percents(*found['yield'].values.ravel())}")
+    for key, word in (("yield", "yield"), ("share_breaking", "break")):
+        if key in found:
+            told.append(f"{word} {percents(*found[key].values.ravel())}")
     return ", ".join(told)
 
 
@@ -291,12 +309,12 @@ def _latched(some, data, settings):
     return _share("latched", count.reshape(*groups.shape, N.size), size, dims, N=N)
 
 
-def _requirements(some, requirements, data, settings, tolerance):
+def _requirements(some, study, requirements, data, tolerance):
     """Thresholds of the required pulses, and the shares that meet each requirement, and all."""
     C, size = data.C.values, len(some.bistable)
     first, meets = [], []
     for asked in requirements:
-        own = settings._replace(pulses=asked["shocks"].pulses)
+        own = study.settings._replace(pulses=asked["shocks"].pulses)
         f0 = np.array([asked["f0"]])
         first.append(some.thresholds(C, f0, own, tolerance)[0][:, 0, :, 0])
         snapped = some.snapped(asked["N"], C, asked["f0"], own)
@@ -314,6 +332,17 @@ def _requirements(some, requirements, data, settings, tolerance):
         _share("yield", meets.all(axis=0).sum(axis=0), size, ("C",)),
     ]
     return xr.merge([xr.Dataset(columns, names), *shares])
+
+
+def _breaking(some, study, requirements, data):
+    """Largest stress under each required shock, of some samples, and the share that breaks."""
+    stress = largest_stresses(some, study, requirements, data.C.values)
+    size, dims = stress.shape[1], ("requirement", "sample", "C")
+    whole = np.full((len(requirements), some.bistable.size, data.C.size), np.nan)
+    whole[:, np.flatnonzero(some.bistable)[:size]] = stress
+    broken = break_probability(study.device, stress).sum(axis=1)
+    share = _share("share_breaking", broken, size, ("requirement", "C"))
+    return share.merge(xr.Dataset({"stress_max": (dims, whole)}))
 
 
 def _attributes(key):

@@ -34,6 +34,21 @@ def whole_step_energies(before, after, X, shape, l):
 
 
 @inlined
+def whole_step_stretch(X, shape, l):
+    """The stretch u.G u + 2 u.G q0 at the instant, and the overlap of mass and beam."""
+    modes, quadratic = len(shape), 0.0
+    overlap = 0.0 - X[row(R.Y, l)] - X[row(R.GAP, l)]
+    for i in range(modes):
+        p = X[at(R.P, i, modes, l)]
+        slope = 2 * X[at(R.SLOPE_START, i, modes, l)]
+        for j in range(modes):
+            slope += X[at(R.GEOMETRIC + i, j, modes, l)] * X[at(R.P, j, modes, l)]
+        quadratic += p * slope
+        overlap += X[at(R.MIDPOINT, i, modes, l)] * p
+    return quadratic, overlap
+
+
+@inlined
 def whole_step_ledger(before, after, X, shape, l, drag):
     """What `whole_step_energies` returns, and energy + losses - work of the pulse.
 

@@ -9,6 +9,7 @@ from .energy import (
     half_step_midpoint,
     whole_step_energies,
     whole_step_ledger,
+    whole_step_stretch,
 )
 from .explicit import advance_explicit
 from .pulse import BLOCK
@@ -107,6 +108,16 @@ def observe(before, X, shape, scheme, l):
         energies = conserved_energies(X, shape, l)
     beam, mass, contact, _ = energies
     return y, beam + mass + contact, beam
+
+
+@inlined
+def stretch_and_contact(X, shape, scheme, l):
+    """u.G u + 2 u.G q0, and the contact force times dt^2, where `midpoint` has w."""
+    if len(scheme) == 1:
+        stretch, overlap = whole_step_stretch(X, shape, l)
+    else:
+        stretch, overlap = X[row(R.STRETCH, l)], X[row(R.OVERLAP, l)]
+    return stretch, X[row(R.CONTACT, l)] * max(0.0, overlap)
 
 
 @inlined

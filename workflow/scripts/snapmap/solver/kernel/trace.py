@@ -9,8 +9,8 @@ from ...numerics.kept_kernels import compiled, inlined
 from . import rows as R
 from .lanes import load
 from .pulse import BLOCK, begin_pulse, no_pulse, set_out
-from .rows import LANES
-from .scheme import advance, midpoint, observe, rebound
+from .rows import LANES, at
+from .scheme import advance, midpoint, observe, rebound, stretch_and_contact
 from .shared import copy
 
 # ASSUME: a trace looks at every fourth instant; the ringing of w has some forty to a period.
@@ -25,6 +25,7 @@ class Bins(NamedTuple):
     instants: at each bin's start y, all energy and the beam's (pJ), (3, bins, cells)
     bin, begin: of each lane the number of its bin, and the step at which the next one begins
     low, high: w in that bin so far; (LANES,)
+    stress: largest of each cell, MPa, (cells,)
     """
 
     w_range: np.ndarray
@@ -33,10 +34,11 @@ class Bins(NamedTuple):
     begin: np.ndarray
     low: np.ndarray
     high: np.ndarray
+    stress: np.ndarray
 
 
 @compiled
-def trace_all(X, shape, scheme, devices, dt, pulses, cells, kept):
+def trace_all(X, shape, scheme, devices, dt, pulses, cells, stress, kept):
     """Follow up to LANES cells as `follow_all` does, bit for bit, and keep their motion in bins.
 
     At instants; the conserving scheme's half way between two, as its energies.
@@ -45,7 +47,8 @@ def trace_all(X, shape, scheme, devices, dt, pulses, cells, kept):
         latched; dt: each cell's, us; pulses: as in `Task`
     cells: pulse, amplitude, f0 and damping as in `Task`, and width, steps of one bin, a multiple
         of SAMPLE; (cells,)
-    kept: w_range and instants, as in `Bins`; modified in place
+    stress: of each cell as in `simd_loop.stress_rows`; of no cell if it is not asked for
+    kept: w_range, instants and stress, as in `Bins`; modified in place
     """
     widen_vectors()
     pulse, amplitude, f0, damping, width = cells
@@ -54,7 +57,7 @@ def trace_all(X, shape, scheme, devices, dt, pulses, cells, kept):
         load(X, shape, scheme, l, devices[l], damping[l], amplitude[l], dt[l])
         begin_pulse(X, l, state, pulses, pulse[l], f0[l] * dt[l])
     before, number, begin = X.copy(), np.full(LANES, -1), np.zeros(LANES, np.int64)
-    bins = Bins(*kept, number, begin, np.empty(LANES), np.empty(LANES))
+    bins = Bins(*kept[:2], number, begin, np.empty(LANES), np.empty(LANES), kept[2])
     end = (R.VECTORS + R.SCRATCH * len(shape)) * LANES
     for step in range(0, kept[0].shape[1] * width.max(), SAMPLE):
         in_block = step % BLOCK
@@ -71,6 +74,10 @@ def trace_all(X, shape, scheme, devices, dt, pulses, cells, kept):
                 begin_bin(before, X, shape, scheme, l, bins, dt[l])
                 begin[l] += width[l]
         widen(X, shape, scheme, bins.low, bins.high)
+        for l in range(len(stress)):
+            if bins.bin[l] < bins.instants.shape[1]:
+                found = largest_stress(X, shape, scheme, l, stress[l])
+                bins.stress[l] = max(bins.stress[l], found)
         advance(X, shape, scheme, shocks, in_block + 1, SAMPLE - 1)
     for l in range(width.size):
         keep_range(bins, l)
@@ -97,6 +104,26 @@ def widen(X, shape, scheme, low, high):
         w = midpoint(X, shape, scheme, l)
         low[l] = w if w < low[l] else low[l]
         high[l] = w if w > high[l] else high[l]
+
+
+@inlined
+def largest_stress(X, shape, scheme, l, rows):
+    """The largest tensile stress of lane l where `midpoint` has w, MPa.
+
+    rows: bending at each place, per coordinate, per contact force and at rest; and axial, per
+    stretch and at rest
+    """
+    modes, places = len(shape), len(rows) - 1
+    stretch, contact = stretch_and_contact(X, shape, scheme, l)
+    back = 0.0 if len(scheme) == 1 else 0.5
+    most = 0.0
+    for place in range(places):
+        bent = rows[place, modes + 1] - rows[place, modes] * contact
+        for i in range(modes):
+            p = X[at(R.P, i, modes, l)] - back * X[at(R.P_STEP, i, modes, l)]
+            bent += rows[place, i] * p
+        most = max(most, abs(bent))
+    return most + rows[places, modes] * stretch + rows[places, modes + 1]
 
 
 @inlined
