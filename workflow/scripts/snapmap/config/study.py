@@ -74,6 +74,11 @@ class Config(Study):
             "skip": self.skip,
         }
 
+    @property
+    def has_strength(self) -> bool:
+        """Whether a beam may break."""
+        return any(one.strength < np.inf for one in self.devices().values())
+
     def descriptions(self) -> list[str]:
         """A line on each device as written, whatever the axes change: proportions, vibration."""
         C = self.axes["C"]
