@@ -57,6 +57,18 @@ def traced(handout, cube):
     return trace(handout, cube, MODEL, SETTINGS._replace(threads=2))
 
 
+def test_traces_have_the_largest_stress_of_each_cell(handout, cube, traced):
+    found = trace(replace(handout, strength=1500.0), cube, MODEL, SETTINGS)
+    xr.testing.assert_equal(found.drop_vars(["stress_max", "strength"]), traced)
+    assert found.strength == 1500
+    for N in (cube.N[0], cube.N[-1]):
+        cell = found.isel(C=0, f0=0).sel(N=N)
+        N, f0, C = (cell[key].item() for key in ("N", "f0", "C"))
+        run = snapmap.simulate(handout, N, f0, C, model=MODEL, horizon=SETTINGS.horizon)
+        shown = run.stress.sel(time=slice(0, found.sizes["bin"] * cell.bin_length.item()))
+        assert cell.stress_max.item() == pytest.approx(shown.max().item(), rel=0.05)
+
+
 def edges_of(cube):
     """Thresholds of a cube, read off its grid: what the page needs of threshold.nc."""
     first = cube.N.where(cube.t_snap.notnull()).min("N")

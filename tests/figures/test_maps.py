@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 from matplotlib.collections import FillBetweenPolyCollection, QuadMesh
 from matplotlib.colors import to_rgb, to_rgba
+from matplotlib.contour import ContourSet
 from matplotlib.patches import PathPatch
 from small_results import TINY, make_cells, make_found
 
@@ -52,6 +53,18 @@ def snap_map(cells, found=None, **others):
 
 def artists(ax, kind):
     return [artist for artist in ax.get_children() if isinstance(artist, kind)]
+
+
+def test_where_the_beam_breaks_a_line_shows_it():
+    cells = make_cells(["2222", "2222", "0022"])
+    share = cells.N / 1100 + 0 * cells.f0
+    ax = snap_map(cells.assign(stress_share=share.transpose(*cells.outcome.dims)))
+    (line,) = artists(ax, ContourSet)
+    np.testing.assert_allclose(line.get_paths()[0].vertices[:, 1], 1100)
+    labels = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert "largest stress = strength" in labels
+    whole = snap_map(cells.assign(stress_share=share / 2))
+    assert not artists(whole, ContourSet)
 
 
 def filled(ax, states):

@@ -1,5 +1,6 @@
 rule draw_snap_maps:
     input:
+        **({"traces": "results/traces.nc"} if study.has_strength else {}),
         cube="results/cube.nc",
         threshold="results/threshold.nc",
     output:

@@ -84,6 +84,11 @@ class Config(Study):
             "skip": self.skip,
         }
 
+    @property
+    def has_strength(self) -> bool:
+        """Whether a beam may break."""
+        return any(one.strength < np.inf for one in self.devices().values())
+
     def descriptions(self) -> list[str]:
         """Lines on each device, whatever the axes change, and on how a record excites it."""
         C, lines = self.axes["C"], []

@@ -8,6 +8,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from ..axes import axis_behind
 from ..io.points import Point
@@ -26,6 +27,9 @@ from .states import (
     end_states,
     snap_states,
 )
+
+BREAKS = {"colors": "#d55e00", "linewidths": 1.0}
+"""The line beyond which the beam breaks."""
 
 
 class Kind(NamedTuple):
@@ -212,6 +216,15 @@ def _fill_map(ax, kind, panel, x, y):
         plane.hatch_cells(ax, end_elsewhere(cells), dark, *across)
     if panel.found is not None and y == "N":
         _draw_threshold(ax, panel.found, x)
+    if _breaks(cells):
+        freeze(ax)
+        share = cells.stress_share.transpose(across[1].key, across[0].key)
+        ax.contour(across[0].places, across[1].places, share, [1.0], **BREAKS)
+
+
+def _breaks(cells):
+    """Whether the strength is reached in some cells of a plane, and not in all."""
+    return "stress_share" in cells and cells.stress_share.min() < 1 < cells.stress_share.max()
 
 
 def _draw_threshold(ax, found, x):
@@ -239,6 +252,9 @@ def _keys(kind, panels, y):
     keys = list(plane.state_keys(found, kind.states))
     if kind.is_of_ends:
         keys += plane.elsewhere_keys([end_elsewhere(cells) for cells, _ in panels])
+    if any(_breaks(cells) for cells, _ in panels):
+        look = {"color": BREAKS["colors"], "linewidth": BREAKS["linewidths"]}
+        keys.append(Line2D([], [], **look, label="largest stress = strength"))
     if panels[0].found is None or y != "N":
         return keys
     lines = {key.get_label(): key for _, found in panels for key in band_keys(found)}

@@ -215,9 +215,12 @@ def _dress(grid, cube, values, bin_length, model):
         "saddle": (barrier.first + barrier.midpoint, "midpoint of the saddle between both"),
         "barrier": (barrier.energy, "energy of the saddle"),
     }
+    if "stress_max" in values:
+        strength = grid.device.strength + grid.device.strength_threshold
+        shown["strength"] = (strength, "strength of the beam, if Weibull's, where 63 % break")
     for key, (column, name) in shown.items():
         spread = np.where(grid.device_of < 0, np.nan, column[np.maximum(grid.device_of, 0)])
-        unit = "pJ" if key == "barrier" else "um"
+        unit = {"barrier": "pJ", "strength": "MPa"}.get(key, "um")
         data[key] = (of_device, spread, {"long_name": name, "units": unit})
     return xr.Dataset(data, coordinates({key: cube[key].values for key in dims})).assign_attrs(
         Conventions="CF-1.11",
