@@ -46,7 +46,7 @@ def by_scipy(device: Device, modal: ModalBeam, method: str) -> Follow:
 def compile_rate(device: Device, modal: ModalBeam):
     """Compile d/dt of x = (p, y, p', y'), from `ModalBeam` and eq. (2), for one device."""
     mass, spring, penalty = device.mass, device.spring, device.contact
-    stiffness, geometric, slope_start, load, midpoint, axial, _ = modal
+    stiffness, geometric, slope_start, load, midpoint, axial, *_ = modal
     modes = load.size
 
     @njit

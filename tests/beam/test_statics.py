@@ -56,7 +56,13 @@ def test_the_path_of_unbranched_is_stiffer(path):
 
 
 @pytest.mark.parametrize(
-    ("spring", "contact"), [(5.5, 40.0), (2.0, np.inf), (7.0, np.inf), (20.0, 40.0)]
+    ("spring", "contact"),
+    [
+        pytest.param(5.5, 40.0, marks=pytest.mark.long),
+        (2.0, np.inf),
+        (7.0, np.inf),
+        (20.0, 40.0),
+    ],
 )
 def test_slow_pulses_tend_to_the_static_threshold(handout, spring, contact):
     """A soft spring lets go at the top of the path, a stiff one where the beam leaves the mass."""

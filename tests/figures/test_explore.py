@@ -232,11 +232,11 @@ def test_what_follows_the_horizon_spoils_no_range(handout, cube, traced, monkeyp
     follow = envelopes._follow
 
     def blow_up(model, pulses, cells, window, bins, threads):
-        values, bin_length = follow(model, pulses, cells, window, bins, threads)
+        values, bin_length, stress = follow(model, pulses, cells, window, bins, threads)
         begins = np.arange(bins)[:, np.newaxis] * bin_length
         values[:, begins > window] = 1e280
         assert (begins > window).any()
-        return values, bin_length
+        return values, bin_length, stress
 
     monkeypatch.setattr(envelopes, "_follow", blow_up)
     found = trace(handout, cube, MODEL, SETTINGS)

@@ -93,7 +93,7 @@ def follow(model):
     dt = model.steps.of(cells, SETTINGS.pulses, MOVE)
     width = SAMPLE * np.ceil(cells.t_end / (BINS * SAMPLE * dt)).astype(int)
     loads = cells.pulse, cells.amplitude, cells.f0, cells.damping, width
-    (y, _, _) = trace(model, cells.device, dt, SETTINGS.pulses, loads, BINS)[1]
+    y, _, _ = trace(model, cells.device, dt, SETTINGS.pulses, loads, BINS)[1]
     return Moved(seen.pulse_work, seen.t_snap, y.max(axis=0))
 
 

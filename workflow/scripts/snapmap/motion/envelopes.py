@@ -153,7 +153,7 @@ def _follow(model, pulses, cells, window, bins, threads):
 
     def follow(some):
         loads = *(column[some] for column in cells[1:5]), width[some]
-        asked = np.empty((0, 1, model.modes + 2)) if rows is None else rows[some]
+        asked = None if rows is None else rows[some]
         w_range, instants, stress[some] = simd_loop.trace(
             model, cells.device[some], dt[some], pulses, loads, bins, asked
         )

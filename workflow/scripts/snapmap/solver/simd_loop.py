@@ -32,18 +32,19 @@ def march(model, cells, dt, settings):
     return facts
 
 
-def trace(model, device, dt, pulses, cells, bins, stress):
+def trace(model, device, dt, pulses, cells, bins, stress=None):
     """Follow up to LANES cells, each through `bins` bins of its own width.
 
     device: index of each cell's; dt: us, (cells,)
     pulses: those that the cells name; cells: as in `trace_all`
-    stress: of the cells, (cells, ...), as `stress_rows` has it of their devices; of none if empty
+    stress: of the cells, (cells, ...), as `stress_rows` has it of their devices, if it is asked
     Returns w_range, instants and the largest stress from there
     """
     n_cells = cells[0].size
     w_range, instants = np.empty((2, bins, n_cells)), np.empty((3, bins, n_cells))
     kept = w_range, instants, np.full(n_cells, -np.inf)
-    rows, k = stress.copy(), model.modes
+    k = model.modes
+    rows = np.empty((0, 1, k + 2)) if stress is None else stress.copy()
     if model.scheme == CONSERVING:
         kappa = np.reshape(model.modal.stiffness, (-1, k))[device]
         rows[:, :-1, :k] *= _shrink(kappa, dt[:, np.newaxis])[: len(rows), np.newaxis]
