@@ -74,6 +74,7 @@ def test_buckling_shapes_of_elements_curve_as_the_exact_ones(elements):
     np.testing.assert_allclose(finite.bent(30.0), exact.bent(30.0), atol=1e-2 / 8)
 
 
+@pytest.mark.long
 def test_the_stress_of_a_run_differs_little_between_models(handout):
     """Up to the snap; docs/limits.md has more of them, and what follows."""
     asked = {"model": "cosines", "horizon": 0.0}

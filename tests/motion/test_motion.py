@@ -158,6 +158,7 @@ def test_a_history_is_checked_as_a_cell_of_a_cube(handout, model):
     assert model == "reference" or np.float32(run.work_error) == cube.work_error
 
 
+@pytest.mark.long
 def test_explicit_runs_prove_nothing_where_they_are_not_the_default(handout):
     """They are followed to the horizon and stay open; with soft contact and all modes they do."""
     hard = dataclasses.replace(handout, contact=np.inf)

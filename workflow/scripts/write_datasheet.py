@@ -1,12 +1,11 @@
 """Rule write_datasheet: write the data sheet of each device."""
 
-import pandas as pd
-
 from snapmap.config.planned import study_from
 from snapmap.datasheet import datasheet
 from snapmap.io.atomic import replacing
 from snapmap.io.job_log import run_rule
 from snapmap.io.recorded import shocks_of
+from snapmap.io.rows import read_rows
 from snapmap.tolerances.samples import Tolerances
 
 
@@ -15,11 +14,9 @@ def write_datasheet(study, C, tolerances, requirements, requirements_path, path,
 
     tolerances: fields of `Tolerances`, or none
     """
-    names = dict.fromkeys(("requirement", "device"), str)
-    verdicts = pd.read_csv(requirements_path, dtype=names, keep_default_na=False, na_values="nan")
+    verdicts = read_rows(requirements_path)
     required = [one | {"shocks": shocks_of(one["pulse"])} for one in requirements]
     asked = Tolerances(**tolerances) if tolerances else None
-    verdicts = verdicts.to_dict("records")
     text = datasheet(study_from(study, threads), C, asked, required, verdicts)
     with replacing(path) as temporary, open(temporary, "w", encoding="utf-8") as file:
         file.write(text)
