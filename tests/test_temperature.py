@@ -7,6 +7,7 @@ import pytest
 
 import snapmap
 from snapmap.config.devices import read_device
+from snapmap.config.study import load_config
 from snapmap.config.yaml_file import read_document
 from snapmap.device import batch
 from snapmap.solver.cells import to_cells
@@ -87,3 +88,13 @@ def test_a_config_says_the_coefficients_with_units(document):
 def test_what_is_no_temperature_is_named(document, value):
     with pytest.raises(ValueError, match="degC"):
         read_device(document["device"] | {"thermal": {"reference": value}})
+
+
+def test_a_temperature_that_changes_nothing_is_told(document):
+    sweep = document["sweep"] | {"temperature": ["-40 degC", "300 K"]}
+    study = load_config(document | {"sweep": sweep})
+    assert study.axes["temperature"].tolist() == pytest.approx([-40.0, 26.85])
+    assert any("changes nothing without device.thermal" in line for line in study.doubts())
+    device = document["device"] | {"thermal": {"modulus": "-63e-6 /K"}}
+    warmed = load_config(document | {"sweep": sweep, "device": device})
+    assert not any("thermal" in line for line in warmed.doubts())

@@ -9,7 +9,14 @@ from pathlib import Path
 import numpy as np
 
 import snapmap
+from snapmap.device import batch
 from snapmap.io.markdown import number, table
+from snapmap.random_vibration.probability import STEP
+from snapmap.random_vibration.records import record
+from snapmap.random_vibration.spectrum import Spectrum
+from snapmap.solver.adaptive import choose_survey
+from snapmap.solver.cells import to_cells
+from snapmap.solver.settings import Settings
 
 from .few import few
 from .random_devices import draw_device
@@ -24,6 +31,10 @@ QUALITY = 5.0
 DEVICES, SEED = 6, 3
 HEAD = ["device", "level, g rms", "from", "to", f"by {MANY} records", "from", "to", "covered", "s"]
 
+FACTORS = (1.0, STEP, 4 * STEP)
+"""Steps over those of a threshold."""
+HEAD_STEPS = ["g rms", "steps", "records that snap", "the same within 20 us", "core s per s"]
+
 
 def main():
     named = {"config/damped.yaml": snapmap.load_device(ROOT / "config" / "damped.yaml")}
@@ -31,7 +42,31 @@ def main():
     named |= {f"random {n}": draw_device(draw) for n in range(1, DEVICES + 1)}
     rows = [[name, *compare(one)] for name, one in few(named).items()]
     print(table(HEAD, rows))
+    device = named["config/damped.yaml"]
+    below = float(rows[0][1]) * np.array(few([0.9, 1.0, 1.1]))
+    print(table(HEAD_STEPS, [row for one in below for row in steps(device, one)]))
     print(f"covered: {sum(row[-2] == 'yes' for row in rows)} of {len(rows)}")
+
+
+def steps(device, at):
+    """How many records snap at a level, g rms, in ever longer steps, and what a second costs."""
+    spectrum, one = Spectrum(PSD), batch([device])
+    drawn = [record(spectrum, 1.0, [SEED, n]) for n in range(few(RECORDS, 2))]
+    pulses, peaks = zip(*drawn, strict=True)
+    N, C = np.array(peaks) * at / spectrum.rms, np.sqrt(device.spring * device.mass) / QUALITY
+    cells = to_cells(one, 0, N, 1.0, C, 0.0, np.arange(len(pulses)))
+    asked = Settings(horizon=0.0, until="snap", repeat=False, pulses=pulses)
+    model, shortest, rows = choose_survey(one, {"name": "auto"}).decides, None, []
+    for factor in few(FACTORS, 2):
+        begin = time.process_time()
+        found = model.with_step(factor).follow(cells, asked).t_snap
+        took = time.process_time() - begin
+        shortest = found if shortest is None else shortest
+        same = np.isclose(found, shortest, rtol=0, atol=20.0, equal_nan=True).sum()
+        followed = np.fmin(found, 1e6).sum() / 1e6
+        seen = np.isfinite(found).sum()
+        rows.append([f"{at:.3g}", number(factor), str(seen), str(same), number(took / followed)])
+    return rows
 
 
 def compare(device):

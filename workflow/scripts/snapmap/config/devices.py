@@ -70,6 +70,13 @@ def stopped(device: Device) -> str:
     return ""
 
 
+def unwarmed(device: Device) -> str:
+    """One line on a device of which a temperature changes nothing."""
+    if device.modulus_slope or device.expansion_mismatch or device.damper_exponent:
+        return ""
+    return "temperature: changes nothing without device.thermal; write its coefficients there"
+
+
 def read_devices(document: Mapping, faults: Faults) -> Device | dict[str, Device] | None:
     """Read the device of a study, or several by name; what is wrong joins `faults`.
 

@@ -13,7 +13,7 @@ from ..study import Study
 from ..tolerances.samples import Tolerances
 from .asked_views import read_views
 from .axes import read_axis
-from .devices import nominal, read_devices, stopped, tilting
+from .devices import nominal, read_devices, stopped, tilting, unwarmed
 from .faults import convert_part, refuse
 from .histories import History, read_histories
 from .plausible import implausible, proportions
@@ -111,6 +111,8 @@ class Config(Study):
         shortest, device = 1e6 / self.axes["f0"][-1], nominal(self.device)
         each = self.devices().items()
         lines = [(name, line) for name, one in each for line in (tilting(one.beam), stopped(one))]
+        if "temperature" in self.axes:
+            lines += [(name, unwarmed(one)) for name, one in each]
         pulses = [
             line
             for pulse in self.shocks.shapes.values()

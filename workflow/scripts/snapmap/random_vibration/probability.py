@@ -211,11 +211,11 @@ def _climb(follow: Callable, there: np.ndarray, records: int) -> dict[int, Seen]
 
 
 def _last_quiet(ladder, row):
-    """The highest rung seen so far below which no record snaps, or the lowest."""
+    """The highest rung seen so far below which no record snaps, or the lowest; 0 if all fail."""
     rungs = sorted(rung for rung in ladder if ladder[rung].time[row] > 0)
     snaps = [rung for rung in rungs if ladder[rung].snaps[row] > 0]
     quiet = [rung for rung in rungs if not snaps or rung < snaps[0]]
-    return quiet[-1] if quiet else rungs[0]
+    return quiet[-1] if quiet else min(rungs, default=0)
 
 
 def _level(ladder: Mapping[int, Seen], row: int, needed: float) -> tuple[float, float, float]:

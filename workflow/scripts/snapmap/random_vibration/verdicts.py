@@ -1,12 +1,11 @@
 """Vibration that must or must not trip a device, held against the level that it stands."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from ..study import Study
-from ..thresholds.requirements import MET, UNCLEAR, VIOLATED, Verdict
+from ..thresholds.requirements import MET, UNCLEAR, VIOLATED, Verdict, each_device
 from .probability import RECORDS, SEED, vibration_of
 from .spectrum import Spectrum
 
@@ -19,12 +18,10 @@ def check_vibrations(
     vibrations: name, psd, duration (s), snaps and probability of each; C: uN us/um
     N, N_first and N_error of a verdict are levels in g rms, with the wider half of the bounds.
     """
-    several = isinstance(study.device, Mapping)
     return [
         verdict
-        for asked in vibrations
-        for name, device in study.devices().items()
-        for verdict in _verdicts(replace(study, device=device), name if several else "", asked, C)
+        for asked, name, one in each_device(study, vibrations)
+        for verdict in _verdicts(one, name, asked, C)
     ]
 
 

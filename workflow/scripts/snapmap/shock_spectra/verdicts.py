@@ -7,7 +7,7 @@ import numpy as np
 
 from ..pulse import shocks_from
 from ..study import Study
-from ..thresholds.requirements import MET, UNCLEAR, VIOLATED, Verdict
+from ..thresholds.requirements import MET, UNCLEAR, VIOLATED, Verdict, each_device
 from .spectrum import check_points
 from .trips import FACTORS, RECORDS, SEED, ends, trips_of
 
@@ -21,14 +21,11 @@ def check_spectra(
         snap, the factor is that from which all records do; C: uN us/um
     N, N_first and N_error of a verdict are factors of the spectrum, with half the step about it.
     """
-    several = isinstance(study.device, Mapping)
     return [
         verdict
-        for asked in spectra
-        for name, device in study.devices().items()
+        for asked, name, one in each_device(study, spectra)
         for verdict in _verdicts(
-            replace(study, device=device, shocks=shocks_from(direction=asked["direction"])),
-            *(name if several else "", asked, C, records),
+            replace(one, shocks=shocks_from(direction=asked["direction"])), name, asked, C, records
         )
     ]
 

@@ -1,6 +1,6 @@
 """Shocks that must or must not trip a device, each held against its own threshold."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -73,19 +73,21 @@ def check(
     requirements: name, shocks (of one shape and direction), N, f0 (Hz) and snaps of each
     C: uN us/um; tolerance: of the thresholds in N, relative
     """
-    several = isinstance(study.device, Mapping)
     return [
         verdict
-        for asked in requirements
-        for name, device in study.devices().items()
-        for verdict in _verdicts(
-            replace(study, device=device, shocks=asked["shocks"]),
-            name if several else "",
-            asked,
-            C,
-            tolerance,
-        )
+        for asked, name, one in each_device(study, requirements)
+        for verdict in _verdicts(replace(one, shocks=asked["shocks"]), name, asked, C, tolerance)
     ]
+
+
+def each_device(
+    study: Study, requirements: Sequence[Mapping]
+) -> Iterator[tuple[Mapping, str, Study]]:
+    """Each requirement with the name and the study of each device; a single one has no name."""
+    several = isinstance(study.device, Mapping)
+    for asked in requirements:
+        for name, device in study.devices().items():
+            yield asked, name if several else "", replace(study, device=device)
 
 
 def _verdicts(study, name, asked, C, tolerance):
