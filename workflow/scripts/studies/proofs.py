@@ -75,7 +75,7 @@ def leavers(model, cells, t_settled, well):
     dt = model.steps.of(cells, SETTINGS.pulses, STAY)
     width = SAMPLE * np.ceil((1 / cells.f0 + FURTHER) / (BINS * SAMPLE * dt)).astype(int)
     loads = cells.pulse, cells.amplitude, cells.f0, cells.damping, width
-    (low, high), _ = trace(model, cells.device, dt, SETTINGS.pulses, loads, BINS)
+    (low, high), _, _ = trace(model, cells.device, dt, SETTINGS.pulses, loads, BINS)
     later = np.arange(BINS)[:, np.newaxis] * width * dt >= t_settled
     saddle = model.barrier.midpoint
     # A run that has blown up since is on neither side.
