@@ -155,6 +155,9 @@ def _sections(schema, defaults):
     device = schema["$defs"]["device"]
     yield _section("device", device, defaults)
     yield _section("device.beam", device["properties"]["beam"], defaults)
+    beam = device["properties"]["beam"]["properties"]
+    yield _section("device.beam.shape", beam["shape"], defaults)
+    yield _section("device.beam.clamp", beam["clamp"], defaults)
     yield _section("device.stops", device["properties"]["stops"], defaults)
     yield _section("device.thermal", device["properties"]["thermal"], defaults)
     yield _section("device.strength", device["properties"]["strength"], defaults)
@@ -205,6 +208,9 @@ def code_defaults() -> dict[str, str]:
         **dict.fromkeys(
             (f"device.thermal.{key}" for key in ("modulus", "mismatch", "damping")), "`0`"
         ),
+        "device.beam.shape": "`cosine`",
+        **{f"device.beam.shape.{key}": "the other" for key in ("cosines", "file")},
+        "device.beam.clamp": "rigid",
         "device.strength": "the beam never breaks",
         "device.strength.threshold": "`0 MPa`",
         "device.beam.guide": "`guided`",

@@ -10,18 +10,28 @@ from dataclasses import asdict, dataclass, fields
 import numpy as np
 
 from .quantities import KINDS, QUANTITIES
+from .shape import (
+    BISTABILITY_LIMIT,
+    COSINE,
+    SHAPES,
+    TILT,
+    Value,
+    coefficients,
+    cosine_at_rest,
+    first_force,
+    least_bistability,
+    least_compression,
+    least_compression_of_cosine,
+    midpoint,
+    second_force,
+)
 
-BISTABILITY_LIMIT = 4 / math.sqrt(3)
-SECOND = 4.0
-"""Buckling load of the second symmetric shape over the first's: there state 2 is no longer stable.
-"""
-TILT = (8.986818915818128 / (2 * math.pi)) ** 2
-"""Likewise of the first antisymmetric shape; tan(mu/2) = mu/2."""
-NEWTON_STEPS = 100
 # ASSUME: silicon that meets silicon; a config says its own.
 RESTITUTION = 0.5
+CLAMP = {"axial": "clamp"}
+"""Values of the beam by their keys in the config's section `clamp`."""
 STOPS = {"toward": "stop_toward", "away": "stop_away", "restitution": "restitution"}
-"""Values of the device by their keys in the config's section `stops`."""
+"""Likewise of the device in its section `stops`."""
 THERMAL = {
     "reference": "reference_temperature",
     "modulus": "modulus_slope",
@@ -41,15 +51,15 @@ STRENGTH = {
 """Likewise in its section `strength`."""
 THINNEST = 1e6
 """Most of rise over thickness: beyond, the digits of a float no longer hold bending and stretch."""
-
-Value = float | np.ndarray
+FLAT = 1e-8
+"""Rise of a straight beam, over that to which it buckles: so its first shape is one of two."""
 
 
 @dataclass(frozen=True)
 class Beam:
     """Clamped beam, stress-free in its first shape; a value that cannot be raises ValueError.
 
-    span, rise, thickness, depth: um
+    span, rise, thickness, depth: um; rise 0 is a straight beam, which compression must buckle
     youngs_modulus: MPa
     density: ng/um^3
     damping: drag on the beam over its momentum, 1/us; swings decay at half of it
@@ -57,6 +67,9 @@ class Beam:
         MPa
     imperfection: largest displacement in the first antisymmetric shape, as made, um
     free: whether it may tilt, 1 or 0: a guided beam moves symmetrically
+    clamp: stiffness of each clamp along the beam, uN/um; math.inf is rigid
+    shape: as made, "cosine", "arc" (a circle's) or "parabola"
+    cosine_2, ..., cosine_5: (1 - cos(2 n pi x/L))/2 in it, over the rise, which stays as it is
     """
 
     span: Value
@@ -69,29 +82,30 @@ class Beam:
     residual_stress: Value = 0.0
     imperfection: Value = 0.0
     free: Value = 0.0
+    clamp: Value = math.inf
+    shape: str | np.ndarray = COSINE
+    cosine_2: Value = 0.0
+    cosine_3: Value = 0.0
+    cosine_4: Value = 0.0
+    cosine_5: Value = 0.0
 
     def __post_init__(self):
         for name in SIZES:
-            _require_positive(f"device.beam.{name}", getattr(self, name))
+            check = _require_from_zero if name == "rise" else _require_positive
+            check(f"device.beam.{name}", getattr(self, name))
+        known = np.isin(self.shape, SHAPES)
+        _require(known, f"device.beam.shape: {{}} is not one of {', '.join(SHAPES)}", self.shape)
+        for name in COSINES:
+            value = getattr(self, name)
+            _require(np.isfinite(value), f"device.beam.{name}: {{}} is not finite", value)
+        soft = "device.beam.clamp.axial: {} is not a positive number"
+        _require(np.greater(self.clamp, 0), soft, self.clamp)
         for name in ("damping", "imperfection"):
             _require_from_zero(f"device.beam.{name}", getattr(self, name))
-        stress, Q = self.residual_stress, self.bistability
+        stress, Q = self.residual_stress, np.divide(self.rise, self.thickness)
         _require(np.isfinite(stress), "device.beam.residual_stress: {} is not finite", stress)
-        has_shapes = has_second_shape(Q, self.compression)
-        two_shapes = (
-            "device.beam: rise/thickness = {:g} um/{:g} um = {:.6g}; a second stable shape needs "
-            f"more than {BISTABILITY_LIMIT:.3f}"
-        )
-        at_fault = self.rise, self.thickness, Q
-        holds = has_shapes | np.greater(Q, BISTABILITY_LIMIT)
-        _require(holds | np.less(stress, 0), two_shapes, *at_fault)
-        pressed = f"{two_shapes}, or a residual stress up to {{:.5g}} MPa"
-        _require(holds, pressed, *at_fault, self.most_stress)
-        beyond = (
-            "device.beam.residual_stress: {:g} MPa leaves no second stable shape; there is one up "
-            "to {:.5g} MPa"
-        )
-        _require(has_shapes, beyond, stress, self.most_stress)
+        if self.is_cosine.all():
+            self.require_second_shape()
         straight = (
             "device.beam.imperfection: {:g}; a free beam without one never tilts, write 0.01 um"
         )
@@ -105,6 +119,31 @@ class Beam:
             f"gives Q up to {THINNEST:g}"
         )
         _require(np.less_equal(Q, THINNEST), too_thin, self.thickness, Q)
+
+    def require_second_shape(self) -> None:
+        """Raise ValueError if the beam, or one of them, has no second stable shape.
+
+        Another shape than a cosine is told so where it is shaken: slowly pushed it may be any.
+        """
+        bistable, stress = self.is_bistable, self.residual_stress
+        if np.all(bistable):
+            return
+        Q = np.divide(self.rise, self.thickness)
+        needed = self.bistability_limit
+        two_shapes = (
+            "device.beam: rise/thickness = {:g} um/{:g} um = {:.6g}; a second stable shape needs "
+            "more than {:.3f}"
+        )
+        at_fault = self.rise, self.thickness, Q, needed
+        holds = bistable | np.greater(Q, needed)
+        _require(holds | np.less(stress, 0) | np.equal(self.rise, 0), two_shapes, *at_fault)
+        pressed = f"{two_shapes}, or a residual stress up to {{:.5g}} MPa"
+        _require(holds, pressed, *at_fault, self.most_stress)
+        beyond = (
+            "device.beam.residual_stress: {:g} MPa leaves no second stable shape; there is one up "
+            "to {:.5g} MPa"
+        )
+        _require(bistable, beyond, stress, self.most_stress)
 
     @property
     def area(self) -> Value:
@@ -128,8 +167,13 @@ class Beam:
 
     @property
     def axial_stiffness(self) -> Value:
-        """E A / (2 span), uN/um: the axial force per unit of the integral of w'^2."""
-        return self.youngs_modulus * self.area / (2 * self.span)
+        """E A / (2 span), uN/um, less what the clamps give: force per integral of w'^2."""
+        return self.youngs_modulus * self.area / (2 * self.span) * self.held
+
+    @property
+    def held(self) -> Value:
+        """Share of the beam's axial stiffness that clamps which give leave it, up to 1."""
+        return 1 / (1 + 2 * self.youngs_modulus * self.area / (self.clamp * self.span))
 
     @property
     def weight(self) -> Value:
@@ -142,9 +186,50 @@ class Beam:
         return self.bending_stiffness / (self.span * self.span * self.span)
 
     @property
+    def made_rise(self) -> Value:
+        """The rise, um; of a straight beam next to none: the length in which forms are held."""
+        if np.all(self.rise):
+            return self.rise
+        beyond = np.maximum(self.compression - 1, FLAT)
+        buckled = self.thickness * np.sqrt(4 / 3 * beyond / self.held)
+        return np.where(np.equal(self.rise, 0), FLAT * buckled, self.rise)[()]
+
+    @property
     def bistability(self) -> Value:
-        """Q = rise / thickness."""
-        return self.rise / self.thickness
+        """Q = rise / thickness, of clamps that give times the root of what they leave."""
+        return self.made_rise / self.thickness * np.sqrt(self.held)
+
+    @property
+    def bistability_limit(self) -> Value:
+        """Rise over thickness above which there is a second stable shape without stress."""
+        limit = np.full(np.shape(self.is_cosine), BISTABILITY_LIMIT)
+        if not self.is_cosine.all():
+            limit = np.where(self.is_cosine, limit, least_bistability(self.cosines))
+        return (limit / np.sqrt(self.held))[()]
+
+    @property
+    def cosines(self) -> np.ndarray:
+        """The shape as made, as `shape.coefficients` gives it, (..., TERMS)."""
+        added = [getattr(self, name) for name in COSINES]
+        return coefficients(self.shape, self.made_rise / self.span, added)
+
+    @property
+    def is_cosine(self) -> np.ndarray:
+        """Whether the shape as made is the first cosine alone, an array."""
+        found = np.equal(self.shape, COSINE)
+        for name in COSINES:
+            found = found & np.equal(getattr(self, name), 0)
+        return np.asarray(found)
+
+    @property
+    def is_bistable(self) -> bool | np.ndarray:
+        """Whether it has a second stable shape, if it is guided."""
+        Q, compression, plain = self.bistability, self.compression, self.is_cosine
+        at_rest = np.greater(Q, BISTABILITY_LIMIT)
+        holds = np.where(compression == 0, at_rest, compression > least_compression_of_cosine(Q))
+        if plain.all():
+            return holds[()]
+        return np.where(plain, holds, compression > least_compression(Q, self.cosines))[()]
 
     @property
     def bending_frequency(self) -> Value:
@@ -161,38 +246,59 @@ class Beam:
 
     @property
     def compression(self) -> Value:
-        """Residual stress over that of buckling, compression positive."""
-        return -np.divide(self.residual_stress, self.buckling_stress)
+        """Residual stress over that of buckling, compression positive, less what clamps give."""
+        return -np.divide(self.residual_stress, self.buckling_stress) * self.held
 
     @property
     def most_stress(self) -> Value:
         """Residual stress, MPa, above which there is no second stable shape."""
-        return -least_compression(self.bistability) * self.buckling_stress
+        Q, plain = self.bistability, self.is_cosine
+        least = least_compression_of_cosine(Q)
+        if not plain.all():
+            least = np.where(plain, least, least_compression(Q, self.cosines))
+        return -least * self.buckling_stress / self.held
 
     @property
     def height(self) -> Value:
         """Midpoint of the first stable shape, um: the rise, unless there is residual stress."""
-        share = _equilibrium(self.bistability, self.compression, side=1)
-        return np.where(np.equal(self.residual_stress, 0), self.rise, self.rise * share)[()]
+        share = self._at_rest(1, first_force)
+        return np.where(np.equal(self.residual_stress, 0), self.rise, self.made_rise * share)[()]
 
     @property
     def second_equilibrium(self) -> Value:
-        """Midpoint of the second stable shape of a guided beam, um.
+        """Midpoint of the second stable shape of a guided beam, um; NaN if it has none.
 
-        Without residual stress w2 = -rise (1 + sqrt(1 - 16 / (3 Q^2))) / 2.
+        Of a cosine without residual stress w2 = -rise (1 + sqrt(1 - 16 / (3 Q^2))) / 2.
         """
         ratio = BISTABILITY_LIMIT / self.bistability
         with np.errstate(invalid="ignore"):
             made = -self.rise * (1 + np.sqrt(1 - ratio * ratio)) / 2
-        share = _equilibrium(self.bistability, self.compression, side=-1)
-        return np.where(np.equal(self.residual_stress, 0), made, self.rise * share)[()]
+        share = self._at_rest(-1, second_force)
+        closed = self.is_cosine & np.equal(self.residual_stress, 0)
+        return np.where(closed, made, self.made_rise * share)[()]
+
+    def _at_rest(self, side, force):
+        """w(L/2)/rise on one side, 1 or -1; force: gives the axial force there for any shape."""
+        Q, compression, plain = self.bistability, self.compression, self.is_cosine
+        share = cosine_at_rest(Q, compression, side)
+        if plain.all():
+            return share
+        a = self.cosines
+        other = np.where(
+            self.is_bistable | (side > 0), midpoint(a, force(Q, compression, a)), np.nan
+        )
+        return np.where(plain, share, other)
 
     @property
     def stays_if_free(self) -> bool | np.ndarray:
         """Whether the second shape of a perfect beam is stable against tilting."""
-        share = self.second_equilibrium / self.rise
+        share = self.second_equilibrium / self.made_rise
         # The axial force there is N_1 (1 - 1/share).
-        return 1 - 1 / share < TILT
+        stays, plain = 1 - 1 / share < TILT, self.is_cosine
+        if plain.all():
+            return stays
+        force = second_force(self.bistability, self.compression, self.cosines)
+        return np.where(plain, stays, force < TILT)[()]
 
 
 @dataclass(frozen=True)
@@ -318,8 +424,12 @@ class Device:
 
 BEAM_VALUES = tuple(field.name for field in fields(Beam))
 SIZES = BEAM_VALUES[:6]
+COSINES = tuple(key for key in BEAM_VALUES if key.startswith("cosine_"))
+"""What may be added to the shape, in order."""
 _NAMES = (*BEAM_VALUES, *(field.name for field in fields(Device)))
-VALUES = tuple(key for key in _NAMES if key in QUANTITIES and QUANTITIES[key].long_name)
+# The axis `shape` is the pulse's.
+_NUMBERS = [key for key in _NAMES if key in QUANTITIES and key != "shape"]
+VALUES = tuple(key for key in _NUMBERS if QUANTITIES[key].long_name)
 """Names of the values that tell one device from another."""
 SIGNED = tuple(key for key in VALUES if KINDS[QUANTITIES[key].kind].signed)
 FROM_ZERO = tuple(key for key in VALUES if KINDS[QUANTITIES[key].kind].zero and key not in SIGNED)
@@ -349,63 +459,31 @@ def batch(devices: Sequence[Device]) -> Device:
     """Make a batch of single devices."""
     columns = [{**asdict(device.beam), **asdict(device)} for device in devices]
     keys = [key for key in columns[0] if key != "beam"]
-    whole = {key: np.array([one[key] for one in columns], float) for key in keys}
+    kind = {"shape": str}
+    whole = {key: np.array([one[key] for one in columns], kind.get(key, float)) for key in keys}
     return _from_values(whole, np.asarray)
 
 
 def is_bistable(device: Device, values: Mapping[str, np.ndarray], size: int) -> np.ndarray:
     """Whether the beam with other values, each (size,), has a second stable shape; (size,)."""
-    beam, values = device.beam, device.warmed(values)
-    keys = "rise", "thickness", "span", "youngs_modulus", "residual_stress"
-    rise, thickness, span, modulus, stress = (values.get(key, getattr(beam, key)) for key in keys)
-    root = math.pi * thickness / span
-    compression = -3 * stress / (modulus * root * root)
-    found = has_second_shape(np.divide(rise, thickness), compression)
-    return np.broadcast_to(found, (size,))
+    values = asdict(device.beam) | device.warmed(values)
+    beam = _Unchecked(**{key: values[key] for key in BEAM_VALUES})
+    return np.broadcast_to(beam.is_bistable, (size,))
 
 
-def has_second_shape(Q: Value, compression: Value) -> Value:
-    """Whether a guided beam of rise over thickness Q is stable in a second shape.
+class _Unchecked(Beam):
+    """One that may have no second stable shape."""
 
-    compression: residual stress over that of buckling
-    """
-    at_rest = np.greater(Q, BISTABILITY_LIMIT)
-    return np.where(np.equal(compression, 0), at_rest, compression > least_compression(Q))[()]
-
-
-def least_compression(Q: Value) -> Value:
-    """Residual compression, over that of buckling, down to which there is a second stable shape.
-
-    It ends at c = w(L/2)/rise where the axial force N_1 (1 - 1/c) reaches the second load, or where
-    the equilibria of `_equilibrium` meet, d/dc = 0, if that comes first.
-    """
-    arch = 0.75 * np.square(Q)
-    fold = -1 / np.cbrt(2 * arch)
-    c = np.minimum(fold, 1 / (1 - SECOND))
-    return 1 - 1 / c - arch * (1 - c * c)
-
-
-def _equilibrium(Q, compression, side):
-    """Outermost c = w(L/2)/rise on one side, 1 or -1, at which the beam is at rest.
-
-    compression + (3/4) Q^2 (1 - c^2) = 1 - 1/c, a cubic in c: axial force over N_1, on both sides.
-    By Newton's method from beyond the root, as far as it comes nearer.
-    """
-    arch = 0.75 * np.square(np.asarray(Q, float))
-    linear, rest = (np.asarray(compression, float) + arch - 1) / arch, side / arch
-    c = 1 + np.sqrt(np.maximum(linear, 0)) + 1 / arch
-    for _ in range(NEWTON_STEPS):
-        nearer = c - (c * (c * c - linear) - rest) / (3 * c * c - linear)
-        if not (nearer < c).any():
-            break
-        c = np.minimum(nearer, c)
-    return side * c
+    def __post_init__(self):
+        pass
 
 
 def _from_values(values, convert):
     beam = {key: convert(values[key]) for key in BEAM_VALUES}
     rest = {key: convert(value) for key, value in values.items() if key not in beam}
-    return Device(beam=Beam(**beam), **rest)
+    found = Device(beam=Beam(**beam), **rest)
+    found.beam.require_second_shape()
+    return found
 
 
 def _require_positive(key, value):

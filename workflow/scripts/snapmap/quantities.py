@@ -39,6 +39,7 @@ KINDS = {
     "damper": Kind("a damper constant", "uN*us/um", "'25 uN*us/um'", zero=True),
     "temperature": Kind("a temperature", "degC", "'85 degC'", zero=True, signed=True),
     "expansion": Kind("a change per kelvin", "1/K", "'-63e-6 /K'", zero=True, signed=True),
+    "part": Kind("a plain number", "", "0.1", zero=True, signed=True),
     "exponent": Kind("a plain number", "", "0.7", zero=True, signed=True),
     "restitution": Kind("a plain number from 0 to 1", "", "0.5", zero=True),
     "share": Kind("a share", "%", "'0.1 %'"),
@@ -128,6 +129,23 @@ _ALL = (
         "antisymmetric imperfection of the beam",
         "imperfection",
         left_out=0.0,
+    ),
+    Quantity(
+        "clamp",
+        "stiffness",
+        "stiffness of each clamp along the beam",
+        "stiffness of the clamps",
+        left_out=math.inf,
+    ),
+    *(
+        Quantity(
+            f"cosine_{n}",
+            "part",
+            f"cosine {n} in the shape of the beam as made, over the rise",
+            f"cosine {n} of the shape",
+            left_out=0.0,
+        )
+        for n in range(2, 6)
     ),
     Quantity("mass", "mass", "mass that strikes the beam", "mass", symbol="M"),
     Quantity("spring", "stiffness", "stiffness of the mass's spring", "spring", symbol="K"),

@@ -61,13 +61,13 @@ def find_barrier(beam: Beam, basis: Basis, modes: int | None = None) -> Barrier:
     energy = np.take_along_axis(energies, lowest, axis=-1)[kind, 0]
     midpoint = np.take_along_axis(midpoints, lowest, axis=-1)[kind, 0]
     exists = np.isfinite(energy)
-    unit = beam.stiffness_unit * beam.rise * beam.rise
+    unit = beam.stiffness_unit * beam.made_rise * beam.made_rise
     second = np.atleast_1d(beam.second_equilibrium)
     first = first_midpoint(basis, beam)
     if basis.tilt.any():
-        stays = first + dot(modal.midpoint, own)[kind] * beam.rise
+        stays = first + dot(modal.midpoint, own)[kind] * beam.made_rise
         second = np.where(exists, stays, second)
-    barrier = np.where(exists, energy, 0.0) * unit, np.where(exists, midpoint, 0.0) * beam.rise
+    barrier = np.where(exists, energy, 0.0) * unit, np.where(exists, midpoint, 0.0) * beam.made_rise
     found = *barrier, second, first
     return Barrier(*(value if np.ndim(beam.rise) else value.item() for value in found))
 

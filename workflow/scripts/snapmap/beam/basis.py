@@ -25,7 +25,8 @@ class Basis:
     geometric: (n, n), w' w~', in 1/L
     load: (n,), rho A w~, in rho A L
     midpoint: (n,), w~(L/2)
-    start: (n,), the stress-free shape w0, in the rise
+    start: (n,), the stress-free shape w0 of a cosine, in the rise
+    project: the a_n of shapes, (..., TERMS), to their starts, (..., n): see `shape`
     tilt: (n,), the first antisymmetric shape, its largest displacement 1; 0 of a guided beam
     curvature: (PLACES, n), w~'' there, in 1/L^2
     flexibility: axial force N (in EI/L^2) -> static deflection of the midpoint per force there
@@ -40,6 +41,7 @@ class Basis:
     load: np.ndarray
     midpoint: np.ndarray
     start: np.ndarray
+    project: Callable[[np.ndarray], np.ndarray]
     tilt: np.ndarray
     curvature: np.ndarray
     flexibility: Callable[[np.ndarray], np.ndarray]
@@ -55,7 +57,7 @@ class Basis:
             bending=beam.stiffness_unit * self.bending,
             geometric=self.geometric / beam.span,
             load=beam.weight * self.load,
-            start=beam.rise * self.start + beam.imperfection * self.tilt,
+            start=beam.made_rise * self.start + beam.imperfection * self.tilt,
             curvature=self.curvature / square,
             flexibility=lambda force: self.flexibility(force / unit_force) / beam.stiffness_unit,
             bent=lambda force: self.bent(force / unit_force) / (beam.stiffness_unit * square),

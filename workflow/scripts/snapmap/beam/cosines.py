@@ -29,6 +29,7 @@ def symmetric_cosines(cosines: int) -> Basis:
         load=np.ones(cosines),
         midpoint=np.where(n % 2, 2.0, 0.0),
         start=start,
+        project=lambda a: _resized(a, cosines) / 2,
         tilt=np.zeros(cosines),
         curvature=square * _quarters(n),
         flexibility=_midpoint_flexibility,
@@ -54,6 +55,7 @@ def buckling_shapes(cosines: int) -> Basis:
         load=np.append(symmetric.load, none),
         midpoint=np.append(symmetric.midpoint, none),
         start=np.append(symmetric.start, none),
+        project=lambda a: _resized(symmetric.project(a), 2 * cosines),
         tilt=tilt,
         curvature=np.hstack([symmetric.curvature, square * _halves(mu)]),
         flexibility=_midpoint_flexibility,
@@ -76,6 +78,14 @@ def antisymmetric_loads(number: int) -> np.ndarray:
         sin, cos = (np.array([sine(turn + shift) for turn in turns]) for shift in (0, 0.25))
         d = d - (cos - (end - d) * sin) / (-(end - d) * cos)
     return 2 * (end - d)
+
+
+def _resized(a, size):
+    """The first `size` along the last axis, with zeros behind."""
+    found = np.zeros((*a.shape[:-1], size))
+    kept = min(size, a.shape[-1])
+    found[..., :kept] = a[..., :kept]
+    return found
 
 
 def _midpoint_flexibility(axial_force):

@@ -5,8 +5,9 @@ from math import pi
 
 import numpy as np
 
-from ..numerics.linalg import apply, dot, solve
+from ..numerics.linalg import apply, dot, multiply, solve, solve_all
 from ..numerics.portable import sine
+from ..shape import slope_products
 from .basis import Basis, block_diagonal
 from .cosines import antisymmetric_loads
 
@@ -35,6 +36,7 @@ def hermite_elements(
     load, start, tilt = _assemble_vector(elements, _load(h)), _interpolate_start(elements), none
     midpoint, curvature = none.copy(), _curvature(elements, SYMMETRIC)
     midpoint[-1] = 1.0
+    project = _projection(elements, geometric, free)
     if free:
         others = (_assemble(elements, part, ANTISYMMETRIC) for part in parts)
         bending, geometric, mass = map(block_diagonal, (bending, geometric, mass), others)
@@ -47,7 +49,7 @@ def hermite_elements(
         return solve(tangent, midpoint)
 
     return Basis(
-        *(mass, bending, geometric, load, midpoint, start, tilt, curvature),
+        *(mass, bending, geometric, load, midpoint, start, project, tilt, curvature),
         flexibility=lambda axial_force: dot(midpoint, pushed(axial_force)),
         bent=lambda axial_force: apply(curvature, pushed(axial_force)),
         complete=True,
@@ -141,6 +143,29 @@ def _interpolate_start(elements):
         half, whole = (sine(node / elements / parts) for parts in (4, 2))
         nodal += [half * half, pi * whole]
     return np.array(nodal[2:-1])
+
+
+def _projection(elements, geometric, free):
+    """From the a_n of shapes to the coordinates nearest by the slopes, none antisymmetric."""
+
+    @cache
+    def cosines():
+        """Coordinates of the phi_n / 2, (unknowns, TERMS)."""
+        h = 1 / (2 * elements)
+        x, weights, slopes = slope_products(np.arange(elements + 1) * h)
+        share = x / h - np.arange(elements)[:, np.newaxis]
+        bend = 6 * share * (share - 1) / h
+        tilts = 1 + share * (3 * share - 4), share * (3 * share - 2)
+        rises = np.stack([bend, tilts[0], -bend, tilts[1]], axis=1)
+        parts = multiply(rises * weights[:, np.newaxis], slopes)
+        full = np.zeros((2 * elements + 2, parts.shape[-1]))
+        for i in range(elements):
+            full[2 * i : 2 * i + 4] += parts[i]
+        # Twice the half beam, of halves of the cosines.
+        symmetric = solve_all(geometric, np.delete(full, [0, 1, len(full) + SYMMETRIC], axis=0))
+        return np.concatenate([symmetric, 0 * symmetric]) if free else symmetric
+
+    return lambda a: apply(cosines(), a)
 
 
 def _interpolate_tilt(elements):

@@ -115,7 +115,7 @@ def buckling_modes(beam: Beam) -> BucklingModes:
     root = np.sqrt(beam.span)
     return BucklingModes(
         buckling=loads * (beam.stiffness_unit * beam.span),
-        start=start * (beam.rise / root),
+        start=start * (beam.made_rise / root),
         load=load * (beam.weight * root),
         midpoint=midpoint * root,
         axial=beam.axial_stiffness,

@@ -51,7 +51,7 @@ def reduce_to_modes(beam: Beam, basis: Basis, modes: int | None = None) -> Modal
     return ModalBeam(
         stiffness=_column(beam.stiffness_unit / beam.weight, 1) * unit.stiffness,
         geometric=unit.geometric / _column(beam.span * beam.weight, 2),
-        slope_start=_column(beam.rise / (beam.span * root), 1) * unit.slope_start,
+        slope_start=_column(beam.made_rise / (beam.span * root), 1) * unit.slope_start,
         load=_column(root, 1) * unit.load,
         midpoint=unit.midpoint / _column(root, 1),
         axial=beam.axial_stiffness,

@@ -29,30 +29,42 @@ class Kinds(NamedTuple):
     """What tells one beam's unit form from another's; arrays (kinds,).
 
     Q: rise over thickness; compression: residual stress over that of buckling, compression
-    positive; imperfection: over the rise
+    positive; imperfection: over the rise; a: of the shapes as made, (kinds, TERMS), None if all
+    are cosines
     """
 
     Q: np.ndarray
     compression: np.ndarray
     imperfection: np.ndarray
+    a: np.ndarray | None = None
 
     @property
     def as_made(self) -> bool:
-        """Whether all are without stress and imperfection, so that one unit form serves them."""
-        return not (self.compression.any() or self.imperfection.any())
+        """Whether all are cosines without stress and imperfection: one unit form serves them."""
+        return self.a is None and not (self.compression.any() or self.imperfection.any())
+
+    def made(self, basis: Basis) -> np.ndarray:
+        """Coordinates of the shapes as made, in the rise, (kinds, n)."""
+        start = np.broadcast_to(basis.start, (self.Q.size, basis.start.size))
+        if self.a is not None:
+            cosine = (self.a[:, :1] == 1) & (self.a[:, 1:] == 0).all(axis=1, keepdims=True)
+            start = np.where(cosine, start, basis.project(self.a))
+        return start + self.imperfection[:, np.newaxis] * basis.tilt
 
 
 def kinds_of(beam: Beam) -> tuple[Kinds, np.ndarray]:
     """The kinds among a batch of beams, or of one, and the kind of each."""
-    columns = beam.bistability, beam.compression, np.divide(beam.imperfection, beam.rise)
+    columns = [beam.bistability, beam.compression, np.divide(beam.imperfection, beam.made_rise)]
+    if not beam.is_cosine.all():
+        columns += np.moveaxis(beam.cosines, -1, 0).tolist()
     table = np.stack(np.broadcast_arrays(*map(np.atleast_1d, columns)))
     found, kind = np.unique(table, axis=1, return_inverse=True)
-    return Kinds(*found), kind.ravel()
+    return Kinds(*found[:3], found[3:].T if len(found) > 3 else None), kind.ravel()
 
 
 def at_rest(basis: Basis, kinds: Kinds) -> tuple[np.ndarray, np.ndarray]:
     """Tension T, in EI/L^2, (kinds,), and coordinates, in the rise, (kinds, n), of the beams."""
-    as_made = basis.start + kinds.imperfection[:, np.newaxis] * basis.tilt
+    as_made = kinds.made(basis)
     stressed = kinds.compression != 0
     T, q = np.zeros(stressed.size), as_made.copy()
     if stressed.any():
@@ -69,8 +81,10 @@ def first_midpoint(basis: Basis, beam: Beam) -> np.ndarray:
     """w(L/2) of beams at rest in their first shape, um; (beams,)."""
     kinds, kind = kinds_of(beam)
     _, q = at_rest(basis, kinds)
-    shares = np.where(kinds.compression == 0, 1.0, apply(q, basis.midpoint))
-    return beam.rise * shares[kind]
+    shares = apply(q, basis.midpoint)
+    if kinds.a is not None:
+        shares += 1 - apply(kinds.made(basis), basis.midpoint)
+    return beam.made_rise * np.where(kinds.compression == 0, 1.0, shares)[kind]
 
 
 def settled(basis: Basis, beam: Beam) -> Basis:

@@ -65,7 +65,7 @@ def stress_of(beam: Beam, basis: Basis, shapes: np.ndarray) -> Stress:
     kept = apply(shapes, solve(tangent, apply(back, scaled.midpoint)))
     return Stress(
         bending=per_curvature * multiply(scaled.curvature, shapes),
-        rest=per_curvature * apply(scaled.curvature, beam.rise * q - scaled.start),
+        rest=per_curvature * apply(scaled.curvature, beam.made_rise * (q - kinds.made(basis)[0])),
         residual=per_curvature * (scaled.bent(halfway) - apply(scaled.curvature, kept)),
         tension=T * force / beam.area,
         area=beam.area,

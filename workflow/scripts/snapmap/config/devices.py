@@ -1,17 +1,20 @@
 """The devices of a config."""
 
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 
 from ..beam.barrier import find_barrier
 from ..beam.cosines import buckling_shapes
 from ..beam.equilibria import least_way
-from ..device import STOPS, STRENGTH, THERMAL, Beam, Device
+from ..device import CLAMP, COSINES, STOPS, STRENGTH, THERMAL, Beam, Device
+from ..io.measured_shape import read_shape
 from ..quantities import QUANTITIES
+from ..shape import COSINE
 from .faults import Faults, convert_part, refuse
 from .quality import KEY, damped
 from .schema import schema_faults, validator
-from .units import read
+from .units import read, show
 from .yaml_file import ConfigError, read_document
 
 APART = "beam", "stops", "strength", "thermal", KEY
@@ -34,6 +37,8 @@ def load_device(path: str | Path) -> Device:
     faults = {at: line for at, line in schema_faults(document).items() if at[:1] == ("device",)}
     device = convert_part(document, ("device",), faults, read_device)
     refuse(faults)
+    for line in measured_shapes(document):
+        warnings.warn(line, stacklevel=2)
     return device
 
 
@@ -45,9 +50,10 @@ def nominal(device: Device | Mapping[str, Device]) -> Device:
 def tilting(beam: Beam) -> str:
     """One line on what a beam that is guided, or free to tilt, means for its labels, or nothing."""
     if not beam.free and not beam.stays_if_free:
+        ratio = beam.rise / beam.thickness
         return (
-            f"rise/thickness = {beam.bistability:.4g}: labels hold for a guided beam only; one "
-            "free to tilt does not stay in the second shape"
+            f"rise/thickness = {ratio:.4g}: labels hold for a guided beam only; one free to tilt "
+            "does not stay in the second shape"
         )
     if beam.free and find_barrier(beam, buckling_shapes(TILTING)).energy == 0:
         return (
@@ -119,16 +125,55 @@ def read_device(section: Mapping, name: str = "device") -> Device:
 
 
 def _beam(section, formats):
-    values = {key: value for key, value in section.items() if key not in ("guide", KEY)}
+    apart = "guide", "shape", "clamp", KEY
+    values = {key: value for key, value in section.items() if key not in apart}
     free = section.get("guide") == "free"
     if "imperfection" in section and not free:
         raise ValueError("device.beam.imperfection: is of a free beam; write guide: free")
-    beam = Beam(**_convert(values, formats), free=float(free))
+    given = _convert(values, formats) | _values(section.get("clamp", {}), CLAMP)
+    given |= _shape(section.get("shape", COSINE), given, free)
+    if given["rise"] == 0 and not given.get("residual_stress", 0) < 0:
+        raise ValueError(
+            f"device.beam.rise: {show(section['rise'])} is of a straight beam, which only "
+            "compression buckles; write a rise > 0, or a residual_stress < 0"
+        )
+    beam = Beam(**given, free=float(free))
     if KEY not in section:
         return beam
     if "damping" in section:
         raise ValueError(f"device.beam.{KEY}: stands beside damping; write one of them")
     return damped(beam, read(section[KEY], "quality"))
+
+
+def _shape(given, others, free):
+    """The values of a beam that its shape sets; others: those given themselves."""
+    if isinstance(given, str):
+        return {"shape": given}
+    tilt = {}
+    if "file" in given:
+        measured = read_shape(given["file"])
+        terms = measured.cosines
+        if free and "imperfection" not in others:
+            tilt = {"imperfection": measured.tilt}
+    else:
+        terms = given["cosines"]
+    if beside := next((name for name in COSINES if name in others), None):
+        raise ValueError(f"device.beam.{beside}: stands beside the cosines of shape; write one")
+    rise = sum(terms[::2])
+    if not rise > 0:
+        raise ValueError(f"device.beam.shape.cosines: the odd ones add up to {rise:g}; write more")
+    return tilt | dict(zip(COSINES, (term / rise for term in terms[1:]), strict=False))
+
+
+def measured_shapes(document: Mapping) -> list[str]:
+    """Lines on the shapes of devices that were read from files: how far from them the fit is."""
+    named = document.get("devices") or {"device": document.get("device")}
+    lines = []
+    for name, section in named.items():
+        given = section["beam"].get("shape")
+        if isinstance(given, Mapping) and "file" in given:
+            lines.append(f"{name}, {given['file']}: {read_shape(given['file']).words}")
+    return lines
 
 
 def _strength(given):

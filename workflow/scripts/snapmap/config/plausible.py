@@ -17,7 +17,7 @@ FAR = 1000.0
 def proportions(beam: Beam) -> str:
     """How flat and how slender a beam is."""
     return (
-        f"rise/thickness {beam.bistability:.4g}, rise/span {beam.rise / beam.span:.3g}, "
+        f"rise/thickness {beam.rise / beam.thickness:.4g}, rise/span {beam.rise / beam.span:.3g}, "
         f"span/thickness {beam.span / beam.thickness:.4g}"
     )
 

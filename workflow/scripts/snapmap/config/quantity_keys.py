@@ -1,7 +1,7 @@
 """The keys of a config that are quantities or take a shape by name, as parts of its schema."""
 
 from ..axes import COORDINATES, axis_behind
-from ..device import BEAM_VALUES, STOPS, VALUES
+from ..device import BEAM_VALUES, CLAMP, STOPS, VALUES
 from ..pulse import SHAPES
 from ..quantities import QUANTITIES
 from ..tolerances.samples import OF_DEVICE
@@ -10,7 +10,7 @@ from ..tolerances.samples import OF_DEVICE
 def write_out(schema: dict) -> None:
     """Complete the keys that are quantities or shapes; what the schema itself says stays."""
     parts, kinds = schema["properties"], schema["$defs"]
-    of_beam = [key for key in VALUES if key in BEAM_VALUES]
+    of_beam = [key for key in VALUES if key in BEAM_VALUES and key not in CLAMP.values()]
     apart = *BEAM_VALUES, *STOPS.values(), "temperature"
     of_device = [key for key in VALUES if key not in apart]
     rare_last = sorted(VALUES, key=lambda key: QUANTITIES[key].left_out is not None)
@@ -48,7 +48,7 @@ def _added(key, kinds, write):
 
 def _own(quantity, kind):
     return {
-        "type": "string",
+        "type": kind["type"],
         "format": quantity.kind,
         "description": f"{kind['description']}: {quantity.long_name}",
     }

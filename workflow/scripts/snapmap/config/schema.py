@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping
+from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 
@@ -13,6 +14,8 @@ from .units import read, show
 from .yaml_file import ConfigError, unwieldy_part
 
 _LONGEST_KEY = 40
+_MOST_KNOWN = 16
+"""Keys that a message lists; of more the nearest."""
 
 
 def schema_faults(document: Mapping) -> dict[tuple, str]:
@@ -39,11 +42,18 @@ def _explain(error) -> Iterator[tuple[tuple, str]]:
     elif error.validator == "additionalProperties":
         for key in value:
             if key not in known:
-                yield (*path, key), f"unknown key; known here are {', '.join(known)}"
+                yield (*path, key), f"unknown key; known here are {_nearest(key, list(known))}"
     elif error.validator == "format":
         yield path, error.message
     elif "format" not in schema:
         yield path, f"{show(value)} is not {schema['description']}"
+
+
+def _nearest(key, known):
+    if len(known) <= _MOST_KNOWN:
+        return ", ".join(known)
+    nearest = get_close_matches(str(key)[:_LONGEST_KEY], known, _MOST_KNOWN, 0)
+    return f"{', '.join(nearest)} and {len(known) - len(nearest)} others"
 
 
 def name_of(path: tuple) -> str:

@@ -13,7 +13,7 @@ from ..study import Study
 from ..tolerances.samples import Tolerances
 from .asked_views import read_views
 from .axes import read_axis
-from .devices import nominal, read_devices, stopped, tilting, unwarmed
+from .devices import measured_shapes, nominal, read_devices, stopped, tilting, unwarmed
 from .faults import convert_part, refuse
 from .histories import History, read_histories
 from .plausible import implausible, proportions
@@ -47,6 +47,7 @@ class Config(Study):
     maps, curves, boundary: what is drawn of cells, thresholds, and the damage boundary
     own_points: path and SHA-256 of a user's own points on the maps, or nothing
     left_out: one line on what is not drawn, or nothing
+    measured: lines on shapes of beams that were read from files
     """
 
     grid: Grid
@@ -62,6 +63,7 @@ class Config(Study):
     boundary: View
     own_points: tuple[str, str] | tuple[()]
     left_out: str
+    measured: list[str]
 
     @property
     def axes(self) -> dict[str, np.ndarray]:
@@ -91,7 +93,7 @@ class Config(Study):
 
     def descriptions(self) -> list[str]:
         """Lines on each device, whatever the axes change, and on how a record excites it."""
-        C, lines = self.axes["C"], []
+        C, lines = self.axes["C"], list(self.measured)
         records = [
             one for one in self.shocks.shapes.values() if one.duration and not one.blows.size
         ]
@@ -187,6 +189,7 @@ def load_config(document: Mapping) -> Config:
         boundary=choose_boundary(grid, nominal(device)),
         own_points=own_points,
         left_out=left_out,
+        measured=measured_shapes(document),
     )
 
 

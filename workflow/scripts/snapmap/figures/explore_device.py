@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 
 from ..config.devices import read_device
 from ..config.quality import describe
-from ..device import STOPS, STRENGTH
+from ..device import CLAMP, STOPS, STRENGTH
 from ..quantities import QUANTITIES, Quantity
 
 SHOWN = {
@@ -48,14 +48,14 @@ def _rows(values):
         if isinstance(value, Mapping):
             yield from _rows(value)
         else:
-            name = (STOPS | STRENGTH).get(key, key)
+            name = (CLAMP | STOPS | STRENGTH).get(key, key)
             yield name, words_of(name), _text(name, str(value))
 
 
 def _text(key, written):
     """A value in the unit of its axis, or as it is written."""
     number, _, unit = written.partition(" ")
-    if key not in QUANTITIES or unit != QUANTITIES[key].unit:
+    if key not in QUANTITIES or not QUANTITIES[key].kind or unit != QUANTITIES[key].unit:
         return html.escape(written)
     factor, shown = SHOWN.get(key) or (1.0, QUANTITIES[key].spelt.page)
     return f"{float(number) * factor:.6g}\u00a0{shown}".strip()

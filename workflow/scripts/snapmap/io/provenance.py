@@ -12,9 +12,10 @@ from importlib.metadata import version
 from pathlib import Path
 
 from .. import __version__
-from ..device import REFERENCE, RESTITUTION, STOPS, STRENGTH, THERMAL, Device
+from ..device import CLAMP, REFERENCE, RESTITUTION, STOPS, STRENGTH, THERMAL, Device
 from ..pulse import Pulse, Shocks
 from ..quantities import QUANTITIES
+from ..shape import COSINE
 from .dependencies import code_hash
 
 KEYWORDS = "bistable beam, snap-through, MEMS, shock sensor"
@@ -74,7 +75,11 @@ def device_sections(device: Device | Mapping[str, Device]) -> dict:
 def _section(device):
     values = asdict(device)
     beam = values.pop("beam")
-    guide = {"guide": "free"} if beam.pop("free") else {}
+    others = {"guide": "free"} if beam.pop("free") else {}
+    if (shape := str(beam.pop("shape"))) != COSINE:
+        others["shape"] = shape
+    if clamp := _named(beam, CLAMP):
+        others["clamp"] = clamp
     stops, strength, thermal = (_named(values, names) for names in (STOPS, STRENGTH, THERMAL))
     values.pop("temperature")  # its values hold there
     # Stops that are an axis alone bounce as the device says.
@@ -84,7 +89,7 @@ def _section(device):
     if strength:
         written["strength"] = strength["scale"] if [*strength] == ["scale"] else strength
     written |= {"thermal": thermal} if warms else {}
-    return {"beam": _with_units(beam) | guide, **_with_units(values), **written}
+    return {"beam": _with_units(beam) | others, **_with_units(values), **written}
 
 
 def _named(values, names):

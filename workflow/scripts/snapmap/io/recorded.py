@@ -1,8 +1,5 @@
 """Recorded shocks: files of acceleration over time, read, checked and made pulses."""
 
-import io
-import re
-import warnings
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +9,8 @@ import numpy as np
 
 from ..pulse import Pulse, Shocks, make_pulse, sampled, shocks_from
 from ..trains import MAKERS
-from .named import DECIMALS, naming, read_named
+from .columns import read_columns
+from .named import naming, read_named
 
 MOST_SAMPLES = 1_000_000
 RECORD = 200_000_000, f"write at most {MOST_SAMPLES} samples"
@@ -21,7 +19,7 @@ UFF = (".uff", ".unv", ".uf")
 TIMES = {"s": 1e6, "ms": 1e3, "us": 1.0, "µs": 1.0, "μs": 1.0}
 ACCELERATIONS = {"g": 9.80665e-6, "m/s^2": 1e-6, "m/s2": 1e-6, "m/s²": 1e-6, "m/s**2": 1e-6}
 """Units by the words for them, in us and um/us^2."""
-_UNIT = re.compile(r"[(\[]\s*([^)\]]+?)\s*[)\]]")
+COLUMNS = {"time": (TIMES, "time (ms)"), "acceleration": (ACCELERATIONS, "acceleration (g)")}
 
 
 def read_pulse(path: str | Path, sha256: str = "") -> Pulse:
@@ -40,7 +38,10 @@ def read_pulse(path: str | Path, sha256: str = "") -> Pulse:
         content = read_named(path, *RECORD, sha256)
         if not content:
             raise ValueError("is empty")
-        time, acceleration = (_read_uff if path.suffix.lower() in UFF else _read_csv)(content)
+        if path.suffix.lower() in UFF:
+            time, acceleration = _read_uff(content)
+        else:
+            time, acceleration = read_columns(content, COLUMNS, MOST_SAMPLES, "samples")
         pulse = sampled(time, acceleration, path.stem)
         return replace(pulse, peak=abs(acceleration).max(), given={"file": str(path)})
 
@@ -64,50 +65,6 @@ def shocks_of(values: Mapping) -> Shocks:
         make_pulse(shape[0], **shares)
     each = [make_pulse(one, **(shares if one == "trapezoid" else {})) for one in shape]
     return shocks_from(each, direction)
-
-
-def _read_csv(content):
-    """Time in us and acceleration in um/us^2."""
-    import pandas  # imported late: most runs read no file
-
-    header = content.splitlines()[0].decode("utf-8-sig", errors="replace")
-    separator = max(",;\t", key=header.count)
-    names = [name.strip().strip('"') for name in header.split(separator)]
-    if len(names) != 2:
-        raise ValueError(f"has {len(names)} columns; write two, time and acceleration")
-    scales = (
-        _scale(names[0], TIMES, "time (ms)"),
-        _scale(names[1], ACCELERATIONS, "acceleration (g)"),
-    )
-    reading = {"sep": separator, "names": ["t", "a"], "header": 0, "index_col": False}
-    try:
-        with warnings.catch_warnings(action="error", category=pandas.errors.ParserWarning):
-            table = pandas.read_csv(io.BytesIO(content), nrows=MOST_SAMPLES + 1, **reading)
-    except pandas.errors.ParserWarning:  # it would leave out what is beyond two columns
-        raise ValueError(f"line 2: has more than two columns; {DECIMALS}") from None
-    except (pandas.errors.ParserError, pandas.errors.EmptyDataError, UnicodeDecodeError) as error:
-        raise ValueError(f"is no CSV of two columns ({error}); {DECIMALS}") from None
-    if len(table) > MOST_SAMPLES:
-        raise ValueError(f"has more than {MOST_SAMPLES} samples; write fewer")
-    columns = []
-    for key, name, scale in zip("ta", names, scales, strict=True):
-        values = pandas.to_numeric(table[key], errors="coerce").to_numpy(float)
-        if not np.isfinite(values).all():
-            row = int(np.flatnonzero(~np.isfinite(values))[0])
-            complaint = f"line {row + 2}, {name}: is no finite number"
-            comma = "," in str(table[key][row])
-            raise ValueError(f"{complaint}; {DECIMALS}" if comma else complaint)
-        columns.append(values * scale)
-    return columns
-
-
-def _scale(name, units, example):
-    found = _UNIT.search(name)
-    unit = found.group(1) if found else ""
-    if unit not in units:
-        what = f"unit {unit!r} is unknown" if unit else "names no unit"
-        raise ValueError(f"header {name!r} {what}; write such as {example}, of {', '.join(units)}")
-    return units[unit]
 
 
 def _read_uff(content):

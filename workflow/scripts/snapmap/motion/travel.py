@@ -19,7 +19,7 @@ def warn_of_travel(device: Device, lowest: Value, highest: Value) -> None:
     toward = np.where(np.isinf(device.stop_toward), -np.asarray(lowest), 0.0)
     away = np.where(np.isinf(device.stop_away), highest, 0.0)
     way = np.fmax(toward, away)
-    beyond = np.atleast_1d(way / device.beam.rise > FARTHEST)
+    beyond = np.atleast_1d(way / device.beam.height > FARTHEST)
     if beyond.any():
         runs = f" in {beyond.sum()} of {beyond.size} runs" if beyond.size > 1 else ""
         warnings.warn(

@@ -1,0 +1,243 @@
+"""Beams of other shapes as made, straight ones, and clamps that give: by independent means."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.polynomial import Legendre, Polynomial
+from scipy.optimize import root
+
+from snapmap import load_device, simulate, threshold
+from snapmap.beam.barrier import find_barrier
+from snapmap.beam.cosines import symmetric_cosines
+from snapmap.beam.elements import hermite_elements
+from snapmap.beam.modal import reduce_to_modes
+from snapmap.config.devices import read_device
+from snapmap.device import Beam
+from snapmap.io.measured_shape import read_shape
+from snapmap.shape import coefficients
+
+SHAPES = {
+    "second cosine": {"cosine_2": 0.1},
+    "several cosines": {"cosine_2": -0.04, "cosine_3": 0.05, "cosine_5": -0.01},
+    "pressed arc": {"shape": "arc", "residual_stress": -80.0},
+    "pressed parabola": {"shape": "parabola", "residual_stress": -80.0, "cosine_2": 0.02},
+    "clamps that give": {"clamp": 2e4, "residual_stress": -10.0},
+    "straight": {"rise": 0.0, "residual_stress": -20.0},
+    "straight, much pressed": {"rise": 0.0, "residual_stress": -60.0},
+}
+
+
+@pytest.fixture(scope="module")
+def beam(root):
+    return load_device(root / "config" / "config.yaml").beam
+
+
+def slopes(beam, x):
+    """w0' of a beam, from its shape itself."""
+    rise, span, y = beam.rise, beam.span, x - beam.span / 2
+    if beam.shape == "arc":
+        radius = (span**2 / 4 + rise**2) / (2 * rise)
+        found = -y / np.sqrt(radius**2 - y**2)
+    elif beam.shape == "parabola":
+        found = -8 * rise * y / span**2
+    else:
+        found = rise * np.pi / span * np.sin(2 * np.pi * x / span)
+    for n in range(2, 6):
+        share = getattr(beam, f"cosine_{n}")
+        found += rise / 2 * share * 2 * n * np.pi / span * np.sin(2 * n * np.pi * x / span)
+        if n % 2:
+            found -= rise / 2 * share * 2 * np.pi / span * np.sin(2 * np.pi * x / span)
+    return found
+
+
+class Polynomials:
+    """The beam in polynomials (1 - s^2)^2 P_2k(s) over -1 < s < 1, by quadrature: another code."""
+
+    def __init__(self, beam, terms=15):
+        s, weights = np.polynomial.legendre.leggauss(200)
+        self.x, half = (1 + s) * beam.span / 2, beam.span / 2
+        clamped = Polynomial([1, 0, -1]) ** 2
+        bare = [
+            clamped * Legendre.basis(2 * k).convert(kind=Polynomial) / (1 + k) ** 2
+            for k in range(terms)
+        ]
+        self.values = np.array([one(s) for one in bare])
+        self.slopes = np.array([one.deriv()(s) for one in bare]) / half
+        self.bends = np.array([one.deriv(2)(s) for one in bare]) / half**2
+        self.weights, self.beam, self.start = weights * half, beam, slopes(beam, self.x)
+        springs = 2 / beam.clamp + beam.span / (beam.youngs_modulus * beam.area)
+        self.soft = springs, beam.residual_stress * beam.area
+        self.middle = np.array([one(0) for one in bare])
+
+    def tension(self, c):
+        slope = c @ self.slopes
+        stretch = self.weights @ (slope * (slope + 2 * self.start)) / 2
+        compliance, own = self.soft
+        relief = self.beam.span / (self.beam.youngs_modulus * self.beam.area)
+        return (stretch + own * relief) / compliance
+
+    def energy(self, c):
+        bend = c @ self.bends
+        compliance, _ = self.soft
+        bending = self.beam.bending_stiffness * self.weights @ bend**2 / 2
+        return bending + self.tension(c) ** 2 * compliance / 2
+
+    def force(self, c):
+        bend, slope = c @ self.bends, c @ self.slopes + self.start
+        stretching = self.tension(c) * (self.slopes * self.weights) @ slope
+        return self.beam.bending_stiffness * (self.bends * self.weights) @ bend + stretching
+
+    def held(self, displacement):
+        """Least energy with the midpoint moved so far, and the force that it takes."""
+        unit = self.beam.stiffness_unit * self.beam.thickness
+        found = []
+        for second in np.linspace(-2, 2, 5) * self.beam.thickness:
+            turns = 2 * np.pi * self.x / self.beam.span
+            towards = displacement * (1 - np.cos(turns)) + second * (1 - np.cos(2 * turns))
+            guess = np.linalg.lstsq(self.values.T, towards / 2, rcond=None)[0]
+
+            def residual(whole):
+                c, push = whole[:-1], whole[-1]
+                away = (self.middle @ c - displacement) / self.beam.thickness
+                return np.append(self.force(c) / unit - push * self.middle, away)
+
+            end = root(residual, np.append(guess, 0.0), tol=1e-10)
+            converged = np.abs(residual(end.x)).max() < 1e-5
+            found += [(self.energy(end.x[:-1]), abs(end.x[-1]))] if converged else []
+        return min(found)
+
+
+@pytest.mark.parametrize("values", SHAPES.values(), ids=SHAPES)
+def test_equilibria_are_those_of_another_code(beam, values):
+    """Held where an equilibrium is said to be, the beam takes no force, and has its energy."""
+    made = replace(beam, **values)
+    other, barrier = Polynomials(made), find_barrier(made, symmetric_cosines(40))
+    at = made.height, made.second_equilibrium, barrier.first + barrier.midpoint
+    (low, *none), (_, *no), (top, *nil) = (other.held(place - made.rise) for place in at)
+    assert [*none, *no, *nil] == pytest.approx([0, 0, 0], abs=0.05)  # of some 400
+    assert barrier.energy == pytest.approx(top - low, rel=1e-4)
+
+
+@pytest.mark.parametrize("values", SHAPES.values(), ids=SHAPES)
+def test_elements_converge_to_the_cosines(beam, values):
+    made = replace(beam, **values)
+    exact = find_barrier(made, symmetric_cosines(40))
+    coarse, fine = (find_barrier(made, hermite_elements(n)).energy for n in (6, 12))
+    assert abs(fine - exact.energy) < 2e-4 * exact.energy
+    assert abs(coarse - exact.energy) > 8 * abs(fine - exact.energy)
+
+
+def test_a_straight_beam_has_two_mirrored_shapes(beam):
+    """Flat it has the energy ((c - 1) N_1)^2 / 4 (EA/2L) more, c the compression."""
+    made = replace(beam, rise=0.0, residual_stress=-12.0)
+    barrier = find_barrier(made, symmetric_cosines(9))
+    load = 4 * np.pi**2 * made.bending_stiffness / made.span**2
+    flat = ((made.compression - 1) * load) ** 2 / (4 * made.axial_stiffness)
+    assert made.second_equilibrium == pytest.approx(-made.height, rel=1e-7)
+    assert barrier.midpoint == pytest.approx(-made.height, rel=1e-6)
+    assert barrier.energy == pytest.approx(flat, rel=1e-6)
+
+
+def test_an_arc_tends_to_a_parabola_with_the_square_of_its_steepness():
+    parabola = coefficients("parabola", 0.0, [])
+    apart = [abs(coefficients("arc", steep, []) - parabola).max() for steep in (0.02, 0.01)]
+    assert apart[0] / apart[1] == pytest.approx(4, rel=1e-2)
+    assert apart[1] < 1e-4
+
+
+def test_a_batch_of_shapes_is_each_by_itself(beam):
+    """The cosine among them to the last bit."""
+    names, second = np.array(["cosine", "parabola", "cosine"]), np.array([0.0, 0.05, 0.1])
+    stress = np.array([0.0, -90.0, 0.0])
+    for basis in symmetric_cosines(4), hermite_elements(4):
+        many = replace(
+            beam, shape=names, cosine_2=second, residual_stress=stress, rise=np.full(3, 10.0)
+        )
+        whole = reduce_to_modes(many, basis)
+        for i in range(3):
+            alone = replace(
+                beam, shape=str(names[i]), cosine_2=second[i], residual_stress=stress[i]
+            )
+            for ours, theirs in zip(whole, reduce_to_modes(alone, basis), strict=True):
+                assert np.array_equal(np.broadcast_to(ours, (3, *np.shape(theirs)))[i], theirs)
+
+
+def test_a_shaped_beam_snaps_alike_in_elements_and_cosines(root):
+    device = load_device(root / "config" / "config.yaml")
+    device = replace(device, beam=replace(device.beam, cosine_2=0.05, cosine_3=-0.03))
+    found = [
+        threshold(device, 1500.0, 25.0, model=name, **size).N_first.item()
+        for name, size in (("elements", {}), ("cosines", {}))
+    ]
+    assert found[0] == pytest.approx(found[1], rel=1e-2)
+    run = simulate(device, 1.02 * max(found), 1500.0, 25.0, model="cosines")
+    assert run.w_mid[0] == pytest.approx(device.beam.rise)
+    assert run.w_mid.min() < device.beam.second_equilibrium
+
+
+def test_what_is_not_bistable_is_named(beam):
+    flat = {"shape": "arc"}
+    assert not replace(beam, **flat).is_bistable
+    with pytest.raises(ValueError, match=r"needs more than \d|up to -65"):
+        replace(beam, **flat).require_second_shape()
+    with pytest.raises(ValueError, match="or a residual stress up to"):
+        replace(beam, rise=0.0)
+    with pytest.raises(ValueError, match=r"shape: circle is not one of cosine, arc, parabola"):
+        replace(beam, shape="circle")
+
+
+def document(beam, **others):
+    return {
+        "beam": {**beam, **others},
+        "mass": "1e-8 kg",
+        "spring": "5.5 N/m",
+        "contact": "40 N/m",
+        "gravity": "9.81 m/s^2",
+    }
+
+
+@pytest.fixture
+def section():
+    return {
+        "span": "600 um",
+        "rise": "10 um",
+        "thickness": "2 um",
+        "depth": "22 um",
+        "youngs_modulus": "150 GPa",
+        "density": "2330 kg/m^3",
+    }
+
+
+def test_a_config_names_shapes_and_clamps(section):
+    read = read_device(document(section, shape={"cosines": [2, 0.2, 0.5]})).beam
+    assert (read.cosine_2, read.cosine_3) == pytest.approx((0.08, 0.2))
+    assert Beam.cosines.fget(read)[::2].sum() == pytest.approx(1)
+    assert read_device(document(section, clamp={"axial": "20 kN/m"})).beam.clamp == 2e4
+    assert (
+        read_device(document(section, shape="arc", residual_stress="-80 MPa")).beam.shape == "arc"
+    )
+    with pytest.raises(ValueError, match=r"rise: '0 um' is of a straight beam"):
+        read_device(document(section, rise="0 um"))
+    with pytest.raises(ValueError, match=r"shape\.cosines: the odd ones add up to 0"):
+        read_device(document(section, shape={"cosines": [0, 1]}))
+
+
+def test_a_measured_shape_is_smoothed(section, tmp_path, beam):
+    """Upside down, tilted under the microscope, with noise."""
+    x = np.linspace(0, 600, 301)
+    w = 4.6 * (1 - np.cos(2 * np.pi * x / 600)) + 0.5 * (1 - np.cos(4 * np.pi * x / 600))
+    noise = np.random.default_rng(1).normal(0, 0.02, x.size)
+    path = tmp_path / "shape.csv"
+    rows = "\n".join(
+        f"{a:.3f},{-b * 1e3:.3f}" for a, b in zip(x + 40, w + noise - 0.01 * x, strict=True)
+    )
+    path.write_text(f"x (um),w (nm)\n{rows}\n")
+    read = read_shape(path)
+    assert read.rms == pytest.approx(0.02, rel=0.2)
+    assert sum(read.cosines[::2]) == pytest.approx(9.2, abs=0.01)
+    made = read_device(document(section, shape={"file": str(path)})).beam
+    assert made.cosine_2 == pytest.approx(0.5 / 4.6, abs=1e-3)
+    path.write_text("x (um),w (um)\n" + "\n".join(f"{a},{a % 7}" for a in range(50)))
+    with pytest.raises(ValueError, match=r"shape\.csv: is .* away from 5 cosines"):
+        read_shape(path)

@@ -1,0 +1,88 @@
+"""The shape of a beam as measured along it, under a microscope: smoothed by a few cosines."""
+
+import math
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ..numerics.linalg import apply, dot, multiply, solve
+from ..numerics.portable import sine
+from ..shape import TILT
+from .columns import read_columns
+from .named import naming, read_named
+
+COSINES = 5
+MOST = 20_000
+LEAST = 20
+PROFILE = 2_000_000, f"write at most {MOST} points"
+"""Bytes that such a file may have, and what to do about more."""
+LENGTHS = {"um": 1.0, "µm": 1.0, "μm": 1.0, "nm": 1e-3, "mm": 1e3, "m": 1e6}
+COLUMNS = {"x": (LENGTHS, "x (um)"), "w": (LENGTHS, "w (um)")}
+FARTHEST = 0.1
+"""Of the fit from the points, rms over the rise: beyond it is no beam between two clamps."""
+
+
+class Measured(NamedTuple):
+    """Cosines fitted to a measured shape, beside a straight line for how it lay: um.
+
+    cosines: of (1 - cos(2 n pi x/L))/2; tilt: largest displacement in the first antisymmetric shape
+    rms, most: distance of the points from the fit; points: how many
+    """
+
+    cosines: list[float]
+    tilt: float
+    rms: float
+    most: float
+    points: int
+
+    @property
+    def words(self) -> str:
+        """One line on what was read."""
+        return (
+            f"{COSINES} cosines fit {self.points} points to {self.rms:.2g} um (rms), "
+            f"{self.most:.2g} um at most; rise {sum(self.cosines[::2]):.4g} um, tilt "
+            f"{self.tilt:.2g} um"
+        )
+
+
+def read_shape(path: str | Path) -> Measured:
+    """Read a measured shape; raises ValueError, one line, naming file and fault.
+
+    path: CSV of two columns, x and w, whose header names the units, as in `x (um),w (um)`: points
+        from clamp to clamp in any order, of which the first and the last are at the clamps
+    """
+    with naming(path):
+        content = read_named(path, *PROFILE)
+        if not content:
+            raise ValueError("is empty")
+        x, w = read_columns(content, COLUMNS, MOST, "points")
+        if x.size < LEAST:
+            raise ValueError(f"has {x.size} points; write {LEAST} at least")
+        if not np.ptp(x) > 0:
+            raise ValueError("has all points at one x; write some from clamp to clamp")
+        return _fit((x - x.min()) / np.ptp(x), w)
+
+
+def _fit(x, w):
+    """By least squares: a line, the cosines and the first antisymmetric shape."""
+    waves = [[(1 - sine(n * one + 0.25)) / 2 for n in range(1, COSINES + 1)] for one in x.tolist()]
+    mu = 2 * math.pi * math.sqrt(TILT)
+    half = sine(mu / (4 * math.pi))
+    along = [sine(mu * one / (2 * math.pi)) / half - 2 * one for one in (x - 0.5).tolist()]
+    tilt = mu / (4 * math.pi) * np.array(along)
+    columns = np.column_stack([np.ones(x.size), x - 0.5, np.array(waves), tilt])
+    across = columns.T
+    found = solve(multiply(across, columns), apply(across, w))
+    # A beam that was drawn upside down.
+    cosines = found[2:-1] * math.copysign(1.0, found[2])
+    away = w - apply(columns, found)
+    rms = math.sqrt(dot(away, away) / x.size)
+    rise = float(sum(cosines[::2]))
+    if not rms <= FARTHEST * rise:
+        raise ValueError(
+            f"is {rms:.3g} um (rms) away from {COSINES} cosines of a rise of {rise:.3g} um; write "
+            "w along one beam, from clamp to clamp"
+        )
+    most = float(np.abs(away).max())
+    return Measured(cosines.tolist(), abs(float(found[-1])), rms, most, x.size)
