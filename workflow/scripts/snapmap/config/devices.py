@@ -13,7 +13,7 @@ from ..quantities import QUANTITIES
 from ..shape import COSINE
 from .faults import Faults, convert_part, refuse
 from .quality import KEY, damped
-from .schema import schema_faults, validator
+from .schema import name_of, schema_faults, validator
 from .units import read, show
 from .yaml_file import ConfigError, read_document
 
@@ -35,7 +35,7 @@ def load_device(path: str | Path) -> Device:
     if "device" not in document:
         raise ConfigError(f"device: missing; write {_wanted('device')}")
     faults = {at: line for at, line in schema_faults(document).items() if at[:1] == ("device",)}
-    device = convert_part(document, ("device",), faults, read_device)
+    device = _convert_device(document, ("device",), faults)
     refuse(faults)
     for line in measured_shapes(document):
         warnings.warn(line, stacklevel=2)
@@ -96,13 +96,36 @@ def read_devices(document: Mapping, faults: Faults) -> Device | dict[str, Device
     elif all(both):
         faults[("devices",)] = "devices: stand beside device; write one of them"
     elif both[0]:
-        return convert_part(document, ("device",), faults, read_device)
+        return _convert_device(document, ("device",), faults)
     elif not any(at[:1] == ("devices",) for at in faults):
         return {
-            name: convert_part(document, ("devices", name), faults, read_device, f"devices.{name}")
+            name: _convert_device(document, ("devices", name), faults, f"devices.{name}")
             for name in document["devices"]
         }
     return None
+
+
+def _convert_device(document, path, faults, *name):
+    """The device at a path; what is wrong joins `faults`, a rise of 0 that nothing buckles, too."""
+    section = document
+    for key in (*path, "beam"):
+        section = section.get(key) if isinstance(section, Mapping) else None
+    at = *path, "beam", "rise"
+    if isinstance(section, Mapping) and at not in faults and _is_loose(section):
+        faults[at] = (
+            f"{name_of(at)}: {show(section['rise'])} is of a straight beam, which only compression "
+            "buckles; write a rise > 0, or a residual_stress < 0"
+        )
+    return convert_part(document, path, faults, read_device, *name)
+
+
+def _is_loose(beam):
+    """Whether it is straight, and nothing presses it."""
+    try:
+        pressed = read(beam.get("residual_stress", "0 MPa"), "stress") < 0
+        return read(beam.get("rise"), "distance") == 0 and not pressed
+    except ValueError:  # a fault with a line of its own
+        return False
 
 
 def _wanted(key):
@@ -132,11 +155,6 @@ def _beam(section, formats):
         raise ValueError("device.beam.imperfection: is of a free beam; write guide: free")
     given = _convert(values, formats) | _values(section.get("clamp", {}), CLAMP)
     given |= _shape(section.get("shape", COSINE), given, free)
-    if given["rise"] == 0 and not given.get("residual_stress", 0) < 0:
-        raise ValueError(
-            f"device.beam.rise: {show(section['rise'])} is of a straight beam, which only "
-            "compression buckles; write a rise > 0, or a residual_stress < 0"
-        )
     beam = Beam(**given, free=float(free))
     if KEY not in section:
         return beam
