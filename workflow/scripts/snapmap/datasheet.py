@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from .beam.statics import force_displacement
+from .beam.statics import statics
 from .beam.vibration import natural_frequency
 from .device import Device
 from .io.markdown import DASH, table
@@ -72,9 +72,10 @@ def datasheet(
 
 
 def _statics(device: Device):
-    path = force_displacement(device)
-    yield ["force that snaps the beam", f"{path.top_force:.5g} uN"]
-    yield ["force that resets it", f"{-path.bottom_force:.5g} uN"]
+    path = statics(device)
+    resets = f"{-path.least_force:.5g} uN" if path.least_force < 0 else "none: it returns by itself"
+    yield ["force that snaps the beam", f"{path.largest_force:.5g} uN"]
+    yield ["force that resets it", resets]
     way = device.beam.height - device.beam.second_equilibrium
     yield ["way of the midpoint to the second shape", f"{way:.5g} um"]
     for words, omega in (
