@@ -80,8 +80,10 @@ def _statics(device: Device):
     yield ["way of the midpoint to the second shape", f"{way:.5g} um"]
     for words, omega in (
         ("first frequency of the beam", natural_frequency(device.beam)),
-        ("frequency of the mass on its spring", np.sqrt(device.spring / device.mass)),
+        ("frequency of the mass on its spring", device.mass_frequency),
     ):
+        if np.isinf(omega):
+            continue
         yield [words, f"{1e3 * omega / (2 * np.pi):.5g} kHz"]
 
 
@@ -136,6 +138,8 @@ def _largest(study: Study, requirements: Sequence[Mapping], verdicts: Sequence[M
     asked = {one["name"]: one for one in requirements}
     shocks = [row for row in verdicts if row["requirement"] in asked]
     for key, (words, unit) in UNITS.items():
+        if not np.isfinite([row[key] for row in shocks]).any():
+            continue
         worst = max(shocks, key=lambda row, key=key: row[key])
         one = asked[worst["requirement"]]
         under = replace(study, shocks=one["shocks"])

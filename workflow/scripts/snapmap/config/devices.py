@@ -6,11 +6,11 @@ from pathlib import Path
 from ..beam.barrier import find_barrier
 from ..beam.cosines import buckling_shapes
 from ..beam.equilibria import least_way
-from ..device import STOPS, STRENGTH, THERMAL, Beam, Device
+from ..device import ALONE, STOPS, STRENGTH, THERMAL, Beam, Device
 from ..quantities import QUANTITIES
 from .faults import Faults, convert_part, refuse
 from .quality import KEY, damped
-from .schema import schema_faults, validator
+from .schema import name_of, schema_faults, validator
 from .units import read
 from .yaml_file import ConfigError, read_document
 
@@ -32,6 +32,7 @@ def load_device(path: str | Path) -> Device:
     if "device" not in document:
         raise ConfigError(f"device: missing; write {_wanted('device')}")
     faults = {at: line for at, line in schema_faults(document).items() if at[:1] == ("device",)}
+    _complete(document["device"], ("device",), faults)
     device = convert_part(document, ("device",), faults, read_device)
     refuse(faults)
     return device
@@ -59,6 +60,8 @@ def tilting(beam: Beam) -> str:
 
 def stopped(device: Device) -> str:
     """One line on stops that leave the mass no room to snap the beam, or nothing."""
+    if not device.has_stops:
+        return ""
     way, needed = device.stop_toward, least_way(device)
     if way <= device.gap:
         return f"stops.toward: {way:.4g} um is not beyond the gap; the mass never meets the beam"
@@ -68,6 +71,15 @@ def stopped(device: Device) -> str:
             "push does not snap the beam, and a fast one only by the speed that it gives the beam"
         )
     return ""
+
+
+def pushed(device: Device) -> str:
+    """One line on what N counts of a beam that is pushed at its midpoint, or nothing."""
+    if not device.force:
+        return ""
+    return (
+        f"N counts {device.force:g} uN of force on the midpoint, wherever multiples of g are named"
+    )
 
 
 def unwarmed(device: Device) -> str:
@@ -90,8 +102,12 @@ def read_devices(document: Mapping, faults: Faults) -> Device | dict[str, Device
     elif all(both):
         faults[("devices",)] = "devices: stand beside device; write one of them"
     elif both[0]:
+        _complete(document["device"], ("device",), faults)
         return convert_part(document, ("device",), faults, read_device)
-    elif not any(at[:1] == ("devices",) for at in faults):
+    elif isinstance(document["devices"], Mapping):
+        for name, section in document["devices"].items():
+            _complete(section, ("devices", name), faults)
+    if both[1] and not any(at[:1] == ("devices",) for at in faults):
         return {
             name: convert_part(document, ("devices", name), faults, read_device, f"devices.{name}")
             for name in document["devices"]
@@ -109,13 +125,38 @@ def read_device(section: Mapping, name: str = "device") -> Device:
     try:
         return Device(
             beam=_beam(section["beam"], formats["beam"]["properties"]),
-            **_convert({key: section[key] for key in section if key not in APART}, formats),
+            **_struck(section, formats),
             **_values(section.get("stops", {}), STOPS),
             **_strength(section.get("strength", {})),
             **_thermal(section.get("thermal", {})),
         )
     except ValueError as error:
         raise ValueError(str(error).replace("device.", f"{name}.", 1)) from None
+
+
+def _struck(section, formats):
+    """Values of the mass and the pulse, or of a beam alone under either."""
+    values = {key: section[key] for key in section if key not in APART}
+    own = ALONE if values["mass"] == "none" else {}
+    return {"gravity": 1.0} | _convert(values, formats) | own
+
+
+def _complete(section, at, faults):
+    """Name what a section lacks, or has too much of, with a mass and without one."""
+    if not isinstance(section, Mapping) or "mass" not in section:
+        return
+    alone, pushed = section["mass"] == "none", "force" in section
+    needed = [*([] if alone else ["spring", "contact"]), *([] if pushed else ["gravity"])]
+    formats = validator().schema["$defs"]["device"]["properties"]
+    said = {key: f"missing; write {formats[key]['description']}" for key in needed}
+    said = {key: line for key, line in said.items() if key not in section}
+    if alone:
+        extra = [key for key in (*ALONE, "stops", KEY) if key in section and key != "mass"]
+        said |= dict.fromkeys(extra, "is of the mass, and there is none; leave it out")
+    if pushed and "gravity" in section:
+        said["gravity"] = "stands beside force; N counts multiples of one of them"
+    for key, line in said.items():
+        faults.setdefault((*at, key), f"{name_of((*at, key))}: {line}")
 
 
 def _beam(section, formats):

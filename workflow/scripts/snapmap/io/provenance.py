@@ -12,7 +12,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from .. import __version__
-from ..device import REFERENCE, RESTITUTION, STOPS, STRENGTH, THERMAL, Device
+from ..device import ALONE, REFERENCE, RESTITUTION, STOPS, STRENGTH, THERMAL, Device
 from ..pulse import Pulse, Shocks
 from ..quantities import QUANTITIES
 from .dependencies import code_hash
@@ -74,6 +74,9 @@ def device_sections(device: Device | Mapping[str, Device]) -> dict:
 def _section(device):
     values = asdict(device)
     beam = values.pop("beam")
+    alone = {"mass": "none"} if device.is_alone else {}
+    for key in (*(ALONE if alone else ()), *(["gravity"] if device.force else [])):
+        del values[key]
     guide = {"guide": "free"} if beam.pop("free") else {}
     stops, strength, thermal = (_named(values, names) for names in (STOPS, STRENGTH, THERMAL))
     values.pop("temperature")  # its values hold there
@@ -84,7 +87,7 @@ def _section(device):
     if strength:
         written["strength"] = strength["scale"] if [*strength] == ["scale"] else strength
     written |= {"thermal": thermal} if warms else {}
-    return {"beam": _with_units(beam) | guide, **_with_units(values), **written}
+    return {"beam": _with_units(beam) | guide, **alone, **_with_units(values), **written}
 
 
 def _named(values, names):
