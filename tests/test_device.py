@@ -71,4 +71,4 @@ def test_contact_may_be_hard():
 
 def test_every_value_has_its_line_in_the_table():
     fields = {*Beam.__dataclass_fields__, *Device.__dataclass_fields__} - {"beam", "free"}
-    assert fields == {*VALUES, "gravity", *STRENGTH.values(), *THERMAL.values()}
+    assert fields == {*VALUES, "gravity", "force", *STRENGTH.values(), *THERMAL.values()}

@@ -7,7 +7,7 @@ import pytest
 from numpy.polynomial import Legendre, Polynomial
 from scipy.optimize import root
 
-from snapmap import load_device, simulate, threshold
+from snapmap import load_device, simulate, statics, threshold
 from snapmap.beam.barrier import find_barrier
 from snapmap.beam.cosines import symmetric_cosines
 from snapmap.beam.elements import hermite_elements
@@ -241,3 +241,27 @@ def test_a_measured_shape_is_smoothed(section, tmp_path, beam):
     path.write_text("x (um),w (um)\n" + "\n".join(f"{a},{a % 7}" for a in range(50)))
     with pytest.raises(ValueError, match=r"shape\.csv: is .* away from 5 cosines"):
         read_shape(path)
+
+
+def test_statics_of_a_laboratory_arch(handout):
+    """The arch of Chandra et al. (2015); limit and least load by another shallow code, N and mm."""
+    arch = Beam(
+        span=304.8,
+        rise=15.3955,
+        thickness=0.6096,
+        depth=12.7,
+        youngs_modulus=206843.0,
+        density=7.83e-9,
+        shape="parabola",
+    )
+    path = statics(replace(handout, beam=arch))
+    assert path.largest_force == pytest.approx(6.380, abs=1e-3)
+    assert path.least_force == pytest.approx(2.250, abs=1e-3)
+    assert path.barrier == 0 and np.isnan(path.second_equilibrium)
+
+
+def test_statics_of_a_straight_beam_mirror(handout):
+    for stress in -12.0, -60.0:
+        made = replace(handout.beam, rise=0.0, residual_stress=stress)
+        path = statics(replace(handout, beam=made))
+        assert path.least_force == pytest.approx(-path.largest_force, rel=1e-5)

@@ -7,18 +7,17 @@ import pytest
 
 import snapmap
 from snapmap.beam.equilibria import static_threshold
-from snapmap.beam.statics import force_displacement
 
 
 @pytest.fixture(scope="module")
 def path(handout):
-    return force_displacement(handout)
+    return snapmap.statics(handout)
 
 
 def test_the_path_has_the_exact_wells_and_saddle(path, handout):
     """F = 0 in both shapes and at the saddle w_s = -rise/3, with the exact energies."""
-    followed = path.sel(branch="followed")
-    way, force, energy = (followed[key].values for key in ("displacement", "force", "energy"))
+    guided = path.sel(branch="guided")
+    way, force, energy = (guided[key].values for key in ("displacement", "force", "energy"))
     crossing = np.flatnonzero(np.diff(np.sign(force[1:]))) + 1
     w2 = handout.beam.second_equilibrium
     np.testing.assert_allclose(way[crossing], [40 / 3, 10 - w2], rtol=5e-3)
@@ -31,10 +30,10 @@ def test_the_path_has_the_exact_wells_and_saddle(path, handout):
 
 def test_the_path_has_the_exact_forces(path, handout):
     """Top and bottom, and the stiffness 192 EI/L^3 of the start and that of the straight part."""
-    assert path.top_force == pytest.approx(70.67, abs=0.01)
-    assert path.bottom_force == pytest.approx(-32.54, abs=0.01)
-    followed = path.sel(branch="followed")
-    way, force = followed.displacement.values, followed.force.values
+    assert path.largest_force == pytest.approx(70.67, abs=0.01)
+    assert path.least_force == pytest.approx(-32.54, abs=0.01)
+    guided = path.sel(branch="guided")
+    way, force = guided.displacement.values, guided.force.values
     assert way[np.argmax(force)] == pytest.approx(2.349, abs=2e-3)
     assert way[np.argmin(np.where(way < 19, force, 0))] == pytest.approx(18.39, abs=0.01)
     straight = np.polyfit(way[410:790], force[410:790], 1)
@@ -42,9 +41,34 @@ def test_the_path_has_the_exact_forces(path, handout):
     np.testing.assert_allclose(np.polyval(straight, way[410:790]), force[410:790], atol=1e-9)
 
 
-def test_the_energy_is_the_work_of_the_force(path):
-    for branch in path.branch.values:
-        one = path.sel(branch=branch)
+def free(device, Q, imperfection):
+    values = {"free": 1.0, "thickness": device.beam.rise / Q, "imperfection": imperfection}
+    return replace(device, beam=replace(device.beam, **values))
+
+
+CLOSED = {5: (386.1, 2.5225), 6: (389.665, -1.0424), 12: (395.596, -6.9736), 20: (396.839, -8.2164)}
+
+
+@pytest.mark.parametrize("Q", CLOSED)
+def test_a_free_beam_tilts_at_the_closed_form(handout, Q):
+    """At N = 80.76 EI/L^2 the symmetric part of all modes alone bears the force: a quadratic."""
+    device = free(handout, Q, 1e-9)
+    found = snapmap.statics(device)
+    unit = device.beam.stiffness_unit * device.beam.rise
+    forces = found.largest_force / unit, found.least_force / unit
+    assert forces == pytest.approx(CLOSED[Q], abs=1e-3)
+    assert (found.barrier > 0) == (forces[1] < 0)
+    assert found.force.sel(branch="guided").max() > found.largest_force
+
+
+def test_an_imperfection_lowers_the_force_that_snaps(handout):
+    forces = [snapmap.statics(free(handout, 6, one)).largest_force for one in (1e-3, 0.03, 0.3)]
+    assert (np.diff(forces) < 0).all()
+
+
+def test_the_energy_is_the_work_of_the_force(path, handout):
+    both = [path.sel(branch=branch) for branch in path.branch.values]
+    for one in (*both, snapmap.statics(free(handout, 6, 0.03)).sel(branch="tilted")):
         steps = np.diff(one.displacement.values)
         force = one.force.values
         work = np.append(0, np.cumsum((force[1:] + force[:-1]) / 2 * steps))
@@ -52,7 +76,7 @@ def test_the_energy_is_the_work_of_the_force(path):
 
 
 def test_the_path_of_unbranched_is_stiffer(path):
-    assert path.force.sel(branch="unbranched").max() > 1.2 * path.top_force
+    assert path.force.sel(branch="unbranched").max() > 1.2 * path.largest_force
 
 
 @pytest.mark.parametrize(

@@ -52,8 +52,8 @@ def make_statics():
     axes = ("branch", "point")
     variables = {"displacement": (axes, [w, w]), "force": (axes, force), "energy": (axes, energy)}
     attributes = {"rise": 10.0, "second_equilibrium": -9.0, "saddle": -2.0, "barrier": 490.0}
-    attributes |= {"top_force": 70.0, "bottom_force": -30.0} | ATTRIBUTES
-    return xr.Dataset(variables, {"branch": ["followed", "unbranched"]}, attributes)
+    attributes |= {"largest_force": 70.0, "least_force": -30.0} | ATTRIBUTES
+    return xr.Dataset(variables, {"branch": ["guided", "unbranched"]}, attributes)
 
 
 def make_accuracy():

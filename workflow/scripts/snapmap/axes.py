@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .device import VALUES, Device, batch, is_bistable
+from .device import OF_MASS, VALUES, Device, batch, is_bistable
 from .pulse import HANDOUT_SHOCK, Pulse, Shocks
 from .quantities import QUANTITIES
 
@@ -78,6 +78,9 @@ def make_grid(
     for one in named.values() if named else [device]:
         if not isinstance(one, Device):
             raise ValueError(f"device: {one!r} is no device; `snapmap.load_device` reads one")
+        idle = [key for key in points if key in OF_MASS and np.all(one.is_alone)]
+        if idle:
+            raise ValueError(f"{idle[0]}: is of the mass, and there is none; leave it out")
     if len({one.gravity for one in named.values()}) > 1:
         raise ValueError("devices: gravity differs; write one, as N counts multiples of it")
     varied = [key for key in points if key not in SHOCK_AXES]

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from .beam.statics import force_displacement
+from .beam.statics import statics
 from .beam.vibration import natural_frequency
 from .device import Device
 from .io.markdown import DASH, table
@@ -72,15 +72,18 @@ def datasheet(
 
 
 def _statics(device: Device):
-    path = force_displacement(device)
-    yield ["force that snaps the beam", f"{path.top_force:.5g} uN"]
-    yield ["force that resets it", f"{-path.bottom_force:.5g} uN"]
+    path = statics(device)
+    resets = f"{-path.least_force:.5g} uN" if path.least_force < 0 else "none: it returns by itself"
+    yield ["force that snaps the beam", f"{path.largest_force:.5g} uN"]
+    yield ["force that resets it", resets]
     way = device.beam.height - device.beam.second_equilibrium
     yield ["way of the midpoint to the second shape", f"{way:.5g} um"]
     for words, omega in (
         ("first frequency of the beam", natural_frequency(device.beam)),
-        ("frequency of the mass on its spring", np.sqrt(device.spring / device.mass)),
+        ("frequency of the mass on its spring", device.mass_frequency),
     ):
+        if np.isinf(omega):
+            continue
         yield [words, f"{1e3 * omega / (2 * np.pi):.5g} kHz"]
 
 
@@ -135,6 +138,8 @@ def _largest(study: Study, requirements: Sequence[Mapping], verdicts: Sequence[M
     asked = {one["name"]: one for one in requirements}
     shocks = [row for row in verdicts if row["requirement"] in asked]
     for key, (words, unit) in UNITS.items():
+        if not np.isfinite([row[key] for row in shocks]).any():
+            continue
         worst = max(shocks, key=lambda row, key=key: row[key])
         one = asked[worst["requirement"]]
         under = replace(study, shocks=one["shocks"])

@@ -49,6 +49,10 @@ STRENGTH = {
     "threshold": "strength_threshold",
 }
 """Likewise in its section `strength`."""
+ALONE = {"mass": 0.0, "spring": 1.0, "contact": 1.0, "gap": math.inf}
+"""Values of a device whose beam no mass ever meets; its spring and contact are of no account."""
+OF_MASS = *ALONE, *STOPS.values()
+"""Values that a beam alone has no use for."""
 THINNEST = 1e6
 """Most of rise over thickness: beyond, the digits of a float no longer hold bending and stretch."""
 FLAT = 1e-8
@@ -305,9 +309,11 @@ class Beam:
 class Device:
     """Beam, and a mass on a spring that strikes it; a value that cannot be raises ValueError.
 
-    mass: ng
+    mass: ng; 0 with a gap of math.inf for a beam alone
     spring, contact: uN/um; contact = math.inf is a hard contact
     gravity: the unit of the shock's amplitude N, um/us^2
+    force: the unit of N, uN, where the pulse is a force on the midpoint of a beam alone, downward,
+        and 0 where it is an acceleration of the frame
     gap: between mass and midpoint at rest, um
     stop_toward, stop_away: way of the mass from rest to a rigid stop, towards the beam and away
         from it, um; math.inf for none
@@ -327,6 +333,7 @@ class Device:
     contact: Value
     gravity: Value
     gap: Value = 0.0
+    force: Value = 0.0
     stop_toward: Value = math.inf
     stop_away: Value = math.inf
     restitution: Value = RESTITUTION
@@ -340,7 +347,13 @@ class Device:
     strength_threshold: Value = 0.0
 
     def __post_init__(self):
-        _require_from_zero("device.gap", self.gap)
+        alone = np.equal(self.mass, 0) & self.is_alone
+        _require_from_zero("device.gap", np.where(alone, 0.0, self.gap))
+        _require_from_zero("device.force", self.force)
+        pushed = "device.force: {:g} uN is of a beam alone; write mass: none"
+        _require(alone | np.equal(self.force, 0), pushed, self.force)
+        stopped = "device.stops: are of a mass, and there is none; leave them out"
+        _require(~(alone & self.has_stops), stopped)
         for key in ("toward", "away"):
             way = getattr(self, STOPS[key])
             _require(np.greater(way, 0), f"device.stops.{key}: {{}} is not a positive number", way)
@@ -358,7 +371,8 @@ class Device:
             _require(
                 np.greater(value, -ZERO), f"device.{key}: {{}} degC is not above -273.15", value
             )
-        for name in ("mass", "spring", "gravity"):
+        _require_positive("device.mass", np.where(alone, 1.0, self.mass))
+        for name in ("spring", "gravity"):
             _require_positive(f"device.{name}", getattr(self, name))
         stiff = "device.contact: {} is not a positive number or inf"
         _require(np.greater(self.contact, 0), stiff, self.contact)
@@ -369,7 +383,18 @@ class Device:
 
         A light mass, or one on a stiff spring, rests on a beam that snaps by its own inertia.
         """
-        return np.minimum(np.sqrt(self.spring / self.mass), self.beam.bending_frequency)
+        return np.minimum(self.mass_frequency, self.beam.bending_frequency)
+
+    @property
+    def mass_frequency(self) -> Value:
+        """The mass's own, sqrt(spring / mass), rad/us; inf without a mass."""
+        with np.errstate(divide="ignore"):
+            return np.sqrt(np.divide(self.spring, self.mass))
+
+    @property
+    def is_alone(self) -> bool | np.ndarray:
+        """Whether no mass ever meets the beam."""
+        return np.isinf(self.gap)
 
     @property
     def has_stops(self) -> bool | np.ndarray:

@@ -19,7 +19,7 @@ from ..numerics.linalg import apply, eigh
 from .barrier import find_barrier, unit_buckling
 from .basis import Basis
 from .cosines import buckling_shapes, symmetric_cosines
-from .modal import ModalBeam, contact_stiffness, unit_form, unit_modes
+from .modal import ModalBeam, contact_stiffness, under_load, unit_form, unit_modes
 from .prestress import first_midpoint, kinds_of
 
 COSINES = 40
@@ -43,11 +43,12 @@ def static_threshold(device: Device) -> float | np.ndarray:
 
     That is the first maximum on the path, or where the beam leaves the mass to snap by itself. A
     beam that leaves the mass where it could still rest alone, or that the mass does not reach
-    across its gap, or is stopped before the saddle, goes on to its own first maximum.
+    across its gap, or is stopped before the saddle, goes on to its own first maximum; so does one
+    alone, of whose force on the midpoint N then counts the units.
     """
     if np.ndim(device.mass):
         return np.array([static_threshold(device.pick(i)) for i in range(len(device))])
-    modes = buckling_modes(device.beam)
+    modes = under_load(device, buckling_modes(device.beam))
     first = first_midpoint(shapes_of(device.beam), device.beam).item()
     whole = first - device.beam.second_equilibrium
 
@@ -59,6 +60,9 @@ def static_threshold(device: Device) -> float | np.ndarray:
         behind = device.mass * a < device.spring * (reached + device.gap)
         return behind & np.logical_or.accumulate(~behind)
 
+    if device.is_alone:
+        alone, *_ = _end_of(modes, _shock_alone, lambda a, reached: a < 0, whole)
+        return float(alone / device.gravity)
     a, reached, leaves = _end_of(modes, pressed, is_left, whole)
     stopped = device.stop_toward < np.inf and device.stop_toward < least_way(device)
     if leaves or device.gap > 0 or stopped:

@@ -116,6 +116,19 @@ def _unit_shapes(basis, modes):
     return _unit_eigen(basis)[1][:, :modes]
 
 
+def under_load(device: Device, modal: ModalBeam) -> ModalBeam:
+    """The same under the load of the device's pulse: of the frame, or of a force on the midpoint.
+
+    modal: or another form with the fields `load` and `midpoint`
+    """
+    if not np.any(device.force):
+        return modal
+    # ASSUME: the modes left out do not yield to a force that is the pulse; it is far below theirs.
+    more = np.ndim(modal.load) - np.ndim(device.force)
+    share = _column(np.divide(device.force, device.gravity), more)
+    return modal._replace(load=np.where(share, share * modal.midpoint, modal.load))
+
+
 def contact_stiffness(device: Device, residual: Value) -> Value:
     """Contact force per overlap of mass and kept modes, 1 / (1/lambda + residual), uN/um.
 

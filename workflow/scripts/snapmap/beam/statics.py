@@ -6,9 +6,7 @@ import xarray as xr
 from ..device import Device
 from ..io.provenance import device_sections, provenance
 from .barrier import find_barrier
-from .cosines import symmetric_cosines
 from .equilibria import (
-    COSINES,
     BucklingModes,
     buckling_modes,
     displacement,
@@ -21,6 +19,8 @@ from .prestress import first_midpoint
 
 POINTS = 400
 """On each of the parts of a path."""
+LEAST_LOG = -32.0
+"""Of x in `_tilted`: no imperfection is so small that N comes nearer to the load."""
 VARIABLES = {
     "displacement": {"long_name": "way of the midpoint from the first shape", "units": "um"},
     "force": {"long_name": "static force on the midpoint", "units": "uN"},
@@ -28,37 +28,106 @@ VARIABLES = {
 }
 
 
-def force_displacement(device: Device) -> xr.Dataset:
-    """Push the beam's midpoint slowly from the first shape to the second and beyond.
+def statics(device: Device) -> xr.Dataset:
+    """Push the midpoint of one device's beam slowly from the first shape to the second and beyond.
 
-    Branch `followed` leaves `unbranched`, that of a beam without the second mode, where N reaches
-    the second buckling load, and runs straight from there to where they meet again (Vangbo, 1998).
+    Returns displacement (um), force (uN) and energy (pJ) over (branch, point). Branches:
+
+    - `guided`: of a beam that moves symmetrically; it leaves `unbranched` where N reaches the
+      second buckling load, and runs straight from there to where they meet again (Vangbo, 1998)
+    - `unbranched`: without the second mode, which no beam follows; of a shape that has nothing of
+      that mode
+    - `tilted`: of a beam that is free to tilt, with its imperfection
+
+    The attributes are those of the path that the beam takes, `tilted` if it is free, else `guided`:
+    `largest_force` and `least_force` between the shapes (uN; the least is above 0 where the beam
+    returns by itself), and w(L/2) of the shapes and the saddle, `rise`, `second_equilibrium`,
+    `saddle` (um), with its energy, `barrier` (pJ; 0 of a beam without a second stable shape).
+
+    >>> path = snapmap.statics(snapmap.load_device("config/config.yaml"))
+    >>> round(path.largest_force, 2), round(path.least_force, 2)
+    (70.67, -32.54)
     """
-    modes = buckling_modes(device.beam)
-    barrier = find_barrier(device.beam, symmetric_cosines(COSINES))
-    first = first_midpoint(shapes_of(device.beam), device.beam).item()
-    second = modes.buckling[1, 0]
-    # The second mode neither moves the midpoint nor is in the start: it enters by bifurcation.
-    odd = BucklingModes(*(column[0::2] for column in modes[:4]), *modes[4:])
-    largest = largest_force(odd, push, odd.buckling[1, 0])
-    branches = [_path(odd, second), _path(odd, largest)]
-    values = (np.stack(arrays) for arrays in zip(*branches, strict=True))
+    modes, shapes = buckling_modes(device.beam), shapes_of(device.beam)
+    barrier = find_barrier(device.beam, shapes)
+    first = first_midpoint(shapes, device.beam).item()
+    # Kinds of shapes alternate.
+    symmetric = _some(modes, slice(None, None, 2)) if device.beam.free else modes
+    branches, way = _symmetric_paths(device.beam, symmetric, modes.buckling[1, 0])
+    if device.beam.free:
+        way = _dense_at_corners(way)
+        branches = {"tilted": (way, *_tilted(modes, way)), **branches}
     data = {
-        key: (("branch", "point"), array, VARIABLES[key])
-        for key, array in zip(VARIABLES, values, strict=True)
+        key: (("branch", "point"), np.stack(arrays), VARIABLES[key])
+        for key, arrays in zip(VARIABLES, zip(*branches.values(), strict=True), strict=True)
     }
     force = data["force"][1][0]
-    return xr.Dataset(data, {"branch": ["followed", "unbranched"]}).assign_attrs(
+    return xr.Dataset(data, {"branch": list(branches)}).assign_attrs(
         Conventions="CF-1.11",
         title="Static force on the midpoint of the beam",
         rise=first,
-        second_equilibrium=device.beam.second_equilibrium,
+        second_equilibrium=barrier.second,
         saddle=first + barrier.midpoint,
         barrier=barrier.energy,
-        top_force=float(force[: 2 * POINTS].max()),
-        bottom_force=float(force[POINTS:].min()),
+        largest_force=float(force[: 2 * POINTS].max()),
+        least_force=float(force[POINTS:].min()),
         **provenance(device_sections(device)),
     )
+
+
+def _symmetric_paths(beam, modes, tilts):
+    """Branches of a beam that moves symmetrically, and displacements on one up to N = `tilts`."""
+    if beam.cosines[1::2].any():
+        turn = largest_force(modes, push, modes.buckling[1, 0])
+        return {"guided": _path(modes, turn)}, _path(modes, min(turn, tilts))[0]
+    # The even shapes move no midpoint and are in no start: the second enters by bifurcation.
+    odd = _some(modes, slice(None, None, 2))
+    turn = largest_force(odd, push, odd.buckling[1, 0])
+    branches = {
+        "guided": _path(odd, min(turn, modes.buckling[1, 0])),
+        "unbranched": _path(odd, turn),
+    }
+    return branches, _path(odd, min(turn, tilts))[0]
+
+
+def _dense_at_corners(way):
+    """The displacements of a path, where one with an imperfection bends sharply."""
+    first, last = way[POINTS], way[2 * POINTS - 1]
+    share = (1 - np.cos(np.linspace(0, np.pi, POINTS))) / 2
+    return np.concatenate([way[:POINTS], first + (last - first) * share, way[2 * POINTS :]])
+
+
+def _some(modes, which):
+    return BucklingModes(*(column[which] for column in modes[:4]), *modes[4:])
+
+
+def _tilted(modes, way):
+    """Force and energy of a free beam whose midpoint is held at displacements, um.
+
+    Below the first load that tilts it the held beam is stable at one N alone; x = 1 - N/N_tilt.
+    """
+    from scipy.optimize.elementwise import find_root  # half a second, for which nobody else waits
+
+    def held(log_x, way):
+        N = modes.buckling[1, 0] * -np.expm1(log_x)
+        constant, slope = push(modes, N)
+        give = displacement(modes, slope) + modes.residual
+        force = (way - displacement(modes, constant)) / give
+        return N, force, constant + slope * force
+
+    def over(log_x, way):
+        N, _, c = held(log_x, way)
+        return N + modes.axial * np.sum(c * (c + 2 * modes.start), axis=0)
+
+    bracket = np.full(way.size, LEAST_LOG), np.full(way.size, np.log(2))
+    N, force, c = held(find_root(over, bracket, args=(way,)).x, way)
+    return force, _energy(modes, N, c, 0.0, force)
+
+
+def _energy(modes, N, c, free, force):
+    """free: the square of the amplitude that a mode takes at its own load N."""
+    bent = np.sum(modes.buckling * c**2, axis=0) + N * free + modes.residual * force**2
+    return bent / 2 + N**2 / (4 * modes.axial)
 
 
 def _in_order(lower_first, lower, upper):
@@ -79,5 +148,4 @@ def _path(modes, turn):
     c = constant + slope * force
     # At `turn` the stretch that the odd modes leave open is the second mode's.
     free = np.maximum(0.0, -N / modes.axial - np.sum(c * (c + 2 * modes.start), axis=0))
-    energy = np.sum(modes.buckling * c**2, axis=0) / 2 + N * free / 2 + N**2 / (4 * modes.axial)
-    return displacement(modes, c) + modes.residual * force, force, energy
+    return displacement(modes, c) + modes.residual * force, force, _energy(modes, N, c, free, force)

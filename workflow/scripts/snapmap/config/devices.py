@@ -7,7 +7,7 @@ from pathlib import Path
 from ..beam.barrier import find_barrier
 from ..beam.cosines import buckling_shapes
 from ..beam.equilibria import least_way
-from ..device import CLAMP, COSINES, STOPS, STRENGTH, THERMAL, Beam, Device
+from ..device import ALONE, CLAMP, COSINES, STOPS, STRENGTH, THERMAL, Beam, Device
 from ..io.measured_shape import read_shape
 from ..quantities import QUANTITIES
 from ..shape import COSINE
@@ -65,6 +65,8 @@ def tilting(beam: Beam) -> str:
 
 def stopped(device: Device) -> str:
     """One line on stops that leave the mass no room to snap the beam, or nothing."""
+    if not device.has_stops:
+        return ""
     way, needed = device.stop_toward, least_way(device)
     if way <= device.gap:
         return f"stops.toward: {way:.4g} um is not beyond the gap; the mass never meets the beam"
@@ -74,6 +76,15 @@ def stopped(device: Device) -> str:
             "push does not snap the beam, and a fast one only by the speed that it gives the beam"
         )
     return ""
+
+
+def pushed(device: Device) -> str:
+    """One line on what N counts of a beam that is pushed at its midpoint, or nothing."""
+    if not device.force:
+        return ""
+    return (
+        f"N counts {device.force:g} uN of force on the midpoint, wherever multiples of g are named"
+    )
 
 
 def unwarmed(device: Device) -> str:
@@ -106,17 +117,23 @@ def read_devices(document: Mapping, faults: Faults) -> Device | dict[str, Device
 
 
 def _convert_device(document, path, faults, *name):
-    """The device at a path; what is wrong joins `faults`, a rise of 0 that nothing buckles, too."""
+    """The device at a path; what is wrong joins `faults`, also beyond what the schema says."""
     section = document
-    for key in (*path, "beam"):
+    for key in path:
         section = section.get(key) if isinstance(section, Mapping) else None
-    at = *path, "beam", "rise"
-    if isinstance(section, Mapping) and at not in faults and _is_loose(section):
-        faults[at] = (
-            f"{name_of(at)}: {show(section['rise'])} is of a straight beam, which only compression "
-            "buckles; write a rise > 0, or a residual_stress < 0"
-        )
+    if isinstance(section, Mapping):
+        for at, line in {**_of_the_mass(section), **_of_the_rise(section.get("beam"))}.items():
+            whole = *path, *at
+            faults.setdefault(whole, f"{name_of(whole)}: {line}")
     return convert_part(document, path, faults, read_device, *name)
+
+
+def _of_the_rise(beam):
+    """Name a rise of 0 if nothing buckles the beam."""
+    if not (isinstance(beam, Mapping) and _is_loose(beam)):
+        return {}
+    straight = f"{show(beam['rise'])} is of a straight beam, which only compression buckles"
+    return {("beam", "rise"): f"{straight}; write a rise > 0, or a residual_stress < 0"}
 
 
 def _is_loose(beam):
@@ -138,13 +155,37 @@ def read_device(section: Mapping, name: str = "device") -> Device:
     try:
         return Device(
             beam=_beam(section["beam"], formats["beam"]["properties"]),
-            **_convert({key: section[key] for key in section if key not in APART}, formats),
+            **_struck(section, formats),
             **_values(section.get("stops", {}), STOPS),
             **_strength(section.get("strength", {})),
             **_thermal(section.get("thermal", {})),
         )
     except ValueError as error:
         raise ValueError(str(error).replace("device.", f"{name}.", 1)) from None
+
+
+def _struck(section, formats):
+    """Values of the mass and the pulse, or of a beam alone under either."""
+    values = {key: section[key] for key in section if key not in APART}
+    own = ALONE if values["mass"] == "none" else {}
+    return {"gravity": 1.0} | _convert(values, formats) | own
+
+
+def _of_the_mass(section):
+    """Name what a device lacks, or has too much of, with a mass and without one."""
+    if "mass" not in section:
+        return {}
+    alone, pushed = section["mass"] == "none", "force" in section
+    needed = [*([] if alone else ["spring", "contact"]), *([] if pushed else ["gravity"])]
+    formats = validator().schema["$defs"]["device"]["properties"]
+    said = {key: f"missing; write {formats[key]['description']}" for key in needed}
+    said = {key: line for key, line in said.items() if key not in section}
+    if alone:
+        extra = [key for key in (*ALONE, "stops", KEY) if key in section and key != "mass"]
+        said |= dict.fromkeys(extra, "is of the mass, and there is none; leave it out")
+    if pushed and "gravity" in section:
+        said["gravity"] = "stands beside force; N counts multiples of one of them"
+    return {(key,): line for key, line in said.items()}
 
 
 def _beam(section, formats):

@@ -24,12 +24,14 @@ def proportions(beam: Beam) -> str:
 
 def implausible(device: Device, C: np.ndarray, f0: np.ndarray) -> list[str]:
     """Lines on what is hardly meant, of a batch of devices; C: uN us/um, f0: Hz, ascending."""
-    beam, mass = device.beam, np.sqrt(device.spring / device.mass)
+    beam, own = device.beam, device.own_frequency
+    mass = np.where(device.is_alone, own, device.mass_frequency)
     steepest = np.max(beam.rise / beam.span)
     slender = beam.span / beam.thickness
-    damped = C[-1] / np.min(2 * device.mass * mass)
+    critical = np.min(2 * device.mass * mass)
+    damped = C[-1] / critical if critical else 0.0
     lasts = f0 * (2e-6 * np.pi)
-    first, last = np.min(device.own_frequency), np.max(np.maximum(mass, beam.bending_frequency))
+    first, last = np.min(own), np.max(np.maximum(mass, beam.bending_frequency))
     told = {
         f"rise/span = {steepest:.3g}: above {STEEP:g} the beam is no shallow arch, as the model "
         "has it": steepest > STEEP,

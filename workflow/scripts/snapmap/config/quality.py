@@ -35,6 +35,11 @@ def damper_of(
     sections = document["devices"] if several else {"": document.get("device")}
     if not isinstance(sweep, Mapping) or not isinstance(sections, Mapping):
         return None
+    named = device if isinstance(device, Mapping) else {"": device}
+    if device is not None and all(one and one.is_alone for one in named.values()):
+        if "C" in sweep:
+            faults[("sweep", "C")] = "sweep.C: is of the mass, and there is none; leave it out"
+        return 0.0
     given = [name for name, one in sections.items() if isinstance(one, Mapping) and KEY in one]
     if "C" in sweep:
         for name in given:
@@ -44,7 +49,6 @@ def damper_of(
         wanted = "dampers (force time per length) of the mass, or device.quality_factor"
         faults[("sweep", "C")] = f"sweep.C: missing; write {wanted}"
     elif device is not None:
-        named = device if isinstance(device, Mapping) else {"": device}
         found = {_damper(named[name], sections[name]) for name in sections}
         if len(found) == 1:
             return found.pop()
@@ -69,8 +73,9 @@ def describe(device: Device, C: Sequence[float] = ()) -> str:
     """
     own = _own(device)
     beam, mass = (f"{1e3 * omega / (2 * np.pi):.4g} kHz" for omega in own)
-    words = f"beam {beam}, quality factor {_quality(own[0], device.beam.damping)}; mass {mass}"
-    if not np.size(C):
+    words = f"beam {beam}, quality factor {_quality(own[0], device.beam.damping)}; "
+    words += "no mass" if device.is_alone else f"mass {mass}"
+    if device.is_alone or not np.size(C):
         return words
     check_cells(C=C)
     ends = dict.fromkeys((np.min(C), np.max(C)))
@@ -81,17 +86,16 @@ def describe(device: Device, C: Sequence[float] = ()) -> str:
 
 def excited(device: Device, pulse: Pulse) -> str:
     """One line on the shock response spectrum of a pulse at the device's own frequencies."""
-    f = np.array(_own(device)) / (2e-6 * np.pi)
-    of_beam, of_mass = pulse_response(pulse, pulse.duration, f)
-    return (
-        f"shock response (quality factor 10) over its peak {of_mass:.3g} at the mass's frequency, "
-        f"{of_beam:.3g} at the beam's"
-    )
+    own = _own(device)[: 1 if device.is_alone else 2]
+    found = pulse_response(pulse, pulse.duration, np.array(own) / (2e-6 * np.pi))
+    told = [f"{one:.3g} at the {of}'s" for one, of in zip(found, ("beam", "mass"), strict=False)]
+    told[-1] += " frequency"
+    return f"shock response (quality factor 10) over its peak {', '.join(told[::-1])}"
 
 
 def _own(device):
     """Frequencies of beam and mass, rad/us."""
-    return natural_frequency(device.beam), float(np.sqrt(device.spring / device.mass))
+    return natural_frequency(device.beam), float(device.mass_frequency)
 
 
 def _quality(omega, rate):

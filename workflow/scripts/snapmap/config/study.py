@@ -13,7 +13,15 @@ from ..study import Study
 from ..tolerances.samples import Tolerances
 from .asked_views import read_views
 from .axes import read_axis
-from .devices import measured_shapes, nominal, read_devices, stopped, tilting, unwarmed
+from .devices import (
+    measured_shapes,
+    nominal,
+    pushed,
+    read_devices,
+    stopped,
+    tilting,
+    unwarmed,
+)
 from .faults import convert_part, refuse
 from .histories import History, read_histories
 from .plausible import implausible, proportions
@@ -112,7 +120,11 @@ class Config(Study):
         """Lines on what is hardly meant, and on what devices and recorded shocks may leave out."""
         shortest, device = 1e6 / self.axes["f0"][-1], nominal(self.device)
         each = self.devices().items()
-        lines = [(name, line) for name, one in each for line in (tilting(one.beam), stopped(one))]
+        lines = [
+            (name, line)
+            for name, one in each
+            for line in (tilting(one.beam), stopped(one), pushed(one))
+        ]
         if "temperature" in self.axes:
             lines += [(name, unwarmed(one)) for name, one in each]
         pulses = [

@@ -31,6 +31,8 @@ def read(value: object, kind: str) -> float:
         return _read_number(value, KINDS[kind])
     if kind == "contact" and value == "hard":
         return math.inf
+    if kind == "body" and value == "none":
+        return 0.0
     return _read_quantity(value, KINDS[kind])
 
 

@@ -13,7 +13,7 @@ from . import scales, style
 from .explore_axes import axis, durations, layout, plane
 from .explore_batch import batch_section
 from .explore_cells import cell_data, opening
-from .explore_device import device_rows, vibrations, words_of
+from .explore_device import STRUCK, device_rows, kind_of, vibrations, words_of
 from .explore_history import history, legend
 
 HERE = Path(__file__).parent
@@ -70,12 +70,15 @@ def page(
         "varied": [(key, words_of(key)) for key in cells.outcome.dims if key in VALUES],
         **cell_data(cells, traces, edges),
     }
+    kind = kind_of(document)
     return Template(_text("explore.html")).substitute(
         map=_figure(_map(cells, x, y), "map", "470px", include_plotlyjs=True),
         history=_figure(motion, "history", "440px", include_plotlyjs=False),
         lines=legend(motion),
         colours=COLOURED_BY["well" in cells],
         drawing=_text("device.svg"),
+        drawn=kind,
+        struck=STRUCK[kind],
         data=json.dumps(data, allow_nan=False).replace("</", "<\\/"),
         code=_text("explore.js"),
         made="" if made is None else batch_section(made, _figure_of_batch),

@@ -31,6 +31,22 @@ def vibrations(document: Mapping, C: Sequence[float]) -> dict[str, str]:
     return {name: html.escape(words) for name, words in said.items()}
 
 
+STRUCK = {
+    "": "is struck by a mass when the frame is shaken by one pulse of acceleration",
+    "alone": "is shaken with its frame by one pulse of acceleration",
+    "alone pushed": "is pushed at its midpoint by one pulse of force, of which N is the peak",
+}
+"""What the pulse does, by the kinds of the drawing."""
+
+
+def kind_of(document: Mapping) -> str:
+    """Whether all devices are a beam alone, and pushed at the midpoint; a key of STRUCK."""
+    devices = _devices(document).values()
+    alone = all(one.get("mass") == "none" for one in devices)
+    pushed = alone and all("force" in one for one in devices)
+    return "alone pushed" if pushed else "alone" if alone else ""
+
+
 def words_of(key: str) -> str:
     """What a value of the device is called, with its symbol, as HTML."""
     quantity = QUANTITIES.get(key, Quantity(key))

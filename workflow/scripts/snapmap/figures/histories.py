@@ -16,14 +16,18 @@ FINE = 0.5  # pt, for what oscillates fast
 
 
 def draw_history(axes: Sequence[Axes], history: xr.Dataset) -> Sequence[Axes]:
-    """Draw w(L/2) and z_M, the contact force and the acceleration on three axes over time in ms."""
+    """Draw w(L/2) and z_M, the contact force and the pulse on three axes over time in ms."""
     positions, force, shock = axes
     time = history.time / 1e3
     _draw_positions(positions, time, history)
     force.plot(time, history.contact_force, color=FORCE, linewidth=FINE)
     force.set_ylabel("contact force (µN)")
-    shock.plot(time, history.acceleration / history.gravity, color=FORCE)
-    shock.set_ylabel("acceleration\n(multiples of $g$)")
+    if "midpoint_force" in history:
+        shock.plot(time, history.midpoint_force, color=FORCE)
+        shock.set_ylabel("force on the\nmidpoint (µN)")
+    else:
+        shock.plot(time, history.acceleration / history.gravity, color=FORCE)
+        shock.set_ylabel("acceleration\n(multiples of $g$)")
     shock.set_xlabel("time after the start of the pulse (ms)")
     _mark_snap(axes, history)
     for ax in axes:
@@ -46,7 +50,8 @@ def snap_time(history: xr.Dataset) -> float:
 def _draw_positions(ax, time, history):
     beam = {"color": BEAM, "linewidth": FINE, "label": "midpoint of the beam $w(L/2)$"}
     ax.plot(time, history.w_mid, **beam)
-    ax.plot(time, history.z_mass, color=MASS, label="mass $z_M$")
+    if history.z_mass.notnull().any():
+        ax.plot(time, history.z_mass, color=MASS, label="mass $z_M$")
     second = {"color": AID, "linestyle": "--", "label": "second equilibrium $w_2$"}
     ax.axhline(history.second_equilibrium, **second)
     places = [history.attrs[key] for key in ("stop_toward", "stop_away") if key in history.attrs]

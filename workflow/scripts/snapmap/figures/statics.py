@@ -4,7 +4,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-FOLLOWED = {"color": "C5", "linewidth": 1.2, "label": "followed by the beam"}
+TAKEN = {"color": "C5", "linewidth": 1.2, "label": "followed by the beam"}
+GUIDED = {"color": "C2", "linestyle": ":", "label": "by a guided beam"}
 UNBRANCHED = {"color": "C6", "linestyle": "--", "label": "without the second mode: no beam"}
 STABLE = {"color": "black", "marker": "o", "markersize": 4, "linestyle": "", "zorder": 3}
 UNSTABLE = STABLE | {"markerfacecolor": "white"}
@@ -29,33 +30,40 @@ def draw_energy(ax: Axes, statics: xr.Dataset) -> Axes:
     statics: as for `draw_force_displacement`
     """
     _draw_branches(ax, statics.displacement, statics.energy)
+    ax.set_ylabel("energy of the beam (pJ)")
     second = _energy_at(statics, statics.rise - statics.second_equilibrium)
     _mark_equilibria(ax, statics, [0, statics.barrier, second])
+    if not statics.barrier:
+        return ax
     at = statics.rise - statics.saddle, statics.barrier
     words = f"barrier {statics.barrier:.4g} pJ"
-    ax.annotate(words, at, xytext=(0, -7), ha="center", va="top", **NOTE)
-    ax.set_ylabel("energy of the beam (pJ)")
+    ax.annotate(words, at, xytext=(8, -7), ha="right", va="top", **NOTE)
     return ax
 
 
 def _draw_branches(ax, displacement, values):
-    for branch, look in {"unbranched": UNBRANCHED, "followed": FOLLOWED}.items():
+    looks = {"unbranched": UNBRANCHED, "guided": GUIDED, displacement.branch.item(0): TAKEN}
+    for branch, look in looks.items():
+        if branch not in displacement.branch:
+            continue
         ax.plot(displacement.sel(branch=branch), values.sel(branch=branch), **look)
     ax.set_xlabel("displacement of the midpoint, downward (µm)")
 
 
 def _mark_equilibria(ax, statics, heights):
-    """Mark the first shape, the saddle and the second shape at these heights."""
+    """Mark the first shape at its height and, if there are any, the saddle and the second shape."""
     places = 0, statics.rise - statics.saddle, statics.rise - statics.second_equilibrium
-    ax.plot(places[::2], heights[::2], **STABLE, label="stable shape")
-    ax.plot(places[1], heights[1], **UNSTABLE, label="saddle")
+    stable = slice(0, None, 2) if statics.barrier else slice(1)
+    ax.plot(places[stable], heights[stable], **STABLE, label="stable shape")
+    if statics.barrier:
+        ax.plot(places[1], heights[1], **UNSTABLE, label="saddle")
 
 
 def _mark_peaks(ax, statics):
     """Draw a line at the largest and at the least force between the shapes, and name it."""
-    top = statics.top_force, r"F_\mathrm{top}", 1, (-3, 2), {"ha": "right", "va": "bottom"}
-    bottom = statics.bottom_force, r"F_\mathrm{bottom}", 0, (3, -3), {"ha": "left", "va": "top"}
-    for force, symbol, end, offset, side in (top, bottom):
+    largest = statics.largest_force, r"F_\mathrm{max}", 1, (-3, 2), {"ha": "right", "va": "bottom"}
+    least = statics.least_force, r"F_\mathrm{min}", 0, (3, -3), {"ha": "left", "va": "top"}
+    for force, symbol, end, offset, side in (largest, least):
         ax.axhline(force, **PEAK)
         words = f"${symbol}$ = {force:.4g} µN".replace("-", "−")
         place = {"xycoords": ("axes fraction", "data"), "xytext": offset}
@@ -63,5 +71,5 @@ def _mark_peaks(ax, statics):
 
 
 def _energy_at(statics, displacement):
-    followed = statics.sel(branch="followed").sortby("displacement")
-    return np.interp(displacement, followed.displacement, followed.energy)
+    taken = statics.isel(branch=0).sortby("displacement")
+    return np.interp(displacement, taken.displacement, taken.energy)

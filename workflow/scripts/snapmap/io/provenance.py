@@ -12,7 +12,16 @@ from importlib.metadata import version
 from pathlib import Path
 
 from .. import __version__
-from ..device import CLAMP, REFERENCE, RESTITUTION, STOPS, STRENGTH, THERMAL, Device
+from ..device import (
+    ALONE,
+    CLAMP,
+    REFERENCE,
+    RESTITUTION,
+    STOPS,
+    STRENGTH,
+    THERMAL,
+    Device,
+)
 from ..pulse import Pulse, Shocks
 from ..quantities import QUANTITIES
 from ..shape import COSINE
@@ -75,6 +84,9 @@ def device_sections(device: Device | Mapping[str, Device]) -> dict:
 def _section(device):
     values = asdict(device)
     beam = values.pop("beam")
+    alone = {"mass": "none"} if device.is_alone else {}
+    for key in (*(ALONE if alone else ()), *(["gravity"] if device.force else [])):
+        del values[key]
     others = {"guide": "free"} if beam.pop("free") else {}
     if (shape := str(beam.pop("shape"))) != COSINE:
         others["shape"] = shape
@@ -89,7 +101,7 @@ def _section(device):
     if strength:
         written["strength"] = strength["scale"] if [*strength] == ["scale"] else strength
     written |= {"thermal": thermal} if warms else {}
-    return {"beam": _with_units(beam) | others, **_with_units(values), **written}
+    return {"beam": _with_units(beam) | others, **alone, **_with_units(values), **written}
 
 
 def _named(values, names):

@@ -141,7 +141,8 @@ def _follow(model, pulses, cells, window, bins, threads):
     """
     first, barrier = model.barrier.first[cells.device], model.barrier.energy[cells.device]
     device = model.device
-    origin = np.stack([first, first, first + device.gap[cells.device]])
+    gap = np.where(device.is_alone, np.nan, device.gap)
+    origin = np.stack([first, first, first + gap[cells.device]])
     dt = model.steps.of(cells, pulses, MOVE)
     width = SAMPLE * np.ceil(window / (bins * SAMPLE * dt)).astype(np.int64)
     values, stress = np.empty((len(VARIABLES), bins, width.size)), np.full(width.size, np.nan)

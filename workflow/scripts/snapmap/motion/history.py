@@ -40,6 +40,7 @@ VARIABLES = {
     "contact_energy": ("energy of the contact", "pJ"),
     "dissipated_energy": ("energy taken by the damping of mass and beam", "pJ"),
     "pulse_work": ("work of the pulse on mass and beam", "pJ"),
+    "midpoint_force": ("force of the pulse on the beam's midpoint, downward", "uN"),
 }
 
 
@@ -167,12 +168,20 @@ def _record(built, cells, settings, samples):
     motion, form = built.loop().record(built, shock, amplitude, per_us, damping, dt, steps, stride)
     warn_of_travel(built.device, motion.y.min(), motion.y.max())
     stress = stress_of(built.device.beam, built.basis, form.shapes)
+    shaken = amplitude * shock.at(per_us * motion.time)
     values = _observe(built.device, built.barrier.first, form, stress, motion) | {
-        "acceleration": amplitude * shock.at(per_us * motion.time),
+        **_load(built.device, shaken),
         "dissipated_energy": motion.lost,
         "pulse_work": motion.work,
     }
     return motion.time, dt, values
+
+
+def _load(device, shaken):
+    """What the pulse is, by its name, from N gravity over time."""
+    if device.force:
+        return {"midpoint_force": shaken / device.gravity * device.force}
+    return {"acceleration": shaken}
 
 
 def _differences(model, cells, settings):
@@ -203,11 +212,12 @@ def _observe(device, first, form, stress, motion):
     overlap = dot(motion.u, form.midpoint) - motion.y - device.gap
     contact = stiffness * np.maximum(0.0, overlap)
     axial_force = -device.beam.axial_stiffness * motion.stretch
+    rest = math.nan if device.is_alone else first + device.gap
     kinetic = dot(velocity, multiply(velocity, form.inertia)) / 2
     return {
         "w_mid": first + dot(motion.u, form.midpoint) - form.residual * contact,
         # Half way through the step in which it bounces the mass is beyond a stop.
-        "z_mass": first + device.gap + np.clip(motion.y, -device.stop_toward, device.stop_away),
+        "z_mass": rest + np.clip(motion.y, -device.stop_toward, device.stop_away),
         "contact_force": contact,
         "axial_force": axial_force,
         "stress": stress.largest(motion.u, contact, axial_force),
@@ -223,6 +233,7 @@ def _dress(time, values, document):
     data = {
         key: ("time", values[key], {"long_name": name, "units": unit})
         for key, (name, unit) in VARIABLES.items()
+        if key in values
     }
     axis = ("time", time, {"long_name": "time after the start of the pulse", "units": "us"})
     return xr.Dataset(data, {"time": axis}).assign_attrs(

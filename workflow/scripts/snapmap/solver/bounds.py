@@ -2,7 +2,7 @@
 
 Let H be the energy of mass, spring, beam and contact, no part of which is below 0, and X = M y +
 f.u, so that the pulse a does the work -a dX/dt a time, and damping only takes. With m the mass of
-all and T <= H kinetic, (dX/dt)^2 <= 2 m T (Cauchy), and hence
+all (of a force on the midpoint |f|^2) and T <= H kinetic, (dX/dt)^2 <= 2 m T (Cauchy), and hence
 
     d sqrt(H)/dt <= |a| sqrt(m/2),                  H <= (m/2) (integral of |a|)^2.
 
@@ -45,4 +45,5 @@ def _of_devices(model):
     soft = dot(modal.midpoint, modal.midpoint / modal.stiffness) + modal.residual
     energy = np.maximum(barrier.energy, displacement * displacement / (2 * soft))
     sag = device.mass * device.mass / device.spring + dot(modal.load, modal.load / modal.stiffness)
-    return np.sqrt(2 * energy / (device.mass + device.beam.weight)), np.sqrt(energy / (2 * sag))
+    pushed = np.where(device.force, dot(modal.load, modal.load), device.beam.weight)
+    return np.sqrt(2 * energy / (device.mass + pushed)), np.sqrt(energy / (2 * sag))

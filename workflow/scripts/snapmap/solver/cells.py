@@ -128,4 +128,6 @@ def to_cells(devices: Device, device, N, f0, C, horizon: float, pulse=0) -> Cell
     device, pulse, N, f0, C = np.broadcast_arrays(*indices, *values)
     gravity, factor = (np.atleast_1d(a)[device] for a in (devices.gravity, devices.damper_factor))
     f0 = f0 * 1e-6
-    return Cells(device, pulse, N * gravity, f0, C * factor, 1 / f0 + horizon)
+    # Where there is no mass a damper holds its place at 0, whatever its constant.
+    damping = np.where(np.atleast_1d(devices.is_alone)[device], 1.0, C * factor)
+    return Cells(device, pulse, N * gravity, f0, damping, 1 / f0 + horizon)

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..beam.basis import Basis
+from ..beam.modal import under_load
 from ..beam.prestress import settled
 from ..device import Device
 from ..numerics import pieces as curve
@@ -53,7 +54,7 @@ def nodal_system(device: Device, basis: Basis) -> System:
         bending=scaled.bending,
         geometric=scaled.geometric,
         slope_start=apply(scaled.geometric, scaled.start),
-        load=scaled.load,
+        load=under_load(device, scaled).load,
         midpoint=scaled.midpoint,
         axial=device.beam.axial_stiffness,
         mass=device.mass,

@@ -25,7 +25,8 @@ def pays_explicit(device: Device, modal: ModalBeam, whole: bool) -> Value:
     """
     if not whole:
         return np.zeros(np.shape(device.mass), bool)
-    compliance = dot(modal.midpoint, modal.midpoint) + 1 / device.mass
+    with np.errstate(divide="ignore"):
+        compliance = dot(modal.midpoint, modal.midpoint) + np.divide(1, device.mass)
     frequency = np.sqrt(contact_stiffness(device, modal.residual) * compliance)
     return WHOLE * bending_limit(modal) * frequency <= SOFT_CONTACT
 
@@ -36,7 +37,8 @@ def stability_limit(device: Device, modal: ModalBeam, scheme: str) -> Value:
     The conserving scheme has no limit; there it is a measure by which `step` counts.
     """
     of_beam = bending_limit(modal) if scheme == CONSERVING else tangent_limit(device, modal)
-    return np.minimum(of_beam, 2 / np.sqrt(device.spring / device.mass))
+    of_mass = 2 / device.mass_frequency
+    return np.where(device.is_alone, of_beam, np.minimum(of_beam, of_mass))[()]
 
 
 def default_step(device: Device, modal: ModalBeam, whole: bool) -> Value:

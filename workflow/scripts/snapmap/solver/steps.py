@@ -108,7 +108,8 @@ def steps_of(
     if step is None and scheme != EXPLICIT:
         period = np.atleast_1d(1 / arch_frequency(modal))
         longest = {question: turn * period for question, turn in LONGEST.items()}
-        apart = np.broadcast_to((np.asarray(device.gap) > 0) | device.has_stops, period.shape)
+        has_gap = np.greater(device.gap, 0) & np.isfinite(device.gap)
+        apart = np.broadcast_to(has_gap | device.has_stops, period.shape)
         lengths, shares = (SHORTEST * period, BLOWS * period), (MOST, CORNERED, STRIKING)
         return Steps(longest, *lengths, apart, PER_SWING, *shares)
     if step is None:

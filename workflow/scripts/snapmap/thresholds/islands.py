@@ -189,7 +189,8 @@ def _is_slow(device, rows, pulses):
     """Whether a pulse is long against what the device takes to follow it, (rows,)."""
     own, spring = device.own_frequency[rows.device], device.spring[rows.device]
     steepest = np.array([pulse.steepest for pulse in pulses])[rows.pulse]
-    return 2e-6 * np.pi * rows.f0 * steepest * (1 / own + rows.C / spring) < SLOW
+    C = np.where(device.is_alone[rows.device], 0.0, rows.C)
+    return 2e-6 * np.pi * rows.f0 * steepest * (1 / own + C / spring) < SLOW
 
 
 def wide_scan(device, static, rows, pulses, slow=False) -> np.ndarray:
@@ -205,7 +206,7 @@ def wide_scan(device, static, rows, pulses, slow=False) -> np.ndarray:
     variation, area, highest = (column[rows.pulse] for column in np.array(facts).T)
     # A pulse amplifies no more than it varies; a short one must bring a velocity, against damping.
     fast = 1e-6 * np.pi * rows.f0 / (own * area)
-    damped = rows.C / (2 * own * mass)
+    damped = np.divide(rows.C, 2 * own * mass, out=np.zeros(mass.shape), where=mass > 0)
     low = np.where(slow, static / SLOW_REACH, static / (1.5 * np.fmax(variation, 2)))
     # What mostly pulls must do so far more strongly.
     static = static / np.fmax(highest, LEAST_PUSH)

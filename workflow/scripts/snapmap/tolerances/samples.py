@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..device import VALUES
+from ..device import OF_MASS, VALUES
 
 OF_DEVICE = tuple(key for key in VALUES if key != "temperature")
 """Values of the device that scatter: it is as warm as it is."""
@@ -81,6 +81,9 @@ class Plan:
         self.scatters = {key: scatter_from(key, given) for key, given in scatters.items()}
         if not self.scatters:
             raise ValueError("tolerances: name a value that scatters, such as thickness")
+        idle = [key for key in self.scatters if key in (*OF_MASS, "C") and device.is_alone]
+        if idle:
+            raise ValueError(f"tolerances.{idle[0]}: is of the mass, and there is none")
         self.nominal = {key: _nominal(device, key) for key in self.scatters}
         for key, scatter in self.scatters.items():
             if math.isinf(self.nominal[key]):
