@@ -65,7 +65,7 @@ ELSEWHERE = {
 """What runs each command that is no study, in small."""
 SHORT = ("motion", "sensitivity", "settling")
 LONG = ("coverage", "proofs", "pulses", "steps", "thresholds", "tilt", "tolerances", "validation")
-LONG += ("vibration",)
+LONG += ("planning", "vibration")
 BENCHMARKS = ("scaling", "schemes")
 LONG_BENCHMARKS = ("many_devices", "start", "width")
 
