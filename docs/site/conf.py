@@ -40,6 +40,7 @@ Pulses <docs/pulses>
 docs/tolerances
 docs/planning
 docs/figures
+docs/integrity
 Functions <docs/reference>
 Cluster <docs/cluster>
 ```

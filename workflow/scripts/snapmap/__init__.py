@@ -7,6 +7,7 @@ __version__ = "0.1.0"
 _HOME = {
     "describe": "config.quality",
     "design": "sizing.value",
+    "integrity": "basins.integrity",
     "load_device": "config.devices",
     "open_cube": "sweeps.reading",
     "plan_shots": "planning.plan",
@@ -24,6 +25,7 @@ _HOME = {
 __all__ = [
     "describe",
     "design",
+    "integrity",
     "load_device",
     "open_cube",
     "plan_shots",
