@@ -82,17 +82,16 @@ def _d_optimal(N, mean, sigma):
 METHODS = {"neyer": _neyer, "langlie": _langlie, "up-and-down": _up_and_down}
 
 
-def dixon_mood(N: np.ndarray, tripped: np.ndarray) -> tuple[float, float]:
+def dixon_mood(N: np.ndarray, tripped: np.ndarray) -> tuple[float, float] | None:
     """Mean and standard deviation of shots up and down in equal steps (Dixon & Mood, 1948).
 
-    The standard deviation is NaN where their formula does not hold: M at most 0.3.
-    Raises ValueError, one line, where levels are not equally far apart.
+    The standard deviation is NaN where their formula does not hold: M at most 0.3. None where
+    levels are not equally far apart.
     """
-    levels = np.unique(np.round(N, 9))
-    apart = np.diff(levels)
-    step = apart.min() if apart.size else np.nan
-    if not np.allclose(apart / step, np.round(apart / step), atol=1e-6) or tripped.all():
-        raise ValueError("N: not up and down in equal steps")
+    apart = np.diff(np.unique(np.round(N, 9)))
+    step = apart.min(initial=np.inf)
+    if not (apart.size and np.allclose(apart, step)):
+        return None
     rarer = tripped if 2 * tripped.sum() <= tripped.size else ~tripped
     i = np.round((N[rarer] - N[rarer].min()) / step)
     half = -0.5 if rarer is tripped else 0.5
