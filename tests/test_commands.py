@@ -41,6 +41,9 @@ ELSEWHERE = {
     "snakemake results/figures/accuracy_quick.pdf --cores 2": (
         "test_pipeline.py::test_accuracy_is_a_target_of_its_own"
     ),
+    "snakemake results/figures/integrity.pdf --cores 2": (
+        "test_pipeline.py::test_integrity_is_made_when_asked_for"
+    ),
     "snakemake stability --cores 2": "test_commands.py::test_stability_in_small",
     "snakemake --profile profiles/slurm": ON_SLURM,
     "snakemake --profile profiles/slurm --groups simulate_slab=slabs "
@@ -65,7 +68,7 @@ ELSEWHERE = {
 """What runs each command that is no study, in small."""
 SHORT = ("motion", "sensitivity", "settling")
 LONG = ("coverage", "proofs", "pulses", "steps", "thresholds", "tilt", "tolerances", "validation")
-LONG += ("vibration",)
+LONG += ("planning", "vibration")
 BENCHMARKS = ("scaling", "schemes")
 LONG_BENCHMARKS = ("many_devices", "start", "width")
 

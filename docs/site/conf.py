@@ -38,7 +38,9 @@ docs/glossary
 Config <docs/config>
 Pulses <docs/pulses>
 docs/tolerances
+docs/planning
 docs/figures
+docs/integrity
 Functions <docs/reference>
 Cluster <docs/cluster>
 ```

@@ -24,7 +24,13 @@ from snapmap.tolerances.batch import Batch
 from snapmap.tolerances.dataset import summary
 from snapmap.tolerances.samples import CUT, Plan
 from snapmap.tolerances.sensitivity import crossed, indices
-from snapmap.tolerances.statistics import count_below, moments, quantiles, wilson
+from snapmap.tolerances.statistics import (
+    count_below,
+    moments,
+    quantile_bounds,
+    quantiles,
+    wilson,
+)
 
 CHEAP = {"model": "cosines", "modes": 3, "horizon": 300.0}
 SETTINGS = {"name": "cosines", "modes": 3}
@@ -104,6 +110,20 @@ def test_statistics_count_what_never_snaps():
     assert np.isnan(quantiles(N_first, [0.9])).all()
     mean, std = moments(N_first)
     assert (mean, std) == (2.0, 1.0)
+
+
+def test_bounds_of_a_quantile_are_order_statistics():
+    shares, N_first = [0.001, 0.05, 0.5, 0.95, 0.999], np.arange(1.0, 2996.0)[:, np.newaxis]
+    low, high = quantile_bounds(N_first, shares)[..., 0]
+    # 2995 samples are the fewest that bound these two, and 59 these.
+    assert (low[0], high[-1]) == (1, 2995)
+    assert np.isnan(quantile_bounds(N_first[:2994], shares)[[0, 1], [0, -1], 0]).all()
+    assert quantile_bounds(N_first[:59], shares)[[0, 1], [1, 3], 0].tolist() == [1, 59]
+    assert np.isnan(quantile_bounds(N_first[:58], shares)[[0, 1], [1, 3], 0]).all()
+    # At 95 % each: of so many samples at least `low` lie below the median, and so on.
+    assert stats.binom.sf(low[2] - 1, 2995, 0.5) >= 0.95 > stats.binom.sf(low[2], 2995, 0.5)
+    assert stats.binom.cdf(high[2] - 1, 2995, 0.5) >= 0.95 > stats.binom.cdf(high[2] - 2, 2995, 0.5)
+    assert (low[1:-1] < quantiles(N_first, shares)[1:-1, 0]).all()
 
 
 def test_thresholds_are_those_of_the_devices_one_by_one(handout):

@@ -230,6 +230,14 @@ def test_accuracy_is_a_target_of_its_own(clone, finished):
 
 
 @pytest.mark.long
+def test_integrity_is_made_when_asked_for(clone, finished):
+    folder, config, _ = finished
+    snakemake(clone, folder, config, "results/figures/integrity.pdf")
+    with xr.open_dataset(folder / "results" / "integrity.nc") as found:
+        assert found.basins.dims == ("labels", "C", "f0", "N")
+
+
+@pytest.mark.long
 def test_every_edit_reruns_the_rules_whose_code_it_is(clone, finished, capsys):
     """By a dry run for each file; prints the table: edited file -> rules that run again."""
     scripts = clone / "workflow" / "scripts"

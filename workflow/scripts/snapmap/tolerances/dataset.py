@@ -20,10 +20,10 @@ from .batch import Batch, choose_builder
 from .breaking import largest_stresses
 from .samples import SHOCK_FACTORS, Plan, Tolerances
 from .sensitivity import crossed, indices
-from .statistics import count_below, moments, percents, quantiles, wilson
+from .statistics import count_below, moments, percents, quantile_bounds, quantiles, wilson
 
 MOST_SAMPLES = 100_000
-QUANTILES = (0.01, 0.1, 0.5, 0.9, 0.99)
+QUANTILES = (0.001, 0.01, 0.1, 0.5, 0.9, 0.99, 0.999)
 INDEX_SAMPLES = 1024
 AMPLITUDES = 101
 """Values of N, by default from the lowest to the highest threshold."""
@@ -45,6 +45,11 @@ VARIABLES = {
     "N_quantile": {
         "long_name": "amplitude up to which so large a share of the samples snaps",
         **MULTIPLES,
+    },
+    "N_quantile_bound": {
+        "long_name": "bounds of N_quantile, each alone at 95 % (order statistics)",
+        **MULTIPLES
+        | {"comment": "in multiples of g; NaN where too few samples bound it: 0.001 takes 2995"},
     },
     "ragged": {
         "long_name": "whether labels of some samples change back and forth along N",
@@ -255,9 +260,11 @@ def _thresholds(whole, samples, shocks, axes, settings, tolerance):
         "N_mean": (tuple(groups), mean),
         "N_std": (tuple(groups), std),
         "N_quantile": (("quantile", *groups), quantiles(own, QUANTILES)),
+        "N_quantile_bound": (("bound", "quantile", *groups), quantile_bounds(own, QUANTILES)),
         "ragged": (tuple(groups), ragged.reshape(shape).astype(np.int8)),
     }
-    return xr.Dataset(data, coordinates(groups) | {"quantile": list(QUANTILES)}), N_first
+    named = {"quantile": list(QUANTILES), "bound": list(BOUND)}
+    return xr.Dataset(data, coordinates(groups) | named), N_first
 
 
 def _indices(N_first, samples, power, plan, seed, data):

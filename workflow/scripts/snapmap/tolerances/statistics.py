@@ -38,6 +38,20 @@ def quantiles(N_first: np.ndarray, shares: np.ndarray) -> np.ndarray:
     return ordered[np.maximum(places, 0)]
 
 
+def quantile_bounds(N_first: np.ndarray, shares: np.ndarray) -> np.ndarray:
+    """Lower and upper bounds of `quantiles`, (2, shares, ...), each alone at 95 %.
+
+    By order statistics, whatever the distribution; NaN where there are too few samples for one.
+    """
+    from scipy.stats import binom  # half a second, for which no config that is read has to wait
+
+    size, shares = len(N_first), np.asarray(shares)
+    least, most = binom.ppf([[0.05], [0.95]], size, shares).astype(int)
+    ordered = np.sort(N_first, axis=0)
+    ordered = np.concatenate([np.full_like(ordered[:1], np.nan), ordered, ordered[:1] * np.nan])
+    return ordered[[least, most + 1]]
+
+
 def moments(N_first: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Mean and standard deviation of what is not NaN among the samples, (...)."""
     flat = N_first.reshape(len(N_first), -1)

@@ -1,0 +1,1 @@
+"""Labelled maps as the literature judges them: integrity, erosion, entropy, uncertainty."""

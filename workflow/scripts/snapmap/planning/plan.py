@@ -1,0 +1,107 @@
+"""The next shot of a campaign in a laboratory, from the model's thresholds and the shots so far."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from ..io.named import DECIMALS, naming
+from .levels import METHODS, dixon_mood, next_level
+from .probit import Estimate, estimate, has_estimate
+
+RANGE = 4.0
+"""Standard deviations about the model's mean between which the mean is guessed."""
+ANSWERS = {"yes": True, "true": True, "1": True, "no": False, "false": False, "0": False}
+SHOCK = ("f0", "duration", "direction", "shape")
+"""Columns of a table of shots that must say the same of all."""
+
+
+class Plan(NamedTuple):
+    """The next shot, and what those so far say.
+
+    N: multiples of g; why: what it is for; estimate: None while shots leave it open
+    dixon_mood: mean and standard deviation by the sums of the method up-and-down, or None
+    """
+
+    N: float
+    why: str
+    estimate: Estimate | None
+    dixon_mood: tuple[float, float] | None
+
+
+def plan_shots(
+    prior: xr.Dataset | tuple[float, float],
+    shots: str | Path | Mapping[str, Sequence] = (),
+    method: str = "neyer",
+    confidence: float = 0.95,
+) -> Plan:
+    """Choose the N of the next shot, and estimate from those so far at which N devices trip.
+
+    prior: what `tolerance` returns, of one pulse, C and f0; or mean and standard deviation of the
+        thresholds, multiples of g
+    shots: a CSV file, or columns by name: N and tripped (yes or no); in the order of the shots, all
+        with the same pulse
+    method: neyer (D-optimal), langlie or up-and-down; confidence: of the intervals, two-sided
+    The estimate has mean, sigma, and the levels no_fire and all_fire at which 0.1 and 99.9 % trip,
+    each with value, low and high. Raises ValueError, one line, for a value that cannot be.
+
+    >>> plan = snapmap.plan_shots((1000, 50), {"N": [1000, 1100], "tripped": [False, True]})
+    >>> plan.N
+    1050.0
+    """
+    mean, sigma = _of_model(prior)
+    if method not in METHODS:
+        raise ValueError(f"method: {method!r} is not one of {', '.join(METHODS)}")
+    if not 0 < confidence < 1:
+        raise ValueError(f"confidence: {confidence!r} is not between 0 and 1")
+    N, tripped = read_shots(shots)
+    ends = mean - RANGE * sigma, mean + RANGE * sigma
+    level, why = next_level(N, tripped, method, *ends, sigma)
+    known = estimate(N, tripped, confidence) if has_estimate(N, tripped) else None
+    sums = dixon_mood(N, tripped) if known and method == "up-and-down" else None
+    return Plan(level, why, known, sums)
+
+
+def _of_model(prior):
+    """Mean and standard deviation of the thresholds."""
+    if isinstance(prior, xr.Dataset):
+        if prior.N_mean.size > 1:
+            several = ", ".join(key for key in prior.N_mean.dims if prior.sizes[key] > 1)
+            raise ValueError(f"prior: has several values of {several}; choose one by .sel")
+        prior = prior.N_mean.item(), prior.N_std.item()
+    mean, sigma = prior
+    if not (0 < mean < np.inf and 0 < sigma < np.inf):
+        raise ValueError(f"prior: {mean:g}, {sigma:g} are no mean and standard deviation above 0")
+    return float(mean), float(sigma)
+
+
+def read_shots(
+    shots: str | Path | Mapping[str, Sequence],
+) -> tuple[np.ndarray, np.ndarray]:
+    """Read N and whether it tripped, (shots,) each; ValueError, one line, for what cannot be."""
+    if not isinstance(shots, str | Path):
+        return _columns(pd.DataFrame(dict(shots)).astype(str))
+    with naming(shots):
+        table = pd.read_csv(shots, dtype=str, keep_default_na=False, skipinitialspace=True)
+        return _columns(table)
+
+
+def _columns(table):
+    if table.empty:
+        return np.empty(0), np.empty(0, bool)
+    for key in ("N", "tripped"):
+        if key not in table:
+            raise ValueError(f"column {key} of the shots is missing")
+    for key in SHOCK:
+        if key in table and table[key].nunique() > 1:
+            raise ValueError(f"{key}: {', '.join(table[key].unique())}; plan each pulse by itself")
+    N = pd.to_numeric(table.N, errors="coerce").to_numpy(float)
+    for place in np.flatnonzero(~(np.isfinite(N) & (N > 0))):
+        raise ValueError(f"shot {place + 1}: N {table.N[place]!r} is no number above 0; {DECIMALS}")
+    answers = table.tripped.str.strip().str.lower()
+    for place in np.flatnonzero(~answers.isin(list(ANSWERS))):
+        raise ValueError(f"shot {place + 1}: tripped {table.tripped[place]!r} is not yes or no")
+    return N, answers.map(ANSWERS).to_numpy(bool)
