@@ -12,13 +12,14 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
 
-from snapmap.config.devices import load_device
+from snapmap.config.devices import load_device, read_device
 from snapmap.config.products import products
 from snapmap.config.schema import validator
 from snapmap.config.study import load_config
 from snapmap.config.units import read
 from snapmap.config.yaml_file import ConfigError, read_document
 from snapmap.device import Beam, Device
+from snapmap.io.provenance import device_sections
 from snapmap.quantities import KINDS
 from snapmap.solver.settings import Settings
 
@@ -380,6 +381,38 @@ def test_one_of_frequency_and_duration_is_given(document, fault):
 def test_hard_contact_and_damping():
     device = load_config(changed(device__contact="hard", device__beam__damping="4e-4 /us")).device
     assert (device.contact, device.beam.damping) == (math.inf, 4e-4)
+
+
+OF_MASS = dict.fromkeys(("device__spring", "device__contact", "sweep__C", "histories"), MISSING)
+PUSHED = {"device__gravity": MISSING, "device__force": "2 uN"}
+
+
+@pytest.mark.parametrize("pushed", [{}, PUSHED])
+def test_a_beam_alone(pushed):
+    """What a product says of it is again its config."""
+    study = load_config(changed(device__mass="none", **OF_MASS, **pushed))
+    assert study.device.is_alone and study.axes["C"] == [0.0]
+    assert study.device.force == (2.0 if pushed else 0.0)
+    section = device_sections(study.device)["device"]
+    assert section["mass"] == "none" and not {"spring", "contact", "gap", "stops"} & {*section}
+    assert read_device(section) == study.device
+    assert "no mass" in study.descriptions()[0]
+    assert sum("uN of force on the midpoint" in line for line in study.doubts()) == bool(pushed)
+
+
+@pytest.mark.parametrize(
+    ("values", "fault"),
+    [
+        ({"device__mass": "none", **OF_MASS, "device__gap": "1 um"}, "device.gap: is of the mass"),
+        ({"device__mass": "none", **OF_MASS, "sweep__C": ["1 kg/s"]}, "sweep.C: is of the mass"),
+        ({"device__mass": "none", **OF_MASS, "sweep__spring": ["1 N/m"]}, "sweep: spring: is of"),
+        ({**PUSHED}, "device.force: 2 uN is of a beam alone; write mass: none"),
+        ({"device__force": "2 uN"}, "device.gravity: stands beside force"),
+        ({"device__spring": MISSING}, "device.spring: missing; write a force per length"),
+    ],
+)
+def test_what_a_beam_alone_cannot_have(values, fault):
+    assert only_fault(changed(**values)).startswith(fault)
 
 
 def test_ordered_mappings_are_mappings():

@@ -48,12 +48,14 @@ def datasheet(
     for name, device in study.devices().items():
         one = replace(study, device=device, shocks=shocks_from(SHAPE, "both"))
         found = thresholds_of(one, {"C": C, "f0": 1e3 / np.array(DURATIONS)})
+        unit = f"{device.gravity * 1e6:.4g} m/s^2"
+        unit = f"{device.force:g} uN on the midpoint" if device.force else unit
         head = ["direction, duration", *(f"C = {c:g} uN*us/um" for c in C)]
         own = [row for row in verdicts if not several or row["device"] == name]
         sheets += [
             f"# Data sheet{f' of {name}' if several else ''}\n",
             table(["at rest, exact to the digits shown", "value"], _statics(device)),
-            f"Thresholds of a {SHAPE}, multiples of {device.gravity * 1e6:.4g} m/s^2:\n",
+            f"Thresholds of a {SHAPE}, multiples of {unit}:\n",
             table(head, _thresholds(found)),
         ]
         if tolerances:

@@ -35,8 +35,8 @@ def damper_of(
     sections = document["devices"] if several else {"": document.get("device")}
     if not isinstance(sweep, Mapping) or not isinstance(sections, Mapping):
         return None
-    named = device if isinstance(device, Mapping) else {"": device}
-    if device is not None and all(one and one.is_alone for one in named.values()):
+    masses = [one.get("mass") if isinstance(one, Mapping) else None for one in sections.values()]
+    if masses and all(mass == "none" for mass in masses):
         if "C" in sweep:
             faults[("sweep", "C")] = "sweep.C: is of the mass, and there is none; leave it out"
         return 0.0
@@ -49,6 +49,7 @@ def damper_of(
         wanted = "dampers (force time per length) of the mass, or device.quality_factor"
         faults[("sweep", "C")] = f"sweep.C: missing; write {wanted}"
     elif device is not None:
+        named = device if isinstance(device, Mapping) else {"": device}
         found = {_damper(named[name], sections[name]) for name in sections}
         if len(found) == 1:
             return found.pop()
