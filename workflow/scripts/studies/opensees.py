@@ -107,8 +107,13 @@ class Arch:
             self._advance(step)
         return rate * ops.getTime()
 
-    def snaps(self, device: Device, shock: tuple[float, float, float], step: float) -> bool:
-        """Whether the mass on its spring snaps the half beam: N, f0 in 1/us and C of the shock."""
+    def motion(
+        self, device: Device, shock: tuple[float, float, float], step: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Time and way of the half beam's midpoint, struck by the mass, to the snap or for 2/f0.
+
+        shock: N, f0 in 1/us and C; that it snaps is seen at SNAPPED rises
+        """
         ops, (N, f0, C), end = self.ops, shock, self.end
         mass, ground = end + 1, end + 2
         for node in (mass, ground):
@@ -127,11 +132,11 @@ class Arch:
         self._press(self.beam.mass_per_length * self.lengths)
         ops.load(mass, 0.0, -device.mass / 2, 0.0)
         self._solve("Transient", ("TRBDF2",))
-        while ops.getTime() < 2 / f0:
+        found = [(0.0, 0.0)]
+        while ops.getTime() < 2 / f0 and found[-1][1] < SNAPPED * self.beam.rise:
             self._advance(step)
-            if -ops.nodeDisp(end, 2) > SNAPPED * self.beam.rise:
-                return True
-        return False
+            found.append((ops.getTime(), -ops.nodeDisp(end, 2)))
+        return tuple(np.array(found).T)
 
     def _press(self, loads):
         for node, load in enumerate(loads.tolist(), start=1):
