@@ -66,7 +66,7 @@ ELSEWHERE = {
     "ruff format": ITSELF,
 }
 """What runs each command that is no study, in small."""
-SHORT = ("motion", "sensitivity", "settling")
+SHORT = ("motion", "peers", "sensitivity", "settling")
 LONG = ("coverage", "proofs", "pulses", "steps", "thresholds", "tilt", "tolerances", "validation")
 LONG += ("planning", "vibration")
 BENCHMARKS = ("scaling", "schemes")

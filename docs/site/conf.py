@@ -49,6 +49,7 @@ Cluster <docs/cluster>
 :caption: Evidence
 Theory <docs/theory>
 docs/validation
+docs/peers
 docs/accuracy
 docs/thresholds
 Stability <docs/stability>

@@ -43,6 +43,7 @@ measured rather than drawn; its first frequency before assembly (it gives
 modulus over density, and the residual stress); mass and spring, or the frequency of the mass; gap
 and gas pressure; the recorded acceleration at the die, not the setting of the machine; and how
 many of how many shocks at each level snapped the device, with those that did not.
+What the equations themselves leave out is held against other codes in [peers](peers.md).
 
 ## Statics of the curved beam
 

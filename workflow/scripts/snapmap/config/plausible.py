@@ -4,8 +4,10 @@ import numpy as np
 
 from ..device import Beam, Device
 
-STEEP = 0.1
-"""Rise over span above which the slope that is neglected is a tenth of what is kept."""
+STEEP = 0.05
+"""Rise over span above which what is neglected raises forces by more than 1 %."""
+FORCES_TOO_HIGH, THRESHOLDS_TOO_HIGH = 565.0, 413.0
+"""By how much, in %, over the square of rise over span: docs/peers.md."""
 SLENDER = 20.0, 5000.0
 """Span over thickness below which the same holds of shear; above no beam is made."""
 CREEPING = 10.0
@@ -33,8 +35,9 @@ def implausible(device: Device, C: np.ndarray, f0: np.ndarray) -> list[str]:
     lasts = f0 * (2e-6 * np.pi)
     first, last = np.min(own), np.max(np.maximum(mass, beam.bending_frequency))
     told = {
-        f"rise/span = {steepest:.3g}: above {STEEP:g} the beam is no shallow arch, as the model "
-        "has it": steepest > STEEP,
+        f"rise/span = {steepest:.3g}: above {STEEP:g} the beam is no shallow arch; forces come out "
+        f"{FORCES_TOO_HIGH * steepest**2:.2g} % too high, thresholds "
+        f"{THRESHOLDS_TOO_HIGH * steepest**2:.2g} %": steepest > STEEP,
         f"span/thickness = {slender.min():.3g}: below {SLENDER[0]:g} shear counts, which the model "
         "leaves out": slender.min() < SLENDER[0],
         f"span/thickness = {slender.max():.3g}: no beam is made above {SLENDER[1]:g}; is a unit "
