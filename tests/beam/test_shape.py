@@ -22,7 +22,7 @@ SHAPES = {
     "several cosines": {"cosine_2": -0.04, "cosine_3": 0.05, "cosine_5": -0.01},
     "pressed arc": {"shape": "arc", "residual_stress": -80.0},
     "pressed parabola": {"shape": "parabola", "residual_stress": -80.0, "cosine_2": 0.02},
-    "clamps that give": {"clamp": 2e4, "residual_stress": -10.0},
+    "clamps that give": {"clamp_axial": 2e4, "residual_stress": -10.0},
     "straight": {"rise": 0.0, "residual_stress": -20.0},
     "straight, much pressed": {"rise": 0.0, "residual_stress": -60.0},
 }
@@ -66,7 +66,7 @@ class Polynomials:
         self.slopes = np.array([one.deriv()(s) for one in bare]) / half
         self.bends = np.array([one.deriv(2)(s) for one in bare]) / half**2
         self.weights, self.beam, self.start = weights * half, beam, slopes(beam, self.x)
-        springs = 2 / beam.clamp + beam.span / (beam.youngs_modulus * beam.area)
+        springs = 2 / beam.clamp_axial + beam.span / (beam.youngs_modulus * beam.area)
         self.soft = springs, beam.residual_stress * beam.area
         self.middle = np.array([one(0) for one in bare])
 
@@ -213,7 +213,7 @@ def test_a_config_names_shapes_and_clamps(section):
     read = read_device(document(section, shape={"cosines": [2, 0.2, 0.5]})).beam
     assert (read.cosine_2, read.cosine_3) == pytest.approx((0.08, 0.2))
     assert Beam.cosines.fget(read)[::2].sum() == pytest.approx(1)
-    assert read_device(document(section, clamp={"axial": "20 kN/m"})).beam.clamp == 2e4
+    assert read_device(document(section, clamp={"axial": "20 kN/m"})).beam.clamp_axial == 2e4
     assert (
         read_device(document(section, shape="arc", residual_stress="-80 MPa")).beam.shape == "arc"
     )

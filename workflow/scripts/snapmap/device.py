@@ -28,7 +28,7 @@ from .shape import (
 
 # ASSUME: silicon that meets silicon; a config says its own.
 RESTITUTION = 0.5
-CLAMP = {"axial": "clamp"}
+CLAMP = {"axial": "clamp_axial"}
 """Values of the beam by their keys in the config's section `clamp`."""
 STOPS = {"toward": "stop_toward", "away": "stop_away", "restitution": "restitution"}
 """Likewise of the device in its section `stops`."""
@@ -71,7 +71,7 @@ class Beam:
         MPa
     imperfection: largest displacement in the first antisymmetric shape, as made, um
     free: whether it may tilt, 1 or 0: a guided beam moves symmetrically
-    clamp: stiffness of each clamp along the beam, uN/um; math.inf is rigid
+    clamp_axial: stiffness of each clamp along the beam, uN/um; math.inf is rigid
     shape: as made, "cosine", "arc" (a circle's) or "parabola"
     cosine_2, ..., cosine_5: (1 - cos(2 n pi x/L))/2 in it, over the rise, which stays as it is
     """
@@ -86,7 +86,7 @@ class Beam:
     residual_stress: Value = 0.0
     imperfection: Value = 0.0
     free: Value = 0.0
-    clamp: Value = math.inf
+    clamp_axial: Value = math.inf
     shape: str | np.ndarray = COSINE
     cosine_2: Value = 0.0
     cosine_3: Value = 0.0
@@ -103,7 +103,7 @@ class Beam:
             value = getattr(self, name)
             _require(np.isfinite(value), f"device.beam.{name}: {{}} is not finite", value)
         soft = "device.beam.clamp.axial: {} is not a positive number"
-        _require(np.greater(self.clamp, 0), soft, self.clamp)
+        _require(np.greater(self.clamp_axial, 0), soft, self.clamp_axial)
         for name in ("damping", "imperfection"):
             _require_from_zero(f"device.beam.{name}", getattr(self, name))
         stress, Q = self.residual_stress, np.divide(self.rise, self.thickness)
@@ -177,7 +177,7 @@ class Beam:
     @property
     def held(self) -> Value:
         """Share of the beam's axial stiffness that clamps which give leave it, up to 1."""
-        return 1 / (1 + 2 * self.youngs_modulus * self.area / (self.clamp * self.span))
+        return 1 / (1 + 2 * self.youngs_modulus * self.area / (self.clamp_axial * self.span))
 
     @property
     def weight(self) -> Value:

@@ -134,7 +134,7 @@ _ALL = (
         left_out=0.0,
     ),
     Quantity(
-        "clamp",
+        "clamp_axial",
         "stiffness",
         "stiffness of each clamp along the beam",
         "stiffness of the clamps",

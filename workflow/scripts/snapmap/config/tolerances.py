@@ -31,7 +31,7 @@ def _scatter(key, given):
 
 def _width(key, text):
     try:
-        if text.strip().endswith("%"):
+        if isinstance(text, str) and text.strip().endswith("%"):
             return f"{100 * read(text, 'share'):.12g} %"
         if key in SHOCK_FACTORS:
             raise ValueError(f"{show(text)} is no share; write one such as '5 %'")
