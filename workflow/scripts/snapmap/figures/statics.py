@@ -19,6 +19,7 @@ def draw_force_displacement(ax: Axes, statics: xr.Dataset) -> Axes:
     ax.axhline(0, color="0.6", linewidth=0.5, zorder=0)
     _mark_equilibria(ax, statics, np.zeros(3))
     _mark_peaks(ax, statics)
+    ax.margins(y=0.12)
     ax.set_ylabel("force on the midpoint (µN)")
     ax.legend(loc="lower left", bbox_to_anchor=(0, 1.03), ncols=2)
     return ax
