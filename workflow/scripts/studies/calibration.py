@@ -184,7 +184,7 @@ def misfits(study):
         mean = np.mean([one.estimate.item() for one in found])
         spread = np.mean([one.spread.values[0] for one in found])
         deviance = np.mean([(one.residual**2).mean().item() for one in found])
-        apart = ", ".join(f"{ratio - 1:+.1%}" for ratio in own / nominal)
+        apart = ", ".join(f"{ratio - 1:+.2%}" for ratio in own / nominal)
         told = [name, apart, f"{mean:.3f}", f"{hits} of {len(found)}"]
         rows.append([*told, f"{spread:.1%}", f"{deviance:.2f}"])
     return rows

@@ -10,20 +10,20 @@ from scipy.special import log_ndtr
 from scipy.stats import t
 
 from ..axes import COORDINATES
-from ..device import FROM_ZERO, SIGNED, VALUES, Device
+from ..device import Device
 from ..io.counting import counting
 from ..io.provenance import provenance
-from ..solver.cells import check_cells
 from ..study import THRESHOLD_SETTINGS, Study, study_of
 from .information import information_at, untold
 from .likelihood import SPREADS, Likelihood
 from .profile import CONFIDENCE, Profile
+from .ranges import check_ranges
 from .shots import Shots, shots_from
-from .surface import POINTS, Surface, surface_of
+from .surface import Surface, surface_of
 
 DIGITS = 6
 """Of what is fitted; the library's own last digits are not those of every machine."""
-INSIDE = 2000
+INSIDE = 300
 """Places within the intervals over which the likelihood of spreads is summed, about."""
 FINE, LEAST_LOG = 2001, -100.0
 """Places between values of a likelihood, and its least logarithm, as 0 has none."""
@@ -54,6 +54,7 @@ OF_SHOT = {
     "probability": {"long_name": "fitted probability of a trip", **SHARE},
     "residual": {"long_name": "deviance residual", **SHARE},
 }
+OPEN = "open_low", "open_high"
 SPREAD = {
     "spread": {"long_name": "standard deviation of the threshold over itself", **SHARE},
     "unit_share": {"long_name": "share of the spread's variance between units", **SHARE},
@@ -166,9 +167,6 @@ def _unknowns(done, intervals):
     }
 
 
-OPEN = "open_low", "open_high"
-
-
 def _spreads(done, intervals):
     """Mean, low and high of the spread and, where units come again, of their share."""
     ends = np.array([[one.low, one.high] for one in intervals])
@@ -273,29 +271,4 @@ def _check(study, unknowns, C):
         raise ValueError(f"device: {study.device!r} is no device; `snapmap.load_device` reads one")
     if len(study.settings.pulses) > 1:
         raise ValueError("pulse: several; name the shape and direction of each shot in its row")
-    if not 1 <= len(unknowns) <= max(POINTS):
-        raise ValueError(f"unknowns: {len(unknowns)} of them; name 1 to {max(POINTS)}")
-    for key, ends in unknowns.items():
-        if key not in (*VALUES, "C"):
-            raise ValueError(f"unknowns: {key!r} is no value of a device; these are {KNOWN}")
-        _check_range(key, ends)
-    if ("C" in unknowns) != (C is None):
-        what = "is unknown; leave it out" if C is not None else "missing; write it, or its range"
-        raise ValueError(f"C: {what}")
-    if C is not None:
-        check_cells(C=C)
-
-
-KNOWN = ", ".join((*VALUES, "C"))
-
-
-def _check_range(key, ends):
-    try:
-        low, high = (float(end) for end in ends)
-    except (TypeError, ValueError):
-        raise ValueError(f"unknowns: {key}: {ends!r} is no pair of numbers, low and high") from None
-    least = -np.inf if key in SIGNED else 0.0
-    open_below = key not in (*SIGNED, *FROM_ZERO, "C")
-    if not (least <= low < high < np.inf) or (open_below and low == 0):
-        need = "above" if open_below else "from"
-        raise ValueError(f"unknowns: {key}: {low:g} to {high:g} is no ascending range {need} 0")
+    check_ranges(unknowns, C)

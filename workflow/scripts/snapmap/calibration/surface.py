@@ -15,7 +15,7 @@ from ..tolerances.batch import choose_builder
 from ..tolerances.search import nominal_thresholds, thresholds_of_samples
 from .shots import Kind
 
-POINTS = {1: 33, 2: 25, 3: 13, 4: 7}
+POINTS = {1: 33, 2: 17, 3: 9, 4: 6}
 """Values of each unknown on the grid, by how many unknowns there are."""
 CHECKED = 64
 """Points within the ranges at which what stands between the grid's is held against the solver;
@@ -28,7 +28,7 @@ class Surface:
     """Logarithms of thresholds, ln N, over the unknowns, each from 0 to 1 of its range.
 
     unknowns: ranges by name, internal units; logs: at the points of the grid, (..., kinds)
-    error: of what stands between them, (kinds,), the largest seen
+    error: of what stands between them, (kinds,), root mean square
     """
 
     def __init__(self, unknowns: Mapping, logs: np.ndarray):
@@ -63,7 +63,8 @@ def surface_of(study: Study, kinds: Sequence[Kind], unknowns: Mapping, C: float 
     points = low + np.concatenate([check, grid]) * (high - low)
     logs = np.log(_thresholds(study, kinds, dict(zip(unknowns, points.T, strict=True)), C))
     found = Surface(unknowns, logs[CHECKED:].reshape(*steps[0].shape, len(kinds)))
-    found.error = abs(found.at(check) - logs[:CHECKED]).max(axis=0) + TOLERANCE
+    apart = found.at(check) - logs[:CHECKED]
+    found.error = np.sqrt((apart * apart).mean(axis=0)) + TOLERANCE
     return found
 
 
