@@ -64,8 +64,8 @@ ELSEWHERE = {
 }
 """What runs each command that is no study, in small."""
 SHORT = ("motion", "sensitivity", "settling")
-LONG = ("coverage", "proofs", "pulses", "steps", "thresholds", "tilt", "tolerances", "validation")
-LONG += ("vibration",)
+LONG = ("calibration", "coverage", "proofs", "pulses", "steps", "thresholds", "tilt", "tolerances")
+LONG += ("validation", "vibration")
 BENCHMARKS = ("scaling", "schemes")
 LONG_BENCHMARKS = ("many_devices", "start", "width")
 

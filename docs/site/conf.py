@@ -38,6 +38,7 @@ docs/glossary
 Config <docs/config>
 Pulses <docs/pulses>
 docs/tolerances
+docs/calibration
 docs/figures
 Functions <docs/reference>
 Cluster <docs/cluster>

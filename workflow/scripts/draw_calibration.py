@@ -16,7 +16,7 @@ def draw_calibration(calibration_path, stem):
             calibration.draw_shots(ax, panel)
         keys = calibration.shot_keys()
         title = calibration.calibration_text(found)
-        figure.legend(handles=keys, loc="outside lower center", ncols=4, title=title)
+        figure.legend(handles=keys, loc="outside lower center", ncols=5, title=title)
         style.save(figure, stem, found.attrs)
 
 

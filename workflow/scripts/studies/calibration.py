@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import ndtr
 
 from snapmap import load_device
 from snapmap.calibration.dataset import fit
@@ -70,7 +71,7 @@ def coverage(study, ranges, units=0):
     units: how many specimens are shot in turn; 0 for one each
     """
     draw = np.random.default_rng([SEED, len(ranges), units])
-    surface, began = surface_for(study, ranges), time.perf_counter()
+    surface = surface_for(study, ranges)
     low, high = np.array(list(ranges.values())).T
     truths = low + (high - low) * draw.uniform(*INNER, (few(CAMPAIGNS, 3), len(ranges)))
     values = dict(zip(ranges, truths.T, strict=True))
@@ -99,8 +100,8 @@ def coverage(study, ranges, units=0):
 
 def surface_for(study, ranges) -> Surface:
     """Thresholds of the fitted model at all durations."""
-    rows = {"duration": DURATIONS, "N": [1.0] * 4, "tripped": [0, 0, 1, 1]}
-    shots = shots_from(rows | {"N": [1.0, 1.0, 2.0, 2.0]}, study.shocks, study.device)
+    rows = {"duration": DURATIONS, "N": [1.0, 1.0, 2.0, 2.0], "tripped": [0, 0, 1, 1]}
+    shots = shots_from(rows, study.shocks, study.device)
     return surface_of(study, shots.kinds, ranges, C)
 
 
@@ -147,8 +148,6 @@ def covers(ends, truth):
 
 def chances(surface, found, shots):
     """Fitted probabilities of shots that were held back."""
-    from scipy.special import ndtr
-
     low, high = np.array(list(surface.unknowns.values())).T
     logs = surface.at((found.estimate.values - low) / (high - low))
     spread = np.hypot(found.spread.values[0], surface.error)[shots.kind]
@@ -199,7 +198,7 @@ def others(study):
         "20 elements": replace(study, model={"name": "elements", "elements": 20, "modes": 12}),
         "3 cosines": replace(study, model={"name": "cosines", "modes": 3}),
         "a beam free to tilt": replace(study, device=replace(device, beam=tilts)),
-        "stops at 25 um": replace(study, device=replace(device, stop_toward=25.0, stop_away=2.0)),
+        "a stop at 12 um": replace(study, device=replace(device, stop_toward=12.0)),
         "a stiffer spring, 6 N/m": replace(study, device=replace(device, spring=6.0)),
     }
 
