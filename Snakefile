@@ -52,7 +52,14 @@ made = products(study)
 new = [name for name in names if not os.path.exists(f"results/slabs/{name}.nc")]
 progress = Progress({name: cells_in(slabs[name]) for name in new})
 FIGURES = ("map*", "snap*", "time*", "thresholds*", "damage_boundary*", "history_*")
-FIGURES += ("statics*", "requirements*", "probability*", "sensitivity*", "yield*")
+FIGURES += (
+    "statics*",
+    "requirements*",
+    "probability*",
+    "sensitivity*",
+    "yield*",
+    "calibration*",
+)
 
 
 report: "workflow/report/study.rst"
@@ -97,6 +104,7 @@ onsuccess:
     told = ["find_threshold", "collect"]
     told += ["check_requirements"] * bool(study.all_required)
     told += ["find_tolerance"] * bool(study.tolerances)
+    told += ["fit_calibration"] * bool(study.calibration)
     logs = [f"results/logs/{rule}.log" for rule in told]
     logs += [log for log in progress.logs if "measure_" in log]
     for log in map(Path, logs):
@@ -114,6 +122,7 @@ include: "workflow/rules/thresholds.smk"
 include: "workflow/rules/statics.smk"
 include: "workflow/rules/requirements.smk"
 include: "workflow/rules/tolerances.smk"
+include: "workflow/rules/calibration.smk"
 include: "workflow/rules/maps.smk"
 include: "workflow/rules/histories.smk"
 include: "workflow/rules/integrity.smk"

@@ -72,6 +72,8 @@ OF_VALUES = {
     "tolerances": "a standard deviation, as a value or a share, or a mapping of its kind (uniform: "
     "half the width; lognormal; truncated, at two standard deviations) to its width "
     "| `0.05 um`, `5 %`, `{uniform: 0.2 um}` | it does not scatter",
+    "calibration.unknowns": "a pair of values, written as in `device`: where it is looked for "
+    "| `[1.7 um, 2.3 um]` | it is known",
     "each of histories": "a value in place of the device's own, written as in `device` "
     "| `1.9 um` | the device's own",
 }
@@ -170,6 +172,9 @@ def _sections(schema, defaults):
     yield _section("pulse.sweep", kinds["sine_sweep"], defaults)
     yield _section("sweep", parts["sweep"], defaults)
     yield _section("tolerances", parts["tolerances"], defaults)
+    calibration = parts["calibration"]
+    yield _section("calibration", calibration, defaults)
+    yield _section("calibration.unknowns", calibration["properties"]["unknowns"], defaults)
     yield _section("an axis given as a range", schema["$defs"]["axis"], defaults)
     for key in ("requirements", "histories", "maps", "thresholds"):
         yield _section(f"each of {key}", _resolved(parts[key]["items"], schema), defaults)
@@ -229,6 +234,9 @@ def code_defaults() -> dict[str, str]:
         "pulse": "a versed sine along +z",
         "requirements": "none",
         "tolerances": "every device is as drawn",
+        "calibration": "none",
+        "calibration.C": "`sweep.C`, if it is one value; required else, unless it is unknown",
+        "calibration.unknowns.C": "it is known",
         **{f"tolerances.{key}": "it does not scatter" for key in SHOCK_FACTORS},
         "tolerances.together": "each value by a draw of its own",
         "tolerances.samples": f"`{Tolerances._field_defaults['samples']}`",

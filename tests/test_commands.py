@@ -68,7 +68,7 @@ ELSEWHERE = {
 """What runs each command that is no study, in small."""
 SHORT = ("motion", "peers", "sensitivity", "settling")
 LONG = ("coverage", "proofs", "pulses", "steps", "thresholds", "tilt", "tolerances", "validation")
-LONG += ("planning", "vibration")
+LONG += ("calibration", "planning", "vibration")
 BENCHMARKS = ("scaling", "schemes")
 LONG_BENCHMARKS = ("many_devices", "start", "width")
 

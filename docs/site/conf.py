@@ -39,6 +39,7 @@ Config <docs/config>
 Pulses <docs/pulses>
 docs/tolerances
 docs/planning
+docs/calibration
 docs/figures
 docs/integrity
 Functions <docs/reference>

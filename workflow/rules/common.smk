@@ -17,3 +17,8 @@ def code(script):
 def own_points(wildcards):
     """Path and hash of a user's own points: a function, as a path may have braces."""
     return list(study.own_points)
+
+
+def calibration(wildcards):
+    """What is asked of measured shots; a function likewise."""
+    return study.calibration._asdict() if study.calibration else {}

@@ -5,6 +5,7 @@ from importlib import import_module
 __version__ = "0.1.0"
 
 _HOME = {
+    "calibrate": "calibration.dataset",
     "describe": "config.quality",
     "design": "sizing.value",
     "integrity": "basins.integrity",
@@ -24,6 +25,7 @@ _HOME = {
     "vibration": "random_vibration.probability",
 }
 __all__ = [
+    "calibrate",
     "describe",
     "design",
     "integrity",

@@ -64,6 +64,7 @@ def products(study: Config) -> Products:
             *(f"statics{which}" for which in statics),
             *["requirements"] * bool(study.all_required),
             *(made if study.tolerances else []),
+            *["calibration"] * bool(study.calibration),
         ],
     )
 

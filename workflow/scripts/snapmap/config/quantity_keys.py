@@ -19,6 +19,7 @@ def write_out(schema: dict) -> None:
         (kinds["device"], of_device, _own),
         (parts["sweep"], rare_last, _axis),
         (parts["tolerances"], [key for key in rare_last if key in OF_DEVICE], _scatter),
+        (parts["calibration"]["properties"]["unknowns"], rare_last, _range),
         (parts["histories"]["items"], rare_last, _instead),
     ):
         given = _in_order(section["properties"], keys)
@@ -69,6 +70,17 @@ def _scatter(quantity, kind):
     width = kind["description"].partition(" >")[0]
     text = f"a standard deviation, as {width} or a share, or a mapping of its kind to its width"
     return {"$ref": "#/$defs/scatter", "description": text}
+
+
+def _range(quantity, kind):
+    return {
+        "type": "array",
+        "minItems": 2,
+        "maxItems": 2,
+        "items": {"$ref": f"#/$defs/{quantity.kind}"},
+        "description": f"a pair of {kind.get('several', kind['description'])}: where it is looked "
+        "for",
+    }
 
 
 def _instead(quantity, kind):

@@ -110,7 +110,7 @@ def read_shocks(section: Mapping) -> tuple[Shocks, dict]:
         raise ValueError(f"pulse.{beside}: stands beside {whole}; write one of them")
     if whole == "file":
         try:
-            _check_path(section["file"])
+            check_path(section["file"])
             values["sha256"] = sha256_of(section["file"], *RECORD)
             return shocks_of(values), values
         except ValueError as error:
@@ -222,7 +222,7 @@ def _survives(given):
 def read_own_points(path: str) -> tuple[str, str]:
     """Path and SHA-256 of a user's own points, all in order; else ValueError, one line."""
     try:
-        _check_path(path)
+        check_path(path)
         sha256 = sha256_of(path, *POINTS)
         read_points(path, sha256)
     except ValueError as error:
@@ -243,6 +243,7 @@ def own_points_outside(path: str, axes: Mapping[str, np.ndarray]) -> list[str]:
     return lines
 
 
-def _check_path(path):
+def check_path(path: str) -> None:
+    """Raise ValueError, one line, for a path out of the study's folder."""
     if PurePath(path).is_absolute() or ".." in PurePath(path).parts:
         raise ValueError(f"{path} lies outside the study's folder; copy it there")

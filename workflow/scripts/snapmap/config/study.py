@@ -13,6 +13,7 @@ from ..study import Study
 from ..tolerances.samples import Tolerances
 from .asked_views import read_views
 from .axes import read_axis
+from .calibration import Calibration, read_calibration
 from .devices import (
     measured_shapes,
     nominal,
@@ -51,6 +52,7 @@ class Config(Study):
     pulse: values for `shocks_of`
     requirements: shocks that must or must not trip the device; vibrations, spectra: likewise
     tolerances: what scatters from device to device, or nothing
+    calibration: measured shots, and what is read off them, or nothing
     threshold_tolerance: of the thresholds in N, relative
     maps, curves, boundary: what is drawn of cells, thresholds, and the damage boundary
     own_points: path and SHA-256 of a user's own points on the maps, or nothing
@@ -64,6 +66,7 @@ class Config(Study):
     vibrations: tuple[Vibration, ...]
     spectra: tuple[SpectrumTest, ...]
     tolerances: Tolerances | None
+    calibration: Calibration | None
     threshold_tolerance: float
     histories: tuple[History, ...]
     maps: tuple[View, ...]
@@ -114,7 +117,8 @@ class Config(Study):
         """SHA-256 of each file that the config names, as it was read, by path."""
         pulses = [self.pulse, *(asked.pulse for asked in self.requirements)]
         own = dict([self.own_points] if self.own_points else [])
-        return {one["file"]: one["sha256"] for one in pulses if "file" in one} | own
+        shots = self.calibration.files if self.calibration else {}
+        return {one["file"]: one["sha256"] for one in pulses if "file" in one} | own | shots
 
     def doubts(self) -> list[str]:
         """Lines on what is hardly meant, and on what devices and recorded shocks may leave out."""
@@ -174,6 +178,11 @@ def load_config(document: Mapping) -> Config:
         devices = list(device.values()) if isinstance(device, Mapping) else [device]
         at = ("tolerances",)
         tolerances = convert_part(document, at, faults, read_tolerances, devices)
+    calibration = None
+    if "calibration" in parts:
+        given_so = device, shocks, axes["C"]
+        at = ("calibration",)
+        calibration = convert_part(document, at, faults, read_calibration, *given_so)
     histories = read_histories(document, device, grid, faults)
     own_points = ()
     if "marks" in parts:
@@ -194,6 +203,7 @@ def load_config(document: Mapping) -> Config:
         vibrations=vibrations,
         spectra=spectra,
         tolerances=tolerances,
+        calibration=calibration,
         threshold_tolerance=given.get("threshold_tolerance", THRESHOLD_TOLERANCE),
         histories=histories,
         maps=chosen,

@@ -10,7 +10,7 @@ from ..device import FROM_ZERO, SIGNED, VALUES, Device, is_bistable
 from ..device import batch as batch_of
 from ..solver.adaptive import TOLERANCE, choose_model
 from ..solver.bracket import asker
-from ..solver.cells import to_cells, to_rows
+from ..solver.cells import Rows, to_cells, to_rows
 from ..solver.model import Follows
 from ..solver.models import build_model
 from ..solver.outcome import LATCHED, label
@@ -143,21 +143,18 @@ class Batch:
 
 
 def choose_builder(
-    device: Device, model: Mapping, C: np.ndarray, f0: np.ndarray, settings: Settings
+    device: Device, model: Mapping, rows: Rows, settings: Settings
 ) -> Callable[[Device], Follows]:
     """What builds the model of a batch, given by its name and options.
 
-    Of `auto` it is the cheapest level whose thresholds of the nominal device, over C (uN us/um) and
-    f0 (Hz), are within its tolerance those of the next, in MOST_ROWS of the rows; where twice the
-    steps move them, no level is told from another.
+    Of `auto` it is the cheapest level whose thresholds of the nominal device in some rows are
+    within its tolerance those of the next, in MOST_ROWS of them; where twice the steps move them,
+    no level is told from another.
     """
     if model["name"] != "auto":
         return lambda devices: build_model(devices, **model)
     auto = choose_model(batch_of([device]), model)
     accepted = model.get("tolerance", TOLERANCE)
-    rows = to_rows(
-        0, *np.meshgrid(f0, C), np.arange(len(settings.pulses))[:, np.newaxis, np.newaxis]
-    )
     static = static_threshold(auto.device)
 
     def find(level):

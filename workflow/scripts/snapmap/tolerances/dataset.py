@@ -13,7 +13,7 @@ from ..device import Device
 from ..io.counting import counting
 from ..io.provenance import provenance
 from ..numerics.portable import geometric
-from ..solver.cells import check_cells
+from ..solver.cells import check_cells, to_rows
 from ..solver.settings import check_number
 from ..study import THRESHOLD_SETTINGS, Study, frequencies, study_of
 from .batch import Batch, choose_builder
@@ -154,6 +154,8 @@ def tolerances_of(
     _check(axes, asked, tolerance)
     N = axes.get("N")
     axes = {key: np.atleast_1d(np.asarray(axes[key], float)) for key in ("C", "f0")}
+    pulses = np.arange(len(settings.pulses))[:, np.newaxis, np.newaxis]
+    rows = to_rows(0, axes["f0"], axes["C"][:, np.newaxis], pulses)
     power = _power(min(samples, asked.index_samples or INDEX_SAMPLES))
     found = []
     for one in study.devices().values():
@@ -161,7 +163,7 @@ def tolerances_of(
         points = plan.points(samples, asked.seed)
         paired = points[:, :power]
         every = np.concatenate([points[0], paired[1], *crossed(paired)])
-        build = choose_builder(one, study.model, *axes.values(), settings)
+        build = choose_builder(one, study.model, rows, settings)
         whole = Batch(one, plan, every, build)
         some = whole.first(samples)
         data, N_first = _thresholds(whole, samples, study.shocks, axes, settings, tolerance)

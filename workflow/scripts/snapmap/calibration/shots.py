@@ -1,0 +1,172 @@
+"""A table of shots: what the device was given, and whether it tripped."""
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from ..device import Device
+from ..io.recorded import read_pulse
+from ..pulse import Pulse, Shocks, shocks_from
+
+COLUMNS = ("N", "f0", "duration", "tripped", "direction", "shape", "file", "unit")
+FEWEST = 3
+MANY = 2
+"""So many of either kind at one shock contradict each other if all that trip lie below."""
+
+
+class Kind(NamedTuple):
+    """A shock but for its level; f0: Hz; pulse: along its direction."""
+
+    shape: str
+    direction: str
+    f0: float
+    pulse: Pulse
+
+    def __str__(self):
+        """Where its threshold is looked for, in words."""
+        return f"{self.shape} along {self.direction}, f0 = {self.f0:.6g} Hz"
+
+
+class Shots(NamedTuple):
+    """Shots of a campaign, arrays (shots,).
+
+    N: multiples of g; tripped: bools; kind: index into kinds; unit: number of the specimen
+    """
+
+    N: np.ndarray
+    tripped: np.ndarray
+    kind: np.ndarray
+    unit: np.ndarray
+    kinds: tuple[Kind, ...]
+
+    @property
+    def f0(self) -> np.ndarray:
+        """Frequency of each, Hz."""
+        return np.array([self.kinds[i].f0 for i in self.kind])
+
+
+def shots_from(table: Mapping, shocks: Shocks, device: Device) -> Shots:
+    """Take a table of shots as `calibrate` does; raises ValueError, one line.
+
+    shocks: of one shape and direction, where the table names none; device: whose gravity N counts
+    """
+    columns = _columns(table)
+    size = len(columns["tripped"])
+    kinds, places, levels = [], {}, []
+    for i in range(size):
+        row = {key: values[i] for key, values in columns.items() if not _is_empty(values[i])}
+        key, kind = _kind(row, i, shocks, places)
+        if key not in places:
+            places[key] = len(kinds)
+            kinds.append(kind)
+        levels.append((places[key], _level(row, i, kinds[places[key]].pulse, device)))
+    kind, N = np.array(levels).T
+    units = np.asarray(columns.get("unit", np.arange(size)))
+    unit = np.unique([str(one) for one in units], return_inverse=True)[1]
+    shots = Shots(N, _answers(columns["tripped"]), kind.astype(int), unit, tuple(kinds))
+    _check(shots)
+    return shots
+
+
+def _columns(table):
+    known = f"columns are {', '.join(COLUMNS)}"
+    columns = {str(key): np.asarray(table[key]).ravel() for key in table}
+    for key in columns:
+        if key not in COLUMNS:
+            raise ValueError(f"shots: column {key!r} is unknown; {known}")
+    for key in ("tripped",) if "file" in columns else ("N", "tripped"):
+        if key not in columns:
+            raise ValueError(f"shots: column {key} is missing; {known}")
+    sizes = {key: len(values) for key, values in columns.items()}
+    if len(set(sizes.values())) > 1:
+        raise ValueError(f"shots: columns differ in length, {sizes}; write a row for each shot")
+    if sizes["tripped"] < FEWEST:
+        raise ValueError(f"shots: {sizes['tripped']} are too few; give {FEWEST} or more")
+    return columns
+
+
+def _is_empty(value):
+    return value is None or value == "" or (isinstance(value, float) and math.isnan(value))
+
+
+def _kind(row, place, shocks, known):
+    """What tells a shot's shock from others, and the shock."""
+    where = f"shots, row {place + 1}"
+    if "file" in row and "shape" in row:
+        raise ValueError(f"{where}: shape stands beside file; write one of them")
+    direction = str(row.get("direction", shocks.direction))
+    named = str(row.get("file", row.get("shape", "")))
+    given = {key: row[key] for key in ("f0", "duration") if key in row}
+    key = named, direction, *given.items()
+    if key in known:
+        return key, None
+    pulse = shocks.pulse
+    try:
+        if "file" in row:
+            pulse = read_pulse(named)
+        elif named:
+            pulse = shocks_from(named).pulse
+        pushed = shocks_from(pulse, direction)
+    except ValueError as error:
+        raise ValueError(f"{where}: {error}") from None
+    f0 = _frequency(given, pulse, where)
+    return key, Kind(named or pulse.name, direction, f0, pushed.pulses[0])
+
+
+def _frequency(given, pulse, where):
+    if not given and pulse.duration:
+        return 1e6 / pulse.duration
+    if len(given) != 1:
+        what = "both are there" if given else "missing"
+        raise ValueError(f"{where}: f0 or duration: {what}; write f0 in Hz, or duration in us")
+    ((key, value),) = given.items()
+    value = _positive(value, f"{where}: {key}")
+    return value if key == "f0" else 1e6 / value
+
+
+def _level(row, place, pulse, device):
+    if "N" in row:
+        return _positive(row["N"], f"shots, row {place + 1}: N")
+    own = pulse.own_N or pulse.peak / device.gravity
+    if math.isnan(own):
+        raise ValueError(f"shots, row {place + 1}: N: missing; write a multiple of g")
+    return own
+
+
+def _positive(value, where):
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = math.nan
+    if not 0 < number < math.inf:
+        raise ValueError(f"{where}: {value!r} is no number above 0")
+    return number
+
+
+def _answers(values):
+    for i, value in enumerate(values.tolist()):
+        if value not in (0, 1):
+            raise ValueError(f"shots, row {i + 1}: tripped: {value!r} is not true or false")
+    return values.astype(bool)
+
+
+def _check(shots):
+    """Refuse shots of one kind, and those that contradict each other."""
+    N, tripped = shots.N, shots.tripped
+    if tripped.all() or not tripped.any():
+        what = "all trip" if tripped.all() else "none trips"
+        raise ValueError(f"shots: {what} of {tripped.size}; a threshold needs both")
+    against = []
+    for number, kind in enumerate(shots.kinds):
+        trips, others = (N[(shots.kind == number) & (tripped == is_so)] for is_so in (True, False))
+        if trips.size and others.size and trips.max() < others.min():
+            against.append((min(trips.size, others.size) >= MANY, kind))
+    all_are = len(against) == len(shots.kinds)
+    wrong = [kind for surely, kind in against if surely or all_are]
+    if wrong:
+        raise ValueError(
+            f"shots: they contradict each other, {wrong[0]}: all that trip lie below all that do "
+            "not; is tripped the wrong way round?"
+        )
