@@ -47,6 +47,7 @@ Cluster <docs/cluster>
 :caption: Evidence
 Theory <docs/theory>
 docs/validation
+Beyond doubt <docs/rigour>
 docs/accuracy
 docs/thresholds
 Stability <docs/stability>

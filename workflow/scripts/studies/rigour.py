@@ -38,44 +38,46 @@ SMALL = 3.0
 TEXT = """\
 # Beyond doubt
 
-What is proven with balls in place of numbers (python-flint: each result holds the exact one,
-rounding included), by one command, which prints this page:
+What is proven with balls in place of numbers (python-flint, of the group `bench`: each result
+holds the exact one, rounding included), by one command, which prints this page:
 
     PYTHONPATH=workflow/scripts ./run python -m studies.rigour > docs/rigour.md
 
-The `model` is that of the coefficients as stored, floats taken for exact numbers.
+All of it is about the model as stored, its floats taken for exact numbers.
 
 ## The barrier
 
-All equilibria of the modal form up to the barrier, enclosed: each is a root of one equation in the
-axial force alone ([theory](theory.md#tilt)), by bisection, and about a buckling load the mode's
-coordinate is what the stretch leaves. The same among all shapes with the saddle's midpoint: there
-none has less energy, so that w(L/2) tells the well. {devices} devices, the handout's and
-random ones (half with a gap, half stressed, a quarter free to tilt; those with a second shape
-count); relative to the barrier, positive where the stored one is too high.
+Equilibria are roots of one equation in the axial force ([theory](theory.md#tilt)); bisection with
+balls misses none up to the barrier. The same among all shapes with the saddle's midpoint: none has
+less energy, so that no motion with less passes it, and w(L/2) tells the well. {devices} devices,
+the handout's and random ones (some stressed, some free to tilt), those that have a second shape;
+shares of the barrier:
 
 {barriers}
 
 ## The rounding of energies
 
-The kernel's own lines, once in floats, once in balls from the same state, every 128 steps of runs to their
-proof or horizon: 9 cells (N 900 to 1800, f0 500 to 5000 Hz, C = {C:g}) of the handout's device. `Rounding`: largest difference of the energies, over the
-barrier; `a step`: largest change of the exact energy in one step of floats that neither damping
-nor the pulse explains (the conserving scheme). `Proven`: runs whose whole energy is told to be below the barrier. Of them, those whose
-exact energy is, and those whose energy in the differential equation is, at the same place and
-velocity, below the enclosed one.
+The kernel's own lines, in floats and in balls from the same state, every 128 steps of runs up to
+their proof or horizon: the handout's device, N 900 to 1800, f0 500 to 5000 Hz, C = {C:g}.
+`Rounding` is the largest difference of the energies, and `a step` the largest change of the exact
+energy in a step of floats that neither damping nor the pulse explains, over the barrier. `Proven`
+are the runs whose whole energy is told to be below it; of them are counted those whose exact
+energy is below the enclosed one, and those whose energy in the differential equation is, at the
+same place and velocity.
 
 {rounding}
 
-A proof keeps {margin:g} of the barrier free for both, beside twice the largest residual of the
-ledger; until this study it was the residual alone, which may be 0 by chance.
+A proof keeps {margin:g} of the barrier free for this, and twice the largest residual of the ledger;
+until this study it was the residual alone, which may be 0 by chance.
 
 ## A threshold between two proofs
 
-The handout's device, 3 cosines, f0 = {f0:g} Hz, C = {drag:g}, from rest. The solution of the
-differential equation, with the kink of the contact, is enclosed about Taylor polynomials of order {order} (steps of {step:g} us,
-{bits} bits). A snap is shown by the enclosure beyond the target; none by the enclosure short of it
-all the while, and the energy then below the barrier without a shock.
+The handout's device, 3 cosines, f0 = {f0:g} Hz, C = {drag:g}, from rest: the solution of the
+differential equation, with its kinks where contact begins and ends, is enclosed about Taylor
+polynomials of {order} terms (steps of {step:g} us, {bits} bits). A snap is proven by an enclosure
+beyond the target; that there is none, by enclosures short of it up to a time at which the pulse is
+over and the energy below the barrier. `Digits lost`: by how much an error at the start would have
+grown.
 
 {runs}
 
@@ -83,17 +85,22 @@ all the while, and the energy then below the barrier without a shock.
 
 ## What is a theorem, and what remains
 
-- *Of the differential equation*, with any C and any stops from then on: from the place and velocity at which a run is proven
-  (energy below the barrier) it never leaves its well without a shock. Its energy cannot rise, and no shape with the
-  saddle's midpoint has as little.
-- *Of the discrete run in exact arithmetic, conserving scheme*: from its proof on $H$ never rises, and every later mean position
-  has $W\\le H<E_s$ ([theory](theory.md#a-scheme-that-keeps-its-energy)): it is in one of the two wells. `never` and `latched` say in which;
-  that the run does not leap from one to the other *within* a step is not proven, but watched ([stability](stability.md)).
-- *Of the explicit scheme* no energy is conserved exactly: a proof is the first statement alone.
-- *Not covered*: the way to the proof, on which the scheme's own error against the differential equation acts: a cell near the edge of the map may
-  be proven `never` truly of the run and wrongly of the device; steps, modes and mesh are compared in [accuracy](accuracy.md),
-  and the threshold above is enclosed for one cell alone. The rounding of steps after the proof, `a step` each.
-  The proof by parts (the beam alone below the barrier, the mass out of reach), whose other half is the mass's own oscillation. And what the model leaves out ([limits](limits.md)).
+- *The differential equation*: from the place and velocity of a run at its proof, counted in the
+  last column above, it never leaves its well without a shock, whatever its damping. Its energy
+  cannot rise, and no shape with the saddle's midpoint has as little.
+- *The discrete run, conserving scheme*: from its proof on, in exact arithmetic, $H$ never rises,
+  and every later mean position has $W\\le H<E_s$
+  ([theory](theory.md#a-scheme-that-keeps-its-energy)): it is in one of the two wells, and no later
+  state is at the saddle's midpoint. Rounding adds `a step` at most for each.
+- *What remains of it*: that a run does not leap over the saddle within one step is watched
+  ([stability](stability.md)), not proven. The explicit scheme conserves no energy exactly: a proof
+  is the first statement alone. A proof by parts (the beam below the barrier, the mass out of its
+  reach) rests on the same energies, with the kernel's margin, and is not enclosed here.
+- *The way to the proof*: the scheme's own error against the differential equation. Near an edge of
+  the map a cell may be `never` truly of the run and wrongly of the equation. Steps, modes and
+  meshes are compared in [accuracy](accuracy.md); enclosed is one cell on either side of one
+  threshold, above.
+- *The model* against a device: [limits](limits.md), [validation](validation.md).
 """
 
 
@@ -181,13 +188,14 @@ def bracket(device):
         shown.append(seen.snaps)
         what = {True: "snaps", False: "never snaps", None: "open"}[seen.snaps]
         rows.append([f"{amplitude:.3f}", what, f"{seen.time:.2f}", f"{seen.radius:.0e}"])
-        rows[-1] += [f"{seen.growth:.0f}", str(seen.events), f"{seen.rest:.2f}"]
+        rest = "" if seen.snaps else f"{seen.rest:.2f}"
+        rows[-1] += [f"{seen.growth:.0f}", str(seen.events), rest]
     head = ["N", "shown", "at, us", "radius", "digits lost", "contact events", "below barrier, pJ"]
     found = threshold(device, [CASE["f0"]], [CASE["C"]], model="cosines", modes=3)
     ours = f"{found.N_first.item():.3f}, with a bar of {found.N_error.item():.3f}"
     if shown == [False, True]:
-        text = f"So between {low:.3f} and {high:.3f} snapping begins, or ends and begins again: "
-        return table(head, rows), text + f"both ends are proven. Our `N_first`, 3 cosines: {ours}."
+        text = f"The threshold lies between {low:.3f} and {high:.3f}; both ends are proven. "
+        return table(head, rows), text + f"Our `N_first`: {ours}."
     return table(head, rows), f"The bracket is not closed here. Our `N_first`: {ours}."
 
 

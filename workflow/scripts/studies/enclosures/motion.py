@@ -17,7 +17,7 @@ from snapmap.beam.modal import contact_stiffness
 
 BITS, ORDER, STEP = 352, 104, 0.25
 """Of the arithmetic; terms of the polynomials; us."""
-PIECES, SAMPLES, HALVINGS = 4, 32, 600
+PIECES, SAMPLES, HALVINGS = 4, 32, 64
 """Parts of a step in which the tangent is enclosed; places where an event is looked for."""
 SOFTEST = 0.1
 """Least eigenvalue of the metric, 1/us^2."""
