@@ -43,7 +43,8 @@ holds the exact one, rounding included), by one command, which prints this page:
 
     PYTHONPATH=workflow/scripts ./run python -m studies.rigour > docs/rigour.md
 
-All of it is about the model as stored, its floats taken for exact numbers.
+All of it is about the model as stored, its floats taken for exact numbers, and of its geometric
+matrix, which is symmetric but for rounding, the symmetric part.
 
 ## The barrier
 

@@ -19,6 +19,8 @@ BITS, ORDER, STEP = 352, 104, 0.25
 """Of the arithmetic; terms of the polynomials; us."""
 PIECES, SAMPLES, HALVINGS = 4, 32, 64
 """Parts of a step in which the tangent is enclosed; places where an event is looked for."""
+GRID = 2.0**280
+"""Of events, per us: so that all times are exact."""
 SOFTEST = 0.1
 """Least eigenvalue of the metric, 1/us^2."""
 ROUGH, TUBE = 64, 2.0**-50
@@ -48,10 +50,17 @@ class Equations(NamedTuple):
 def equations(model, amplitude, f0, C):
     """Those of a model of one device; amplitude: multiples of g; f0: Hz."""
     device, modal = model.device, model.modal
-    vectors = modal.stiffness, modal.geometric, modal.slope_start, modal.load, modal.midpoint
+    columns = [_numbers(row) for row in modal.geometric]
+    symmetric = [
+        [(a + b) / 2 for a, b in zip(*both, strict=True)]
+        for both in zip(columns, map(list, zip(*columns, strict=True)), strict=True)
+    ]
+    vectors = modal.slope_start, modal.load, modal.midpoint
     stiff = contact_stiffness(device, modal.residual)
     numbers = modal.axial, modal.residual, stiff, device.mass, device.spring, device.gap
     return Equations(
+        _numbers(modal.stiffness),
+        symmetric,
         *(_numbers(vector) for vector in vectors),
         *map(_numbers, (*numbers, device.beam.damping, C)),
         amplitude=arb(amplitude) * arb(device.gravity),
@@ -282,7 +291,7 @@ def event(e, piece):
         low, high = (low, middle) if x(middle).mid() < 0 else (middle, high)
     for _ in range(6):
         low = (low - x(low) / speed(low)).mid()
-    return low
+    return (low * GRID).floor() / GRID
 
 
 def follow(e, barrier, floor, until):
@@ -307,7 +316,7 @@ def follow(e, barrier, floor, until):
         changed, wandered = metric.over(before), piece.h * defect(e, piece)
         state, moved = end_of(piece, metric, e)
         radius = arb(((radius * changed + wandered) * added.exp() + moved).upper())
-        growth, time = growth + added + changed.log(), (time + piece.h).mid()
+        growth, time = growth + added + changed.log(), time + piece.h
         closed, events = closed != (at is not None), events + (at is not None)
         p, v, y, speed = balls(e, metric, state, radius)
         force = e.contact * pressed(dot(e.midpoint, p) - y - e.gap)[0]
