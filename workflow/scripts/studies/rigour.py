@@ -50,7 +50,7 @@ matrix, which is symmetric but for rounding, the symmetric part.
 
 Equilibria are roots of one equation in the axial force ([theory](theory.md#tilt)); bisection with
 balls misses none up to the barrier. The same among all shapes with the saddle's midpoint: none has
-less energy, so that no motion with less passes it, and w(L/2) tells the well. {devices} devices,
+less energy, so that no motion with less passes it, and w(L/2) tells the well. Of {devices} devices,
 the handout's and random ones (some stressed, some free to tilt), those that have a second shape;
 shares of the barrier:
 

@@ -212,20 +212,17 @@ def tangent(e, p, pressing):
 class Metric:
     """The norm r.B r + |r'|^2, B near the tangent at p, and the growth of distances in it.
 
-    reach: of each r, of y and of dy/dt per unit of the norm
+    reach: the most of each r per unit of the norm
     """
 
     def __init__(self, e, p, closed):
-        here = tangent(e, p, arb(int(closed)))
-        table = [[float(c) for c in row] for row in here.table()]
-        shift = max(0.0, SOFTEST - float(np.linalg.eigvalsh(table)[0]))
-        n = here.nrows()
-        self.matrix = arb_mat(
-            [
-                [(c + shift * (i == j)).mid() for j, c in enumerate(row)]
-                for i, row in enumerate(here.table())
-            ]
-        )
+        table = tangent(e, p, arb(int(closed))).table()
+        rough = np.array(table, float)
+        n, shift = len(table), max(0.0, SOFTEST - float(np.linalg.eigvalsh(rough)[0]))
+        self.matrix = arb_mat(n, n)
+        for i in range(n):
+            for j in range(n):
+                self.matrix[i, j] = (table[min(i, j)][max(i, j)] + shift * (i == j)).mid()
         self.inverse = self.matrix.inv()
         self.reach = [self.inverse[i, i].sqrt() for i in range(n)]
         parts = [[row[: i + 1] for row in self.matrix.table()[: i + 1]] for i in range(n)]
@@ -291,7 +288,8 @@ def event(e, piece):
         low, high = (low, middle) if x(middle).mid() < 0 else (middle, high)
     for _ in range(6):
         low = (low - x(low) / speed(low)).mid()
-    return (low * GRID).floor() / GRID
+    at = (low * GRID).floor() / GRID
+    return at if 0 < at < piece.h else None
 
 
 def follow(e, barrier, floor, until):
@@ -323,9 +321,11 @@ def follow(e, barrier, floor, until):
         rest = floor - energy(e, p, v, y, speed)
         if dot(e.midpoint, p) - e.residual * force < target:
             snaps = True
+        elif not least > target:
+            break
         elif stays and time >= e.duration and rest > 0 and dot(e.midpoint, p) > saddle:
             snaps = False
-        if snaps is not None or not least > target:
+        if snaps is not None:
             break
     snaps = snaps if radius < TUBE else None
     lost = float(growth) / np.log(10)
