@@ -51,6 +51,7 @@ Cluster <docs/cluster>
 Theory <docs/theory>
 docs/validation
 docs/peers
+Beyond doubt <docs/rigour>
 docs/accuracy
 docs/thresholds
 Stability <docs/stability>

@@ -13,6 +13,8 @@ from .scheme import added_inertia, guarded, is_confirmed, ledger
 
 MARGIN = 2.0
 """A proof must hold by this many times the largest residual of the energy ledger seen so far."""
+ROUNDING = 1e-12
+"""And by this share of the barrier: what rounding does to both, and more; docs/rigour.md."""
 OPENED = 4.0
 """A run is given up at the look at which its ledger misses by this many times the tolerance."""
 
@@ -167,7 +169,8 @@ def look(X, shape, scheme, l, cell, state, task, instants):
     if not in_pulse:
         worst = max(X[row(R.WORST, l)], abs(residual))
         X[row(R.WORST, l)] = worst
-        well = proven_well(X, l, (beam, mass, contact, w), MARGIN * worst)
+        margin = MARGIN * worst + ROUNDING * X[row(R.BARRIER, l)]
+        well = proven_well(X, l, (beam, mass, contact, w), margin)
         ended |= not abs(residual) * scale <= OPENED * task.tolerance
     if not (is_confirmed(X, scheme, l, well) and (well == 1 or snapped)):
         well = 0
