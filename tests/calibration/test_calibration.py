@@ -123,6 +123,7 @@ def test_a_recorded_drop_is_a_shot(root, handout):
         ({"tripped": [1, 1, 1, 0, 0, 0]}, RANGE, "shots: they contradict each other, versed sine"),
         ({"tripped": [2] * 6}, RANGE, "shots, row 1: tripped: 2 is not true or false"),
         ({"N": [-1.0] * 6}, RANGE, "shots, row 1: N: .* is no number above 0"),
+        ({"N": [9.81 * N for N in LEVELS]}, RANGE, "shots: N from 8338 to 1.079e.04, where the"),
         ({"N": [1.0]}, RANGE, "shots: columns differ in length"),
         ({"level": [1.0] * 6}, RANGE, "shots: column 'level' is unknown"),
         ({"f0": [1e3] * 6}, RANGE, "shots, row 1: f0 or duration: both are there"),

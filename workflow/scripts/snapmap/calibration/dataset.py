@@ -54,6 +54,8 @@ OF_SHOT = {
     "probability": {"long_name": "fitted probability of a trip", **SHARE},
     "residual": {"long_name": "deviance residual", **SHARE},
 }
+NEAR = 2.0
+"""Times a threshold: campaigns with no shot as near tell nothing of a device."""
 OPEN = "open_low", "open_high"
 SPREAD = {
     "spread": {"long_name": "standard deviation of the threshold over itself", **SHARE},
@@ -117,7 +119,9 @@ def calibration_of(study: Study, table: Mapping, unknowns: Mapping, C: float | N
     """Find the values of a study's device from a table of shots, as `calibrate` returns them."""
     _check(study, unknowns, C)
     shots = shots_from(table, study.shocks, study.device)
-    return fit(shots, surface_of(study, shots.kinds, unknowns, C)).assign_attrs(
+    surface = surface_of(study, shots.kinds, unknowns, C)
+    _check_reach(shots, surface)
+    return fit(shots, surface).assign_attrs(
         Conventions="CF-1.11, ACDD-1.3",
         title="A device read off its shots",
         summary="Values of a device, their intervals and the residuals of shots, tripped or not",
@@ -151,6 +155,19 @@ def fit(shots: Shots, surface: Surface) -> xr.Dataset:
     return xr.Dataset(data, units | bounds).assign_attrs(
         untold=_untold_text(told, names), model_error=float(_rounded(surface.error.max()))
     )
+
+
+def _check_reach(shots, surface):
+    """Raise ValueError if no shot is near any threshold within the ranges."""
+    axes = tuple(range(surface.logs.ndim - 1))
+    low, high = surface.logs.min(axis=axes)[shots.kind], surface.logs.max(axis=axes)[shots.kind]
+    log_N = np.log(shots.N)
+    if (np.maximum(low - log_N, log_N - high) > np.log(NEAR)).all():
+        raise ValueError(
+            f"shots: N from {shots.N.min():.4g} to {shots.N.max():.4g}, where the ranges lead to "
+            f"thresholds from {np.exp(low.min()):.4g} to {np.exp(high.max()):.4g}; is N in "
+            "multiples of g?"
+        )
 
 
 def _unknowns(done, intervals):
