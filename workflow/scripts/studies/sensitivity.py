@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from snapmap import load_device, simulate, threshold
-from snapmap.device import SIZES, batch
+from snapmap.curved_beam import SIZES
+from snapmap.device import batch
 from snapmap.io.markdown import table
 from snapmap.solver.adaptive import choose_survey
 from snapmap.solver.cells import to_rows

@@ -7,7 +7,8 @@ from pathlib import Path
 from ..beam.barrier import find_barrier
 from ..beam.cosines import buckling_shapes
 from ..beam.equilibria import least_way
-from ..device import ALONE, CLAMP, COSINES, STOPS, STRENGTH, THERMAL, Beam, Device
+from ..curved_beam import COSINES
+from ..device import ALONE, CLAMP, STOPS, STRENGTH, THERMAL, Beam, Device
 from ..io.measured_shape import read_shape
 from ..quantities import QUANTITIES
 from ..shape import COSINE

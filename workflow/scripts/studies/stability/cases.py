@@ -5,7 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from snapmap.device import BISTABILITY_LIMIT, Device
+from snapmap.device import Device
+from snapmap.shape import BISTABILITY_LIMIT
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.schemes import EXPLICIT, SCHEMES
 
