@@ -174,9 +174,7 @@ def _struck(section, formats):
 
 def _of_the_mass(section):
     """Name what a device lacks, or has too much of, with a mass and without one."""
-    if "mass" not in section:
-        return {}
-    alone, pushed = section["mass"] == "none", "force" in section
+    alone, pushed = section.get("mass") == "none", "force" in section
     needed = [*([] if alone else ["spring", "contact"]), *([] if pushed else ["gravity"])]
     formats = validator().schema["$defs"]["device"]["properties"]
     said = {key: f"missing; write {formats[key]['description']}" for key in needed}

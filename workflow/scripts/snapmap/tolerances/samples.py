@@ -81,13 +81,13 @@ class Plan:
         self.scatters = {key: scatter_from(key, given) for key, given in scatters.items()}
         if not self.scatters:
             raise ValueError("tolerances: name a value that scatters, such as thickness")
-        idle = [key for key in self.scatters if key in (*OF_MASS, "C") and device.is_alone]
+        idle = [key for key in self.scatters if key in OF_MASS and device.is_alone]
         if idle:
             raise ValueError(f"tolerances.{idle[0]}: is of the mass, and there is none")
         self.nominal = {key: _nominal(device, key) for key in self.scatters}
         for key, scatter in self.scatters.items():
             if math.isinf(self.nominal[key]):
-                what = "a hard contact" if key == "contact" else "a stop that is not there"
+                what = "a hard contact" if key == "contact" else "what is not there"
                 raise ValueError(f"tolerances.{key}: {what} does not scatter")
             if scatter.kind == "lognormal" and not self.nominal[key] > 0:
                 raise ValueError(f"tolerances.{key}: lognormal needs a nominal value above 0")
