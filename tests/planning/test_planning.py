@@ -105,10 +105,16 @@ def test_the_plan_begins_at_the_models_threshold(tmp_path):
 @pytest.mark.parametrize(
     ("shots", "line"),
     [
-        ({"N": [1.0]}, "column tripped of the shots is missing"),
-        ({"N": [1.0], "tripped": ["perhaps"]}, "shot 1: tripped 'perhaps' is not yes or no"),
-        ({"N": ["1,5"], "tripped": ["yes"]}, "shot 1: N '1,5' is no number above 0"),
-        ({"N": [1, 2], "tripped": [0, 1], "f0": [1, 2]}, "f0: 1, 2; plan each pulse by itself"),
+        ({"N": [1.0]}, "shots: column tripped is missing"),
+        (
+            {"N": [1.0], "tripped": ["perhaps"]},
+            "shots, row 1: tripped: 'perhaps' is not true or false",
+        ),
+        ({"N": ["1,5"], "tripped": ["yes"]}, "shots, row 1: N: '1,5' is no number above 0"),
+        (
+            {"N": [1, 2], "tripped": [0, 1], "f0": [1, 2]},
+            "shots: f0: 1, 2; plan each pulse by itself",
+        ),
     ],
 )
 def test_shots_that_cannot_be_are_one_line(shots, line):

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..device import Device
 from ..io.recorded import read_pulse
+from ..io.shots import answers
 from ..pulse import Pulse, Shocks, shocks_from
 
 COLUMNS = ("N", "f0", "duration", "tripped", "direction", "shape", "file", "unit")
@@ -65,7 +66,7 @@ def shots_from(table: Mapping, shocks: Shocks, device: Device) -> Shots:
     kind, N = np.array(levels).T
     units = np.asarray(columns.get("unit", np.arange(size)))
     unit = np.unique([str(one) for one in units], return_inverse=True)[1]
-    shots = Shots(N, _answers(columns["tripped"]), kind.astype(int), unit, tuple(kinds))
+    shots = Shots(N, answers(columns["tripped"].tolist()), kind.astype(int), unit, tuple(kinds))
     _check(shots)
     return shots
 
@@ -143,13 +144,6 @@ def _positive(value, where):
     if not 0 < number < math.inf:
         raise ValueError(f"{where}: {value!r} is no number above 0")
     return number
-
-
-def _answers(values):
-    for i, value in enumerate(values.tolist()):
-        if value not in (0, 1):
-            raise ValueError(f"shots, row {i + 1}: tripped: {value!r} is not true or false")
-    return values.astype(bool)
 
 
 def _check(shots):

@@ -3,8 +3,10 @@
 import csv
 import io
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+
+import numpy as np
 
 from .named import DECIMALS, naming, read_named
 
@@ -19,7 +21,11 @@ COLUMNS = {
     **{key: (key, None) for key in ("tripped", "direction", "shape", "file", "unit")},
 }
 """What a column is, by its header, and its factor to multiples of g, Hz and us; None for words."""
-ANSWERS = {"yes": True, "no": False, "1": True, "0": False}
+ANSWERS = {
+    **dict.fromkeys(("yes", "true", "1", 1), True),
+    **dict.fromkeys(("no", "false", "0", 0), False),
+}
+"""What a shot did, also as a number."""
 MOST = 10_000
 SHOTS = 2_000_000, f"write at most {MOST} rows"
 """Bytes that such a file may have, and what to do about more."""
@@ -43,6 +49,15 @@ def read_shots(path: str | Path, sha256: str = "") -> Mapping[str, list]:
         if len(rows) > MOST + 1:
             raise ValueError(f"has more than {MOST} rows; write fewer")
         return _columns(*_header(rows[0]), rows[1:])
+
+
+def answers(values: Sequence) -> np.ndarray:
+    """Whether each shot tripped, (shots,); ValueError, one line, for what tells it of none."""
+    words = [one.strip().lower() if isinstance(one, str) else one for one in values]
+    for place, (word, value) in enumerate(zip(words, values, strict=True), start=1):
+        if word not in ANSWERS:
+            raise ValueError(f"shots, row {place}: tripped: {value!r} is not true or false")
+    return np.array([ANSWERS[word] for word in words], bool)
 
 
 def _header(row):

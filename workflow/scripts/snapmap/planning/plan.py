@@ -5,16 +5,14 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 
-from ..io.named import DECIMALS, naming
+from ..io.shots import answers, read_shots
 from .levels import METHODS, dixon_mood, next_level
 from .probit import Estimate, estimate, has_estimate
 
 RANGE = 4.0
 """Standard deviations about the model's mean between which the mean is guessed."""
-ANSWERS = {"yes": True, "true": True, "1": True, "no": False, "false": False, "0": False}
 SHOCK = ("f0", "duration", "direction", "shape")
 """Columns of a table of shots that must say the same of all."""
 
@@ -57,7 +55,7 @@ def plan_shots(
         raise ValueError(f"method: {method!r} is not one of {', '.join(METHODS)}")
     if not 0 < confidence < 1:
         raise ValueError(f"confidence: {confidence!r} is not between 0 and 1")
-    N, tripped = read_shots(shots)
+    N, tripped = _columns(shots)
     ends = mean - RANGE * sigma, mean + RANGE * sigma
     level, why = next_level(N, tripped, method, *ends, sigma)
     known = estimate(N, tripped, confidence) if has_estimate(N, tripped) else None
@@ -78,30 +76,18 @@ def _of_model(prior):
     return float(mean), float(sigma)
 
 
-def read_shots(
-    shots: str | Path | Mapping[str, Sequence],
-) -> tuple[np.ndarray, np.ndarray]:
-    """Read N and whether it tripped, (shots,) each; ValueError, one line, for what cannot be."""
-    if not isinstance(shots, str | Path):
-        return _columns(pd.DataFrame(dict(shots)).astype(str))
-    with naming(shots):
-        table = pd.read_csv(shots, dtype=str, keep_default_na=False, skipinitialspace=True)
-        return _columns(table)
-
-
-def _columns(table):
-    if table.empty:
+def _columns(shots):
+    """N and whether it tripped, (shots,) each; ValueError, one line, for what cannot be."""
+    table = read_shots(shots) if isinstance(shots, str | Path) else dict(shots)
+    if not any(len(column) for column in table.values()):
         return np.empty(0), np.empty(0, bool)
     for key in ("N", "tripped"):
         if key not in table:
-            raise ValueError(f"column {key} of the shots is missing")
+            raise ValueError(f"shots: column {key} is missing")
     for key in SHOCK:
-        if key in table and table[key].nunique() > 1:
-            raise ValueError(f"{key}: {', '.join(table[key].unique())}; plan each pulse by itself")
-    N = pd.to_numeric(table.N, errors="coerce").to_numpy(float)
-    for place in np.flatnonzero(~(np.isfinite(N) & (N > 0))):
-        raise ValueError(f"shot {place + 1}: N {table.N[place]!r} is no number above 0; {DECIMALS}")
-    answers = table.tripped.str.strip().str.lower()
-    for place in np.flatnonzero(~answers.isin(list(ANSWERS))):
-        raise ValueError(f"shot {place + 1}: tripped {table.tripped[place]!r} is not yes or no")
-    return N, answers.map(ANSWERS).to_numpy(bool)
+        if len(found := {str(value): None for value in table.get(key, ())}) > 1:
+            raise ValueError(f"shots: {key}: {', '.join(found)}; plan each pulse by itself")
+    for place, value in enumerate(table["N"], start=1):
+        if not (isinstance(value, int | float | np.number) and 0 < value < np.inf):
+            raise ValueError(f"shots, row {place}: N: {value!r} is no number above 0")
+    return np.array(table["N"], float), answers(table["tripped"])
