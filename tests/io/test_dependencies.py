@@ -50,13 +50,14 @@ def test_no_module_that_a_script_loads_is_forgotten(root, scripts):
 
 
 def test_every_module_is_the_code_of_some_command(root, scripts, workflow_text):
-    """Of a script, of the Snakefile, of a study that is run by itself, or of a notebook."""
+    """Of a script, the Snakefile, a study that is run by itself, the command, or a notebook."""
     folder = root / "workflow" / "scripts"
     used = {file for path in scripts for file in code_files(path)}
     for path in (folder / "studies").glob("*.py"):
         if '__name__ == "__main__"' in path.read_text(encoding="utf-8"):
             used.update(code_files(path, folder))
     offered = [getattr(snapmap, name).__module__ for name in snapmap.__all__]
+    offered.append("snapmap.command")
     for name in [*offered, *re.findall(r"^from (snapmap\.\S+) import", workflow_text, re.M)]:
         used.update(code_files(folder.joinpath(*name.split(".")).with_suffix(".py"), folder))
     for path in folder.rglob("*"):
