@@ -27,7 +27,7 @@ def code_hash(script: str | Path, folder: str | Path | None = None) -> str:
 
     folder: as in `code_files`; returns 12 hex digits
     """
-    digest, folder = hashlib.sha256(), Path(folder or _room(script))
+    digest, folder = hashlib.sha256(), Path(folder or _room(script)).resolve()
     for path in code_files(script, folder):
         digest.update(f"{path.relative_to(folder).as_posix()}\0{_source(path).code}\0".encode())
     return digest.hexdigest()[:12]
@@ -40,7 +40,7 @@ def code_files(script: str | Path, folder: str | Path | None = None) -> list[Pat
     folder: where packages lie; if not given the script's own or, of a script without them, as in a
         wheel, this package's
     """
-    script, folder = Path(script), Path(folder or _room(script))
+    script, folder = Path(script).resolve(), Path(folder or _room(script)).resolve()
     found, waiting = set(), [script]
     while waiting:
         path = waiting.pop()
