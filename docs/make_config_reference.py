@@ -98,7 +98,7 @@ A physical value is text: a number and a unit, such as `600 um`. Any unit of the
 (`0.6 mm`), with powers, products and quotients (`kg/m^3`). Converted to µm, ng and µs, frequencies
 to Hz, it must be from {least:g} to {most:g}, or 0 where 0 fits. Unknown keys are refused. What is
 wrong is said before any job starts, in one line for each fault: the key, the value, and what would
-be right.
+be right. `snapmap check FILE` says it without a run.
 
 {sections}
 

@@ -11,6 +11,7 @@ import yaml
 from jsonschema import Draft202012Validator
 
 import snapmap
+from snapmap.io.extras import EXTRAS
 
 HOSTS = ("pypi" + ".org", "pythonhosted" + ".org", "conda" + ".anaconda", "anaconda" + ".org")
 DOWNLOAD = re.compile(r"github\.com/\S*/(releases/download|archive|raw)/|://\S+\.(whl|tar\.gz)\b")
@@ -72,19 +73,41 @@ def test_the_page_on_architecture_names_files_and_types_that_there_are(root, arc
         assert re.search(rf"^class {kind}\b", (folders[-1] / name).read_text(), re.M), kind
 
 
-def test_the_version_is_the_same_everywhere(root):
-    project = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+@pytest.fixture(scope="module")
+def pyproject(root):
+    return tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))
+
+
+def test_the_version_is_the_same_everywhere(root, pyproject):
+    assert pyproject["tool"]["setuptools"]["dynamic"]["version"] == {"attr": "snapmap.__version__"}
     citation = yaml.safe_load((root / "CITATION.cff").read_text(encoding="utf-8"))
     changes = re.findall(r"^## \[?(\d+\.\d+\.\d+)", (root / "CHANGELOG.md").read_text(), re.M)
-    versions = {project["version"], citation["version"], changes[0], snapmap.__version__}
+    versions = {citation["version"], changes[0], snapmap.__version__}
     assert len(versions) == 1, versions
 
 
-def test_the_conda_environment_asks_for_the_same_packages(root):
-    project = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+def test_the_conda_environment_asks_for_the_same_packages(root, pyproject):
+    project = pyproject["project"]
     environment = yaml.safe_load((root / "workflow" / "envs" / "snapmap.yaml").read_text())
     asked = {line.replace(" ", "") for line in environment["dependencies"]}
-    assert asked == {f"python{project['requires-python']}", *project["dependencies"]}
+    extras = [one for extra in project["optional-dependencies"].values() for one in extra]
+    packages = [*project["dependencies"], *(one for one in extras if "snapmap[" not in one)]
+    assert asked == {f"python{project['requires-python']}", *packages}
+
+
+def test_the_wheel_has_every_folder_of_the_package(root, pyproject):
+    scripts = root / "workflow" / "scripts"
+    folders = [path.parent.relative_to(scripts) for path in scripts.rglob("snapmap/**/__init__.py")]
+    names = {".".join(folder.parts) for folder in folders}
+    assert {*pyproject["tool"]["setuptools"]["packages"]} == names | {"snapmap.pipeline"}
+
+
+def test_a_missing_package_is_named_with_its_extra(pyproject):
+    extras = pyproject["project"]["optional-dependencies"]
+    named = {extra: {re.match(r"\w+", one)[0] for one in extras[extra]} for extra in extras}
+    for package, extra in EXTRAS.items():
+        assert {"yaml": "pyyaml"}.get(package, package) in named[extra]
+    assert len(EXTRAS) == sum("snapmap[" not in one for extra in extras.values() for one in extra)
 
 
 def test_the_citation_has_what_the_format_requires(root):

@@ -50,13 +50,14 @@ def test_no_module_that_a_script_loads_is_forgotten(root, scripts):
 
 
 def test_every_module_is_the_code_of_some_command(root, scripts, workflow_text):
-    """Of a script, of the Snakefile, of a study that is run by itself, or of a notebook."""
+    """Of a script, the Snakefile, a study that is run by itself, the command, or a notebook."""
     folder = root / "workflow" / "scripts"
     used = {file for path in scripts for file in code_files(path)}
     for path in (folder / "studies").glob("*.py"):
         if '__name__ == "__main__"' in path.read_text(encoding="utf-8"):
             used.update(code_files(path, folder))
     offered = [getattr(snapmap, name).__module__ for name in snapmap.__all__]
+    offered.append("snapmap.command")
     for name in [*offered, *re.findall(r"^from (snapmap\.\S+) import", workflow_text, re.M)]:
         used.update(code_files(folder.joinpath(*name.split(".")).with_suffix(".py"), folder))
     for path in folder.rglob("*"):
@@ -67,9 +68,9 @@ def test_every_module_is_the_code_of_some_command(root, scripts, workflow_text):
 @pytest.fixture
 def project(tmp_path):
     """A script, two modules of a package, one of them in a folder of its own, and their data."""
-    package = tmp_path / "package"
+    package = tmp_path / "studies"
     (package / "inner").mkdir(parents=True)
-    (tmp_path / "script.py").write_text("from package import outer\n")
+    (tmp_path / "script.py").write_text("from studies import outer\n")
     (package / "__init__.py").write_text("")
     (package / "outer.py").write_text(
         '"""Says."""\nfrom typing import TYPE_CHECKING\nfrom .inner.deep import f\n'
@@ -86,8 +87,8 @@ def project(tmp_path):
     return tmp_path
 
 
-USED = ["script.py", *(f"package/{name}" for name in ("outer.py", "late.py", "table.csv"))]
-USED += ["package/__init__.py", "package/inner/__init__.py", "package/inner/deep.py"]
+USED = ["script.py", *(f"studies/{name}" for name in ("outer.py", "late.py", "table.csv"))]
+USED += ["studies/__init__.py", "studies/inner/__init__.py", "studies/inner/deep.py"]
 
 
 def test_imports_are_followed_and_data_is_found(project):
@@ -106,7 +107,7 @@ def test_an_edit_of_what_is_used_changes_the_hash(project, name):
 @pytest.mark.parametrize("name", ["typed.py", "other.py", "notes.csv"])
 def test_an_edit_of_what_is_not_used_does_not(project, name):
     before = code_hash(project / "script.py")
-    (project / "package" / name).write_text("y = 2\n")
+    (project / "studies" / name).write_text("y = 2\n")
     assert code_hash(project / "script.py") == before
 
 

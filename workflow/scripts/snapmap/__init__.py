@@ -2,11 +2,13 @@
 
 from importlib import import_module
 
+from .io.extras import needing
+
 __version__ = "0.1.0"
 
 _HOME = {
     "calibrate": "calibration.dataset",
-    "describe": "config.quality",
+    "describe": "described",
     "design": "sizing.value",
     "integrity": "basins.integrity",
     "load_device": "config.devices",
@@ -53,5 +55,6 @@ def __dir__():
 def __getattr__(name):
     # Imported on first use: a solver job must not pay for xarray.
     if name in _HOME:
-        return getattr(import_module(f".{_HOME[name]}", __name__), name)
+        with needing(f"{__name__}.{name}"):
+            return getattr(import_module(f".{_HOME[name]}", __name__), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

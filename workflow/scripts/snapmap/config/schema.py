@@ -73,7 +73,8 @@ def order_of(path: tuple) -> list[str]:
 @cache
 def validator() -> Draft202012Validator:
     """Read the schema and write out its quantities; `format` names the kind of each."""
-    schema = yaml.safe_load(Path(__file__).with_name("schema.yaml").read_text(encoding="utf-8"))
+    text = Path(__file__).with_name("schema.yaml").read_text(encoding="utf-8")
+    schema = yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
     write_out(schema)
     types = Draft202012Validator.TYPE_CHECKER.redefine_many(
         {

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..axes import Grid, make_grid
+from ..described import describe, excited
 from ..device import VALUES, values_of
 from ..pulse import HANDOUT_SHOCK
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
@@ -26,7 +27,7 @@ from .devices import (
 from .faults import convert_part, refuse
 from .histories import History, read_histories
 from .plausible import implausible, proportions
-from .quality import damper_of, describe, excited
+from .quality import damper_of
 from .schema import schema_faults, validator
 from .shocks import (
     Requirement,

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from decimal import Context, Decimal
 from functools import cache
 
+from ..io.extras import needing
 from ..quantities import KINDS
 
 LEAST, MOST = 1e-15, 1e15
@@ -155,6 +156,7 @@ def _factor(unit, target):
 
 @cache
 def _registry():
-    import pint  # imported late: it takes as long as all else
+    with needing("a config"):
+        import pint  # imported late: it takes as long as all else
 
     return pint.UnitRegistry()

@@ -4,7 +4,7 @@ import html
 from collections.abc import Mapping, Sequence
 
 from ..config.devices import read_device
-from ..config.quality import describe
+from ..described import describe
 from ..device import CLAMP, STOPS, STRENGTH
 from ..quantities import QUANTITIES, Quantity
 

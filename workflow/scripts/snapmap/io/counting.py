@@ -16,9 +16,14 @@ def count(cells: int) -> None:
 def counting(what: str, **look) -> Iterator[None]:
     """Show from the third second on how many cells have been followed.
 
-    On a terminal or in a notebook alone; look: of `tqdm`, if it is to be otherwise
+    On a terminal or in a notebook alone, and where tqdm is installed
+    look: of `tqdm`, if it is to be otherwise
     """
-    from tqdm.auto import tqdm  # imported late: a solver job does without
+    try:
+        from tqdm.auto import tqdm  # imported late: a solver job does without
+    except ModuleNotFoundError:  # of the extra `workflow`
+        yield
+        return
 
     asked = {"unit": " cells", "delay": 2.0, "leave": False, "disable": None}
     with tqdm(desc=what, **asked | look) as line:

@@ -7,6 +7,9 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
+OWN = "snapmap", "studies"
+"""Packages of this project: where it is installed, others lie beside them."""
+
 
 class Source(NamedTuple):
     """What a file says, but for comments and docstrings, and what it asks for.
@@ -24,7 +27,7 @@ def code_hash(script: str | Path, folder: str | Path | None = None) -> str:
 
     folder: as in `code_files`; returns 12 hex digits
     """
-    digest, folder = hashlib.sha256(), Path(folder or Path(script).parent)
+    digest, folder = hashlib.sha256(), Path(folder or _room(script)).resolve()
     for path in code_files(script, folder):
         digest.update(f"{path.relative_to(folder).as_posix()}\0{_source(path).code}\0".encode())
     return digest.hexdigest()[:12]
@@ -34,9 +37,10 @@ def code_files(script: str | Path, folder: str | Path | None = None) -> list[Pat
     """Paths of the script, of the modules beside it that it reaches by imports, and of their data.
 
     Data is a file in a module's folder that the module names in a string.
-    folder: where packages lie, the script's own if not given
+    folder: where packages lie; if not given the script's own or, of a script without them, as in a
+        wheel, this package's
     """
-    script, folder = Path(script), Path(folder or Path(script).parent)
+    script, folder = Path(script).resolve(), Path(folder or _room(script)).resolve()
     found, waiting = set(), [script]
     while waiting:
         path = waiting.pop()
@@ -44,6 +48,11 @@ def code_files(script: str | Path, folder: str | Path | None = None) -> list[Pat
             found.add(path)
             waiting += _reached(path, folder, path.stat().st_mtime_ns)
     return sorted(found)
+
+
+def _room(script):
+    beside = Path(script).parent
+    return beside if any((beside / name).is_dir() for name in OWN) else Path(__file__).parents[2]
 
 
 @cache
@@ -56,6 +65,8 @@ def _reached(path, folder, changed):
     package = path.parent.relative_to(folder).parts
     for level, names in _source(path).imports:
         parts = (*package[: len(package) + 1 - level], *names) if level else names
+        if parts[0] not in OWN:
+            continue
         for length in range(1, len(parts) + 1):
             place = folder.joinpath(*parts[:length])
             found += filter(Path.is_file, (place / "__init__.py", place.with_suffix(".py")))

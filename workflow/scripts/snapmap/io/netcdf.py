@@ -1,9 +1,9 @@
 """Datasets as files."""
 
 import json
+from contextlib import nullcontext
 from pathlib import Path
 
-import dask
 import numpy as np
 import xarray as xr
 
@@ -14,8 +14,7 @@ ENCODING = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
 
 def write(dataset: xr.Dataset, path: str | Path) -> None:
     """Write a dataset compressed and with checksums, under a temporary name until it is whole."""
-    # netCDF4 is not safe in threads, so dask must work in this one.
-    with replacing(path) as temporary, dask.config.set(scheduler="synchronous"):
+    with replacing(path) as temporary, _in_this_thread(dataset):
         axes = dataset.drop_vars(dataset.data_vars)
         no_fill = {key: {"_FillValue": None} for key in axes.coords}  # CF has none on an axis
         axes.to_netcdf(temporary, engine="netcdf4", encoding=no_fill)
@@ -47,6 +46,15 @@ def check_alike(cube: xr.Dataset, other: xr.Dataset, path: str | Path) -> None:
         and all(_overlap(cube[key].values, other[key].values) for key in axes)
     ):
         raise ValueError(f"{path}: is of another study; remove it and run again")
+
+
+def _in_this_thread(dataset):
+    """Where dask must work on a lazy dataset, as netCDF4 is not safe in threads."""
+    if not dataset.chunks:
+        return nullcontext()
+    import dask  # imported late: only the workflow has lazy ones
+
+    return dask.config.set(scheduler="synchronous")
 
 
 def _agree(ours, theirs):

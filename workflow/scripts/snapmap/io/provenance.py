@@ -8,7 +8,7 @@ import subprocess
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from functools import cache
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from .. import __version__
@@ -41,9 +41,17 @@ def provenance(document: Mapping) -> dict[str, str]:
         "keywords": KEYWORDS,
         "config": json.dumps(document),
         "code_version": code,
-        "packages": " ".join(f"{name} {version(name)}" for name in PACKAGES),
+        "packages": " ".join(filter(None, map(_with_version, PACKAGES))),
         "python": platform.python_version(),
     }
+
+
+def _with_version(package):
+    """Its name and version, or nothing where it is not installed: not all use all."""
+    try:
+        return f"{package} {version(package)}"
+    except PackageNotFoundError:
+        return ""
 
 
 def asked_for(

@@ -10,6 +10,7 @@ import numpy as np
 from ..pulse import Pulse, Shocks, make_pulse, sampled, shocks_from
 from ..trains import MAKERS
 from .columns import read_columns
+from .extras import needing
 from .named import naming, read_named
 
 MOST_SAMPLES = 1_000_000
@@ -69,7 +70,8 @@ def shocks_of(values: Mapping) -> Shocks:
 
 def _read_uff(content):
     """The first dataset 58 of acceleration over time, SI unless it names its units."""
-    import pyuff
+    with needing("a universal file"):
+        import pyuff
 
     try:
         with NamedTemporaryFile(suffix=".uff") as file:  # pyuff takes a path alone

@@ -8,9 +8,9 @@ from functools import cache
 from pathlib import Path
 from typing import BinaryIO
 
-import platformdirs
 from numba import njit
 from numba.core import caching, config, event, types
+from numba.misc.appdirs import AppDirs
 
 DIGEST = hashlib.sha256().digest_size
 INLINED = "forceinline", "no_cpython_wrapper", "no_cfunc_wrapper"
@@ -25,7 +25,7 @@ def compiled(function: Callable) -> Callable:
     lanes. numba reads where to keep it here, and no other package's functions are moved.
     """
     users = config.CACHE_DIR
-    own = users or platformdirs.user_cache_path("snapmap")
+    own = users or AppDirs("snapmap", False).user_cache_dir
     config.CACHE_DIR = str(Path(own, _name_of_sources(Path(function.__code__.co_filename).parent)))
     try:
         # numba hands the options of an inlined caller down unless they are said.

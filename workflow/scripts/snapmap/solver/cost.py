@@ -21,13 +21,14 @@ def tell(what: str, seconds: float, where: str, cure: str, stacklevel: int) -> N
     """
     if seconds <= WORTH_SAYING:
         return
-    told = f"{what}: about {_spoken(seconds)}; {where} takes longest"
+    told = f"{what}: about {spoken(seconds)}; {where} takes longest"
     if seconds > MOST_SECONDS:
         raise ValueError(f"{told}; {cure}")
     warnings.warn(told, stacklevel=stacklevel + 1)
 
 
-def _spoken(seconds):
+def spoken(seconds: float) -> str:
+    """A time in the unit that suits it."""
     for unit, length in (("h", 3600), ("min", 60)):
         if seconds > 2 * length:
             return f"{seconds / length:.2g} {unit}"

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping, Sequence
 
-import dask.array
 import numpy as np
 import xarray as xr
 
@@ -167,7 +166,10 @@ def with_summary(cube: xr.Dataset) -> xr.Dataset:
 
 def _blocks(variable):
     """The values of a variable, a block at a time, as a lazy cube may be larger than memory."""
-    for block in dask.array.asarray(variable.data).blocks.ravel():
+    if variable.chunks is None:
+        yield variable.values
+        return
+    for block in variable.data.blocks.ravel():
         yield block.compute(scheduler="synchronous")
 
 

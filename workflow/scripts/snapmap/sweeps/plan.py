@@ -21,7 +21,8 @@ MOST_CELLS, MOST_SINGLE = 10**10, 1000
 START_MB, CELL_MB = 1000, 5e-4
 """Asked for a job's start and for each cell; seen: 700 MB, two Snakemakes among them, and 200 B."""
 START_MINUTES, CAUTION = 2, 20
-"""Asked for a job's start, and times the expected time; seen: 15 s, and 3 to 9 times."""
+"""Asked for a job's start, and times the expected time; seen: 15 s, and SEEN times."""
+SEEN = 3, 9
 
 
 class Request(NamedTuple):
@@ -32,10 +33,11 @@ class Request(NamedTuple):
 
 
 class Plan(NamedTuple):
-    """The slabs of a study, and what the job of each asks for."""
+    """The slabs of a study, what the job of each asks for, and the expected core time in all, s."""
 
     slabs: tuple[Slab, ...]
     requests: tuple[Request, ...]
+    seconds: float
 
 
 def make_plan(grid: Grid, model: Mapping, settings: Settings, alone: Sequence[float] = ()) -> Plan:
@@ -66,7 +68,7 @@ def make_plan(grid: Grid, model: Mapping, settings: Settings, alone: Sequence[fl
             chosen = box | {key: [at[key]] for key in single}
             slabs.append({key: tuple(axes[key][chosen[key]].tolist()) for key in axes})
             requests.append(_request(box, rows))
-    return Plan(tuple(slabs), tuple(requests))
+    return Plan(tuple(slabs), tuple(requests), float(total))
 
 
 def _boxes(box, axes, cost, whole):

@@ -1,0 +1,99 @@
+"""The command `snapmap`, and what a package without its extras says."""
+
+import os
+import sys
+
+import pytest
+import yaml
+
+import snapmap
+from snapmap.command import main
+from snapmap.config.study import load_config
+from snapmap.config.yaml_file import read_document
+from snapmap.io.recorded import read_pulse
+
+
+@pytest.fixture
+def config(tmp_path):
+    assert main(["init", str(tmp_path / "study")]) == 0
+    return tmp_path / "study" / "config.yaml"
+
+
+def test_init_writes_the_config_that_there_is_and_nothing_over_another(root, config, capsys):
+    text = config.read_text(encoding="utf-8")
+    assert text == (root / "config" / "config.yaml").read_text(encoding="utf-8")
+    config.write_text("mine")
+    assert main(["init", str(config.parent)]) == 1
+    assert capsys.readouterr().err == f"{config}: is there already; name another folder\n"
+    assert config.read_text() == "mine"
+
+
+def test_check_says_what_a_config_describes_doubts_and_costs(config, capsys):
+    capsys.readouterr()
+    assert main(["check", str(config)]) == 0
+    told = capsys.readouterr().out.splitlines()
+    study = load_config(read_document(config))
+    assert told[:-2] == [*study.descriptions(), *study.doubts()]
+    assert told[-2] == "11193 cells (C 3, f0 41, N 91) in 3 jobs of one core"
+    assert told[-1].endswith(" of core time for them, beside thresholds, traces and figures")
+
+
+def test_check_names_every_fault(config, capsys):
+    document = read_document(config)
+    document["device"]["mass"] = "1 m"
+    document["sweep"]["N"]["points"] = 0
+    config.write_text(yaml.safe_dump(document))
+    capsys.readouterr()
+    assert main(["check", str(config)]) == 1
+    told = capsys.readouterr()
+    assert [line.split(":")[0] for line in told.err.splitlines()] == [
+        "device.mass",
+        "sweep.N.points",
+    ]
+    assert told.out == ""
+
+
+def test_run_becomes_snakemake(root, config, monkeypatch):
+    become = []
+    monkeypatch.setattr(os, "execv", lambda path, words: become.extend([path, *words[1:]]))
+    assert main(["run", str(config), "--cores", "2"]) == 0
+    asked = ["--snakefile", str(root / "Snakefile"), "--configfile", str(config), "--cores", "2"]
+    assert become == [sys.executable, "-P", "-m", "snakemake", *asked]
+
+
+def test_run_refuses_what_snakemake_would_evaluate(config, monkeypatch, capsys):
+    monkeypatch.delattr(os, "execv")
+    config.write_text("__use_yte__: true\n")
+    assert main(["run", str(config)]) == 1
+    assert "__use_yte__ is not allowed" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("package", "call", "said"),
+    [
+        ("jsonschema", lambda _: snapmap.load_device, "snapmap.load_device needs jsonschema: pip"),
+        ("pyuff", read_pulse, "a universal file needs pyuff: pip install 'snapmap[records]'"),
+    ],
+)
+def test_a_missing_package_is_one_line(tmp_path, monkeypatch, package, call, said):
+    monkeypatch.setitem(sys.modules, package, None)
+    for name in [name for name in sys.modules if name.startswith("snapmap.config")]:
+        monkeypatch.delitem(sys.modules, name)
+    (tmp_path / "shock.uff").write_text("    -1\n")
+    with pytest.raises(ImportError, match=f"^{said.replace('[', chr(92) + '[')}") as fault:
+        call(tmp_path / "shock.uff")
+    assert "\n" not in str(fault.value)
+
+
+def test_a_result_names_the_packages_that_there_are(monkeypatch):
+    from importlib.metadata import PackageNotFoundError
+
+    from snapmap.io import provenance
+
+    def version(name):
+        if name == "dask":
+            raise PackageNotFoundError
+        return "1"
+
+    monkeypatch.setattr(provenance, "version", version)
+    assert "dask" not in provenance.provenance({})["packages"]

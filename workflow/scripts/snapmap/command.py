@@ -1,0 +1,83 @@
+"""The command `snapmap`: a config to begin with, what it would cost, and its run."""
+
+import os
+import shutil
+import sys
+from argparse import ArgumentParser
+from collections.abc import Sequence
+from math import prod
+from pathlib import Path
+
+from .io.extras import needing
+
+PACKAGE = Path(__file__).parent
+PIPELINE = next(path for path in (PACKAGE / "pipeline", PACKAGE.parents[2]) if path.is_dir())
+"""The folder of the Snakefile: in a wheel within the package, else that of the checkout."""
+CONFIG = "config.yaml"
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run the command with its arguments, the process's by default; returns its exit status."""
+    parser = ArgumentParser("snapmap", description="Snap maps of a bistable beam under shock.")
+    verbs = parser.add_subparsers(required=True, metavar="init, check or run")
+    verb = verbs.add_parser("init", help="write a config with comments, to begin with")
+    verb.add_argument("folder", nargs="?", default=".", type=Path)
+    verb.set_defaults(do=init)
+    for do, what in (check, "name faults, cost and doubts of a config"), (run, "make its results"):
+        verb = verbs.add_parser(do.__name__, help=what)
+        verb.add_argument("config", type=Path)
+        verb.set_defaults(do=do)
+    verb.add_argument("--cores", default="all", help="by default all")
+    given = vars(parser.parse_args(words))
+    try:
+        given.pop("do")(**given)
+    except (ImportError, OSError, ValueError) as fault:
+        print(fault, file=sys.stderr)
+        return 1
+    return 0
+
+
+def init(folder: Path) -> None:
+    """Write the handout's config, with comments, into a folder; ValueError if one is there."""
+    path = folder / CONFIG
+    if path.exists():
+        raise ValueError(f"{path}: is there already; name another folder")
+    folder.mkdir(parents=True, exist_ok=True)
+    shutil.copyfile(PIPELINE / "config" / CONFIG, path)
+    print(f"{path}: write your device there, then: snapmap check {path}")
+
+
+def check(config: Path) -> None:
+    """Print what a config describes, its doubts and its cost; raises ValueError, a line a fault."""
+    with needing("snapmap check"):
+        from .config.study import load_config
+        from .config.yaml_file import read_document
+    from .solver.cost import spoken
+    from .sweeps.plan import SEEN, make_plan
+
+    study = load_config(read_document(config))
+    plan = make_plan(study.grid, study.model, study.settings, [h.f0 for h in study.histories])
+    for line in filter(None, [*study.descriptions(), study.left_out, *study.doubts()]):
+        print(line)
+    sizes = ", ".join(f"{key} {values.size}" for key, values in study.axes.items())
+    least, most = (spoken(times * plan.seconds) for times in SEEN)
+    print(f"{prod(study.grid.shape)} cells ({sizes}) in {len(plan.slabs)} jobs of one core")
+    print(f"{least} to {most} of core time for them, beside thresholds, traces and figures")
+
+
+def run(config: Path, cores: str) -> None:
+    """Become Snakemake with the workflow, in the current folder; raises ValueError, one line."""
+    with needing("snapmap run"):
+        import snakemake  # noqa: F401, it is asked for below
+
+        from .config.yaml_file import read_document
+    read_document(config)  # Snakemake would evaluate what is behind __use_yte__, not refuse it
+    snakefile = PIPELINE / "Snakefile"
+    asked = ["--snakefile", snakefile, "--configfile", config, "--cores", cores]
+    sys.stdout.flush()
+    # Without the current folder on the path: a module there is none of Snakemake's.
+    os.execv(sys.executable, [sys.executable, "-P", "-m", "snakemake", *map(str, asked)])
+
+
+if __name__ == "__main__":
+    sys.exit(main())
