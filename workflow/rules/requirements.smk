@@ -4,8 +4,6 @@ rule check_requirements:
     log:
         "results/logs/check_requirements.log",
     priority: 50
-    conda:
-        "../envs/snapmap.yaml"
     threads: 4
     params:
         code=code("check_requirements"),
@@ -35,8 +33,10 @@ rule draw_requirements:
     log:
         "results/logs/draw_requirements.log",
     priority: 40
-    conda:
-        "../envs/snapmap.yaml"
+    group:
+        "figures"
+    resources:
+        runtime=10,
     params:
         code=code("draw_requirements"),
     message:
@@ -53,8 +53,6 @@ rule write_datasheet:
     log:
         "results/logs/write_datasheet.log",
     priority: 30
-    conda:
-        "../envs/snapmap.yaml"
     threads: 4
     params:
         code=code("write_datasheet"),
