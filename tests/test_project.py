@@ -80,11 +80,16 @@ def test_the_version_is_the_same_everywhere(root):
     assert len(versions) == 1, versions
 
 
-def test_the_conda_environment_asks_for_the_same_packages(root):
+def test_the_workflow_has_what_its_catalog_asks_for(root):
     project = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    environment = yaml.safe_load((root / "workflow" / "envs" / "snapmap.yaml").read_text())
-    asked = {line.replace(" ", "") for line in environment["dependencies"]}
-    assert asked == {f"python{project['requires-python']}", *project["dependencies"]}
+    (snakemake,) = (one for one in project["dependencies"] if one.startswith("snakemake"))
+    (least,) = re.findall(r'^min_version\("(.+)"\)', (root / "Snakefile").read_text(), re.M)
+    assert snakemake.startswith(f"snakemake>={least},")
+    assert 'include: "../Snakefile"' in (root / "workflow" / "Snakefile").read_text()
+    assert (root / "config" / "README.md").exists()
+    shown = yaml.safe_load((root / ".snakemake-workflow-catalog.yml").read_text())
+    assert set(shown) == {"usage"} and shown["usage"]["report"] is True
+    assert set(shown["usage"]["software-stack-deployment"].values()) == {False}
 
 
 def test_the_citation_has_what_the_format_requires(root):
