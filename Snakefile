@@ -1,19 +1,23 @@
-import fcntl
 import os
 import sys
 from pathlib import Path
 
 from snakemake.logging import logger
+from snakemake.utils import min_version
+
+min_version("9.19")
 
 # Nothing is written beside the code. The package has the name that the scripts call it by, as what
 # numba keeps in its cache asks for it by name.
 sys.dont_write_bytecode = True
-sys.path.append(str(Path(workflow.basedir) / "workflow" / "scripts"))
+clone = Path(workflow.current_basedir.get_path_or_uri(secret_free=True))
+sys.path.append(str(clone / "workflow" / "scripts"))
 from snapmap.io.dependencies import code_hash
 
 os.environ.update(PYTHONDONTWRITEBYTECODE="1")  # jobs inherit it
 from snapmap.io.atomic import refuse_folders, remove_leftovers, remove_others
 from snapmap.io.job_log import SHELL_PREFIX
+from snapmap.io.lock import hold
 from snapmap.io.named import hold_to_plan
 from snapmap.io.progress import Progress, hush
 from snapmap.config.devices import nominal
@@ -27,7 +31,9 @@ from snapmap.sweeps.plan import make_plan
 
 if not workflow.overwrite_configfiles:
 
-    configfile: Path(workflow.basedir) / "config" / "config.yaml"
+    default = Path("config/config.yaml")  # of the folder of the run, if it has one
+
+    configfile: default if default.exists() else clone / default
 
 
 try:
@@ -75,11 +81,15 @@ wildcard_constraints:
 onstart:
     # Snakemake's own lock outlives a killed run, and its profile leaves it out; the system's is
     # gone with the process that held it.
-    running = os.open(".snakemake/running", os.O_CREAT | os.O_WRONLY)
     try:
-        fcntl.flock(running, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        unlocked = hold(".snakemake/running")
     except BlockingIOError:
         sys.exit(f"{os.getcwd()}: another run is at work in this folder")
+    if unlocked:
+        print(
+            f"{os.getcwd()}: cannot be locked ({unlocked}); start no second run here",
+            file=sys.stderr,
+        )
     remove_leftovers("results")
     for line in filter(None, [*study.descriptions(), study.left_out, *doubts]):
         print(line, file=sys.stderr)
@@ -129,6 +139,11 @@ include: "workflow/rules/integrity.smk"
 include: "workflow/rules/page.smk"
 include: "workflow/rules/accuracy.smk"
 include: "workflow/rules/stability.smk"
+
+
+localrules:
+    write_accuracy_table,
+    write_stability_table,
 
 
 rule all:

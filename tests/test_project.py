@@ -86,15 +86,6 @@ def test_the_version_is_the_same_everywhere(root, pyproject):
     assert len(versions) == 1, versions
 
 
-def test_the_conda_environment_asks_for_the_same_packages(root, pyproject):
-    project = pyproject["project"]
-    environment = yaml.safe_load((root / "workflow" / "envs" / "snapmap.yaml").read_text())
-    asked = {line.replace(" ", "") for line in environment["dependencies"]}
-    extras = [one for extra in project["optional-dependencies"].values() for one in extra]
-    packages = [*project["dependencies"], *(one for one in extras if "snapmap[" not in one)]
-    assert asked == {f"python{project['requires-python']}", *packages}
-
-
 def test_the_wheel_has_every_folder_of_the_package(root, pyproject):
     scripts = root / "workflow" / "scripts"
     folders = [path.parent.relative_to(scripts) for path in scripts.rglob("snapmap/**/__init__.py")]
@@ -108,6 +99,18 @@ def test_a_missing_package_is_named_with_its_extra(pyproject):
     for package, extra in EXTRAS.items():
         assert {"yaml": "pyyaml"}.get(package, package) in named[extra]
     assert len(EXTRAS) == sum("snapmap[" not in one for extra in extras.values() for one in extra)
+
+
+def test_the_workflow_has_what_its_catalog_asks_for(root, pyproject):
+    needed = pyproject["project"]["optional-dependencies"]["workflow"]
+    (snakemake,) = (one for one in needed if one.startswith("snakemake"))
+    (least,) = re.findall(r'^min_version\("(.+)"\)', (root / "Snakefile").read_text(), re.M)
+    assert snakemake.startswith(f"snakemake>={least},")
+    assert 'include: "../Snakefile"' in (root / "workflow" / "Snakefile").read_text()
+    assert (root / "config" / "README.md").exists()
+    shown = yaml.safe_load((root / ".snakemake-workflow-catalog.yml").read_text())
+    assert set(shown) == {"usage"} and shown["usage"]["report"] is True
+    assert set(shown["usage"]["software-stack-deployment"].values()) == {False}
 
 
 def test_the_citation_has_what_the_format_requires(root):

@@ -113,6 +113,16 @@ def test_every_cell_is_in_one_slab_that_is_no_longer_than_a_job(N, f0):
         assert seconds(slab) <= plan.JOB_SECONDS * (1 + 1e-9) or len(cells([slab])) == 1
 
 
+@pytest.mark.parametrize("model", ["cosines", "auto"])
+def test_no_slab_holds_more_cells_than_memory_allows(monkeypatch, model):
+    monkeypatch.setattr("snapmap.sweeps.plan.JOB_SECONDS", np.inf)
+    monkeypatch.setattr("snapmap.sweeps.plan.SLAB_CELLS", 40)
+    sizes = [len(cells([slab])) for slab in cut(study(**WHOLE, model=model))]
+    assert sum(sizes) == 2 * 16 * 16 and max(sizes) <= 40
+    # Values are kept once, as N is that of all slabs.
+    assert len({id(dict(slab)["N"]) for slab in cut(study(**WHOLE, model="auto"))}) == 1
+
+
 @settings(deadline=None, max_examples=50)
 @given(st.sampled_from(["f0", "N"]), st.floats(310, 20e3))
 def test_a_new_value_changes_only_slabs_that_hold_a_neighbour(axis, value):

@@ -31,6 +31,14 @@ case "$1 $2" in
 esac
 """
 
+WITHOUT_LOCKS = """
+import errno, os
+LOCK_EX = LOCK_NB = 0
+def flock(*_):
+    raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+"""
+"""Python's module for locks, on a file system that has none."""
+
 
 class Clone:
     """A copy of `run` with a lock of its own, and stand-ins for Python first on PATH."""
@@ -201,6 +209,14 @@ def test_second_of_two_at_once_waits_and_does_not_install(clone):
         process.communicate(timeout=60)
         assert process.returncode == 0
     assert len(clone.venvs_made()) == 1
+
+
+def test_installs_where_the_file_system_has_no_locks(clone, tmp_path):
+    (tmp_path / "fcntl.py").write_text(WITHOUT_LOCKS)
+    clone.environment["PYTHONPATH"] = str(tmp_path)
+    done = clone.run("echo", "reached")
+    assert done.stderr.startswith(f"run: {clone.folder}/.venv cannot be locked; ")
+    assert done.stdout == "reached\n" and len(clone.venvs_made()) == 1
 
 
 def test_lock_is_not_held_while_the_command_runs(clone):

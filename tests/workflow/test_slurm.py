@@ -169,9 +169,9 @@ def clone(cluster, root, tmp_path_factory):
 
 
 def workflow(clone, folder, *options):
-    """The command that makes a cube in `folder`."""
+    """The command that makes a study in `folder`."""
     (folder / "tiny.yaml").write_text(TINY)
-    command = [clone / "run", "snakemake", "results/cube.nc", "--snakefile", clone / "Snakefile"]
+    command = [clone / "run", "snakemake", "--snakefile", clone / "Snakefile"]
     return [*command, "--configfile", folder / "tiny.yaml", "--directory", folder, *options]
 
 
@@ -211,7 +211,7 @@ def test_a_slab_asks_for_more_the_more_there_is_to_do(monkeypatch):
 
 @pytest.mark.long
 def test_the_cube_is_that_of_a_local_run_bit_for_bit(clone, remote, tmp_path):
-    subprocess.run(workflow(clone, tmp_path, "--cores", "2"), check=True)
+    subprocess.run([*workflow(clone, tmp_path, "--cores", "2"), "results/cube.nc"], check=True)
     local = contents(tmp_path / "results" / "cube.nc")
     assert {"C", "f0", "N", "outcome", "t_snap", "energy_error"} <= set(local)
     assert contents(remote[0] / "results" / "cube.nc") == local
@@ -222,15 +222,21 @@ def test_every_job_went_through_slurm_with_what_it_asked_for(remote):
     folder, jobs = remote
     assert all(job["JobState"] == "COMPLETED" and job["NodeList"] == "one" for job in jobs)
     slabs = {path.stem for path in (folder / "results" / "slabs").glob("*.nc")}
-    asked = {job["Comment"]: job["MinMemoryNode"] for job in jobs}
-    assert len(jobs) == len(slabs) + 1 and asked.pop("rule_collect") == "2000M"
-    assert asked == {f"rule_simulate_slab_wildcards_{slab}": "1000M" for slab in slabs}
+    asked = {job["Comment"]: (job["NumCPUs"], job["MinMemoryNode"]) for job in jobs}
+    (drawing,) = (comment for comment in asked if comment.startswith("rule_figures_"))
+    assert asked.pop(drawing) == ("4", "4000M"), "what draws is one job"
+    large = dict.fromkeys(("rule_find_threshold", "rule_trace_cells"), ("2", "2000M"))
+    assert asked == large | {"rule_collect": ("1", "2000M")} | {
+        f"rule_simulate_slab_wildcards_{slab}": ("1", "1000M") for slab in slabs
+    }
+    assert len(list((folder / "results" / "figures").glob("*.pdf"))) > 8
     assert all(job["TimeLimit"] == "00:03:00" for job in jobs if "slab" in job["Comment"])
 
 
 @pytest.mark.long
 def test_a_cancelled_job_is_tried_again_with_more(cluster, clone, tmp_path):
     command = workflow(clone, tmp_path, "--profile", clone / "profiles" / "slurm")
+    command += ["results/cube.nc"]
     with open(tmp_path / "log", "w") as log:
         process = subprocess.Popen(command, env=cluster.environment, stdout=log, stderr=log)
     running = ["squeue", "--noheader", "--states=RUNNING", "--format=%i"]

@@ -14,8 +14,6 @@ rule measure_accuracy:
         accuracy="results/accuracy{size}.nc",
     log:
         "results/logs/measure_accuracy{size}.log",
-    conda:
-        "../envs/snapmap.yaml"
     # All there are: another job at the same time would spoil the times.
     threads: 1000
     params:
@@ -38,8 +36,6 @@ rule write_accuracy_table:
         table="results/accuracy.md",
     log:
         "results/logs/write_accuracy_table.log",
-    conda:
-        "../envs/snapmap.yaml"
     params:
         code=code("write_accuracy_table"),
     message:
@@ -61,8 +57,10 @@ rule draw_accuracy:
         ),
     log:
         "results/logs/draw_accuracy{size}.log",
-    conda:
-        "../envs/snapmap.yaml"
+    group:
+        "figures"
+    resources:
+        runtime=10,
     params:
         code=code("draw_accuracy"),
     message:
@@ -84,8 +82,10 @@ rule draw_convergence:
         ),
     log:
         "results/logs/draw_convergence.log",
-    conda:
-        "../envs/snapmap.yaml"
+    group:
+        "figures"
+    resources:
+        runtime=10,
     params:
         code=code("draw_convergence"),
     message:

@@ -4,8 +4,6 @@ rule fit_calibration:
     log:
         "results/logs/fit_calibration.log",
     priority: 45
-    conda:
-        "../envs/snapmap.yaml"
     threads: 4
     params:
         code=code("fit_calibration"),
@@ -31,8 +29,10 @@ rule draw_calibration:
     log:
         "results/logs/draw_calibration.log",
     priority: 40
-    conda:
-        "../envs/snapmap.yaml"
+    group:
+        "figures"
+    resources:
+        runtime=10,
     params:
         code=code("draw_calibration"),
     message:

@@ -4,13 +4,16 @@ once = cache(code_hash)
 
 
 def half(wildcards):
-    """Half of the cores, so that other jobs go on beside one that could use them all."""
+    """Half of the cores, so that other jobs go on beside one that could use them all.
+
+    On a cluster, half of what a job may have: `cores` in profiles/slurm.
+    """
     return max(1, workflow.cores // 2)
 
 
 def code(script):
     """Make the parameter that holds a hash of all that a script runs, found by its imports."""
-    path = Path(workflow.basedir) / "workflow" / "scripts" / f"{script}.py"
+    path = clone / "workflow" / "scripts" / f"{script}.py"
     return lambda wildcards: once(path)
 
 

@@ -3,8 +3,10 @@ rule simulate_history:
         history="results/histories/{cell}.nc",
     log:
         "results/logs/simulate_history_{cell}.log",
-    conda:
-        "../envs/snapmap.yaml"
+    group:
+        "figures"
+    resources:
+        runtime=10,
     params:
         code=code("simulate_history"),
         study=lambda wildcards: {
@@ -34,8 +36,10 @@ rule draw_histories:
         ],
     log:
         "results/logs/draw_histories.log",
-    conda:
-        "../envs/snapmap.yaml"
+    group:
+        "figures"
+    resources:
+        runtime=10,
     params:
         code=code("draw_histories"),
     message:

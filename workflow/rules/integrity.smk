@@ -5,8 +5,6 @@ rule measure_integrity:
         integrity="results/integrity.nc",
     log:
         "results/logs/measure_integrity.log",
-    conda:
-        "../envs/snapmap.yaml"
     params:
         code=code("measure_integrity"),
     message:
@@ -28,8 +26,10 @@ rule draw_integrity:
         ),
     log:
         "results/logs/draw_integrity.log",
-    conda:
-        "../envs/snapmap.yaml"
+    group:
+        "figures"
+    resources:
+        runtime=10,
     params:
         code=code("draw_integrity"),
     message:

@@ -17,8 +17,10 @@ rule draw_snap_maps:
     log:
         "results/logs/draw_snap_maps.log",
     priority: 85
-    conda:
-        "../envs/snapmap.yaml"
+    group:
+        "figures"
+    resources:
+        runtime=10,
     params:
         code=code("draw_snap_maps"),
         views=[view._asdict() for view in made.snaps],
@@ -48,8 +50,10 @@ rule draw_maps:
     log:
         "results/logs/draw_maps.log",
     priority: 80
-    conda:
-        "../envs/snapmap.yaml"
+    group:
+        "figures"
+    resources:
+        runtime=10,
     params:
         code=code("draw_maps"),
         times=[view._asdict() for view in made.times],

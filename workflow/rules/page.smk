@@ -6,8 +6,6 @@ rule trace_cells:
     log:
         "results/logs/trace_cells.log",
     priority: 65
-    conda:
-        "../envs/snapmap.yaml"
     threads: half
     resources:
         mem_mb=lambda wildcards, attempt: attempt * 2000,
@@ -35,8 +33,10 @@ rule write_page:
         ),
     log:
         "results/logs/write_page.log",
-    conda:
-        "../envs/snapmap.yaml"
+    group:
+        "figures"
+    resources:
+        runtime=10,
     params:
         code=code("write_page"),
         horizon=study.settings.horizon,

@@ -4,9 +4,8 @@ rule check_requirements:
     log:
         "results/logs/check_requirements.log",
     priority: 50
-    conda:
-        "../envs/snapmap.yaml"
-    threads: 4
+    # A few single shocks do not fill one.
+    threads: 4 if study.vibrations or study.spectra else 1
     params:
         code=code("check_requirements"),
         study=study.values(*THRESHOLD_SETTINGS),
@@ -35,8 +34,10 @@ rule draw_requirements:
     log:
         "results/logs/draw_requirements.log",
     priority: 40
-    conda:
-        "../envs/snapmap.yaml"
+    group:
+        "figures"
+    resources:
+        runtime=10,
     params:
         code=code("draw_requirements"),
     message:
@@ -53,8 +54,6 @@ rule write_datasheet:
     log:
         "results/logs/write_datasheet.log",
     priority: 30
-    conda:
-        "../envs/snapmap.yaml"
     threads: 4
     params:
         code=code("write_datasheet"),

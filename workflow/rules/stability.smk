@@ -10,8 +10,6 @@ rule measure_stability:
         stability="results/stability.nc",
     log:
         "results/logs/measure_stability.log",
-    conda:
-        "../envs/snapmap.yaml"
     # All there are: no other rule takes as long.
     threads: 1000
     params:
@@ -28,8 +26,6 @@ rule measure_settled:
         settled="results/settled.nc",
     log:
         "results/logs/measure_settled.log",
-    conda:
-        "../envs/snapmap.yaml"
     threads: 1000
     params:
         code=code("measure_settled"),
@@ -54,8 +50,10 @@ rule draw_stability:
         ),
     log:
         "results/logs/draw_stability.log",
-    conda:
-        "../envs/snapmap.yaml"
+    group:
+        "figures"
+    resources:
+        runtime=10,
     params:
         code=code("draw_stability"),
     message:
@@ -77,8 +75,10 @@ rule draw_settled:
         ),
     log:
         "results/logs/draw_settled.log",
-    conda:
-        "../envs/snapmap.yaml"
+    group:
+        "figures"
+    resources:
+        runtime=10,
     params:
         code=code("draw_settled"),
         beam_dampings=[0.0, 4e-4],
@@ -97,8 +97,6 @@ rule write_stability_table:
         table="results/stability.md",
     log:
         "results/logs/write_stability_table.log",
-    conda:
-        "../envs/snapmap.yaml"
     params:
         code=code("write_stability_table"),
     message:

@@ -3,8 +3,10 @@ rule trace_statics:
         statics="results/statics{which}.nc",
     log:
         "results/logs/trace_statics{which}.log",
-    conda:
-        "../envs/snapmap.yaml"
+    group:
+        "figures"
+    resources:
+        runtime=10,
     params:
         code=code("trace_statics"),
         device=lambda wildcards: values_of(made.statics[wildcards.which]),
@@ -30,8 +32,10 @@ rule draw_statics:
         ],
     log:
         "results/logs/draw_statics.log",
-    conda:
-        "../envs/snapmap.yaml"
+    group:
+        "figures"
+    resources:
+        runtime=10,
     params:
         code=code("draw_statics"),
     message:

@@ -5,8 +5,6 @@ rule simulate_slab:
         "results/logs/simulate_slab_{slab}.log",
     priority: 100
     retries: 1
-    conda:
-        "../envs/snapmap.yaml"
     threads: 1
     resources:
         mem_mb=lambda wildcards, attempt: attempt * requests[wildcards.slab].mem_mb,
@@ -29,8 +27,6 @@ rule collect:
     log:
         "results/logs/collect.log",
     priority: 90
-    conda:
-        "../envs/snapmap.yaml"
     resources:
         mem_mb=lambda wildcards, attempt: attempt * 2000,
     params:

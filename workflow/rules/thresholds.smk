@@ -6,8 +6,6 @@ rule find_threshold:
         "results/logs/find_threshold.log",
     # Beside the first cells, not after them: of these no two then compile the same kernel at once.
     priority: 110
-    conda:
-        "../envs/snapmap.yaml"
     threads: half
     resources:
         mem_mb=lambda wildcards, attempt: attempt * 2000,
@@ -44,8 +42,10 @@ rule draw_thresholds:
     log:
         "results/logs/draw_thresholds.log",
     priority: 60
-    conda:
-        "../envs/snapmap.yaml"
+    group:
+        "figures"
+    resources:
+        runtime=10,
     params:
         code=code("draw_thresholds"),
         views=[view._asdict() for view in study.curves],

@@ -4,8 +4,6 @@ rule find_tolerance:
     log:
         "results/logs/find_tolerance.log",
     priority: 45
-    conda:
-        "../envs/snapmap.yaml"
     threads: 4
     resources:
         mem_mb=lambda wildcards, attempt: attempt * 4000,
@@ -38,8 +36,10 @@ rule draw_tolerance:
     log:
         "results/logs/draw_tolerance.log",
     priority: 40
-    conda:
-        "../envs/snapmap.yaml"
+    group:
+        "figures"
+    resources:
+        runtime=10,
     params:
         code=code("draw_tolerance"),
         places=made.batches,

@@ -128,7 +128,8 @@ def draw_time_map(
 
 def snap_times(panels: Iterable[xr.Dataset]) -> tuple[float, float]:
     """The first and the last snap in all maps of cells, us; NaN if none snaps."""
-    ends = [(cells.t_snap.min().item(), cells.t_snap.max().item()) for cells in panels]
+    times = (part.t_snap for cells in panels for part in plane.parts(cells))
+    ends = [(some.min().item(), some.max().item()) for some in times]
     return np.fmin.reduce(ends)[0].item(), np.fmax.reduce(ends)[1].item()
 
 
@@ -248,10 +249,10 @@ def _draw_times(ax, times, ends, x: Scale, y: Scale):
 
 def _keys(kind, panels, y):
     """Of states, hatches and thresholds; all panels have thresholds or none."""
-    found = [kind.classify(cells) for cells, _ in panels]
-    keys = list(plane.state_keys(found, kind.states))
+    parts = [part for cells, _ in panels for part in plane.parts(cells)]
+    keys = list(plane.state_keys([kind.classify(part) for part in parts], kind.states))
     if kind.is_of_ends:
-        keys += plane.elsewhere_keys([end_elsewhere(cells) for cells, _ in panels])
+        keys += plane.elsewhere_keys([end_elsewhere(part) for part in parts])
     if any(_breaks(cells) for cells, _ in panels):
         look = {"color": BREAKS["colors"], "linewidth": BREAKS["linewidths"]}
         keys.append(Line2D([], [], **look, label="largest stress = strength"))

@@ -22,6 +22,8 @@ LUMA, DARK = (0.299, 0.587, 0.114), 0.4
 """Shares of red, green and blue in how light a colour is, and below what a hatch is light."""
 RESOLVED, VECTORS = 700, 100_000
 """Most cells drawn along an axis, finer than print; and most drawn as vectors."""
+PART = 1_000_000
+"""Cells looked at together, as far as memory goes."""
 BAR = 0, -0.31, 1, 0.05
 """Left, bottom, width and height of a colour bar below a box, in shares of the box."""
 BELOW_BAR = 70
@@ -33,6 +35,14 @@ def thin(cells: xr.Dataset, x: str, y: str) -> xr.Dataset:
     cells = cells.sortby([key for key in (x, y) if cells[key].dtype.kind in "fiu"])
     strides = {key: -(-cells.sizes[key] // RESOLVED) for key in (x, y)}
     return cells.isel({key: slice(None, None, stride) for key, stride in strides.items()})
+
+
+def parts(cells: xr.Dataset) -> Iterator[xr.Dataset]:
+    """All cells of a map, some rows at a time, as a map may be larger than memory."""
+    across, along = cells.outcome.dims
+    rows = max(1, PART // cells.sizes[along])
+    for first in range(0, cells.sizes[across], rows):
+        yield cells.isel({across: slice(first, first + rows)})
 
 
 def open_plane(ax: Axes, cells: xr.Dataset, x: str, y: str) -> tuple[Scale, Scale]:

@@ -5,6 +5,7 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import asdict
+from functools import lru_cache
 
 import numpy as np
 
@@ -34,9 +35,15 @@ def slab_name(study: Study, slab: Slab) -> str:
     nominal = [asdict(one) for one in part.devices().values()]
     pulses = [hashlib.sha256(one.pieces.tobytes()).hexdigest() for one in part.settings.pulses]
     common = [nominal, study.model, settings, pulses, list(slab), apart]
-    return f"{_hash(common)}_{_hash([slab[key] for key in slab if key not in SINGLE])}"
+    plain = json.dumps(common, sort_keys=True, default=np.ndarray.tolist)
+    others = ", ".join(_text(values) for key, values in slab.items() if key not in SINGLE)
+    return f"{_hash(plain)}_{_hash(f'[{others}]')}"
 
 
-def _hash(what):
-    plain = json.dumps(what, sort_keys=True, default=np.ndarray.tolist)
+@lru_cache  # N is that of many slabs
+def _text(values):
+    return json.dumps(values)
+
+
+def _hash(plain):
     return hashlib.sha256(plain.encode()).hexdigest()[:12]

@@ -1,6 +1,8 @@
 """The plan of a study: its grid cut into slabs, and what the job of each may cost."""
 
+import math
 from collections.abc import Mapping, Sequence
+from functools import cache
 from itertools import product
 from typing import NamedTuple
 
@@ -16,10 +18,12 @@ from .partition import SINGLE, Slab
 JOB_SECONDS = 30
 """At most the expected time of a slab, most take over a third: long against a job's start, and
 short enough to lose."""
+SLAB_CELLS = 400_000
+"""At most in a slab, for its memory, but for a row that stays together."""
 MOST_CELLS, MOST_SINGLE = 10**10, 1000
 """Grids beyond are taken for a slip; the latter have 1000 slabs at least."""
 START_MB, CELL_MB = 1000, 5e-4
-"""Asked for a job's start and for each cell; seen: 700 MB, two Snakemakes among them, and 200 B."""
+"""Asked for a job's start and for each cell; seen: 700 MB, two Snakemakes among them, and 300 B."""
 START_MINUTES, CAUTION = 2, 20
 """Asked for a job's start, and times the expected time; seen: 15 s, and SEEN times."""
 SEEN = 3, 9
@@ -61,18 +65,23 @@ def make_plan(grid: Grid, model: Mapping, settings: Settings, alone: Sequence[fl
     single = [key for key in SINGLE if key in axes]
     everything = {key: np.arange(axes[key].size) for key in axes if key not in single}
     slabs, requests = [], []
+
+    @cache  # of one copy, as N is that of all slabs
+    def values(key, first, last):
+        return tuple(axes[key][first : last + 1].tolist())
+
     for place in product(*(range(axes[key].size) for key in single)):
         at = dict(zip(single, place, strict=True))
         rows = cost[at[DEVICE]] if DEVICE in at else cost
         for box in _boxes(everything, axes, rows, whole):
             chosen = box | {key: [at[key]] for key in single}
-            slabs.append({key: tuple(axes[key][chosen[key]].tolist()) for key in axes})
+            slabs.append({key: values(key, chosen[key][0], chosen[key][-1]) for key in axes})
             requests.append(_request(box, rows))
     return Plan(tuple(slabs), tuple(requests), float(total))
 
 
 def _boxes(box, axes, cost, whole):
-    """Halve a box, octaves first, until none takes more than JOB_SECONDS.
+    """Halve a box, octaves first, until none is beyond JOB_SECONDS or SLAB_CELLS.
 
     The halves are those of a fixed binary tree over all floating-point numbers, so that a grid
     that grows keeps every box without a new value.
@@ -81,7 +90,8 @@ def _boxes(box, axes, cost, whole):
     """
     levels = {key: _level(axes[key][places]) for key, places in box.items() if key not in whole}
     axis = max(levels, key=levels.get)
-    if _expected(box, cost) <= JOB_SECONDS or not levels[axis]:
+    small = math.prod(places.size for places in box.values()) <= SLAB_CELLS
+    if (small and _expected(box, cost) <= JOB_SECONDS) or not levels[axis]:
         return [box]
     upper = _is_upper(axes[axis][box[axis]], levels[axis])
     halves = [box | {axis: box[axis][side]} for side in (~upper, upper)]
@@ -135,6 +145,6 @@ def _expected_of_each(grid, model, settings, f0):
 
 
 def _request(box, cost):
-    cells = float(np.prod([places.size for places in box.values()]))
+    cells = math.prod(places.size for places in box.values())
     minutes = START_MINUTES + CAUTION * _expected(box, cost) / 60
     return Request(int(START_MB + CELL_MB * cells), int(np.ceil(minutes)))
