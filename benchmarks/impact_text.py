@@ -9,7 +9,7 @@ strike something. One command prints this page:
 
 `--small` takes seconds. SciPy, a plain loop and snapmap are always there; heyoka and diffrax are
 in the group `bench` of `pyproject.toml`. Another solver takes part by a function in
-`benchmarks/impact_solvers.py` and a line in `contenders` of `benchmarks/impacts.py`.
+`impact_solvers.py` and a line in `contenders` of `impacts.py`, both in the folder `benchmarks`.
 
 ## The problems
 
@@ -24,11 +24,13 @@ all values are spaced evenly, and two ranges make a grid, its last one running f
    at rest; it errs by less than 1e-8.
 2. **Impact oscillator.** $x'' + x = -\sin \omega t$, from rest at 0; at $x = -0.5$ the speed is
    turned and falls to $e$ times itself. 16 values of $\omega$ from 0.9 to 2.6, 16 of $e$ from 0.7
-   to 0.9, $t_\mathrm{{end}} = 30$. Between impacts $x = \frac{{-1}}{{1 - \omega^2}} \sin \omega t
-   + A \cos t + B \sin t$; the impacts are roots of it.
-3. **Bilinear oscillator.** The same before a soft stop, $x'' + x + 100 \min(0, x + 0.5) = -\sin
-   \omega t$. 256 values of $\omega$ from 0.9 to 2.6. In contact $x = -\frac{{50}}{{101}} -
-   \frac{{1}}{{101 - \omega^2}} \sin \omega t + A \cos \sqrt{{101}}\,t + B \sin \sqrt{{101}}\,t$.
+   to 0.9, $t_\mathrm{{end}} = 30$. Between impacts
+   $x = \frac{{-1}}{{1 - \omega^2}} \sin \omega t + A \cos t + B \sin t$ down to $-0.5$.
+3. **Bilinear oscillator.** The same before a soft stop:
+   $x'' + x + 100 \min(0, x + 0.5) = -\sin \omega t$.
+   256 values of $\omega$ from 1.1 to 2.6. In contact $x = x_0 + P \sin \omega t$
+   $+ A \cos \Omega t + B \sin \Omega t$ with $\Omega^2 = 101$, $x_0 = -50/\Omega^2$,
+   $P = -1/(\Omega^2 - \omega^2)$.
 4. **Relief valve** (Hős and Champneys, Physica D 241, 2012; the example of impacts of MPGOS):
    $x_1' = x_2$, $x_2' = -1.25 x_2 - (x_1 + 10) + x_3$, $x_3' = 20 (q - x_1 \sqrt{{x_3}})$; at
    $x_1 = 0$ the speed is turned and falls to 0.8 of itself. From $(0.2, 0, 10)$, so that no valve
@@ -57,7 +59,7 @@ some come near to grazing the stop, where any error grows without bound; of the 
 contender has a ladder of settings; the table has the fastest that meets the bound. *Setting*: a
 tolerance, absolute and relative, then the longest step allowed, if it is limited; the plain
 loop's step; for snapmap the number of steps, and on the map its own step times this. SciPy
-follows every fifth trajectory and every 29th cell.
+follows every ninth trajectory and every 29th cell.
 
 {table}
 What they are. SciPy: `solve_ivp` begun anew after each impact, its right-hand side compiled by
@@ -69,8 +71,7 @@ wanted; of the first two problems a mass before a stop whose beam is out of reac
 computed. A stop of its own that is soft it does not have, and of the valve's third equation it
 knows nothing.
 
-What does not take part. diffrax on the map: it took 1 to 2 s a cell where it was tried
-([performance](performance.md)). numbalsoda 0.3.4: comes as source only and needs a Fortran
-compiler. numbakit-ode 0.5: its methods with a tolerance raise a TypeError when they are made.
-MPGOS: needs an NVIDIA GPU. DifferentialEquations.jl: needs Julia.
+What does not take part. diffrax on the map: nobody has written it. numbalsoda 0.3.4: comes as
+source only and needs a Fortran compiler. numbakit-ode 0.5: its methods with a tolerance raise a
+TypeError when they are made. MPGOS: needs an NVIDIA GPU. DifferentialEquations.jl: needs Julia.
 """
