@@ -1,10 +1,10 @@
-"""What else a user could take: the handout's ODE, 9 modes of the beam, by SciPy and by heyoka."""
+"""What else a user could take: the handout's ODE in modes of the beam, by SciPy and by heyoka."""
 
 import numpy as np
 from numba import njit
 from workload import Follow
 
-from snapmap.beam.modal import ModalBeam
+from snapmap.beam.modal import ModalBeam, contact_stiffness
 from snapmap.device import Device
 from snapmap.solver.cells import Cells
 
@@ -20,19 +20,19 @@ def snap_target(device: Device) -> float:
     return device.beam.second_equilibrium - device.beam.height
 
 
-def by_scipy(device: Device, modal: ModalBeam, method: str) -> Follow:
+def by_scipy(device: Device, modal: ModalBeam, method: str, tolerance: float = TOLERANCE) -> Follow:
     """Follow cells one by one with solve_ivp, in two legs, pulse and rest, to the event w2."""
     from scipy.integrate import solve_ivp
 
-    rate, size = compile_rate(device, modal), 2 * modal.load.size + 2
+    (rate, w), size = compile_rate(device, modal), 2 * modal.load.size + 2
 
     def snaps(t, x, *_):
-        return modal.midpoint @ x[: modal.load.size] - snap_target(device)
+        return w(x) - snap_target(device)
 
     def follow_cell(amplitude, f0, damping, t_end):
         x, start = np.zeros(size), 0.0
         for stop, a in ((1 / f0, amplitude), (t_end, 0.0)):
-            options = {"args": (a, f0, damping), "events": snaps, "rtol": TOLERANCE}
+            options = {"args": (a, f0, damping), "events": snaps, "rtol": tolerance}
             run = solve_ivp(rate, (start, stop), x, method, **options)
             if run.t_events[0].size:
                 return run.t_events[0][0]
@@ -44,10 +44,18 @@ def by_scipy(device: Device, modal: ModalBeam, method: str) -> Follow:
 
 
 def compile_rate(device: Device, modal: ModalBeam):
-    """Compile d/dt of x = (p, y, p', y'), from `ModalBeam` and eq. (2), for one device."""
-    mass, spring, penalty = device.mass, device.spring, device.contact
-    stiffness, geometric, slope_start, load, midpoint, axial, *_ = modal
+    """Compile d/dt of x = (p, y, p', y'), from `ModalBeam` and eq. (2), and w(L/2) from rest."""
+    mass, spring, penalty = device.mass, device.spring, contact_stiffness(device, modal.residual)
+    stiffness, geometric, slope_start, load, midpoint, axial, residual, _ = modal
     modes = load.size
+
+    @njit
+    def press(x):
+        return penalty * max(0.0, midpoint @ x[:modes] - x[modes])
+
+    @njit
+    def w(x):
+        return midpoint @ x[:modes] - residual * press(x)
 
     @njit
     def rate(t, x, amplitude, f0, damping):
@@ -55,7 +63,7 @@ def compile_rate(device: Device, modal: ModalBeam):
         a = amplitude / 2 * (1 - np.cos(2 * np.pi * f0 * t))
         slope = geometric @ p + slope_start
         axial_force = -axial * p @ (slope + slope_start)
-        contact = penalty * max(0.0, midpoint @ p - y)
+        contact = press(x)
         x_rate = np.empty_like(x)
         x_rate[: modes + 1] = x[modes + 1 :]
         x_rate[modes + 1 : -1] = axial_force * slope - stiffness * p - load * a - midpoint * contact
@@ -63,10 +71,10 @@ def compile_rate(device: Device, modal: ModalBeam):
         return x_rate
 
     rate(0.0, np.zeros(2 * modes + 2), 0.0, 0.0, 0.0)
-    return rate
+    return rate, w
 
 
-def by_heyoka(device: Device, modal: ModalBeam, width: int) -> Follow:
+def by_heyoka(device: Device, modal: ModalBeam, width: int, tolerance: float = TOLERANCE) -> Follow:
     """Follow cells in `width` lanes of heyoka, each refilled as it falls free.
 
     Contact is an event that switches its stiffness: left to `relu`, it opens and closes only at
@@ -75,9 +83,10 @@ def by_heyoka(device: Device, modal: ModalBeam, width: int) -> Follow:
     import heyoka as hy
 
     def switch_contact(integrator, sign, lane):
-        integrator.pars[3, lane] = device.contact if sign > 0 else 0.0
+        integrator.pars[3, lane] = penalty if sign > 0 else 0.0
         return True
 
+    penalty = contact_stiffness(device, modal.residual)
     ode, w, overlap = heyoka_system(device, modal)
     falling = hy.event_direction.negative
     snap = hy.t_event_batch(w - snap_target(device), direction=falling)
@@ -86,10 +95,10 @@ def by_heyoka(device: Device, modal: ModalBeam, width: int) -> Follow:
         ode,
         np.zeros((len(ode), width)),
         pars=np.zeros((4, width)),
-        tol=TOLERANCE,
+        tol=tolerance,
         t_events=[snap, contact],
     )
-    return lambda cells: Lanes(integrator, device.contact, cells).follow()
+    return lambda cells: Lanes(integrator, penalty, cells).follow()
 
 
 def heyoka_system(device: Device, modal: ModalBeam):
@@ -115,7 +124,7 @@ def heyoka_system(device: Device, modal: ModalBeam):
         inner = axial_force * slope[i] - modal.stiffness[i] * p[i]
         ode.append((v[i], inner - modal.load[i] * a - modal.midpoint[i] * contact))
     pull = (contact - device.spring * y - damping * z) / device.mass
-    return [*ode, (y, z), (z, pull - a)], w, overlap
+    return [*ode, (y, z), (z, pull - a)], w - modal.residual * contact, overlap
 
 
 class Lanes:

@@ -27,18 +27,20 @@ def sections(device: Device) -> Iterator[str]:
 
 def header(bits: int, peak: float) -> str:
     """The machine and the versions."""
-    packages = ("numpy", "numba", "llvmlite", "scipy", "heyoka")
-    versions = ", ".join(
-        f"{name} {version(name)}" if find_spec(name) else f"no {name}" for name in packages
-    )
     return f"""# Speed and error, measured
 
 {cpu_name()}, {os.cpu_count()} cores, vectors of {bits} bits; one core was seen to do
 {peak / 1e9:.0f} GFLOP/s of multiply-adds.
-Python {platform.python_version()}, {versions}.
+{versions("numpy", "numba", "llvmlite", "scipy", "heyoka")}.
 numbalsoda is left out: it comes as source only and needs a Fortran compiler.
 One process and one thread unless a column says otherwise, kernels compiled beforehand.
 """
+
+
+def versions(*packages: str) -> str:
+    """Python's and those of packages, as far as they are installed."""
+    found = (f"{name} {version(name)}" if find_spec(name) else f"no {name}" for name in packages)
+    return ", ".join([f"Python {platform.python_version()}", *found])
 
 
 def cpu_name() -> str:

@@ -73,7 +73,7 @@ SHORT = ("motion", "peers", "sensitivity", "settling")
 LONG = ("coverage", "proofs", "pulses", "steps", "thresholds", "tilt", "tolerances", "validation")
 LONG += ("calibration", "planning", "rigour", "vibration")
 BENCHMARKS = ("scaling", "schemes")
-LONG_BENCHMARKS = ("many_devices", "start", "width")
+LONG_BENCHMARKS = ("impacts", "many_devices", "start", "width")
 
 
 def marked(names):

@@ -56,6 +56,7 @@ docs/accuracy
 docs/thresholds
 Stability <docs/stability>
 docs/performance
+A benchmark <docs/impacts>
 docs/reliability
 Limits <docs/limits>
 ```
