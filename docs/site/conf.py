@@ -63,6 +63,7 @@ Limits <docs/limits>
 :hidden:
 :caption: Project
 docs/architecture
+docs/publishing
 CONTRIBUTING
 CHANGELOG
 ```
