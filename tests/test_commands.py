@@ -68,6 +68,8 @@ ELSEWHERE = {
         "test_docs.py::test_the_reference_is_what_the_docstrings_say"
     ),
     "python benchmarks/compare.py": "test_commands.py::test_the_comparison_in_small",
+    "python -m snapmap.io.provenance": "test_commands.py::test_versions_in_one_paste",
+    "mypy": "test_project.py::test_the_types_of_beam_and_solver_fit",
     "ruff check": ITSELF,
     "ruff format": ITSELF,
 }
@@ -86,7 +88,7 @@ def marked(names):
 @pytest.fixture(scope="module")
 def documents(root):
     """The text of all documents that name commands."""
-    pages = [root / "README.md", root / "CONTRIBUTING.md", *sorted((root / "docs").glob("*.md"))]
+    pages = [*sorted(root.glob("*.md")), *sorted((root / "docs").glob("*.md"))]
     return "\n".join(page.read_text(encoding="utf-8") for page in pages)
 
 
@@ -143,6 +145,12 @@ def test_a_benchmark_runs_in_small(root, tmp_path, benchmark):
     options = {"cwd": tmp_path, "env": os.environ | path, "check": True, "capture_output": True}
     out = subprocess.run(command, **options, text=True).stdout
     assert len([line for line in out.splitlines() if line.startswith("| ")]) > 2
+
+
+def test_versions_in_one_paste(root):
+    command = [sys.executable, "-m", "snapmap.io.provenance"]
+    said = subprocess.check_output(command, cwd=root / "workflow" / "scripts", text=True)
+    assert re.match(r"snapmap \d\S+ sources \w+, Python .*\nnumpy \d", said)
 
 
 def test_the_comparison_in_small(root, tmp_path):

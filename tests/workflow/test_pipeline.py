@@ -270,7 +270,7 @@ def test_a_crate_has_config_code_and_results_with_their_checksums(crate, finishe
 
 @pytest.mark.long
 def test_a_crate_keeps_to_its_profile(crate):
-    """All that the profiles require, by their validator, which reads two contexts by the network."""
+    """By the validator of the profiles, which reads two contexts by the network."""
     pytest.importorskip("rocrate_validator")
     try:
         socket.getaddrinfo("w3id.org", 443)

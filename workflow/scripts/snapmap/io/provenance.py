@@ -41,9 +41,13 @@ def provenance(document: Mapping) -> dict[str, str]:
         "keywords": KEYWORDS,
         "config": json.dumps(document),
         "code_version": code,
-        "packages": " ".join(f"{name} {version(name)}" for name in PACKAGES),
+        "packages": _packages(),
         "python": platform.python_version(),
     }
+
+
+def _packages():
+    return " ".join(f"{name} {version(name)}" for name in PACKAGES)
 
 
 def asked_for(
@@ -139,3 +143,8 @@ def _commit():
     except (OSError, subprocess.SubprocessError):
         return ""
     return run.stdout.strip()
+
+
+if __name__ == "__main__":  # for a report of a fault
+    print(f"snapmap {code_version()}, Python {platform.python_version()}, {platform.platform()}")
+    print(_packages())
