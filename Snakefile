@@ -137,6 +137,7 @@ include: "workflow/rules/maps.smk"
 include: "workflow/rules/histories.smk"
 include: "workflow/rules/integrity.smk"
 include: "workflow/rules/page.smk"
+include: "workflow/rules/crate.smk"
 include: "workflow/rules/accuracy.smk"
 include: "workflow/rules/stability.smk"
 

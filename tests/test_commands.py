@@ -27,6 +27,7 @@ ITSELF = "this run of the tests"
 A_STUDY = "test_pipeline.py::test_every_figure_is_there"
 ON_SLURM = "test_slurm.py::test_the_cube_is_that_of_a_local_run_bit_for_bit"
 A_LOCK = "test_run.py::test_lock_holds_only_exact_versions_and_hashes"
+A_CRATE = "test_pipeline.py::test_a_crate_has_config_code_and_results_with_their_checksums"
 ELSEWHERE = {
     "snakemake --cores 2": A_STUDY,
     "snakemake --snakefile /path/to/Snakefile --configfile mine.yaml --cores 2": A_STUDY,
@@ -44,11 +45,16 @@ ELSEWHERE = {
     "snakemake results/figures/integrity.pdf --cores 2": (
         "test_pipeline.py::test_integrity_is_made_when_asked_for"
     ),
+    "snakemake results/crate.zip --cores 2": A_CRATE,
+    "rocrate-validator validate -p workflow-run-crate-0.5 results/crate.zip": (
+        "test_pipeline.py::test_a_crate_keeps_to_its_profile"
+    ),
     "snakemake stability --cores 2": "test_commands.py::test_stability_in_small",
     "snakemake --profile profiles/slurm": ON_SLURM,
     "snakemake --profile profiles/slurm --groups simulate_slab=slabs "
     "--group-components slabs=4": ON_SLURM,
     "uv pip install --require-hashes --requirements requirements-docs.lock": A_LOCK,
+    "uv pip install --require-hashes --requirements requirements-publish.lock": A_LOCK,
     "uv pip install --require-hashes --requirements requirements-slurm.lock": A_LOCK,
     "sphinx-build -EW -c docs/site . build/site": (
         "test_docs.py::test_the_site_is_made_without_a_warning_and_asks_no_other_host"
@@ -65,6 +71,8 @@ ELSEWHERE = {
     "python -m snapmap.command check config.yaml": (
         "test_command.py::test_check_says_what_a_config_describes_doubts_and_costs"
     ),
+    "python -m snapmap.io.provenance": "test_commands.py::test_versions_in_one_paste",
+    "mypy": "test_project.py::test_the_types_of_beam_and_solver_fit",
     "ruff check": ITSELF,
     "ruff format": ITSELF,
 }
@@ -83,7 +91,7 @@ def marked(names):
 @pytest.fixture(scope="module")
 def documents(root):
     """The text of all documents that name commands."""
-    pages = [root / "README.md", root / "CONTRIBUTING.md", *sorted((root / "docs").glob("*.md"))]
+    pages = [*sorted(root.glob("*.md")), *sorted((root / "docs").glob("*.md"))]
     return "\n".join(page.read_text(encoding="utf-8") for page in pages)
 
 
@@ -140,6 +148,12 @@ def test_a_benchmark_runs_in_small(root, tmp_path, benchmark):
     options = {"cwd": tmp_path, "env": os.environ | path, "check": True, "capture_output": True}
     out = subprocess.run(command, **options, text=True).stdout
     assert len([line for line in out.splitlines() if line.startswith("| ")]) > 2
+
+
+def test_versions_in_one_paste(root):
+    command = [sys.executable, "-m", "snapmap.io.provenance"]
+    said = subprocess.check_output(command, cwd=root / "workflow" / "scripts", text=True)
+    assert re.match(r"snapmap \d\S+ sources \w+, Python .*\nnumpy \d", said)
 
 
 def test_the_comparison_in_small(root, tmp_path):

@@ -3,7 +3,9 @@
 import ast
 import re
 import runpy
+import shutil
 import subprocess
+import sys
 import tomllib
 
 import pytest
@@ -113,6 +115,29 @@ def test_the_workflow_has_what_its_catalog_asks_for(root, pyproject):
     assert set(shown["usage"]["software-stack-deployment"].values()) == {False}
 
 
+def test_hooks_have_the_versions_of_the_lock(root):
+    lock = (root / "requirements.lock").read_text(encoding="utf-8")
+    hooks = yaml.safe_load((root / ".pre-commit-config.yaml").read_text(encoding="utf-8"))
+    revisions = {one["hooks"][0]["id"].split("-")[0]: one["rev"] for one in hooks["repos"]}
+    for name in ("ruff", "snakefmt"):
+        assert f"\n{name}=={revisions[name][1:]} " in lock
+
+
+def test_the_forge_runs_commands_that_there_are(root):
+    groups = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))
+    optional = {re.match(r"[\w-]+", name)[0] for name in groups["dependency-groups"]["publish"]}
+    files = list((root / ".github" / "workflows").glob("*.yml"))
+    assert files
+    for path in files:
+        forge = yaml.safe_load(path.read_text(encoding="utf-8"))
+        assert forge["permissions"] == {"contents": "read"}
+        steps = [step for job in forge["jobs"].values() for step in job["steps"]]
+        for step in steps:
+            run, name, *_ = [*step.get("run", "./run uv").split(), ""]
+            assert run == "./run" and (shutil.which(name) or name in optional), step
+            assert re.fullmatch(r"[\w/-]+@v\d+", step.get("uses", "none@v1")), step
+
+
 def test_the_citation_has_what_the_format_requires(root):
     citation = yaml.safe_load((root / "CITATION.cff").read_text(encoding="utf-8"))
     required = ["authors", "cff-version", "message", "title"]
@@ -126,11 +151,19 @@ def test_the_citation_has_what_the_format_requires(root):
             "version": {"type": "string"},
             "authors": {"type": "array", "minItems": 1, "items": author},
             "keywords": {"type": "array", "items": {"type": "string"}},
-            **{key: {"type": "string"} for key in ("message", "title", "abstract")},
+            "date-released": {},
+            **{key: {"type": "string"} for key in ("message", "title", "abstract", "doi")},
         },
         "additionalProperties": False,
     }
     Draft202012Validator(schema).validate(citation)
+
+
+def test_the_types_of_beam_and_solver_fit(root):
+    """The command of CONTRIBUTING: 1 s, and 10 s where it has not run before."""
+    pytest.importorskip("mypy")
+    done = subprocess.run([sys.executable, "-m", "mypy"], cwd=root, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout
 
 
 def test_relative_links_lead_somewhere(tracked):

@@ -16,7 +16,7 @@ extensions = ["myst_parser"]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
 root_doc = "README"
-include_patterns = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/*.md"]
+include_patterns = ["*.md", "docs/*.md"]
 exclude_patterns = [".*", "build", "results"]
 
 html_theme = "furo"
@@ -64,8 +64,11 @@ Limits <docs/limits>
 :hidden:
 :caption: Project
 docs/architecture
+docs/publishing
 CONTRIBUTING
 CHANGELOG
+SUPPORT
+CODE_OF_CONDUCT
 ```
 """
 PICTURE = re.compile(r"<!-- picture: (\S+) \| (.+) -->")

@@ -69,6 +69,16 @@ def test_a_study_knows_its_files_by_what_they_hold(folder):
     assert study.pulse["sha256"] == study.requirements[0].pulse["sha256"] == hashes[0]
 
 
+def test_a_measured_shape_is_one_of_them(folder):
+    x = np.linspace(0, 600, 50)
+    table = np.column_stack([x, 5 * (1 - np.cos(2 * np.pi * x / 600))])
+    np.savetxt("shape.csv", table, delimiter=",", header="x (um),w (um)", comments="")
+    document = yaml.safe_load(STUDY)
+    document["device"]["beam"]["shape"] = {"file": "shape.csv"}
+    held = (folder / "shape.csv").read_bytes()
+    assert load_config(document).files()["shape.csv"] == hashlib.sha256(held).hexdigest()
+
+
 def test_an_edit_since_the_plan_is_refused_by_every_reader(folder, monkeypatch):
     study = load_config(yaml.safe_load(STUDY))
     shocks_of(study.pulse)

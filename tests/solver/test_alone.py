@@ -18,6 +18,7 @@ from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
 
 F0 = 20_000.0
+MODELS = "reference", "handout"
 STEP = Pulse("step", np.array([[0.0, 1.0, 0.0, 0.0, 0.0, 0.0]]))
 
 
@@ -61,6 +62,13 @@ def test_slow_pulses_tend_to_the_static_threshold(handout, force):
     found = snapmap.threshold(device, [500.0], [0.0], model="cosines", modes=3, horizon=0.0)
     assert found.N_first.item() == pytest.approx(static_threshold(device), rel=2e-3)
     assert found.N_static == static_threshold(device) and found.N_bound < found.N_first
+
+
+def test_the_plain_loop_is_pushed_by_the_same_force(handout):
+    device, given = alone(handout, 1.0), {"N": 60.0, "f0": F0, "C": 0.0}
+    moved = [snapmap.simulate(device, **given, model=name).w_mid for name in MODELS]
+    oracle, fast = ((w.max() - w.min()).item() for w in moved)
+    assert oracle > 1.0 and fast == pytest.approx(oracle, rel=1e-4)
 
 
 def test_static_thresholds_are_the_largest_force_and_that_of_a_mass_far_away(handout):

@@ -64,7 +64,7 @@ def find_barrier(beam: Beam, basis: Basis, modes: int | None = None) -> Barrier:
     unit = beam.stiffness_unit * beam.made_rise * beam.made_rise
     second = np.atleast_1d(beam.second_equilibrium)
     first = first_midpoint(basis, beam)
-    if basis.tilt.any():
+    if own is not None and basis.tilt.any():
         stays = first + dot(modal.midpoint, own)[kind] * beam.made_rise
         second = np.where(exists, stays, second)
     barrier = np.where(exists, energy, 0.0) * unit, np.where(exists, midpoint, 0.0) * beam.made_rise

@@ -14,12 +14,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..device import Beam, Device
+from ..device import Beam, Device, Value
 from ..numerics.linalg import apply, eigh
 from .barrier import find_barrier, unit_buckling
 from .basis import Basis
 from .cosines import buckling_shapes, symmetric_cosines
-from .modal import ModalBeam, contact_stiffness, under_load, unit_form, unit_modes
+from .modal import ModalBeam, contact_stiffness, pulse_load, unit_form, unit_modes
 from .prestress import first_midpoint, kinds_of
 
 COSINES = 40
@@ -34,8 +34,8 @@ class BucklingModes(NamedTuple):
     start: np.ndarray
     load: np.ndarray
     midpoint: np.ndarray
-    axial: float
-    residual: float
+    axial: Value
+    residual: Value
 
 
 def static_threshold(device: Device) -> float | np.ndarray:
@@ -48,7 +48,8 @@ def static_threshold(device: Device) -> float | np.ndarray:
     """
     if np.ndim(device.mass):
         return np.array([static_threshold(device.pick(i)) for i in range(len(device))])
-    modes = under_load(device, buckling_modes(device.beam))
+    modes = buckling_modes(device.beam)
+    modes = modes._replace(load=pulse_load(device, modes.load, modes.midpoint))
     first = first_midpoint(shapes_of(device.beam), device.beam).item()
     whole = first - device.beam.second_equilibrium
 
@@ -75,7 +76,7 @@ def static_threshold(device: Device) -> float | np.ndarray:
 
 def least_way(device: Device) -> float:
     """How far the mass must travel from rest to push the midpoint slowly to the saddle, um."""
-    return device.gap - find_barrier(device.beam, shapes_of(device.beam)).midpoint
+    return float(device.gap - find_barrier(device.beam, shapes_of(device.beam)).midpoint)
 
 
 def _end_of(modes, loaded, is_left, whole):
@@ -188,6 +189,6 @@ def largest_force(modes: BucklingModes, loaded: Callable, limit: float) -> float
     for _ in range(ZOOMS):
         N = low + (high - low) * (np.arange(GRID) + 0.5) / GRID
         exists = np.isfinite(roots(modes, N, *loaded(modes, N))[0])
-        count = np.count_nonzero(np.logical_and.accumulate(exists))
+        count = int(np.count_nonzero(np.logical_and.accumulate(exists)))
         low, high = N[max(count - 1, 0)], N[count] if count < GRID else high
     return float(low)

@@ -46,7 +46,7 @@ def reduce_to_modes(beam: Beam, basis: Basis, modes: int | None = None) -> Modal
     unit = unit_form(basis, modes, kinds)
     if not kinds.as_made:
         some = kind if np.ndim(beam.rise) else kind[0]
-        unit = ModalBeam(*(column[some] for column in unit))
+        unit = ModalBeam(*(np.asarray(column)[some] for column in unit))
     root = np.sqrt(beam.weight)
     return ModalBeam(
         stiffness=_column(beam.stiffness_unit / beam.weight, 1) * unit.stiffness,
@@ -116,17 +116,16 @@ def _unit_shapes(basis, modes):
     return _unit_eigen(basis)[1][:, :modes]
 
 
-def under_load(device: Device, modal: ModalBeam) -> ModalBeam:
-    """The same under the load of the device's pulse: of the frame, or of a force on the midpoint.
+def pulse_load(device: Device, load: np.ndarray, midpoint: np.ndarray) -> np.ndarray:
+    """The load of the device's pulse: of the frame, or of a force on the midpoint.
 
-    modal: or another form with the fields `load` and `midpoint`
+    load, midpoint: those of a form of the beam
     """
     if not np.any(device.force):
-        return modal
+        return load
     # ASSUME: the modes left out do not yield to a force that is the pulse; it is far below theirs.
-    more = np.ndim(modal.load) - np.ndim(device.force)
-    share = _column(np.divide(device.force, device.gravity), more)
-    return modal._replace(load=np.where(share, share * modal.midpoint, modal.load))
+    share = _column(np.divide(device.force, device.gravity), np.ndim(load) - np.ndim(device.force))
+    return np.where(share, share * midpoint, load)
 
 
 def contact_stiffness(device: Device, residual: Value) -> Value:

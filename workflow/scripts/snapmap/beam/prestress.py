@@ -59,7 +59,8 @@ def kinds_of(beam: Beam) -> tuple[Kinds, np.ndarray]:
         columns += np.moveaxis(beam.cosines, -1, 0).tolist()
     table = np.stack(np.broadcast_arrays(*map(np.atleast_1d, columns)))
     found, kind = np.unique(table, axis=1, return_inverse=True)
-    return Kinds(*found[:3], found[3:].T if len(found) > 3 else None), kind.ravel()
+    a = found[3:].T if len(found) > 3 else None
+    return Kinds(found[0], found[1], found[2], a), kind.ravel()
 
 
 def at_rest(basis: Basis, kinds: Kinds) -> tuple[np.ndarray, np.ndarray]:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..device import Beam, Device
+from ..device import Beam, Device, Value
 from ..numerics.linalg import apply, multiply, outer, solve
 from .basis import Basis
 from .prestress import at_rest, kinds_of
@@ -27,7 +27,7 @@ class Stress(NamedTuple):
     rest: np.ndarray
     residual: np.ndarray
     tension: float
-    area: float
+    area: Value
 
     def largest(self, u: np.ndarray, contact: np.ndarray, axial_force: np.ndarray) -> np.ndarray:
         """The largest tensile stress over both faces of the PLACES, MPa, (samples,).

@@ -38,7 +38,7 @@ def load_device(path: str | Path) -> Device:
     faults = {at: line for at, line in schema_faults(document).items() if at[:1] == ("device",)}
     device = _convert_device(document, ("device",), faults)
     refuse(faults)
-    for line in measured_shapes(document):
+    for line in measured_shapes(document).values():
         warnings.warn(line, stacklevel=2)
     return device
 
@@ -223,14 +223,15 @@ def _shape(given, others, free):
     return tilt | dict(zip(COSINES, (term / rise for term in terms[1:]), strict=False))
 
 
-def measured_shapes(document: Mapping) -> list[str]:
-    """Lines on the shapes of devices that were read from files: how far from them the fit is."""
+def measured_shapes(document: Mapping) -> dict[tuple[str, str], str]:
+    """Lines on shapes read from files, by device and path: how far from them the fit is."""
     named = document.get("devices") or {"device": document.get("device")}
-    lines = []
+    lines = {}
     for name, section in named.items():
         given = section["beam"].get("shape")
         if isinstance(given, Mapping) and "file" in given:
-            lines.append(f"{name}, {given['file']}: {read_shape(given['file']).words}")
+            path = given["file"]
+            lines[name, path] = f"{name}, {path}: {read_shape(path).words}"
     return lines
 
 

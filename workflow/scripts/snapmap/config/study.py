@@ -8,6 +8,8 @@ import numpy as np
 from ..axes import Grid, make_grid
 from ..described import describe, excited
 from ..device import VALUES, values_of
+from ..io.measured_shape import PROFILE
+from ..io.named import sha256_of
 from ..pulse import HANDOUT_SHOCK
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
 from ..study import Study
@@ -58,7 +60,7 @@ class Config(Study):
     maps, curves, boundary: what is drawn of cells, thresholds, and the damage boundary
     own_points: path and SHA-256 of a user's own points on the maps, or nothing
     left_out: one line on what is not drawn, or nothing
-    measured: lines on shapes of beams that were read from files
+    measured: lines on shapes of beams that were read from files, by device and path
     """
 
     grid: Grid
@@ -75,7 +77,7 @@ class Config(Study):
     boundary: View
     own_points: tuple[str, str] | tuple[()]
     left_out: str
-    measured: list[str]
+    measured: dict[tuple[str, str], str]
 
     @property
     def axes(self) -> dict[str, np.ndarray]:
@@ -105,7 +107,7 @@ class Config(Study):
 
     def descriptions(self) -> list[str]:
         """Lines on each device, whatever the axes change, and on how a record excites it."""
-        C, lines = self.axes["C"], list(self.measured)
+        C, lines = self.axes["C"], list(self.measured.values())
         records = [
             one for one in self.shocks.shapes.values() if one.duration and not one.blows.size
         ]
@@ -119,7 +121,9 @@ class Config(Study):
         pulses = [self.pulse, *(asked.pulse for asked in self.requirements)]
         own = dict([self.own_points] if self.own_points else [])
         shots = self.calibration.files if self.calibration else {}
-        return {one["file"]: one["sha256"] for one in pulses if "file" in one} | own | shots
+        recorded = {one["file"]: one["sha256"] for one in pulses if "file" in one}
+        shapes = {path: sha256_of(path, *PROFILE) for _, path in self.measured}
+        return recorded | shapes | own | shots
 
     def doubts(self) -> list[str]:
         """Lines on what is hardly meant, and on what devices and recorded shocks may leave out."""

@@ -41,7 +41,7 @@ def provenance(document: Mapping) -> dict[str, str]:
         "keywords": KEYWORDS,
         "config": json.dumps(document),
         "code_version": code,
-        "packages": " ".join(filter(None, map(_with_version, PACKAGES))),
+        "packages": _packages(),
         "python": platform.python_version(),
     }
 
@@ -52,6 +52,10 @@ def _with_version(package):
         return f"{package} {version(package)}"
     except PackageNotFoundError:
         return ""
+
+
+def _packages():
+    return " ".join(filter(None, map(_with_version, PACKAGES)))
 
 
 def asked_for(
@@ -147,3 +151,8 @@ def _commit():
     except (OSError, subprocess.SubprocessError):
         return ""
     return run.stdout.strip()
+
+
+if __name__ == "__main__":  # for a report of a fault
+    print(f"snapmap {code_version()}, Python {platform.python_version()}, {platform.platform()}")
+    print(_packages())

@@ -94,10 +94,12 @@ class Survey(NamedTuple):
     finer: Optional["Survey"] = None
 
 
-def choose_model(device: Device, model: Mapping) -> Follows:
+def choose_model(device: Device, model: Mapping) -> Follows | Adaptive:
     """Build a model, given by its name and options, for a device or a batch."""
-    if model["name"] != "auto":
-        return build_model(device, **model)
+    return _levels(device, model) if model["name"] == "auto" else build_model(device, **model)
+
+
+def _levels(device, model) -> Adaptive:
     options = {key: value for key, value in model.items() if key != "name"}
     check_options(device, "auto", options)
     return build_adaptive(device, **options)
@@ -105,11 +107,12 @@ def choose_model(device: Device, model: Mapping) -> Follows:
 
 def choose_survey(device: Device, model: Mapping) -> Survey:
     """Build what finds the thresholds of a model, given by its name and options, for a batch."""
-    static, chosen = static_threshold(device), choose_model(device, model)
+    static = np.asarray(static_threshold(device))
     if model["name"] != "auto":
-        levels = build_adaptive(device)
-        return Survey(levels.base, chosen, levels.check, levels.top, static)
-    coarse, middle, fine = chosen.base, chosen.check, chosen.top
+        decides, levels = build_model(device, **model), build_adaptive(device)
+        return Survey(levels.base, decides, levels.check, levels.top, static)
+    levels = _levels(device, model)
+    coarse, middle, fine = levels.base, levels.check, levels.top
     finer = Survey(middle, fine.with_step(0.5), middle, None, static)
     accepted = model.get("tolerance", TOLERANCE)
     return Survey(coarse, middle, coarse, None, static, judge=fine, tolerance=accepted, finer=finer)

@@ -35,7 +35,7 @@ def least_amplitudes(model: Follows, rows: Rows, pulses: tuple[Pulse, ...]) -> n
     facts = np.array([(pulse.gross_area, pulse.variation) for pulse in pulses])
     gross, ups_and_downs = facts[rows.pulse].T
     a = np.maximum(speed * rows.f0 * 1e-6 / gross, swing / ups_and_downs)
-    return a / model.device.gravity[rows.device]
+    return a / np.asarray(model.device.gravity)[rows.device]
 
 
 def _of_devices(model):

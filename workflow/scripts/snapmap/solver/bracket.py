@@ -30,7 +30,8 @@ def lowest_snap(
     NaN where nothing in the bracket snaps, or its lower end does.
     """
     ask = asker(model, rows, settings)
-    N = amplitudes(*(np.broadcast_to(end, rows.f0.shape) for end in bracket), step)
+    low, high = (np.broadcast_to(end, rows.f0.shape) for end in bracket)
+    N = amplitudes(low, high, step)
     return refine(ask, *first_snap(N, np.isfinite(ask(N))), tolerance)[1]
 
 
@@ -75,7 +76,8 @@ def first_snap(N: np.ndarray, snapped: np.ndarray) -> tuple[np.ndarray, np.ndarr
     first = np.argmax(snapped, axis=1)
     rows = np.arange(len(N))
     found = snapped[rows, first] & (first > 0)
-    return tuple(np.where(found, N[rows, end], np.nan) for end in (first - 1, first))
+    low, high = (np.where(found, N[rows, end], np.nan) for end in (first - 1, first))
+    return low, high
 
 
 def refine(

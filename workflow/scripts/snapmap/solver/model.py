@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -28,14 +28,15 @@ SMALLEST = 2.0**-8
 
 
 class Follows(Protocol):
-    """What every model does, however many discretisations it holds.
+    """What every model does, however many discretisations it holds."""
 
-    device: one, or a batch that the cells' indices refer to
-    levels: its discretisations by the `level` of its observations, the cheapest first
-    """
+    @property
+    def device(self) -> Device:
+        """One, or a batch that the cells' indices refer to."""
 
-    device: Device
-    levels: tuple["Follows", ...]
+    @property
+    def levels(self) -> tuple["Follows", ...]:
+        """Its discretisations by the `level` of its observations, the cheapest first."""
 
     def follow(self, cells: Cells, settings: Settings) -> Observations:
         """Follow cells, (rows, n), each row of ascending amplitude, as the settings ask."""
@@ -123,8 +124,8 @@ class Model:
         """The same model of one device of the batch, or of some."""
         if np.ndim(self.device.mass) == 0:
             return self
-        parts = {"device": self.device.pick(which), "steps": self.steps.pick(which)}
-        parts["proves"] = self.proves[which]
+        parts: dict[str, Any] = {"device": self.device.pick(which), "steps": self.steps.pick(which)}
+        parts["proves"] = np.asarray(self.proves)[which]
         for key in ("modal", "barrier"):
             whole = getattr(self, key)
             parts[key] = type(whole)(*(value[which] for value in whole))

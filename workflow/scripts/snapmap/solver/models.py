@@ -7,7 +7,7 @@ import numpy as np
 from ..beam.barrier import find_barrier
 from ..beam.cosines import buckling_shapes, symmetric_cosines
 from ..beam.elements import hermite_elements
-from ..beam.modal import contact_stiffness, reduce_to_modes, under_load
+from ..beam.modal import contact_stiffness, pulse_load, reduce_to_modes
 from ..device import Device
 from .model import Follows, Loop, Model, mix
 from .schemes import CONSERVING, EXPLICIT, SCHEMES, pays_explicit
@@ -88,7 +88,8 @@ def _build_alike(device, name, options, kind):
     if modes > most:
         own = options["modes"], most // (1 + is_free)
         raise ValueError(f"model.modes: {own[0]} is too many; this beam has {own[1]}")
-    modal = under_load(device, reduce_to_modes(device.beam, basis, modes))
+    modal = reduce_to_modes(device.beam, basis, modes)
+    modal = modal._replace(load=pulse_load(device, modal.load, modal.midpoint))
     if np.isinf(contact_stiffness(device, modal.residual)).any():
         raise ValueError(
             f"device.contact: hard needs a residual flexibility, and the {name} model leaves none "

@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..beam.basis import Basis
-from ..beam.modal import under_load
+from ..beam.modal import pulse_load
 from ..beam.prestress import settled
-from ..device import Device
+from ..device import Device, Value
 from ..numerics import pieces as curve
 from ..numerics.arithmetic import fma
 from ..numerics.kept_kernels import compiled
@@ -34,15 +34,15 @@ class System(NamedTuple):
     slope_start: np.ndarray
     load: np.ndarray
     midpoint: np.ndarray
-    axial: float
-    mass: float
-    spring: float
-    penalty: float
-    gap: float
-    beam_damping: float
-    stop_toward: float
-    stop_away: float
-    restitution: float
+    axial: Value
+    mass: Value
+    spring: Value
+    penalty: Value
+    gap: Value
+    beam_damping: Value
+    stop_toward: Value
+    stop_away: Value
+    restitution: Value
 
 
 def nodal_system(device: Device, basis: Basis) -> System:
@@ -54,7 +54,7 @@ def nodal_system(device: Device, basis: Basis) -> System:
         bending=scaled.bending,
         geometric=scaled.geometric,
         slope_start=apply(scaled.geometric, scaled.start),
-        load=under_load(device, scaled).load,
+        load=pulse_load(device, scaled.load, scaled.midpoint),
         midpoint=scaled.midpoint,
         axial=device.beam.axial_stiffness,
         mass=device.mass,
