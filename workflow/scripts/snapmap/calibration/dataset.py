@@ -185,7 +185,7 @@ def _unknowns(done, intervals):
 
 
 def _spreads(done, intervals):
-    """Median, low and high of the spread and, where units come again, mean of their share."""
+    """Mean, low and high of the spread and, where units come again, of their share."""
     ends = np.array([[one.low, one.high] for one in intervals])
     half = (ends[:, 1] - ends[:, 0]) / 2
     low, high = np.clip([ends[:, 0] - half, ends[:, 1] + half], 0.0, 1.0)
@@ -195,10 +195,9 @@ def _spreads(done, intervals):
     logs = done.likelihood.of(done.surface.at(places))
     whole = np.exp(logs - logs.max()).sum(axis=0)
     weighed = whole * SPREADS[:, np.newaxis]
-    each = weighed.sum(axis=1) / weighed.sum()
-    median = np.exp(np.interp(0.5, np.cumsum(each) - each / 2, np.log(SPREADS)))
+    mean = np.average(SPREADS, weights=weighed.sum(axis=1))
     ends = np.exp(_ends(np.log(SPREADS), whole.sum(axis=1), done.freedom))
-    found = {"spread": np.array([median, *ends])}
+    found = {"spread": np.array([mean, *ends])}
     shares, likely = done.likelihood.shares, weighed.sum(axis=0)
     if shares.size > 1:
         mean = np.average(shares, weights=likely)
