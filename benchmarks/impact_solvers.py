@@ -127,6 +127,7 @@ def by_heyoka(problem: Problem) -> Solve:
     """heyoka's batch mode, impacts as terminal events that go on."""
     import heyoka as hy
 
+    hy.set_logger_level_critical()  # it warns on the standard output of events it may have missed
     x = hy.make_vars(*(f"x{i}" for i in range(problem.start.shape[1])))
     q = [hy.par[i] for i in range(problem.q.shape[1])]
     rates = [

@@ -7,7 +7,7 @@ strike something. One command prints this page:
 
     PYTHONPATH=workflow/scripts ./run python benchmarks/impacts.py > docs/impacts.md
 
-`--small` takes seconds. SciPy, a plain loop and snapmap are always there; heyoka and diffrax are
+`--small` shows within a minute that it runs. SciPy, a plain loop and snapmap are always there; heyoka and diffrax are
 in the group `bench` of `pyproject.toml`. Another solver takes part by a function in
 `impact_solvers.py` and a line in `contenders` of `impacts.py`, both in the folder `benchmarks`.
 
@@ -49,13 +49,14 @@ Three trajectories of each, the first, the middle and the last:
 {answers}
 ## Found
 
-{machine}, one thread; {versions}. CPU time, compiled beforehand, the median of {rounds} rounds in
-turns (A B C A B C ...). **Only ratios count**: absolute figures do not carry over to another
-machine.
+{machine}, one thread;
+{versions}.
+CPU time, compiled beforehand, the median of {rounds} rounds in turns (A B C A B C ...). **Only
+ratios count**: absolute figures do not carry over to another machine.
 
 *Loose* and *tight*: within 1e-3 and 1e-6 of the answer for all but 5 % of the trajectories, as
-some come near to grazing the stop, where any error grows without bound; of the labels, all but 1
-% right, and all. *Wrong*: how many of these trajectories are not within the bound. Every
+some come near to grazing the stop, where any error grows without bound; of the labels, all but
+one in a hundred, and all. *Wrong*: how many of them are not within the bound. Every
 contender has a ladder of settings; the table has the fastest that meets the bound. *Setting*: a
 tolerance, absolute and relative, then the longest step allowed, if it is limited; the plain
 loop's step; for snapmap the number of steps, and on the map its own step times this. SciPy
@@ -66,10 +67,10 @@ What they are. SciPy: `solve_ivp` begun anew after each impact, its right-hand s
 numba. Plain loop: Runge and Kutta's fourth order in fixed steps, compiled by numba, impacts by
 bisection. heyoka: Taylor series in its batch mode, impacts as terminal events; it fills its lanes
 again only on the map. diffrax: a `while_loop` of `diffeqsolve` with an event, all trajectories at
-once by `vmap`. snapmap: its kernel as it is, of second order, so at a loss where many digits are
-wanted; of the first two problems a mass before a stop whose beam is out of reach, but is
-computed. A stop of its own that is soft it does not have, and of the valve's third equation it
-knows nothing.
+once by `vmap`; beyond the limit of Zeno its ball falls through the floor. snapmap: its kernel as
+it is, of second order, so at a loss where many digits are wanted; in the first two problems a
+mass before a stop, its beam out of reach but computed. It has no soft stop beside the beam, and
+no third equation for a valve.
 
 What does not take part. diffrax on the map: nobody has written it. numbalsoda 0.3.4: comes as
 source only and needs a Fortran compiler. numbakit-ode 0.5: its methods with a tolerance raise a

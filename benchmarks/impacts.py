@@ -5,6 +5,7 @@ PYTHONPATH=workflow/scripts ./run python benchmarks/impacts.py [--small] > docs/
 diffrax and heyoka take part if they are installed: see the group `bench` in pyproject.toml.
 """
 
+import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -43,8 +44,8 @@ FACTORS = (2.0,), (1.0,), (0.5,), (0.25,), (0.125,)
 MAP_STEPS = (0.4,), (0.2,), (0.1,)
 OURS, SCIPY = "snapmap", "SciPy DOP853"
 HEAD = [
-    *("problem", "contender", "of", "loose: a second", "to SciPy", "wrong", "setting"),
-    *("tight: a second", "to SciPy", "wrong", "setting"),
+    *("problem", "contender", "of", "loose: trajectories/s", "to SciPy", "wrong", "setting"),
+    *("tight: trajectories/s", "to SciPy", "wrong", "setting"),
 ]
 
 
@@ -64,6 +65,7 @@ class Contender(NamedTuple):
 
 
 def main():
+    warnings.filterwarnings("ignore", "compiling the kernel")  # said of any compiled tuple
     device, rows, checks = load_device(ROOT / "config" / "config.yaml"), [], []
     for problem in ensembles():
         rows += measure(problem, contenders(problem, device))

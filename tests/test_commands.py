@@ -67,6 +67,9 @@ ELSEWHERE = {
     "python docs/make_reference.py": (
         "test_docs.py::test_the_reference_is_what_the_docstrings_say"
     ),
+    "python benchmarks/impacts.py > docs/impacts.md": (
+        "test_commands.py::test_a_benchmark_runs_in_small"
+    ),
     "python benchmarks/compare.py": "test_commands.py::test_the_comparison_in_small",
     "python -m snapmap.command check config.yaml": (
         "test_command.py::test_check_says_what_a_config_describes_doubts_and_costs"
