@@ -225,3 +225,11 @@ def test_the_colour_of_a_figure_empties_no_reuse(root):
         files = code_files(module.__file__, package.parent)
         used = {path.relative_to(package).parts[0] for path in files}
         assert {"solver", "beam", "pulse.py"} <= used and not used & {"figures", "config"}
+
+
+def test_thresholds_are_the_same_however_many_rows_are_looked_at_together(monkeypatch):
+    device = study(**WHOLE).device
+    asked = {"f0": [5e3, 500.0, 1500.0], "C": [0.025], "horizon": 1500.0, "highest": 2400.0}
+    whole = surface.threshold(device, **asked)
+    monkeypatch.setattr(surface, "ROWS", 1)
+    xr.testing.assert_identical(surface.threshold(device, **asked), whole)

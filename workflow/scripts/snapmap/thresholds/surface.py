@@ -27,6 +27,8 @@ SLOWNESS = 0.02
 """Frequency, over the device's own, of a pulse that stands for a long one where it jumps."""
 NO_AREA = 1e-3
 """A pulse of less area leaves no change of velocity by which it could trip."""
+ROWS = 4096
+"""Rows looked at together: each takes some 70 kB."""
 
 MULTIPLES = {"units": "1", "comment": "in multiples of g"}
 VARIABLES = {
@@ -184,21 +186,26 @@ def thresholds_of(
 
 def _look(models, rows, settings, tolerance, highest, new, known):
     """Thresholds of all rows by name: of the new ones, given by their indices, and those known."""
-    some = rows.some(new)
-    found = {}
-    if new.size or not known:
-        found = survey(models, some, settings, tolerance, highest)._asdict()
-        first = found["N_first"]
-        top = np.where(np.isnan(first), np.nan, ABOVE * first if highest is None else highest)
-        low = np.where(first <= top, first, np.nan)
-        found["N_latched"] = lowest_latched(models.decides, some, low, top, settings)
-    whole = {
-        key: joined(rows.f0.size, new, found.get(key), known.get(key)) for key in found | known
-    }
+    whole = known
+    blocks = np.split(new, range(ROWS, new.size, ROWS)) if new.size or not known else []
+    for block in blocks:
+        found = _look_at(models, rows.some(block), settings, tolerance, highest)
+        whole = {
+            key: joined(rows.f0.size, block, found.get(key), whole.get(key))
+            for key in found | whole
+        }
     if any(pulse.blows.size for pulse in settings.pulses):
         whole["blow"] = blow_at(settings.pulses, rows.pulse, whole["t_snap"] * rows.f0 * 1e-6)
     most = whole["islands"].max(initial=0)
     return whole | {key: whole[key][:, :most] for key in ("island_from", "island_to")}
+
+
+def _look_at(models, rows, settings, tolerance, highest):
+    found = survey(models, rows, settings, tolerance, highest)._asdict()
+    first = found["N_first"]
+    top = np.where(np.isnan(first), np.nan, ABOVE * first if highest is None else highest)
+    low = np.where(first <= top, first, np.nan)
+    return found | {"N_latched": lowest_latched(models.decides, rows, low, top, settings)}
 
 
 def _limits(grid, models, settings, tolerance, highest):
