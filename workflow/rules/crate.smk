@@ -1,13 +1,3 @@
-def finished(wildcards):
-    """All that a run leaves; a function, as `all` is read last."""
-    stems = ["threshold", "traces", *(f"statics{which}" for which in made.statics)]
-    stems += ["tolerance"] * bool(study.tolerances)
-    stems += ["calibration"] * bool(study.calibration)
-    stems += [f"histories/{name}" for name in made.histories]
-    data = [f"results/{stem}.nc" for stem in stems]
-    return [*rules.all.input, "results/thresholds.csv", *data]
-
-
 rule write_crate:
     input:
         result=finished,
