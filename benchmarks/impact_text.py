@@ -7,9 +7,9 @@ strike something. One command prints this page:
 
     PYTHONPATH=workflow/scripts ./run python benchmarks/impacts.py > docs/impacts.md
 
-`--small` shows within a minute that it runs. SciPy, a plain loop and snapmap are always there; heyoka and diffrax are
-in the group `bench` of `pyproject.toml`. Another solver takes part by a function in
-`impact_solvers.py` and a line in `contenders` of `impacts.py`, both in the folder `benchmarks`.
+`--small` shows within a minute that it runs. SciPy, a plain loop and snapmap are always there;
+heyoka and diffrax are in the group `bench` of `pyproject.toml`. Another solver takes part by a
+function in `impact_solvers.py` and a line in `contenders` of `impacts.py`, both in `benchmarks`.
 
 ## The problems
 
