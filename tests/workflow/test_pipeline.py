@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import re
 import shutil
 import socket
 import subprocess
@@ -126,12 +127,11 @@ def test_every_job_has_a_log(finished):
 
 def test_lint_misses_nothing_but_environments_of_rules(clone):
     """There is one, as the Snakefile itself needs it: config/README.md. From the catalog's file."""
-    command = ["snakemake", "--snakefile", clone / "workflow" / "Snakefile", "--lint", "json"]
+    command = ["snakemake", "--snakefile", clone / "workflow" / "Snakefile", "--lint"]
     done = subprocess.run(command, cwd=clone, capture_output=True, text=True, timeout=120)
-    found = json.loads(done.stdout)
-    titles = {lint["title"] for rule in found["rules"] for lint in rule["lints"]}
-    assert not found["snakefiles"] and len(found["rules"]) > len(RULES), done.stderr
-    assert titles == {"Specify a conda environment or container for each rule."}
+    found = re.findall(r"^    \* (.+):$", done.stdout + done.stderr, re.M)
+    assert len(found) > len(RULES), done.stderr
+    assert set(found) == {"Specify a conda environment or container for each rule."}
 
 
 def test_the_workflow_is_formatted(clone):

@@ -249,10 +249,13 @@ def _draw_times(ax, times, ends, x: Scale, y: Scale):
 
 def _keys(kind, panels, y):
     """Of states, hatches and thresholds; all panels have thresholds or none."""
-    parts = [part for cells, _ in panels for part in plane.parts(cells)]
-    keys = list(plane.state_keys([kind.classify(part) for part in parts], kind.states))
+
+    def of_all(look):  # what is read of a part goes with it
+        return [look(part) for cells, _ in panels for part in plane.parts(cells)]
+
+    keys = list(plane.state_keys(of_all(kind.classify), kind.states))
     if kind.is_of_ends:
-        keys += plane.elsewhere_keys([end_elsewhere(part) for part in parts])
+        keys += plane.elsewhere_keys(of_all(end_elsewhere))
     if any(_breaks(cells) for cells, _ in panels):
         look = {"color": BREAKS["colors"], "linewidth": BREAKS["linewidths"]}
         keys.append(Line2D([], [], **look, label="largest stress = strength"))
