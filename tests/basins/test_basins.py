@@ -4,6 +4,7 @@ import draw_integrity
 import measure_integrity
 import numpy as np
 import pytest
+import xarray as xr
 from scipy.integrate import quad
 from scipy.special import entr
 from small_results import make_cells
@@ -99,6 +100,8 @@ def test_the_integrity_of_a_cube_is_that_of_its_labels():
     assert snaps.tolist()[:3] == [[2, 2, 2, -1], [2, 2, 2, 2], [1, 2, 2, 2]]
     assert ends.tolist()[1] == [2, 2, 1, 2] and found.basins.dtype == np.int8
     told = found.isel(C=0).sel(labels="snaps")
+    to_the_snap = snapmap.integrity(cells.drop_vars("well").expand_dims(C=[25.0]))
+    xr.testing.assert_equal(to_the_snap, found.sel(labels=["snaps"]))
     np.testing.assert_allclose(told.safe_share, [1, 0.75, 0.25, 0, 0])
     # f0 has four points, N five: a cell is a third wide and a quarter high.
     assert told.integrity.isel(f0=0, N=0).item() == pytest.approx(np.hypot(1 / 3, 1 / 2))

@@ -8,8 +8,6 @@ from ..solver.outcome import ABSENT, FAILED, LATCHED, SNAPPED
 from .entropy import basin_entropy, disk_entropy, uncertain_shares, uncertainty_exponent
 
 PLANE = ("f0", "N")
-LABELS = ("snaps", "ends")
-"""By which cells are told apart: whether they snap, and on which side they end."""
 SAFE, TRIPPED, DIVERGED = 1, 2, -1
 """Labels, as Attractors.jl has them: from 1, and -1 for what has no attractor."""
 FEWEST = 6
@@ -47,8 +45,8 @@ def integrity(cube: xr.Dataset, box: int | None = None) -> xr.Dataset:
     cube: as `sweep` and `open_cube` return it; f0 and N each even, or its logarithm or inverse
     box: side of the boxes, and width of the disks, of the entropies, cells; by default a tenth of
         the shorter axis
-    Variables over `labels` ("snaps": whether a cell snaps; "ends": on which side it was last seen)
-    and the cube's further axes; `basins`, the labels, are integers that Attractors.jl reads. Raises
+    Variables over `labels` ("snaps": whether a cell snaps; "ends": on which side it was last seen,
+    if runs go on beyond a snap) and the cube's further axes; `basins`, the labels, are integers that Attractors.jl reads. Raises
     ValueError, one line, for axes that are not even, and for a box that is no part of them.
 
     >>> device = snapmap.load_device("config/config.yaml")
@@ -86,14 +84,15 @@ def integrity(cube: xr.Dataset, box: int | None = None) -> xr.Dataset:
 
 
 def labels_of(cube: xr.Dataset) -> xr.DataArray:
-    """Integers for the labels of a cube's cells, over LABELS and its axes, those of PLANE last."""
+    """Integers for the labels of a cube's cells, over the kinds of label and its axes, those of PLANE last."""
     outcome = cube.get("outcome_code", cube.outcome)
-    snaps = cube.t_snap.notnull()
-    # ASSUME: a cell that is open belongs to the side on which it was last seen.
-    open_ends = (cube.well == 2) | ((cube.well == 0) & (outcome == SNAPPED))
-    ends = (outcome == LATCHED) | open_ends
-    names = xr.Variable("labels", list(LABELS), {"long_name": "what the labels tell apart"})
-    found = xr.concat([snaps, ends], names)
+    tripped = {"snaps": cube.t_snap.notnull()}
+    if "well" in cube:  # else runs end at their snap
+        # ASSUME: a cell that is open belongs to the side on which it was last seen.
+        open_ends = (cube.well == 2) | ((cube.well == 0) & (outcome == SNAPPED))
+        tripped["ends"] = (outcome == LATCHED) | open_ends
+    names = xr.Variable("labels", list(tripped), {"long_name": "what the labels tell apart"})
+    found = xr.concat(list(tripped.values()), names)
     labels = xr.where(outcome.isin([FAILED, ABSENT]), DIVERGED, xr.where(found, TRIPPED, SAFE))
     return labels.transpose("labels", ..., *PLANE).astype(np.int8)
 
