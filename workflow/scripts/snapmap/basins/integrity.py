@@ -46,8 +46,9 @@ def integrity(cube: xr.Dataset, box: int | None = None) -> xr.Dataset:
     box: side of the boxes, and width of the disks, of the entropies, cells; by default a tenth of
         the shorter axis
     Variables over `labels` ("snaps": whether a cell snaps; "ends": on which side it was last seen,
-    if runs go on beyond a snap) and the cube's further axes; `basins`, the labels, are integers that Attractors.jl reads. Raises
-    ValueError, one line, for axes that are not even, and for a box that is no part of them.
+    if runs go on beyond a snap) and the cube's further axes; `basins`, the labels, are integers
+    that Attractors.jl reads. Raises ValueError, one line, for axes that are not even, and for a box
+    that is no part of them.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> cheap = {"model": "cosines", "modes": 5, "horizon": 0}
@@ -84,7 +85,7 @@ def integrity(cube: xr.Dataset, box: int | None = None) -> xr.Dataset:
 
 
 def labels_of(cube: xr.Dataset) -> xr.DataArray:
-    """Integers for the labels of a cube's cells, over the kinds of label and its axes, those of PLANE last."""
+    """Integers for the labels of a cube's cells, over their kinds and its axes, PLANE last."""
     outcome = cube.get("outcome_code", cube.outcome)
     tripped = {"snaps": cube.t_snap.notnull()}
     if "well" in cube:  # else runs end at their snap
