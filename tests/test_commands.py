@@ -159,6 +159,7 @@ def test_versions_in_one_paste(root):
     assert re.match(r"snapmap \d\S+ sources \w+, Python .*\nnumpy \d", said)
 
 
+@pytest.mark.long
 def test_the_comparison_in_small(root, tmp_path):
     """The command of docs/performance.md; without heyoka, which the usual packages do not have."""
     command = [sys.executable, root / "benchmarks" / "compare.py", "--small"]

@@ -168,7 +168,7 @@ def test_a_shaped_beam_snaps_alike_in_elements_and_cosines(root):
     device = replace(device, beam=replace(device.beam, cosine_2=0.05, cosine_3=-0.03))
     found = [
         threshold(device, 1500.0, 25.0, model=name, **size).N_first.item()
-        for name, size in (("elements", {}), ("cosines", {}))
+        for name, size in (("elements", {"modes": 5}), ("cosines", {}))
     ]
     assert found[0] == pytest.approx(found[1], rel=1e-2)
     run = simulate(device, 1.02 * max(found), 1500.0, 25.0, model="cosines")

@@ -1,6 +1,5 @@
 """The command `snapmap`: a config to begin with, what it would cost, and its run."""
 
-import os
 import shutil
 import sys
 from argparse import ArgumentParser
@@ -66,17 +65,14 @@ def check(config: Path) -> None:
 
 
 def run(config: Path, cores: str) -> None:
-    """Become Snakemake with the workflow, in the current folder; raises ValueError, one line."""
+    """Run the workflow in the current folder, and exit as Snakemake does; ValueError, one line."""
     with needing("snapmap run"):
-        import snakemake  # noqa: F401, it is asked for below
+        from snakemake.cli import main as snakemake
 
         from .config.yaml_file import read_document
     read_document(config)  # Snakemake would evaluate what is behind __use_yte__, not refuse it
-    snakefile = PIPELINE / "Snakefile"
-    asked = ["--snakefile", snakefile, "--configfile", config, "--cores", cores]
-    sys.stdout.flush()
-    # Without the current folder on the path: a module there is none of Snakemake's.
-    os.execv(sys.executable, [sys.executable, "-P", "-m", "snakemake", *map(str, asked)])
+    asked = ["--snakefile", PIPELINE / "Snakefile", "--configfile", config, "--cores", cores]
+    snakemake([str(word) for word in asked])
 
 
 if __name__ == "__main__":

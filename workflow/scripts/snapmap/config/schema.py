@@ -74,7 +74,7 @@ def order_of(path: tuple) -> list[str]:
 def validator() -> Draft202012Validator:
     """Read the schema and write out its quantities; `format` names the kind of each."""
     text = Path(__file__).with_name("schema.yaml").read_text(encoding="utf-8")
-    schema = yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+    schema = yaml.safe_load(text)
     write_out(schema)
     types = Draft202012Validator.TYPE_CHECKER.redefine_many(
         {
