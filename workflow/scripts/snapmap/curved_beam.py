@@ -12,6 +12,7 @@ from .checks import require, require_from_zero, require_positive
 from .shape import (
     BISTABILITY_LIMIT,
     COSINE,
+    MOST_BISTABILITY,
     SHAPES,
     TILT,
     Value,
@@ -113,6 +114,12 @@ class Beam:
         at_fault = self.rise, self.thickness, Q, needed
         straight = "device.beam.rise: {} is not enough without a residual stress below {:.5g} MPa"
         require(bistable | np.not_equal(self.rise, 0), straight, self.rise, self.most_stress)
+        never = (
+            "device.beam.shape: {} has no second stable shape without a residual stress below "
+            "{:.5g} MPa"
+        )
+        some = np.less(needed, MOST_BISTABILITY) | np.less(stress, 0)
+        require(bistable | some, never, self.shape, self.most_stress)
         holds = bistable | np.greater(Q, needed)
         require(holds | np.less(stress, 0), two_shapes, *at_fault)
         pressed = f"{two_shapes}, or a residual stress up to {{:.5g}} MPa"

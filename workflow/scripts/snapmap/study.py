@@ -44,6 +44,11 @@ class Study:
         """Its devices by name; one alone is called `device`."""
         return self.device if isinstance(self.device, Mapping) else {"device": self.device}
 
+    def require_frame(self, what: str) -> None:
+        """Raise ValueError if pulses are forces on the midpoint, where `what` shakes the frame."""
+        if any(one.force for one in self.devices().values()):
+            raise ValueError(f"device.force: {what} shakes the frame; write gravity in its place")
+
     def set_out(self, axes: Mapping[str, Sequence]) -> Grid:
         """The points of axes; ValueError, one line, for one that cannot be."""
         return make_grid(self.device, axes, self.skip, self.shocks)

@@ -56,6 +56,8 @@ def integrity(cube: xr.Dataset, box: int | None = None) -> xr.Dataset:
     >>> snapmap.integrity(cube).basins.sel(labels="snaps").values.squeeze().tolist()
     [[1, 2, 2], [1, 2, 2]]
     """
+    if missing := [key for key in (*PLANE, "outcome") if key not in (*cube.dims, *cube)]:
+        raise ValueError(f"{missing[0]}: is missing in what is given; give a cube over N and f0")
     widths = [_width(cube, key) for key in PLANE]
     shape = [cube.sizes[key] for key in PLANE if cube.sizes[key] > 1]
     box = max(2, min(shape, default=0) // 10) if box is None else box

@@ -1,6 +1,7 @@
 """A device read off its shots, as an xarray dataset: estimates, intervals, residuals."""
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from ..axes import COORDINATES
 from ..device import Device
 from ..io.counting import counting
 from ..io.provenance import provenance
+from ..io.shots import read_shots
 from ..study import THRESHOLD_SETTINGS, Study, study_of
 from .information import information_at, untold
 from .likelihood import SPREADS, Likelihood
@@ -75,7 +77,7 @@ class Fit(NamedTuple):
 
 def calibrate(
     device: Device,
-    shots: Mapping[str, Sequence],
+    shots: str | Path | Mapping[str, Sequence],
     unknowns: Mapping[str, tuple[float, float]],
     C: float | None = None,
     model: str | Mapping = "auto",
@@ -83,10 +85,10 @@ def calibrate(
 ) -> xr.Dataset:
     """Find the values of a device that its shots, tripped or not, are likeliest with.
 
-    shots: columns of one length, such as a pandas table: `N` (multiples of g), `duration` (us) or
-        `f0` (Hz), `tripped` (true or false) and, if wanted, `direction` (+z, -z), `shape` (its
-        name), `file` (path of a recorded shock, in place of shape; N is its peak, and scales it)
-        and `unit` (a name: specimens that differ are a spread of their own)
+    shots: a CSV file, or columns of one length, such as a pandas table: `N` (multiples of g),
+        `duration` (us) or `f0` (Hz), `tripped` (true or false) and, if wanted, `direction` (+z,
+        -z), `shape` (its name), `file` (path of a recorded shock, in place of shape; N is its peak,
+        and scales it) and `unit` (a name: specimens that differ are a spread of their own)
     unknowns: by name the range, internal units, in which a value of the device is looked for, or C
     C: uN us/um, unless it is unknown
     model: name, or as a mapping the whole of the config's model section
@@ -111,6 +113,8 @@ def calibrate(
     study, varied = study_of(device, model, options)
     if varied:
         raise ValueError(f"{next(iter(varied))}: is no option; write its range in unknowns")
+    if isinstance(shots, str | Path):
+        shots = read_shots(shots)
     with counting("calibrate"):
         return calibration_of(study, shots, unknowns, C)
 

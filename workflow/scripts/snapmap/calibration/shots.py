@@ -12,6 +12,7 @@ from ..io.shots import answers
 from ..pulse import Pulse, Shocks, shocks_from
 
 COLUMNS = ("N", "f0", "duration", "tripped", "direction", "shape", "file", "unit")
+DIRECTIONS = "+z", "-z"
 FEWEST = 3
 MANY = 2
 """So many of either kind at one shock contradict each other if all that trip lie below."""
@@ -98,6 +99,8 @@ def _kind(row, place, shocks, known):
     if "file" in row and "shape" in row:
         raise ValueError(f"{where}: shape stands beside file; write one of them")
     direction = str(row.get("direction", shocks.direction))
+    if direction not in DIRECTIONS:
+        raise ValueError(f"{where}: direction: {direction!r} is not one of {', '.join(DIRECTIONS)}")
     named = str(row.get("file", row.get("shape", "")))
     given = {key: row[key] for key in ("f0", "duration") if key in row}
     key = named, direction, *given.items()

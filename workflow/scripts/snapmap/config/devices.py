@@ -20,6 +20,10 @@ from .yaml_file import ConfigError, read_document
 
 APART = "beam", "stops", "strength", "thermal", KEY
 """Keys of a device that are no value of it."""
+AS_MEASURED = 0.1
+"""By how much span and rise may differ from a measured shape's, relative."""
+LEAST_TILT = 1e-6
+"""Of a measured shape, um; below it there is none but rounding."""
 TILTING = 8
 """Shapes of each kind by which it is told whether a free beam has a second one."""
 
@@ -211,7 +215,11 @@ def _shape(given, others, free):
     if "file" in given:
         measured = read_shape(given["file"])
         terms = measured.cosines
-        if free and "imperfection" not in others:
+        for key, found in (("span", measured.length), ("rise", measured.rise)):
+            if not abs(found / others[key] - 1) < AS_MEASURED:
+                told = f"{others[key]:g} um, where {given['file']} has {found:.4g} um"
+                raise ValueError(f"device.beam.{key}: {told}; is a unit wrong?")
+        if free and "imperfection" not in others and measured.tilt > LEAST_TILT:
             tilt = {"imperfection": measured.tilt}
     else:
         terms = given["cosines"]

@@ -45,6 +45,7 @@ from .shocks import (
 from .tolerances import read_tolerances
 from .units import read
 from .views import View, choose_boundary, choose_curves, choose_maps
+from .yaml_file import ConfigError
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -196,7 +197,7 @@ def load_config(document: Mapping) -> Config:
     curves = read_views(document, "thresholds", faults, grid)
     refuse(faults)
     chosen, left_out = choose_maps(grid, nominal(device), maps)
-    return Config(
+    found = Config(
         device=device,
         model=_model(document["model"]),
         grid=grid,
@@ -218,6 +219,12 @@ def load_config(document: Mapping) -> Config:
         left_out=left_out,
         measured=measured_shapes(document),
     )
+    if vibrations or spectra:
+        try:
+            found.require_frame("a spectrum among the requirements")
+        except ValueError as error:
+            raise ConfigError(str(error)) from None
+    return found
 
 
 def _grid(device, axes, skip, shocks):

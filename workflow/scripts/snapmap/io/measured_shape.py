@@ -27,7 +27,7 @@ class Measured(NamedTuple):
     """Cosines fitted to a measured shape, beside a straight line for how it lay: um.
 
     cosines: of (1 - cos(2 n pi x/L))/2; tilt: largest displacement in the first antisymmetric shape
-    rms, most: distance of the points from the fit; points: how many
+    rms, most: distance of the points from the fit; points: how many; length: from first to last
     """
 
     cosines: list[float]
@@ -35,13 +35,19 @@ class Measured(NamedTuple):
     rms: float
     most: float
     points: int
+    length: float
+
+    @property
+    def rise(self) -> float:
+        """Of the midpoint over the clamps."""
+        return sum(self.cosines[::2])
 
     @property
     def words(self) -> str:
         """One line on what was read."""
         return (
             f"{COSINES} cosines fit {self.points} points to {self.rms:.2g} um (rms), "
-            f"{self.most:.2g} um at most; rise {sum(self.cosines[::2]):.4g} um, tilt "
+            f"{self.most:.2g} um at most; rise {self.rise:.4g} um, tilt "
             f"{self.tilt:.2g} um"
         )
 
@@ -61,10 +67,10 @@ def read_shape(path: str | Path) -> Measured:
             raise ValueError(f"has {x.size} points; write {LEAST} at least")
         if not np.ptp(x) > 0:
             raise ValueError("has all points at one x; write some from clamp to clamp")
-        return _fit((x - x.min()) / np.ptp(x), w)
+        return _fit((x - x.min()) / np.ptp(x), w, float(np.ptp(x)))
 
 
-def _fit(x, w):
+def _fit(x, w, length):
     """By least squares: a line, the cosines and the first antisymmetric shape."""
     waves = [[(1 - sine(n * one + 0.25)) / 2 for n in range(1, COSINES + 1)] for one in x.tolist()]
     mu = 2 * math.pi * math.sqrt(TILT)
@@ -85,4 +91,4 @@ def _fit(x, w):
             "w along one beam, from clamp to clamp"
         )
     most = float(np.abs(away).max())
-    return Measured(cosines.tolist(), abs(float(found[-1])), rms, most, x.size)
+    return Measured(cosines.tolist(), abs(float(found[-1])), rms, most, x.size, length)

@@ -66,14 +66,19 @@ def plan_shots(
 def _of_model(prior):
     """Mean and standard deviation of the thresholds."""
     if isinstance(prior, xr.Dataset):
+        if "N_mean" not in prior:
+            raise ValueError("prior: has no N_mean; give what tolerance returns")
         if prior.N_mean.size > 1:
             several = ", ".join(key for key in prior.N_mean.dims if prior.sizes[key] > 1)
             raise ValueError(f"prior: has several values of {several}; choose one by .sel")
         prior = prior.N_mean.item(), prior.N_std.item()
-    mean, sigma = prior
+    try:
+        mean, sigma = (float(one) for one in prior)
+    except (TypeError, ValueError):
+        raise ValueError(f"prior: {prior!r} is no pair of mean and standard deviation") from None
     if not (0 < mean < np.inf and 0 < sigma < np.inf):
         raise ValueError(f"prior: {mean:g}, {sigma:g} are no mean and standard deviation above 0")
-    return float(mean), float(sigma)
+    return mean, sigma
 
 
 def _columns(shots):

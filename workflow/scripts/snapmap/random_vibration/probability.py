@@ -92,6 +92,7 @@ def vibration(
     options = dict(options)
     reach = options.pop("reach", REACH)
     study, varied = study_of(device, model, options, ("energy_tolerance", "threads"))
+    study.require_frame("random vibration")
     asked = {"duration": duration, "records": records, "seed": seed, "reach": reach}
     _check(C, asked)
     return vibration_of(study, {**varied, "C": C}, Spectrum(psd), asked)

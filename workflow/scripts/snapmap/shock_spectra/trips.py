@@ -57,6 +57,7 @@ def srs_test(
     study, varied = study_of(device, model, options)
     if "pulse" in options or len(study.shocks.pulses) > 1:
         raise ValueError("pulse: is drawn from the spectrum; give one direction alone")
+    study.require_frame("a shock response spectrum")
     return trips_of(study, {**varied, "C": C}, points, {"records": records, "seed": seed})
 
 

@@ -179,7 +179,9 @@ def _check(study, value, N, f0, C, between, along):
         raise ValueError("pulse: several; give one shape and one direction")
     if not N > 0:
         raise ValueError(f"N: {N:g} is not above 0")
-    low, high = (np.nan, np.nan) if between is None else between
+    if between is None:
+        raise ValueError("between: missing; write the two values between which to look")
+    low, high = between
     least = -np.inf if value in SIGNED else 0.0
     if not least <= low < high < np.inf:
         raise ValueError(f"between: {low:g}, {high:g} are not two ascending values from {least:g}")

@@ -46,6 +46,7 @@ def build_model(device: Device, name: str = "handout", **options) -> Follows:
     step: fraction of the stability limit, above 0 and up to 1
     """
     check_options(device, name, options)
+    device.beam.require_second_shape()
     kinds = _kinds(device, name, options)
     if np.ndim(kinds) == 0 or (kinds == kinds[0]).all():
         return _build_alike(device, name, options, int(np.max(kinds)))

@@ -91,6 +91,8 @@ class Plan:
                 raise ValueError(f"tolerances.{key}: {what} does not scatter")
             if scatter.kind == "lognormal" and not self.nominal[key] > 0:
                 raise ValueError(f"tolerances.{key}: lognormal needs a nominal value above 0")
+            if scatter.is_share and self.nominal[key] == 0:
+                raise ValueError(f"tolerances.{key}: a share of 0 is no scatter; write a width")
         self.factors = _factors(self.scatters, together)
 
     @property
