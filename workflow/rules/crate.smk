@@ -5,8 +5,6 @@ rule write_crate:
         crate="results/crate.zip",
     log:
         "results/logs/write_crate.log",
-    conda:
-        "../envs/snapmap.yaml"
     params:
         code=code("write_crate"),
         config=lambda wildcards: config,
