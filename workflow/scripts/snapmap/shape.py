@@ -17,7 +17,7 @@ from .numerics.linalg import dot, multiply
 from .numerics.portable import sine
 
 TERMS = 40
-"""Cosines in which a shape is held; arcs lose 1e-6 of their stretch beyond."""
+"""Cosines in which a shape is held: second shapes of arcs are then right to 2e-5 (at Q = 5)."""
 COSINE, ARC, PARABOLA = SHAPES = "cosine", "arc", "parabola"
 BISTABILITY_LIMIT = 4 / math.sqrt(3)
 """Q of a cosine without stress above which there is a second shape."""

@@ -8,9 +8,10 @@ import numpy as np
 from ..calibration.ranges import check_ranges
 from ..calibration.shots import shots_from
 from ..device import Device
+from ..io.columns import ROWS
 from ..io.named import sha256_of
 from ..io.recorded import RECORD
-from ..io.shots import SHOTS, read_shots
+from ..io.shots import read_shots
 from ..pulse import Shocks
 from ..quantities import QUANTITIES
 from .shocks import check_path
@@ -60,7 +61,7 @@ def read_calibration(
 def _files(path):
     """SHA-256 of a table of shots and of the records that it names."""
     check_path(path)
-    files = {path: sha256_of(path, *SHOTS)}
+    files = {path: sha256_of(path, *ROWS)}
     for record in read_shots(path).get("file", []):
         if record and record not in files:
             check_path(record)

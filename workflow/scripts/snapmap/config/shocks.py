@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..io.columns import ROWS
 from ..io.named import sha256_of
-from ..io.points import POINTS, read_points
+from ..io.points import read_points
 from ..io.recorded import RECORD, shocks_of
 from ..pulse import SHARES, Shocks
 from ..quantities import QUANTITIES
@@ -223,7 +224,7 @@ def read_own_points(path: str) -> tuple[str, str]:
     """Path and SHA-256 of a user's own points, all in order; else ValueError, one line."""
     try:
         check_path(path)
-        sha256 = sha256_of(path, *POINTS)
+        sha256 = sha256_of(path, *ROWS)
         read_points(path, sha256)
     except ValueError as error:
         raise ValueError(f"marks: {error}") from None

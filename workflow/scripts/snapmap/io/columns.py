@@ -1,15 +1,37 @@
-"""Tables of two columns whose header names their units."""
+"""Tables in CSV: rows of words, and two columns whose header names their units."""
 
+import csv
 import io
 import re
 import warnings
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 
-from .named import DECIMALS
+from .named import DECIMALS, read_named
 
+MOST_ROWS = 10_000
+ROWS = 2_000_000, f"write at most {MOST_ROWS} rows"
+"""Bytes that a table of words may have, and what to do about more."""
 _UNIT = re.compile(r"[(\[]\s*([^)\]]+?)\s*[)\]]")
+
+
+def read_words(path: str | Path, header: str, sha256: str = "") -> list[list[str]]:
+    """Read the rows of a CSV file, its header first; raises as `read_named` does.
+
+    header: an example; sha256: of the file as it was planned, nothing where anything goes
+    """
+    text = read_named(path, *ROWS, sha256).decode("utf-8-sig")
+    try:
+        rows = list(csv.reader(io.StringIO(text, newline="")))
+    except csv.Error as error:
+        raise ValueError(f"is no CSV ({error})") from None
+    if not rows:
+        raise ValueError(f"is empty; write a header such as {header}")
+    if len(rows) > MOST_ROWS + 1:
+        raise ValueError(f"has more than {MOST_ROWS} rows; write fewer")
+    return rows
 
 
 def read_columns(

@@ -1,12 +1,11 @@
 """A user's own points on the maps: a table of shocks, with what the device did under each."""
 
-import csv
-import io
 import math
 from pathlib import Path
 from typing import NamedTuple
 
-from .named import DECIMALS, naming, read_named
+from .columns import read_words
+from .named import DECIMALS, naming
 
 COLUMNS = {
     "N": "N",
@@ -19,9 +18,6 @@ COLUMNS = {
 }
 """What a column is, by its header."""
 ANSWERS = {"yes": True, "no": False, "": None}
-MOST = 10_000
-POINTS = 2_000_000, f"write at most {MOST} rows"
-"""Bytes that such a file may have, and what to do about more."""
 
 
 class Point(NamedTuple):
@@ -44,19 +40,10 @@ def read_points(path: str | Path, sha256: str = "") -> tuple[Point, ...]:
     sha256: of the file as it was planned, hex digits; nothing where anything goes
     """
     with naming(path):
-        text = read_named(path, *POINTS, sha256).decode("utf-8-sig")
-        try:
-            rows = list(csv.reader(io.StringIO(text, newline="")))
-        except csv.Error as error:
-            raise ValueError(f"is no CSV ({error})") from None
-        return tuple(_points(rows))
+        return tuple(_points(read_words(path, "N,f0,name,snapped", sha256)))
 
 
 def _points(rows):
-    if not rows:
-        raise ValueError("is empty; write a header such as N,f0,name,snapped")
-    if len(rows) > MOST + 1:
-        raise ValueError(f"has more than {MOST} rows; write fewer")
     header = _header([word.strip() for word in rows[0]])
     for key in header:
         if header.count(key) > 1:

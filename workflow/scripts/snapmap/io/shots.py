@@ -1,14 +1,13 @@
 """A table of measured shots, CSV with units, to the columns that a calibration takes."""
 
-import csv
-import io
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from .named import DECIMALS, naming, read_named
+from .columns import read_words
+from .named import DECIMALS, naming
 
 COLUMNS = {
     "N": ("N", 1.0),
@@ -26,9 +25,6 @@ ANSWERS = {
     **dict.fromkeys(("no", "false", "0", 0), False),
 }
 """What a shot did, also as a number."""
-MOST = 10_000
-SHOTS = 2_000_000, f"write at most {MOST} rows"
-"""Bytes that such a file may have, and what to do about more."""
 
 
 def read_shots(path: str | Path, sha256: str = "") -> Mapping[str, list]:
@@ -39,15 +35,7 @@ def read_shots(path: str | Path, sha256: str = "") -> Mapping[str, list]:
     sha256: of the file as it was planned, hex digits; nothing where anything goes
     """
     with naming(path):
-        text = read_named(path, *SHOTS, sha256).decode("utf-8-sig")
-        try:
-            rows = list(csv.reader(io.StringIO(text, newline="")))
-        except csv.Error as error:
-            raise ValueError(f"is no CSV ({error})") from None
-        if not rows:
-            raise ValueError("is empty; write a header such as N,duration (ms),tripped")
-        if len(rows) > MOST + 1:
-            raise ValueError(f"has more than {MOST} rows; write fewer")
+        rows = read_words(path, "N,duration (ms),tripped", sha256)
         return _columns(*_header(rows[0]), rows[1:])
 
 

@@ -94,5 +94,5 @@ def _columns(shots):
             raise ValueError(f"shots: {key}: {', '.join(found)}; plan each pulse by itself")
     for place, value in enumerate(table["N"], start=1):
         if not (isinstance(value, int | float | np.number) and 0 < value < np.inf):
-            raise ValueError(f"shots, row {place}: N: {value!r} is no number above 0")
+            raise ValueError(f"shots, row {place}: N: {value} is no number above 0")
     return np.array(table["N"], float), answers(table["tripped"])
