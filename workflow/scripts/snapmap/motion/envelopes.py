@@ -173,8 +173,8 @@ def _follow(model, pulses, cells, window, bins, threads):
 
 def _shown(values, bin_length, window):
     """Values as they are kept: beyond the window, where a run may blow up, as far as within it."""
-    ends = (1 + np.arange(values.shape[1])[:, np.newaxis]) * bin_length
-    within = {"axis": 1, "keepdims": True, "where": ends <= window}
+    begins = np.arange(values.shape[1])[:, np.newaxis] * bin_length
+    within = {"axis": 1, "keepdims": True, "where": begins < window}
     with np.errstate(invalid="ignore"):
         low, high = values.min(**within, initial=MOST), values.max(**within, initial=-MOST)
         low[3:], high[3:] = 0.0, np.fmin(high[3:], ENERGY_REACH)
