@@ -11,10 +11,11 @@ from snapmap.io.shots import read_shots
 
 def fit_calibration(study, calibration, path, threads):
     """Fit the unknowns of a config's calibration, its fields by name, and write them."""
-    table = read_shots(calibration["shots"], calibration["files"][calibration["shots"]])
+    files = calibration["files"]
+    table = read_shots(calibration["shots"], files[calibration["shots"]])
     study = study_from(study, threads)
     study = replace(study, shocks=study.shocks.first())
-    found = calibration_of(study, table, calibration["unknowns"], calibration["C"])
+    found = calibration_of(study, table, calibration["unknowns"], calibration["C"], files)
     write(found, path)
     print(f"{path}: {summary(found)}")
 
