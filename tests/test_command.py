@@ -25,6 +25,10 @@ def test_init_writes_the_config_that_there_is_and_nothing_over_another(root, con
     assert main(["init", str(config.parent)]) == 1
     assert capsys.readouterr().err == f"{config}: is there already; name another folder\n"
     assert config.read_text() == "mine"
+    config.unlink()
+    config.symlink_to("elsewhere.yaml")
+    assert main(["init", str(config.parent)]) == 1
+    assert not (config.parent / "elsewhere.yaml").exists()
 
 
 def test_check_says_what_a_config_describes_doubts_and_costs(config, capsys):

@@ -94,6 +94,15 @@ def test_a_sweep_goes_through_as_many_octaves_in_each_second(stop):
     np.testing.assert_allclose(portable.logarithm(begins[1:]), np.log(begins[1:]), atol=1e-15)
 
 
+@pytest.mark.parametrize("apart", [1e-15, 1e-13, 1e-9, 2e-8, 1e-7])
+def test_a_sweep_to_its_own_frequency_is_a_sine(apart):
+    sine, pulse = (
+        make_sweep({"from": 1e3, "to": 1e3 * f, "duration": 1e4}) for f in (1, 1 + apart)
+    )
+    np.testing.assert_allclose(pulse.duration, sine.duration, rtol=apart + 2e-8)
+    np.testing.assert_allclose(pulse.blows, sine.blows, atol=apart + 2e-8)
+
+
 @pytest.mark.parametrize(("apart", "share"), [(1.0, 1.0), (0.5, 0.0), (1.25, 0.5**0.5)])
 def test_a_second_blow_adds_to_the_swing_of_the_mass_or_takes_it(handout, apart, share):
     """Behind a wide gap the mass is a linear oscillator: times 2 |cos(pi apart)| in periods."""
@@ -197,7 +206,10 @@ def test_a_config_asks_for_trains_in_units(root):
             "pulse.train[2]: repeat: makes",
         ),
         ({"drop": {"height": "1 m"}}, "pulse.drop.duration: missing"),
-        ({"drop": {"height": "1 m", "duration": "1 ms", "rebound": 1}}, "1 is not from 0"),
+        (
+            {"drop": {"height": "1 m", "duration": "1 ms", "rebound": 0.999}},
+            "0.999 is not from 0 to 0.99",
+        ),
         ({"drop": {"height": "1 um", "duration": "9 ms"}}, "write a shorter duration"),
         ({"sweep": {"from": "9 Hz", "to": "9 kHz", "duration": "1 h"}}, "write a shorter duration"),
     ],

@@ -8,6 +8,7 @@ from math import prod
 from pathlib import Path
 
 from .io.extras import needing
+from .io.named import naming
 
 PACKAGE = Path(__file__).parent
 PIPELINE = next(path for path in (PACKAGE / "pipeline", PACKAGE.parents[2]) if path.is_dir())
@@ -39,10 +40,11 @@ def main(words: Sequence[str] | None = None) -> int:
 def init(folder: Path) -> None:
     """Write the handout's config, with comments, into a folder; ValueError if one is there."""
     path = folder / CONFIG
-    if path.exists():
-        raise ValueError(f"{path}: is there already; name another folder")
-    folder.mkdir(parents=True, exist_ok=True)
-    shutil.copyfile(PIPELINE / "config" / CONFIG, path)
+    with naming(path):
+        if path.exists() or path.is_symlink():
+            raise ValueError("is there already; name another folder")
+        folder.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(PIPELINE / "config" / CONFIG, path)
     print(f"{path}: write your device there, then: snapmap check {path}")
 
 

@@ -91,6 +91,8 @@ class Beam:
         guided = "device.beam.imperfection: {:g} um is of a free beam; write guide: free"
         fits = np.equal(self.imperfection, 0) | np.not_equal(self.free, 0)
         require(fits, guided, self.imperfection)
+        steep = "device.beam.imperfection: {:g} um is more than a tenth of the span"
+        require(np.less_equal(self.imperfection, self.span / 10), steep, self.imperfection)
         too_thin = (
             "device.beam.thickness: {:g} um gives Q = rise/thickness = {:.6g}; write one that "
             f"gives Q up to {THINNEST:g}"

@@ -135,7 +135,8 @@ def _frequency(given, pulse, where):
 
 def _level(row, place, pulse, device):
     if pulse.is_of_frame and device.force:
-        raise ValueError(f"shots, row {place + 1}: shakes the frame; write gravity, not device.force")
+        told = "file: shakes the frame; write gravity in place of device.force"
+        raise ValueError(f"shots, row {place + 1}: {told}")
     if "N" in row:
         return _positive(row["N"], f"shots, row {place + 1}: N")
     own = pulse.own_N or pulse.peak / device.gravity
