@@ -1,4 +1,4 @@
-"""The barrier from three candidates against all equilibria that buckling branches lead to."""
+"""The barrier by the stretch equation against all equilibria that buckling branches lead to."""
 
 import dataclasses
 
