@@ -253,7 +253,11 @@ def _dress(values, document):
         for key, (name, unit) in VARIABLES.items()
         if key in values
     }
-    axis = ("time", values["time"], {"long_name": "time after the start of the pulse", "units": "us"})
+    axis = (
+        "time",
+        values["time"],
+        {"long_name": "time after the start of the pulse", "units": "us"},
+    )
     return xr.Dataset(data, {"time": axis}).assign_attrs(
         Conventions="CF-1.11, ACDD-1.3",
         title="Time history of one cell",
