@@ -58,8 +58,10 @@ def simulate(
         energy_tolerance, of a sweep whose step for this cell is taken; pulse and direction, of one
         shape in one direction; and options of the model
     The attributes work_error and t_snap_error say by how much the pulse's work and the time of snap
-    differ with another step, as in a cube; those of `Extremes` are the largest of all steps, not of
-    the instants that are kept alone; of a train, blow tells at which it snaps.
+    differ with another step, as in a cube: indicators of error, no bounds. toward_max, away_max (of
+    the mass from rest, um), contact_force_max (uN), stress_max and stress_max_to_snap (MPa) are the
+    largest of all steps, not of the instants that are kept; of a train, blow tells at which it
+    snaps.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> run = snapmap.simulate(device, 1100, 1500, 25, model="cosines", horizon=0)
@@ -116,7 +118,7 @@ class Extremes(NamedTuple):
     """What a device meets under one shock, at any step up to the horizon.
 
     toward_max, away_max: of the mass from rest, toward the beam and away from it, um
-    contact_force_max: between mass and beam, uN
+    contact_force_max: between mass and beam, uN; an indicator, see docs/pulses.md
     stress_max, stress_max_to_snap: tensile, in the beam, MPa; the latter until w(L/2) is at w2
     """
 
