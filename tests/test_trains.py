@@ -65,7 +65,8 @@ def test_a_drop_changes_the_velocity_as_its_height_and_rebound_say(shape, reboun
     velocity = math.sqrt(2 * GRAVITY * height)
     one = pulse.own_N * GRAVITY
     fall = pulse.duration * pulse.pieces[0, 0], pulse.blows[0] * pulse.duration
-    assert fall[1] == pytest.approx(velocity / GRAVITY, rel=1e-3)
+    assert fall[1] == pytest.approx(velocity / GRAVITY, rel=1e-12)
+    assert pulse.at(pulse.blows[0] - 1e-9) == pytest.approx(-1 / pulse.own_N, rel=1e-9)
     assert one * pulse.impact * pulse.duration == pytest.approx((1 + rebound) * velocity)
     changes = one * areas(pulse) / velocity
     back = rebound ** np.arange(pulse.blows.size)

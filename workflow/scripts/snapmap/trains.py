@@ -78,10 +78,9 @@ def make_drop(drop: Mapping) -> Pulse:
     own_N = (1 + rebound) * velocity / (GRAVITY * _blow(**blow).area)
     if own_N < 1:
         raise ValueError(f"pulse.drop: its blow has {own_N:.2g} g; write a shorter duration")
-    join, share = JOIN * given["duration"], 1.0
-    parts = [_fall(velocity / GRAVITY, own_N, join), _blow(**blow)]
+    parts, share = [_fall(velocity / GRAVITY, own_N), _blow(**blow)], 1.0
     while (share := share * rebound) >= LEAST_REBOUND:
-        parts += [_fall(2 * share * velocity / GRAVITY, own_N, join), _blow(**blow, N=share)]
+        parts += [_fall(2 * share * velocity / GRAVITY, own_N), _blow(**blow, N=share)]
     note = f"is that from its height at N = {own_N:.5g}; at another N all of it is scaled"
     return _joined("drop", parts, {"drop": _said(given)}, own_N=own_N, notes=(note,))
 
@@ -166,10 +165,9 @@ def _blow(duration, shape=VERSED_SINE, N=1.0, **shares):
     return Part(pieces, duration + join, abs(N), area + jump * join / 2, 10 * join)
 
 
-def _fall(lasts, own_N, join):
-    """Free fall over the peak, which begins and ends straight; its area is that of a sudden one."""
-    level = -1 / own_N
-    return _line([0.0, join, lasts, lasts + join], [0.0, level, level, 0.0])
+def _fall(lasts, own_N):
+    """Free fall over the peak; where it ends with a jump, that is small beside the blow's."""
+    return _line([0.0, lasts], [-1 / own_N, -1 / own_N])
 
 
 def _line(times, values):
