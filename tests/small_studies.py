@@ -28,16 +28,16 @@ device:
 model: {name: cosines, modes: 3}
 pulse: {shape: [half sine, sawtooth], direction: both}
 sweep:
-  N: {from: 200, to: 3000, points: 5}
+  N: {from: 200, to: 3000, points: 3}
   f0: [800 Hz, 2 kHz]
-  C: [0.5 uN*us/um, 30 uN*us/um]
+  C: [30 uN*us/um]
   horizon: 200 us
 requirements:
   - {name: crash, shape: half sine, N: 2000, f0: 1 kHz, snaps: true}
   - {name: drop, shape: half sine, N: 300, f0: 2 kHz, direction: -z, snaps: false}
   - {name: shaking, psd: [[100 Hz, 0.1 g^2/Hz], [2 kHz, 0.1 g^2/Hz]], duration: 10 ms, snaps: false}
   - {name: spectrum, srs: [[500 Hz, 200 g], [5 kHz, 200 g]], snaps: false}
-tolerances: {thickness: 0.05 um, N: 2 %, samples: 32}
+tolerances: {thickness: 0.05 um, N: 2 %, samples: 8}
 calibration: {shots: shots.csv, unknowns: {thickness: [1.7 um, 2.1 um]}, C: 30 uN*us/um}
 histories:
   - {N: 1000, f0: 2 kHz, C: 30 uN*us/um}
