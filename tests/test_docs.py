@@ -1,6 +1,6 @@
 """The pages for use say what the code does, and make a site."""
 
-import os
+import doctest
 import re
 import runpy
 import subprocess
@@ -8,11 +8,18 @@ import sys
 
 import numpy as np
 import pytest
+import xarray as xr
 import yaml
 
 import snapmap
 from snapmap.config.study import load_config
 from snapmap.io.netcdf import write
+from snapmap.io.rows import read_rows
+from snapmap.tolerances.statistics import percents
+from studies import sensitivity
+
+IN_PYTHON = "recipes", "tolerances", "tutorial"
+"""Pages whose numbers are those of the Python in them."""
 
 
 def blocks(page, language):
@@ -61,16 +68,58 @@ def test_the_example_of_the_first_screen_runs(root, tmp_path, monkeypatch):
 
 
 @pytest.mark.long
-def test_the_recipes_in_python_run(root, handout, tmp_path):
+@pytest.mark.parametrize("page", ["README.md", *(f"docs/{name}.md" for name in IN_PYTHON)])
+def test_the_recipes_in_python_run(root, handout, tmp_path, monkeypatch, page):
+    """And give what the page says; a number that has moved is printed beside the one there."""
+    monkeypatch.chdir(tmp_path)
     (tmp_path / "config").symlink_to(root / "config")
+    (tmp_path / "sensor.yaml").symlink_to(root / "config" / "sensor.yaml")
     (tmp_path / "results").mkdir()
     cells = {"N": [900.0, 1100.0], "f0": [500.0, 1500.0], "C": [25.0, 200.0]}
     write(snapmap.sweep(handout, **cells), tmp_path / "results" / "cube.nc")
-    pages = root / "README.md", root / "docs" / "recipes.md"
-    code = "\n".join(block for page in pages for block in blocks(page, "python"))
-    path = {"PYTHONPATH": str(root / "workflow" / "scripts"), "MPLBACKEND": "agg"}
-    subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=os.environ | path, check=True)
-    assert (tmp_path / "map.pdf").exists() and (tmp_path / "mine.pdf").exists()
+    known = {"snapmap": snapmap, "device": handout}
+    runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
+    for block in blocks(root / page, "python"):
+        if block.startswith(">>>"):
+            told = doctest.DocTestParser().get_doctest(block, known, page, page, 0)
+            runner.run(told, clear_globs=False)
+            known = told.globs
+        else:
+            exec(block, known)
+    assert not runner.failures
+
+
+@pytest.mark.long
+def test_the_tutorial_says_what_its_study_gives(root, tmp_path):
+    """But for the data sheet, the figures and the page, which take most of the time."""
+    page = (root / "docs" / "tutorial.md").read_text(encoding="utf-8")
+    named = ["thresholds.csv", "cube.nc", "requirements.csv", "tolerance.nc"]
+    run = ["snakemake", "--snakefile", root / "Snakefile", "--directory", tmp_path, "--cores", "2"]
+    run += ["--configfile", root / "config" / "sensor.yaml", *(f"results/{name}" for name in named)]
+    subprocess.run(run, check=True, capture_output=True)
+    logs = tmp_path / "results" / "logs"
+    for rule in ("find_threshold", "collect", "check_requirements"):
+        assert (logs / f"{rule}.log").read_text(encoding="utf-8").splitlines()[-1] in page
+    words = " ".join(page.split())
+    with xr.open_dataset(tmp_path / "results" / "threshold.nc") as found:
+        one = found.isel(C=0).sel(f0=1e3 / 1.003, method="nearest")
+        assert f"{one.N_first.item():.1f} g, give or take {one.N_error.item():.1f}." in words
+        same = int((found.N_latched == found.N_first).sum())
+        assert f"`N_first` itself in {same} of {found.N_first.size} rows" in words
+    margins = [row["margin"] for row in read_rows(tmp_path / "results" / "requirements.csv")]
+    crash, _, drop, _ = margins
+    assert f"a threshold at {crash:.2f} times its amplitude, the drop at {drop:.2f}" in words
+    with xr.open_dataset(tmp_path / "results" / "tolerance.nc") as made:
+        one = made.isel(C=0)
+        trips, whole, low = one.share_meeting[0], one["yield"], one.yield_bound[0]
+        assert f"the crash trips {percents(trips)} (C = 5), and {percents(whole)} meet" in words
+        assert f"at least {percents(low)} at 95 % confidence" in words
+
+
+@pytest.mark.long
+def test_the_limits_say_what_their_study_prints(root, handout):
+    page = (root / "docs" / "limits.md").read_text(encoding="utf-8")
+    assert sensitivity.one_percent_more(handout) in page
 
 
 def test_the_site_is_made_without_a_warning_and_asks_no_other_host(root, tmp_path):

@@ -87,6 +87,14 @@ def test_vibration_tells_rate_bounds_and_level(handout):
     assert np.allclose(calm.level, high.level, rtol=0.1)
 
 
+def test_the_pulses_of_a_study_are_of_no_account(handout):
+    asked = {"psd": [(20.0, 9.0), (2000.0, 9.0)], "duration": 0.2, "C": [25.0], "records": 2}
+    asked |= {"model": "cosines", "cosines": 3}
+    plain = snapmap.vibration(handout, **asked)
+    both = snapmap.vibration(handout, **asked, pulse=["half sine", "sawtooth"], direction="both")
+    assert both.identical(plain)
+
+
 @pytest.mark.parametrize(
     ("change", "said"),
     [

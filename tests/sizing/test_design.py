@@ -86,7 +86,13 @@ def test_the_window_in_which_all_requirements_are_met(handout):
 def test_no_window_and_one_that_the_range_ends(handout):
     within = {"C": 25.0, "between": (1.8, 2.5)} | CHEAP
     never = {"name": "trip", "N": 100.0, "f0": 1500.0, "snaps": True}
-    assert snapmap.design(handout, "thickness", requirements=[never], **within).sizes["window"] == 0
+    with pytest.warns(UserWarning, match="trip fails at each: it must trip at 100, thresholds run"):
+        found = snapmap.design(handout, "thickness", requirements=[never], **within)
+    assert found.sizes["window"] == 0 and not found.met.any()
+    needs = [never | {"N": 900.0}, never | {"name": "stay", "N": 1300.0, "snaps": False}]
+    with pytest.warns(UserWarning, match="these contradict: trip is met from 1.8 to .*, stay is"):
+        found = snapmap.design(handout, "thickness", requirements=needs, **within)
+    assert found.met.any("tried").all() and not found.met.all("requirement").any()
     always = never | {"snaps": False}
     found = snapmap.design(handout, "thickness", requirements=[always], **within)
     assert (found.low.item(), found.high.item(), found.high_from.item()) == (1.8, 2.5, "between")

@@ -214,19 +214,21 @@ def test_shares_that_meet_requirements_are_those_of_the_thresholds(handout, monk
         {"name": "trips", "shocks": shocks, "N": 1000.0, "f0": 2000.0, "snaps": True},
         {"name": "rests", "shocks": shocks, "N": 850.0, "f0": 1000.0, "snaps": False},
     ]
-    brittle = replace(handout, strength=225.0)
+    brittle = replace(handout, strength=320.0)
     made = snapmap.tolerance(
         brittle, {"thickness": "5 %"}, [1500.0], [25.0], samples=100, requirements=asked, **CHEAP
     )
     first, rests = made.N_first_required.squeeze("C").values
-    trips, quiet = first <= 1000, ~(rests <= 850)
+    trips, quiet = first <= 1000 * 1.001, ~(rests <= 850)  # each the upper end of its step
     share = made.share_meeting.squeeze("C").values
     np.testing.assert_allclose(share, [trips.mean(), quiet.mean()], atol=0.011)
-    assert made["yield"].item() == pytest.approx((trips & quiet).mean(), abs=0.011)
-    assert made.yield_bound.values[0] < made["yield"].item() < made.yield_bound.values[1]
     followed = made.stress_max.squeeze("C").dropna("sample")
+    good = (trips & quiet)[:10] & (followed <= 320).all("requirement").values
+    assert 0 < good.sum() < (trips & quiet)[:10].sum()
+    assert made["yield"].item() == pytest.approx(good.mean())
+    assert made.yield_bound.values[0] < made["yield"].item() < made.yield_bound.values[1]
     assert followed.sizes["sample"] == 10
-    np.testing.assert_allclose(made.share_breaking.squeeze("C"), (followed > 225).mean("sample"))
+    np.testing.assert_allclose(made.share_breaking.squeeze("C"), (followed > 320).mean("sample"))
     assert 0 < made.share_breaking.values[0] < 1
     alone = vary(handout, thickness=made.thickness[0].item())
     run = snapmap.simulate(alone, 1000, 2000, 25, pulse="half sine", **CHEAP)
@@ -330,6 +332,7 @@ def test_the_rules_write_and_draw_what_is_asked(handout, tmp_path):
         axes={"C": [25.0], "f0": [800.0, 1500.0], "N": [800.0, 1000.0, 1200.0]},
         tolerances=asked | {"index_samples": None, "seed": 1},
         requirements=[required | {"snaps": True}],
+        left_out=["shaking"],
         path=tmp_path / "tolerance.nc",
         threads=2,
     )
@@ -350,3 +353,4 @@ def test_the_rules_write_and_draw_what_is_asked(handout, tmp_path):
         owed[{"direction": 1, "value": 1}] = 2.0
         told = summary(found.assign(sensitivity=owed))
         assert "most by thickness (one +z, two +z), most by N (one -z, two -z), yield" in told
+        assert told.endswith(", without shaking") and "all together, without shaking" in text

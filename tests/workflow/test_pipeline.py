@@ -12,9 +12,10 @@ from contextlib import contextmanager
 import pytest
 import xarray as xr
 import yaml
-from small_studies import TINY
+from small_studies import EVERY_PRODUCT, SHOTS, TINY
 
 import snapmap
+from snapmap.config.products import products
 from snapmap.config.study import load_config
 from snapmap.io.dependencies import code_files
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
@@ -332,6 +333,24 @@ def test_what_left_the_config_leaves_the_figures(clone, finished, tmp_path):
     for name in ("threshold.nc", "traces.nc"):
         before, after = (xr.load_dataset(one / "results" / name) for one in (finished[0], folder))
         xr.testing.assert_equal(before.sel(C=[30]), after)
+
+
+@pytest.mark.long
+def test_every_product_is_made_of_two_shapes_along_both_directions(clone, tmp_path):
+    config = tmp_path / "mine.yaml"
+    config.write_text(EVERY_PRODUCT)
+    (tmp_path / "shots.csv").write_text(SHOTS)
+    snakemake(clone, tmp_path, config)
+    made = products(load_config(yaml.safe_load(EVERY_PRODUCT)))
+    expected = {f"{stem}.{kind}" for stem in made.stems for kind in ("pdf", "png")}
+    assert {path.name for path in (tmp_path / "results" / "figures").iterdir()} == expected
+    for name in ("requirements.csv", "datasheet.md", "explore.html"):
+        text = (tmp_path / "results" / name).read_text(encoding="utf-8")
+        assert "crash" in text and "shaking" in text
+    with xr.open_dataset(tmp_path / "results" / "tolerance.nc") as found:
+        assert found.sizes["shape"] == found.sizes["direction"] == 2
+        assert found["yield"].leaves_out == "shaking, spectrum"
+        assert found.share_breaking.notnull().all()
 
 
 BAD = [

@@ -13,6 +13,7 @@ rule find_tolerance:
         axes={key: study.axes[key].tolist() for key in ("C", "f0", "N")},
         tolerances=study.tolerances._asdict() if study.tolerances else {},
         requirements=[asked._asdict() for asked in study.requirements],
+        left_out=[asked.name for asked in (*study.vibrations, *study.spectra)],
     message:
         "Find the thresholds of devices as made"
     script:

@@ -41,7 +41,7 @@ def _draw_yield(found, stem, attributes):
         for i in evenly(found.requirement.size, MOST)
         for j in evenly(found.C.size, MOST // min(MOST, found.requirement.size))
     ]
-    height = 0.5 + 0.17 * (found.requirement.size + 1) * found.C.size
+    height = 0.5 + 0.17 * len(list(tolerances.each_share(found))) * found.C.size
     figure, whole = _draw(panels, tolerances.draw_requirement, height)
     tolerances.draw_yield(whole, found)
     _save(figure, stem, tolerances.requirement_keys(found), panels[0], attributes)

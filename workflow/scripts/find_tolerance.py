@@ -8,13 +8,15 @@ from snapmap.tolerances.dataset import summary, tolerances_of
 from snapmap.tolerances.samples import Tolerances
 
 
-def find_tolerance(study, axes, tolerances, requirements, path, threads):
+def find_tolerance(study, axes, tolerances, requirements, left_out, path, threads):
     """Draw the devices, find their thresholds and write them; values in internal units.
 
-    tolerances: fields of `Tolerances`
+    tolerances: fields of `Tolerances`; left_out: names of requirements that the yield leaves out
     """
     required = [one | {"shocks": shocks_of(one["pulse"])} for one in requirements]
     found = tolerances_of(study_from(study, threads), axes, Tolerances(**tolerances), required)
+    if required and left_out:
+        found["yield"].attrs["leaves_out"] = ", ".join(left_out)
     write(found, path)
     print(f"{path}: {summary(found)}")
 

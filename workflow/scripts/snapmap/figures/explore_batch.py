@@ -9,7 +9,7 @@ import xarray as xr
 
 from ..tolerances.statistics import percents
 from .scales import value_text
-from .tolerances import LINES, words_of
+from .tolerances import LINES, each_share, words_of
 
 NOMINAL, LATCHED = "#d55e00", "#0072b2"
 COLOURS = ("#000000", "#d55e00", "#56b4e9", "#0072b2", "#009e73", "#cc79a7", "#999999")
@@ -137,13 +137,8 @@ def _requirements(found):
     if "requirement" not in found.dims:
         return ""
     rows = []
-    share, bounds = found.share_meeting, found.share_meeting_bound
-    others = [key for key in share.dims if key != "requirement"]
-    named = [
-        (name, share.sel(requirement=name), bounds.sel(requirement=name))
-        for name in found.requirement.values.tolist()
-    ]
-    for name, values, ends in [*named, ("all of them", found["yield"], found.yield_bound)]:
+    others = found["yield"].dims
+    for name, values, ends in each_share(found):
         for place in product(*(range(found.sizes[key]) for key in others)):
             at = dict(zip(others, place, strict=True))
             where = ", ".join(_plain(key, found[key].values[i].item()) for key, i in at.items())

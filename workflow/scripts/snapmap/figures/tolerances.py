@@ -1,7 +1,7 @@
 """Devices as made: how probably one snaps, which value that depends on, what meets requirements."""
 
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 import xarray as xr
@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from ..tolerances.statistics import percents
+from ..tolerances.statistics import left_out, percents
 from . import style
 from .curves import LOOKS, MISSING, STAYS, cross, each_line
 from .scales import (
@@ -173,15 +173,25 @@ def draw_requirement(ax: Axes, found: xr.Dataset) -> Axes:
     return ax
 
 
+def each_share(found: xr.Dataset) -> Iterator[tuple[str, xr.DataArray, xr.DataArray]]:
+    """Name, share and bounds of each requirement, of beams that it leaves unbroken, and of all."""
+    for name in found.requirement.values.tolist():
+        one = found.sel(requirement=name)
+        yield name, one.share_meeting, one.share_meeting_bound
+        if "share_breaking" in found:
+            bounds = 1 - one.share_breaking_bound.isel(bound=slice(None, None, -1))
+            yield f"{name}, unbroken", 1 - one.share_breaking, bounds
+    yield f"all together{left_out(found['yield'])}", found["yield"], found.yield_bound
+
+
 def draw_yield(ax: Axes, found: xr.Dataset) -> Axes:
     """Draw the shares of devices that meet each requirement, and all of them, with their bounds.
 
     found: over requirements and C
     """
-    names = [*map(style.literal, found.requirement.values), "all together"]
-    shares = np.vstack([found.share_meeting.transpose("requirement", "C"), found["yield"]])
-    bounds = found.share_meeting_bound.transpose("bound", "requirement", "C")
-    bounds = np.concatenate([bounds, found.yield_bound.values[:, np.newaxis]], axis=1)
+    names, shares, bounds = zip(*each_share(found), strict=True)
+    shares = np.stack(shares)
+    bounds = np.stack([one.transpose("bound", "C") for one in bounds], axis=1)
     rows = np.arange(len(names))
     for i, (_, colour, marker) in enumerate(each_line(found, "C")):
         y = rows + 0.7 * ((i + 0.5) / found.C.size - 0.5)
@@ -193,7 +203,7 @@ def draw_yield(ax: Axes, found: xr.Dataset) -> Axes:
     ax.axhline(rows[-1] - 0.5, color="0.6", linewidth=0.5)
     ax.set(xlim=(0, 1.3), ylim=(rows[-1] + 0.5, -0.5), xlabel="share of devices that meet it")
     ax.set_xticks([0, 0.2, 0.4, 0.6, 0.8, 1])
-    ax.set_yticks(rows, [textwrap.fill(name, NAME) for name in names])
+    ax.set_yticks(rows, [textwrap.fill(style.literal(name), NAME) for name in names])
     ax.tick_params(axis="y", which="minor", left=False)
     return ax
 

@@ -16,7 +16,7 @@ from ..solver.cells import check_cells
 from ..study import study_of
 from ..tolerances.samples import Tolerances
 from .search import thresholds_at
-from .window import window_of, with_shocks
+from .window import cost_of, window_of, with_shocks
 
 POINTS, SECTIONS, ROUNDS = 17, 8, 3
 """Values that are tried first; into so many parts each interval is cut, so often."""
@@ -69,7 +69,7 @@ def design(
     if required:
         _check_window(study, value, C, between, required, along)
         asked = Tolerances(**given) if given else None
-        with counting("design"):
+        with counting(f"design, {cost_of(required, asked)}"):
             return window_of(study, value, C, between, required, asked)
     _check(study, value, N, f0, C, between, along)
     key, values = next(iter(along.items()), (value, 0.0))

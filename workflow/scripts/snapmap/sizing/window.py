@@ -1,5 +1,6 @@
 """The window of a value in which a device meets all requirements, and the best place in it."""
 
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
@@ -11,6 +12,7 @@ import xarray as xr
 from ..axes import COORDINATES
 from ..device import batch
 from ..pulse import VERSED_SINE, shocks_from
+from ..quantities import QUANTITIES
 from ..study import Study
 from ..tolerances.dataset import tolerances_of
 from ..tolerances.samples import Tolerances
@@ -36,6 +38,14 @@ def with_shocks(asked: Mapping) -> dict:
     return {"shocks": shocks_from(pulse, direction), **asked}
 
 
+def cost_of(requirements: Sequence[Mapping], tolerances: Tolerances | None) -> str:
+    """How many thresholds are to be found, in words."""
+    told = f"{POINTS * len(requirements)} thresholds, {ROUNDS * (SECTIONS + 1)} for each end"
+    if tolerances:
+        told += f", {PLACES * min(tolerances.samples, SAMPLES) * (len(requirements) + 1)} devices"
+    return told
+
+
 def window_of(
     study: Study,
     value: str,
@@ -52,15 +62,22 @@ def window_of(
     Variables over `window`: low and high, with low_error and high_error, and low_from, high_from,
     the requirement that ends it there, "between" for an end of the range; over `place`, with
     tolerances: the value and its `yield`, with bounds at 95 %, the attribute best being the value
-    of the largest.
+    of the largest; over `requirement` and the values `tried`: whether it is `met`, up to the first
+    that leaves none.
+    Warns where no window is, by which requirements; the attribute comment says the same.
     """
     grid = np.linspace(*between, POINTS)
-    met, edges = np.ones(POINTS, bool), []
+    met, scans, edges = np.ones(POINTS, bool), {}, []
     for asked in requirements:
+        scans[asked["name"]], N_first, _ = _teller(study, value, C, asked)(grid)
+        met &= scans[asked["name"]]
+        if not met.any():
+            break
+    for asked in requirements if met.any() else ():
+        own = scans[asked["name"]]
+        ends = [k for k in _changes(met) if own[k] != own[k + 1]]
         meets = _teller(study, value, C, asked)
-        own = meets(grid)[0]
-        edges += [_edge(meets, grid[k : k + 2], asked["name"]) for k in _changes(own)]
-        met &= own
+        edges += [_edge(meets, grid[k : k + 2], asked["name"]) for k in ends]
     windows = _windows(sorted(edges), between, grid[met])
     names = "low", "high"
     ends = {key: [one[i] for one in windows] for i, key in enumerate(names)}
@@ -70,11 +87,33 @@ def window_of(
     for key in names:
         data[f"{key}_error"] = ("window", [edge.error for edge in ends[key]], COORDINATES[value])
         data[f"{key}_from"] = ("window", [edge.name for edge in ends[key]])
-    found = xr.Dataset(data)
+    data["met"] = (("requirement", "tried"), list(scans.values()))
+    tried = ("tried", grid, COORDINATES[value])
+    found = xr.Dataset(data, {"requirement": list(scans), "tried": tried})
+    if not windows:
+        found.attrs["comment"] = _why_none(value, grid, scans, asked, N_first)
+        warnings.warn(found.attrs["comment"], stacklevel=3)
     if tolerances and windows:
         found = found.merge(_yields(study, value, C, windows, requirements, tolerances))
         found.attrs["best"] = float(found[value][_middle_of_best(found["yield"].values)])
     return found
+
+
+def _why_none(value, grid, scans, last, N_first):
+    """Which requirements leave no value: the last of those scanned, alone or with those before."""
+    unit = QUANTITIES[value].unit
+    told = f"{value}: none from {grid[0]:g} to {grid[-1]:g} {unit} meets all requirements"
+    if not scans[last["name"]].any():
+        seen = N_first[np.isfinite(N_first)]
+        runs = f"run from {seen.min():.4g} to {seen.max():.4g}" if seen.size else "are none"
+        must = "trip" if last["snaps"] else "not trip"
+        asked = f"it must {must} at {last['N']:g}"
+        return f"{told}; {last['name']} fails at each: {asked}, thresholds {runs}"
+    each = [
+        f"{name} is met from {grid[own].min():.4g} to {grid[own].max():.4g}"
+        for name, own in scans.items()
+    ]
+    return f"{told}, as these contradict: {', '.join(each)}"
 
 
 def _teller(study: Study, value: str, C: float, asked: Mapping) -> Callable:

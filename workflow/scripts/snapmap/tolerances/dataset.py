@@ -20,7 +20,7 @@ from .batch import Batch, choose_builder
 from .breaking import largest_stresses
 from .samples import SHOCK_FACTORS, Plan, Tolerances
 from .sensitivity import crossed, indices
-from .statistics import count_below, moments, percents, quantile_bounds, quantiles, wilson
+from .statistics import count_below, left_out, moments, percents, quantile_bounds, quantiles, wilson
 
 MOST_SAMPLES = 100_000
 QUANTILES = (0.001, 0.01, 0.1, 0.5, 0.9, 0.99, 0.999)
@@ -94,7 +94,12 @@ VARIABLES = {
         **SHARE,
     },
     "share_breaking_bound": {"long_name": "bounds of share_breaking at 95 % (Wilson)", **SHARE},
-    "yield": {"long_name": "share of the samples that meet all requirements", **SHARE},
+    "yield": {
+        "long_name": "share of the samples that meet all requirements",
+        "comment": "with a strength of those followed for their stress: a beam that must not break "
+        "and does meets none",
+        **SHARE,
+    },
     "yield_bound": {"long_name": "bounds of yield at 95 % (Wilson)", **SHARE},
 }
 BOUND = ("low", "high")
@@ -123,7 +128,8 @@ def tolerance(
     tolerance: of the refinement of each threshold, relative; those of `auto` are off by that of its
         level, too, up to 0.1 % unless the model's section says another tolerance
     options: samples, index_samples, seed and together, as in `Tolerances`; requirements: name,
-        shocks (of one shape and direction), N, f0 (Hz) and snaps of each; and as in
+        shocks (of one shape and direction), N, f0 (Hz) and snaps of each, and survives, whether
+        its beam must not break, by default; and as in
         `study.study_of`: horizon (us), energy_tolerance, threads, pulse, direction, and options of
         the model
     Raises ValueError, one line, for a value that cannot be.
@@ -180,8 +186,6 @@ def tolerances_of(
         if requirements:
             own = replace(study, device=one)
             data = data.merge(_requirements(some, own, requirements, data, tolerance))
-            if one.strength < np.inf and some.size:
-                data = data.merge(_breaking(some, own, requirements, data))
         found.append(data)
     data = found[0]
     if isinstance(study.device, Mapping):
@@ -220,7 +224,7 @@ def summary(found: xr.Dataset) -> str:
     told += _most_owed(found.sensitivity.sel(order="total"))
     for key, word in (("yield", "yield"), ("share_breaking", "break")):
         if key in found:
-            told.append(f"{word} {percents(*found[key].values.ravel())}")
+            told.append(f"{word} {percents(*found[key].values.ravel())}{left_out(found[key])}")
     return ", ".join(told)
 
 
@@ -341,22 +345,21 @@ def _requirements(some, study, requirements, data, tolerance):
         "f0_required": ("requirement", [float(asked["f0"]) for asked in requirements]),
         "must_snap": ("requirement", np.array([a["snaps"] for a in requirements], np.int8)),
     }
-    shares = [
-        _share("share_meeting", meets.sum(axis=1), size, ("requirement", "C")),
-        _share("yield", meets.all(axis=0).sum(axis=0), size, ("C",)),
-    ]
+    shares = [_share("share_meeting", meets.sum(axis=1), size, ("requirement", "C"))]
+    good = meets.all(axis=0).astype(float)
+    if study.device.strength < np.inf and some.size:
+        stress = largest_stresses(some, study, requirements, C)
+        followed = np.flatnonzero(some.bistable)[: stress.shape[1]]
+        columns["stress_max"] = ("requirement", "sample", "C"), np.full(meets.shape, np.nan)
+        columns["stress_max"][1][:, followed] = stress
+        broken = break_probability(study.device, stress).sum(axis=1)
+        shares.append(_share("share_breaking", broken, followed.size, ("requirement", "C")))
+        must = [bool(asked.get("survives", True)) for asked in requirements]
+        largest = stress[must].max(axis=0, initial=0.0)
+        good[followed] *= 1 - break_probability(study.device, largest)
+        good = good[: followed[-1] + 1]
+    shares.append(_share("yield", good.sum(axis=0), len(good), ("C",)))
     return xr.merge([xr.Dataset(columns, names), *shares])
-
-
-def _breaking(some, study, requirements, data):
-    """Largest stress under each required shock, of some samples, and the share that breaks."""
-    stress = largest_stresses(some, study, requirements, data.C.values)
-    size, dims = stress.shape[1], ("requirement", "sample", "C")
-    whole = np.full((len(requirements), some.bistable.size, data.C.size), np.nan)
-    whole[:, np.flatnonzero(some.bistable)[:size]] = stress
-    broken = break_probability(study.device, stress).sum(axis=1)
-    share = _share("share_breaking", broken, size, ("requirement", "C"))
-    return share.merge(xr.Dataset({"stress_max": (dims, whole)}))
 
 
 def _attributes(key):

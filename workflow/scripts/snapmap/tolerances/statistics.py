@@ -14,6 +14,11 @@ def percents(*shares: float) -> str:
     return f"{' to '.join(ends)} %"
 
 
+def left_out(share) -> str:
+    """Which requirements a yield, a DataArray, does not count, in words."""
+    return f", without {share.leaves_out}" if "leaves_out" in share.attrs else ""
+
+
 def wilson(count: np.ndarray, samples: int) -> tuple[np.ndarray, np.ndarray]:
     """Bounds at 95 % of the share that `count` of so many samples stand for (Wilson, 1927)."""
     z2 = DEVIATIONS * DEVIATIONS
