@@ -66,6 +66,8 @@ def design(
     required = [with_shocks(one) for one in options.pop("requirements", ())]
     given = {key: options.pop(key) for key in Tolerances._fields if key in options}
     study, along = study_of(device, model, options)
+    if given and not required:
+        raise ValueError(f"{next(iter(given))}: is of requirements, and there are none")
     if required:
         _check_window(study, value, C, between, required, along)
         asked = Tolerances(**given) if given else None
