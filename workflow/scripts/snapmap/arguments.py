@@ -1,34 +1,23 @@
-"""What each argument of a public function may be, in one line each, and calls held against it.
+"""What each argument of a public function may be, in one line each.
 
 ARGUMENTS says of each name what would be right, in words with an example, and what fits; values of
 the device, N, f0 and C take their units and ranges from `quantities.py`. Options of models are
 held against it whether they come from Python or from a config.
 """
 
-import functools
-import inspect
 import math
-import reprlib
-import warnings
 from collections.abc import Callable, Mapping
-from difflib import get_close_matches
-from numbers import Number, Real
 from os import PathLike
 from os.path import exists
-from typing import NamedTuple, get_args
+from typing import NamedTuple
 
 import numpy as np
 
-from .config.plausible import implausible, unusual, wide
-from .device import VALUES, Device, batch
+from .checks import numbers, show
+from .device import VALUES, Device
 from .pulse import DIRECTIONS, SHAPES, Pulse
 from .quantities import QUANTITIES, Range, range_of
-from .tolerances.samples import OF_DEVICE, SHOCK_FACTORS, Plan
 
-LONGEST = 60
-"""Characters of a value in a message."""
-MOST_CELLS = 10**8
-"""Of one call; those of a config go to files, slab by slab."""
 OF_ELEMENTS = ("elements", "mass_matrix", "step", "scheme", "modes")
 OPTIONS = {
     "reference": OF_ELEMENTS[:3],
@@ -51,37 +40,9 @@ class Argument(NamedTuple):
             raise ValueError(f"{name}: {show(value)} is not {self.need}")
 
 
-def show(value: object) -> str:
-    """Quote a value in one short line."""
-    if not isinstance(value, str | bytes | Number | list | tuple | dict | None):
-        name = type(value).__name__
-        return f"{'an' if name[0] in 'aeiouAEIOU' else 'a'} {name}"
-    try:
-        text = reprlib.repr(value.item() if isinstance(value, np.generic) else value)
-    except ValueError:  # an int of more than 4300 digits
-        return "a number of thousands of digits"
-    text = " ".join(text.split())
-    return text if len(text) <= LONGEST else f"{text[: LONGEST - 4]}...{text[-1]}"
-
-
-def _numbers(value):
-    """The numbers in a value, as an array of floats of its shape; None where there are others."""
-    if isinstance(value, str | bytes | bool | Mapping):
-        return None
-    try:
-        found = np.asarray(value)
-        return found.astype(float) if found.dtype.kind in "iuf" else None
-    except (TypeError, ValueError, OverflowError):
-        return None
-
-
-def _is_real(value):
-    return isinstance(value, Real | np.generic | np.ndarray) and np.ndim(value) == 0
-
-
 def _number(within: Range, unit: str = "", example: str = "") -> Argument:
     def fits(value):
-        found = _numbers(value)
+        found = numbers(value)
         return found is not None and found.ndim == 0 and bool(within.holds(found))
 
     return Argument(_words("a number", within, unit, example), fits)
@@ -89,7 +50,7 @@ def _number(within: Range, unit: str = "", example: str = "") -> Argument:
 
 def _row(within: Range, unit: str, example: str) -> Argument:
     def fits(value):
-        found = _numbers(value)
+        found = numbers(value)
         if found is None or found.ndim > 1 or not found.size or not within.holds(found).all():
             return False
         return np.unique(found).size == found.size
@@ -113,7 +74,7 @@ def _whole(low: int, high: float = math.inf) -> Argument:
 
 def _pairs(units: str, example: str) -> Argument:
     def fits(value):
-        found = _numbers(value)
+        found = numbers(value)
         if found is None or found.ndim != 2 or found.shape[1] != 2 or len(found) < 2:
             return False
         positive = np.isfinite(found).all() and (found > 0).all()
@@ -139,7 +100,7 @@ def _dataset(need: str, *variables: str) -> Argument:
 
 
 def _is_pair(value):
-    found = _numbers(value)
+    found = numbers(value)
     return found is not None and found.shape == (2,) and bool(np.isfinite(found).all())
 
 
@@ -268,7 +229,7 @@ ARGUMENTS = {
         "a list of mappings of name, N, f0 (Hz) and snaps (True or False)", _are_requirements
     ),
     "scatters": _mapping_of(
-        'what can scatter to its width, such as {"thickness": "3 %"}', *OF_DEVICE, *SHOCK_FACTORS
+        'what can scatter to its width, such as {"thickness": "3 %"}', *VALUES, "N", "duration", "C"
     ),
     "together": Argument("a list of groups of names, as [[span, rise]]", _are_groups),
     "samples": _whole(2, 100_000),
@@ -312,34 +273,6 @@ ARGUMENTS = {
     ),
 }
 """By name, or by function and name where it is another's, too."""
-RUN = ("horizon", "energy_tolerance", "threads")
-MADE = ("samples", "index_samples", "seed", "together", "requirements")
-TAKEN = {
-    "calibrate": (*RUN, "pulse", "direction"),
-    "design": (*RUN, *MADE, "scatters", "pulse", "direction", *VALUES),
-    "simulate": ("horizon", "energy_tolerance", "until", "pulse", "direction"),
-    "srs_test": (*RUN, "direction", "skip", *VALUES),
-    "sweep": (*RUN, "until", "repeat", "pulse", "direction", "skip", *VALUES),
-    "threshold": (*RUN, "pulse", "direction", "skip", *VALUES),
-    "tolerance": (*RUN, *MADE, "pulse", "direction"),
-    "vibration": ("energy_tolerance", "threads", "reach", "skip", *VALUES),
-}
-"""Options of each function, beside those of the model."""
-
-
-def checked(function: Callable) -> Callable:
-    """The function, with each call held against ARGUMENTS; ValueError or TypeError, one line."""
-    signature = inspect.signature(function)
-
-    @functools.wraps(function)
-    def door(*given, **named):
-        values = _bound(function.__name__, signature, given, named)
-        for line in _doubts(values):
-            warnings.warn(line, stacklevel=2)
-        return function(*given, **named)
-
-    door.__module__ = __package__  # by which it is pickled
-    return door
 
 
 def require_model(model: Mapping) -> None:
@@ -352,70 +285,3 @@ def require_model(model: Mapping) -> None:
         elif key != "name":
             known = ", ".join(OPTIONS[name])
             raise ValueError(f"model.{key}: not an option of {name}; its options are {known}")
-
-
-def _bound(function, signature, given, named):
-    """All arguments of a call by name, with its options; each fits."""
-    parameters = {key: one for key, one in signature.parameters.items() if key != "options"}
-    if len(given) > len(parameters):
-        raise TypeError(f"{function}: takes {len(parameters)} arguments, not {len(given)}")
-    values = dict(zip(parameters, given, strict=False))
-    if twice := [key for key in values if key in named]:
-        raise TypeError(f"{twice[0]}: comes twice; write it once")
-    values |= named
-    for key, one in parameters.items():
-        own = ARGUMENTS.get(f"{function}.{key}") or ARGUMENTS[key]
-        if key not in values:
-            if one.default is one.empty:
-                raise TypeError(f"{key}: missing; write {own.need}")
-        elif values[key] is not one.default and not (
-            values[key] is None and type(None) in get_args(one.annotation)
-        ):
-            own.require(key, values[key])
-    options = {key: value for key, value in values.items() if key not in parameters}
-    if "model" in parameters:
-        model = values.get("model", parameters["model"].default)
-        model = {"name": model} if isinstance(model, str) else model
-        of_model = OPTIONS.get(model.get("name"), ())
-        require_model(model | {key: options[key] for key in options if key in of_model})
-        options = {key: value for key, value in options.items() if key not in of_model}
-    for key, value in options.items():
-        if key not in TAKEN.get(function, ()):
-            raise ValueError(f"{key}: is no option{_hint(function, key, parameters)}")
-        (ARGUMENTS.get(f"{function}.{key}") or ARGUMENTS[key]).require(key, value)
-    if function == "sweep":
-        sizes = [np.size(value) for key, value in values.items() if key in (*VALUES, *SHOCK)]
-        if math.prod(sizes) > MOST_CELLS:
-            raise ValueError(
-                f"N: {math.prod(sizes):.3g} cells with f0, C and all axes, more than "
-                f"{MOST_CELLS:.0e}; write fewer, or a config"
-            )
-    return values
-
-
-def _hint(function, key, parameters):
-    """What was meant by an option that is none."""
-    if key in VALUES:
-        return f" of {function}; vary the device"
-    of_models = [option for options in OPTIONS.values() for option in options]
-    if key in of_models:
-        return " of this model; write another model"
-    known = [*parameters, *TAKEN.get(function, ()), *(of_models if "model" in parameters else ())]
-    near = get_close_matches(key, known, 1, 0.75)
-    return f"; did you mean {near[0]}?" if near else f" of {function}"
-
-
-def _doubts(values):
-    """Lines on values that are hardly meant."""
-    device = values.get("device")
-    named = device if isinstance(device, Mapping) else {} if device is None else {"": device}
-    for one in named.values():
-        whole = batch([one])
-        C, f0 = (values.get(key) for key in ("C", "f0"))
-        if C is None or f0 is None:
-            yield from unusual(whole)
-        else:
-            ascending = (np.sort(np.atleast_1d(np.asarray(v, float))) for v in (C, f0))
-            yield from implausible(whole, *ascending)
-        if "scatters" in values:
-            yield from wide(Plan(one, values["scatters"], values.get("together", ())))

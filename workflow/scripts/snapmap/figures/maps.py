@@ -10,8 +10,8 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ..arguments import show
 from ..axes import axis_behind
+from ..checks import show
 from ..io.points import Point
 from . import layout, plane, style
 from .curves import LIMITS, band_keys, draw_band, draw_impulsive, draw_static, freeze, limit_key

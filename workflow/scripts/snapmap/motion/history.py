@@ -49,13 +49,13 @@ def simulate(
     N: float,
     f0: float | None,
     C: float,
-    model: str | Mapping = "handout",
+    model: str | Mapping = "auto",
     **options,
 ) -> xr.Dataset:
     """Follow one cell to the horizon, beyond its snap, and return its history over time.
 
     N: multiples of g; f0: Hz, or None for a recorded shock's own; C: uN us/um
-    model: name, or as a mapping the whole of the config's model section
+    model: name, or as a mapping the whole of the config's model section; of `auto` the finest level
     options: as in `study.study_of`: horizon (us followed after the pulse), until and
         energy_tolerance, of a sweep whose step for this cell is taken; pulse and direction, of one
         shape in one direction; and options of the model

@@ -101,7 +101,7 @@ def sweep(
     N: Sequence[float],
     f0: Sequence[float] | None,
     C: Sequence[float],
-    model: str | Mapping = "handout",
+    model: str | Mapping = "auto",
     **options,
 ) -> xr.Dataset:
     """Simulate every cell of a grid and return it as in cube.nc.

@@ -113,8 +113,7 @@ def threshold(
     device: one, or several by name, which then are an axis
     f0: None for a recorded shock's own
     model: name, or as a mapping the whole of the config's model section, which may give `auto` a
-        tolerance of its own; by default not `handout`, as in `sweep`: error bars need other levels
-        in any case, and theirs is the better threshold
+        tolerance of its own
     tolerance: of the refinement in N, relative
     highest: up to which N islands are looked for; twice the threshold if not given
     earlier: thresholds of the same study on other axes, from which rows are taken that the same
@@ -126,7 +125,8 @@ def threshold(
     The variables are those of `islands.Thresholds`, (..., C, f0), with N_latched; the limits for
     slow and short pulses, N_static, over the axes of device and pulse, and velocity_change, over
     these and C; and the `area` of each pulse: its velocity change is area N g / f0. Of records in
-    known units `scale_first` is the factor of the record at which it snaps.
+    known units `scale_first` is the factor of the record at which it snaps. `status` is a
+    number, in words `numpy.array(found.status.flag_meanings.split())[found.status]`.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> found = snapmap.threshold(device, [1500], [25], model="cosines", thickness=[1.9, 2.0])
