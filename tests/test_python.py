@@ -36,6 +36,7 @@ RIGHT = {
     "shots": ((), {}),
     "requirements": ([], ()),
     "together": ([], (), [[]]),
+    "C": ((),),
 }
 
 
@@ -102,13 +103,49 @@ def wrong_calls(right_calls):
                 yield name, right, key, value
 
 
+NESTED = {
+    "pulse": [
+        {"train": [{"duration": 100.0}, {"wait": 5.0}, {"repeat": 2}]},
+        {"drop": {"height": 1e5, "duration": 500.0, "rebound": 0.5, "shape": "half sine"}},
+        {"sweep": {"from": 100.0, "to": 200.0, "duration": 1e5}},
+    ],
+    "shots": [{**SHOTS, "direction": ["+z"] * 4, "shape": ["half sine"] * 4}],
+    "unknowns": [{"thickness": (1.7, 2.3)}],
+    "scatters": [{"thickness": "5 %"}, {"thickness": {"uniform": "5 %"}}],
+    "requirements": [[{"name": "drop", "N": 500.0, "f0": 1500.0, "snaps": False}]],
+}
+"""Right values of which a part can be wrong."""
+
+
+def wrong_parts(value):
+    """The value, each of its parts, however deep, as each of WRONG."""
+    yield from WRONG
+    places = range(len(value)) if isinstance(value, list) else ()
+    for key in value if isinstance(value, dict) else places:
+        for part in wrong_parts(value[key]):
+            changed = value.copy()
+            changed[key] = part
+            yield changed
+
+
+def nested_wrong_calls(right_calls):
+    """Each function with each part of its arguments that have some as each of WRONG."""
+    for name, right in right_calls.items():
+        parameters = inspect.signature(getattr(snapmap, name)).parameters
+        for key, values in NESTED.items():
+            if key in parameters or key in TAKEN.get(name, ()):
+                for value in itertools.chain.from_iterable(map(wrong_parts, values)):
+                    if not any(value is one for one in WRONG):
+                        yield name, right, key, value
+
+
 def fault_of(name, given, key):
     """What is wrong with the complaint about a wrong argument, or nothing."""
     try:
         getattr(snapmap, name)(**given)
     except (ValueError, TypeError) as fault:
         text = str(fault)
-        named = text.startswith((key, f"model.{key}", str(given[key])))
+        named = text.startswith((key, f"model.{key}", "tolerances.", str(given[key])))
         return "" if named and "\n" not in text and len(text) < 200 else text
     except Exception as fault:
         return repr(fault)[:200]
@@ -116,7 +153,7 @@ def fault_of(name, given, key):
 
 
 def test_a_wrong_argument_is_one_line_that_names_it(right_calls, calls=2000):
-    every = [*wrong_calls(right_calls)]
+    every = [*wrong_calls(right_calls), *nested_wrong_calls(right_calls)]
     drawn = random.Random(1).sample(every, min(calls, len(every)))
     faults = {}
     with warnings.catch_warnings():

@@ -121,10 +121,19 @@ def _is_path(value):
 
 
 def _is_table(value):
-    named = hasattr(value, "keys") and [value[key] for key in value]
-    return isinstance(named, list) and all(
-        hasattr(column, "__len__") and not isinstance(column, str) for column in named
-    )
+    columns = [value[key] for key in value] if hasattr(value, "keys") else [None]
+    return all(map(_is_column, columns)) and len({len(column) for column in columns}) < 2
+
+
+def _is_column(value):
+    is_row = isinstance(value, list | tuple) or getattr(value, "ndim", 0) == 1
+    return is_row and all(map(_is_entry, value))
+
+
+def _is_entry(value):
+    if isinstance(value, str):
+        return "\n" not in value
+    return value is None or isinstance(value, bool | np.bool_) or numbers(value) is not None
 
 
 def _mapping_of(need: str, *keys: str) -> Argument:
@@ -150,6 +159,7 @@ def _are_requirements(value):
     return isinstance(value, list | tuple) and all(
         isinstance(one, Mapping)
         and {"name", "N", "f0", "snaps"} <= one.keys()
+        and isinstance(one["name"], str)
         and POSITIVE.fits(one["N"])
         and POSITIVE.fits(one["f0"])
         and isinstance(one["snaps"], bool | np.bool_)

@@ -1,6 +1,5 @@
 """How every cell of a study is followed."""
 
-from numbers import Real
 from typing import NamedTuple
 
 from ..pulse import Pulse, make_pulse
@@ -45,25 +44,3 @@ class Settings(NamedTuple):
         """All but the threads, on which no result depends, and the pulses."""
         left_out = "threads", "pulses"
         return {key: value for key, value in self._asdict().items() if key not in left_out}
-
-
-def check_number(key: str, value: object) -> None:
-    """Raise ValueError, one line, for a value that is no real number."""
-    if isinstance(value, bool) or not isinstance(value, Real):
-        raise ValueError(f"{key}: {value!r} is not a number")
-
-
-def check_settings(settings: Settings) -> None:
-    """Raise ValueError, one line, for a value that cannot be."""
-    check_number("sweep.horizon", settings.horizon)
-    check_number("sweep.energy_tolerance", settings.energy_tolerance)
-    if settings.until not in UNTIL:
-        raise ValueError(f"sweep.until: {settings.until!r} is not one of {', '.join(UNTIL)}")
-    if not 0 <= settings.horizon < float("inf"):
-        raise ValueError(f"sweep.horizon: {settings.horizon} is not a finite time from 0")
-    if not 0 < settings.energy_tolerance < 1:
-        raise ValueError(f"sweep.energy_tolerance: {settings.energy_tolerance} is not in (0, 1)")
-    if isinstance(settings.threads, bool) or not isinstance(settings.threads, int):
-        raise ValueError(f"threads: {settings.threads!r} is not a whole number from 1")
-    if settings.threads < 1:
-        raise ValueError(f"threads: {settings.threads} is not a whole number from 1")

@@ -11,8 +11,8 @@ from ..io.counting import counting
 from ..io.provenance import provenance, recipe
 from ..pulse import blow_at
 from ..solver.adaptive import choose_survey
-from ..solver.cells import check_cells, rows_of, to_rows
-from ..solver.settings import THRESHOLD_TOLERANCE, check_number
+from ..solver.cells import rows_of, to_rows
+from ..solver.settings import THRESHOLD_TOLERANCE
 from ..study import THRESHOLD_SETTINGS, Study, frequencies, study_of
 from .cost import tell_cost
 from .islands import ABOVE, NOT_FOLLOWED, NOTHING_SNAPS, STATUS, survey
@@ -151,7 +151,6 @@ def thresholds_of(
     axes: values of the device, C and f0, by name; tolerance, highest, earlier: as there
     """
     settings = study.settings
-    _check(axes["f0"], axes["C"], tolerance, highest)
     grid = study.set_out(axes)
     document = study.document(THRESHOLD_SETTINGS)
     document["sweep"]["threshold_tolerance"] = tolerance
@@ -285,14 +284,3 @@ def summary(found: xr.Dataset) -> str:
     )
     sides = [f"{side} in {int((weaker == side).sum())} rows" for side in found.direction.values]
     return f"{line}; weaker along {', '.join(sides)}"
-
-
-def _check(f0, C, tolerance, highest):
-    check_cells(f0=f0, C=C)
-    check_number("tolerance", tolerance)
-    if not 1e-9 <= tolerance <= 0.01:
-        raise ValueError(f"tolerance: {tolerance} is not from 1e-9 to 0.01, of N")
-    if highest is not None:
-        check_number("highest", highest)
-        if not 0 < highest < np.inf:
-            raise ValueError(f"highest: {highest} is not a finite multiple of g above 0")
