@@ -3,6 +3,7 @@
 import reprlib
 from collections.abc import Mapping
 from numbers import Number
+from os import PathLike
 
 import numpy as np
 
@@ -14,6 +15,7 @@ LONGEST = 60
 
 def show(value: object) -> str:
     """Quote a value in one short line."""
+    value = str(value) if isinstance(value, PathLike) else value
     if not isinstance(value, str | bytes | Number | list | tuple | dict | None):
         name = type(value).__name__
         return f"{'an' if name[0] in 'aeiouAEIOU' else 'a'} {name}"

@@ -85,7 +85,7 @@ def _columns(shots):
             raise ValueError(f"shots: column {key} is missing")
     for key in SHOCK:
         if len(found := {str(value): None for value in table.get(key, ())}) > 1:
-            raise ValueError(f"shots: {key}: {show(', '.join(found))}; plan each pulse by itself")
+            raise ValueError(f"shots: {key}: {', '.join(found)[:60]}; plan each pulse by itself")
     for place, value in enumerate(table["N"], start=1):
         if not (isinstance(value, int | float | np.number) and 0 < value < np.inf):
             raise ValueError(f"shots, row {place}: N: {show(value)} is no number above 0")
