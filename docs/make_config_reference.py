@@ -9,6 +9,7 @@ from pathlib import Path
 
 import yaml
 
+from snapmap.arguments import OPTIONS
 from snapmap.beam.elements import hermite_elements
 from snapmap.config import units
 from snapmap.config.devices import load_device
@@ -22,7 +23,7 @@ from snapmap.pulse import TENTH, VERSED_SINE
 from snapmap.quantities import KINDS, QUANTITIES
 from snapmap.random_vibration.spectrum import REACH
 from snapmap.solver.adaptive import TOLERANCE
-from snapmap.solver.models import OPTIONS, build_model
+from snapmap.solver.models import build_model
 from snapmap.solver.settings import MOVE, SNAP, STAY, THRESHOLD_TOLERANCE, Settings
 from snapmap.sweeps import plan
 from snapmap.tolerances.dataset import INDEX_SAMPLES

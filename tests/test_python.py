@@ -1,13 +1,43 @@
 """The functions of the package: what there is, and what a wrong call says."""
 
 import doctest
+import inspect
+import itertools
+import pickle
+import random
+import warnings
 
 import numpy as np
 import pytest
 
 import snapmap
+from snapmap.arguments import OPTIONS
+from snapmap.device import batch
+from snapmap.door import TAKEN
 
 CELL = {"N": [1000.0], "f0": [1500.0], "C": [25.0]}
+SINGLE = {"N": 1000.0, "f0": 1500.0, "C": 25.0}
+CHEAP = {"model": "cosines", "modes": 3, "horizon": 0.0}
+SHOTS = {"N": [800, 900, 950, 1000], "tripped": [0, 0, 1, 1], "duration": [1000.0] * 4}
+PLENTY = 10**400
+WRONG = (
+    *(None, "abc", "1500 Hz", "", b"abc", "a\nb", np.nan, np.inf, -np.inf, -1.0, 0.5j, PLENTY),
+    *([], (), {}, [[]], [[1.0], [2.0, 3.0]], [[[1.0]]], ["abc"], [None], [np.nan], [-1.0]),
+    *({"abc": 1}, {1: [2]}, {"N": "abc"}, {1.0, 2.0}, object(), object, len, range(0), ...),
+    *(np.ones(100_000), np.array(["abc"]), np.array(None), np.zeros((2, 3, 4)), "abc" * 10_000),
+)
+"""Right for no argument but those of `RIGHT`."""
+RIGHT = {
+    "temperature": (-1.0, [-1.0]),
+    **{key: (np.inf,) for key in ("contact", "clamp_axial", "stop_toward", "stop_away")},
+    **{f"cosine_{n}": (-1.0, [-1.0]) for n in range(2, 6)},
+    "residual_stress": (-1.0, [-1.0]),
+    "sha256": ("",),
+    "shots": ((), {}),
+    "requirements": ([], ()),
+    "together": ([], (), [[]]),
+    "C": ((),),
+}
 
 
 @pytest.mark.parametrize("name", snapmap.__all__)
@@ -19,51 +49,176 @@ def test_the_example_of_each_function_is_true(root, monkeypatch, name):
     assert doctest.DocTestRunner().run(example).failed == 0
 
 
+@pytest.fixture(scope="module")
+def right_calls(handout, root):
+    """A right call of each function."""
+    cube = snapmap.sweep(handout, [900.0, 1000.0], [1500.0], [25.0], until="snap", **CHEAP)
+    found = snapmap.threshold(handout, [1500.0], [25.0], **CHEAP)
+    several = {"device": handout, **CELL, **CHEAP}
+    no_N = {key: several[key] for key in several if key != "N"}
+    no_f0 = {key: no_N[key] for key in no_N if key not in ("f0", "horizon")}
+    pairs = [(500, 700), (2000, 1500)]
+    return {
+        "calibrate": {
+            **{"device": handout, "shots": SHOTS, "unknowns": {"thickness": (1.7, 2.3)}},
+            **{"C": 25.0, **CHEAP},
+        },
+        "describe": {"device": handout, "C": [25.0]},
+        "design": {
+            "device": handout,
+            "value": "thickness",
+            **SINGLE,
+            "between": (1.8, 2.2),
+            **CHEAP,
+        },
+        "integrity": {"cube": cube, "box": 2},
+        "load_device": {"path": root / "config/config.yaml"},
+        "open_cube": {"path": root / "no.nc"},
+        "plan_shots": {"prior": (1000, 50), "shots": (), "method": "neyer", "confidence": 0.9},
+        "plot_outcome": {"cube": cube, "ax": None, "x": "f0", "y": "N", "ends": False},
+        "plot_thresholds": {"studies": {"a": found}, "ax": None},
+        "read_pulse": {"path": root / "config/half_sine.csv", "sha256": ""},
+        "shots_needed": {"reliability": 0.9, "confidence": 0.9, "failures": 0},
+        "simulate": {"device": handout, **SINGLE, **CHEAP},
+        "srs_test": {"srs": pairs, "records": 1, "seed": 1, **no_f0},
+        "statics": {"device": handout},
+        "sweep": several,
+        "threshold": {**no_N, "tolerance": 1e-3, "highest": 2000.0, "earlier": found},
+        "tolerance": {"scatters": {"thickness": "5 %"}, **several, "tolerance": 1e-3, "samples": 8},
+        "vibration": {"psd": pairs, "duration": 0.01, "records": 1, "seed": 1, **no_f0},
+    }
+
+
+def wrong_calls(right_calls):
+    """Each function with each argument and option, one at a time, as each of WRONG."""
+    for name, right in right_calls.items():
+        parameters = inspect.signature(getattr(snapmap, name)).parameters
+        options = (*TAKEN.get(name, ()), *(OPTIONS["cosines"] if "model" in right else ()))
+        for key, value in itertools.product((*right, *options), WRONG):
+            allows_none = value is None and "None" in str(
+                getattr(parameters.get(key), "annotation", "")
+            )
+            alike = (type(one) is type(value) and one == value for one in RIGHT.get(key, ()))
+            if not allows_none and not any(alike):
+                yield name, right, key, value
+
+
+NESTED = {
+    "pulse": [
+        {"train": [{"duration": 100.0}, {"wait": 5.0}, {"repeat": 2}]},
+        {"drop": {"height": 1e5, "duration": 500.0, "rebound": 0.5, "shape": "half sine"}},
+        {"sweep": {"from": 100.0, "to": 200.0, "duration": 1e5}},
+    ],
+    "shots": [{**SHOTS, "direction": ["+z"] * 4, "shape": ["half sine"] * 4}],
+    "unknowns": [{"thickness": (1.7, 2.3)}],
+    "scatters": [{"thickness": "5 %"}, {"thickness": {"uniform": "5 %"}}],
+    "requirements": [[{"name": "drop", "N": 500.0, "f0": 1500.0, "snaps": False}]],
+}
+"""Right values of which a part can be wrong."""
+
+
+def wrong_parts(value):
+    """The value, each of its parts, however deep, as each of WRONG."""
+    yield from WRONG
+    places = range(len(value)) if isinstance(value, list) else ()
+    for key in value if isinstance(value, dict) else places:
+        for part in wrong_parts(value[key]):
+            changed = value.copy()
+            changed[key] = part
+            yield changed
+
+
+def nested_wrong_calls(right_calls):
+    """Each function with each part of its arguments that have some as each of WRONG."""
+    for name, right in right_calls.items():
+        parameters = inspect.signature(getattr(snapmap, name)).parameters
+        for key, values in NESTED.items():
+            if key in parameters or key in TAKEN.get(name, ()):
+                for value in itertools.chain.from_iterable(map(wrong_parts, values)):
+                    if not any(value is one for one in WRONG):
+                        yield name, right, key, value
+
+
+def fault_of(name, given, key):
+    """What is wrong with the complaint about a wrong argument, or nothing."""
+    try:
+        getattr(snapmap, name)(**given)
+    except (ValueError, TypeError) as fault:
+        text = str(fault)
+        named = text.startswith((key, f"model.{key}", "tolerances.", str(given[key])))
+        return "" if named and "\n" not in text and len(text) < 200 else text
+    except Exception as fault:
+        return repr(fault)[:200]
+    return "passes"
+
+
+def test_a_wrong_argument_is_one_line_that_names_it(right_calls, calls=2000):
+    every = [*wrong_calls(right_calls), *nested_wrong_calls(right_calls)]
+    drawn = random.Random(1).sample(every, min(calls, len(every)))
+    faults = {}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        for name, right, key, value in drawn:
+            if fault := fault_of(name, {**right, key: value}, key):
+                faults[name, key, repr(value)[:30]] = fault
+    assert len(faults) <= 0.01 * len(drawn), faults
+
+
+@pytest.mark.long
+def test_every_wrong_argument_is_one_line_that_names_it(right_calls):
+    test_a_wrong_argument_is_one_line_that_names_it(right_calls, calls=100_000)
+
+
+def test_a_misspelt_option_is_named_with_the_right(right_calls):
+    rng = random.Random(2)
+    for name, right in right_calls.items():
+        for option in TAKEN.get(name, ()):
+            at = rng.randrange(1, len(option))
+            wrong = option[:at] + option[at + 1 :]
+            with pytest.raises(ValueError, match=rf"^{wrong}: is no option; did you mean "):
+                getattr(snapmap, name)(**right, **{wrong: 1})
+
+
+def test_what_is_missing_or_there_twice_is_named(right_calls):
+    for name, right in right_calls.items():
+        function = getattr(snapmap, name)
+        parameters = inspect.signature(function).parameters
+        needed = [key for key, one in parameters.items() if one.default is one.empty]
+        for key in {*needed} - {"options"}:
+            with pytest.raises(TypeError, match=f"^{key}: missing; write "):
+                function(**{other: right[other] for other in right if other != key})
+        first = next(iter(parameters))
+        with pytest.raises(TypeError, match=f"^{first}: comes twice"):
+            function(right[first], **right)
+
+
+@pytest.mark.parametrize("name", ["threshold", "sweep"])
+def test_a_function_can_be_sent_to_other_processes(name):
+    function = getattr(snapmap, name)
+    assert pickle.loads(pickle.dumps(function)) is function
+
+
+def test_more_cells_than_a_call_can_hold_are_refused(handout):
+    with pytest.raises(ValueError, match=r"^N: 1e\+11 cells with f0, C and all axes, more"):
+        snapmap.sweep(handout, np.arange(1e5), np.arange(1.0, 1e4 + 1), np.arange(100.0))
+
+
 @pytest.mark.parametrize(
-    ("wrong", "start"),
+    ("values", "start"),
     [
-        ({"f0": ["1500 Hz"]}, "f0: ['1500 Hz'] is no number"),
-        ({"f0": [0.0]}, "f0: 0 cannot be; it must be finite and above 0"),
-        ({"N": [np.nan]}, "N: nan cannot be"),
-        ({"C": [-1.0]}, "C: -1 cannot be; it must be finite and 0 or above"),
-        ({"C": []}, "C: empty"),
-        ({"horizon": "1500 us"}, "sweep.horizon: '1500 us' is not a number"),
-        ({"horizon": True}, "sweep.horizon: True is not a number"),
-        ({"until": "later"}, "sweep.until: 'later' is not one of"),
-        ({"energy_tolerance": "1 %"}, "sweep.energy_tolerance: '1 %' is not a number"),
-        ({"model": "spline"}, "model.name: 'spline' is unknown"),
-        ({"model": "cosines", "modes": "three"}, "model.modes: 'three' is not a number"),
-        ({"model": "cosines", "modes": 2.5}, "model.modes: 2.5 is not a whole number"),
-        ({"elements": True}, "model.elements: True is not a number"),
+        ({"youngs_modulus": 160.0}, "youngs_modulus = 160 MPa is not from 1000"),
+        ({"density": 2330.0}, "density = 2330 ng/um"),
+        ({"mass": 6e13}, "mass = 6e"),
     ],
 )
-@pytest.mark.parametrize("function", ["sweep", "simulate", "threshold"])
-def test_a_wrong_argument_is_one_line(handout, function, wrong, start):
-    given = {"model": "handout", **CELL, **wrong}
-    if function == "threshold":
-        del given["N"]
-        if wrong.keys() & {"N", "until"}:
-            pytest.skip("not an argument of threshold")
-    if function == "simulate":
-        single = {key: given[key][0] for key in CELL if given[key]}
-        given |= single
-    with pytest.raises(ValueError) as fault:
-        getattr(snapmap, function)(handout, **given)
-    assert str(fault.value).startswith(start) and "\n" not in str(fault.value)
+def test_what_is_hardly_meant_is_doubted(handout, values, start):
+    with pytest.warns(UserWarning, match=f"^{start}"):
+        snapmap.describe(
+            batch([handout]).vary({k: np.array([v]) for k, v in values.items()}).pick(0)
+        )
 
 
-@pytest.mark.parametrize(
-    ("wrong", "start"),
-    [
-        ({"tolerance": "1 %"}, "tolerance: '1 %' is not a number"),
-        ({"highest": "2"}, "highest: '2'"),
-    ],
-)
-def test_a_threshold_is_asked_for_in_numbers(handout, wrong, start):
-    with pytest.raises(ValueError, match=f"^{start}"):
-        snapmap.threshold(handout, [1500.0], [25.0], **wrong)
-
-
-def test_a_device_is_asked_for():
-    with pytest.raises(ValueError, match=r"^device: 'handout' is no device"):
-        snapmap.sweep("handout", **CELL)
+def test_a_wide_scatter_is_doubted(handout):
+    asked = {"device": handout, "f0": [1500], "C": [25], "samples": 2, **CHEAP}
+    with pytest.warns(UserWarning, match="^thickness scatters by 80 %"):
+        snapmap.tolerance(scatters={"thickness": {"lognormal": "80 %"}}, **asked)

@@ -56,8 +56,8 @@ def test_every_module_is_the_code_of_some_command(root, scripts, workflow_text):
     for path in (folder / "studies").glob("*.py"):
         if '__name__ == "__main__"' in path.read_text(encoding="utf-8"):
             used.update(code_files(path, folder))
-    offered = [getattr(snapmap, name).__module__ for name in snapmap.__all__]
-    offered.append("snapmap.command")
+    offered = [getattr(snapmap, name).__wrapped__.__module__ for name in snapmap.__all__]
+    offered += "snapmap.command", "snapmap.door"
     for name in [*offered, *re.findall(r"^from (snapmap\.\S+) import", workflow_text, re.M)]:
         used.update(code_files(folder.joinpath(*name.split(".")).with_suffix(".py"), folder))
     for path in folder.rglob("*"):

@@ -49,12 +49,12 @@ def test_no_solution_and_several_are_said(handout):
 @pytest.mark.parametrize(
     ("change", "wanted"),
     [
-        ({"spring": [float("nan")]}, "spring: nan is no number"),
-        ({"value": "width"}, "width: no value of a device"),
+        ({"spring": [float("nan")]}, "spring: [nan] is not"),
+        ({"value": "width"}, "value: 'width' is not the name"),
         ({"between": (2.4, 1.9)}, "between: 2.4, 1.9 are not two ascending"),
-        ({"N": -1.0}, "N: -1 is not above 0"),
+        ({"N": -1.0}, "N: -1.0 is not a number above 0"),
         ({"thickness": [2.0]}, "thickness: give one value"),
-        ({"direction": "both"}, "pulse: several"),
+        ({"direction": "both"}, "direction: 'both' is not one of"),
     ],
 )
 def test_what_cannot_be_is_named(handout, change, wanted):

@@ -56,5 +56,8 @@ def __getattr__(name):
     # Imported on first use: a solver job must not pay for xarray.
     if name in _HOME:
         with needing(f"{__name__}.{name}"):
-            return getattr(import_module(f".{_HOME[name]}", __name__), name)
+            from .door import checked
+
+            function = getattr(import_module(f".{_HOME[name]}", __name__), name)
+        return globals().setdefault(name, checked(function))
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

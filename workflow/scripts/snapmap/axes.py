@@ -68,16 +68,11 @@ def make_grid(
     axes: values by name, those of the device first
     skip: whether a point that has no second stable shape is left out instead
     """
-    unknown = [key for key in axes if key not in COORDINATES]
-    if unknown:
-        raise ValueError(f"{unknown[0]}: no axis; axes are {', '.join((*VALUES, *SHOCK_AXES))}")
-    points = {key: points_of(key, values) for key, values in axes.items()}
+    points = {key: np.atleast_1d(np.asarray(values, float)) for key, values in axes.items()}
     if (points.get("N", np.zeros(1)) < 0).any():
         raise ValueError(f"N: {points['N'].min():g} is below 0; direction -z pushes the other way")
     named = device if isinstance(device, Mapping) else {}
     for one in named.values() if named else [device]:
-        if not isinstance(one, Device):
-            raise ValueError(f"device: {one!r} is no device; `snapmap.load_device` reads one")
         idle = [key for key in points if key in OF_MASS and np.all(one.is_alone)]
         if idle:
             raise ValueError(f"{idle[0]}: is of the mass, and there is none; leave it out")
@@ -102,19 +97,6 @@ def make_grid(
     values = {key: points[key] for key in varied} | shocks.axes
     values |= {key: points[key] for key in SHOCK_AXES if key in points}
     return Grid(names | values, devices, device_of, shocks.pulses)
-
-
-def points_of(key: str, values: Sequence) -> np.ndarray:
-    """The points of an axis, (n,); ValueError, one line, for what is none."""
-    try:
-        points = np.atleast_1d(np.asarray(values, float))
-    except (TypeError, ValueError):
-        raise ValueError(f"{key}: {values!r} is no number, nor an array of numbers") from None
-    if points.size == 0 or points.ndim > 1:
-        raise ValueError(f"{key}: give one value or more, in one row")
-    if np.isnan(points).any():
-        raise ValueError(f"{key}: nan is no number")
-    return points
 
 
 def _vary(nominal, values):

@@ -1,18 +1,54 @@
 """Checks of a value, or of those of a batch; a complaint names the first that is wrong."""
 
+import reprlib
+from collections.abc import Mapping
+from numbers import Number
+from os import PathLike
+
 import numpy as np
 
+from .quantities import QUANTITIES, Range
 
-def require_positive(key: str, value: np.ndarray) -> None:
-    """Raise ValueError unless values are above 0 and finite."""
-    holds = np.greater(value, 0) & np.less(value, np.inf)
-    require(holds, f"{key}: {{}} is not a positive, finite number", value)
+LONGEST = 60
+"""Characters of a value in a message."""
 
 
-def require_from_zero(key: str, value: np.ndarray) -> None:
-    """Raise ValueError unless values are 0 or above, and finite."""
-    holds = np.greater_equal(value, 0) & np.less(value, np.inf)
-    require(holds, f"{key}: {{}} is not 0 or a positive number", value)
+def show(value: object) -> str:
+    """Quote a value in one short line."""
+    value = str(value) if isinstance(value, PathLike) else value
+    if not isinstance(value, str | bytes | Number | list | tuple | dict | None):
+        name = type(value).__name__
+        return f"{'an' if name[0] in 'aeiouAEIOU' else 'a'} {name}"
+    try:
+        text = reprlib.repr(value.item() if isinstance(value, np.generic) else value)
+    except ValueError:  # an int of more than 4300 digits
+        return "a number of thousands of digits"
+    text = " ".join(text.split())
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 4]}...{text[-1]}"
+
+
+def numbers(value):
+    """The numbers in a value, as an array of floats of its shape; None where there are others."""
+    if isinstance(value, str | bytes | bool | Mapping):
+        return None
+    try:
+        found = np.asarray(value)
+        return found.astype(float) if found.dtype.kind in "iuf" else None
+    except (TypeError, ValueError, OverflowError):
+        return None
+
+
+def require_quantity(key: str, name: str, value: np.ndarray, within: Range | None = None) -> None:
+    """Raise ValueError unless values, called `key`, are numbers that fit the quantity of a name.
+
+    within: in place of its own range
+    """
+    quantity = QUANTITIES[name]
+    within = within or quantity.range
+    need = " ".join(f"is not a number {within} {quantity.unit}".split())
+    if numbers(value) is None:
+        raise ValueError(f"{key}: {show(value)} {need}")
+    require(within.holds(value), f"{key}: {{}} {need}", value)
 
 
 def require(holds: np.ndarray, complaint: str, *values: np.ndarray) -> None:

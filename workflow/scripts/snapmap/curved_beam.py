@@ -10,7 +10,8 @@ from functools import cached_property
 import numpy as np
 
 from .arch import Equilibria, equilibria, least_residual
-from .checks import require, require_from_zero, require_positive
+from .checks import numbers, require, require_quantity, show
+from .quantities import QUANTITIES, range_of
 from .shape import BISTABILITY_LIMIT, COSINE, SHAPES, TILT, Value, coefficients, midpoint, modes_of
 
 THINNEST = 1e6
@@ -54,20 +55,17 @@ class Beam:
     cosine_5: Value = 0.0
 
     def __post_init__(self):
-        for name in SIZES:
-            check = require_from_zero if name == "rise" else require_positive
-            check(f"device.beam.{name}", getattr(self, name))
+        for name in BEAM_VALUES:
+            if name in QUANTITIES and name != "shape":
+                key = "clamp.axial" if name == "clamp_axial" else name
+                within = range_of("[0, inf)") if name == "rise" else None
+                require_quantity(f"device.beam.{key}", name, getattr(self, name), within)
+        guide = "device.beam.free: {} is not 1, which may tilt, or 0"
+        free = numbers(self.free)
+        require(np.isin(np.nan if free is None else free, (0.0, 1.0)), guide, show(self.free))
         known = np.isin(self.shape, SHAPES)
         require(known, f"device.beam.shape: {{}} is not one of {', '.join(SHAPES)}", self.shape)
-        for name in COSINES:
-            value = getattr(self, name)
-            require(np.isfinite(value), f"device.beam.{name}: {{}} is not finite", value)
-        soft = "device.beam.clamp.axial: {} is not a positive number"
-        require(np.greater(self.clamp_axial, 0), soft, self.clamp_axial)
-        for name in ("damping", "imperfection"):
-            require_from_zero(f"device.beam.{name}", getattr(self, name))
-        stress, Q = self.residual_stress, np.divide(self.rise, self.thickness)
-        require(np.isfinite(stress), "device.beam.residual_stress: {} is not finite", stress)
+        Q = np.divide(self.rise, self.thickness)
         if self.is_cosine.all():
             self.require_second_shape()
         straight = (

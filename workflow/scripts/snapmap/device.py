@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass, fields
 
 import numpy as np
 
-from .checks import require, require_from_zero, require_positive
+from .checks import numbers, require, require_quantity, show
 from .curved_beam import BEAM_VALUES, Beam, Unchecked
 from .quantities import KINDS, QUANTITIES
 from .shape import Value
@@ -85,35 +85,22 @@ class Device:
     strength_threshold: Value = 0.0
 
     def __post_init__(self):
-        alone = np.equal(self.mass, 0) & self.is_alone
-        require_from_zero("device.gap", np.where(alone, 0.0, self.gap))
-        require_from_zero("device.force", self.force)
+        if not isinstance(self.beam, Beam):
+            raise ValueError(f"device.beam: {show(self.beam)} is not a Beam")
+        known = numbers(self.mass) is not None and numbers(self.gap) is not None
+        alone = known and np.equal(self.mass, 0) & self.is_alone
+        keys = {STOPS[key]: f"stops.{key}" for key in STOPS}
+        keys |= {STRENGTH[key]: f"strength.{key}" for key in STRENGTH}
+        keys |= {THERMAL[key]: f"thermal.{key}" for key in THERMAL}
+        for name in (field.name for field in fields(self) if field.name != "beam"):
+            value = getattr(self, name)
+            if name in ALONE and np.any(alone):
+                value = np.where(alone, 1.0, value)
+            require_quantity(f"device.{keys.get(name, name)}", name, value)
         pushed = "device.force: {:g} uN is of a beam alone; write mass: none"
         require(alone | np.equal(self.force, 0), pushed, self.force)
         stopped = "device.stops: are of a mass, and there is none; leave them out"
         require(~(alone & self.has_stops), stopped)
-        for key in ("toward", "away"):
-            way = getattr(self, STOPS[key])
-            require(np.greater(way, 0), f"device.stops.{key}: {{}} is not a positive number", way)
-        for key in ("scale", "modulus"):
-            value = getattr(self, STRENGTH[key])
-            require(np.greater(value, 0), f"device.strength.{key}: {{}} is not positive", value)
-        require_from_zero("device.strength.threshold", self.strength_threshold)
-        share = np.greater_equal(self.restitution, 0) & np.less_equal(self.restitution, 1)
-        require(share, "device.stops.restitution: {} is not from 0 to 1", self.restitution)
-        for key, name in (
-            ("temperature", "temperature"),
-            ("thermal.reference", THERMAL["reference"]),
-        ):
-            value = getattr(self, name)
-            require(
-                np.greater(value, -ZERO), f"device.{key}: {{}} degC is not above -273.15", value
-            )
-        require_positive("device.mass", np.where(alone, 1.0, self.mass))
-        for name in ("spring", "gravity"):
-            require_positive(f"device.{name}", getattr(self, name))
-        stiff = "device.contact: {} is not a positive number or inf"
-        require(np.greater(self.contact, 0), stiff, self.contact)
 
     @property
     def own_frequency(self) -> Value:

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from .checks import show
 from .numerics import portable
 
 VERSED_SINE = "versed sine"
@@ -279,13 +280,13 @@ def make_pulse(shape: str = VERSED_SINE, **shares: float) -> Pulse:
 
     Raises ValueError, one line, for a shape or shares that cannot be.
     """
-    if shape not in SHAPES:
-        raise ValueError(f"pulse.shape: {shape!r} is not one of {', '.join(SHAPES)}")
+    if not isinstance(shape, str) or shape not in SHAPES:
+        raise ValueError(f"pulse.shape: {show(shape)} is not one of {', '.join(SHAPES)}")
     for key, share in shares.items():
         if shape != "trapezoid" or key not in SHARES:
             raise ValueError(f"pulse.{key}: is of a trapezoid alone; leave it out")
         if isinstance(share, bool) or not isinstance(share, int | float) or not 0 < share < 1:
-            raise ValueError(f"pulse.{key}: {share!r} is no share of the duration, from 0 to 1")
+            raise ValueError(f"pulse.{key}: {show(share)} is no share of the duration, from 0 to 1")
     if sum({"rise": TENTH, "fall": TENTH, **shares}.values()) > 1:
         raise ValueError("pulse.rise: with fall is more than the duration; write smaller shares")
     given = {"shape": shape} | {key: f"{100 * share:.15g} %" for key, share in shares.items()}
@@ -378,7 +379,7 @@ def shocks_from(pulse=VERSED_SINE, direction="+z") -> Shocks:
     each = (directions,) if isinstance(directions, str) else tuple(directions)
     for one in each:
         if one not in DIRECTIONS:
-            raise ValueError(f"direction: {one!r} is not one of {', '.join(DIRECTIONS)}, both")
+            raise ValueError(f"direction: {show(one)} is not one of {', '.join(DIRECTIONS)}, both")
     if not each or len(set(each)) < len(each):
         raise ValueError("direction: empty or with one twice; write every one once")
     return Shocks(_named(pulse), directions if isinstance(directions, str) else each)
@@ -406,7 +407,7 @@ def _one(pulse):
         return pulse
     if isinstance(pulse, str):
         return make_pulse(pulse)
-    raise ValueError(f"pulse: {pulse!r} is no shape, nor a pulse; `snapmap.read_pulse` reads one")
+    raise ValueError(f"pulse: {show(pulse)} is no shape, nor a pulse; `read_pulse` reads one")
 
 
 def table(pulses: Sequence[Pulse]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -7,45 +7,79 @@ attributes in files, words in figures and on the page, and the keys of the confi
 import math
 from typing import NamedTuple
 
+import numpy as np
+
+
+class Range(NamedTuple):
+    """Numbers between two ends; low_fits, high_fits: whether these are among them."""
+
+    low: float
+    high: float
+    low_fits: bool
+    high_fits: bool
+
+    def holds(self, values: np.ndarray) -> np.ndarray:
+        """Whether values are in it; NaN is not."""
+        above = np.greater(values, self.low) | (self.low_fits & np.equal(values, self.low))
+        return above & (np.less(values, self.high) | (self.high_fits & np.equal(values, self.high)))
+
+    def __str__(self):
+        """In words that follow a noun."""
+        low = f"{'from' if self.low_fits else 'above'} {self.low:g}" * (self.low > -math.inf)
+        high = f"{'up to' if self.high_fits else 'below'} {self.high:g}" * (self.high < math.inf)
+        return " and ".join(filter(None, (low, high)))
+
+
+def range_of(text: str) -> Range:
+    """Read an interval such as "[0, inf)"."""
+    low, high = (float(end) for end in text[1:-1].split(","))
+    return Range(low, high, text[0] == "[", text[-1] == "]")
+
 
 class Kind(NamedTuple):
-    """What a key expects: its name with article, internal unit, an example, what fits beside > 0.
-
-    zero: whether 0 does; signed: whether less does, too
-    """
+    """What a key expects: its name with article, internal unit, an example, and an interval."""
 
     name: str
     unit: str
     example: str
-    zero: bool = False
-    signed: bool = False
+    interval: str = "(0, inf)"
+
+    @property
+    def zero(self) -> bool:
+        """Whether 0 fits."""
+        return bool(range_of(self.interval).holds(0.0))
+
+    @property
+    def signed(self) -> bool:
+        """Whether less than 0 does."""
+        return range_of(self.interval).low < 0
 
 
 KINDS = {
-    "number": Kind("a multiple of gravity without a unit", "", "1000", zero=True, signed=True),
+    "number": Kind("a multiple of gravity without a unit", "", "1000", "(-inf, inf)"),
     "quality": Kind("a plain number > 0", "", "250"),
     "length": Kind("a length", "um", "'600 um'"),
     "modulus": Kind("a modulus", "MPa", "'150 GPa'"),
-    "distance": Kind("a length", "um", "'0.5 um'", zero=True),
+    "distance": Kind("a length", "um", "'0.5 um'", "[0, inf)"),
     "strength": Kind("a stress", "MPa", "'1.5 GPa'"),
-    "stress": Kind("a stress", "MPa", "'-11 MPa'", zero=True, signed=True),
+    "stress": Kind("a stress", "MPa", "'-11 MPa'", "(-inf, inf)"),
     "density": Kind("a density", "ng/um^3", "'2330 kg/m^3'"),
-    "rate": Kind("a damping rate", "1/us", "'4e-4 /us'", zero=True),
+    "rate": Kind("a damping rate", "1/us", "'4e-4 /us'", "[0, inf)"),
     "mass": Kind("a mass", "ng", "'1e-8 kg'"),
     "body": Kind("a mass", "ng", "'1e-8 kg', or the word none"),
     "stiffness": Kind("a stiffness", "uN/um", "'5.5 N/m'"),
-    "contact": Kind("a stiffness", "uN/um", "'40 N/m', or the word hard"),
+    "contact": Kind("a stiffness", "uN/um", "'40 N/m', or the word hard", "(0, inf]"),
     "acceleration": Kind("an acceleration", "um/us^2", "'9.81 m/s^2'"),
     "force": Kind("a force", "uN", "'1 uN'"),
     "frequency": Kind("a frequency", "Hz", "'1500 Hz'"),
-    "damper": Kind("a damper constant", "uN*us/um", "'25 uN*us/um'", zero=True),
-    "temperature": Kind("a temperature", "degC", "'85 degC'", zero=True, signed=True),
-    "expansion": Kind("a change per kelvin", "1/K", "'-63e-6 /K'", zero=True, signed=True),
-    "part": Kind("a plain number", "", "0.1", zero=True, signed=True),
-    "exponent": Kind("a plain number", "", "0.7", zero=True, signed=True),
-    "restitution": Kind("a plain number from 0 to 1", "", "0.5", zero=True),
+    "damper": Kind("a damper constant", "uN*us/um", "'25 uN*us/um'", "[0, inf)"),
+    "temperature": Kind("a temperature", "degC", "'85 degC'", "(-273.15, inf)"),
+    "expansion": Kind("a change per kelvin", "1/K", "'-63e-6 /K'", "(-inf, inf)"),
+    "part": Kind("a plain number", "", "0.1", "(-inf, inf)"),
+    "exponent": Kind("a plain number", "", "0.7", "(-inf, inf)"),
+    "restitution": Kind("a plain number from 0 to 1", "", "0.5", "[0, 1]"),
     "share": Kind("a share", "%", "'0.1 %'"),
-    "duration": Kind("a duration", "us", "'1500 us'", zero=True),
+    "duration": Kind("a duration", "us", "'1500 us'", "[0, inf)"),
     "pulse": Kind("a duration", "us", "'0.5 ms'"),
 }
 
@@ -83,6 +117,7 @@ class Quantity(NamedTuple):
     words: in figures, in short; label: there along an axis, if not the words
     symbol: in the drawing of the device
     left_out: of which value a recipe is silent, NaN for none; the config then lists it last
+    usual: beyond these, internal units, it is hardly meant
     """
 
     name: str
@@ -92,6 +127,16 @@ class Quantity(NamedTuple):
     label: str = ""
     symbol: str = ""
     left_out: float | None = None
+    usual: tuple[float, float] = (0.0, math.inf)
+
+    @property
+    def range(self) -> Range:
+        """Of its values, with that of which a recipe is silent."""
+        own, silent = range_of(KINDS[self.kind].interval), self.left_out
+        return own._replace(
+            low_fits=own.low_fits or silent == own.low,
+            high_fits=own.high_fits or silent == own.high,
+        )
 
     @property
     def unit(self) -> str:
@@ -116,8 +161,8 @@ _ALL = (
     Quantity("rise", "length", "rise of the beam", "rise", symbol="δ"),
     Quantity("thickness", "length", "thickness of the beam", "thickness", symbol="t"),
     Quantity("depth", "length", "depth of the beam", "depth"),
-    Quantity("youngs_modulus", "modulus", "Young's modulus", "Young's modulus"),
-    Quantity("density", "density", "density of the beam", "density"),
+    Quantity("youngs_modulus", "modulus", "Young's modulus", "Young's modulus", usual=(1e3, 1.3e6)),
+    Quantity("density", "density", "density of the beam", "density", usual=(1e-4, 0.025)),
     Quantity("damping", "rate", "damping rate of the beam itself", "damping of the beam"),
     Quantity(
         "residual_stress",
@@ -150,7 +195,7 @@ _ALL = (
         )
         for n in range(2, 6)
     ),
-    Quantity("mass", "mass", "mass that strikes the beam", "mass", symbol="M"),
+    Quantity("mass", "mass", "mass that strikes the beam", "mass", symbol="M", usual=(0.0, 1e9)),
     Quantity("spring", "stiffness", "stiffness of the mass's spring", "spring", symbol="K"),
     Quantity("contact", "contact", "stiffness of the contact", "contact"),
     Quantity("gap", "distance", "gap between mass and beam at rest", "gap", left_out=0.0),

@@ -9,7 +9,7 @@ from .axes import DEVICE, Grid, make_grid, split_axes
 from .device import Device
 from .io.provenance import asked_for
 from .pulse import HANDOUT_SHOCK, VERSED_SINE, Shocks, shocks_from
-from .solver.settings import Settings, check_settings
+from .solver.settings import Settings
 from .trains import pulses_of
 
 FOLLOWED = ("horizon", "energy_tolerance", "threads")
@@ -92,7 +92,6 @@ def study_of(
     pulse = pulses_of(options.pop("pulse", VERSED_SINE))
     shocks = shocks_from(pulse, options.pop("direction", "+z"))
     settings = Settings(**{key: options.pop(key) for key in taken if key in options})
-    check_settings(settings)
     skip = options.pop("skip", False)
     axes, options = split_axes(options)
     named = {"name": model} if isinstance(model, str) else dict(model)
@@ -103,3 +102,9 @@ def study_of(
 def frequencies(f0: Sequence[float] | None, shocks: Shocks) -> Sequence[float] | np.ndarray:
     """Frequencies as given, Hz; the own one of recorded shocks for None."""
     return [shocks.own_frequency()] if f0 is None else f0
+
+
+def with_shocks(asked: Mapping) -> dict:
+    """A requirement with `shocks`, by default of its `pulse` and `direction`, as in Python."""
+    pulse, direction = asked.get("pulse", VERSED_SINE), asked.get("direction", "+z")
+    return {"shocks": shocks_from(pulse, direction), **asked}

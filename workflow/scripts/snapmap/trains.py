@@ -3,11 +3,11 @@ own."""
 
 import math
 from collections.abc import Mapping, Sequence
-from numbers import Real
 from typing import NamedTuple
 
 import numpy as np
 
+from .checks import numbers, show
 from .numerics import portable
 from .pulse import SHARES, VERSED_SINE, Pulse, make_pulse, straight
 
@@ -70,7 +70,7 @@ def make_drop(drop: Mapping) -> Pulse:
     Raises ValueError, one line.
     """
     given = _checked(drop, "drop", ("height", "duration"), ("rebound", "shape", *SHARES))
-    rebound = _number(given.get("rebound", 0.0), "rebound", signed=True)
+    rebound = _number(given.get("rebound", 0.0), "pulse.drop: rebound", signed=True)
     if not 0 <= rebound <= MOST_REBOUND:
         raise ValueError(f"pulse.drop: rebound: {rebound:g} is not from 0 to {MOST_REBOUND}")
     velocity = math.sqrt(2 * GRAVITY * given["height"])
@@ -140,14 +140,14 @@ def pulses_of(pulse: object) -> object:
 
 def _with_item(parts, item):
     if not isinstance(item, Mapping):
-        raise ValueError(f"{item!r} is no mapping")
+        raise ValueError(f"{show(item)} is no mapping")
     if set(item) == {"wait"}:
         return [*parts, _line([0.0, _number(item["wait"], "wait")], [0.0, 0.0])]
     if set(item) != {"repeat"}:
         return [*parts, _blow(**_checked(item, "", ("duration",), ("shape", "N", *SHARES)))]
     times = item["repeat"]
     if isinstance(times, bool) or not isinstance(times, int) or times < 1:
-        raise ValueError(f"repeat: {times!r} is no whole number from 1")
+        raise ValueError(f"repeat: {show(times)} is no whole number from 1")
     if len(parts) * times > MOST_BLOWS:
         raise ValueError(f"repeat: makes more than {MOST_BLOWS} blows and waits")
     return parts * times
@@ -221,7 +221,7 @@ def _checked(given, where, needed, other=()):
     """What is given, if it is a mapping of these keys, with numbers where there are units."""
     name = f"pulse.{where}: " if where else ""
     if not isinstance(given, Mapping):
-        raise ValueError(f"{name}{given!r} is no mapping of {', '.join((*needed, *other))}")
+        raise ValueError(f"{name}{show(given)} is no mapping of {', '.join((*needed, *other))}")
     for key in given:
         if key not in (*needed, *other):
             known = ", ".join((*needed, *other))
@@ -238,8 +238,9 @@ def _checked(given, where, needed, other=()):
 
 
 def _number(value, name, signed=False):
-    if isinstance(value, bool) or not isinstance(value, Real) or not abs(value) < math.inf:
-        raise ValueError(f"{name}: {value!r} is no number")
+    found = numbers(value)
+    if found is None or found.ndim or not np.isfinite(found):
+        raise ValueError(f"{name}: {show(value)} is no number")
     if value <= 0 and not signed:
         raise ValueError(f"{name}: {value:g} is not above 0")
     return float(value)

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..checks import show
 from ..device import Device
 from ..io.recorded import read_pulse
 from ..io.shots import answers
@@ -103,7 +104,9 @@ def _kind(row, place, shocks, known, files):
         raise ValueError(f"{where}: shape stands beside file; write one of them")
     direction = str(row.get("direction", shocks.direction))
     if direction not in DIRECTIONS:
-        raise ValueError(f"{where}: direction: {direction!r} is not one of {', '.join(DIRECTIONS)}")
+        raise ValueError(
+            f"{where}: direction: {show(direction)} is not one of {', '.join(DIRECTIONS)}"
+        )
     named = str(row.get("file", row.get("shape", "")))
     given = {key: row[key] for key in ("f0", "duration") if key in row}
     key = named, direction, *given.items()
@@ -151,7 +154,7 @@ def _positive(value, where):
     except (TypeError, ValueError):
         number = math.nan
     if not 0 < number < math.inf:
-        raise ValueError(f"{where}: {value!r} is no number above 0")
+        raise ValueError(f"{where}: {show(value)} is no number above 0")
     return number
 
 

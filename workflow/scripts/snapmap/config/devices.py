@@ -13,7 +13,7 @@ from ..io.measured_shape import read_shape
 from ..quantities import QUANTITIES
 from ..shape import COSINE
 from .faults import Faults, convert_part, refuse
-from .quality import KEY, damped
+from .quality import KEY, damped, damper
 from .schema import name_of, schema_faults, validator
 from .shocks import check_path
 from .units import read, show
@@ -32,7 +32,7 @@ TILTING = 8
 def load_device(path: str | Path) -> Device:
     """Read the device of a config file, whatever its other sections; raises ConfigError.
 
-    Its `quality_factor`, which stands for C, is left aside: C is no value of the device.
+    Its `quality_factor` stands for a C, which is no value of the device: a warning says which.
 
     >>> snapmap.load_device("config/config.yaml").beam.thickness
     2.0
@@ -43,8 +43,12 @@ def load_device(path: str | Path) -> Device:
     faults = {at: line for at, line in schema_faults(document).items() if at[:1] == ("device",)}
     device = _convert_device(document, ("device",), faults)
     refuse(faults)
-    for line in measured_shapes(document).values():
-        warnings.warn(line, stacklevel=2)
+    lines = [*measured_shapes(document).values()]
+    if KEY in document["device"]:
+        C = damper(device, document["device"])
+        lines.append(f"device.{KEY}: stands for C = {C:.6g} uN*us/um; give it to each call")
+    for line in lines:
+        warnings.warn(line, stacklevel=3)
     return device
 
 

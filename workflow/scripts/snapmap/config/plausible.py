@@ -1,8 +1,12 @@
 """Values that convert, and yet are hardly meant: what a wrong unit leaves behind."""
 
+import math
+
 import numpy as np
 
-from ..device import Beam, Device
+from ..device import VALUES, Beam, Device
+from ..quantities import QUANTITIES
+from ..tolerances.samples import Plan
 
 STEEP = 0.05
 """Rise over span above which what is neglected raises forces by more than 1 %."""
@@ -12,6 +16,8 @@ SLENDER = 20.0, 5000.0
 """Span over thickness below which the same holds of shear; above no beam is made."""
 CREEPING = 10.0
 """C over that of critical damping."""
+WIDE = 0.3
+"""Scatter over the nominal value."""
 FAR = 1000.0
 """Duration of a pulse over a period, or the reverse."""
 
@@ -22,6 +28,32 @@ def proportions(beam: Beam) -> str:
         f"rise/thickness {beam.rise / beam.thickness:.4g}, rise/span {beam.rise / beam.span:.3g}, "
         f"span/thickness {beam.span / beam.thickness:.4g}"
     )
+
+
+def unusual(device: Device) -> list[str]:
+    """Lines on values beyond what is usual, of a batch of devices."""
+    lines = []
+    for key in VALUES:
+        low, high = QUANTITIES[key].usual
+        values = np.atleast_1d(getattr(device.beam if hasattr(device.beam, key) else device, key))
+        beyond = values[(values < low) | (values > high)]
+        if beyond.size:
+            unit = QUANTITIES[key].unit
+            lines.append(
+                f"{key} = {beyond[0]:.4g} {unit} is not from {low:g} to {high:g}, as is usual; is "
+                "its unit right?"
+            )
+    return lines
+
+
+def wide(plan: Plan) -> list[str]:
+    """Lines on values that scatter by more than is made."""
+    lines = []
+    for key, scatter in plan.scatters.items():
+        share = scatter.width / (1.0 if scatter.is_share else abs(plan.nominal[key]) or math.inf)
+        if share > WIDE:
+            lines.append(f"{key} scatters by {100 * share:.3g} %: hardly meant above {WIDE:.0%}")
+    return lines
 
 
 def implausible(device: Device, C: np.ndarray, f0: np.ndarray) -> list[str]:
@@ -49,4 +81,4 @@ def implausible(device: Device, C: np.ndarray, f0: np.ndarray) -> list[str]:
         f"f0 from {f0[0]:.4g} Hz: all pulses are over in a {FAR:g}th of any period; they act as a "
         "jump in velocity": lasts[0] > FAR * last,
     }
-    return [line for line, holds in told.items() if holds]
+    return unusual(device) + [line for line, holds in told.items() if holds]

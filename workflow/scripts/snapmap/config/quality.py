@@ -47,7 +47,7 @@ def damper_of(
         faults[("sweep", "C")] = f"sweep.C: missing; write {wanted}"
     elif device is not None:
         named = device if isinstance(device, Mapping) else {"": device}
-        found = {_damper(named[name], sections[name]) for name in sections}
+        found = {damper(named[name], sections[name]) for name in sections}
         if len(found) == 1:
             return found.pop()
         complaint = "quality factors give no C that all devices share; write sweep.C"
@@ -55,7 +55,7 @@ def damper_of(
     return None
 
 
-def _damper(device, section):
-    """C, or None without a quality factor."""
+def damper(device: Device, section: Mapping) -> float | None:
+    """C of a device and its section, uN us/um; None without a quality factor."""
     root = np.sqrt(device.spring * device.mass)
     return float(root / read(section[KEY], "quality")) if KEY in section else None

@@ -14,7 +14,7 @@ from ..io.recorded import shocks_of
 from ..pulse import HANDOUT_SHOCK
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
 from ..study import Study
-from ..tolerances.samples import Tolerances
+from ..tolerances.samples import Plan, Tolerances
 from .asked_views import read_views
 from .axes import read_axis
 from .calibration import Calibration, read_calibration
@@ -29,7 +29,7 @@ from .devices import (
 )
 from .faults import convert_part, refuse
 from .histories import History, read_histories
-from .plausible import implausible, proportions
+from .plausible import implausible, proportions, wide
 from .quality import damper_of
 from .schema import schema_faults, validator
 from .shocks import (
@@ -146,7 +146,12 @@ class Config(Study):
         unlikely = implausible(self.grid.device, self.axes["C"], self.axes["f0"])
         outside = own_points_outside(self.own_points[0], self.axes) if self.own_points else []
         named = [f"{name}: {line}" for name, line in lines if line]
-        return unlikely + named + pulses + outside
+        scatters = [
+            line
+            for one in (self.devices().values() if self.tolerances else ())
+            for line in wide(Plan(one, self.tolerances.scatters, self.tolerances.together))
+        ]
+        return unlikely + named + pulses + outside + scatters
 
 
 def load_config(document: Mapping) -> Config:

@@ -37,4 +37,6 @@ def _width(key, text):
             raise ValueError(f"{show(text)} is no share; write one such as '5 %'")
         return read(text, QUANTITIES[key].kind)
     except ValueError as error:
-        raise ValueError(f"tolerances.{key}: {error}") from None
+        bare = isinstance(text, int | float) and key not in SHOCK_FACTORS
+        share = f", or a share such as '{text} %'" if bare else ""
+        raise ValueError(f"tolerances.{key}: {error}{share}") from None

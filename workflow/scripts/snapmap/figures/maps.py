@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ..axes import axis_behind
+from ..checks import show
 from ..io.points import Point
 from . import layout, plane, style
 from .curves import LIMITS, band_keys, draw_band, draw_impulsive, draw_static, freeze, limit_key
@@ -153,6 +154,9 @@ def plot_outcome(
     >>> ax.get_title().splitlines()[0][:8]
     '$C$ = 25'
     """
+    for name, key in (("x", x), ("y", y)):
+        if axis_behind(key) not in cube.outcome.dims:
+            raise ValueError(f"{name}: {show(key)} is no axis of the cube")
     many = [key for key in cube.outcome.dims if key not in (x, y) and cube.sizes[key] > 1]
     if many:
         raise ValueError(f"cube: has several {many[0]}; choose one, as cube.isel({many[0]}=0)")

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..checks import show
 from .columns import read_words
 from .named import DECIMALS, naming
 
@@ -44,7 +45,7 @@ def answers(values: Sequence) -> np.ndarray:
     words = [one.strip().lower() if isinstance(one, str) else one for one in values]
     for place, (word, value) in enumerate(zip(words, values, strict=True), start=1):
         if word not in ANSWERS:
-            raise ValueError(f"shots, row {place}: tripped: {value!r} is not true or false")
+            raise ValueError(f"shots, row {place}: tripped: {show(value)} is not true or false")
     return np.array([ANSWERS[word] for word in words], bool)
 
 

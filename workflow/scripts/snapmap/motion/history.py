@@ -15,7 +15,7 @@ from ..io.provenance import device_sections, provenance
 from ..numerics.linalg import dot, multiply
 from ..pulse import blow_at
 from ..solver.adaptive import choose_model
-from ..solver.cells import check_cells, to_cells
+from ..solver.cells import to_cells
 from ..solver.repeat import REPEATED_STEP, t_snap_error, work_error
 from ..solver.settings import MOVE
 from ..study import Study, study_of
@@ -47,13 +47,13 @@ def simulate(
     N: float,
     f0: float | None,
     C: float,
-    model: str | Mapping = "handout",
+    model: str | Mapping = "auto",
     **options,
 ) -> xr.Dataset:
     """Follow one cell to the horizon, beyond its snap, and return its history over time.
 
     N: multiples of g; f0: Hz, or None for a recorded shock's own; C: uN us/um
-    model: name, or as a mapping the whole of the config's model section
+    model: name, or as a mapping the whole of the config's model section; of `auto` the finest level
     options: as in `study.study_of`: horizon (us followed after the pulse), until and
         energy_tolerance, of a sweep whose step for this cell is taken; pulse and direction, of one
         shape in one direction; and options of the model
@@ -68,18 +68,13 @@ def simulate(
     >>> bool(run.w_mid.min() < device.beam.second_equilibrium)
     True
     """
-    study, varied = study_of(device, model, options, ("horizon", "energy_tolerance", "until"))
-    if varied:
-        raise ValueError(f"{next(iter(varied))}: is no option; vary the device")
+    study, _ = study_of(device, model, options, ("horizon", "energy_tolerance", "until"))
     f0 = study.shocks.own_frequency() if f0 is None else f0
     return history_of(study, N, f0, C)
 
 
 def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     """Follow one cell of a study of one device and pulse, as `simulate` does."""
-    check_cells(N=[N], f0=[f0], C=[C])
-    if N < 0:
-        raise ValueError(f"N: {N:g} is below 0; direction -z pushes the other way")
     if study.shocks.axes:
         raise ValueError("pulse: several; a history is of one shape in one direction")
     device, settings = study.device, study.settings._replace(repeat=False)

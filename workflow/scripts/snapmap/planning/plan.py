@@ -7,8 +7,9 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from ..checks import show
 from ..io.shots import answers, read_shots
-from .levels import METHODS, dixon_mood, next_level
+from .levels import dixon_mood, next_level
 from .probit import Estimate, estimate, has_estimate
 
 RANGE = 4.0
@@ -51,10 +52,6 @@ def plan_shots(
     1050.0
     """
     mean, sigma = _of_model(prior)
-    if method not in METHODS:
-        raise ValueError(f"method: {method!r} is not one of {', '.join(METHODS)}")
-    if not 0 < confidence < 1:
-        raise ValueError(f"confidence: {confidence!r} is not between 0 and 1")
     N, tripped = _columns(shots)
     ends = mean - RANGE * sigma, mean + RANGE * sigma
     level, why = next_level(N, tripped, method, *ends, sigma)
@@ -72,10 +69,7 @@ def _of_model(prior):
             several = ", ".join(key for key in prior.N_mean.dims if prior.sizes[key] > 1)
             raise ValueError(f"prior: has several values of {several}; choose one by .sel")
         prior = prior.N_mean.item(), prior.N_std.item()
-    try:
-        mean, sigma = (float(one) for one in prior)
-    except (TypeError, ValueError):
-        raise ValueError(f"prior: {prior!r} is no pair of mean and standard deviation") from None
+    mean, sigma = (float(one) for one in prior)
     if not (0 < mean < np.inf and 0 < sigma < np.inf):
         raise ValueError(f"prior: {mean:g}, {sigma:g} are no mean and standard deviation above 0")
     return mean, sigma
@@ -91,8 +85,8 @@ def _columns(shots):
             raise ValueError(f"shots: column {key} is missing")
     for key in SHOCK:
         if len(found := {str(value): None for value in table.get(key, ())}) > 1:
-            raise ValueError(f"shots: {key}: {', '.join(found)}; plan each pulse by itself")
+            raise ValueError(f"shots: {key}: {', '.join(found)[:60]}; plan each pulse by itself")
     for place, value in enumerate(table["N"], start=1):
         if not (isinstance(value, int | float | np.number) and 0 < value < np.inf):
-            raise ValueError(f"shots, row {place}: N: {value} is no number above 0")
+            raise ValueError(f"shots, row {place}: N: {show(value)} is no number above 0")
     return np.array(table["N"], float), answers(table["tripped"])

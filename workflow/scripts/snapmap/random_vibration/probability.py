@@ -13,9 +13,9 @@ from ..device import Device
 from ..io.provenance import provenance, recipe
 from ..pulse import HANDOUT_SHOCK
 from ..solver.adaptive import choose_survey
-from ..solver.cells import check_cells, to_cells
+from ..solver.cells import to_cells
 from ..solver.model import Follows
-from ..solver.settings import Settings, check_count
+from ..solver.settings import Settings
 from ..study import THRESHOLD_SETTINGS, Study, study_of
 from .records import record
 from .spectrum import REACH, Spectrum
@@ -96,7 +96,6 @@ def vibration(
     study, varied = study_of(device, model, options, ("energy_tolerance", "threads"))
     study.require_frame("random vibration")
     asked = {"duration": duration, "records": records, "seed": seed, "reach": reach}
-    _check(C, asked)
     return vibration_of(study, {**varied, "C": C}, Spectrum(psd), asked)
 
 
@@ -282,13 +281,3 @@ def _rates(given: Seen, T: float) -> dict[str, np.ndarray]:
         key.replace("rate", "probability"): -np.expm1(-rate * T) for key, rate in rates.items()
     }
     return {"snaps": n, "simulated": time, "failed": given.failed} | rates | chances
-
-
-def _check(C, asked):
-    check_cells(C=C)
-    if not 0 < asked["duration"] < math.inf:
-        raise ValueError(f"duration: {asked['duration']!r} is no time above 0, in s")
-    if not 0 < asked["reach"] < 1:
-        raise ValueError(f"reach: {asked['reach']!r} is no probability between 0 and 1")
-    for key in ("records", "seed"):
-        check_count(key, asked[key])

@@ -11,8 +11,7 @@ from ..io.provenance import provenance
 from ..pulse import DIRECTIONS
 from ..solver.adaptive import choose_survey
 from ..solver.bracket import asker
-from ..solver.cells import check_cells, to_rows
-from ..solver.settings import check_count
+from ..solver.cells import to_rows
 from ..study import THRESHOLD_SETTINGS, Study, study_of
 from .records import record
 from .spectrum import check_points
@@ -51,12 +50,7 @@ def srs_test(
     [0.0, 1.0]
     """
     points = check_points(srs)
-    check_cells(C=C)
-    for key, value in (("records", records), ("seed", seed)):
-        check_count(key, value)
     study, varied = study_of(device, model, options)
-    if "pulse" in options or len(study.shocks.pulses) > 1:
-        raise ValueError("pulse: is drawn from the spectrum; give one direction alone")
     study.require_frame("a shock response spectrum")
     return trips_of(study, {**varied, "C": C}, points, {"records": records, "seed": seed})
 

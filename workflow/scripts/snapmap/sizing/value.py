@@ -8,15 +8,14 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from ..axes import COORDINATES, coordinates, points_of
-from ..device import SIGNED, VALUES, Device
+from ..axes import COORDINATES, coordinates
+from ..device import SIGNED, Device
 from ..io.counting import counting
 from ..quantities import QUANTITIES
-from ..solver.cells import check_cells
-from ..study import study_of
+from ..study import study_of, with_shocks
 from ..tolerances.samples import Tolerances
 from .search import thresholds_at
-from .window import cost_of, window_of, with_shocks
+from .window import cost_of, window_of
 
 POINTS, SECTIONS, ROUNDS = 17, 8, 3
 """Values that are tried first; into so many parts each interval is cut, so often."""
@@ -66,6 +65,8 @@ def design(
     required = [with_shocks(one) for one in options.pop("requirements", ())]
     given = {key: options.pop(key) for key in Tolerances._fields if key in options}
     study, along = study_of(device, model, options)
+    if given and not required:
+        raise ValueError(f"{next(iter(given))}: is of requirements, and there are none")
     if required:
         _check_window(study, value, C, between, required, along)
         asked = Tolerances(**given) if given else None
@@ -73,7 +74,7 @@ def design(
             return window_of(study, value, C, between, required, asked)
     _check(study, value, N, f0, C, between, along)
     key, values = next(iter(along.items()), (value, 0.0))
-    values = points_of(key, values)
+    values = np.atleast_1d(np.asarray(values, float))
 
     def above(tried, place):
         """How far above N thresholds are, with their errors, of values at places on the line."""
@@ -163,22 +164,15 @@ def _check_window(study, value, C, between, required, along):
     if along:
         raise ValueError(f"{next(iter(along))}: is no option beside requirements; vary the device")
     for one in required:
-        missing = [key for key in ("name", "N", "f0", "snaps") if key not in one]
-        if missing:
-            raise ValueError(f"requirements: {missing[0]} is missing in {one.get('name', 'one')}")
         _check(replace(study, shocks=one["shocks"]), value, one["N"], one["f0"], C, between, along)
 
 
 def _check(study, value, N, f0, C, between, along):
-    if not isinstance(study.device, Device):
-        raise ValueError(f"device: {study.device!r} is no device; `snapmap.load_device` reads one")
-    if value not in VALUES:
-        raise ValueError(f"{value}: no value of a device; these are {', '.join(VALUES)}")
-    check_cells(N=N, f0=f0, C=C)
+    for key, given in {"N": N, "f0": f0, "C": C}.items():
+        if given is None:
+            raise ValueError(f"{key}: missing; write a number")
     if len(study.settings.pulses) > 1:
         raise ValueError("pulse: several; give one shape and one direction")
-    if not N > 0:
-        raise ValueError(f"N: {N:g} is not above 0")
     if between is None:
         raise ValueError("between: missing; write the two values between which to look")
     low, high = between

@@ -11,7 +11,6 @@ import xarray as xr
 
 from ..axes import COORDINATES
 from ..device import batch
-from ..pulse import VERSED_SINE, shocks_from
 from ..quantities import QUANTITIES
 from ..study import Study
 from ..tolerances.dataset import tolerances_of
@@ -30,12 +29,6 @@ class Edge(NamedTuple):
     value: float
     error: float
     name: str
-
-
-def with_shocks(asked: Mapping) -> dict:
-    """A requirement with `shocks`, by default of its `pulse` and `direction`, as in Python."""
-    pulse, direction = asked.get("pulse", VERSED_SINE), asked.get("direction", "+z")
-    return {"shocks": shocks_from(pulse, direction), **asked}
 
 
 def cost_of(requirements: Sequence[Mapping], tolerances: Tolerances | None) -> str:

@@ -101,22 +101,6 @@ def to_rows(device, f0, C, pulse=0) -> Rows:
     return Rows(device, f0, C, pulse)
 
 
-def check_cells(**values) -> None:
-    """Raise ValueError, one line, unless N is finite, f0 above 0 and C from 0."""
-    least = {"N": -np.inf, "f0": np.nextafter(0, 1), "C": 0.0}
-    need = {"N": "any size", "f0": "above 0", "C": "0 or above"}
-    for key, given in values.items():
-        try:
-            given = np.atleast_1d(np.asarray(given, float))
-        except (TypeError, ValueError):
-            raise ValueError(f"{key}: {given!r} is no number, nor an array of numbers") from None
-        if given.size == 0:
-            raise ValueError(f"{key}: empty; give one value or more")
-        wrong = given[~(np.isfinite(given) & (given >= least[key]))]
-        if wrong.size:
-            raise ValueError(f"{key}: {wrong[0]:g} cannot be; it must be finite and {need[key]}")
-
-
 def to_cells(devices: Device, device, N, f0, C, horizon: float, pulse=0) -> Cells:
     """Convert cells, arrays that broadcast, from multiples of g, Hz, uN us/um and a horizon.
 

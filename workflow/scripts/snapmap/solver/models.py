@@ -4,23 +4,15 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ..arguments import require_model
 from ..beam.barrier import find_barrier
 from ..beam.cosines import buckling_shapes, symmetric_cosines
 from ..beam.elements import hermite_elements
 from ..beam.modal import contact_stiffness, pulse_load, reduce_to_modes
 from ..device import Device
 from .model import Follows, Loop, Model, mix
-from .schemes import CONSERVING, EXPLICIT, SCHEMES, pays_explicit
-from .settings import check_number
+from .schemes import CONSERVING, EXPLICIT, pays_explicit
 from .steps import steps_of
-
-OF_ELEMENTS = ("elements", "mass_matrix", "step", "scheme", "modes")
-OPTIONS = {
-    "reference": OF_ELEMENTS[:3],
-    **dict.fromkeys(("handout", "elements"), OF_ELEMENTS),
-    "cosines": ("cosines", "modes", "scheme", "step"),
-    "auto": ("tolerance",),
-}
 
 
 def simd() -> Loop:
@@ -107,30 +99,7 @@ def _build_alike(device, name, options, kind):
 
 def check_options(device: Device, name: str, options: Mapping) -> None:
     """Raise ValueError, one line, for a model or an option that cannot be."""
-    if not isinstance(device, Device):
-        raise ValueError(f"device: {device!r} is no device; `snapmap.load_device` reads one")
-    if name not in OPTIONS:
-        raise ValueError(f"model.name: {name!r} is unknown; known are {', '.join(OPTIONS)}")
-    for key, value in options.items():
-        if key not in OPTIONS[name]:
-            known = ", ".join(OPTIONS[name])
-            raise ValueError(f"model.{key}: not an option of {name}; its options are {known}")
-        if key not in ("mass_matrix", "scheme"):
-            check_number(f"model.{key}", value)
-        if key == "mass_matrix":
-            if value not in ("consistent", "hrz"):
-                raise ValueError(f"model.mass_matrix: {value!r} is not consistent or hrz")
-        elif key == "scheme":
-            if value not in SCHEMES:
-                raise ValueError(f"model.scheme: {value!r} is not {' or '.join(SCHEMES)}")
-        elif key == "step":
-            if not 0 < value <= 1:
-                raise ValueError(f"model.step: {value} is not above 0 and up to 1, the limit")
-        elif key == "tolerance":
-            if not 0 < value < 1:
-                raise ValueError(f"model.tolerance: {value} is not between 0 and 1")
-        elif value != int(value) or value < 1:
-            raise ValueError(f"model.{key}: {value!r} is not a whole number from 1")
+    require_model({"name": name, **options})
     if name == "reference" and np.isinf(device.contact).any():
         raise ValueError("device.contact: hard is not for the reference model; write handout")
 

@@ -11,7 +11,6 @@ from ..device import Device
 from ..io.counting import counting
 from ..io.provenance import provenance
 from ..solver.adaptive import choose_model
-from ..solver.cells import check_cells
 from ..solver.outcome import ABSENT, OUTCOMES, count, ended_elsewhere, shares
 from ..study import FOLLOWED, frequencies, study_of
 from .grid import follow_grid
@@ -102,7 +101,7 @@ def sweep(
     N: Sequence[float],
     f0: Sequence[float] | None,
     C: Sequence[float],
-    model: str | Mapping = "handout",
+    model: str | Mapping = "auto",
     **options,
 ) -> xr.Dataset:
     """Simulate every cell of a grid and return it as in cube.nc.
@@ -127,7 +126,6 @@ def sweep(
     options["repeat"] = options.get("until", "settled") == "settled" if repeat is None else repeat
     study, varied = study_of(device, model, options, (*FOLLOWED, "until", "repeat"))
     f0 = frequencies(f0, study.shocks)
-    check_cells(N=N, f0=f0, C=C)
     grid = study.set_out({**varied, "C": C, "f0": f0, "N": N})
     with counting("sweep"):
         variables = follow_grid(choose_model(grid.device, study.model), grid, study.settings)

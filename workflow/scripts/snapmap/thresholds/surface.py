@@ -11,8 +11,8 @@ from ..io.counting import counting
 from ..io.provenance import provenance, recipe
 from ..pulse import blow_at
 from ..solver.adaptive import choose_survey
-from ..solver.cells import check_cells, rows_of, to_rows
-from ..solver.settings import THRESHOLD_TOLERANCE, check_number
+from ..solver.cells import rows_of, to_rows
+from ..solver.settings import THRESHOLD_TOLERANCE
 from ..study import THRESHOLD_SETTINGS, Study, frequencies, study_of
 from .cost import tell_cost
 from .islands import ABOVE, NOT_FOLLOWED, NOTHING_SNAPS, STATUS, survey
@@ -113,8 +113,7 @@ def threshold(
     device: one, or several by name, which then are an axis
     f0: None for a recorded shock's own
     model: name, or as a mapping the whole of the config's model section, which may give `auto` a
-        tolerance of its own; by default not `handout`, as in `sweep`: error bars need other levels
-        in any case, and theirs is the better threshold
+        tolerance of its own
     tolerance: of the refinement in N, relative
     highest: up to which N islands are looked for; twice the threshold if not given
     earlier: thresholds of the same study on other axes, from which rows are taken that the same
@@ -126,7 +125,8 @@ def threshold(
     The variables are those of `islands.Thresholds`, (..., C, f0), with N_latched; the limits for
     slow and short pulses, N_static, over the axes of device and pulse, and velocity_change, over
     these and C; and the `area` of each pulse: its velocity change is area N g / f0. Of records in
-    known units `scale_first` is the factor of the record at which it snaps.
+    known units `scale_first` is the factor of the record at which it snaps. `status` is a
+    number, in words `numpy.array(found.status.flag_meanings.split())[found.status]`.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> found = snapmap.threshold(device, [1500], [25], model="cosines", thickness=[1.9, 2.0])
@@ -151,7 +151,6 @@ def thresholds_of(
     axes: values of the device, C and f0, by name; tolerance, highest, earlier: as there
     """
     settings = study.settings
-    _check(axes["f0"], axes["C"], tolerance, highest)
     grid = study.set_out(axes)
     document = study.document(THRESHOLD_SETTINGS)
     document["sweep"]["threshold_tolerance"] = tolerance
@@ -285,14 +284,3 @@ def summary(found: xr.Dataset) -> str:
     )
     sides = [f"{side} in {int((weaker == side).sum())} rows" for side in found.direction.values]
     return f"{line}; weaker along {', '.join(sides)}"
-
-
-def _check(f0, C, tolerance, highest):
-    check_cells(f0=f0, C=C)
-    check_number("tolerance", tolerance)
-    if not 1e-9 <= tolerance <= 0.01:
-        raise ValueError(f"tolerance: {tolerance} is not from 1e-9 to 0.01, of N")
-    if highest is not None:
-        check_number("highest", highest)
-        if not 0 < highest < np.inf:
-            raise ValueError(f"highest: {highest} is not a finite multiple of g above 0")

@@ -13,16 +13,14 @@ from ..device import Device
 from ..io.counting import counting
 from ..io.provenance import provenance
 from ..numerics.portable import geometric
-from ..solver.cells import check_cells, to_rows
-from ..solver.settings import check_number
-from ..study import THRESHOLD_SETTINGS, Study, frequencies, study_of
+from ..solver.cells import to_rows
+from ..study import THRESHOLD_SETTINGS, Study, frequencies, study_of, with_shocks
 from .batch import Batch, choose_builder
 from .breaking import largest_stresses
 from .samples import SHOCK_FACTORS, Plan, Tolerances
 from .sensitivity import crossed, indices
 from .statistics import count_below, left_out, moments, percents, quantile_bounds, quantiles, wilson
 
-MOST_SAMPLES = 100_000
 QUANTILES = (0.001, 0.01, 0.1, 0.5, 0.9, 0.99, 0.999)
 INDEX_SAMPLES = 1024
 AMPLITUDES = 101
@@ -140,10 +138,8 @@ def tolerance(
     0.1
     """
     given = {key: options.pop(key) for key in Tolerances._fields if key in options}
-    requirements = options.pop("requirements", ())
-    study, varied = study_of(device, model, options)
-    if varied:
-        raise ValueError(f"{next(iter(varied))}: is no option; write how it scatters in scatters")
+    requirements = [with_shocks(one) for one in options.pop("requirements", ())]
+    study, _ = study_of(device, model, options)
     axes = {"C": C, "f0": frequencies(f0, study.shocks)}
     axes |= {} if N is None else {"N": N}
     with counting("tolerance"):
@@ -162,7 +158,8 @@ def tolerances_of(
     axes: C, f0 and, unless it is to be chosen, N
     """
     settings, samples = study.settings, asked.samples
-    _check(axes, asked, tolerance)
+    if (asked.index_samples or 0) > samples:
+        raise ValueError(f"index_samples: {asked.index_samples} is more than samples, {samples}")
     N = axes.get("N")
     axes = {key: np.atleast_1d(np.asarray(axes[key], float)) for key in ("C", "f0")}
     pulses = np.arange(len(settings.pulses))[:, np.newaxis, np.newaxis]
@@ -372,21 +369,3 @@ def _attributes(key):
 
 def _plain(given):
     return dict(given) if isinstance(given, Mapping) else given
-
-
-def _check(axes, asked, tolerance):
-    check_cells(**axes)
-    check_number("tolerance", tolerance)
-    if not 1e-5 <= tolerance <= 0.01:
-        raise ValueError(f"tolerance: {tolerance} is not from 1e-5 to 0.01, of N")
-    samples, index_samples = asked.samples, asked.index_samples
-    whole = {"samples": samples, "index_samples": index_samples or 2, "seed": asked.seed}
-    for (key, value), least in zip(whole.items(), (2, 2, 0), strict=True):
-        if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
-            raise ValueError(f"tolerances.{key}: {value!r} is not a whole number from {least}")
-    if index_samples is not None and index_samples > samples:
-        raise ValueError(
-            f"tolerances.index_samples: {index_samples} is more than the samples, {samples}"
-        )
-    if samples > MOST_SAMPLES:
-        raise ValueError(f"tolerances.samples: {samples} is more than {MOST_SAMPLES}; write fewer")

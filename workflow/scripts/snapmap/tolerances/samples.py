@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..checks import show
 from ..device import OF_MASS, VALUES
 
 OF_DEVICE = tuple(key for key in VALUES if key != "temperature")
@@ -140,15 +141,15 @@ def scatter_from(key: str, given) -> Scatter:
         ((kind, width),) = given.items()
     is_share = isinstance(width, str)
     if isinstance(width, bool) or (is_share and not width.strip().endswith("%")):
-        raise ValueError(f"{name}: {width!r} {NEED}")
+        raise ValueError(f"{name}: {show(width)} {NEED}")
     try:
         number = float(width.strip().removesuffix("%")) / 100 if is_share else float(width)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name}: {width!r} {NEED}") from None
+    except (OverflowError, TypeError, ValueError):
+        raise ValueError(f"{name}: {show(width)} {NEED}") from None
     if not 0 < number < math.inf:
-        raise ValueError(f"{name}: {width!r} {NEED}")
+        raise ValueError(f"{name}: {show(width)} {NEED}")
     if key in SHOCK_FACTORS and not is_share:
-        raise ValueError(f"{name}: {width!r} is no share; write one such as '5 %'")
+        raise ValueError(f"{name}: {show(width)} is no share; write one such as '5 %'")
     return Scatter(kind, number, is_share)
 
 

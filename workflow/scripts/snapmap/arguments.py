@@ -1,0 +1,297 @@
+"""What each argument of a public function may be, in one line each.
+
+ARGUMENTS says of each name what would be right, in words with an example, and what fits; values of
+the device, N, f0 and C take their units and ranges from `quantities.py`. Options of models are
+held against it whether they come from Python or from a config.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from os import PathLike
+from os.path import exists
+from typing import NamedTuple
+
+import numpy as np
+
+from .checks import numbers, show
+from .device import VALUES, Device
+from .pulse import DIRECTIONS, SHAPES, Pulse
+from .quantities import QUANTITIES, Range, range_of
+
+OF_ELEMENTS = ("elements", "mass_matrix", "step", "scheme", "modes")
+OPTIONS = {
+    "reference": OF_ELEMENTS[:3],
+    **dict.fromkeys(("handout", "elements"), OF_ELEMENTS),
+    "cosines": ("cosines", "modes", "scheme", "step"),
+    "auto": ("tolerance",),
+}
+"""Of each model."""
+
+
+class Argument(NamedTuple):
+    """need: what would be right, as it follows "is not"; fits: whether a value is."""
+
+    need: str
+    fits: Callable[[object], bool]
+
+    def require(self, name: str, value: object) -> None:
+        """Raise ValueError, one line, for a value that does not fit."""
+        if not self.fits(value):
+            raise ValueError(f"{name}: {show(value)} is not {self.need}")
+
+
+def _number(within: Range, unit: str = "", example: str = "") -> Argument:
+    def fits(value):
+        found = numbers(value)
+        return found is not None and found.ndim == 0 and bool(within.holds(found))
+
+    return Argument(_words("a number", within, unit, example), fits)
+
+
+def _row(within: Range, unit: str, example: str) -> Argument:
+    def fits(value):
+        found = numbers(value)
+        if found is None or found.ndim > 1 or not found.size or not within.holds(found).all():
+            return False
+        return np.unique(found).size == found.size
+
+    return Argument(_words("a number or several, each once,", within, unit, example), fits)
+
+
+def _words(what, within, unit, example):
+    words = " ".join(filter(None, (what, str(within), unit and f"in {unit}")))
+    return f"{words}, such as {example}" if example else words
+
+
+def _whole(low: int, high: float = math.inf) -> Argument:
+    number = _number(Range(low, high, low_fits=True, high_fits=high < math.inf))
+
+    def fits(value):
+        return number.fits(value) and value == int(value)
+
+    return Argument(f"a whole {number.need.removeprefix('a ')}", fits)
+
+
+def _pairs(units: str, example: str) -> Argument:
+    def fits(value):
+        found = numbers(value)
+        if found is None or found.ndim != 2 or found.shape[1] != 2 or len(found) < 2:
+            return False
+        positive = np.isfinite(found).all() and (found > 0).all()
+        return bool(positive and (np.diff(found[:, 0]) > 0).all())
+
+    return Argument(f"two pairs or more of {units}, above 0 and ascending, such as {example}", fits)
+
+
+def _word(*words: str) -> Argument:
+    need = f"one of {', '.join(words)}"
+    return Argument(need, lambda value: isinstance(value, str) and value in words)
+
+
+def _of_type(need: str, *types: type) -> Argument:
+    return Argument(need, lambda value: isinstance(value, types))
+
+
+def _dataset(need: str, *variables: str) -> Argument:
+    """By its attributes: xarray is imported by those alone who make one."""
+    return Argument(
+        need, lambda value: hasattr(value, "data_vars") and all(key in value for key in variables)
+    )
+
+
+def _is_pair(value):
+    found = numbers(value)
+    return found is not None and found.shape == (2,) and bool(np.isfinite(found).all())
+
+
+def _is_prior(value):
+    return THRESHOLDS.fits(value) or hasattr(value, "data_vars") or _is_pair(value)
+
+
+def _is_pulse(value):
+    if isinstance(value, str):
+        return value in SHAPES
+    return isinstance(value, Pulse) or (
+        isinstance(value, Mapping | list | tuple) and len(value) > 0
+    )
+
+
+def _is_path(value):
+    return isinstance(value, str | PathLike) and "\0" not in str(value) and exists(value)
+
+
+def _is_table(value):
+    columns = [value[key] for key in value] if hasattr(value, "keys") else [None]
+    return all(map(_is_column, columns)) and len({len(column) for column in columns}) < 2
+
+
+def _is_column(value):
+    is_row = isinstance(value, list | tuple) or getattr(value, "ndim", 0) == 1
+    return is_row and all(map(_is_entry, value))
+
+
+def _is_entry(value):
+    if isinstance(value, str):
+        return "\n" not in value
+    return value is None or isinstance(value, bool | np.bool_) or numbers(value) is not None
+
+
+def _mapping_of(need: str, *keys: str) -> Argument:
+    def fits(value):
+        return isinstance(value, Mapping) and len(value) > 0 and all(key in keys for key in value)
+
+    return Argument(f"a mapping of {need}", fits)
+
+
+def _are_directions(value):
+    if isinstance(value, str):
+        return value in (*DIRECTIONS, "both")
+    named = isinstance(value, list | tuple) and all(isinstance(one, str) for one in value)
+    return bool(named and value and {*value} <= {*DIRECTIONS} and len({*value}) == len(value))
+
+
+def _are_devices(value):
+    named = value.values() if isinstance(value, Mapping) and value else [value]
+    return all(isinstance(one, Device) for one in named)
+
+
+def _are_requirements(value):
+    return isinstance(value, list | tuple) and all(
+        isinstance(one, Mapping)
+        and {"name", "N", "f0", "snaps"} <= one.keys()
+        and isinstance(one["name"], str)
+        and POSITIVE.fits(one["N"])
+        and POSITIVE.fits(one["f0"])
+        and isinstance(one["snaps"], bool | np.bool_)
+        for one in value
+    )
+
+
+def _are_groups(value):
+    return isinstance(value, list | tuple) and all(
+        isinstance(group, list | tuple) and all(isinstance(key, str) for key in group)
+        for group in value
+    )
+
+
+def _of_axis(key: str, example: str) -> dict[str, tuple]:
+    quantity = QUANTITIES[key]
+    return quantity.range, quantity.unit, example
+
+
+POSITIVE = _number(range_of("(0, inf)"))
+SHARE = _number(range_of("(0, 1)"), "", "0.95")
+FLAG = _of_type("True or False", bool, np.bool_)
+THRESHOLDS = _dataset("a Dataset of thresholds, as threshold returns it", "N_first")
+PATH = Argument("the path of a file that is there", _is_path)
+DEVICE = _of_type("a Device; load_device reads one", Device)
+SHOCK = {
+    "N": (range_of("[0, inf)"), "multiples of g", "1000"),
+    "f0": _of_axis("f0", "1500"),
+    "C": _of_axis("C", "25"),
+}
+SINGLE = {key: _number(*words) for key, words in SHOCK.items()}
+
+ARGUMENTS = {
+    "device": Argument("a Device, or several by name; load_device reads one", _are_devices),
+    **dict.fromkeys(
+        (f"{name}.device" for name in ("describe", "statics", "calibrate", "design", "simulate")),
+        DEVICE,
+    ),
+    **{key: _row(within, unit, f"[{text}]") for key, (within, unit, text) in SHOCK.items()},
+    **{key: _row(*_of_axis(key, "")) for key in VALUES},
+    **{f"{name}.{key}": SINGLE[key] for name in ("simulate", "design") for key in SINGLE},
+    "design.N": POSITIVE,
+    "calibrate.C": SINGLE["C"],
+    "model": Argument(
+        f"one of {', '.join(OPTIONS)}, nor a mapping of its name and options",
+        lambda value: isinstance(value, Mapping) or (isinstance(value, str) and value in OPTIONS),
+    ),
+    "model.tolerance": _number(range_of("(0, 1)"), "", "1e-3"),
+    "model.elements": _whole(1),
+    "model.cosines": _whole(1),
+    "model.modes": _whole(1),
+    "model.step": _number(range_of("(0, 1]"), "", "0.8"),
+    "model.mass_matrix": _word("consistent", "hrz"),
+    "model.scheme": _word("explicit", "conserving"),
+    "horizon": _number(range_of("[0, inf)"), "us", "1500"),
+    "energy_tolerance": _number(range_of("(0, 1)"), "", "1e-3"),
+    "threads": _whole(1, 1024),
+    "until": _word("settled", "snap"),
+    "repeat": FLAG,
+    "skip": FLAG,
+    "pulse": Argument(f"one of {', '.join(SHAPES)}, nor what read_pulse gives", _is_pulse),
+    "direction": Argument("+z, -z, both, or a list of these", _are_directions),
+    **dict.fromkeys(
+        (f"{name}.direction" for name in ("simulate", "srs_test", "design", "calibrate")),
+        _word("+z", "-z"),
+    ),
+    "tolerance": _number(range_of("[1e-9, 0.01]"), "", "1e-4"),
+    "tolerance.tolerance": _number(range_of("[1e-5, 0.01]"), "", "1e-3"),
+    "highest": _number(range_of("(0, inf)"), "multiples of g", "2000"),
+    "earlier": THRESHOLDS,
+    "value": Argument(
+        "the name of a value of the device, such as thickness",
+        lambda value: isinstance(value, str) and value in VALUES,
+    ),
+    "between": Argument("a pair of numbers, low and high, such as (1.8, 2.2)", _is_pair),
+    "requirements": Argument(
+        "a list of mappings of name, N, f0 (Hz) and snaps (True or False)", _are_requirements
+    ),
+    "scatters": _mapping_of(
+        'what can scatter to its width, such as {"thickness": "3 %"}', *VALUES, "N", "duration", "C"
+    ),
+    "together": Argument("a list of groups of names, as [[span, rise]]", _are_groups),
+    "samples": _whole(2, 100_000),
+    "index_samples": _whole(2, 100_000),
+    "seed": _whole(0, 2**32 - 1),
+    "psd": _pairs("Hz and g^2/Hz", "[(20, 0.04), (2000, 0.04)]"),
+    "srs": _pairs("Hz and multiples of g", "[(500, 700), (2000, 1500)]"),
+    "vibration.duration": _number(range_of("(0, inf)"), "s", "60"),
+    "records": _whole(1, 10_000),
+    "reach": _number(range_of("(0, 1)"), "", "0.01"),
+    "shots": Argument(
+        "the path of a file that is there, nor columns by name",
+        lambda value: _is_table(value) or _is_path(value),
+    ),
+    "unknowns": _mapping_of(
+        'values of the device, or C, to ranges, such as {"thickness": (1.7, 2.3)}', *VALUES, "C"
+    ),
+    "prior": Argument(
+        "a mean and a standard deviation above 0, nor what tolerance returns", _is_prior
+    ),
+    "method": _word("neyer", "langlie", "up-and-down"),
+    "confidence": SHARE,
+    "reliability": SHARE,
+    "failures": _whole(0),
+    "cube": _dataset("a cube, as sweep and open_cube return it", "outcome"),
+    "box": _whole(2),
+    "path": PATH,
+    "sha256": _of_type("the hexadecimal digits of a hash", str),
+    "ax": Argument("Axes of matplotlib", lambda value: hasattr(value, "get_xlim")),
+    "x": _of_type("the name of an axis of the cube", str),
+    "y": _of_type("the name of an axis of the cube", str),
+    "found": THRESHOLDS,
+    "ends": FLAG,
+    "studies": Argument(
+        "a mapping of names to thresholds, as threshold returns them",
+        lambda value: (
+            isinstance(value, Mapping)
+            and len(value) > 0
+            and all(isinstance(k, str) and THRESHOLDS.fits(one) for k, one in value.items())
+        ),
+    ),
+}
+"""By name, or by function and name where it is another's, too."""
+
+
+def require_model(model: Mapping) -> None:
+    """Raise ValueError, one line, for a model's name or an option that cannot be."""
+    name = model.get("name")
+    _word(*OPTIONS).require("model.name", name)
+    for key, value in model.items():
+        if key in OPTIONS[name]:
+            ARGUMENTS[f"model.{key}"].require(f"model.{key}", value)
+        elif key != "name":
+            known = ", ".join(OPTIONS[name])
+            raise ValueError(f"model.{key}: not an option of {name}; its options are {known}")

@@ -1,0 +1,114 @@
+"""The door: calls of the public functions, held against what `arguments.py` says."""
+
+import functools
+import inspect
+import math
+import warnings
+from collections.abc import Callable, Mapping
+from difflib import get_close_matches
+from typing import get_args
+
+import numpy as np
+
+from .arguments import ARGUMENTS, OPTIONS, SHOCK, require_model
+from .config.plausible import implausible, unusual, wide
+from .device import VALUES, batch
+from .tolerances.samples import Plan
+
+MOST_CELLS = 10**8
+"""Of one call; those of a config go to files, slab by slab."""
+RUN = ("horizon", "energy_tolerance", "threads")
+MADE = ("samples", "index_samples", "seed", "together", "requirements")
+TAKEN = {
+    "calibrate": (*RUN, "pulse", "direction"),
+    "design": (*RUN, *MADE, "scatters", "pulse", "direction", *VALUES),
+    "simulate": ("horizon", "energy_tolerance", "until", "pulse", "direction"),
+    "srs_test": (*RUN, "direction", "skip", *VALUES),
+    "sweep": (*RUN, "until", "repeat", "pulse", "direction", "skip", *VALUES),
+    "threshold": (*RUN, "pulse", "direction", "skip", *VALUES),
+    "tolerance": (*RUN, *MADE, "pulse", "direction"),
+    "vibration": ("energy_tolerance", "threads", "reach", "skip", *VALUES),
+}
+"""Options of each function, beside those of the model."""
+
+
+def checked(function: Callable) -> Callable:
+    """The function, with each call held against ARGUMENTS; ValueError or TypeError, one line."""
+    signature = inspect.signature(function)
+
+    @functools.wraps(function)
+    def door(*given, **named):
+        values = _bound(function.__name__, signature, given, named)
+        for line in _doubts(values):
+            warnings.warn(line, stacklevel=2)
+        return function(*given, **named)
+
+    door.__module__ = __package__  # by which it is pickled
+    return door
+
+
+def _bound(function, signature, given, named):
+    """All arguments of a call by name, with its options; each fits."""
+    parameters = {key: one for key, one in signature.parameters.items() if key != "options"}
+    if len(given) > len(parameters):
+        raise TypeError(f"{function}: takes {len(parameters)} arguments, not {len(given)}")
+    values = dict(zip(parameters, given, strict=False))
+    if twice := [key for key in values if key in named]:
+        raise TypeError(f"{twice[0]}: comes twice; write it once")
+    values |= named
+    for key, one in parameters.items():
+        own = ARGUMENTS.get(f"{function}.{key}") or ARGUMENTS[key]
+        if key not in values:
+            if one.default is one.empty:
+                raise TypeError(f"{key}: missing; write {own.need}")
+        elif values[key] is not one.default and not (
+            values[key] is None and type(None) in get_args(one.annotation)
+        ):
+            own.require(key, values[key])
+    options = {key: value for key, value in values.items() if key not in parameters}
+    if "model" in parameters:
+        model = values.get("model", parameters["model"].default)
+        model = {"name": model} if isinstance(model, str) else model
+        of_model = OPTIONS.get(model.get("name"), ())
+        require_model(model | {key: options[key] for key in options if key in of_model})
+        options = {key: value for key, value in options.items() if key not in of_model}
+    for key, value in options.items():
+        if key not in TAKEN.get(function, ()):
+            raise ValueError(f"{key}: is no option{_hint(function, key, parameters)}")
+        (ARGUMENTS.get(f"{function}.{key}") or ARGUMENTS[key]).require(key, value)
+    if function == "sweep":
+        sizes = [np.size(value) for key, value in values.items() if key in (*VALUES, *SHOCK)]
+        if math.prod(sizes) > MOST_CELLS:
+            raise ValueError(
+                f"N: {math.prod(sizes):.3g} cells with f0, C and all axes, more than "
+                f"{MOST_CELLS:.0e}; write fewer, or a config"
+            )
+    return values
+
+
+def _hint(function, key, parameters):
+    """What was meant by an option that is none."""
+    if key in VALUES:
+        return f" of {function}; vary the device"
+    of_models = [option for options in OPTIONS.values() for option in options]
+    if key in of_models:
+        return " of this model; write another model"
+    known = [*parameters, *TAKEN.get(function, ()), *(of_models if "model" in parameters else ())]
+    near = get_close_matches(key, known, 1, 0.8)
+    return f"; did you mean {near[0]}?" if near else f" of {function}"
+
+
+def _doubts(values):
+    """Lines on values that are hardly meant."""
+    device = values.get("device")
+    named = device if isinstance(device, Mapping) else {} if device is None else {"": device}
+    for one in named.values():
+        whole = batch([one])
+        C, f0 = (values.get(key) for key in ("C", "f0"))
+        if C is None or f0 is None:
+            yield from unusual(whole)
+        else:
+            ascending = (np.sort(np.atleast_1d(np.asarray(v, float))) for v in (C, f0))
+            yield from implausible(whole, *ascending)
+        if "scatters" in values:
+            yield from wide(Plan(one, values["scatters"], values.get("together", ())))
