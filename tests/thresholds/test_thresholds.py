@@ -12,6 +12,7 @@ from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
 from snapmap.thresholds.islands import (
+    NARROW,
     _closer_window,
     _decide,
     _distance,
@@ -70,7 +71,7 @@ def surveyed(coarse, fine, highest=None):
     slow = np.zeros(2, bool)
     rough, _ = first_seen(asking(coarse), wide, np.full(2, 0.01))
     whole = _whole_window(rough, None, highest, slow)
-    window, ragged = _closer_window(asking(coarse), whole, slow)
+    window, ragged = _closer_window(asking(coarse), whole, ~slow)
     edges, open_end, *_ = _decide(asking(fine), window, whole, ragged)
     edges = refine_edges(lambda rows: lambda N: asking(fine)(N, rows), edges, 1e-6)
     return stretches(edges, open_end)
@@ -118,6 +119,19 @@ def test_thresholds_lie_within_their_error_bars(handout):
         assert (error <= found.N_error + fine.N_error).all()
         assert (error <= 5e-4 * fine.N_first).all()
         assert (found.N_always == found.N_first).all() and not found.islands.any()
+
+
+def test_narrow_islands_below_a_threshold_are_seen(handout):
+    """At 11 kHz labels change five times within 0.5 %, as finer steps see them one by one."""
+    found = snapmap.threshold(handout, [11078.0], [100.0], horizon=1500.0).squeeze()
+    fine = build_model(handout, "cosines", modes=5).with_step(0.3)
+    N = amplitudes(np.array([1420.0]), np.array([1460.0]), NARROW / 2)
+    ask = asker(fine, to_rows(0, 11078.0, 100.0), Settings(1500.0))
+    snapped = np.isfinite(ask(N))
+    assert np.count_nonzero(np.diff(snapped)) > 1 and found.ragged and found.islands > 0
+    first, last = N[snapped].min(), N[~snapped].max()
+    assert abs(first - found.N_first) <= found.N_error
+    assert abs(last - found.N_always) <= found.N_error
 
 
 def test_a_threshold_is_where_the_sweep_changes(handout):

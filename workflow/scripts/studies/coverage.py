@@ -2,7 +2,10 @@
 
 PYTHONPATH=workflow/scripts ./run python -m studies.coverage [devices] [any] [--small]
 
-With `any`, devices with gaps and stress, free to tilt, under all shapes and along both directions.
+With `any`, devices with gaps, stops and stress, at other temperatures, of other shapes, free to
+tilt, under all shapes of pulse, slow ones among them, and along both directions.
+
+Prints each miss of a clean row, in bars.
 
 Writes results/figures/coverage.pdf and .png: errors over their bars, by model.
 """
@@ -23,12 +26,22 @@ from snapmap.solver.bracket import lowest_snap
 from snapmap.solver.cells import Rows, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
-from snapmap.thresholds.islands import FOUND, NOT_FOLLOWED, NOTHING_SNAPS
+from snapmap.thresholds.islands import FOUND, NARROW, NOT_FOLLOWED, NOTHING_SNAPS
 
 from .few import SMALL, few
-from .random_devices import draw_any_device, draw_device, draw_pulse, draw_shocks
+from .random_devices import (
+    FREQUENCIES,
+    SLOWEST,
+    draw_device,
+    draw_pulse,
+    draw_shocks,
+    draw_widest_device,
+)
 
 SEED, DEVICES, THREADS = 13, 24, 2
+
+
+KEYS = "N_first", "N_error", "status", "ragged"
 
 
 class Run(NamedTuple):
@@ -51,14 +64,18 @@ JUDGED_STEP = 0.2
 """Two discretisations, far finer than what is judged, in a fifth of its steps; what they agree on
 is well posed."""
 AGREED, REFINED = 3e-4, 1e-5
-REACHES, CLOSE = (1.01, 1.1), 0.002
-"""About a threshold found before, the judges look this far around it in turn, in such steps."""
+REACHES = (1.01, 1.1)
+"""About a threshold found before, the judges look this far around it in turn, for stretches as
+wide as thresholds are told to see."""
 HORIZON = 1500.0
 HEAD = [
     "model",
     "well posed",
     "within the bar",
     "share",
+    "clean",
+    "within",
+    "largest, bars",
     "missed",
     "nothing snaps",
     "not followed",
@@ -75,26 +92,46 @@ def main():
     draw = np.random.default_rng(SEED)
     found = {name: [] for name in MODELS}
     for _ in range(count):
-        device = draw_any_device(draw) if of_all else draw_device(draw)
+        device = draw_widest_device(draw) if of_all else draw_device(draw)
         shocks = draw_pulse(draw) if of_all else HANDOUT_SHOCK
-        f0, C = (few(values) for values in draw_shocks(draw, device))
+        slowest = SLOWEST if of_all else FREQUENCIES[0]
+        f0, C = (few(values) for values in draw_shocks(draw, device, slowest))
         runs = {name: ask(device, f0, C, options, shocks) for name, options in MODELS.items()}
         about = next(run.result[0] for run in runs.values() if run.result)
         truth = judge(device, f0, C, about, shocks)
         for name, run in runs.items():
             found[name].append((run, truth))
+            tell_misses(name, run, truth, device, shocks, f0, C)
     print(f"{count} devices, {count * len(f0) * len(C)} thresholds\n")
     print(table(HEAD, [[name, *summary(runs)] for name, runs in found.items()]))
     draw_errors(found)
 
 
+def tell_misses(name, run: Run, truth, device: Device, shocks: Shocks, f0, C):
+    """Print each clean row whose threshold lies beyond its bar."""
+    over = ratios([(run, truth)], of_clean=True)
+    known = np.flatnonzero(is_clean(run) & np.isfinite(truth)) if over.size else []
+    for row, bars in zip(known, over, strict=True):
+        if bars > 1:
+            where = f"{f0[row % len(f0)]:.6g} Hz, C {C[row // len(f0)]:.6g}"
+            N, error = (values[row] for values in run.result[:2])
+            told = f"{N:.6g} +- {error:.3g} for {truth[row]:.6g}, {bars:.2f} bars"
+            print(f"{name}: {where}, {shocks.pulse.shape} {shocks.direction}: {told}; {device}")
+
+
+def is_clean(run: Run) -> np.ndarray:
+    """Which rows have a threshold and are not ragged, (thresholds,)."""
+    N, _, _, ragged = run.result
+    return np.isfinite(N) & (ragged == 0)
+
+
 def ask(device: Device, f0, C, options, shocks: Shocks = HANDOUT_SHOCK) -> Run:
-    """N_first, N_error and status, (thresholds,), or None after an exception; the time taken."""
+    """N_first, N_error, status and ragged, (thresholds,), or None after an exception; its time."""
     asked = {"pulse": shocks.pulse, "direction": shocks.direction, "threads": THREADS}
     begin = perf_counter()
     try:
         answer = threshold(device, f0, C, horizon=HORIZON, **asked, **options)
-        answer = tuple(answer[key].values.ravel() for key in ("N_first", "N_error", "status"))
+        answer = tuple(answer[key].values.ravel() for key in KEYS)
     except ValueError as error:
         print(f"{device}: {error}")
         answer = None
@@ -117,24 +154,27 @@ def look(model, rows: Rows, about, settings: Settings) -> np.ndarray:
     for reach in REACHES:
         left = np.flatnonzero(np.isnan(found))
         bracket = about[left] / reach, about[left] * reach
-        found[left] = lowest_snap(model, rows.some(left), bracket, settings, REFINED, CLOSE)
+        found[left] = lowest_snap(model, rows.some(left), bracket, settings, REFINED, NARROW)
     return found
 
 
-def ratios(runs) -> np.ndarray:
-    """Errors over their bars where the threshold is well posed; inf where none was found."""
+def ratios(runs, of_clean: bool = False) -> np.ndarray:
+    """Errors over their bars where the threshold is well posed; inf where none was found.
+
+    of_clean: of clean rows alone
+    """
     each = []
     for run, truth in runs:
-        known = np.isfinite(truth)
         if run.result is not None:
-            N, bar, _ = (values[known] for values in run.result)
+            known = np.isfinite(truth) & (is_clean(run) if of_clean else True)
+            N, bar = (values[known] for values in run.result[:2])
             each.append(np.nan_to_num(abs(N - truth[known]) / bar, nan=np.inf))
     return np.concatenate(each)
 
 
 def summary(runs):
     """A row of the table."""
-    over = ratios(runs)
+    over, clean = ratios(runs), ratios(runs, of_clean=True)
     asked = sum(truth.size for _, truth in runs)
     N, status = (np.concatenate([run.result[i] for run, _ in runs if run.result]) for i in (0, 2))
     bars = np.concatenate([run.result[1] / run.result[0] for run, _ in runs if run.result])
@@ -142,6 +182,9 @@ def summary(runs):
         str(over.size),
         str(np.sum(over <= 1)),
         f"{np.mean(over <= 1):.1%}",
+        str(clean.size),
+        f"{np.mean(clean <= 1):.1%}",
+        f"{clean.max(initial=0):.2f}",
         str(np.sum(np.isinf(over))),
         *(str(np.sum(status == reason)) for reason in (NOTHING_SNAPS, NOT_FOLLOWED)),
         str(np.sum(np.isnan(N) & (status == FOUND))),

@@ -5,13 +5,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from snapmap.curved_beam import COSINE
+from snapmap.curved_beam import SHAPES as BEAM_SHAPES
 from snapmap.device import Beam, Device
 from snapmap.pulse import DIRECTIONS, SHAPES, Shocks, make_pulse, sampled
 
 PULSES, DAMPINGS = 4, (0.01, 0.6)
 """Frequencies of each device, and its dampings over sqrt(K M)."""
-FREQUENCIES = 0.05, 20.0
-"""Over the device's own."""
+FREQUENCIES, SLOWEST = (0.05, 20.0), 0.01
+"""Over the device's own; the lowest where slow pulses are drawn, too."""
 
 
 def draw_device(draw: np.random.Generator) -> Device:
@@ -50,6 +52,29 @@ def draw_any_device(draw: np.random.Generator) -> Device:
     return replace(device, beam=beam, gap=gap)
 
 
+def draw_widest_device(draw: np.random.Generator) -> Device:
+    """A device as drawn above, some with stops, at another temperature, or of another shape."""
+    device = draw_any_device(draw)
+    if draw.random() < 0.3:
+        way = device.gap + device.beam.rise * _even(draw, 0.3, 3.0)
+        device = replace(device, stop_toward=way, restitution=draw.uniform(0.0, 0.9))
+    if draw.random() < 0.3:
+        device = replace(device, stop_away=device.beam.rise * _even(draw, 0.1, 3.0))
+    beam = replace(device.beam, shape=str(draw.choice(BEAM_SHAPES)))
+    if beam.shape != COSINE:
+        # Without compression it has no second shape.
+        beam = replace(beam, residual_stress=draw.uniform(1.1, 2.0) * beam.most_stress)
+    there, mismatch = draw.uniform(-40.0, 120.0), draw.uniform(0.0, 2e-6)
+    device = replace(device, beam=beam, modulus_slope=-6e-5, expansion_mismatch=mismatch)
+    warm = device.warmed({"temperature": there})
+    try:
+        beam = replace(beam, **{key: warm[key] for key in ("youngs_modulus", "residual_stress")})
+        beam.require_second_shape()
+    except ValueError:
+        return device  # Warm, it has no second shape.
+    return replace(device, beam=beam, temperature=there)
+
+
 def draw_pulse(draw: np.random.Generator) -> Shocks:
     """A shape, or a record with ringing and noise, along either direction."""
     name = draw.choice([*SHAPES, "recorded"])
@@ -60,10 +85,12 @@ def draw_pulse(draw: np.random.Generator) -> Shocks:
     return Shocks(pulse, str(draw.choice([*DIRECTIONS])))
 
 
-def draw_shocks(draw: np.random.Generator, device: Device) -> tuple[list[float], list[float]]:
-    """Frequencies (Hz) and dampings C (uN us/um)."""
+def draw_shocks(
+    draw: np.random.Generator, device: Device, slowest: float = FREQUENCIES[0]
+) -> tuple[list[float], list[float]]:
+    """Frequencies (Hz), from `slowest` over the device's own, and dampings C (uN us/um)."""
     own = device.own_frequency / (2 * math.pi) * 1e6
-    f0 = sorted(own * _even(draw, *FREQUENCIES) for _ in range(PULSES))
+    f0 = sorted(own * _even(draw, slowest, FREQUENCIES[1]) for _ in range(PULSES))
     critical = math.sqrt(device.spring * device.mass)
     return f0, [share * critical for share in DAMPINGS]
 

@@ -24,8 +24,11 @@ from .transitions import (
     stretches,
 )
 
-FINEST_STEP, CLOSEST_STEP = 0.001, 0.0005
+FINEST_STEP, CLOSEST_STEP = 0.001, 0.00025
 """Relative steps in ragged rows, where labels change back and forth, and to see which rows are."""
+NARROW = 0.0005
+"""Relative width of a stretch between two changes down to which it counts: narrower ones, which
+another level may not have, belong to no definition."""
 BELOW, ABOVE = 0.7, 2.0
 """Where islands are looked for, as multiples of the threshold found first."""
 BESIDE, FAR_BESIDE = 1.02, 1.05
@@ -33,6 +36,8 @@ BESIDE, FAR_BESIDE = 1.02, 1.05
 SLOW = 0.05
 """A pulse that lasts 1 / SLOW times longer than the device's response moves it from rest to rest:
 it snaps where no rest is left, and at every N above."""
+RINGS = 0.25
+"""From this share on, reckoned as SLOW, a device rings after the pulse: islands lie close below."""
 SLOW_REACH, SLOW_BESIDE = 2.0, 1.05
 """How far around the static threshold slow pulses are looked at, and then around their own."""
 LEAST_AREA = 0.02
@@ -64,12 +69,12 @@ class Thresholds(NamedTuple):
     status: whether N_first was found, or why not: index into STATUS
     N_bound: below it nothing can snap, by energy
     N_looked: the highest N looked at
-    N_first: the lowest N that snaps
+    N_first: the lowest N seen to snap; below its bar, nothing wider than NARROW does
     N_error: of N_first: what other levels, another step and the refinement leave open
     N_half: N_always less the lengths of the islands: as much snaps below it as does not above
     half_error: of N_half, likewise
     ragged: 1 where labels change back and forth, or levels differ by far, else 0
-    N_always: the lowest above which every N looked at snaps
+    N_always: the lowest above which every N looked at snaps: from here on snapping is the rule
     N_pulse: the lowest N that snaps while the pulse lasts
     t_snap: at N_first, us after the pulse's start
     level: of the models that decided: 1 where the first left too much open, else 0
@@ -140,11 +145,13 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
         return asker(model, rows, settings, until="snap")
 
     scans, decides, doubts, better, static, judge, *_ = models
-    slow = _is_slow(scans.device, rows, settings.pulses)
+    pace = _pace(scans.device, rows, settings.pulses)
+    slow = pace < SLOW
     wide = wide_scan(scans.device, static, rows, settings.pulses, slow)
     rough, quiet = first_seen(scan_by(scans), wide, bound)
     whole = _whole_window(rough, lowest, highest, slow)
-    window, ragged = _closer_window(scan_by(scans), whole, slow)
+    window, ragged = _closer_window(scan_by(scans), whole, pace >= RINGS)
+    closest = np.where(pace >= RINGS, CLOSEST_STEP, 0.0)
     edges, open_end, window, ragged = _decide(ask(decides), window, whole, ragged)
     edges = refine_edges(lambda some: ask(decides, some), edges, tolerance)
     N_first, N_always, islands = stretches(edges, open_end)
@@ -166,7 +173,7 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
     first_error = np.fmax(_spread(edges, N_first), _farthest(N_first, [one[0] for one in found]))
     half_error = _farthest(N_half, [one[1] for one in found])
     N_error, half_error = (np.where(ragged, far, near) for far in (first_error, half_error))
-    resolution = np.where(ragged, window.step, 0.0) + tolerance
+    resolution = np.where(ragged, window.step, closest) + tolerance
     none = np.where(quiet, NOTHING_SNAPS, NOT_FOLLOWED)
     return Thresholds(
         np.where(np.isnan(N_first), none, FOUND).astype(np.int8),
@@ -185,12 +192,12 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
     )
 
 
-def _is_slow(device, rows, pulses):
-    """Whether a pulse is long against what the device takes to follow it, (rows,)."""
+def _pace(device, rows, pulses):
+    """What the device takes to follow a pulse, over how long that lasts, (rows,)."""
     own, spring = device.own_frequency[rows.device], device.spring[rows.device]
     steepest = np.array([pulse.steepest for pulse in pulses])[rows.pulse]
     C = np.where(device.is_alone[rows.device], 0.0, rows.C)
-    return 2e-6 * np.pi * rows.f0 * steepest * (1 / own + C / spring) < SLOW
+    return 2e-6 * np.pi * rows.f0 * steepest * (1 / own + C / spring)
 
 
 def wide_scan(device, static, rows, pulses, slow=False) -> np.ndarray:
@@ -238,40 +245,36 @@ def _whole_window(rough, lowest, highest, slow):
     return Window(low, high, np.full(rough.size, FINE_STEP))
 
 
-def _closer_window(ask, whole, slow):
+def _closer_window(ask, whole, rings):
     """Where labels change along N, as the cheapest level sees it, and which rows are ragged.
 
     A row is ragged where they change more than once; so it is by every level, each in its own way.
     """
     n_rows = whole.low.size
     edges, *_ = scan(ask, whole)
-    first, last = outermost(edges.row, edges.high, n_rows)
+    ends = outermost(edges.row, edges.high, n_rows)
     ragged = np.bincount(edges.row, minlength=n_rows) > 1
-    close = around(whole, np.where(ragged | slow, np.nan, first), last, BESIDE, CLOSEST_STEP)
-    edges, *_ = scan(ask, close)
-    ragged |= np.bincount(edges.row, minlength=n_rows) > 1
-    least, largest = outermost(edges.row, edges.high, n_rows)
-    clean = around(whole, first, last, BESIDE, FINE_STEP)
-    wide = around(whole, np.fmin(first, least), np.fmax(last, largest), FAR_BESIDE, FINEST_STEP)
-    return chosen(ragged, wide, clean), ragged
+    clean = around(whole, *ends, BESIDE, np.where(rings, CLOSEST_STEP, FINE_STEP))
+    return chosen(ragged, around(whole, *ends, FAR_BESIDE, FINEST_STEP), clean), ragged
 
 
 def _decide(ask, window, whole, ragged):
     """Edges as the deciding level sees them; whether a row's highest N is quiet; what is ragged.
 
-    Rows in which it sees other than the cheapest level did are ragged too, and scanned wider.
+    Rows in which it sees other than the cheapest level did are ragged too, and scanned on to
+    either side.
     """
     edges, begins, ends = scan(ask, window)
     surprising = begins | (~ends & (window.high < whole.high))
     surprising |= ~ragged & (np.bincount(edges.row, minlength=ragged.size) != 1)
-    first = np.where(surprising, window.low, np.nan)
-    wider = around(whole, first, window.high, FAR_BESIDE, FINEST_STEP)
-    more, begins_wider, ends_wider = scan(ask, wider)
-    window = chosen(surprising, wider, window)
-    begins, ends = np.where(surprising, [begins_wider, ends_wider], [begins, ends])
-    kept, found = ~surprising[edges.row], ~begins[more.row]
-    edges = Edges(*(np.append(a[kept], b[found]) for a, b in zip(edges, more, strict=True)))
-    return edges, ~ends, window, ragged | surprising
+    low, high = (np.where(surprising, end, np.nan) for end in (window.low, window.high))
+    wider = around(whole, low, high, FAR_BESIDE, FINEST_STEP)
+    below, begins_below, _ = scan(ask, wider._replace(high=low))
+    above, _, ends_above = scan(ask, wider._replace(low=high))
+    begins, ends = np.where(surprising, [begins_below, ends_above], [begins, ends])
+    edges = Edges(*(np.concatenate(parts) for parts in zip(below, edges, above, strict=True)))
+    edges = Edges(*(column[~begins[edges.row]] for column in edges))
+    return edges, ~ends, chosen(surprising, wider, window), ragged | surprising
 
 
 def _spread(edges, N_first):

@@ -15,7 +15,7 @@ from ..solver.cells import rows_of, to_rows
 from ..solver.settings import THRESHOLD_TOLERANCE
 from ..study import THRESHOLD_SETTINGS, Study, frequencies, study_of
 from .cost import tell_cost
-from .islands import ABOVE, NOT_FOLLOWED, NOTHING_SNAPS, STATUS, survey
+from .islands import ABOVE, NARROW, NOT_FOLLOWED, NOTHING_SNAPS, STATUS, survey
 from .reuse import joined, recall
 from .settling import lowest_latched
 
@@ -40,7 +40,11 @@ VARIABLES = {
     },
     "N_bound": {"long_name": "amplitude below which nothing snaps, by energy", **MULTIPLES},
     "N_looked": {"long_name": "highest amplitude looked at", **MULTIPLES},
-    "N_first": {"long_name": "lowest amplitude that snaps", **MULTIPLES},
+    "N_first": {
+        "long_name": "lowest amplitude seen to snap",
+        "units": "1",
+        "comment": f"in multiples of g; stretches narrower than {NARROW:.2%} of N may lie below",
+    },
     "scale_first": {
         "long_name": "lowest factor of the record that snaps",
         "units": "1",
@@ -60,7 +64,10 @@ VARIABLES = {
         "flag_values": np.arange(2, dtype=np.int8),
         "flag_meanings": "clean ragged",
     },
-    "N_always": {"long_name": "lowest amplitude above which all snap", **MULTIPLES},
+    "N_always": {
+        "long_name": "lowest amplitude above which all that were seen snap",
+        **MULTIPLES,
+    },
     "N_pulse": {"long_name": "lowest amplitude that snaps while the pulse lasts", **MULTIPLES},
     "N_latched": {
         "long_name": "lowest amplitude above which every cell seen is latched",

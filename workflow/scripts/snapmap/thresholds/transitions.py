@@ -50,7 +50,7 @@ def scan(ask: Callable, window: Window) -> tuple[Edges, np.ndarray, np.ndarray]:
 
 
 def around(
-    whole: Window, first: np.ndarray, last: np.ndarray, beside: float, step: float
+    whole: Window, first: np.ndarray, last: np.ndarray, beside: float, step: float | np.ndarray
 ) -> Window:
     """Make a window that reaches `beside` times beyond two N of each row, within the whole.
 
