@@ -12,7 +12,17 @@ import numpy as np
 from .arch import Equilibria, equilibria, least_residual
 from .checks import numbers, require, require_quantity, show
 from .quantities import QUANTITIES, range_of
-from .shape import BISTABILITY_LIMIT, COSINE, SHAPES, TILT, Value, coefficients, midpoint, modes_of
+from .shape import (
+    BISTABILITY_LIMIT,
+    COSINE,
+    SHAPES,
+    TERMS,
+    TILT,
+    Value,
+    coefficients,
+    midpoint,
+    modes_of,
+)
 
 THINNEST = 1e6
 """Most of rise over thickness: beyond, the digits of a float no longer hold bending and stretch."""
@@ -172,11 +182,16 @@ class Beam:
     @cached_property
     def at_rest(self) -> Equilibria:
         """Its equilibria if it is guided, in the rise and the first buckling load, as in `arch`."""
-        modes = modes_of(self.bistability, self.cosines)
-        residual = np.broadcast_to(self.compression, modes[2].shape)
-        shape = np.shape(self.is_cosine)
-        found = equilibria(*modes, residual)
-        return Equilibria(*(part.reshape(shape + part.shape[1:]) for part in found))
+        Q, compression, a = self._kind
+        found = equilibria(*modes_of(Q.ravel(), a.reshape(-1, TERMS)), compression.ravel())
+        return Equilibria(*(part.reshape(Q.shape + part.shape[1:]) for part in found))
+
+    @property
+    def _kind(self):
+        Q, compression = np.broadcast_arrays(self.bistability, self.compression)
+        shape = np.broadcast_shapes(Q.shape, self.is_cosine.shape)
+        a = np.broadcast_to(self.cosines, (*shape, TERMS))
+        return np.broadcast_to(Q, shape), np.broadcast_to(compression, shape), a
 
     @property
     def is_bistable(self) -> bool | np.ndarray:
@@ -204,8 +219,9 @@ class Beam:
     @property
     def most_stress(self) -> Value:
         """Residual stress, MPa, above which there is no second stable shape."""
-        least = least_residual(*modes_of(self.bistability, self.cosines))
-        return -least.reshape(np.shape(self.is_cosine))[()] * self.buckling_stress / self.held
+        Q, _, a = self._kind
+        least = least_residual(*modes_of(Q.ravel(), a.reshape(-1, TERMS))).reshape(Q.shape)
+        return -least[()] * self.buckling_stress / self.held
 
     @property
     def height(self) -> Value:

@@ -82,12 +82,14 @@ def _arc(steepness):
     return 2 * multiply(slope * weights, slopes) / (np.pi * np.pi * _SQUARE)
 
 
-def modes_of(Q: Value, a: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Loads n^2, s_n = a_n n and EA/2L = 3/4 Q^2, as `arch` takes them, of shapes (..., TERMS)."""
-    s = a.reshape(-1, TERMS) * _N
-    terms = max(2, 1 + np.flatnonzero(s.any(axis=0)).max())
-    axial = 0.75 * np.broadcast_to(np.square(Q), a.shape[:-1]).ravel()
-    return np.broadcast_to(_SQUARE[:terms], (len(s), terms)), s[:, :terms], axial
+def modes_of(Q: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Loads n^2, s_n = a_n n and EA/2L = 3/4 Q^2, as `arch` takes them.
+
+    Q: rise over thickness, (n,); a: the a_n, (n, TERMS)
+    """
+    terms = max(2, 1 + np.flatnonzero(a.any(axis=0)).max())
+    s = (a * _N)[:, :terms]
+    return np.broadcast_to(_SQUARE[:terms], s.shape), s, 0.75 * Q * Q
 
 
 def midpoint(a: np.ndarray, growth: np.ndarray) -> Value:
