@@ -42,9 +42,6 @@ ELSEWHERE = {
     "snakemake results/figures/accuracy_quick.pdf --cores 2": (
         "test_pipeline.py::test_accuracy_is_a_target_of_its_own"
     ),
-    "snakemake results/figures/integrity.pdf --cores 2": (
-        "test_pipeline.py::test_integrity_is_made_when_asked_for"
-    ),
     "snakemake results/crate.zip --cores 2": A_CRATE,
     "rocrate-validator validate -p workflow-run-crate-0.5 results/crate.zip": (
         "test_pipeline.py::test_a_crate_keeps_to_its_profile"

@@ -236,14 +236,6 @@ def test_accuracy_is_a_target_of_its_own(clone, finished):
         assert found.sizes["model"] > 5
 
 
-@pytest.mark.long
-def test_integrity_is_made_when_asked_for(clone, finished):
-    folder, config, _ = finished
-    snakemake(clone, folder, config, "results/figures/integrity.pdf")
-    with xr.open_dataset(folder / "results" / "integrity.nc") as found:
-        assert found.basins.dims == ("labels", "C", "f0", "N")
-
-
 @pytest.fixture(scope="module")
 def crate(clone, finished):
     """The crate of a finished run, and its metadata by the names of entities."""
