@@ -136,7 +136,6 @@ include: "workflow/rules/calibration.smk"
 include: "workflow/rules/maps.smk"
 include: "workflow/rules/histories.smk"
 include: "workflow/rules/page.smk"
-include: "workflow/rules/crate.smk"
 include: "workflow/rules/accuracy.smk"
 include: "workflow/rules/stability.smk"
 

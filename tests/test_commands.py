@@ -27,7 +27,6 @@ ITSELF = "this run of the tests"
 A_STUDY = "test_pipeline.py::test_every_figure_is_there"
 ON_SLURM = "test_slurm.py::test_the_cube_is_that_of_a_local_run_bit_for_bit"
 A_LOCK = "test_run.py::test_lock_holds_only_exact_versions_and_hashes"
-A_CRATE = "test_pipeline.py::test_a_crate_has_config_code_and_results_with_their_checksums"
 ELSEWHERE = {
     "snakemake --cores 2": A_STUDY,
     "snakemake --snakefile /path/to/Snakefile --configfile mine.yaml --cores 2": A_STUDY,
@@ -42,16 +41,11 @@ ELSEWHERE = {
     "snakemake results/figures/accuracy_quick.pdf --cores 2": (
         "test_pipeline.py::test_accuracy_is_a_target_of_its_own"
     ),
-    "snakemake results/crate.zip --cores 2": A_CRATE,
-    "rocrate-validator validate -p workflow-run-crate-0.5 results/crate.zip": (
-        "test_pipeline.py::test_a_crate_keeps_to_its_profile"
-    ),
     "snakemake stability --cores 2": "test_commands.py::test_stability_in_small",
     "snakemake --profile profiles/slurm": ON_SLURM,
     "snakemake --profile profiles/slurm --groups simulate_slab=slabs "
     "--group-components slabs=4": ON_SLURM,
     "uv pip install --require-hashes --requirements requirements-docs.lock": A_LOCK,
-    "uv pip install --require-hashes --requirements requirements-publish.lock": A_LOCK,
     "uv pip install --require-hashes --requirements requirements-slurm.lock": A_LOCK,
     "sphinx-build -EW -c docs/site . build/site": (
         "test_docs.py::test_the_site_is_made_without_a_warning_and_asks_no_other_host"

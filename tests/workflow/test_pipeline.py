@@ -1,10 +1,8 @@
 """The workflow itself: run, rerun, refuse; in folders and with devices of its own."""
 
-import hashlib
 import json
 import re
 import shutil
-import socket
 import subprocess
 import zipfile
 from contextlib import contextmanager
@@ -234,48 +232,6 @@ def test_accuracy_is_a_target_of_its_own(clone, finished):
     snakemake(clone, folder, config, "results/figures/accuracy_quick.pdf")
     with xr.open_dataset(folder / "results" / "accuracy_quick.nc") as found:
         assert found.sizes["model"] > 5
-
-
-@pytest.fixture(scope="module")
-def crate(clone, finished):
-    """The crate of a finished run, and its metadata by the names of entities."""
-    pytest.importorskip("rocrate")
-    folder, config, _ = finished
-    snakemake(clone, folder, config, "results/crate.zip")
-    path = folder / "results" / "crate.zip"
-    with zipfile.ZipFile(path) as packed:
-        graph = json.loads(packed.read("ro-crate-metadata.json"))["@graph"]
-    return path, {entity["@id"]: entity for entity in graph}
-
-
-@pytest.mark.long
-def test_a_crate_has_config_code_and_results_with_their_checksums(crate, finished):
-    path, entities = crate
-    with zipfile.ZipFile(path) as packed:
-        contents = {name: packed.read(name) for name in packed.namelist()}
-    metadata = contents.pop("ro-crate-metadata.json").decode()
-    files = {name: one for name, one in entities.items() if "File" in one["@type"]}
-    assert set(contents) == set(files) and "workflow/scripts/snapmap/device.py" in files
-    for name, content in contents.items():
-        assert hashlib.sha256(content).hexdigest() == files[name]["sha256"], name
-    asked = load_config(yaml.safe_load(contents["config.yaml"]))
-    assert asked.document() == load_config(yaml.safe_load(TINY)).document()
-    made = {f"results/{name}" for name in ("cube.nc", "threshold.nc", "traces.nc", "explore.html")}
-    assert made <= {one["@id"] for one in entities["#run"]["result"]} <= set(files)
-    assert str(finished[0]) not in metadata and socket.gethostname() not in metadata
-
-
-@pytest.mark.long
-def test_a_crate_keeps_to_its_profile(crate):
-    """By the validator of the profiles, which reads two contexts by the network."""
-    pytest.importorskip("rocrate_validator")
-    try:
-        socket.getaddrinfo("w3id.org", 443)
-    except OSError:
-        pytest.skip("w3id.org cannot be reached")
-    command = ["rocrate-validator", "-y", "validate", "-p", "workflow-run-crate-0.5", crate[0]]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
-    assert done.returncode == 0, done.stdout
 
 
 @pytest.mark.long

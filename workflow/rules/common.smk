@@ -25,13 +25,3 @@ def own_points(wildcards):
 def calibration(wildcards):
     """What is asked of measured shots; a function likewise."""
     return study.calibration._asdict() if study.calibration else {}
-
-
-def finished(wildcards):
-    """All that a run leaves; a function, as `all` is read last."""
-    stems = ["threshold", "traces", *(f"statics{which}" for which in made.statics)]
-    stems += ["tolerance"] * bool(study.tolerances)
-    stems += ["calibration"] * bool(study.calibration)
-    stems += [f"histories/{name}" for name in made.histories]
-    data = [f"results/{stem}.nc" for stem in stems]
-    return [*rules.all.input, "results/thresholds.csv", *data]
