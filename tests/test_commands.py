@@ -7,14 +7,13 @@ import subprocess
 import sys
 from types import SimpleNamespace
 
-import draw_settled
-import draw_stability
-import measure_settled
+import draw
+import jobs
 import pytest
-import write_stability_table
 
 from snapmap.device import values_of
 from snapmap.io.netcdf import write
+from studies.stability import settled
 from studies.stability.cases import CASES
 from studies.stability.measure import measure
 
@@ -165,19 +164,19 @@ def test_the_comparison_in_small(root, tmp_path):
 
 
 def test_stability_in_small(monkeypatch, tmp_path, handout):
-    """The scripts of its rules, one after the other."""
+    """The functions of its rules, one after the other."""
     at = SimpleNamespace(stability=tmp_path / "stability.nc", settled=tmp_path / "settled.nc")
-    grid = measure_settled.GRID | {"N": [900.0, 1100.0], "f0": [500.0, 1500.0]}
-    monkeypatch.setattr(measure_settled, "GRID", grid)
+    grid = settled.GRID | {"N": [900.0, 1100.0], "f0": [500.0, 1500.0]}
+    monkeypatch.setattr(settled, "GRID", grid)
     dampings = [0.0, 4e-4, 4e-3]
-    measure_settled.measure_settled(values_of(handout), dampings, at.settled, threads=1)
+    jobs.measure_settled(values_of(handout), dampings, at.settled, threads=1)
     models = {
         f"5 cosines, {scheme}": {"name": "cosines", "modes": 5, "scheme": scheme}
         for scheme in ("explicit", "conserving")
     }
     write(measure(handout, CASES[:1], models, steps=(0.8, 1.05)), at.stability)
-    draw_settled.draw_settled(at.settled, dampings[:2], 25.0, str(tmp_path / "settled"))
-    draw_stability.draw_stability(at.stability, str(tmp_path / "stability"))
-    write_stability_table.write_stability_table(at.stability, at.settled, tmp_path / "table.md")
+    draw.draw_settled(at.settled, dampings[:2], 25.0, str(tmp_path / "settled"))
+    draw.draw_stability(at.stability, str(tmp_path / "stability"))
+    jobs.write_stability_table(at.stability, at.settled, tmp_path / "table.md")
     assert "handout's case" in (tmp_path / "table.md").read_text(encoding="utf-8")
     assert {path.suffix for path in tmp_path.glob("s*")} == {".nc", ".pdf", ".png"}

@@ -69,7 +69,7 @@ def jobs_of(run):
             command = child.cmdline()
         except psutil.NoSuchProcess:
             continue
-        if command and command[-1].endswith("simulate_slab.py"):
+        if command and command[-1].endswith("jobs.py"):
             found.append(child)
     return found
 
