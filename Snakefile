@@ -36,6 +36,10 @@ if not workflow.overwrite_configfiles:
     configfile: default if default.exists() else clone / default
 
 
+if workflow.cores == 0:
+    sys.exit("--cores 0: no job would ever start; write 1 or more")
+if not os.access(".", os.W_OK):
+    sys.exit(f"{os.getcwd()}: cannot be written to; run in a folder of your own")
 try:
     for path in workflow.overwrite_configfiles:
         read_document(path)  # Snakemake keeps the last of two equal keys without a word
@@ -130,6 +134,7 @@ onsuccess:
         print("results/explore.html: open it in a browser", file=sys.stderr)
 
 
+include: "workflow/rules/common.smk"
 include: "workflow/rules/run.smk"
 include: "workflow/rules/draw.smk"
 include: "workflow/rules/studies.smk"

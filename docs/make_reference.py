@@ -57,7 +57,7 @@ the same step |
 | `reproduced`, `well_reproduced` | 1 if a run with another step had the same outcome, and 1 if it \
 ended on the same side; what did not, and no longer goes back and forth, is hatched on the maps of \
 ends |
-| `work_error`, `t_snap_error` | difference of the work of the pulse (over the larger of both) and \
+| `work_error`, `t_snap_error` | indicators, no bounds: difference of the work of the pulse (over the larger of both) and \
 of the time of snap (us) in that other run: how far \
 [the motion](accuracy.md#the-motion-after-the-snap) is known; a history has both as attributes |
 | `level`, `agreed` | of the model `auto`: the level that decided, 0 or 1, and whether no two that \

@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 import snapmap
-from snapmap.command import main
+from snapmap.command import _costs, main
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import read_document
 from snapmap.io.recorded import read_pulse
@@ -25,6 +25,10 @@ def test_init_writes_the_config_that_there_is_and_nothing_over_another(root, con
     assert main(["init", str(config.parent)]) == 1
     assert capsys.readouterr().err == f"{config}: is there already; name another folder\n"
     assert config.read_text() == "mine"
+    config.unlink()
+    config.symlink_to("elsewhere.yaml")
+    assert main(["init", str(config.parent)]) == 1
+    assert not (config.parent / "elsewhere.yaml").exists()
 
 
 def test_check_says_what_a_config_describes_doubts_and_costs(config, capsys):
@@ -32,9 +36,22 @@ def test_check_says_what_a_config_describes_doubts_and_costs(config, capsys):
     assert main(["check", str(config)]) == 0
     told = capsys.readouterr().out.splitlines()
     study = load_config(read_document(config))
-    assert told[:-2] == [*study.descriptions(), *study.doubts()]
-    assert told[-2] == "11193 cells (C 3, f0 41, N 91) in 3 jobs of one core"
-    assert told[-1].endswith(" of core time for them, beside thresholds, traces and figures")
+    assert told[:-3] == [*study.descriptions(), *study.doubts()]
+    assert told[-3] == "11193 cells (C 3, f0 41, N 91) in 3 jobs of one core"
+    assert told[-2].endswith(" of core time for them, beside traces, spectra and figures")
+    assert told[-1].startswith("thresholds: about ")
+
+
+def test_check_says_what_else_it_costs(config):
+    """In proportion to the samples."""
+    document = read_document(config)
+    document["requirements"] = [{"name": "drop", "N": 900, "f0": "1 kHz", "snaps": False}]
+    costs = []
+    for samples in (2000, 4000):
+        document["tolerances"] = {"thickness": "1 %", "samples": samples, "index_samples": 2}
+        costs.append(_costs(load_config(document)))
+        assert set(costs[-1]) == {"thresholds", "requirements", "tolerances"}
+    assert costs[1]["tolerances"] == pytest.approx(2 * costs[0]["tolerances"], rel=0.01)
 
 
 def test_check_names_every_fault(config, capsys):

@@ -31,7 +31,7 @@ def test_second_equilibrium_is_half_the_rise_at_the_limit():
 
 def test_beam_needs_a_second_equilibrium():
     with pytest.raises(
-        ValueError, match=r"^device\.beam: rise/thickness = 4 um/2 um = 2; .* more than 2\.309$"
+        ValueError, match=r"^device\.beam: rise/thickness = 4 um/2 um = 2 and .* more than 2\.309$"
     ):
         replace(BEAM, rise=4.0)
 
@@ -42,7 +42,9 @@ BEAM_SIZES = ["span", "rise", "thickness", "depth", "youngs_modulus", "density"]
 @pytest.mark.parametrize("name", BEAM_SIZES)
 @pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
 def test_beam_sizes_are_positive_and_finite(name, value):
-    with pytest.raises(ValueError, match=rf"^device\.beam\.{name}: {value} is not .*$"):
+    with pytest.raises(
+        ValueError, match=rf"^device\.beam(\.{name}: {value} is not|: rise/thickness = 0 um).*$"
+    ):
         replace(BEAM, **{name: value})
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import snapmap
+from snapmap.axes import make_grid
 from snapmap.config.devices import read_device
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import read_document
@@ -98,3 +99,13 @@ def test_a_temperature_that_changes_nothing_is_told(document):
     device = document["device"] | {"thermal": {"modulus": "-63e-6 /K"}}
     warmed = load_config(document | {"sweep": sweep, "device": device})
     assert not any("thermal" in line for line in warmed.doubts())
+
+
+def test_a_device_that_has_a_second_shape_at_the_temperature_alone_is_taken_there(handout):
+    beam = dataclasses.replace(handout.beam, shape="arc", residual_stress=-20.0)
+    arc = dataclasses.replace(handout, beam=beam, expansion_mismatch=9e-6)
+    grid = make_grid(arc, {"temperature": [20.0, 120.0]}, skip=True)
+    assert grid.device_of.tolist() == [-1, 0]
+    assert grid.device.beam.residual_stress == pytest.approx([-20 - 150e3 * 9e-4])
+    with pytest.raises(ValueError, match=r"temperature = 20 degC: device.beam: .* second stable"):
+        make_grid(arc, {"temperature": [20.0, 120.0]})

@@ -65,7 +65,8 @@ def test_a_drop_changes_the_velocity_as_its_height_and_rebound_say(shape, reboun
     velocity = math.sqrt(2 * GRAVITY * height)
     one = pulse.own_N * GRAVITY
     fall = pulse.duration * pulse.pieces[0, 0], pulse.blows[0] * pulse.duration
-    assert fall[1] == pytest.approx(velocity / GRAVITY, rel=1e-3)
+    assert fall[1] == pytest.approx(velocity / GRAVITY, rel=1e-12)
+    assert pulse.at(pulse.blows[0] - 1e-9) == pytest.approx(-1 / pulse.own_N, rel=1e-9)
     assert one * pulse.impact * pulse.duration == pytest.approx((1 + rebound) * velocity)
     changes = one * areas(pulse) / velocity
     back = rebound ** np.arange(pulse.blows.size)
@@ -92,6 +93,15 @@ def test_a_sweep_goes_through_as_many_octaves_in_each_second(stop):
     assert (np.sign(pulse.at(tops)) == np.resize([1, -1], tops.size)).all()
     assert abs(pulse.pieces[:, 1]).max() == 1 and pulse.ends == (0.0, 0.0)
     np.testing.assert_allclose(portable.logarithm(begins[1:]), np.log(begins[1:]), atol=1e-15)
+
+
+@pytest.mark.parametrize("apart", [1e-15, 1e-13, 1e-9, 2e-8, 1e-7])
+def test_a_sweep_to_its_own_frequency_is_a_sine(apart):
+    sine, pulse = (
+        make_sweep({"from": 1e3, "to": 1e3 * f, "duration": 1e4}) for f in (1, 1 + apart)
+    )
+    np.testing.assert_allclose(pulse.duration, sine.duration, rtol=apart + 2e-8)
+    np.testing.assert_allclose(pulse.blows, sine.blows, atol=apart + 2e-8)
 
 
 @pytest.mark.parametrize(("apart", "share"), [(1.0, 1.0), (0.5, 0.0), (1.25, 0.5**0.5)])
@@ -197,7 +207,10 @@ def test_a_config_asks_for_trains_in_units(root):
             "pulse.train[2]: repeat: makes",
         ),
         ({"drop": {"height": "1 m"}}, "pulse.drop.duration: missing"),
-        ({"drop": {"height": "1 m", "duration": "1 ms", "rebound": 1}}, "1 is not from 0"),
+        (
+            {"drop": {"height": "1 m", "duration": "1 ms", "rebound": 0.999}},
+            "0.999 is not from 0 to 0.99",
+        ),
         ({"drop": {"height": "1 um", "duration": "9 ms"}}, "write a shorter duration"),
         ({"sweep": {"from": "9 Hz", "to": "9 kHz", "duration": "1 h"}}, "write a shorter duration"),
     ],

@@ -1,4 +1,4 @@
-"""The barrier from three candidates against all equilibria that buckling branches lead to."""
+"""The barrier by the stretch equation against all equilibria that buckling branches lead to."""
 
 import dataclasses
 
@@ -34,7 +34,8 @@ def branches(modal, basis, modes):
     s, axial = shapes.T @ modal.slope_start, modal.axial
     for q in np.roots([axial, 0.0, loads[0] - axial * s[0] ** 2, -loads[0] * s[0]]):
         if abs(q.imag) < 1e-9:
-            yield shapes[:, 0] * (q.real - s[0])
+            for beside in (-0.1, 0.0, 0.1):
+                yield shapes[:, 0] * (q.real - s[0]) + beside * shapes[:, -loads.size + 1]
     for j in range(1, loads.size):
         others = np.arange(loads.size) != j
         c = np.zeros(loads.size)

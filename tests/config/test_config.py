@@ -385,6 +385,7 @@ def test_hard_contact_and_damping():
 
 OF_MASS = dict.fromkeys(("device__spring", "device__contact", "sweep__C", "histories"), MISSING)
 PUSHED = {"device__gravity": MISSING, "device__force": "2 uN"}
+DROP = {"height": "1 m", "duration": "0.5 ms"}
 
 
 @pytest.mark.parametrize("pushed", [{}, PUSHED])
@@ -408,6 +409,10 @@ def test_a_beam_alone(pushed):
         ({"device__mass": "none", **OF_MASS, "sweep__spring": ["1 N/m"]}, "sweep: spring: is of"),
         ({**PUSHED}, "device.force: 2 uN is of a beam alone; write mass: none"),
         ({"device__force": "2 uN"}, "device.gravity: stands beside force"),
+        (
+            {"device__mass": "none", **OF_MASS, **PUSHED, "pulse": {"drop": DROP}},
+            "device.force: the shock 'drop' shakes the frame; write gravity",
+        ),
         ({"device__spring": MISSING}, "device.spring: missing; write a force per length"),
     ],
 )

@@ -13,12 +13,14 @@ from small_results import CONFIG, make_cells, make_found
 from small_studies import THREE_COSINES
 
 import snapmap
+from snapmap.calibration.shots import shots_from
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError, read_document
-from snapmap.io.named import hold_to_plan
+from snapmap.io.named import hold_to_plan, sha256_of
 from snapmap.io.netcdf import check_alike
 from snapmap.io.points import read_points
-from snapmap.io.recorded import shocks_of
+from snapmap.io.recorded import RECORD, shocks_of
+from snapmap.pulse import HANDOUT_SHOCK
 
 STUDY = (
     THREE_COSINES
@@ -98,6 +100,15 @@ def test_an_edit_since_the_plan_is_refused_by_every_reader(folder, monkeypatch):
             read()
     with pytest.raises(ValueError, match=r"^points\.csv: was edited after the run was planned"):
         read_points(*study.own_points)
+
+
+def test_a_record_among_shots_is_held_to_its_plan(folder, handout):
+    shots = {"file": ["shock.csv"] * 3, "N": [900, 1000, 1100], "tripped": [0, 1, 1]}
+    planned = {"shock.csv": sha256_of("shock.csv", *RECORD)}
+    shots_from(shots, HANDOUT_SHOCK, handout, planned)
+    write_record(folder / "shock.csv", 3)
+    with pytest.raises(ValueError, match=r"shock\.csv: was edited after the run was planned"):
+        shots_from(shots, HANDOUT_SHOCK, handout, planned)
 
 
 def test_contents_decide_what_runs_again_and_dates_do_not(root, folder):

@@ -548,7 +548,8 @@ def test_a_sentence_says_by_how_much_another_step_differs(view, cube):
     for c, i, j in np.ndindex(cube.outcome.shape):
         view.page.evaluate(f"at[0] = {c}; choose({i}, {j})")
         text, cell = view.text("#verdict"), cube.isel(C=c, f0=i, N=j)
-        pattern = r"With another step the work of the pulse differs by (\S+) %"
+        pattern = "With another step, which indicates the error, the work of the pulse "
+        pattern += r"differs by (\S+) %"
         pattern += r"(?:, the time of snap by (\S+) µs)?\.$"
         work, time = re.search(pattern, text).groups()
         assert float(work) == pytest.approx(100 * float(cell.work_error), rel=0.051)

@@ -299,7 +299,7 @@ def test_history_states_its_case():
 def test_history_states_by_how_much_another_step_differs(work, snap, said):
     history = make_history([10, 5, 10]).assign_attrs(work_error=work, t_snap_error=snap)
     title = history_of(history)[0].get_legend().get_title().get_text()
-    assert title.splitlines()[1] == f"with another step the work of the pulse {said}"
+    assert title.splitlines()[1] == f"with another step (an indicator) the work of the pulse {said}"
 
 
 def test_thresholds_are_the_data_dashed_and_hollow_where_late():

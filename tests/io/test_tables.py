@@ -37,6 +37,13 @@ def test_an_opened_cube_has_outcomes_in_words(cube, tmp_path):
     assert (opened.outcome == np.array(OUTCOMES)[cube.outcome.values]).all()
     with pytest.raises(ValueError, match=r"none\.nc: is no cube"):
         snapmap.open_cube(tmp_path / "none.nc")
+    held = bytearray((tmp_path / "cube.nc").read_bytes())
+    for place in (0, 50, len(held) // 2, len(held) - 1):
+        (tmp_path / "bad.nc").write_bytes(
+            held[:place] + bytes([held[place] ^ 1]) + held[place + 1 :]
+        )
+        with pytest.raises(ValueError, match=r"bad\.nc: is damaged; take another copy"):
+            snapmap.open_cube(tmp_path / "bad.nc")
 
 
 def test_a_plot_asks_for_one_value_on_other_axes(cube, tmp_path):

@@ -49,6 +49,7 @@ def test_no_solution_and_several_are_said(handout):
 @pytest.mark.parametrize(
     ("change", "wanted"),
     [
+        ({"spring": [float("nan")]}, "spring: nan is no number"),
         ({"value": "width"}, "width: no value of a device"),
         ({"between": (2.4, 1.9)}, "between: 2.4, 1.9 are not two ascending"),
         ({"N": -1.0}, "N: -1 is not above 0"),

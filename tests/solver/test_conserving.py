@@ -184,8 +184,9 @@ def test_a_proven_beam_stays_in_its_well(handout):
     dt = model.steps.of(cells, Settings().pulses, STAY)[0]
     for i in np.flatnonzero(np.isin(outcome, (LATCHED, RETURNED)))[:8]:
         load = (column[i] for column in cells[2:5])
-        motion, form = model.loop().record(model, make_pulse(), *load, dt, int(1e4 / dt), stride=2)
-        after = (motion.u @ form.midpoint)[motion.time >= seen.t_settled[i]]
+        form, motions = model.loop().record(model, make_pulse(), *load, dt, int(1e4 / dt))
+        time, w = np.hstack([(part.time, part.u @ form.midpoint) for part in motions])
+        after = w[time >= seen.t_settled[i]]
         above = after > model.barrier.midpoint
         assert (~above).all() if outcome[i] == LATCHED else above.all()
         kept += 1

@@ -119,9 +119,9 @@ def test_latched_stays_in_well_two(handout):
         if outcome[0] not in (LATCHED, RETURNED):
             continue
         load = (column.item() for column in cell[2:5])
-        motion, form = model.loop().record(model, make_pulse(), *load, dt, int(2e4 / dt), stride=16)
-        w = device.beam.rise + motion.u @ form.midpoint
-        after = w[motion.time >= seen.t_settled[0]]
+        form, motions = model.loop().record(model, make_pulse(), *load, dt, int(2e4 / dt))
+        time, w = np.hstack([(part.time, part.u @ form.midpoint) for part in motions])
+        after = device.beam.rise + w[time >= seen.t_settled[0]]
         saddle = -device.beam.rise / 3
         assert (after < saddle).all() if outcome[0] == LATCHED else (after > saddle).all()
         found += 1
@@ -251,8 +251,9 @@ def test_the_well_is_where_the_recorded_beam_spends_the_last_swing(handout, mode
         last, before = cells.t_end[i] / dt[i], (cells.t_end[i] - own) / dt[i]
         end, start = BLOCK * (int(last) // BLOCK + 1), BLOCK * max(0, int(before) // BLOCK)
         load = (column[i] for column in cells[2:5])
-        motion, form = built.loop().record(built, make_pulse(), *load, dt[i], end, stride=16)
-        is_second = motion.u[start // 16 :] @ form.midpoint < built.barrier.midpoint
+        form, motions = built.loop().record(built, make_pulse(), *load, dt[i], end)
+        w = np.concatenate([part.u @ form.midpoint for part in motions])
+        is_second = w[start:] < built.barrier.midpoint
         shares.append(np.mean(is_second == (seen.well[i] == 2)))
     np.testing.assert_allclose(seen.well_share[open_ones], shares, atol=0.03)
     assert min(shares) < 0.9

@@ -194,13 +194,33 @@ def test_a_threshold_across_a_stop_by_another_integrator(handout):
     assert not below and above
 
 
-def test_a_stop_before_the_saddle_leaves_no_static_threshold_but_the_beams_own(handout):
+def test_a_stop_before_the_saddle_holds_the_midpoint_till_the_beam_leaves_by_its_own_inertia(
+    handout,
+):
     alone = static_threshold(changed(handout, gap=1e4))
-    assert static_threshold(changed(handout, stop_toward=13.3)) == alone
+    limits = [static_threshold(changed(handout, stop_toward=way)) for way in (13, 12, 10, 5, 3)]
+    assert limits == sorted(limits) and limits[-2] < alone == limits[-1]
+    with_gap = changed(handout, gap=2.0, stop_toward=12.0)
+    assert static_threshold(with_gap) == pytest.approx(limits[2], rel=1e-9)
+    assert static_threshold(changed(with_gap, stop_toward=2.0)) == alone
     assert static_threshold(changed(handout, stop_toward=13.4)) == static_threshold(handout)
     assert "short of the saddle, 13.33 um from rest" in stopped(changed(handout, stop_toward=13.3))
     assert "not beyond the gap" in stopped(changed(handout, gap=2.0, stop_toward=2.0))
     assert stopped(changed(handout, stop_toward=13.4)) == stopped(handout) == ""
+
+
+@pytest.mark.parametrize(
+    "change", [{"stop_toward": 10.0}, {"stop_toward": 13.0}, {"stop_toward": 13.3, "contact": 15.0}]
+)
+def test_slow_pulses_tend_to_the_static_threshold_of_a_mass_on_its_stop(handout, change):
+    """200 periods long, of a beam whose damping takes what the mass gives it at the stop."""
+    beam = changed(handout.beam, damping=0.05)
+    device = changed(handout, beam=beam, **change)
+    slow = device.own_frequency / (2 * np.pi * 200) * 1e6
+    asked = {"model": "cosines", "modes": 5, "horizon": 0.0, "tolerance": 1e-3}
+    found = snapmap.threshold(device, [slow], [2000.0], **asked)
+    assert found.N_static.item() == static_threshold(device)
+    assert found.N_first.item() == pytest.approx(found.N_static.item(), rel=6e-3)
 
 
 def test_a_flight_that_no_stop_ends_is_told(handout):

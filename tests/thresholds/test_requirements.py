@@ -89,6 +89,10 @@ def test_a_pulse_that_cannot_be_is_named_in_one_line(document, pulse, wanted):
         ({"shape": "step"}, "requirements[0].shape: 'step' is not one of"),
         ({"direction": "both"}, "requirements[0].direction: 'both' is not one of"),
         ({"snaps": "yes"}, "requirements[0].snaps: "),
+        *(
+            ({"name": n}, f"requirements[0].name: {n!r} is not a name")
+            for n in ("a|b", "a\n", "=a")
+        ),
         ({"survives": "100 %"}, "requirements[0]: survives: '100 %' is not between 0 % and 100 %"),
         ({"survives": 1}, "requirements[0].survives: 1 is not true or false: whether the beam"),
         ({"file": "no.csv"}, "requirements[0]: pulse.file: no.csv: is not there"),

@@ -1,12 +1,3 @@
-def own_points(wildcards):
-    """Path and hash of a user's own points: a function, as a path may have braces."""
-    return list(study.own_points)
-
-
-def views(several):
-    return [view._asdict() for view in several]
-
-
 traced = {"traces": "results/traces.nc"} if study.has_strength else {}
 threshold = {"threshold": "results/threshold.nc"}
 cube = {"cube": "results/cube.nc"}

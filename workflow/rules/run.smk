@@ -1,15 +1,3 @@
-def half(wildcards):
-    """Half of the cores, so that other jobs go on beside one that could use them all.
-
-    On a cluster, half of what a job may have: `cores` in profiles/slurm.
-    """
-    return max(1, workflow.cores // 2)
-
-
-def memory(megabytes):
-    return lambda wildcards, attempt: attempt * megabytes
-
-
 # What a rule asks for, as plain values: Snakemake runs it again when they change.
 required = [asked._asdict() for asked in study.requirements]
 tolerances = study.tolerances._asdict() if study.tolerances else {}

@@ -122,10 +122,11 @@ def fit_calibration(study, calibration, path, threads):
     from snapmap.calibration.dataset import calibration_of, summary
     from snapmap.io.shots import read_shots
 
-    table = read_shots(calibration["shots"], calibration["files"][calibration["shots"]])
+    files = calibration["files"]
+    table = read_shots(calibration["shots"], files[calibration["shots"]])
     study = study_from(study, threads)
     study = replace(study, shocks=study.shocks.first())
-    found = calibration_of(study, table, calibration["unknowns"], calibration["C"])
+    found = calibration_of(study, table, calibration["unknowns"], calibration["C"], files)
     _write(found, path, summary)
 
 

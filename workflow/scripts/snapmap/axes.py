@@ -71,7 +71,7 @@ def make_grid(
     unknown = [key for key in axes if key not in COORDINATES]
     if unknown:
         raise ValueError(f"{unknown[0]}: no axis; axes are {', '.join((*VALUES, *SHOCK_AXES))}")
-    points = {key: _points(key, values) for key, values in axes.items()}
+    points = {key: points_of(key, values) for key, values in axes.items()}
     if (points.get("N", np.zeros(1)) < 0).any():
         raise ValueError(f"N: {points['N'].min():g} is below 0; direction -z pushes the other way")
     named = device if isinstance(device, Mapping) else {}
@@ -104,13 +104,16 @@ def make_grid(
     return Grid(names | values, devices, device_of, shocks.pulses)
 
 
-def _points(key, values):
+def points_of(key: str, values: Sequence) -> np.ndarray:
+    """The points of an axis, (n,); ValueError, one line, for what is none."""
     try:
         points = np.atleast_1d(np.asarray(values, float))
     except (TypeError, ValueError):
         raise ValueError(f"{key}: {values!r} is no number, nor an array of numbers") from None
     if points.size == 0 or points.ndim > 1:
         raise ValueError(f"{key}: give one value or more, in one row")
+    if np.isnan(points).any():
+        raise ValueError(f"{key}: nan is no number")
     return points
 
 

@@ -8,6 +8,7 @@ from math import prod
 from pathlib import Path
 
 from .io.extras import needing
+from .io.named import naming
 
 PACKAGE = Path(__file__).parent
 PIPELINE = next(path for path in (PACKAGE / "pipeline", PACKAGE.parents[2]) if path.is_dir())
@@ -39,10 +40,11 @@ def main(words: Sequence[str] | None = None) -> int:
 def init(folder: Path) -> None:
     """Write the handout's config, with comments, into a folder; ValueError if one is there."""
     path = folder / CONFIG
-    if path.exists():
-        raise ValueError(f"{path}: is there already; name another folder")
-    folder.mkdir(parents=True, exist_ok=True)
-    shutil.copyfile(PIPELINE / "config" / CONFIG, path)
+    with naming(path):
+        if path.exists() or path.is_symlink():
+            raise ValueError("is there already; name another folder")
+        folder.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(PIPELINE / "config" / CONFIG, path)
     print(f"{path}: write your device there, then: snapmap check {path}")
 
 
@@ -61,7 +63,46 @@ def check(config: Path) -> None:
     sizes = ", ".join(f"{key} {values.size}" for key, values in study.axes.items())
     least, most = (spoken(times * plan.seconds) for times in SEEN)
     print(f"{prod(study.grid.shape)} cells ({sizes}) in {len(plan.slabs)} jobs of one core")
-    print(f"{least} to {most} of core time for them, beside thresholds, traces and figures")
+    print(f"{least} to {most} of core time for them, beside traces, spectra and figures")
+    for what, seconds in _costs(study).items():
+        print(f"{what}: about {spoken(1 + seconds)} of core time")  # a second to load the kernels
+
+
+def _costs(study):
+    """Core time of what is found beside the cells, s, about."""
+    import numpy as np
+
+    from .device import batch
+    from .io.recorded import shocks_of
+    from .solver.adaptive import choose_survey
+    from .solver.cells import rows_of, to_rows
+    from .thresholds.cost import PER_SAMPLE, run_seconds, survey_seconds
+    from .tolerances.dataset import INDEX_SAMPLES
+
+    C, f0, scatter = study.axes["C"], study.axes["f0"], study.tolerances
+    models = choose_survey(study.grid.device, study.model)
+    rows = rows_of(study.grid)
+    costs = {"thresholds": survey_seconds(models, rows.some(rows.device >= 0), study.settings)}
+    costs |= {"requirements": 0.0} if study.requirements else {}
+    if scatter:
+        power = min(scatter.samples, scatter.index_samples or INDEX_SAMPLES)
+        every = scatter.samples + power * (1 + len(scatter.scatters))
+        costs["tolerances"] = 0.0
+    for device in study.devices().values():
+        models = choose_survey(batch([device]), study.model)
+        for asked in study.requirements:
+            own = study.settings._replace(pulses=shocks_of(asked.pulse).pulses)
+            rows = to_rows(0, asked.f0, C)
+            costs["requirements"] += survey_seconds(models, rows, own)
+            if scatter:
+                runs = PER_SAMPLE * every
+                costs["tolerances"] += runs * run_seconds(models.decides, rows, own).sum()
+        if scatter:
+            pulse = np.arange(len(study.settings.pulses))[:, np.newaxis, np.newaxis]
+            rows = to_rows(0, f0, C[:, np.newaxis], pulse)
+            seconds = run_seconds(models.decides, rows, study.settings).sum()
+            costs["tolerances"] += PER_SAMPLE * every * seconds
+    return costs
 
 
 def run(config: Path, cores: str) -> None:

@@ -5,26 +5,13 @@ Each value is a number or, of a batch of devices, an array, (devices,).
 
 import math
 from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
 
+from .arch import Equilibria, equilibria, least_residual
 from .checks import require, require_from_zero, require_positive
-from .shape import (
-    BISTABILITY_LIMIT,
-    COSINE,
-    MOST_BISTABILITY,
-    SHAPES,
-    TILT,
-    Value,
-    coefficients,
-    cosine_at_rest,
-    first_force,
-    least_bistability,
-    least_compression,
-    least_compression_of_cosine,
-    midpoint,
-    second_force,
-)
+from .shape import BISTABILITY_LIMIT, COSINE, SHAPES, TILT, Value, coefficients, midpoint, modes_of
 
 THINNEST = 1e6
 """Most of rise over thickness: beyond, the digits of a float no longer hold bending and stretch."""
@@ -91,6 +78,8 @@ class Beam:
         guided = "device.beam.imperfection: {:g} um is of a free beam; write guide: free"
         fits = np.equal(self.imperfection, 0) | np.not_equal(self.free, 0)
         require(fits, guided, self.imperfection)
+        steep = "device.beam.imperfection: {:g} um is more than a tenth of the span"
+        require(np.less_equal(self.imperfection, self.span / 10), steep, self.imperfection)
         too_thin = (
             "device.beam.thickness: {:g} um gives Q = rise/thickness = {:.6g}; write one that "
             f"gives Q up to {THINNEST:g}"
@@ -102,33 +91,17 @@ class Beam:
 
         Another shape than a cosine is told so where it is shaken: slowly pushed it may be any.
         """
-        bistable, stress = self.is_bistable, self.residual_stress
-        if np.all(bistable):
+        if np.all(self.is_bistable):
             return
         Q = np.divide(self.rise, self.thickness)
-        needed = self.bistability_limit
-        two_shapes = (
-            "device.beam: rise/thickness = {:g} um/{:g} um = {:.6g}; a second stable shape needs "
-            "more than {:.3f}"
+        none = (
+            "device.beam: rise/thickness = {:g} um/{:g} um = {:.6g} and a residual stress of {:g} "
+            "MPa leave no second stable shape; it needs a stress below {:.5g} MPa or, as a cosine "
+            "without stress, a rise/thickness of more than {:.3f}"
         )
-        at_fault = self.rise, self.thickness, Q, needed
-        straight = "device.beam.rise: {} is not enough without a residual stress below {:.5g} MPa"
-        require(bistable | np.not_equal(self.rise, 0), straight, self.rise, self.most_stress)
-        never = (
-            "device.beam.shape: {} has no second stable shape without a residual stress below "
-            "{:.5g} MPa"
-        )
-        some = np.less(needed, MOST_BISTABILITY) | np.less(stress, 0)
-        require(bistable | some, never, self.shape, self.most_stress)
-        holds = bistable | np.greater(Q, needed)
-        require(holds | np.less(stress, 0), two_shapes, *at_fault)
-        pressed = f"{two_shapes}, or a residual stress up to {{:.5g}} MPa"
-        require(holds, pressed, *at_fault, self.most_stress)
-        beyond = (
-            "device.beam.residual_stress: {:g} MPa leaves no second stable shape; there is one up "
-            "to {:.5g} MPa"
-        )
-        require(bistable, beyond, stress, self.most_stress)
+        needed = BISTABILITY_LIMIT / np.sqrt(self.held)
+        at_fault = self.rise, self.thickness, Q, self.residual_stress, self.most_stress, needed
+        require(self.is_bistable, none, *at_fault)
 
     @property
     def area(self) -> Value:
@@ -185,14 +158,6 @@ class Beam:
         return self.made_rise / self.thickness * np.sqrt(self.held)
 
     @property
-    def bistability_limit(self) -> Value:
-        """Rise over thickness above which there is a second stable shape without stress."""
-        limit = np.full(np.shape(self.is_cosine), BISTABILITY_LIMIT)
-        if not self.is_cosine.all():
-            limit = np.where(self.is_cosine, limit, least_bistability(self.cosines))
-        return (limit / np.sqrt(self.held))[()]
-
-    @property
     def cosines(self) -> np.ndarray:
         """The shape as made, as `shape.coefficients` gives it, (..., TERMS)."""
         added = [getattr(self, name) for name in COSINES]
@@ -206,15 +171,19 @@ class Beam:
             found = found & np.equal(getattr(self, name), 0)
         return np.asarray(found)
 
+    @cached_property
+    def at_rest(self) -> Equilibria:
+        """Its equilibria if it is guided, in the rise and the first buckling load, as in `arch`."""
+        modes = modes_of(self.bistability, self.cosines)
+        residual = np.broadcast_to(self.compression, modes[2].shape)
+        shape = np.shape(self.is_cosine)
+        found = equilibria(*modes, residual)
+        return Equilibria(*(part.reshape(shape + part.shape[1:]) for part in found))
+
     @property
     def is_bistable(self) -> bool | np.ndarray:
         """Whether it has a second stable shape, if it is guided."""
-        Q, compression, plain = self.bistability, self.compression, self.is_cosine
-        at_rest = np.greater(Q, BISTABILITY_LIMIT)
-        holds = np.where(compression == 0, at_rest, compression > least_compression_of_cosine(Q))
-        if plain.all():
-            return holds[()]
-        return np.where(plain, holds, compression > least_compression(Q, self.cosines))[()]
+        return np.isfinite(self.at_rest.N_second)[()]
 
     @property
     def bending_frequency(self) -> Value:
@@ -237,16 +206,13 @@ class Beam:
     @property
     def most_stress(self) -> Value:
         """Residual stress, MPa, above which there is no second stable shape."""
-        Q, plain = self.bistability, self.is_cosine
-        least = least_compression_of_cosine(Q)
-        if not plain.all():
-            least = np.where(plain, least, least_compression(Q, self.cosines))
-        return -least * self.buckling_stress / self.held
+        least = least_residual(*modes_of(self.bistability, self.cosines))
+        return -least.reshape(np.shape(self.is_cosine))[()] * self.buckling_stress / self.held
 
     @property
     def height(self) -> Value:
         """Midpoint of the first stable shape, um: the rise, unless there is residual stress."""
-        share = self._at_rest(1, first_force)
+        share = midpoint(self.cosines, self.at_rest.first)
         return np.where(np.equal(self.residual_stress, 0), self.rise, self.made_rise * share)[()]
 
     @property
@@ -255,35 +221,12 @@ class Beam:
 
         Of a cosine without residual stress w2 = -rise (1 + sqrt(1 - 16 / (3 Q^2))) / 2.
         """
-        ratio = BISTABILITY_LIMIT / self.bistability
-        with np.errstate(invalid="ignore"):
-            made = -self.rise * (1 + np.sqrt(1 - ratio * ratio)) / 2
-        share = self._at_rest(-1, second_force)
-        closed = self.is_cosine & np.equal(self.residual_stress, 0)
-        return np.where(closed, made, self.made_rise * share)[()]
-
-    def _at_rest(self, side, force):
-        """w(L/2)/rise on one side, 1 or -1; force: gives the axial force there for any shape."""
-        Q, compression, plain = self.bistability, self.compression, self.is_cosine
-        share = cosine_at_rest(Q, compression, side)
-        if plain.all():
-            return share
-        a = self.cosines
-        other = np.where(
-            self.is_bistable | (side > 0), midpoint(a, force(Q, compression, a)), np.nan
-        )
-        return np.where(plain, share, other)
+        return self.made_rise * midpoint(self.cosines, self.at_rest.second)
 
     @property
     def stays_if_free(self) -> bool | np.ndarray:
         """Whether the second shape of a perfect beam is stable against tilting."""
-        share = self.second_equilibrium / self.made_rise
-        # The axial force there is N_1 (1 - 1/share).
-        stays, plain = 1 - 1 / share < TILT, self.is_cosine
-        if plain.all():
-            return stays
-        force = second_force(self.bistability, self.compression, self.cosines)
-        return np.where(plain, stays, force < TILT)[()]
+        return self.at_rest.N_second < TILT
 
 
 class Unchecked(Beam):

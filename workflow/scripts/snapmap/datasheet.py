@@ -25,7 +25,7 @@ SAMPLES = 256
 UNITS = {
     "toward_max": ("way of the mass towards the beam", "um"),
     "away_max": ("way of the mass away from the beam", "um"),
-    "contact_force_max": ("force between mass and beam", "uN"),
+    "contact_force_max": ("force between mass and beam, an indicator", "uN"),
     "stress_max": ("tensile stress in the beam", "MPa"),
 }
 """Of `Extremes`, as a data sheet names them."""

@@ -162,7 +162,10 @@ class Device:
         Where the temperature is among them, the others are those at the reference.
         """
         whole = asdict(self)
-        return _from_values({**whole.pop("beam"), **whole, **self.warmed(values)}, np.asarray)
+        beam = whole.pop("beam")
+        found = _from_values({**beam, **whole, **self.warmed(values)}, np.asarray)
+        found.beam.require_second_shape()
+        return found
 
     def warmed(self, values: Mapping[str, np.ndarray]) -> Mapping[str, np.ndarray]:
         """Values for `vary`, with the modulus and the stress at the temperature among them.
@@ -233,6 +236,4 @@ def is_bistable(device: Device, values: Mapping[str, np.ndarray], size: int) -> 
 def _from_values(values, convert):
     beam = {key: convert(values[key]) for key in BEAM_VALUES}
     rest = {key: convert(value) for key, value in values.items() if key not in beam}
-    found = Device(beam=Beam(**beam), **rest)
-    found.beam.require_second_shape()
-    return found
+    return Device(beam=Beam(**beam), **rest)

@@ -72,6 +72,11 @@ class Pulse:
         return float(np.sum(self._areas))
 
     @property
+    def is_of_frame(self) -> bool:
+        """Whether it is an acceleration in units of its own: a record, or a drop."""
+        return self.own_N is not None or bool(np.isfinite(self.peak))
+
+    @property
     def alone(self) -> "Pulse":
         """The strongest blow of a train, alone; else itself."""
         return self.strongest or self

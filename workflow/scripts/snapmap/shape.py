@@ -1,10 +1,7 @@
-"""The shape in which a beam is made, and what it leaves of a second stable one.
+"""The shape in which a beam is made.
 
 With rise and span 1 a shape is w0 = sum a_n phi_n / 2, phi_n = 1 - cos(2 n pi x): its projection
-on what clamps allow, by the slopes; w0 itself need not meet them. Under the axial force r, in
-units of the first buckling load, the beam is at rest where each term is a_n n^2 / (n^2 - r), and
-
-    r = compression + 3/4 Q^2 sum a_n^2 n^2 (1 - (n^2 / (n^2 - r))^2).
+on what clamps allow, by the slopes; w0 itself need not meet them.
 """
 
 import math
@@ -21,14 +18,8 @@ TERMS = 40
 COSINE, ARC, PARABOLA = SHAPES = "cosine", "arc", "parabola"
 BISTABILITY_LIMIT = 4 / math.sqrt(3)
 """Q of a cosine without stress above which there is a second shape."""
-SECOND = 4.0
-"""Buckling load of the second symmetric shape over the first's: there state 2 is no longer stable.
-"""
 TILT = (8.986818915818128 / (2 * math.pi)) ** 2
-"""Likewise of the first antisymmetric shape; tan(mu/2) = mu/2."""
-MOST_BISTABILITY = 1e3
-"""Above the limit of any shape that has one."""
-NEWTON_STEPS, BISECTIONS = 100, 60
+"""Buckling load of the first antisymmetric shape over that of the first; tan(mu/2) = mu/2."""
 PANELS = 80
 """On half the span, of Gauss's rule with the points and weights below."""
 _OUTER, _INNER = (math.sqrt(5 + side * 2 * math.sqrt(10 / 7)) / 3 for side in (1, -1))
@@ -91,88 +82,15 @@ def _arc(steepness):
     return 2 * multiply(slope * weights, slopes) / (np.pi * np.pi * _SQUARE)
 
 
-def midpoint(a: np.ndarray, r: Value) -> Value:
-    """w(L/2) under the axial force r, over the rise."""
-    share = _SQUARE / (_SQUARE - np.asarray(r)[..., np.newaxis])
-    return 1 + dot(a[..., ::2], share[..., ::2] - 1)
+def modes_of(Q: Value, a: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Loads n^2, s_n = a_n n and EA/2L = 3/4 Q^2, as `arch` takes them, of shapes (..., TERMS)."""
+    s = a.reshape(-1, TERMS) * _N
+    terms = max(2, 1 + np.flatnonzero(s.any(axis=0)).max())
+    axial = 0.75 * np.broadcast_to(np.square(Q), a.shape[:-1]).ravel()
+    return np.broadcast_to(_SQUARE[:terms], (len(s), terms)), s[:, :terms], axial
 
 
-def first_force(Q: Value, compression: Value, a: np.ndarray) -> Value:
-    """The axial force in the first stable shape: the root below 1."""
-    whole = 1 + abs(compression) + np.square(Q) * dot(a * a, _SQUARE)
-    return _root(lambda r: _excess(Q, compression, a, r), -whole, 1.0)
-
-
-def second_force(Q: Value, compression: Value, a: np.ndarray) -> Value:
-    """The axial force in the second stable shape: the lower root above 1; one that must exist."""
-    # There the excess grows with r.
-    return _root(lambda r: -_excess(Q, compression, a, r), 1.0, _steepest(Q, a))
-
-
-def least_compression(Q: Value, a: np.ndarray) -> Value:
-    """Residual compression, over that of buckling, down to which there is a second stable shape."""
-    return -_excess(Q, 0.0, a, _steepest(Q, a))
-
-
-def least_bistability(a: np.ndarray) -> Value:
-    """Q above which there is a second stable shape without stress."""
-    return _root(lambda Q: least_compression(Q, a), 0.0, np.full(a.shape[:-1], MOST_BISTABILITY))
-
-
-def least_compression_of_cosine(Q: Value) -> Value:
-    """The same of a beam made as a cosine.
-
-    It ends at c = w(L/2)/rise where the axial force 1 - 1/c reaches SECOND, or where the equilibria
-    of `cosine_at_rest` meet, d/dc = 0, if that comes first.
-    """
-    arch = 0.75 * np.square(Q)
-    fold = -1 / np.cbrt(2 * arch)
-    c = np.minimum(fold, 1 / (1 - SECOND))
-    return 1 - 1 / c - arch * (1 - c * c)
-
-
-def cosine_at_rest(Q: Value, compression: Value, side: int) -> Value:
-    """Outermost c = w(L/2)/rise on one side, 1 or -1, at which a cosine is at rest.
-
-    compression + (3/4) Q^2 (1 - c^2) = 1 - 1/c, a cubic in c. By Newton's method from beyond the
-    root, as far as it comes nearer.
-    """
-    arch = 0.75 * np.square(np.asarray(Q, float))
-    linear, rest = (np.asarray(compression, float) + arch - 1) / arch, side / arch
-    c = 1 + np.sqrt(np.maximum(linear, 0)) + 1 / arch
-    for _ in range(NEWTON_STEPS):
-        nearer = c - (c * (c * c - linear) - rest) / (3 * c * c - linear)
-        if not (nearer < c).any():
-            break
-        c = np.minimum(nearer, c)
-    return side * c
-
-
-def _excess(Q, compression, a, r):
-    """Of the force that the stretch gives, over r; above 1 concave, from and to minus infinity."""
-    r = np.asarray(r)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        share = _SQUARE / (_SQUARE - r[..., np.newaxis])
-        parts = np.where(a == 0, 0.0, a * a * _SQUARE * (1 - share * share))
-    return compression + 0.75 * np.square(Q) * dot(parts, np.ones(TERMS)) - r
-
-
-def _steepest(Q, a):
-    """Where the excess is largest from 1 to SECOND."""
-
-    def falls(r):
-        share = _SQUARE / (_SQUARE - r[..., np.newaxis])
-        return -1 - 1.5 * np.square(Q) * dot(a * a, share * share * share)
-
-    return _root(falls, 1.0, SECOND)
-
-
-def _root(falling, low, high):
-    """Where a falling function changes sign, by bisection; an end if it does not between them."""
-    low, high = np.broadcast_arrays(low, high)
-    for _ in range(BISECTIONS):
-        middle = (low + high) / 2
-        with np.errstate(divide="ignore", invalid="ignore"):
-            above = falling(middle) > 0
-        low, high = np.where(above, middle, low), np.where(above, high, middle)
-    return (low + high) / 2
+def midpoint(a: np.ndarray, growth: np.ndarray) -> Value:
+    """w(L/2) over the rise of a shape whose coordinates grow so; both (..., terms)."""
+    odd = growth[..., ::2]
+    return 1 + dot(a[..., : growth.shape[-1] : 2], odd - 1)

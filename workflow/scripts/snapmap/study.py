@@ -36,7 +36,10 @@ class Study:
     skip: bool = False
 
     def __post_init__(self):
-        """Give the settings the pulses of the shocks."""
+        """Give the settings the pulses of the shocks; ValueError for shocks that are no force."""
+        for pulse in self.shocks.shapes.values():
+            if pulse.is_of_frame:
+                self.require_frame(f"the shock {pulse.name!r}")
         pulses = self.shocks.pulses
         object.__setattr__(self, "settings", self.settings._replace(pulses=pulses))
 

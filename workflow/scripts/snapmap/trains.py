@@ -17,7 +17,11 @@ GRAVITY = 9.80665e-6
 """Of a free fall, um/us^2."""
 # ASSUME: a rebound below this share of the first impact's velocity is none.
 LEAST_REBOUND = 0.05
+MOST_REBOUND = 0.99
+"""Makes 299 blows; steel on steel has 0.95."""
 MOST_BLOWS = 100_000
+SAME = 1e-8
+"""A relative difference of a sweep's ends up to which it is a sine: its rounding is as large."""
 PER_PERIOD = 32
 """Samples in each period of a sweep, straight between."""
 MOST_SAMPLES = 2_000_000
@@ -61,23 +65,22 @@ def make_drop(drop: Mapping) -> Pulse:
     """Make a pulse of a free fall from rest, its blow, and every flight and blow of the rebound.
 
     drop: height (um), duration (us) and shape of each blow, rise, fall; rebound: velocity after
-        over before a blow, 0 if left out
+        over before a blow, from 0 to MOST_REBOUND, 0 if left out
     The blow of a fall to v changes the velocity by (1 + rebound) v; the pulse's own_N follows.
     Raises ValueError, one line.
     """
     given = _checked(drop, "drop", ("height", "duration"), ("rebound", "shape", *SHARES))
     rebound = _number(given.get("rebound", 0.0), "rebound", signed=True)
-    if not 0 <= rebound < 1:
-        raise ValueError(f"pulse.drop: rebound: {rebound:g} is not from 0 to below 1")
+    if not 0 <= rebound <= MOST_REBOUND:
+        raise ValueError(f"pulse.drop: rebound: {rebound:g} is not from 0 to {MOST_REBOUND}")
     velocity = math.sqrt(2 * GRAVITY * given["height"])
     blow = {key: given[key] for key in given if key not in ("height", "rebound")}
     own_N = (1 + rebound) * velocity / (GRAVITY * _blow(**blow).area)
     if own_N < 1:
         raise ValueError(f"pulse.drop: its blow has {own_N:.2g} g; write a shorter duration")
-    join, share = JOIN * given["duration"], 1.0
-    parts = [_fall(velocity / GRAVITY, own_N, join), _blow(**blow)]
+    parts, share = [_fall(velocity / GRAVITY, own_N), _blow(**blow)], 1.0
     while (share := share * rebound) >= LEAST_REBOUND:
-        parts += [_fall(2 * share * velocity / GRAVITY, own_N, join), _blow(**blow, N=share)]
+        parts += [_fall(2 * share * velocity / GRAVITY, own_N), _blow(**blow, N=share)]
     note = f"is that from its height at N = {own_N:.5g}; at another N all of it is scaled"
     return _joined("drop", parts, {"drop": _said(given)}, own_N=own_N, notes=(note,))
 
@@ -90,7 +93,9 @@ def make_sweep(sweep: Mapping) -> Pulse:
     """
     given = _checked(sweep, "sweep", ("from", "to", "duration"))
     start, stop, lasts = given["from"], given["to"], 1e-6 * given["duration"]
-    rise = 0.0 if start == stop else float(portable.logarithm(stop / start))
+    if abs(stop / start - 1) < SAME:
+        stop = start
+    rise = float(portable.logarithm(stop / start))
     periods = max(1, round(lasts * ((stop - start) / rise if rise else start)))
     samples = PER_PERIOD * periods
     if samples > MOST_SAMPLES:
@@ -160,10 +165,9 @@ def _blow(duration, shape=VERSED_SINE, N=1.0, **shares):
     return Part(pieces, duration + join, abs(N), area + jump * join / 2, 10 * join)
 
 
-def _fall(lasts, own_N, join):
-    """Free fall over the peak, which begins and ends straight; its area is that of a sudden one."""
-    level = -1 / own_N
-    return _line([0.0, join, lasts, lasts + join], [0.0, level, level, 0.0])
+def _fall(lasts, own_N):
+    """Free fall over the peak; where it ends with a jump, that is small beside the blow's."""
+    return _line([0.0, lasts], [-1 / own_N, -1 / own_N])
 
 
 def _line(times, values):

@@ -42,9 +42,10 @@ def static_threshold(device: Device) -> float | np.ndarray:
     """Lowest N, in multiples of g, whose lasting acceleration leaves no equilibrium to rest in.
 
     That is the first maximum on the path, or where the beam leaves the mass to snap by itself. A
-    beam that leaves the mass where it could still rest alone, or that the mass does not reach
-    across its gap, or is stopped before the saddle, goes on to its own first maximum; so does one
-    alone, of whose force on the midpoint N then counts the units.
+    mass on its stop holds the midpoint no farther than there, until the beam leaves it by its own
+    inertia. A beam that leaves the mass where it could still rest alone, or that the mass does not
+    reach across its gap, goes on to its own first maximum; so does one alone, of whose force on the
+    midpoint N then counts the units.
     """
     if np.ndim(device.mass):
         return np.array([static_threshold(device.pick(i)) for i in range(len(device))])
@@ -53,8 +54,13 @@ def static_threshold(device: Device) -> float | np.ndarray:
     first = first_midpoint(shapes_of(device.beam), device.beam).item()
     whole = first - device.beam.second_equilibrium
 
+    stiffness, room = contact_stiffness(device, modes.residual), device.stop_toward - device.gap
+
     def pressed(modes, N):
-        return _shock(device, modes, N)
+        return _shock(modes, N, device.mass, device.spring, stiffness, device.gap)
+
+    def held(modes, N):
+        return _shock(modes, N, 0.0, np.inf, stiffness, -room)
 
     def is_left(a, reached):
         """Whether the midpoint is ahead of the mass by itself, once that has touched it."""
@@ -64,13 +70,15 @@ def static_threshold(device: Device) -> float | np.ndarray:
     if device.is_alone:
         alone, *_ = _end_of(modes, _shock_alone, lambda a, reached: a < 0, whole)
         return float(alone / device.gravity)
-    a, reached, leaves = _end_of(modes, pressed, is_left, whole)
-    stopped = device.stop_toward < np.inf and device.stop_toward < least_way(device)
-    if leaves or device.gap > 0 or stopped:
+    ends = [_end_of(modes, pressed, is_left, whole)]
+    if room < np.inf:
+        ends.append(_end_of(modes, held, lambda a, reached: reached > room, whole))
+    alone, edge, apart = np.inf, 0.0, False
+    if device.gap > 0 or any(leaves for *_, leaves in ends):
         alone, edge, _ = _end_of(modes, _shock_alone, lambda a, reached: a < 0, whole)
-        apart = device.mass * alone < device.spring * (edge + device.gap)
-        if stopped or (reached < edge if leaves else apart):
-            a = alone
+        apart = device.gap > 0 and device.mass * alone < device.spring * (edge + device.gap)
+    # What the mass on its spring no longer holds runs on to the stop, which may hold it.
+    a = max(alone if (reached < edge if leaves else apart) else a for a, reached, leaves in ends)
     return float(a / device.gravity)
 
 
@@ -146,14 +154,13 @@ def push(modes: BucklingModes, N: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return soft * N * modes.start, -soft * modes.midpoint
 
 
-def _shock(device, modes, N):
+def _shock(modes, N, mass, spring, stiffness, gap):
     """c = constant + slope a where the mass on its spring presses: e.c - (P - M a)/K - h = P/k."""
     constant, slope = push(modes, N)
     sag = -modes.load / (modes.buckling - N)
-    stiffness = contact_stiffness(device, modes.residual)
-    give = 1 / device.spring + 1 / stiffness - np.sum(modes.midpoint * slope, axis=0)
-    at_rest = (np.sum(modes.midpoint * constant, axis=0) - device.gap) / give
-    grows = (device.mass / device.spring + np.sum(modes.midpoint * sag, axis=0)) / give
+    give = 1 / spring + 1 / stiffness - np.sum(modes.midpoint * slope, axis=0)
+    at_rest = (np.sum(modes.midpoint * constant, axis=0) - gap) / give
+    grows = (mass / spring + np.sum(modes.midpoint * sag, axis=0)) / give
     return constant + slope * at_rest, sag + slope * grows
 
 

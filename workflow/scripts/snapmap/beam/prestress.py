@@ -1,13 +1,7 @@
 """The beam at rest: what residual stress makes of the shape as made, and of its stiffness.
 
-In buckling modes v_j (bending v_j = N_j geometric v_j, v_j.geometric v_j = 1), with s_j = v_j.
-geometric q0 of the shape as made, a beam under the tension T is at rest where each coordinate is
-s_j N_j / (N_j + T). The stretch that this takes must add up to T itself,
-
-    T = T0 + EA/2L sum s_j^2 ((N_j / (N_j + T))^2 - 1),
-
-T0 the residual stress times A; the right side falls with T, so there is one root above -N_1.
-Measured from there the beam has the same form with bending + T geometric for its bending.
+Its coordinates in buckling modes and its tension T = -N are those of the first shape in `arch`;
+measured from there the beam has the same form with bending + T geometric for its bending.
 """
 
 from dataclasses import replace
@@ -16,11 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..arch import equilibria
 from ..device import Beam
 from ..numerics.linalg import apply, eigh
 from .basis import Basis
 
-NEWTON_STEPS = 200
 FIRST_LOAD = 4 * np.pi * np.pi
 """N_1, in EI/L^2."""
 
@@ -72,9 +66,10 @@ def at_rest(basis: Basis, kinds: Kinds) -> tuple[np.ndarray, np.ndarray]:
         loads, shapes = buckling(basis)
         s = apply(shapes.T, apply(basis.geometric, as_made[stressed]))
         axial = 6 * kinds.Q[stressed] * kinds.Q[stressed]
-        T[stressed] = _tension(loads, s, axial, -FIRST_LOAD * kinds.compression[stressed])
-        change = loads / (loads + T[stressed, np.newaxis]) - 1
-        q[stressed] += apply(shapes, s * change)
+        residual = FIRST_LOAD * kinds.compression[stressed]
+        rest = equilibria(np.broadcast_to(loads, s.shape), s, axial, residual)
+        T[stressed] = -rest.N_first
+        q[stressed] += apply(shapes, s * (rest.first - 1))
     return T, q
 
 
@@ -102,20 +97,3 @@ def settled(basis: Basis, beam: Beam) -> Basis:
 def buckling(basis: Basis) -> tuple[np.ndarray, np.ndarray]:
     """Buckling loads N_j, ascending, in EI/L^2, and modes v_j, the columns, v.geometric v = 1."""
     return eigh(basis.bending, basis.geometric)
-
-
-def _tension(loads, s, axial, residual):
-    """The root T, (n,), by Newton's method from below, where the convex side is above T."""
-    square, axial = s * s, axial[:, np.newaxis]
-    whole = np.sum(axial * square, axis=1) + abs(residual) + loads[0]
-    first = axial[:, 0] * square[:, 0]
-    T = loads[0] / np.sqrt(1 + whole / first) - loads[0]
-    for _ in range(NEWTON_STEPS):
-        share = loads / (loads + T[:, np.newaxis])
-        over = residual - T + np.sum(axial * square * (share * share - 1), axis=1)
-        slope = 1 + 2 * np.sum(axial * square * share * share * share / loads, axis=1)
-        nearer = T + over / slope
-        if not (nearer > T).any():
-            break
-        T = np.maximum(nearer, T)
-    return T

@@ -119,10 +119,19 @@ def calibrate(
         return calibration_of(study, shots, unknowns, C)
 
 
-def calibration_of(study: Study, table: Mapping, unknowns: Mapping, C: float | None) -> xr.Dataset:
-    """Find the values of a study's device from a table of shots, as `calibrate` returns them."""
+def calibration_of(
+    study: Study,
+    table: Mapping,
+    unknowns: Mapping,
+    C: float | None,
+    files: Mapping[str, str] | None = None,
+) -> xr.Dataset:
+    """Find the values of a study's device from a table of shots, as `calibrate` returns them.
+
+    files: as in `shots_from`
+    """
     _check(study, unknowns, C)
-    shots = shots_from(table, study.shocks, study.device)
+    shots = shots_from(table, study.shocks, study.device, files)
     surface = surface_of(study, shots.kinds, unknowns, C)
     _check_reach(shots, surface)
     return fit(shots, surface).assign_attrs(

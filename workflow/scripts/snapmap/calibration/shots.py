@@ -49,17 +49,20 @@ class Shots(NamedTuple):
         return np.array([self.kinds[i].f0 for i in self.kind])
 
 
-def shots_from(table: Mapping, shocks: Shocks, device: Device) -> Shots:
+def shots_from(
+    table: Mapping, shocks: Shocks, device: Device, files: Mapping[str, str] | None = None
+) -> Shots:
     """Take a table of shots as `calibrate` does; raises ValueError, one line.
 
     shocks: of one shape and direction, where the table names none; device: whose gravity N counts
+    files: SHA-256 of the records it names as they were planned, by path; of others anything goes
     """
     columns = _columns(table)
     size = len(columns["tripped"])
     kinds, places, levels = [], {}, []
     for i in range(size):
         row = {key: values[i] for key, values in columns.items() if not _is_empty(values[i])}
-        key, kind = _kind(row, i, shocks, places)
+        key, kind = _kind(row, i, shocks, places, files or {})
         if key not in places:
             places[key] = len(kinds)
             kinds.append(kind)
@@ -93,7 +96,7 @@ def _is_empty(value):
     return value is None or value == "" or (isinstance(value, float) and math.isnan(value))
 
 
-def _kind(row, place, shocks, known):
+def _kind(row, place, shocks, known, files):
     """What tells a shot's shock from others, and the shock."""
     where = f"shots, row {place + 1}"
     if "file" in row and "shape" in row:
@@ -109,7 +112,7 @@ def _kind(row, place, shocks, known):
     pulse = shocks.pulse
     try:
         if "file" in row:
-            pulse = read_pulse(named)
+            pulse = read_pulse(named, files.get(named, ""))
         elif named:
             pulse = shocks_from(named).pulse
         pushed = shocks_from(pulse, direction)
@@ -131,6 +134,9 @@ def _frequency(given, pulse, where):
 
 
 def _level(row, place, pulse, device):
+    if pulse.is_of_frame and device.force:
+        told = "file: shakes the frame; write gravity in place of device.force"
+        raise ValueError(f"shots, row {place + 1}: {told}")
     if "N" in row:
         return _positive(row["N"], f"shots, row {place + 1}: N")
     own = pulse.own_N or pulse.peak / device.gravity

@@ -15,6 +15,7 @@ from ..shape import COSINE
 from .faults import Faults, convert_part, refuse
 from .quality import KEY, damped
 from .schema import name_of, schema_faults, validator
+from .shocks import check_path
 from .units import read, show
 from .yaml_file import ConfigError, read_document
 
@@ -213,6 +214,7 @@ def _shape(given, others, free):
         return {"shape": given}
     tilt = {}
     if "file" in given:
+        check_path(given["file"])
         measured = read_shape(given["file"])
         terms = measured.cosines
         for key, found in (("span", measured.length), ("rise", measured.rise)):

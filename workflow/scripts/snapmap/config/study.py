@@ -1,7 +1,7 @@
 """The door: a config document to a `Config` in internal units, or one line for every fault."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from ..described import describe, excited
 from ..device import VALUES, values_of
 from ..io.measured_shape import PROFILE
 from ..io.named import sha256_of
+from ..io.recorded import shocks_of
 from ..pulse import HANDOUT_SHOCK
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
 from ..study import Study
@@ -196,8 +197,16 @@ def load_config(document: Mapping) -> Config:
     maps = read_views(document, "maps", faults, grid)
     curves = read_views(document, "thresholds", faults, grid)
     refuse(faults)
+    try:
+        own = Study(device=device, shocks=shocks)
+        for asked in requirements:
+            replace(own, shocks=shocks_of(asked.pulse))
+        if vibrations or spectra:
+            own.require_frame("a spectrum among the requirements")
+    except ValueError as error:
+        raise ConfigError(str(error)) from None
     chosen, left_out = choose_maps(grid, nominal(device), maps)
-    found = Config(
+    return Config(
         device=device,
         model=_model(document["model"]),
         grid=grid,
@@ -219,12 +228,6 @@ def load_config(document: Mapping) -> Config:
         left_out=left_out,
         measured=measured_shapes(document),
     )
-    if vibrations or spectra:
-        try:
-            found.require_frame("a spectrum among the requirements")
-        except ValueError as error:
-            raise ConfigError(str(error)) from None
-    return found
 
 
 def _grid(device, axes, skip, shocks):

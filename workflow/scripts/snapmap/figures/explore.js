@@ -213,7 +213,7 @@ function withAnotherStep(k) {
   const [work, snap] = [cells.work_error[k], cells.t_snap_error[k]];
   if (Number.isNaN(work)) return "";
   const time = Number.isNaN(snap) ? "" : `, the time of snap by ${Number(snap.toPrecision(2))} µs`;
-  return ` With another step the work of the pulse differs by ${Number((100 * work).toPrecision(2))} %${time}.`;
+  return ` With another step, which indicates the error, the work of the pulse differs by ${Number((100 * work).toPrecision(2))} %${time}.`;
 }
 
 function left(energy) {

@@ -94,5 +94,5 @@ def _with_another_step(history):
     work, snap = (history.attrs.get(key, math.nan) for key in ("work_error", "t_snap_error"))
     if math.isnan(work):
         return []
-    told = f"with another step the work of the pulse differs by {100 * work:.2g} %"
+    told = f"with another step (an indicator) the work of the pulse differs by {100 * work:.2g} %"
     return [told if math.isnan(snap) else f"{told}, the time of snap by {snap:.2g} µs"]

@@ -23,8 +23,6 @@ from .travel import warn_of_travel
 
 SAMPLES = 4000
 """A history keeps this many instants, up to twice as many, or all that there are."""
-SAMPLES_OF_EXTREMES = 50_000
-"""Likewise what is looked at for the largest values: all of most motions."""
 
 VARIABLES = {
     "w_mid": ("deflection of the beam's midpoint", "um"),
@@ -60,9 +58,10 @@ def simulate(
         energy_tolerance, of a sweep whose step for this cell is taken; pulse and direction, of one
         shape in one direction; and options of the model
     The attributes work_error and t_snap_error say by how much the pulse's work and the time of snap
-    differ with another step, as in a cube; stress_max and stress_max_to_snap are the largest of the
-    stress, MPa, over the instants that are kept, and over those up to the snap; of a train, blow
-    tells at which it snaps.
+    differ with another step, as in a cube: indicators of error, no bounds. toward_max, away_max (of
+    the mass from rest, um), contact_force_max (uN), stress_max and stress_max_to_snap (MPa) are the
+    largest of all steps, not of the instants that are kept; of a train, blow tells at which it
+    snaps.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> run = snapmap.simulate(device, 1100, 1500, 25, model="cosines", horizon=0)
@@ -86,14 +85,14 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     device, settings = study.device, study.settings._replace(repeat=False)
     built, cells, t_snap = _cell(study, N, f0, C)
     blow = blow_at(settings.pulses, cells.pulse, t_snap * cells.f0).item()
-    time, dt, values = _record(built, cells, settings, SAMPLES)
+    dt, values, extremes = _record(built, cells, settings, SAMPLES)
     document = {
         **device_sections(device),
         **study.shocks.section(),
         "model": dict(study.model),
         "histories": [{"N": N, "f0": f"{f0!r} Hz", "C": f"{C!r} uN*us/um"}],
     }
-    return _dress(time, values, document).assign_attrs(
+    return _dress(values, document).assign_attrs(
         N=N,
         f0=f0,
         C=C,
@@ -101,7 +100,7 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
         barrier=built.barrier.energy,
         gravity=device.gravity,
         time_step=dt,
-        **_stresses(values, built.barrier.second),
+        **extremes._asdict(),
         **_stops(device, built.barrier.first),
         **({"blow": blow} if settings.pulses[0].blows.size else {}),
         **_differences(built, cells, settings),
@@ -115,20 +114,12 @@ def _stops(device, first):
     return {key: place for key, place in places.items() if math.isfinite(place)}
 
 
-def _stresses(values, second):
-    """The largest stress, MPa, over the run and up to its snap, by their names."""
-    snapped = np.flatnonzero(values["w_mid"] <= second)[:1]
-    before = values["stress"][: snapped[0] + 1] if snapped.size else values["stress"]
-    found = {"stress_max": values["stress"], "stress_max_to_snap": before}
-    return {key: part.max().item() for key, part in found.items()}
-
-
 class Extremes(NamedTuple):
-    """What a device meets under one shock, to the horizon.
+    """What a device meets under one shock, at any step up to the horizon.
 
     toward_max, away_max: of the mass from rest, toward the beam and away from it, um
-    contact_force_max: between mass and beam, uN
-    stress_max, stress_max_to_snap: tensile, in the beam, MPa
+    contact_force_max: between mass and beam, uN; an indicator, see docs/pulses.md
+    stress_max, stress_max_to_snap: tensile, in the beam, MPa; the latter until w(L/2) is at w2
     """
 
     toward_max: float
@@ -144,11 +135,36 @@ def extremes_of(study: Study, N: float, f0: float, C: float, step: float = 1.0) 
     step: over the one that the motion needs
     """
     built, cells, _ = _cell(study, N, f0, C)
-    _, _, values = _record(built.with_step(step), cells, study.settings, SAMPLES_OF_EXTREMES)
-    y = values["z_mass"] - (built.barrier.first + study.device.gap)
-    ways = np.maximum(0.0, [-y.min(), y.max()])  # NaN of a run that failed
-    pressed = values["contact_force"].max().item()
-    return Extremes(*ways.tolist(), pressed, **_stresses(values, built.barrier.second))
+    return _record(built.with_step(step), cells, study.settings, samples=1)[-1]
+
+
+class _Largest:
+    """Extremes of a run, of which it is shown one window of steps after another."""
+
+    def __init__(self, rest: float, second: float):
+        """rest: z of the mass; second: w(L/2) at which the beam has snapped, um."""
+        self.rest, self.second, self.snapped = rest, second, False
+        self.most, self.to_snap = np.array([0.0, 0.0, 0.0, -np.inf]), -np.inf
+        self.last = np.empty((2, 0))
+
+    def show(self, values: Mapping[str, np.ndarray]) -> None:
+        """Take in the values of a window; NaN, of a run that failed, stays."""
+        y, stress = values["z_mass"] - self.rest, values["stress"]
+        most = -y.min(), y.max(), values["contact_force"].max(), stress.max()
+        self.most = np.maximum(self.most, most)
+        if self.snapped:
+            return
+        w, stress = path = np.append(self.last, [values["w_mid"], stress], axis=1)
+        self.last = path[:, -1:]
+        for i in np.flatnonzero(w <= self.second)[:1]:
+            share = (w[i - 1] - self.second) / (w[i - 1] - w[i])
+            stress = np.append(stress[:i], stress[i - 1] + share * (stress[i] - stress[i - 1]))
+            self.snapped = True
+        self.to_snap = np.maximum(self.to_snap, stress.max())
+
+    def extremes(self) -> Extremes:
+        """Those of all windows."""
+        return Extremes(*self.most.tolist(), float(self.to_snap))
 
 
 def _cell(study, N, f0, C):
@@ -160,21 +176,25 @@ def _cell(study, N, f0, C):
 
 
 def _record(built, cells, settings, samples):
-    """Instants, us, the time step, and the values of a cell at so many of them, or more."""
+    """The time step, us, the values of a cell at so many instants or more, and its extremes."""
     dt = built.steps.of(cells, settings.pulses, MOVE).item()
     amplitude, per_us, damping, t_end = (column.item() for column in cells[2:])
     steps, stride = _sampling(t_end, dt, samples)
-    shock = settings.pulses[0]
-    motion, form = built.loop().record(built, shock, amplitude, per_us, damping, dt, steps, stride)
-    warn_of_travel(built.device, motion.y.min(), motion.y.max())
-    stress = stress_of(built.device.beam, built.basis, form.shapes)
-    shaken = amplitude * shock.at(per_us * motion.time)
-    values = _observe(built.device, built.barrier.first, form, stress, motion) | {
-        **_load(built.device, shaken),
-        "dissipated_energy": motion.lost,
-        "pulse_work": motion.work,
-    }
-    return motion.time, dt, values
+    shock, device, first = settings.pulses[0], built.device, built.barrier.first
+    form, motions = built.loop().record(built, shock, amplitude, per_us, damping, dt, steps)
+    stress = stress_of(device.beam, built.basis, form.shapes)
+    largest, kept, done = _Largest(first + device.gap, built.barrier.second), [], 0
+    for motion in motions:
+        values = _observe(device, first, form, stress, motion)
+        largest.show(values)
+        values |= {"time": motion.time, "dissipated_energy": motion.lost, "pulse_work": motion.work}
+        kept.append({key: column[-done % stride :: stride] for key, column in values.items()})
+        done += motion.time.size
+    values = {key: np.concatenate([part[key] for part in kept]) for key in kept[0]}
+    extremes = largest.extremes()
+    warn_of_travel(device, -extremes.toward_max, extremes.away_max)
+    shaken = amplitude * shock.at(per_us * values["time"])
+    return dt, values | _load(device, shaken), extremes
 
 
 def _load(device, shaken):
@@ -229,13 +249,17 @@ def _observe(device, first, form, stress, motion):
     }
 
 
-def _dress(time, values, document):
+def _dress(values, document):
     data = {
         key: ("time", values[key], {"long_name": name, "units": unit})
         for key, (name, unit) in VARIABLES.items()
         if key in values
     }
-    axis = ("time", time, {"long_name": "time after the start of the pulse", "units": "us"})
+    axis = (
+        "time",
+        values["time"],
+        {"long_name": "time after the start of the pulse", "units": "us"},
+    )
     return xr.Dataset(data, {"time": axis}).assign_attrs(
         Conventions="CF-1.11, ACDD-1.3",
         title="Time history of one cell",

@@ -99,12 +99,6 @@ def eigh(a: np.ndarray, mass: np.ndarray | None = None) -> tuple[np.ndarray, np.
     return np.take_along_axis(values, order, axis=-1), ascending
 
 
-def is_positive(a: np.ndarray) -> np.ndarray:
-    """Whether symmetric matrices, (..., n, n), are positive definite, (...)."""
-    with np.errstate(invalid="ignore", divide="ignore"):
-        return np.isfinite(_cholesky(a)).all(axis=(-2, -1))
-
-
 def _cholesky(a):
     """L, lower triangular, of L L^T = a; not finite if a is not positive definite."""
     lower, rest = np.zeros(a.shape), np.array(a, float)

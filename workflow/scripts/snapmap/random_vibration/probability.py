@@ -13,7 +13,7 @@ from ..io.provenance import provenance, recipe
 from ..solver.adaptive import choose_survey
 from ..solver.cells import check_cells, to_cells
 from ..solver.model import Follows
-from ..solver.settings import Settings
+from ..solver.settings import Settings, check_count
 from ..study import THRESHOLD_SETTINGS, Study, study_of
 from .records import record
 from .spectrum import REACH, Spectrum
@@ -287,5 +287,4 @@ def _check(C, asked):
     if not 0 < asked["reach"] < 1:
         raise ValueError(f"reach: {asked['reach']!r} is no probability between 0 and 1")
     for key in ("records", "seed"):
-        if isinstance(asked[key], bool) or not isinstance(asked[key], int) or asked[key] < 1:
-            raise ValueError(f"{key}: {asked[key]!r} is no whole number from 1")
+        check_count(key, asked[key])

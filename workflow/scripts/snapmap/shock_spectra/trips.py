@@ -12,6 +12,7 @@ from ..pulse import DIRECTIONS
 from ..solver.adaptive import choose_survey
 from ..solver.bracket import asker
 from ..solver.cells import check_cells, to_rows
+from ..solver.settings import check_count
 from ..study import THRESHOLD_SETTINGS, Study, study_of
 from .records import record
 from .spectrum import check_points
@@ -52,8 +53,7 @@ def srs_test(
     points = check_points(srs)
     check_cells(C=C)
     for key, value in (("records", records), ("seed", seed)):
-        if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-            raise ValueError(f"{key}: {value!r} is no whole number from 1")
+        check_count(key, value)
     study, varied = study_of(device, model, options)
     if "pulse" in options or len(study.shocks.pulses) > 1:
         raise ValueError("pulse: is drawn from the spectrum; give one direction alone")

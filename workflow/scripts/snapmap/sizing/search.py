@@ -17,9 +17,8 @@ def thresholds_at(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Thresholds of a study's device with other values, each (n,), and their errors, or NaN.
 
-    values: by name; one with NaN is left as it is. Returns also where there is a device; (n,).
+    values: by name. Returns also where there is a device; (n,).
     """
-    values = {key: column for key, column in values.items() if np.isfinite(column).all()}
     size = next(iter(values.values())).size
     there = is_bistable(study.device, values, size)
     found = np.full((2, size), np.nan)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from ..axes import COORDINATES, coordinates
+from ..axes import COORDINATES, coordinates, points_of
 from ..device import SIGNED, VALUES, Device
 from ..io.counting import counting
 from ..quantities import QUANTITIES
@@ -72,8 +72,8 @@ def design(
         with counting("design"):
             return window_of(study, value, C, between, required, asked)
     _check(study, value, N, f0, C, between, along)
-    key, values = next(iter(along.items()), (value, [np.nan]))
-    values = np.atleast_1d(np.asarray(values, float))
+    key, values = next(iter(along.items()), (value, 0.0))
+    values = points_of(key, values)
 
     def above(tried, place):
         """How far above N thresholds are, with their errors, of values at places on the line."""

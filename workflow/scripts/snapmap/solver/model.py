@@ -1,6 +1,6 @@
 """A model of one device or a batch of them, and the one thing asked of it: to follow cells."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
@@ -74,9 +74,8 @@ class Loop(Protocol):
         damping: float,
         dt: float,
         steps: int,
-        stride: int,
-    ) -> tuple[Motion, Form]:
-        """The motion of one cell of a model of one device, at every `stride`th instant; dt: us."""
+    ) -> tuple[Form, Iterable[Motion]]:
+        """Every step of one cell of a model of one device, window after window; dt: us."""
 
 
 @dataclass(frozen=True, eq=False)

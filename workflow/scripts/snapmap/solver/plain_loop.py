@@ -260,19 +260,15 @@ def march(model, cells, dt, settings):
     return t_snap, nothing, np.zeros(t_snap.size, np.int8), energy_error, nothing, pulse_work
 
 
-def record(model, pulse, amplitude, f0, damping, dt, steps, stride):
-    """Follow one cell and keep every `stride`th instant.
-
-    model: of one device; returns Motion and Form
-    """
+def record(model, pulse, amplitude, f0, damping, dt, steps):
+    """Follow one cell at every step; model: of one device; returns Form and one Motion."""
     system, n = nodal_system(model.device, model.basis), model.basis.load.size
     kept = np.zeros((steps, 2 * n + 4))
     follow(system, pulse.curve, amplitude, f0, damping, -np.inf, dt, steps, kept)
-    kept = kept[::stride]
-    time = np.arange(len(kept)) * stride * dt
+    time = np.arange(steps) * dt
     shape = system.bending, system.geometric, system.slope_start, system.midpoint
     form = Form(system.inertia, *shape, residual=0.0, shapes=np.eye(n))
     u = kept[:, :n]
     rest = kept[:, 2 * n :].T
     motion = Motion(time, u, kept[:, n : 2 * n], rest[0], rest[1], form.stretch(u), *rest[2:])
-    return motion, form
+    return form, [motion]

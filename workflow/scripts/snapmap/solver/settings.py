@@ -14,6 +14,7 @@ QUESTION = {"settled": STAY, "snap": SNAP, "edge": EDGE, "pulse": SNAP, "moved":
 Beside UNTIL, within the solver: "edge" is "snap" in the steps that a threshold needs, "pulse" ends
 a run with its pulse or its snap, and "moved" is "settled" in the steps that the motion needs.
 """
+MOST = {"threads": 1024, "records": 10_000, "seed": 2**32 - 1}
 THRESHOLD_TOLERANCE = 1e-4
 """How closely thresholds in N are refined by default, relative."""
 
@@ -53,6 +54,12 @@ def check_number(key: str, value: object) -> None:
         raise ValueError(f"{key}: {value!r} is not a number")
 
 
+def check_count(key: str, value: object) -> None:
+    """Raise ValueError, one line, for what is no whole number from 1 to its bound in MOST."""
+    if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= MOST[key]:
+        raise ValueError(f"{key}: {value!r} is not a whole number from 1 to {MOST[key]}")
+
+
 def check_settings(settings: Settings) -> None:
     """Raise ValueError, one line, for a value that cannot be."""
     check_number("sweep.horizon", settings.horizon)
@@ -63,7 +70,4 @@ def check_settings(settings: Settings) -> None:
         raise ValueError(f"sweep.horizon: {settings.horizon} is not a finite time from 0")
     if not 0 < settings.energy_tolerance < 1:
         raise ValueError(f"sweep.energy_tolerance: {settings.energy_tolerance} is not in (0, 1)")
-    if isinstance(settings.threads, bool) or not isinstance(settings.threads, int):
-        raise ValueError(f"threads: {settings.threads!r} is not a whole number from 1")
-    if settings.threads < 1:
-        raise ValueError(f"threads: {settings.threads} is not a whole number from 1")
+    check_count("threads", settings.threads)

@@ -12,9 +12,12 @@ from .kernel.drive import follow_all
 from .kernel.lanes import Facts, Task, load
 from .kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
 from .kernel.rows import LANES
-from .kernel.trace import trace_all
+from .kernel.trace import keep_block, trace_all
 from .record import Form, Motion
 from .schemes import CONSERVING
+
+WINDOW = 128 * BLOCK
+"""Steps of a record that are in memory at once."""
 
 
 def march(model, cells, dt, settings):
@@ -69,25 +72,31 @@ def stress_rows(model):
     return found
 
 
-def record(model, pulse, amplitude, f0, damping, dt, steps, stride):
-    """Follow one cell as `follow_all` does, bit for bit, and keep every `stride`th step.
+def record(model, pulse, amplitude, f0, damping, dt, steps):
+    """Follow one cell as `follow_all` does, bit for bit, and show every step of it.
 
-    model: of one device; dt: us; stride: a power of two; returns Motion and Form
+    model: of one device; dt: us; returns Form, and Motion of one WINDOW after another
     """
-    stride = min(stride, BLOCK)
-    modal, modes, at_half = model.modal, model.modes, model.scheme == CONSERVING
-    before, after = _pairs(model, (damping, amplitude), (pulse, f0), dt, steps, stride)
+    modal = model.modal
+    modes, k = np.eye(model.modes), np.diag(modal.stiffness)
+    form = Form(modes, k, *modal[1:3], modal.midpoint, *modal[6:])
+    windows = _pairs(model, (damping, amplitude), (pulse, f0), dt, steps)
+    return form, (_motion(model, form, damping, dt, *window) for window in windows)
+
+
+def _motion(model, form, damping, dt, first, before, after):
+    """Motion of a window of `_pairs`."""
+    modes, at_half = model.modes, model.scheme == CONSERVING
     middle = (before + after) / 2
     places, moving = (middle, after) if at_half else (before, middle)
-    shrink = _shrink(modal.stiffness, dt) if at_half else np.ones(modes)
+    shrink = _shrink(model.modal.stiffness, dt) if at_half else np.ones(modes)
     p, p_step = (R.VECTORS - R.STATE + modes * v + np.arange(modes) for v in (R.P, R.P_STEP))
     lost = damping * moving[R.SWEPT - R.STATE]
     lost += model.device.beam.damping * moving[R.BEAM_SWEPT - R.STATE]
     at_stops = (after if at_half else before)[R.LOST - R.STATE]
     u, y = shrink * places[p].T, places[R.Y - R.STATE]
-    form = Form(np.eye(modes), np.diag(modal.stiffness), *modal[1:3], modal.midpoint, *modal[6:])
-    motion = Motion(
-        time=(np.arange(before.shape[1]) * stride + at_half / 2) * dt,
+    return Motion(
+        time=(first + np.arange(y.size) + at_half / 2) * dt,
         u=u,
         u_velocity=shrink * moving[p_step].T / dt,
         y=y,
@@ -96,7 +105,6 @@ def record(model, pulse, amplitude, f0, damping, dt, steps, stride):
         work=moving[R.WORK - R.STATE] / (2 * dt**2),
         lost=lost / (4 * dt) + at_stops / dt**2,
     )
-    return motion, form
 
 
 def _shrink(stiffness, dt):
@@ -104,25 +112,21 @@ def _shrink(stiffness, dt):
     return 1 / np.sqrt(1 + dt * dt * stiffness / 4)
 
 
-def _pairs(model, load_of_cell, shock, dt, steps, stride):
-    """The state of one cell at every `stride`th instant, and one step on; (rows, samples)."""
+def _pairs(model, load_of_cell, shock, dt, steps):
+    """The first step of each window, and the state before and after each of it, (rows, steps)."""
     lanes, (pulse, f0) = empty_lanes(model), shock
     X, pulses, pulse_state = lanes[0], table([pulse]), no_pulse()
-    state = slice(R.STATE * LANES, (R.VECTORS + R.SCRATCH * model.modes) * LANES, LANES)
     load(*lanes, 0, coefficients(model, -np.inf)[0], *load_of_cell, dt)
     begin_pulse(X, 0, pulse_state, pulses, 0, f0 * dt)
-    before, after, shocks = [], [], np.zeros(BLOCK * LANES)
-    for step in range(0, steps, stride):
-        in_block = step % BLOCK
-        if in_block == 0:
-            pulse_state.steps[:] = step
+    shocks, rows = np.zeros(BLOCK * LANES), R.VECTORS + R.SCRATCH * model.modes - R.STATE
+    for first in range(0, steps, WINDOW):
+        before, after = np.empty((2, min(WINDOW, steps - first), rows))
+        for step in range(0, len(before), BLOCK):
+            pulse_state.steps[:] = first + step
             set_out(X, shocks, pulse_state, pulses)
-        scheme.rebound(*lanes)
-        before.append(X[state].copy())
-        scheme.advance(*lanes, shocks, in_block, 1)
-        after.append(X[state].copy())
-        scheme.advance(*lanes, shocks, in_block + 1, stride - 1)
-    return np.array(before).T, np.array(after).T
+            block = slice(step, step + BLOCK)
+            keep_block(*lanes, shocks, before[block], after[block])
+        yield first, before.T, after.T
 
 
 def coefficients(model, target):

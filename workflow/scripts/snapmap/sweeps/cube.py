@@ -82,14 +82,15 @@ VARIABLES = {
         "flag_meanings": "not_reproduced reproduced",
     },
     "work_error": {
-        "long_name": "difference of the work of the pulse in a run with another time step",
+        "long_name": "indicator of the error of pulse_work: difference with another time step",
         "units": "1",
-        "comment": "over the larger of both works; NaN where one of them is not known",
+        "comment": "over the larger of both works; no bound: the truth was farther off in 13 of 23 "
+        "cells, more than ten times as far in one; NaN where one of them is not known",
     },
     "t_snap_error": {
-        "long_name": "difference of the time of snap in a run with another time step",
+        "long_name": "indicator of the error of t_snap: difference with another time step",
         "units": "us",
-        "comment": "NaN where one of both runs did not snap",
+        "comment": "no bound, as that of work_error; NaN where one of both runs did not snap",
     },
 }
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from ..io.netcdf import check_seal
 from ..solver.outcome import OUTCOMES
 
 
@@ -18,9 +19,10 @@ def open_cube(path: str | Path) -> xr.Dataset:
     ValueError: config/config.yaml: is no cube; `results/cube.nc` is one
     """
     try:
+        check_seal(path)
         cube = xr.open_dataset(path, engine="netcdf4")
         codes = cube.outcome
-    except (OSError, AttributeError):
+    except (OSError, RuntimeError, AttributeError):
         raise ValueError(f"{path}: is no cube; `results/cube.nc` is one") from None
     names = np.array(OUTCOMES)
     words = codes.copy(data=names[codes.values.astype(int)])

@@ -5,25 +5,39 @@ import numpy as np
 from ..solver.adaptive import Survey
 from ..solver.cells import Rows, to_cells
 from ..solver.cost import steps_and_seconds, tell
+from ..solver.model import Follows
 from ..solver.settings import Settings
 
 SCANNED, DECIDED = 400, 50
 """Cells of a row that the scanning and the deciding level follow, about."""
+PER_SAMPLE = 36
+"""Runs that find the threshold of a device as made: 12, each three times as long as told."""
 ROUNDS, WIDTH = 26, 32
 """Refinement asks so often in turn, and fewer cells at a time take as long as WIDTH."""
+
+
+def run_seconds(model: Follows, rows: Rows, settings: Settings) -> np.ndarray:
+    """Core time of one run of each row in the steps of a threshold, s, about; (rows,)."""
+    at = rows.device, 0.0, rows.f0, rows.C, settings.horizon, rows.pulse
+    asked = settings._replace(until="edge")
+    return steps_and_seconds(model, to_cells(model.device, *at), asked)[1]
+
+
+def survey_seconds(models: Survey, rows: Rows, settings: Settings) -> float:
+    """Core time in which all thresholds of rows are found, s, about."""
+    scanned, decided = (
+        run_seconds(model, rows, settings) for model in (models.scans, models.decides)
+    )
+    return float(np.sum(SCANNED * scanned + DECIDED * decided))
 
 
 def tell_cost(models: Survey, rows: Rows, settings: Settings):
     """Warn of a long search before it begins, in one line; a ValueError refuses one without end."""
     if not rows.f0.size:
         return
-    device = models.scans.device
-    cells = to_cells(device, rows.device, 0.0, rows.f0, rows.C, settings.horizon, rows.pulse)
-    asked = settings._replace(until="edge")
-    scanned, decided = (
-        steps_and_seconds(model, cells, asked)[1] for model in (models.scans, models.decides)
+    decided = run_seconds(models.decides, rows, settings)
+    seconds = (
+        survey_seconds(models, rows, settings) / settings.threads + ROUNDS * WIDTH * decided.max()
     )
-    work = np.sum(SCANNED * scanned + DECIDED * decided) / settings.threads
-    seconds = work + ROUNDS * WIDTH * decided.max()
     slowest = f"f0 = {rows.f0[np.argmax(decided)]:g} Hz"
     tell("thresholds", seconds, slowest, "write a higher f0 or a shorter horizon", stacklevel=3)

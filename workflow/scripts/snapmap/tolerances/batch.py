@@ -149,7 +149,7 @@ def choose_builder(
 
     Of `auto` it is the cheapest level whose thresholds of the nominal device in some rows are
     within its tolerance those of the next, in MOST_ROWS of them; where twice the steps move them,
-    no level is told from another.
+    no level is told from another, and where they do so in all rows it is the finest.
     """
     if model["name"] != "auto":
         return lambda devices: build_model(devices, **model)
@@ -166,7 +166,8 @@ def choose_builder(
         finer = getattr(auto, better)
         nearer, halved = find(finer), find(finer.with_step(0.5))
         clean = abs(halved / nearer - 1) < accepted
-        if np.mean(abs(found / nearer - 1)[clean] < accepted) >= MOST_ROWS:
+        near = abs(found / nearer - 1)[clean] < accepted
+        if near.any() and near.mean() >= MOST_ROWS:
             break
         name, found = better, nearer
     return lambda devices: getattr(choose_model(devices, model), name)

@@ -38,7 +38,11 @@ VARIABLES = {
         "flag_values": np.arange(2, dtype=np.int8),
         "flag_meanings": "not_bistable bistable",
     },
-    "N_first": {"long_name": "lowest amplitude that snaps the sample", **MULTIPLES},
+    "N_first": {
+        "long_name": "lowest amplitude that snaps the sample",
+        "units": "1",
+        "comment": "in multiples of g; to the tolerance of the refinement, and that of the model",
+    },
     "N_nominal": {"long_name": "lowest amplitude that snaps the nominal device", **MULTIPLES},
     "N_mean": {"long_name": "mean of N_first over the samples that have one", **MULTIPLES},
     "N_std": {"long_name": "standard deviation of N_first over them", **MULTIPLES},
@@ -116,7 +120,8 @@ def tolerance(
         by default from the lowest to the highest threshold
     model: name, or as a mapping the whole of the config's model section; `auto` takes the cheapest
         level that keeps its tolerance for the nominal device
-    tolerance: of each threshold, relative
+    tolerance: of the refinement of each threshold, relative; those of `auto` are off by that of its
+        level, too, up to 0.1 % unless the model's section says another tolerance
     options: samples, index_samples, seed and together, as in `Tolerances`; requirements: name,
         shocks (of one shape and direction), N, f0 (Hz) and snaps of each; and as in
         `study.study_of`: horizon (us), energy_tolerance, threads, pulse, direction, and options of

@@ -68,19 +68,33 @@ def trace_all(X, shape, scheme, devices, dt, pulses, cells, stress, kept):
         for l in range(width.size):
             if begin[l] == step:
                 copy(X, before, R.STATE * LANES + l, end, LANES)
-        advance(X, shape, scheme, shocks, in_block, 1)
-        for l in range(width.size):
-            if begin[l] == step:
-                begin_bin(before, X, shape, scheme, l, bins, dt[l])
-                begin[l] += width[l]
-        widen(X, shape, scheme, bins.low, bins.high)
-        for l in range(len(stress)):
-            if bins.bin[l] < bins.instants.shape[1]:
-                found = largest_stress(X, shape, scheme, l, stress[l])
-                bins.stress[l] = max(bins.stress[l], found)
-        advance(X, shape, scheme, shocks, in_block + 1, SAMPLE - 1)
+        for ahead in range(SAMPLE):
+            advance(X, shape, scheme, shocks, in_block + ahead, 1)
+            if ahead == 0:
+                for l in range(width.size):
+                    if begin[l] == step:
+                        begin_bin(before, X, shape, scheme, l, bins, dt[l])
+                        begin[l] += width[l]
+                widen(X, shape, scheme, bins.low, bins.high)
+            for l in range(len(stress)):
+                if bins.bin[l] < bins.instants.shape[1]:
+                    found = largest_stress(X, shape, scheme, l, stress[l])
+                    bins.stress[l] = max(bins.stress[l], found)
     for l in range(width.size):
         keep_range(bins, l)
+
+
+@compiled
+def keep_block(X, shape, scheme, shocks, before, after):
+    """Advance by a block and keep lane 0 before and after each step, (steps, rows), in place."""
+    widen_vectors()
+    for step in range(before.shape[0]):
+        rebound(X, shape, scheme)
+        for i in range(before.shape[1]):
+            before[step, i] = X[(R.STATE + i) * LANES]
+        advance(X, shape, scheme, shocks, step, 1)
+        for i in range(before.shape[1]):
+            after[step, i] = X[(R.STATE + i) * LANES]
 
 
 @inlined
