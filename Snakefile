@@ -11,15 +11,15 @@ min_version("9.19")
 # numba keeps in its cache asks for it by name.
 sys.dont_write_bytecode = True
 clone = Path(workflow.current_basedir.get_path_or_uri(secret_free=True))
-sys.path.append(str(clone / "workflow" / "scripts"))
-from snapmap.io.dependencies import code_hash
-
+scripts = clone / "workflow" / "scripts"
+sys.path.append(str(scripts))
 os.environ.update(PYTHONDONTWRITEBYTECODE="1")  # jobs inherit it
 from snapmap.io.atomic import refuse_folders, remove_leftovers, remove_others
 from snapmap.io.job_log import SHELL_PREFIX
 from snapmap.io.lock import hold
 from snapmap.io.named import hold_to_plan
 from snapmap.io.progress import Progress, hush
+from snapmap.io.provenance import DRAWS, NUMBERS, code_hash
 from snapmap.config.devices import nominal
 from snapmap.config.products import products
 from snapmap.config.study import load_config
@@ -61,6 +61,10 @@ requests = dict(zip(names, plan.requests))
 made = products(study)
 new = [name for name in names if not os.path.exists(f"results/slabs/{name}.nc")]
 progress = Progress({name: cells_in(slabs[name]) for name in new})
+# Parameters of the rules: what was made by other code is made again.
+numbers = code_hash(*NUMBERS, scripts / "jobs.py")
+drawing = code_hash(*DRAWS, scripts / "draw.py")
+studied = code_hash(*NUMBERS, scripts / "studies")
 FIGURES = ("map*", "snap*", "time*", "thresholds*", "damage_boundary*", "history_*")
 FIGURES += (
     "statics*",
@@ -131,19 +135,9 @@ onsuccess:
 
 
 include: "workflow/rules/common.smk"
-include: "workflow/rules/sweep.smk"
-include: "workflow/rules/thresholds.smk"
-include: "workflow/rules/statics.smk"
-include: "workflow/rules/requirements.smk"
-include: "workflow/rules/tolerances.smk"
-include: "workflow/rules/calibration.smk"
-include: "workflow/rules/maps.smk"
-include: "workflow/rules/histories.smk"
-include: "workflow/rules/integrity.smk"
-include: "workflow/rules/page.smk"
-include: "workflow/rules/crate.smk"
-include: "workflow/rules/accuracy.smk"
-include: "workflow/rules/stability.smk"
+include: "workflow/rules/run.smk"
+include: "workflow/rules/draw.smk"
+include: "workflow/rules/studies.smk"
 
 
 localrules:

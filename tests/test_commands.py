@@ -7,14 +7,13 @@ import subprocess
 import sys
 from types import SimpleNamespace
 
-import draw_settled
-import draw_stability
-import measure_settled
+import draw
+import jobs
 import pytest
-import write_stability_table
 
 from snapmap.device import values_of
 from snapmap.io.netcdf import write
+from studies.stability import settled
 from studies.stability.cases import CASES
 from studies.stability.measure import measure
 
@@ -27,7 +26,6 @@ ITSELF = "this run of the tests"
 A_STUDY = "test_pipeline.py::test_every_figure_is_there"
 ON_SLURM = "test_slurm.py::test_the_cube_is_that_of_a_local_run_bit_for_bit"
 A_LOCK = "test_run.py::test_lock_holds_only_exact_versions_and_hashes"
-A_CRATE = "test_pipeline.py::test_a_crate_has_config_code_and_results_with_their_checksums"
 ELSEWHERE = {
     "snakemake --cores 2": A_STUDY,
     "snakemake --snakefile /path/to/Snakefile --configfile mine.yaml --cores 2": A_STUDY,
@@ -42,19 +40,11 @@ ELSEWHERE = {
     "snakemake results/figures/accuracy_quick.pdf --cores 2": (
         "test_pipeline.py::test_accuracy_is_a_target_of_its_own"
     ),
-    "snakemake results/figures/integrity.pdf --cores 2": (
-        "test_pipeline.py::test_integrity_is_made_when_asked_for"
-    ),
-    "snakemake results/crate.zip --cores 2": A_CRATE,
-    "rocrate-validator validate -p workflow-run-crate-0.5 results/crate.zip": (
-        "test_pipeline.py::test_a_crate_keeps_to_its_profile"
-    ),
     "snakemake stability --cores 2": "test_commands.py::test_stability_in_small",
     "snakemake --profile profiles/slurm": ON_SLURM,
     "snakemake --profile profiles/slurm --groups simulate_slab=slabs "
     "--group-components slabs=4": ON_SLURM,
     "uv pip install --require-hashes --requirements requirements-docs.lock": A_LOCK,
-    "uv pip install --require-hashes --requirements requirements-publish.lock": A_LOCK,
     "uv pip install --require-hashes --requirements requirements-slurm.lock": A_LOCK,
     "sphinx-build -EW -c docs/site . build/site": (
         "test_docs.py::test_the_site_is_made_without_a_warning_and_asks_no_other_host"
@@ -174,19 +164,19 @@ def test_the_comparison_in_small(root, tmp_path):
 
 
 def test_stability_in_small(monkeypatch, tmp_path, handout):
-    """The scripts of its rules, one after the other."""
+    """The functions of its rules, one after the other."""
     at = SimpleNamespace(stability=tmp_path / "stability.nc", settled=tmp_path / "settled.nc")
-    grid = measure_settled.GRID | {"N": [900.0, 1100.0], "f0": [500.0, 1500.0]}
-    monkeypatch.setattr(measure_settled, "GRID", grid)
+    grid = settled.GRID | {"N": [900.0, 1100.0], "f0": [500.0, 1500.0]}
+    monkeypatch.setattr(settled, "GRID", grid)
     dampings = [0.0, 4e-4, 4e-3]
-    measure_settled.measure_settled(values_of(handout), dampings, at.settled, threads=1)
+    jobs.measure_settled(values_of(handout), dampings, at.settled, threads=1)
     models = {
         f"5 cosines, {scheme}": {"name": "cosines", "modes": 5, "scheme": scheme}
         for scheme in ("explicit", "conserving")
     }
     write(measure(handout, CASES[:1], models, steps=(0.8, 1.05)), at.stability)
-    draw_settled.draw_settled(at.settled, dampings[:2], 25.0, str(tmp_path / "settled"))
-    draw_stability.draw_stability(at.stability, str(tmp_path / "stability"))
-    write_stability_table.write_stability_table(at.stability, at.settled, tmp_path / "table.md")
+    draw.draw_settled(at.settled, dampings[:2], 25.0, str(tmp_path / "settled"))
+    draw.draw_stability(at.stability, str(tmp_path / "stability"))
+    jobs.write_stability_table(at.stability, at.settled, tmp_path / "table.md")
     assert "handout's case" in (tmp_path / "table.md").read_text(encoding="utf-8")
     assert {path.suffix for path in tmp_path.glob("s*")} == {".nc", ".pdf", ".png"}

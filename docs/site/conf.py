@@ -41,7 +41,6 @@ docs/tolerances
 docs/planning
 docs/calibration
 docs/figures
-docs/integrity
 Functions <docs/reference>
 Cluster <docs/cluster>
 ```

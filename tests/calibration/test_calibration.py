@@ -2,12 +2,12 @@
 
 from pathlib import Path
 
+import draw
+import jobs
 import numpy as np
 import pytest
 import xarray as xr
 import yaml
-from draw_calibration import draw_calibration
-from fit_calibration import fit_calibration
 from small_studies import THREE_COSINES
 
 import snapmap
@@ -182,8 +182,8 @@ def test_the_config_has_a_calibration_and_its_figure(tmp_path, monkeypatch):
     asked = study.calibration
     assert asked.unknowns == {"thickness": [1.8, 2.2]} and asked.C == 25.0
     assert study.files() == asked.files and list(asked.files) == ["shots.csv"]
-    fit_calibration(study.values(), asked._asdict(), "calibration.nc", threads=1)
-    draw_calibration("calibration.nc", "calibration")
+    jobs.fit_calibration(study.values(), asked._asdict(), "calibration.nc", threads=1)
+    draw.draw_calibration("calibration.nc", "calibration")
     with xr.open_dataset("calibration.nc") as found:
         assert 1.9 < found.estimate.item() < 2.1
     assert Path("calibration.pdf").exists() and Path("calibration.png").exists()

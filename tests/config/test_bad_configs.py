@@ -282,7 +282,6 @@ def test_extreme_values_give_slabs_or_lines_at_length(document):
         (("histories", 0, "f0"), "1e-14 Hz", "sweep: up to "),
         (("model", "elements"), 10**9, "model.elements: 1000000000 is not a whole number"),
         (("model", "step"), 5e-324, "model.step: 5e-324 is not a number"),
-        (("sweep", "N"), [10**5000], "sweep.N[0]: has thousands of digits"),
         (("sweep", "C"), ["0.1 kg/s", "0.10000000000000002 kg/s"], "sweep.C: 100000 "),
         (
             ("sweep", "C"),
@@ -308,19 +307,6 @@ def test_a_grid_of_too_many_cells_is_refused():
     assert lines_of(document) == ["sweep: 1e+15 cells, more than 1e+10; write fewer points"]
 
 
-def test_documents_that_hold_themselves_or_a_billion_parts_are_refused():
-    endless, billion = [1], [0] * 10
-    endless.append(endless)
-    for _ in range(9):
-        billion = [billion] * 10
-    for value, complaint in ((endless, "is nested deeper"), (billion, "is nested deeper")):
-        (line,) = lines_of({**DEFAULT, "histories": value})
-        assert complaint in line
-    wide = {f"k{i}": [[[[0] * 60] * 60] * 60] * 60 for i in range(3)}
-    (line,) = lines_of({**DEFAULT, "device": wide})
-    assert line.startswith("config: has more than 3000000 parts")
-
-
 TEXT = yaml.safe_dump(DEFAULT, sort_keys=False)
 ODDITIES = [
     "!!python/object/apply:os.system ['touch PWNED']",
@@ -338,8 +324,6 @@ ODDITIES = [
     "2026-01-01",
     "12:30:45",
     "0o17",
-    "0x" + "f" * 5000,
-    "9" * 5000,
     "yes",
     "~",
     "? [a, b]\n: 1",

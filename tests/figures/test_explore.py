@@ -5,12 +5,12 @@ import re
 import shutil
 from dataclasses import asdict, replace
 
+import draw
+import jobs
 import numpy as np
 import pytest
 import xarray as xr
 from playwright.sync_api import sync_playwright
-from trace_cells import trace_cells
-from write_page import write_page
 
 import snapmap
 from snapmap.figures.explore import page
@@ -285,9 +285,9 @@ def page_file(handout, cube, tmp_path_factory):
     write(cube, paths[0])
     study = {"device": asdict(handout), "pulse": {}, "model": MODEL, "skip": False}
     study["settings"] = SETTINGS.asked()
-    trace_cells(paths[0], study, paths[1], threads=1)
+    jobs.trace_cells(paths[0], study, paths[1], threads=1)
     write(edges_of(cube), paths[2])
-    write_page(*paths[:3], SETTINGS.horizon, paths[3])
+    draw.write_page(*paths[:3], SETTINGS.horizon, paths[3])
     assert sorted(folder.iterdir()) == sorted(paths)
     return paths[3]
 

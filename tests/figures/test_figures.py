@@ -10,12 +10,7 @@ import sys
 import warnings
 from xml.etree import ElementTree
 
-import draw_convergence
-import draw_histories
-import draw_maps
-import draw_snap_maps
-import draw_statics
-import draw_thresholds
+import draw as rules
 import matplotlib
 import numpy as np
 import pytest
@@ -617,14 +612,12 @@ def save_all(folder):
     points = folder / "points.csv"
     points.write_text("N,f0\n1100,300\n")
     ends, own = views["map"], (points, "")
-    draw_maps.draw_maps(files["cube"], views["time"], ends, ends, own, folder)
-    draw_snap_maps.draw_snap_maps(
-        files["cube"], files["threshold"], views["snap"], ends, [], own, folder
-    )
-    draw_thresholds.draw_thresholds(files["threshold"], [curve], boundary, folder)
-    draw_histories.draw_histories([files["history"]], [folder / "history"])
-    draw_statics.draw_statics([files["statics"]], [folder / "statics"])
-    draw_convergence.draw_convergence(files["accuracy"], folder / "convergence")
+    rules.draw_maps(files["cube"], views["time"], ends, ends, own, folder)
+    rules.draw_snap_maps(files["cube"], files["threshold"], views["snap"], ends, [], own, folder)
+    rules.draw_thresholds(files["threshold"], [curve], boundary, folder)
+    rules.draw_histories([files["history"]], [folder / "history"])
+    rules.draw_statics([files["statics"]], [folder / "statics"])
+    rules.draw_convergence(files["accuracy"], folder / "convergence")
     paths = {folder / f"{name}.{kind}" for name in STEMS for kind in ("pdf", "png")}
     assert set(folder.iterdir()) == {*files.values(), *paths, points}
     return {path.name: path.read_bytes() for path in paths}
@@ -671,29 +664,21 @@ def test_style_leaves_the_users_own_alone():
 
 def test_figures_need_no_pyplot(root):
     scripts = root / "workflow" / "scripts"
-    names = ", ".join(path.stem for path in scripts.glob("draw_*.py"))
-    code = f"import sys, {names}; print('matplotlib.pyplot' in sys.modules)"
+    code = "import sys, draw; print('matplotlib.pyplot' in sys.modules)"
     command = [sys.executable, "-c", code]
     run = subprocess.run(command, cwd=scripts, capture_output=True, text=True, check=True)
     assert run.stdout == "False\n"
 
 
-def test_every_figure_and_the_page_are_in_the_report_with_a_caption(root, workflow_text):
+def test_every_figure_and_the_page_have_a_caption_and_what_snaps_comes_first(root, workflow_text):
     """And every caption belongs to a figure, but for the words at the report's head."""
-    outputs = re.findall(r"p(?:ng|age)=[\[\s]*(report\()?\s*f?\"results/", workflow_text)
-    captions = re.findall(r'caption="\.\./report/(\w+\.rst)"', workflow_text)
-    assert all(outputs) and len(outputs) == len(captions) == len(set(captions))
+    drawn = re.findall(r'^    "(\w+)": \(\s*(\d),', workflow_text, re.M)
+    parts = [int(part) for _, part in drawn]
+    assert drawn[0] == ("snap_maps", "1") and parts == sorted(parts)
+    captions = {f"{name}.rst" for name, _ in drawn} | {"page.rst", "study.rst"}
     written = list((root / "workflow" / "report").iterdir())
-    assert {path.name for path in written} == {*captions, "study.rst"}
+    assert {path.name for path in written} == captions
     assert all(path.read_text().strip() for path in written)
-
-
-def test_what_snaps_comes_first_in_the_report_and_in_the_run(workflow_text):
-    pattern = r'caption="\.\./report/(\w+)\.rst",\s*category="([^"]+)"'
-    assert min(re.findall(pattern, workflow_text), key=lambda each: each[1])[0] == "snap_maps"
-    rules = [f"rule {name}:.*?priority: (\\d+)" for name in ("draw_snap_maps", "draw_maps")]
-    first, then = (int(re.search(rule, workflow_text, re.S)[1]) for rule in rules)
-    assert first > then
 
 
 def test_examples_of_the_page_on_figures_run(root, tmp_path):

@@ -19,14 +19,13 @@ DURATION = "Coordinate variable 'time' should have standard_name='time', found: 
 
 @pytest.fixture(scope="module")
 def files(handout, tmp_path_factory):
-    """A cube, its integrity, a history and thresholds as files."""
+    """A cube, a history and thresholds as files."""
     folder = tmp_path_factory.mktemp("files")
     made = {
         "cube": snapmap.sweep(handout, [900.0, 1100.0], [1500.0, 3e3], [0.025], **MODEL),
         "history": snapmap.simulate(handout, 1000.0, 1500.0, 0.025, horizon=100.0, **MODEL),
         "threshold": snapmap.threshold(handout, [1500.0], [0.025], horizon=300.0, **MODEL),
     }
-    made["integrity"] = snapmap.integrity(made["cube"])
     for name, dataset in made.items():
         write(dataset, folder / f"{name}.nc")
     return folder
@@ -48,13 +47,13 @@ def complaints(path, checker):
     }
 
 
-@pytest.mark.parametrize("name", ["cube", "history", "integrity", "threshold"])
+@pytest.mark.parametrize("name", ["cube", "history", "threshold"])
 def test_files_keep_the_conventions(files, name):
     messages = {message for _, message in complaints(files / f"{name}.nc", "cf:1.11")}
     assert messages <= ({DURATION} if name == "history" else set())
 
 
-@pytest.mark.parametrize("name", ["cube", "history", "integrity", "threshold"])
+@pytest.mark.parametrize("name", ["cube", "history", "threshold"])
 def test_files_say_what_they_are(files, name):
     missing = complaints(files / f"{name}.nc", "acdd")
     for key in ("title", "summary", "keywords", "Conventions", "source", "history"):

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-import write_stability_table
 
 from snapmap.figures.stability import COLOURS, WORDS, exponent
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED, UNSNAPPED
 from snapmap.solver.schemes import SCHEMES
+from studies.stability import tables
 from studies.stability.cases import CASES, MODELS, Case
 from studies.stability.measure import measure
 from studies.stability.verdicts import (
@@ -155,15 +155,13 @@ def test_what_takes_too_long_is_left_out(handout):
 
 
 def test_the_tables_name_what_is_wrong(cheap):
-    assert write_stability_table.wrong_list(cheap.isel(case=[0], step=[0])).startswith("None")
+    assert tables.wrong_list(cheap.isel(case=[0], step=[0])).startswith("None")
     wrong = cheap.isel(case=[0], model=[0], step=[0]).copy(deep=True)
     wrong.verdict[:] = UNSEEN
-    assert "handout's case, 5 cosines, conserving: unseen" in write_stability_table.wrong_list(
-        wrong
-    )
+    assert "handout's case, 5 cosines, conserving: unseen" in tables.wrong_list(wrong)
     for scheme in SCHEMES:
-        assert "| handout's case | snapped" in write_stability_table.default_table(cheap, scheme)
-        assert write_stability_table.step_table(cheap, scheme).count("\n") == 5
+        assert "| handout's case | snapped" in tables.default_table(cheap, scheme)
+        assert tables.step_table(cheap, scheme).count("\n") == 5
 
 
 def test_every_verdict_has_colour_and_words():

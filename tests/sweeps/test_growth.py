@@ -12,9 +12,7 @@ from small_studies import THREE_COSINES
 
 import snapmap
 from snapmap.config.study import load_config
-from snapmap.io.dependencies import code_files
 from snapmap.io.netcdf import read_earlier, write
-from snapmap.motion import envelopes
 from snapmap.solver.cells import to_cells
 from snapmap.solver.cost import steps_and_seconds
 from snapmap.solver.models import build_model
@@ -216,15 +214,6 @@ def counting(survey, looked):
         return survey(models, rows, *asked)
 
     return counted
-
-
-def test_the_colour_of_a_figure_empties_no_reuse(root):
-    """Thresholds and traces are found anew where code that they run has changed, only there."""
-    package = root / "workflow" / "scripts" / "snapmap"
-    for module in (surface, envelopes):
-        files = code_files(module.__file__, package.parent)
-        used = {path.relative_to(package).parts[0] for path in files}
-        assert {"solver", "beam", "pulse.py"} <= used and not used & {"figures", "config"}
 
 
 def test_thresholds_are_the_same_however_many_rows_are_looked_at_together(monkeypatch):

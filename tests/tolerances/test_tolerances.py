@@ -2,12 +2,12 @@
 
 from dataclasses import replace
 
+import draw
+import jobs
 import numpy as np
 import pytest
 import xarray as xr
 import yaml
-from draw_tolerance import draw_tolerance
-from find_tolerance import find_tolerance
 from scipy import stats
 from small_studies import THREE_COSINES
 
@@ -321,7 +321,7 @@ def test_values_that_cannot_be_drawn_are_refused(handout):
 def test_the_rules_write_and_draw_what_is_asked(handout, tmp_path):
     required = {"name": "drop", "pulse": {"shape": "half sine"}, "N": 900.0, "f0": 1e3}
     asked = {"scatters": {"thickness": 0.05, "N": "2 %"}, "together": [], "samples": 32}
-    find_tolerance(
+    jobs.find_tolerance(
         study={
             "device": values_of({"one": handout, "two": vary(handout, thickness=1.9)}),
             "pulse": {"direction": "both"},
@@ -338,7 +338,7 @@ def test_the_rules_write_and_draw_what_is_asked(handout, tmp_path):
     )
     places = {"_one_+z": {"device": 0, "direction": 0}, "_two_-z": {"device": 1, "direction": 1}}
     yields = {"_one": {"device": 0}, "_two": {"device": 1}}
-    draw_tolerance(tmp_path / "tolerance.nc", places, yields, tmp_path)
+    draw.draw_tolerance(tmp_path / "tolerance.nc", places, yields, tmp_path)
     names = {f"{stem}{ending}" for stem in ("probability", "sensitivity") for ending in places}
     names |= {f"yield{ending}" for ending in yields}
     assert {path.stem for path in tmp_path.glob("*.pdf")} == names

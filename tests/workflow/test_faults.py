@@ -8,7 +8,6 @@ import sys
 import time
 from pathlib import Path
 
-import numpy as np
 import psutil
 import pytest
 import xarray as xr
@@ -17,9 +16,6 @@ from numba import njit
 from small_studies import THREE_COSINES
 
 from snapmap.config.study import load_config
-from snapmap.numerics.kept_kernels import CheckedFiles
-from snapmap.solver import plain_loop
-from snapmap.solver.kernel import drive, trace
 from snapmap.sweeps.assemble import collect_slabs
 from snapmap.sweeps.partition import slab_name
 from snapmap.sweeps.plan import make_plan
@@ -73,7 +69,7 @@ def jobs_of(run):
             command = child.cmdline()
         except psutil.NoSuchProcess:
             continue
-        if command and command[-1].endswith("simulate_slab.py"):
+        if command and command[-1].endswith("jobs.py"):
             found.append(child)
     return found
 
@@ -311,38 +307,6 @@ def test_the_clone_and_the_packages_may_be_read_only(root, folder, undisturbed):
     assert folder.cube.read_bytes() == undisturbed.cube.read_bytes()
 
 
-def flip(path, place):
-    content = bytearray(path.read_bytes())
-    content[place] ^= 0xFF
-    path.write_bytes(content)
-
-
-@pytest.mark.parametrize("ending", [".nbi", ".nbc"])
-@pytest.mark.parametrize("share", [0.0, 0.1, 0.5, 0.99])
-def test_a_damaged_kernel_is_compiled_again(tmp_path, monkeypatch, ending, share):
-    monkeypatch.setattr("numba.core.config.CACHE_DIR", str(tmp_path))
-    x = np.array([0.5])
-
-    def fresh():
-        """The kernel as another process has it, and what it gives."""
-        kernel = njit(cache=True)(_twice)
-        return kernel, kernel(x)
-
-    assert fresh()[1] == 1.0
-    kernel, _ = fresh()
-    assert sum(kernel.stats.cache_hits.values()) == 1
-    (path,) = tmp_path.rglob(f"*{ending}")
-    flip(path, int(share * path.stat().st_size))
-    kernel, found = fresh()
-    assert found == 1.0 and not kernel.stats.cache_hits
-    kernel, _ = fresh()
-    assert sum(kernel.stats.cache_hits.values()) == 1
-
-
-def _twice(x):
-    return 2 * x[0]
-
-
 OUTER = """
 import numba
 from snapmap.numerics.kept_kernels import compiled
@@ -390,10 +354,3 @@ def test_what_is_compiled_is_said_and_what_was_is_not(tmp_path, monkeypatch, rec
 
 def _size(shape):
     return len(shape)
-
-
-def test_all_kernels_are_checked():
-    names = [(module, name) for module in (plain_loop, drive, trace) for name in dir(module)]
-    caches = [getattr(getattr(module, name), "_cache", None) for module, name in names]
-    files = [cache._cache_file for cache in caches if hasattr(cache, "_cache_file")]
-    assert len(files) > 10 and all(isinstance(one, CheckedFiles) for one in files)

@@ -1,8 +1,3 @@
-from functools import cache
-
-once = cache(code_hash)
-
-
 def half(wildcards):
     """Half of the cores, so that other jobs go on beside one that could use them all.
 
@@ -11,10 +6,8 @@ def half(wildcards):
     return max(1, workflow.cores // 2)
 
 
-def code(script):
-    """Make the parameter that holds a hash of all that a script runs, found by its imports."""
-    path = clone / "workflow" / "scripts" / f"{script}.py"
-    return lambda wildcards: once(path)
+def memory(megabytes):
+    return lambda wildcards, attempt: attempt * megabytes
 
 
 def own_points(wildcards):
@@ -22,16 +15,5 @@ def own_points(wildcards):
     return list(study.own_points)
 
 
-def calibration(wildcards):
-    """What is asked of measured shots; a function likewise."""
-    return study.calibration._asdict() if study.calibration else {}
-
-
-def finished(wildcards):
-    """All that a run leaves; a function, as `all` is read last."""
-    stems = ["threshold", "traces", *(f"statics{which}" for which in made.statics)]
-    stems += ["tolerance"] * bool(study.tolerances)
-    stems += ["calibration"] * bool(study.calibration)
-    stems += [f"histories/{name}" for name in made.histories]
-    data = [f"results/{stem}.nc" for stem in stems]
-    return [*rules.all.input, "results/thresholds.csv", *data]
+def views(several):
+    return [view._asdict() for view in several]

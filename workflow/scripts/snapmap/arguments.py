@@ -260,12 +260,11 @@ ARGUMENTS = {
     "prior": Argument(
         "a mean and a standard deviation above 0, nor what tolerance returns", _is_prior
     ),
-    "method": _word("neyer", "langlie", "up-and-down"),
+    "method": _word("neyer", "up-and-down"),
     "confidence": SHARE,
     "reliability": SHARE,
     "failures": _whole(0),
     "cube": _dataset("a cube, as sweep and open_cube return it", "outcome"),
-    "box": _whole(2),
     "path": PATH,
     "sha256": _of_type("the hexadecimal digits of a hash", str),
     "ax": Argument("Axes of matplotlib", lambda value: hasattr(value, "get_xlim")),

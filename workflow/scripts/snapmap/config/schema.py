@@ -11,7 +11,6 @@ from jsonschema import Draft202012Validator, ValidationError, validators
 
 from .quantity_keys import write_out
 from .units import read, show
-from .yaml_file import ConfigError, unwieldy_part
 
 _LONGEST_KEY = 40
 _MOST_KNOWN = 16
@@ -19,13 +18,7 @@ _MOST_KNOWN = 16
 
 
 def schema_faults(document: Mapping) -> dict[tuple, str]:
-    """Say where a document breaks the schema: lines by path.
-
-    Raises ConfigError, one line, for a part that cannot be looked at or written.
-    """
-    if unwieldy := unwieldy_part(document):
-        path, complaint = unwieldy
-        raise ConfigError(f"{name_of(path)}: {complaint}")
+    """Say where a document breaks the schema: lines by path."""
     errors = validator().iter_errors(document)
     return {
         path: f"{name_of(path)}: {message}" for error in errors for path, message in _explain(error)

@@ -45,10 +45,7 @@ def show(value: object, longest: int = _LONGEST) -> str:
         return "a list" if value else "an empty list"
     if value is None or isinstance(value, bool):
         return {None: "an empty value", True: "true", False: "false"}[value]
-    try:
-        text = repr(value)
-    except ValueError:  # an int of more than 4300 digits
-        return "a number of thousands of digits"
+    text = repr(value)
     return text if len(text) <= longest else f"{text[:40]}...{text[-1]}"
 
 

@@ -25,11 +25,15 @@ from ..device import (
 from ..pulse import Pulse, Shocks
 from ..quantities import QUANTITIES
 from ..shape import COSINE
-from .dependencies import code_hash
 
 KEYWORDS = "bistable beam, snap-through, MEMS, shock sensor"
 PACKAGES = ("numpy", "numba", "xarray", "netCDF4", "dask", "matplotlib", "snakemake")
-_SOURCES = Path(__file__).parents[1]
+_PACKAGE = Path(__file__).parents[1]
+DRAWS = [_PACKAGE / "figures"]
+_NO_NUMBERS = "command.py", "figures", "pipeline"
+NUMBERS = [path for path in _PACKAGE.iterdir() if path.name not in _NO_NUMBERS]
+"""The code in two parts: what draws, and what makes the numbers."""
+_CODE = ".html", ".js", ".mplstyle", ".py", ".svg", ".yaml"
 
 
 def provenance(document: Mapping) -> dict[str, str]:
@@ -70,20 +74,19 @@ def asked_for(
     return of_shock | {"model": dict(model), "sweep": dict(settings) | horizon}
 
 
-def recipe(module: str, document: Mapping, pulses: Sequence[Pulse], *others: float | None) -> str:
+def recipe(document: Mapping, pulses: Sequence[Pulse], *others: float | None) -> str:
     """Hash all that a product depends on beside its axes, 12 hex digits.
 
-    module: path of the one that makes it
     document: what was asked for, as from `asked_for`; others: further numbers
     """
     pushed = [hashlib.sha256(one.pieces.tobytes()).hexdigest() for one in pulses]
-    whole = json.dumps([document, pushed, others, _code(module)], sort_keys=True)
+    whole = json.dumps([document, pushed, others, _numbers()], sort_keys=True)
     return hashlib.sha256(whole.encode()).hexdigest()[:12]
 
 
 @cache
-def _code(module):
-    return code_hash(module, _SOURCES.parent)
+def _numbers():
+    return code_hash(*NUMBERS)
 
 
 def device_sections(device: Device | Mapping[str, Device]) -> dict:
@@ -133,19 +136,20 @@ def _with_units(values):
 def code_version() -> str:
     """Such as `0.2.0+1a2b3c4.dirty sources 5d6e7f8a9b0c`; without git only the sources' hash."""
     commit = _commit()
-    return f"{__version__}{'+' + commit if commit else ''} sources {sources_hash()}"
+    return f"{__version__}{'+' + commit if commit else ''} sources {code_hash(*NUMBERS, *DRAWS)}"
 
 
-def sources_hash() -> str:
-    """First 12 hex digits of the SHA-256 over the package's files."""
+def code_hash(*paths: Path) -> str:
+    """First 12 hex digits of the SHA-256 over files of code and its data, and all below folders."""
+    files = {file for path in paths for file in (path, *path.rglob("*")) if file.suffix in _CODE}
     digest = hashlib.sha256()
-    for path in sorted(_SOURCES.rglob("*.py")) + sorted(_SOURCES.rglob("*.yaml")):
-        digest.update(path.relative_to(_SOURCES).as_posix().encode() + b"\0" + path.read_bytes())
+    for file in sorted(files):
+        digest.update(file.name.encode() + b"\0" + file.read_bytes())
     return digest.hexdigest()[:12]
 
 
 def _commit():
-    command = ["git", "-C", str(_SOURCES), "describe", "--always", "--dirty=.dirty", "--abbrev=7"]
+    command = ["git", "-C", str(_PACKAGE), "describe", "--always", "--dirty=.dirty", "--abbrev=7"]
     try:
         run = subprocess.run(command, capture_output=True, text=True, timeout=10, check=True)
     except (OSError, subprocess.SubprocessError):

@@ -74,7 +74,7 @@ def trace(study: Study, cube: xr.Dataset, earlier: xr.Dataset | None = None) -> 
     cells = to_cells(grid.device, device_of, N, f0, C, settings.horizon, pulse)
     window = _window(grid.device, cube, cells, settings)
     bins = next((n for n in BINS if n * len(VARIABLES) * f0.size <= BYTES), BINS[-1])
-    made_by = recipe(__file__, json.loads(cube.attrs["config"]), grid.pulses, bins)
+    made_by = recipe(json.loads(cube.attrs["config"]), grid.pulses, bins)
     values, bin_length, stress, known = _recall(earlier, grid, made_by, bins)
     new = ~known & (device_of >= 0)
     for number, halved in np.unique([level[new], halvings[new]], axis=1).T:

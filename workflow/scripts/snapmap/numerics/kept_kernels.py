@@ -1,18 +1,15 @@
-"""Compiled kernels, and these on disk: never of another source, and a damaged file is as none."""
+"""Compiled kernels, and these on disk: never of another source."""
 
 import hashlib
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import BinaryIO
 
 from numba import njit
-from numba.core import caching, config, event, types
+from numba.core import config, event, types
 from numba.misc.appdirs import AppDirs
 
-DIGEST = hashlib.sha256().digest_size
 INLINED = "forceinline", "no_cpython_wrapper", "no_cfunc_wrapper"
 """Options of what is compiled into its callers alone."""
 
@@ -54,39 +51,6 @@ def _name_of_sources(room):
     for path in sorted({*room.glob("*.py"), *Path(__file__).parent.glob("*.py")}):
         digest.update(hashlib.sha256(path.read_bytes()).digest())
     return f"kernels_{digest.hexdigest()[:12]}"
-
-
-class CheckedFiles(caching.IndexDataCacheFile):
-    """The files of one function in numba's cache, each with the hash of its content at its end.
-
-    numba checks nothing: a flipped byte is a traceback in every job, or another machine code.
-    """
-
-    @contextmanager
-    def _open_for_write(self, filepath: str) -> Iterator[BinaryIO]:
-        with super()._open_for_write(filepath) as file:
-            yield file
-            file.flush()
-            file.write(hashlib.sha256(Path(file.name).read_bytes()).digest())
-
-    def _load_index(self) -> dict:
-        return super()._load_index() if _is_whole(self._index_path) else {}
-
-    def _load_data(self, name: str) -> tuple:
-        if not _is_whole(self._data_path(name)):
-            raise FileNotFoundError(name)  # numba takes it for one that was removed
-        return super()._load_data(name)
-
-
-def _is_whole(path):
-    try:
-        content = Path(path).read_bytes()
-    except FileNotFoundError:
-        return False
-    return hashlib.sha256(content[:-DIGEST]).digest() == content[-DIGEST:]
-
-
-caching.IndexDataCacheFile = CheckedFiles
 
 
 class Teller(event.Listener):

@@ -139,7 +139,7 @@ def vibration_of(
         summary="How often stationary Gaussian vibration trips a device, and at which level",
         rms=rms,
         record_length=length,
-        recipe=recipe(__file__, document, ()),
+        recipe=recipe(document, ()),
         **asked,
         **provenance(document),
     )

@@ -161,7 +161,7 @@ def thresholds_of(
     grid = study.set_out(axes)
     document = study.document(THRESHOLD_SETTINGS)
     document["sweep"]["threshold_tolerance"] = tolerance
-    made_by = recipe(__file__, document, grid.pulses, highest)
+    made_by = recipe(document, grid.pulses, highest)
     models, rows = choose_survey(grid.device, study.model), rows_of(grid)
     found, known = recall(earlier, grid, made_by)
     new = np.flatnonzero(~known & (rows.device >= 0))

@@ -1,16 +1,13 @@
-"""Rule write_stability_table: the tables of docs/stability.md."""
+"""The tables of docs/stability.md."""
 
 from itertools import product
-from pathlib import Path
 
 import numpy as np
-import xarray as xr
 
-from snapmap.io.atomic import replacing
-from snapmap.io.job_log import run_rule
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, OUTCOMES, RETURNED, SNAPPED, UNSNAPPED
 from snapmap.solver.schemes import SCHEMES
-from studies.stability.verdicts import (
+
+from .verdicts import (
     CAUGHT,
     LEFT_OUT,
     REFUSED,
@@ -28,19 +25,14 @@ MARKS = {
 }
 
 
-def write_stability_table(stability_path, settled_path, table_path):
-    """Read the hard cases and the settled cells and write their tables as Markdown."""
-    with xr.open_dataset(stability_path, engine="netcdf4") as cases:
-        tables = [
-            f"{scheme}:\n\n{make(cases, scheme)}"
-            for make in (default_table, step_table)
-            for scheme in SCHEMES
-        ]
-        tables.append(wrong_list(cases))
-    with xr.open_dataset(settled_path, engine="netcdf4") as settled:
-        tables.append(settled_table(settled))
-    with replacing(table_path) as temporary:
-        Path(temporary).write_text("\n\n".join(tables) + "\n", encoding="utf-8")
+def tables(cases, settled):
+    """Of the hard cases and of the settled cells, as Markdown."""
+    made = [
+        f"{scheme}:\n\n{make(cases, scheme)}"
+        for make in (default_table, step_table)
+        for scheme in SCHEMES
+    ]
+    return "\n\n".join([*made, wrong_list(cases), settled_table(settled)]) + "\n"
 
 
 def default_table(cases, scheme):
@@ -120,7 +112,3 @@ def _settled_shares(cells):
 def _table(head, rows):
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join(f"| {' | '.join(map(str, line))} |" for line in lines)
-
-
-if __name__ == "__main__":
-    run_rule(write_stability_table, snakemake)

@@ -1,13 +1,12 @@
-"""Rule write_accuracy_table: write the tables of docs/accuracy.md."""
+"""The tables of docs/accuracy.md."""
 
 import numpy as np
 import xarray as xr
 
 from snapmap.figures.accuracy import of_family
-from snapmap.io.atomic import replacing
-from snapmap.io.job_log import run_rule
 from snapmap.io.markdown import DASH, number, table
-from studies.accuracy.cases import FAMILIES, MODELS
+
+from .cases import FAMILIES, MODELS
 
 COLUMNS = {
     "threshold_worst": "threshold",
@@ -18,14 +17,11 @@ COLUMNS = {
 """Errors, and how columns name them."""
 
 
-def write_accuracy_table(accuracy_path, table_path):
-    """Read the measured errors and write what is converged, the models and the other sources."""
-    with xr.open_dataset(accuracy_path, engine="netcdf4") as found:
-        tables = [converged_table(found), cases_table(found, MODELS)]
-        tables.append(cases_table(found, FAMILIES[len(MODELS) :]))
-        left_out = [f"Only {found.left_out}.\n"] if found.left_out else []
-    with replacing(table_path) as temporary, open(temporary, "w", encoding="utf-8") as file:
-        file.write("\n".join([*left_out, *tables]))
+def tables(found: xr.Dataset) -> str:
+    """What is converged, the models and the other sources of error, as Markdown."""
+    made = [converged_table(found), cases_table(found, MODELS)]
+    made.append(cases_table(found, FAMILIES[len(MODELS) :]))
+    return "\n".join([f"Only {found.left_out}.\n"] * bool(found.left_out) + made)
 
 
 def converged_table(found: xr.Dataset) -> str:
@@ -71,7 +67,3 @@ def cases_table(found: xr.Dataset, families) -> str:
 
 def _percent(error):
     return f"{100 * error:.2g} %" if np.isfinite(error) else DASH
-
-
-if __name__ == "__main__":
-    run_rule(write_accuracy_table, snakemake)

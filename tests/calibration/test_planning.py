@@ -3,12 +3,10 @@
 import numpy as np
 import pytest
 from scipy.special import log_ndtr, ndtri
-from scipy.stats import f
+from scipy.stats import binom, f
 
 import snapmap
-from snapmap.planning.demonstration import confidence_shown, reliability_shown
-from snapmap.planning.levels import dixon_mood, next_level
-from snapmap.planning.probit import best, estimate, has_estimate
+from snapmap.calibration.planning import best, estimate, has_estimate, next_level
 
 STANDARD = [1.0, 1.2, 1.4, 1.8, 2.6, 4.2, 3.4, 3.8, 4.0, 4.1]
 STANDARD += [4.28, 4.52, 5.55, 5.24, 6.37, 6.08, 7.38, 7.09, 6.89, 6.74]
@@ -58,25 +56,10 @@ def test_what_shots_leave_open_is_infinite():
     assert not has_estimate(N, ~tripped) and not has_estimate(N, N > 11.5)
 
 
-def test_langlie_halves_back_to_where_both_kinds_are_as_many():
-    N, tripped = [50.0, 75.0, 62.5, 68.75, 84.375], np.array([False, True, False, False, True])
-    told = [next_level(np.array(N[:n]), tripped[:n], "langlie", 0, 100, 1)[0] for n in range(6)]
-    assert told == [*N, (84.375 + 68.75) / 2]
-
-
-def test_up_and_down_has_the_sums_of_dixon_and_mood():
-    tripped = np.array([one == "x" for one in "xoxxooxoxxoxoooxxxoo"])
-    N = [20.0]
-    for went in tripped:
-        N.append(next_level(np.array(N), tripped[: len(N)], "up-and-down", 0, 1, 0.5)[0])
-        assert N[-1] == N[-2] + (-0.5 if went else 0.5)
-    # Ten tripped: 4, 5 and 1 of them at 19.5, 20 and 20.5; their A is 7, their B 9.
-    rarer = np.array(N[:-1])[tripped]
-    assert np.unique(rarer, return_counts=True)[1].tolist() == [4, 5, 1]
-    mean, sigma = dixon_mood(np.array(N[:-1]), tripped)
-    assert mean == pytest.approx(19.5 + 0.5 * (7 / 10 - 0.5))
-    assert sigma == pytest.approx(1.62 * 0.5 * ((10 * 9 - 7**2) / 100 + 0.029))
-    assert dixon_mood(np.array([1.0, 2.0, 2.4]), np.array([True, False, True])) is None
+def test_up_and_down_takes_one_step_against_the_answer():
+    N, tripped = np.array([20.0, 19.5]), np.array([True, False])
+    told = [next_level(N[:n], tripped[:n], "up-and-down", 0, 1, 0.5)[0] for n in (1, 2)]
+    assert told == [19.5, 20.0]
 
 
 @pytest.mark.parametrize(
@@ -86,9 +69,8 @@ def test_up_and_down_has_the_sums_of_dixon_and_mood():
 def test_shots_needed_are_those_of_the_tables(reliability, counts):
     assert [snapmap.shots_needed(reliability, 0.95, k) for k in range(len(counts))] == counts
     for failures, shots in enumerate(counts):
-        assert confidence_shown(shots, failures, reliability) >= 0.95
-        assert confidence_shown(shots - 1, failures, reliability) < 0.95
-        assert reliability_shown(shots, failures) >= reliability
+        below, at = binom.sf(failures, [shots - 1, shots], 1 - reliability)
+        assert below < 0.95 <= at
 
 
 def test_the_plan_begins_at_the_models_threshold(tmp_path):

@@ -1,0 +1,218 @@
+# What a rule asks for, as plain values: Snakemake runs it again when they change.
+required = [asked._asdict() for asked in study.requirements]
+tolerances = study.tolerances._asdict() if study.tolerances else {}
+in_search = study.values(*THRESHOLD_SETTINGS)
+C = study.axes["C"].tolist()
+
+
+rule simulate_slab:
+    output:
+        slab="results/slabs/{slab}.nc",
+    log:
+        "results/logs/simulate_slab_{slab}.log",
+    priority: 100
+    retries: 1
+    threads: 1
+    resources:
+        mem_mb=lambda wildcards, attempt: attempt * requests[wildcards.slab].mem_mb,
+        runtime=lambda wildcards, attempt: attempt * requests[wildcards.slab].runtime,
+    params:
+        code=numbers,
+        study=study.values(),
+        axes=lambda wildcards: slabs[wildcards.slab],
+    message:
+        "Simulate the cells"
+    script:
+        "../scripts/jobs.py"
+
+
+rule collect:
+    input:
+        slab=[f"results/slabs/{name}.nc" for name in slabs],
+    output:
+        cube="results/cube.nc",
+    log:
+        "results/logs/collect.log",
+    priority: 90
+    resources:
+        mem_mb=memory(2000),
+    params:
+        code=numbers,
+        axes={key: values.tolist() for key, values in study.axes.items()},
+        config=study.document(),
+    message:
+        "Join the slabs to one cube"
+    script:
+        "../scripts/jobs.py"
+
+
+rule find_threshold:
+    output:
+        threshold=update("results/threshold.nc"),
+        table="results/thresholds.csv",
+    log:
+        "results/logs/find_threshold.log",
+    # Beside the first cells, not after them: of these no two then compile the same kernel at once.
+    priority: 110
+    threads: half
+    resources:
+        mem_mb=memory(2000),
+    params:
+        code=numbers,
+        study=in_search,
+        axes={
+            key: values.tolist()
+            for key, values in study.axes.items()
+            if key not in ("device", "shape", "direction", "N")
+        },
+        tolerance=study.threshold_tolerance,
+        highest=float(study.axes["N"][-1]),
+    message:
+        "Find the thresholds"
+    script:
+        "../scripts/jobs.py"
+
+
+rule trace_cells:
+    input:
+        cube="results/cube.nc",
+    output:
+        traces=update("results/traces.nc"),
+    log:
+        "results/logs/trace_cells.log",
+    priority: 65
+    threads: half
+    resources:
+        mem_mb=memory(2000),
+    params:
+        code=numbers,
+        study=study.values(),
+    message:
+        "Trace the motion of the cells"
+    script:
+        "../scripts/jobs.py"
+
+
+rule check_requirements:
+    output:
+        requirements="results/requirements.csv",
+    log:
+        "results/logs/check_requirements.log",
+    priority: 50
+    # A few single shocks do not fill one.
+    threads: 4 if study.vibrations or study.spectra else 1
+    params:
+        code=numbers,
+        study=in_search,
+        requirements=required,
+        vibrations=[asked._asdict() for asked in study.vibrations],
+        spectra=[asked._asdict() for asked in study.spectra],
+        C=C,
+        tolerance=study.threshold_tolerance,
+    message:
+        "Check the required shocks"
+    script:
+        "../scripts/jobs.py"
+
+
+rule find_tolerance:
+    output:
+        tolerance="results/tolerance.nc",
+    log:
+        "results/logs/find_tolerance.log",
+    priority: 45
+    threads: 4
+    resources:
+        mem_mb=memory(4000),
+    params:
+        code=numbers,
+        study=in_search,
+        axes={key: study.axes[key].tolist() for key in ("C", "f0", "N")},
+        tolerances=tolerances,
+        requirements=required,
+        left_out=[asked.name for asked in (*study.vibrations, *study.spectra)],
+    message:
+        "Find the thresholds of devices as made"
+    script:
+        "../scripts/jobs.py"
+
+
+rule fit_calibration:
+    output:
+        calibration="results/calibration.nc",
+    log:
+        "results/logs/fit_calibration.log",
+    priority: 45
+    threads: 4
+    params:
+        code=numbers,
+        study=in_search,
+        # A function, as a path may have braces.
+        calibration=lambda wildcards: (
+            study.calibration._asdict() if study.calibration else {}
+        ),
+    message:
+        "Read values of the device off measured shots"
+    script:
+        "../scripts/jobs.py"
+
+
+rule write_datasheet:
+    input:
+        requirements="results/requirements.csv",
+    output:
+        datasheet="results/datasheet.md",
+    log:
+        "results/logs/write_datasheet.log",
+    priority: 30
+    threads: 4
+    params:
+        code=numbers,
+        study=in_search,
+        C=C,
+        tolerances=tolerances,
+        requirements=required,
+    message:
+        "Write the data sheet"
+    script:
+        "../scripts/jobs.py"
+
+
+rule trace_statics:
+    output:
+        statics="results/statics{which}.nc",
+    log:
+        "results/logs/trace_statics{which}.log",
+    group:
+        "figures"
+    resources:
+        runtime=10,
+    params:
+        code=numbers,
+        device=lambda wildcards: values_of(made.statics[wildcards.which]),
+    message:
+        "Push the beam slowly through"
+    script:
+        "../scripts/jobs.py"
+
+
+rule simulate_history:
+    output:
+        history="results/histories/{cell}.nc",
+    log:
+        "results/logs/simulate_history_{cell}.log",
+    group:
+        "figures"
+    resources:
+        runtime=10,
+    params:
+        code=numbers,
+        study=lambda wildcards: {
+            **study.values("horizon", "until", "energy_tolerance"),
+            "device": values_of(made.histories[wildcards.cell].device),
+        },
+        cell=lambda wildcards: made.histories[wildcards.cell].shock,
+    message:
+        "Follow single cells in full"
+    script:
+        "../scripts/jobs.py"

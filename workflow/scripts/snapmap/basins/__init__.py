@@ -1,1 +1,0 @@
-"""Labelled maps as the literature judges them: integrity, erosion, entropy, uncertainty."""
