@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from conserving_loop import assert_followed
 
 import snapmap
 from snapmap.device import batch
@@ -99,6 +100,29 @@ def test_each_step_solves_the_equations_of_the_scheme(handout, contact, dt):
     assert np.unique(kinds[sure]).tolist() == [0, 1, 2, 3], "a kind of contact is not there"
     np.testing.assert_allclose(found[1:, R.STRETCH], q, atol=1e-9 * np.abs(q).max())
     np.testing.assert_allclose(found[1:, R.OVERLAP], x, atol=1e-9 * np.abs(x).max())
+
+
+DEVICES = {
+    "soft": ({}, {}),
+    "hard": ({"contact": np.inf}, {}),
+    "gap": ({"gap": 1.0, "contact": 4000.0}, {}),
+    "stops": ({"stop_toward": 4.0, "stop_away": 1.0, "restitution": 0.8}, {}),
+    "damped": ({}, {"damping": 4e-3}),
+    "tilting": ({}, {"free": 1.0, "imperfection": 0.05, "residual_stress": -8.0}),
+}
+
+
+@pytest.mark.parametrize(("dt", "steps"), [(0.05, 1200), (0.4, 150)])
+@pytest.mark.parametrize("name", DEVICES)
+@pytest.mark.parametrize("kind", ["cosines", "elements"])
+def test_the_kernel_follows_the_plain_loop_to_rounding(handout, kind, name, dt, steps):
+    of_device, of_beam = DEVICES[name]
+    beam = dataclasses.replace(handout.beam, **of_beam)
+    device = dataclasses.replace(handout, beam=beam, **of_device)
+    options = {"modes": 3} if kind == "cosines" else {"elements": 3, "modes": 3}
+    model = conserving(device, kind, **options)
+    motion, _ = assert_followed(model, make_pulse("half sine"), 3000.0, 2e4, 25.0, dt, steps)
+    assert np.ptp(motion.y) > 1 and np.ptp(motion.u, axis=0).all()
 
 
 @pytest.mark.parametrize("beam_damping", [0.0, 4e-3])
