@@ -9,7 +9,6 @@ import xarray as xr
 from snapmap.io.atomic import replacing
 from snapmap.io.job_log import run_rule
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, OUTCOMES, RETURNED, SNAPPED, UNSNAPPED
-from snapmap.solver.schemes import SCHEMES
 from studies.stability.verdicts import (
     CAUGHT,
     LEFT_OUT,
@@ -31,30 +30,21 @@ MARKS = {
 def write_stability_table(stability_path, settled_path, table_path):
     """Read the hard cases and the settled cells and write their tables as Markdown."""
     with xr.open_dataset(stability_path, engine="netcdf4") as cases:
-        tables = [
-            f"{scheme}:\n\n{make(cases, scheme)}"
-            for make in (default_table, step_table)
-            for scheme in SCHEMES
-        ]
-        tables.append(wrong_list(cases))
+        tables = [default_table(cases), step_table(cases), wrong_list(cases)]
     with xr.open_dataset(settled_path, engine="netcdf4") as settled:
         tables.append(settled_table(settled))
     with replacing(table_path) as temporary:
         Path(temporary).write_text("\n\n".join(tables) + "\n", encoding="utf-8")
 
 
-def default_table(cases, scheme):
-    """What a sweep gives for every case (rows) and model (columns) with a scheme."""
-    models = _models_of(cases, scheme)
+def default_table(cases):
+    """What a sweep gives for every case (rows) and model (columns)."""
+    models = cases.model.values.tolist()
     rows = [
         [case, *(_default_entry(cases.sel(case=case, model=model)) for model in models)]
         for case in cases.case.values
     ]
-    return _table(["case", *(model.removesuffix(f", {scheme}") for model in models)], rows)
-
-
-def _models_of(cases, scheme):
-    return [model for model in cases.model.values.tolist() if model.endswith(f", {scheme}")]
+    return _table(["case", *models], rows)
 
 
 def _default_entry(pair):
@@ -66,9 +56,8 @@ def _default_entry(pair):
     return MARKS.get(verdict, "{}").format(f"{outcome} {error:.0e}{halved}")
 
 
-def step_table(cases, scheme):
-    """How many pairs of case and model with a scheme have which verdict, for each step."""
-    cases = cases.sel(model=_models_of(cases, scheme))
+def step_table(cases):
+    """How many pairs of case and model have which verdict, for each step."""
     shown = [code for code, name in enumerate(VERDICTS) if name != "unchecked"]
     rows = [
         [f"{step:g}", *((cases.verdict.sel(step=step) == code).sum().item() for code in shown)]

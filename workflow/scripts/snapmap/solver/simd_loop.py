@@ -7,14 +7,14 @@ from ..beam.modal import contact_stiffness
 from ..beam.stress import stress_of
 from ..pulse import table
 from .kernel import rows as R
-from .kernel import scheme
 from .kernel.drive import follow_all
 from .kernel.lanes import Facts, Task, load
 from .kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
 from .kernel.rows import LANES
+from .kernel.step import advance
+from .kernel.stops import rebound
 from .kernel.trace import trace_all
 from .record import Form, Motion
-from .schemes import CONSERVING
 
 
 def march(model, cells, dt, settings):
@@ -45,9 +45,8 @@ def trace(model, device, dt, pulses, cells, bins, stress=None):
     kept = w_range, instants, np.full(n_cells, -np.inf)
     k = model.modes
     rows = np.empty((0, 1, k + 2)) if stress is None else stress.copy()
-    if model.scheme == CONSERVING:
-        kappa = np.reshape(model.modal.stiffness, (-1, k))[device]
-        rows[:, :-1, :k] *= _shrink(kappa, dt[:, np.newaxis])[: len(rows), np.newaxis]
+    kappa = np.reshape(model.modal.stiffness, (-1, k))[device]
+    rows[:, :-1, :k] *= _shrink(kappa, dt[:, np.newaxis])[: len(rows), np.newaxis]
     rows[:, :-1, k] /= (dt * dt)[: len(rows), np.newaxis]
     devices = coefficients(model, -np.inf)[device]
     trace_all(*empty_lanes(model), devices, dt, table(pulses), cells, rows, kept)
@@ -75,32 +74,29 @@ def record(model, pulse, amplitude, f0, damping, dt, steps, stride):
     model: of one device; dt: us; stride: a power of two; returns Motion and Form
     """
     stride = min(stride, BLOCK)
-    modal, modes, at_half = model.modal, model.modes, model.scheme == CONSERVING
+    modal, modes = model.modal, model.modes
     before, after = _pairs(model, (damping, amplitude), (pulse, f0), dt, steps, stride)
     middle = (before + after) / 2
-    places, moving = (middle, after) if at_half else (before, middle)
-    shrink = _shrink(modal.stiffness, dt) if at_half else np.ones(modes)
+    shrink = _shrink(modal.stiffness, dt)
     p, p_step = (R.VECTORS - R.STATE + modes * v + np.arange(modes) for v in (R.P, R.P_STEP))
-    lost = damping * moving[R.SWEPT - R.STATE]
-    lost += model.device.beam.damping * moving[R.BEAM_SWEPT - R.STATE]
-    at_stops = (after if at_half else before)[R.LOST - R.STATE]
-    u, y = shrink * places[p].T, places[R.Y - R.STATE]
+    lost = damping * after[R.SWEPT - R.STATE]
+    lost += model.device.beam.damping * after[R.BEAM_SWEPT - R.STATE]
     form = Form(np.eye(modes), np.diag(modal.stiffness), *modal[1:3], modal.midpoint, *modal[6:])
     motion = Motion(
-        time=(np.arange(before.shape[1]) * stride + at_half / 2) * dt,
-        u=u,
-        u_velocity=shrink * moving[p_step].T / dt,
-        y=y,
-        y_velocity=moving[R.Y_STEP - R.STATE] / dt,
-        stretch=after[R.STRETCH - R.STATE] if at_half else form.stretch(u),
-        work=moving[R.WORK - R.STATE] / (2 * dt**2),
-        lost=lost / (4 * dt) + at_stops / dt**2,
+        time=(np.arange(before.shape[1]) * stride + 0.5) * dt,
+        u=shrink * middle[p].T,
+        u_velocity=shrink * after[p_step].T / dt,
+        y=middle[R.Y - R.STATE],
+        y_velocity=after[R.Y_STEP - R.STATE] / dt,
+        stretch=after[R.STRETCH - R.STATE],
+        work=after[R.WORK - R.STATE] / (2 * dt**2),
+        lost=lost / (4 * dt) + after[R.LOST - R.STATE] / dt**2,
     )
     return motion, form
 
 
 def _shrink(stiffness, dt):
-    """Coordinates over those of the conserving scheme."""
+    """Coordinates over those of the kernel."""
     return 1 / np.sqrt(1 + dt * dt * stiffness / 4)
 
 
@@ -117,11 +113,11 @@ def _pairs(model, load_of_cell, shock, dt, steps, stride):
         if in_block == 0:
             pulse_state.steps[:] = step
             set_out(X, shocks, pulse_state, pulses)
-        scheme.rebound(*lanes)
+        rebound(lanes[0])
         before.append(X[state].copy())
-        scheme.advance(*lanes, shocks, in_block, 1)
+        advance(*lanes, shocks, in_block, 1)
         after.append(X[state].copy())
-        scheme.advance(*lanes, shocks, in_block + 1, stride - 1)
+        advance(*lanes, shocks, in_block + 1, stride - 1)
     return np.array(before).T, np.array(after).T
 
 
@@ -131,10 +127,9 @@ def coefficients(model, target):
     model: a `Model`; target: w(L/2) from rest at which a run counts as snapped, um; -inf for never
     """
     device, modal, barrier = model.device, model.modal, model.barrier
-    proves_below = np.where(model.proves, barrier.energy, 0.0)
     numbers = [
         *(modal.axial, modal.residual, contact_stiffness(device, modal.residual), device.mass),
-        *(device.spring, target, proves_below, barrier.midpoint, device.gap),
+        *(device.spring, target, barrier.energy, barrier.midpoint, device.gap),
         *(device.beam.damping, device.stop_toward, device.stop_away, device.restitution),
     ]
     vectors = modal.stiffness, *modal[2:5]
@@ -145,9 +140,8 @@ def coefficients(model, target):
 
 
 def empty_lanes(model):
-    """X, shape and scheme, as the kernels of a model take them."""
-    taken = scheme.CONSERVING if model.scheme == CONSERVING else scheme.EXPLICIT
-    return work_array(model.modes), (0,) * model.modes, taken
+    """X and shape, as the kernels of a model take them."""
+    return work_array(model.modes), (0,) * model.modes
 
 
 def snap_target(model):

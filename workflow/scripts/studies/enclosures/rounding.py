@@ -9,12 +9,11 @@ from flint import arb
 from snapmap.pulse import table
 from snapmap.solver import simd_loop
 from snapmap.solver.kernel import rows as R
-from snapmap.solver.kernel import scheme
-from snapmap.solver.kernel.energy import conserved_energies, whole_step_energies
+from snapmap.solver.kernel.energy import energies
 from snapmap.solver.kernel.lanes import load
 from snapmap.solver.kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
 from snapmap.solver.kernel.rows import LANES
-from snapmap.solver.schemes import CONSERVING
+from snapmap.solver.kernel.step import advance
 
 from . import passes
 
@@ -43,7 +42,7 @@ def in_python(function):
     return FunctionType(own.__code__, {**own.__globals__, **called})
 
 
-CONSERVED, WHOLE = in_python(conserved_energies), in_python(whole_step_energies)
+ENERGIES = in_python(energies)
 
 
 def states(model, pulse, cell, steps):
@@ -56,9 +55,9 @@ def states(model, pulse, cell, steps):
     for step in range(0, steps, BLOCK):
         state.steps[:] = step
         set_out(X, shocks, state, pulses)
-        scheme.advance(*lanes, shocks, 0, BLOCK - 1)
+        advance(*lanes, shocks, 0, BLOCK - 1)
         before = X.copy()
-        scheme.advance(*lanes, shocks, BLOCK - 1, 1)
+        advance(*lanes, shocks, BLOCK - 1, 1)
         yield before, X.copy()
 
 
@@ -77,30 +76,25 @@ def form_of(X, modes):
 
 
 def looks(model, pulse, cell, steps):
-    """`Look`s at a run without stops, of either scheme; and over the barrier what encloses it."""
+    """`Look`s at a run without stops; and over the barrier what encloses it."""
     shape, found = (0,) * model.modes, []
     for before, after in states(model, pulse, cell, steps):
-        if model.scheme == CONSERVING:
-            seen = _conserving(before, after, shape, cell[2] * cell[3])
-        else:
-            exact = WHOLE(_balls(before), _balls(after), _balls(after), shape, 0)[:3]
-            energy, told = sum(exact, arb(0)), sum(WHOLE(before, after, after, shape, 0)[:3])
-            seen = energy, arb(float(told)), arb(0), energy
+        seen = _seen(before, after, shape, cell[2] * cell[3])
         barrier = arb(float(after[R.BARRIER * LANES]))
         found.append(Look(*(value / barrier for value in seen)))
     return found, passes.floor(*form_of(after, model.modes)) / barrier
 
 
-def _conserving(before, after, shape, drag):
-    told = arb(float(sum(CONSERVED(after, shape, 0)[:3])))
+def _seen(before, after, shape, drag):
+    told = arb(float(sum(ENERGIES(after, shape, 0)[:3])))
     first, last = _balls(before), _balls(after)
     for X in (first, last):
         _remember(X, len(shape))
-    energies = [sum(CONSERVED(X, shape, 0)[:3], arb(0)) for X in (first, last)]
-    drift = energies[1] - energies[0] + _taken(first, last, len(shape), arb(float(drag)))
+    kept = [sum(ENERGIES(X, shape, 0)[:3], arb(0)) for X in (first, last)]
+    drift = kept[1] - kept[0] + _taken(first, last, len(shape), arb(float(drag)))
     last[R.STRETCH * LANES] = _stretch_between(last, len(shape), False)
-    equation = sum(CONSERVED(last, shape, 0)[:3], arb(0))
-    return energies[1], told, drift, equation
+    equation = sum(ENERGIES(last, shape, 0)[:3], arb(0))
+    return kept[1], told, drift, equation
 
 
 def _balls(X):

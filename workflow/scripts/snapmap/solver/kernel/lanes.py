@@ -6,15 +6,16 @@ import numpy as np
 
 from ...numerics.kept_kernels import compiled, inlined
 from . import rows as R
-from .energy import proven_well
-from .pulse import BLOCK, begin_pulse
+from .energy import ledger, proven_well
+from .pulse import begin_pulse
 from .rows import LANES, at, row
-from .scheme import added_inertia, guarded, is_confirmed, ledger
 
 MARGIN = 2.0
 """A proof must hold by this many times the largest residual of the energy ledger seen so far."""
 ROUNDING = 1e-12
 """And by this share of the barrier: what rounding does to both, and more; docs/rigour.md."""
+ADDED = 0.25
+"""Inertia, over the stiffness times dt^2, that means of linear forces over three instants add."""
 OPENED = 4.0
 """A run is given up at the look at which its ledger misses by this many times the tolerance."""
 
@@ -81,33 +82,33 @@ class Look(NamedTuple):
 
 
 @inlined
-def begin(X, shape, scheme, l, task, state, cell):
+def begin(X, shape, l, task, state, cell):
     """Begin to follow a cell in lane l."""
     device, dt = task.devices[task.device[cell]], task.dt[cell]
-    load(X, shape, scheme, l, device, task.damping[cell], task.amplitude[cell], dt)
+    load(X, shape, l, device, task.damping[cell], task.amplitude[cell], dt)
     begin_pulse(X, l, state, task.pulses, task.pulse[cell], task.f0[cell] * dt)
     swing = 2 * np.pi * np.sqrt(X[row(R.MASS, l)] / X[row(R.SPRING, l)])
     X[row(R.LAST_SWING, l)] = task.t_end[cell] / dt - swing
 
 
 @compiled
-def load(X, shape, scheme, l, device, damping, amplitude, dt):
+def load(X, shape, l, device, damping, amplitude, dt):
     """Put a cell at rest into lane l.
 
     device: as `simd_loop.coefficients` has it; damping: C, uN us/um; amplitude: um/us^2; dt: us
     """
     X[l::LANES] = 0.0
-    added, drag = added_inertia(scheme), damping * dt / 2
+    drag = damping * dt / 2
     for name in range(R.AXIAL, R.RESTITUTION + 1):
         X[row(name, l)] = device[name]
     for name in (R.AXIAL, R.CONTACT, R.SPRING, R.BARRIER):
         X[row(name, l)] *= dt * dt
     X[row(R.RESIDUAL, l)] /= dt * dt
     X[row(R.BEAM_DAMPING, l)] *= dt
-    load_modes(X, shape, added, l, device[R.RESTITUTION + 1 :], dt * dt)
+    load_modes(X, shape, l, device[R.RESTITUTION + 1 :], dt * dt)
     X[row(R.OVERLAP, l)] = 0.0 - X[row(R.GAP, l)]
     X[row(R.AMPLITUDE, l)] = amplitude * dt**2
-    mass = X[row(R.MASS, l)] + added * X[row(R.SPRING, l)]
+    mass = X[row(R.MASS, l)] + ADDED * X[row(R.SPRING, l)]
     X[row(R.KEEP, l)] = (mass - drag) / (mass + drag)
     X[row(R.MOBILITY, l)] = 1 / (mass + drag)
     beam_drag = X[row(R.BEAM_DAMPING, l)] / 2
@@ -123,16 +124,16 @@ def load(X, shape, scheme, l, device, damping, amplitude, dt):
 
 
 @inlined
-def load_modes(X, shape, added, l, of_modes, square):
+def load_modes(X, shape, l, of_modes, square):
     """The vectors of a device, in coordinates in which every mode has mass 1.
 
-    A mode is heavier by `added` kappa dt^2: its coordinate is stretched by 1/s,
-    s^2 = 1/(1 + added kappa dt^2); square: dt^2
+    A mode is heavier by kappa dt^2/4: its coordinate is stretched by 1/s,
+    s^2 = 1/(1 + kappa dt^2/4); square: dt^2
     """
     modes = len(shape)
     for i in range(modes):
         stiffness = square * of_modes[i]
-        s = 1 / np.sqrt(1 + added * stiffness)
+        s = 1 / np.sqrt(1 + ADDED * stiffness)
         X[at(R.STIFFNESS, i, modes, l)] = stiffness * (s * s)
         for v in range(R.SLOPE_START, R.GEOMETRIC):
             X[at(v, i, modes, l)] = s * of_modes[(v - R.STIFFNESS) * modes + i]
@@ -145,11 +146,8 @@ def load_modes(X, shape, added, l, of_modes, square):
 
 
 @inlined
-def look(X, shape, scheme, l, cell, state, task, instants):
-    """Whether the run in lane l is over, after a block; then its facts are written.
-
-    instants: before and after, of this look and of the last one
-    """
+def look(X, shape, l, cell, state, task):
+    """Whether the run in lane l is over, after a block; then its facts are written."""
     steps, dt = state.steps[l], task.dt[cell]
     if steps <= X[row(R.LAST_SWING, l)]:
         X[row(R.SINCE, l)], X[row(R.BEYOND_SINCE, l)] = steps, X[row(R.BEYOND, l)]
@@ -161,22 +159,19 @@ def look(X, shape, scheme, l, cell, state, task, instants):
     if in_pulse and not ended:
         return False
 
-    # A run that ends at its snap is judged at the look before.
-    judged = instants[2:] if stopped and steps > BLOCK else instants[:2]
     drag, gross_work = task.damping[cell] * dt, X[row(R.GROSS_WORK, l)] / 2
     scale, well = 1 / gross_work if gross_work > 0 else 1.0, 0
-    beam, mass, contact, w, residual = ledger(X, shape, scheme, l, judged, drag)
+    beam, mass, contact, w, residual = ledger(X, shape, l, drag)
     if not in_pulse:
         worst = max(X[row(R.WORST, l)], abs(residual))
         X[row(R.WORST, l)] = worst
         margin = MARGIN * worst + ROUNDING * X[row(R.BARRIER, l)]
         well = proven_well(X, l, (beam, mass, contact, w), margin)
         ended |= not abs(residual) * scale <= OPENED * task.tolerance
-    if not (is_confirmed(X, scheme, l, well) and (well == 1 or snapped)):
+    if not (well == 1 or snapped):
         well = 0
     if not ended and well == 0:
         return False
-    residual = guarded(X, shape, scheme, l, instants[:2], drag, residual, scale)
     task.facts.energy_error[cell] = abs(residual) * scale
     judge(X, l, cell, state, task, Look(in_pulse, snapped, well, w, residual))
     return True

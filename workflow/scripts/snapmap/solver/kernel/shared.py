@@ -1,4 +1,4 @@
-"""What both schemes do alike, of one lane; compiled into them."""
+"""What a step does beside its forces, of one lane; compiled into it."""
 
 from ...numerics.arithmetic import fma
 from ...numerics.kept_kernels import inlined
@@ -40,10 +40,3 @@ def move_mass(X, l, after, swept):
     X[row(R.WORK, l)] += work
     X[row(R.GROSS_WORK, l)] += abs(work)
     X[row(R.SWEPT, l)] = fma(before + after, before + after, X[row(R.SWEPT, l)])
-
-
-@inlined
-def copy(of, into, first, end, step):
-    """Copy every step'th number from first on; slices would take seconds more to compile."""
-    for i in range(first, end, step):
-        into[i] = of[i]

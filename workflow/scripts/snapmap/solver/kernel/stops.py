@@ -4,7 +4,6 @@ import numpy as np
 
 from ...numerics.kept_kernels import compiled, inlined
 from . import rows as R
-from .energy import half_step_midpoint
 from .rows import LANES, row
 
 
@@ -35,15 +34,6 @@ def crossed(X):
 
 
 @compiled
-def overlap_at_half(X, shape):
-    """The overlap at the last half step, without which the explicit scheme itself does."""
-    for l in range(LANES):
-        middle = X[row(R.Y, l)] - X[row(R.Y_STEP, l)] / 2
-        if is_beyond(X, l):
-            X[row(R.OVERLAP, l)] = half_step_midpoint(X, shape, l) - middle - X[row(R.GAP, l)]
-
-
-@compiled
 def meet_stops(X):
     """Reflect every mass that is beyond a stop and moves on; (m, d) at the last half step.
 
@@ -55,6 +45,13 @@ def meet_stops(X):
             strike(X, l, -X[row(R.STOP_TOWARD, l)])
         if X[row(R.Y, l)] > X[row(R.STOP_AWAY, l)] and X[row(R.Y_STEP, l)] > 0.0:
             strike(X, l, X[row(R.STOP_AWAY, l)])
+
+
+@compiled
+def rebound(X):
+    """Reflect the masses that have crossed a stop, as the next step else begins with."""
+    if has_stops(X) and crossed(X):
+        meet_stops(X)
 
 
 @inlined

@@ -7,11 +7,12 @@ import numpy as np
 from ...numerics.arithmetic import widen_vectors
 from ...numerics.kept_kernels import compiled, inlined
 from . import rows as R
+from .energy import energies, half_step_midpoint
 from .lanes import load
 from .pulse import BLOCK, begin_pulse, no_pulse, set_out
-from .rows import LANES, at
-from .scheme import advance, midpoint, observe, rebound, stretch_and_contact
-from .shared import copy
+from .rows import LANES, at, row
+from .step import advance
+from .stops import rebound
 
 # ASSUME: a trace looks at every fourth instant; the ringing of w has some forty to a period.
 SAMPLE = 4
@@ -38,10 +39,10 @@ class Bins(NamedTuple):
 
 
 @compiled
-def trace_all(X, shape, scheme, devices, dt, pulses, cells, stress, kept):
+def trace_all(X, shape, devices, dt, pulses, cells, stress, kept):
     """Follow up to LANES cells as `follow_all` does, bit for bit, and keep their motion in bins.
 
-    At instants; the conserving scheme's half way between two, as its energies.
+    Half way between two instants, where energies are known.
 
     X: zeros; devices: each cell's row of coefficients, with target -inf, so that row W is never
         latched; dt: each cell's, us; pulses: as in `Task`
@@ -54,76 +55,80 @@ def trace_all(X, shape, scheme, devices, dt, pulses, cells, stress, kept):
     pulse, amplitude, f0, damping, width = cells
     state, shocks = no_pulse(), np.zeros(BLOCK * LANES)
     for l in range(width.size):
-        load(X, shape, scheme, l, devices[l], damping[l], amplitude[l], dt[l])
+        load(X, shape, l, devices[l], damping[l], amplitude[l], dt[l])
         begin_pulse(X, l, state, pulses, pulse[l], f0[l] * dt[l])
-    before, number, begin = X.copy(), np.full(LANES, -1), np.zeros(LANES, np.int64)
+    y, number, begin = np.empty(LANES), np.full(LANES, -1), np.zeros(LANES, np.int64)
     bins = Bins(*kept[:2], number, begin, np.empty(LANES), np.empty(LANES), kept[2])
-    end = (R.VECTORS + R.SCRATCH * len(shape)) * LANES
     for step in range(0, kept[0].shape[1] * width.max(), SAMPLE):
         in_block = step % BLOCK
         if in_block == 0:
             state.steps[:] = step
             set_out(X, shocks, state, pulses)
-        rebound(X, shape, scheme)
+        rebound(X)
+        for l in range(width.size):
+            y[l] = X[row(R.Y, l)]
+        advance(X, shape, shocks, in_block, 1)
         for l in range(width.size):
             if begin[l] == step:
-                copy(X, before, R.STATE * LANES + l, end, LANES)
-        advance(X, shape, scheme, shocks, in_block, 1)
-        for l in range(width.size):
-            if begin[l] == step:
-                begin_bin(before, X, shape, scheme, l, bins, dt[l])
+                begin_bin(X, shape, l, bins, dt[l], y[l])
                 begin[l] += width[l]
-        widen(X, shape, scheme, bins.low, bins.high)
+        widen(X, shape, bins.low, bins.high)
         for l in range(len(stress)):
             if bins.bin[l] < bins.instants.shape[1]:
-                found = largest_stress(X, shape, scheme, l, stress[l])
+                found = largest_stress(X, shape, l, stress[l])
                 bins.stress[l] = max(bins.stress[l], found)
-        advance(X, shape, scheme, shocks, in_block + 1, SAMPLE - 1)
+        advance(X, shape, shocks, in_block + 1, SAMPLE - 1)
     for l in range(width.size):
         keep_range(bins, l)
 
 
 @inlined
-def begin_bin(before, X, shape, scheme, l, bins, dt):
-    """Keep the bin of lane l, and begin the next one."""
+def begin_bin(X, shape, l, bins, dt, y):
+    """Keep the bin of lane l, and begin the next one; y: before the step."""
     keep_range(bins, l)
     bins.bin[l] += 1
     bins.low[l], bins.high[l] = np.inf, -np.inf
     bin = bins.bin[l]
     if bin < bins.instants.shape[1]:
-        y, energy, of_beam = observe(before, X, shape, scheme, l)
-        bins.instants[0, bin, l] = y
-        bins.instants[1, bin, l] = energy / dt**2
-        bins.instants[2, bin, l] = of_beam / dt**2
+        beam, mass, contact, _ = energies(X, shape, l)
+        bins.instants[0, bin, l] = y + X[row(R.Y_STEP, l)] / 2
+        bins.instants[1, bin, l] = (beam + mass + contact) / dt**2
+        bins.instants[2, bin, l] = beam / dt**2
 
 
 @inlined
-def widen(X, shape, scheme, low, high):
+def widen(X, shape, low, high):
     """Take w of every lane into the range of its bin."""
     for l in range(LANES):
-        w = midpoint(X, shape, scheme, l)
+        w = half_step_midpoint(X, shape, l) - X[row(R.RESIDUAL, l)] * pressed(X, l)
         low[l] = w if w < low[l] else low[l]
         high[l] = w if w > high[l] else high[l]
 
 
 @inlined
-def largest_stress(X, shape, scheme, l, rows):
-    """The largest tensile stress of lane l where `midpoint` has w, MPa.
+def largest_stress(X, shape, l, rows):
+    """The largest tensile stress of lane l half way through the step, MPa.
 
     rows: bending at each place, per coordinate, per contact force and at rest; and axial, per
     stretch and at rest
     """
     modes, places = len(shape), len(rows) - 1
-    stretch, contact = stretch_and_contact(X, shape, scheme, l)
-    back = 0.0 if len(scheme) == 1 else 0.5
+    stretch, contact = X[row(R.STRETCH, l)], pressed(X, l)
     most = 0.0
     for place in range(places):
         bent = rows[place, modes + 1] - rows[place, modes] * contact
         for i in range(modes):
-            p = X[at(R.P, i, modes, l)] - back * X[at(R.P_STEP, i, modes, l)]
+            p = X[at(R.P, i, modes, l)] - 0.5 * X[at(R.P_STEP, i, modes, l)]
             bent += rows[place, i] * p
         most = max(most, abs(bent))
     return most + rows[places, modes] * stretch + rows[places, modes + 1]
+
+
+@inlined
+def pressed(X, l):
+    """The contact force at the last half step, times dt^2."""
+    overlap = X[row(R.OVERLAP, l)]
+    return X[row(R.CONTACT, l)] * (overlap if overlap > 0.0 else 0.0)
 
 
 @inlined

@@ -11,10 +11,10 @@ from .stops import crossed, has_stops, meet_stops
 
 
 @compiled
-def advance_conserving(X, shape, shocks, first, steps):
+def advance(X, shape, shocks, first, steps):
     """Advance every lane by `steps` steps.
 
-    shocks, first: as in `advance_explicit`
+    shocks: a dt^2 of each step of a block, as `set_out` leaves them; first: the step to begin with
 
     At half steps q = p.S p+ + (p + p+).S q0 and x = e.(p + p+)/2 - (y + y+)/2 - z0, z0 the gap at
     rest; with u = S p + S q0,
@@ -27,7 +27,8 @@ def advance_conserving(X, shape, shocks, first, steps):
     """
     widen_vectors()
     modes = len(shape)
-    # Cut as in `advance_explicit`.
+    # LLVM unrolls a short loop and gives up on a long one, and only what is unrolled vectorises
+    # over lanes: so the loops over modes are cut in four.
     cut_1, cut_2, cut_3 = modes // 4, modes // 2, 3 * modes // 4
     stopped = has_stops(X)
     for step in range(first, first + steps):
