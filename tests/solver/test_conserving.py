@@ -64,7 +64,7 @@ def test_each_step_solves_the_equations_of_the_scheme(handout, contact, dt):
     found = states(model, 1500.0, C, dt, 4000)
     heavier = 1 + dt**2 * modal.stiffness / 4
     p, y = vector(found, R.P, modes) / np.sqrt(heavier), found[:, R.Y]
-    a = found[2:, R.SHOCK] / dt**2
+    a = found[2:, R.A] / dt**2
 
     ahead = p[:-1] @ modal.geometric
     q = np.sum(ahead * p[1:], axis=1) + (p[:-1] + p[1:]) @ modal.slope_start
@@ -92,7 +92,7 @@ def test_each_step_solves_the_equations_of_the_scheme(handout, contact, dt):
 
     kinds = (x[1:] > 0).astype(int) + 2 * (x[:-1] > 0)
     assert np.unique(kinds[sure]).tolist() == [0, 1, 2, 3], "a kind of contact is not there"
-    np.testing.assert_allclose(found[1:, R.STRETCH], q, atol=1e-9 * np.abs(q).max())
+    np.testing.assert_allclose(found[1:, R.Q], q, atol=1e-9 * np.abs(q).max())
     np.testing.assert_allclose(found[1:, R.OVERLAP], x, atol=1e-9 * np.abs(x).max())
 
 

@@ -189,13 +189,13 @@ def test_with_a_damped_beam_everything_settles(handout):
 def test_beam_damping_is_the_same_in_both_loops(handout):
     device = with_damping(handout, 4e-3)
     cell = {"N": 1000.0, "f0": 1500.0, "C": 25.0, "horizon": 500.0}
-    lanes = snapmap.simulate(device, **cell, model="handout")
+    lanes = snapmap.simulate(device, **cell, model="handout", step=0.4)
     plain = snapmap.simulate(device, **cell, model="reference")
-    early = lanes.time < 400
-    np.testing.assert_allclose(lanes.w_mid[early], plain.w_mid[early], atol=1e-6)
-    np.testing.assert_allclose(
-        lanes.dissipated_energy[early], plain.dissipated_energy[early], atol=1e-5
-    )
+    early = np.linspace(1, 380, 200)
+    for key in ("w_mid", "dissipated_energy"):
+        np.testing.assert_allclose(
+            *(run[key].interp(time=early) for run in (lanes, plain)), atol=1e-3
+        )
     assert lanes.dissipated_energy[-1] > 200
 
 

@@ -50,7 +50,7 @@ def thrown(device, dt, steps, velocity, a=0.0, C=0.0):
     # One step back on its free path, to third order.
     bend = -a - C * velocity / device.mass
     jerk = -(device.spring * velocity + C * bend) / device.mass
-    X[R.Y_STEP * LANES] = velocity * dt - bend * dt**2 / 2 + jerk * dt**3 / 6
+    X[R.DY * LANES] = velocity * dt - bend * dt**2 / 2 + jerk * dt**3 / 6
     places = []
     for _ in range(steps):
         places.append(X[R.Y * LANES])

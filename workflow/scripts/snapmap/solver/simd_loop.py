@@ -78,7 +78,7 @@ def record(model, pulse, amplitude, f0, damping, dt, steps, stride):
     before, after = _pairs(model, (damping, amplitude), (pulse, f0), dt, steps, stride)
     middle = (before + after) / 2
     shrink = _shrink(modal.stiffness, dt)
-    p, p_step = (R.VECTORS - R.STATE + modes * v + np.arange(modes) for v in (R.P, R.P_STEP))
+    p, p_step = (R.VECTORS - R.STATE + modes * v + np.arange(modes) for v in (R.P, R.D))
     lost = damping * after[R.SWEPT - R.STATE]
     lost += model.device.beam.damping * after[R.BEAM_SWEPT - R.STATE]
     form = Form(np.eye(modes), np.diag(modal.stiffness), *modal[1:3], modal.midpoint, *modal[6:])
@@ -87,8 +87,8 @@ def record(model, pulse, amplitude, f0, damping, dt, steps, stride):
         u=shrink * middle[p].T,
         u_velocity=shrink * after[p_step].T / dt,
         y=middle[R.Y - R.STATE],
-        y_velocity=after[R.Y_STEP - R.STATE] / dt,
-        stretch=after[R.STRETCH - R.STATE],
+        y_velocity=after[R.DY - R.STATE] / dt,
+        stretch=after[R.Q - R.STATE],
         work=after[R.WORK - R.STATE] / (2 * dt**2),
         lost=lost / (4 * dt) + after[R.LOST - R.STATE] / dt**2,
     )
@@ -104,7 +104,7 @@ def _pairs(model, load_of_cell, shock, dt, steps, stride):
     """The state of one cell at every `stride`th instant, and one step on; (rows, samples)."""
     lanes, (pulse, f0) = empty_lanes(model), shock
     X, pulses, pulse_state = lanes[0], table([pulse]), no_pulse()
-    state = slice(R.STATE * LANES, (R.VECTORS + R.SCRATCH * model.modes) * LANES, LANES)
+    state = slice(R.STATE * LANES, (R.VECTORS + R.U * model.modes) * LANES, LANES)
     load(*lanes, 0, coefficients(model, -np.inf)[0], *load_of_cell, dt)
     begin_pulse(X, 0, pulse_state, pulses, 0, f0 * dt)
     before, after, shocks = [], [], np.zeros(BLOCK * LANES)
@@ -151,5 +151,5 @@ def snap_target(model):
 
 def work_array(modes):
     """Zeros for X, from the start of a cache line, where wide vector loads are fastest."""
-    padded = np.zeros((R.VECTORS + (R.GEOMETRIC + modes) * modes) * LANES + 8)
+    padded = np.zeros((R.VECTORS + (R.S + modes) * modes) * LANES + 8)
     return padded[(-padded.ctypes.data // 8) % 8 :][: padded.size - 8]

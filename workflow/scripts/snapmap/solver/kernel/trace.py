@@ -10,7 +10,7 @@ from . import rows as R
 from .energy import energies, half_step_midpoint
 from .lanes import load
 from .pulse import BLOCK, begin_pulse, no_pulse, set_out
-from .rows import LANES, at, row
+from .rows import LANES, numbers, vectors
 from .step import advance
 from .stops import rebound
 
@@ -39,12 +39,12 @@ class Bins(NamedTuple):
 
 
 @compiled
-def trace_all(X, shape, devices, dt, pulses, cells, stress, kept):
+def trace_all(work, shape, devices, dt, pulses, cells, stress, kept):
     """Follow up to LANES cells as `follow_all` does, bit for bit, and keep their motion in bins.
 
     Half way between two instants, where energies are known.
 
-    X: zeros; devices: each cell's row of coefficients, with target -inf, so that row W is never
+    work: zeros; devices: each cell's row of coefficients, with target -inf, so that row W is never
         latched; dt: each cell's, us; pulses: as in `Task`
     cells: pulse, amplitude, f0 and damping as in `Task`, and width, steps of one bin, a multiple
         of SAMPLE; (cells,)
@@ -53,72 +53,74 @@ def trace_all(X, shape, devices, dt, pulses, cells, stress, kept):
     """
     widen_vectors()
     pulse, amplitude, f0, damping, width = cells
+    modes = len(shape)
+    X, V = numbers(work), vectors(work, modes)
     state, shocks = no_pulse(), np.zeros(BLOCK * LANES)
     for l in range(width.size):
-        load(X, shape, l, devices[l], damping[l], amplitude[l], dt[l])
-        begin_pulse(X, l, state, pulses, pulse[l], f0[l] * dt[l])
+        load(work, shape, l, devices[l], damping[l], amplitude[l], dt[l])
+        begin_pulse(work, l, state, pulses, pulse[l], f0[l] * dt[l])
     y, number, begin = np.empty(LANES), np.full(LANES, -1), np.zeros(LANES, np.int64)
     bins = Bins(*kept[:2], number, begin, np.empty(LANES), np.empty(LANES), kept[2])
     for step in range(0, kept[0].shape[1] * width.max(), SAMPLE):
         in_block = step % BLOCK
         if in_block == 0:
             state.steps[:] = step
-            set_out(X, shocks, state, pulses)
-        rebound(X)
+            set_out(work, shocks, state, pulses)
+        rebound(work)
         for l in range(width.size):
-            y[l] = X[row(R.Y, l)]
-        advance(X, shape, shocks, in_block, 1)
+            y[l] = X[R.Y, l]
+        advance(work, shape, shocks, in_block, 1)
         for l in range(width.size):
             if begin[l] == step:
-                begin_bin(X, shape, l, bins, dt[l], y[l])
+                begin_bin(X, V, modes, l, bins, dt[l], y[l])
                 begin[l] += width[l]
-        widen(X, shape, bins.low, bins.high)
+        widen(X, V, modes, bins.low, bins.high)
         for l in range(len(stress)):
             if bins.bin[l] < bins.instants.shape[1]:
-                found = largest_stress(X, shape, l, stress[l])
+                found = largest_stress(X, V, modes, l, stress[l])
                 bins.stress[l] = max(bins.stress[l], found)
-        advance(X, shape, shocks, in_block + 1, SAMPLE - 1)
+        advance(work, shape, shocks, in_block + 1, SAMPLE - 1)
     for l in range(width.size):
         keep_range(bins, l)
 
 
 @inlined
-def begin_bin(X, shape, l, bins, dt, y):
+def begin_bin(X, V, modes, l, bins, dt, y):
     """Keep the bin of lane l, and begin the next one; y: before the step."""
     keep_range(bins, l)
     bins.bin[l] += 1
     bins.low[l], bins.high[l] = np.inf, -np.inf
     bin = bins.bin[l]
     if bin < bins.instants.shape[1]:
-        beam, mass, contact, _ = energies(X, shape, l)
-        bins.instants[0, bin, l] = y + X[row(R.Y_STEP, l)] / 2
+        beam, mass, contact, _ = energies(X, V, modes, l)
+        bins.instants[0, bin, l] = y + X[R.DY, l] / 2
         bins.instants[1, bin, l] = (beam + mass + contact) / dt**2
         bins.instants[2, bin, l] = beam / dt**2
 
 
 @inlined
-def widen(X, shape, low, high):
+def widen(X, V, modes, low, high):
     """Take w of every lane into the range of its bin."""
     for l in range(LANES):
-        w = half_step_midpoint(X, shape, l) - X[row(R.RESIDUAL, l)] * pressed(X, l)
+        w = half_step_midpoint(V, modes, l) - X[R.RESIDUAL, l] * pressed(X, l)
         low[l] = w if w < low[l] else low[l]
         high[l] = w if w > high[l] else high[l]
 
 
 @inlined
-def largest_stress(X, shape, l, rows):
+def largest_stress(X, V, modes, l, rows):
     """The largest tensile stress of lane l half way through the step, MPa.
 
     rows: bending at each place, per coordinate, per contact force and at rest; and axial, per
     stretch and at rest
     """
-    modes, places = len(shape), len(rows) - 1
-    stretch, contact = X[row(R.STRETCH, l)], pressed(X, l)
+    places = len(rows) - 1
+    stretch, contact = X[R.Q, l], pressed(X, l)
     most = 0.0
     for place in range(places):
         bent = rows[place, modes + 1] - rows[place, modes] * contact
         for i in range(modes):
-            p = X[at(R.P, i, modes, l)] - 0.5 * X[at(R.P_STEP, i, modes, l)]
+            p = V[R.P, i, l] - 0.5 * V[R.D, i, l]
             bent += rows[place, i] * p
         most = max(most, abs(bent))
     return most + rows[places, modes] * stretch + rows[places, modes + 1]
@@ -127,8 +129,8 @@ def largest_stress(X, shape, l, rows):
 @inlined
 def pressed(X, l):
     """The contact force at the last half step, times dt^2."""
-    overlap = X[row(R.OVERLAP, l)]
-    return X[row(R.CONTACT, l)] * (overlap if overlap > 0.0 else 0.0)
+    overlap = X[R.OVERLAP, l]
+    return X[R.CONTACT, l] * (overlap if overlap > 0.0 else 0.0)
 
 
 @inlined
