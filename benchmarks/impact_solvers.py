@@ -15,7 +15,6 @@ from snapmap.solver import simd_loop
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.kernel.trace import SAMPLE
 from snapmap.solver.models import build_model
-from snapmap.solver.schemes import CONSERVING
 
 BISECTIONS = 50
 """By which the plain loop finds an impact."""
@@ -228,7 +227,7 @@ def by_kernel(problem: Problem, device: Device) -> Solve:
         frequency = CYCLES / (2 * problem.t_end) * omega
     held = replace(device, stop_toward=stop, spring=spring, **ALONE)
     devices = batch([replace(held, restitution=share) for share in e.tolist()])
-    model = build_model(devices, "cosines", cosines=1, modes=1, scheme=CONSERVING)
+    model = build_model(devices, "cosines", cosines=1, modes=1)
     columns = np.zeros(e.size, np.int64), np.full(e.size, omega**2), frequency / CYCLES
 
     def solve(steps):

@@ -10,9 +10,8 @@ from snapmap.numerics.arithmetic import widen_vectors
 from snapmap.solver.kernel.lanes import load
 from snapmap.solver.kernel.pulse import BLOCK
 from snapmap.solver.kernel.rows import LANES
-from snapmap.solver.kernel.scheme import advance
+from snapmap.solver.kernel.step import advance
 from snapmap.solver.model import Model
-from snapmap.solver.schemes import EXPLICIT
 from snapmap.solver.settings import MOVE
 from snapmap.solver.simd_loop import coefficients, empty_lanes
 from studies.few import few
@@ -61,15 +60,13 @@ def vector_bits() -> int:
 def step_flops(model: Model) -> int:
     """Additions and multiplications of one lane-step of a model with k modes.
 
-    explicit: S p + S q0 and its share of N k (2 k + 3) + 4, w 2 k, contact 2, latch 3,
-    p 16 k + 7, y 8, ledger 8: together 2 k^2 + 21 k + 32.
-    conserving: u, free and five sums k (2 k + 17), y 9, the overlap without a force 20,
+    u, free and five sums k (2 k + 17), y 9, the overlap without a force 20,
     the force 9, r and q 7, gap 2, latch 3, p 10 k + 3, ledger 8: together 2 k^2 + 27 k + 61. The
     division counts as one; lanes in which a contact opens or closes take some 20 more.
     What is written twice, such as before + after, counts once; comparisons and signs count nothing.
     """
     k = model.modes
-    return 2 * k**2 + (21 * k + 32 if model.scheme == EXPLICIT else 27 * k + 61)
+    return 2 * k**2 + 27 * k + 61
 
 
 def block_seconds(model: Model, steps: int = 50 * BLOCK) -> float:

@@ -48,8 +48,8 @@ pulse's start, NaN if not |
 | `well`, `well_share` | side of the saddle on which the beam is at the end of its run, and the \
 share of the mass's last swing spent there: 1 where it is proven; 0 and NaN with the model \
 `reference`, whose runs end at their snap; not with `until: snap` |
-| `energy_error` | residual of the energy ledger over the gross work of the pulse; of the \
-conserving scheme about 1e-13, in coarse steps as in fine ones |
+| `energy_error` | residual of the energy ledger over the gross work of the pulse; about \
+1e-13 in coarse steps as in fine ones, but for `reference` |
 | `pulse_work` | work of the whole pulse on mass and beam, pJ; NaN where the run ended before its \
 pulse, at a snap, or failed |
 | `halvings` | how often the step was halved until the ledger closed; histories and traces take \

@@ -73,7 +73,7 @@ ELSEWHERE = {
 SHORT = ("motion", "peers", "sensitivity", "settling")
 LONG = ("coverage", "proofs", "pulses", "steps", "thresholds", "tilt", "tolerances", "validation")
 LONG += ("calibration", "planning", "rigour", "vibration")
-BENCHMARKS = ("scaling", "schemes")
+BENCHMARKS = ("scaling",)
 LONG_BENCHMARKS = ("impacts", "many_devices", "start", "width")
 
 
@@ -170,10 +170,7 @@ def test_stability_in_small(monkeypatch, tmp_path, handout):
     monkeypatch.setattr(settled, "GRID", grid)
     dampings = [0.0, 4e-4, 4e-3]
     jobs.measure_settled(values_of(handout), dampings, at.settled, threads=1)
-    models = {
-        f"5 cosines, {scheme}": {"name": "cosines", "modes": 5, "scheme": scheme}
-        for scheme in ("explicit", "conserving")
-    }
+    models = {"5 cosines": {"name": "cosines", "modes": 5}}
     write(measure(handout, CASES[:1], models, steps=(0.8, 1.05)), at.stability)
     draw.draw_settled(at.settled, dampings[:2], 25.0, str(tmp_path / "settled"))
     draw.draw_stability(at.stability, str(tmp_path / "stability"))

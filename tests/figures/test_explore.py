@@ -24,7 +24,6 @@ from snapmap.solver.cells import to_cells
 from snapmap.solver.kernel.trace import SAMPLE
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import ABSENT, OUTCOMES
-from snapmap.solver.schemes import CONSERVING, EXPLICIT, SCHEMES
 from snapmap.solver.settings import MOVE, Settings
 from snapmap.study import Study
 
@@ -114,22 +113,11 @@ def test_traces_are_the_history(handout, traced, monkeypatch, N, f0, C):
     assert (cell.beam_energy <= cell.energy).all()
 
 
-@pytest.mark.parametrize("scheme", SCHEMES)
-def test_traces_are_the_sweeps_runs(handout, scheme):
-    """They snap when the cube says; also where the sweep halved the step.
-
-    With one step for all that is asked, as the conserving scheme's own differ.
-    """
-    N, f0, options = np.linspace(600, 2400, 12), np.geomspace(100, 3e4, 12), {"scheme": scheme}
-    if scheme == CONSERVING:
-        options["step"] = 0.5
-    cube, model = swept(handout, N=N, f0=f0, **options), MODEL | options
-    traced = trace(handout, cube, model, SETTINGS)
-    dt = steps_of(build_model(handout, **model), N, f0[:, np.newaxis], 1.0)
-    looks = traced.bin_length / (SAMPLE * dt)
-    halved = abs(looks - looks.round()) > 0.1
-    assert halved.any() == (scheme == EXPLICIT), "what is tested is not there"
-
+def test_traces_are_the_sweeps_runs(handout):
+    """They snap when the cube says, with one step for all that is asked."""
+    N, f0, step = np.linspace(600, 2400, 12), np.geomspace(100, 3e4, 12), {"step": 0.5}
+    cube = swept(handout, N=N, f0=f0, **step)
+    traced = trace(handout, cube, MODEL | step, SETTINGS)
     snapped, w_2 = cube.t_snap.notnull(), handout.beam.second_equilibrium
     assert ((traced.w_low <= w_2).any("bin") == snapped).all()
     bin_of_snap = np.floor(cube.t_snap / traced.bin_length)
@@ -179,12 +167,11 @@ def test_a_large_grid_is_thinned_by_whole_strides(cube):
     assert envelopes.thin(cube).sizes == cube.sizes
 
 
-@pytest.mark.parametrize("scheme", SCHEMES)
-def test_a_failed_cell_is_kept_as_far_as_numbers_go(handout, scheme):
+def test_a_failed_cell_is_kept_as_far_as_numbers_go(handout):
     """What blew up, or is beyond the largest numbers, has no trace."""
-    failed = swept(handout, N=[800.0, 2200.0, 1e200], f0=[1000.0], C=[0.025], scheme=scheme)
+    failed = swept(handout, N=[800.0, 2200.0, 1e200], f0=[1000.0], C=[0.025])
     assert failed.outcome.values.ravel()[-1] == OUTCOMES.index("failed")
-    found = trace(handout, failed, MODEL | {"scheme": scheme}, SETTINGS)
+    found = trace(handout, failed, MODEL, SETTINGS)
     last = found.isel(N=-1)
     assert not last.isel(bin=0).energy.isnull()
     assert last.energy.isnull().any()

@@ -96,7 +96,7 @@ def test_a_step_below_the_energy_of_the_tilted_saddle_never_snaps(handout):
 
 
 def test_nothing_depends_on_the_mass(handout):
-    """No C, spring or contact alters a bit, and the schemes agree."""
+    """No C, spring or contact alters a bit, and both loops agree."""
     asked = {"model": "cosines", "modes": 3, "until": "settled", "horizon": 300.0}
     device = alone(handout, damping=4e-3)
     N = np.array([1e5, 1.3e5, 1.4e5])
@@ -105,8 +105,6 @@ def test_nothing_depends_on_the_mass(handout):
     for key in ("t_snap", "t_settled", "pulse_work", "outcome"):
         np.testing.assert_array_equal(first[key][0], first[key][1])
         np.testing.assert_allclose(first[key][0], other[key][0], rtol=1e-10)
-    again = snapmap.sweep(device, N, [F0], [0.0], **asked, scheme="explicit")
-    np.testing.assert_allclose(first.t_snap[0], again.t_snap[0], rtol=2e-3)
     slow = snapmap.sweep(device, N, [F0], [0.0], model="reference")
     np.testing.assert_allclose(first.t_snap[0], slow.t_snap[0], rtol=1e-2)
 

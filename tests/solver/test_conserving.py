@@ -4,21 +4,20 @@ import dataclasses
 
 import numpy as np
 import pytest
+from conserving_loop import assert_followed
 
 import snapmap
 from snapmap.device import batch
 from snapmap.pulse import make_pulse, table
 from snapmap.solver import simd_loop
-from snapmap.solver.bracket import lowest_snap
-from snapmap.solver.cells import to_cells, to_rows
+from snapmap.solver.cells import to_cells
 from snapmap.solver.kernel import rows as R
 from snapmap.solver.kernel.lanes import load
 from snapmap.solver.kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
 from snapmap.solver.kernel.rows import LANES
-from snapmap.solver.kernel.scheme import advance
+from snapmap.solver.kernel.step import advance
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import LATCHED, RETURNED, label
-from snapmap.solver.schemes import CONSERVING, EXPLICIT, SCHEMES
 from snapmap.solver.settings import STAY, Settings
 
 CONTACTS = (40.0, 4000.0, np.inf)
@@ -33,10 +32,6 @@ MODELS = {
 def changed(device, contact, beam_damping=0.0):
     beam = dataclasses.replace(device.beam, damping=beam_damping)
     return dataclasses.replace(device, beam=beam, contact=contact)
-
-
-def conserving(device, name, **options):
-    return build_model(device, name, scheme=CONSERVING, **options)
 
 
 def states(model, N, C, dt, steps):
@@ -64,12 +59,12 @@ def vector(found, which, modes):
 def test_each_step_solves_the_equations_of_the_scheme(handout, contact, dt):
     """With stretch, gap and all means written out from three instants, in numpy."""
     device, C = changed(handout, contact, 4e-4), 25.0
-    model = conserving(device, "cosines", modes=4)
+    model = build_model(device, "cosines", modes=4)
     modal, modes = model.modal, model.modes
     found = states(model, 1500.0, C, dt, 4000)
     heavier = 1 + dt**2 * modal.stiffness / 4
     p, y = vector(found, R.P, modes) / np.sqrt(heavier), found[:, R.Y]
-    a = found[2:, R.SHOCK] / dt**2
+    a = found[2:, R.A] / dt**2
 
     ahead = p[:-1] @ modal.geometric
     q = np.sum(ahead * p[1:], axis=1) + (p[:-1] + p[1:]) @ modal.slope_start
@@ -97,8 +92,31 @@ def test_each_step_solves_the_equations_of_the_scheme(handout, contact, dt):
 
     kinds = (x[1:] > 0).astype(int) + 2 * (x[:-1] > 0)
     assert np.unique(kinds[sure]).tolist() == [0, 1, 2, 3], "a kind of contact is not there"
-    np.testing.assert_allclose(found[1:, R.STRETCH], q, atol=1e-9 * np.abs(q).max())
+    np.testing.assert_allclose(found[1:, R.Q], q, atol=1e-9 * np.abs(q).max())
     np.testing.assert_allclose(found[1:, R.OVERLAP], x, atol=1e-9 * np.abs(x).max())
+
+
+DEVICES = {
+    "soft": ({}, {}),
+    "hard": ({"contact": np.inf}, {}),
+    "gap": ({"gap": 1.0, "contact": 4000.0}, {}),
+    "stops": ({"stop_toward": 4.0, "stop_away": 1.0, "restitution": 0.8}, {}),
+    "damped": ({}, {"damping": 4e-3}),
+    "tilting": ({}, {"free": 1.0, "imperfection": 0.05, "residual_stress": -8.0}),
+}
+
+
+@pytest.mark.parametrize(("dt", "steps"), [(0.05, 1200), (0.4, 150)])
+@pytest.mark.parametrize("name", DEVICES)
+@pytest.mark.parametrize("kind", ["cosines", "elements"])
+def test_the_kernel_follows_the_plain_loop_to_rounding(handout, kind, name, dt, steps):
+    of_device, of_beam = DEVICES[name]
+    beam = dataclasses.replace(handout.beam, **of_beam)
+    device = dataclasses.replace(handout, beam=beam, **of_device)
+    options = {"modes": 3} if kind == "cosines" else {"elements": 3, "modes": 3}
+    model = build_model(device, kind, **options)
+    motion, _ = assert_followed(model, make_pulse("half sine"), 3000.0, 2e4, 25.0, dt, steps)
+    assert np.ptp(motion.y) > 1 and np.ptp(motion.u, axis=0).all()
 
 
 @pytest.mark.parametrize("beam_damping", [0.0, 4e-3])
@@ -107,7 +125,7 @@ def test_each_step_solves_the_equations_of_the_scheme(handout, contact, dt):
 def test_energy_is_conserved_to_rounding(handout, name, contact, beam_damping):
     """Over thousands of impacts, with and without damping, in steps a hundred times apart."""
     device, (kind, options) = changed(handout, contact, beam_damping), MODELS[name]
-    model = conserving(device, kind, **options)
+    model = build_model(device, kind, **options)
     model = dataclasses.replace(model, barrier=model.barrier._replace(energy=0.0))
     cells = to_cells(device, 0, [880.0, 1100.0, 1500.0], 1500.0, [0.0, 0.025, 25.0], 5000.0)
     for factor in (1.0, 10.0, 100.0):
@@ -136,7 +154,6 @@ def test_the_order_is_two_until_contact_opens(handout):
             C=25.0,
             model="cosines",
             modes=3,
-            scheme=CONSERVING,
             step=step,
         )
         early = run.sel(time=slice(20, 300))
@@ -149,24 +166,10 @@ def test_the_order_is_two_until_contact_opens(handout):
     assert orders == pytest.approx(np.full(orders.shape, 2.0), abs=0.3)
 
 
-@pytest.mark.parametrize("contact", CONTACTS)
-def test_both_schemes_have_one_threshold(handout, contact):
-    device = changed(handout, contact)
-    rows = to_rows(0, [500.0, 1500.0], 25.0)
-    asked = rows, (600.0, 1300.0), Settings(300.0), 1e-6
-    by_scheme = [
-        lowest_snap(build_model(device, "cosines", modes=3, scheme=scheme, step=0.2), *asked)
-        for scheme in SCHEMES
-    ]
-    long, short = np.array(by_scheme).T
-    assert np.ptp(long) < 1e-6 * long[0]
-    assert np.ptp(short) < 2e-4 * short[0]  # when impacts fall between two instants still tells
-
-
 def test_no_contact_is_too_stiff(handout):
     """The step knows nothing of contact, and a penalty without end is hard contact."""
-    hard = conserving(changed(handout, np.inf), "cosines", modes=4)
-    stiff = conserving(changed(handout, 1e12), "cosines", modes=4)
+    hard = build_model(changed(handout, np.inf), "cosines", modes=4)
+    stiff = build_model(changed(handout, 1e12), "cosines", modes=4)
     assert hard.steps.longest == stiff.steps.longest
     cells = to_cells(handout, 0, np.linspace(700, 1900, 24), 1500.0, 25.0, 300.0)
     found = [model.follow(cells, Settings(300.0, until="snap")).t_snap for model in (hard, stiff)]
@@ -177,7 +180,7 @@ def test_no_contact_is_too_stiff(handout):
 def test_a_proven_beam_stays_in_its_well(handout):
     """Followed on in the same steps for 10 ms, with hard contact."""
     device = changed(handout, np.inf)
-    model, kept = conserving(device, "cosines", modes=3), 0
+    model, kept = build_model(device, "cosines", modes=3), 0
     cells = to_cells(device, 0, np.linspace(900, 2400, 96), 3000.0, 25.0, 3000.0)
     seen = model.follow_once(cells, Settings(3000.0))
     outcome = label(*seen[:4], Settings().energy_tolerance)
@@ -193,39 +196,14 @@ def test_a_proven_beam_stays_in_its_well(handout):
     assert kept == 8
 
 
-def test_the_scheme_follows_from_one_rule(handout):
-    """Elements with all their modes and a soft contact are explicit, and what is asked for is."""
-    soft, hard = handout, changed(handout, np.inf)
-    assert build_model(soft, "handout").scheme == build_model(soft, "reference").scheme == EXPLICIT
-    assert build_model(soft, "elements", modes=6).scheme == CONSERVING
-    assert build_model(changed(handout, 4000.0), "handout").scheme == CONSERVING
-    assert build_model(hard, "handout").scheme == build_model(soft, "cosines").scheme == CONSERVING
-    assert build_model(hard, "handout", scheme=EXPLICIT).scheme == EXPLICIT
-    assert conserving(soft, "handout").scheme == CONSERVING
-
-
-def test_devices_of_several_schemes_share_a_batch(handout):
+def test_soft_and_hard_contacts_share_a_batch(handout):
     devices = [changed(handout, contact) for contact in (40.0, np.inf, 4000.0, 60.0)]
     model = build_model(batch(devices), "handout")
     cells = to_cells(model.device, np.arange(4), 1300.0, 1500.0, 25.0, 300.0)
     together = model.follow(cells, Settings(300.0))
     for i, device in enumerate(devices):
         alone = build_model(device, "handout")
-        assert model.pick(i).scheme == alone.scheme
         assert model.pick(i).steps.longest == alone.steps.longest
         own = alone.follow(to_cells(device, [0], 1300.0, 1500.0, 25.0, 300.0), Settings(300.0))
         for mixed, single in zip(together[:6], own[:6], strict=True):
             np.testing.assert_array_equal(mixed[i : i + 1], single)
-
-
-@pytest.mark.parametrize(
-    ("name", "scheme", "told"),
-    [
-        ("handout", "implicit", "model.scheme: 'implicit' is not explicit or conserving"),
-        ("reference", CONSERVING, "model.scheme: not an option of reference"),
-        ("auto", CONSERVING, "model.scheme: not an option of auto"),
-    ],
-)
-def test_a_scheme_that_cannot_be_is_named(handout, name, scheme, told):
-    with pytest.raises(ValueError, match=told):
-        snapmap.sweep(handout, [900.0], [1500.0], [25.0], model=name, scheme=scheme)

@@ -22,7 +22,6 @@ from snapmap.solver.outcome import (
     UNSNAPPED,
     label,
 )
-from snapmap.solver.schemes import EXPLICIT
 from snapmap.solver.settings import SNAP, STAY, Settings
 from snapmap.sweeps.cube import summary
 
@@ -148,19 +147,16 @@ def test_no_proof_from_a_run_whose_energy_error_exceeds_its_margin(handout, mode
     built = build_model(device, name, **options, step=1.0).with_step(1.5)
     wild = built.follow_once(to_cells(device, 0, *cells, 3000.0), Settings(3000.0))
     outcome = label(*wild[:4], Settings().energy_tolerance)
-    if built.scheme == EXPLICIT:
-        assert not np.isin(outcome, PROVEN).any()
-    else:  # no step is beyond its limit
-        assert nearby[1][(outcome == NEVER) & away].all() and (outcome == NEVER).any()
+    # No step is beyond its limit.
+    assert nearby[1][(outcome == NEVER) & away].all() and (outcome == NEVER).any()
 
 
 def test_no_proof_below_the_energy_that_a_run_keeps(handout):
-    """Without damping that is the work of the pulse; its ledger wobbles by up to 1e-3 of it."""
+    """Without damping that is the work of the pulse."""
     N, shares = [600.0, 750.0, 850.0, 870.0, 880.0], [*(1 - np.geomspace(1e-7, 1e-2, 11)), 2.0]
 
     def follow_under(energy, device, which, N):
         built = build_model(device, "handout", step=1.0)
-        assert built.scheme == EXPLICIT
         built = dataclasses.replace(built, barrier=built.barrier._replace(energy=energy))
         cells = to_cells(device, which, N, 3000.0, 0.0, 3000.0)
         return built.follow_once(cells, Settings(3000.0))
@@ -193,13 +189,13 @@ def test_with_a_damped_beam_everything_settles(handout):
 def test_beam_damping_is_the_same_in_both_loops(handout):
     device = with_damping(handout, 4e-3)
     cell = {"N": 1000.0, "f0": 1500.0, "C": 25.0, "horizon": 500.0}
-    lanes = snapmap.simulate(device, **cell, model="handout")
+    lanes = snapmap.simulate(device, **cell, model="handout", step=0.4)
     plain = snapmap.simulate(device, **cell, model="reference")
-    early = lanes.time < 400
-    np.testing.assert_allclose(lanes.w_mid[early], plain.w_mid[early], atol=1e-6)
-    np.testing.assert_allclose(
-        lanes.dissipated_energy[early], plain.dissipated_energy[early], atol=1e-5
-    )
+    early = np.linspace(1, 380, 200)
+    for key in ("w_mid", "dissipated_energy"):
+        np.testing.assert_allclose(
+            *(run[key].interp(time=early) for run in (lanes, plain)), atol=1e-3
+        )
     assert lanes.dissipated_energy[-1] > 200
 
 
@@ -213,17 +209,6 @@ def test_the_undamped_ledger_stays_closed(handout, model, duration):
     built = dataclasses.replace(built, barrier=built.barrier._replace(energy=0.0))
     cells = to_cells(handout, 0, [880.0, 1000.0, 1500.0], 1500.0, 0.0, duration)
     assert (built.follow(cells, Settings(duration)).energy_error < 1e-3).all()
-
-
-def test_hard_contact_without_damping_is_given_the_step_it_needs(handout):
-    """Thousands of impacts, each with an error of its own, against the tolerance of the ledger."""
-    device = dataclasses.replace(handout, contact=np.inf)
-    model = build_model(device, "cosines", modes=3, scheme="explicit")
-    model = dataclasses.replace(model, barrier=model.barrier._replace(energy=0.0))
-    cells = to_cells(device, 0, [880.0, 1500.0], 1500.0, 0.0, 2e4)
-    rough = model.follow_once(cells, Settings(2e4)).energy_error
-    assert (model.follow(cells, Settings(2e4)).energy_error < 1e-3).all()
-    assert (rough > 1e-3).any()
 
 
 def test_most_cells_under_the_threshold_end_with_the_pulse(handout):

@@ -10,10 +10,10 @@ from snapmap.device import batch
 from snapmap.pulse import SHAPES, make_pulse, sampled
 from snapmap.solver.bracket import lowest_snap
 from snapmap.solver.cells import to_cells, to_rows
+from snapmap.solver.limits import arch_frequency, bending_limit, stability_limit
 from snapmap.solver.models import build_model
-from snapmap.solver.schemes import CONSERVING, EXPLICIT, arch_frequency, bending_limit, default_step
 from snapmap.solver.settings import EDGE, MOVE, QUESTIONS, SNAP, STAY, Settings
-from snapmap.solver.steps import FEWEST, LONGEST, MORE, PER_SWING, SHORTEST, Steps, fixed
+from snapmap.solver.steps import FEWEST, LONGEST, MORE, OF_LIMIT, PER_SWING, SHORTEST, Steps, fixed
 
 LONGEST_STEPS = {SNAP: 3.0, EDGE: 3.0, STAY: 0.2, MOVE: 0.1}
 RULE = Steps(
@@ -101,7 +101,7 @@ def test_each_device_of_a_batch_has_its_own_steps(handout):
 
 
 def test_who_takes_which_rule(handout):
-    """Conserving models by the arch, however many modes; explicit ones and told steps are fixed."""
+    """The kernel's by the arch, however many modes; the plain loop's and told steps are fixed."""
     for modes in (3, 12):
         model = build_model(handout, "cosines", modes=modes)
         period = np.atleast_1d(1 / arch_frequency(model.modal))
@@ -109,10 +109,10 @@ def test_who_takes_which_rule(handout):
         np.testing.assert_allclose(model.steps.shortest, SHORTEST * period)
         for question in QUESTIONS:
             np.testing.assert_allclose(model.steps.longest[question], LONGEST[question] * period)
-    explicit = build_model(handout, "handout", scheme=EXPLICIT)
-    own = default_step(handout, explicit.modal, whole=True)
-    told = build_model(handout, "cosines", modes=3, scheme=CONSERVING, step=0.5)
-    for model, dt in ((explicit, own), (told, 0.5 * bending_limit(told.modal))):
+    plain = build_model(handout, "reference")
+    own = OF_LIMIT * stability_limit(handout, plain.modal)
+    told = build_model(handout, "cosines", modes=3, step=0.5)
+    for model, dt in ((plain, own), (told, 0.5 * bending_limit(handout, told.modal))):
         assert all(step_of(model.steps, handout, 10.0, question) == dt for question in QUESTIONS)
 
 

@@ -177,13 +177,12 @@ def test_a_model_section_is_taken_whole(handout):
 
 def test_the_ledger_is_asked_for_as_much_as_in_a_sweep(handout):
     """A stricter ledger halves steps, and with them what the threshold leaves open in time."""
-    rows = {"f0": [1500.0], "C": [25.0], "model": "cosines", "modes": 3, "tolerance": 1e-6}
-    rows["scheme"] = "explicit"
+    rows = {"f0": [1500.0], "C": [25.0], "model": "reference", "elements": 2, "tolerance": 1e-5}
     loose, strict = (
-        snapmap.threshold(handout, **rows, energy_tolerance=tolerance) for tolerance in (1e-2, 1e-7)
+        snapmap.threshold(handout, **rows, energy_tolerance=tolerance) for tolerance in (1e-2, 1e-5)
     )
     assert loose.N_first != strict.N_first
-    assert json.loads(strict.config)["sweep"]["energy_tolerance"] == 1e-7
+    assert json.loads(strict.config)["sweep"]["energy_tolerance"] == 1e-5
 
 
 def test_nothing_is_always_above_the_highest_amplitude(handout):

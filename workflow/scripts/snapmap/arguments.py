@@ -18,11 +18,11 @@ from .device import VALUES, Device
 from .pulse import DIRECTIONS, SHAPES, Pulse
 from .quantities import QUANTITIES, Range, range_of
 
-OF_ELEMENTS = ("elements", "mass_matrix", "step", "scheme", "modes")
+OF_ELEMENTS = ("elements", "mass_matrix", "step", "modes")
 OPTIONS = {
     "reference": OF_ELEMENTS[:3],
     **dict.fromkeys(("handout", "elements"), OF_ELEMENTS),
-    "cosines": ("cosines", "modes", "scheme", "step"),
+    "cosines": ("cosines", "modes", "step"),
     "auto": ("tolerance",),
 }
 """Of each model."""
@@ -213,7 +213,6 @@ ARGUMENTS = {
     "model.modes": _whole(1),
     "model.step": _number(range_of("(0, 1]"), "", "0.8"),
     "model.mass_matrix": _word("consistent", "hrz"),
-    "model.scheme": _word("explicit", "conserving"),
     "horizon": _number(range_of("[0, inf)"), "us", "1500"),
     "energy_tolerance": _number(range_of("(0, 1)"), "", "1e-3"),
     "threads": _whole(1, 1024),

@@ -1,4 +1,4 @@
-"""What the time steps of the conserving scheme cost in accuracy, by question: docs/accuracy.md.
+"""What the time steps cost in accuracy, by question: docs/accuracy.md.
 
 PYTHONPATH=workflow/scripts ./run python -m studies.steps [--small]
 """

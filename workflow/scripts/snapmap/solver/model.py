@@ -15,7 +15,6 @@ from ..io.counting import count
 from ..pulse import Pulse
 from .cells import Cells, Observations, no_observations
 from .record import Form, Motion
-from .schemes import CONSERVING
 from .settings import MOVE, Settings
 from .steps import Steps
 
@@ -82,23 +81,19 @@ class Loop(Protocol):
 class Model:
     """A device or a batch, its beam discretised.
 
-    scheme: one of SCHEMES
     loop: imports the time loop when a run begins, as a plan needs no compiler
     basis, modal: its matrices, and their reduced form
     barrier: between the two shapes of that form
     steps: the rule of its time steps
-    proves: whether its energy says where a beam settles; bool, of a batch (devices,)
     """
 
     name: str
-    scheme: str
     loop: Callable[[], Loop]
     device: Device
     basis: Basis
     modal: ModalBeam
     barrier: Barrier
     steps: Steps
-    proves: bool | np.ndarray
 
     @property
     def levels(self) -> tuple["Model"]:
@@ -124,7 +119,6 @@ class Model:
         if np.ndim(self.device.mass) == 0:
             return self
         parts: dict[str, Any] = {"device": self.device.pick(which), "steps": self.steps.pick(which)}
-        parts["proves"] = np.asarray(self.proves)[which]
         for key in ("modal", "barrier"):
             whole = getattr(self, key)
             parts[key] = type(whole)(*(value[which] for value in whole))
@@ -133,14 +127,14 @@ class Model:
     def follow(self, cells: Cells, settings: Settings) -> Observations:
         """Follow every cell as the settings ask; cells of any shape.
 
-        The conserving scheme's steps depend on the question. To learn where a cell stays, it is
-        first followed to the end of its pulse as if to learn whether it snaps; what then is proven
-        never to snap is done. A cell whose ledger does not close is followed again with half the
-        step, up to HALVINGS times; one whose pulse is too short to be followed has failed.
+        Steps depend on the question. To learn where a cell stays, the kernel first follows it to
+        the end of its pulse as if to learn whether it snaps; what then is proven never to snap is
+        done. A cell whose ledger does not close is followed again with half the step, up to
+        HALVINGS times; one whose pulse is too short to be followed has failed.
         """
         flat = Cells(*(np.ravel(column) for column in cells))
         seen, left = no_observations(flat.f0.shape), self._followed(flat, settings)
-        if settings.until == "settled" and self.scheme == CONSERVING:
+        if settings.until == "settled" and self.name != "reference":
             first = self.follow_once(flat.some(left), settings._replace(until="pulse"))
             seen.replace(left, first)
             believed = first.energy_error <= settings.energy_tolerance

@@ -11,8 +11,7 @@ from ..beam.elements import hermite_elements
 from ..beam.modal import contact_stiffness, pulse_load, reduce_to_modes
 from ..device import Device
 from .model import Follows, Loop, Model, mix
-from .schemes import CONSERVING, EXPLICIT, pays_explicit
-from .steps import steps_of
+from .steps import explicit_steps, steps_of
 
 
 def simd() -> Loop:
@@ -34,8 +33,7 @@ def build_model(device: Device, name: str = "handout", **options) -> Follows:
 
     elements (of the half beam), mass_matrix ("consistent", "hrz"), cosines, modes (kept); of a beam
         that is free to tilt as many antisymmetric ones beside them
-    scheme ("explicit", "conserving"), by default the one that is faster for a device
-    step: fraction of the stability limit, above 0 and up to 1
+    step: fraction of the limit of linear stability, above 0 and up to 1
     """
     check_options(device, name, options)
     device.beam.require_second_shape()
@@ -50,21 +48,9 @@ def build_model(device: Device, name: str = "handout", **options) -> Follows:
 
 
 def _kinds(device, name, options):
-    """What a model's build depends on, of each device: free, hard, explicit, as binary digits."""
+    """What a model's build depends on, of each device: free and hard, as binary digits."""
     free, hard = device.beam.free != 0, np.isinf(device.contact)
-    explicit = np.full(np.shape(device.mass), options.get("scheme", EXPLICIT) == EXPLICIT)
-    if name != "reference" and "scheme" not in options:
-        for is_free in np.unique(free):
-            pays = _pays_explicit(device, name, options, is_free)
-            explicit = np.where(free == is_free, pays, explicit)
-    return 4 * free + 2 * hard + explicit
-
-
-def _pays_explicit(device, name, options, is_free):
-    basis = _basis(options, name, is_free)
-    modes = _modes(options, is_free, basis.load.size)
-    whole = basis.complete and modes == basis.load.size
-    return pays_explicit(device, reduce_to_modes(device.beam, basis, modes), whole)
+    return 2 * free + hard
 
 
 def _modes(options, is_free, default):
@@ -74,9 +60,8 @@ def _modes(options, is_free, default):
 
 def _build_alike(device, name, options, kind):
     """A model of devices of one kind, as `_kinds` numbers them."""
-    is_free, is_hard, is_explicit = kind // 4 == 1, kind // 2 % 2 == 1, kind % 2 == 1
+    is_free, is_hard = kind // 2 == 1, kind % 2 == 1
     basis = _basis(options, name, is_free)
-    scheme = EXPLICIT if is_explicit else CONSERVING
     modes, most = _modes(options, is_free, _default_modes(is_hard, name, basis)), basis.load.size
     if modes > most:
         own = options["modes"], most // (1 + is_free)
@@ -88,13 +73,12 @@ def _build_alike(device, name, options, kind):
             f"device.contact: hard needs a residual flexibility, and the {name} model leaves none "
             f"with {modes} of {basis.load.size} modes; write fewer modes, or a contact in N/m"
         )
-    whole = basis.complete and modes == basis.load.size
-    steps = steps_of(device, modal, scheme, whole, options.get("step"))
-    # Elsewhere explicit impacts create energy, and some proofs are false: docs/stability.md.
-    proves = pays_explicit(device, modal, whole) | (not is_explicit)
-    loop = plain if name == "reference" else simd
-    barrier = find_barrier(device.beam, basis, modes)
-    return Model(name, scheme, loop, device, basis, modal, barrier, steps, proves)
+    barrier, step = find_barrier(device.beam, basis, modes), options.get("step")
+    if name == "reference":
+        steps, loop = explicit_steps(device, modal, step), plain
+    else:
+        steps, loop = steps_of(device, modal, step), simd
+    return Model(name, loop, device, basis, modal, barrier, steps)
 
 
 def check_options(device: Device, name: str, options: Mapping) -> None:

@@ -1,4 +1,4 @@
-"""The handout's scheme as a plain loop: the oracle that every faster model is held against."""
+"""The handout's scheme to the letter, central differences, as a plain loop."""
 
 from typing import NamedTuple
 

@@ -10,7 +10,7 @@ from ..numerics.linalg import dot, multiply
 class Motion(NamedTuple):
     """Samples over time of the beam's n coordinates u, the mass's displacement y, and the ledger.
 
-    At instants; the conserving scheme's half way between two, where its energies are known.
+    At instants; the kernel's half way between two, where its energies are known.
 
     time: us
     u, u_velocity: (samples, n); the others (samples,)

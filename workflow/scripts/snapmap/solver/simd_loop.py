@@ -7,14 +7,12 @@ from ..beam.modal import contact_stiffness
 from ..beam.stress import stress_of
 from ..pulse import table
 from .kernel import rows as R
-from .kernel import scheme
 from .kernel.drive import follow_all
 from .kernel.lanes import Facts, Task, load
 from .kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
 from .kernel.rows import LANES
 from .kernel.trace import keep_block, trace_all
 from .record import Form, Motion
-from .schemes import CONSERVING
 
 WINDOW = 128 * BLOCK
 """Steps of a record that are in memory at once."""
@@ -48,9 +46,8 @@ def trace(model, device, dt, pulses, cells, bins, stress=None):
     kept = w_range, instants, np.full(n_cells, -np.inf)
     k = model.modes
     rows = np.empty((0, 1, k + 2)) if stress is None else stress.copy()
-    if model.scheme == CONSERVING:
-        kappa = np.reshape(model.modal.stiffness, (-1, k))[device]
-        rows[:, :-1, :k] *= _shrink(kappa, dt[:, np.newaxis])[: len(rows), np.newaxis]
+    kappa = np.reshape(model.modal.stiffness, (-1, k))[device]
+    rows[:, :-1, :k] *= _shrink(kappa, dt[:, np.newaxis])[: len(rows), np.newaxis]
     rows[:, :-1, k] /= (dt * dt)[: len(rows), np.newaxis]
     devices = coefficients(model, -np.inf)[device]
     trace_all(*empty_lanes(model), devices, dt, table(pulses), cells, rows, kept)
@@ -81,34 +78,29 @@ def record(model, pulse, amplitude, f0, damping, dt, steps):
     modes, k = np.eye(model.modes), np.diag(modal.stiffness)
     form = Form(modes, k, *modal[1:3], modal.midpoint, *modal[6:])
     windows = _pairs(model, (damping, amplitude), (pulse, f0), dt, steps)
-    return form, (_motion(model, form, damping, dt, *window) for window in windows)
+    return form, (_motion(model, damping, dt, *window) for window in windows)
 
 
-def _motion(model, form, damping, dt, first, before, after):
+def _motion(model, damping, dt, first, before, after):
     """Motion of a window of `_pairs`."""
-    modes, at_half = model.modes, model.scheme == CONSERVING
-    middle = (before + after) / 2
-    places, moving = (middle, after) if at_half else (before, middle)
-    shrink = _shrink(model.modal.stiffness, dt) if at_half else np.ones(modes)
-    p, p_step = (R.VECTORS - R.STATE + modes * v + np.arange(modes) for v in (R.P, R.P_STEP))
-    lost = damping * moving[R.SWEPT - R.STATE]
-    lost += model.device.beam.damping * moving[R.BEAM_SWEPT - R.STATE]
-    at_stops = (after if at_half else before)[R.LOST - R.STATE]
-    u, y = shrink * places[p].T, places[R.Y - R.STATE]
+    modes, middle, shrink = model.modes, (before + after) / 2, _shrink(model.modal.stiffness, dt)
+    p, p_step = (R.VECTORS - R.STATE + modes * v + np.arange(modes) for v in (R.P, R.D))
+    lost = damping * after[R.SWEPT - R.STATE]
+    lost += model.device.beam.damping * after[R.BEAM_SWEPT - R.STATE]
     return Motion(
-        time=(first + np.arange(y.size) + at_half / 2) * dt,
-        u=u,
-        u_velocity=shrink * moving[p_step].T / dt,
-        y=y,
-        y_velocity=moving[R.Y_STEP - R.STATE] / dt,
-        stretch=after[R.STRETCH - R.STATE] if at_half else form.stretch(u),
-        work=moving[R.WORK - R.STATE] / (2 * dt**2),
-        lost=lost / (4 * dt) + at_stops / dt**2,
+        time=(first + np.arange(middle.shape[1]) + 0.5) * dt,
+        u=shrink * middle[p].T,
+        u_velocity=shrink * after[p_step].T / dt,
+        y=middle[R.Y - R.STATE],
+        y_velocity=after[R.DY - R.STATE] / dt,
+        stretch=after[R.Q - R.STATE],
+        work=after[R.WORK - R.STATE] / (2 * dt**2),
+        lost=lost / (4 * dt) + after[R.LOST - R.STATE] / dt**2,
     )
 
 
 def _shrink(stiffness, dt):
-    """Coordinates over those of the conserving scheme."""
+    """Coordinates over those of the kernel."""
     return 1 / np.sqrt(1 + dt * dt * stiffness / 4)
 
 
@@ -118,7 +110,7 @@ def _pairs(model, load_of_cell, shock, dt, steps):
     X, pulses, pulse_state = lanes[0], table([pulse]), no_pulse()
     load(*lanes, 0, coefficients(model, -np.inf)[0], *load_of_cell, dt)
     begin_pulse(X, 0, pulse_state, pulses, 0, f0 * dt)
-    shocks, rows = np.zeros(BLOCK * LANES), R.VECTORS + R.SCRATCH * model.modes - R.STATE
+    shocks, rows = np.zeros(BLOCK * LANES), R.VECTORS + R.U * model.modes - R.STATE
     for first in range(0, steps, WINDOW):
         before, after = np.empty((2, min(WINDOW, steps - first), rows))
         for step in range(0, len(before), BLOCK):
@@ -135,10 +127,9 @@ def coefficients(model, target):
     model: a `Model`; target: w(L/2) from rest at which a run counts as snapped, um; -inf for never
     """
     device, modal, barrier = model.device, model.modal, model.barrier
-    proves_below = np.where(model.proves, barrier.energy, 0.0)
     numbers = [
         *(modal.axial, modal.residual, contact_stiffness(device, modal.residual), device.mass),
-        *(device.spring, target, proves_below, barrier.midpoint, device.gap),
+        *(device.spring, target, barrier.energy, barrier.midpoint, device.gap),
         *(device.beam.damping, device.stop_toward, device.stop_away, device.restitution),
     ]
     vectors = modal.stiffness, *modal[2:5]
@@ -149,9 +140,8 @@ def coefficients(model, target):
 
 
 def empty_lanes(model):
-    """X, shape and scheme, as the kernels of a model take them."""
-    taken = scheme.CONSERVING if model.scheme == CONSERVING else scheme.EXPLICIT
-    return work_array(model.modes), (0,) * model.modes, taken
+    """X and shape, as the kernels of a model take them."""
+    return work_array(model.modes), (0,) * model.modes
 
 
 def snap_target(model):
@@ -161,5 +151,5 @@ def snap_target(model):
 
 def work_array(modes):
     """Zeros for X, from the start of a cache line, where wide vector loads are fastest."""
-    padded = np.zeros((R.VECTORS + (R.GEOMETRIC + modes) * modes) * LANES + 8)
+    padded = np.zeros((R.VECTORS + (R.S + modes) * modes) * LANES + 8)
     return padded[(-padded.ctypes.data // 8) % 8 :][: padded.size - 8]

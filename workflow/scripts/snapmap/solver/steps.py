@@ -9,14 +9,17 @@ from ..beam.modal import ModalBeam
 from ..device import Device
 from ..pulse import Pulse
 from .cells import Cells
-from .schemes import EXPLICIT, arch_frequency, default_step, stability_limit
+from .limits import arch_frequency, bending_limit, stability_limit
 from .settings import EDGE, MOVE, QUESTIONS, SNAP, STAY
 
+# ASSUME: chosen by measurement, see docs/stability.md.
+OF_LIMIT = 0.8
+"""Step of central differences over their limit of stability."""
 FEWEST = 16
 """Steps in each swing of any pulse: its sum is then exact to 1e-4."""
 MORE = 1.5
 """No factor makes the steps of the shortest pulses longer than so many times."""
-# ASSUME: the steps of the conserving scheme are chosen by measurement, see docs/accuracy.md.
+# ASSUME: the steps are chosen by measurement, see docs/accuracy.md.
 PER_SWING = 500
 """Steps in each swing of a pulse that is slow for the device."""
 SHORTEST = 0.15
@@ -97,23 +100,22 @@ def fixed(dt: np.ndarray) -> Steps:
     return Steps(dict.fromkeys(QUESTIONS, dt), dt, dt, np.zeros(dt.shape, bool), FEWEST)
 
 
-def steps_of(
-    device: Device, modal: ModalBeam, scheme: str, whole: bool, step: float | None
-) -> Steps:
+def explicit_steps(device: Device, modal: ModalBeam, step: float | None) -> Steps:
+    """The rule of central differences; step: over their limit, by default OF_LIMIT."""
+    return fixed(np.atleast_1d((step or OF_LIMIT) * stability_limit(device, modal)))
+
+
+def steps_of(device: Device, modal: ModalBeam, step: float | None) -> Steps:
     """The rule of a device or a batch.
 
-    whole: as in `schemes.pays_explicit`; step: over the limit of linear stability, the same for all
-        questions; by default that of the explicit scheme, or the one that the question needs
+    step: over the limit of linear bending, the same for all questions; by default as long as the
+        question needs
     """
-    if step is None and scheme != EXPLICIT:
-        period = np.atleast_1d(1 / arch_frequency(modal))
-        longest = {question: turn * period for question, turn in LONGEST.items()}
-        has_gap = np.greater(device.gap, 0) & np.isfinite(device.gap)
-        apart = np.broadcast_to(has_gap | device.has_stops, period.shape)
-        lengths, shares = (SHORTEST * period, BLOWS * period), (MOST, CORNERED, STRIKING)
-        return Steps(longest, *lengths, apart, PER_SWING, *shares)
-    if step is None:
-        dt = default_step(device, modal, whole)
-    else:
-        dt = step * stability_limit(device, modal, scheme)
-    return fixed(np.atleast_1d(dt))
+    if step is not None:
+        return fixed(np.atleast_1d(step * bending_limit(device, modal)))
+    period = np.atleast_1d(1 / arch_frequency(modal))
+    longest = {question: turn * period for question, turn in LONGEST.items()}
+    has_gap = np.greater(device.gap, 0) & np.isfinite(device.gap)
+    apart = np.broadcast_to(has_gap | device.has_stops, period.shape)
+    lengths, shares = (SHORTEST * period, BLOWS * period), (MOST, CORNERED, STRIKING)
+    return Steps(longest, *lengths, apart, PER_SWING, *shares)

@@ -49,7 +49,7 @@ VARIABLES = {
     "energy_error": {
         "long_name": "residual of the energy ledger over the gross work of the pulse",
         "units": "1",
-        "comment": "of what the scheme conserves, or beyond a tenth of the energy at whole steps",
+        "comment": "of the energy that the scheme conserves",
     },
     "pulse_work": {
         "long_name": "work of the pulse on mass and beam",

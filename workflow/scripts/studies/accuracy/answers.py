@@ -59,7 +59,7 @@ def _identity(case):
     """What tells cases apart; equal for those that differ in name and family alone."""
     model = case.model
     numbers = model.steps.longest[EDGE].item(), model.device.contact, model.modal.residual
-    return model.scheme, model.modes, *map(float, numbers), case.settings.horizon
+    return model.name, model.modes, *map(float, numbers), case.settings.horizon
 
 
 def _ask_case(case, probe):

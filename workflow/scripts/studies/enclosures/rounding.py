@@ -9,12 +9,11 @@ from flint import arb
 from snapmap.pulse import table
 from snapmap.solver import simd_loop
 from snapmap.solver.kernel import rows as R
-from snapmap.solver.kernel import scheme
-from snapmap.solver.kernel.energy import conserved_energies, whole_step_energies
+from snapmap.solver.kernel.energy import energies
 from snapmap.solver.kernel.lanes import load
 from snapmap.solver.kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
 from snapmap.solver.kernel.rows import LANES
-from snapmap.solver.schemes import CONSERVING
+from snapmap.solver.kernel.step import advance
 
 from . import passes
 
@@ -43,11 +42,11 @@ def in_python(function):
     return FunctionType(own.__code__, {**own.__globals__, **called})
 
 
-CONSERVED, WHOLE = in_python(conserved_energies), in_python(whole_step_energies)
+ENERGIES = in_python(energies)
 
 
 def states(model, pulse, cell, steps):
-    """X one step before each look, and at it; cell: amplitude (um/us^2), f0 (1/us), C and dt."""
+    """X and V one step before each look, and at it; cell: amplitude (um/us^2), f0, C and dt."""
     amplitude, f0, damping, dt = cell
     lanes, pulses, state = simd_loop.empty_lanes(model), table([pulse]), no_pulse()
     X, shocks = lanes[0], np.zeros(BLOCK * LANES)
@@ -56,94 +55,72 @@ def states(model, pulse, cell, steps):
     for step in range(0, steps, BLOCK):
         state.steps[:] = step
         set_out(X, shocks, state, pulses)
-        scheme.advance(*lanes, shocks, 0, BLOCK - 1)
-        before = X.copy()
-        scheme.advance(*lanes, shocks, BLOCK - 1, 1)
-        yield before, X.copy()
+        advance(*lanes, shocks, 0, BLOCK - 1)
+        before = X[::LANES].copy()
+        advance(*lanes, shocks, BLOCK - 1, 1)
+        yield _views(before, model.modes), _views(X[::LANES].copy(), model.modes)
 
 
-def form_of(X, modes):
-    """The modal form and the barrier that the rows of lane 0 hold, in the units of the kernel."""
+def _views(rows, modes):
+    """X and V of lane 0."""
+    return rows[: R.VECTORS, np.newaxis], rows[R.VECTORS :].reshape(R.S + modes, modes, 1)
 
-    def vector(name):
-        return X[[(R.VECTORS + name * modes + i) * LANES for i in range(modes)]]
 
-    geometric = np.array([vector(R.GEOMETRIC + i) for i in range(modes)])
-    numbers = vector(R.STIFFNESS), vector(R.SLOPE_START), vector(R.MIDPOINT), X[R.AXIAL * LANES]
-    keys = "stiffness", "slope_start", "midpoint", "axial"
-    form = SimpleNamespace(**dict(zip(keys, numbers, strict=True)), geometric=geometric)
-    held = SimpleNamespace(energy=X[R.BARRIER * LANES], midpoint=X[R.SADDLE * LANES])
-    return form, held
+def form_of(X, V):
+    """The modal form and the barrier that the rows hold, in the units of the kernel."""
+    V, X = V[..., 0], X[:, 0]
+    numbers = {"stiffness": V[R.KAPPA], "slope_start": V[R.SQ0], "midpoint": V[R.E]}
+    form = SimpleNamespace(**numbers, axial=X[R.AXIAL], geometric=V[R.S :])
+    return form, SimpleNamespace(energy=X[R.BARRIER], midpoint=X[R.SADDLE])
 
 
 def looks(model, pulse, cell, steps):
-    """`Look`s at a run without stops, of either scheme; and over the barrier what encloses it."""
-    shape, found = (0,) * model.modes, []
+    """`Look`s at a run without stops; and over the barrier what encloses it."""
+    found = []
     for before, after in states(model, pulse, cell, steps):
-        if model.scheme == CONSERVING:
-            seen = _conserving(before, after, shape, cell[2] * cell[3])
-        else:
-            exact = WHOLE(_balls(before), _balls(after), _balls(after), shape, 0)[:3]
-            energy, told = sum(exact, arb(0)), sum(WHOLE(before, after, after, shape, 0)[:3])
-            seen = energy, arb(float(told)), arb(0), energy
-        barrier = arb(float(after[R.BARRIER * LANES]))
+        seen = _seen(before, after, cell[2] * cell[3])
+        barrier = arb(float(after[0][R.BARRIER, 0]))
         found.append(Look(*(value / barrier for value in seen)))
-    return found, passes.floor(*form_of(after, model.modes)) / barrier
+    return found, passes.floor(*form_of(*after)) / barrier
 
 
-def _conserving(before, after, shape, drag):
-    told = arb(float(sum(CONSERVED(after, shape, 0)[:3])))
+def _seen(before, after, drag):
+    told = arb(float(_energy(*after)))
     first, last = _balls(before), _balls(after)
-    for X in (first, last):
-        _remember(X, len(shape))
-    energies = [sum(CONSERVED(X, shape, 0)[:3], arb(0)) for X in (first, last)]
-    drift = energies[1] - energies[0] + _taken(first, last, len(shape), arb(float(drag)))
-    last[R.STRETCH * LANES] = _stretch_between(last, len(shape), False)
-    equation = sum(CONSERVED(last, shape, 0)[:3], arb(0))
-    return energies[1], told, drift, equation
+    for state in (first, last):
+        _remember(*state)
+    kept = [_energy(*state) for state in (first, last)]
+    drift = kept[1] - kept[0] + _taken(first, last, arb(float(drag)))
+    last[0][R.Q, 0] = _stretch_between(last[1], False)
+    return kept[1], told, drift, _energy(*last)
 
 
-def _balls(X):
-    return {i: arb(float(X[i])) for i in range(0, X.size, LANES)}
+def _energy(X, V):
+    return sum(ENERGIES(X, V, V.shape[1], 0)[:3])
 
 
-def _component(X, name, i, modes):
-    return X[(R.VECTORS + name * modes + i) * LANES]
+def _balls(state):
+    return tuple(np.vectorize(lambda value: arb(float(value)), otypes="O")(part) for part in state)
 
 
-def _remember(X, modes):
+def _remember(X, V):
     """What a state holds twice, stretch and overlap at the half step, from its positions."""
-    w = arb(0)
-    for i in range(modes):
-        p, d, e = (_component(X, name, i, modes) for name in (R.P, R.P_STEP, R.MIDPOINT))
-        w += e * (p - d / 2)
-    y = X[R.Y * LANES] - X[R.Y_STEP * LANES] / 2
-    X[R.OVERLAP * LANES] = w - y - X[R.GAP * LANES]
-    X[R.STRETCH * LANES] = _stretch_between(X, modes, True)
+    y, w = X[R.Y, 0] - X[R.DY, 0] / 2, np.sum(V[R.E] * (V[R.P] - V[R.D] / 2))
+    X[R.OVERLAP, 0] = w - y - X[R.Z0, 0]
+    X[R.Q, 0] = _stretch_between(V, True)
 
 
-def _stretch_between(X, modes, of_both):
+def _stretch_between(V, of_both):
     """p.S p+ + (p + p+).S q0 of two instants, or of the mean of them the stretch itself."""
-    ends = []
-    for i in range(modes):
-        p, d = (_component(X, name, i, modes) for name in (R.P, R.P_STEP))
-        ends.append((p - d, p) if of_both else (p - d / 2, p - d / 2))
-    total = arb(0)
-    for i, (a, b) in enumerate(ends):
-        total += (a + b) * _component(X, R.SLOPE_START, i, modes)
-        for j, (c, f) in enumerate(ends):
-            total += _component(X, R.GEOMETRIC + i, j, modes) * (a * f + b * c) / 2
-    return total
+    p, d = V[R.P, :, 0], V[R.D, :, 0]
+    a, b = (p - d, p) if of_both else (p - d / 2, p - d / 2)
+    return np.sum(a * np.sum(V[R.S :, :, 0] * b, axis=1)) + np.sum((a + b) * V[R.SQ0, :, 0])
 
 
-def _taken(first, last, modes, drag):
+def _taken(first, last, drag):
     """By damping, less the work of the pulse, in the step between two states; drag: C dt."""
-    swept = arb(0)
-    work = last[R.MASS * LANES] * (first[R.Y_STEP * LANES] + last[R.Y_STEP * LANES])
-    for i in range(modes):
-        way = _component(first, R.P_STEP, i, modes) + _component(last, R.P_STEP, i, modes)
-        work += _component(last, R.LOAD, i, modes) * way
-        swept += way * way
-    way = first[R.Y_STEP * LANES] + last[R.Y_STEP * LANES]
-    lost = drag * way * way + last[R.BEAM_DAMPING * LANES] * swept
-    return lost / 4 + last[R.SHOCK * LANES] * work / 2
+    (X, V), (X_before, V_before) = last, first
+    y, p = X_before[R.DY, 0] + X[R.DY, 0], V_before[R.D, :, 0] + V[R.D, :, 0]
+    work = X[R.M, 0] * y + np.sum(V[R.F, :, 0] * p)
+    lost = drag * y * y + X[R.ALPHA, 0] * np.sum(p * p)
+    return lost / 4 + X[R.A, 0] * work / 2

@@ -8,7 +8,6 @@ import numpy as np
 from snapmap.device import Device
 from snapmap.shape import BISTABILITY_LIMIT
 from snapmap.solver.kernel.rows import LANES
-from snapmap.solver.schemes import EXPLICIT, SCHEMES
 
 APART = 1e-9
 """The amplitudes of a case's cells lie this share apart."""
@@ -56,7 +55,7 @@ CASES = (
     Case("chaotic", 1500.0, C=25.0, horizon=6000.0, cells=64),
     Case("chaotic, damped beam", 1500.0, C=25.0, horizon=6000.0, beam_damping=4e-4, cells=64),
 )
-SIMD_MODELS = {
+MODELS = {
     "1 cosine": {"name": "cosines", "modes": 1},
     "2 cosines": {"name": "cosines", "modes": 2},
     "3 cosines": {"name": "cosines", "modes": 3},
@@ -68,13 +67,9 @@ SIMD_MODELS = {
     "5 elements, HRZ": {"name": "handout", "elements": 5, "mass_matrix": "hrz"},
     "20 elements": {"name": "handout", "elements": 20},
     "20 elements, 4 modes": {"name": "elements", "elements": 20, "modes": 4},
+    "reference": {"name": "reference"},
 }
-MODELS = {
-    f"{name}, {scheme}": {**options, "scheme": scheme}
-    for name, options in SIMD_MODELS.items()
-    for scheme in SCHEMES
-} | {f"plain loop, {EXPLICIT}": {"name": "reference"}}
-"""Name and options of each model, by what the figure calls it: what it is, and its scheme."""
+"""Name and options of each model, by what the figure calls it."""
 
 
 def changed(device: Device, case: Case) -> Device:

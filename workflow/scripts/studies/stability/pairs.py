@@ -1,7 +1,6 @@
 """One case with one model: follow its cells at every step and judge what was found."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -10,9 +9,9 @@ from snapmap.device import Device
 from snapmap.solver.bracket import lowest_snap
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.kernel.rows import LANES
+from snapmap.solver.limits import bending_limit, stability_limit
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import FAILED, label
-from snapmap.solver.schemes import stability_limit
 from snapmap.solver.settings import Settings
 
 from ..stepped import stepped
@@ -37,11 +36,11 @@ def measure_pair(
     """
     device = changed(device, case)
     try:
-        # Explicit proofs are judged here even where no sweep believes them.
-        model = replace(build_model(device, **options), proves=True)
+        model = build_model(device, **options)
     except ValueError:
         return _blank(steps, REFUSED)
-    limit = stability_limit(device, model.modal, model.scheme)
+    limit_of = stability_limit if model.name == "reference" else bending_limit
+    limit = limit_of(device, model.modal)
     default = _default_step(device, model, case)
     values = _blank(steps, LEFT_OUT) | {"limit": limit, "default_step": default / limit}
     search = [FINE_STEPS[0] * limit] * 4 * case.of_threshold  # a dozen runs, over at the snap

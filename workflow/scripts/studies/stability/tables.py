@@ -5,7 +5,6 @@ from itertools import product
 import numpy as np
 
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, OUTCOMES, RETURNED, SNAPPED, UNSNAPPED
-from snapmap.solver.schemes import SCHEMES
 
 from .verdicts import (
     CAUGHT,
@@ -27,26 +26,18 @@ MARKS = {
 
 def tables(cases, settled):
     """Of the hard cases and of the settled cells, as Markdown."""
-    made = [
-        f"{scheme}:\n\n{make(cases, scheme)}"
-        for make in (default_table, step_table)
-        for scheme in SCHEMES
-    ]
-    return "\n\n".join([*made, wrong_list(cases), settled_table(settled)]) + "\n"
+    made = default_table(cases), step_table(cases), wrong_list(cases), settled_table(settled)
+    return "\n\n".join(made) + "\n"
 
 
-def default_table(cases, scheme):
-    """What a sweep gives for every case (rows) and model (columns) with a scheme."""
-    models = _models_of(cases, scheme)
+def default_table(cases):
+    """What a sweep gives for every case (rows) and model (columns)."""
+    models = cases.model.values.tolist()
     rows = [
         [case, *(_default_entry(cases.sel(case=case, model=model)) for model in models)]
         for case in cases.case.values
     ]
-    return _table(["case", *(model.removesuffix(f", {scheme}") for model in models)], rows)
-
-
-def _models_of(cases, scheme):
-    return [model for model in cases.model.values.tolist() if model.endswith(f", {scheme}")]
+    return _table(["case", *models], rows)
 
 
 def _default_entry(pair):
@@ -58,9 +49,8 @@ def _default_entry(pair):
     return MARKS.get(verdict, "{}").format(f"{outcome} {error:.0e}{halved}")
 
 
-def step_table(cases, scheme):
-    """How many pairs of case and model with a scheme have which verdict, for each step."""
-    cases = cases.sel(model=_models_of(cases, scheme))
+def step_table(cases):
+    """How many pairs of case and model have which verdict, for each step."""
     shown = [code for code, name in enumerate(VERDICTS) if name != "unchecked"]
     rows = [
         [f"{step:g}", *((cases.verdict.sel(step=step) == code).sum().item() for code in shown)]

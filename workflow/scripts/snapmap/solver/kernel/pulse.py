@@ -8,7 +8,7 @@ from ...numerics import pieces as curve
 from ...numerics.arithmetic import fma, sine, widen_vectors
 from ...numerics.kept_kernels import compiled, inlined
 from . import rows as R
-from .rows import LANES, row
+from .rows import LANES, numbers
 
 BLOCK = 64
 """Steps between two looks at the lanes; the pulse is set out for so many at a time."""
@@ -35,41 +35,41 @@ def no_pulse():
 
 
 @compiled
-def begin_pulse(X, l, state, pulses, pulse, x_step):
+def begin_pulse(work, l, state, pulses, pulse, x_step):
     """Begin a pulse in lane l; pulses: as in `Task`; x_step: f0 dt."""
     bounds, jumps = pulses[1:]
     state.pulse[l], state.piece[l], state.steps[l] = pulse, bounds[pulse] - 1, 0
     state.lasts[l] = curve.lasts(jumps[pulse, 1], x_step)
-    X[row(R.X_STEP, l)] = x_step
+    numbers(work)[R.X_STEP, l] = x_step
 
 
 @compiled
-def set_out(X, shocks, state, pulses):
+def set_out(work, shocks, state, pulses):
     """a dt^2 of every lane and each step of the next block, in rows as X has them."""
     pieces, bounds, jumps = pulses
-    joined = 0
+    X, joined = numbers(work), 0
     for l in range(LANES):
-        steps, pulse, step = state.steps[l], state.pulse[l], X[row(R.X_STEP, l)]
+        steps, pulse, step = state.steps[l], state.pulse[l], X[R.X_STEP, l]
         left = state.lasts[l] - steps
-        X[row(R.PULSE_LEFT, l)] = left
+        X[R.PULSE_LEFT, l] = left
         if left <= 0:
             # What a lane goes on with must not grow: denormal numbers would slow down all.
             for name in range(R.PIECE, R.PULSE_LEFT):
-                X[row(name, l)] = 0.0
+                X[name, l] = 0.0
             continue
         end, x = bounds[pulse + 1], step * steps
         k = curve.at(pieces, max(state.piece[l], bounds[pulse]), end, x)
         if k != state.piece[l]:
             state.piece[l] = k
             for column in range(curve.COLUMNS):
-                X[row(R.PIECE + column, l)] = pieces[k, column]
-            X[row(R.TURN, l)] = 4 * sine(X[row(R.TURNS, l)] * step / 2) ** 2
-        X[row(R.PULSE, l)] = x
+                X[R.PIECE + column, l] = pieces[k, column]
+            X[R.TURN, l] = 4 * sine(X[R.TURNS, l] * step / 2) ** 2
+        X[R.PULSE, l] = x
         joins = k + 1 < end and pieces[k + 1, curve.BEGIN] < x + BLOCK * step
         joins |= steps == 0 and jumps[pulse, 0] != 0
         joins |= left <= BLOCK + 1 and jumps[pulse, 1] != 0
         joined |= joins << l
-    go_on(X, shocks)
+    go_on(work, shocks)
     for l in range(LANES):
         if joined >> l & 1:
             set_out_joined(X, shocks, l, state, pulses)
@@ -79,34 +79,35 @@ def set_out(X, shocks, state, pulses):
 def set_out_joined(X, shocks, l, state, pulses):
     """The same of a lane in whose block pieces join, or the pulse jumps."""
     pieces, bounds, jumps = pulses
-    pulse, k, step = state.pulse[l], state.piece[l], X[row(R.X_STEP, l)]
+    pulse, k, step = state.pulse[l], state.piece[l], X[R.X_STEP, l]
     for i in range(BLOCK):
         x = step * (state.steps[l] + i)
         k = curve.at(pieces, k, bounds[pulse + 1], x)
         sample = curve.sample(pieces, k, (jumps[pulse, 0], jumps[pulse, 1]), x, step)
-        shocks[i * LANES + l] = X[row(R.AMPLITUDE, l)] * sample
+        shocks[i * LANES + l] = X[R.AMPLITUDE, l] * sample
 
 
 @compiled
-def go_on(X, shocks):
+def go_on(work, shocks):
     """Follow each lane's piece through a block, from x = PULSE on.
 
     By the recurrence of a sine of phase p a step: v+ - 2 v + v- = 4 sin^2(p/2) (centre - v).
     """
     widen_vectors()
+    X = numbers(work)
     for l in range(LANES):
-        s, turns = X[row(R.PULSE, l)] - X[row(R.BEGIN, l)], X[row(R.TURNS, l)]
-        slope, lift, swing = X[row(R.SLOPE, l)], X[row(R.LIFT, l)], X[row(R.SWING, l)]
-        X[row(R.PULSE, l)] = curve.form(X[row(R.START, l)], slope, turns, lift, swing, s)
-        last = curve.increment(slope, turns, lift, swing, s, X[row(R.X_STEP, l)])
-        X[row(R.PULSE_STEP, l)] = last
+        s, turns = X[R.PULSE, l] - X[R.BEGIN, l], X[R.TURNS, l]
+        slope, lift, swing = X[R.SLOPE, l], X[R.LIFT, l], X[R.SWING, l]
+        X[R.PULSE, l] = curve.form(X[R.START, l], slope, turns, lift, swing, s)
+        last = curve.increment(slope, turns, lift, swing, s, X[R.X_STEP, l])
+        X[R.PULSE_STEP, l] = last
     for step in range(BLOCK):
         for l in range(LANES):
-            pulse, left = X[row(R.PULSE, l)], X[row(R.PULSE_LEFT, l)]
-            bend = X[row(R.START, l)] + X[row(R.LIFT, l)] - pulse
-            pulse_step = fma(X[row(R.TURN, l)], bend, X[row(R.PULSE_STEP, l)])
-            X[row(R.PULSE_STEP, l)] = pulse_step
-            X[row(R.PULSE, l)] = pulse + pulse_step
-            X[row(R.PULSE_LEFT, l)] = left - 1.0
-            a = X[row(R.AMPLITUDE, l)] * pulse if left > 0.0 else 0.0
+            pulse, left = X[R.PULSE, l], X[R.PULSE_LEFT, l]
+            bend = X[R.START, l] + X[R.LIFT, l] - pulse
+            pulse_step = fma(X[R.TURN, l], bend, X[R.PULSE_STEP, l])
+            X[R.PULSE_STEP, l] = pulse_step
+            X[R.PULSE, l] = pulse + pulse_step
+            X[R.PULSE_LEFT, l] = left - 1.0
+            a = X[R.AMPLITUDE, l] * pulse if left > 0.0 else 0.0
             shocks[step * LANES + l] = a

@@ -1,39 +1,61 @@
-"""The rows of the work array X; what each is stands in docs/theory.md, section "Symbols".
+"""The rows of the work array; what each is stands in docs/theory.md, section "Symbols".
 
-All state and coefficients of the cells in flight stand in one flat array, row r of lane l at
-X[r * LANES + l]: only so does the compiler see that rows never alias, and vectorises over lanes.
-Times are counted in steps, forces are times dt^2. Modules import this one as R.
+All state and coefficients of the cells in flight stand in one flat array, a row of LANES numbers
+for each letter. Times are counted in steps, forces are times dt^2. Modules import this one as R:
+X[R.Y, l] is y of lane l, V[R.P, i, l] component i of p, and V[R.S + i, j, l] S_ij.
 """
+
+from numba import carray, int64, types
+from numba.extending import intrinsic
 
 from ...numerics.kept_kernels import inlined
 
 LANES = 16
 
 # Rows of one number: the device's; the cell's; scratch; from STATE on, the state at instant n.
-AXIAL, RESIDUAL, CONTACT, MASS, SPRING, TARGET, BARRIER, SADDLE = range(8)
-GAP, BEAM_DAMPING, STOP_TOWARD, STOP_AWAY, RESTITUTION = range(8, 13)
-AMPLITUDE, KEEP, MOBILITY, BEAM_KEEP, BEAM_MOBILITY = range(13, 18)
+AXIAL, RESIDUAL, CONTACT, M, K, TARGET, BARRIER, SADDLE = range(8)
+Z0, ALPHA, STOP_TOWARD, STOP_AWAY, RESTITUTION = range(8, 13)
+AMPLITUDE, KEEP, B, BEAM_KEEP, BEAM_B = range(13, 18)
 X_STEP, PIECE = 18, 19
 BEGIN, START, SLOPE, TURNS, LIFT, SWING, TURN, PULSE, PULSE_STEP, PULSE_LEFT = range(19, 29)
-HALF_CONTACT, TENSION, SOFTENING, COMPLIANCE = range(29, 33)
-SHOCK, W_FREE, Y_FREE, OVERLAP_FREE, OVERLAP_GIVE = range(33, 38)
-STRETCH_FREE, INVERSE, ALONG, FORCE, SWITCHES = range(38, 43)
-LAST_SWING, SINCE, BEYOND_SINCE, WORST, PROVEN_BEFORE = range(43, 48)
-STATE = 48
-Y, Y_STEP, STRETCH, OVERLAP = range(48, 52)
-W_BEFORE, W, COUNT, WORK, GROSS_WORK, SWEPT, BEAM_SWEPT, BEYOND, LOST = range(52, 61)
+HALF_CONTACT, GAMMA, SOFTENING, COMPLIANCE = range(29, 33)
+A, EP, DY_FREE, OVERLAP_FREE, BETA = range(33, 38)
+Q_FREE, INVERSE, EU, FORCE, SWITCHES = range(38, 43)
+LAST_SWING, SINCE, BEYOND_SINCE, WORST = range(43, 47)
+STATE = 47
+Y, DY, Q, OVERLAP = range(47, 51)
+W_BEFORE, W, COUNT, WORK, GROSS_WORK, SWEPT, BEAM_SWEPT, BEYOND, LOST = range(51, 60)
 # Vectors of k rows, from row VECTORS on: the state; scratch; the device's; S, k vectors.
-VECTORS = 61
-P, P_STEP, SCRATCH, FREE, STIFFNESS, SLOPE_START, LOAD, MIDPOINT, GEOMETRIC = range(9)
+VECTORS = 60
+P, D, U, D_FREE, KAPPA, SQ0, F, E, S = range(9)
+
+
+@intrinsic
+def address(context, array, first):
+    """Where the number `first` of a flat array stands."""
+
+    def build(context, builder, signature, arguments):
+        data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+        return builder.gep(data, [arguments[1]])
+
+    return types.CPointer(types.float64)(array, int64), build
 
 
 @inlined
-def row(name, l):
-    """Place in X of a row of one number, lane l."""
-    return name * LANES + l
+def numbers(work):
+    """X, the rows of one number.
+
+    The compiler knows its size and that of V; only so does it see that no two rows overlap, and
+    vectorises over lanes.
+    """
+    return carray(address(work, 0), (VECTORS, LANES))
 
 
 @inlined
-def at(vector, i, modes, l):
-    """Place in X of component i of a vector, lane l."""
-    return (VECTORS + vector * modes + i) * LANES + l
+def vectors(work, modes):
+    """V, the rows of vectors.
+
+    `modes` is handed on to all that loops over them: from V's own shape the compiler learns it too
+    late to unroll.
+    """
+    return carray(address(work, VECTORS * LANES), (S + modes, modes, LANES))

@@ -4,64 +4,62 @@ import numpy as np
 
 from ...numerics.kept_kernels import compiled, inlined
 from . import rows as R
-from .energy import half_step_midpoint
-from .rows import LANES, row
+from .rows import LANES, numbers
 
 
 @compiled
-def has_stops(X):
+def has_stops(work):
     """Whether the mass of any lane has one; an empty lane has zeros there."""
-    some = False
+    X, some = numbers(work), False
     for l in range(LANES):
-        some |= 0.0 < X[row(R.STOP_TOWARD, l)] < np.inf
-        some |= 0.0 < X[row(R.STOP_AWAY, l)] < np.inf
+        some |= 0.0 < X[R.STOP_TOWARD, l] < np.inf
+        some |= 0.0 < X[R.STOP_AWAY, l] < np.inf
     return some
 
 
 @inlined
 def is_beyond(X, l):
     """Whether the mass of lane l is beyond a stop."""
-    y = X[row(R.Y, l)]
-    return (y < -X[row(R.STOP_TOWARD, l)]) | (y > X[row(R.STOP_AWAY, l)])
+    y = X[R.Y, l]
+    return (y < -X[R.STOP_TOWARD, l]) | (y > X[R.STOP_AWAY, l])
 
 
 @compiled
-def crossed(X):
+def crossed(work):
     """Whether the mass of any lane is."""
-    some = False
+    X, some = numbers(work), False
     for l in range(LANES):
         some |= is_beyond(X, l)
     return some
 
 
 @compiled
-def overlap_at_half(X, shape):
-    """The overlap at the last half step, without which the explicit scheme itself does."""
-    for l in range(LANES):
-        middle = X[row(R.Y, l)] - X[row(R.Y_STEP, l)] / 2
-        if is_beyond(X, l):
-            X[row(R.OVERLAP, l)] = half_step_midpoint(X, shape, l) - middle - X[row(R.GAP, l)]
-
-
-@compiled
-def meet_stops(X):
+def meet_stops(work):
     """Reflect every mass that is beyond a stop and moves on; (m, d) at the last half step.
 
     It stays within its energy there: v^2 = d^2 + 2 (U(m) - U(s)) dt^2/M is its speed at the stop s,
     e v that with which it leaves, and m' = s - e (m - s) where it then is.
     """
+    X = numbers(work)
     for l in range(LANES):
-        if X[row(R.Y, l)] < -X[row(R.STOP_TOWARD, l)] and X[row(R.Y_STEP, l)] < 0.0:
-            strike(X, l, -X[row(R.STOP_TOWARD, l)])
-        if X[row(R.Y, l)] > X[row(R.STOP_AWAY, l)] and X[row(R.Y_STEP, l)] > 0.0:
-            strike(X, l, X[row(R.STOP_AWAY, l)])
+        if X[R.Y, l] < -X[R.STOP_TOWARD, l] and X[R.DY, l] < 0.0:
+            strike(X, l, -X[R.STOP_TOWARD, l])
+        if X[R.Y, l] > X[R.STOP_AWAY, l] and X[R.DY, l] > 0.0:
+            strike(X, l, X[R.STOP_AWAY, l])
+
+
+@compiled
+def rebound(work):
+    """Reflect the masses that have crossed a stop, as the next step else begins with."""
+    if has_stops(work) and crossed(work):
+        meet_stops(work)
 
 
 @inlined
 def strike(X, l, stop):
     """Reflect the mass of lane l, with an account of its energy."""
-    d, mass, e = X[row(R.Y_STEP, l)], X[row(R.MASS, l)], X[row(R.RESTITUTION, l)]
-    middle, weight = X[row(R.Y, l)] - d / 2, mass * X[row(R.SHOCK, l)]
+    d, mass, e = X[R.DY, l], X[R.M, l], X[R.RESTITUTION, l]
+    middle, weight = X[R.Y, l] - d / 2, mass * X[R.A, l]
     squared = d * d - 2 * (stored(X, l, middle, stop) + weight * (stop - middle)) / mass
     if squared <= 0.0 and (middle - stop) * d < 0.0:
         return  # it turns before the stop, and is beyond it by an error of the step
@@ -73,18 +71,18 @@ def strike(X, l, stop):
     turned = -np.copysign(np.sqrt(away), d)
     work = weight * (middle - place)
     taken = mass * (d * d - away) / 2 - stored(X, l, middle, place) + work
-    X[row(R.LOST, l)] += taken
-    X[row(R.WORK, l)] += 2 * work
-    X[row(R.GROSS_WORK, l)] += abs(2 * work)
-    X[row(R.OVERLAP, l)] -= place - middle
-    X[row(R.Y, l)], X[row(R.Y_STEP, l)] = place + turned / 2, turned
+    X[R.LOST, l] += taken
+    X[R.WORK, l] += 2 * work
+    X[R.GROSS_WORK, l] += abs(2 * work)
+    X[R.OVERLAP, l] -= place - middle
+    X[R.Y, l], X[R.DY, l] = place + turned / 2, turned
 
 
 @inlined
 def stored(X, l, begin, end):
     """What spring and contact take up as the mass goes from `begin` to `end` in a half step."""
-    middle, way = X[row(R.Y, l)] - X[row(R.Y_STEP, l)] / 2, end - begin
-    before = max(0.0, X[row(R.OVERLAP, l)] - (begin - middle))
-    after = max(0.0, X[row(R.OVERLAP, l)] - (end - middle))
-    contact = X[row(R.CONTACT, l)] * (after - before) * (after + before) / 2
-    return X[row(R.SPRING, l)] * way * (begin + end) / 2 + contact
+    middle, way = X[R.Y, l] - X[R.DY, l] / 2, end - begin
+    before = max(0.0, X[R.OVERLAP, l] - (begin - middle))
+    after = max(0.0, X[R.OVERLAP, l] - (end - middle))
+    contact = X[R.CONTACT, l] * (after - before) * (after + before) / 2
+    return X[R.K, l] * way * (begin + end) / 2 + contact

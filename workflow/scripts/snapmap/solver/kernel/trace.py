@@ -7,11 +7,12 @@ import numpy as np
 from ...numerics.arithmetic import widen_vectors
 from ...numerics.kept_kernels import compiled, inlined
 from . import rows as R
+from .energy import energies, half_step_midpoint
 from .lanes import load
 from .pulse import BLOCK, begin_pulse, no_pulse, set_out
-from .rows import LANES, at
-from .scheme import advance, midpoint, observe, rebound, stretch_and_contact
-from .shared import copy
+from .rows import LANES, numbers, vectors
+from .step import advance
+from .stops import rebound
 
 # ASSUME: a trace looks at every fourth instant; the ringing of w has some forty to a period.
 SAMPLE = 4
@@ -38,12 +39,12 @@ class Bins(NamedTuple):
 
 
 @compiled
-def trace_all(X, shape, scheme, devices, dt, pulses, cells, stress, kept):
+def trace_all(work, shape, devices, dt, pulses, cells, stress, kept):
     """Follow up to LANES cells as `follow_all` does, bit for bit, and keep their motion in bins.
 
-    At instants; the conserving scheme's half way between two, as its energies.
+    Half way between two instants, where energies are known.
 
-    X: zeros; devices: each cell's row of coefficients, with target -inf, so that row W is never
+    work: zeros; devices: each cell's row of coefficients, with target -inf, so that row W is never
         latched; dt: each cell's, us; pulses: as in `Task`
     cells: pulse, amplitude, f0 and damping as in `Task`, and width, steps of one bin, a multiple
         of SAMPLE; (cells,)
@@ -52,92 +53,99 @@ def trace_all(X, shape, scheme, devices, dt, pulses, cells, stress, kept):
     """
     widen_vectors()
     pulse, amplitude, f0, damping, width = cells
+    modes = len(shape)
+    X, V = numbers(work), vectors(work, modes)
     state, shocks = no_pulse(), np.zeros(BLOCK * LANES)
     for l in range(width.size):
-        load(X, shape, scheme, l, devices[l], damping[l], amplitude[l], dt[l])
-        begin_pulse(X, l, state, pulses, pulse[l], f0[l] * dt[l])
-    before, number, begin = X.copy(), np.full(LANES, -1), np.zeros(LANES, np.int64)
+        load(work, shape, l, devices[l], damping[l], amplitude[l], dt[l])
+        begin_pulse(work, l, state, pulses, pulse[l], f0[l] * dt[l])
+    y, number, begin = np.empty(LANES), np.full(LANES, -1), np.zeros(LANES, np.int64)
     bins = Bins(*kept[:2], number, begin, np.empty(LANES), np.empty(LANES), kept[2])
-    end = (R.VECTORS + R.SCRATCH * len(shape)) * LANES
     for step in range(0, kept[0].shape[1] * width.max(), SAMPLE):
         in_block = step % BLOCK
         if in_block == 0:
             state.steps[:] = step
-            set_out(X, shocks, state, pulses)
-        rebound(X, shape, scheme)
+            set_out(work, shocks, state, pulses)
+        rebound(work)
+        for l in range(width.size):
+            y[l] = X[R.Y, l]
+        advance(work, shape, shocks, in_block, 1)
         for l in range(width.size):
             if begin[l] == step:
-                copy(X, before, R.STATE * LANES + l, end, LANES)
+                begin_bin(X, V, modes, l, bins, dt[l], y[l])
+                begin[l] += width[l]
+        widen(X, V, modes, bins.low, bins.high)
         for ahead in range(SAMPLE):
-            advance(X, shape, scheme, shocks, in_block + ahead, 1)
-            if ahead == 0:
-                for l in range(width.size):
-                    if begin[l] == step:
-                        begin_bin(before, X, shape, scheme, l, bins, dt[l])
-                        begin[l] += width[l]
-                widen(X, shape, scheme, bins.low, bins.high)
+            if ahead > 0:
+                advance(work, shape, shocks, in_block + ahead, 1)
             for l in range(len(stress)):
                 if bins.bin[l] < bins.instants.shape[1]:
-                    found = largest_stress(X, shape, scheme, l, stress[l])
+                    found = largest_stress(X, V, modes, l, stress[l])
                     bins.stress[l] = max(bins.stress[l], found)
     for l in range(width.size):
         keep_range(bins, l)
 
 
 @compiled
-def keep_block(X, shape, scheme, shocks, before, after):
+def keep_block(work, shape, shocks, before, after):
     """Advance by a block and keep lane 0 before and after each step, (steps, rows), in place."""
     widen_vectors()
     for step in range(before.shape[0]):
-        rebound(X, shape, scheme)
+        rebound(work)
         for i in range(before.shape[1]):
-            before[step, i] = X[(R.STATE + i) * LANES]
-        advance(X, shape, scheme, shocks, step, 1)
+            before[step, i] = work[(R.STATE + i) * LANES]
+        advance(work, shape, shocks, step, 1)
         for i in range(before.shape[1]):
-            after[step, i] = X[(R.STATE + i) * LANES]
+            after[step, i] = work[(R.STATE + i) * LANES]
 
 
 @inlined
-def begin_bin(before, X, shape, scheme, l, bins, dt):
-    """Keep the bin of lane l, and begin the next one."""
+def begin_bin(X, V, modes, l, bins, dt, y):
+    """Keep the bin of lane l, and begin the next one; y: before the step."""
     keep_range(bins, l)
     bins.bin[l] += 1
     bins.low[l], bins.high[l] = np.inf, -np.inf
     bin = bins.bin[l]
     if bin < bins.instants.shape[1]:
-        y, energy, of_beam = observe(before, X, shape, scheme, l)
-        bins.instants[0, bin, l] = y
-        bins.instants[1, bin, l] = energy / dt**2
-        bins.instants[2, bin, l] = of_beam / dt**2
+        beam, mass, contact, _ = energies(X, V, modes, l)
+        bins.instants[0, bin, l] = y + X[R.DY, l] / 2
+        bins.instants[1, bin, l] = (beam + mass + contact) / dt**2
+        bins.instants[2, bin, l] = beam / dt**2
 
 
 @inlined
-def widen(X, shape, scheme, low, high):
+def widen(X, V, modes, low, high):
     """Take w of every lane into the range of its bin."""
     for l in range(LANES):
-        w = midpoint(X, shape, scheme, l)
+        w = half_step_midpoint(V, modes, l) - X[R.RESIDUAL, l] * pressed(X, l)
         low[l] = w if w < low[l] else low[l]
         high[l] = w if w > high[l] else high[l]
 
 
 @inlined
-def largest_stress(X, shape, scheme, l, rows):
-    """The largest tensile stress of lane l where `midpoint` has w, MPa.
+def largest_stress(X, V, modes, l, rows):
+    """The largest tensile stress of lane l half way through the step, MPa.
 
     rows: bending at each place, per coordinate, per contact force and at rest; and axial, per
     stretch and at rest
     """
-    modes, places = len(shape), len(rows) - 1
-    stretch, contact = stretch_and_contact(X, shape, scheme, l)
-    back = 0.0 if len(scheme) == 1 else 0.5
+    places = len(rows) - 1
+    stretch, contact = X[R.Q, l], pressed(X, l)
     most = 0.0
     for place in range(places):
         bent = rows[place, modes + 1] - rows[place, modes] * contact
         for i in range(modes):
-            p = X[at(R.P, i, modes, l)] - back * X[at(R.P_STEP, i, modes, l)]
+            p = V[R.P, i, l] - 0.5 * V[R.D, i, l]
             bent += rows[place, i] * p
         most = max(most, abs(bent))
     return most + rows[places, modes] * stretch + rows[places, modes + 1]
+
+
+@inlined
+def pressed(X, l):
+    """The contact force at the last half step, times dt^2."""
+    overlap = X[R.OVERLAP, l]
+    return X[R.CONTACT, l] * (overlap if overlap > 0.0 else 0.0)
 
 
 @inlined
