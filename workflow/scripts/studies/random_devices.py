@@ -60,10 +60,12 @@ def draw_pulse(draw: np.random.Generator) -> Shocks:
     return Shocks(pulse, str(draw.choice([*DIRECTIONS])))
 
 
-def draw_shocks(draw: np.random.Generator, device: Device) -> tuple[list[float], list[float]]:
-    """Frequencies (Hz) and dampings C (uN us/um)."""
+def draw_shocks(
+    draw: np.random.Generator, device: Device, frequencies: tuple[float, float] = FREQUENCIES
+) -> tuple[list[float], list[float]]:
+    """Frequencies (Hz; between some, over the device's own) and dampings C (uN us/um)."""
     own = device.own_frequency / (2 * math.pi) * 1e6
-    f0 = sorted(own * _even(draw, *FREQUENCIES) for _ in range(PULSES))
+    f0 = sorted(own * _even(draw, *frequencies) for _ in range(PULSES))
     critical = math.sqrt(device.spring * device.mass)
     return f0, [share * critical for share in DAMPINGS]
 
