@@ -43,7 +43,9 @@ parted from the mass |
 | other variables | what |
 |---|---|
 | `t_snap`, `t_settled` | when it snapped, and when it was seen to be settled; us after the \
-pulse's start, NaN if not |
+pulse's start, NaN if not; the attribute `label_distance`: \
+how far, relative, from a well-posed threshold a label can be \
+[wrong](accuracy.md#steps-by-question) |
 | `blow` | of a train of blows, a drop or a sweep: number of the one that snaps, from 1; else 0 |
 | `well`, `well_share` | side of the saddle on which the beam is at the end of its run, and the \
 share of the mass's last swing spent there: 1 where it is proven; 0 and NaN with the model \

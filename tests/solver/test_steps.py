@@ -6,14 +6,25 @@ import numpy as np
 import pytest
 
 from snapmap.beam.equilibria import static_threshold
-from snapmap.device import batch
+from snapmap.device import ALONE, batch
 from snapmap.pulse import SHAPES, make_pulse, sampled
 from snapmap.solver.bracket import lowest_snap
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.limits import arch_frequency, bending_limit, stability_limit
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import EDGE, MOVE, QUESTIONS, SNAP, STAY, Settings
-from snapmap.solver.steps import FEWEST, LONGEST, MORE, OF_LIMIT, PER_SWING, SHORTEST, Steps, fixed
+from snapmap.solver.steps import (
+    FEWEST,
+    LONGEST,
+    MORE,
+    OF_LIMIT,
+    PER_SWING,
+    SHORTEST,
+    STIFF,
+    Steps,
+    fixed,
+    stiffness_share,
+)
 
 LONGEST_STEPS = {SNAP: 3.0, EDGE: 3.0, STAY: 0.2, MOVE: 0.1}
 RULE = Steps(
@@ -21,6 +32,8 @@ RULE = Steps(
     shortest=np.array([0.05]),
     blows=np.array([100.0]),
     apart=np.array([False]),
+    chatter=np.array([0.0]),
+    calms=np.array([1e3]),
     per_swing=500,
 )
 VERSED_SINE = (make_pulse(),)
@@ -74,6 +87,29 @@ def test_what_strikes_is_followed_closely(handout, direction, shape, apart, expe
     pulse = make_pulse(shape) if direction == "+z" else make_pulse(shape).reversed()
     for question, step in ((SNAP, expected), (EDGE, expected), (STAY, 0.2)):
         assert step_of(rule, handout, 10.0, question, (pulse,)) == pytest.approx(step)
+
+
+@pytest.mark.parametrize(
+    ("shape", "f0", "share"),
+    [
+        ("trapezoid", 10.0, 0.4 / 4),
+        ("versed sine", 10.0, 1.0),  # slow: the mass stays on the beam
+        ("versed sine", 1e3, 1 / 2.5),  # as long as what calms it
+    ],
+)
+def test_a_mass_on_a_hard_contact_chatters(handout, shape, f0, share):
+    rule = replace(RULE, chatter=np.array([3.0]), cornered=0.4, per_swing=1.0)
+    step = step_of(rule, handout, f0, SNAP, (make_pulse(shape),))
+    assert step == pytest.approx(3.0 * share, rel=1e-3)
+    assert step_of(rule, handout, f0, STAY, (make_pulse(shape),)) == 0.2
+
+
+def test_a_stiff_contact_is_nearly_hard_and_a_beam_alone_has_none(handout):
+    clamped = 192 * handout.beam.stiffness_unit
+    contacts = (0.01 * clamped, STIFF * clamped, 1e3 * STIFF * clamped, np.inf)
+    shares = [stiffness_share(replace(handout, contact=contact)) for contact in contacts]
+    np.testing.assert_allclose(shares, [0.001, 0.5, 0.999, 1.0], rtol=2e-3)
+    assert stiffness_share(replace(handout, **ALONE)) == 0
 
 
 def test_a_factor_leaves_very_short_pulses_their_steps(handout):

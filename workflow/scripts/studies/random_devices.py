@@ -86,11 +86,11 @@ def draw_pulse(draw: np.random.Generator) -> Shocks:
 
 
 def draw_shocks(
-    draw: np.random.Generator, device: Device, slowest: float = FREQUENCIES[0]
+    draw: np.random.Generator, device: Device, frequencies: tuple[float, float] = FREQUENCIES
 ) -> tuple[list[float], list[float]]:
-    """Frequencies (Hz), from `slowest` over the device's own, and dampings C (uN us/um)."""
+    """Frequencies (Hz; between some, over the device's own) and dampings C (uN us/um)."""
     own = device.own_frequency / (2 * math.pi) * 1e6
-    f0 = sorted(own * _even(draw, slowest, FREQUENCIES[1]) for _ in range(PULSES))
+    f0 = sorted(own * _even(draw, *frequencies) for _ in range(PULSES))
     critical = math.sqrt(device.spring * device.mass)
     return f0, [share * critical for share in DAMPINGS]
 

@@ -23,7 +23,13 @@ from snapmap.solver.steps import LONGEST
 from snapmap.thresholds.islands import first_seen, wide_scan
 
 from .few import few
-from .random_devices import draw_any_device, draw_pulse, draw_shocks
+from .random_devices import (
+    FREQUENCIES,
+    draw_any_device,
+    draw_device,
+    draw_pulse,
+    draw_shocks,
+)
 
 ROOT = Path(__file__).resolve().parents[3]
 SEED, DEVICES, COSINES, THREADS = 5, 24, 7, 2
@@ -39,6 +45,8 @@ RULES = {
     "`LONGEST` doubled": {"longest": 2.0},
     "`MOST` halved": {"most": 0.5},
     "`CORNERED` doubled": {"cornered": 2.0},
+    "no `CHATTER`": {"chatter": 0.0},
+    "`CHATTER` doubled": {"chatter": 2.0},
     "`STRIKING` doubled": {"striking": 2.0},
     "`STRIKING` five times": {"striking": 5.0},
 }
@@ -48,8 +56,10 @@ AGREED, REFINED, NEAR = 2e-4, 2e-6, 1.04
 """Rows in which the fine rules agree so well are judged; thresholds are refined so far, near."""
 F0, C = np.geomspace(1e3, 3e4, 18), np.array([25.0, 200.0])
 """Of the handout's device, whose mass strikes the beam again and again."""
+PRESSED = 0.003, 1.0
+"""Frequencies over the device's own at which a mass is pressed on a hard contact without a gap."""
 LONGEST_PULSE = 1e5
-"""Pulses of more than so many of the arch's radians are left to the other studies."""
+"""Pulses of more than so many of the arch's radians are left out where nothing is pressed."""
 STAYS, MOVES = (0.2, 0.4, LONGEST[STAY], 0.7, 1.0), (0.05, LONGEST[MOVE], 0.2, 0.3)
 CONTACTS = (40.0, 400.0, np.inf)
 
@@ -57,6 +67,7 @@ CONTACTS = (40.0, 400.0, np.inf)
 def main():
     warnings.simplefilter("ignore")
     print(table(["steps", *HEAD, *HEAD[:-1]], edges()))
+    print(table(["steps, pressed on a hard contact", *HEAD], pressed()))
     print(table(["contact, N/m", *(f"{turn:g}" for turn in few(STAYS))], stays()))
     head = [f"{turn:g}: median, 95 %, within 2 %" for turn in few(MOVES)]
     print(table(["contact, N/m", *head], moves()))
@@ -93,6 +104,16 @@ def edges():
         yield [name, *of_random, *_spread(own[i])[:-1]]
 
 
+def pressed():
+    """Rows: errors of thresholds by rule, of random devices with hard contact and no gap."""
+    draw, errors = np.random.default_rng(SEED + 1), []
+    for _ in range(few(DEVICES)):
+        device = replace(draw_device(draw), contact=np.inf)
+        errors.append(errors_of(device, draw_pulse(draw), draw, PRESSED, np.inf))
+    for name, found in zip(few(RULES), np.concatenate(errors, axis=1), strict=True):
+        yield [name, *_spread(found)]
+
+
 def _spread(errors):
     """Cells of a table: how many rows, their errors, and how many found nothing near."""
     off = abs(errors[np.isfinite(errors)])
@@ -101,12 +122,12 @@ def _spread(errors):
     return [str(errors.size), *shown, str(np.sum(np.isnan(errors)))]
 
 
-def errors_of(device, shocks, draw):
+def errors_of(device, shocks, draw, frequencies=FREQUENCIES, longest=LONGEST_PULSE):
     """Relative errors of one random device's well-posed thresholds, (rules, rows)."""
     model = build_model(batch([device]), "cosines", modes=COSINES)
-    f0, C = draw_shocks(draw, device)
+    f0, C = draw_shocks(draw, device, frequencies)
     arch = LONGEST[SNAP] / model.steps.longest[SNAP].item()
-    f0 = [one for one in f0 if 2e-6 * np.pi * one * LONGEST_PULSE > arch] or f0[-1:]
+    f0 = [one for one in f0 if 2e-6 * np.pi * one * longest > arch] or f0[-1:]
     rows = to_rows(0, np.array(f0), np.array(C)[:, np.newaxis])
     horizon = min(4 * 2 * np.pi / device.own_frequency, 3e4 / arch)
     return errors_of_rows(device, rows, Settings(horizon, threads=THREADS, pulses=shocks.pulses))

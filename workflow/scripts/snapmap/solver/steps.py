@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..beam.modal import ModalBeam
-from ..device import Device
+from ..device import Device, Value
 from ..pulse import Pulse
 from .cells import Cells
 from .limits import arch_frequency, bending_limit, stability_limit
@@ -37,6 +37,16 @@ CORNERED = 0.4
 STRIKING = 0.05
 """The same, where the mass strikes with a run-up: across a gap, after a pulse that pulls, back from
 a stop, or in a train of blows."""
+STIFF = 90.0
+"""Stiffness of a contact over the clamped beam's, 192 EI/L^3, that counts as half a hard one."""
+CHATTER = CORNERED / STRIKING - 1
+"""So much shorter, less 1, are the steps for SNAP and EDGE of a mass that chatters on a hard
+contact, pressed by a pulse with corners or by a smooth one that is not slow: it strikes, too."""
+FAST = 0.1
+"""Frequency of a smooth pulse, over the device's own, from which on the mass chatters under it."""
+
+PARTS = "shortest", "blows", "apart", "chatter", "calms"
+"""Of the rule that each device has its own of."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +57,8 @@ class Steps:
     shortest: us, (devices,): so long a step resolves the device, however short the pulse
     blows: us, (devices,): swings up to which blows decide
     apart: whether the mass rests apart from the beam, or comes back from a stop, (devices,)
+    chatter: by how much more steps a mass asks that chatters on its contact, (devices,)
+    calms: us, (devices,): swings of smooth pulses below which it does
     per_swing: steps in each swing of a pulse
     most: steps in each swing of a smooth pulse that are enough for SNAP and EDGE
     cornered: times the longest for these, of pulses with corners
@@ -58,6 +70,8 @@ class Steps:
     shortest: np.ndarray
     blows: np.ndarray
     apart: np.ndarray
+    chatter: np.ndarray
+    calms: np.ndarray
     per_swing: float
     most: float = np.inf
     cornered: float = 1.0
@@ -76,9 +90,11 @@ class Steps:
         if question in (SNAP, EDGE):
             smooth, strikes = np.array([(one.is_smooth, one.strikes) for one in pulses]).T
             strikes = strikes[cells.pulse] | self.apart[cells.device]
-            careful = np.where(strikes, self.striking, self.cornered) * longest
             calm = smooth[cells.pulse] & ~strikes
-            longest = np.where(calm, np.maximum(longest, swing / self.most), careful)
+            fast = np.where(calm, 1 / (1 + (swing / self.calms[cells.device]) ** 2), 1.0)
+            pressed = longest / (1 + fast * self.chatter[cells.device])
+            careful = np.where(strikes, self.striking * longest, self.cornered * pressed)
+            longest = np.where(calm, np.maximum(pressed, swing / self.most), careful)
         step = np.minimum(longest, np.maximum(resolved, shortest))
         fewest = min(self.factor, MORE) * swing / FEWEST
         return np.minimum(self.factor * step, fewest)
@@ -91,13 +107,20 @@ class Steps:
         """The rule of one device of the batch, or of some."""
         which = np.atleast_1d(which)
         longest = {question: step[which] for question, step in self.longest.items()}
-        parts = {key: getattr(self, key)[which] for key in ("shortest", "blows", "apart")}
+        parts = {key: getattr(self, key)[which] for key in PARTS}
         return replace(self, longest=longest, **parts)
 
 
 def fixed(dt: np.ndarray) -> Steps:
     """The rule that has one step for each device, us, (devices,), but for very short pulses."""
-    return Steps(dict.fromkeys(QUESTIONS, dt), dt, dt, np.zeros(dt.shape, bool), FEWEST)
+    none = np.zeros(dt.shape)
+    return Steps(dict.fromkeys(QUESTIONS, dt), dt, dt, none.astype(bool), none, dt, FEWEST)
+
+
+def stiffness_share(device: Device) -> Value:
+    """How near a contact is to a hard one, from 0 to 1: k / (k + 1), k over STIFF beams'."""
+    softness = STIFF * 192 * device.beam.stiffness_unit / np.asarray(device.contact, float)
+    return np.where(device.is_alone, 0.0, 1 / (1 + softness))
 
 
 def explicit_steps(device: Device, modal: ModalBeam, step: float | None) -> Steps:
@@ -117,5 +140,7 @@ def steps_of(device: Device, modal: ModalBeam, step: float | None) -> Steps:
     longest = {question: turn * period for question, turn in LONGEST.items()}
     has_gap = np.greater(device.gap, 0) & np.isfinite(device.gap)
     apart = np.broadcast_to(has_gap | device.has_stops, period.shape)
-    lengths, shares = (SHORTEST * period, BLOWS * period), (MOST, CORNERED, STRIKING)
-    return Steps(longest, *lengths, apart, PER_SWING, *shares)
+    chatter = np.broadcast_to(CHATTER * stiffness_share(device), period.shape)
+    calms = np.broadcast_to(2 * np.pi / (FAST * device.own_frequency), period.shape)
+    of_devices = SHORTEST * period, BLOWS * period, apart, chatter, calms
+    return Steps(longest, *of_devices, PER_SWING, MOST, CORNERED, STRIKING)

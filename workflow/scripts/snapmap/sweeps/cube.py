@@ -15,6 +15,9 @@ from ..solver.outcome import ABSENT, OUTCOMES, count, ended_elsewhere, shares
 from ..study import FOLLOWED, frequencies, study_of
 from .grid import follow_grid
 
+LABEL_DISTANCE = 0.01
+"""Relative, from a well-posed threshold: so far a label of three cosines or more may be wrong, in
+the steps that labels take: docs/accuracy.md."""
 VARIABLES = {
     "outcome": {
         "long_name": "outcome of the cell",
@@ -25,6 +28,7 @@ VARIABLES = {
         "long_name": "first arrival of the midpoint at the second equilibrium",
         "units": "us",
         "comment": "counted from the start of the pulse; NaN: not within the horizon",
+        "label_distance": LABEL_DISTANCE,
     },
     "blow": {
         "long_name": "blow of the train at which it snaps, the first is 1",

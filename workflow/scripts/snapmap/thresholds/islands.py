@@ -10,6 +10,7 @@ from ..solver.bounds import least_amplitudes
 from ..solver.bracket import SCAN_STEP, amplitudes, asker, first_snap, refine
 from ..solver.cells import Rows
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
+from ..solver.steps import stiffness_share
 from .reuse import joined
 from .transitions import (
     FINE_STEP,
@@ -56,6 +57,9 @@ NO_DEVICE, FOUND, NOTHING_SNAPS, NOT_FOLLOWED = range(len(STATUS))
 OTHER_STEP = 2.0**0.5
 """Times the own step, of the runs by which the error of time is seen: of second order, it changes
 by itself."""
+FINE_STEPS, CHATTERS = 0.25, 0.5
+"""Times the own step, where the mass may chatter, which takes short steps to see: under a pulse
+with corners, or on a contact so near a hard one."""
 JUDGED_STEP = 4.0
 """Steps of the judge's scan of a ragged row, over those of the others."""
 FARTHEST = 0.25
@@ -161,15 +165,21 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
     others = [m for m in (decides.with_step(OTHER_STEP), doubts, better) if m is not None]
     clean = np.where(ragged, np.nan, N_first)
     in_time, *in_space = (_distance(ask(other), clean, tolerance) for other in others)
+    chatters = _chatters(scans.device, rows, settings.pulses)
+    fine = (better or judge or decides).with_step(FINE_STEPS)
+    in_fine = _distance(ask(fine), np.where(chatters, clean, np.nan), tolerance)
+    in_time = np.fmax(in_time, in_fine)
     # The better level may itself be off by as much.
     near = in_time + np.max(in_space, axis=0) + (in_space[1] if better else 0.0)
     apart = np.isinf(near)
     ragged |= apart
     window = chosen(apart, whole, window)
     found = [_elsewhere(scan_by(other), window, ragged) for other in others]
+    wider = window._replace(step=JUDGED_STEP * window.step)
     if judge is not None:
-        wider = window._replace(step=JUDGED_STEP * window.step)
         found.append(_elsewhere(scan_by(judge), wider, ragged))
+    seen = _elsewhere(scan_by(fine), wider, ragged & chatters)
+    found.append([np.where(chatters, *pair) for pair in zip(seen, (N_first, N_half), strict=True)])
     first_error = np.fmax(_spread(edges, N_first), _farthest(N_first, [one[0] for one in found]))
     half_error = _farthest(N_half, [one[1] for one in found])
     N_error, half_error = (np.where(ragged, far, near) for far in (first_error, half_error))
@@ -198,6 +208,13 @@ def _pace(device, rows, pulses):
     steepest = np.array([pulse.steepest for pulse in pulses])[rows.pulse]
     C = np.where(device.is_alone[rows.device], 0.0, rows.C)
     return 2e-6 * np.pi * rows.f0 * steepest * (1 / own + C / spring)
+
+
+def _chatters(device, rows, pulses):
+    """Whether the mass of a row may chatter on its contact, (rows,)."""
+    smooth = np.array([pulse.is_smooth for pulse in pulses])[rows.pulse]
+    share = stiffness_share(device)[rows.device]
+    return (share > CHATTERS) | ((share > 0) & ~smooth)
 
 
 def wide_scan(device, static, rows, pulses, slow=False) -> np.ndarray:
