@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...numerics.arithmetic import sine
 from ...numerics.kept_kernels import compiled, inlined
 from . import rows as R
 from .energy import ledger, proven_well
@@ -14,8 +15,8 @@ MARGIN = 2.0
 """A proof must hold by this many times the largest residual of the energy ledger seen so far."""
 ROUNDING = 1e-12
 """And by this share of the barrier: what rounding does to both, and more; docs/rigour.md."""
-ADDED = 0.25
-"""Inertia, over the stiffness times dt^2, that means of linear forces over three instants add."""
+EXACT = 2.0
+"""Radians a step up to which a mode swings by itself as it should; faster ones are too slow."""
 OPENED = 4.0
 """A run is given up at the look at which its ledger misses by this many times the tolerance."""
 
@@ -111,7 +112,7 @@ def load(work, shape, l, device, damping, amplitude, dt):
     load_modes(V, modes, l, device[R.RESTITUTION + 1 :], dt * dt)
     X[R.OVERLAP, l] = 0.0 - X[R.Z0, l]
     X[R.AMPLITUDE, l] = amplitude * dt**2
-    mass = X[R.M, l] + ADDED * X[R.K, l]
+    mass = X[R.M, l] + X[R.K, l] / 4
     X[R.KEEP, l] = (mass - drag) / (mass + drag)
     X[R.B, l] = 1 / (mass + drag)
     beam_drag = X[R.ALPHA, l] / 2
@@ -130,12 +131,14 @@ def load(work, shape, l, device, damping, amplitude, dt):
 def load_modes(V, modes, l, of_modes, square):
     """The vectors of a device, in coordinates in which every mode has mass 1.
 
-    A mode is heavier by kappa dt^2/4: its coordinate is stretched by 1/s,
-    s^2 = 1/(1 + kappa dt^2/4); square: dt^2
+    Of the inertia G = g + kappa dt^2/4 a mode's coordinate is stretched by 1/s = sqrt(G), with
+    g = (x/2 cot x/2)^2, x = omega dt up to EXACT; square: dt^2
     """
     for i in range(modes):
         stiffness = square * of_modes[i]
-        s = 1 / np.sqrt(1 + ADDED * stiffness)
+        half = min(np.sqrt(stiffness), EXACT) / 2
+        root = half * sine(half / (2 * np.pi) + 0.25) / sine(half / (2 * np.pi))
+        s = 1 / np.sqrt(root * root + stiffness / 4)
         V[R.KAPPA, i, l] = stiffness * (s * s)
         for v in range(R.SQ0, R.S):
             V[v, i, l] = s * of_modes[(v - R.KAPPA) * modes + i]

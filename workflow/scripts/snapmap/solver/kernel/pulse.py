@@ -10,7 +10,7 @@ from ...numerics.kept_kernels import compiled, inlined
 from . import rows as R
 from .rows import LANES, numbers
 
-BLOCK = 64
+BLOCK = 128
 """Steps between two looks at the lanes; the pulse is set out for so many at a time."""
 
 
