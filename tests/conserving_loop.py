@@ -6,7 +6,7 @@ The kernel is held against it to rounding.
 import numpy as np
 
 from snapmap.numerics import pieces as curve
-from snapmap.solver.record import Motion
+from snapmap.solver.cells import Motion
 
 
 def follow(model, pulse, amplitude, f0, C, dt, steps):

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from ..axes import NAMES, Grid, coordinates, shared_points
-from ..beam.barrier import Barrier
+from ..beam.equilibria import Barrier
 from ..io.counting import count
 from ..io.provenance import provenance, recipe
 from ..solver import simd_loop

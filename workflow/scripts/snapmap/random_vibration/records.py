@@ -5,8 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..numerics.arithmetic import sine
-from ..numerics.kept_kernels import compiled
+from ..numerics.kernels import compiled, sine
 from ..pulse import Pulse, straight
 from .spectrum import Spectrum
 

@@ -6,8 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..numerics.arithmetic import sine
-from ..numerics.kept_kernels import compiled
+from ..numerics.kernels import compiled, sine
 from ..pulse import Pulse, straight
 from .spectrum import PER_PERIOD, Q, frequencies, level, response
 

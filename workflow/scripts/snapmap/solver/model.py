@@ -1,20 +1,19 @@
 """A model of one device or a batch of them, and the one thing asked of it: to follow cells."""
 
-from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from importlib import import_module
+from types import ModuleType
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from ..beam.barrier import Barrier
 from ..beam.basis import Basis
+from ..beam.equilibria import Barrier
 from ..beam.modal import ModalBeam
 from ..device import Device
 from ..io.counting import count
-from ..pulse import Pulse
 from .cells import Cells, Observations, no_observations
-from .record import Form, Motion
 from .settings import MOVE, Settings
 from .steps import Steps
 
@@ -50,42 +49,16 @@ class Follows(Protocol):
         """The same model of one device of the batch, or of some."""
 
 
-class Loop(Protocol):
-    """A module with a time loop."""
-
-    def march(
-        self, model: "Model", cells: Cells, dt: np.ndarray, settings: Settings
-    ) -> tuple[np.ndarray, ...]:
-        """t_snap, t_settled, well, energy_error, well_share and pulse_work of cells, (cells,).
-
-        dt: us, (cells,)
-        """
-
-    def record(
-        self,
-        model: "Model",
-        pulse: Pulse,
-        amplitude: float,
-        f0: float,
-        damping: float,
-        dt: float,
-        steps: int,
-    ) -> tuple[Form, Iterable[Motion]]:
-        """Every step of one cell of a model of one device, window after window; dt: us."""
-
-
 @dataclass(frozen=True, eq=False)
 class Model:
     """A device or a batch, its beam discretised.
 
-    loop: imports the time loop when a run begins, as a plan needs no compiler
     basis, modal: its matrices, and their reduced form
     barrier: between the two shapes of that form
     steps: the rule of its time steps
     """
 
     name: str
-    loop: Callable[[], Loop]
     device: Device
     basis: Basis
     modal: ModalBeam
@@ -101,6 +74,11 @@ class Model:
     def modes(self) -> int:
         """Number of modes kept."""
         return self.modal.load.shape[-1]
+
+    def loop(self) -> ModuleType:
+        """Its time loop, imported when a run begins: a plan needs no compiler."""
+        loop = "plain_loop" if self.name == "reference" else "simd_loop"
+        return import_module(f".{loop}", __package__)
 
     def split(self, device: np.ndarray) -> list[tuple[np.ndarray, "Model"]]:
         """Itself, for all."""

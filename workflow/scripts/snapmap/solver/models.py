@@ -5,27 +5,13 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..arguments import require_model
-from ..beam.barrier import find_barrier
 from ..beam.cosines import buckling_shapes, symmetric_cosines
 from ..beam.elements import hermite_elements
+from ..beam.equilibria import find_barrier
 from ..beam.modal import contact_stiffness, pulse_load, reduce_to_modes
 from ..device import Device
-from .model import Follows, GuidedOrFree, Loop, Model
+from .model import Follows, GuidedOrFree, Model
 from .steps import explicit_steps, steps_of
-
-
-def simd() -> Loop:
-    """The SIMD kernel."""
-    from . import simd_loop
-
-    return simd_loop
-
-
-def plain() -> Loop:
-    """The plain loop."""
-    from . import plain_loop
-
-    return plain_loop
 
 
 def build_model(device: Device, name: str = "handout", **options) -> Follows:
@@ -60,11 +46,8 @@ def _build(device, name, options, is_free):
             f"with {modes} of {basis.load.size} modes; write fewer modes, or a contact in N/m"
         )
     barrier, step = find_barrier(device.beam, basis, modes), options.get("step")
-    if name == "reference":
-        steps, loop = explicit_steps(device, modal, step), plain
-    else:
-        steps, loop = steps_of(device, modal, step), simd
-    return Model(name, loop, device, basis, modal, barrier, steps)
+    steps = (explicit_steps if name == "reference" else steps_of)(device, modal, step)
+    return Model(name, device, basis, modal, barrier, steps)
 
 
 def check_options(device: Device, name: str, options: Mapping) -> None:

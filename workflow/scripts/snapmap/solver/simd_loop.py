@@ -6,13 +6,12 @@ from ..beam.basis import PLACES
 from ..beam.modal import contact_stiffness
 from ..beam.stress import stress_of
 from ..pulse import table
+from .cells import Form, Motion
 from .kernel import rows as R
-from .kernel.drive import follow_all
-from .kernel.lanes import Facts, Task, load
+from .kernel.lanes import Facts, Task, follow_all, load
 from .kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
 from .kernel.rows import LANES
 from .kernel.trace import keep_block, trace_all
-from .record import Form, Motion
 
 WINDOW = 64 * BLOCK
 """Steps of a record that are in memory at once."""

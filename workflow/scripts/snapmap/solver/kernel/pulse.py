@@ -5,8 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...numerics import pieces as curve
-from ...numerics.arithmetic import fma, sine, widen_vectors
-from ...numerics.kept_kernels import compiled, inlined
+from ...numerics.kernels import compiled, fma, inlined, sine, widen_vectors
 from . import rows as R
 from .rows import LANES, numbers
 

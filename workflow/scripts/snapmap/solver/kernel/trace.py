@@ -4,11 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...numerics.arithmetic import widen_vectors
-from ...numerics.kept_kernels import compiled, inlined
+from ...numerics.kernels import compiled, inlined, widen_vectors
 from . import rows as R
-from .energy import energies, half_step_midpoint
-from .lanes import load
+from .lanes import energies, half_step_midpoint, load
 from .pulse import BLOCK, begin_pulse, no_pulse, set_out
 from .rows import LANES, numbers, vectors
 from .step import advance
