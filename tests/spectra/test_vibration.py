@@ -1,22 +1,24 @@
 """Random vibration: records against closed forms, rates against Poisson's and Rice's laws."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy import signal
 
 import snapmap
-from snapmap.random_vibration.probability import fit_rates
-from snapmap.random_vibration.records import record
-from snapmap.random_vibration.spectrum import Spectrum
+from snapmap.pulse import shocks_from
+from snapmap.spectra.psd import Spectrum
+from snapmap.spectra.vibration import fit_rates, vibration_of
+from snapmap.study import Study
 
 FLAT = [(20.0, 0.04), (2000.0, 0.04)]
 
 
 def samples(spectrum, length, seed=1):
     """Acceleration of a record, multiples of g, and the time between its samples, s."""
-    drawn, peak = record(spectrum, length, [seed, 0])
+    drawn, peak = spectrum.record(length, [seed, 0])
     return drawn.pieces[:, 1] * peak, length / len(drawn.pieces)
 
 
@@ -88,11 +90,12 @@ def test_vibration_tells_rate_bounds_and_level(handout):
 
 
 def test_the_pulses_of_a_study_are_of_no_account(handout):
-    asked = {"psd": [(20.0, 9.0), (2000.0, 9.0)], "duration": 0.2, "C": [25.0], "records": 2}
-    asked |= {"model": "cosines", "cosines": 3}
-    plain = snapmap.vibration(handout, **asked)
-    both = snapmap.vibration(handout, **asked, pulse=["half sine", "sawtooth"], direction="both")
-    assert both.identical(plain)
+    plain = Study(device=handout, model={"name": "cosines", "cosines": 3})
+    both = replace(plain, shocks=shocks_from(["half sine", "sawtooth"], "both"))
+    spectrum = Spectrum([(20.0, 9.0), (2000.0, 9.0)])
+    asked = {"duration": 0.2, "records": 2, "seed": 1, "reach": 0.01}
+    found = (vibration_of(study, {"C": [25.0]}, spectrum, asked) for study in (plain, both))
+    assert next(found).identical(next(found))
 
 
 @pytest.mark.parametrize(
