@@ -196,7 +196,7 @@ def test_not_this_quantity(text, kind, complaint):
     [
         ("device__beam__span", "600", "device.beam.span: '600' has no unit; write a length"),
         ("device__beam__span", MISSING, "device.beam.span: missing; write a length"),
-        ("device__beam__rise", "4 um", "device.beam: rise/thickness = 4 um/2 um = 2;"),
+        ("device__beam__rise", "4 um", "device.beam: rise/thickness = 4 um/2 um = 2 and"),
         ("device__beam", None, "device.beam: an empty value is not a mapping"),
         ("device__weight", "1 kg", "device.weight: unknown key; known here are beam, mass"),
         ("device__contact", "soft", "device.contact: 'soft' is not a number with a unit"),
@@ -427,7 +427,7 @@ def test_ordered_mappings_are_mappings():
 
 def test_all_faults_are_reported_in_order():
     document = changed(
-        device__beam__rise="1 um",
+        device__beam__imperfection="1 um",
         model__step=2,
         sweep__C=["1 kg/s", "2 kg", 3],
         sweep__N=[1, 1],
@@ -439,7 +439,7 @@ def test_all_faults_are_reported_in_order():
         "[1]",
         "[an empty value]",
         "['a\\nb']",
-        "device.beam",
+        "device.beam.imperfection",
         "model.step",
         "sweep.C[1]",
         "sweep.C[2]",

@@ -127,7 +127,7 @@ class Quantity(NamedTuple):
     label: str = ""
     symbol: str = ""
     left_out: float | None = None
-    usual: tuple[float, float] = (0.0, math.inf)
+    usual: tuple[float, float] = (-math.inf, math.inf)
 
     @property
     def range(self) -> Range:
