@@ -8,7 +8,6 @@ import numpy as np
 import xarray as xr
 from scipy.interpolate import PchipInterpolator
 from scipy.special import log_ndtr
-from scipy.stats import t
 
 from ..axes import COORDINATES
 from ..device import Device
@@ -16,11 +15,8 @@ from ..io.counting import counting
 from ..io.provenance import provenance
 from ..io.shots import read_shots
 from ..study import THRESHOLD_SETTINGS, Study, study_of
-from .information import information_at, untold
-from .likelihood import SPREADS, Likelihood
-from .profile import CONFIDENCE, Profile
-from .ranges import check_ranges
-from .shots import Shots, shots_from
+from .likelihood import SPREADS, Likelihood, Profile, information_at, reach, untold
+from .shots import Shots, check_ranges, shots_from
 from .surface import Surface, surface_of
 
 DIGITS = 6
@@ -128,15 +124,20 @@ def calibration_of(
 
     files: as in `shots_from`
     """
-    _check(study, unknowns, C)
+    if len(study.settings.pulses) > 1:
+        raise ValueError("pulse: several; name the shape and direction of each shot in its row")
+    check_ranges(unknowns, C)
     shots = shots_from(table, study.shocks, study.device, files)
     surface = surface_of(study, shots.kinds, unknowns, C)
     _check_reach(shots, surface)
+    ranges = {key: [float(end) for end in ends] for key, ends in unknowns.items()}
+    asked = {"unknowns": ranges} | ({} if C is None else {"C": float(C)})
+    document = study.document(THRESHOLD_SETTINGS) | {"calibration": asked}
     return fit(shots, surface).assign_attrs(
         Conventions="CF-1.11, ACDD-1.3",
         title="A device read off its shots",
         summary="Values of a device, their intervals and the residuals of shots, tripped or not",
-        **provenance(_document(study, unknowns, C)),
+        **provenance(document),
     )
 
 
@@ -222,12 +223,7 @@ def _ends(x, likelihood, freedom):
     with np.errstate(divide="ignore"):
         logs = np.maximum(np.log(likelihood / likelihood.max()), LEAST_LOG)
     log = PchipInterpolator(x, logs)(fine)
-    return fine[log >= log.max() - _reach(freedom) ** 2 / 2][[0, -1]]
-
-
-def _reach(freedom):
-    """Standard deviations within which 95 % lie, by Student."""
-    return t.ppf((1 + CONFIDENCE) / 2, max(1, freedom))
+    return fine[log >= log.max() - reach(freedom) ** 2 / 2][[0, -1]]
 
 
 def _of_shots(done, told, spread):
@@ -235,7 +231,7 @@ def _of_shots(done, told, spread):
     shots, kind = done.shots, done.shots.kind
     logs = done.surface.at(done.profile.best[None])[0]
     variance = np.einsum("ij,jk,ik->i", told.slopes, told.covariance, told.slopes)
-    half = _reach(done.freedom) * np.sqrt(variance)
+    half = reach(done.freedom) * np.sqrt(variance)
     error = np.sqrt(spread**2 + done.surface.error**2)[kind]
     z = (np.log(shots.N) - logs[kind]) / error
     sign = np.where(shots.tripped, 1.0, -1.0)
@@ -286,15 +282,3 @@ def _rounded(values):
     """To so many digits."""
     values = np.asarray(values, float)
     return np.vectorize(lambda x: float(f"{x:.{DIGITS}g}"))(values) if values.size else values
-
-
-def _document(study, unknowns, C):
-    ranges = {key: [float(end) for end in ends] for key, ends in unknowns.items()}
-    given = {} if C is None else {"C": float(C)}
-    return study.document(THRESHOLD_SETTINGS) | {"calibration": {"unknowns": ranges} | given}
-
-
-def _check(study, unknowns, C):
-    if len(study.settings.pulses) > 1:
-        raise ValueError("pulse: several; name the shape and direction of each shot in its row")
-    check_ranges(unknowns, C)
