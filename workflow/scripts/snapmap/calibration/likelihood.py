@@ -176,6 +176,11 @@ class Information(NamedTuple):
     widths: np.ndarray
     directions: np.ndarray
 
+    @property
+    def untold(self) -> np.ndarray:
+        """Directions of which shots tell little: the ranges say nearly as much."""
+        return self.directions[self.widths * np.sqrt(FLAT) > UNTOLD]
+
 
 def information_at(
     place: np.ndarray, surface: Surface, likelihood: Likelihood, spread: float
@@ -194,8 +199,3 @@ def information_at(
     vectors *= np.sign(vectors[np.argmax(abs(vectors), axis=0), np.arange(place.size)])
     covariance = (vectors / values) @ vectors.T
     return Information(covariance, slopes, 1 / np.sqrt(values[::-1]), vectors.T[::-1])
-
-
-def untold(found: Information) -> np.ndarray:
-    """Which directions shots tell little of: the ranges say nearly as much; (unknowns,)."""
-    return found.widths * np.sqrt(FLAT) > UNTOLD
