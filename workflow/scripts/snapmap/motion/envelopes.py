@@ -20,7 +20,7 @@ from ..solver.kernel.trace import SAMPLE
 from ..solver.outcome import FAILED
 from ..solver.settings import MOVE
 from ..study import Study
-from .travel import warn_of_travel
+from .history import warn_of_travel
 
 CELLS = 40_000
 """A larger grid is thinned along its longest axes by whole strides."""
