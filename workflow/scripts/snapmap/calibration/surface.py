@@ -12,7 +12,7 @@ from ..device import batch, is_bistable
 from ..solver.cells import to_rows
 from ..study import Study
 from ..tolerances.batch import choose_builder
-from ..tolerances.search import nominal_thresholds, thresholds_of_samples
+from ..tolerances.regression import nominal_thresholds, thresholds_of_samples
 from .shots import Kind
 
 POINTS = {1: 33, 2: 17, 3: 9, 4: 6}

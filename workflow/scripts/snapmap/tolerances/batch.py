@@ -9,14 +9,14 @@ from ..beam.equilibria import static_threshold
 from ..device import FROM_ZERO, SIGNED, VALUES, Device, is_bistable
 from ..device import batch as batch_of
 from ..solver.adaptive import TOLERANCE, choose_model
-from ..solver.bracket import asker
 from ..solver.cells import Rows, to_cells, to_rows
 from ..solver.model import Follows
 from ..solver.models import build_model
 from ..solver.outcome import LATCHED, label
+from ..solver.search import asker
 from ..solver.settings import Settings
+from .regression import nominal_thresholds, thresholds_of_samples
 from .samples import SHOCK_FACTORS, Plan
-from .search import nominal_thresholds, thresholds_of_samples
 
 MOST_ROWS = 0.9
 """Share of the rows in which a level must keep the tolerance of `auto`."""
