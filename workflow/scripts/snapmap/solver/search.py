@@ -110,17 +110,23 @@ def first_snap(N: np.ndarray, snapped: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def refine(
-    ask: Ask, low: np.ndarray, high: np.ndarray, tolerance: float, rising: np.ndarray | bool = True
+    ask: Ask,
+    low: np.ndarray,
+    high: np.ndarray,
+    tolerance: float,
+    rising: np.ndarray | bool = True,
+    sections: int = SECTIONS,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Narrow intervals, (rows,), between what snaps and what does not, to a relative tolerance.
 
     rising: whether it is `high` that snaps, (rows,)
+    sections: into which each round cuts an interval
     """
     low, high = np.array(low), np.array(high)
     rising = np.broadcast_to(rising, low.shape)[:, np.newaxis]
     while (wide := np.flatnonzero(high / low > 1 + tolerance)).size:
-        N = np.full((low.size, SECTIONS + 1), np.nan)
-        N[wide] = np.linspace(low[wide], high[wide], SECTIONS + 1, axis=1)
+        N = np.full((low.size, sections + 1), np.nan)
+        N[wide] = np.linspace(low[wide], high[wide], sections + 1, axis=1)
         as_high = (np.isfinite(ask(N[:, 1:-1])) == rising)[wide]
         ends = np.zeros((wide.size, 1), bool)
         low[wide], high[wide] = first_snap(N[wide], np.hstack([ends, as_high, ~ends]))
