@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ..beam.equilibria import static_threshold
 from ..solver.bounds import least_amplitudes
 from ..solver.cells import Rows
 from ..solver.model import Follows
@@ -44,10 +45,11 @@ class Lattice:
 
 
 def nominal_thresholds(
-    model: Follows, rows: Rows, static: np.ndarray, settings: Settings, tolerance: float
+    model: Follows, rows: Rows, settings: Settings, tolerance: float
 ) -> np.ndarray:
     """Find the lowest N that snaps of rows of which nothing is known, (rows,); NaN for none."""
     ask = asker(model, rows, settings)
+    static = static_threshold(model.device)
     wide = wide_scan(model.device, static, rows, settings.pulses)
     rough, _ = first_seen(ask, wide, least_amplitudes(model, rows, settings.pulses))
     N = Window(BELOW * rough, rough, np.full(rough.size, FINE_STEP)).N
