@@ -87,15 +87,18 @@ def design(
     _check(value, goals, C, between, along, bool(required))
     if required:
         tolerances = Tolerances(**given) if given else None
-        with counting(f"design, {_cost(required, tolerances)}"):
-            return _window(study, value, C, between, required, tolerances)
+        cost = f"{WINDOW_POINTS * len(goals)} thresholds, {ROUNDS * SECTIONS} for each end"
+        if tolerances:
+            made = PLACES * min(tolerances.samples, SAMPLES)
+            cost += f", {made * (len(goals) + 1)} devices"
+        with counting(f"design, {cost}"):
+            return _window(study, value, C, between, goals, tolerances)
     key, values = next(iter(along.items()), (value, 0.0))
     along = {key: np.atleast_1d(np.asarray(values, float))}
     goals *= along[key].size
     look, grid = _looker(study, value, C, goals, along), np.linspace(*between, POINTS)
     with counting("design"):
-        rows = np.arange(len(goals))
-        N_first, _, met = look(rows, np.tile(grid, (rows.size, 1)))
+        N_first, _, met = look(np.arange(len(goals)), np.tile(grid, (len(goals), 1)))
         known = np.isfinite(N_first[:, 1:] + N_first[:, :-1])
         ends = _ends(look, grid, N_first, met, known, N)
     if key != value:
@@ -177,14 +180,11 @@ def _ends(look, grid, N_first, met, where, N):
 
 
 def _single(value, N, grid, N_first, values, errors):
-    unit = QUANTITIES[value].unit
+    unit, known = QUANTITIES[value].unit, N_first[np.isfinite(N_first)]
     ends = f"from {grid[0]:g} to {grid[-1]:g} {unit}"
     if not values.size:
-        known = N_first[np.isfinite(N_first)]
-        least = (
-            f"it runs from {known.min():.5g} to {known.max():.5g}" if known.size else "none has one"
-        )
-        raise ValueError(f"{value}: no value {ends} has its threshold at N = {N:g}; {least}")
+        runs = f"runs from {known.min():.5g} to {known.max():.5g}" if known.size else "is not there"
+        raise ValueError(f"{value}: no value {ends} has its threshold at N = {N:g}; it {runs}")
     if values.size > 1:
         several = ", ".join(f"{one:.5g}" for one in values)
         warnings.warn(
@@ -204,14 +204,11 @@ def _line(value, key, places, N, row, values, errors):
         where = ", ".join(f"{one:.5g}" for one in places[count > 1])
         place = f"{key} = {where} {QUANTITIES[key].unit}"
         warnings.warn(f"{value}: not the only one at {place}; the lowest is told", stacklevel=3)
-    name = COORDINATES[value]["long_name"]
+    attrs, comment = COORDINATES[value], {"comment": f"where the threshold is {N:g} g"}
+    error = {"long_name": f"error of the {attrs['long_name']}"}
     data = {
-        value: (
-            key,
-            lowest[0],
-            COORDINATES[value] | {"comment": f"where the threshold is {N:g} g"},
-        ),
-        "error": (key, lowest[1], COORDINATES[value] | {"long_name": f"error of the {name}"}),
+        value: (key, lowest[0], attrs | comment),
+        "error": (key, lowest[1], attrs | error),
         "solutions": (key, count, {"long_name": "number of values found", "units": "1"}),
     }
     return xr.Dataset(data, coordinates({key: places}))
@@ -279,14 +276,6 @@ def _yields(study, value, C, windows, goals, tolerances):
         made = tolerances_of(replace(study, device=device), axes, asked, goals)
         found.append(made[["yield", "yield_bound"]].squeeze("C", drop=True))
     return xr.concat(found, "place").assign({value: ("place", places, COORDINATES[value])})
-
-
-def _cost(goals, tolerances):
-    """How many thresholds are to be looked for, in words."""
-    words = f"{WINDOW_POINTS * len(goals)} thresholds, {ROUNDS * SECTIONS} for each end"
-    if tolerances:
-        words += f", {PLACES * min(tolerances.samples, SAMPLES) * (len(goals) + 1)} devices"
-    return words
 
 
 def _check(value, goals, C, between, along, has_requirements):

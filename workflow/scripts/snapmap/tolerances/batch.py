@@ -78,12 +78,9 @@ class Batch:
                 self.model, rows, self.deviations, nominal, settings, tolerance
             )
             found /= self.factors["N"][:, np.newaxis]
-        shape = f0.shape
-        return (
-            self._spread(found.reshape(-1, *shape)),
-            nominal.reshape(shape),
-            ragged.reshape(shape),
-        )
+        whole = np.full((self.bistable.size, *f0.shape), np.nan)
+        whole[self.bistable] = found.reshape(-1, *f0.shape)
+        return whole, nominal.reshape(f0.shape), ragged.reshape(f0.shape)
 
     def snapped(self, N: float, C: np.ndarray, f0: float, settings: Settings) -> np.ndarray:
         """Whether one shock snaps each sample, (samples, C)."""
@@ -136,11 +133,6 @@ class Batch:
         index = np.arange(self.size).reshape(-1, *[1] * np.ndim(C))
         duration, damping = (self.factors[key].reshape(index.shape) for key in ("duration", "C"))
         return index, f0 / duration, C * damping
-
-    def _spread(self, values):
-        whole = np.full((self.bistable.size, *values.shape[1:]), np.nan)
-        whole[self.bistable] = values
-        return whole
 
     def _check(self, plan):
         for key, values in self.values.items():

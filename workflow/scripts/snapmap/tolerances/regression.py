@@ -29,19 +29,19 @@ class Lattice:
 
     def __init__(self, low: float, high: float, step: float):
         """Set out amplitudes from low to high, multiples of g."""
-        count = 2 + int(np.log(high / low) / np.log1p(step))
+        self.size = 2 + int(np.log(high / low) / np.log1p(step))
         # Products, not powers: the library's exponential rounds by the processor.
-        self.N = np.multiply.accumulate(np.r_[low, np.full(count - 1, 1 + step)])
+        N = np.multiply.accumulate(np.r_[low, np.full(self.size - 1, 1 + step)])
+        self.N = np.append(N, np.nan)
         self.stride = max(1, round(np.log1p(FINE_STEP) / np.log1p(step)))
 
     def place(self, N: np.ndarray) -> np.ndarray:
         """The place of the first amplitude that is not below N."""
-        return np.minimum(np.searchsorted(self.N, N), self.N.size - 1)
+        return np.minimum(np.searchsorted(self.N, N), self.size - 1)
 
     def threshold(self, place: np.ndarray) -> np.ndarray:
         """N of the first place that snaps; NaN where that is the lattice's first, or beyond it."""
-        inside = (place > 0) & (place < self.N.size)
-        return np.where(inside, self.N[np.where(inside, place, 0)], np.nan)
+        return np.where(place > 0, self.N[place], np.nan)
 
 
 def nominal_thresholds(
@@ -86,8 +86,7 @@ def thresholds_of_samples(
 
     def snaps(numbers, places):
         """Whether rows, by number (n,), snap at places of the lattice; False beyond its end."""
-        N = lattice.N[np.minimum(places, lattice.N.size - 1)]
-        N = np.where(places < lattice.N.size, N, np.nan)
+        N = lattice.N[np.minimum(places, lattice.size)]
         return np.isfinite(asker(model, rows.some(numbers), settings)(N))
 
     numbers = np.arange(found.size).reshape(found.shape)
@@ -97,10 +96,10 @@ def thresholds_of_samples(
         if done:
             expected, lowest = _expected(deviations[block], deviations[:done], found[:done])
         here = numbers[block]
-        first = np.full(here.shape, lattice.N.size)
+        first = np.full(here.shape, lattice.size)
         clean = np.broadcast_to(known & ~ragged, here.shape)
         guess = lattice.place(np.broadcast_to(expected, here.shape))
-        first[clean] = near(snaps, here[clean], guess[clean], lattice.N.size)
+        first[clean] = near(snaps, here[clean], guess[clean], lattice.size)
         if not done:
             some = slice(LOOKED_AT), known
             ragged[known] = _are_ragged(snaps, here[some], first[some], lattice)
@@ -115,7 +114,7 @@ def thresholds_of_samples(
 def _from_below(snaps, numbers, start, lattice):
     """Places where the first of labels that change back and forth snaps, (rows,)."""
     # The same places for every sample, wherever it was expected.
-    start, size, step = start - start % lattice.stride, lattice.N.size, lattice.stride
+    start, size, step = start - start % lattice.stride, lattice.size, lattice.stride
     first, left = np.empty_like(start), np.arange(start.size)
     while left.size:
         first[left] = walk(snaps, numbers[left], start[left], size, step)
