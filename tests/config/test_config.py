@@ -196,7 +196,7 @@ def test_not_this_quantity(text, kind, complaint):
     [
         ("device__beam__span", "600", "device.beam.span: '600' has no unit; write a length"),
         ("device__beam__span", MISSING, "device.beam.span: missing; write a length"),
-        ("device__beam__rise", "4 um", "device.beam: rise/thickness = 4 um/2 um = 2;"),
+        ("device__beam__rise", "4 um", "device.beam: rise/thickness = 4 um/2 um = 2"),
         ("device__beam", None, "device.beam: an empty value is not a mapping"),
         ("device__weight", "1 kg", "device.weight: unknown key; known here are beam, mass"),
         ("device__contact", "soft", "device.contact: 'soft' is not a number with a unit"),
