@@ -126,7 +126,7 @@ def find_tolerance(study, axes, tolerances, requirements, left_out, path, thread
 def fit_calibration(study, calibration, path, threads):
     """Fit the unknowns of a config's calibration, its fields by name, to measured shots."""
     from snapmap.calibration.dataset import calibration_of, summary
-    from snapmap.io.shots import read_shots
+    from snapmap.io.tables import read_shots
 
     files = calibration["files"]
     table = read_shots(calibration["shots"], files[calibration["shots"]])
@@ -139,11 +139,12 @@ def fit_calibration(study, calibration, path, threads):
 def write_datasheet(study, C, tolerances, requirements, requirements_path, path, threads):
     """Find what the data sheet tells beside the verdicts, and write it."""
     from snapmap.datasheet import datasheet
-    from snapmap.io.rows import read_rows
+    from snapmap.io.tables import read_verdicts
     from snapmap.tolerances.samples import Tolerances
 
     asked = C, Tolerances(**tolerances) if tolerances else None, _required(requirements)
-    _write_text(datasheet(study_from(study, threads), *asked, read_rows(requirements_path)), path)
+    verdicts = read_verdicts(requirements_path)
+    _write_text(datasheet(study_from(study, threads), *asked, verdicts), path)
 
 
 def measure_accuracy(device, pulse, axes, settings, plan, path, threads):

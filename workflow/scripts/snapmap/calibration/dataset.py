@@ -14,7 +14,6 @@ from ..axes import COORDINATES
 from ..device import Device
 from ..io.counting import counting
 from ..io.provenance import provenance
-from ..io.shots import read_shots
 from ..study import THRESHOLD_SETTINGS, Study, study_of
 from .information import information_at, untold
 from .likelihood import SPREADS, Likelihood
@@ -111,15 +110,13 @@ def calibrate(
     2.0
     """
     study, _ = study_of(device, model, options)
-    if isinstance(shots, str | Path):
-        shots = read_shots(shots)
     with counting("calibrate"):
         return calibration_of(study, shots, unknowns, C)
 
 
 def calibration_of(
     study: Study,
-    table: Mapping,
+    table: str | Path | Mapping,
     unknowns: Mapping,
     C: float | None,
     files: Mapping[str, str] | None = None,
