@@ -18,8 +18,8 @@ from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError, read_document
 from snapmap.io.named import hold_to_plan, sha256_of
 from snapmap.io.netcdf import check_alike
-from snapmap.io.tables import read_points
 from snapmap.io.recorded import RECORD, shocks_of
+from snapmap.io.tables import read_points
 from snapmap.pulse import HANDOUT_SHOCK
 
 STUDY = (

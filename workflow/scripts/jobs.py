@@ -16,7 +16,7 @@ from snapmap.io.recorded import shocks_of
 
 def simulate_slab(study, axes, path, threads, code):
     """Simulate one slab and write it."""
-    from snapmap.sweeps.slab import write_slab
+    from snapmap.sweeps.slabs import write_slab
 
     counts = write_slab(study_from(study, threads), axes, path, code)
     print(f"{path}: " + ", ".join(f"{n} {outcome}" for outcome, n in counts.items()))
@@ -24,10 +24,13 @@ def simulate_slab(study, axes, path, threads, code):
 
 def collect(slab_paths, axes, config, path):
     """Join slabs on the axes of the whole grid, write the cube and say what is in it."""
-    from snapmap.sweeps.assemble import collect_slabs
+    import xarray as xr
+
+    from snapmap.sweeps.collect import collect_slabs
     from snapmap.sweeps.cube import summary
 
-    _write(collect_slabs(slab_paths, axes, config), path, summary)
+    with xr.set_options(file_cache_maxsize=2):  # each open slab keeps what was read of it
+        _write(collect_slabs(slab_paths, axes, config), path, summary)
 
 
 def find_threshold(study, axes, tolerance, highest, path, table_path, threads):

@@ -139,7 +139,11 @@ def sweep(
 def dress(axes: Mapping[str, np.ndarray], variables: Mapping, document: Mapping) -> xr.Dataset:
     """Give axes and variables, in their shape, CF attributes, and the whole its provenance."""
     return xr.Dataset(
-        {key: (tuple(axes), variables[key], VARIABLES[key]) for key in variables},
+        {
+            key: (tuple(axes), variables[key], attributes)
+            for key, attributes in VARIABLES.items()
+            if key in variables
+        },
         coordinates(axes),
     ).assign_attrs(
         Conventions="CF-1.11, ACDD-1.3",
