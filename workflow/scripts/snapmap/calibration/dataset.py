@@ -13,7 +13,7 @@ from scipy.stats import t
 from ..axes import COORDINATES
 from ..device import Device
 from ..io.counting import counting
-from ..io.provenance import provenance
+from ..io.variables import headed, variables
 from ..study import THRESHOLD_SETTINGS, Study, study_of
 from .information import information_at, untold
 from .likelihood import SPREADS, Likelihood
@@ -28,40 +28,10 @@ INSIDE = 300
 """Places within the intervals over which the likelihood of spreads is summed, about."""
 FINE, LEAST_LOG = 2001, -100.0
 """Places between values of a likelihood, and its least logarithm, as 0 has none."""
-MULTIPLES = {"units": "1", "comment": "in multiples of g"}
-SHARE = {"units": "1"}
-RANGE = {"units": "1", "comment": "1 where the interval ends with the range, 0 elsewhere"}
-OF_UNKNOWN = {
-    "estimate": {"long_name": "likeliest value, in the unknown's own unit"},
-    "low": {"long_name": "lower end of the interval at 95 %"},
-    "high": {"long_name": "upper end of the interval at 95 %"},
-    "open_low": {"long_name": "whether the range ends the interval below", **RANGE},
-    "open_high": {"long_name": "whether the range ends the interval above", **RANGE},
-}
-OF_SHOT = {
-    "N": {"long_name": "amplitude of the shot", **MULTIPLES},
-    "f0": COORDINATES["f0"],
-    "direction": {"long_name": "direction of the shot"},
-    "shape": {"long_name": "shape of the shot"},
-    "unit": {"long_name": "number of the specimen", "units": "1"},
-    "tripped": {
-        "long_name": "whether it tripped",
-        "flag_values": np.arange(2, dtype=np.int8),
-        "flag_meanings": "not_tripped tripped",
-    },
-    "threshold": {"long_name": "fitted threshold of the shot", **MULTIPLES},
-    "threshold_low": {"long_name": "lower bound of the threshold at 95 %", **MULTIPLES},
-    "threshold_high": {"long_name": "upper bound of the threshold at 95 %", **MULTIPLES},
-    "probability": {"long_name": "fitted probability of a trip", **SHARE},
-    "residual": {"long_name": "deviance residual", **SHARE},
-}
+VARIABLES = variables("calibration") | {"f0": COORDINATES["f0"]}
 NEAR = 2.0
 """Times a threshold: campaigns with no shot as near tell nothing of a device."""
 OPEN = "open_low", "open_high"
-SPREAD = {
-    "spread": {"long_name": "standard deviation of the threshold over itself", **SHARE},
-    "unit_share": {"long_name": "share of the spread's variance between units", **SHARE},
-}
 
 
 class Fit(NamedTuple):
@@ -130,10 +100,7 @@ def calibration_of(
     surface = surface_of(study, shots.kinds, unknowns, C)
     _check_reach(shots, surface)
     return fit(shots, surface).assign_attrs(
-        Conventions="CF-1.11, ACDD-1.3",
-        title="A device read off its shots",
-        summary="Values of a device, their intervals and the residuals of shots, tripped or not",
-        **provenance(_document(study, unknowns, C)),
+        **headed("calibration", _document(study, unknowns, C)),
     )
 
 
@@ -150,7 +117,7 @@ def fit(shots: Shots, surface: Surface) -> xr.Dataset:
     intervals = [profile.interval(k, freedom) for k in range(len(names))]
     data, units = _unknowns(done, intervals), {"unknown": names, "unknown_2": names}
     spreads = _spreads(done, intervals)
-    data |= {key: ("bound", _rounded(values), SPREAD[key]) for key, values in spreads.items()}
+    data |= {key: ("bound", _rounded(values), VARIABLES[key]) for key, values in spreads.items()}
     told = information_at(profile.best, surface, likelihood, spreads["spread"][0])
     scale = np.sqrt(np.diag(told.covariance))
     data["correlation"] = (
@@ -187,7 +154,7 @@ def _unknowns(done, intervals):
     data |= {key: np.array([getattr(i, key) for i in intervals], np.int8) for key in OPEN}
     unit = ", ".join(f"{key}: {COORDINATES[key]['units']}" for key in done.surface.unknowns)
     return {
-        key: ("unknown", values, OF_UNKNOWN[key] | ({} if key in OPEN else {"comment": unit}))
+        key: ("unknown", values, VARIABLES[key] | ({} if key in OPEN else {"comment": unit}))
         for key, values in data.items()
     }
 
@@ -249,7 +216,7 @@ def _of_shots(done, told, spread):
         "probability": _rounded(np.exp(log_ndtr(z))),
         "residual": _rounded(sign * np.sqrt(-2 * log_ndtr(sign * z))),
     }
-    return {key: ("shot", values, OF_SHOT[key]) for key, values in data.items()}
+    return {key: ("shot", values, VARIABLES[key]) for key, values in data.items()}
 
 
 def _untold_text(told, names):

@@ -11,7 +11,8 @@ import xarray as xr
 from ..beam.modal import contact_stiffness
 from ..beam.stress import stress_of
 from ..device import Device
-from ..io.provenance import device_sections, provenance
+from ..io.provenance import device_sections
+from ..io.variables import headed, variables
 from ..numerics.linalg import dot, multiply
 from ..pulse import blow_at
 from ..solver.adaptive import choose_model
@@ -24,22 +25,7 @@ from .travel import warn_of_travel
 SAMPLES = 4000
 """A history keeps this many instants, up to twice as many, or all that there are."""
 
-VARIABLES = {
-    "w_mid": ("deflection of the beam's midpoint", "um"),
-    "z_mass": ("position of the mass", "um"),
-    "contact_force": ("force between mass and beam", "uN"),
-    "acceleration": ("acceleration of the frame", "um us-2"),
-    "axial_force": ("compressive axial force in the beam", "uN"),
-    "stress": ("largest tensile stress in the beam", "MPa"),
-    "kinetic_energy": ("kinetic energy of mass and beam", "pJ"),
-    "spring_energy": ("energy of the mass's spring", "pJ"),
-    "bending_energy": ("bending energy of the beam", "pJ"),
-    "axial_energy": ("axial energy of the beam", "pJ"),
-    "contact_energy": ("energy of the contact", "pJ"),
-    "dissipated_energy": ("energy taken by the damping of mass and beam", "pJ"),
-    "pulse_work": ("work of the pulse on mass and beam", "pJ"),
-    "midpoint_force": ("force of the pulse on the beam's midpoint, downward", "uN"),
-}
+VARIABLES = variables("history")
 
 
 def simulate(
@@ -246,8 +232,8 @@ def _observe(device, first, form, stress, motion):
 
 def _dress(values, document):
     data = {
-        key: ("time", values[key], {"long_name": name, "units": unit})
-        for key, (name, unit) in VARIABLES.items()
+        key: ("time", values[key], attributes)
+        for key, attributes in VARIABLES.items()
         if key in values
     }
     axis = (
@@ -256,8 +242,5 @@ def _dress(values, document):
         {"long_name": "time after the start of the pulse", "units": "us"},
     )
     return xr.Dataset(data, {"time": axis}).assign_attrs(
-        Conventions="CF-1.11, ACDD-1.3",
-        title="Time history of one cell",
-        summary="Motion, forces and energies of beam and mass under one shock",
-        **provenance(document),
+        **headed("history", document),
     )

@@ -7,7 +7,7 @@ import xarray as xr
 
 from ..axes import coordinates
 from ..device import Device
-from ..io.provenance import provenance
+from ..io.variables import headed
 from ..pulse import DIRECTIONS
 from ..solver.adaptive import choose_survey
 from ..solver.bracket import asker
@@ -81,10 +81,7 @@ def _dress(axes, drawn, snaps, document):
     told = {"long_name": "whether the record snaps it", "units": "1"}
     data["snaps"] = ((*axes, "record", "factor"), snaps, told)
     return xr.Dataset(data, coordinates(axes) | {"factor": list(FACTORS)}).assign_attrs(
-        Conventions="CF-1.11, ACDD-1.3",
-        title="Snaps under records of a shock response spectrum",
-        summary="Which records that meet a spectrum trip a device, and at which factors of it",
-        **provenance(document),
+        **headed("spectrum", document),
     )
 
 
