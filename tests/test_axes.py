@@ -13,11 +13,10 @@ from snapmap.axes import make_grid
 from snapmap.config.study import load_config
 from snapmap.device import VALUES
 from snapmap.solver.outcome import ABSENT
-from snapmap.sweeps.assemble import collect_slabs
+from snapmap.sweeps.collect import collect_slabs
 from snapmap.sweeps.grid import follow_rows
-from snapmap.sweeps.partition import slab_name
 from snapmap.sweeps.plan import make_plan
-from snapmap.sweeps.slab import write_slab
+from snapmap.sweeps.slabs import slab_name, write_slab
 
 SHOCK = {"N": [700.0, 900.0, 1100.0, 1300.0], "f0": [900.0, 4000.0], "C": [0.5, 30.0]}
 MODELS = {
@@ -187,7 +186,7 @@ def test_an_axis_of_the_device_grows_as_any_other(tmp_path, monkeypatch):
         followed.append(rows.f0.size * len(N))
         return follow_rows(model, rows, N, settings)
 
-    monkeypatch.setattr("snapmap.sweeps.slab.follow_rows", counted)
+    monkeypatch.setattr("snapmap.sweeps.slabs.follow_rows", counted)
     for thickness in (["1.8 um", "1.9 um"], ["1.8 um", "1.85 um", "1.9 um"]):
         followed.clear()
         study = load_config(document(thickness=thickness) | {"model": {"name": "cosines"}})

@@ -11,7 +11,7 @@ _HOME = {
     "describe": "described",
     "design": "sizing",
     "load_device": "config.devices",
-    "open_cube": "sweeps.reading",
+    "open_cube": "sweeps.collect",
     "plan_shots": "calibration.planning",
     "plot_outcome": "figures.maps",
     "plot_thresholds": "figures.comparison",

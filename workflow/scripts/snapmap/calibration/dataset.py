@@ -11,8 +11,7 @@ from scipy.special import log_ndtr
 from ..axes import COORDINATES
 from ..device import Device
 from ..io.counting import counting
-from ..io.provenance import provenance
-from ..io.shots import read_shots
+from ..io.variables import headed, variables
 from ..study import THRESHOLD_SETTINGS, Study, study_of
 from .likelihood import SPREADS, Likelihood, Profile, information_at, reach
 from .shots import Shots, check_ranges, shots_from
@@ -24,39 +23,10 @@ INSIDE = 300
 """Places within the intervals over which the likelihood of spreads is summed, about."""
 FINE, LEAST_LOG = 2001, -100.0
 """Places between values of a likelihood, and its least logarithm, as 0 has none."""
-MULTIPLES = {"units": "1", "comment": "in multiples of g"}
-SHARE = {"units": "1"}
-RANGE = {"units": "1", "comment": "1 where the interval ends with the range, 0 elsewhere"}
-OF_UNKNOWN = {
-    "estimate": {"long_name": "likeliest value, in the unknown's own unit"},
-    "low": {"long_name": "lower end of the interval at 95 %"},
-    "high": {"long_name": "upper end of the interval at 95 %"},
-    "open_low": {"long_name": "whether the range ends the interval below", **RANGE},
-    "open_high": {"long_name": "whether the range ends the interval above", **RANGE},
-}
-OF_SHOT = {
-    "N": {"long_name": "amplitude of the shot", **MULTIPLES},
-    "f0": COORDINATES["f0"],
-    "direction": {"long_name": "direction of the shot"},
-    "shape": {"long_name": "shape of the shot"},
-    "unit": {"long_name": "number of the specimen", "units": "1"},
-    "tripped": {
-        "long_name": "whether it tripped",
-        "flag_values": np.arange(2, dtype=np.int8),
-        "flag_meanings": "not_tripped tripped",
-    },
-    "threshold": {"long_name": "fitted threshold of the shot", **MULTIPLES},
-    "threshold_low": {"long_name": "lower bound of the threshold at 95 %", **MULTIPLES},
-    "threshold_high": {"long_name": "upper bound of the threshold at 95 %", **MULTIPLES},
-    "probability": {"long_name": "fitted probability of a trip", **SHARE},
-    "residual": {"long_name": "deviance residual", **SHARE},
-}
+VARIABLES = variables("calibration") | {"f0": COORDINATES["f0"]}
 NEAR = 2.0
 """Times a threshold: campaigns with no shot as near tell nothing of a device."""
-SPREAD = {
-    "spread": {"long_name": "standard deviation of the threshold over itself", **SHARE},
-    "unit_share": {"long_name": "share of the spread's variance between units", **SHARE},
-}
+OPEN = "open_low", "open_high"
 
 
 def calibrate(
@@ -95,15 +65,13 @@ def calibrate(
     2.0
     """
     study, _ = study_of(device, model, options)
-    if isinstance(shots, str | Path):
-        shots = read_shots(shots)
     with counting("calibrate"):
         return calibration_of(study, shots, unknowns, C)
 
 
 def calibration_of(
     study: Study,
-    table: Mapping,
+    table: str | Path | Mapping,
     unknowns: Mapping,
     C: float | None,
     files: Mapping[str, str] | None = None,
@@ -122,10 +90,7 @@ def calibration_of(
     asked = {"unknowns": ranges} | ({} if C is None else {"C": float(C)})
     document = study.document(THRESHOLD_SETTINGS) | {"calibration": asked}
     return fit(shots, surface).assign_attrs(
-        Conventions="CF-1.11, ACDD-1.3",
-        title="A device read off its shots",
-        summary="Values of a device, their intervals and the residuals of shots, tripped or not",
-        **provenance(document),
+        **headed("calibration", document),
     )
 
 
@@ -141,13 +106,13 @@ def fit(shots: Shots, surface: Surface) -> xr.Dataset:
     low, high, *opens = np.array(intervals, float).T
     unit = {"comment": ", ".join(f"{key}: {COORDINATES[key]['units']}" for key in names)}
     data = {
-        key: ("unknown", _rounded(surface.values(place)), OF_UNKNOWN[key] | unit)
+        key: ("unknown", _rounded(surface.values(place)), VARIABLES[key] | unit)
         for key, place in {"estimate": profile.best, "low": low, "high": high}.items()
     }
-    for key, ends in zip(("open_low", "open_high"), opens, strict=True):
-        data[key] = ("unknown", ends.astype(np.int8), OF_UNKNOWN[key])
+    for key, ends in zip(OPEN, opens, strict=True):
+        data[key] = ("unknown", ends.astype(np.int8), VARIABLES[key])
     spreads = _spreads(likelihood, surface, low, high, freedom)
-    data |= {key: ("bound", _rounded(values), SPREAD[key]) for key, values in spreads.items()}
+    data |= {key: ("bound", _rounded(values), VARIABLES[key]) for key, values in spreads.items()}
     spread = spreads["spread"][0]
     told = information_at(profile.best, surface, likelihood, spread)
     scale = np.sqrt(np.diag(told.covariance))
@@ -174,7 +139,7 @@ def fit(shots: Shots, surface: Surface) -> xr.Dataset:
         "probability": _rounded(np.exp(log_ndtr(z))),
         "residual": _rounded(sign * np.sqrt(-2 * log_ndtr(sign * z))),
     }
-    data |= {key: ("shot", values, OF_SHOT[key]) for key, values in columns.items()}
+    data |= {key: ("shot", values, VARIABLES[key]) for key, values in columns.items()}
     units = {"unknown": names, "unknown_2": names, "bound": ["estimate", "low", "high"]}
     return xr.Dataset(data, units).assign_attrs(
         untold=_untold_text(told, names), model_error=float(_rounded(surface.error.max()))

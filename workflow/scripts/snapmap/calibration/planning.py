@@ -12,7 +12,7 @@ from scipy.special import log_ndtr, ndtri
 from scipy.stats import binom, chi2, f
 
 from ..checks import show
-from ..io.shots import answers, read_shots
+from ..io.tables import answers, shot_columns
 
 STEPS = np.arange(-4000, 4001) / 1000
 """Where a D-optimal level is sought, standard deviations from the mean."""
@@ -80,15 +80,13 @@ def plan_shots(
 
 def _columns(shots):
     """N and whether it tripped, (shots,) each."""
-    table = read_shots(shots) if isinstance(shots, str | Path) else dict(shots)
-    if not any(len(column) for column in table.values()):
+    table = shot_columns(shots)
+    if not len(table.get("tripped", ())):
         return np.empty(0), np.empty(0, bool)
-    for key in {"N", "tripped"} - set(table):
-        raise ValueError(f"shots: column {key} is missing")
     for key in ("f0", "duration", "direction", "shape"):
         if len(several := {str(value): None for value in table.get(key, ())}) > 1:
             raise ValueError(f"shots: {key}: {', '.join(several)[:60]}; plan each pulse by itself")
-    for place, value in enumerate(table["N"], start=1):
+    for place, value in enumerate(table.get("N", [None]), start=1):
         if not (isinstance(value, int | float | np.number) and 0 < value < np.inf):
             raise ValueError(f"shots, row {place}: N: {show(value)} is no number above 0")
     return np.array(table["N"], float), answers(table["tripped"])

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -9,11 +10,10 @@ import numpy as np
 from ..checks import numbers, show
 from ..device import Device
 from ..io.recorded import read_pulse
-from ..io.shots import answers
+from ..io.tables import answers, shot_columns
 from ..pulse import Pulse, Shocks, make_pulse
 from ..quantities import QUANTITIES
 
-COLUMNS = ("N", "f0", "duration", "tripped", "direction", "shape", "file", "unit")
 DIRECTIONS = "+z", "-z"
 FEWEST = 3
 MOST = 4
@@ -54,15 +54,20 @@ class Shots(NamedTuple):
 
 
 def shots_from(
-    table: Mapping, shocks: Shocks, device: Device, files: Mapping[str, str] | None = None
+    table: str | Path | Mapping,
+    shocks: Shocks,
+    device: Device,
+    files: Mapping[str, str] | None = None,
 ) -> Shots:
     """Take a table of shots as `calibrate` does; raises ValueError, one line.
 
     shocks: of one shape and direction, where the table names none; device: whose gravity N counts
     files: SHA-256 of the records it names as they were planned, by path; of others anything goes
     """
-    columns = _columns(table)
-    size = len(columns["tripped"])
+    columns = shot_columns(table)
+    size = len(columns.get("tripped", ()))
+    if size < FEWEST:
+        raise ValueError(f"shots: {size} are too few; give {FEWEST} or more")
     kinds, places, levels = [], {}, []
     for i in range(size):
         row = {key: values[i] for key, values in columns.items() if not _is_empty(values[i])}
@@ -77,23 +82,6 @@ def shots_from(
     shots = Shots(N, answers(columns["tripped"].tolist()), kind.astype(int), unit, tuple(kinds))
     _check(shots)
     return shots
-
-
-def _columns(table):
-    known = f"columns are {', '.join(COLUMNS)}"
-    columns = {str(key): np.asarray(table[key]).ravel() for key in table}
-    for key in columns:
-        if key not in COLUMNS:
-            raise ValueError(f"shots: column {key!r} is unknown; {known}")
-    for key in ("tripped",) if "file" in columns else ("N", "tripped"):
-        if key not in columns:
-            raise ValueError(f"shots: column {key} is missing; {known}")
-    sizes = {key: len(values) for key, values in columns.items()}
-    if len(set(sizes.values())) > 1:
-        raise ValueError(f"shots: columns differ in length, {sizes}; write a row for each shot")
-    if sizes["tripped"] < FEWEST:
-        raise ValueError(f"shots: {sizes['tripped']} are too few; give {FEWEST} or more")
-    return columns
 
 
 def _is_empty(value):

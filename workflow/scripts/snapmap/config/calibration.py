@@ -7,10 +7,9 @@ import numpy as np
 
 from ..calibration.shots import check_ranges, shots_from
 from ..device import Device
-from ..io.columns import ROWS
 from ..io.named import sha256_of
 from ..io.recorded import RECORD
-from ..io.shots import read_shots
+from ..io.tables import ROWS, read_shots
 from ..pulse import Shocks
 from ..quantities import QUANTITIES
 from .shocks import check_path

@@ -6,10 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..io.columns import ROWS
 from ..io.named import sha256_of
-from ..io.points import read_points
 from ..io.recorded import RECORD, shocks_of
+from ..io.tables import ROWS, read_points
 from ..pulse import SHARES, Shocks
 from ..quantities import QUANTITIES
 from ..spectra.psd import REACH, Spectrum

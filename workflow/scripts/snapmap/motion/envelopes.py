@@ -12,6 +12,7 @@ from ..axes import NAMES, Grid, coordinates, shared_points
 from ..beam.equilibria import Barrier
 from ..io.counting import count
 from ..io.provenance import provenance, recipe
+from ..io.variables import variables
 from ..solver import simd_loop
 from ..solver.adaptive import choose_model
 from ..solver.cells import rows_of, to_cells
@@ -33,21 +34,8 @@ DIGITS = {"quantize_mode": "BitRound", "significant_digits": 20}
 # ASSUME: energies above four times the saddle's are drawn as four times: what counts is near one.
 ENERGY_REACH = 4.0
 
-VARIABLES = {
-    "w_low": {"long_name": "least deflection of the beam's midpoint in the bin", "units": "um"},
-    "w_high": {"long_name": "greatest deflection of the beam's midpoint in the bin", "units": "um"},
-    "z_mass": {"long_name": "position of the mass at the start of the bin", "units": "um"},
-    "energy": {
-        "long_name": "energy over the saddle's, at the start of the bin",
-        "units": "1",
-        "clipped_at": ENERGY_REACH,
-    },
-    "beam_energy": {
-        "long_name": "the beam's share of the energy",
-        "units": "1",
-        "clipped_at": ENERGY_REACH,
-    },
-}
+VARIABLES = variables("traces")
+VARIABLES["energy"]["clipped_at"] = VARIABLES["beam_energy"]["clipped_at"] = ENERGY_REACH
 MOST = 1e30
 """Of what a failed run blew up to, all that is kept."""
 

@@ -12,7 +12,8 @@ import xarray as xr
 from ..beam.modal import contact_stiffness
 from ..beam.stress import stress_of
 from ..device import Device, Value
-from ..io.provenance import device_sections, provenance
+from ..io.provenance import device_sections
+from ..io.variables import headed, variables
 from ..numerics.linalg import dot, multiply
 from ..pulse import blow_at
 from ..solver.adaptive import choose_model
@@ -28,22 +29,7 @@ SAMPLES = 4000
 FARTHEST = 5.0
 """Over the rise: of a mass that no stop holds, a way from rest that a run remarks upon."""
 
-VARIABLES = {
-    "w_mid": ("deflection of the beam's midpoint", "um"),
-    "z_mass": ("position of the mass", "um"),
-    "contact_force": ("force between mass and beam", "uN"),
-    "acceleration": ("acceleration of the frame", "um us-2"),
-    "axial_force": ("compressive axial force in the beam", "uN"),
-    "stress": ("largest tensile stress in the beam", "MPa"),
-    "kinetic_energy": ("kinetic energy of mass and beam", "pJ"),
-    "spring_energy": ("energy of the mass's spring", "pJ"),
-    "bending_energy": ("bending energy of the beam", "pJ"),
-    "axial_energy": ("axial energy of the beam", "pJ"),
-    "contact_energy": ("energy of the contact", "pJ"),
-    "dissipated_energy": ("energy taken by the damping of mass and beam", "pJ"),
-    "pulse_work": ("work of the pulse on mass and beam", "pJ"),
-    "midpoint_force": ("force of the pulse on the beam's midpoint, downward", "uN"),
-}
+VARIABLES = variables("history")
 
 
 def simulate(
@@ -94,17 +80,10 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     rest = built.barrier.first + device.gap
     stops = {"stop_toward": rest - device.stop_toward, "stop_away": rest + device.stop_away}
     stops = {key: place for key, place in stops.items() if math.isfinite(place)}
-    data = {
-        key: ("time", values[key], {"long_name": name, "units": unit})
-        for key, (name, unit) in VARIABLES.items()
-        if key in values
-    }
+    data = {key: ("time", values[key], about) for key, about in VARIABLES.items() if key in values}
     about = {"long_name": "time after the start of the pulse", "units": "us"}
     return xr.Dataset(data, {"time": ("time", values["time"], about)}).assign_attrs(
-        Conventions="CF-1.11, ACDD-1.3",
-        title="Time history of one cell",
-        summary="Motion, forces and energies of beam and mass under one shock",
-        **provenance(document),
+        **headed("history", document),
         N=N,
         f0=f0,
         C=C,

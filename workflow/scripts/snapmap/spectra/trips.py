@@ -7,7 +7,7 @@ import xarray as xr
 
 from ..axes import coordinates
 from ..device import Device
-from ..io.provenance import provenance
+from ..io.variables import headed
 from ..pulse import DIRECTIONS
 from ..solver.adaptive import choose_survey
 from ..solver.cells import to_rows
@@ -87,10 +87,7 @@ def trips_of(
     )
     document = study.document(THRESHOLD_SETTINGS) | {"srs": points.tolist(), **asked}
     return xr.Dataset(data, coordinates(grid.axes) | {"factor": list(FACTORS)}).assign_attrs(
-        Conventions="CF-1.11, ACDD-1.3",
-        title="Snaps under records of a shock response spectrum",
-        summary="Which records that meet a spectrum trip a device, and at which factors of it",
-        **provenance(document),
+        **headed("spectrum", document),
     )
 
 

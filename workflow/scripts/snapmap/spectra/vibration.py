@@ -10,7 +10,8 @@ import xarray as xr
 
 from ..axes import coordinates
 from ..device import Device
-from ..io.provenance import provenance, recipe
+from ..io.provenance import recipe
+from ..io.variables import headed, variables
 from ..pulse import HANDOUT_SHOCK
 from ..solver.adaptive import choose_survey
 from ..solver.cells import Rows, to_cells, to_rows
@@ -35,20 +36,7 @@ NORMAL = 1.959964
 """Standard deviations within which a normal number is at 95 %."""
 ENOUGH = 1e-12
 
-VARIABLES = {
-    "snaps": ("records that snap at the given level", "1"),
-    "simulated": ("time followed at the given level, to the snaps", "s"),
-    "rate": ("snaps in a time", "s-1"),
-    "rate_low": ("lower bound of the rate, at 95 % both ways", "s-1"),
-    "rate_high": ("upper bound of the rate, at 95 % both ways", "s-1"),
-    "probability": ("probability of a snap within the duration", "1"),
-    "probability_low": ("lower bound of the probability", "1"),
-    "probability_high": ("upper bound of the probability", "1"),
-    "level": ("level at which the probability is `reach`", "1"),
-    "level_low": ("lower bound of the level, at 95 % both ways", "1"),
-    "level_high": ("upper bound of the level, at 95 % both ways", "1"),
-    "failed": ("records whose runs cannot be believed", "1"),
-}
+VARIABLES = variables("vibration")
 
 
 class Seen(NamedTuple):
@@ -128,20 +116,17 @@ def vibration_of(
             key: (
                 tuple(grid.axes),
                 np.where(there, data[key], np.nan).reshape(grid.shape),
-                {"long_name": name, "units": unit},
+                attributes,
             )
-            for key, (name, unit) in VARIABLES.items()
+            for key, attributes in VARIABLES.items()
         },
         coordinates(grid.axes),
     ).assign_attrs(
-        Conventions="CF-1.11, ACDD-1.3",
-        title="Snaps under random vibration",
-        summary="How often stationary Gaussian vibration trips a device, and at which level",
         rms=rms,
         record_length=length,
         recipe=recipe(document, ()),
         **asked,
-        **provenance(document),
+        **headed("vibration", document),
     )
 
 

@@ -11,7 +11,7 @@ from ..axes import COORDINATES, NAMES, coordinates
 from ..beam.stress import break_probability
 from ..device import Device
 from ..io.counting import counting
-from ..io.provenance import provenance
+from ..io.variables import headed, variables
 from ..numerics.portable import geometric
 from ..solver.cells import to_rows
 from ..study import THRESHOLD_SETTINGS, Study, frequencies, study_of, with_shocks
@@ -27,78 +27,7 @@ AMPLITUDES = 101
 FOLLOWED_CELLS, FEWEST_FOLLOWED = 1_000_000, 64
 """So many cells are followed to their end, or at least those of so many samples."""
 
-MULTIPLES = {"units": "1", "comment": "in multiples of g"}
-SHARE = {"units": "1"}
-VARIABLES = {
-    "bistable": {
-        "long_name": "whether the sample has a second stable shape",
-        "flag_values": np.arange(2, dtype=np.int8),
-        "flag_meanings": "not_bistable bistable",
-    },
-    "N_first": {
-        "long_name": "lowest amplitude that snaps the sample",
-        "units": "1",
-        "comment": "in multiples of g; to the tolerance of the refinement, and that of the model",
-    },
-    "N_nominal": {"long_name": "lowest amplitude that snaps the nominal device", **MULTIPLES},
-    "N_mean": {"long_name": "mean of N_first over the samples that have one", **MULTIPLES},
-    "N_std": {"long_name": "standard deviation of N_first over them", **MULTIPLES},
-    "N_quantile": {
-        "long_name": "amplitude up to which so large a share of the samples snaps",
-        **MULTIPLES,
-    },
-    "N_quantile_bound": {
-        "long_name": "bounds of N_quantile, each alone at 95 % (order statistics)",
-        **MULTIPLES
-        | {"comment": "in multiples of g; NaN where too few samples bound it: 0.001 takes 2995"},
-    },
-    "ragged": {
-        "long_name": "whether labels of some samples change back and forth along N",
-        "flag_values": np.arange(2, dtype=np.int8),
-        "flag_meanings": "clean ragged",
-    },
-    "probability": {
-        "long_name": "share of the samples whose N_first is not above N",
-        "comment": "of all samples; one without a second stable shape never snaps",
-        **SHARE,
-    },
-    "probability_bound": {"long_name": "bounds of probability at 95 % (Wilson)", **SHARE},
-    "sensitivity": {"long_name": "Sobol index: share of N_first's variance owed to it", **SHARE},
-    "sensitivity_bound": {"long_name": "bounds of sensitivity at 95 % (bootstrap)", **SHARE},
-    "latched": {"long_name": "share of samples proven to stay in the second shape", **SHARE},
-    "latched_bound": {"long_name": "bounds of latched at 95 % (Wilson)", **SHARE},
-    "N_first_required": {
-        "long_name": "lowest amplitude of the required pulse that snaps the sample",
-        **MULTIPLES,
-    },
-    "N_required": {"long_name": "amplitude of the required shock", **MULTIPLES},
-    "f0_required": {"long_name": "frequency of the required shock", "units": "Hz"},
-    "must_snap": {
-        "long_name": "whether the required shock must snap the device",
-        "flag_values": np.arange(2, dtype=np.int8),
-        "flag_meanings": "must_not must",
-    },
-    "share_meeting": {"long_name": "share of the samples that meet the requirement", **SHARE},
-    "share_meeting_bound": {"long_name": "bounds of share_meeting at 95 % (Wilson)", **SHARE},
-    "stress_max": {
-        "long_name": "largest tensile stress in the beam of the sample under the required shock",
-        "comment": "NaN for samples that are not followed for it",
-        "units": "MPa",
-    },
-    "share_breaking": {
-        "long_name": "share of the samples whose beam the required shock breaks",
-        "comment": "of those that are followed for their stress",
-        **SHARE,
-    },
-    "share_breaking_bound": {"long_name": "bounds of share_breaking at 95 % (Wilson)", **SHARE},
-    "yield": {
-        "long_name": "share of the samples that meet all requirements",
-        "comment": "with a strength of those followed for their stress: a beam that must not break "
-        "and does meets none",
-        **SHARE,
-    },
-    "yield_bound": {"long_name": "bounds of yield at 95 % (Wilson)", **SHARE},
-}
+VARIABLES = variables("tolerance")
 BOUND = ("low", "high")
 
 
@@ -193,11 +122,8 @@ def tolerances_of(
     own = {"samples": samples, "seed": asked.seed, "together": asked.together}
     made_by["tolerances"] = {**asked.scatters, **own}
     return data.assign_attrs(
-        Conventions="CF-1.11, ACDD-1.3",
-        title="Thresholds of devices as made",
-        summary="Share of devices that snap over damping, frequency and amplitude of the shock",
         threshold_tolerance=tolerance,
-        **provenance(made_by),
+        **headed("tolerance", made_by),
     )
 
 
