@@ -21,11 +21,11 @@ from snapmap.config.views import MOST_MAPS
 from snapmap.device import REFERENCE, RESTITUTION, VALUES, Beam, Device
 from snapmap.pulse import TENTH, VERSED_SINE
 from snapmap.quantities import KINDS, QUANTITIES
-from snapmap.random_vibration.spectrum import REACH
 from snapmap.solver.adaptive import TOLERANCE
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import MOVE, SNAP, STAY, THRESHOLD_TOLERANCE, Settings
 from snapmap.solver.steps import OF_LIMIT
+from snapmap.spectra.psd import REACH
 from snapmap.sweeps import plan
 from snapmap.tolerances.dataset import INDEX_SAMPLES
 from snapmap.tolerances.samples import SHOCK_FACTORS, Tolerances

@@ -427,7 +427,7 @@ def test_ordered_mappings_are_mappings():
 
 def test_all_faults_are_reported_in_order():
     document = changed(
-        device__beam__rise="1 um",
+        device__beam__imperfection="1 um",
         model__step=2,
         sweep__C=["1 kg/s", "2 kg", 3],
         sweep__N=[1, 1],
@@ -439,7 +439,7 @@ def test_all_faults_are_reported_in_order():
         "[1]",
         "[an empty value]",
         "['a\\nb']",
-        "device.beam",
+        "device.beam.imperfection",
         "model.step",
         "sweep.C[1]",
         "sweep.C[2]",

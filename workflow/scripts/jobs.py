@@ -82,8 +82,7 @@ def check_requirements(study, requirements, vibrations, spectra, C, tolerance, p
     from math import nan
 
     from snapmap.motion.history import Extremes, extremes_of
-    from snapmap.random_vibration.verdicts import check_vibrations
-    from snapmap.shock_spectra.verdicts import check_spectra
+    from snapmap.spectra.verdicts import check_spectra, check_vibrations
     from snapmap.thresholds.requirements import Survival, Verdict, check, judge, summary
 
     study, required = study_from(study, threads), _required(requirements)

@@ -18,12 +18,12 @@ _HOME = {
     "read_pulse": "io.recorded",
     "shots_needed": "calibration.planning",
     "simulate": "motion.history",
-    "srs_test": "shock_spectra.trips",
+    "srs_test": "spectra.trips",
     "statics": "beam.statics",
     "sweep": "sweeps.cube",
     "threshold": "thresholds.surface",
     "tolerance": "tolerances.dataset",
-    "vibration": "random_vibration.probability",
+    "vibration": "spectra.vibration",
 }
 __all__ = [
     "calibrate",

@@ -66,13 +66,6 @@ def plan_shots(
     >>> plan.N
     1050.0
     """
-    mean, sigma = _of_model(prior)
-    N, tripped = _columns(shots)
-    level, why = next_level(N, tripped, method, mean - 4 * sigma, mean + 4 * sigma, sigma)
-    return Plan(level, why, estimate(N, tripped, confidence) if has_estimate(N, tripped) else None)
-
-
-def _of_model(prior):
     if isinstance(prior, xr.Dataset):
         if "N_mean" not in prior or prior.N_mean.size > 1:
             raise ValueError("prior: has no N_mean of one pulse, C and f0; choose them by .sel")
@@ -80,7 +73,9 @@ def _of_model(prior):
     mean, sigma = map(float, prior)
     if not (0 < mean < np.inf and 0 < sigma < np.inf):
         raise ValueError(f"prior: {mean:g}, {sigma:g} are no mean and standard deviation above 0")
-    return mean, sigma
+    N, tripped = _columns(shots)
+    level, why = next_level(N, tripped, method, mean - 4 * sigma, mean + 4 * sigma, sigma)
+    return Plan(level, why, estimate(N, tripped, confidence) if has_estimate(N, tripped) else None)
 
 
 def _columns(shots):
@@ -163,8 +158,8 @@ def _gap(N, tripped):
 def _d_optimal(N, mean, sigma):
     """The level that makes the determinant of Fisher's information of all shots largest."""
     levels = mean + STEPS * sigma
-    so_far = _information((N - mean) / sigma).sum(axis=-1)
-    total = so_far[..., np.newaxis] + _information((levels - mean) / sigma)
+    so_far = _information((N - mean) / sigma).sum(axis=-1, keepdims=True)
+    total = so_far + _information((levels - mean) / sigma)
     return levels[np.argmax(total[0, 0] * total[1, 1] - total[0, 1] ** 2)]
 
 

@@ -5,8 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..calibration.ranges import check_ranges
-from ..calibration.shots import shots_from
+from ..calibration.shots import check_ranges, shots_from
 from ..device import Device
 from ..io.columns import ROWS
 from ..io.named import sha256_of

@@ -12,8 +12,8 @@ from ..io.points import read_points
 from ..io.recorded import RECORD, shocks_of
 from ..pulse import SHARES, Shocks
 from ..quantities import QUANTITIES
-from ..random_vibration.spectrum import REACH, Spectrum
-from ..shock_spectra.spectrum import check_points
+from ..spectra.psd import REACH, Spectrum
+from ..spectra.srs import check_points
 from ..trains import MAKERS
 from .axes import frequency_of
 from .faults import Faults, Place, convert_part

@@ -204,6 +204,8 @@ def load_config(document: Mapping) -> Config:
     refuse(faults)
     try:
         own = Study(device=device, shocks=shocks)
+        if requirements or vibrations or spectra or tolerances:
+            own.set_out({})  # they are of the device itself, whatever the axes make of it
         for asked in requirements:
             replace(own, shocks=shocks_of(asked.pulse))
         if vibrations or spectra:
@@ -240,7 +242,8 @@ def _grid(device, axes, skip, shocks):
     try:
         grid = make_grid(device, axes, skip, shocks)
     except ValueError as error:
-        raise ValueError(f"sweep: {error}; {remedy}") from None
+        at_fault = str(error) if str(error).startswith("device") else f"sweep: {error}; {remedy}"
+        raise ValueError(at_fault) from None
     if (grid.device_of < 0).all():
         raise ValueError(f"sweep: no device has a second stable shape; {remedy}")
     return grid

@@ -7,7 +7,7 @@ from tempfile import NamedTemporaryFile
 
 import numpy as np
 
-from ..pulse import Pulse, Shocks, make_pulse, sampled, shocks_from
+from ..pulse import SHARES, VERSED_SINE, Pulse, Shocks, make_pulse, sampled, shocks_from
 from ..trains import MAKERS
 from .columns import read_columns
 from .extras import needing
@@ -58,14 +58,12 @@ def shocks_of(values: Mapping) -> Shocks:
         return shocks_from(*made, direction)
     if "file" in values:
         return shocks_from(read_pulse(values["file"], values.get("sha256", "")), direction)
-    shares = {key: values[key] for key in ("rise", "fall") if key in values}
-    shape = values.get("shape", make_pulse().name)
-    if isinstance(shape, str):
-        return shocks_from(make_pulse(shape, **shares), direction)
-    if shares and "trapezoid" not in shape:
-        make_pulse(shape[0], **shares)
-    each = [make_pulse(one, **(shares if one == "trapezoid" else {})) for one in shape]
-    return shocks_from(each, direction)
+    shares = {key: values[key] for key in SHARES if key in values}
+    shape = values.get("shape", VERSED_SINE)
+    names = [shape] if isinstance(shape, str) else shape
+    of = "trapezoid" if "trapezoid" in names else names[0]
+    made = [make_pulse(name, **(shares if name == of else {})) for name in names]
+    return shocks_from(made[0] if isinstance(shape, str) else made, direction)
 
 
 def _read_uff(content):
