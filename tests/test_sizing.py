@@ -1,6 +1,5 @@
 """The value of a device that puts its threshold where it is wanted."""
 
-import re
 from dataclasses import replace
 
 import numpy as np
@@ -64,7 +63,7 @@ def test_no_solution_and_several_are_said(handout):
 )
 def test_what_cannot_be_is_named(handout, change, wanted):
     asked = {"value": "thickness", "N": 1100, "between": (1.9, 2.4), **SHOCK, **CHEAP} | change
-    with pytest.raises(ValueError, match=re.escape(wanted)):
+    with pytest.raises(ValueError, match=wanted.replace("(", r"\(")):
         snapmap.design(handout, **asked)
 
 
