@@ -64,12 +64,18 @@ def test_every_value_can_be_an_axis(handout, key):
 
 
 def test_hard_contact_stands_beside_stiffnesses(handout):
-    asked = SHOCK | {"horizon": 100.0, "model": "handout"}
+    asked = SHOCK | {"horizon": 100.0, "model": "cosines", "modes": 3}
     cube = snapmap.sweep(handout, **asked, contact=[40.0, np.inf, 60.0])
     for contact in (40.0, np.inf, 60.0):
         assert same(
             cube.sel(contact=contact), snapmap.sweep(replace(handout, contact=contact), **asked)
         )
+
+
+def test_elements_keep_modes_by_the_contact_of_all_devices(handout):
+    hard = SHOCK | {"model": "handout", "contact": [40.0, np.inf]}
+    with pytest.raises(ValueError, match="contact: the handout model takes hard ones and others"):
+        snapmap.sweep(handout, **hard)
 
 
 def test_devices_by_name_are_an_axis(handout):

@@ -10,13 +10,11 @@ from scipy.optimize import brentq, minimize
 from small_studies import THREE_COSINES
 
 import snapmap
-from snapmap.beam.barrier import find_barrier
 from snapmap.beam.basis import Basis
 from snapmap.beam.cosines import antisymmetric_loads, buckling_shapes, symmetric_cosines
 from snapmap.beam.elements import hermite_elements
-from snapmap.beam.equilibria import static_threshold
-from snapmap.beam.modal import reduce_to_modes
-from snapmap.beam.prestress import settled
+from snapmap.beam.equilibria import find_barrier, static_threshold
+from snapmap.beam.modal import reduce_to_modes, settled
 from snapmap.config.devices import tilting
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError

@@ -8,9 +8,9 @@ from numpy.polynomial import Legendre, Polynomial
 from scipy.optimize import root
 
 from snapmap import load_device, simulate, statics, threshold
-from snapmap.beam.barrier import find_barrier
 from snapmap.beam.cosines import symmetric_cosines
 from snapmap.beam.elements import hermite_elements
+from snapmap.beam.equilibria import find_barrier
 from snapmap.beam.modal import reduce_to_modes
 from snapmap.config.devices import read_device
 from snapmap.device import Beam

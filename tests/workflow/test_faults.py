@@ -309,7 +309,7 @@ def test_the_clone_and_the_packages_may_be_read_only(root, folder, undisturbed):
 
 OUTER = """
 import numba
-from snapmap.numerics.kept_kernels import compiled
+from snapmap.numerics.kernels import compiled
 from inner import factor
 
 @compiled

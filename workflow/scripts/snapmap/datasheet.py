@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
+from .beam.modal import natural_frequency
 from .beam.statics import statics
-from .beam.vibration import natural_frequency
 from .io.markdown import DASH, table
 from .motion.history import extremes_of
 from .pulse import DIRECTIONS, shocks_from
-from .solver.repeat import REPEATED_STEP
+from .solver.outcome import REPEATED_STEP
 from .study import Study
 from .thresholds.surface import thresholds_of
 from .tolerances.dataset import tolerances_of

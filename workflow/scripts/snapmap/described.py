@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .beam.vibration import natural_frequency
+from .beam.modal import natural_frequency
 from .device import Device
 from .pulse import Pulse
 from .spectra.srs import pulse_response

@@ -17,7 +17,7 @@ from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.bracket import asker, refine
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.repeat import work_error
+from snapmap.solver.outcome import work_error
 from snapmap.solver.settings import EDGE, MOVE, SNAP, STAY, Settings
 from snapmap.solver.steps import LONGEST
 from snapmap.thresholds.islands import first_seen, wide_scan

@@ -5,17 +5,17 @@ import xarray as xr
 
 from ..device import Device
 from ..io.provenance import device_sections, provenance
-from .barrier import find_barrier
 from .equilibria import (
     BucklingModes,
     buckling_modes,
     displacement,
+    find_barrier,
     largest_force,
     push,
     roots,
     shapes_of,
 )
-from .prestress import first_midpoint
+from .modal import first_midpoint
 
 POINTS = 400
 """On each of the parts of a path."""

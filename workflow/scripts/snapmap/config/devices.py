@@ -4,9 +4,8 @@ import warnings
 from collections.abc import Mapping
 from pathlib import Path
 
-from ..beam.barrier import find_barrier
 from ..beam.cosines import buckling_shapes
-from ..beam.equilibria import least_way
+from ..beam.equilibria import find_barrier, least_travel
 from ..curved_beam import COSINES
 from ..device import ALONE, CLAMP, STOPS, STRENGTH, THERMAL, Beam, Device
 from ..io.measured_shape import read_shape
@@ -77,7 +76,7 @@ def stopped(device: Device) -> str:
     """One line on stops that leave the mass no room to snap the beam, or nothing."""
     if not device.has_stops:
         return ""
-    way, needed = device.stop_toward, least_way(device)
+    way, needed = device.stop_toward, least_travel(device)
     if way <= device.gap:
         return f"stops.toward: {way:.4g} um is not beyond the gap; the mass never meets the beam"
     if way < needed:

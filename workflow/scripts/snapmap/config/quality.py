@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..beam.vibration import natural_frequency
+from ..beam.modal import natural_frequency
 from ..device import Beam, Device
 from .faults import Faults
 from .schema import name_of

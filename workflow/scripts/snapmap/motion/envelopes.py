@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from ..axes import NAMES, Grid, coordinates, shared_points
-from ..beam.barrier import Barrier
+from ..beam.equilibria import Barrier
 from ..io.counting import count
 from ..io.provenance import provenance, recipe
 from ..solver import simd_loop
@@ -80,9 +80,9 @@ def trace(study: Study, cube: xr.Dataset, earlier: xr.Dataset | None = None) -> 
     for number, halved in np.unique([level[new], halvings[new]], axis=1).T:
         some = np.flatnonzero(new & (level == number) & (halvings == halved))
         stepped = levels[number].with_step(0.5**halved)
-        for mine, part, row in stepped.split(device_of[some]):
+        for mine, part in stepped.split(device_of[some]):
             which = some[mine]
-            alike = cells.some(which)._replace(device=row)
+            alike = cells.some(which)
             found = _follow(part, grid.pulses, alike, window[which], bins, settings.threads)
             values[..., which], bin_length[which] = _shown(*found[:2], window[which])
             stress[which] = found[2]
@@ -234,6 +234,6 @@ def _dress(grid, cube, values, bin_length, model):
 def _barrier_of(model):
     """The barrier of each device, arrays (devices,)."""
     found = np.empty((len(Barrier._fields), len(model.device)))
-    for mine, part, row in model.split(np.arange(found.shape[1])):
-        found[:, mine] = [column[row] for column in part.barrier]
+    for mine, part in model.split(np.arange(found.shape[1])):
+        found[:, mine] = [column[mine] for column in part.barrier]
     return Barrier(*found)

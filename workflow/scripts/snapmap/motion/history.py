@@ -17,7 +17,7 @@ from ..numerics.linalg import dot, multiply
 from ..pulse import blow_at
 from ..solver.adaptive import choose_model
 from ..solver.cells import to_cells
-from ..solver.repeat import REPEATED_STEP, t_snap_error, work_error
+from ..solver.outcome import REPEATED_STEP, t_snap_error, work_error
 from ..solver.settings import MOVE
 from ..study import Study, study_of
 

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..arguments import ARGUMENTS
-from ..numerics.arithmetic import sine
-from ..numerics.kept_kernels import compiled
+from ..numerics.kernels import compiled, sine
 from ..pulse import Pulse, straight
 
 REACH = 0.01

@@ -8,8 +8,7 @@ import numpy as np
 
 from ..arguments import ARGUMENTS
 from ..numerics import portable
-from ..numerics.arithmetic import sine
-from ..numerics.kept_kernels import compiled
+from ..numerics.kernels import compiled, sine
 from ..pulse import Pulse, straight
 
 Q = 10.0

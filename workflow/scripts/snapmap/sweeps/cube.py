@@ -16,8 +16,8 @@ from ..study import FOLLOWED, frequencies, study_of
 from .grid import follow_grid
 
 LABEL_DISTANCE = 0.01
-"""Relative, from a well-posed threshold: so far a label of three cosines or more may be wrong, in
-the steps that labels take: docs/accuracy.md."""
+"""Relative, from a well-posed threshold: so far a label of three cosines, the handout's elements
+or finer may be wrong, in the steps that labels take: docs/accuracy.md."""
 VARIABLES = {
     "outcome": {
         "long_name": "outcome of the cell",
