@@ -14,9 +14,9 @@ from snapmap.config.yaml_file import ConfigError
 from snapmap.device import batch
 from snapmap.numerics import portable
 from snapmap.pulse import blow_at, make_pulse
-from snapmap.solver.bracket import lowest_snap
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
+from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import QUESTIONS, Settings
 from snapmap.trains import GRAVITY, make_drop, make_sweep, make_train
 

@@ -8,9 +8,9 @@ import pytest
 from snapmap.beam.equilibria import static_threshold
 from snapmap.device import ALONE, batch
 from snapmap.pulse import SHAPES, make_pulse, sampled
-from snapmap.solver.bracket import lowest_snap
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
+from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import EDGE, MOVE, QUESTIONS, SNAP, STAY, Settings
 from snapmap.solver.steps import (
     FEWEST,

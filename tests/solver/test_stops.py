@@ -19,7 +19,6 @@ from snapmap.config.yaml_file import ConfigError
 from snapmap.io.provenance import device_sections
 from snapmap.pulse import Shocks, make_pulse
 from snapmap.solver import simd_loop
-from snapmap.solver.bracket import lowest_snap
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.kernel import rows as R
 from snapmap.solver.kernel.lanes import load
@@ -27,6 +26,7 @@ from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.kernel.step import advance
 from snapmap.solver.kernel.stops import rebound
 from snapmap.solver.models import build_model
+from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import Settings
 
 ALONE = {"gap": 1e4}

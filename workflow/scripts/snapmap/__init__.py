@@ -9,7 +9,7 @@ __version__ = "0.3.0"
 _HOME = {
     "calibrate": "calibration.dataset",
     "describe": "described",
-    "design": "sizing.value",
+    "design": "sizing",
     "load_device": "config.devices",
     "open_cube": "sweeps.reading",
     "plan_shots": "calibration.planning",

@@ -18,9 +18,9 @@ from snapmap.beam.modal import buckling, contact_stiffness
 from snapmap.io.markdown import table
 from snapmap.numerics.linalg import apply, eigh
 from snapmap.pulse import make_pulse
-from snapmap.solver.bracket import lowest_snap
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
+from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import Settings
 
 ROOT = Path(__file__).resolve().parents[3]

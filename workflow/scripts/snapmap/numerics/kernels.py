@@ -3,15 +3,17 @@
 Each is the same on every machine, and no compiled kernel is of another source.
 """
 
+import fcntl
 import hashlib
 import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 from numba import float64, njit, types
-from numba.core import config, event
+from numba.core import caching, config, event
 from numba.extending import intrinsic
 from numba.misc.appdirs import AppDirs
 
@@ -99,6 +101,23 @@ def _name_of_sources(room):
     for path in sorted({*room.glob("*.py"), *Path(__file__).parent.glob("*.py")}):
         digest.update(hashlib.sha256(path.read_bytes()).digest())
     return f"kernels_{digest.hexdigest()[:12]}"
+
+
+class OneByOne(caching.IndexDataCacheFile):
+    """The files of a function in numba's cache, which two processes add to one after the other.
+
+    Else both number their kernels alike, and one is called in the place of the other.
+    """
+
+    def save(self, key: tuple, data: tuple) -> None:
+        """Add a kernel while no other process does."""
+        with open(f"{self._index_path}.lock", "w") as file:
+            with suppress(OSError):  # some file systems of clusters have no locks
+                fcntl.flock(file, fcntl.LOCK_EX)
+            super().save(key, data)
+
+
+caching.IndexDataCacheFile = OneByOne
 
 
 class Reporter(event.Listener):

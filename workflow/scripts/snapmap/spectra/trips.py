@@ -10,8 +10,8 @@ from ..device import Device
 from ..io.provenance import provenance
 from ..pulse import DIRECTIONS
 from ..solver.adaptive import choose_survey
-from ..solver.bracket import asker
 from ..solver.cells import to_rows
+from ..solver.search import asker
 from ..study import THRESHOLD_SETTINGS, Study, study_of
 from .srs import check_points, record
 

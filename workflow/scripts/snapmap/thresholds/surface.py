@@ -185,7 +185,10 @@ def thresholds_of(
         )
     dims = *grid.axes, "island"
     data = {
-        key: (dims[: len(grid.shape) + values.ndim - 1], _reshape(values, grid.shape))
+        key: (
+            dims[: len(grid.shape) + values.ndim - 1],
+            values.reshape(*grid.shape, *values.shape[1:]),
+        )
         for key, values in found.items()
     }
     data |= _limits(grid, models, settings, tolerance, highest)
@@ -270,10 +273,6 @@ def _limits(grid, models, settings, tolerance, highest):
         "velocity_change": ((*of_device, *of_pulse, "C"), spread(change)),
         "area": (tuple(of_pulse), abs(impact).reshape(sizes)),
     }
-
-
-def _reshape(values, shape):
-    return values.reshape(*shape, *values.shape[1:])
 
 
 def summary(found: xr.Dataset) -> str:

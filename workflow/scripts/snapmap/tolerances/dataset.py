@@ -16,7 +16,6 @@ from ..numerics.portable import geometric
 from ..solver.cells import to_rows
 from ..study import THRESHOLD_SETTINGS, Study, frequencies, study_of, with_shocks
 from .batch import Batch, choose_builder
-from .breaking import largest_stresses
 from .samples import SHOCK_FACTORS, Plan, Tolerances
 from .sensitivity import crossed, indices
 from .statistics import count_below, left_out, moments, percents, quantile_bounds, quantiles, wilson
@@ -164,7 +163,8 @@ def tolerances_of(
     axes = {key: np.atleast_1d(np.asarray(axes[key], float)) for key in ("C", "f0")}
     pulses = np.arange(len(settings.pulses))[:, np.newaxis, np.newaxis]
     rows = to_rows(0, axes["f0"], axes["C"][:, np.newaxis], pulses)
-    power = _power(min(samples, asked.index_samples or INDEX_SAMPLES))
+    paired = min(samples, asked.index_samples or INDEX_SAMPLES)
+    power = 1 << (paired.bit_length() - 1)
     found = []
     for one in study.devices().values():
         plan = Plan(one, asked.scatters, asked.together)
@@ -172,8 +172,7 @@ def tolerances_of(
         paired = points[:, :power]
         every = np.concatenate([points[0], paired[1], *crossed(paired)])
         build = choose_builder(one, study.model, rows, settings)
-        whole = Batch(one, plan, every, build)
-        some = whole.first(samples)
+        some, whole = (Batch(one, plan, part, build) for part in (points[0], every))
         data, N_first = _thresholds(whole, samples, study.shocks, axes, settings, tolerance)
         data = data.merge(_made(some))
         data = data.merge(_indices(N_first, samples, power, plan, asked.seed, data))
@@ -190,24 +189,16 @@ def tolerances_of(
         data = xr.concat(found, names, join="outer")
     for key in data.data_vars:
         data[key].attrs = VARIABLES[key] if key in VARIABLES else _attributes(key)
+    made_by = study.document(THRESHOLD_SETTINGS)
+    own = {"samples": samples, "seed": asked.seed, "together": asked.together}
+    made_by["tolerances"] = {**asked.scatters, **own}
     return data.assign_attrs(
         Conventions="CF-1.11, ACDD-1.3",
         title="Thresholds of devices as made",
         summary="Share of devices that snap over damping, frequency and amplitude of the shock",
         threshold_tolerance=tolerance,
-        **provenance(_document(study, asked)),
+        **provenance(made_by),
     )
-
-
-def _document(study, asked):
-    document = study.document(THRESHOLD_SETTINGS)
-    document["tolerances"] = {key: _plain(given) for key, given in asked.scatters.items()}
-    document["tolerances"] |= {
-        "samples": asked.samples,
-        "seed": asked.seed,
-        "together": list(map(list, asked.together)),
-    }
-    return document
 
 
 def summary(found: xr.Dataset) -> str:
@@ -238,11 +229,6 @@ def _most_owed(sensitivity):
     if len(most) < 2:
         return [f"most by {value}" for value in most]
     return [f"most by {value} ({', '.join(names)})" for value, names in most.items()]
-
-
-def _power(samples):
-    """The largest power of two that is not above it."""
-    return 1 << (samples.bit_length() - 1)
 
 
 def _made(some):
@@ -345,7 +331,7 @@ def _requirements(some, study, requirements, data, tolerance):
     shares = [_share("share_meeting", meets.sum(axis=1), size, ("requirement", "C"))]
     good = meets.all(axis=0).astype(float)
     if study.device.strength < np.inf and some.size:
-        stress = largest_stresses(some, study, requirements, C)
+        stress = some.stresses(study, requirements, C)
         followed = np.flatnonzero(some.bistable)[: stress.shape[1]]
         columns["stress_max"] = ("requirement", "sample", "C"), np.full(meets.shape, np.nan)
         columns["stress_max"][1][:, followed] = stress
@@ -365,7 +351,3 @@ def _attributes(key):
         name = key.removesuffix("_factor")
         return {"long_name": f"{name} over its nominal value", "units": "1"}
     return COORDINATES[key]
-
-
-def _plain(given):
-    return dict(given) if isinstance(given, Mapping) else given
