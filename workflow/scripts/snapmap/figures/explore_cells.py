@@ -44,30 +44,23 @@ def views(cells: xr.Dataset) -> list[dict]:
     Of each its name and words; states, and the array that has their codes; and a colour scale for
     plotly, with RAMP in place of `snaps` on the map of times.
     """
-    times = [WAITING, *_greyed(SNAPS)[1:]]
-    shown = [
-        {"name": "snap", "words": "snaps", "code": "snap", "states": _greyed(SNAPS)},
-        {"name": "time", "words": "time", "code": "snap", "states": times, "ramp": RAMP},
-    ]
-    if "well" in cells:
-        ends = _greyed(STATES)
-        shown.append({"name": "end", "words": "where it ends", "code": "end", "states": ends})
-    for view in shown:
-        colours = [[state.colour] * 2 for state in view["states"]]
-        if "ramp" in view:
-            colours[1] = view["ramp"]
+    times = (WAITING, *SNAPS[1:])
+    shown = [("snap", "snaps", "snap", SNAPS), ("time", "time", "snap", times)]
+    shown += [("end", "where it ends", "end", STATES)] * ("well" in cells)
+    made = []
+    for name, words, code, (*states, absent) in shown:
+        states = [*states, absent._replace(colour=GREY)]
+        colours = [[state.colour] * 2 for state in states]
+        view = {"name": name, "words": words, "code": code}
+        if name == "time":
+            colours[1] = view["ramp"] = RAMP
         view["scale"] = [
             ((place + share) / len(colours), colour)
-            for place, some in enumerate(colours)
-            for share, colour in zip(np.linspace(0, 1, len(some)).tolist(), some, strict=True)
+            for place, ramp in enumerate(colours)
+            for share, colour in zip(np.linspace(0, 1, len(ramp)).tolist(), ramp, strict=True)
         ]
-        view["states"] = [state._asdict() for state in view["states"]]
-    return shown
-
-
-def _greyed(states):
-    *others, absent = states
-    return [*others, absent._replace(colour=GREY)]
+        made.append(view | {"states": [state._asdict() for state in states]})
+    return made
 
 
 def cell_data(cells: xr.Dataset, traces: xr.Dataset, found: xr.Dataset) -> dict:
@@ -77,7 +70,7 @@ def cell_data(cells: xr.Dataset, traces: xr.Dataset, found: xr.Dataset) -> dict:
     """
     dims = cells.outcome.dims
     edges = {key: found[key].transpose(*dims[:-1]) for key in EDGES}
-    columns = _labels(cells) | _facts(cells, traces) | edges
+    columns = _columns(cells, traces) | edges
     arrays = {key: column.values for key, column in columns.items()}
     failed = cells.outcome.values == OUTCOMES.index("failed")
     for key in TRACED:
@@ -127,25 +120,19 @@ def _at_threshold(snaps, known, dims, x, y):
     return changes & snaps
 
 
-def _labels(cells):
-    """Codes of each cell, (*axes)."""
-    return {
-        "snap": snap_states(cells),
-        **({"end": end_states(cells)} if "well" in cells else {}),
-        "outcome": cells.outcome,
-        "elsewhere": end_elsewhere(cells),
-        "well": cells.get("well", xr.zeros_like(cells.outcome)),
-    }
-
-
-def _facts(cells, traces):
-    """Numbers of each cell, (*axes)."""
+def _columns(cells, traces):
+    """Codes and numbers of each cell, (*axes)."""
     dims = cells.outcome.dims
     unknown = xr.full_like(cells.t_snap, np.nan)
     energy = traces.energy.transpose(*dims, "bin")
     proof = np.ceil(cells.t_settled / traces.bin_length).transpose(*dims).fillna(0)
     at_proof = energy.isel(bin=proof.clip(0, energy.sizes["bin"] - 1).astype(int))
     return {
+        "snap": snap_states(cells),
+        **({"end": end_states(cells)} if "well" in cells else {}),
+        "outcome": cells.outcome,
+        "elsewhere": end_elsewhere(cells),
+        "well": cells.get("well", xr.zeros_like(cells.outcome)),
         "t_snap": cells.t_snap,
         "t_settled": cells.t_settled,
         "share": cells.get("well_share", xr.ones_like(cells.t_snap)),
