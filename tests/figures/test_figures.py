@@ -185,7 +185,7 @@ def test_devices_as_made_are_drawn_as_they_are():
     ax = drawn(tolerances.draw_sensitivity, found)
     shown = [line.get_ydata()[0] for line in ax.lines if len(line.get_ydata()) == F0.size]
     assert sorted(shown) == [0.1, 0.1, 0.9, 0.9]
-    assert len(tolerances.sensitivity_keys(found)) == 3
+    assert len(style.labelled([ax])) == 3
     assert "1 of them without a second" in tolerances.batch_text(found, ATTRIBUTES)
 
 

@@ -137,7 +137,7 @@ def draw_statics(statics_paths, stems):
             statics.draw_force_displacement(force, found)
             statics.draw_energy(energy, found)
             force.label_outer()
-            style.legend(figure, force.get_legend_handles_labels()[0], ncols=2)
+            style.legend(figure, style.labelled([force]), ncols=2)
             style.save(figure, stem, found.attrs)
 
 
@@ -158,8 +158,8 @@ def draw_calibration(calibration_path, stem):
         axes = figure.subplots(1, len(panels), squeeze=False)[0]
         for ax, panel in zip(axes, panels, strict=True):
             calibration.draw_shots(ax, panel)
-        keys, title = calibration.shot_keys(), calibration.calibration_text(found)
-        style.legend(figure, keys, title, 5)
+        words = calibration.calibration_text(found)
+        style.legend(figure, style.labelled(axes), words, 5)
         style.save(figure, stem, found.attrs)
 
 
@@ -169,16 +169,17 @@ def draw_tolerance(tolerance_path, places, yields, folder):
     places, yields: on the axes of names, by the ending of the figures' names
     """
     drawn = {
-        "probability": (tolerances.draw_probability, tolerances.probability_keys),
-        "sensitivity": (tolerances.draw_sensitivity, tolerances.sensitivity_keys),
+        "probability": tolerances.draw_probability,
+        "sensitivity": tolerances.draw_sensitivity,
     }
     with _drawing(tolerance_path) as found:
         for ending, at in places.items():
             here = found.isel(at)
             panels = [here.isel(C=i) for i in evenly(here.C.size, MOST)]
-            for name, (draw, keys) in drawn.items():
+            for name, draw in drawn.items():
                 figure, _ = _draw_panels(panels, draw)
-                style.legend(figure, keys(here), tolerances.batch_text(here, found.attrs))
+                words = tolerances.batch_text(here, found.attrs)
+                style.legend(figure, style.labelled(figure.axes), words)
                 style.save(figure, f"{folder}/{name}{ending}", found.attrs)
         for ending, at in yields.items():
             here = found.isel(at)
@@ -192,7 +193,7 @@ def draw_tolerance(tolerance_path, places, yields, folder):
             figure, above = _draw_panels(panels, requirements.draw_requirement, height)
             requirements.draw_yield(above, here)
             words = tolerances.batch_text(panels[0], found.attrs)
-            style.legend(figure, requirements.requirement_keys(here), words)
+            style.legend(figure, style.labelled(figure.axes), words)
             style.save(figure, f"{folder}/yield{ending}", found.attrs)
 
 

@@ -4,10 +4,7 @@ import textwrap
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 
 from ..quantities import QUANTITIES
 from ..tolerances.statistics import DEVIATIONS
@@ -15,9 +12,9 @@ from .plane import POINT, TRIPPED
 from .scales import axis_label, frequency_axis, tick
 from .style import PAGE, literal
 
-THRESHOLD = {"color": "#d55e00", "linewidth": 1.0}
-SURE = {"color": "#d55e00", "alpha": 0.35, "linewidth": 0}
-SCATTERS = {"color": "0.88", "linewidth": 0}
+THRESHOLD = {"color": "#d55e00", "linewidth": 1.0, "label": "fitted threshold"}
+SURE = {"color": "#d55e00", "alpha": 0.35, "linewidth": 0, "label": "its interval at 95 %"}
+SCATTERS = {"color": "0.88", "linewidth": 0, "label": "where 95 % of the shots change sides"}
 WORDS = {True: "tripped", False: "did not trip"}
 ASIDE, WIDEST = 1.01, 1.2
 """Factors: of f0 by which shots of one kind stand apart, and of room beyond the outermost."""
@@ -59,18 +56,8 @@ def draw_shots(ax: Axes, found: xr.Dataset) -> Axes:
     for tripped, aside in ((False, 1 / ASIDE), (True, ASIDE)):
         some = found.isel(shot=np.flatnonzero(found.tripped.values == tripped))
         look = POINT | {"markersize": 3, "markerfacecolor": TRIPPED[tripped]}
-        ax.plot(some.f0 * aside, some.N, **look)
+        ax.plot(some.f0 * aside, some.N, label=WORDS[tripped], **look)
     return ax
-
-
-def shot_keys() -> list[Artist]:
-    """Keys of a legend for what `draw_shots` draws."""
-    marks = [
-        Line2D([], [], markerfacecolor=TRIPPED[kind], **POINT, label=WORDS[kind]) for kind in WORDS
-    ]
-    sure = Patch(**SURE, label="its interval at 95 %")
-    scatters = Patch(**SCATTERS, label="where 95 % of the shots change sides")
-    return [*marks, Line2D([], [], **THRESHOLD, label="fitted threshold"), sure, scatters]
 
 
 def calibration_text(found: xr.Dataset) -> str:

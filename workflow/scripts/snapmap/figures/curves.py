@@ -103,11 +103,11 @@ def mark_missing(ax: Axes, x: np.ndarray, found: xr.Dataset, colour: str, place:
     cross(ax, x[found.N_first.isnull().values], FIRST_ROW - NEXT_ROW * place, colour)
 
 
-def cross(ax: Axes, x: np.ndarray, height: float, colour: str) -> None:
+def cross(ax: Axes, x: np.ndarray, height: float, colour: str, label: str | None = None) -> None:
     """Draw crosses at some x, if any, at a share of the height of the axes."""
     if x.size:  # an empty line has no extent that a layout could take into account
         at = {"transform": ax.get_xaxis_transform(), "color": colour, "clip_on": False}
-        ax.plot(x, np.full(x.size, height), **at, **MISSING)
+        ax.plot(x, np.full(x.size, height), label=label, **at, **MISSING)
 
 
 def curve_keys(found: xr.Dataset, colour: str = "0.4", marker: str = "o") -> Iterator[Line2D]:

@@ -8,16 +8,7 @@ import xarray as xr
 from matplotlib.colors import to_hex
 
 from ..solver.outcome import OUTCOMES, WHOLE_SWING
-from .states import (
-    SNAPS,
-    STATES,
-    TIME_COLOURS,
-    WAITING,
-    WIDE,
-    end_elsewhere,
-    end_states,
-    snap_states,
-)
+from . import states
 
 WORDS = {
     "unsnapped": "no snap, end open",
@@ -31,7 +22,7 @@ WORDS = {
 """Of each outcome, in the order of the codes."""
 GREY = "#999999"
 """Of what is absent, in place of the white that maps in print hatch."""
-RAMP = [to_hex(colour) for colour in TIME_COLOURS(np.linspace(0, 1, 9))]
+RAMP = [to_hex(colour) for colour in states.TIME_COLOURS(np.linspace(0, 1, 9))]
 """Colours of snap times, from the first to the last."""
 TRACED = ("w_low", "w_high", "z_mass", "energy", "beam_energy")
 EDGES = ("N_first", "N_error", "N_always")
@@ -44,13 +35,13 @@ def views(cells: xr.Dataset) -> list[dict]:
     Of each its name and words; states, and the array that has their codes; and a colour scale for
     plotly, with RAMP in place of `snaps` on the map of times.
     """
-    times = (WAITING, *SNAPS[1:])
-    shown = [("snap", "snaps", "snap", SNAPS), ("time", "time", "snap", times)]
-    shown += [("end", "where it ends", "end", STATES)] * ("well" in cells)
+    times = (states.WAITING, *states.SNAPS[1:])
+    shown = [("snap", "snaps", "snap", states.SNAPS), ("time", "time", "snap", times)]
+    shown += [("end", "where it ends", "end", states.STATES)] * ("well" in cells)
     made = []
-    for name, words, code, (*states, absent) in shown:
-        states = [*states, absent._replace(colour=GREY)]
-        colours = [[state.colour] * 2 for state in states]
+    for name, words, code, (*known, absent) in shown:
+        known = [*known, absent._replace(colour=GREY)]
+        colours = [[state.colour] * 2 for state in known]
         view = {"name": name, "words": words, "code": code}
         if name == "time":
             colours[1] = view["ramp"] = RAMP
@@ -59,7 +50,7 @@ def views(cells: xr.Dataset) -> list[dict]:
             for place, ramp in enumerate(colours)
             for share, colour in zip(np.linspace(0, 1, len(ramp)).tolist(), ramp, strict=True)
         ]
-        made.append(view | {"states": [state._asdict() for state in states]})
+        made.append(view | {"states": [state._asdict() for state in known]})
     return made
 
 
@@ -77,7 +68,7 @@ def cell_data(cells: xr.Dataset, traces: xr.Dataset, found: xr.Dataset) -> dict:
         arrays |= _scaled(key, traces[key].transpose(*dims, "bin").values, failed)
     return {
         "views": views(cells),
-        "wide": WIDE,
+        "wide": states.WIDE,
         "outcomes": [{"name": name, "words": WORDS[name]} for name in OUTCOMES],
         "whole": WHOLE_SWING,
         "bins": traces.sizes["bin"],
@@ -95,7 +86,7 @@ def opening(cells: xr.Dataset, x: str, y: str) -> list[int]:
     """
     dims, snaps = cells.outcome.dims, np.isfinite(cells.t_snap.values)
     known = ~np.isin(cells.outcome.values, (OUTCOMES.index("failed"), OUTCOMES.index("absent")))
-    sure = ~end_elsewhere(cells).values
+    sure = ~states.end_elsewhere(cells).values
     first = _at_threshold(snaps, known, dims, x, y)
     choice = next(some for some in (first & sure, first, known, ~known) if some.any())
     places, size = np.argwhere(choice), np.array(choice.shape)
@@ -128,10 +119,10 @@ def _columns(cells, traces):
     proof = np.ceil(cells.t_settled / traces.bin_length).transpose(*dims).fillna(0)
     at_proof = energy.isel(bin=proof.clip(0, energy.sizes["bin"] - 1).astype(int))
     return {
-        "snap": snap_states(cells),
-        **({"end": end_states(cells)} if "well" in cells else {}),
+        "snap": states.snap_states(cells),
+        **({"end": states.end_states(cells)} if "well" in cells else {}),
         "outcome": cells.outcome,
-        "elsewhere": end_elsewhere(cells),
+        "elsewhere": states.end_elsewhere(cells),
         "well": cells.get("well", xr.zeros_like(cells.outcome)),
         "t_snap": cells.t_snap,
         "t_settled": cells.t_settled,

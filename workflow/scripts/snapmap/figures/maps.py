@@ -12,19 +12,9 @@ from matplotlib.figure import Figure
 from ..axes import axis_behind
 from ..checks import show
 from ..io.points import Point
-from . import plane, style
+from . import plane, states, style
 from .curves import band_keys, draw_band, draw_impulsive, draw_static, limit_keys
 from .scales import place_text, scale_of, tick
-from .states import (
-    SNAPS,
-    STATES,
-    TIME_COLOURS,
-    WAITING,
-    WIDE,
-    end_elsewhere,
-    end_states,
-    snap_states,
-)
 
 RATIO = 0.72
 """Height over width of the axes of a map."""
@@ -71,18 +61,18 @@ def draw_time_map(
     """
     cells = plane.thin(cells, x, y)
     across = plane.open_plane(ax, cells, x, y)
-    states = WAITING, WAITING, *SNAPS[2:]
-    found = snap_states(cells)
+    shown = states.WAITING, states.WAITING, *states.SNAPS[2:]
+    found = states.snap_states(cells)
     found = found.where(found != 1, -1)  # in the colour of its time
-    plane.fill_states(ax, found, states, *across)
+    plane.fill_states(ax, found, shown, *across)
     ax.set_title(place_text(cells))
-    style.legend(ax, plane.state_keys([found], states), style.case(cells.attrs, style.COLUMN), 2)
+    style.legend(ax, plane.state_keys([found], shown), style.case(cells.attrs, style.COLUMN), 2)
     if (found == -1).any():
         low, high = ends or snap_times([cells])
         unit, per_unit = ("ms", 1e3) if high >= 1e3 else ("µs", 1.0)
-        is_wide = high > WIDE * low
+        is_wide = high > states.WIDE * low
         norm = (LogNorm if is_wide else Normalize)(low / per_unit, high / per_unit)
-        look = {"cmap": TIME_COLOURS, "norm": norm}
+        look = {"cmap": states.TIME_COLOURS, "norm": norm}
         field = plane.fill_field(ax, cells.t_snap / per_unit, *across, **look)
         bar = plane.colour_bar(ax, field, f"first snap after the start of the pulse ({unit})")
         if is_wide:
@@ -183,11 +173,11 @@ def _of_plane(x, y, shocks):
 def _fill_map(ax, cells, found, x, y, ends):
     cells = plane.thin(cells, x, y)
     across = plane.open_plane(ax, cells, x, y)
-    states, classify = _states(ends)
+    shown, classify = _states(ends)
     codes = classify(cells)
-    plane.fill_states(ax, codes, states, *across)
+    plane.fill_states(ax, codes, shown, *across)
     if ends:
-        dark, elsewhere = plane.is_dark(codes, states), end_elsewhere(cells)
+        dark, elsewhere = plane.is_dark(codes, shown), states.end_elsewhere(cells)
         plane.hatch(ax, elsewhere & ~dark, *across, plane.ELSEWHERE)
         plane.hatch(ax, elsewhere & dark, *across, plane.ELSEWHERE_DARK)
     plane.hatch(ax, _breaks(cells), *across, plane.BREAKS)
@@ -202,7 +192,7 @@ def _fill_map(ax, cells, found, x, y, ends):
 
 def _states(ends):
     """What there is to be drawn of a cell, and the function that says which it is."""
-    return (STATES, end_states) if ends else (SNAPS, snap_states)
+    return (states.STATES, states.end_states) if ends else (states.SNAPS, states.snap_states)
 
 
 def _breaks(cells):
@@ -216,11 +206,11 @@ def _keys(panels, axes, y, ends):
     def of_all(look):  # what is read of a part goes with it
         return [look(part) for cells, _ in panels for part in plane.parts(cells)]
 
-    states, classify = _states(ends)
-    yield from plane.state_keys(of_all(classify), states)
+    shown, classify = _states(ends)
+    yield from plane.state_keys(of_all(classify), shown)
     if ends:
         words = "ended elsewhere with another step"
-        yield from plane.hatch_keys(of_all(end_elsewhere), plane.ELSEWHERE, words)
+        yield from plane.hatch_keys(of_all(states.end_elsewhere), plane.ELSEWHERE, words)
     yield from plane.hatch_keys(of_all(_breaks), plane.BREAKS, "the beam breaks")
     if panels[0][1] is not None and y == "N":
         within = axes[0].get_ylim()

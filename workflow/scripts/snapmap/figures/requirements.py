@@ -5,7 +5,6 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -24,7 +23,10 @@ BEYOND = 1.25
 """Room beyond the outermost margins, as a factor."""
 NAME = 24
 """Signs in a line of a requirement's name beside its shares."""
-MET, FAILS = {"color": "0.93", "linewidth": 0}, {"color": "0.9", "linewidth": 0}
+MET, FAILS = (
+    {"color": "0.93", "linewidth": 0},
+    {"color": "0.9", "linewidth": 0, "label": "the requirement fails"},
+)
 
 
 def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
@@ -79,7 +81,7 @@ def draw_requirement(ax: Axes, found: xr.Dataset) -> Axes:
     low, high = max(ends.min() - room, 0), ends.max() + room
     ax.axvspan(*((N, high) if must else (low, N)), **FAILS)
     ax.hist(known, bins="sqrt", color="#0072b2", alpha=0.8)
-    ax.axvline(N, color="black", linewidth=0.8)
+    ax.axvline(N, color="black", linewidth=0.8, label="required $N$")
     where = ", ".join(filter(None, [place_text(found), f"met by {percents(found.share_meeting)}"]))
     ax.set_title(f"{_required(found.requirement.item(), must)}\n{where}")
     ax.set(xlim=(low, high), xlabel="threshold $N$ (multiples of $g$)", ylabel="devices")
@@ -107,11 +109,11 @@ def draw_yield(ax: Axes, found: xr.Dataset) -> Axes:
     shares = np.stack(shares)
     bounds = np.stack([one.transpose("bound", "C") for one in bounds], axis=1)
     rows = np.arange(len(names))
-    for i, (_, colour, marker) in enumerate(each_line(found, "C")):
+    for i, (one, colour, marker) in enumerate(each_line(found, "C")):
         y = rows + 0.7 * ((i + 0.5) / found.C.size - 0.5)
         error = abs(bounds[:, :, i] - shares[:, i])
         look = {"color": colour, "marker": marker, "linestyle": "", "clip_on": False}
-        ax.errorbar(shares[:, i], y, xerr=error, **look)
+        ax.errorbar(shares[:, i], y, xerr=error, label=value_text("C", one.C.item()), **look)
         for at, share, ends in zip(y, shares[:, i], bounds[:, :, i].T, strict=True):
             words = f"{percents(share)} ({percents(*ends)})"
             place = {"xytext": (6, 0), "textcoords": "offset points", "va": "center"}
@@ -121,13 +123,3 @@ def draw_yield(ax: Axes, found: xr.Dataset) -> Axes:
     ax.set_yticks(rows, [textwrap.fill(style.literal(name), NAME) for name in names])
     ax.tick_params(axis="y", which="minor", left=False)
     return ax
-
-
-def requirement_keys(found: xr.Dataset) -> list[Artist]:
-    """The legend of `draw_requirement` and `draw_yield`."""
-    lines = [
-        Line2D([], [], color=colour, marker=marker, label=value_text("C", one.C.item()))
-        for one, colour, marker in each_line(found, "C")
-    ]
-    fails = Patch(**FAILS, label="the requirement fails")
-    return [*lines, fails, Line2D([], [], color="black", linewidth=0.8, label="required $N$")]

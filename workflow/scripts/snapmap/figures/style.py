@@ -54,6 +54,12 @@ def is_alone(ax: Axes) -> bool:
     return ax.get_figure().axes == [ax]
 
 
+def labelled(axes: Iterable[Axes]) -> list[Artist]:
+    """What is labelled on some axes, each label once."""
+    pairs = [zip(*reversed(ax.get_legend_handles_labels()), strict=True) for ax in axes]
+    return list({label: key for each in pairs for label, key in each}.values())
+
+
 def legend(
     where: Axes | FigureBase, keys: Iterable[Artist], title: str = "", ncols: int = 4
 ) -> Legend:

@@ -8,34 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from . import style
-from .curves import (
-    LOOKS,
-    STAYS,
-    curve_keys,
-    draw_curve,
-    draw_impulsive,
-    draw_static,
-    each_line,
-    limit_keys,
-    limit_look,
-    line_keys,
-    mark_missing,
-    some_lines,
-    velocity_change,
-)
-from .plane import colour_bar, fill_field, freeze, open_plane
-from .scales import (
-    WORDS,
-    axis_label,
-    frequency_axis,
-    number,
-    place_text,
-    scale_of,
-    set_scale,
-    tick,
-    value_text,
-)
+from . import curves, plane, scales, style
 
 DOUBTFUL = 0.01
 """Error bars above this share of the threshold are marked."""
@@ -53,39 +26,39 @@ def draw_thresholds(ax: Axes, found: xr.Dataset, x: str = "f0", lines: str = "C"
 
     found: thresholds over these two axes; of many lines some are drawn, evenly chosen
     """
-    found = some_lines(found, x, lines)
-    scale = scale_of(x, found[x].values)
+    found = curves.some_lines(found, x, lines)
+    scale = scales.scale_of(x, found[x].values)
     if x == "f0":
-        frequency_axis(ax, found.f0.values)
+        scales.frequency_axis(ax, found.f0.values)
     else:
-        set_scale(ax, "x", scale)
-    ax.set(yscale="log", ylabel=axis_label("N"))
-    keys = [*line_keys(found, lines), *curve_keys(found)]
-    for place, (one, colour, marker) in enumerate(each_line(found, lines)):
+        scales.set_scale(ax, "x", scale)
+    ax.set(yscale="log", ylabel=scales.axis_label("N"))
+    keys = [*curves.line_keys(found, lines), *curves.curve_keys(found)]
+    own = lines in found.N_static.dims  # whether each line has a limit of its own
+    for place, (one, colour, marker) in enumerate(curves.each_line(found, lines)):
         _draw_gap(ax, one, scale, colour)
-        draw_curve(ax, scale.places, one, colour, marker)
-        mark_missing(ax, scale.places, one, colour, place)
+        curves.draw_curve(ax, scale.places, one, colour, marker)
+        curves.mark_missing(ax, scale.places, one, colour, place)
         if one.N_latched.notnull().any():
-            ax.plot(scale.places, one.N_latched.values, color=colour, **STAYS)
-        if place == 0 or lines in found.N_static.dims:
-            draw_static(ax, one, x, colour if lines in found.N_static.dims else "0.4", place)
+            ax.plot(scale.places, one.N_latched.values, color=colour, **curves.STAYS)
+        if place == 0 or own:
+            curves.draw_static(ax, one, x, colour if own else "0.4", place)
     if found.islands.any():
         keys.append(Patch(color="0.5", alpha=0.3, linewidth=0, label="some $N$ here do not snap"))
         keys.append(Line2D([], [], color="0.5", linewidth=2.2, label="island of $N$ that snap"))
     if found.N_latched.notnull().any():
-        keys.append(
-            Line2D([], [], color="0.4", **STAYS, label="above it every $N$ seen stays snapped")
-        )
+        look = {"color": "0.4", "label": "above it every $N$ seen stays snapped"}
+        keys.append(Line2D([], [], **look, **curves.STAYS))
     # As with a run-up, or where long pulses have no limit: some pulse snaps below it.
     if (found.N_first.notnull() & ~(found.N_first >= found.N_static)).any():
         bound = found.N_bound.transpose(x, lines).values
         ax.plot(scale.places, np.unique(bound, axis=1), **BOUND)
         keys.append(Line2D([], [], **BOUND, label="below it nothing snaps, by energy"))
-    tick(ax.yaxis, *ax.get_ylim())
+    scales.tick(ax.yaxis, *ax.get_ylim())
     if x == "f0":
-        for place, (one, colour, _) in enumerate(each_line(found, lines)):
-            draw_impulsive(ax, one, colour, place)
-    style.legend(ax, [*keys, *limit_keys([ax])], _title(found, style.PAGE))
+        for place, (one, colour, _) in enumerate(curves.each_line(found, lines)):
+            curves.draw_impulsive(ax, one, colour, place)
+    style.legend(ax, [*keys, *curves.limit_keys([ax])], _title(found, style.PAGE))
     return ax
 
 
@@ -104,8 +77,8 @@ def _draw_gap(ax, found, scale, colour):
 
 def _title(found, width):
     """What every curve has in common, in lines of so many signs."""
-    words = [style.case(found.attrs, width), place_text(found, width)]
-    symbols = [f"$C$ in {WORDS['C'][1]}"] * ("C" in found.dims)
+    words = [style.case(found.attrs, width), scales.place_text(found, width)]
+    symbols = [f"$C$ in {scales.WORDS['C'][1]}"] * ("C" in found.dims)
     if found.velocity_change.notnull().any():
         symbols.append("$\\Delta v$: velocity change, limit of short pulses")
     if symbols and found.area.ndim == 0:
@@ -120,23 +93,24 @@ def draw_damage_boundary(ax: Axes, found: xr.Dataset, lines: str = "C") -> Axes:
     Along dotted lines the duration of the pulse is constant; shaded is what lies above the first
     curve, of the durations that it has.
     """
-    found = some_lines(found, "f0", lines)
+    found = curves.some_lines(found, "f0", lines)
+    own = lines in found.N_static.dims
     ax.set(xscale="log", xlabel="velocity change of the pulse (m/s)")
     ax.set(yscale="log", ylabel="peak acceleration $N$ (multiples of $g$)")
-    for place, (one, colour, marker) in enumerate(each_line(found, lines)):
-        draw_curve(ax, velocity_change(one).values, one, colour, marker, size=2)
+    for place, (one, colour, marker) in enumerate(curves.each_line(found, lines)):
+        curves.draw_curve(ax, curves.velocity_change(one).values, one, colour, marker, size=2)
         if np.isfinite(one.velocity_change):
-            ax.axvline(one.velocity_change.item(), **limit_look(colour, place))
-        if place == 0 or lines in found.N_static.dims:
-            draw_static(ax, one, "f0", colour if lines in found.N_static.dims else "0.4", place)
-    tick(ax.xaxis, *ax.get_xlim())
-    tick(ax.yaxis, *ax.get_ylim())
-    freeze(ax)
+            ax.axvline(one.velocity_change.item(), **curves.limit_look(colour, place))
+        if place == 0 or own:
+            curves.draw_static(ax, one, "f0", colour if own else "0.4", place)
+    scales.tick(ax.xaxis, *ax.get_xlim())
+    scales.tick(ax.yaxis, *ax.get_ylim())
+    plane.freeze(ax)
     first = found.isel({lines: 0})
     _draw_region(ax, first)
     _draw_durations(ax, first)
-    name = value_text(lines, first[lines].item(), with_unit=lines != "C")
-    keys = [*line_keys(found, lines), *curve_keys(found), *limit_keys([ax])]
+    name = scales.value_text(lines, first[lines].item(), with_unit=lines != "C")
+    keys = [*curves.line_keys(found, lines), *curves.curve_keys(found), *curves.limit_keys([ax])]
     keys.append(Patch(**SHADE, label=f"snaps, {name}"))
     style.legend(ax, keys, _title(found, style.COLUMN), 2)
     return ax
@@ -145,7 +119,7 @@ def draw_damage_boundary(ax: Axes, found: xr.Dataset, lines: str = "C") -> Axes:
 def _draw_region(ax, found):
     """Shade what snaps at the durations of a curve; where it has a hole, the shade has one."""
     found = found.sortby("f0", ascending=False)
-    N, v = found.N_first.values, velocity_change(found).values
+    N, v = found.N_first.values, curves.velocity_change(found).values
     known = np.flatnonzero(np.isfinite(N))
     for run in np.split(known, np.flatnonzero(np.diff(known) > 1) + 1):
         if run.size > 1:
@@ -174,24 +148,24 @@ def draw_threshold_map(ax: Axes, found: xr.Dataset, x: str, y: str) -> Axes:
     found: thresholds over these two axes; crossed where the error bar exceeds DOUBTFUL of N_first
     """
     found = found.sortby([key for key in (x, y) if found[key].dtype.kind in "fiu"])
-    scales = open_plane(ax, found, x, y)
+    across = plane.open_plane(ax, found, x, y)
     N = found.N_first.transpose(y, x).values
-    field = fill_field(ax, found.N_first, *scales, cmap="cividis")
-    counted = any(scale.is_counted for scale in scales)
+    field = plane.fill_field(ax, found.N_first, *across, cmap="cividis")
+    counted = any(scale.is_counted for scale in across)
     if min(N.shape) > 1 and np.isfinite(N).all() and not counted:
-        levels = ax.contour(scales[0].places, scales[1].places, N, colors="white", linewidths=0.7)
-        ax.clabel(levels, fmt=number, fontsize=6)
+        levels = ax.contour(across[0].places, across[1].places, N, colors="white", linewidths=0.7)
+        ax.clabel(levels, fmt=scales.number, fontsize=6)
     relative = (found.N_error / found.N_first).transpose(y, x).values
     j, i = np.nonzero(np.isfinite(N) & ~(relative <= DOUBTFUL))
     crosses = {"linestyle": "", "marker": "x", "markersize": 3, "color": "#d55e00"}
     crosses["label"] = f"error bar above {100 * DOUBTFUL:g} %"
-    keys = ax.plot(scales[0].places[i], scales[1].places[j], **crosses) if i.size else []
-    ax.set_title(place_text(found))
+    keys = ax.plot(across[0].places[i], across[1].places[j], **crosses) if i.size else []
+    ax.set_title(scales.place_text(found))
     words, known = [style.case(found.attrs, style.COLUMN)], 100 * relative[np.isfinite(relative)]
     if known.size:
         words.append(f"error bars: median {np.median(known):.2g} %, largest {known.max():.2g} %")
     style.legend(ax, keys, "\n".join(filter(None, words)), 2)
-    colour_bar(ax, field, "threshold: lowest $N$ that snaps (multiples of $g$)")
+    plane.colour_bar(ax, field, "threshold: lowest $N$ that snaps (multiples of $g$)")
     return ax
 
 
@@ -202,10 +176,10 @@ def draw_design(ax: Axes, found: xr.Dataset) -> Axes:
     """
     (x,) = found.error.dims
     y = next(key for key in found.data_vars if key not in ("error", "solutions"))
-    scale = scale_of(x, found[x].values)
-    set_scale(ax, "x", scale)
+    scale = scales.scale_of(x, found[x].values)
+    scales.set_scale(ax, "x", scale)
     ax.errorbar(scale.places, found[y].values, found.error.values, marker="o", elinewidth=0.6)
-    ax.set(ylabel=axis_label(y), title=found[y].attrs["comment"])
+    ax.set(ylabel=scales.axis_label(y), title=found[y].attrs["comment"])
     return ax
 
 
@@ -225,29 +199,30 @@ def plot_thresholds(studies: Mapping[str, xr.Dataset], ax: Axes | None = None) -
     """
     shared = _shared_C(studies)
     ax = ax or style.notebook_axes()
-    frequency_axis(ax, np.unique([f0 for found in studies.values() for f0 in found.f0.values]))
-    ax.set(yscale="log", ylabel=axis_label("N"))
-    lines = {
-        name + (f", {value_text('C', C)}" if len(places) > 1 else ""): found.isel(C=i).sortby("f0")
-        for (name, found), places in zip(studies.items(), shared.values(), strict=True)
-        for C, i in places
-    }
-    looks = [LOOKS[i % len(LOOKS)] for i in range(len(lines))]
+    f0 = np.concatenate([found.f0.values for found in studies.values()])
+    scales.frequency_axis(ax, np.unique(f0))
+    ax.set(yscale="log", ylabel=scales.axis_label("N"))
+    lines = {}
+    for name, found in studies.items():
+        for C, place in shared[name]:
+            words = f", {scales.value_text('C', C)}" if len(shared[name]) > 1 else ""
+            lines[name + words] = found.isel(C=place).sortby("f0")
+    looks = [curves.LOOKS[i % len(curves.LOOKS)] for i in range(len(lines))]
     keys, others, statics = [], {}, set()
     for place, ((name, found), (colour, marker)) in enumerate(
         zip(lines.items(), looks, strict=True)
     ):
-        draw_curve(ax, found.f0.values, found, colour, marker)
-        mark_missing(ax, found.f0.values, found, colour, place)
+        curves.draw_curve(ax, found.f0.values, found, colour, marker)
+        curves.mark_missing(ax, found.f0.values, found, colour, place)
         if found.N_static.item() not in statics:
-            draw_static(ax, found, "f0", colour, place)
+            curves.draw_static(ax, found, "f0", colour, place)
         statics.add(found.N_static.item())
         keys.append(Line2D([], [], color=colour, marker=marker, label=name))
-        others |= {key.get_label(): key for key in curve_keys(found)}
-    tick(ax.yaxis, *ax.get_ylim())
+        others |= {key.get_label(): key for key in curves.curve_keys(found)}
+    scales.tick(ax.yaxis, *ax.get_ylim())
     for place, (found, (colour, _)) in enumerate(zip(lines.values(), looks, strict=True)):
-        draw_impulsive(ax, found, colour, place)
-    style.legend(ax, [*keys, *others.values(), *limit_keys([ax])], ncols=2)
+        curves.draw_impulsive(ax, found, colour, place)
+    style.legend(ax, [*keys, *others.values(), *curves.limit_keys([ax])], ncols=2)
     return ax
 
 
