@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.collections import FillBetweenPolyCollection, PolyQuadMesh, QuadMesh
+from matplotlib.collections import FillBetweenPolyCollection, QuadMesh
 from matplotlib.colors import to_rgb, to_rgba
+from matplotlib.patches import PathPatch
 from small_results import TINY, make_cells, make_found
 
 import snapmap
@@ -70,11 +71,10 @@ def filled(ax):
 
 def hatched(ax, look):
     """Lower left and upper right corners of the cells that are hatched in one look."""
-    regions = (mesh for mesh in artists(ax, PolyQuadMesh) if mesh.get_hatch() == look["hatch"])
-    colour = to_rgba(look["edgecolor"])
-    regions = [mesh for mesh in regions if tuple(mesh.get_edgecolor()[0]) == colour]
-    paths = [path.vertices.round(6) for mesh in regions for path in mesh.get_paths()]
-    return [(*corners.min(axis=0), *corners.max(axis=0)) for corners in paths]
+    regions = [patch for patch in artists(ax, PathPatch) if patch.get_hatch() == look["hatch"]]
+    regions = [patch for patch in regions if patch.get_edgecolor() == to_rgba(look["edgecolor"])]
+    cells = [patch.get_path().vertices.round(6).reshape(-1, 5, 2) for patch in regions]
+    return [(*corners[0], *corners[2]) for region in cells for corners in region]
 
 
 def visible(line):
@@ -97,7 +97,7 @@ def test_where_the_beam_breaks_cells_are_hatched():
     expected = [(50.0, 1150.0, 200.0, 1250.0), (200.0, 1150.0, 800.0, 1250.0)]
     assert hatched(ax, plane.BREAKS) == expected
     assert legend_words(ax)[-1] == "the beam breaks (2 cells)"
-    assert not artists(snap_map(cells.assign(stress_share=share / 2)), PolyQuadMesh)
+    assert not artists(snap_map(cells.assign(stress_share=share / 2)), PathPatch)
 
 
 def lightness(rgb):

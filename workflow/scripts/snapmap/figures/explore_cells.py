@@ -101,14 +101,12 @@ def _at_threshold(snaps, known, dims, x, y):
     if y == "N":
         below = np.cumsum(snaps, axis=-1) - snaps
         return snaps & (below == 0) & ~snaps[..., :1]
-    label = np.where(known, snaps.astype(float), np.nan)
-    changes = np.zeros(label.shape, bool)
+    changes = np.zeros_like(snaps)
     for axis in map(dims.index, (x, y)):
-        differ = abs(np.diff(label, axis=axis)) == 1
-        beside = [[(0, 0)] * label.ndim for _ in range(2)]
-        beside[0][axis], beside[1][axis] = (0, 1), (1, 0)
-        changes |= np.pad(differ, beside[0]) | np.pad(differ, beside[1])
-    return changes & snaps
+        snap, quiet, change = (np.moveaxis(v, axis, 0) for v in (snaps, known & ~snaps, changes))
+        change[1:] |= snap[1:] & quiet[:-1]
+        change[:-1] |= snap[:-1] & quiet[1:]
+    return changes
 
 
 def _columns(cells, traces):

@@ -9,7 +9,8 @@ from matplotlib.collections import QuadMesh
 from matplotlib.colorbar import Colorbar
 from matplotlib.colors import BoundaryNorm, ListedColormap, to_rgb
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
+from matplotlib.patches import Patch, PathPatch
+from matplotlib.path import Path
 
 from ..io.points import Point
 from . import style
@@ -98,11 +99,14 @@ def fill_field(ax: Axes, field: xr.DataArray, x: Scale, y: Scale, **look) -> Qua
 
 
 def hatch(ax: Axes, chosen: xr.DataArray, x: Scale, y: Scale, look: dict) -> None:
-    """Hatch the chosen cells."""
-    chosen = chosen.transpose(y.key, x.key).values
-    if chosen.any():
+    """Hatch the chosen cells, as one region that is drawn at one go."""
+    i, j = np.nonzero(chosen.transpose(x.key, y.key).values)
+    left, right, foot, top = x.edges[i], x.edges[i + 1], y.edges[j], y.edges[j + 1]
+    corners = [(left, foot), (right, foot), (right, top), (left, top)]
+    if i.size:
+        region = Path.make_compound_path_from_polys(np.moveaxis(corners, 2, 0))
         bare = {"facecolor": "none", "linewidth": 0, "rasterized": chosen.size > VECTORS}
-        ax.pcolor(x.edges, y.edges, np.ma.masked_equal(chosen, False), **bare, **look)
+        ax.add_patch(PathPatch(region, **bare, **look))
 
 
 def is_dark(found: xr.DataArray, states: Sequence[State]) -> xr.DataArray:

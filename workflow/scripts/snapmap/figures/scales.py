@@ -166,7 +166,7 @@ def place_text(data: xr.Dataset, width: int = 50) -> str:
     """Typeset where on all other axes a dataset is, in lines of so many signs, between values."""
     alone = (key for key in WORDS if key in data.coords and data[key].ndim == 0)
     texts = [value_text(key, data[key].item()).replace(" ", "\u00a0") for key in alone]
-    return textwrap.fill(", ".join(texts), width)
+    return textwrap.fill(", ".join(texts), width).replace("\u00a0", " ")
 
 
 def number(value: float | str, digits: int = 4) -> str:
