@@ -14,8 +14,8 @@ import xarray as xr
 import snapmap
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import read_document
-from snapmap.figures import layout, maps, style
-from snapmap.figures.accuracy import HANDOUT, of_family
+from snapmap.figures import maps, style
+from studies.accuracy.figures import HANDOUT, of_family
 
 ROOT = Path(__file__).parents[1]
 C = 25.0
@@ -24,13 +24,10 @@ C = 25.0
 def main():
     measured = [xr.load_dataset(path) for path in sys.argv[1:] or ["results/accuracy.nc"]]
     with style.paper():
-        figure = style.double_column(height=9)
-        left, right = layout.boxes(figure, 2, 2).flat
-        box = right.get_position()
-        right.set_position([box.x0 + 0.07, box.y0, box.width - 0.07, box.height])
-        maps.draw_snap_map(left, *snaps())
-        draw_fronts(right, *measured)
-        layout.trim(figure)
+        figure = style.double_column(height=4)
+        left, right = figure.subfigures(1, 2)
+        maps.draw_map(left.subplots(), *snaps())
+        draw_fronts(right.subplots(), *measured)
         figure.savefig(ROOT / "docs" / "map.png", dpi=200)
 
 
@@ -76,7 +73,7 @@ def draw_fronts(ax, found, earlier=None):
     ring["label"] = "the handout's setting"
     ax.plot(case.time_per_simulation, case.threshold_worst, "o", **ring)
     ax.set_title("Speed against error\none thread, against a converged run")
-    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.25), ncols=2, frameon=False)
+    style.legend(ax, ax.get_legend_handles_labels()[0], ncols=2)
 
 
 if __name__ == "__main__":

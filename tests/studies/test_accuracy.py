@@ -5,14 +5,16 @@ import warnings
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from snapmap.device import Beam, Device
-from snapmap.figures import accuracy, convergence, style
+from snapmap.figures import style
 from snapmap.pulse import HANDOUT_SHOCK, sampled, shocks_from
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import Settings
+from studies.accuracy import figures
 from studies.accuracy.budget import afford
 from studies.accuracy.cases import CONVERGED, list_cases
 from studies.accuracy.comparison import disagreement, pareto_front
@@ -64,8 +66,8 @@ def probe_of(f0, N):
 def drawn(found):
     """Both figures of a report, as axes."""
     with style.paper(), warnings.catch_warnings(action="error"):
-        ax = accuracy.draw_accuracy(style.double_column(height=3.6).subplots(), found)
-        axes = convergence.draw_convergence(style.double_column(height=3.2).subplots(1, 2), found)
+        ax = figures.draw_accuracy(style.double_column(height=3.6).subplots(), found)
+        axes = figures.draw_convergence(style.double_column(height=3.2).subplots(1, 2), found)
         ax.figure.canvas.draw()
         axes[0].figure.canvas.draw()
     return ax, *axes
@@ -173,7 +175,7 @@ def test_every_case_has_a_name_and_something_to_be_held_against(handout):
         names = [case.name for case in cases]
         assert len(set(names)) == len(names)
         assert {case.against for case in cases} <= {*names, CONVERGED, "converged, hard contact"}
-        assert {accuracy.HANDOUT, accuracy.HANDOUT_STEP} <= set(names)
+        assert {figures.HANDOUT, figures.HANDOUT_STEP} <= set(names)
         families = {case.family for case in cases}
         assert ("penalty" in families) == ("cosines_uncorrected" in families) == (device is handout)
 
@@ -191,12 +193,12 @@ def test_the_report_states_the_largest_sources(found):
 def test_the_figure_marks_the_front_and_the_handouts_setting(found):
     ax, *_ = drawn(found)
     lines = {line.get_label(): line.get_xydata() for line in ax.lines}
-    case = found.sel(model=accuracy.HANDOUT)
+    case = found.sel(model=figures.HANDOUT)
     at = [case.time_per_simulation.item(), case.threshold_worst.item()]
     assert lines["the handout's setting"].tolist() == [at]
     (front,) = (points for label, points in lines.items() if label.startswith("Pareto"))
     assert len(front) == found.on_front.sum()
-    sources = accuracy.other_sources(found)
+    sources = figures.other_sources(found)
     assert sources["contact 40 N/m, not hard"] == found.threshold_worst.sel(model="contact x 1")
     low, high = ax.get_ylim()
     assert all(low < error < high for error in sources.values())
@@ -223,9 +225,66 @@ def test_without_thresholds_labels_are_judged(handout):
     assert not found.threshold_decided.any() and found.judged_by == "label_error"
     assert (found.on_front == 1).any() and "labels" in summary(found)
     ax, number, step = drawn(found)
-    assert "no threshold is well posed" in ax.get_legend().get_title().get_text()
+    assert "no threshold is well posed" in ax.figure.legends[0].get_title().get_text()
     for one in (ax, number, step):
         points = np.concatenate([line.get_xydata() for line in one.lines])
         assert points.size and np.isfinite(points).all()
         low, high = one.get_ylim()
         assert not ((low < one.get_yticks()) & (one.get_yticks() < 0)).any() and low < 0 < high
+
+
+def make_accuracy():
+    """Errors of 3 and 6 elements of order 4, of cosines, and of steps of order 2."""
+    families = {
+        "elements_consistent": {"3 elements, consistent": 1.6e-2, "6 elements, consistent": 1e-3},
+        "elements_hrz": {"3 elements, hrz": 2e-2},
+        "cosines": {"3 cosines": 1e-3, "6 cosines": 1e-4},
+        "cosines_uncorrected": {"3 cosines, uncorrected": 8e-3, "6 cosines, uncorrected": 1e-3},
+        "step": {"step 0.1": 0.0, "step 0.4": 1e-5, "step 0.8": 4e-5},
+    }
+    names = [name for cases in families.values() for name in cases]
+    codes = [i for i, cases in enumerate(families.values()) for _ in cases]
+    worst = [error for cases in families.values() for error in cases.values()]
+    one = ("reference", "row")
+    variables = {
+        "threshold_worst": ("model", worst),
+        "converged_threshold": (one, [[1000.0, 1000.0]]),
+        "converged_threshold_error": (one, [[0.02, 5.0]]),
+        "threshold_decided": (one, [[1, 0]]),
+    }
+    family = ("model", codes, {"flag_meanings": " ".join(families)})
+    attributes = {"judged_by": "threshold_worst"}
+    return xr.Dataset(variables, {"model": names, "family": family}, attributes)
+
+
+def converging():
+    """The axes of the errors of `make_accuracy` over number and step."""
+    axes = style.double_column(height=3.2).subplots(1, 2)
+    return figures.draw_convergence(axes, make_accuracy())
+
+
+def line(ax, label):
+    return next(line for line in ax.lines if line.get_label().startswith(label))
+
+
+def test_convergence_draws_the_errors_over_number_and_step():
+    number, step = converging()
+    assert line(number, "$n$ elements, consistent").get_xydata().tolist() == [
+        [3, 1.6e-2],
+        [6, 1e-3],
+    ]
+    assert line(number, "$n$ cosines, not").get_xydata().tolist() == [[3, 8e-3], [6, 1e-3]]
+    assert line(step, "time step").get_xydata().tolist() == [[0.4, 1e-5], [0.8, 4e-5]]
+
+
+def test_slopes_have_the_expected_orders():
+    axes = converging()
+    slopes = [line for ax in axes for line in ax.lines if line.get_linestyle() == ":"]
+    ratios = [line.get_ydata()[1] / line.get_ydata()[0] for line in slopes]
+    assert ratios == pytest.approx([2.0**-4, 2.0**-3, 2.0**2])
+
+
+def test_what_the_converged_run_does_not_know_is_shaded():
+    number, _ = converging()
+    (shade,) = number.patches
+    assert shade.get_y() + shade.get_height() == pytest.approx(2e-5)

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from snapmap.figures.stability import COLOURS, WORDS, exponent
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED, UNSNAPPED
 from studies.stability import tables
 from studies.stability.cases import CASES, MODELS, Case
+from studies.stability.figures import LOOKS, exponent
 from studies.stability.measure import measure
 from studies.stability.verdicts import (
     CAUGHT,
@@ -164,7 +164,7 @@ def test_the_tables_name_what_is_wrong(cheap):
 
 
 def test_every_verdict_has_colour_and_words():
-    assert tuple(COLOURS) == tuple(WORDS) == VERDICTS
+    assert tuple(LOOKS) == VERDICTS
 
 
 @pytest.mark.parametrize(

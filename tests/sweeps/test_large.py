@@ -87,7 +87,7 @@ import xarray as xr
 from snapmap.figures import maps, style
 with xr.open_dataset(sys.argv[1], engine="netcdf4") as cube, style.paper():
     figure = style.single_column(height=3.6)
-    maps.draw_snap_map(figure.subplots(), cube.isel(C=50))
+    maps.draw_map(figure.subplots(), cube.isel(C=50))
     style.save(figure, sys.argv[2], cube.attrs)
 """
 

@@ -90,7 +90,6 @@ for place, (what, (part, files, stems, values)) in enumerate(DRAWN.items()):
 
 rule write_page:
     input:
-        **({"tolerance": "results/tolerance.nc"} if study.tolerances else {}),
         cube="results/cube.nc",
         traces="results/traces.nc",
         threshold="results/threshold.nc",

@@ -10,15 +10,11 @@ from pathlib import Path
 import xarray as xr
 
 from snapmap.figures import (
-    accuracy,
     calibration,
-    convergence,
     histories,
-    layout,
     maps,
     requirements,
     scales,
-    stability,
     statics,
     style,
     thresholds,
@@ -63,9 +59,10 @@ def draw_snap_maps(
             cube = cube.assign(stress_share=share.reindex(numbers, method="nearest"))
         for view in views:
             shown = view["required_shocks"], own_points
-            _draw_map(maps.draw_snap_map, _panel(cube, found, view), view, folder, cube, *shown)
+            data = _along(cube, view), _along(found, view)
+            _draw_map(maps.draw_map, data, view, folder, cube, *shown)
         if together:
-            panels = [_panel(cube, found, view) for view in together]
+            panels = [(_along(cube, view), _along(found, view)) for view in together]
             _draw_together(panels, together[0], own_points, f"{folder}/snap_maps", cube)
         for view in fields:
             lines = [_along(found, view)]
@@ -82,10 +79,11 @@ def draw_maps(cube_path, times, ends, together, own_points, folder):
             _draw_map(maps.draw_time_map, [_along(cube, view)], view, folder, cube, colours)
         for view in ends:
             shown = view["required_shocks"], own_points
-            _draw_map(maps.draw_end_map, [_along(cube, view)], view, folder, cube, *shown)
+            data = _along(cube, view), None
+            _draw_map(maps.draw_map, data, view, folder, cube, *shown, True)
         if together:
-            panels = [maps.Panel(_along(cube, view)) for view in together]
-            _draw_together(panels, together[0], own_points, f"{folder}/maps", cube)
+            panels = [(_along(cube, view), None) for view in together]
+            _draw_together(panels, together[0], own_points, f"{folder}/maps", cube, True)
 
 
 def _along(found, view):
@@ -93,20 +91,16 @@ def _along(found, view):
     return scales.along(found.isel(at), view["x"], view["y"])
 
 
-def _panel(cube, found, view):
-    return maps.Panel(_along(cube, view), _along(found, view))
-
-
 def _draw_map(draw, data, view, folder, found, *shown):
-    ax = layout.single_box()
-    draw(ax, *data, view["x"], view["y"], *shown)
-    layout.trim(ax.figure)
-    style.save(ax.figure, f"{folder}/{view['name']}", found.attrs)
+    figure = style.single_column(height=5)
+    draw(figure.subplots(), *data, view["x"], view["y"], *shown)
+    style.fit(figure, maps.RATIO)
+    style.save(figure, f"{folder}/{view['name']}", found.attrs)
 
 
-def _draw_together(panels, view, own_points, stem, found):
+def _draw_together(panels, view, own_points, stem, found, ends=False):
     figure = style.double_column(height=9)
-    maps.draw_maps(figure, panels, view["x"], view["y"], own_points)
+    maps.draw_maps(figure, panels, view["x"], view["y"], own_points, ends)
     style.save(figure, stem, found.attrs)
 
 
@@ -117,7 +111,7 @@ def draw_thresholds(threshold_path, views, boundary, folder):
             figure = style.double_column(height=3.4)
             thresholds.draw_thresholds(figure.subplots(), _along(found, view), view["x"], view["y"])
             style.save(figure, f"{folder}/{view['name']}", found.attrs)
-        figure = style.single_column(height=3.2)
+        figure = style.single_column(height=3.6)
         lines = found.isel(boundary["at"])
         thresholds.draw_damage_boundary(figure.subplots(), lines, boundary["y"])
         style.save(figure, f"{folder}/{boundary['name']}", found.attrs)
@@ -142,6 +136,7 @@ def draw_statics(statics_paths, stems):
             statics.draw_force_displacement(force, found)
             statics.draw_energy(energy, found)
             force.label_outer()
+            style.legend(figure, style.labelled([force]), ncols=2)
             style.save(figure, stem, found.attrs)
 
 
@@ -162,8 +157,8 @@ def draw_calibration(calibration_path, stem):
         axes = figure.subplots(1, len(panels), squeeze=False)[0]
         for ax, panel in zip(axes, panels, strict=True):
             calibration.draw_shots(ax, panel)
-        keys, title = calibration.shot_keys(), calibration.calibration_text(found)
-        figure.legend(handles=keys, loc="outside lower center", ncols=5, title=title)
+        words = calibration.calibration_text(found)
+        style.legend(figure, style.labelled(axes), words, 5)
         style.save(figure, stem, found.attrs)
 
 
@@ -173,77 +168,78 @@ def draw_tolerance(tolerance_path, places, yields, folder):
     places, yields: on the axes of names, by the ending of the figures' names
     """
     drawn = {
-        "probability": (tolerances.draw_probability, tolerances.probability_keys),
-        "sensitivity": (tolerances.draw_sensitivity, tolerances.sensitivity_keys),
+        "probability": tolerances.draw_probability,
+        "sensitivity": tolerances.draw_sensitivity,
     }
     with _drawing(tolerance_path) as found:
         for ending, at in places.items():
             here = found.isel(at)
             panels = [here.isel(C=i) for i in evenly(here.C.size, MOST)]
-            for name, (draw, keys) in drawn.items():
+            for name, draw in drawn.items():
                 figure, _ = _draw_panels(panels, draw)
-                _save(figure, f"{folder}/{name}{ending}", keys(here), here, found.attrs)
+                words = tolerances.batch_text(here, found.attrs)
+                style.legend(figure, style.labelled(figure.axes), words)
+                style.save(figure, f"{folder}/{name}{ending}", found.attrs)
         for ending, at in yields.items():
             here = found.isel(at)
             here = here.isel(C=evenly(here.C.size, LINES))
-            _draw_yield(here, f"{folder}/yield{ending}", found.attrs)
-
-
-def _draw_yield(found, stem, attributes):
-    """What meets the requirements, and below it a panel for each."""
-    panels = [
-        found.isel(requirement=i, C=j)
-        for i in evenly(found.requirement.size, MOST)
-        for j in evenly(found.C.size, MOST // min(MOST, found.requirement.size))
-    ]
-    height = 0.5 + 0.17 * len(list(tolerances.each_share(found))) * found.C.size
-    figure, above = _draw_panels(panels, tolerances.draw_requirement, height)
-    tolerances.draw_yield(above, found)
-    _save(figure, stem, tolerances.requirement_keys(found), panels[0], attributes)
+            panels = [
+                here.isel(requirement=i, C=j)
+                for i in evenly(here.requirement.size, MOST)
+                for j in evenly(here.C.size, MOST // min(MOST, here.requirement.size))
+            ]
+            height = 0.5 + 0.17 * len(list(requirements.each_share(here))) * here.C.size
+            figure, above = _draw_panels(panels, requirements.draw_requirement, height)
+            requirements.draw_yield(above, here)
+            words = tolerances.batch_text(panels[0], found.attrs)
+            style.legend(figure, style.labelled(figure.axes), words)
+            style.save(figure, f"{folder}/yield{ending}", found.attrs)
 
 
 def _draw_panels(panels, draw, above=0.0):
-    """A figure of panels, and axes of their own above them if these have a height, in."""
+    """A figure of panels, and axes above them if these have a height, in."""
     dampings = len({panel.C.item() for panel in panels})
     columns = dampings if dampings in (2, COLUMNS) else min(COLUMNS, len(panels))
     rows = -(-len(panels) // columns)
     figure = style.double_column(height=0.9 + ROW * rows + above)
-    heights = [above] * bool(above) + [ROW] * rows
-    grid = figure.add_gridspec(len(heights), columns, height_ratios=heights)
-    for number, panel in enumerate(panels):
-        row, column = divmod(number, columns)
-        draw(figure.add_subplot(grid[row + bool(above), column]), panel)
-    return figure, figure.add_subplot(grid[0, :]) if above else None
-
-
-def _save(figure, stem, keys, found, attributes):
-    title = tolerances.batch_text(found, attributes)
-    figure.legend(handles=keys, loc="outside lower center", ncols=4, title=title)
-    style.save(figure, stem, attributes)
+    *upper, lower = figure.subfigures(
+        1 + bool(above), height_ratios=[above] * bool(above) + [ROW * rows], squeeze=False
+    ).flat
+    axes = lower.subplots(rows, columns, squeeze=False).flat
+    for ax, panel in zip(axes, panels, strict=False):
+        draw(ax, panel)
+    for ax in axes[len(panels) :]:
+        ax.remove()
+    return figure, upper[0].subplots() if upper else None
 
 
 def draw_accuracy(accuracy_path, stem):
     """Draw error against time for every model."""
+    from studies.accuracy.figures import draw_accuracy
+
     with _drawing(accuracy_path) as found:
         figure = style.double_column(height=3.6)
-        accuracy.draw_accuracy(figure.subplots(), found)
+        draw_accuracy(figure.subplots(), found)
         style.save(figure, stem, found.attrs)
 
 
 def draw_convergence(accuracy_path, stem):
     """Draw how the error of the threshold falls with number and step."""
+    from studies.accuracy.figures import draw_convergence
+
     with _drawing(accuracy_path) as found:
         figure = style.double_column(height=3.2)
-        axes = figure.subplots(1, 2, sharey=True, width_ratios=[3, 2])
-        convergence.draw_convergence(axes, found)
+        draw_convergence(figure.subplots(1, 2, sharey=True, width_ratios=[3, 2]), found)
         style.save(figure, stem, found.attrs)
 
 
 def draw_stability(stability_path, stem):
     """Draw the verdicts on the hard cases, a panel for each model."""
+    from studies.stability.figures import draw_panels
+
     with _drawing(stability_path) as cases:
-        figure = style.double_column(height=stability.height(cases))
-        stability.draw_panels(figure, cases)
+        figure = style.double_column(height=9)
+        draw_panels(figure, cases)
         style.save(figure, stem, cases.attrs)
 
 
@@ -251,24 +247,23 @@ def draw_settled(settled_path, beam_dampings, C, stem):
     """Draw the map of one C, uN us/um, for each beam damping, 1/us, side by side."""
     with _drawing(settled_path) as settled:
         figure = style.double_column(height=9)
-        panels = [maps.Panel(settled.sel(damping=damping, C=C)) for damping in beam_dampings]
-        maps.draw_maps(figure, panels, "f0", "N")
+        panels = [(settled.sel(damping=damping, C=C), None) for damping in beam_dampings]
+        maps.draw_maps(figure, panels, "f0", "N", ends=True)
         style.save(figure, stem, settled.attrs)
 
 
-def write_page(cube_path, traces_path, threshold_path, horizon, path, tolerance_path=None):
-    """Write the page to explore a cube; horizon: us; tolerance_path: of devices as made."""
+def write_page(cube_path, traces_path, threshold_path, horizon, path):
+    """Write the page to explore a cube; horizon: us."""
     from snapmap.figures.explore import page  # brings Plotly
 
+    paths = cube_path, traces_path, threshold_path
     with ExitStack() as files:
-        paths = cube_path, traces_path, threshold_path, *filter(None, [tolerance_path])
         cube, *others = (
             files.enter_context(xr.open_dataset(one, engine="netcdf4")) for one in paths
         )
         for other, one in zip(others, paths[1:], strict=True):
             check_alike(cube, other, one)
-        traces, found, *made = others
-        text = page(cube, traces, found, horizon, *made)
+        text = page(cube, *others, horizon)
     with replacing(path) as temporary:
         Path(temporary).write_text(text, encoding="utf-8")
 

@@ -14,7 +14,7 @@ _HOME = {
     "open_cube": "sweeps.collect",
     "plan_shots": "calibration.planning",
     "plot_outcome": "figures.maps",
-    "plot_thresholds": "figures.comparison",
+    "plot_thresholds": "figures.thresholds",
     "read_pulse": "io.recorded",
     "shots_needed": "calibration.planning",
     "simulate": "motion.history",

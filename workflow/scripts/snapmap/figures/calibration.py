@@ -4,28 +4,28 @@ import textwrap
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 
 from ..quantities import QUANTITIES
 from ..tolerances.statistics import DEVIATIONS
-from .points import POINT, TRIPPED
-from .scales import axis_label, frequency_axis, tick_log
+from .plane import POINT, TRIPPED
+from .scales import axis_label, frequency_axis, tick
 from .style import PAGE, literal
 
-THRESHOLD = {"color": "#d55e00", "linewidth": 1.0}
-SURE = {"color": "#d55e00", "alpha": 0.35, "linewidth": 0}
-SCATTERS = {"color": "0.88", "linewidth": 0}
-ASIDE, WIDEST = 1.06, 1.2
+THRESHOLD = {"color": "#d55e00", "linewidth": 1.0, "label": "fitted threshold"}
+SURE = {"color": "#d55e00", "alpha": 0.35, "linewidth": 0, "label": "its interval at 95 %"}
+SCATTERS = {"color": "0.88", "linewidth": 0, "label": "where 95 % of the shots change sides"}
+WORDS = {True: "tripped", False: "did not trip"}
+ASIDE, WIDEST = 1.01, 1.2
 """Factors: of f0 by which shots of one kind stand apart, and of room beyond the outermost."""
 
 
 def panels(found: xr.Dataset) -> list[xr.Dataset]:
     """The shots of each shape and direction."""
     pairs = zip(found["shape"].values, found.direction.values, strict=True)
-    names = np.array([f"{shape} along {direction}" for shape, direction in pairs])
+    names = np.array(
+        [f"{shape} along {direction}".replace("-z", "−z") for shape, direction in pairs]
+    )
     return [
         found.isel(shot=np.flatnonzero(names == name)).assign_attrs(found.attrs | {"panel": name})
         for name in dict.fromkeys(names.tolist())
@@ -49,39 +49,25 @@ def draw_shots(ax: Axes, found: xr.Dataset) -> Axes:
     frequency_axis(ax, f0)
     ends = found.N.values.min() / WIDEST, found.N.values.max() * WIDEST
     ax.set(yscale="log", ylim=ends, ylabel=axis_label("N"))
-    tick_log(ax.yaxis, ends, ax.bbox.height / ax.get_figure().dpi)
+    tick(ax.yaxis, *ends)
     ax.fill_between(f0, low / wide, high * wide, **SCATTERS)
     ax.fill_between(f0, low, high, **SURE)
     ax.plot(f0, middle, **THRESHOLD)
-    for tripped, aside in ((0, 1 / ASIDE), (1, ASIDE)):
+    for tripped, aside in ((False, 1 / ASIDE), (True, ASIDE)):
         some = found.isel(shot=np.flatnonzero(found.tripped.values == tripped))
-        look = POINT | {"markersize": 3}
-        ax.plot(some.f0 * aside, some.N, markerfacecolor=TRIPPED[bool(tripped)], **look)
+        look = POINT | {"markersize": 3, "markerfacecolor": TRIPPED[tripped]}
+        ax.plot(some.f0 * aside, some.N, label=WORDS[tripped], **look)
     return ax
-
-
-def shot_keys() -> list[Artist]:
-    """Keys of a legend for what `draw_shots` draws."""
-    words = {True: "tripped", False: "did not trip"}
-    marks = [
-        Line2D([], [], markerfacecolor=TRIPPED[kind], **POINT, label=words[kind]) for kind in words
-    ]
-    return [
-        *marks,
-        Line2D([], [], **THRESHOLD, label="fitted threshold"),
-        Patch(**SURE, label="at 95 %"),
-        Patch(**SCATTERS, label="95 % of shots change sides within"),
-    ]
 
 
 def calibration_text(found: xr.Dataset) -> str:
     """The values that were fitted, with their intervals, in words."""
     words = []
     for name in found.unknown.values:
-        one = found.sel(unknown=name)
-        unit = QUANTITIES[name].spelt.figures
-        label = QUANTITIES[name].words
+        one, quantity = found.sel(unknown=name), QUANTITIES[name]
         ends = f"{one.low.item():.4g} to {one.high.item():.4g}"
-        words.append(f"{label} {one.estimate.item():.4g} {unit} ({ends})")
+        words.append(
+            f"{quantity.words} {one.estimate.item():.4g} {quantity.spelt.figures} ({ends})"
+        )
     spread = found.spread.sel(bound="estimate").item()
     return textwrap.fill(", ".join([*words, f"spread {100 * spread:.2g} %"]), PAGE)

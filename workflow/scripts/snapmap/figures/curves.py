@@ -1,6 +1,6 @@
 """Thresholds over one axis as a curve, their limits, and their keys in a legend."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 import xarray as xr
@@ -11,14 +11,14 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 
 from ..numerics.portable import evenly
-from .scales import WORDS, scale_of, value_text
+from .scales import scale_of, value_text
 
 LOOKS = (("C0", "o"), ("C6", "s"), ("C2", "^"), ("C5", "D"), ("C3", "v"), ("C7", "P"), ("C1", "X"))
 """Colour and marker of each line in turn; the first ones differ in grey, too."""
 CURVES, MARKS = 6, 45
 """Most lines in one figure, and most markers and error bars on a curve."""
 LIMIT = {"color": "0.4", "linewidth": 0.6, "zorder": 1.5}
-LIMITS = "limits of long and of short pulses"
+LONG, SHORT = "limit of long pulses", "limit of short pulses"
 DASH, DOT = (6, 1.5), (1, 1.5)
 """Limits are dashes with dots between them: one on the first line, two on the second."""
 BAND = {"color": "0.25", "alpha": 0.35, "linewidth": 0}
@@ -30,8 +30,29 @@ STAYS = {"linestyle": "", "marker": CARETUPBASE, "markersize": 4.5, "markeredgew
 MISSING = {"linestyle": "", "marker": "x", "markersize": 3, "markeredgewidth": 0.8}
 FIRST_ROW, NEXT_ROW = 0.975, 0.03
 """How high the marks of missing points of the first line are, and how far below those of others."""
-BOUND = {"color": "0.4", "linewidth": 0.6, "linestyle": ":", "zorder": 1.5}
 LATE = {"linestyle": "--", "markerfacecolor": "white", "markeredgewidth": 0.6}
+
+
+def some_lines(found: xr.Dataset, x: str, lines: str) -> xr.Dataset:
+    """The thresholds in order of two axes, for CURVES values of `lines` at most, evenly chosen."""
+    found = found.sortby([key for key in (lines, x) if found[key].dtype.kind in "fiu"])
+    return found.isel({lines: evenly(found.sizes[lines], CURVES)})
+
+
+def each_line(found: xr.Dataset, lines: str) -> Iterator[tuple[xr.Dataset, str, str]]:
+    """The thresholds at every value of an axis, with a colour and a marker."""
+    for i in range(found.sizes[lines]):
+        yield found.isel({lines: i}), *LOOKS[i % len(LOOKS)]
+
+
+def line_keys(found: xr.Dataset, lines: str) -> Iterator[Line2D]:
+    """Keys of a legend for every line: the limit of short pulses, or that nothing is drawn."""
+    for one, colour, marker in each_line(found, lines):
+        v = one.velocity_change
+        label = value_text(lines, one[lines].item(), with_unit=lines != "C")
+        label += f", $\\Delta v$ = {v.item():.3g} m/s" if v.ndim == 0 and np.isfinite(v) else ""
+        label += "" if one.N_first.notnull().any() else ", no threshold"
+        yield Line2D([], [], color=colour, marker=marker, label=label)
 
 
 def draw_curve(
@@ -51,13 +72,30 @@ def draw_band(ax: Axes, x: np.ndarray, found: xr.Dataset) -> None:
     ax.fill_between(x, N - error, N + error, **BAND)
     _draw_line(ax, x, found, {"color": "black"})
     mark_missing(ax, x, found, "black")
-    if has_gap(found).any():
-        ax.plot(x, found.N_always.where(has_gap(found)).values, **ALWAYS)
+    if _has_gap(found).any():
+        ax.plot(x, found.N_always.where(_has_gap(found)).values, **ALWAYS)
 
 
-def has_gap(found: xr.Dataset) -> xr.DataArray:
+def _draw_line(ax, x, found, look, every=1):
+    N, late = found.N_first.values, _is_late(found).values
+    beside = np.convolve(late, [1, 1, 1])[1:-1] > 0
+    marked = late & (np.arange(N.size) % every == 0)
+    ax.plot(x, np.where(beside, N, np.nan), markevery=marked, **look, **LATE)
+    ax.plot(x, np.where(late, np.nan, N), markevery=every, **look)
+
+
+def _is_late(found):
+    """Whether the snap at N_first was not seen before the end of the pulse."""
+    return found.N_first.notnull() & ~(found.t_snap <= 1e6 / found.f0)
+
+
+def _has_gap(found):
     """Whether N_always lies above N_first by more than the error."""
     return found.N_always > found.N_first + found.N_error.where(np.isfinite(found.N_error), 0)
+
+
+def _known_error(found):
+    return found.N_error.where(np.isfinite(found.N_error)).values
 
 
 def mark_missing(ax: Axes, x: np.ndarray, found: xr.Dataset, colour: str, place: int = 0) -> None:
@@ -65,61 +103,52 @@ def mark_missing(ax: Axes, x: np.ndarray, found: xr.Dataset, colour: str, place:
     cross(ax, x[found.N_first.isnull().values], FIRST_ROW - NEXT_ROW * place, colour)
 
 
-def cross(ax: Axes, x: np.ndarray, height: float, colour: str) -> None:
+def cross(ax: Axes, x: np.ndarray, height: float, colour: str, label: str | None = None) -> None:
     """Draw crosses at some x, if any, at a share of the height of the axes."""
     if x.size:  # an empty line has no extent that a layout could take into account
         at = {"transform": ax.get_xaxis_transform(), "color": colour, "clip_on": False}
-        ax.plot(x, np.full(x.size, height), **at, **MISSING)
+        ax.plot(x, np.full(x.size, height), label=label, **at, **MISSING)
 
 
-def missing_keys(found: xr.Dataset, colour: str = "0.4") -> list[Line2D]:
-    """Key of a legend for what `mark_missing` draws, if it is anything."""
-    key = Line2D([], [], color=colour, **MISSING, label="here no threshold found")
-    return [key] * bool(found.N_first.isnull().any())
+def curve_keys(found: xr.Dataset, colour: str = "0.4", marker: str = "o") -> Iterator[Line2D]:
+    """Keys of a legend for what `draw_curve` and `mark_missing` draw of some thresholds."""
+    late, known = _is_late(found), found.N_first.notnull()
+    look = {"color": colour, "marker": marker}
+    if (known & ~late).any():
+        yield Line2D([], [], **look, label="threshold")
+    if late.any():
+        yield Line2D([], [], **look, **LATE, label="threshold, snap after the pulse")
+    if not known.all():
+        yield Line2D([], [], color=colour, **MISSING, label="no threshold here")
 
 
-def _draw_line(ax, x, found, look, every=1):
-    N, late = found.N_first.values, is_late(found).values
-    beside = np.convolve(late, [1, 1, 1])[1:-1] > 0
-    marked = late & (np.arange(N.size) % every == 0)
-    ax.plot(x, np.where(beside, N, np.nan), markevery=marked, **look, **LATE)
-    ax.plot(x, np.where(late, np.nan, N), markevery=every, **look)
-
-
-def _known_error(found):
-    return found.N_error.where(np.isfinite(found.N_error)).values
+def band_keys(found: xr.Dataset, low: float, high: float) -> Iterator[Line2D | Patch]:
+    """Keys of a legend for what `draw_band` draws between two N."""
+    beyond = (found.N_first < low) | (found.N_first > high)
+    found = found.isel({beyond.dims[0]: ~beyond.values})
+    yield from curve_keys(found, "black", "")
+    if np.isfinite(_known_error(found)).any():
+        yield Patch(**BAND, label="its error")
+    if _has_gap(found).any():
+        yield Line2D([], [], **ALWAYS, label="above it every $N$ snaps")
 
 
 def draw_static(ax: Axes, found: xr.Dataset, x: str, colour: str = "0.4", place: int = 0) -> None:
-    """Draw the limit of long pulses of one line over an axis; place: as for `draw_impulsive`."""
-    look, static = limit_look(colour, place), found.N_static
+    """Draw the limit of long pulses of one line over an axis; place: as for `limit_look`."""
+    look, static = limit_look(colour, place) | {"label": LONG}, found.N_static
     if x in static.dims:
         ax.plot(scale_of(x, found[x].values).places, static.values, **look)
     elif np.isfinite(static):
         ax.axhline(static.item(), **look)
 
 
-def undercuts(found: xr.Dataset) -> bool:
-    """Whether some pulse snaps below the limit of long ones, as with a run-up, or that has none."""
-    return bool((found.N_first.notnull() & ~(found.N_first >= found.N_static)).any())
-
-
-def draw_bound(ax: Axes, found: xr.Dataset, x: str, lines: str) -> None:
-    """Draw below which N nothing snaps, by energy, over an axis; where lines share it, once."""
-    bound = found.N_bound.transpose(x, lines).values
-    ax.plot(scale_of(x, found[x].values).places, np.unique(bound, axis=1), **BOUND)
-
-
 def draw_impulsive(ax: Axes, found: xr.Dataset, colour: str, place: int = 0) -> None:
-    """Draw the limit of short pulses of one line over f0 (Hz); the axes stay.
-
-    place: of the line among several, from 0
-    """
-    freeze(ax)
+    """Draw the limit of short pulses of one line over f0 (Hz) within the limits of the axes."""
     f0 = np.geomspace(*ax.get_xlim(), 200)
     slope = (1e-6 * found.velocity_change / (found.gravity * found.area)).item()
     if np.isfinite(slope):
-        ax.plot(f0, f0 * slope, **limit_look(colour, place))
+        look = limit_look(colour, place) | {"label": SHORT, "scalex": False, "scaley": False}
+        ax.plot(f0, f0 * slope, **look)
 
 
 def limit_look(colour: str = "0.4", place: int = 0) -> dict:
@@ -127,64 +156,25 @@ def limit_look(colour: str = "0.4", place: int = 0) -> dict:
     return LIMIT | {"color": colour, "linestyle": (0, DASH + DOT * (place + 1))}
 
 
-def is_late(found: xr.Dataset) -> xr.DataArray:
-    """Whether the snap at N_first was not seen before the end of the pulse."""
-    return found.N_first.notnull() & ~(found.t_snap <= 1e6 / found.f0)
+def limit_keys(axes: Iterable[Axes]) -> Iterator[Line2D]:
+    """Keys of a legend for the limits that are to be seen on some axes."""
+    for label in (LONG, SHORT):
+        lines = [line for ax in axes for line in ax.lines if line.get_label() == label]
+        lines = [line for line in lines if _is_seen(line)]
+        if not lines:
+            continue
+        colours = {line.get_color() for line in lines}
+        levels = np.unique([line.get_ydata() for line in lines])
+        value = f", $N$ = {levels[0]:.4g}" if levels.size == 1 else ""
+        colour = colours.pop() if len(colours) == 1 else "0.4"
+        yield Line2D([], [], **limit_look(colour), label=label + value)
+
+
+def _is_seen(line):
+    low, high = line.axes.get_ylim()
+    return any(low <= N <= high for N in line.get_ydata())
 
 
 def velocity_change(found: xr.Dataset) -> xr.DataArray:
     """Velocity change of the pulse at N_first, its area times N g / f0, m/s."""
     return found.N_first * found.gravity * found.area / (1e-6 * found.f0)
-
-
-def curve_keys(found: xr.Dataset, colour: str, marker: str = "") -> list[Line2D]:
-    """Keys of a legend for the ways in which `draw_curve` draws N_first that there are."""
-    late = is_late(found)
-    look = {"color": colour, "marker": marker}
-    during = Line2D([], [], **look, label="lowest $N$ that snaps")
-    after = Line2D([], [], **look, **LATE, label="the same, after the pulse")
-    return [during] * bool((found.N_first.notnull() & ~late).any()) + [after] * bool(late.any())
-
-
-def band_keys(found: xr.Dataset) -> list[Line2D | Patch]:
-    """Keys of a legend for what `draw_band` draws."""
-    keys = [*curve_keys(found, "black"), Patch(**BAND, label="error band of it")]
-    above = Line2D([], [], **ALWAYS, label="above it, all $N$ snap")
-    return [*keys, *[above] * bool(has_gap(found).any()), *missing_keys(found, "black")]
-
-
-def limit_key(label: str, colour: str = "0.4") -> Line2D:
-    """Key of a legend for a limit."""
-    return Line2D([], [], **limit_look(colour), label=label)
-
-
-def bound_key() -> Line2D:
-    """Key of a legend for what `draw_bound` draws."""
-    return Line2D([], [], **BOUND, label="below it nothing snaps, by energy")
-
-
-def freeze(ax: Axes) -> None:
-    """Keep the limits of the axes, whatever is drawn next."""
-    ax.set(xlim=ax.get_xlim(), ylim=ax.get_ylim())
-
-
-def some_lines(found: xr.Dataset, x: str, lines: str) -> xr.Dataset:
-    """The thresholds in order of two axes, for CURVES values of `lines` at most, evenly chosen."""
-    found = found.sortby([key for key in (lines, x) if found[key].dtype.kind in "fiu"])
-    return found.isel({lines: evenly(found.sizes[lines], CURVES)})
-
-
-def each_line(found: xr.Dataset, lines: str) -> Iterator[tuple[xr.Dataset, str, str]]:
-    """The thresholds at every value of an axis, with a colour and a marker."""
-    for i in range(found.sizes[lines]):
-        yield found.isel({lines: i}), *LOOKS[i % len(LOOKS)]
-
-
-def line_keys(found: xr.Dataset, lines: str) -> Iterator[Line2D]:
-    """Keys of a legend for every line: the limit of short pulses, or that nothing is drawn."""
-    for one, colour, marker in each_line(found, lines):
-        v = one.velocity_change
-        label = value_text(lines, one[lines].item()).replace(WORDS["C"][1], "").strip()
-        label += f", $\\Delta v$ = {v.item():.3g} m/s" if v.ndim == 0 and np.isfinite(v) else ""
-        label += "" if one.N_first.notnull().any() else ", no threshold"
-        yield Line2D([], [], color=colour, marker=marker, label=label)

@@ -8,16 +8,7 @@ import xarray as xr
 from matplotlib.colors import to_hex
 
 from ..solver.outcome import OUTCOMES, WHOLE_SWING
-from .states import (
-    SNAPS,
-    STATES,
-    TIME_COLOURS,
-    WAITING,
-    WIDE,
-    end_elsewhere,
-    end_states,
-    snap_states,
-)
+from . import states
 
 WORDS = {
     "unsnapped": "no snap, end open",
@@ -31,7 +22,7 @@ WORDS = {
 """Of each outcome, in the order of the codes."""
 GREY = "#999999"
 """Of what is absent, in place of the white that maps in print hatch."""
-RAMP = [to_hex(colour) for colour in TIME_COLOURS(np.linspace(0, 1, 9))]
+RAMP = [to_hex(colour) for colour in states.TIME_COLOURS(np.linspace(0, 1, 9))]
 """Colours of snap times, from the first to the last."""
 TRACED = ("w_low", "w_high", "z_mass", "energy", "beam_energy")
 EDGES = ("N_first", "N_error", "N_always")
@@ -44,30 +35,23 @@ def views(cells: xr.Dataset) -> list[dict]:
     Of each its name and words; states, and the array that has their codes; and a colour scale for
     plotly, with RAMP in place of `snaps` on the map of times.
     """
-    times = [WAITING, *_greyed(SNAPS)[1:]]
-    shown = [
-        {"name": "snap", "words": "snaps", "code": "snap", "states": _greyed(SNAPS)},
-        {"name": "time", "words": "time", "code": "snap", "states": times, "ramp": RAMP},
-    ]
-    if "well" in cells:
-        ends = _greyed(STATES)
-        shown.append({"name": "end", "words": "where it ends", "code": "end", "states": ends})
-    for view in shown:
-        colours = [[state.colour] * 2 for state in view["states"]]
-        if "ramp" in view:
-            colours[1] = view["ramp"]
+    times = (states.WAITING, *states.SNAPS[1:])
+    shown = [("snap", "snaps", "snap", states.SNAPS), ("time", "time", "snap", times)]
+    shown += [("end", "where it ends", "end", states.STATES)] * ("well" in cells)
+    made = []
+    for name, words, code, (*known, absent) in shown:
+        known = [*known, absent._replace(colour=GREY)]
+        colours = [[state.colour] * 2 for state in known]
+        view = {"name": name, "words": words, "code": code}
+        if name == "time":
+            colours[1] = view["ramp"] = RAMP
         view["scale"] = [
             ((place + share) / len(colours), colour)
-            for place, some in enumerate(colours)
-            for share, colour in zip(np.linspace(0, 1, len(some)).tolist(), some, strict=True)
+            for place, ramp in enumerate(colours)
+            for share, colour in zip(np.linspace(0, 1, len(ramp)).tolist(), ramp, strict=True)
         ]
-        view["states"] = [state._asdict() for state in view["states"]]
-    return shown
-
-
-def _greyed(states):
-    *others, absent = states
-    return [*others, absent._replace(colour=GREY)]
+        made.append(view | {"states": [state._asdict() for state in known]})
+    return made
 
 
 def cell_data(cells: xr.Dataset, traces: xr.Dataset, found: xr.Dataset) -> dict:
@@ -77,14 +61,14 @@ def cell_data(cells: xr.Dataset, traces: xr.Dataset, found: xr.Dataset) -> dict:
     """
     dims = cells.outcome.dims
     edges = {key: found[key].transpose(*dims[:-1]) for key in EDGES}
-    columns = _labels(cells) | _facts(cells, traces) | edges
+    columns = _columns(cells, traces) | edges
     arrays = {key: column.values for key, column in columns.items()}
     failed = cells.outcome.values == OUTCOMES.index("failed")
     for key in TRACED:
         arrays |= _scaled(key, traces[key].transpose(*dims, "bin").values, failed)
     return {
         "views": views(cells),
-        "wide": WIDE,
+        "wide": states.WIDE,
         "outcomes": [{"name": name, "words": WORDS[name]} for name in OUTCOMES],
         "whole": WHOLE_SWING,
         "bins": traces.sizes["bin"],
@@ -102,7 +86,7 @@ def opening(cells: xr.Dataset, x: str, y: str) -> list[int]:
     """
     dims, snaps = cells.outcome.dims, np.isfinite(cells.t_snap.values)
     known = ~np.isin(cells.outcome.values, (OUTCOMES.index("failed"), OUTCOMES.index("absent")))
-    sure = ~end_elsewhere(cells).values
+    sure = ~states.end_elsewhere(cells).values
     first = _at_threshold(snaps, known, dims, x, y)
     choice = next(some for some in (first & sure, first, known, ~known) if some.any())
     places, size = np.argwhere(choice), np.array(choice.shape)
@@ -117,35 +101,27 @@ def _at_threshold(snaps, known, dims, x, y):
     if y == "N":
         below = np.cumsum(snaps, axis=-1) - snaps
         return snaps & (below == 0) & ~snaps[..., :1]
-    label = np.where(known, snaps.astype(float), np.nan)
-    changes = np.zeros(label.shape, bool)
+    changes = np.zeros_like(snaps)
     for axis in map(dims.index, (x, y)):
-        differ = abs(np.diff(label, axis=axis)) == 1
-        beside = [[(0, 0)] * label.ndim for _ in range(2)]
-        beside[0][axis], beside[1][axis] = (0, 1), (1, 0)
-        changes |= np.pad(differ, beside[0]) | np.pad(differ, beside[1])
-    return changes & snaps
+        snap, quiet, change = (np.moveaxis(v, axis, 0) for v in (snaps, known & ~snaps, changes))
+        change[1:] |= snap[1:] & quiet[:-1]
+        change[:-1] |= snap[:-1] & quiet[1:]
+    return changes
 
 
-def _labels(cells):
-    """Codes of each cell, (*axes)."""
-    return {
-        "snap": snap_states(cells),
-        **({"end": end_states(cells)} if "well" in cells else {}),
-        "outcome": cells.outcome,
-        "elsewhere": end_elsewhere(cells),
-        "well": cells.get("well", xr.zeros_like(cells.outcome)),
-    }
-
-
-def _facts(cells, traces):
-    """Numbers of each cell, (*axes)."""
+def _columns(cells, traces):
+    """Codes and numbers of each cell, (*axes)."""
     dims = cells.outcome.dims
     unknown = xr.full_like(cells.t_snap, np.nan)
     energy = traces.energy.transpose(*dims, "bin")
     proof = np.ceil(cells.t_settled / traces.bin_length).transpose(*dims).fillna(0)
     at_proof = energy.isel(bin=proof.clip(0, energy.sizes["bin"] - 1).astype(int))
     return {
+        "snap": states.snap_states(cells),
+        **({"end": states.end_states(cells)} if "well" in cells else {}),
+        "outcome": cells.outcome,
+        "elsewhere": states.end_elsewhere(cells),
+        "well": cells.get("well", xr.zeros_like(cells.outcome)),
         "t_snap": cells.t_snap,
         "t_settled": cells.t_settled,
         "share": cells.get("well_share", xr.ones_like(cells.t_snap)),

@@ -11,29 +11,43 @@ from matplotlib.axes import Axes
 from . import style
 from .scales import value_text
 
-BEAM, MASS, FORCE, AID = "C5", "black", "black", "0.3"
+BEAM, MASS, AID = "C5", "black", "0.3"
 FINE = 0.5  # pt, for what oscillates fast
 
 
 def draw_history(axes: Sequence[Axes], history: xr.Dataset) -> Sequence[Axes]:
     """Draw w(L/2) and z_M, the contact force and the pulse on three axes over time in ms."""
     positions, force, shock = axes
-    time = history.time / 1e3
-    _draw_positions(positions, time, history)
-    force.plot(time, history.contact_force, color=FORCE, linewidth=FINE)
+    time, second = history.time / 1e3, history.second_equilibrium
+    beam = {"color": BEAM, "linewidth": FINE, "label": "midpoint of the beam $w(L/2)$"}
+    positions.plot(time, history.w_mid, **beam)
+    if history.z_mass.notnull().any():
+        positions.plot(time, history.z_mass, color=MASS, label="mass $z_M$")
+    look = {"color": AID, "linestyle": "--", "label": "second shape at rest $w_2$"}
+    positions.axhline(second, **look)
+    stops = [history.attrs[key] for key in ("stop_toward", "stop_away") if key in history.attrs]
+    for stop, label in zip(stops, ["stop of the mass", None], strict=False):
+        positions.axhline(stop, color=MASS, linestyle="-.", linewidth=FINE, label=label)
+    positions.set_ylabel("position (µm)")
+    force.plot(time, history.contact_force, color=MASS, linewidth=FINE)
     force.set_ylabel("contact force (µN)")
     if "midpoint_force" in history:
-        shock.plot(time, history.midpoint_force, color=FORCE)
+        shock.plot(time, history.midpoint_force, color=MASS)
         shock.set_ylabel("force on the\nmidpoint (µN)")
     else:
-        shock.plot(time, history.acceleration / history.gravity, color=FORCE)
+        shock.plot(time, history.acceleration / history.gravity, color=MASS)
         shock.set_ylabel("acceleration\n(multiples of $g$)")
     shock.set_xlabel("time after the start of the pulse (ms)")
-    _mark_snap(axes, history)
+    snap = snap_time(history) / 1e3
     for ax in axes:
         ax.margins(x=0)
+        if not math.isnan(snap):
+            ax.axvline(snap, color=AID, linestyle=":")
+    if not math.isnan(snap):
+        dot = {"linestyle": "", "marker": "o", "color": "black", "markeredgecolor": "white"}
+        positions.plot(snap, second, **dot, label=f"snap at {snap:.4g} ms")
     positions.figure.align_ylabels(axes)
-    _draw_legend(positions, history)
+    style.legend(positions.figure, positions.get_legend_handles_labels()[0], _caption(history), 5)
     return axes
 
 
@@ -47,52 +61,15 @@ def snap_time(history: xr.Dataset) -> float:
     return float(np.interp(history.second_equilibrium, w[around], time[around]))
 
 
-def _draw_positions(ax, time, history):
-    beam = {"color": BEAM, "linewidth": FINE, "label": "midpoint of the beam $w(L/2)$"}
-    ax.plot(time, history.w_mid, **beam)
-    if history.z_mass.notnull().any():
-        ax.plot(time, history.z_mass, color=MASS, label="mass $z_M$")
-    second = {"color": AID, "linestyle": "--", "label": "second equilibrium $w_2$"}
-    ax.axhline(history.second_equilibrium, **second)
-    places = [history.attrs[key] for key in ("stop_toward", "stop_away") if key in history.attrs]
-    for place, label in zip(places, ["stop of the mass", None], strict=False):
-        ax.axhline(place, color=MASS, linestyle="-.", linewidth=FINE, label=label)
-    ax.set_ylabel("position (µm)")
-
-
-def _mark_snap(axes, history):
-    time = snap_time(history) / 1e3
-    if math.isnan(time):
-        return
-    for ax in axes:
-        ax.axvline(time, color=AID, linestyle=":")
-    dot = {"linestyle": "", "marker": "o", "color": "black", "markeredgecolor": "white"}
-    label = f"snap at {time:.4g} ms"
-    axes[0].plot(time, history.second_equilibrium, **dot, label=label)
-
-
-def _draw_legend(ax, history):
-    ax.legend(
-        title=_caption(history),
-        alignment="left",
-        loc="lower left",
-        bbox_to_anchor=(0, 1.03),
-        ncols=4,
-    )
-
-
 def _caption(history):
+    """The shock and the model, and how far a run with another step goes apart, if that is known."""
     if "config" not in history.attrs:
-        return None
-    model = style.model_words(json.loads(history.attrs["config"]))
+        return ""
     shock = (value_text(key, history.attrs[key]) for key in ("N", "f0", "C"))
-    return "\n".join([", ".join([*shock, model]), *_with_another_step(history)])
-
-
-def _with_another_step(history):
-    """A line on how far a run with another step goes apart, if its work is known."""
+    lines = [", ".join([*shock, style.model_words(json.loads(history.attrs["config"]))])]
     work, snap = (history.attrs.get(key, math.nan) for key in ("work_error", "t_snap_error"))
-    if math.isnan(work):
-        return []
-    told = f"with another step (an indicator) the work of the pulse differs by {100 * work:.2g} %"
-    return [told if math.isnan(snap) else f"{told}, the time of snap by {snap:.2g} µs"]
+    if not math.isnan(work):
+        words = "with another step (an indicator) the work of the pulse differs by "
+        words += f"{100 * work:.2g} %"
+        lines.append(words + ("" if math.isnan(snap) else f", the time of snap by {snap:.2g} µs"))
+    return "\n".join(lines)

@@ -1,4 +1,4 @@
-"""The plane of a map: two axes, cells in the colours of their states, hatches and points."""
+"""The plane of a map: axes, cells in the colours of their states, hatches, shocks and points."""
 
 from collections.abc import Iterator, Sequence
 
@@ -8,26 +8,42 @@ from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.colorbar import Colorbar
 from matplotlib.colors import BoundaryNorm, ListedColormap, to_rgb
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 
-from .scales import Scale, frequency_axis, scale_of, set_scale
+from ..io.tables import Point
+from . import style
+from .scales import Scale, frequency_axis, scale_of, set_scale, value_text
 from .states import State
 
-ABSENT = {"hatch": "x" * 3, "hatchcolor": "0.6"}
-ELSEWHERE = {"hatch": "/" * 14, "hatchcolor": "0.1"}
-ELSEWHERE_DARK = ELSEWHERE | {"hatchcolor": "0.9"}
-"""Hatches of cells without a device, and of those that another step had end elsewhere."""
+ABSENT = {"hatch": "x" * 3, "edgecolor": "0.6"}
+ELSEWHERE = {"hatch": "/" * 7, "edgecolor": "0.1"}
+ELSEWHERE_DARK = ELSEWHERE | {"edgecolor": "0.9"}
+BREAKS = {"hatch": "." * 5, "edgecolor": "#7a2d00"}
+"""Hatches: no device; another step had it end elsewhere, on light and on dark; the beam breaks."""
 LUMA, DARK = (0.299, 0.587, 0.114), 0.4
 """Shares of red, green and blue in how light a colour is, and below what a hatch is light."""
-RESOLVED, VECTORS = 700, 100_000
+RESOLVED, VECTORS = 700, 20_000
 """Most cells drawn along an axis, finer than print; and most drawn as vectors."""
 PART = 1_000_000
 """Cells looked at together, as far as memory goes."""
-BAR = 0, -0.31, 1, 0.05
-"""Left, bottom, width and height of a colour bar below a box, in shares of the box."""
-BELOW_BAR = 70
-"""Where a legend stands below a box with a colour bar, pt."""
+
+RING = {"boxstyle": "circle,pad=0.25", "facecolor": "white", "linewidth": 0.8}
+ARROW = {"arrowstyle": "-|>,head_length=0.3,head_width=0.15", "facecolor": "black"}
+ARROW |= {"linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
+NUMBER = {"fontsize": 5, "ha": "center", "va": "center", "bbox": RING, "arrowprops": ARROW}
+NUMBER |= {"textcoords": "offset points"}
+INWARD = 12
+"""How far from an edge the number of a shock beyond it stands, pt."""
+POINT = {"marker": "D", "markersize": 4, "markeredgecolor": "black", "linestyle": ""}
+TRIPPED = {True: "black", False: "white", None: "0.6"}
+POINT_WORDS = {True: "own point, tripped", False: "own point, not tripped", None: "own point"}
+PAPER = {"facecolor": "white", "alpha": 0.8, "linewidth": 0, "pad": 0.6}
+NAME = {"xytext": (4, 3), "textcoords": "offset points", "fontsize": 5.5, "bbox": PAPER}
+NAME |= {"annotation_clip": True}
+NAMED = 12
+"""Most points whose names are written beside them."""
 
 
 def thin(cells: xr.Dataset, x: str, y: str) -> xr.Dataset:
@@ -59,37 +75,38 @@ def open_plane(ax: Axes, cells: xr.Dataset, x: str, y: str) -> tuple[Scale, Scal
 def fill_states(ax: Axes, found: xr.DataArray, states: Sequence[State], x: Scale, y: Scale) -> None:
     """Fill each cell with the colour of its state; those that failed are crossed out.
 
-    found: index in `states` of each cell over x and y
+    found: index in `states` of each cell over x and y; below 0 nothing is filled
     """
-    if found.size > VECTORS:
-        colours = ListedColormap([state.colour for state in states])
-        look = {"cmap": colours, "norm": BoundaryNorm(np.arange(len(states) + 1) - 0.5, colours.N)}
-        fill_field(ax, found, x, y, **look)
-    for i, state in enumerate(states):
-        chosen = found == i
-        if not chosen.any():
-            continue
-        if found.size <= VECTORS:
-            # A stroke of its own colour: viewers show the paper between cells that merely touch.
-            stroke = {"edgecolor": state.colour, "linewidth": 0.2, "joinstyle": "miter"}
-            _fill(ax, chosen, x, y, facecolor=state.colour, **stroke)
+    colours = ListedColormap([state.colour for state in states])
+    norm = BoundaryNorm(np.arange(len(states) + 1) - 0.5, colours.N)
+    fill_field(ax, found.where(found >= 0), x, y, cmap=colours, norm=norm)
+    for code, state in enumerate(states):
         if state.name == "absent":
-            _fill(ax, chosen, x, y, **_hatched(ABSENT))
-        if state.name == "failed":
-            _cross_out(ax, chosen, x, y, state.colour)
+            hatch(ax, found == code, x, y, ABSENT)
+        if state.name == "failed":  # one alone is too small to see on a fine grid
+            i, j = np.nonzero((found == code).transpose(x.key, y.key).values)
+            for stroke, width in {"white": 2.0, state.colour: 0.8}.items() if i.size else ():
+                cross = {"marker": "x", "color": stroke, "markeredgewidth": width}
+                ax.plot(x.places[i], y.places[j], linestyle="", **cross)
 
 
 def fill_field(ax: Axes, field: xr.DataArray, x: Scale, y: Scale, **look) -> QuadMesh:
     """Fill each cell with the colour of its value; nothing where it is NaN."""
     values = np.ma.masked_invalid(field.transpose(y.key, x.key).values)
+    # A stroke of its own colour: viewers show the paper between cells that merely touch.
     edges = {"edgecolors": "face", "linewidth": 0.2, "antialiased": True}
     return ax.pcolormesh(x.edges, y.edges, values, rasterized=field.size > VECTORS, **edges, **look)
 
 
-def hatch_cells(ax: Axes, chosen: xr.DataArray, dark: xr.DataArray, x: Scale, y: Scale) -> None:
-    """Hatch the chosen cells, with light strokes where the cells are dark."""
-    for some, look in ((chosen & ~dark, ELSEWHERE), (chosen & dark, ELSEWHERE_DARK)):
-        _fill(ax, some, x, y, **_hatched(look))
+def hatch(ax: Axes, chosen: xr.DataArray, x: Scale, y: Scale, look: dict) -> None:
+    """Hatch the chosen cells, as one region that is drawn at one go."""
+    i, j = np.nonzero(chosen.transpose(x.key, y.key).values)
+    left, right, foot, top = x.edges[i], x.edges[i + 1], y.edges[j], y.edges[j + 1]
+    corners = [(left, foot), (right, foot), (right, top), (left, top)]
+    if i.size:
+        region = Path.make_compound_path_from_polys(np.moveaxis(corners, 2, 0))
+        bare = {"facecolor": "none", "linewidth": 0, "rasterized": chosen.size > VECTORS}
+        ax.add_patch(PathPatch(region, **bare, **look))
 
 
 def is_dark(found: xr.DataArray, states: Sequence[State]) -> xr.DataArray:
@@ -100,50 +117,73 @@ def is_dark(found: xr.DataArray, states: Sequence[State]) -> xr.DataArray:
 
 def state_keys(found: Sequence[xr.DataArray], states: Sequence[State]) -> Iterator[Patch]:
     """A key of a legend for each state that some panels have, with the number of cells."""
-    for i, state in enumerate(states):
-        hatch = ABSENT if state.name == "absent" else {}
-        if count := sum(np.count_nonzero(panel == i) for panel in found):
-            look = {"facecolor": state.colour, "edgecolor": "black", **hatch}
-            yield Patch(**look, label=f"{state.words} ({count})")
+    for code, state in enumerate(states):
+        look = {"hatch": ABSENT["hatch"]} if state.name == "absent" else {}
+        yield from hatch_keys([panel == code for panel in found], look, state.words, state.colour)
 
 
-def elsewhere_keys(hatched: Sequence[xr.DataArray]) -> Iterator[Patch]:
-    """A key of a legend for hatched cells, with their number."""
-    if count := sum(np.count_nonzero(panel) for panel in hatched):
-        look = {"facecolor": "none", "edgecolor": "black", **ELSEWHERE}
-        yield Patch(**look, label=f"another step ended elsewhere ({count})")
+def hatch_keys(
+    chosen: Sequence[xr.DataArray], look: dict, words: str, colour: str = "none"
+) -> Iterator[Patch]:
+    """A key of a legend for the chosen cells, if there are any, with their number."""
+    if count := sum(int(panel.sum()) for panel in chosen):
+        look = look | {"facecolor": colour, "edgecolor": "black"}
+        yield Patch(**look, label=f"{words} ({count} cell{'s' * (count > 1)})")
 
 
 def colour_bar(ax: Axes, field: QuadMesh, label: str) -> Colorbar:
-    """Add a colour bar below a box, which keeps its size; returns it."""
-    place = ax.inset_axes(BAR)
-    return ax.get_figure().colorbar(field, cax=place, orientation="horizontal", label=label)
+    """Add a colour bar below axes that are alone on their figure, or else beside them."""
+    place = "bottom" if style.is_alone(ax) else "right"
+    return ax.get_figure().colorbar(field, ax=ax, location=place, aspect=30, label=label)
 
 
-def _hatched(look):
-    return {"facecolor": "none", "linewidth": 0, **look}
+def freeze(ax: Axes) -> None:
+    """Keep the limits of the axes, whatever is drawn next."""
+    ax.set(xlim=ax.get_xlim(), ylim=ax.get_ylim())
 
 
-def _fill(ax, chosen, x, y, **look):
-    """Fill the chosen cells as one region, drawn at one go."""
-    i, low, high = _runs(chosen.transpose(x.key, y.key).values)
-    left, right, foot, top = x.edges[i], x.edges[i + 1], y.edges[low], y.edges[high]
-    corners = [(left, foot), (right, foot), (right, top), (left, top)]
-    if i.size:
-        region = Path.make_compound_path_from_polys(np.moveaxis(corners, 2, 0))
-        ax.add_patch(PathPatch(region, **look))
+def number_shocks(ax: Axes, x: str, shocks: Sequence[tuple[str, float, float, bool]]) -> list[str]:
+    """Point out shocks by numbers in the order given, by arrows at the edge what lies beyond it.
+
+    shocks: name, f0 (Hz), N, and whether it has the map's pulse; what has not is but named
+    Returns lines that name them.
+    """
+    freeze(ax)
+    lines, others = [], []
+    for number, (name, f0, N, is_of_map) in enumerate(shocks, start=1):
+        name = f"{number}:\u00a0{style.literal(name)}"
+        if not is_of_map:
+            others.append(name)
+            continue
+        place = np.array([_place(x, f0), N])
+        low, high = np.transpose([ax.get_xlim(), ax.get_ylim()])
+        inside = np.clip(place, low, high)
+        ax.annotate(str(number), inside, INWARD * np.sign(inside - place), **NUMBER)
+        beyond = f" at {value_text('N', N)}, {value_text('f0', f0)}"
+        lines.append(name + beyond * bool((place != inside).any()))
+    return lines + ["of another shape or direction: " + ", ".join(others)] * bool(others)
 
 
-def _runs(chosen):
-    """Row, start and end of each run of chosen cells along the rows."""
-    changes = np.diff(np.pad(chosen.astype(np.int8), ((0, 0), (1, 1))), axis=1)
-    (row, start), (_, end) = np.nonzero(changes == 1), np.nonzero(changes == -1)
-    return row, start, end
+def draw_points(ax: Axes, x: str, points: Sequence[Point]) -> None:
+    """Draw a user's own points, filled where the device tripped, hollow where it did not.
+
+    Of a few the names are written beside them.
+    """
+    freeze(ax)
+    for point in points:
+        place = _place(x, point.f0), point.N
+        ax.plot(*place, markerfacecolor=TRIPPED[point.snapped], **POINT)
+        if point.name and len(points) <= NAMED:
+            ax.annotate(style.literal(point.name), place, **NAME)
 
 
-def _cross_out(ax, chosen, x, y, colour):
-    """Cross out each chosen cell, as one alone is too small to see on a fine grid."""
-    i, j = np.nonzero(chosen.transpose(x.key, y.key).values)
-    for stroke, width in {"white": 2.0, colour: 0.8}.items():
-        cross = {"marker": "x", "color": stroke, "markeredgewidth": width}
-        ax.plot(x.places[i], y.places[j], linestyle="", **cross)
+def point_keys(points: Sequence[Point], words: dict = POINT_WORDS) -> list[Line2D]:
+    """Keys of a legend for the kinds of points that there are."""
+    kinds = [kind for kind in words if any(point.snapped is kind for point in points)]
+    return [
+        Line2D([], [], markerfacecolor=TRIPPED[kind], **POINT, label=words[kind]) for kind in kinds
+    ]
+
+
+def _place(x, f0):
+    return f0 if x == "f0" else 1e3 / f0

@@ -1,17 +1,32 @@
-"""Margins of required shocks."""
+"""Required shocks: the margin of each, and which share of devices as made meets them."""
 
-from collections.abc import Mapping, Sequence
+import textwrap
+from collections.abc import Iterator, Mapping, Sequence
 
+import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
+from ..tolerances.statistics import left_out, percents
 from . import style
-from .scales import tick_log
+from .curves import each_line
+from .scales import place_text, tick, value_text
 
-COLOURS = {"met": "C0", "unclear": "0.5", "failed": "#d55e00"}
-MARKERS = {"met": "o", "unclear": "s", "failed": "X"}
+VERDICTS = {
+    "met": {"color": "C0", "marker": "o"},
+    "unclear": {"color": "0.5", "marker": "s"},
+    "failed": {"color": "#d55e00", "marker": "X"},
+}
 BEYOND = 1.25
 """Room beyond the outermost margins, as a factor."""
+NAME = 24
+"""Signs in a line of a requirement's name beside its shares."""
+MET, FAILS = (
+    {"color": "0.93", "linewidth": 0},
+    {"color": "0.9", "linewidth": 0, "label": "the requirement fails"},
+)
 
 
 def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
@@ -20,36 +35,91 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
     verdicts: rows of requirements.csv
     Shaded is where a requirement is met: above one if the shock must not trip, below if it must.
     """
-    margins = [row["margin"] for row in verdicts]
-    known = [margin for margin in margins if margin == margin]
+    known = [row["margin"] for row in verdicts if row["margin"] == row["margin"]]
     low, high = min([*known, 0.8]) / BEYOND, max([*known, 1.25]) * BEYOND
     ax.set(xscale="log", xlim=(low, high), ylim=(len(verdicts) - 0.5, -0.5))
-    for place, (row, margin) in enumerate(zip(verdicts, margins, strict=True)):
+    for place, row in enumerate(verdicts):
+        margin, note = row["margin"], {"va": "center", "fontsize": 6}
         ends = (low, 1) if row["must_snap"] else (1, high)
-        ax.fill_betweenx([place - 0.45, place + 0.45], *ends, color="0.93", linewidth=0)
-        look = {"color": COLOURS[row["verdict"]], "marker": MARKERS[row["verdict"]]}
+        ax.fill_betweenx([place - 0.45, place + 0.45], *ends, **MET)
         if margin == margin:
-            ax.errorbar(margin, place, xerr=row["margin_error"], **look)
+            ax.errorbar(margin, place, xerr=row["margin_error"], **VERDICTS[row["verdict"]])
         else:
-            ax.annotate("snaps at no $N$ seen ", (high, place), ha="right", va="center", fontsize=6)
+            ax.annotate("snaps at no $N$ seen ", (high, place), ha="right", **note)
         if row["break_probability"] > 1 - row["must_survive"]:
             beside = margin if margin == margin else low
-            ax.annotate("   the beam breaks", (beside, place), va="center", fontsize=6)
+            ax.annotate("   the beam breaks", (beside, place), **note)
     ax.axvline(1, color="black", linewidth=0.6)
     ax.set_yticks(range(len(verdicts)), [_name(row) for row in verdicts])
     ax.tick_params(axis="y", which="minor", left=False)
     ax.set_xlabel("margin: threshold over required $N$")
-    tick_log(ax.xaxis, (low, high), ax.bbox.width / ax.get_figure().dpi)
-    kinds = [kind for kind in COLOURS if any(row["verdict"] == kind for row in verdicts)]
-    keys = [
-        Line2D([], [], linestyle="", color=COLOURS[kind], marker=MARKERS[kind], label=kind)
-        for kind in kinds
-    ]
-    style.legend_below(ax, keys, "shaded: where the requirement is met", ncols=3)
+    tick(ax.xaxis, low, high)
+    there = [kind for kind in VERDICTS if any(row["verdict"] == kind for row in verdicts)]
+    keys = [Line2D([], [], linestyle="", **VERDICTS[kind], label=kind) for kind in there]
+    style.legend(ax, [*keys, Patch(**MET, label="where the requirement is met")])
     return ax
 
 
 def _name(row):
-    words = "trips" if row["must_snap"] else "does not trip"
     where = f"{row['device']}, " if row["device"] else ""
-    return f"{style.literal(row['requirement'])}, {words}\n{where}$C$ = {row['C']:g}"
+    return f"{_required(row['requirement'], row['must_snap'])}\n{where}{value_text('C', row['C'])}"
+
+
+def _required(name, must_snap):
+    return f"{style.literal(name)}, {'trips' if must_snap else 'does not trip'}"
+
+
+def draw_requirement(ax: Axes, found: xr.Dataset) -> Axes:
+    """Draw the thresholds of the devices under one required pulse, and what meets it.
+
+    found: of one requirement and C; shaded is where it fails
+    """
+    N_first, N, must = found.N_first_required.values, found.N_required.item(), bool(found.must_snap)
+    known = N_first[np.isfinite(N_first)]
+    ends = np.array([*known, N])
+    room = 0.05 * np.ptp(ends) or 0.05 * N
+    low, high = max(ends.min() - room, 0), ends.max() + room
+    ax.axvspan(*((N, high) if must else (low, N)), **FAILS)
+    ax.hist(known, bins="sqrt", color="#0072b2", alpha=0.8)
+    ax.axvline(N, color="black", linewidth=0.8, label="required $N$")
+    where = ", ".join(filter(None, [place_text(found), f"met by {percents(found.share_meeting)}"]))
+    ax.set_title(f"{_required(found.requirement.item(), must)}\n{where}")
+    ax.set(xlim=(low, high), xlabel="threshold $N$ (multiples of $g$)", ylabel="devices")
+    tick(ax.xaxis, low, high, is_log=False)
+    return ax
+
+
+def each_share(found: xr.Dataset) -> Iterator[tuple[str, xr.DataArray, xr.DataArray]]:
+    """Name, share and bounds of each requirement, of beams that it leaves unbroken, and of all."""
+    for name in found.requirement.values.tolist():
+        one = found.sel(requirement=name)
+        yield name, one.share_meeting, one.share_meeting_bound
+        if "share_breaking" in found:
+            bounds = 1 - one.share_breaking_bound.isel(bound=slice(None, None, -1))
+            yield f"{name}, unbroken", 1 - one.share_breaking, bounds
+    yield f"all together{left_out(found['yield'])}", found["yield"], found.yield_bound
+
+
+def draw_yield(ax: Axes, found: xr.Dataset) -> Axes:
+    """Draw the shares of devices that meet each requirement, and all of them, with their bounds.
+
+    found: over requirements and C
+    """
+    names, shares, bounds = zip(*each_share(found), strict=True)
+    shares = np.stack(shares)
+    bounds = np.stack([one.transpose("bound", "C") for one in bounds], axis=1)
+    rows = np.arange(len(names))
+    for i, (one, colour, marker) in enumerate(each_line(found, "C")):
+        y = rows + 0.7 * ((i + 0.5) / found.C.size - 0.5)
+        error = abs(bounds[:, :, i] - shares[:, i])
+        look = {"color": colour, "marker": marker, "linestyle": "", "clip_on": False}
+        ax.errorbar(shares[:, i], y, xerr=error, label=value_text("C", one.C.item()), **look)
+        for at, share, ends in zip(y, shares[:, i], bounds[:, :, i].T, strict=True):
+            words = f"{percents(share)} ({percents(*ends)})"
+            place = {"xytext": (6, 0), "textcoords": "offset points", "va": "center"}
+            ax.annotate(words, (1, at), fontsize=6, **place)
+    ax.axhline(rows[-1] - 0.5, color="0.6", linewidth=0.5)
+    ax.set(xlim=(0, 1), ylim=(rows[-1] + 0.5, -0.5), xlabel="share of devices that meet it")
+    ax.set_yticks(rows, [textwrap.fill(style.literal(name), NAME) for name in names])
+    ax.tick_params(axis="y", which="minor", left=False)
+    return ax

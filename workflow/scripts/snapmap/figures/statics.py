@@ -4,9 +4,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-TAKEN = {"color": "C5", "linewidth": 1.2, "label": "followed by the beam"}
-GUIDED = {"color": "C2", "linestyle": ":", "label": "by a guided beam"}
-UNBRANCHED = {"color": "C6", "linestyle": "--", "label": "without the second mode: no beam"}
+TAKEN = {"color": "C5", "linewidth": 1.2, "label": "path of the beam"}
+GUIDED = {"color": "C2", "linestyle": ":", "label": "path of a guided beam"}
+UNBRANCHED = {"color": "C6", "linestyle": "--", "label": "without the second mode (no real beam)"}
 STABLE = {"color": "black", "marker": "o", "markersize": 4, "linestyle": "", "zorder": 3}
 UNSTABLE = STABLE | {"markerfacecolor": "white"}
 PEAK = {"color": "0.4", "linewidth": 0.5, "linestyle": ":", "zorder": 0}
@@ -15,13 +15,16 @@ NOTE = {"textcoords": "offset points", "fontsize": 6}
 
 def draw_force_displacement(ax: Axes, statics: xr.Dataset) -> Axes:
     """Draw the force (uN) over the displacement of the midpoint (um), its peak and its trough."""
-    _draw_branches(ax, statics.displacement, statics.force)
+    _draw_branches(ax, statics, statics.force, np.zeros(3))
     ax.axhline(0, color="0.6", linewidth=0.5, zorder=0)
-    _mark_equilibria(ax, statics, np.zeros(3))
-    _mark_peaks(ax, statics)
+    largest = statics.largest_force, r"F_\mathrm{max}", 1, (-3, 2), {"ha": "right", "va": "bottom"}
+    least = statics.least_force, r"F_\mathrm{min}", 0, (3, -3), {"ha": "left", "va": "top"}
+    for force, symbol, end, offset, side in (largest, least):
+        ax.axhline(force, **PEAK)
+        words = f"${symbol}$ = {force:.4g} µN".replace("-", "−")
+        ax.annotate(words, (end, force), offset, ("axes fraction", "data"), **side, **NOTE)
     ax.margins(y=0.12)
     ax.set_ylabel("force on the midpoint (µN)")
-    ax.legend(loc="lower left", bbox_to_anchor=(0, 1.03), ncols=2)
     return ax
 
 
@@ -30,47 +33,26 @@ def draw_energy(ax: Axes, statics: xr.Dataset) -> Axes:
 
     statics: as for `draw_force_displacement`
     """
-    _draw_branches(ax, statics.displacement, statics.energy)
+    taken = statics.isel(branch=0).sortby("displacement")
+    second = np.interp(statics.rise - statics.second_equilibrium, taken.displacement, taken.energy)
+    _draw_branches(ax, statics, statics.energy, [0, statics.barrier, second])
     ax.set_ylabel("energy of the beam (pJ)")
-    second = _energy_at(statics, statics.rise - statics.second_equilibrium)
-    _mark_equilibria(ax, statics, [0, statics.barrier, second])
-    if not statics.barrier:
-        return ax
-    at = statics.rise - statics.saddle, statics.barrier
-    words = f"barrier {statics.barrier:.4g} pJ"
-    ax.annotate(words, at, xytext=(8, -7), ha="right", va="top", **NOTE)
+    if statics.barrier:
+        at, words = statics.rise - statics.saddle, f"barrier {statics.barrier:.4g} pJ"
+        ax.annotate(words, (at, statics.barrier), (8, -7), ha="right", va="top", **NOTE)
     return ax
 
 
-def _draw_branches(ax, displacement, values):
+def _draw_branches(ax, statics, values, heights):
+    """Draw each path, and mark the first shape, the saddle and the second shape at heights."""
+    displacement = statics.displacement
     looks = {"unbranched": UNBRANCHED, "guided": GUIDED, displacement.branch.item(0): TAKEN}
     for branch, look in looks.items():
-        if branch not in displacement.branch:
-            continue
-        ax.plot(displacement.sel(branch=branch), values.sel(branch=branch), **look)
+        if branch in displacement.branch:
+            ax.plot(displacement.sel(branch=branch), values.sel(branch=branch), **look)
     ax.set_xlabel("displacement of the midpoint, downward (µm)")
-
-
-def _mark_equilibria(ax, statics, heights):
-    """Mark the first shape at its height and, if there are any, the saddle and the second shape."""
     places = 0, statics.rise - statics.saddle, statics.rise - statics.second_equilibrium
     stable = slice(0, None, 2) if statics.barrier else slice(1)
     ax.plot(places[stable], heights[stable], **STABLE, label="stable shape")
     if statics.barrier:
         ax.plot(places[1], heights[1], **UNSTABLE, label="saddle")
-
-
-def _mark_peaks(ax, statics):
-    """Draw a line at the largest and at the least force between the shapes, and name it."""
-    largest = statics.largest_force, r"F_\mathrm{max}", 1, (-3, 2), {"ha": "right", "va": "bottom"}
-    least = statics.least_force, r"F_\mathrm{min}", 0, (3, -3), {"ha": "left", "va": "top"}
-    for force, symbol, end, offset, side in (largest, least):
-        ax.axhline(force, **PEAK)
-        words = f"${symbol}$ = {force:.4g} µN".replace("-", "−")
-        place = {"xycoords": ("axes fraction", "data"), "xytext": offset}
-        ax.annotate(words, (end, force), **place, **side, **NOTE)
-
-
-def _energy_at(statics, displacement):
-    taken = statics.isel(branch=0).sortby("displacement")
-    return np.interp(displacement, taken.displacement, taken.energy)

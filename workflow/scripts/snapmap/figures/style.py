@@ -1,4 +1,4 @@
-"""What every figure for print shares: the style sheet, the sizes, and how it is saved."""
+"""What every figure for print shares: style sheet, sizes, legend, and how it is saved."""
 
 import json
 import textwrap
@@ -9,14 +9,14 @@ from pathlib import Path
 import matplotlib.style
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.transforms import ScaledTranslation, blended_transform_factory
+from matplotlib.figure import Figure, FigureBase
+from matplotlib.legend import Legend
 
 from ..io.atomic import replacing
 from ..pulse import VERSED_SINE
 from ..trains import MAKERS
 
-COLUMN, PAGE = 50, 130
+COLUMN, PAGE = 56, 130
 """Signs in a line over one column, and over two."""
 SHEET = Path(__file__).with_name("paper.mplstyle")
 # Which metadata of each format holds which attribute of a dataset.
@@ -49,6 +49,47 @@ def notebook_axes() -> Axes:
     return plt.figure(figsize=(5, 5), layout="constrained").subplots()
 
 
+def is_alone(ax: Axes) -> bool:
+    """Whether axes are the only ones of their figure or subfigure."""
+    return ax.get_figure().axes == [ax]
+
+
+def labelled(axes: Iterable[Axes]) -> list[Artist]:
+    """What is labelled on some axes, each label once."""
+    pairs = [zip(*reversed(ax.get_legend_handles_labels()), strict=True) for ax in axes]
+    return list({label: key for each in pairs for label, key in each}.values())
+
+
+def legend(
+    where: Axes | FigureBase, keys: Iterable[Artist], title: str = "", ncols: int = 4
+) -> Legend:
+    """Put a legend below a figure, or axes, in as many columns as have room.
+
+    That of axes alone on their figure is the figure's.
+    """
+    if isinstance(where, Axes) and is_alone(where):
+        where = where.get_figure()
+    place = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.2)}
+    if isinstance(where, FigureBase):
+        place = {"loc": "outside lower center"}
+    keys = list(keys)
+    while True:
+        made = where.legend(handles=keys, title=title, ncols=ncols, **place)
+        if ncols == 1 or made.get_window_extent().width <= where.bbox.width:
+            return made
+        made.remove()
+        ncols -= 1
+
+
+def fit(figure: Figure, ratio: float) -> None:
+    """Make a figure so high that its axes, all alike, are `ratio` times as high as wide."""
+    rows = figure.axes[0].get_subplotspec().get_gridspec().nrows
+    for _ in range(2):  # as what stands beside them grows with them, a little
+        figure.draw_without_rendering()
+        width, height = figure.axes[0].get_position().size * figure.get_size_inches()
+        figure.set_figheight(figure.get_figheight() + rows * (ratio * width - height))
+
+
 def save(figure: Figure, stem: str | Path, attributes: Mapping[str, str]) -> None:
     """Write a figure as PDF and PNG, without dates, each whole or not at all.
 
@@ -56,28 +97,30 @@ def save(figure: Figure, stem: str | Path, attributes: Mapping[str, str]) -> Non
     attributes: of the dataset drawn; title, code_version and config go into the files' metadata
     """
     # What a screen shows first.
-    for kind in ("png", "pdf"):
+    for kind, keys in reversed(METADATA.items()):
+        metadata = {key: attributes[name] for key, name in keys.items() if name in attributes}
+        if kind == "pdf":
+            metadata["CreationDate"] = None
         with replacing(f"{stem}.{kind}") as temporary:
-            figure.savefig(temporary, format=kind, metadata=_metadata(kind, attributes))
+            figure.savefig(temporary, format=kind, metadata=metadata)
 
 
 def case(attributes: Mapping[str, str], width: int = PAGE) -> str:
     """Which model was followed for how long, from a dataset's attributes; empty without them.
 
     With it goes whether the beam is guided, as then its labels hold for one that cannot tilt.
-    width: most signs in a line; COLUMN for a title over one column
+    width: most signs in a line; COLUMN below one column
     """
     if "config" not in attributes:
         return ""
     config = json.loads(attributes["config"])
-    horizon = config["sweep"]["horizon"].replace("us", "µs")
     pulse = config.get("pulse", {})
     made = next((key for key in MAKERS if key in pulse), VERSED_SINE)
-    shape, direction = pulse.get("file", pulse.get("shape", made)), pulse.get("direction")
+    shape = pulse.get("file", pulse.get("shape", made))
     words = [literal(shape)] if isinstance(shape, str) else []
-    words += [f"along {direction}"] if direction == "-z" else []
-    words += guides(config)
-    words += [model_words(config), f"followed {horizon} beyond the pulse"]
+    words += ["along −z"] if pulse.get("direction") == "-z" else []
+    horizon = config["sweep"]["horizon"].replace("us", "µs")
+    words += [*guides(config), model_words(config), f"followed {horizon} beyond the pulse"]
     return textwrap.fill(", ".join(words), width)
 
 
@@ -89,22 +132,20 @@ def literal(text: str) -> str:
 def model_words(config: Mapping) -> str:
     """The name of a config's model, and what it is made of: `handout model (5 Hermite ...)`."""
     model = config["model"]
-    return f"{model['name']} model ({', '.join(_parts_of_model(model, config))})"
-
-
-def _parts_of_model(model, config):
+    cosines = model.get("cosines", model.get("modes", 5))
+    kept = model.get("modes", cosines)
     if model["name"] == "auto":
-        return ["as many cosines as each cell needs"]
-    if model["name"] == "cosines":
-        cosines = model.get("cosines", model.get("modes", 5))
-        kept = model.get("modes", cosines)
-        return [f"{cosines} cosines" if kept == cosines else f"{kept} modes of {cosines} cosines"]
-    parts = [f"{model.get('elements', 5)} Hermite elements on half the beam"]
-    if "modes" in model:
-        parts.append(f"{model['modes']} modes")
-    elif '"contact": "hard"' not in json.dumps(config):
-        parts.append("all modes")
-    return [*parts, "plain loop"] if model["name"] == "reference" else parts
+        parts = ["as many cosines as each cell needs"]
+    elif model["name"] == "cosines":
+        parts = [f"{cosines} cosines" if kept == cosines else f"{kept} modes of {cosines} cosines"]
+    else:
+        parts = [f"{model.get('elements', 5)} Hermite elements on half the beam"]
+        if "modes" in model:
+            parts.append(f"{kept} modes")
+        elif '"contact": "hard"' not in json.dumps(config):
+            parts.append("all modes")
+        parts += ["plain loop"] * (model["name"] == "reference")
+    return f"{model['name']} model ({', '.join(parts)})"
 
 
 def guides(config: Mapping) -> list[str]:
@@ -113,34 +154,3 @@ def guides(config: Mapping) -> list[str]:
     free = {device["beam"].get("guide") == "free" for device in devices.values()}
     words = {False: "guided beam", True: "beam free to tilt"}
     return [words[free.pop()]] if len(free) == 1 else []
-
-
-def legend_below(
-    ax: Axes,
-    keys: Iterable[Artist],
-    title: str,
-    ncols: int,
-    below: float = 30,
-    of_all: bool = False,
-) -> None:
-    """Put a legend below the axis' own labels; below: pt.
-
-    ncols: at most, as many as have room
-    of_all: whether it is that of all axes, and stands in the middle of the figure as for axes alone
-    """
-    figure, keys = ax.get_figure(), list(keys)
-    down = ScaledTranslation(0, -below / 72, figure.dpi_scale_trans)
-    alone = of_all or len(figure.axes) == 1
-    middle, box = (figure.transFigure, figure.bbox) if alone else (ax.transAxes, ax.bbox)
-    at = blended_transform_factory(middle, ax.transAxes) + down
-    place = {"loc": "upper center", "bbox_to_anchor": (0.5, 0), "bbox_transform": at}
-    for columns in range(ncols, 0, -1):
-        legend = ax.legend(handles=keys, title=title, ncols=columns, **place)
-        if legend.get_window_extent().width <= box.width:
-            break
-
-
-def _metadata(kind, attributes):
-    undated = {"CreationDate": None} if kind == "pdf" else {}
-    keys = METADATA[kind].items()
-    return undated | {key: attributes[name] for key, name in keys if name in attributes}

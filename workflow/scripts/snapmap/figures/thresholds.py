@@ -1,4 +1,6 @@
-"""The lowest N that snaps: over any axis, over two of them, and as a damage boundary."""
+"""The lowest N that snaps: over one axis or two, of several studies, as damage boundary."""
+
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
@@ -6,54 +8,17 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from . import style
-from .curves import (
-    STAYS,
-    bound_key,
-    curve_keys,
-    draw_bound,
-    draw_curve,
-    draw_impulsive,
-    draw_static,
-    each_line,
-    freeze,
-    limit_key,
-    limit_look,
-    line_keys,
-    mark_missing,
-    missing_keys,
-    some_lines,
-    undercuts,
-    velocity_change,
-)
-from .plane import BELOW_BAR, colour_bar, fill_field, open_plane
-from .scales import (
-    WORDS,
-    amplitude_axis,
-    end_at_ticks,
-    frequency_axis,
-    number,
-    place_text,
-    scale_of,
-    set_scale,
-    value_text,
-    velocity_axis,
-)
+from . import curves, plane, scales, style
 
 DOUBTFUL = 0.01
 """Error bars above this share of the threshold are marked."""
+BOUND = {"color": "0.4", "linewidth": 0.6, "linestyle": ":", "zorder": 1.5}
 DURATION = {"color": "0.6", "linewidth": 0.5, "linestyle": ":", "zorder": 1}
 SHADE = {"color": "0.9", "linewidth": 0, "zorder": 0}
-NOTE = {"fontsize": 6, "textcoords": "offset points"}
-SYMBOLS = r"$\Delta v$: velocity change, limit of short pulses"
-ROOM = 0.15
-"""For words below the lowest threshold, as a share of the height."""
-WHOLE = 58
-"""Signs in a line over the whole width of a column."""
-MANY_KEYS = 9
-"""In a legend, which are then set in fewer columns."""
 FAR = 1e9
 """Beyond the edges of any axes, as a factor."""
+CLOSE = 1e-9
+"""Relative difference below which two values of C are the same."""
 
 
 def draw_thresholds(ax: Axes, found: xr.Dataset, x: str = "f0", lines: str = "C") -> Axes:
@@ -61,133 +26,40 @@ def draw_thresholds(ax: Axes, found: xr.Dataset, x: str = "f0", lines: str = "C"
 
     found: thresholds over these two axes; of many lines some are drawn, evenly chosen
     """
-    found = some_lines(found, x, lines)
-    scale = scale_of(x, found[x].values)
+    found = curves.some_lines(found, x, lines)
+    scale = scales.scale_of(x, found[x].values)
     if x == "f0":
-        frequency_axis(ax, found.f0.values)
+        scales.frequency_axis(ax, found.f0.values)
     else:
-        set_scale(ax, "x", scale)
-    amplitude_axis(ax)
-    for place, (one, colour, marker) in enumerate(each_line(found, lines)):
+        scales.set_scale(ax, "x", scale)
+    ax.set(yscale="log", ylabel=scales.axis_label("N"))
+    keys = [*curves.line_keys(found, lines), *curves.curve_keys(found)]
+    own = lines in found.N_static.dims  # whether each line has a limit of its own
+    for place, (one, colour, marker) in enumerate(curves.each_line(found, lines)):
         _draw_gap(ax, one, scale, colour)
-        draw_curve(ax, scale.places, one, colour, marker)
-        mark_missing(ax, scale.places, one, colour, place)
+        curves.draw_curve(ax, scale.places, one, colour, marker)
+        curves.mark_missing(ax, scale.places, one, colour, place)
         if one.N_latched.notnull().any():
-            ax.plot(scale.places, one.N_latched.values, color=colour, **STAYS)
-    _draw_limits(ax, found, x, lines)
-    if x == "f0":
-        _label_limits(ax, found)
-    keys = [*line_keys(found, lines), *curve_keys(found, "0.4", "o"), *_gap_keys(found)]
+            ax.plot(scale.places, one.N_latched.values, color=colour, **curves.STAYS)
+        if place == 0 or own:
+            curves.draw_static(ax, one, x, colour if own else "0.4", place)
+    if found.islands.any():
+        keys.append(Patch(color="0.5", alpha=0.3, linewidth=0, label="some $N$ here do not snap"))
+        keys.append(Line2D([], [], color="0.5", linewidth=2.2, label="island of $N$ that snap"))
     if found.N_latched.notnull().any():
-        keys.append(Line2D([], [], color="0.4", **STAYS, label="above it, all looked at latch"))
-    keys += [] if x == "f0" else [limit_key("threshold of long pulses")]
-    keys += [*missing_keys(found), *[bound_key()] * undercuts(found)]
-    style.legend_below(ax, keys, _title(found, style.PAGE), ncols=4 if len(keys) < MANY_KEYS else 3)
-    return ax
-
-
-def draw_threshold_map(ax: Axes, found: xr.Dataset, x: str, y: str) -> Axes:
-    """Draw N_first over two axes as a field of colour with level lines.
-
-    found: thresholds over these two axes; crossed where the error bar exceeds DOUBTFUL of N_first
-    """
-    found = found.sortby([key for key in (x, y) if found[key].dtype.kind in "fiu"])
-    scales = open_plane(ax, found, x, y)
-    N = found.N_first.transpose(y, x).values
-    field = fill_field(ax, found.N_first, *scales, cmap="cividis")
-    colour_bar(ax, field, "lowest $N$ that snaps (multiples of $g$)")
-    counted = any(scale.is_counted for scale in scales)
-    if min(N.shape) > 1 and np.isfinite(N).all() and not counted:
-        levels = ax.contour(scales[0].places, scales[1].places, N, colors="white", linewidths=0.7)
-        ax.clabel(levels, fmt=number, fontsize=6)
-    relative = (found.N_error / found.N_first).transpose(y, x).values
-    doubtful = np.isfinite(N) & ~(relative <= DOUBTFUL)
-    j, i = np.nonzero(doubtful)
-    if i.size:
-        dots = {"linestyle": "", "marker": "x", "markersize": 3, "color": "#d55e00"}
-        words = f"error bar above {100 * DOUBTFUL:g} %"
-        ax.plot(scales[0].places[i], scales[1].places[j], **dots, label=words)
-        keys = ax.get_legend_handles_labels()[0]
-        style.legend_below(ax, keys, "", ncols=2, below=BELOW_BAR)
-    lines = [place_text(found), style.case(found.attrs, style.COLUMN), _sureness(relative)]
-    ax.set_title("\n".join(filter(None, lines)))
-    return ax
-
-
-def draw_design(ax: Axes, found: xr.Dataset) -> Axes:
-    """Draw the line along which a threshold is what was asked for, over two values of the device.
-
-    found: as `sizing.design` gives it along an axis, with error bars
-    """
-    (x,) = found.error.dims
-    y = next(key for key in found.data_vars if key not in ("error", "solutions"))
-    scale = scale_of(x, found[x].values)
-    set_scale(ax, "x", scale)
-    ax.errorbar(scale.places, found[y].values, found.error.values, marker="o", elinewidth=0.6)
-    words, unit = WORDS[y]
-    ax.set_ylabel(f"{words} ({unit})")
-    ax.set_title(found[y].attrs["comment"])
-    return ax
-
-
-def _sureness(relative):
-    """How large the error bars are, as shares of the thresholds."""
-    known = 100 * relative[np.isfinite(relative)]
-    if not known.size:
-        return ""
-    return f"error bars: median {np.median(known):.2g} %, largest {known.max():.2g} %"
-
-
-def draw_damage_boundary(ax: Axes, found: xr.Dataset, lines: str = "C") -> Axes:
-    """Draw N_first over the velocity change (m/s) for each line, and what snaps of the first one.
-
-    found: thresholds over f0 and the axis `lines`; of many lines some are drawn
-    Along dotted lines the duration of the pulse is constant; shaded is what lies above the first
-    curve, of the durations that it has.
-    """
-    found = some_lines(found, "f0", lines)
-    velocity_axis(ax)
-    amplitude_axis(ax)
-    ax.set_ylabel("peak acceleration $N$ (multiples of $g$)")
-    for one, colour, marker in each_line(found, lines):
-        draw_curve(ax, velocity_change(one).values, one, colour, marker, size=2)
-    _draw_boundary_limits(ax, found, lines)
-    first = found.isel({lines: 0})
-    _draw_region(ax, first)
-    _draw_durations(ax, first)
-    name = value_text(lines, first[lines].item()).replace(WORDS["C"][1], "").strip()
-    keys = [*line_keys(found, lines), *curve_keys(found, "0.4", "o")]
-    keys.append(Patch(**SHADE, label=f"snaps, {name}"))
-    place = {"loc": "lower left", "bbox_to_anchor": (-0.16, 1.03), "ncols": 2}
-    ax.legend(handles=keys, title=_title(found, WHOLE), alignment="left", **place)
-    return ax
-
-
-def _draw_limits(ax, found, x, lines):
-    """Draw the limits of all lines, and leave room for words below them."""
-    if lines not in found.N_static.dims:
-        draw_static(ax, found, x)
-    for place, (one, colour, _) in enumerate(each_line(found, lines)):
-        if lines in found.N_static.dims:
-            draw_static(ax, one, x, colour, place)
-    if undercuts(found):
-        draw_bound(ax, found, x, lines)
-    _make_room(ax)
+        look = {"color": "0.4", "label": "above it every $N$ seen stays snapped"}
+        keys.append(Line2D([], [], **look, **curves.STAYS))
+    # As with a run-up, or where long pulses have no limit: some pulse snaps below it.
+    if (found.N_first.notnull() & ~(found.N_first >= found.N_static)).any():
+        bound = found.N_bound.transpose(x, lines).values
+        ax.plot(scale.places, np.unique(bound, axis=1), **BOUND)
+        keys.append(Line2D([], [], **BOUND, label="below it nothing snaps, by energy"))
+    scales.tick(ax.yaxis, *ax.get_ylim())
     if x == "f0":
-        for place, (one, colour, _) in enumerate(each_line(found, lines)):
-            draw_impulsive(ax, one, colour, place)
-
-
-def _make_room(ax):
-    """Move the lower end of the axes down to make room for words; end them at ticks."""
-    ax.set_ylim(bottom=_height(ax, -ROOM))
-    end_at_ticks(ax.yaxis)
-
-
-def _height(ax, share):
-    """The N at a share of the height of the axes."""
-    low, high = ax.get_ylim()
-    return low * (high / low) ** share
+        for place, (one, colour, _) in enumerate(curves.each_line(found, lines)):
+            curves.draw_impulsive(ax, one, colour, place)
+    style.legend(ax, [*keys, *curves.limit_keys([ax])], _title(found, style.PAGE))
+    return ax
 
 
 def _draw_gap(ax, found, scale, colour):
@@ -203,32 +75,51 @@ def _draw_gap(ax, found, scale, colour):
     ax.vlines(places, low.ravel(), high.ravel(), color=colour, linewidth=2.2, alpha=0.5)
 
 
-def _label_limits(ax, found):
-    static = _known(found.N_static)
-    if static.size:
-        words = "threshold of long pulses"
-        words += f", $N$ = {static[0]:.4g}" if static.size == 1 else ""
-        ax.annotate(words, (ax.get_xlim()[0], static[0]), xytext=(4, -4), va="top", **NOTE)
-    per_N = _known(found.gravity * found.area / (1e-6 * found.velocity_change))
-    if static.size and per_N.size:
-        lowest = np.fmin(static[0], np.nanmin(found.N_first.values, initial=np.inf))
-        N = np.sqrt(lowest * ax.get_ylim()[0])
-        words = "limit of short pulses"
-        if found.area.ndim == 0:
-            words += f",\n$N = {1 / found.area.item():.3g} f_0\\,\\Delta v/g$"
-        place = {"xytext": (-6, 0), "ha": "right", "va": "center", **NOTE}
-        ax.annotate(words, (N * per_N[0], N), **place)
+def _title(found, width):
+    """What every curve has in common, in lines of so many signs."""
+    words = [style.case(found.attrs, width), scales.place_text(found, width)]
+    symbols = [f"$C$ in {scales.WORDS['C'][1]}"] * ("C" in found.dims)
+    if found.velocity_change.notnull().any():
+        symbols.append("$\\Delta v$: velocity change, limit of short pulses")
+    if symbols and found.area.ndim == 0:
+        symbols[-1] += f", $N = {1 / found.area.item():.3g} f_0\\,\\Delta v/g$"
+    return "\n".join(filter(None, [*words, "; ".join(symbols)]))
 
 
-def _known(values):
-    """Finite values, each once, ascending."""
-    return np.unique(values.values[np.isfinite(values.values)])
+def draw_damage_boundary(ax: Axes, found: xr.Dataset, lines: str = "C") -> Axes:
+    """Draw N_first over the velocity change (m/s) for each line, and what snaps of the first one.
+
+    found: thresholds over f0 and the axis `lines`; of many lines some are drawn
+    Along dotted lines the duration of the pulse is constant; shaded is what lies above the first
+    curve, of the durations that it has.
+    """
+    found = curves.some_lines(found, "f0", lines)
+    own = lines in found.N_static.dims
+    ax.set(xscale="log", xlabel="velocity change of the pulse (m/s)")
+    ax.set(yscale="log", ylabel="peak acceleration $N$ (multiples of $g$)")
+    for place, (one, colour, marker) in enumerate(curves.each_line(found, lines)):
+        curves.draw_curve(ax, curves.velocity_change(one).values, one, colour, marker, size=2)
+        if np.isfinite(one.velocity_change):
+            ax.axvline(one.velocity_change.item(), **curves.limit_look(colour, place))
+        if place == 0 or own:
+            curves.draw_static(ax, one, "f0", colour if own else "0.4", place)
+    scales.tick(ax.xaxis, *ax.get_xlim())
+    scales.tick(ax.yaxis, *ax.get_ylim())
+    plane.freeze(ax)
+    first = found.isel({lines: 0})
+    _draw_region(ax, first)
+    _draw_durations(ax, first)
+    name = scales.value_text(lines, first[lines].item(), with_unit=lines != "C")
+    keys = [*curves.line_keys(found, lines), *curves.curve_keys(found), *curves.limit_keys([ax])]
+    keys.append(Patch(**SHADE, label=f"snaps, {name}"))
+    style.legend(ax, keys, _title(found, style.COLUMN), 2)
+    return ax
 
 
 def _draw_region(ax, found):
     """Shade what snaps at the durations of a curve; where it has a hole, the shade has one."""
     found = found.sortby("f0", ascending=False)
-    N, v = found.N_first.values, velocity_change(found).values
+    N, v = found.N_first.values, curves.velocity_change(found).values
     known = np.flatnonzero(np.isfinite(N))
     for run in np.split(known, np.flatnonzero(np.diff(known) > 1) + 1):
         if run.size > 1:
@@ -237,54 +128,123 @@ def _draw_region(ax, found):
             ax.fill(*np.concatenate(corners, axis=1), **SHADE)
 
 
-def _draw_boundary_limits(ax, found, lines):
-    static, changes = _known(found.N_static), _known(found.velocity_change)
-    for place, (one, colour, _) in enumerate(each_line(found, lines)):
-        if np.isfinite(one.velocity_change):
-            ax.axvline(one.velocity_change.item(), **limit_look(colour, place))
-        if lines in found.N_static.dims:
-            draw_static(ax, one, "f0", colour, place)
-    if lines not in found.N_static.dims:
-        draw_static(ax, found, "f0")
-    end_at_ticks(ax.xaxis)
-    _make_room(ax)
-    freeze(ax)
-    if static.size and changes.size:
-        words = "long pulses" + (f", $N$ = {static[0]:.4g}" if static.size == 1 else "")
-        at = changes[-1], static[0]
-        ax.annotate(words, at, xytext=(4, -4), va="top", **NOTE)
-
-
 def _draw_durations(ax, found):
-    """Draw lines of constant pulse duration, one for each decade of the frequencies looked at."""
+    """Draw lines of constant pulse duration, one a decade, named where they leave the axes."""
     first, last = np.log10(found.f0.values[[0, -1]])
+    (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
     for f0 in 10.0 ** np.arange(np.ceil(first), np.floor(last) + 1):
         v = found.gravity * found.area.item() / (1e-6 * f0)
         ax.plot([v / FAR, v * FAR], [1 / FAR, FAR], **DURATION)
-        _label_duration(ax, f"{1e3 / f0:g} ms", v)
+        note = {"fontsize": 6, "color": "0.4", "textcoords": "offset points"}
+        if left < v * high < right:
+            ax.annotate(f"{1e3 / f0:g} ms", (v * high, high), (0, 2), ha="center", **note)
+        elif low < right / v < high:
+            ax.annotate(f"{1e3 / f0:g} ms", (right, right / v), (2, 0), va="center", **note)
 
 
-def _label_duration(ax, words, v):
-    """Write along the line of the velocity change v per N, at its top or its foot."""
-    is_whole = v * ax.get_ylim()[1] < ax.get_xlim()[1]
-    N, side = (_height(ax, 0.97), "right") if is_whole else (_height(ax, 0.02), "left")
-    place = {"ha": side, "va": "bottom", "rotation_mode": "anchor"}
-    turn = {"rotation": np.degrees(np.arctan(1 / v)), "transform_rotates_text": True}
-    ax.text(v * N, N, words, fontsize=6, color="0.4", **place, **turn)
+def draw_threshold_map(ax: Axes, found: xr.Dataset, x: str, y: str) -> Axes:
+    """Draw N_first over two axes as a field of colour with level lines.
+
+    found: thresholds over these two axes; crossed where the error bar exceeds DOUBTFUL of N_first
+    """
+    found = found.sortby([key for key in (x, y) if found[key].dtype.kind in "fiu"])
+    across = plane.open_plane(ax, found, x, y)
+    N = found.N_first.transpose(y, x).values
+    field = plane.fill_field(ax, found.N_first, *across, cmap="cividis")
+    counted = any(scale.is_counted for scale in across)
+    if min(N.shape) > 1 and np.isfinite(N).all() and not counted:
+        levels = ax.contour(across[0].places, across[1].places, N, colors="white", linewidths=0.7)
+        ax.clabel(levels, fmt=scales.number, fontsize=6)
+    relative = (found.N_error / found.N_first).transpose(y, x).values
+    j, i = np.nonzero(np.isfinite(N) & ~(relative <= DOUBTFUL))
+    crosses = {"linestyle": "", "marker": "x", "markersize": 3, "color": "#d55e00"}
+    crosses["label"] = f"error bar above {100 * DOUBTFUL:g} %"
+    keys = ax.plot(across[0].places[i], across[1].places[j], **crosses) if i.size else []
+    ax.set_title(scales.place_text(found))
+    words, known = [style.case(found.attrs, style.COLUMN)], 100 * relative[np.isfinite(relative)]
+    if known.size:
+        words.append(f"error bars: median {np.median(known):.2g} %, largest {known.max():.2g} %")
+    style.legend(ax, keys, "\n".join(filter(None, words)), 2)
+    plane.colour_bar(ax, field, "threshold: lowest $N$ that snaps (multiples of $g$)")
+    return ax
 
 
-def _title(found, width):
-    """What every curve has in common, in lines of so many signs."""
-    place = place_text(found).replace("\n", ", ")
-    units = f"$C$ in {WORDS['C'][1]}" if "C" in found.dims else ""
-    symbols = SYMBOLS if found.velocity_change.notnull().any() else ""
-    words = "; ".join(filter(None, [units, symbols]))
-    return "\n".join(filter(None, [style.case(found.attrs, width), place, words]))
+def draw_design(ax: Axes, found: xr.Dataset) -> Axes:
+    """Draw the line along which a threshold is what was asked for, over two values of the device.
+
+    found: as `sizing.value.design` gives it along an axis, with error bars
+    """
+    (x,) = found.error.dims
+    y = next(key for key in found.data_vars if key not in ("error", "solutions"))
+    scale = scales.scale_of(x, found[x].values)
+    scales.set_scale(ax, "x", scale)
+    ax.errorbar(scale.places, found[y].values, found.error.values, marker="o", elinewidth=0.6)
+    ax.set(ylabel=scales.axis_label(y), title=found[y].attrs["comment"])
+    return ax
 
 
-def _gap_keys(found):
-    if not found.islands.any():
-        return []
-    gap = Patch(color="0.5", alpha=0.3, linewidth=0, label="above it, some $N$ do not snap")
-    island = Line2D([], [], color="0.5", linewidth=2.2, label="island of $N$ that snap")
-    return [gap, island]
+def plot_thresholds(studies: Mapping[str, xr.Dataset], ax: Axes | None = None) -> Axes:
+    """Draw the thresholds of several studies over f0 in one figure, each under its name.
+
+    studies: thresholds over C and f0 by name, as from `threshold` or threshold.nc; of several
+        values of C those that all studies have are drawn
+
+    >>> device = snapmap.load_device("config/config.yaml")
+    >>> cheap = {"model": "cosines", "modes": 3, "horizon": 300.0}
+    >>> few = snapmap.threshold(device, [1000.0, 3000.0], [25.0], **cheap)
+    >>> hard = snapmap.threshold(device, [1000.0, 3000.0], [25.0], pulse="half sine", **cheap)
+    >>> ax = snapmap.plot_thresholds({"versed sine": few, "half sine": hard})
+    >>> [text.get_text() for text in ax.figure.legends[0].get_texts()][:2]
+    ['versed sine', 'half sine']
+    """
+    shared = _shared_C(studies)
+    ax = ax or style.notebook_axes()
+    f0 = np.concatenate([found.f0.values for found in studies.values()])
+    scales.frequency_axis(ax, np.unique(f0))
+    ax.set(yscale="log", ylabel=scales.axis_label("N"))
+    lines = {}
+    for name, found in studies.items():
+        for C, place in shared[name]:
+            words = f", {scales.value_text('C', C)}" if len(shared[name]) > 1 else ""
+            lines[name + words] = found.isel(C=place).sortby("f0")
+    looks = [curves.LOOKS[i % len(curves.LOOKS)] for i in range(len(lines))]
+    keys, others, statics = [], {}, set()
+    for place, ((name, found), (colour, marker)) in enumerate(
+        zip(lines.items(), looks, strict=True)
+    ):
+        curves.draw_curve(ax, found.f0.values, found, colour, marker)
+        curves.mark_missing(ax, found.f0.values, found, colour, place)
+        if found.N_static.item() not in statics:
+            curves.draw_static(ax, found, "f0", colour, place)
+        statics.add(found.N_static.item())
+        keys.append(Line2D([], [], color=colour, marker=marker, label=name))
+        others |= {key.get_label(): key for key in curves.curve_keys(found)}
+    scales.tick(ax.yaxis, *ax.get_ylim())
+    for place, (found, (colour, _)) in enumerate(zip(lines.values(), looks, strict=True)):
+        curves.draw_impulsive(ax, found, colour, place)
+    style.legend(ax, [*keys, *others.values(), *curves.limit_keys([ax])], ncols=2)
+    return ax
+
+
+def _shared_C(studies):
+    """The values of C that all studies have, with their places; or the only one of each."""
+    if not studies:
+        raise ValueError("studies: none; give thresholds by name")
+    for name, found in studies.items():
+        if several := [key for key in found.N_first.dims if key not in ("C", "f0")]:
+            key = several[0]
+            raise ValueError(f"{name}: is over {key}, too; choose one, as found.isel({key}=0)")
+    values = {name: np.atleast_1d(found.C.values) for name, found in studies.items()}
+    first = next(iter(values.values()))
+    if all(one.size == 1 for one in values.values()):
+        return {name: [(one[0], 0)] for name, one in values.items()}
+    near = {
+        name: np.isclose(first[:, None], one, rtol=CLOSE, atol=0) for name, one in values.items()
+    }
+    shared = np.all([one.any(axis=1) for one in near.values()], axis=0)
+    if not shared.any():
+        raise ValueError("studies: no value of C is in all of them; choose one of each")
+    return {
+        name: [(first[i], int(one[i].argmax())) for i in np.flatnonzero(shared)]
+        for name, one in near.items()
+    }

@@ -3,10 +3,10 @@
 import numpy as np
 import xarray as xr
 
-from snapmap.figures.accuracy import of_family
 from snapmap.io.markdown import DASH, number, table
 
 from .cases import FAMILIES, MODELS
+from .figures import of_family
 
 COLUMNS = {
     "threshold_worst": "threshold",

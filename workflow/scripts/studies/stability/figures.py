@@ -7,26 +7,19 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-COLOURS = {
-    "sound": "#e3eef6",
-    "sensitive": "#a5c8e1",
-    "shifted": "#f0d060",
-    "unchecked": "#c4c4c4",
-    "caught": "#dd7f35",
-    "unseen": "#000000",
-    "refused": "#ffffff",
-    "left_out": "#ffffff",
+from snapmap.figures import style
+
+LOOKS = {
+    "sound": ("#e3eef6", "sound: as with fine steps"),
+    "sensitive": ("#a5c8e1", "believed, but fine runs differ among themselves"),
+    "shifted": ("#f0d060", "outcome sound, time of snap off by more than 2 %"),
+    "unchecked": ("#c4c4c4", "believed, not compared with fine steps"),
+    "caught": ("#dd7f35", "caught: the energy ledger of a cell does not close"),
+    "unseen": ("#000000", "unseen: believed and wrong"),
+    "refused": ("#ffffff", "r: refused by the model"),
+    "left_out": ("#ffffff", "–: left out, too long to run"),
 }
-WORDS = {
-    "sound": "sound: as with fine steps",
-    "sensitive": "believed, but fine runs differ among themselves",
-    "shifted": "outcome sound, time of snap off by more than 2 %",
-    "unchecked": "believed, not compared with fine steps",
-    "caught": "caught: the energy ledger of a cell does not close",
-    "unseen": "unseen: believed and wrong",
-    "refused": "r: refused by the model",
-    "left_out": "–: left out, too long to run",
-}
+"""Colour and words of each verdict, in the order of the codes."""
 READING = (
     "number: decimal exponent of the largest energy error of the case's cells, ∞ for a blow-up\n"
     "default: the model's own step, halved where a ledger does not close"
@@ -39,24 +32,23 @@ GAP = 0.4
 """Between the columns of the steps and that of the default step, in columns."""
 
 
-def height(cases: xr.Dataset) -> float:
-    """How high a figure of so many panels is to be, in."""
-    return LEGEND + PANEL * int(np.ceil(cases.sizes["model"] / COLUMNS))
-
-
 def draw_panels(figure: Figure, cases: xr.Dataset) -> np.ndarray:
-    """Draw a panel for each model on an empty figure, and the legend; returns the axes."""
-    models = cases.model.values
-    rows = int(np.ceil(models.size / COLUMNS))
+    """Draw a panel for each model on an empty figure, as high as that takes; returns the axes."""
+    models = cases.model.values.tolist()
+    rows = -(-len(models) // COLUMNS)
+    figure.set_figheight(LEGEND + PANEL * rows)
     axes = figure.subplots(rows, COLUMNS, sharex=True, sharey=True, squeeze=False)
-    for ax in axes.flat[models.size :]:
+    for ax in axes.flat[len(models) :]:
         ax.set_axis_off()
     for ax, model in zip(axes.flat, models, strict=False):
         draw_panel(ax, cases.sel(model=model))
         ax.set_title("\n".join(model.rsplit(", ", 1)))
     for ax in axes[-1]:
         ax.set_xlabel("step / limit")
-    figure.legend(handles=_patches(cases), ncols=2, title=READING, loc="outside lower center")
+    present = np.union1d(cases.verdict, cases.default_verdict)
+    looks = [look for code, look in enumerate(LOOKS.values()) if code in present]
+    keys = [Patch(facecolor=colour, edgecolor="black", label=words) for colour, words in looks]
+    style.legend(figure, keys, READING, 2)
     return axes
 
 
@@ -65,10 +57,9 @@ def draw_panel(ax: Axes, cases: xr.Dataset) -> Axes:
 
     The last column is what a sweep gives: the default step, halved where a ledger does not close.
     """
-    steps = np.arange(cases.step.size)
-    default = cases.step.size + GAP
+    steps, default = np.arange(cases.step.size), cases.step.size + GAP
     _draw_cells(ax, steps, cases.verdict, cases.energy_error)
-    _draw_cells(ax, [default], *(cases[f"default_{key}"] for key in ("verdict", "energy_error")))
+    _draw_cells(ax, [default], cases.default_verdict, cases.default_energy_error)
     ax.set_xticks([*steps, default], [*(f"{step:g}" for step in cases.step.values), "default"])
     ax.set_yticks(np.arange(cases.case.size), cases.case.values)
     ax.tick_params(axis="x", rotation=90)
@@ -81,21 +72,15 @@ def draw_panel(ax: Axes, cases: xr.Dataset) -> Axes:
 
 def _draw_cells(ax, columns, verdict, error):
     verdict, error = (values.values.reshape(-1, len(columns)) for values in (verdict, error))
-    ax.pcolormesh(
-        columns[0] - 0.5 + np.arange(len(columns) + 1),
-        np.arange(len(verdict) + 1) - 0.5,
-        verdict,
-        cmap=ListedColormap(list(COLOURS.values())),
-        norm=BoundaryNorm(np.arange(len(COLOURS) + 1) - 0.5, len(COLOURS)),
-        edgecolors="white",
-        linewidth=0.4,
-    )
+    colours = ListedColormap([colour for colour, _ in LOOKS.values()])
+    look = {"cmap": colours, "norm": BoundaryNorm(np.arange(colours.N + 1) - 0.5, colours.N)}
+    look |= {"edgecolors": "white", "linewidth": 0.4}
+    ax.pcolormesh(columns, np.arange(len(verdict)), verdict, shading="nearest", **look)
     for (row, column), code in np.ndenumerate(verdict):
-        name = list(COLOURS)[code]
-        colour = "white" if name == "unseen" else "black"
+        name = list(LOOKS)[code]
         words = {"refused": "r", "left_out": "–"}.get(name) or exponent(error[row, column])
-        place = columns[column], row
-        ax.text(*place, words, size=4.5, color=colour, ha="center", va="center_baseline")
+        look = {"color": "white" if name == "unseen" else "black", "size": 4.5}
+        ax.text(columns[column], row, words, ha="center", va="center_baseline", **look)
 
 
 def exponent(error: float) -> str:
@@ -103,13 +88,3 @@ def exponent(error: float) -> str:
     if error == 0:
         return "0"
     return f"{int(np.ceil(np.log10(error)))}".replace("-", "−") if np.isfinite(error) else "∞"
-
-
-def _patches(cases):
-    """A labelled patch for each verdict that is there."""
-    present = np.union1d(cases.verdict, cases.default_verdict)
-    return [
-        Patch(facecolor=colour, edgecolor="black", label=WORDS[name])
-        for code, (name, colour) in enumerate(COLOURS.items())
-        if code in present
-    ]
