@@ -218,7 +218,7 @@ def all_wrong(document, places):
         assert any(line.startswith(name) and complaint in line for line in lines), (name, lines)
 
 
-@settings(max_examples=2000, derandomize=True, deadline=None, database=None)
+@settings(max_examples=60, derandomize=True, deadline=None, database=None)
 @given(wrong())
 def test_every_fault_is_named_with_its_value(damaged):
     all_wrong(*damaged)
@@ -258,7 +258,7 @@ def odd(draw):
     return document
 
 
-@settings(max_examples=400, derandomize=True, deadline=None, database=None)
+@settings(max_examples=60, derandomize=True, deadline=None, database=None)
 @given(odd())
 def test_extreme_values_give_slabs_or_lines(document):
     lines_of(document)
@@ -367,7 +367,7 @@ def odd_file(tmp_path_factory):
     return tmp_path_factory.mktemp("odd") / "config.yaml"
 
 
-@settings(max_examples=300, derandomize=True, deadline=None, database=None)
+@settings(max_examples=60, derandomize=True, deadline=None, database=None)
 @given(text=odd_text())
 def test_odd_yaml_gives_slabs_or_lines(odd_file, text):
     read_oddly(odd_file, text)
