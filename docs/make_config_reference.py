@@ -3,6 +3,7 @@
 PYTHONPATH=workflow/scripts ./run python docs/make_config_reference.py
 """
 
+from inspect import cleandoc
 from pathlib import Path
 
 import yaml
@@ -155,10 +156,10 @@ def _section(name, section):
         else:
             rows[f"`{field.alias or key}`"] = row
     if values:
-        row = rows.pop("values").replace("length above 0", "value as in `device`")
+        row = rows.pop("values").replace("a length above 0", "as in `device`")
         rows[", ".join(f"`{key}`" for key in values)] = row
     lines = [f"| {keys} | {row}" for keys, row in rows.items()]
-    head = [f"## {title}", "", section.__doc__, ""]
+    head = [f"## {title}", "", cleandoc(section.__doc__), ""]
     head += ["| key | what | example | if left out |", "|---|---|---|---|"]
     return "\n".join([*head, *lines, *(_options() if name == "model" else [])])
 

@@ -124,28 +124,18 @@ def test_conversion_adds_no_noise(text, kind, value):
     [
         (600, "600 has no unit"),
         ("600", "'600' has no unit"),
-        (math.nan, "nan has no unit"),
         (None, "an empty value is not a number with a unit"),
         (True, "true is not a number with a unit"),
-        ([], "an empty list is not a number with a unit"),
         ({"a": 1}, "a mapping is not a number with a unit"),
         ("long", "'long' is not a number with a unit"),
-        ("nan um", "'nan um' is not a number with a unit"),
         ("inf um", "'inf um' is not a number with a unit"),
         ("1,5 um", "'1,5 um' is not a number with a unit"),
         ("(1+1) um", "'(1+1) um' is not a number with a unit"),
         ("2**9**9**9 um", "'2**9**9**9 um' is not a number with a unit"),
-        ("2 um**9**9", "'2 um**9**9' is not a number with a unit"),
-        ("2 um^99", "'2 um^99' is not a number with a unit"),
-        ("2 3 um", "'2 3 um' is not a number with a unit"),
         ("1e1000 um", "'1e1000 um' is not a number with a unit"),
-        ("1" * 99 + " um", "is not a number with a unit"),
         ("600 foo", "'600 foo' has an unknown unit, 'foo'"),
-        ("600 nan", "'600 nan' has an unknown unit, 'nan'"),
         ("600 um*dB", "'600 um*dB' has an unknown unit, 'um*dB'"),
-        ("600 Pa^0", "'600 Pa^0' has an unknown unit, 'Pa^0'"),
         ("20 degF", "'20 degF' does not convert to "),
-        ("3 dB", "'3 dB' does not convert to "),
         ("3 %", "'3 %' does not convert to "),
     ],
 )
@@ -162,23 +152,14 @@ def test_not_a_quantity(kind, value, complaint):
         ("600 kg", "length", "'600 kg' does not convert to um"),
         ("1e999 um", "length", "'1e999 um' is not finite"),
         ("0 um", "length", "'0 um' is not positive"),
-        ("1e-999 um", "length", "'1e-999 um' is not positive"),
-        ("-2 um", "length", "'-2 um' is not positive"),
         ("-1 us", "duration", "'-1 us' is negative"),
-        ("-1 N*s/m", "damper", "'-1 N*s/m' is negative"),
         ("Hard", "contact", "'Hard' is not a number with a unit"),
         ("hard", "stiffness", "'hard' is not a number with a unit"),
         ("10 krad/s", "frequency", "counts angles or events, which is not Hz"),
-        ("10 deg/s", "frequency", "counts angles or events, which is not Hz"),
-        ("10 cycle/s", "frequency", "counts angles or events, which is not Hz"),
         ("10 rpm", "frequency", "counts angles or events, which is not Hz"),
-        ("10 Bq", "frequency", "counts angles or events, which is not Hz"),
         ("10 rad/us", "rate", "counts angles or events, which is not 1/us"),
-        ("nan", "number", "'nan' is not a plain number"),
         ("600 g", "number", "'600 g' is not a plain number; write a multiple of gravity"),
-        (True, "number", "true is not a plain number"),
         (math.inf, "number", "inf is not finite"),
-        (10**400, "number", "is not finite"),
     ],
 )
 def test_not_this_quantity(text, kind, complaint):
@@ -229,30 +210,6 @@ def test_the_history_left_out_is_the_cell_nearest_the_handouts_case():
     assert cell.name == "N1090_f2000_C0"
 
 
-def with_points(folder, monkeypatch, text):
-    monkeypatch.chdir(folder)
-    (folder / "points.csv").write_text(text, encoding="utf-8")
-    return changed(marks="points.csv")
-
-
-def test_own_points_are_checked_with_the_config(tmp_path, monkeypatch):
-    study = load_config(with_points(tmp_path, monkeypatch, "N,f0\n1000,1500\n"))
-    assert study.own_points[0] == "points.csv"
-    with pytest.raises(ConfigError) as fault:
-        load_config(with_points(tmp_path, monkeypatch, "N,f0\n1000,soon\n"))
-    assert str(fault.value) == ("marks: points.csv: line 2, column f0: 'soon' is no number above 0")
-
-
-def test_a_point_on_no_map_is_named(tmp_path, monkeypatch):
-    text = "name,N,f0\nslip,1000,1.5\nhere,1000,1500\n,9000,1500\n"
-    study = load_config(with_points(tmp_path, monkeypatch, text))
-    told = [line for line in study.doubts() if "points.csv" in line]
-    assert [line.split(",")[0] for line in told] == [
-        "points.csv: slip lies on no map: f0 = 1.5",
-        "points.csv: point 3 lies on no map: N = 9000",
-    ]
-
-
 def with_durations(given):
     document = copy.deepcopy(DEFAULT)
     del document["sweep"]["f0"]
@@ -284,6 +241,21 @@ def test_durations_stand_for_frequencies():
 def test_hard_contact_and_damping():
     device = load_config(changed(device__contact="hard", device__beam__damping="4e-4 /us")).device
     assert (device.contact, device.beam.damping) == (math.inf, 4e-4)
+
+
+def test_own_points_are_checked_with_the_config(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "points.csv"
+    path.write_text("name,N,f0\nslip,1000,1.5\nhere,1000,1500\n,9000,1500\n")
+    lines = [line for line in load_config(changed(marks="points.csv")).doubts() if "csv" in line]
+    assert [line.split(",")[0] for line in lines] == [
+        "points.csv: slip lies on no map: f0 = 1.5",
+        "points.csv: point 3 lies on no map: N = 9000",
+    ]
+    path.write_text("N,f0\n1000,soon\n")
+    assert only_fault(changed(marks="points.csv")).startswith(
+        "marks: points.csv: line 2, column f0"
+    )
 
 
 OF_MASS = dict.fromkeys(("device__spring", "device__contact", "sweep__C", "histories"), MISSING)
@@ -430,14 +402,6 @@ def test_missing_file(tmp_path):
         load_device(tmp_path / "none.yaml")
 
 
-def paths(section, at=()):
-    yield at
-    if isinstance(section, dict | list):
-        keys = section if isinstance(section, dict) else range(len(section))
-        for key in keys:
-            yield from paths(section[key], (*at, key))
-
-
 NUMBERS = st.one_of(
     st.from_regex(r"[+-]?[0-9]{1,3}(\.[0-9]{0,2})?(e-?[0-9]{1,4})?", fullmatch=True),
     st.sampled_from(["", "nan", "-inf", "2**9**9", "0x10", "1_0", "."]),
@@ -447,55 +411,6 @@ UNITS = st.one_of(
     st.sampled_from(["um", "Hz", "kg", "N/m", "us", "uN*us/um", "rad/s", "degC", "/", "m^"]),
 )
 QUANTITIES = st.builds(lambda *parts: "".join(parts), NUMBERS, st.sampled_from(["", " "]), UNITS)
-SCALARS = st.one_of(
-    st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=8), QUANTITIES
-)
-KEYS = st.one_of(
-    st.sampled_from(["from", "to", "points", "spacing", "N", "f0", "C", "damping"]),
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
-)
-VALUES = st.recursive(
-    SCALARS,
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(KEYS, inner, max_size=4),
-    max_leaves=5,
-)
-PATHS = [path for path in paths(DEFAULT) if path]
-
-
-@st.composite
-def damaged(draw):
-    document = copy.deepcopy(DEFAULT)
-    for *parents, last in draw(st.lists(st.sampled_from(PATHS), min_size=1, max_size=3)):
-        section = document
-        for key in parents:
-            section = section[key] if isinstance(section, dict) and key in section else None
-        if isinstance(section, dict):
-            section.pop(last, None)
-            section |= draw(st.fixed_dictionaries({}, optional={last: VALUES}))
-            section |= draw(st.dictionaries(KEYS, VALUES, max_size=1))
-    return document
-
-
-def study_or_faults(document):
-    try:
-        study = load_config(document)
-    except ConfigError as error:
-        assert error.args and not any("\n" in line for line in error.args)
-        return
-    for axis in (study.axes["N"], study.axes["f0"], study.axes["C"]):
-        assert np.isfinite(axis).all() and (np.diff(axis) > 0).all()
-
-
-@settings(max_examples=60, derandomize=True, deadline=None, database=None)
-@given(damaged())
-def test_a_damaged_document_is_a_study_or_faults(document):
-    study_or_faults(document)
-
-
-@settings(max_examples=30, derandomize=True, deadline=None, database=None)
-@given(VALUES)
-def test_any_document_is_a_study_or_faults(document):
-    study_or_faults(document)
 
 
 @settings(max_examples=200, derandomize=True, deadline=None, database=None)
