@@ -53,6 +53,16 @@ MODELS = {
     "reference": "the handout's scheme, central differences, as a plain loop: slow",
 }
 
+OF_VALUES = {
+    "sweep": "a list or a range of values, written as in `device` | `[-5 MPa, 0 MPa, 5 MPa]` | the "
+    "device's own",
+    "tolerances": "a standard deviation, as a value or a share, or a mapping of its kind to its "
+    "width | `0.05 um`, `5 %`, `{uniform: 0.2 um}` | it does not scatter",
+    "calibration.unknowns": "a pair of values, written as in `device`: where it is looked for "
+    "| `[1.7 um, 2.3 um]` | it is known",
+    "each of histories": "a value, written as in `device` | `1.9 um` | the device's own",
+}
+"""What a section has for each value of the device: what, example, if left out."""
 SECTIONS = {
     "": models.Document,
     "device": models.DeviceSection,
@@ -143,25 +153,20 @@ def reference() -> str:
 
 
 def _section(name, section):
-    """A table of keys; those of the device's values, but in its own sections, are one row."""
-    title = f"`{name}`" if name and " " not in name else name.capitalize() or "The whole"
-    rows, values = {}, []
-    for key, field in section.model_fields.items():
-        shown = field.json_schema_extra
-        example = f"`{shown['example']}`" if shown["example"] else ""
-        row = f"{field.description} | {example} | {shown['left_out']} |"
-        if key in VALUES and not name.startswith("device"):
-            values.append(key)
-            rows["values"] = row
-        else:
-            rows[f"`{field.alias or key}`"] = row
-    if values:
-        row = rows.pop("values").replace("a length above 0", "as in `device`")
-        rows[", ".join(f"`{key}`" for key in values)] = row
-    lines = [f"| {keys} | {row}" for keys, row in rows.items()]
-    head = [f"## {title}", "", cleandoc(section.__doc__), ""]
-    head += ["| key | what | example | if left out |", "|---|---|---|---|"]
-    return "\n".join([*head, *lines, *(_options() if name == "model" else [])])
+    """A table of keys; those of the device's values are one row, but where they are its own."""
+    lines = [f"## {f'`{name}`' if name and ' ' not in name else name.capitalize() or 'The whole'}"]
+    lines += ["", cleandoc(section.__doc__), ""]
+    lines += ["| key | what | example | if left out |", "|---|---|---|---|"]
+    keys = {field.alias or key: field for key, field in section.model_fields.items()}
+    for key, field in keys.items():
+        if name not in OF_VALUES or key not in VALUES:
+            shown = field.json_schema_extra
+            example = f"`{shown['example']}`" if shown["example"] else ""
+            lines.append(f"| `{key}` | {field.description} | {example} | {shown['left_out']} |")
+    if name in OF_VALUES:
+        values = ", ".join(f"`{key}`" for key in keys if key in VALUES)
+        lines.append(f"| {values} | {OF_VALUES[name]} |")
+    return "\n".join([*lines, *(_options() if name == "model" else [])])
 
 
 def _options():

@@ -25,8 +25,8 @@ class Range(NamedTuple):
 
     def __str__(self):
         """In words that follow a noun."""
-        low = f"{'from' if self.low_fits else 'above'} {self.low:g}" * (self.low > -math.inf)
-        high = f"{'up to' if self.high_fits else 'below'} {self.high:g}" * (self.high < math.inf)
+        low = f"{'from' if self.low_fits else 'above'} {self.low:.10g}" * (self.low > -math.inf)
+        high = f"{'up to' if self.high_fits else 'below'} {self.high:.10g}" * (self.high < math.inf)
         return " and ".join(filter(None, (low, high)))
 
 

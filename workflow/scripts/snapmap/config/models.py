@@ -563,13 +563,15 @@ class SweepSection(_Axes):
         "required, or `device.quality_factor`, or no mass",
     )
     not_bistable: word(
-        *("refuse", "skip"), what="a device without a second stable shape", out="`refuse`"
+        *("refuse", "skip"), what="if no second shape is stable; skip marks absent", out="`refuse`"
     )
     horizon: quantity("duration", "for which a cell is followed after the pulse's end")
     until: argument(
         "until", "a cell is followed until its well is proven, or its snap", out="`settled`"
     )
-    repeat: flag("whether each cell is run again with another step", out="unless until its snap")
+    repeat: flag(
+        "whether each cell is run again with another step", out="`true` where `until` is `settled`"
+    )
     energy_tolerance: argument(
         "energy_tolerance",
         "the share of the pulse's work by which a believed run's energy ledger may miss",
