@@ -93,6 +93,7 @@ def test_run_refuses_what_snakemake_would_evaluate(config, monkeypatch, capsys):
 )
 def test_a_missing_package_is_one_line(tmp_path, monkeypatch, package, call, said):
     monkeypatch.setitem(sys.modules, package, None)
+    monkeypatch.delattr(snapmap, "load_device", raising=False)
     for name in [name for name in sys.modules if name.startswith("snapmap.config")]:
         monkeypatch.delitem(sys.modules, name)
     (tmp_path / "shock.uff").write_text("    -1\n")

@@ -159,9 +159,9 @@ def test_a_shock_from_the_other_side_is_one_pushed_back(handout):
     N = both.N_first.sel(direction="-z").item() * np.array([0.997, 1.0])
     cube = snapmap.sweep(handout, N, **asked, direction="-z", until="snap")
     assert cube.t_snap.notnull().values.ravel().tolist() == [False, True]
-    with pytest.raises(ValueError, match="N: -600 is below 0; direction -z"):
+    with pytest.raises(ValueError, match=r"N: \[-600.0\] is not .*direction -z"):
         snapmap.sweep(handout, [-600.0], **asked)
-    with pytest.raises(ValueError, match=r"highest: -900.0 is not a finite multiple of g above 0"):
+    with pytest.raises(ValueError, match=r"highest: -900.0 is not a number above 0"):
         snapmap.threshold(handout, **asked, highest=-900.0)
 
 

@@ -71,7 +71,6 @@ def right_calls(handout, root):
             "between": (1.8, 2.2),
             **CHEAP,
         },
-        "integrity": {"cube": cube, "box": 2},
         "load_device": {"path": root / "config/config.yaml"},
         "open_cube": {"path": root / "no.nc"},
         "plan_shots": {"prior": (1000, 50), "shots": (), "method": "neyer", "confidence": 0.9},

@@ -63,7 +63,8 @@ def test_similar_devices_have_one_threshold(device):
     )
     for key in ("N_first", "N_always", "N_static", "N_bound"):
         np.testing.assert_allclose(other[key], one[key], rtol=1e-12)
-    np.testing.assert_allclose(other.t_snap / factors[2], one.t_snap, rtol=1e-12)
+    # At its threshold the time of a snap magnifies what rounding does to N.
+    np.testing.assert_allclose(other.t_snap / factors[2], one.t_snap, rtol=1e-10)
 
 
 @pytest.mark.parametrize(("key", "low", "high"), [("thickness", 1.0, 4.0), ("rise", 5.0, 30.0)])

@@ -340,11 +340,11 @@ def test_a_config_says_how_the_beam_is_made(document):
     [
         (
             {"residual_stress": "80 MPa"},
-            "device.beam: rise/thickness = 10 um/2 um = 5 and a residual stress of 80 MPa leave",
+            "device.beam: rise/thickness = 10 um/2 um = 5 and a stress of 80 MPa leave",
         ),
         (
             {"thickness": "22 um", "residual_stress": "-11 MPa"},
-            "device.beam: rise/thickness = 10 um/22 um = 0.454545 and a residual stress of -11 MPa "
+            "device.beam: rise/thickness = 10 um/22 um = 0.454545 and a stress of -11 MPa "
             "leave no second stable shape; it needs a stress below -1234.1 MPa",
         ),
         (

@@ -35,7 +35,7 @@ def test_an_opened_cube_has_outcomes_in_words(cube, tmp_path):
     opened = snapmap.open_cube(tmp_path / "cube.nc")
     np.testing.assert_array_equal(opened.outcome_code, cube.outcome)
     assert (opened.outcome == np.array(OUTCOMES)[cube.outcome.values]).all()
-    with pytest.raises(ValueError, match=r"none\.nc: is no cube"):
+    with pytest.raises(ValueError, match=r"none\.nc' is not the path of a file"):
         snapmap.open_cube(tmp_path / "none.nc")
     held = bytearray((tmp_path / "cube.nc").read_bytes())
     for place in (0, 50, len(held) // 2, len(held) - 1):

@@ -1,15 +1,18 @@
 """Random vibration: records against closed forms, rates against Poisson's and Rice's laws."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy import signal
 
 import snapmap
-from snapmap.random_vibration.probability import fit_rates
+from snapmap.pulse import shocks_from
+from snapmap.random_vibration.probability import fit_rates, vibration_of
 from snapmap.random_vibration.records import record
 from snapmap.random_vibration.spectrum import Spectrum
+from snapmap.study import study_of
 
 FLAT = [(20.0, 0.04), (2000.0, 0.04)]
 
@@ -88,11 +91,14 @@ def test_vibration_tells_rate_bounds_and_level(handout):
 
 
 def test_the_pulses_of_a_study_are_of_no_account(handout):
-    asked = {"psd": [(20.0, 9.0), (2000.0, 9.0)], "duration": 0.2, "C": [25.0], "records": 2}
-    asked |= {"model": "cosines", "cosines": 3}
-    plain = snapmap.vibration(handout, **asked)
-    both = snapmap.vibration(handout, **asked, pulse=["half sine", "sawtooth"], direction="both")
-    assert both.identical(plain)
+    asked = {"duration": 0.2, "records": 2, "seed": 1, "reach": 0.01}
+    spectrum, shocks = Spectrum([(20.0, 9.0), (2000.0, 9.0)]), shocks_from("sawtooth", "both")
+    plain, _ = study_of(handout, "cosines", {"cosines": 3})
+    found = [
+        vibration_of(study, {"C": [25.0]}, spectrum, asked)
+        for study in (plain, replace(plain, shocks=shocks))
+    ]
+    assert found[0].identical(found[1])
 
 
 @pytest.mark.parametrize(

@@ -82,7 +82,8 @@ def test_few_cosines_give_the_converged_threshold(handout, hard, f0):
 def test_elements_converge_to_the_cosines(handout):
     converged = threshold(handout, 1500.0, model="cosines", modes=12, step=0.25)
     errors = [
-        threshold(handout, 1500.0, model="elements", elements=n) / converged - 1 for n in (5, 10)
+        threshold(handout, 1500.0, model="elements", elements=n, step=0.25) / converged - 1
+        for n in (5, 10)
     ]
     assert errors[0] == pytest.approx(1.5e-3, rel=0.1)
     assert 3.5 < np.log2(errors[0] / errors[1]) < 4.5

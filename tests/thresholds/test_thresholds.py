@@ -138,7 +138,8 @@ def test_a_threshold_is_where_the_sweep_changes(handout):
     found = snapmap.threshold(handout, f0=[1500.0], C=[0.025], model="handout", horizon=300.0)
     N = float(found.N_first.squeeze())
     assert pytest.approx(984.73, abs=0.1) == N
-    cube = snapmap.sweep(handout, N=[0.9997 * N, 1.0001 * N], f0=[1500.0], C=[0.025], horizon=300.0)
+    asked = {"f0": [1500.0], "C": [0.025], "horizon": 300.0, "model": "handout"}
+    cube = snapmap.sweep(handout, N=[0.9997 * N, 1.0001 * N], until="snap", **asked)
     assert np.isfinite(cube.t_snap.values).ravel().tolist() == [False, True]
 
 

@@ -4,7 +4,7 @@ from importlib import import_module
 
 from .io.extras import needing
 
-__version__ = "0.2.0"
+__version__ = "0.3.0"
 
 _HOME = {
     "calibrate": "calibration.dataset",

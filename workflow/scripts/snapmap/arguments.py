@@ -187,7 +187,7 @@ THRESHOLDS = _dataset("a Dataset of thresholds, as threshold returns it", "N_fir
 PATH = Argument("the path of a file that is there", _is_path)
 DEVICE = _of_type("a Device; load_device reads one", Device)
 SHOCK = {
-    "N": (range_of("[0, inf)"), "multiples of g", "1000"),
+    "N": (range_of("[0, inf)"), "multiples of g (direction -z pushes the other way)", "1000"),
     "f0": _of_axis("f0", "1500"),
     "C": _of_axis("C", "25"),
 }

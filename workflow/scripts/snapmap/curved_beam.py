@@ -103,9 +103,9 @@ class Beam:
             return
         Q = np.divide(self.rise, self.thickness)
         none = (
-            "device.beam: rise/thickness = {:g} um/{:g} um = {:.6g} and a residual stress of {:g} "
-            "MPa leave no second stable shape; it needs a stress below {:.5g} MPa or, as a cosine "
-            "without stress, a rise/thickness of more than {:.3f}"
+            "device.beam: rise/thickness = {:g} um/{:g} um = {:.6g} and a stress of {:g} MPa leave "
+            "no second stable shape; it needs a stress below {:.5g} MPa, or of a cosine without "
+            "stress rise/thickness of more than {:.3f}"
         )
         needed = BISTABILITY_LIMIT / np.sqrt(self.held)
         at_fault = self.rise, self.thickness, Q, self.residual_stress, self.most_stress, needed

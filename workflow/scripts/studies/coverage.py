@@ -95,8 +95,7 @@ def main():
         device = draw_widest_device(draw) if of_all else draw_device(draw)
         shocks = draw_pulse(draw) if of_all else HANDOUT_SHOCK
         slowest = SLOWEST if of_all else FREQUENCIES[0]
-        shocks = draw_shocks(draw, device, (slowest, FREQUENCIES[1]))
-        f0, C = (few(values) for values in shocks)
+        f0, C = (few(ones) for ones in draw_shocks(draw, device, (slowest, FREQUENCIES[1])))
         runs = {name: ask(device, f0, C, options, shocks) for name, options in MODELS.items()}
         about = next(run.result[0] for run in runs.values() if run.result)
         truth = judge(device, f0, C, about, shocks)

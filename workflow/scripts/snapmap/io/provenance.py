@@ -134,7 +134,7 @@ def _with_units(values):
 
 
 def code_version() -> str:
-    """Such as `0.2.0+1a2b3c4.dirty sources 5d6e7f8a9b0c`; without git only the sources' hash."""
+    """Such as `0.3.0+1a2b3c4.dirty sources 5d6e7f8a9b0c`; without git only the sources' hash."""
     commit = _commit()
     return f"{__version__}{'+' + commit if commit else ''} sources {code_hash(*NUMBERS, *DRAWS)}"
 

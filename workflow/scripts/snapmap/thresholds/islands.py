@@ -60,6 +60,8 @@ by itself."""
 FINE_STEPS, CHATTERS = 0.25, 0.5
 """Times the own step, where the mass may chatter, which takes short steps to see: under a pulse
 with corners, or on a contact so near a hard one."""
+ISLANDS = 0.005
+"""How far below a clean threshold, relative, the best model looks again where a row rings."""
 JUDGED_STEP = 4.0
 """Steps of the judge's scan of a ragged row, over those of the others."""
 FARTHEST = 0.25
@@ -73,7 +75,9 @@ class Thresholds(NamedTuple):
     status: whether N_first was found, or why not: index into STATUS
     N_bound: below it nothing can snap, by energy
     N_looked: the highest N looked at
-    N_first: the lowest N seen to snap; below its bar, nothing wider than NARROW does
+    N_first: the lowest N seen to snap; below its bar, nothing wider than NARROW does within
+        BESIDE of a clean threshold of a row that rings, than FINEST_STEP near a ragged one, and
+        than FINE_STEP elsewhere
     N_error: of N_first: what other levels, another step and the refinement leave open
     N_half: N_always less the lengths of the islands: as much snaps below it as does not above
     half_error: of N_half, likewise
@@ -171,6 +175,9 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
     in_time = np.fmax(in_time, in_fine)
     # The better level may itself be off by as much.
     near = in_time + np.max(in_space, axis=0) + (in_space[1] if better else 0.0)
+    # An island below that finer steps open belongs to the bar.
+    below = Window((1 - ISLANDS) * N_first, N_first, np.full(N_first.size, CLOSEST_STEP))
+    near = np.fmax(near, N_first - _elsewhere(ask(fine), below, ~ragged & (pace >= RINGS))[0])
     apart = np.isinf(near)
     ragged |= apart
     window = chosen(apart, whole, window)

@@ -15,9 +15,18 @@ from ..solver.cells import rows_of, to_rows
 from ..solver.settings import THRESHOLD_TOLERANCE
 from ..study import THRESHOLD_SETTINGS, Study, frequencies, study_of
 from .cost import tell_cost
-from .islands import ABOVE, NARROW, NOT_FOLLOWED, NOTHING_SNAPS, STATUS, survey
+from .islands import (
+    ABOVE,
+    FINEST_STEP,
+    NARROW,
+    NOT_FOLLOWED,
+    NOTHING_SNAPS,
+    STATUS,
+    survey,
+)
 from .reuse import joined, recall
 from .settling import lowest_latched
+from .transitions import FINE_STEP
 
 IMPULSE, IMPULSE_OF_BEAM = 100.0, 10.0
 """A pulse of so many times the device's own frequency, and the beam's, is as good as a jump in
@@ -43,7 +52,9 @@ VARIABLES = {
     "N_first": {
         "long_name": "lowest amplitude seen to snap",
         "units": "1",
-        "comment": f"in multiples of g; stretches narrower than {NARROW:.2%} of N may lie below",
+        "comment": f"in multiples of g; narrower stretches may lie below: than {NARROW:.2%} of N "
+        f"near a clean threshold of a fast pulse, {FINEST_STEP:.1%} near a ragged one, "
+        f"{FINE_STEP:.1%} elsewhere",
     },
     "scale_first": {
         "long_name": "lowest factor of the record that snaps",
