@@ -25,7 +25,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from ..arguments import ARGUMENTS, Argument, whole
+from ..arguments import ARGUMENTS, Argument, integer
 from ..numerics.portable import geometric, linear
 from ..quantities import KINDS, range_of
 from .units import read, show
@@ -240,7 +240,7 @@ class Range(Section):
 
     start: Annotated[object, words("one end, a value of the axis"), Field(alias="from")]
     stop: Annotated[object, words("the other end, a value of the axis"), Field(alias="to")]
-    points: argument(whole(1, 1_000_000), "values, both ends counted")
+    points: argument(integer(1, 1_000_000), "values, both ends counted")
     spacing: word("linear", "log", out="`linear`")
 
     def make(self) -> np.ndarray:

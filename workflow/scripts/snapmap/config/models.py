@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field, PrivateAttr, create_model
 
-from ..arguments import OPTIONS, Argument, whole
+from ..arguments import OPTIONS, Argument, integer
 from ..axes import COORDINATES, axis_behind
 from ..beam.vibration import damped
 from ..curved_beam import COSINES
@@ -61,7 +61,7 @@ AS_MEASURED = 0.1
 """By how much span and rise may differ from a measured shape's, relative."""
 LEAST_TILT = 1e-6
 """Of a measured shape, um; below it there is none but rounding."""
-WHOLE = ("file", *MAKERS)
+TIMED = ("file", *MAKERS)
 """Keys of shocks that are more than a shape, and last as long as they last."""
 OF_SPECTRA = {"psd": ("duration", "probability"), "srs": ("direction",)}
 """What may stand beside a spectrum."""
@@ -337,7 +337,7 @@ class Blow(Section):
     N: quantity("number", "the peak over those of others", "2", "`1`")
     duration: quantity("pulse", out="`wait` or `repeat`, alone")
     wait: quantity("pulse", out="none")
-    repeat: argument(whole(1, 100_000), "how often all before it comes in all", out="once")
+    repeat: argument(integer(1, 100_000), "how often all before it comes in all", out="once")
 
 
 class Drop(Section):
@@ -393,10 +393,10 @@ class PulseSection(Section):
     @classmethod
     def beside(cls, given: Mapping) -> dict[tuple, str]:
         """Name what stands beside a shock that is more than a shape."""
-        if whole := next((name for name in WHOLE if name in given), None):
-            others = [name for name in ("shape", *SHARES, *WHOLE) if name != whole]
+        if timed := next((name for name in TIMED if name in given), None):
+            others = [name for name in ("shape", *SHARES, *TIMED) if name != timed]
             said = [name for name in others if name in given]
-            return {(name,): f"stands beside {whole}; write one of them" for name in said}
+            return {(name,): f"stands beside {timed}; write one of them" for name in said}
         return {}
 
     def values(self) -> dict:
@@ -497,7 +497,7 @@ class RequirementSection(PulseSection):
         """Name what stands beside a spectrum, or lacks with it or without one."""
         spectrum = next((name for name in OF_SPECTRA if name in given), None)
         if spectrum is None:
-            return super().beside(given) | _one_time(given, any(name in given for name in WHOLE))
+            return super().beside(given) | _one_time(given, any(name in given for name in TIMED))
         known = "name", "snaps", spectrum, *OF_SPECTRA[spectrum]
         others = [name for name in cls.model_fields if name in given and name not in known]
         faults = {(name,): f"stands beside {spectrum}; leave it out" for name in others[-1:]}
@@ -794,7 +794,7 @@ class Document(Section):
                 faults["devices", name] = f"{show(name)} is not {need}"
         if isinstance(sweep, Mapping):
             pulse = given.get("pulse")
-            itself = isinstance(pulse, Mapping) and any(name in pulse for name in WHOLE)
+            itself = isinstance(pulse, Mapping) and any(name in pulse for name in TIMED)
             faults |= _one_time(sweep, itself, ("sweep",))
             faults |= _dampers(given, sweep, several)
         return faults
