@@ -42,7 +42,8 @@ histories:
 OPTIONAL = {"damping", "elements", "mass_matrix", "step", "spacing", "until", "repeat"}
 OPTIONAL |= {"energy_tolerance", "threshold_tolerance", "histories"}
 KIND = {
-    **dict.fromkeys(("span", "rise", "thickness", "depth"), "length"),
+    **dict.fromkeys(("span", "thickness", "depth"), "length"),
+    "rise": "distance",  # of 0 a device cannot be, which is said of it as a device
     **{"youngs_modulus": "modulus", "density": "density", "damping": "rate", "mass": "mass"},
     **{"spring": "stiffness", "contact": "contact", "gravity": "acceleration"},
     **{"horizon": "duration", "f0": "frequency", "C": "damper", "N": "number"},
