@@ -26,8 +26,8 @@ from snapmap.config.study import load_config
 from snapmap.config.yaml_file import read_document
 from snapmap.device import values_of
 from snapmap.study import THRESHOLD_SETTINGS
-from snapmap.sweeps.partition import cells_in, slab_name
 from snapmap.sweeps.plan import make_plan
+from snapmap.sweeps.slabs import cells_in, slab_name
 
 if not workflow.overwrite_configfiles:
 

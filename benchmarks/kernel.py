@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from timing import take_turns
 
-from snapmap.numerics.arithmetic import widen_vectors
+from snapmap.numerics.kernels import widen_vectors
 from snapmap.solver.kernel.lanes import load
 from snapmap.solver.kernel.pulse import BLOCK
 from snapmap.solver.kernel.rows import LANES

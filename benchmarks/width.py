@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from snapmap import load_device
 from snapmap.io.markdown import number, table
-from snapmap.numerics import arithmetic
+from snapmap.numerics import kernels
 from studies.few import few
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -73,7 +73,7 @@ def _run(bits):
 
 
 def _measure(bits):
-    arithmetic.VECTOR_BITS = bits  # before anything is compiled
+    kernels.VECTOR_BITS = bits  # before anything is compiled
     from kernel import KERNELS, block_seconds, peak_flops, step_flops, vector_bits
 
     from snapmap.solver.models import build_model

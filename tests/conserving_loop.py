@@ -6,14 +6,14 @@ The kernel is held against it to rounding.
 import numpy as np
 
 from snapmap.numerics import pieces as curve
-from snapmap.solver.record import Motion
+from snapmap.solver.cells import Motion
 
 
 def follow(model, pulse, amplitude, f0, C, dt, steps):
     """The `Motion` of one cell at every half step, and w(L/2) from rest at every instant."""
     device, (kappa, S, Sq0, f, e, axial, c, _) = model.device, model.modal
     M, K, alpha, k = device.mass, device.spring, device.beam.damping, 1 / (1 / device.contact + c)
-    G, heavy, drag = 1 + kappa * dt**2 / 4, M + K * dt**2 / 4, alpha * dt / 2
+    G, heavy, drag = inertia(kappa, dt), M + K * dt**2 / 4, alpha * dt / 2
     p_old = p = np.zeros(kappa.size)
     y_old = y = q = work = lost = a = 0.0
     x, motion, w = -device.gap, [], []
@@ -54,6 +54,13 @@ def follow(model, pulse, amplitude, f0, C, dt, steps):
         half = (p_old + p) / 2, (p - p_old) / dt, (y_old + y) / 2, (y - y_old) / dt
         motion.append(((n + 0.5) * dt, *half, q, work, lost))
     return Motion(*map(np.array, zip(*motion, strict=True))), np.array(w)
+
+
+def inertia(kappa, dt):
+    """With which a mode swings by itself as it should, up to 2 radians a step."""
+    x = np.sqrt(kappa) * dt
+    half = np.minimum(x, 2.0) / 2
+    return (half / np.tan(half)) ** 2 + x**2 / 4
 
 
 def sample(pulse, f0, n, dt):

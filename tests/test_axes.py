@@ -13,11 +13,10 @@ from snapmap.axes import make_grid
 from snapmap.config.study import load_config
 from snapmap.device import VALUES
 from snapmap.solver.outcome import ABSENT
-from snapmap.sweeps.assemble import collect_slabs
+from snapmap.sweeps.collect import collect_slabs
 from snapmap.sweeps.grid import follow_rows
-from snapmap.sweeps.partition import slab_name
 from snapmap.sweeps.plan import make_plan
-from snapmap.sweeps.slab import write_slab
+from snapmap.sweeps.slabs import slab_name, write_slab
 
 SHOCK = {"N": [700.0, 900.0, 1100.0, 1300.0], "f0": [900.0, 4000.0], "C": [0.5, 30.0]}
 MODELS = {
@@ -64,12 +63,18 @@ def test_every_value_can_be_an_axis(handout, key):
 
 
 def test_hard_contact_stands_beside_stiffnesses(handout):
-    asked = SHOCK | {"horizon": 100.0, "model": "handout"}
+    asked = SHOCK | {"horizon": 100.0, "model": "cosines", "modes": 3}
     cube = snapmap.sweep(handout, **asked, contact=[40.0, np.inf, 60.0])
     for contact in (40.0, np.inf, 60.0):
         assert same(
             cube.sel(contact=contact), snapmap.sweep(replace(handout, contact=contact), **asked)
         )
+
+
+def test_elements_keep_modes_by_the_contact_of_all_devices(handout):
+    hard = SHOCK | {"model": "handout", "contact": [40.0, np.inf]}
+    with pytest.raises(ValueError, match="contact: the handout model takes hard ones and others"):
+        snapmap.sweep(handout, **hard)
 
 
 def test_devices_by_name_are_an_axis(handout):
@@ -181,7 +186,7 @@ def test_an_axis_of_the_device_grows_as_any_other(tmp_path, monkeypatch):
         followed.append(rows.f0.size * len(N))
         return follow_rows(model, rows, N, settings)
 
-    monkeypatch.setattr("snapmap.sweeps.slab.follow_rows", counted)
+    monkeypatch.setattr("snapmap.sweeps.slabs.follow_rows", counted)
     for thickness in (["1.8 um", "1.9 um"], ["1.8 um", "1.85 um", "1.9 um"]):
         followed.clear()
         study = load_config(document(thickness=thickness) | {"model": {"name": "cosines"}})

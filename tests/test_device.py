@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import pytest
 
+import snapmap
 from snapmap.device import STRENGTH, THERMAL, VALUES, Beam, Device
 
 BEAM = Beam(span=600.0, rise=10.0, thickness=2.0, depth=22.0, youngs_modulus=1.5e5, density=0.00233)
@@ -33,7 +34,20 @@ def test_beam_needs_a_second_equilibrium():
     with pytest.raises(
         ValueError, match=r"^device\.beam: rise/thickness = 4 um/2 um = 2 and .* more than 2\.309$"
     ):
-        replace(BEAM, rise=4.0)
+        replace(BEAM, rise=4.0).require_second_shape()
+
+
+def refused_by(verb):
+    with pytest.raises(ValueError, match=r"^device\.beam: rise/thickness = 4 um/2 um = 2 and "):
+        verb(replace(DEVICE, beam=replace(BEAM, rise=4.0)))
+
+
+def test_a_cosine_without_a_second_shape_is_refused_where_it_is_shaken_alone():
+    refused_by(lambda device: snapmap.threshold(device, [1500.0], [25.0]))
+    refused_by(lambda device: snapmap.sweep(device, [900.0], [1500.0], [25.0]))
+    refused_by(lambda device: snapmap.simulate(device, 900.0, 1500.0, 25.0))
+    found = snapmap.statics(replace(DEVICE, beam=replace(BEAM, rise=4.0)))
+    assert found.largest_force > found.least_force > 0  # it snaps, and returns by itself
 
 
 BEAM_SIZES = ["span", "rise", "thickness", "depth", "youngs_modulus", "density"]
@@ -42,9 +56,9 @@ BEAM_SIZES = ["span", "rise", "thickness", "depth", "youngs_modulus", "density"]
 @pytest.mark.parametrize("name", BEAM_SIZES)
 @pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
 def test_beam_sizes_are_positive_and_finite(name, value):
-    with pytest.raises(
-        ValueError, match=rf"^device\.beam(\.{name}: {value} is not|: rise/thickness = 0 um).*$"
-    ):
+    if (name, value) == ("rise", 0.0):  # a straight beam, which compression buckles
+        return
+    with pytest.raises(ValueError, match=rf"^device\.beam\.{name}: {value} is not .*$"):
         replace(BEAM, **{name: value})
 
 

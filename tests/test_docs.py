@@ -14,7 +14,7 @@ import yaml
 import snapmap
 from snapmap.config.study import load_config
 from snapmap.io.netcdf import write
-from snapmap.io.rows import read_rows
+from snapmap.io.tables import read_verdicts
 from snapmap.tolerances.statistics import percents
 from studies import sensitivity
 
@@ -106,7 +106,7 @@ def test_the_tutorial_says_what_its_study_gives(root, tmp_path):
         assert f"{one.N_first.item():.1f} g, give or take {one.N_error.item():.1f}." in words
         same = int((found.N_latched == found.N_first).sum())
         assert f"`N_first` itself in {same} of {found.N_first.size} rows" in words
-    margins = [row["margin"] for row in read_rows(tmp_path / "results" / "requirements.csv")]
+    margins = [row["margin"] for row in read_verdicts(tmp_path / "results" / "requirements.csv")]
     crash, _, drop, _ = margins
     assert f"a threshold at {crash:.2f} times its amplitude, the drop at {drop:.2f}" in words
     with xr.open_dataset(tmp_path / "results" / "tolerance.nc") as made:

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 import snapmap
 from snapmap.beam.equilibria import static_threshold
 from snapmap.pulse import make_pulse, sampled
-from snapmap.solver.bracket import lowest_snap
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
+from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import Settings
 
 FACTORS = st.floats(0.01, 100.0)

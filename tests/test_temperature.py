@@ -9,7 +9,7 @@ import snapmap
 from snapmap.axes import make_grid
 from snapmap.config.devices import read_device
 from snapmap.config.study import load_config
-from snapmap.config.yaml_file import read_document
+from snapmap.config.yaml_file import ConfigError, read_document
 from snapmap.device import batch
 from snapmap.solver.cells import to_cells
 
@@ -101,11 +101,27 @@ def test_a_temperature_that_changes_nothing_is_told(document):
     assert not any("thermal" in line for line in warmed.doubts())
 
 
-def test_a_device_that_has_a_second_shape_at_the_temperature_alone_is_taken_there(handout):
-    beam = dataclasses.replace(handout.beam, shape="arc", residual_stress=-20.0)
-    arc = dataclasses.replace(handout, beam=beam, expansion_mismatch=9e-6)
-    grid = make_grid(arc, {"temperature": [20.0, 120.0]}, skip=True)
+@pytest.mark.parametrize("beam", [{"shape": "arc", "residual_stress": -20.0}, {"rise": 4.0}])
+def test_a_second_shape_is_needed_at_the_temperature_alone(handout, beam):
+    made = dataclasses.replace(handout.beam, **beam)
+    cold = dataclasses.replace(handout, beam=made, expansion_mismatch=9e-6)
+    grid = make_grid(cold, {"temperature": [20.0, 120.0]}, skip=True)
     assert grid.device_of.tolist() == [-1, 0]
-    assert grid.device.beam.residual_stress == pytest.approx([-20 - 150e3 * 9e-4])
+    assert grid.device.beam.residual_stress == pytest.approx([made.residual_stress - 150e3 * 9e-4])
+    assert len(make_grid(cold, {"temperature": [120.0]}).device) == 1
     with pytest.raises(ValueError, match=r"temperature = 20 degC: device.beam: .* second stable"):
-        make_grid(arc, {"temperature": [20.0, 120.0]})
+        make_grid(cold, {"temperature": [20.0, 120.0]})
+
+
+def test_a_config_of_a_device_that_snaps_when_warm_is_taken(document):
+    device = document["device"] | {"thermal": {"mismatch": "9e-6 /K"}}
+    device["beam"] = device["beam"] | {"rise": "4 um"}
+    warm = document | {
+        "device": device,
+        "sweep": document["sweep"] | {"temperature": ["120 degC"]},
+    }
+    assert load_config(warm).grid.device.beam.is_bistable.all()
+    required = {"name": "drop", "N": 1000, "f0": "1 kHz", "snaps": True}
+    for asked in ({"requirements": [required]}, {"tolerances": {"depth": "1 %"}}):
+        with pytest.raises(ConfigError, match=r"^device.beam: rise/thickness = 4 um/2 um = 2 "):
+            load_config(warm | asked)

@@ -5,10 +5,11 @@ import dataclasses
 import numpy as np
 import pytest
 
-from snapmap.beam.barrier import find_barrier, unit_buckling
 from snapmap.beam.cosines import symmetric_cosines
 from snapmap.beam.elements import hermite_elements
+from snapmap.beam.equilibria import find_barrier
 from snapmap.beam.modal import unit_modes
+from snapmap.numerics.linalg import eigh
 
 BASES = {
     "1 cosine": (symmetric_cosines(1), None),
@@ -30,7 +31,7 @@ Q = np.unique([*np.geomspace(2.32, 50, 40), *np.linspace(2.44, 2.5, 31)])
 
 def branches(modal, basis, modes):
     """Starts of Newton's method: every root of the first mode, and every mode at its own load."""
-    loads, shapes = unit_buckling(basis, modes)
+    loads, shapes = eigh(np.diag(modal.stiffness), modal.geometric)
     s, axial = shapes.T @ modal.slope_start, modal.axial
     for q in np.roots([axial, 0.0, loads[0] - axial * s[0] ** 2, -loads[0] * s[0]]):
         if abs(q.imag) < 1e-9:

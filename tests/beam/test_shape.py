@@ -8,9 +8,9 @@ from numpy.polynomial import Legendre, Polynomial
 from scipy.optimize import root
 
 from snapmap import load_device, simulate, statics, threshold
-from snapmap.beam.barrier import find_barrier
 from snapmap.beam.cosines import symmetric_cosines
 from snapmap.beam.elements import hermite_elements
+from snapmap.beam.equilibria import find_barrier
 from snapmap.beam.modal import reduce_to_modes
 from snapmap.config.devices import read_device
 from snapmap.device import Beam
@@ -184,7 +184,7 @@ def test_what_is_not_bistable_is_named(beam):
     ):
         replace(beam, **flat).require_second_shape()
     with pytest.raises(ValueError, match=r"needs a stress below -5\.48"):
-        replace(beam, rise=0.0)
+        replace(beam, rise=0.0).require_second_shape()
     with pytest.raises(ValueError, match=r"shape: circle is not one of cosine, arc, parabola"):
         replace(beam, shape="circle")
 
@@ -219,8 +219,6 @@ def test_a_config_names_shapes_and_clamps(section):
     assert (
         read_device(document(section, shape="arc", residual_stress="-80 MPa")).beam.shape == "arc"
     )
-    with pytest.raises(ValueError, match=r"needs a stress below -5\.48"):
-        read_device(document(section, rise="0 um"))
     with pytest.raises(ValueError, match=r"shape\.cosines: the odd ones add up to 0"):
         read_device(document(section, shape={"cosines": [0, 1]}))
 

@@ -8,8 +8,7 @@ import pytest
 import snapmap
 from snapmap.beam.cosines import buckling_shapes, symmetric_cosines
 from snapmap.beam.elements import hermite_elements
-from snapmap.beam.modal import reduce_to_modes
-from snapmap.beam.prestress import buckling
+from snapmap.beam.modal import buckling, reduce_to_modes
 from snapmap.beam.stress import stress_of
 
 

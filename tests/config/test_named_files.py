@@ -18,8 +18,8 @@ from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError, read_document
 from snapmap.io.named import hold_to_plan, sha256_of
 from snapmap.io.netcdf import check_alike
-from snapmap.io.points import read_points
 from snapmap.io.recorded import RECORD, shocks_of
+from snapmap.io.tables import read_points
 from snapmap.pulse import HANDOUT_SHOCK
 
 STUDY = (
@@ -158,7 +158,7 @@ def test_no_other_file_is_quoted(tmp_path):
     path.write_text("root:x:0:0:secret,word\n", encoding="utf-8")
     with pytest.raises(ValueError) as fault:
         read_points(path)
-    assert "line 1: names no column of points" in str(fault.value)
+    assert "line 1: names no column of this table" in str(fault.value)
     assert "secret" not in str(fault.value) and "word" not in str(fault.value)
 
 

@@ -11,7 +11,7 @@ import yaml
 
 import snapmap
 from snapmap.beam.elements import hermite_elements
-from snapmap.beam.vibration import natural_frequency
+from snapmap.beam.modal import natural_frequency
 from snapmap.config.devices import load_device, read_device
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError, read_document

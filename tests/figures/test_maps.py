@@ -29,7 +29,7 @@ from snapmap.figures.states import (
     end_states,
     snap_states,
 )
-from snapmap.io.points import Point, read_points
+from snapmap.io.tables import Point, read_points
 from snapmap.sweeps.cube import summary, with_summary
 
 EVERY = make_cells(["0123456"])
@@ -429,12 +429,12 @@ def test_points_are_read_over_frequencies_and_durations(tmp_path):
         ("f0\n1\n", "line 1: column N is missing"),
         ("N\n1\n", "line 1: write one of the columns f0 (Hz) and duration (ms)"),
         ("N,f0,duration\n1,2,3\n", "line 1: write one of the columns f0 (Hz) and duration (ms)"),
-        ("N,f0\n1,2\n1\n", "line 3: has 1 columns, the header 2"),
+        ("N,f0\n1,2\n1\n", "line 3, column f0: '' is no number above 0"),
         ("N,f0\n1,2\n1,fast\n", "line 3, column f0: 'fast' is no number above 0"),
         ("N,duration\n-1,2\n", "line 2, column N: '-1' is no number above 0"),
         ("N,duration\n1,0\n", "line 2, column duration: '0' is no number above 0"),
-        ("N;f0\n1,5;2\n", "line 1: semicolons separate the columns; write commas; write decimals"),
-        ("N,f0\n1,5,2\n", "line 2: has 3 columns, the header 2; write decimals with a point"),
+        ("N;f0\n1,5;2\n", "line 2, column N: '1,5' is no number above 0; write decimals with a"),
+        ("N,f0\n1,5,2\n", "line 2: has more than 2 columns; write decimals with a point"),
         ('N,f0\n"1,5",2\n', "line 2, column N: '1,5' is no number above 0; write decimals with a"),
         ("N,f0,snapped\n1,2,maybe\n", "line 2, column snapped: 'maybe' is not yes or no"),
     ],

@@ -8,6 +8,7 @@ import pytest
 
 import snapmap
 from snapmap.io.netcdf import write
+from snapmap.io.tables import read_verdicts
 from snapmap.solver.outcome import OUTCOMES
 from snapmap.thresholds.rows import tidy
 
@@ -68,3 +69,17 @@ def test_the_installed_package_has_all_its_files(root):
         if path.is_file() and path.suffix not in (".py", ".pyc", ".nbi", ".nbc"):
             room = ".".join(path.parent.relative_to(package.parent).parts)
             assert any(fnmatch(path.name, one) for one in patterns[room]), path
+
+
+def test_names_of_verdicts_stay_text_and_numbers_are_numbers(tmp_path):
+    path = tmp_path / "requirements.csv"
+    lines = [
+        "requirement,device,margin,must_snap,verdict,must_survive",
+        "nan,12,nan,True,met,0.999",
+    ]
+    path.write_text("\n".join([*lines, "b,,0.5,False,failed,nan"]) + "\n")
+    first, second = read_verdicts(path)
+    assert (first["requirement"], first["device"], second["device"]) == ("nan", "12", "")
+    assert first["margin"] != first["margin"] and second["margin"] == 0.5
+    assert (first["must_snap"], second["must_snap"], first["verdict"]) == (True, False, "met")
+    assert second["must_survive"] != second["must_survive"]

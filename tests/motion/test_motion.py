@@ -10,7 +10,7 @@ from snapmap.motion.history import extremes_of
 from snapmap.pulse import shocks_from
 from snapmap.solver.cells import Observations, to_cells
 from snapmap.solver.models import build_model
-from snapmap.solver.repeat import REPEATED_STEP, work_error
+from snapmap.solver.outcome import REPEATED_STEP, work_error
 from snapmap.solver.settings import Settings
 from snapmap.study import Study
 from snapmap.sweeps.grid import ABSENCE

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from snapmap.numerics import portable
-from snapmap.numerics.arithmetic import sine
+from snapmap.numerics.kernels import sine
 from snapmap.numerics.portable import geometric, linear
 
 

@@ -12,9 +12,9 @@ import snapmap
 from snapmap.beam.equilibria import static_threshold
 from snapmap.device import ALONE
 from snapmap.pulse import Pulse
-from snapmap.solver.bracket import lowest_snap
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
+from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import Settings
 
 F0 = 20_000.0

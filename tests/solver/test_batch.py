@@ -42,6 +42,8 @@ def devices():
 
 @pytest.mark.parametrize("name", MODELS)
 def test_a_batch_is_each_of_its_devices(devices, name):
+    if name == "handout":  # its modes depend on the contact
+        devices = [device for device in devices if np.isfinite(device.contact)]
     together, settings = choose_model(batch(devices), MODELS[name]), Settings(horizon=200.0)
     shares = np.linspace(0.7, 2.0, 14)
     N = np.multiply.outer([static_threshold(device) for device in devices], shares)

@@ -226,7 +226,7 @@ def test_the_well_is_where_the_recorded_beam_spends_the_last_swing(handout, mode
     """Open cells: side and share against a recording of the same steps, sampled more finely."""
     (name, options), horizon = model, 900.0
     built = build_model(handout, name, **options)
-    cells = to_cells(handout, 0, *random_cells(handout, 24, 7, [0.025, 25.0]), horizon)
+    cells = to_cells(handout, 0, *random_cells(handout, 48, 7, [0.025, 25.0]), horizon)
     seen, own = built.follow_once(cells, Settings(horizon)), 2 * np.pi / handout.own_frequency
     dt = built.steps.of(cells, Settings().pulses, STAY)
     assert set(seen.well) == {1, 2}

@@ -8,10 +8,9 @@ import pytest
 from snapmap.beam.equilibria import static_threshold
 from snapmap.device import ALONE, batch
 from snapmap.pulse import SHAPES, make_pulse, sampled
-from snapmap.solver.bracket import lowest_snap
 from snapmap.solver.cells import to_cells, to_rows
-from snapmap.solver.limits import arch_frequency, bending_limit, stability_limit
 from snapmap.solver.models import build_model
+from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import EDGE, MOVE, QUESTIONS, SNAP, STAY, Settings
 from snapmap.solver.steps import (
     FEWEST,
@@ -22,7 +21,10 @@ from snapmap.solver.steps import (
     SHORTEST,
     STIFF,
     Steps,
+    arch_frequency,
+    bending_limit,
     fixed,
+    stability_limit,
     stiffness_share,
 )
 
@@ -176,10 +178,12 @@ def test_thresholds_are_those_of_a_tenth_of_the_step(handout, shape, contact):
     np.testing.assert_allclose(found, fine, rtol=1e-3)
 
 
-@pytest.mark.parametrize("f0", [100.0, 300.0])
-def test_the_threshold_converges_with_order_two(handout, f0):
+@pytest.mark.parametrize(("f0", "coarse"), [(100.0, 250), (300.0, 500)])
+def test_the_threshold_converges_with_order_two(handout, f0, coarse):
+    """Where the first mode turns by more than 2 radians in both steps, or by less in both."""
     model = build_model(handout, "cosines", modes=4)
-    steps = [replace(model, steps=fixed(np.array([1e6 / f0 / n]))) for n in (8000, 500, 250)]
+    numbers = 8000, 2 * coarse, coarse
+    steps = [replace(model, steps=fixed(np.array([1e6 / f0 / n]))) for n in numbers]
     fine, *found = (threshold(one, f0, 25.0, make_pulse(), 1e-8).item() for one in steps)
     errors = np.abs(np.array(found) / fine - 1)
     assert np.log2(errors[1] / errors[0]) == pytest.approx(2.0, abs=0.3)

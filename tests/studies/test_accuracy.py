@@ -9,9 +9,9 @@ import pytest
 from snapmap.device import Beam, Device
 from snapmap.figures import accuracy, convergence, style
 from snapmap.pulse import HANDOUT_SHOCK, sampled, shocks_from
-from snapmap.solver.bracket import lowest_snap
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
+from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import Settings
 from studies.accuracy.budget import afford
 from studies.accuracy.cases import CONVERGED, list_cases

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from snapmap.io.atomic import seal
 from snapmap.solver.outcome import LATCHED, NEVER
 
 AXES = {
@@ -52,6 +53,7 @@ def write_synthetic(slab, path):
         for key, kind in KINDS.items():
             variable = file.createVariable(key, kind, tuple(slab), compression="zlib", complevel=1)
             variable[:] = values(key, *slab.values())
+    seal(path)
 
 
 def peak(root, script, *arguments):
@@ -72,7 +74,7 @@ COLLECT = """
 import sys
 from pathlib import Path
 import numpy as np
-from collect import collect
+from jobs import collect
 folder, axes, cube = sys.argv[1:]
 axes = np.load(axes)
 paths = sorted(Path(folder).glob("*.nc"))

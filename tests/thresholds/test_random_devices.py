@@ -8,10 +8,10 @@ import pytest
 
 import snapmap
 from snapmap.beam.equilibria import static_threshold
-from snapmap.solver.bracket import lowest_snap
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import FAILED, label
+from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import Settings
 from snapmap.thresholds.islands import SLOW
 from studies import coverage

@@ -120,7 +120,7 @@ def test_names_of_requirements_are_written_once(document):
         ),
         (
             {"srs": [["2 kHz", "1 g"], ["1 kHz", "1 g"]]},
-            "srs: give two frequencies or more",
+            "srs: [[2000.0, 1.0], [1000.0, 1.0]] is not two pairs",
         ),
         ({"N": 100}, "N: stands beside srs; leave it out"),
         ({"psd": [["1 kHz", "1 g^2/Hz"], ["2 kHz", "1 g^2/Hz"]]}, "srs: stands beside psd"),

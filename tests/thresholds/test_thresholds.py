@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import snapmap
-from snapmap.solver.bracket import amplitudes, asker, first_snap, refine
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
+from snapmap.solver.search import amplitudes, asker, first_snap, near, refine, walk
 from snapmap.solver.settings import Settings
 from snapmap.thresholds.islands import (
     NARROW,
@@ -19,7 +19,7 @@ from snapmap.thresholds.islands import (
     _whole_window,
     first_seen,
 )
-from snapmap.thresholds.transitions import refine_edges, stretches
+from snapmap.thresholds.transitions import stretches
 
 
 def told(snapped):
@@ -35,6 +35,19 @@ def test_refinement_finds_the_step_of_a_known_function():
 
     low, high = refine(ask, np.array([0.5, 2.0, 6.0]), np.array([1.5, 3.0, 8.0]), 1e-9)
     assert (low < exact).all() and (exact <= high).all() and (high / low - 1 <= 1e-9).all()
+
+
+def test_the_place_on_a_grid_does_not_depend_on_the_guess():
+    exact, size = np.array([0, 1, 17, 63, 64]), 64
+
+    def label(rows, places):
+        return exact[rows, np.newaxis] <= places
+
+    rows = np.arange(exact.size)
+    for guess in (0, 5, 17, 63):
+        assert (near(label, rows, np.full(exact.size, guess), size) == exact).all()
+    assert (walk(label, rows, 0, size) == exact).all()
+    assert walk(label, rows, 3, size, 10).tolist() == [3, 3, 23, 63, 64]
 
 
 def test_a_row_without_a_threshold_is_nan():
@@ -73,7 +86,9 @@ def surveyed(coarse, fine, highest=None):
     whole = _whole_window(rough, None, highest, slow)
     window, ragged = _closer_window(asking(coarse), whole, ~slow)
     edges, open_end, *_ = _decide(asking(fine), window, whole, ragged)
-    edges = refine_edges(lambda rows: lambda N: asking(fine)(N, rows), edges, 1e-6)
+    row, *ends, rising = edges
+    low, high = refine(lambda N: asking(fine)(N, row), *ends, 1e-6, rising)
+    edges = edges._replace(low=low, high=high)
     return stretches(edges, open_end)
 
 

@@ -1,5 +1,6 @@
 """Devices as made: samples, thresholds, probability, sensitivity and yield."""
 
+import warnings
 from dataclasses import replace
 
 import draw
@@ -14,13 +15,15 @@ from small_studies import THREE_COSINES
 import snapmap
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError
-from snapmap.device import values_of
+from snapmap.device import batch, values_of
 from snapmap.figures.explore_batch import batch_section
 from snapmap.pulse import shocks_from
+from snapmap.solver.adaptive import RUNGS
+from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
-from snapmap.tolerances import breaking
-from snapmap.tolerances.batch import Batch
+from snapmap.tolerances import batch as batches
+from snapmap.tolerances.batch import Batch, choose_builder
 from snapmap.tolerances.dataset import summary
 from snapmap.tolerances.samples import CUT, Plan
 from snapmap.tolerances.sensitivity import crossed, indices
@@ -187,6 +190,17 @@ def test_the_share_that_snaps_lies_within_its_bounds(handout):
     assert (inside >= 95).all()
 
 
+def test_where_all_rows_are_ragged_the_finest_level_decides(handout, monkeypatch):
+    """Each run of it changes the threshold."""
+    seen = iter(np.arange(1.0, 9.0))
+    monkeypatch.setattr(batches, "nominal_thresholds", lambda *_: np.full(2, next(seen)))
+    rows = to_rows(0, [5e3, 9e3], 0.025)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        build = choose_builder(handout, {"name": "auto"}, rows, Settings())
+    assert build(batch([handout])).modes == max(RUNGS)
+
+
 def test_samples_without_a_second_shape_count_and_never_snap(handout):
     thin = vary(handout, rise=5.0)
     made = snapmap.tolerance(thin, {"thickness": {"uniform": "25 %"}}, [1500.0], [25.0],
@@ -207,8 +221,8 @@ def test_results_hang_neither_on_threads_nor_on_company(handout):
 
 
 def test_shares_that_meet_requirements_are_those_of_the_thresholds(handout, monkeypatch):
-    monkeypatch.setattr(breaking, "FEWEST", 10)
-    monkeypatch.setattr(breaking, "FOLLOWED", 0)
+    monkeypatch.setattr(batches, "FEWEST", 10)
+    monkeypatch.setattr(batches, "FOLLOWED", 0)
     shocks = shocks_from("half sine", "+z")
     asked = [
         {"name": "trips", "shocks": shocks, "N": 1000.0, "f0": 2000.0, "snaps": True},

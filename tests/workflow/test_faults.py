@@ -16,9 +16,9 @@ from numba import njit
 from small_studies import THREE_COSINES
 
 from snapmap.config.study import load_config
-from snapmap.sweeps.assemble import collect_slabs
-from snapmap.sweeps.partition import slab_name
+from snapmap.sweeps.collect import collect_slabs
 from snapmap.sweeps.plan import make_plan
+from snapmap.sweeps.slabs import slab_name
 
 STUDY = (
     THREE_COSINES
@@ -197,28 +197,26 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("fault", FAULTS)
-def test_a_faulty_file_is_named_with_the_hole_it_leaves(slabs, fault):
+def test_a_faulty_file_is_named(slabs, fault):
     paths, axes = slabs
     FAULTS[fault](paths[1], paths[2])
     with pytest.raises(ValueError) as refusal:
         collect_slabs(paths, axes, {})
-    first, second = str(refusal.value).splitlines()
-    assert first.startswith(f"{paths[1]}: ")
-    hole = "hole in the grid: C = 25 uN*us/um, f0 = 300 to 10000 Hz: 0 of 800 cells are there"
-    assert second == hole
+    assert str(refusal.value).startswith(f"{paths[1]}: ")
+    assert "\n" not in str(refusal.value)
 
 
 def test_every_hole_is_listed(slabs):
     paths, axes = slabs
     with pytest.raises(ValueError) as refusal:
         collect_slabs([paths[0]], axes, {})
-    lines = str(refusal.value).splitlines()
-    assert ["C = 25 uN" in lines[0], "C = 50 uN" in lines[1], len(lines)] == [True, True, 2]
+    holes = [f"hole in the grid: C = {C} is in no slab" for C in axes["C"][1:]]
+    assert str(refusal.value).splitlines() == holes
 
 
 def test_a_slab_given_twice_is_refused(slabs):
     paths, axes = slabs
-    with pytest.raises(ValueError, match=r"C = 50 .* 1600 of 800 cells"):
+    with pytest.raises(ValueError, match=r"3200 cells are in the slabs of a grid of 2400"):
         collect_slabs([*paths, paths[-1]], axes, {})
 
 
@@ -309,7 +307,7 @@ def test_the_clone_and_the_packages_may_be_read_only(root, folder, undisturbed):
 
 OUTER = """
 import numba
-from snapmap.numerics.kept_kernels import compiled
+from snapmap.numerics.kernels import compiled
 from inner import factor
 
 @compiled

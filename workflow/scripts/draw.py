@@ -27,8 +27,7 @@ from snapmap.figures import (
 from snapmap.io.atomic import replacing
 from snapmap.io.job_log import run_rule
 from snapmap.io.netcdf import check_alike
-from snapmap.io.points import read_points
-from snapmap.io.rows import read_rows
+from snapmap.io.tables import read_points, read_verdicts
 from snapmap.numerics.portable import evenly
 
 COLUMNS, MOST, LINES = 3, 12, 6
@@ -148,7 +147,7 @@ def draw_statics(statics_paths, stems):
 
 def draw_requirements(requirements_path, stem):
     """Draw the margin of each required shock, a row for each device and C."""
-    verdicts = read_rows(requirements_path)
+    verdicts = read_verdicts(requirements_path)
     with style.paper():
         figure = style.double_column(height=1.2 + 0.32 * len(verdicts))
         requirements.draw_margins(figure.subplots(), verdicts)

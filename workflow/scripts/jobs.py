@@ -16,7 +16,7 @@ from snapmap.io.recorded import shocks_of
 
 def simulate_slab(study, axes, path, threads, code):
     """Simulate one slab and write it."""
-    from snapmap.sweeps.slab import write_slab
+    from snapmap.sweeps.slabs import write_slab
 
     counts = write_slab(study_from(study, threads), axes, path, code)
     print(f"{path}: " + ", ".join(f"{n} {outcome}" for outcome, n in counts.items()))
@@ -24,10 +24,13 @@ def simulate_slab(study, axes, path, threads, code):
 
 def collect(slab_paths, axes, config, path):
     """Join slabs on the axes of the whole grid, write the cube and say what is in it."""
-    from snapmap.sweeps.assemble import collect_slabs
+    import xarray as xr
+
+    from snapmap.sweeps.collect import collect_slabs
     from snapmap.sweeps.cube import summary
 
-    _write(collect_slabs(slab_paths, axes, config), path, summary)
+    with xr.set_options(file_cache_maxsize=2):  # each open slab keeps what was read of it
+        _write(collect_slabs(slab_paths, axes, config), path, summary)
 
 
 def find_threshold(study, axes, tolerance, highest, path, table_path, threads):
@@ -82,8 +85,7 @@ def check_requirements(study, requirements, vibrations, spectra, C, tolerance, p
     from math import nan
 
     from snapmap.motion.history import Extremes, extremes_of
-    from snapmap.random_vibration.verdicts import check_vibrations
-    from snapmap.shock_spectra.verdicts import check_spectra
+    from snapmap.spectra.verdicts import check_spectra, check_vibrations
     from snapmap.thresholds.requirements import Survival, Verdict, check, judge, summary
 
     study, required = study_from(study, threads), _required(requirements)
@@ -126,7 +128,7 @@ def find_tolerance(study, axes, tolerances, requirements, left_out, path, thread
 def fit_calibration(study, calibration, path, threads):
     """Fit the unknowns of a config's calibration, its fields by name, to measured shots."""
     from snapmap.calibration.dataset import calibration_of, summary
-    from snapmap.io.shots import read_shots
+    from snapmap.io.tables import read_shots
 
     files = calibration["files"]
     table = read_shots(calibration["shots"], files[calibration["shots"]])
@@ -139,11 +141,12 @@ def fit_calibration(study, calibration, path, threads):
 def write_datasheet(study, C, tolerances, requirements, requirements_path, path, threads):
     """Find what the data sheet tells beside the verdicts, and write it."""
     from snapmap.datasheet import datasheet
-    from snapmap.io.rows import read_rows
+    from snapmap.io.tables import read_verdicts
     from snapmap.tolerances.samples import Tolerances
 
     asked = C, Tolerances(**tolerances) if tolerances else None, _required(requirements)
-    _write_text(datasheet(study_from(study, threads), *asked, read_rows(requirements_path)), path)
+    verdicts = read_verdicts(requirements_path)
+    _write_text(datasheet(study_from(study, threads), *asked, verdicts), path)
 
 
 def measure_accuracy(device, pulse, axes, settings, plan, path, threads):

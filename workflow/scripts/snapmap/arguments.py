@@ -180,7 +180,8 @@ def _of_axis(key: str, example: str) -> dict[str, tuple]:
     return quantity.range, quantity.unit, example
 
 
-POSITIVE = _number(range_of("(0, inf)"))
+POSITIVE_RANGE = range_of("(0, inf)")
+POSITIVE, ANY = _number(POSITIVE_RANGE), _number(range_of("(-inf, inf)"))
 SHARE = _number(range_of("(0, 1)"), "", "0.95")
 FLAG = _of_type("True or False", bool, np.bool_)
 THRESHOLDS = _dataset("a Dataset of thresholds, as threshold returns it", "N_first")
@@ -221,6 +222,14 @@ ARGUMENTS = {
     "repeat": FLAG,
     "skip": FLAG,
     "pulse": Argument(f"one of {', '.join(SHAPES)}, nor what read_pulse gives", _is_pulse),
+    "pulse.shape": _word(*SHAPES),
+    "pulse.N": Argument("a number above or below 0", lambda value: ANY.fits(value) and value != 0),
+    **{f"pulse.{key}": _number(POSITIVE_RANGE, "us", "500") for key in ("duration", "wait")},
+    **{f"pulse.{key}": _number(POSITIVE_RANGE, "Hz", "100") for key in ("from", "to")},
+    "pulse.height": _number(POSITIVE_RANGE, "um", "1e6"),
+    "pulse.rebound": _number(range_of("[0, 0.99]"), "", "0.5"),
+    **dict.fromkeys(("pulse.rise", "pulse.fall"), SHARE),
+    "pulse.repeat": integer(1),
     "direction": Argument("+z, -z, both, or a list of these", _are_directions),
     **dict.fromkeys(
         (f"{name}.direction" for name in ("simulate", "srs_test", "design", "calibrate")),

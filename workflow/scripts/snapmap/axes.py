@@ -90,27 +90,27 @@ def make_grid(
     values = {key: points[key][place] for key, place in columns}
     stays = is_bistable(nominal, values, len(nominal)) if skip else np.ones(len(nominal), bool)
     some = {key: column[stays] for key, column in values.items()}
-    # Where no point has a device, the nominal one stands for the kind of model.
-    devices = _vary(nominal.pick(stays), some) if stays.any() else nominal.pick([0])
-    device_of = np.where(stays, np.cumsum(stays) - 1, -1).reshape(shape)
     names = {DEVICE: np.array(list(named))} if named else {}
+    at = {key: column[places[0][stays]] for key, column in names.items()} | some
+    # Where no point has a device, the nominal one stands for the kind of model.
+    devices = _vary(nominal.pick(stays), some, at) if stays.any() else nominal.pick([0])
+    device_of = np.where(stays, np.cumsum(stays) - 1, -1).reshape(shape)
     values = {key: points[key] for key in varied} | shocks.axes
     values |= {key: points[key] for key in SHOCK_AXES if key in points}
     return Grid(names | values, devices, device_of, shocks.pulses)
 
 
-def _vary(nominal, values):
-    """Set the values; a ValueError names the first point that cannot be."""
+def _vary(nominal, values, at):
+    """Set the values; a ValueError names the first point that cannot be, `at` values of axes."""
     try:
         return nominal.vary(values)
     except ValueError:
-        for i in range(len(nominal)):
-            point = {key: column[[i]] for key, column in values.items()}
+        for i in range(len(nominal) if at else 0):
             try:
-                nominal.pick([i]).vary(point)
+                nominal.pick([i]).vary({key: column[[i]] for key, column in values.items()})
             except ValueError as error:
-                words = point_text({key: value[0] for key, value in point.items()})
-                raise ValueError(f"{words}: {error}") from None
+                point = point_text({key: column[i] for key, column in at.items()})
+                raise ValueError(f"{point}: {error}") from None
         raise
 
 

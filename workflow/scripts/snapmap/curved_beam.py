@@ -70,34 +70,30 @@ class Beam:
                 key = "clamp.axial" if name == "clamp_axial" else name
                 within = range_of("[0, inf)") if name == "rise" else None
                 require_quantity(f"device.beam.{key}", name, getattr(self, name), within)
-        guide = "device.beam.free: {} is not 1, which may tilt, or 0"
-        free = numbers(self.free)
-        require(np.isin(np.nan if free is None else free, (0.0, 1.0)), guide, show(self.free))
+        for holds, words, *values in self._rules():
+            require(holds, f"device.beam.{words}", *values)
+
+    def _rules(self):
+        """What must hold beside the ranges of values, a complaint, and what it quotes."""
+        free, tilt = numbers(self.free), self.imperfection
+        known = np.isin(np.nan if free is None else free, (0.0, 1.0))
+        yield known, "free: {} is not 1, which may tilt, or 0", show(self.free)
         known = np.isin(self.shape, SHAPES)
-        require(known, f"device.beam.shape: {{}} is not one of {', '.join(SHAPES)}", self.shape)
+        yield known, f"shape: {{}} is not one of {', '.join(SHAPES)}", self.shape
+        guided, perfect = np.equal(free, 0), np.equal(tilt, 0)
+        lacks = "imperfection: {:g}; a free beam without one never tilts, write 0.01 um"
+        yield guided | ~perfect, lacks, tilt
+        yield perfect | ~guided, "imperfection: {:g} um is of a free beam; write guide: free", tilt
+        steep = "imperfection: {:g} um is more than a tenth of the span"
+        yield np.less_equal(tilt, np.divide(self.span, 10)), steep, tilt
         Q = np.divide(self.rise, self.thickness)
-        if self.is_cosine.all():
-            self.require_second_shape()
-        straight = (
-            "device.beam.imperfection: {:g}; a free beam without one never tilts, write 0.01 um"
-        )
-        tilts = np.greater(self.imperfection, 0) | np.equal(self.free, 0)
-        require(tilts, straight, self.imperfection)
-        guided = "device.beam.imperfection: {:g} um is of a free beam; write guide: free"
-        fits = np.equal(self.imperfection, 0) | np.not_equal(self.free, 0)
-        require(fits, guided, self.imperfection)
-        steep = "device.beam.imperfection: {:g} um is more than a tenth of the span"
-        require(np.less_equal(self.imperfection, self.span / 10), steep, self.imperfection)
-        too_thin = (
-            "device.beam.thickness: {:g} um gives Q = rise/thickness = {:.6g}; write one that "
-            f"gives Q up to {THINNEST:g}"
-        )
-        require(np.less_equal(Q, THINNEST), too_thin, self.thickness, Q)
+        thin = "thickness: {:g} um gives Q = rise/thickness = {:.6g}; write one that gives Q up to "
+        yield np.less_equal(Q, THINNEST), f"{thin}{THINNEST:g}", self.thickness, Q
 
     def require_second_shape(self) -> None:
         """Raise ValueError if the beam, or one of them, has no second stable shape.
 
-        Another shape than a cosine is told so where it is shaken: slowly pushed it may be any.
+        Whoever shakes it asks for one: slowly pushed it may be any.
         """
         if np.all(self.is_bistable):
             return
@@ -241,13 +237,6 @@ class Beam:
     def stays_if_free(self) -> bool | np.ndarray:
         """Whether the second shape of a perfect beam is stable against tilting."""
         return self.at_rest.N_second < TILT
-
-
-class Unchecked(Beam):
-    """One that may have no second stable shape."""
-
-    def __post_init__(self):
-        pass
 
 
 BEAM_VALUES = tuple(field.name for field in fields(Beam))

@@ -6,13 +6,12 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
+from .beam.modal import natural_frequency
 from .beam.statics import statics
-from .beam.vibration import natural_frequency
-from .device import Device
 from .io.markdown import DASH, table
 from .motion.history import extremes_of
 from .pulse import DIRECTIONS, shocks_from
-from .solver.repeat import REPEATED_STEP
+from .solver.outcome import REPEATED_STEP
 from .study import Study
 from .thresholds.surface import thresholds_of
 from .tolerances.dataset import tolerances_of
@@ -43,63 +42,58 @@ def datasheet(
     study: whose pulse is of no account; C: uN us/um; tolerances: what scatters, if it is known
     requirements: as `thresholds.requirements.check` takes them; verdicts: rows of requirements.csv
     """
-    several = isinstance(study.device, Mapping)
-    sheets = []
+    several, sheets = isinstance(study.device, Mapping), []
+    axes = {"C": C, "f0": 1e3 / np.array(DURATIONS)}
+    head = ["direction, duration", *(f"C = {c:g} uN*us/um" for c in C)]
     for name, device in study.devices().items():
-        one = replace(study, device=device, shocks=shocks_from(SHAPE, "both"))
-        found = thresholds_of(one, {"C": C, "f0": 1e3 / np.array(DURATIONS)})
-        unit = f"{device.gravity * 1e6:.4g} m/s^2"
-        unit = f"{device.force:g} uN on the midpoint" if device.force else unit
-        head = ["direction, duration", *(f"C = {c:g} uN*us/um" for c in C)]
-        own = [row for row in verdicts if not several or row["device"] == name]
         sheets += [
             f"# Data sheet{f' of {name}' if several else ''}\n",
             table(["at rest, exact to the digits shown", "value"], _statics(device)),
-            f"Thresholds of a {SHAPE}, multiples of {unit}:\n",
-            table(head, _thresholds(found)),
         ]
+        if not device.beam.is_bistable:
+            sheets.append("Its beam has no second stable shape, so there is no threshold.\n")
+            continue
+        one = replace(study, device=device, shocks=shocks_from(SHAPE, "both"))
+        unit = f"{device.gravity * 1e6:.4g} m/s^2"
+        unit = f"{device.force:g} uN on the midpoint" if device.force else unit
+        rows = _rows(thresholds_of(one, axes), _threshold)
+        sheets += [f"Thresholds of a {SHAPE}, multiples of {unit}:\n", table(head, rows)]
         if tolerances:
-            made = _spread(one, C, tolerances)
+            few = min(tolerances.samples, SAMPLES)
+            made = tolerances_of(one, axes, tolerances._replace(samples=few, index_samples=2))
             words = f"Standard deviation over {made.sizes['sample']} devices as made:\n"
-            sheets += [words, table(head, _deviations(made))]
-        if own:
-            head = ["requirement", "C, uN*us/um", "margin", "verdict"]
-            sheets += ["Threshold over the required level:\n", table(head, _margins(own))]
-        if requirements and own:
-            sheets += [
-                "Largest under these shocks:\n",
-                table(["what", "value", "error", "under"], _largest(one, requirements, own)),
-            ]
+            sheets += [words, table(head, _rows(made, _deviation))]
+        if own := [row for row in verdicts if not several or row["device"] == name]:
+            of = ["requirement", "C, uN*us/um", "margin", "verdict"]
+            sheets += ["Threshold over the required level:\n", table(of, map(_margin, own))]
+            if requirements:
+                of = ["what", "value", "error", "under"]
+                largest = table(of, _largest(one, requirements, own))
+                sheets += ["Largest under these shocks:\n", largest]
     return "\n".join(sheets)
 
 
-def _statics(device: Device):
-    path = statics(device)
+def _statics(device):
+    path, beam = statics(device), device.beam
     resets = f"{-path.least_force:.5g} uN" if path.least_force < 0 else "none: it returns by itself"
     yield ["force that snaps the beam", f"{path.largest_force:.5g} uN"]
     yield ["force that resets it", resets]
-    way = device.beam.height - device.beam.second_equilibrium
-    yield ["way of the midpoint to the second shape", f"{way:.5g} um"]
-    for words, omega in (
-        ("first frequency of the beam", natural_frequency(device.beam)),
-        ("frequency of the mass on its spring", device.mass_frequency),
-    ):
-        if np.isinf(omega):
-            continue
-        yield [words, f"{1e3 * omega / (2 * np.pi):.5g} kHz"]
+    if beam.is_bistable:
+        way = beam.height - beam.second_equilibrium
+        yield ["way of the midpoint to the second shape", f"{way:.5g} um"]
+    yield ["first frequency of the beam", f"{1e3 * natural_frequency(beam) / (2 * np.pi):.5g} kHz"]
+    if not device.is_alone:
+        own = f"{1e3 * device.mass_frequency / (2 * np.pi):.5g} kHz"
+        yield ["frequency of the mass on its spring", own]
 
 
-def _rows(found: xr.Dataset):
-    """A name for each direction and duration, and what was found there, over C."""
+def _rows(found, words):
+    """A row for each direction and duration: its name, and `words` of what was found at each C."""
     for direction in DIRECTIONS:
         for f0 in found.f0.values:
             here = found.sel(direction=direction, f0=f0)
-            yield f"{direction}, {1e3 / f0:g} ms", [here.isel(C=i) for i in range(here.sizes["C"])]
-
-
-def _thresholds(found: xr.Dataset):
-    for name, cells in _rows(found):
-        yield [name, *map(_threshold, cells)]
+            cells = (words(here.isel(C=i)) for i in range(here.sizes["C"]))
+            yield [f"{direction}, {1e3 / f0:g} ms", *cells]
 
 
 def _threshold(one: xr.Dataset) -> str:
@@ -109,33 +103,22 @@ def _threshold(one: xr.Dataset) -> str:
     return f"none up to {one.N_looked.item():.3g}"
 
 
-def _spread(study: Study, C: Sequence[float], tolerances: Tolerances) -> xr.Dataset:
-    samples = min(tolerances.samples, SAMPLES)
-    asked = tolerances._replace(samples=samples, index_samples=2)
-    return tolerances_of(study, {"C": C, "f0": 1e3 / np.array(DURATIONS)}, asked)
-
-
-def _deviations(made: xr.Dataset):
-    for name, cells in _rows(made):
-        yield [name, *(_deviation(one, made.sizes["sample"]) for one in cells)]
-
-
-def _deviation(one: xr.Dataset, samples: int) -> str:
+def _deviation(one: xr.Dataset) -> str:
     share = (one.N_std / one.N_mean).item()
     # The error of a standard deviation of normal numbers.
-    return f"{100 * share:.2g} ± {100 * share / np.sqrt(2 * samples):.1g} %" if share > 0 else DASH
+    error = 100 * share / np.sqrt(2 * one.sizes["sample"])
+    return f"{100 * share:.2g} ± {error:.1g} %" if share > 0 else DASH
 
 
-def _margins(verdicts: Sequence[Mapping]):
-    for row in verdicts:
-        margin = f"{row['margin']:.4g} ± {row['margin_error']:.1g}"
-        known = np.isfinite(row["margin"])
-        must = "trips" if row["must_snap"] else "does not trip"
-        words = f"{row['requirement']}, {must}"
-        yield [words, f"{row['C']:g}", margin if known else "nothing snaps", row["verdict"]]
+def _margin(row):
+    margin = f"{row['margin']:.4g} ± {row['margin_error']:.1g}"
+    known = np.isfinite(row["margin"])
+    must = "trips" if row["must_snap"] else "does not trip"
+    words = f"{row['requirement']}, {must}"
+    return [words, f"{row['C']:g}", margin if known else "nothing snaps", row["verdict"]]
 
 
-def _largest(study: Study, requirements: Sequence[Mapping], verdicts: Sequence[Mapping]):
+def _largest(study, requirements, verdicts):
     """What is largest under all required shocks, and its error: the difference to another step."""
     asked = {one["name"]: one for one in requirements}
     shocks = [row for row in verdicts if row["requirement"] in asked]

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .beam.vibration import natural_frequency
+from .beam.modal import natural_frequency
 from .device import Device
 from .pulse import Pulse
-from .shock_spectra.spectrum import pulse_response
+from .spectra.srs import pulse_response
 
 
 def describe(device: Device, C: Sequence[float] = ()) -> str:

@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass, fields
 import numpy as np
 
 from .checks import numbers, require, require_quantity, show
-from .curved_beam import BEAM_VALUES, Beam, Unchecked
+from .curved_beam import BEAM_VALUES, Beam
 from .quantities import KINDS, QUANTITIES
 from .shape import Value
 
@@ -216,7 +216,7 @@ def batch(devices: Sequence[Device]) -> Device:
 def is_bistable(device: Device, values: Mapping[str, np.ndarray], size: int) -> np.ndarray:
     """Whether the beam with other values, each (size,), has a second stable shape; (size,)."""
     values = asdict(device.beam) | device.warmed(values)
-    beam = Unchecked(**{key: values[key] for key in BEAM_VALUES})
+    beam = Beam(**{key: values[key] for key in BEAM_VALUES})
     return np.broadcast_to(beam.is_bistable, (size,))
 
 

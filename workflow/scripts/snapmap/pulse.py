@@ -178,11 +178,9 @@ class Pulse:
 
         own_frequency: the device's, rad/us; lasts: us, as it is used
         """
-        lines = list(self.notes)
-        if self.duration is None or self.blows.size:
-            return [f"{self.name}: {line}" for line in lines]
-        period, apart = 2 * np.pi / own_frequency, np.diff(self.pieces[:, 0], append=1.0)
-        if (step := apart.max() * lasts) * COARSE > period:
+        lines, period = list(self.notes), 2 * np.pi / own_frequency
+        step = np.diff(self.pieces[:, 0], append=1.0).max() * lasts
+        if self.duration is not None and not self.blows.size and step * COARSE > period:
             lines.append(f"samples {step:.3g} us apart are coarse for a period of {period:.3g} us")
         return [f"{self.name}: {line}" for line in lines]
 
@@ -193,32 +191,18 @@ class Pulse:
         return replace(self, pieces=flipped, strongest=strongest)
 
 
-def _versed_sine():
-    """a = (1 - cos 2 pi x)/2, the handout's."""
-    return [[0.0, 0.0, 0.0, 1.0, 0.5, 0.0]]
-
-
-def _half_sine():
-    """a = sin pi x."""
-    return [[0.0, 0.0, 0.0, 0.5, 0.0, 1.0]]
-
-
-def _sawtooth():
-    """a = x: terminal peak."""
-    return [[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]]
-
-
 def _trapezoid(rise=TENTH, fall=TENTH):
     """a rises to 1 in a share `rise` of the duration, and falls to 0 in the share `fall`."""
     return straight(np.array([0.0, rise, 1 - fall, 1.0]), np.array([0.0, 1.0, 1.0, 0.0]))
 
 
 SHAPES = {
-    VERSED_SINE: _versed_sine,
-    "half sine": _half_sine,
-    "sawtooth": _sawtooth,
+    VERSED_SINE: lambda: [[0.0, 0.0, 0.0, 1.0, 0.5, 0.0]],  # (1 - cos 2 pi x)/2, the handout's
+    "half sine": lambda: [[0.0, 0.0, 0.0, 0.5, 0.0, 1.0]],  # sin pi x
+    "sawtooth": lambda: [[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]],  # x: terminal peak
     "trapezoid": _trapezoid,
 }
+"""Pieces, as in `numerics.pieces`, of each shape by its name."""
 
 
 def straight(x: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -376,48 +360,29 @@ def shocks_from(pulse=VERSED_SINE, direction="+z") -> Shocks:
     direction: "+z", "-z", several, or "both"
     """
     directions = tuple(DIRECTIONS) if direction == "both" else direction
-    each = (directions,) if isinstance(directions, str) else tuple(directions)
-    for one in each:
-        if one not in DIRECTIONS:
-            raise ValueError(f"direction: {show(one)} is not one of {', '.join(DIRECTIONS)}, both")
-    if not each or len(set(each)) < len(each):
-        raise ValueError("direction: empty or with one twice; write every one once")
-    return Shocks(_named(pulse), directions if isinstance(directions, str) else each)
-
-
-def _named(pulse):
-    if isinstance(pulse, Pulse):
-        return pulse
-    if isinstance(pulse, str):
-        return make_pulse(pulse)
+    directions = directions if isinstance(directions, str) else tuple(directions)
+    if isinstance(pulse, str | Pulse):
+        return Shocks(_one(pulse), directions)
     if isinstance(pulse, Mapping):
-        named = {str(name): _one(one) for name, one in pulse.items()}
-    else:
-        each = [_one(one) for one in pulse] if isinstance(pulse, Sequence) else [_one(pulse)]
-        named = {one.name: one for one in each}
-        if len(named) < len(each):
-            raise ValueError("pulse: a shape comes twice; write every one once, or give them names")
-    if not named:
-        raise ValueError("pulse: empty; write one shape or more")
-    return named
+        return Shocks({str(name): _one(one) for name, one in pulse.items()}, directions)
+    each = [_one(one) for one in pulse]
+    named = {one.name: one for one in each}
+    if len(named) < len(each):
+        raise ValueError("pulse: a shape comes twice; write every one once, or give them names")
+    return Shocks(named, directions)
 
 
 def _one(pulse):
-    if isinstance(pulse, Pulse):
-        return pulse
-    if isinstance(pulse, str):
-        return make_pulse(pulse)
+    if isinstance(pulse, str | Pulse):
+        return make_pulse(pulse) if isinstance(pulse, str) else pulse
     raise ValueError(f"pulse: {show(pulse)} is no shape, nor a pulse; `read_pulse` reads one")
 
 
 def table(pulses: Sequence[Pulse]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """What kernels take: all pieces, (pieces, 6), where each pulse's begin and end; and `ends`."""
     bounds = np.cumsum([0, *(len(pulse.pieces) for pulse in pulses)])
-    return (
-        np.concatenate([pulse.pieces for pulse in pulses]),
-        bounds,
-        np.array([pulse.ends for pulse in pulses]),
-    )
+    pieces = np.concatenate([pulse.pieces for pulse in pulses])
+    return pieces, bounds, np.array([pulse.ends for pulse in pulses])
 
 
 def blow_at(pulses: Sequence[Pulse], which: np.ndarray, x: np.ndarray) -> np.ndarray:

@@ -4,7 +4,7 @@ A value of the device is a line in QUANTITIES, a field in `device.py`, and its p
 attributes in files, words in figures and on the page, and the keys of the config follow.
 """
 
-import math
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
@@ -25,8 +25,8 @@ class Range(NamedTuple):
 
     def __str__(self):
         """In words that follow a noun."""
-        low = f"{'from' if self.low_fits else 'above'} {self.low:.10g}" * (self.low > -math.inf)
-        high = f"{'up to' if self.high_fits else 'below'} {self.high:.10g}" * (self.high < math.inf)
+        low = f"{'from' if self.low_fits else 'above'} {self.low:.10g}" * (self.low > -inf)
+        high = f"{'up to' if self.high_fits else 'below'} {self.high:.10g}" * (self.high < inf)
         return " and ".join(filter(None, (low, high)))
 
 
@@ -122,12 +122,12 @@ class Quantity(NamedTuple):
 
     name: str
     kind: str = ""
+    left_out: float | None = None
     long_name: str = ""
     words: str = ""
     label: str = ""
     symbol: str = ""
-    left_out: float | None = None
-    usual: tuple[float, float] = (0.0, math.inf)
+    usual: tuple[float, float] = (-inf, inf)
 
     @property
     def range(self) -> Range:
@@ -155,101 +155,52 @@ class Quantity(NamedTuple):
         return {"long_name": self.long_name} | units
 
 
-_ALL = (
-    Quantity("device", "", "device", "device"),
-    Quantity("span", "length", "span of the beam", "span", symbol="L"),
-    Quantity("rise", "length", "rise of the beam", "rise", symbol="δ"),
-    Quantity("thickness", "length", "thickness of the beam", "thickness", symbol="t"),
-    Quantity("depth", "length", "depth of the beam", "depth"),
-    Quantity("youngs_modulus", "modulus", "Young's modulus", "Young's modulus", usual=(1e3, 1.3e6)),
-    Quantity("density", "density", "density of the beam", "density", usual=(1e-4, 0.025)),
-    Quantity("damping", "rate", "damping rate of the beam itself", "damping of the beam"),
-    Quantity(
-        "residual_stress",
-        "stress",
-        "residual stress of the beam, tension > 0",
-        "residual stress",
-        left_out=0.0,
-    ),
-    Quantity(
-        "imperfection",
-        "distance",
-        "antisymmetric imperfection of the beam",
-        "imperfection",
-        left_out=0.0,
-    ),
-    Quantity(
-        "clamp_axial",
-        "stiffness",
-        "stiffness of each clamp along the beam",
-        "stiffness of the clamps",
-        left_out=math.inf,
-    ),
-    *(
-        Quantity(
-            f"cosine_{n}",
-            "part",
-            f"cosine {n} in the shape of the beam as made, over the rise",
-            f"cosine {n} of the shape",
-            left_out=0.0,
-        )
-        for n in range(2, 6)
-    ),
-    Quantity("mass", "mass", "mass that strikes the beam", "mass", symbol="M", usual=(0.0, 1e9)),
-    Quantity("spring", "stiffness", "stiffness of the mass's spring", "spring", symbol="K"),
-    Quantity("contact", "contact", "stiffness of the contact", "contact"),
-    Quantity("gap", "distance", "gap between mass and beam at rest", "gap", left_out=0.0),
-    Quantity(
-        "stop_toward",
-        "length",
-        "way of the mass from rest to its stop towards the beam",
-        "stop towards the beam",
-        left_out=math.inf,
-    ),
-    Quantity(
-        "stop_away",
-        "length",
-        "way of the mass from rest to its stop away from the beam",
-        "stop away from the beam",
-        left_out=math.inf,
-    ),
-    Quantity(
-        "restitution",
-        "restitution",
-        "share of its speed with which the mass leaves a stop",
-        "restitution of the stops",
-        left_out=math.nan,
-    ),
-    Quantity(
-        "temperature", "temperature", "temperature of the device", "temperature", left_out=20.0
-    ),
-    Quantity("reference_temperature", "temperature", left_out=math.nan),
-    Quantity("modulus_slope", "expansion", left_out=0.0),
-    Quantity("expansion_mismatch", "expansion", left_out=0.0),
-    Quantity("damper_exponent", "exponent", left_out=0.0),
-    Quantity("strength", "strength", left_out=math.inf),
-    Quantity("strength_modulus", "quality", left_out=math.inf),
-    Quantity("strength_threshold", "strength", left_out=0.0),
-    Quantity("gravity", "acceleration"),
-    Quantity("force", "force", left_out=0.0),
-    Quantity("shape", "", "shape of the pulse", "", "shape of the pulse"),
-    Quantity(
-        "direction",
-        "",
-        "direction of the frame's acceleration; +z presses the mass down",
-        "along",
-        "direction of the shock",
-    ),
-    Quantity("C", "damper", "damping coefficient of the mass", "$C$", "damping of the mass $C$"),
-    Quantity("f0", "frequency", "frequency of the pulse", "$f_0$", "pulse frequency $f_0$"),
-    Quantity("duration", "pulse", "", "pulse duration $1/f_0$"),
-    Quantity(
-        "N",
-        "number",
-        "amplitude of the pulse in multiples of g",
-        "$N$",
-        "pulse amplitude $N$ (multiples of $g$)",
-    ),
-)
-QUANTITIES = {quantity.name: quantity for quantity in _ALL}
-"""By their names, in the order in which figures name them."""
+def _quantity(line):
+    cells = [cell.strip() for cell in line.split("|")]
+    name, kind, left_out, *words, usual = cells + [""] * (8 - len(cells))
+    silent = float(left_out) if left_out else None
+    return Quantity(name, kind, silent, *words, range_of(f"[{usual or '-inf, inf'}]")[:2])
+
+
+_LINES = """\
+device | | | device | device
+span | length | | span of the beam | span | | L
+rise | length | | rise of the beam | rise | | δ
+thickness | length | | thickness of the beam | thickness | | t
+depth | length | | depth of the beam | depth
+youngs_modulus | modulus | | Young's modulus | Young's modulus | | | 1e3, 1.3e6
+density | density | | density of the beam | density | | | 1e-4, 0.025
+damping | rate | | damping rate of the beam itself | damping of the beam
+residual_stress | stress | 0 | residual stress of the beam, tension > 0 | residual stress
+imperfection | distance | 0 | antisymmetric imperfection of the beam | imperfection
+clamp_axial | stiffness | inf | stiffness of each clamp along the beam | stiffness of the clamps
+cosine_2 | part | 0 | cosine 2 in the beam's shape as made, over the rise | cosine 2 of the shape
+cosine_3 | part | 0 | cosine 3 in the beam's shape as made, over the rise | cosine 3 of the shape
+cosine_4 | part | 0 | cosine 4 in the beam's shape as made, over the rise | cosine 4 of the shape
+cosine_5 | part | 0 | cosine 5 in the beam's shape as made, over the rise | cosine 5 of the shape
+mass | mass | | mass that strikes the beam | mass | | M | 0, 1e9
+spring | stiffness | | stiffness of the mass's spring | spring | | K
+contact | contact | | stiffness of the contact | contact
+gap | distance | 0 | gap between mass and beam at rest | gap
+stop_toward | length | inf | travel to the stop towards the beam | stop towards the beam
+stop_away | length | inf | travel to the stop away from the beam | stop away from the beam
+restitution | restitution | nan | share of speed that a stop leaves it | restitution of the stops
+temperature | temperature | 20 | temperature of the device | temperature
+reference_temperature | temperature | nan
+modulus_slope | expansion | 0
+expansion_mismatch | expansion | 0
+damper_exponent | exponent | 0
+strength | strength | inf
+strength_modulus | quality | inf
+strength_threshold | strength | 0
+gravity | acceleration
+force | force | 0
+shape | | | shape of the pulse | | shape of the pulse
+direction | | | direction of the frame; +z presses the mass down | along | direction of the shock
+C | damper | | damping coefficient of the mass | $C$ | damping of the mass $C$
+f0 | frequency | | frequency of the pulse | $f_0$ | pulse frequency $f_0$
+duration | pulse | | | pulse duration $1/f_0$
+N | number | | amplitude of the pulse, multiples of g | $N$ | pulse amplitude $N$ (multiples of $g$)
+"""
+QUANTITIES = {one.name: one for one in map(_quantity, _LINES.splitlines())}
+"""By their names, in the order in which figures name them; the fields of each by its line."""

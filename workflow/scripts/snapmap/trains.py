@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .checks import numbers, show
+from .arguments import ARGUMENTS
+from .checks import show
 from .numerics import portable
 from .pulse import SHARES, VERSED_SINE, Pulse, make_pulse, straight
 
@@ -17,8 +18,6 @@ GRAVITY = 9.80665e-6
 """Of a free fall, um/us^2."""
 # ASSUME: a rebound below this share of the first impact's velocity is none.
 LEAST_REBOUND = 0.05
-MOST_REBOUND = 0.99
-"""Makes 299 blows; steel on steel has 0.95."""
 MOST_BLOWS = 100_000
 SAME = 1e-8
 """A relative difference of a sweep's ends up to which it is a sine: its rounding is as large."""
@@ -58,31 +57,30 @@ def make_train(items: Sequence[Mapping]) -> Pulse:
             parts = _with_item(parts, item)
         except ValueError as error:
             raise ValueError(f"pulse.train[{place}]: {error}") from None
-    return _joined("train", parts, {"train": [_said(item) for item in items]})
+    return _joined("train", parts, [*map(_said, items)])
 
 
 def make_drop(drop: Mapping) -> Pulse:
     """Make a pulse of a free fall from rest, its blow, and every flight and blow of the rebound.
 
     drop: height (um), duration (us) and shape of each blow, rise, fall; rebound: velocity after
-        over before a blow, from 0 to MOST_REBOUND, 0 if left out
+        over before a blow, from 0 to 0.99, 0 if left out
     The blow of a fall to v changes the velocity by (1 + rebound) v; the pulse's own_N follows.
     Raises ValueError, one line.
     """
-    given = _checked(drop, "drop", ("height", "duration"), ("rebound", "shape", *SHARES))
-    rebound = _number(given.get("rebound", 0.0), "pulse.drop: rebound", signed=True)
-    if not 0 <= rebound <= MOST_REBOUND:
-        raise ValueError(f"pulse.drop: rebound: {rebound:g} is not from 0 to {MOST_REBOUND}")
-    velocity = math.sqrt(2 * GRAVITY * given["height"])
-    blow = {key: given[key] for key in given if key not in ("height", "rebound")}
+    _check(drop, "pulse.drop: ", ("height", "duration"), ("rebound", "shape", *SHARES))
+    rebound, velocity = drop.get("rebound", 0.0), math.sqrt(2 * GRAVITY * drop["height"])
+    blow = {key: drop[key] for key in drop if key not in ("height", "rebound")}
     own_N = (1 + rebound) * velocity / (GRAVITY * _blow(**blow).area)
     if own_N < 1:
         raise ValueError(f"pulse.drop: its blow has {own_N:.2g} g; write a shorter duration")
-    parts, share = [_fall(velocity / GRAVITY, own_N), _blow(**blow)], 1.0
+    # Free fall over the peak; where it ends with a jump, that is small beside the blow's.
+    lasts, level, share = velocity / GRAVITY, -1 / own_N, 1.0
+    parts = [_flat(lasts, level), _blow(**blow)]
     while (share := share * rebound) >= LEAST_REBOUND:
-        parts += [_fall(2 * share * velocity / GRAVITY, own_N), _blow(**blow, N=share)]
+        parts += [_flat(2 * share * velocity / GRAVITY, level), _blow(**blow, N=share)]
     note = f"is that from its height at N = {own_N:.5g}; at another N all of it is scaled"
-    return _joined("drop", parts, {"drop": _said(given)}, own_N=own_N, notes=(note,))
+    return _joined("drop", parts, _said(drop), own_N=own_N, notes=(note,))
 
 
 def make_sweep(sweep: Mapping) -> Pulse:
@@ -91,8 +89,8 @@ def make_sweep(sweep: Mapping) -> Pulse:
     sweep: from, to (Hz), duration (us), which is rounded so that it ends with a whole period
     Raises ValueError, one line.
     """
-    given = _checked(sweep, "sweep", ("from", "to", "duration"))
-    start, stop, lasts = given["from"], given["to"], 1e-6 * given["duration"]
+    _check(sweep, "pulse.sweep: ", ("from", "to", "duration"))
+    start, stop, lasts = sweep["from"], sweep["to"], 1e-6 * sweep["duration"]
     if abs(stop / start - 1) < SAME:
         stop = start
     rise = float(portable.logarithm(stop / start))
@@ -117,7 +115,7 @@ def make_sweep(sweep: Mapping) -> Pulse:
         "sweep",
         straight(x, values),
         1e6 * float(time[-1]),
-        given={"sweep": _said(given)},
+        given={"sweep": _said(sweep)},
         blows=x[:-1:half],
         swing=float(np.diff(ends).min() / time[-1]),
         strongest=alone,
@@ -139,18 +137,17 @@ def pulses_of(pulse: object) -> object:
 
 
 def _with_item(parts, item):
-    if not isinstance(item, Mapping):
-        raise ValueError(f"{show(item)} is no mapping")
-    if set(item) == {"wait"}:
-        return [*parts, _line([0.0, _number(item["wait"], "wait")], [0.0, 0.0])]
-    if set(item) != {"repeat"}:
-        return [*parts, _blow(**_checked(item, "", ("duration",), ("shape", "N", *SHARES)))]
-    times = item["repeat"]
-    if isinstance(times, bool) or not isinstance(times, int) or times < 1:
-        raise ValueError(f"repeat: {show(times)} is no whole number from 1")
-    if len(parts) * times > MOST_BLOWS:
+    keys = set(item) if isinstance(item, Mapping) else set()
+    if keys == {"wait"}:
+        _check(item, "", ("wait",))
+        return [*parts, _flat(item["wait"], 0.0)]
+    if keys != {"repeat"}:
+        _check(item, "", ("duration",), ("shape", "N", *SHARES))
+        return [*parts, _blow(**item)]
+    _check(item, "", ("repeat",))
+    if len(parts) * item["repeat"] > MOST_BLOWS:
         raise ValueError(f"repeat: makes more than {MOST_BLOWS} blows and waits")
-    return parts * times
+    return parts * item["repeat"]
 
 
 def _blow(duration, shape=VERSED_SINE, N=1.0, **shares):
@@ -165,14 +162,9 @@ def _blow(duration, shape=VERSED_SINE, N=1.0, **shares):
     return Part(pieces, duration + join, abs(N), area + jump * join / 2, 10 * join)
 
 
-def _fall(lasts, own_N):
-    """Free fall over the peak; where it ends with a jump, that is small beside the blow's."""
-    return _line([0.0, lasts], [-1 / own_N, -1 / own_N])
-
-
-def _line(times, values):
-    pieces, lasts = straight(np.array(times) / times[-1], np.array(values)), times[-1]
-    return Part(pieces * [lasts, 1.0, 1 / lasts, 1.0, 1.0, 1.0], lasts)
+def _flat(lasts, value):
+    """A value, over the peak, for so many us."""
+    return Part(np.array([[0.0, value, 0.0, 0.0, 0.0, 0.0]]), lasts)
 
 
 def _joined(name, parts, given, **others):
@@ -184,21 +176,16 @@ def _joined(name, parts, given, **others):
     lasts, peak = float(begins[-1]), max(part.peak for part in parts)
     pieces = np.vstack([part.pieces for part in parts])
     pieces[:, 0] += np.repeat(begins[:-1], [len(part.pieces) for part in parts])
-    strongest = max(parts, key=lambda part: abs(part.area))
-    swing = min(part.swing for part in parts)
+    best = max(parts, key=lambda part: abs(part.area))
+    alone = _scaled(best.pieces, best.lasts, peak)
     return Pulse(
         name,
         _scaled(pieces, lasts, peak),
         lasts,
-        given=given,
+        given={name: given},
         blows=begins[:-1][blows] / lasts,
-        swing=swing / lasts,
-        strongest=Pulse(
-            "blow",
-            _scaled(strongest.pieces, strongest.lasts, peak),
-            strongest.lasts,
-            swing=strongest.swing / strongest.lasts,
-        ),
+        swing=min(part.swing for part in parts) / lasts,
+        strongest=Pulse("blow", alone, best.lasts, swing=best.swing / best.lasts),
         **others,
     )
 
@@ -217,30 +204,10 @@ def _said(item):
     return dict(item) | said | shares
 
 
-def _checked(given, where, needed, other=()):
-    """What is given, if it is a mapping of these keys, with numbers where there are units."""
-    name = f"pulse.{where}: " if where else ""
-    if not isinstance(given, Mapping):
-        raise ValueError(f"{name}{show(given)} is no mapping of {', '.join((*needed, *other))}")
-    for key in given:
-        if key not in (*needed, *other):
-            known = ", ".join((*needed, *other))
-            raise ValueError(f"{name}{key}: unknown; known here are {known}")
-    for key in needed:
-        if key not in given:
-            raise ValueError(f"{name}{key}: missing")
-    for key in given:
-        if key in UNITS:
-            _number(given[key], f"{name}{key}")
-    if not _number(given.get("N", 1.0), f"{name}N", signed=True):
-        raise ValueError(f"{name}N: 0 is no blow")
-    return dict(given)
-
-
-def _number(value, name, signed=False):
-    found = numbers(value)
-    if found is None or found.ndim or not np.isfinite(found):
-        raise ValueError(f"{name}: {show(value)} is no number")
-    if value <= 0 and not signed:
-        raise ValueError(f"{name}: {value:g} is not above 0")
-    return float(value)
+def _check(given, where, needed, other=()):
+    """Raise ValueError unless it is a mapping of these keys to what fits them."""
+    if not isinstance(given, Mapping) or not {*needed} <= {*given} <= {*needed, *other}:
+        others = f"; it may have {', '.join(other)}" if other else ""
+        raise ValueError(f"{where}{show(given)} is not a mapping of {', '.join(needed)}{others}")
+    for key, value in given.items():
+        ARGUMENTS[f"pulse.{key}"].require(f"{where}{key}", value)

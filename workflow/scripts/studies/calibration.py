@@ -18,7 +18,7 @@ from snapmap.calibration.shots import Shots, shots_from
 from snapmap.calibration.surface import Surface, surface_of
 from snapmap.device import values_of
 from snapmap.io.markdown import number, table
-from snapmap.sizing.search import thresholds_at
+from snapmap.sizing import thresholds_at
 from snapmap.study import Study
 
 from .few import few

@@ -22,9 +22,9 @@ from snapmap import threshold
 from snapmap.device import Device
 from snapmap.io.markdown import number, table
 from snapmap.pulse import HANDOUT_SHOCK, Shocks
-from snapmap.solver.bracket import lowest_snap
 from snapmap.solver.cells import Rows, to_rows
 from snapmap.solver.models import build_model
+from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import Settings
 from snapmap.thresholds.islands import FOUND, NARROW, NOT_FOLLOWED, NOTHING_SNAPS
 

@@ -14,7 +14,7 @@ from snapmap.io.markdown import number, table
 from snapmap.solver.cells import to_cells
 from snapmap.solver.kernel.trace import SAMPLE
 from snapmap.solver.models import build_model
-from snapmap.solver.repeat import REPEATED_STEP, work_error
+from snapmap.solver.outcome import REPEATED_STEP, work_error
 from snapmap.solver.settings import MOVE, Settings
 from snapmap.solver.simd_loop import trace
 

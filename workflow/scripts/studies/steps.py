@@ -14,10 +14,10 @@ from snapmap.beam.equilibria import static_threshold
 from snapmap.device import batch
 from snapmap.io.markdown import number, table
 from snapmap.solver.bounds import least_amplitudes
-from snapmap.solver.bracket import asker, refine
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.repeat import work_error
+from snapmap.solver.outcome import work_error
+from snapmap.solver.search import asker, refine
 from snapmap.solver.settings import EDGE, MOVE, SNAP, STAY, Settings
 from snapmap.solver.steps import LONGEST
 from snapmap.thresholds.islands import first_seen, wide_scan

@@ -7,8 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from snapmap import load_device
-from snapmap.beam.barrier import find_barrier
 from snapmap.beam.cosines import buckling_shapes
+from snapmap.beam.equilibria import find_barrier
 from snapmap.figures import style, thresholds
 from snapmap.io.markdown import table
 from snapmap.numerics.portable import geometric

@@ -11,7 +11,7 @@ import numpy as np
 from snapmap import load_device
 from snapmap.io.markdown import table
 from snapmap.numerics.portable import geometric
-from snapmap.sizing.value import design
+from snapmap.sizing import design
 from snapmap.tolerances.dataset import tolerance
 
 from .few import few

@@ -11,17 +11,16 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from snapmap import load_device, simulate, statics, sweep
-from snapmap.beam.barrier import find_barrier, unit_buckling
 from snapmap.beam.cosines import buckling_shapes, symmetric_cosines
 from snapmap.beam.elements import hermite_elements
-from snapmap.beam.equilibria import BucklingModes, displacement, push, roots
-from snapmap.beam.modal import contact_stiffness, unit_modes
+from snapmap.beam.equilibria import BucklingModes, displacement, find_barrier, push, roots
+from snapmap.beam.modal import buckling, contact_stiffness
 from snapmap.io.markdown import table
 from snapmap.numerics.linalg import apply, eigh
 from snapmap.pulse import make_pulse
-from snapmap.solver.bracket import lowest_snap
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
+from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import Settings
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -139,8 +138,9 @@ def _tilts(x):
 
 def _line(basis):
     """Level and slope of the straight path on which the axial force stays at the second load."""
-    modal, (loads, shapes) = unit_modes(basis), unit_buckling(basis)
-    vectors = (apply(shapes.T, v) for v in (modal.slope_start, modal.load, modal.midpoint))
+    loads, shapes = buckling(basis)
+    vectors = apply(basis.geometric, basis.start), basis.load, basis.midpoint
+    vectors = (apply(shapes.T, vector) for vector in vectors)
     columns = (column[:1, np.newaxis] for column in (loads, *vectors))
     first = BucklingModes(*columns, axial=6 * LARGE_Q**2, residual=0.0)
     N = loads[1:2]

@@ -11,12 +11,11 @@ import numpy as np
 import snapmap
 from snapmap.device import batch
 from snapmap.io.markdown import number, table
-from snapmap.random_vibration.probability import STEP
-from snapmap.random_vibration.records import record
-from snapmap.random_vibration.spectrum import Spectrum
 from snapmap.solver.adaptive import choose_survey
 from snapmap.solver.cells import to_cells
 from snapmap.solver.settings import Settings
+from snapmap.spectra.psd import Spectrum
+from snapmap.spectra.vibration import STEP
 
 from .few import few
 from .random_devices import draw_device
@@ -51,7 +50,7 @@ def main():
 def steps(device, at):
     """How many records snap at a level, g rms, in ever longer steps, and what a second costs."""
     spectrum, one = Spectrum(PSD), batch([device])
-    drawn = [record(spectrum, 1.0, [SEED, n]) for n in range(few(RECORDS, 2))]
+    drawn = [spectrum.record(1.0, [SEED, n]) for n in range(few(RECORDS, 2))]
     pulses, peaks = zip(*drawn, strict=True)
     N, C = np.array(peaks) * at / spectrum.rms, np.sqrt(device.spring * device.mass) / QUALITY
     cells = to_cells(one, 0, N, 1.0, C, 0.0, np.arange(len(pulses)))

@@ -5,12 +5,14 @@ from math import pi
 
 import numpy as np
 
-from ..numerics.linalg import apply, dot, multiply, solve, solve_all
+from ..numerics.linalg import apply, dot, multiply, outer, solve, solve_all
 from ..numerics.portable import sine
 from ..shape import slope_products
 from .basis import Basis, block_diagonal
 from .cosines import antisymmetric_loads
 
+HERMITE = np.array([[1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
+"""N_i as polynomials of 0 <= xi <= 1, lowest power first; slopes count h."""
 SYMMETRIC, ANTISYMMETRIC = -1, -2
 """Which unknown at the midpoint, of (W, Phi), is fixed there: Phi, or W."""
 
@@ -28,9 +30,8 @@ def hermite_elements(
         are those of the whole beam of twice as many elements
     """
     h = 1 / (2 * elements)
-    parts = _bending(h), _geometric(h), _consistent_mass(h)
-    if mass_matrix == "hrz":
-        parts = *parts[:2], _hrz_mass(h)
+    mass = _hrz_mass(h) if mass_matrix == "hrz" else _integrals(0, h)
+    parts = _integrals(2, h), _integrals(1, h), mass
     bending, geometric, mass = (_assemble(elements, part, SYMMETRIC) for part in parts)
     none = np.zeros(2 * elements - 1)
     load, start, tilt = _assemble_vector(elements, _load(h)), _interpolate_start(elements), none
@@ -56,44 +57,15 @@ def hermite_elements(
     )
 
 
-def _bending(h):
-    """Integral of N_i'' N_j'' over one element, 1/um^3."""
-    return np.array(
-        [
-            [12, 6 * h, -12, 6 * h],
-            [6 * h, 4 * h * h, -6 * h, 2 * h * h],
-            [-12, -6 * h, 12, -6 * h],
-            [6 * h, 2 * h * h, -6 * h, 4 * h * h],
-        ]
-    ) / (h * h * h)
-
-
-def _geometric(h):
-    """Integral of N_i' N_j' over one element, 1/um."""
-    return np.array(
-        [
-            [36, 3 * h, -36, 3 * h],
-            [3 * h, 4 * h * h, -3 * h, -h * h],
-            [-36, -3 * h, 36, -3 * h],
-            [3 * h, -h * h, -3 * h, 4 * h * h],
-        ]
-    ) / (30 * h)
-
-
-def _consistent_mass(h):
-    """Integral of N_i N_j over one element, um."""
-    return (
-        np.array(
-            [
-                [156, 22 * h, 54, -13 * h],
-                [22 * h, 4 * h * h, 13 * h, -3 * h * h],
-                [54, 13 * h, 156, -22 * h],
-                [-13 * h, -3 * h * h, -22 * h, 4 * h * h],
-            ]
-        )
-        * h
-        / 420
-    )
+def _integrals(order, h):
+    """Integrals over one element of the products of the N_i, each derived `order` times."""
+    c, sizes, scale = HERMITE, np.array([1.0, h, 1.0, h]), h
+    for _ in range(order):
+        c, scale = c[:, 1:] * np.arange(1, c.shape[1]), scale / (h * h)
+    n = np.arange(c.shape[1])
+    # 420 divides by all up to 7: the sums are of whole numbers.
+    whole = multiply(multiply(c, 420 // (n[:, np.newaxis] + n + 1)), c.T)
+    return whole * outer(sizes, sizes) / 420 * scale
 
 
 def _hrz_mass(h):
@@ -102,7 +74,7 @@ def _hrz_mass(h):
 
 
 def _load(h):
-    """Integral of N_i over one element, um."""
+    """Integral of N_i over one element."""
     return h * np.array([1 / 2, h / 12, 1 / 2, -h / 12])
 
 

@@ -14,13 +14,21 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..arch import equilibria
 from ..device import Beam, Device, Value
-from ..numerics.linalg import apply, eigh
-from .barrier import find_barrier, unit_buckling
+from ..numerics.linalg import apply, dot, eigh
 from .basis import Basis
 from .cosines import buckling_shapes, symmetric_cosines
-from .modal import ModalBeam, contact_stiffness, pulse_load, unit_form, unit_modes
-from .prestress import first_midpoint, kinds_of
+from .modal import (
+    at_rest,
+    buckling,
+    contact_stiffness,
+    first_midpoint,
+    halfway,
+    kinds_of,
+    pulse_load,
+    unit_form,
+)
 
 COSINES = 40
 GRID, ZOOMS = 100, 5
@@ -82,7 +90,7 @@ def static_threshold(device: Device) -> float | np.ndarray:
     return float(a / device.gravity)
 
 
-def least_way(device: Device) -> float:
+def least_travel(device: Device) -> float:
     """How far the mass must travel from rest to push the midpoint slowly to the saddle, um."""
     return float(device.gap - find_barrier(device.beam, shapes_of(device.beam)).midpoint)
 
@@ -123,29 +131,23 @@ def shapes_of(beam: Beam) -> Basis:
 
 def buckling_modes(beam: Beam) -> BucklingModes:
     """Expand a beam in COSINES buckling modes, twice as many if it is free to tilt."""
-    kinds, _ = kinds_of(beam)
-    loads, start, load, midpoint, residual = _unit_modes(shapes_of(beam), kinds)
+    basis, (kinds, _) = shapes_of(beam), kinds_of(beam)
+    (T,), (q,) = at_rest(basis, kinds)
+    loads, shapes = buckling(basis)
+    vectors = apply(basis.geometric, q), basis.load, basis.midpoint
+    start, load, midpoint = (apply(shapes.T, vector)[:, np.newaxis] for vector in vectors)
+    loads = loads[:, np.newaxis]
+    kept = np.sum(midpoint * midpoint / (loads - halfway(T)))
+    residual = max(0.0, basis.flexibility(halfway(T)) - kept)
     root = np.sqrt(beam.span)
     return BucklingModes(
-        buckling=loads * (beam.stiffness_unit * beam.span),
+        buckling=(loads + T) * (beam.stiffness_unit * beam.span),
         start=start * (beam.made_rise / root),
         load=load * (beam.weight * root),
         midpoint=midpoint * root,
         axial=beam.axial_stiffness,
         residual=residual / beam.stiffness_unit,
     )
-
-
-def _unit_modes(basis, kinds):
-    """Loads, s_j, f_j and e_j, (modes, 1), and the residual flexibility, of one kind at rest."""
-    if kinds.as_made:
-        modal, (loads, shapes) = unit_modes(basis), unit_buckling(basis)
-    else:
-        modal = ModalBeam(*(column[0] for column in unit_form(basis, None, kinds)))
-        loads, shapes = eigh(np.diag(modal.stiffness), modal.geometric)
-    vectors = (modal.slope_start, modal.load, modal.midpoint)
-    columns = loads, *(apply(shapes.T, vector) for vector in vectors)
-    return *(column[:, np.newaxis] for column in columns), modal.residual
 
 
 def push(modes: BucklingModes, N: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -199,3 +201,55 @@ def largest_force(modes: BucklingModes, loaded: Callable, limit: float) -> float
         count = int(np.count_nonzero(np.logical_and.accumulate(exists)))
         low, high = N[max(count - 1, 0)], N[count] if count < GRID else high
     return float(low)
+
+
+class Barrier(NamedTuple):
+    """The lowest pass between the two stable shapes; numbers, or arrays (devices,).
+
+    energy: of the beam there, above its shape at rest, pJ
+    midpoint: w(L/2) there, from that at rest, um
+    second: w(L/2) in the second shape, um; of a beam that has none because it is free to tilt, that
+        of a guided one
+    first: w(L/2) in the shape at rest, um
+    """
+
+    energy: Value
+    midpoint: Value
+    second: Value
+    first: Value
+
+
+def find_barrier(beam: Beam, basis: Basis, modes: int | None = None) -> Barrier:
+    """Find the lowest equilibrium that is no minimum: every way out of a well passes as high.
+
+    Below its energy each well is closed, and w(L/2) on either side of its midpoint tells which
+    well the beam is in: among all shapes with that midpoint none has less energy than the saddle.
+    A model that has no stable second shape has a barrier of energy 0: one too coarse, close to
+    Q = 4/sqrt(3), or a beam that is free to tilt out of it.
+    """
+    # With rise, span, rho A and EI as units few values tell one beam from another.
+    kinds, kind = kinds_of(beam)
+    modal = unit_form(basis, modes, kinds)._replace(axial=6 * kinds.Q * kinds.Q)
+    stiffness = modal.stiffness[..., np.newaxis] * np.eye(modal.stiffness.shape[-1])
+    loads, shapes = eigh(stiffness, modal.geometric)
+    s = apply(shapes.swapaxes(-1, -2), modal.slope_start)
+    loads, s = (np.broadcast_to(part, (kinds.Q.size, part.shape[-1])) for part in (loads, s))
+    rest = equilibria(loads, s, modal.axial, np.zeros(kinds.Q.size))
+    saddle, own = (apply(shapes, q - s) for q in (rest.saddle, s * rest.second))
+    exists = np.isfinite(saddle).all(axis=-1)
+    unit = beam.stiffness_unit * beam.made_rise * beam.made_rise
+    first = first_midpoint(basis, beam)
+    energy, along = _energy(modal, saddle), dot(modal.midpoint, saddle)
+    energy, along = (np.where(exists, part, 0.0)[kind] for part in (energy, along))
+    second = np.atleast_1d(beam.second_equilibrium)
+    if basis.tilt.any():
+        stays = first + dot(modal.midpoint, own)[kind] * beam.made_rise
+        second = np.where(exists[kind], stays, second)
+    found = energy * unit, along * beam.made_rise, second, first
+    return Barrier(*(value if np.ndim(beam.rise) else value.item() for value in found))
+
+
+def _energy(modal, p):
+    slope = apply(modal.geometric, p) + modal.slope_start
+    axial_force = -modal.axial * dot(p, slope + modal.slope_start)
+    return dot(p, modal.stiffness * p) / 2 + axial_force * axial_force / (4 * modal.axial)

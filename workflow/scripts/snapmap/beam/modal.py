@@ -1,15 +1,107 @@
-"""The small reduced form that every discretisation shares: the beam's own modes, a few of them."""
+"""The beam at rest, and the small form that every discretisation shares: its own modes, a few.
+
+What residual stress makes of the shape as made and of its stiffness: the coordinates at rest in
+buckling modes and the tension T = -N are those of the first shape in `arch`; measured from there
+the beam has the same form with bending + T geometric for its bending.
+"""
 
 import math
+from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
+from ..arch import equilibria
 from ..device import Beam, Device, Value
-from ..numerics.linalg import apply, dot, eigh, multiply, solve
+from ..numerics.linalg import apply, dot, eigh, multiply, outer, solve
 from .basis import Basis
-from .prestress import Kinds, at_rest, kinds_of
+from .elements import hermite_elements
+
+FIRST_LOAD = 4 * np.pi * np.pi
+"""N_1, in EI/L^2."""
+ELEMENTS = 10
+"""Of the half beam, for its natural frequency; they leave it 1e-4 too high."""
+
+
+class Kinds(NamedTuple):
+    """What tells one beam's unit form from another's; arrays (kinds,).
+
+    Q: rise over thickness; compression: residual stress over that of buckling, compression
+    positive; imperfection: over the rise; a: of the shapes as made, (kinds, TERMS), None if all
+    are cosines
+    """
+
+    Q: np.ndarray
+    compression: np.ndarray
+    imperfection: np.ndarray
+    a: np.ndarray | None = None
+
+    @property
+    def as_made(self) -> bool:
+        """Whether all are cosines without stress and imperfection: one unit form serves them."""
+        return self.a is None and not (self.compression.any() or self.imperfection.any())
+
+    def made(self, basis: Basis) -> np.ndarray:
+        """Coordinates of the shapes as made, in the rise, (kinds, n)."""
+        start = np.broadcast_to(basis.start, (self.Q.size, basis.start.size))
+        if self.a is not None:
+            cosine = (self.a[:, :1] == 1) & (self.a[:, 1:] == 0).all(axis=1, keepdims=True)
+            start = np.where(cosine, start, basis.project(self.a))
+        return start + self.imperfection[:, np.newaxis] * basis.tilt
+
+
+def kinds_of(beam: Beam) -> tuple[Kinds, np.ndarray]:
+    """The kinds among a batch of beams, or of one, and the kind of each."""
+    columns = [beam.bistability, beam.compression, np.divide(beam.imperfection, beam.made_rise)]
+    if not beam.is_cosine.all():
+        columns += np.moveaxis(beam.cosines, -1, 0).tolist()
+    table = np.stack(np.broadcast_arrays(*map(np.atleast_1d, columns)))
+    found, kind = np.unique(table, axis=1, return_inverse=True)
+    a = found[3:].T if len(found) > 3 else None
+    return Kinds(found[0], found[1], found[2], a), kind.ravel()
+
+
+def at_rest(basis: Basis, kinds: Kinds) -> tuple[np.ndarray, np.ndarray]:
+    """Tension T, in EI/L^2, (kinds,), and coordinates, in the rise, (kinds, n), of the beams."""
+    as_made = kinds.made(basis)
+    stressed = kinds.compression != 0
+    T, q = np.zeros(stressed.size), as_made.copy()
+    if stressed.any():
+        loads, shapes = buckling(basis)
+        s = apply(shapes.T, apply(basis.geometric, as_made[stressed]))
+        axial = 6 * kinds.Q[stressed] * kinds.Q[stressed]
+        residual = FIRST_LOAD * kinds.compression[stressed]
+        rest = equilibria(np.broadcast_to(loads, s.shape), s, axial, residual)
+        T[stressed] = -rest.N_first
+        q[stressed] += apply(shapes, s * (rest.first - 1))
+    return T, q
+
+
+def first_midpoint(basis: Basis, beam: Beam) -> np.ndarray:
+    """w(L/2) of beams at rest in their first shape, um; (beams,)."""
+    kinds, kind = kinds_of(beam)
+    _, q = at_rest(basis, kinds)
+    shares = apply(q, basis.midpoint)
+    if kinds.a is not None:
+        shares += 1 - apply(kinds.made(basis), basis.midpoint)
+    return beam.made_rise * np.where(kinds.compression == 0, 1.0, shares)[kind]
+
+
+def settled(basis: Basis, beam: Beam) -> Basis:
+    """The basis of one beam whose start is its shape at rest, and whose bending holds T."""
+    kinds, _ = kinds_of(beam)
+    if kinds.as_made:
+        return basis
+    (T,), (q,) = at_rest(basis, kinds)
+    bending = basis.bending + T * basis.geometric
+    return replace(basis, bending=bending, start=q, tilt=0 * basis.tilt)
+
+
+@cache
+def buckling(basis: Basis) -> tuple[np.ndarray, np.ndarray]:
+    """Buckling loads N_j, ascending, in EI/L^2, and modes v_j, the columns, v.geometric v = 1."""
+    return eigh(basis.bending, basis.geometric)
 
 
 class ModalBeam(NamedTuple):
@@ -128,6 +220,12 @@ def pulse_load(device: Device, load: np.ndarray, midpoint: np.ndarray) -> np.nda
     return np.where(share, share * midpoint, load)
 
 
+def halfway(tension: Value) -> Value:
+    """Axial force half way between the beam at rest, of some tension, and the saddle, in EI/L^2."""
+    # ASSUME: softened by it the modes left out follow the contact force statically.
+    return 8 * math.pi * math.pi - tension / 2
+
+
 def contact_stiffness(device: Device, residual: Value) -> Value:
     """Contact force per overlap of mass and kept modes, 1 / (1/lambda + residual), uN/um.
 
@@ -144,12 +242,33 @@ def _column(values, more):
 
 def _residual_flexibility(basis, modal, tension):
     """Static flexibility of the modes left out; tension: of the beam at rest, in EI/L^2."""
-    # ASSUME: the modes left out follow the contact force statically, softened by the axial force
-    # half way between the beam at rest and the saddle (4 N_1).
     if modal.stiffness.shape[-1] == basis.load.size and basis.complete:
         return 0.0 * tension
-    axial_force = 8 * math.pi * math.pi - tension / 2
+    axial_force = halfway(tension)
     bending = modal.stiffness[..., np.newaxis] * np.eye(modal.stiffness.shape[-1])
     tangent = bending - _column(axial_force + tension, 2) * modal.geometric
     kept = dot(modal.midpoint, solve(tangent, modal.midpoint))
     return np.maximum(0.0, basis.flexibility(axial_force) - kept)
+
+
+def natural_frequency(beam: Beam) -> float:
+    """The first symmetric mode's, of one beam without damping, rad/us.
+
+    Of small vibrations about the rest, under -(Kb + 2 EA/2L (G q0)(G q0)^T) u: bending, and the
+    stretch that an arch cannot bend without. A free beam's imperfection mixes the mode with the
+    first antisymmetric one: of these two, the lowest of all, it is the one that a shaken frame
+    moves more.
+    """
+    basis = settled(hermite_elements(ELEMENTS, free=True), beam)
+    slope = apply(basis.geometric, basis.start)
+    axial = 6 * beam.bistability * beam.bistability
+    squares, shapes = eigh(basis.bending + 2 * axial * outer(slope, slope), basis.mass)
+    first = np.argmax(np.abs(apply(shapes.T, basis.load)[:2]))
+    return float(np.sqrt(squares[first] * (beam.stiffness_unit / beam.weight)))
+
+
+def damped(beam: Beam, quality_factor: float) -> Beam:
+    """The beam with the damping that gives its first symmetric mode a quality factor."""
+    # ASSUME: a measured one is that mode's, of the beam clear of the mass; the drag is that of all
+    # modes, so that others have quality factors in proportion to their frequencies.
+    return replace(beam, damping=natural_frequency(beam) / quality_factor)

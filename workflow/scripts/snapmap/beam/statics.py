@@ -5,27 +5,24 @@ import xarray as xr
 
 from ..device import Device
 from ..io.provenance import device_sections, provenance
-from .barrier import find_barrier
+from ..io.variables import variables
 from .equilibria import (
     BucklingModes,
     buckling_modes,
     displacement,
+    find_barrier,
     largest_force,
     push,
     roots,
     shapes_of,
 )
-from .prestress import first_midpoint
+from .modal import first_midpoint
 
 POINTS = 400
 """On each of the parts of a path."""
 LEAST_LOG = -32.0
 """Of x in `_tilted`: no imperfection is so small that N comes nearer to the load."""
-VARIABLES = {
-    "displacement": {"long_name": "way of the midpoint from the first shape", "units": "um"},
-    "force": {"long_name": "static force on the midpoint", "units": "uN"},
-    "energy": {"long_name": "energy of the beam above that of the first shape", "units": "pJ"},
-}
+VARIABLES = variables("statics")
 
 
 def statics(device: Device) -> xr.Dataset:

@@ -4,7 +4,6 @@ With M / EI = w'' - w0'' and the tension T of the beam at rest, the largest tens
 place is E t/2 |w'' - w0''| + (T - N) / A.
 """
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +11,7 @@ import numpy as np
 from ..device import Beam, Device, Value
 from ..numerics.linalg import apply, multiply, outer, solve
 from .basis import Basis
-from .prestress import at_rest, kinds_of
+from .modal import at_rest, halfway, kinds_of
 
 
 class Stress(NamedTuple):
@@ -58,15 +57,14 @@ def stress_of(beam: Beam, basis: Basis, shapes: np.ndarray) -> Stress:
     (T,), (q,) = at_rest(basis, kinds)
     scaled, force = basis.scaled_to(beam), beam.stiffness_unit * beam.span
     per_curvature = beam.youngs_modulus * beam.thickness / 2
-    # ASSUME: as for the deflection, the modes left out follow the contact force statically.
-    halfway = (8 * math.pi * math.pi - T / 2) * force
+    N = halfway(T) * force
     back = shapes.swapaxes(0, 1)
-    tangent = multiply(multiply(back, scaled.bending - halfway * scaled.geometric), shapes)
+    tangent = multiply(multiply(back, scaled.bending - N * scaled.geometric), shapes)
     kept = apply(shapes, solve(tangent, apply(back, scaled.midpoint)))
     return Stress(
         bending=per_curvature * multiply(scaled.curvature, shapes),
         rest=per_curvature * apply(scaled.curvature, beam.made_rise * (q - kinds.made(basis)[0])),
-        residual=per_curvature * (scaled.bent(halfway) - apply(scaled.curvature, kept)),
+        residual=per_curvature * (scaled.bent(N) - apply(scaled.curvature, kept)),
         tension=T * force / beam.area,
         area=beam.area,
     )

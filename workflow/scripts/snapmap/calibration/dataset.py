@@ -2,25 +2,19 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 from scipy.interpolate import PchipInterpolator
 from scipy.special import log_ndtr
-from scipy.stats import t
 
 from ..axes import COORDINATES
 from ..device import Device
 from ..io.counting import counting
-from ..io.provenance import provenance
-from ..io.shots import read_shots
+from ..io.variables import headed, variables
 from ..study import THRESHOLD_SETTINGS, Study, study_of
-from .information import information_at, untold
-from .likelihood import SPREADS, Likelihood
-from .profile import CONFIDENCE, Profile
-from .ranges import check_ranges
-from .shots import Shots, shots_from
+from .likelihood import SPREADS, Likelihood, Profile, information_at, reach
+from .shots import Shots, check_ranges, shots_from
 from .surface import Surface, surface_of
 
 DIGITS = 6
@@ -29,50 +23,10 @@ INSIDE = 300
 """Places within the intervals over which the likelihood of spreads is summed, about."""
 FINE, LEAST_LOG = 2001, -100.0
 """Places between values of a likelihood, and its least logarithm, as 0 has none."""
-MULTIPLES = {"units": "1", "comment": "in multiples of g"}
-SHARE = {"units": "1"}
-RANGE = {"units": "1", "comment": "1 where the interval ends with the range, 0 elsewhere"}
-OF_UNKNOWN = {
-    "estimate": {"long_name": "likeliest value, in the unknown's own unit"},
-    "low": {"long_name": "lower end of the interval at 95 %"},
-    "high": {"long_name": "upper end of the interval at 95 %"},
-    "open_low": {"long_name": "whether the range ends the interval below", **RANGE},
-    "open_high": {"long_name": "whether the range ends the interval above", **RANGE},
-}
-OF_SHOT = {
-    "N": {"long_name": "amplitude of the shot", **MULTIPLES},
-    "f0": COORDINATES["f0"],
-    "direction": {"long_name": "direction of the shot"},
-    "shape": {"long_name": "shape of the shot"},
-    "unit": {"long_name": "number of the specimen", "units": "1"},
-    "tripped": {
-        "long_name": "whether it tripped",
-        "flag_values": np.arange(2, dtype=np.int8),
-        "flag_meanings": "not_tripped tripped",
-    },
-    "threshold": {"long_name": "fitted threshold of the shot", **MULTIPLES},
-    "threshold_low": {"long_name": "lower bound of the threshold at 95 %", **MULTIPLES},
-    "threshold_high": {"long_name": "upper bound of the threshold at 95 %", **MULTIPLES},
-    "probability": {"long_name": "fitted probability of a trip", **SHARE},
-    "residual": {"long_name": "deviance residual", **SHARE},
-}
+VARIABLES = variables("calibration") | {"f0": COORDINATES["f0"]}
 NEAR = 2.0
 """Times a threshold: campaigns with no shot as near tell nothing of a device."""
 OPEN = "open_low", "open_high"
-SPREAD = {
-    "spread": {"long_name": "standard deviation of the threshold over itself", **SHARE},
-    "unit_share": {"long_name": "share of the spread's variance between units", **SHARE},
-}
-
-
-class Fit(NamedTuple):
-    """What was fitted: the likelihood over the ranges, and the thresholds under it."""
-
-    shots: Shots
-    surface: Surface
-    likelihood: Likelihood
-    profile: Profile
-    freedom: int
 
 
 def calibrate(
@@ -111,15 +65,13 @@ def calibrate(
     2.0
     """
     study, _ = study_of(device, model, options)
-    if isinstance(shots, str | Path):
-        shots = read_shots(shots)
     with counting("calibrate"):
         return calibration_of(study, shots, unknowns, C)
 
 
 def calibration_of(
     study: Study,
-    table: Mapping,
+    table: str | Path | Mapping,
     unknowns: Mapping,
     C: float | None,
     files: Mapping[str, str] | None = None,
@@ -128,15 +80,17 @@ def calibration_of(
 
     files: as in `shots_from`
     """
-    _check(study, unknowns, C)
+    if len(study.settings.pulses) > 1:
+        raise ValueError("pulse: several; name the shape and direction of each shot in its row")
+    check_ranges(unknowns, C)
     shots = shots_from(table, study.shocks, study.device, files)
     surface = surface_of(study, shots.kinds, unknowns, C)
     _check_reach(shots, surface)
+    ranges = {key: [float(end) for end in ends] for key, ends in unknowns.items()}
+    asked = {"unknowns": ranges} | ({} if C is None else {"C": float(C)})
+    document = study.document(THRESHOLD_SETTINGS) | {"calibration": asked}
     return fit(shots, surface).assign_attrs(
-        Conventions="CF-1.11, ACDD-1.3",
-        title="A device read off its shots",
-        summary="Values of a device, their intervals and the residuals of shots, tripped or not",
-        **provenance(_document(study, unknowns, C)),
+        **headed("calibration", document),
     )
 
 
@@ -147,23 +101,47 @@ def fit(shots: Shots, surface: Surface) -> xr.Dataset:
     profile = Profile(
         lambda u: likelihood.integrated(surface.at(u)), nodes.reshape(surface.logs.shape[:-1])
     )
-    freedom = shots.N.size - len(surface.unknowns) - 1
-    done = Fit(shots, surface, likelihood, profile, freedom)
-    names = list(surface.unknowns)
+    names, freedom = list(surface.unknowns), shots.N.size - len(surface.unknowns) - 1
     intervals = [profile.interval(k, freedom) for k in range(len(names))]
-    data, units = _unknowns(done, intervals), {"unknown": names, "unknown_2": names}
-    spreads = _spreads(done, intervals)
-    data |= {key: ("bound", _rounded(values), SPREAD[key]) for key, values in spreads.items()}
-    told = information_at(profile.best, surface, likelihood, spreads["spread"][0])
+    low, high, *opens = np.array(intervals, float).T
+    unit = {"comment": ", ".join(f"{key}: {COORDINATES[key]['units']}" for key in names)}
+    data = {
+        key: ("unknown", _rounded(surface.values(place)), VARIABLES[key] | unit)
+        for key, place in {"estimate": profile.best, "low": low, "high": high}.items()
+    }
+    for key, ends in zip(OPEN, opens, strict=True):
+        data[key] = ("unknown", ends.astype(np.int8), VARIABLES[key])
+    spreads = _spreads(likelihood, surface, low, high, freedom)
+    data |= {key: ("bound", _rounded(values), VARIABLES[key]) for key, values in spreads.items()}
+    spread = spreads["spread"][0]
+    told = information_at(profile.best, surface, likelihood, spread)
     scale = np.sqrt(np.diag(told.covariance))
     data["correlation"] = (
         ("unknown", "unknown_2"),
         _rounded(told.covariance / np.outer(scale, scale)),
         {"long_name": "correlation of estimates, their ranges being known", "units": "1"},
     )
-    data |= _of_shots(done, told, spreads["spread"][0])
-    bounds = {"bound": ["estimate", "low", "high"]}
-    return xr.Dataset(data, units | bounds).assign_attrs(
+    logs, kind = surface.at(profile.best[None])[0], shots.kind
+    variance = np.einsum("ij,jk,ik->i", told.slopes, told.covariance, told.slopes)
+    half = reach(freedom) * np.sqrt(variance)
+    z = (np.log(shots.N) - logs[kind]) / np.sqrt(spread**2 + surface.error**2)[kind]
+    sign = np.where(shots.tripped, 1.0, -1.0)
+    columns = {
+        "N": shots.N,
+        "f0": shots.f0,
+        "direction": np.array([shots.kinds[i].direction for i in kind]),
+        "shape": np.array([shots.kinds[i].shape for i in kind]),
+        "unit": shots.unit,
+        "tripped": shots.tripped.astype(np.int8),
+        "threshold": _rounded(np.exp(logs)[kind]),
+        "threshold_low": _rounded(np.exp(logs - half)[kind]),
+        "threshold_high": _rounded(np.exp(logs + half)[kind]),
+        "probability": _rounded(np.exp(log_ndtr(z))),
+        "residual": _rounded(sign * np.sqrt(-2 * log_ndtr(sign * z))),
+    }
+    data |= {key: ("shot", values, VARIABLES[key]) for key, values in columns.items()}
+    units = {"unknown": names, "unknown_2": names, "bound": ["estimate", "low", "high"]}
+    return xr.Dataset(data, units).assign_attrs(
         untold=_untold_text(told, names), model_error=float(_rounded(surface.error.max()))
     )
 
@@ -181,38 +159,25 @@ def _check_reach(shots, surface):
         )
 
 
-def _unknowns(done, intervals):
-    """Estimates and intervals in the unknowns' own units."""
-    u = [[one.low for one in intervals], [one.high for one in intervals]]
-    ends = [done.surface.values(np.array(end)) for end in u]
-    data = {"estimate": done.surface.values(done.profile.best), "low": ends[0], "high": ends[1]}
-    data = {key: _rounded(values) for key, values in data.items()}
-    data |= {key: np.array([getattr(i, key) for i in intervals], np.int8) for key in OPEN}
-    unit = ", ".join(f"{key}: {COORDINATES[key]['units']}" for key in done.surface.unknowns)
-    return {
-        key: ("unknown", values, OF_UNKNOWN[key] | ({} if key in OPEN else {"comment": unit}))
-        for key, values in data.items()
-    }
+def _spreads(likelihood, surface, low, high, freedom):
+    """Mean, low and high of the spread and, where units come again, of their share.
 
-
-def _spreads(done, intervals):
-    """Mean, low and high of the spread and, where units come again, of their share."""
-    ends = np.array([[one.low, one.high] for one in intervals])
-    half = (ends[:, 1] - ends[:, 0]) / 2
-    low, high = np.clip([ends[:, 0] - half, ends[:, 1] + half], 0.0, 1.0)
-    size = round(INSIDE ** (1 / len(ends)))
+    low, high: of the unknowns' intervals, as shares of their ranges
+    """
+    half = (high - low) / 2
+    low, high = np.clip([low - half, high + half], 0.0, 1.0)
+    size = round(INSIDE ** (1 / len(low)))
     mesh = np.meshgrid(*np.linspace(low, high, size).T, indexing="ij")
-    places = np.stack(mesh, axis=-1).reshape(-1, len(ends))
-    logs = done.likelihood.of(done.surface.at(places))
-    whole = np.exp(logs - logs.max()).sum(axis=0)
-    weighed = whole * SPREADS[:, np.newaxis]
+    logs = likelihood.of(surface.at(np.stack(mesh, axis=-1).reshape(-1, len(low))))
+    likely = np.exp(logs - logs.max()).sum(axis=0)
+    weighed, shares = likely * SPREADS[:, np.newaxis], likelihood.shares
     mean = np.average(SPREADS, weights=weighed.sum(axis=1))
-    ends = np.exp(_ends(np.log(SPREADS), whole.sum(axis=1), done.freedom))
+    ends = np.exp(_ends(np.log(SPREADS), likely.sum(axis=1), freedom))
     found = {"spread": np.array([mean, *ends])}
-    shares, likely = done.likelihood.shares, weighed.sum(axis=0)
     if shares.size > 1:
-        mean = np.average(shares, weights=likely)
-        found["unit_share"] = np.array([mean, *_ends(shares, likely, done.freedom)])
+        of_units = weighed.sum(axis=0)
+        mean = np.average(shares, weights=of_units)
+        found["unit_share"] = np.array([mean, *_ends(shares, of_units, freedom)])
     return found
 
 
@@ -222,43 +187,13 @@ def _ends(x, likelihood, freedom):
     with np.errstate(divide="ignore"):
         logs = np.maximum(np.log(likelihood / likelihood.max()), LEAST_LOG)
     log = PchipInterpolator(x, logs)(fine)
-    return fine[log >= log.max() - _reach(freedom) ** 2 / 2][[0, -1]]
-
-
-def _reach(freedom):
-    """Standard deviations within which 95 % lie, by Student."""
-    return t.ppf((1 + CONFIDENCE) / 2, max(1, freedom))
-
-
-def _of_shots(done, told, spread):
-    """The columns of the table, and what is fitted to each shot."""
-    shots, kind = done.shots, done.shots.kind
-    logs = done.surface.at(done.profile.best[None])[0]
-    variance = np.einsum("ij,jk,ik->i", told.slopes, told.covariance, told.slopes)
-    half = _reach(done.freedom) * np.sqrt(variance)
-    error = np.sqrt(spread**2 + done.surface.error**2)[kind]
-    z = (np.log(shots.N) - logs[kind]) / error
-    sign = np.where(shots.tripped, 1.0, -1.0)
-    data = {
-        "N": shots.N,
-        "f0": shots.f0,
-        "direction": np.array([shots.kinds[i].direction for i in kind]),
-        "shape": np.array([shots.kinds[i].shape for i in kind]),
-        "unit": shots.unit,
-        "tripped": shots.tripped.astype(np.int8),
-        "threshold": _rounded(np.exp(logs)[kind]),
-        "threshold_low": _rounded(np.exp(logs - half)[kind]),
-        "threshold_high": _rounded(np.exp(logs + half)[kind]),
-        "probability": _rounded(np.exp(log_ndtr(z))),
-        "residual": _rounded(sign * np.sqrt(-2 * log_ndtr(sign * z))),
-    }
-    return {key: ("shot", values, OF_SHOT[key]) for key, values in data.items()}
+    return fine[log >= log.max() - reach(freedom) ** 2 / 2][[0, -1]]
 
 
 def _untold_text(told, names):
     """What the shots tell little of, in words; nothing if they tell of all."""
     lines = []
-    for direction in told.directions[untold(told)]:
+    for direction in told.untold:
         parts = [f"{x:+.2f} {name}" for x, name in zip(direction, names, strict=True)]
         parts = [part for part in parts if not part.startswith(("+0.0", "-0.0"))]
         lines.append(" ".join(parts))
@@ -286,15 +221,3 @@ def _rounded(values):
     """To so many digits."""
     values = np.asarray(values, float)
     return np.vectorize(lambda x: float(f"{x:.{DIGITS}g}"))(values) if values.size else values
-
-
-def _document(study, unknowns, C):
-    ranges = {key: [float(end) for end in ends] for key, ends in unknowns.items()}
-    given = {} if C is None else {"C": float(C)}
-    return study.document(THRESHOLD_SETTINGS) | {"calibration": {"unknowns": ranges} | given}
-
-
-def _check(study, unknowns, C):
-    if len(study.settings.pulses) > 1:
-        raise ValueError("pulse: several; name the shape and direction of each shot in its row")
-    check_ranges(unknowns, C)

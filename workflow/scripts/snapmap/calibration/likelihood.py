@@ -1,10 +1,16 @@
-"""How likely shots are, given the thresholds of a device: go or no-go, with a spread."""
+"""How likely shots are: where the likelihood of unknowns is greatest, and what it leaves open."""
+
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq, minimize
 from scipy.special import log_ndtr, logsumexp
+from scipy.stats import t
 
 from ..numerics.portable import geometric
 from .shots import Shots
+from .surface import Surface
 
 SPREADS = geometric(0.003, 0.5, 16)
 """Relative standard deviations of a threshold, from shot to shot and unit to unit."""
@@ -15,6 +21,17 @@ DEVIATIONS = np.linspace(-4.0, 4.0, 25)
 ALONE = np.zeros(1)
 CHUNK = 2_000_000
 """Numbers that are held at a time."""
+CONFIDENCE = 0.95
+CLOSE = 1e-5
+"""Of a place, as a share of the range, and of a likelihood's logarithm."""
+ENDS = 1e-4
+"""Of the ends of an interval, as a share of the range."""
+STEP = 0.02
+"""Of a derivative, as a share of the range."""
+FLAT = 12.0
+"""One over the variance of a place in its range, of which nothing is known but the range."""
+UNTOLD = 0.5
+"""Of the standard deviation within the range: what is left of it where shots tell little."""
 
 
 class Likelihood:
@@ -60,3 +77,125 @@ class Likelihood:
         Shots that are parted by a gap have no likeliest spread but 0; the integral has a maximum.
         """
         return logsumexp(self.of(logs) + np.log(SPREADS)[:, None], axis=(1, 2))
+
+
+def reach(freedom: int) -> float:
+    """Standard deviations within which 95 % lie, by Student; freedom: shots beyond the unknowns."""
+    return t.ppf((1 + CONFIDENCE) / 2, max(1, freedom))
+
+
+class Interval(NamedTuple):
+    """Of one unknown, as shares of its range: ends, and whether the range ends it there."""
+
+    low: float
+    high: float
+    open_low: bool
+    open_high: bool
+
+
+class Profile:
+    """A likelihood over the unit cube.
+
+    log: of places, (n, unknowns): its logarithm, (n,); nodes: that at the points of an even grid
+    """
+
+    def __init__(self, log: Callable, nodes: np.ndarray):
+        """Climb to the greatest likelihood from the best point of the grid."""
+        self.log, self.nodes = log, nodes
+        self.axes = [np.linspace(0.0, 1.0, size) for size in nodes.shape]
+        start = np.array([*np.unravel_index(np.argmax(nodes), nodes.shape)]) / (nodes.shape[0] - 1)
+        self.best, self.most = self._climb(start, np.ones(nodes.ndim, bool))
+
+    def interval(self, k: int, freedom: int) -> Interval:
+        """Where the profile of an unknown, by its number, lies above what 95 % ask for.
+
+        Student's t takes the place of the normal distribution, as the spread is estimated too.
+        """
+        least = self.most - reach(freedom) ** 2 / 2
+        others = tuple(i for i in range(self.nodes.ndim) if i != k)
+        inside = self.axes[k][self.nodes.max(axis=others) >= least]
+        ends = [self._end(k, least, inside, side) for side in (-1, 1)]
+        return Interval(*ends, *(end in (0.0, 1.0) for end in ends))
+
+    def _end(self, k, least, inside, side):
+        """The outermost place on one side, -1 or 1, at which the profile is above `least`."""
+        known = side * max(side * np.append(inside, self.best[k]))
+        beyond = self.axes[k][side * self.axes[k] > side * known][::side]
+
+        def above(value):
+            return self._profile(k, value) - least
+
+        for value in beyond:
+            if above(value) < 0:
+                return brentq(above, known, value, xtol=ENDS)
+            known = value
+        return known
+
+    def _profile(self, k, value):
+        """The greatest likelihood at a value of one unknown."""
+        place = np.argmin(abs(self.axes[k] - value))
+        nodes = self.nodes.take(place, k)
+        best = np.unravel_index(np.argmax(nodes), nodes.shape)
+        free = np.arange(self.nodes.ndim) != k
+        starts = np.tile(self.best, (2, 1))
+        starts[0, free] = np.array(best) / (self.nodes.shape[0] - 1)
+        starts[:, k] = value
+        return self._climb(starts[np.argmax(self.log(starts))], free)[1]
+
+    def _climb(self, start, free):
+        """Place and logarithm of the greatest likelihood, some coordinates being free."""
+        place = start.copy()
+        if not free.any():
+            return place, self.log(place[None])[0]
+
+        def less(u):
+            place[free] = u
+            return -self.log(place[None])[0]
+
+        step = 0.5 / (self.nodes.shape[0] - 1)
+        first = start[free]
+        away = np.where(first > 0.5, -step, step) * np.eye(first.size)
+        simplex = np.vstack([first, first + away])
+        options = {"initial_simplex": simplex, "xatol": CLOSE, "fatol": CLOSE}
+        bounds = [(0.0, 1.0)] * first.size
+        found = minimize(less, first, method="Nelder-Mead", bounds=bounds, options=options)
+        place[free] = found.x
+        return place, -found.fun
+
+
+class Information(NamedTuple):
+    """Of the unknowns as shares of their ranges, (unknowns, unknowns).
+
+    covariance: with the ranges; slopes: of ln N of each kind, (kinds, unknowns)
+    widths: standard deviations along the directions that are told apart, ascending; directions:
+        (widths, unknowns), each of length 1
+    """
+
+    covariance: np.ndarray
+    slopes: np.ndarray
+    widths: np.ndarray
+    directions: np.ndarray
+
+    @property
+    def untold(self) -> np.ndarray:
+        """Directions of which shots tell little: the ranges say nearly as much."""
+        return self.directions[self.widths * np.sqrt(FLAT) > UNTOLD]
+
+
+def information_at(
+    place: np.ndarray, surface: Surface, likelihood: Likelihood, spread: float
+) -> Information:
+    """Fisher's information of shots at a place, shares of the ranges, at a relative spread."""
+    steps = STEP * np.eye(place.size)
+    above, below = (np.clip(place + way * steps, 0.0, 1.0) for way in (1, -1))
+    apart = (above - below).sum(axis=1)
+    slopes = ((surface.at(above) - surface.at(below)) / apart[:, None]).T
+    z = (likelihood.log_N - surface.at(place[None])[0, likelihood.kind]) / spread
+    # phi^2 / (Phi (1 - Phi)), without a loss of digits far out.
+    weight = np.exp(-z * z - log_ndtr(z) - log_ndtr(-z)) / (2 * np.pi * spread * spread)
+    each = slopes[likelihood.kind]
+    whole = np.einsum("i,ij,ik->jk", weight, each, each) + FLAT * np.eye(place.size)
+    values, vectors = np.linalg.eigh(whole)
+    vectors *= np.sign(vectors[np.argmax(abs(vectors), axis=0), np.arange(place.size)])
+    covariance = (vectors / values) @ vectors.T
+    return Information(covariance, slopes, 1 / np.sqrt(values[::-1]), vectors.T[::-1])

@@ -12,7 +12,7 @@ from scipy.special import log_ndtr, ndtri
 from scipy.stats import binom, chi2, f
 
 from ..checks import show
-from ..io.shots import answers, read_shots
+from ..io.tables import answers, shot_columns
 
 STEPS = np.arange(-4000, 4001) / 1000
 """Where a D-optimal level is sought, standard deviations from the mean."""
@@ -66,13 +66,6 @@ def plan_shots(
     >>> plan.N
     1050.0
     """
-    mean, sigma = _of_model(prior)
-    N, tripped = _columns(shots)
-    level, why = next_level(N, tripped, method, mean - 4 * sigma, mean + 4 * sigma, sigma)
-    return Plan(level, why, estimate(N, tripped, confidence) if has_estimate(N, tripped) else None)
-
-
-def _of_model(prior):
     if isinstance(prior, xr.Dataset):
         if "N_mean" not in prior or prior.N_mean.size > 1:
             raise ValueError("prior: has no N_mean of one pulse, C and f0; choose them by .sel")
@@ -80,20 +73,20 @@ def _of_model(prior):
     mean, sigma = map(float, prior)
     if not (0 < mean < np.inf and 0 < sigma < np.inf):
         raise ValueError(f"prior: {mean:g}, {sigma:g} are no mean and standard deviation above 0")
-    return mean, sigma
+    N, tripped = _columns(shots)
+    level, why = next_level(N, tripped, method, mean - 4 * sigma, mean + 4 * sigma, sigma)
+    return Plan(level, why, estimate(N, tripped, confidence) if has_estimate(N, tripped) else None)
 
 
 def _columns(shots):
     """N and whether it tripped, (shots,) each."""
-    table = read_shots(shots) if isinstance(shots, str | Path) else dict(shots)
-    if not any(len(column) for column in table.values()):
+    table = shot_columns(shots)
+    if not len(table.get("tripped", ())):
         return np.empty(0), np.empty(0, bool)
-    for key in {"N", "tripped"} - set(table):
-        raise ValueError(f"shots: column {key} is missing")
     for key in ("f0", "duration", "direction", "shape"):
         if len(several := {str(value): None for value in table.get(key, ())}) > 1:
             raise ValueError(f"shots: {key}: {', '.join(several)[:60]}; plan each pulse by itself")
-    for place, value in enumerate(table["N"], start=1):
+    for place, value in enumerate(table.get("N", [None]), start=1):
         if not (isinstance(value, int | float | np.number) and 0 < value < np.inf):
             raise ValueError(f"shots, row {place}: N: {show(value)} is no number above 0")
     return np.array(table["N"], float), answers(table["tripped"])
@@ -163,8 +156,8 @@ def _gap(N, tripped):
 def _d_optimal(N, mean, sigma):
     """The level that makes the determinant of Fisher's information of all shots largest."""
     levels = mean + STEPS * sigma
-    so_far = _information((N - mean) / sigma).sum(axis=-1)
-    total = so_far[..., np.newaxis] + _information((levels - mean) / sigma)
+    so_far = _information((N - mean) / sigma).sum(axis=-1, keepdims=True)
+    total = so_far + _information((levels - mean) / sigma)
     return levels[np.argmax(total[0, 0] * total[1, 1] - total[0, 1] ** 2)]
 
 

@@ -2,19 +2,22 @@
 
 import math
 from collections.abc import Mapping
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from ..checks import show
+from ..checks import numbers, show
 from ..device import Device
 from ..io.recorded import read_pulse
-from ..io.shots import answers
-from ..pulse import Pulse, Shocks, shocks_from
+from ..io.tables import answers, shot_columns
+from ..pulse import Pulse, Shocks, make_pulse
+from ..quantities import QUANTITIES
 
-COLUMNS = ("N", "f0", "duration", "tripped", "direction", "shape", "file", "unit")
 DIRECTIONS = "+z", "-z"
 FEWEST = 3
+MOST = 4
+"""Unknowns: the grid of thresholds grows with the power of their number."""
 MANY = 2
 """So many of either kind at one shock contradict each other if all that trip lie below."""
 
@@ -51,15 +54,20 @@ class Shots(NamedTuple):
 
 
 def shots_from(
-    table: Mapping, shocks: Shocks, device: Device, files: Mapping[str, str] | None = None
+    table: str | Path | Mapping,
+    shocks: Shocks,
+    device: Device,
+    files: Mapping[str, str] | None = None,
 ) -> Shots:
     """Take a table of shots as `calibrate` does; raises ValueError, one line.
 
     shocks: of one shape and direction, where the table names none; device: whose gravity N counts
     files: SHA-256 of the records it names as they were planned, by path; of others anything goes
     """
-    columns = _columns(table)
-    size = len(columns["tripped"])
+    columns = shot_columns(table)
+    size = len(columns.get("tripped", ()))
+    if size < FEWEST:
+        raise ValueError(f"shots: {size} are too few; give {FEWEST} or more")
     kinds, places, levels = [], {}, []
     for i in range(size):
         row = {key: values[i] for key, values in columns.items() if not _is_empty(values[i])}
@@ -74,23 +82,6 @@ def shots_from(
     shots = Shots(N, answers(columns["tripped"].tolist()), kind.astype(int), unit, tuple(kinds))
     _check(shots)
     return shots
-
-
-def _columns(table):
-    known = f"columns are {', '.join(COLUMNS)}"
-    columns = {str(key): np.asarray(table[key]).ravel() for key in table}
-    for key in columns:
-        if key not in COLUMNS:
-            raise ValueError(f"shots: column {key!r} is unknown; {known}")
-    for key in ("tripped",) if "file" in columns else ("N", "tripped"):
-        if key not in columns:
-            raise ValueError(f"shots: column {key} is missing; {known}")
-    sizes = {key: len(values) for key, values in columns.items()}
-    if len(set(sizes.values())) > 1:
-        raise ValueError(f"shots: columns differ in length, {sizes}; write a row for each shot")
-    if sizes["tripped"] < FEWEST:
-        raise ValueError(f"shots: {sizes['tripped']} are too few; give {FEWEST} or more")
-    return columns
 
 
 def _is_empty(value):
@@ -117,12 +108,12 @@ def _kind(row, place, shocks, known, files):
         if "file" in row:
             pulse = read_pulse(named, files.get(named, ""))
         elif named:
-            pulse = shocks_from(named).pulse
-        pushed = shocks_from(pulse, direction)
+            pulse = make_pulse(named)
     except ValueError as error:
         raise ValueError(f"{where}: {error}") from None
     f0 = _frequency(given, pulse, where)
-    return key, Kind(named or pulse.name, direction, f0, pushed.pulses[0])
+    pushed = pulse if direction == "+z" else pulse.reversed()
+    return key, Kind(named or pulse.name, direction, f0, pushed)
 
 
 def _frequency(given, pulse, where):
@@ -176,3 +167,20 @@ def _check(shots):
             f"shots: they contradict each other, {wrong[0]}: all that trip lie below all that do "
             "not; is tripped the wrong way round?"
         )
+
+
+def check_ranges(unknowns: Mapping, C: float | None) -> None:
+    """Raise ValueError, one line, for ranges of unknowns, or a C beside them, that cannot be."""
+    if not 1 <= len(unknowns) <= MOST:
+        raise ValueError(f"unknowns: {len(unknowns)} of them; name 1 to {MOST}")
+    for key, ends in unknowns.items():
+        pair, within = numbers(ends), QUANTITIES[key].range
+        if pair is None or pair.shape != (2,):
+            raise ValueError(f"unknowns: {key}: {show(ends)} is no pair of low and high")
+        low, high = pair
+        if not (within.holds(pair).all() and -math.inf < low < high < math.inf):
+            need = f" {within}".rstrip()
+            raise ValueError(f"unknowns: {key}: {low:g} to {high:g} is no ascending range{need}")
+    if ("C" in unknowns) != (C is None):
+        what = "missing; write it, or its range" if C is None else "is unknown; leave it out"
+        raise ValueError(f"C: {what}")

@@ -7,12 +7,11 @@ from scipy.interpolate import RegularGridInterpolator
 from scipy.stats import qmc
 
 from ..axes import point_text
-from ..beam.equilibria import static_threshold
 from ..device import batch, is_bistable
 from ..solver.cells import to_rows
 from ..study import Study
 from ..tolerances.batch import choose_builder
-from ..tolerances.search import nominal_thresholds, thresholds_of_samples
+from ..tolerances.regression import nominal_thresholds, thresholds_of_samples
 from .shots import Kind
 
 POINTS = {1: 33, 2: 17, 3: 9, 4: 6}
@@ -84,8 +83,7 @@ def _thresholds(study, kinds, values, C):
     settings = study.settings._replace(pulses=tuple(kind.pulse for kind in kinds))
     rows = to_rows(0, f0, (damping.min() + damping.max()) / 2, pulse)
     build = choose_builder(centre.pick(0), study.model, rows, settings)
-    first, static = build(centre), static_threshold(centre)
-    nominal = nominal_thresholds(first, rows, static, settings, TOLERANCE / 10)
+    nominal = nominal_thresholds(build(centre), rows, settings, TOLERANCE / 10)
     model = build(device.pick(np.zeros(damping.size, int)).vary(made))
     rows = to_rows(np.arange(damping.size)[:, None], f0, damping[:, None], pulse)
     apart = np.column_stack([column - column.mean() for column in values.values()])

@@ -5,13 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..calibration.ranges import check_ranges
-from ..calibration.shots import shots_from
+from ..calibration.shots import check_ranges, shots_from
 from ..device import Device
-from ..io.columns import ROWS
 from ..io.named import sha256_of
 from ..io.recorded import RECORD
-from ..io.shots import read_shots
+from ..io.tables import ROWS, read_shots
 from ..pulse import Shocks
 from .keys import inside
 from .models import CalibrationSection

@@ -6,9 +6,8 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from ..beam.barrier import find_barrier
 from ..beam.cosines import buckling_shapes
-from ..beam.equilibria import least_way
+from ..beam.equilibria import find_barrier, least_travel
 from ..device import Beam, Device
 from .keys import lines_of
 from .models import DeviceSection
@@ -77,7 +76,7 @@ def stopped(device: Device) -> str:
     """One line on stops that leave the mass no room to snap the beam, or nothing."""
     if not device.has_stops:
         return ""
-    way, needed = device.stop_toward, least_way(device)
+    way, needed = device.stop_toward, least_travel(device)
     if way <= device.gap:
         return f"stops.toward: {way:.4g} um is not beyond the gap; the mass never meets the beam"
     if way < needed:

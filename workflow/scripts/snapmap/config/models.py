@@ -7,9 +7,9 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field, PrivateAttr, create_model
 
-from ..arguments import OPTIONS, Argument, integer
+from ..arguments import OPTIONS, Argument
 from ..axes import COORDINATES, axis_behind
-from ..beam.vibration import damped
+from ..beam.modal import damped
 from ..curved_beam import COSINES
 from ..device import (
     ALONE,
@@ -23,19 +23,18 @@ from ..device import (
     Beam,
     Device,
 )
-from ..io.columns import ROWS
 from ..io.measured_shape import read_shape
 from ..io.named import sha256_of
-from ..io.points import read_points
 from ..io.recorded import RECORD, shocks_of
+from ..io.tables import ROWS, read_points
 from ..pulse import DIRECTIONS, SHAPES, SHARES, VERSED_SINE, Shocks
 from ..quantities import KINDS, QUANTITIES
-from ..random_vibration.spectrum import REACH, Spectrum
 from ..shape import COSINE
 from ..shape import SHAPES as AS_MADE
-from ..shock_spectra.spectrum import check_points
 from ..solver.adaptive import TOLERANCE
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
+from ..spectra.psd import REACH, Spectrum
+from ..spectra.srs import check_points
 from ..tolerances.samples import INDEX_SAMPLES, OF_DEVICE, SHOCK_FACTORS, Tolerances
 from ..tolerances.samples import KINDS as SPREADS
 from ..trains import MAKERS
@@ -337,7 +336,7 @@ class Blow(Section):
     N: quantity("number", "the peak over those of others", "2", "`1`")
     duration: quantity("pulse", out="`wait` or `repeat`, alone")
     wait: quantity("pulse", out="none")
-    repeat: argument(integer(1, 100_000), "how often all before it comes in all", out="once")
+    repeat: argument("pulse.repeat", "how often all before it comes in all", out="once")
 
 
 class Drop(Section):

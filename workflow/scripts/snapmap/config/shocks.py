@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..io.points import read_points
+from ..io.tables import read_points
 
 
 class Requirement(NamedTuple):

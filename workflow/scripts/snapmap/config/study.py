@@ -148,7 +148,9 @@ def load_config(document: Mapping) -> Config:
         try:
             return make(*given)
         except ValueError as error:
-            return faults.append(line_at(path, str(error)))
+            line = str(error)
+            of_device = path == ("sweep",) and line.startswith("device")
+            return faults.append(line if of_device else line_at(path, line))
 
     device, sweep = parts.made, parts.sweep
     shocks = parts.pulse.made if parts.pulse else HANDOUT_SHOCK
@@ -179,8 +181,7 @@ def load_config(document: Mapping) -> Config:
         tuple(one for one in required if isinstance(one, kind))
         for kind in (Requirement, Vibration, SpectrumTest)
     )
-    if any(one.made.force for one in parts.devices_by_name().values()):
-        part(("device",), _require_frame, device, shocks, requirements, vibrations or spectra)
+    part(("device",), _require_study, device, shocks, required, tolerances)
     if faults:
         raise ConfigError(*dict.fromkeys(faults))
     chosen, left_out = choose_maps(grid, nominal(device), maps)
@@ -214,13 +215,16 @@ def load_config(document: Mapping) -> Config:
     )
 
 
-def _require_frame(device, shocks, requirements, spectra):
-    """Pulses that are forces shake no frame."""
+def _require_study(device, shocks, required, tolerances):
+    """What is found of the device itself, whatever the axes make of it; forces shake no frame."""
     own = Study(device=device, shocks=shocks)
-    for asked in requirements:
-        replace(own, shocks=shocks_of(asked.pulse))
-    if spectra:
-        own.require_frame("a spectrum among the requirements")
+    if required or tolerances:
+        own.set_out({})
+    for asked in required:
+        if isinstance(asked, Requirement):
+            replace(own, shocks=shocks_of(asked.pulse))
+        else:
+            own.require_frame("a spectrum among the requirements")
 
 
 def _damper(parts):
@@ -248,7 +252,8 @@ def _grid(parts, shocks, C):
     try:
         grid = make_grid(parts.made, axes, skip, shocks)
     except ValueError as error:
-        raise ValueError(f"{error}; {remedy}") from None
+        line = str(error) if str(error).startswith("device") else f"{error}; {remedy}"
+        raise ValueError(line) from None
     if (grid.device_of < 0).all():
         raise ValueError(f"no device has a second stable shape; {remedy}")
     return grid

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 
 from ..axes import axis_behind
 from ..checks import show
-from ..io.points import Point
+from ..io.tables import Point
 from . import layout, plane, style
 from .curves import LIMITS, band_keys, draw_band, draw_impulsive, draw_static, freeze, limit_key
 from .points import draw_points, number_shocks, point_keys

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from ..io.points import Point
+from ..io.tables import Point
 from .curves import freeze
 from .scales import value_text
 from .style import COLUMN, literal

@@ -117,7 +117,7 @@ def draw_threshold_map(ax: Axes, found: xr.Dataset, x: str, y: str) -> Axes:
 def draw_design(ax: Axes, found: xr.Dataset) -> Axes:
     """Draw the line along which a threshold is what was asked for, over two values of the device.
 
-    found: as `sizing.value.design` gives it along an axis, with error bars
+    found: as `sizing.design` gives it along an axis, with error bars
     """
     (x,) = found.error.dims
     y = next(key for key in found.data_vars if key not in ("error", "solutions"))

@@ -1,10 +1,15 @@
 """Files that are whole or absent, whatever kills the job that writes them."""
 
+import mmap
 import os
 import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from hashlib import blake2b
 from pathlib import Path
+
+SEAL = b"BLAKE2b-512 of all bytes before: "
+"""And the 64 bytes of it end a file: HDF5 reads past neither, and drops both where it writes."""
 
 
 @contextmanager
@@ -23,6 +28,28 @@ def replacing(path: str | Path) -> Iterator[str]:
         raise OSError(f"{path}: not written, {free:.3g} MB are free there: {error}") from error
     finally:
         Path(part).unlink(missing_ok=True)
+
+
+def seal(path: str | Path) -> None:
+    """End a file with a hash of it: HDF5's own checksums are of the data alone."""
+    with open(path, "r+b") as file:
+        digest = blake2b(mmap.mmap(file.fileno(), 0)).digest()
+        file.seek(0, 2)
+        file.write(SEAL + digest)
+
+
+def is_whole(path: str | Path) -> bool | None:
+    """Whether a file is as `seal` left it; None for a file without a seal."""
+    with open(path, "rb") as file:
+        size = file.seek(0, 2) - len(SEAL) - 64
+        if size <= 0:
+            return None
+        file.seek(size)
+        mark, digest = file.read(len(SEAL)), file.read()
+        if mark != SEAL:
+            return None
+        held = memoryview(mmap.mmap(file.fileno(), 0, prot=mmap.PROT_READ))
+        return blake2b(held[:size]).digest() == digest
 
 
 def refuse_folders(folder: str | Path, endings: Sequence[str]) -> None:

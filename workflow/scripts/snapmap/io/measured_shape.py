@@ -9,8 +9,8 @@ import numpy as np
 from ..numerics.linalg import apply, dot, multiply, solve
 from ..numerics.portable import sine
 from ..shape import TILT
-from .columns import read_columns
 from .named import naming, read_named
+from .tables import read_table
 
 COSINES = 5
 MOST = 20_000
@@ -18,7 +18,6 @@ LEAST = 20
 PROFILE = 2_000_000, f"write at most {MOST} points"
 """Bytes that such a file may have, and what to do about more."""
 LENGTHS = {"um": 1.0, "µm": 1.0, "μm": 1.0, "nm": 1e-3, "mm": 1e3, "m": 1e6}
-COLUMNS = {"x": (LENGTHS, "x (um)"), "w": (LENGTHS, "w (um)")}
 FARTHEST = 0.1
 """Of the fit from the points, rms over the rise: beyond it is no beam between two clamps."""
 
@@ -60,9 +59,7 @@ def read_shape(path: str | Path) -> Measured:
     """
     with naming(path):
         content = read_named(path, *PROFILE)
-        if not content:
-            raise ValueError("is empty")
-        x, w = read_columns(content, COLUMNS, MOST, "points")
+        x, w = read_table(content, {"x": LENGTHS, "w": LENGTHS}, most=MOST).values()
         if x.size < LEAST:
             raise ValueError(f"has {x.size} points; write {LEAST} at least")
         if not np.ptp(x) > 0:

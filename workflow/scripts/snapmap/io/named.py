@@ -9,8 +9,6 @@ from pathlib import Path
 
 PLANNED = "SNAPMAP_PLANNED"
 """The variable of the environment, which jobs inherit."""
-DECIMALS = "write decimals with a point, not a comma"
-"""What to do about a table of another country."""
 EDITED = "was edited after the run was planned; run again"
 
 

@@ -2,16 +2,13 @@
 
 import json
 from contextlib import nullcontext
-from hashlib import blake2b
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
-from .atomic import replacing
+from .atomic import replacing, seal
 
-SEAL = b"BLAKE2b-512 of all bytes before: "
-"""And the 64 bytes of it end a file: HDF5 reads past neither, and drops both where it writes."""
 ENCODING = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
 
 
@@ -25,22 +22,7 @@ def write(dataset: xr.Dataset, path: str | Path) -> None:
         for key in dataset.data_vars:
             kind = {key: ENCODING | _digits(dataset[key]) | _chunks(dataset[key])}
             dataset[[key]].to_netcdf(temporary, mode="a", engine="netcdf4", encoding=kind)
-        digest = blake2b(np.memmap(temporary, np.uint8, "r")).digest()
-        with open(temporary, "ab") as file:
-            file.write(SEAL + digest)
-
-
-def check_seal(path: str | Path) -> None:
-    """Raise ValueError, one line, for a file that is not as `write` left it; without a seal none.
-
-    HDF5 may read a damaged one for ever: its own checksums are of the data alone.
-    """
-    with open(path, "rb") as file:
-        size = max(0, file.seek(0, 2) - len(SEAL) - 64)
-        file.seek(size)
-        seal, digest = file.read(len(SEAL)), file.read()
-    if seal == SEAL and blake2b(np.memmap(path, np.uint8, "r")[:size]).digest() != digest:
-        raise ValueError(f"{path}: is damaged; take another copy, or remove it and run again")
+        seal(temporary)
 
 
 def read_earlier(path: str | Path) -> xr.Dataset | None:

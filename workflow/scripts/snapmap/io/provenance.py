@@ -33,7 +33,7 @@ DRAWS = [_PACKAGE / "figures"]
 _NO_NUMBERS = "command.py", "figures", "pipeline"
 NUMBERS = [path for path in _PACKAGE.iterdir() if path.name not in _NO_NUMBERS]
 """The code in two parts: what draws, and what makes the numbers."""
-_CODE = ".html", ".js", ".mplstyle", ".py", ".svg"
+_CODE = ".csv", ".html", ".js", ".mplstyle", ".py", ".svg"
 
 
 def provenance(document: Mapping) -> dict[str, str]:
@@ -133,6 +133,7 @@ def _with_units(values):
     }
 
 
+@cache
 def code_version() -> str:
     """Such as `0.3.0+1a2b3c4.dirty sources 5d6e7f8a9b0c`; without git only the sources' hash."""
     commit = _commit()

@@ -7,11 +7,11 @@ from tempfile import NamedTemporaryFile
 
 import numpy as np
 
-from ..pulse import Pulse, Shocks, make_pulse, sampled, shocks_from
+from ..pulse import SHARES, VERSED_SINE, Pulse, Shocks, make_pulse, sampled, shocks_from
 from ..trains import MAKERS
-from .columns import read_columns
 from .extras import needing
 from .named import naming, read_named
+from .tables import read_table
 
 MOST_SAMPLES = 1_000_000
 RECORD = 200_000_000, f"write at most {MOST_SAMPLES} samples"
@@ -20,7 +20,6 @@ UFF = (".uff", ".unv", ".uf")
 TIMES = {"s": 1e6, "ms": 1e3, "us": 1.0, "µs": 1.0, "μs": 1.0}
 ACCELERATIONS = {"g": 9.80665e-6, "m/s^2": 1e-6, "m/s2": 1e-6, "m/s²": 1e-6, "m/s**2": 1e-6}
 """Units by the words for them, in us and um/us^2."""
-COLUMNS = {"time": (TIMES, "time (ms)"), "acceleration": (ACCELERATIONS, "acceleration (g)")}
 
 
 def read_pulse(path: str | Path, sha256: str = "") -> Pulse:
@@ -37,12 +36,11 @@ def read_pulse(path: str | Path, sha256: str = "") -> Pulse:
     path = Path(path)
     with naming(path):
         content = read_named(path, *RECORD, sha256)
-        if not content:
-            raise ValueError("is empty")
         if path.suffix.lower() in UFF:
             time, acceleration = _read_uff(content)
         else:
-            time, acceleration = read_columns(content, COLUMNS, MOST_SAMPLES, "samples")
+            columns = {"time": TIMES, "acceleration": ACCELERATIONS}
+            time, acceleration = read_table(content, columns, most=MOST_SAMPLES).values()
         pulse = sampled(time, acceleration, path.stem)
         return replace(pulse, peak=abs(acceleration).max(), given={"file": str(path)})
 
@@ -58,14 +56,12 @@ def shocks_of(values: Mapping) -> Shocks:
         return shocks_from(*made, direction)
     if "file" in values:
         return shocks_from(read_pulse(values["file"], values.get("sha256", "")), direction)
-    shares = {key: values[key] for key in ("rise", "fall") if key in values}
-    shape = values.get("shape", make_pulse().name)
-    if isinstance(shape, str):
-        return shocks_from(make_pulse(shape, **shares), direction)
-    if shares and "trapezoid" not in shape:
-        make_pulse(shape[0], **shares)
-    each = [make_pulse(one, **(shares if one == "trapezoid" else {})) for one in shape]
-    return shocks_from(each, direction)
+    shares = {key: values[key] for key in SHARES if key in values}
+    shape = values.get("shape", VERSED_SINE)
+    names = [shape] if isinstance(shape, str) else shape
+    of = "trapezoid" if "trapezoid" in names else names[0]
+    made = [make_pulse(name, **(shares if name == of else {})) for name in names]
+    return shocks_from(made[0] if isinstance(shape, str) else made, direction)
 
 
 def _read_uff(content):

@@ -9,9 +9,10 @@ import numpy as np
 import xarray as xr
 
 from ..axes import NAMES, Grid, coordinates, shared_points
-from ..beam.barrier import Barrier
+from ..beam.equilibria import Barrier
 from ..io.counting import count
 from ..io.provenance import provenance, recipe
+from ..io.variables import variables
 from ..solver import simd_loop
 from ..solver.adaptive import choose_model
 from ..solver.cells import rows_of, to_cells
@@ -20,7 +21,7 @@ from ..solver.kernel.trace import SAMPLE
 from ..solver.outcome import FAILED
 from ..solver.settings import MOVE
 from ..study import Study
-from .travel import warn_of_travel
+from .history import warn_of_travel
 
 CELLS = 40_000
 """A larger grid is thinned along its longest axes by whole strides."""
@@ -33,21 +34,8 @@ DIGITS = {"quantize_mode": "BitRound", "significant_digits": 20}
 # ASSUME: energies above four times the saddle's are drawn as four times: what counts is near one.
 ENERGY_REACH = 4.0
 
-VARIABLES = {
-    "w_low": {"long_name": "least deflection of the beam's midpoint in the bin", "units": "um"},
-    "w_high": {"long_name": "greatest deflection of the beam's midpoint in the bin", "units": "um"},
-    "z_mass": {"long_name": "position of the mass at the start of the bin", "units": "um"},
-    "energy": {
-        "long_name": "energy over the saddle's, at the start of the bin",
-        "units": "1",
-        "clipped_at": ENERGY_REACH,
-    },
-    "beam_energy": {
-        "long_name": "the beam's share of the energy",
-        "units": "1",
-        "clipped_at": ENERGY_REACH,
-    },
-}
+VARIABLES = variables("traces")
+VARIABLES["energy"]["clipped_at"] = VARIABLES["beam_energy"]["clipped_at"] = ENERGY_REACH
 MOST = 1e30
 """Of what a failed run blew up to, all that is kept."""
 
@@ -80,9 +68,9 @@ def trace(study: Study, cube: xr.Dataset, earlier: xr.Dataset | None = None) -> 
     for number, halved in np.unique([level[new], halvings[new]], axis=1).T:
         some = np.flatnonzero(new & (level == number) & (halvings == halved))
         stepped = levels[number].with_step(0.5**halved)
-        for mine, part, row in stepped.split(device_of[some]):
+        for mine, part in stepped.split(device_of[some]):
             which = some[mine]
-            alike = cells.some(which)._replace(device=row)
+            alike = cells.some(which)
             found = _follow(part, grid.pulses, alike, window[which], bins, settings.threads)
             values[..., which], bin_length[which] = _shown(*found[:2], window[which])
             stress[which] = found[2]
@@ -234,6 +222,6 @@ def _dress(grid, cube, values, bin_length, model):
 def _barrier_of(model):
     """The barrier of each device, arrays (devices,)."""
     found = np.empty((len(Barrier._fields), len(model.device)))
-    for mine, part, row in model.split(np.arange(found.shape[1])):
-        found[:, mine] = [column[row] for column in part.barrier]
+    for mine, part in model.split(np.arange(found.shape[1])):
+        found[:, mine] = [column[mine] for column in part.barrier]
     return Barrier(*found)

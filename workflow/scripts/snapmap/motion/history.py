@@ -1,6 +1,7 @@
 """One cell in full: motion, contact force and every energy over time."""
 
 import math
+import warnings
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
@@ -10,36 +11,25 @@ import xarray as xr
 
 from ..beam.modal import contact_stiffness
 from ..beam.stress import stress_of
-from ..device import Device
-from ..io.provenance import device_sections, provenance
+from ..device import Device, Value
+from ..io.provenance import device_sections
+from ..io.variables import headed, variables
 from ..numerics.linalg import dot, multiply
 from ..pulse import blow_at
 from ..solver.adaptive import choose_model
 from ..solver.cells import to_cells
-from ..solver.repeat import REPEATED_STEP, t_snap_error, work_error
+from ..solver.outcome import REPEATED_STEP, t_snap_error, work_error
 from ..solver.settings import MOVE
 from ..study import Study, study_of
-from .travel import warn_of_travel
 
 SAMPLES = 4000
 """A history keeps this many instants, up to twice as many, or all that there are."""
 
-VARIABLES = {
-    "w_mid": ("deflection of the beam's midpoint", "um"),
-    "z_mass": ("position of the mass", "um"),
-    "contact_force": ("force between mass and beam", "uN"),
-    "acceleration": ("acceleration of the frame", "um us-2"),
-    "axial_force": ("compressive axial force in the beam", "uN"),
-    "stress": ("largest tensile stress in the beam", "MPa"),
-    "kinetic_energy": ("kinetic energy of mass and beam", "pJ"),
-    "spring_energy": ("energy of the mass's spring", "pJ"),
-    "bending_energy": ("bending energy of the beam", "pJ"),
-    "axial_energy": ("axial energy of the beam", "pJ"),
-    "contact_energy": ("energy of the contact", "pJ"),
-    "dissipated_energy": ("energy taken by the damping of mass and beam", "pJ"),
-    "pulse_work": ("work of the pulse on mass and beam", "pJ"),
-    "midpoint_force": ("force of the pulse on the beam's midpoint, downward", "uN"),
-}
+# ASSUME: a device leaves its mass a few times the rise of its beam, which a snap takes it twice.
+FARTHEST = 5.0
+"""Over the rise: of a mass that no stop holds, a way from rest that a run remarks upon."""
+
+VARIABLES = variables("history")
 
 
 def simulate(
@@ -87,7 +77,13 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
         "model": dict(study.model),
         "histories": [{"N": N, "f0": f"{f0!r} Hz", "C": f"{C!r} uN*us/um"}],
     }
-    return _dress(values, document).assign_attrs(
+    rest = built.barrier.first + device.gap
+    stops = {"stop_toward": rest - device.stop_toward, "stop_away": rest + device.stop_away}
+    stops = {key: place for key, place in stops.items() if math.isfinite(place)}
+    data = {key: ("time", values[key], about) for key, about in VARIABLES.items() if key in values}
+    about = {"long_name": "time after the start of the pulse", "units": "us"}
+    return xr.Dataset(data, {"time": ("time", values["time"], about)}).assign_attrs(
+        **headed("history", document),
         N=N,
         f0=f0,
         C=C,
@@ -96,17 +92,10 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
         gravity=device.gravity,
         time_step=dt,
         **extremes._asdict(),
-        **_stops(device, built.barrier.first),
+        **stops,
         **({"blow": blow} if settings.pulses[0].blows.size else {}),
         **_differences(built, cells, settings),
     )
-
-
-def _stops(device, first):
-    """Where the mass meets its stops, um, of those that it has."""
-    rest = first + device.gap
-    places = {"stop_toward": rest - device.stop_toward, "stop_away": rest + device.stop_away}
-    return {key: place for key, place in places.items() if math.isfinite(place)}
 
 
 class Extremes(NamedTuple):
@@ -171,10 +160,14 @@ def _cell(study, N, f0, C):
 
 
 def _record(built, cells, settings, samples):
-    """The time step, us, the values of a cell at so many instants or more, and its extremes."""
+    """The time step, us, the values of a cell, and its extremes.
+
+    samples: instants that are kept or more, every one of a power of two of steps
+    """
     dt = built.steps.of(cells, settings.pulses, MOVE).item()
     amplitude, per_us, damping, t_end = (column.item() for column in cells[2:])
-    steps, stride = _sampling(t_end, dt, samples)
+    steps = int(np.ceil(t_end / dt))
+    stride = 2 ** max(0, math.floor(math.log2(max(1, steps / samples))))
     shock, device, first = settings.pulses[0], built.device, built.barrier.first
     form, motions = built.loop().record(built, shock, amplitude, per_us, damping, dt, steps)
     stress = stress_of(device.beam, built.basis, form.shapes)
@@ -189,14 +182,10 @@ def _record(built, cells, settings, samples):
     extremes = largest.extremes()
     warn_of_travel(device, -extremes.toward_max, extremes.away_max)
     shaken = amplitude * shock.at(per_us * values["time"])
-    return dt, values | _load(device, shaken), extremes
-
-
-def _load(device, shaken):
-    """What the pulse is, by its name, from N gravity over time."""
+    push = {"acceleration": shaken}
     if device.force:
-        return {"midpoint_force": shaken / device.gravity * device.force}
-    return {"acceleration": shaken}
+        push = {"midpoint_force": shaken / device.gravity * device.force}
+    return dt, values | push, extremes
 
 
 def _differences(model, cells, settings):
@@ -211,13 +200,6 @@ def _differences(model, cells, settings):
         runs = (each.follow_once(cells, settings) for each in (one, again))
         differences[compare.__name__] = compare(*runs).item()
     return differences
-
-
-def _sampling(t_end, dt, samples):
-    """Steps to t_end, and the largest power of two between samples that keeps so many or more."""
-    steps = int(np.ceil(t_end / dt))
-    stride = 2 ** max(0, math.floor(math.log2(max(1, steps / samples))))
-    return steps, stride
 
 
 def _observe(device, first, form, stress, motion):
@@ -244,20 +226,19 @@ def _observe(device, first, form, stress, motion):
     }
 
 
-def _dress(values, document):
-    data = {
-        key: ("time", values[key], {"long_name": name, "units": unit})
-        for key, (name, unit) in VARIABLES.items()
-        if key in values
-    }
-    axis = (
-        "time",
-        values["time"],
-        {"long_name": "time after the start of the pulse", "units": "us"},
-    )
-    return xr.Dataset(data, {"time": axis}).assign_attrs(
-        Conventions="CF-1.11, ACDD-1.3",
-        title="Time history of one cell",
-        summary="Motion, forces and energies of beam and mass under one shock",
-        **provenance(document),
-    )
+def warn_of_travel(device: Device, lowest: Value, highest: Value) -> None:
+    """Warn, in one line, if a mass without a stop on that side goes beyond FARTHEST times the rise.
+
+    device: one, or as many as there are runs; lowest, highest: of the mass from rest, um
+    """
+    toward = np.where(np.isinf(device.stop_toward), -np.asarray(lowest), 0.0)
+    away = np.where(np.isinf(device.stop_away), highest, 0.0)
+    way = np.fmax(toward, away)
+    beyond = np.atleast_1d(way / device.beam.height > FARTHEST)
+    if beyond.any():
+        runs = f" in {beyond.sum()} of {beyond.size} runs" if beyond.size > 1 else ""
+        warnings.warn(
+            f"the mass travels up to {np.nanmax(way):.4g} um from rest{runs}, more than "
+            f"{FARTHEST:g} times the rise; if it meets the frame before, write device.stops",
+            stacklevel=3,
+        )

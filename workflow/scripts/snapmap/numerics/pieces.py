@@ -10,8 +10,7 @@ curve may jump.
 
 from numba import njit
 
-from .arithmetic import sine
-from .kept_kernels import compiled
+from .kernels import compiled, sine
 
 BEGIN, VALUE, SLOPE, TURNS, LIFT, SWING = range(6)
 COLUMNS = 6

@@ -29,8 +29,8 @@ def least_amplitudes(model: Follows, rows: Rows, pulses: tuple[Pulse, ...]) -> n
     model: of a batch; pulses: those that the rows name
     """
     bounds = np.empty((2, len(model.device)))
-    for mine, part, row in model.split(np.arange(bounds.shape[1])):
-        bounds[:, mine] = np.array(_of_devices(part))[:, row]
+    for mine, part in model.split(np.arange(bounds.shape[1])):
+        bounds[:, mine] = np.array(_of_devices(part))[:, mine]
     speed, swing = bounds[:, rows.device]
     facts = np.array([(pulse.gross_area, pulse.variation) for pulse in pulses])
     gross, ups_and_downs = facts[rows.pulse].T

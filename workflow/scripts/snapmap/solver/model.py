@@ -1,20 +1,19 @@
 """A model of one device or a batch of them, and the one thing asked of it: to follow cells."""
 
-from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from importlib import import_module
+from types import ModuleType
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from ..beam.barrier import Barrier
 from ..beam.basis import Basis
+from ..beam.equilibria import Barrier
 from ..beam.modal import ModalBeam
 from ..device import Device
 from ..io.counting import count
-from ..pulse import Pulse
 from .cells import Cells, Observations, no_observations
-from .record import Form, Motion
 from .settings import MOVE, Settings
 from .steps import Steps
 
@@ -40,11 +39,8 @@ class Follows(Protocol):
     def follow(self, cells: Cells, settings: Settings) -> Observations:
         """Follow cells, (rows, n), each row of ascending amplitude, as the settings ask."""
 
-    def split(self, device: np.ndarray) -> Iterator[tuple[np.ndarray, "Model", np.ndarray]]:
-        """The discretisations behind devices, given by their indices, of any shape.
-
-        Yields a mask of those it holds for, and the indices of these in its own batch.
-        """
+    def split(self, device: np.ndarray) -> list[tuple[np.ndarray, "Model"]]:
+        """Masks of devices, given by their indices, of any shape, and the model of each."""
 
     def with_step(self, factor: float) -> "Follows":
         """The same model with every step multiplied by `factor`."""
@@ -53,42 +49,16 @@ class Follows(Protocol):
         """The same model of one device of the batch, or of some."""
 
 
-class Loop(Protocol):
-    """A module with a time loop."""
-
-    def march(
-        self, model: "Model", cells: Cells, dt: np.ndarray, settings: Settings
-    ) -> tuple[np.ndarray, ...]:
-        """t_snap, t_settled, well, energy_error, well_share and pulse_work of cells, (cells,).
-
-        dt: us, (cells,)
-        """
-
-    def record(
-        self,
-        model: "Model",
-        pulse: Pulse,
-        amplitude: float,
-        f0: float,
-        damping: float,
-        dt: float,
-        steps: int,
-    ) -> tuple[Form, Iterable[Motion]]:
-        """Every step of one cell of a model of one device, window after window; dt: us."""
-
-
 @dataclass(frozen=True, eq=False)
 class Model:
     """A device or a batch, its beam discretised.
 
-    loop: imports the time loop when a run begins, as a plan needs no compiler
     basis, modal: its matrices, and their reduced form
     barrier: between the two shapes of that form
     steps: the rule of its time steps
     """
 
     name: str
-    loop: Callable[[], Loop]
     device: Device
     basis: Basis
     modal: ModalBeam
@@ -105,10 +75,14 @@ class Model:
         """Number of modes kept."""
         return self.modal.load.shape[-1]
 
-    def split(self, device: np.ndarray) -> Iterator[tuple[np.ndarray, "Model", np.ndarray]]:
+    def loop(self) -> ModuleType:
+        """Its time loop, imported when a run begins: a plan needs no compiler."""
+        loop = "plain_loop" if self.name == "reference" else "simd_loop"
+        return import_module(f".{loop}", __package__)
+
+    def split(self, device: np.ndarray) -> list[tuple[np.ndarray, "Model"]]:
         """Itself, for all."""
-        everything = np.ones(device.shape, bool)
-        yield everything, self, device[everything]
+        return [(np.ones(device.shape, bool), self)]
 
     def with_step(self, factor: float) -> "Model":
         """The same model with its step multiplied by `factor`."""
@@ -169,64 +143,51 @@ class Model:
                     whole[some] = part
                 count(some.size)
 
-        with ThreadPoolExecutor(settings.threads) as pool:
-            list(pool.map(follow_share, range(settings.threads)))
+        if settings.threads == 1:
+            follow_share(0)
+        else:
+            with ThreadPoolExecutor(settings.threads) as pool:
+                list(pool.map(follow_share, range(settings.threads)))
         seen.t_snap[seen.t_snap > cells.t_end] = np.nan
         seen.t_settled[seen.t_settled > cells.t_end] = np.nan
         seen.pulse_work[~(seen.energy_error <= settings.energy_tolerance)] = np.nan
         return seen
 
 
-@dataclass(frozen=True, eq=False)
-class Mixture:
-    """A batch of devices whose models differ in more than numbers.
+class GuidedOrFree(NamedTuple):
+    """A batch in which beams are guided or free to tilt: models of all devices as either."""
 
-    parts: the models, each of some devices
-    part_of, row_of: the part of each device and its place there, (devices,)
-    """
-
-    device: Device
-    parts: tuple[Model, ...]
-    part_of: np.ndarray
-    row_of: np.ndarray
+    guided: Model
+    free: Model
 
     @property
-    def levels(self) -> tuple["Mixture"]:
+    def device(self) -> Device:
+        """The batch."""
+        return self.free.device
+
+    @property
+    def levels(self) -> tuple["GuidedOrFree"]:
         """Itself alone."""
         return (self,)
 
-    def split(self, device: np.ndarray) -> Iterator[tuple[np.ndarray, Model, np.ndarray]]:
-        """Each part with its devices."""
-        part_of = self.part_of[device]
-        for number in np.unique(part_of):
-            mine = part_of == number
-            yield mine, self.parts[number], self.row_of[device[mine]]
+    def split(self, device: np.ndarray) -> list[tuple[np.ndarray, Model]]:
+        """Guided ones and free ones."""
+        is_free = self.device.beam.free[device] != 0
+        return [(~is_free, self.guided), (is_free, self.free)]
 
-    def with_step(self, factor: float) -> "Mixture":
+    def with_step(self, factor: float) -> "GuidedOrFree":
         """The same models with every step multiplied by `factor`."""
-        return replace(self, parts=tuple(part.with_step(factor) for part in self.parts))
+        return GuidedOrFree(*(model.with_step(factor) for model in self))
 
     def pick(self, which: int | np.ndarray) -> Follows:
-        """The model of one device, or those of some."""
+        """The model of one device, or those of several."""
         if np.ndim(which) == 0:
-            return self.parts[self.part_of[which]].pick(self.row_of[which])
-        device, part_of, row_of = self.device.pick(which), self.part_of[which], self.row_of[which]
-        return Mixture(device, self.parts, part_of, row_of)
+            return self[int(self.device.beam.free[which])].pick(which)
+        return GuidedOrFree(*(model.pick(which) for model in self))
 
     def follow(self, cells: Cells, settings: Settings) -> Observations:
         """Follow every cell by the model of its device."""
         seen = no_observations(np.shape(cells.f0))
-        for mine, part, row in self.split(cells.device):
-            some = cells.some(mine)._replace(device=row)
-            seen.replace(mine, part.follow(some, settings))
+        for mine, model in self.split(cells.device):
+            seen.replace(mine, model.follow(cells.some(mine), settings))
         return seen
-
-
-def mix(device: Device, parts: list[tuple[np.ndarray, Model]]) -> Follows:
-    """Join models of some devices each, given with the devices' indices, to one of the batch."""
-    if len(parts) == 1:
-        return parts[0][1]
-    part_of, row_of = np.zeros((2, len(device)), np.int64)
-    for number, (which, _) in enumerate(parts):
-        part_of[which], row_of[which] = number, np.arange(which.size)
-    return Mixture(device, tuple(model for _, model in parts), part_of, row_of)

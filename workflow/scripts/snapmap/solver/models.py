@@ -5,27 +5,13 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..arguments import require_model
-from ..beam.barrier import find_barrier
 from ..beam.cosines import buckling_shapes, symmetric_cosines
 from ..beam.elements import hermite_elements
+from ..beam.equilibria import find_barrier
 from ..beam.modal import contact_stiffness, pulse_load, reduce_to_modes
 from ..device import Device
-from .model import Follows, Loop, Model, mix
+from .model import Follows, GuidedOrFree, Model
 from .steps import explicit_steps, steps_of
-
-
-def simd() -> Loop:
-    """The SIMD kernel."""
-    from . import simd_loop
-
-    return simd_loop
-
-
-def plain() -> Loop:
-    """The plain loop."""
-    from . import plain_loop
-
-    return plain_loop
 
 
 def build_model(device: Device, name: str = "handout", **options) -> Follows:
@@ -37,35 +23,21 @@ def build_model(device: Device, name: str = "handout", **options) -> Follows:
     """
     check_options(device, name, options)
     device.beam.require_second_shape()
-    kinds = _kinds(device, name, options)
-    if np.ndim(kinds) == 0 or (kinds == kinds[0]).all():
-        return _build_alike(device, name, options, int(np.max(kinds)))
-    parts = []
-    for kind in np.unique(kinds):
-        some = np.flatnonzero(kinds == kind)
-        parts.append((some, _build_alike(device.pick(some), name, options, int(kind))))
-    return mix(device, parts)
+    free = np.unique(device.beam.free)
+    models = [_build(device, name, options, sort != 0) for sort in free]
+    return models[0] if free.size == 1 else GuidedOrFree(*models)
 
 
-def _kinds(device, name, options):
-    """What a model's build depends on, of each device: free and hard, as binary digits."""
-    free, hard = device.beam.free != 0, np.isinf(device.contact)
-    return 2 * free + hard
-
-
-def _modes(options, is_free, default):
-    """How many modes are kept: of a free beam as many antisymmetric ones as symmetric."""
-    return options["modes"] * (1 + is_free) if "modes" in options else default
-
-
-def _build_alike(device, name, options, kind):
-    """A model of devices of one kind, as `_kinds` numbers them."""
-    is_free, is_hard = kind // 2 == 1, kind % 2 == 1
+def _build(device, name, options, is_free):
+    """The model of devices as if all were guided, or free to tilt."""
     basis = _basis(options, name, is_free)
-    modes, most = _modes(options, is_free, _default_modes(is_hard, name, basis)), basis.load.size
-    if modes > most:
-        own = options["modes"], most // (1 + is_free)
-        raise ValueError(f"model.modes: {own[0]} is too many; this beam has {own[1]}")
+    modes, most = options.get("modes"), basis.load.size // (1 + is_free)
+    if modes is None:
+        modes = basis.load.size if name == "cosines" else _modes_of_elements(device, basis, name)
+    elif modes > most:
+        raise ValueError(f"model.modes: {modes} is too many; this beam has {most}")
+    else:
+        modes *= 1 + is_free  # as many antisymmetric ones as symmetric
     modal = reduce_to_modes(device.beam, basis, modes)
     modal = modal._replace(load=pulse_load(device, modal.load, modal.midpoint))
     if np.isinf(contact_stiffness(device, modal.residual)).any():
@@ -74,11 +46,8 @@ def _build_alike(device, name, options, kind):
             f"with {modes} of {basis.load.size} modes; write fewer modes, or a contact in N/m"
         )
     barrier, step = find_barrier(device.beam, basis, modes), options.get("step")
-    if name == "reference":
-        steps, loop = explicit_steps(device, modal, step), plain
-    else:
-        steps, loop = steps_of(device, modal, step), simd
-    return Model(name, loop, device, basis, modal, barrier, steps)
+    steps = (explicit_steps if name == "reference" else steps_of)(device, modal, step)
+    return Model(name, device, basis, modal, barrier, steps)
 
 
 def check_options(device: Device, name: str, options: Mapping) -> None:
@@ -96,10 +65,16 @@ def _basis(options, name, is_free):
     return hermite_elements(**chosen, **{"free": True} if is_free else {})
 
 
-def _default_modes(is_hard, name, basis):
-    unknowns = basis.load.size
-    if is_hard and name != "cosines":
-        # ASSUME: hard contact acts through the static flexibility of the highest quarter of the
-        # elements' modes; it moves the threshold of five elements by 0.02 %.
-        return max(1, min(unknowns - 1, (3 * unknowns + 3) // 4))
-    return unknowns
+def _modes_of_elements(device, basis, name):
+    """How many modes elements keep, if the options leave it open."""
+    unknowns, hard = basis.load.size, np.isinf(device.contact)
+    if not hard.any():
+        return unknowns
+    if not hard.all():
+        raise ValueError(
+            f"device.contact: the {name} model takes hard ones and others each by themselves; "
+            "write modes, or model: cosines"
+        )
+    # ASSUME: hard contact acts through the static flexibility of the highest quarter of the
+    # elements' modes; it moves the threshold of five elements by 0.02 %.
+    return max(1, min(unknowns - 1, (3 * unknowns + 3) // 4))

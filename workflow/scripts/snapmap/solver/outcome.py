@@ -1,9 +1,11 @@
-"""What a cell's facts prove: the labels of the map."""
+"""What a cell's facts prove: the labels of the map; and by how much a second run differs."""
 
 from collections.abc import Mapping
 from enum import IntEnum
 
 import numpy as np
+
+from .cells import Observations
 
 
 class Outcome(IntEnum):
@@ -20,6 +22,8 @@ class Outcome(IntEnum):
 
 UNSNAPPED, NEVER, SNAPPED, LATCHED, RETURNED, FAILED, ABSENT = Outcome
 OUTCOMES = tuple(outcome.name.lower() for outcome in Outcome)
+REPEATED_STEP = 0.75
+"""The second run of a cell takes this fraction of the first one's step."""
 WHOLE_SWING = 0.999
 """Share of the last swing above which the beam has kept to one side."""
 
@@ -72,3 +76,18 @@ def shares(counts: Mapping[str, int]) -> dict[str, float]:
         "failed": counts.get("failed", 0),
     }
     return {f"share_{name}": round(number / total, 6) for name, number in found.items()}
+
+
+def work_error(seen: Observations, again: Observations) -> np.ndarray:
+    """Difference of the pulse's work over the larger of both, from 0 to 2; 0 where both are.
+
+    NaN where one of them is not known.
+    """
+    apart = abs(again.pulse_work - seen.pulse_work)
+    larger = np.maximum(abs(again.pulse_work), abs(seen.pulse_work))
+    return np.divide(apart, larger, out=apart, where=larger > 0)
+
+
+def t_snap_error(seen: Observations, again: Observations) -> np.ndarray:
+    """Difference of the times of snap, us; NaN where one of them did not snap."""
+    return abs(again.t_snap - seen.t_snap)

@@ -5,14 +5,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..beam.basis import Basis
-from ..beam.modal import pulse_load
-from ..beam.prestress import settled
+from ..beam.modal import pulse_load, settled
 from ..device import Device, Value
 from ..numerics import pieces as curve
-from ..numerics.arithmetic import fma
-from ..numerics.kept_kernels import compiled
+from ..numerics.kernels import compiled, fma
 from ..numerics.linalg import apply, solve_all
-from .record import Form, Motion
+from .cells import Form, Motion
 
 
 class System(NamedTuple):

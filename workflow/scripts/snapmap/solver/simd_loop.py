@@ -6,15 +6,14 @@ from ..beam.basis import PLACES
 from ..beam.modal import contact_stiffness
 from ..beam.stress import stress_of
 from ..pulse import table
+from .cells import Form, Motion
 from .kernel import rows as R
-from .kernel.drive import follow_all
-from .kernel.lanes import Facts, Task, load
+from .kernel.lanes import Facts, Task, follow_all, load
 from .kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
 from .kernel.rows import LANES
 from .kernel.trace import keep_block, trace_all
-from .record import Form, Motion
 
-WINDOW = 128 * BLOCK
+WINDOW = 64 * BLOCK
 """Steps of a record that are in memory at once."""
 
 
@@ -46,8 +45,6 @@ def trace(model, device, dt, pulses, cells, bins, stress=None):
     kept = w_range, instants, np.full(n_cells, -np.inf)
     k = model.modes
     rows = np.empty((0, 1, k + 2)) if stress is None else stress.copy()
-    kappa = np.reshape(model.modal.stiffness, (-1, k))[device]
-    rows[:, :-1, :k] *= _shrink(kappa, dt[:, np.newaxis])[: len(rows), np.newaxis]
     rows[:, :-1, k] /= (dt * dt)[: len(rows), np.newaxis]
     devices = coefficients(model, -np.inf)[device]
     trace_all(*empty_lanes(model), devices, dt, table(pulses), cells, rows, kept)
@@ -74,16 +71,19 @@ def record(model, pulse, amplitude, f0, damping, dt, steps):
 
     model: of one device; dt: us; returns Form, and Motion of one WINDOW after another
     """
-    modal = model.modal
-    modes, k = np.eye(model.modes), np.diag(modal.stiffness)
-    form = Form(modes, k, *modal[1:3], modal.midpoint, *modal[6:])
-    windows = _pairs(model, (damping, amplitude), (pulse, f0), dt, steps)
-    return form, (_motion(model, damping, dt, *window) for window in windows)
+    modal, lanes, pulses, state = model.modal, empty_lanes(model), table([pulse]), no_pulse()
+    load(*lanes, 0, coefficients(model, -np.inf)[0], damping, amplitude, dt)
+    begin_pulse(lanes[0], 0, state, pulses, 0, f0 * dt)
+    shrink = lanes[0][::LANES][R.VECTORS + R.U * model.modes :][: model.modes].copy()
+    own_inertia = np.diag(1 / (shrink * shrink) - dt * dt * modal.stiffness / 4)
+    form = Form(own_inertia, np.diag(modal.stiffness), *modal[1:3], modal.midpoint, *modal[6:])
+    windows = _pairs(model, lanes, pulses, state, steps)
+    return form, (_motion(model, damping, dt, shrink, *window) for window in windows)
 
 
-def _motion(model, damping, dt, first, before, after):
-    """Motion of a window of `_pairs`."""
-    modes, middle, shrink = model.modes, (before + after) / 2, _shrink(model.modal.stiffness, dt)
+def _motion(model, damping, dt, shrink, first, before, after):
+    """Motion of a window of `_pairs`; shrink: coordinates over those of the kernel."""
+    modes, middle = model.modes, (before + after) / 2
     p, p_step = (R.VECTORS - R.STATE + modes * v + np.arange(modes) for v in (R.P, R.D))
     lost = damping * after[R.SWEPT - R.STATE]
     lost += model.device.beam.damping * after[R.BEAM_SWEPT - R.STATE]
@@ -99,23 +99,14 @@ def _motion(model, damping, dt, first, before, after):
     )
 
 
-def _shrink(stiffness, dt):
-    """Coordinates over those of the kernel."""
-    return 1 / np.sqrt(1 + dt * dt * stiffness / 4)
-
-
-def _pairs(model, load_of_cell, shock, dt, steps):
+def _pairs(model, lanes, pulses, pulse_state, steps):
     """The first step of each window, and the state before and after each of it, (rows, steps)."""
-    lanes, (pulse, f0) = empty_lanes(model), shock
-    X, pulses, pulse_state = lanes[0], table([pulse]), no_pulse()
-    load(*lanes, 0, coefficients(model, -np.inf)[0], *load_of_cell, dt)
-    begin_pulse(X, 0, pulse_state, pulses, 0, f0 * dt)
     shocks, rows = np.zeros(BLOCK * LANES), R.VECTORS + R.U * model.modes - R.STATE
     for first in range(0, steps, WINDOW):
         before, after = np.empty((2, min(WINDOW, steps - first), rows))
         for step in range(0, len(before), BLOCK):
             pulse_state.steps[:] = first + step
-            set_out(X, shocks, pulse_state, pulses)
+            set_out(lanes[0], shocks, pulse_state, pulses)
             block = slice(step, step + BLOCK)
             keep_block(*lanes, shocks, before[block], after[block])
         yield first, before.T, after.T

@@ -8,8 +8,7 @@ from ..axes import Grid
 from ..pulse import blow_at
 from ..solver.cells import Rows, rows_of, to_cells
 from ..solver.model import Follows
-from ..solver.outcome import ABSENT, FAILED, label
-from ..solver.repeat import REPEATED_STEP, t_snap_error, work_error
+from ..solver.outcome import ABSENT, FAILED, REPEATED_STEP, label, t_snap_error, work_error
 from ..solver.settings import Settings
 
 TIMES = "t_snap", "t_settled", "t_snap_error"

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from functools import cache
 from itertools import product
 from typing import NamedTuple
 
@@ -13,7 +12,7 @@ from ..solver.adaptive import choose_model
 from ..solver.cells import to_cells
 from ..solver.cost import MOST_SECONDS, steps_and_seconds
 from ..solver.settings import Settings
-from .partition import SINGLE, Slab
+from .slabs import SINGLE, Slab
 
 JOB_SECONDS = 30
 """At most the expected time of a slab, most take over a third: long against a job's start, and
@@ -45,7 +44,7 @@ class Plan(NamedTuple):
 
 
 def make_plan(grid: Grid, model: Mapping, settings: Settings, alone: Sequence[float] = ()) -> Plan:
-    """Cut a grid into slabs, along boundaries that no other value moves.
+    """Cut a grid into slabs that are regular, along boundaries that no other value moves.
 
     model: name and options; alone: f0 (Hz) of cells that are followed beside the grid
     Raises ValueError, one line, for a model that cannot be built and a grid beyond all reason.
@@ -60,57 +59,53 @@ def make_plan(grid: Grid, model: Mapping, settings: Settings, alone: Sequence[fl
     _check_cost(axes["f0"][0], settings, dt, total)
     known = np.where(grid.device_of < 0, 0, grid.device_of)
     cost = np.where(grid.device_of[..., np.newaxis] < 0, 0.0, seconds[known])
-    # `auto` looks at neighbours along N: they stay together.
-    whole = ("N",) if model["name"] == "auto" else ()
-    single = [key for key in SINGLE if key in axes]
-    everything = {key: np.arange(axes[key].size) for key in axes if key not in single}
+    if DEVICE in axes:
+        cost = cost.max(axis=[*axes].index(DEVICE))
+    runs = _runs(axes, cost, model["name"] == "auto")
+    # Values of one copy each, as N is that of many slabs.
+    parts = [[(run, tuple(axes[key][run].tolist())) for run in runs[key]] for key in axes]
     slabs, requests = [], []
-
-    @cache  # of one copy, as N is that of all slabs
-    def values(key, first, last):
-        return tuple(axes[key][first : last + 1].tolist())
-
-    for place in product(*(range(axes[key].size) for key in single)):
-        at = dict(zip(single, place, strict=True))
-        rows = cost[at[DEVICE]] if DEVICE in at else cost
-        for box in _boxes(everything, axes, rows, whole):
-            chosen = box | {key: [at[key]] for key in single}
-            slabs.append({key: values(key, chosen[key][0], chosen[key][-1]) for key in axes})
-            requests.append(_request(box, rows))
+    for chosen in product(*parts):
+        places, values = (dict(zip(axes, side, strict=True)) for side in zip(*chosen, strict=True))
+        slabs.append(values)
+        requests.append(_request([places[key] for key in axes if key not in SINGLE], cost))
     return Plan(tuple(slabs), tuple(requests), float(total))
 
 
-def _boxes(box, axes, cost, whole):
-    """Halve a box, octaves first, until none is beyond JOB_SECONDS or SLAB_CELLS.
+def _runs(axes, cost, keeps_N):
+    """Places of the runs into which each axis is cut.
+
+    First f0, then others as long as the dearest slab would be beyond JOB_SECONDS or SLAB_CELLS.
+    cost: of a cell, s, (axes of the device, f0); keeps_N: `auto` looks at neighbours along N
+    """
+    runs = {key: list(np.arange(axes[key].size)[:, np.newaxis]) for key in axes}
+    cut = [key for key in axes if key not in SINGLE]
+    # As a share of what a slab may have, of all N.
+    left = (np.maximum(cost / JOB_SECONDS, 1 / SLAB_CELLS) * axes["N"].size)[..., np.newaxis]
+    for key in ("f0", *cut[:-2], "N"):
+        axis, size = cut.index(key), axes[key].size
+        others = tuple(other for other in range(len(cut)) if other != axis)
+        each = np.broadcast_to(left.sum(axis=others) * (left.shape[axis] / size), size)
+        if left.sum() <= 1 or (key == "N" and keeps_N):
+            runs[key] = [np.arange(size)]
+        else:
+            runs[key] = _halved(np.arange(size), axes[key].view(np.uint64), each)
+            left = left.max(axis=axis, keepdims=True)
+    return runs
+
+
+def _halved(run, bits, share):
+    """Halve a run of places, octaves first, until no part is beyond 1.
 
     The halves are those of a fixed binary tree over all floating-point numbers, so that a grid
-    that grows keeps every box without a new value.
-    box: places on each axis that is cut; cost: of the cells there
-    whole: axes that are not halved
+    that grows keeps every run without a new value.
+    bits: of the values on the axis; share: of what a slab may have, of each
     """
-    levels = {key: _level(axes[key][places]) for key, places in box.items() if key not in whole}
-    axis = max(levels, key=levels.get)
-    small = math.prod(places.size for places in box.values()) <= SLAB_CELLS
-    if (small and _expected(box, cost) <= JOB_SECONDS) or not levels[axis]:
-        return [box]
-    upper = _is_upper(axes[axis][box[axis]], levels[axis])
-    halves = [box | {axis: box[axis][side]} for side in (~upper, upper)]
-    return [part for half in halves for part in _boxes(half, axes, cost, whole)]
-
-
-def _expected(box, cost):
-    *places, N = box.values()
-    return float(cost[np.ix_(*places)].sum()) * N.size
-
-
-def _level(ascending):
-    """The highest bit in which the numbers differ, counted from 1; 0 for a single number."""
-    bits = ascending.view(np.uint64)
-    return int(bits[0] ^ bits[-1]).bit_length()
-
-
-def _is_upper(ascending, level):
-    return (ascending.view(np.uint64) >> np.uint64(level - 1)) & np.uint64(1) == 1
+    if run.size == 1 or share[run].sum() <= 1:
+        return [run]
+    highest = int(np.bitwise_or.reduce(bits[run] ^ bits[run[0]])).bit_length() - 1
+    upper = (bits[run] >> np.uint64(highest)) & np.uint64(1) == 1
+    return _halved(run[~upper], bits, share) + _halved(run[upper], bits, share)
 
 
 def _check_size(grid: Grid):
@@ -144,7 +139,9 @@ def _expected_of_each(grid, model, settings, f0):
     return dt.min(), seconds.mean(axis=1)
 
 
-def _request(box, cost):
-    cells = math.prod(places.size for places in box.values())
-    minutes = START_MINUTES + CAUTION * _expected(box, cost) / 60
+def _request(places, cost):
+    *rows, N = places
+    cells = math.prod(run.size for run in places)
+    seconds = float(cost[np.ix_(*rows)].sum()) * N.size
+    minutes = START_MINUTES + CAUTION * seconds / 60
     return Request(int(START_MB + CELL_MB * cells), int(np.ceil(minutes)))

@@ -1,29 +1,17 @@
 """Thresholds as a product: where snapping begins and where it is certain, with an error bar."""
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from ..solver.adaptive import Survey
 from ..solver.bounds import least_amplitudes
-from ..solver.bracket import SCAN_STEP, amplitudes, asker, first_snap, refine
 from ..solver.cells import Rows
+from ..solver.search import SCAN_STEP, Ask, Edges, amplitudes, asker, first_snap, refine, scan
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
 from ..solver.steps import stiffness_share
 from .reuse import joined
-from .transitions import (
-    FINE_STEP,
-    Edges,
-    Window,
-    around,
-    balance,
-    chosen,
-    outermost,
-    refine_edges,
-    scan,
-    stretches,
-)
+from .transitions import FINE_STEP, Window, around, balance, chosen, outermost, stretches
 
 FINEST_STEP, CLOSEST_STEP = 0.001, 0.00025
 """Relative steps in ragged rows, where labels change back and forth, and to see which rows are."""
@@ -161,7 +149,8 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
     window, ragged = _closer_window(scan_by(scans), whole, pace >= RINGS)
     closest = np.where(pace >= RINGS, CLOSEST_STEP, 0.0)
     edges, open_end, window, ragged = _decide(ask(decides), window, whole, ragged)
-    edges = refine_edges(lambda some: ask(decides, some), edges, tolerance)
+    row, *ends, rising = edges
+    edges = Edges(row, *refine(ask(decides, row), *ends, tolerance, rising), rising)
     N_first, N_always, islands = stretches(edges, open_end)
     N_half = np.where(np.isnan(N_always), np.nan, balance(edges, N_first.size))
     if highest is not None:
@@ -245,7 +234,7 @@ def wide_scan(device, static, rows, pulses, slow=False) -> np.ndarray:
     return amplitudes(low, high, SCAN_STEP)
 
 
-def first_seen(ask: Callable, wide: np.ndarray, bound: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def first_seen(ask: Ask, wide: np.ndarray, bound: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Find the first of wide amplitudes, (rows, n), that snaps, and in which rows all are quiet.
 
     bound: below which nothing can snap, (rows,); down to there it is looked where the lowest snaps
@@ -275,7 +264,7 @@ def _closer_window(ask, whole, rings):
     A row is ragged where they change more than once; so it is by every level, each in its own way.
     """
     n_rows = whole.low.size
-    edges, *_ = scan(ask, whole)
+    edges, *_ = scan(ask, whole.N)
     ends = outermost(edges.row, edges.high, n_rows)
     ragged = np.bincount(edges.row, minlength=n_rows) > 1
     clean = around(whole, *ends, BESIDE, np.where(rings, CLOSEST_STEP, FINE_STEP))
@@ -288,13 +277,13 @@ def _decide(ask, window, whole, ragged):
     Rows in which it sees other than the cheapest level did are ragged too, and scanned on to
     either side.
     """
-    edges, begins, ends = scan(ask, window)
+    edges, begins, ends = scan(ask, window.N)
     surprising = begins | (~ends & (window.high < whole.high))
     surprising |= ~ragged & (np.bincount(edges.row, minlength=ragged.size) != 1)
     low, high = (np.where(surprising, end, np.nan) for end in (window.low, window.high))
     wider = around(whole, low, high, FAR_BESIDE, FINEST_STEP)
-    below, begins_below, _ = scan(ask, wider._replace(high=low))
-    above, _, ends_above = scan(ask, wider._replace(low=high))
+    below, begins_below, _ = scan(ask, wider._replace(high=low).N)
+    above, _, ends_above = scan(ask, wider._replace(low=high).N)
     begins, ends = np.where(surprising, [begins_below, ends_above], [begins, ends])
     edges = Edges(*(np.concatenate(parts) for parts in zip(below, edges, above, strict=True)))
     edges = Edges(*(column[~begins[edges.row]] for column in edges))
@@ -315,7 +304,8 @@ def _elsewhere(ask, window, ragged):
 
     The end of the window beyond which they lie stands for what is not in it.
     """
-    edges, begins, _ = scan(ask, window._replace(low=np.where(ragged, window.low, np.nan)))
+    N = window._replace(low=np.where(ragged, window.low, np.nan)).N
+    edges, begins, _ = scan(ask, N)
     first, _ = outermost(edges.row[edges.rising], edges.high[edges.rising], ragged.size)
     first = np.where(begins, window.low, np.where(np.isnan(first), window.high, first))
     quiet = balance(edges, ragged.size) + np.where(begins, window.low, 0.0)

@@ -8,7 +8,8 @@ import xarray as xr
 from ..axes import PULSE_AXES, coordinates
 from ..device import Device
 from ..io.counting import counting
-from ..io.provenance import provenance, recipe
+from ..io.provenance import recipe
+from ..io.variables import flags, headed, variables
 from ..pulse import blow_at
 from ..solver.adaptive import choose_survey
 from ..solver.cells import rows_of, to_rows
@@ -39,81 +40,12 @@ NO_AREA = 1e-3
 ROWS = 4096
 """Rows looked at together: each takes some 70 kB."""
 
-MULTIPLES = {"units": "1", "comment": "in multiples of g"}
-VARIABLES = {
-    "status": {
-        "long_name": "whether there is a threshold, and if not, why",
-        "flag_values": np.arange(len(STATUS), dtype=np.int8),
-        "flag_meanings": " ".join(STATUS),
-        "comment": "nothing_snaps: up to N_looked, within the horizon; not_followed: its runs fail",
-    },
-    "N_bound": {"long_name": "amplitude below which nothing snaps, by energy", **MULTIPLES},
-    "N_looked": {"long_name": "highest amplitude looked at", **MULTIPLES},
-    "N_first": {
-        "long_name": "lowest amplitude seen to snap",
-        "units": "1",
-        "comment": f"in multiples of g; narrower stretches may lie below: than {NARROW:.2%} of N "
-        f"near a clean threshold of a fast pulse, {FINEST_STEP:.1%} near a ragged one, "
-        f"{FINE_STEP:.1%} elsewhere",
-    },
-    "scale_first": {
-        "long_name": "lowest factor of the record that snaps",
-        "units": "1",
-        "comment": "N_first over the largest acceleration of the record, noise and all",
-    },
-    "N_error": {"long_name": "uncertainty of N_first from space, time and refinement", **MULTIPLES},
-    "N_half": {
-        "long_name": "amplitude below which as much snaps as does not above it",
-        **MULTIPLES,
-    },
-    "half_error": {
-        "long_name": "uncertainty of N_half from space, time and refinement",
-        **MULTIPLES,
-    },
-    "ragged": {
-        "long_name": "whether labels change back and forth, or levels of the model differ by far",
-        "flag_values": np.arange(2, dtype=np.int8),
-        "flag_meanings": "clean ragged",
-    },
-    "N_always": {
-        "long_name": "lowest amplitude above which all that were seen snap",
-        **MULTIPLES,
-    },
-    "N_pulse": {"long_name": "lowest amplitude that snaps while the pulse lasts", **MULTIPLES},
-    "N_latched": {
-        "long_name": "lowest amplitude above which every cell seen is latched",
-        "units": "1",
-        "comment": "in multiples of g; seen up to the highest N, in steps of 1 %; NaN: not there, "
-        "or not looked for, as a run to its end takes more than two million steps",
-    },
-    "t_snap": {
-        "long_name": "time of the snap at N_first",
-        "units": "us",
-        "comment": "counted from the start of the pulse",
-    },
-    "blow": {"long_name": "blow of the train at which N_first snaps, the first is 1", "units": "1"},
-    "level": {
-        "long_name": "level of the models that decided",
-        "flag_values": np.arange(2, dtype=np.int8),
-        "flag_meanings": "base fine",
-    },
-    "islands": {"long_name": "number of stretches of N below N_always that snap", "units": "1"},
-    "island_from": {"long_name": "lowest amplitude of an island", **MULTIPLES},
-    "island_to": {"long_name": "highest amplitude of an island", **MULTIPLES},
-    "N_static": {
-        "long_name": "threshold of long pulses",
-        "units": "1",
-        "comment": "in multiples of g; of a pulse without a jump, that of a lasting acceleration; "
-        "else of one 50 times as long as the device's period, with the least C; NaN: the pulse "
-        "never presses, or nothing snaps",
-    },
-    "velocity_change": {
-        "long_name": "threshold of a jump in velocity",
-        "units": "um us-1",
-        "comment": "NaN: the pulse leaves no change of velocity, or nothing snaps",
-    },
-    "area": {"long_name": "velocity change of the pulse over peak and duration", "units": "1"},
-}
+VARIABLES = variables("threshold")
+VARIABLES["status"] |= flags(STATUS)
+VARIABLES["N_first"]["comment"] = (
+    f"in multiples of g; narrower stretches may lie below: than {NARROW:.2%} of N near a clean "
+    f"threshold of a fast pulse, {FINEST_STEP:.1%} near a ragged one, {FINE_STEP:.1%} elsewhere"
+)
 
 
 def threshold(
@@ -185,19 +117,19 @@ def thresholds_of(
         )
     dims = *grid.axes, "island"
     data = {
-        key: (dims[: len(grid.shape) + values.ndim - 1], _reshape(values, grid.shape))
+        key: (
+            dims[: len(grid.shape) + values.ndim - 1],
+            values.reshape(*grid.shape, *values.shape[1:]),
+        )
         for key, values in found.items()
     }
     data |= _limits(grid, models, settings, tolerance, highest)
     return xr.Dataset(
         {key: (*values, VARIABLES[key]) for key, values in data.items()}, coordinates(grid.axes)
     ).assign_attrs(
-        Conventions="CF-1.11, ACDD-1.3",
-        title="Thresholds of snap-through under shock",
-        summary="Amplitudes where snapping begins and is certain, over damping and frequency",
         gravity=float(grid.device.gravity[0]),
         recipe=made_by,
-        **provenance(document),
+        **headed("threshold", document),
     )
 
 
@@ -270,10 +202,6 @@ def _limits(grid, models, settings, tolerance, highest):
         "velocity_change": ((*of_device, *of_pulse, "C"), spread(change)),
         "area": (tuple(of_pulse), abs(impact).reshape(sizes)),
     }
-
-
-def _reshape(values, shape):
-    return values.reshape(*shape, *values.shape[1:])
 
 
 def summary(found: xr.Dataset) -> str:

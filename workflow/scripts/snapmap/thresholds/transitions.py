@@ -1,11 +1,10 @@
-"""Changes of label along N, row by row: found on scans, refined, and read as islands."""
+"""Changes of label along N, row by row: where to look for them, and how they are read."""
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
-from ..solver.bracket import amplitudes, refine
+from ..solver.search import Edges, amplitudes
 
 FINE_STEP = 0.005
 """Relative distance of the amplitudes between which islands are looked for."""
@@ -23,30 +22,10 @@ class Window(NamedTuple):
     high: np.ndarray
     step: np.ndarray
 
-
-class Edges(NamedTuple):
-    """Changes between what snaps and what does not along N; each lies between low and high.
-
-    row: which row; rising: whether it is high that snaps
-    """
-
-    row: np.ndarray
-    low: np.ndarray
-    high: np.ndarray
-    rising: np.ndarray
-
-
-def scan(ask: Callable, window: Window) -> tuple[Edges, np.ndarray, np.ndarray]:
-    """Find the edges in each row's window, and whether its first and last amplitude snap, (rows,).
-
-    ask: gives t_snap of N, (rows, n); not finite for none
-    """
-    N = amplitudes(*window)
-    snapped, known = np.isfinite(ask(N)), np.isfinite(N)
-    row, k = np.nonzero((snapped[:, 1:] != snapped[:, :-1]) & known[:, 1:])
-    last = np.maximum(np.count_nonzero(known, axis=1) - 1, 0)
-    edges = Edges(row, N[row, k], N[row, k + 1], snapped[row, k + 1])
-    return edges, snapped[:, 0], snapped[np.arange(len(N)), last]
+    @property
+    def N(self) -> np.ndarray:
+        """Amplitudes of the scan, (rows, n); NaN after a row's last."""
+        return amplitudes(*self)
 
 
 def around(
@@ -71,17 +50,6 @@ def outermost(row: np.ndarray, N: np.ndarray, n_rows: int) -> tuple[np.ndarray, 
     np.fmin.at(least, row, N)
     np.fmax.at(largest, row, N)
     return least, largest
-
-
-def refine_edges(ask_rows: Callable, edges: Edges, tolerance: float) -> Edges:
-    """Narrow every edge to a relative tolerance; ask_rows(rows) is the `ask` of `scan` for some."""
-    found = np.array([edges.low, edges.high])
-    for rising in (True, False):
-        some = np.flatnonzero(edges.rising == rising)
-        ask = ask_rows(edges.row[some])
-        told = ask if rising else lambda N, ask=ask: np.where(np.isfinite(ask(N)), np.nan, 0.0)
-        found[:, some] = refine(told, *found[:, some], tolerance)
-    return edges._replace(low=found[0], high=found[1])
 
 
 def stretches(edges: Edges, open_end: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -1,25 +1,32 @@
 """A batch of devices as made: what is asked of it, and answered by running each of them."""
 
-from collections.abc import Callable, Mapping
-from copy import copy
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from itertools import product
 
 import numpy as np
 
-from ..beam.equilibria import static_threshold
 from ..device import FROM_ZERO, SIGNED, VALUES, Device, is_bistable
 from ..device import batch as batch_of
+from ..motion.history import extremes_of
 from ..solver.adaptive import TOLERANCE, choose_model
-from ..solver.bracket import asker
 from ..solver.cells import Rows, to_cells, to_rows
 from ..solver.model import Follows
 from ..solver.models import build_model
 from ..solver.outcome import LATCHED, label
+from ..solver.search import asker
 from ..solver.settings import Settings
+from ..study import Study
+from .regression import nominal_thresholds, thresholds_of_samples
 from .samples import SHOCK_FACTORS, Plan
-from .search import nominal_thresholds, thresholds_of_samples
 
 MOST_ROWS = 0.9
 """Share of the rows in which a level must keep the tolerance of `auto`."""
+
+FOLLOWED, FEWEST = 256, 32
+"""So many cells are followed for their stress, each in half a second; or those of at least so many
+samples."""
 
 
 class Batch:
@@ -54,17 +61,6 @@ class Batch:
         nominal = np.array([plan.nominal[key] for key in self.values])
         self.deviations = np.column_stack(list(self.values.values()))[self.bistable] - nominal
 
-    def first(self, samples: int) -> "Batch":
-        """The same, of the first samples alone."""
-        some = copy(self)
-        some.values = {key: values[:samples] for key, values in self.values.items()}
-        some.bistable = self.bistable[:samples]
-        some.size = np.count_nonzero(some.bistable)
-        some.model = self.model.pick(np.arange(some.size)) if some.size else None
-        some.factors = {key: values[: some.size] for key, values in self.factors.items()}
-        some.deviations = self.deviations[: some.size]
-        return some
-
     def thresholds(
         self, C: np.ndarray, f0: np.ndarray, settings: Settings, tolerance: float
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -73,9 +69,8 @@ class Batch:
         The third result is which of these rows are ragged; NaN where a sample has none.
         """
         pulse, C, f0 = np.meshgrid(np.arange(len(settings.pulses)), C, f0, indexing="ij")
-        static = static_threshold(self.nominal.device)
         rows = to_rows(0, f0, C, pulse)
-        nominal = nominal_thresholds(self.nominal, rows, static, settings, tolerance / 10)
+        nominal = nominal_thresholds(self.nominal, rows, settings, tolerance / 10)
         found, ragged = np.empty((0, f0.size)), np.zeros(f0.size, bool)
         if self.size:
             rows = to_rows(*self._of_samples(f0, C), pulse)
@@ -83,12 +78,9 @@ class Batch:
                 self.model, rows, self.deviations, nominal, settings, tolerance
             )
             found /= self.factors["N"][:, np.newaxis]
-        shape = f0.shape
-        return (
-            self._spread(found.reshape(-1, *shape)),
-            nominal.reshape(shape),
-            ragged.reshape(shape),
-        )
+        whole = np.full((self.bistable.size, *f0.shape), np.nan)
+        whole[self.bistable] = found.reshape(-1, *f0.shape)
+        return whole, nominal.reshape(f0.shape), ragged.reshape(f0.shape)
 
     def snapped(self, N: float, C: np.ndarray, f0: float, settings: Settings) -> np.ndarray:
         """Whether one shock snaps each sample, (samples, C)."""
@@ -119,16 +111,28 @@ class Batch:
             count += label(*seen[:4], settings.energy_tolerance) == LATCHED
         return count
 
+    def stresses(self, study: Study, requirements: Sequence[Mapping], C: np.ndarray) -> np.ndarray:
+        """Largest stress in the first samples that have a second shape.
+
+        Returns (requirements, samples, C), MPa.
+        """
+        size = min(self.size, max(FEWEST, FOLLOWED // (len(requirements) * len(C))))
+        stress = np.empty((len(requirements), size, len(C)))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # how far the mass of each flies
+            for place in product(*map(range, stress.shape)):
+                asked, i, damping = requirements[place[0]], place[1], C[place[2]]
+                pushed = replace(study, device=self.model.device.pick(i), shocks=asked["shocks"])
+                factor = {key: values[i] for key, values in self.factors.items()}
+                shock = asked["N"] * factor["N"], asked["f0"] / factor["duration"]
+                stress[place] = extremes_of(pushed, *shock, damping * factor["C"]).stress_max
+        return stress
+
     def _of_samples(self, f0, C):
         """Index, f0 and C of the cells of each sample, (samples, ...)."""
         index = np.arange(self.size).reshape(-1, *[1] * np.ndim(C))
         duration, damping = (self.factors[key].reshape(index.shape) for key in ("duration", "C"))
         return index, f0 / duration, C * damping
-
-    def _spread(self, values):
-        whole = np.full((self.bistable.size, *values.shape[1:]), np.nan)
-        whole[self.bistable] = values
-        return whole
 
     def _check(self, plan):
         for key, values in self.values.items():
@@ -155,10 +159,9 @@ def choose_builder(
         return lambda devices: build_model(devices, **model)
     auto = choose_model(batch_of([device]), model)
     accepted = model.get("tolerance", TOLERANCE)
-    static = static_threshold(auto.device)
 
     def find(level):
-        return nominal_thresholds(level, rows, static, settings, accepted / 10)
+        return nominal_thresholds(level, rows, settings, accepted / 10)
 
     # ASSUME: what suffices for the nominal device suffices for those that scatter about it.
     name, found = "base", find(auto.base)

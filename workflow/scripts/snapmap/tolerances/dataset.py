@@ -11,12 +11,11 @@ from ..axes import COORDINATES, NAMES, coordinates
 from ..beam.stress import break_probability
 from ..device import Device
 from ..io.counting import counting
-from ..io.provenance import provenance
+from ..io.variables import headed, variables
 from ..numerics.portable import geometric
 from ..solver.cells import to_rows
 from ..study import THRESHOLD_SETTINGS, Study, frequencies, study_of, with_shocks
 from .batch import Batch, choose_builder
-from .breaking import largest_stresses
 from .samples import INDEX_SAMPLES, SHOCK_FACTORS, Plan, Tolerances
 from .sensitivity import crossed, indices
 from .statistics import count_below, left_out, moments, percents, quantile_bounds, quantiles, wilson
@@ -27,78 +26,7 @@ AMPLITUDES = 101
 FOLLOWED_CELLS, FEWEST_FOLLOWED = 1_000_000, 64
 """So many cells are followed to their end, or at least those of so many samples."""
 
-MULTIPLES = {"units": "1", "comment": "in multiples of g"}
-SHARE = {"units": "1"}
-VARIABLES = {
-    "bistable": {
-        "long_name": "whether the sample has a second stable shape",
-        "flag_values": np.arange(2, dtype=np.int8),
-        "flag_meanings": "not_bistable bistable",
-    },
-    "N_first": {
-        "long_name": "lowest amplitude that snaps the sample",
-        "units": "1",
-        "comment": "in multiples of g; to the tolerance of the refinement, and that of the model",
-    },
-    "N_nominal": {"long_name": "lowest amplitude that snaps the nominal device", **MULTIPLES},
-    "N_mean": {"long_name": "mean of N_first over the samples that have one", **MULTIPLES},
-    "N_std": {"long_name": "standard deviation of N_first over them", **MULTIPLES},
-    "N_quantile": {
-        "long_name": "amplitude up to which so large a share of the samples snaps",
-        **MULTIPLES,
-    },
-    "N_quantile_bound": {
-        "long_name": "bounds of N_quantile, each alone at 95 % (order statistics)",
-        **MULTIPLES
-        | {"comment": "in multiples of g; NaN where too few samples bound it: 0.001 takes 2995"},
-    },
-    "ragged": {
-        "long_name": "whether labels of some samples change back and forth along N",
-        "flag_values": np.arange(2, dtype=np.int8),
-        "flag_meanings": "clean ragged",
-    },
-    "probability": {
-        "long_name": "share of the samples whose N_first is not above N",
-        "comment": "of all samples; one without a second stable shape never snaps",
-        **SHARE,
-    },
-    "probability_bound": {"long_name": "bounds of probability at 95 % (Wilson)", **SHARE},
-    "sensitivity": {"long_name": "Sobol index: share of N_first's variance owed to it", **SHARE},
-    "sensitivity_bound": {"long_name": "bounds of sensitivity at 95 % (bootstrap)", **SHARE},
-    "latched": {"long_name": "share of samples proven to stay in the second shape", **SHARE},
-    "latched_bound": {"long_name": "bounds of latched at 95 % (Wilson)", **SHARE},
-    "N_first_required": {
-        "long_name": "lowest amplitude of the required pulse that snaps the sample",
-        **MULTIPLES,
-    },
-    "N_required": {"long_name": "amplitude of the required shock", **MULTIPLES},
-    "f0_required": {"long_name": "frequency of the required shock", "units": "Hz"},
-    "must_snap": {
-        "long_name": "whether the required shock must snap the device",
-        "flag_values": np.arange(2, dtype=np.int8),
-        "flag_meanings": "must_not must",
-    },
-    "share_meeting": {"long_name": "share of the samples that meet the requirement", **SHARE},
-    "share_meeting_bound": {"long_name": "bounds of share_meeting at 95 % (Wilson)", **SHARE},
-    "stress_max": {
-        "long_name": "largest tensile stress in the beam of the sample under the required shock",
-        "comment": "NaN for samples that are not followed for it",
-        "units": "MPa",
-    },
-    "share_breaking": {
-        "long_name": "share of the samples whose beam the required shock breaks",
-        "comment": "of those that are followed for their stress",
-        **SHARE,
-    },
-    "share_breaking_bound": {"long_name": "bounds of share_breaking at 95 % (Wilson)", **SHARE},
-    "yield": {
-        "long_name": "share of the samples that meet all requirements",
-        "comment": "with a strength of those followed for their stress: a beam that must not break "
-        "and does meets none",
-        **SHARE,
-    },
-    "yield_bound": {"long_name": "bounds of yield at 95 % (Wilson)", **SHARE},
-}
+VARIABLES = variables("tolerance")
 BOUND = ("low", "high")
 
 
@@ -163,7 +91,8 @@ def tolerances_of(
     axes = {key: np.atleast_1d(np.asarray(axes[key], float)) for key in ("C", "f0")}
     pulses = np.arange(len(settings.pulses))[:, np.newaxis, np.newaxis]
     rows = to_rows(0, axes["f0"], axes["C"][:, np.newaxis], pulses)
-    power = _power(min(samples, asked.index_samples or INDEX_SAMPLES))
+    paired = min(samples, asked.index_samples or INDEX_SAMPLES)
+    power = 1 << (paired.bit_length() - 1)
     found = []
     for one in study.devices().values():
         plan = Plan(one, asked.scatters, asked.together)
@@ -171,8 +100,7 @@ def tolerances_of(
         paired = points[:, :power]
         every = np.concatenate([points[0], paired[1], *crossed(paired)])
         build = choose_builder(one, study.model, rows, settings)
-        whole = Batch(one, plan, every, build)
-        some = whole.first(samples)
+        some, whole = (Batch(one, plan, part, build) for part in (points[0], every))
         data, N_first = _thresholds(whole, samples, study.shocks, axes, settings, tolerance)
         data = data.merge(_made(some))
         data = data.merge(_indices(N_first, samples, power, plan, asked.seed, data))
@@ -189,24 +117,13 @@ def tolerances_of(
         data = xr.concat(found, names, join="outer")
     for key in data.data_vars:
         data[key].attrs = VARIABLES[key] if key in VARIABLES else _attributes(key)
+    made_by = study.document(THRESHOLD_SETTINGS)
+    own = {"samples": samples, "seed": asked.seed, "together": asked.together}
+    made_by["tolerances"] = {**asked.scatters, **own}
     return data.assign_attrs(
-        Conventions="CF-1.11, ACDD-1.3",
-        title="Thresholds of devices as made",
-        summary="Share of devices that snap over damping, frequency and amplitude of the shock",
         threshold_tolerance=tolerance,
-        **provenance(_document(study, asked)),
+        **headed("tolerance", made_by),
     )
-
-
-def _document(study, asked):
-    document = study.document(THRESHOLD_SETTINGS)
-    document["tolerances"] = {key: _plain(given) for key, given in asked.scatters.items()}
-    document["tolerances"] |= {
-        "samples": asked.samples,
-        "seed": asked.seed,
-        "together": list(map(list, asked.together)),
-    }
-    return document
 
 
 def summary(found: xr.Dataset) -> str:
@@ -237,11 +154,6 @@ def _most_owed(sensitivity):
     if len(most) < 2:
         return [f"most by {value}" for value in most]
     return [f"most by {value} ({', '.join(names)})" for value, names in most.items()]
-
-
-def _power(samples):
-    """The largest power of two that is not above it."""
-    return 1 << (samples.bit_length() - 1)
 
 
 def _made(some):
@@ -344,7 +256,7 @@ def _requirements(some, study, requirements, data, tolerance):
     shares = [_share("share_meeting", meets.sum(axis=1), size, ("requirement", "C"))]
     good = meets.all(axis=0).astype(float)
     if study.device.strength < np.inf and some.size:
-        stress = largest_stresses(some, study, requirements, C)
+        stress = some.stresses(study, requirements, C)
         followed = np.flatnonzero(some.bistable)[: stress.shape[1]]
         columns["stress_max"] = ("requirement", "sample", "C"), np.full(meets.shape, np.nan)
         columns["stress_max"][1][:, followed] = stress
@@ -364,7 +276,3 @@ def _attributes(key):
         name = key.removesuffix("_factor")
         return {"long_name": f"{name} over its nominal value", "units": "1"}
     return COORDINATES[key]
-
-
-def _plain(given):
-    return dict(given) if isinstance(given, Mapping) else given

@@ -9,8 +9,7 @@ from flint import arb
 from snapmap.pulse import table
 from snapmap.solver import simd_loop
 from snapmap.solver.kernel import rows as R
-from snapmap.solver.kernel.energy import energies
-from snapmap.solver.kernel.lanes import load
+from snapmap.solver.kernel.lanes import energies, load
 from snapmap.solver.kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.kernel.step import advance

@@ -6,13 +6,13 @@ from functools import cache
 import numpy as np
 
 from snapmap.device import Device
-from snapmap.solver.bracket import lowest_snap
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.kernel.rows import LANES
-from snapmap.solver.limits import bending_limit, stability_limit
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import FAILED, label
+from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import Settings
+from snapmap.solver.steps import bending_limit, stability_limit
 
 from ..stepped import stepped
 from .cases import APART, Case, changed

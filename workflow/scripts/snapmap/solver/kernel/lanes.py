@@ -1,21 +1,21 @@
-"""A lane's life: a cell is loaded into it, looked at after each block, judged, and makes room."""
+"""Cells in lanes: one is loaded, looked at after each block, judged by its energies, makes room."""
 
 from typing import NamedTuple
 
 import numpy as np
 
-from ...numerics.kept_kernels import compiled, inlined
+from ...numerics.kernels import compiled, inlined, sine, widen_vectors
 from . import rows as R
-from .energy import ledger, proven_well
-from .pulse import begin_pulse
+from .pulse import BLOCK, begin_pulse, no_pulse, set_out
 from .rows import LANES, numbers, vectors
+from .step import advance
 
 MARGIN = 2.0
 """A proof must hold by this many times the largest residual of the energy ledger seen so far."""
 ROUNDING = 1e-12
 """And by this share of the barrier: what rounding does to both, and more; docs/rigour.md."""
-ADDED = 0.25
-"""Inertia, over the stiffness times dt^2, that means of linear forces over three instants add."""
+EXACT = 2.0
+"""Radians a step up to which a mode swings by itself as it should; faster ones are too slow."""
 OPENED = 4.0
 """A run is given up at the look at which its ledger misses by this many times the tolerance."""
 
@@ -111,7 +111,7 @@ def load(work, shape, l, device, damping, amplitude, dt):
     load_modes(V, modes, l, device[R.RESTITUTION + 1 :], dt * dt)
     X[R.OVERLAP, l] = 0.0 - X[R.Z0, l]
     X[R.AMPLITUDE, l] = amplitude * dt**2
-    mass = X[R.M, l] + ADDED * X[R.K, l]
+    mass = X[R.M, l] + X[R.K, l] / 4
     X[R.KEEP, l] = (mass - drag) / (mass + drag)
     X[R.B, l] = 1 / (mass + drag)
     beam_drag = X[R.ALPHA, l] / 2
@@ -130,12 +130,14 @@ def load(work, shape, l, device, damping, amplitude, dt):
 def load_modes(V, modes, l, of_modes, square):
     """The vectors of a device, in coordinates in which every mode has mass 1.
 
-    A mode is heavier by kappa dt^2/4: its coordinate is stretched by 1/s,
-    s^2 = 1/(1 + kappa dt^2/4); square: dt^2
+    Of the inertia G = g + kappa dt^2/4 a mode's coordinate is stretched by 1/s = sqrt(G), with
+    g = (x/2 cot x/2)^2, x = omega dt up to EXACT; square: dt^2
     """
     for i in range(modes):
         stiffness = square * of_modes[i]
-        s = 1 / np.sqrt(1 + ADDED * stiffness)
+        half = min(np.sqrt(stiffness), EXACT) / 2
+        root = half * sine(half / (2 * np.pi) + 0.25) / sine(half / (2 * np.pi))
+        s = 1 / np.sqrt(root * root + stiffness / 4)
         V[R.KAPPA, i, l] = stiffness * (s * s)
         for v in range(R.SQ0, R.S):
             V[v, i, l] = s * of_modes[(v - R.KAPPA) * modes + i]
@@ -210,3 +212,93 @@ def make_room(work, l, state):
     """Leave lane l empty, at rest and without a shock."""
     state.lasts[l] = 0
     work[l::LANES] = 0.0
+
+
+@inlined
+def half_step_midpoint(V, modes, l):
+    """e.p at the last half step."""
+    w = 0.0
+    for i in range(modes):
+        d, p = V[R.D, i, l], V[R.P, i, l]
+        w += V[R.E, i, l] * (p - d / 2)
+    return w
+
+
+@inlined
+def energies(X, V, modes, l):
+    """What `advance` conserves, of the beam, the mass and the contact; and w.
+
+    At the last half step: products of two instants stand for squares.
+    """
+    beam = X[R.AXIAL, l] * X[R.Q, l] ** 2 / 4
+    for i in range(modes):
+        d, p = V[R.D, i, l], V[R.P, i, l]
+        beam += d * d / 2 + V[R.KAPPA, i, l] * p * (p - d) / 2
+    d, y = X[R.DY, l], X[R.Y, l]
+    middle = y - d / 2
+    mass = X[R.M, l] * d * d / 2 + X[R.K, l] * middle * middle / 2
+    contact = X[R.CONTACT, l] * max(0.0, X[R.OVERLAP, l]) ** 2 / 2
+    return beam, mass, contact, half_step_midpoint(V, modes, l)
+
+
+@inlined
+def ledger(X, V, modes, l, drag):
+    """What `energies` returns, and energy + losses - work of the pulse.
+
+    Up to the last half step; drag: C dt.
+    """
+    beam, mass, contact, w = energies(X, V, modes, l)
+    swept = drag * X[R.SWEPT, l] + X[R.ALPHA, l] * X[R.BEAM_SWEPT, l]
+    energy = beam + mass + contact + X[R.LOST, l]
+    return beam, mass, contact, w, energy + swept / 4 - X[R.WORK, l] / 2
+
+
+@inlined
+def proven_well(X, l, kept, margin):
+    """The well (1 or 2) that the beam can never leave without a shock, or 0 if that is open.
+
+    Energy only falls after the pulse. 1 or 2: all of it is below the barrier. 2: the beam's alone
+    is, and the mass on its spring cannot swing as low as the beam can rise, the saddle.
+    """
+    beam, mass, contact, w = kept
+    barrier, saddle = X[R.BARRIER, l], X[R.SADDLE, l]
+    if beam + mass + contact + margin < barrier:
+        return 1 if w > saddle else 2
+    lowest_mass = -np.sqrt(2 * (mass + margin) / X[R.K, l])
+    if beam + margin < barrier and w < saddle < lowest_mass + X[R.Z0, l]:
+        return 2
+    return 0
+
+
+@compiled
+def follow_all(work, shape, task):
+    """Follow every cell until its well is proven or t_end is past, refilling each free lane.
+
+    work: the work array; task: `Task`, whose facts are written
+    """
+    widen_vectors()
+    work[:] = 0.0
+    X, V = numbers(work), vectors(work, len(shape))
+    cell_in, state, shocks = np.full(LANES, -1), no_pulse(), np.zeros(BLOCK * LANES)
+    next_cell, running, was_shocked = 0, 0, False
+    while next_cell < task.dt.size or running > 0:
+        is_shocked = False
+        for l in range(LANES):
+            if cell_in[l] < 0 and next_cell < task.dt.size:
+                cell_in[l] = next_cell
+                begin(work, shape, l, task, state, cell_in[l])
+                next_cell += 1
+                running += 1
+            is_shocked |= state.steps[l] < state.lasts[l]
+        if is_shocked or was_shocked:
+            set_out(work, shocks, state, task.pulses)
+        was_shocked = is_shocked
+        advance(work, shape, shocks, 0, BLOCK)
+        for l in range(LANES):
+            if cell_in[l] < 0:
+                continue
+            state.steps[l] += BLOCK
+            if look(X, V, len(shape), l, cell_in[l], state, task):
+                make_room(work, l, state)
+                cell_in[l] = -1
+                running -= 1

@@ -5,12 +5,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ...numerics import pieces as curve
-from ...numerics.arithmetic import fma, sine, widen_vectors
-from ...numerics.kept_kernels import compiled, inlined
+from ...numerics.kernels import compiled, fma, inlined, sine, widen_vectors
 from . import rows as R
 from .rows import LANES, numbers
 
-BLOCK = 64
+BLOCK = 128
 """Steps between two looks at the lanes; the pulse is set out for so many at a time."""
 
 

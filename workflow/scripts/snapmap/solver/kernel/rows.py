@@ -8,7 +8,7 @@ X[R.Y, l] is y of lane l, V[R.P, i, l] component i of p, and V[R.S + i, j, l] S_
 from numba import carray, int64, types
 from numba.extending import intrinsic
 
-from ...numerics.kept_kernels import inlined
+from ...numerics.kernels import inlined
 
 LANES = 16
 

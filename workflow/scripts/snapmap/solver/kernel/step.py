@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from ...numerics.arithmetic import fma, widen_vectors
-from ...numerics.kept_kernels import compiled, inlined
+from ...numerics.kernels import compiled, fma, inlined, widen_vectors
 from . import rows as R
 from .rows import LANES, numbers, vectors
 from .stops import crossed, has_stops, meet_stops

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...numerics.kept_kernels import compiled, inlined
+from ...numerics.kernels import compiled, inlined
 from . import rows as R
 from .rows import LANES, numbers
 

@@ -4,11 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...numerics.arithmetic import widen_vectors
-from ...numerics.kept_kernels import compiled, inlined
+from ...numerics.kernels import compiled, inlined, widen_vectors
 from . import rows as R
-from .energy import energies, half_step_midpoint
-from .lanes import load
+from .lanes import energies, half_step_midpoint, load
 from .pulse import BLOCK, begin_pulse, no_pulse, set_out
 from .rows import LANES, numbers, vectors
 from .step import advance
@@ -48,7 +46,7 @@ def trace_all(work, shape, devices, dt, pulses, cells, stress, kept):
         latched; dt: each cell's, us; pulses: as in `Task`
     cells: pulse, amplitude, f0 and damping as in `Task`, and width, steps of one bin, a multiple
         of SAMPLE; (cells,)
-    stress: of each cell as in `simd_loop.stress_rows`; of no cell if it is not asked for
+    stress: of each cell as in `simd_loop.stress_rows`, modified in place; of no cell if left out
     kept: w_range, instants and stress, as in `Bins`; modified in place
     """
     widen_vectors()
@@ -59,6 +57,10 @@ def trace_all(work, shape, devices, dt, pulses, cells, stress, kept):
     for l in range(width.size):
         load(work, shape, l, devices[l], damping[l], amplitude[l], dt[l])
         begin_pulse(work, l, state, pulses, pulse[l], f0[l] * dt[l])
+    for l in range(len(stress)):
+        for place in range(stress.shape[1] - 1):
+            for i in range(modes):
+                stress[l, place, i] *= V[R.U, i, l]
     y, number, begin = np.empty(LANES), np.full(LANES, -1), np.zeros(LANES, np.int64)
     bins = Bins(*kept[:2], number, begin, np.empty(LANES), np.empty(LANES), kept[2])
     for step in range(0, kept[0].shape[1] * width.max(), SAMPLE):

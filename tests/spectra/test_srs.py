@@ -6,11 +6,10 @@ from pyyeti import srs as reference
 
 import snapmap
 from snapmap.pulse import make_pulse
-from snapmap.shock_spectra.records import BAND, record
-from snapmap.shock_spectra.spectrum import check_points, frequencies, level, pulse_response
-from snapmap.shock_spectra.trips import FACTORS, ends, summary
-from snapmap.shock_spectra.verdicts import check_spectra
 from snapmap.solver.settings import Settings
+from snapmap.spectra.srs import BAND, check_points, frequencies, level, pulse_response, record
+from snapmap.spectra.trips import FACTORS, ends, summary
+from snapmap.spectra.verdicts import check_spectra
 from snapmap.study import Study
 
 CRASH = [(100.0, 100.0), (1000.0, 1500.0), (4000.0, 1500.0)]

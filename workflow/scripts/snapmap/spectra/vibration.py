@@ -1,24 +1,24 @@
 """How likely random vibration trips a device, and at which level it does."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from ..axes import Grid, coordinates
+from ..axes import coordinates
 from ..device import Device
-from ..io.provenance import provenance, recipe
+from ..io.provenance import recipe
+from ..io.variables import headed, variables
 from ..pulse import HANDOUT_SHOCK
 from ..solver.adaptive import choose_survey
-from ..solver.cells import to_cells
+from ..solver.cells import Rows, to_cells, to_rows
 from ..solver.model import Follows
 from ..solver.settings import Settings
 from ..study import THRESHOLD_SETTINGS, Study, study_of
-from .records import record
-from .spectrum import REACH, Spectrum
+from .psd import REACH, Spectrum
 
 RECORDS, SEED = 16, 1
 """Records by default, and the seed of their phases."""
@@ -36,20 +36,7 @@ NORMAL = 1.959964
 """Standard deviations within which a normal number is at 95 %."""
 ENOUGH = 1e-12
 
-VARIABLES = {
-    "snaps": ("records that snap at the given level", "1"),
-    "simulated": ("time followed at the given level, to the snaps", "s"),
-    "rate": ("snaps in a time", "s-1"),
-    "rate_low": ("lower bound of the rate, at 95 % both ways", "s-1"),
-    "rate_high": ("upper bound of the rate, at 95 % both ways", "s-1"),
-    "probability": ("probability of a snap within the duration", "1"),
-    "probability_low": ("lower bound of the probability", "1"),
-    "probability_high": ("upper bound of the probability", "1"),
-    "level": ("level at which the probability is `reach`", "1"),
-    "level_low": ("lower bound of the level, at 95 % both ways", "1"),
-    "level_high": ("upper bound of the level, at 95 % both ways", "1"),
-    "failed": ("records whose runs cannot be believed", "1"),
-}
+VARIABLES = variables("vibration")
 
 
 class Seen(NamedTuple):
@@ -109,58 +96,54 @@ def vibration_of(
     """
     study = replace(study, shocks=HANDOUT_SHOCK)
     grid = study.set_out(axes)
-    length = spectrum.record_length(asked["duration"])
-    rms, T = spectrum.rms, asked["duration"]
+    length, rms, T = spectrum.record_length(asked["duration"]), spectrum.rms, asked["duration"]
     model = choose_survey(grid.device, study.model).decides.with_step(STEP)
-    there = _rows(grid)[0] >= 0
+    rows = to_rows(grid.device_of[..., np.newaxis], 1 / length, grid.axes["C"])
 
     def follow(which, level):
-        return _follow(model, grid, study.settings, (spectrum, length, asked), which, level)
+        return _follow(model, rows.some(which), study.settings, spectrum, asked, level)
 
+    there = rows.device >= 0
     ladder = _climb(follow, there, asked["records"])
-    given = ladder[0]
-    shape = tuple(grid.axes[key].size for key in grid.axes)
-    needed = -math.log1p(-asked["reach"]) / T
+    given, needed = ladder[0], -math.log1p(-asked["reach"]) / T
     levels = np.array([_level(ladder, row, needed) for row in range(given.time.size)]) * rms
     data = _rates(given, T) | dict(zip(("level", "level_low", "level_high"), levels.T, strict=True))
-    data = {key: np.where(there, values, np.nan) for key, values in data.items()}
     document = study.document(THRESHOLD_SETTINGS) | {
         "vibration": {"psd": [spectrum.f.tolist(), spectrum.density.tolist()], **asked}
     }
     return xr.Dataset(
         {
-            key: (tuple(grid.axes), data[key].reshape(shape), {"long_name": name, "units": unit})
-            for key, (name, unit) in VARIABLES.items()
+            key: (
+                tuple(grid.axes),
+                np.where(there, data[key], np.nan).reshape(grid.shape),
+                attributes,
+            )
+            for key, attributes in VARIABLES.items()
         },
         coordinates(grid.axes),
     ).assign_attrs(
-        Conventions="CF-1.11, ACDD-1.3",
-        title="Snaps under random vibration",
-        summary="How often stationary Gaussian vibration trips a device, and at which level",
         rms=rms,
         record_length=length,
         recipe=recipe(document, ()),
         **asked,
-        **provenance(document),
+        **headed("vibration", document),
     )
 
 
-def _rows(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
-    """Device and C of each row; -1 for the device where there is none."""
-    device, C = np.broadcast_arrays(grid.device_of[..., np.newaxis], grid.axes["C"])
-    return device.ravel(), C.ravel()
-
-
 def _follow(
-    model: Follows, grid: Grid, settings: Settings, drawn: tuple, which: np.ndarray, level: float
+    model: Follows, rows: Rows, settings: Settings, spectrum: Spectrum, asked: Mapping, level: float
 ) -> Seen:
-    """Follow all records, as `_groups` draws them, at a level of some rows."""
-    length = drawn[1]
-    device, C = (column[which] for column in _rows(grid))
-    seen = Seen(*np.zeros((3, which.size)))
-    for pulses, peaks in _groups(*drawn):
-        N, number = level * np.array(peaks), np.arange(len(pulses))
-        cells = to_cells(grid.device, device[:, None], N, 1 / length, C[:, None], 0.0, number)
+    """Follow all records at a level of some rows, so many at a time as PIECES allow."""
+    length = spectrum.record_length(asked["duration"])
+    size = max(1, PIECES // len(spectrum.record(length, [asked["seed"], 0])[0].pieces))
+    device, f0, C, _ = (column[:, np.newaxis] for column in rows)
+    seen = Seen(*np.zeros((3, rows.C.size)))
+    for begin in range(0, asked["records"], size):
+        numbers = range(begin, min(begin + size, asked["records"]))
+        drawn = [spectrum.record(length, [asked["seed"], n]) for n in numbers]
+        pulses, peaks = zip(*drawn, strict=True)
+        N = level * np.array(peaks)
+        cells = to_cells(model.device, device, N, f0, C, 0.0, np.arange(len(pulses)))
         found = model.follow(cells, settings._replace(until="snap", repeat=False, pulses=pulses))
         failed = ~(found.energy_error <= settings.energy_tolerance)
         snapped = np.isfinite(found.t_snap) & ~failed
@@ -169,17 +152,6 @@ def _follow(
         seen.failed[:] += failed.sum(axis=1)
         seen.time[:] += np.where(failed, 0.0, time).sum(axis=1)
     return seen
-
-
-def _groups(spectrum: Spectrum, length: float, asked: Mapping) -> Iterator[tuple[tuple, tuple]]:
-    """Records and their peaks, so many at a time as PIECES allow."""
-    first = record(spectrum, length, [asked["seed"], 0])
-    size = max(1, PIECES // len(first[0].pieces))
-    for begin in range(0, asked["records"], size):
-        numbers = range(begin, min(begin + size, asked["records"]))
-        yield tuple(
-            zip(*(record(spectrum, length, [asked["seed"], n]) for n in numbers), strict=True)
-        )
 
 
 def _climb(follow: Callable, there: np.ndarray, records: int) -> dict[int, Seen]:
@@ -194,20 +166,19 @@ def _climb(follow: Callable, there: np.ndarray, records: int) -> dict[int, Seen]
         seen = ladder.setdefault(rung, Seen(*np.full((3, there.size), np.nan)))
         which = which[np.isnan(seen.snaps[which])]
         if which.size:
-            for whole, part in zip(seen, follow(which, RUNG**rung), strict=True):
-                whole[which] = part
+            for column, part in zip(seen, follow(which, RUNG**rung), strict=True):
+                column[which] = part
         return seen
 
     every = np.flatnonzero(there)
     all_snap, none_snaps = np.full((2, there.size), 0)
-    for found, way in ((all_snap, 1), (none_snaps, -1)):
+    for last, side in ((all_snap, 1), (none_snaps, -1)):
         rung, left = 0, every
         while left.size and abs(rung) <= FARTHEST:
             seen = look(rung, left)
-            stays = (
-                seen.snaps[left] + seen.failed[left] < records if way > 0 else seen.snaps[left] > 0
-            )
-            found[left], left, rung = rung, left[stays], rung + way * STRIDE
+            snaps, failed = seen.snaps[left], seen.failed[left]
+            stays = snaps + failed < records if side > 0 else snaps > 0
+            last[left], left, rung = rung, left[stays], rung + side * STRIDE
     for rung in range(none_snaps[every].min(initial=0), all_snap[every].max(initial=0)):
         low = np.array([_last_quiet(ladder, row) for row in every], int)
         look(rung, every[(low < rung) & (rung < all_snap[every])])
@@ -271,10 +242,9 @@ def _rates(given: Seen, T: float) -> dict[str, np.ndarray]:
 
     n, time = given.snaps, given.time
     with np.errstate(divide="ignore", invalid="ignore"):
-        low = np.where(n > 0, chdtri(2 * n, 0.975) / (2 * time), 0.0)
         rates = {
             "rate": n / time,
-            "rate_low": low,
+            "rate_low": np.where(n > 0, chdtri(2 * n, 0.975) / (2 * time), 0.0),
             "rate_high": chdtri(2 * n + 2, 0.025) / (2 * time),
         }
     chances = {

@@ -9,17 +9,16 @@ from scipy import signal
 
 import snapmap
 from snapmap.pulse import shocks_from
-from snapmap.random_vibration.probability import fit_rates, vibration_of
-from snapmap.random_vibration.records import record
-from snapmap.random_vibration.spectrum import Spectrum
-from snapmap.study import study_of
+from snapmap.spectra.psd import Spectrum
+from snapmap.spectra.vibration import fit_rates, vibration_of
+from snapmap.study import Study
 
 FLAT = [(20.0, 0.04), (2000.0, 0.04)]
 
 
 def samples(spectrum, length, seed=1):
     """Acceleration of a record, multiples of g, and the time between its samples, s."""
-    drawn, peak = record(spectrum, length, [seed, 0])
+    drawn, peak = spectrum.record(length, [seed, 0])
     return drawn.pieces[:, 1] * peak, length / len(drawn.pieces)
 
 
@@ -91,14 +90,12 @@ def test_vibration_tells_rate_bounds_and_level(handout):
 
 
 def test_the_pulses_of_a_study_are_of_no_account(handout):
+    plain = Study(device=handout, model={"name": "cosines", "cosines": 3})
+    both = replace(plain, shocks=shocks_from(["half sine", "sawtooth"], "both"))
+    spectrum = Spectrum([(20.0, 9.0), (2000.0, 9.0)])
     asked = {"duration": 0.2, "records": 2, "seed": 1, "reach": 0.01}
-    spectrum, shocks = Spectrum([(20.0, 9.0), (2000.0, 9.0)]), shocks_from("sawtooth", "both")
-    plain, _ = study_of(handout, "cosines", {"cosines": 3})
-    found = [
-        vibration_of(study, {"C": [25.0]}, spectrum, asked)
-        for study in (plain, replace(plain, shocks=shocks))
-    ]
-    assert found[0].identical(found[1])
+    found = (vibration_of(study, {"C": [25.0]}, spectrum, asked) for study in (plain, both))
+    assert next(found).identical(next(found))
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import snapmap
-from snapmap.sizing.value import _single, _solve
+from snapmap.sizing import _ends, _single
 
 CHEAP = {"model": "cosines", "modes": 3, "horizon": 300.0}
 SHOCK = {"f0": 1000.0, "C": 25.0}
@@ -37,13 +37,17 @@ def test_no_solution_and_several_are_said(handout):
     with pytest.raises(ValueError, match=r"thickness: no value from 1.9 to 2.1 um .* it runs from"):
         snapmap.design(handout, "thickness", N=9000, between=(1.9, 2.1), **SHOCK, **CHEAP)
 
-    def parabola(values, _):
-        return (values - 1.3) * (values - 2.2), np.full(values.size, 1e-4)
+    def parabola(_, values):
+        N_first = 1000 + (values - 1.3) * (values - 2.2)
+        return N_first, np.full(values.shape, 1e-4), N_first <= 1000
 
-    found = _solve(parabola, (1.0, 3.0), 1)
-    np.testing.assert_allclose(found.value, [1.3, 2.2], atol=1e-5)
+    grid = np.linspace(1.0, 3.0, 17)
+    N_first, _, met = parabola(None, grid[np.newaxis])
+    _, values, errors = _ends(parabola, grid, N_first, met, np.ones((1, 16), bool), 1000.0)
+    np.testing.assert_allclose(values, [1.3, 2.2], atol=1e-5)
     with pytest.warns(UserWarning, match="not monotone; at 1.3, 2.2 um"):
-        assert _single("thickness", 1000.0, (1.0, 3.0), found).value == pytest.approx(1.3)
+        design = _single("thickness", 1000.0, grid, N_first, values, errors)
+    assert design.value == pytest.approx(1.3)
 
 
 @pytest.mark.parametrize(

@@ -1,16 +1,15 @@
 """Thresholds of devices that are much alike: those found tell where to look for the next."""
 
-from collections.abc import Callable
-
 import numpy as np
 
+from ..beam.equilibria import static_threshold
 from ..solver.bounds import least_amplitudes
-from ..solver.bracket import asker, refine
 from ..solver.cells import Rows
 from ..solver.model import Follows
+from ..solver.search import TOGETHER, asker, near, refine, scan, walk
 from ..solver.settings import Settings
 from ..thresholds.islands import BELOW, first_seen, wide_scan
-from ..thresholds.transitions import FINE_STEP, Window, scan
+from ..thresholds.transitions import FINE_STEP, Window
 
 FIRST, GROWTH = 64, 8
 """So many samples tell where to look for as many times more of them, and so on."""
@@ -20,11 +19,6 @@ ABOVE = 1.3
 """Up to where they are, as a multiple of their threshold."""
 REACH = 30.0
 """A sample's threshold is looked for within so many times the nominal one."""
-TOGETHER = 8
-"""Amplitudes of a ragged row that are looked at together."""
-
-Snaps = Callable[[np.ndarray, np.ndarray], np.ndarray]
-"""Whether rows, by number (n,), snap at places of the lattice, (n, m); False beyond its end."""
 
 
 class Lattice:
@@ -35,33 +29,35 @@ class Lattice:
 
     def __init__(self, low: float, high: float, step: float):
         """Set out amplitudes from low to high, multiples of g."""
-        count = 2 + int(np.log(high / low) / np.log1p(step))
+        self.size = 2 + int(np.log(high / low) / np.log1p(step))
         # Products, not powers: the library's exponential rounds by the processor.
-        self.N = np.multiply.accumulate(np.r_[low, np.full(count - 1, 1 + step)])
+        N = np.multiply.accumulate(np.r_[low, np.full(self.size - 1, 1 + step)])
+        self.N = np.append(N, np.nan)
         self.stride = max(1, round(np.log1p(FINE_STEP) / np.log1p(step)))
 
     def place(self, N: np.ndarray) -> np.ndarray:
         """The place of the first amplitude that is not below N."""
-        return np.minimum(np.searchsorted(self.N, N), self.N.size - 1)
+        return np.minimum(np.searchsorted(self.N, N), self.size - 1)
 
     def threshold(self, place: np.ndarray) -> np.ndarray:
         """N of the first place that snaps; NaN where that is the lattice's first, or beyond it."""
-        inside = (place > 0) & (place < self.N.size)
-        return np.where(inside, self.N[np.where(inside, place, 0)], np.nan)
+        return np.where(place > 0, self.N[place], np.nan)
 
 
 def nominal_thresholds(
-    model: Follows, rows: Rows, static: np.ndarray, settings: Settings, tolerance: float
+    model: Follows, rows: Rows, settings: Settings, tolerance: float
 ) -> np.ndarray:
     """Find the lowest N that snaps of rows of which nothing is known, (rows,); NaN for none."""
     ask = asker(model, rows, settings)
+    static = static_threshold(model.device)
     wide = wide_scan(model.device, static, rows, settings.pulses)
     rough, _ = first_seen(ask, wide, least_amplitudes(model, rows, settings.pulses))
-    edges, *_ = scan(ask, Window(BELOW * rough, rough, np.full(rough.size, FINE_STEP)))
+    N = Window(BELOW * rough, rough, np.full(rough.size, FINE_STEP)).N
+    edges, *_ = scan(ask, N)
+    row, *ends = (column[edges.rising] for column in edges[:3])
+    row, lowest = np.unique(row, return_index=True)
     first = np.full((2, rough.size), np.nan)
-    for row, low, high, rising in zip(*edges, strict=True):
-        if rising and not first[1, row] <= high:
-            first[:, row] = low, high
+    first[:, row] = [end[lowest] for end in ends]
     return refine(ask, *first, tolerance)[1]
 
 
@@ -89,8 +85,8 @@ def thresholds_of_samples(
     lattice = Lattice(nominal[known].min() / REACH, nominal[known].max() * REACH, tolerance)
 
     def snaps(numbers, places):
-        N = lattice.N[np.minimum(places, lattice.N.size - 1)]
-        N = np.where(places < lattice.N.size, N, np.nan)
+        """Whether rows, by number (n,), snap at places of the lattice; False beyond its end."""
+        N = lattice.N[np.minimum(places, lattice.size)]
         return np.isfinite(asker(model, rows.some(numbers), settings)(N))
 
     numbers = np.arange(found.size).reshape(found.shape)
@@ -100,73 +96,42 @@ def thresholds_of_samples(
         if done:
             expected, lowest = _expected(deviations[block], deviations[:done], found[:done])
         here = numbers[block]
-        near = lattice.place(np.broadcast_to(expected, here.shape))
-        first = np.full(here.shape, lattice.N.size)
+        first = np.full(here.shape, lattice.size)
         clean = np.broadcast_to(known & ~ragged, here.shape)
-        first[clean] = _climb(snaps, here[clean], near[clean], lattice.N.size)
+        guess = lattice.place(np.broadcast_to(expected, here.shape))
+        first[clean] = near(snaps, here[clean], guess[clean], lattice.size)
         if not done:
-            ragged[known] = _are_ragged(
-                snaps, here[:LOOKED_AT, known], first[:LOOKED_AT, known], lattice
-            )
-        low = lattice.place(np.broadcast_to(expected * lowest, here.shape))
+            some = slice(LOOKED_AT), known
+            ragged[known] = _are_ragged(snaps, here[some], first[some], lattice)
+        low = np.minimum(lattice.place(np.broadcast_to(expected * lowest, here.shape)), first)
         back = np.broadcast_to(known & ragged, here.shape)
-        first[back] = _scan_up(snaps, here[back], np.minimum(low, first)[back], lattice)
+        first[back] = _from_below(snaps, here[back], low[back], lattice)
         found[block] = lattice.threshold(first)
         done = block.stop
     return found, ragged
 
 
-def _climb(snaps: Snaps, numbers, near, size, low=None, high=None):
-    """Places where the first of labels that change once snaps, looked for about `near`, (rows,).
-
-    low, high: places known to be quiet and to snap; before the first and beyond the last unless
-    given. Returns 0 where all snaps, and `size` where nothing does.
-    """
-    low = np.full(near.size, -1) if low is None else low.copy()
-    high = np.full(near.size, size) if high is None else high.copy()
-    reach, probe = np.ones(near.size, np.int64), np.maximum(near - 1, 0)
-    while (left := np.flatnonzero(high - low > 1)).size:
-        at = probe[left]
-        snapped = snaps(numbers[left], at[:, np.newaxis])[:, 0]
-        low[left], high[left] = np.where(snapped, low[left], at), np.where(snapped, at, high[left])
-        below, above = low[left], high[left]
-        probe[left] = np.where(below < 0, np.maximum(above - reach[left], 0), (below + above) // 2)
-        upward = (above == size) & (below >= 0)
-        probe[left[upward]] = np.minimum(below + reach[left], size - 1)[upward]
-        reach[left] *= 2
-    return high
-
-
-def _scan_up(snaps: Snaps, numbers, start, lattice):
-    """Places where the first of labels that change back and forth snaps, (rows,); as `_climb`."""
+def _from_below(snaps, numbers, start, lattice):
+    """Places where the first of labels that change back and forth snaps, (rows,)."""
     # The same places for every sample, wherever it was expected.
-    at, size = start - start % lattice.stride, lattice.N.size
-    left = np.arange(at.size)
-    while (left := left[snaps(numbers[left], at[left, np.newaxis])[:, 0] & (at[left] > 0)]).size:
-        at[left] = np.maximum(at[left] - TOGETHER * lattice.stride, 0)
-    high, left = np.full(at.size, size), np.arange(at.size)
+    start, size, step = start - start % lattice.stride, lattice.size, lattice.stride
+    first, left = np.empty_like(start), np.arange(start.size)
     while left.size:
-        places = at[left, np.newaxis] + lattice.stride * np.arange(TOGETHER + 1)
-        snapped = snaps(numbers[left], places)
-        seen = snapped.any(axis=1)
-        step = np.argmax(snapped[seen], axis=1)
-        high[left[seen]] = places[seen, step]
-        at[left[seen]] = places[seen, np.maximum(step - 1, 0)]
-        at[left[~seen]] = places[~seen, -1]
-        left = left[~seen]
-        left = left[at[left] < size]
-    inside = np.flatnonzero((high > at) & (high < size))
-    middle = (at[inside] + high[inside] + 2) // 2
-    high[inside] = _climb(snaps, numbers[inside], middle, size, at[inside], high[inside])
-    return high
+        first[left] = walk(snaps, numbers[left], start[left], size, step)
+        left = left[(first[left] == start[left]) & (start[left] > 0)]
+        start[left] = np.maximum(start[left] - TOGETHER * step, 0)
+    inside = np.flatnonzero((first > start) & (first < size))
+    low, high = first[inside] - step, first[inside]
+    first[inside] = near(snaps, numbers[inside], (low + high) // 2 + 1, size, low, high)
+    return first
 
 
-def _are_ragged(snaps: Snaps, numbers, first, lattice):
+def _are_ragged(snaps, numbers, first, lattice):
     """In which rows the labels of some sample change more than once; (rows,)."""
     steps = round(np.log(ABOVE / BELOW) / np.log1p(FINE_STEP))
     start = np.maximum(first - round(-np.log(BELOW) / np.log1p(FINE_STEP)) * lattice.stride, 0)
     places = start.ravel()[:, np.newaxis] + lattice.stride * np.arange(steps)
-    snapped = snaps(numbers.ravel(), np.where(places < lattice.N.size, places, lattice.N.size))
+    snapped = snaps(numbers.ravel(), places)
     changes = np.count_nonzero(snapped[:, 1:] & ~snapped[:, :-1], axis=1)
     return (changes.reshape(first.shape) > 1).any(axis=0)
 

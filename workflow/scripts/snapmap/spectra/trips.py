@@ -7,14 +7,13 @@ import xarray as xr
 
 from ..axes import coordinates
 from ..device import Device
-from ..io.provenance import provenance
+from ..io.variables import headed
 from ..pulse import DIRECTIONS
 from ..solver.adaptive import choose_survey
-from ..solver.bracket import asker
 from ..solver.cells import to_rows
+from ..solver.search import asker
 from ..study import THRESHOLD_SETTINGS, Study, study_of
-from .records import record
-from .spectrum import check_points
+from .srs import check_points, record
 
 RECORDS, SEED = 8, 1
 FACTORS = tuple(2.0 ** (n / 4) for n in range(-8, 9))
@@ -65,43 +64,31 @@ def trips_of(
     drawn = [record(points, [asked["seed"], number]) for number in range(asked["records"])]
     along = DIRECTIONS[study.shocks.directions[0]]
     pulses = tuple(one.pulse if along > 0 else one.pulse.reversed() for one in drawn)
-    grid = study.set_out(axes)
-    snaps = _follow(study, grid, pulses, np.array([one.peak for one in drawn]))
-    document = study.document(THRESHOLD_SETTINGS) | {"srs": points.tolist(), **asked}
-    return _dress(grid.axes, drawn, snaps, document)
-
-
-def _dress(axes, drawn, snaps, document):
+    peak = np.array([one.peak for one in drawn])
+    grid, settings = study.set_out(axes), study.settings._replace(pulses=pulses)
+    f0 = np.array([1e6 / one.duration for one in pulses])
+    device = grid.device_of[..., np.newaxis, np.newaxis]
+    rows = to_rows(device, f0, grid.axes["C"][:, np.newaxis], np.arange(len(pulses)))
+    snaps, there = np.full((rows.device.size, len(FACTORS)), np.nan), rows.device >= 0
+    some = rows.some(there)
+    ask = asker(choose_survey(grid.device, study.model).decides, some, settings, until="snap")
+    t_snap = ask(peak[some.pulse][:, np.newaxis] * FACTORS)
+    snaps[there] = np.where(np.isinf(t_snap), np.nan, np.isfinite(t_snap))
     each = {
-        "peak": ([one.peak for one in drawn], "1"),
+        "peak": (peak, "1"),
         "duration": ([one.pulse.duration for one in drawn], "us"),
         "deviation": ([abs(one.deviation).max() for one in drawn], "dB"),
     }
-    data = {key: (("record",), values, {"units": unit}) for key, (values, unit) in each.items()}
-    told = {"long_name": "whether the record snaps it", "units": "1"}
-    data["snaps"] = ((*axes, "record", "factor"), snaps, told)
-    return xr.Dataset(data, coordinates(axes) | {"factor": list(FACTORS)}).assign_attrs(
-        Conventions="CF-1.11, ACDD-1.3",
-        title="Snaps under records of a shock response spectrum",
-        summary="Which records that meet a spectrum trip a device, and at which factors of it",
-        **provenance(document),
+    data = {key: ("record", values, {"units": unit}) for key, (values, unit) in each.items()}
+    data["snaps"] = (
+        (*grid.axes, "record", "factor"),
+        snaps.reshape(*grid.shape, len(pulses), len(FACTORS)),
+        {"long_name": "whether the record snaps it", "units": "1"},
     )
-
-
-def _follow(study, grid, pulses, peak):
-    """Whether each record snaps at each factor, (..., C, record, factor)."""
-    settings = study.settings._replace(pulses=pulses)
-    model = choose_survey(grid.device, study.model).decides
-    shape = (*(values.size for values in grid.axes.values()), len(pulses))
-    device = np.broadcast_to(grid.device_of[..., None, None], shape)
-    f0 = np.array([1e6 / one.duration for one in pulses])
-    rows = to_rows(device, f0, grid.axes["C"][:, None], np.arange(len(pulses)))
-    snaps = np.full((rows.device.size, len(FACTORS)), np.nan)
-    there = rows.device >= 0
-    some = rows.some(there)
-    told = asker(model, some, settings, until="snap")(peak[some.pulse][:, None] * FACTORS)
-    snaps[there] = np.where(np.isinf(told), np.nan, np.isfinite(told))
-    return snaps.reshape(*shape, len(FACTORS))
+    document = study.document(THRESHOLD_SETTINGS) | {"srs": points.tolist(), **asked}
+    return xr.Dataset(data, coordinates(grid.axes) | {"factor": list(FACTORS)}).assign_attrs(
+        **headed("spectrum", document),
+    )
 
 
 def ends(snaps: np.ndarray) -> tuple[float, float, float, float]:

@@ -1,0 +1,145 @@
+"""What kernels share: fused multiply-adds, a sine, the width of vectors; and how they are compiled.
+
+Each is the same on every machine, and no compiled kernel is of another source.
+"""
+
+import fcntl
+import hashlib
+import warnings
+from collections.abc import Callable
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from numba import float64, njit, types
+from numba.core import caching, config, event
+from numba.extending import intrinsic
+from numba.misc.appdirs import AppDirs
+
+from . import portable
+
+VECTOR_BITS = 512
+"""Widest vectors to use where the processor has them."""
+
+
+@intrinsic
+def fma(context, a, b, c):
+    """a b + c in one rounding."""
+
+    def build(_, builder, __, arguments):
+        return builder.fma(*arguments)
+
+    return float64(float64, float64, float64), build
+
+
+@intrinsic
+def widen_vectors(context):
+    """Compile the function that calls this with vectors of VECTOR_BITS, and by itself.
+
+    LLVM stops at 256 bits on some processors that have 512, and the kernel then takes up to twice
+    the time. numba's own settings would reach the functions of whoever imports this, too. A loop
+    over lanes may lose its vectors where LLVM puts it into its caller.
+    """
+
+    def build(context, builder, _, __):
+        attribute = f'"prefer-vector-width"="{VECTOR_BITS}"'
+        set.add(builder.function.attributes, attribute)  # llvmlite's own `add` knows few of LLVM's
+        builder.function.attributes.add("noinline")
+        return context.get_dummy_value()
+
+    return types.none(), build
+
+
+_sine_of_rest = njit(error_model="numpy", inline="always")(portable.sine_of_rest)
+
+
+@njit(error_model="numpy", inline="always")
+def sine(turns):
+    """As `portable.sine`, in a form of which the compiler makes vectors."""
+    return _sine_of_rest(turns - np.rint(turns))
+
+
+INLINED = "forceinline", "no_cpython_wrapper", "no_cfunc_wrapper"
+"""Options of what is compiled into its callers alone."""
+
+
+def compiled(function: Callable) -> Callable:
+    """Compile a function for the types that it is called with, and keep that on disk.
+
+    No fast maths: NaN stays visible, and a result does not depend on how a call was compiled. What
+    speed needs is written out: fused multiply-adds, and sums in an order that vectorises over
+    lanes. numba reads where to keep it here, and no other package's functions are moved.
+    """
+    users = config.CACHE_DIR
+    own = users or AppDirs("snapmap", False).user_cache_dir
+    config.CACHE_DIR = str(Path(own, _name_of_sources(Path(function.__code__.co_filename).parent)))
+    try:
+        # numba hands the options of an inlined caller down unless they are said.
+        return njit(nogil=True, cache=True, error_model="numpy", **dict.fromkeys(INLINED, False))(
+            function
+        )
+    finally:
+        config.CACHE_DIR = users
+
+
+def inlined(function: Callable) -> Callable:
+    """Compile a function into each of its callers, without which nothing is vectorised.
+
+    Python itself cannot call it: what that takes would be half of its time to compile.
+    """
+    return njit(error_model="numpy", **dict.fromkeys(INLINED, True))(function)
+
+
+@cache
+def _name_of_sources(room):
+    """A name for what kernels of a folder are compiled from: its modules and those of this one.
+
+    numba by itself sees an edit in the file of the function, and none in a file of what it calls.
+    """
+    digest = hashlib.sha256()
+    for path in sorted({*room.glob("*.py"), *Path(__file__).parent.glob("*.py")}):
+        digest.update(hashlib.sha256(path.read_bytes()).digest())
+    return f"kernels_{digest.hexdigest()[:12]}"
+
+
+class OneByOne(caching.IndexDataCacheFile):
+    """The files of a function in numba's cache, which two processes add to one after the other.
+
+    Else both number their kernels alike, and one is called in the place of the other.
+    """
+
+    def save(self, key: tuple, data: tuple) -> None:
+        """Add a kernel while no other process does."""
+        with open(f"{self._index_path}.lock", "w") as file:
+            with suppress(OSError):  # some file systems of clusters have no locks
+                fcntl.flock(file, fcntl.LOCK_EX)
+            super().save(key, data)
+
+
+caching.IndexDataCacheFile = OneByOne
+
+
+class Reporter(event.Listener):
+    """Reports once each size of kernel that is compiled: a user would else wait in silence."""
+
+    def __init__(self):
+        """Begin with no compilation under way."""
+        self.depth, self.reported = 0, set()
+
+    def on_start(self, event: event.Event) -> None:
+        """Count a compilation; those within another are a part of it."""
+        self.depth += 1
+        sizes = {type_.count for type_ in event.data["args"] if isinstance(type_, types.UniTuple)}
+        if self.depth == 1:
+            for size in sizes - self.reported:
+                words = f"compiling the kernel of {size} modes: once, some seconds"
+                warnings.warn_explicit(words, UserWarning, "snapmap", 1)
+            self.reported |= sizes
+
+    def on_end(self, event: event.Event) -> None:
+        """Count its end."""
+        self.depth -= 1
+
+
+event.register("numba:compile", Reporter())

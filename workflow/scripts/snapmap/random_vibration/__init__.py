@@ -1,1 +1,0 @@
-"""Random vibration: records of a spectrum, and how likely they trip a device."""

@@ -1,1 +1,0 @@
-"""Shocks known by their response spectrum."""

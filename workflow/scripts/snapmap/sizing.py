@@ -1,0 +1,297 @@
+"""Which values a device should have: for a threshold, or to meet requirements."""
+
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from .axes import COORDINATES, coordinates
+from .device import SIGNED, Device, batch, is_bistable
+from .io.counting import counting
+from .pulse import Shocks
+from .quantities import QUANTITIES
+from .solver.adaptive import choose_survey
+from .solver.cells import to_rows
+from .solver.search import refine
+from .solver.settings import THRESHOLD_TOLERANCE
+from .study import Study, study_of, with_shocks
+from .thresholds.islands import survey
+from .tolerances.dataset import tolerances_of
+from .tolerances.samples import Tolerances
+
+POINTS, WINDOW_POINTS = 17, 33
+"""Values that are tried first, for a threshold and for a window."""
+SECTIONS, ROUNDS = 8, 3
+"""Into so many parts an interval between two of them is cut, so often."""
+PLACES, SAMPLES = 9, 256
+"""Values in a window, and devices as made at each, of which the yield is estimated."""
+
+
+class Design(NamedTuple):
+    """A value for which the threshold is the given one.
+
+    value, error: internal units; error: what the error bar of the threshold leaves open
+    """
+
+    value: float
+    error: float
+
+
+def design(
+    device: Device,
+    value: str,
+    N: float | None = None,
+    f0: float | None = None,
+    C: float | None = None,
+    between: tuple[float, float] | None = None,
+    model: str | Mapping = "auto",
+    **options,
+) -> Design | xr.Dataset:
+    """Find the value of a device, by its name, for which N (multiples of g) is its threshold.
+
+    Or, with requirements in place of N and f0, the windows of the value in which all are met.
+    f0: Hz; C: uN us/um; between: where to look, internal units
+    requirements: mappings of name, N, f0 (Hz) and snaps, with pulse and direction, or shocks
+    scatters: of the value and others, as `tolerance` takes them, with samples, seed and together;
+        then the yield is estimated within the windows, too
+    model: name, or as a mapping the whole of the config's model section
+    options: as in `study.study_of`: horizon (us), energy_tolerance, threads, pulse, direction,
+        options of the model; and one further value of the device with its values, along which the
+        answer is a line: a dataset of value and error, NaN where there is none
+    Variables of windows, over `window`: low and high, with low_error and high_error, and low_from,
+    high_from, the requirement that ends it there, "between" for an end of the range; over `place`,
+    with scatters: the value and its `yield`, with bounds at 95 %, the attribute best being the
+    value of the largest; over `requirement` and the values `tried`: whether it is `met`, up to the
+    first that leaves none.
+    Warns where several values are right, and returns the lowest, and where no window is, by which
+    requirements; the attribute comment says the same. Raises ValueError, one line, where no value
+    is right, or for one that cannot be.
+
+    >>> device = snapmap.load_device("config/config.yaml")
+    >>> asked = {"N": 1100, "f0": 1500, "C": 25, "model": "cosines", "horizon": 0}
+    >>> found = snapmap.design(device, "thickness", between=(2.0, 2.2), **asked)
+    >>> round(found.value, 1)
+    2.1
+    """
+    options = dict(options)
+    required = [with_shocks(one) for one in options.pop("requirements", ())]
+    given = {key: options.pop(key) for key in Tolerances._fields if key in options}
+    study, along = study_of(device, model, options)
+    if given and not required:
+        raise ValueError(f"{next(iter(given))}: is of requirements, and there are none")
+    goals = required or [{"N": N, "f0": f0, "snaps": True, "shocks": study.shocks}]
+    _check(value, goals, C, between, along, bool(required))
+    if required:
+        tolerances = Tolerances(**given) if given else None
+        cost = f"{WINDOW_POINTS * len(goals)} thresholds, {ROUNDS * SECTIONS} for each end"
+        if tolerances:
+            made = PLACES * min(tolerances.samples, SAMPLES)
+            cost += f", {made * (len(goals) + 1)} devices"
+        with counting(f"design, {cost}"):
+            return _window(study, value, C, between, goals, tolerances)
+    key, values = next(iter(along.items()), (value, 0.0))
+    along = {key: np.atleast_1d(np.asarray(values, float))}
+    goals *= along[key].size
+    look, grid = _looker(study, value, C, goals, along), np.linspace(*between, POINTS)
+    with counting("design"):
+        N_first, _, met = look(np.arange(len(goals)), np.tile(grid, (len(goals), 1)))
+        known = np.isfinite(N_first[:, 1:] + N_first[:, :-1])
+        ends = _ends(look, grid, N_first, met, known, N)
+    if key != value:
+        return _line(value, key, along[key], N, *ends)
+    return _single(value, N, grid, N_first, *ends[1:])
+
+
+def thresholds_at(
+    study: Study, values: Mapping[str, np.ndarray], f0, C, pulse=0
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Thresholds of a study's device with other values, each (n,), and their errors, or NaN.
+
+    values: by name; f0: Hz; C: uN us/um; pulse: index in the study's, each a number or (n,)
+    Returns also where there is a device; (n,).
+    """
+    size = next(iter(values.values())).size
+    there = is_bistable(study.device, values, size)
+    first = np.full((2, size), np.nan)
+    if there.any():
+        some = {key: column[there] for key, column in values.items()}
+        varied = batch([study.device]).pick(np.zeros(there.sum(), int)).vary(some)
+        at = (np.broadcast_to(column, size)[there] for column in (f0, C, pulse))
+        rows = to_rows(np.arange(len(varied)), *at)
+        models = choose_survey(varied, study.model)
+        of_some = survey(models, rows, study.settings, THRESHOLD_TOLERANCE)
+        first[:, there] = of_some.N_first, of_some.N_error
+    return *first, there
+
+
+def _looker(study, value, C, goals, along=None) -> Callable:
+    """A function of goals, by number (n,), and values, (n, m): N_first, its error, and if met."""
+    pulses = {str(i): goal["shocks"].pulses[0] for i, goal in enumerate(goals)}
+    study = replace(study, shocks=Shocks(pulses))
+    N, f0, snaps = (np.array([goal[key] for goal in goals]) for key in ("N", "f0", "snaps"))
+
+    def look(row, tried):
+        i = np.repeat(row, tried.shape[1])
+        values = {key: column[i] for key, column in (along or {}).items()} | {value: tried.ravel()}
+        N_first, error, there = thresholds_at(study, values, f0[i], C, i)
+        met = ((N_first <= N[i]) == snaps[i]) & there
+        return [column.reshape(tried.shape) for column in (N_first, error, met)]
+
+    return look
+
+
+def _ends(look, grid, N_first, met, where, N):
+    """Refine where goals begin or end to be met: their numbers, the values, and errors; (ends,).
+
+    N_first, met: of all goals on the grid, (goals, n); where: which intervals count; N: (goals,)
+    """
+    row, k = np.nonzero((met[:, 1:] != met[:, :-1]) & where)
+    if not row.size:
+        return row, grid[k], grid[k]
+    width = grid[1] - grid[0]
+    slope = (N_first[row, k + 1] - N_first[row, k]) / width
+
+    def tried(x):
+        """Values of an interval as one from 1 to 2, as `refine` takes relative widths."""
+        return grid[k, np.newaxis] + (x - 1) * width
+
+    def ask(x):
+        return np.where(look(row, tried(x))[2], 1.0, np.nan)
+
+    ones, fine = np.ones(k.size), float(SECTIONS) ** -ROUNDS
+    ends = refine(ask, ones, 2 * ones, fine, met[row, k + 1], SECTIONS)
+    value = tried(np.column_stack(ends))
+    first, error, _ = look(row, value)
+    (low, high), (below, beyond) = value.T, first.T
+    N = np.broadcast_to(N, len(met))[row]
+    slope = np.where(np.isfinite(slope), slope, (beyond - below) / (high - low))
+    crossed = (below < N) != (beyond < N)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        inside = low + (N - below) * (high - low) / (beyond - below)
+        left_open = (error.max(axis=1) + abs(beyond - below) / 2) / abs(slope)
+    # At an end beyond which nothing snaps the bar of a threshold says nothing.
+    crossed &= np.isfinite(inside)
+    value = np.where(crossed, inside, value.mean(axis=1))
+    return row, value, np.where(crossed, left_open, (high - low) / 2)
+
+
+def _single(value, N, grid, N_first, values, errors):
+    unit, known = QUANTITIES[value].unit, N_first[np.isfinite(N_first)]
+    ends = f"from {grid[0]:g} to {grid[-1]:g} {unit}"
+    if not values.size:
+        runs = f"runs from {known.min():.5g} to {known.max():.5g}" if known.size else "is not there"
+        raise ValueError(f"{value}: no value {ends} has its threshold at N = {N:g}; it {runs}")
+    if values.size > 1:
+        several = ", ".join(f"{one:.5g}" for one in values)
+        warnings.warn(
+            f"{value}: thresholds {ends} are not monotone; at {several} {unit} they are {N:g}",
+            stacklevel=3,
+        )
+    return Design(float(values[0]), float(errors[0]))
+
+
+def _line(value, key, places, N, row, values, errors):
+    """The lowest value at each place, with the number of all."""
+    count = np.bincount(row, minlength=places.size)
+    lowest = np.full((2, places.size), np.nan)
+    row, first = np.unique(row, return_index=True)
+    lowest[:, row] = values[first], errors[first]
+    if (count > 1).any():
+        where = ", ".join(f"{one:.5g}" for one in places[count > 1])
+        place = f"{key} = {where} {QUANTITIES[key].unit}"
+        warnings.warn(f"{value}: not the only one at {place}; the lowest is told", stacklevel=3)
+    attrs, comment = COORDINATES[value], {"comment": f"where the threshold is {N:g} g"}
+    error = {"long_name": f"error of the {attrs['long_name']}"}
+    data = {
+        value: (key, lowest[0], attrs | comment),
+        "error": (key, lowest[1], attrs | error),
+        "solutions": (key, count, {"long_name": "number of values found", "units": "1"}),
+    }
+    return xr.Dataset(data, coordinates({key: places}))
+
+
+def _window(study, value, C, between, goals, tolerances):
+    """Windows of a value, as `design` returns them."""
+    look, grid = _looker(study, value, C, goals), np.linspace(*between, WINDOW_POINTS)
+    names, N = [goal["name"] for goal in goals], [goal["N"] for goal in goals]
+    N_first, own = np.full((len(goals), grid.size), np.nan), np.zeros((len(goals), grid.size), bool)
+    met = np.ones(grid.size, bool)
+    for i in range(len(goals)):
+        N_first[i], _, own[i] = look(np.array([i]), grid[np.newaxis])
+        met &= own[i]
+        if not met.any():
+            break
+    ends = _ends(look, grid, N_first, own, met[1:] != met[:-1], N)
+    ends = sorted((at, error, names[row]) for row, at, error in zip(*ends, strict=True))
+    places = (between[0], 0.0, "between"), *ends, (between[1], 0.0, "between")
+    windows = [
+        pair for pair in pairwise(places) if met[(grid >= pair[0][0]) & (grid <= pair[1][0])].any()
+    ]
+    attrs = COORDINATES[value]
+    data = {
+        f"{side}{key}": ("window", [pair[j][k] for pair in windows], attrs if k < 2 else {})
+        for j, side in enumerate(("low", "high"))
+        for k, key in enumerate(("", "_error", "_from"))
+    }
+    data["met"] = (("requirement", "tried"), own[: i + 1])
+    found = xr.Dataset(data, {"requirement": names[: i + 1], "tried": ("tried", grid, attrs)})
+    if not windows:
+        found.attrs["comment"] = _why_none(value, grid, goals[: i + 1], own, N_first[i])
+        warnings.warn(found.attrs["comment"], stacklevel=3)
+    elif tolerances:
+        found = found.merge(_yields(study, value, C, windows, goals, tolerances))
+        best = np.flatnonzero(found["yield"] == found["yield"].max())
+        found.attrs["best"] = float(found[value][best[best.size // 2]])
+    return found
+
+
+def _why_none(value, grid, goals, own, N_first):
+    """Which requirements leave no value: the last that was tried, alone or with those before."""
+    unit, last = QUANTITIES[value].unit, goals[-1]
+    none = f"{value}: none from {grid[0]:g} to {grid[-1]:g} {unit} meets all requirements"
+    if not own[len(goals) - 1].any():
+        seen = N_first[np.isfinite(N_first)]
+        runs = f"run from {seen.min():.4g} to {seen.max():.4g}" if seen.size else "are none"
+        must = f"it must {'trip' if last['snaps'] else 'not trip'} at {last['N']:g}"
+        return f"{none}; {last['name']} fails at each: {must}, thresholds {runs}"
+    each = [
+        f"{goal['name']} is met from {grid[own].min():.4g} to {grid[own].max():.4g}"
+        for goal, own in zip(goals, own, strict=False)
+    ]
+    return f"{none}, as these contradict: {', '.join(each)}"
+
+
+def _yields(study, value, C, windows, goals, tolerances):
+    """Share of devices as made that meet all, at places within the windows."""
+    asked = tolerances._replace(samples=min(tolerances.samples, SAMPLES), index_samples=2)
+    axes = {"C": [C], "f0": [goals[0]["f0"]]}
+    places = [np.linspace(low[0], high[0], PLACES + 2)[1:-1] for low, high in windows]
+    found = []
+    for place in (places := np.concatenate(places)):
+        device = batch([study.device]).vary({value: np.array([place])}).pick(0)
+        made = tolerances_of(replace(study, device=device), axes, asked, goals)
+        found.append(made[["yield", "yield_bound"]].squeeze("C", drop=True))
+    return xr.concat(found, "place").assign({value: ("place", places, COORDINATES[value])})
+
+
+def _check(value, goals, C, between, along, has_requirements):
+    for goal in goals:
+        for key, given in {"N": goal["N"], "f0": goal["f0"], "C": C}.items():
+            if given is None:
+                raise ValueError(f"{key}: missing; write a number")
+        if len(goal["shocks"].pulses) > 1:
+            raise ValueError("pulse: several; give one shape and one direction")
+    if between is None:
+        raise ValueError("between: missing; write the two values between which to look")
+    low, high = between
+    least = -np.inf if value in SIGNED else 0.0
+    if not least <= low < high:
+        raise ValueError(f"between: {low:g}, {high:g} are not two ascending values from {least:g}")
+    if along and has_requirements:
+        raise ValueError(f"{next(iter(along))}: is no option beside requirements; vary the device")
+    if value in along or len(along) > 1:
+        raise ValueError(f"{', '.join(along)}: give one value of the device along which to look")

@@ -1,1 +1,0 @@
-"""Which values a device should have."""

@@ -1,0 +1,183 @@
+"""Where labels change along N: scanned, looked for near a guess, and refined, by any model."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from .cells import Rows, to_cells
+from .model import Follows
+from .settings import THRESHOLD_TOLERANCE, Settings
+
+SCAN_STEP = 0.03
+"""Relative distance of the amplitudes that are tried before any is refined."""
+SECTIONS = 4
+"""Parts into which each round of refinement cuts an interval; more cost more runs a digit."""
+TOGETHER = 8
+"""Places of a walk that are looked at together."""
+
+Ask = Callable[[np.ndarray], np.ndarray]
+"""t_snap of N, (rows, n), us; not finite where a cell does not snap, or N is NaN."""
+Label = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""A bool of rows, by number (n,), at places of a grid, (n, m)."""
+
+
+class Edges(NamedTuple):
+    """Changes between what snaps and what does not along N; each lies between low and high.
+
+    row: which row; rising: whether it is high that snaps
+    """
+
+    row: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    rising: np.ndarray
+
+
+def lowest_snap(
+    model: Follows,
+    rows: Rows,
+    bracket: tuple[np.ndarray, np.ndarray],
+    settings: Settings,
+    tolerance: float = THRESHOLD_TOLERANCE,
+    step: float = SCAN_STEP,
+) -> np.ndarray:
+    """Find the lowest N that snaps, (rows,).
+
+    bracket: multiples of g between which to look, numbers or (rows,)
+    step: relative distance of the amplitudes that are tried first
+    tolerance: of N, relative; the result is the upper end of an interval that narrow
+    NaN where nothing in the bracket snaps, or its lower end does.
+    """
+    ask = asker(model, rows, settings)
+    low, high = (np.broadcast_to(end, rows.f0.shape) for end in bracket)
+    N = amplitudes(low, high, step)
+    return refine(ask, *first_snap(N, np.isfinite(ask(N))), tolerance)[1]
+
+
+def asker(model: Follows, rows: Rows, settings: Settings, until: str = "edge") -> Ask:
+    """Make a function that tells when the cells of rows snap.
+
+    until: "edge" or "snap", as in `settings.QUESTION`
+    It gives -inf where no run of a cell can be believed.
+    """
+    asked = settings._replace(until=until, repeat=False)
+
+    def ask(N):
+        given = np.isfinite(N)
+        columns = (np.broadcast_to(column[:, np.newaxis], N.shape)[given] for column in rows)
+        device, f0, C, pulse = columns
+        cells = to_cells(model.device, device, N[given], f0, C, asked.horizon, pulse)
+        t_snap = np.full(N.shape, np.nan)
+        seen = model.follow(cells, asked)
+        lost = np.isnan(seen.t_snap) & ~(seen.energy_error <= asked.energy_tolerance)
+        t_snap[given] = np.where(lost, -np.inf, seen.t_snap)
+        return t_snap
+
+    return ask
+
+
+def amplitudes(low: np.ndarray, high: np.ndarray, step: float | np.ndarray) -> np.ndarray:
+    """Amplitudes from low to high in relative steps, each (rows,): (rows, n), NaN beyond high."""
+    factor = np.broadcast_to(1 + np.asarray(step), low.shape)
+    count = 2 + int(np.nanmax(np.log(high / low) / np.log(factor), initial=0.0))
+    # Products, not powers: the library's exponential rounds by the processor.
+    N = np.multiply.accumulate(np.column_stack([low, *[factor] * (count - 1)]), axis=1)
+    N = np.minimum(N, high[:, np.newaxis])
+    N[:, 1:][N[:, 1:] == N[:, :-1]] = np.nan
+    return N
+
+
+def scan(ask: Ask, N: np.ndarray) -> tuple[Edges, np.ndarray, np.ndarray]:
+    """Find the edges on ascending N, (rows, n), and whether the first and the last N of a row snap.
+
+    The edges of a row ascend; N may be NaN after its last.
+    """
+    snapped, known = np.isfinite(ask(N)), np.isfinite(N)
+    row, k = np.nonzero((snapped[:, 1:] != snapped[:, :-1]) & known[:, 1:])
+    last = np.maximum(np.count_nonzero(known, axis=1) - 1, 0)
+    edges = Edges(row, N[row, k], N[row, k + 1], snapped[row, k + 1])
+    return edges, snapped[:, 0], snapped[np.arange(len(N)), last]
+
+
+def first_snap(N: np.ndarray, snapped: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Ends of the interval below the first of ascending N, (rows, n), that snaps; NaN if none."""
+    first = np.argmax(snapped, axis=1)
+    rows = np.arange(len(N))
+    inside = snapped[rows, first] & (first > 0)
+    low, high = (np.where(inside, N[rows, end], np.nan) for end in (first - 1, first))
+    return low, high
+
+
+def refine(
+    ask: Ask,
+    low: np.ndarray,
+    high: np.ndarray,
+    tolerance: float,
+    rising: np.ndarray | bool = True,
+    sections: int = SECTIONS,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Narrow intervals, (rows,), between what snaps and what does not, to a relative tolerance.
+
+    rising: whether it is `high` that snaps, (rows,)
+    sections: into which each round cuts an interval
+    """
+    low, high = np.array(low), np.array(high)
+    rising = np.broadcast_to(rising, low.shape)[:, np.newaxis]
+    while (wide := np.flatnonzero(high / low > 1 + tolerance)).size:
+        N = np.full((low.size, sections + 1), np.nan)
+        N[wide] = np.linspace(low[wide], high[wide], sections + 1, axis=1)
+        as_high = (np.isfinite(ask(N[:, 1:-1])) == rising)[wide]
+        ends = np.zeros((wide.size, 1), bool)
+        low[wide], high[wide] = first_snap(N[wide], np.hstack([ends, as_high, ~ends]))
+    return low, high
+
+
+def near(
+    label: Label,
+    rows: np.ndarray,
+    guess: np.ndarray,
+    size: int,
+    low: np.ndarray | None = None,
+    high: np.ndarray | None = None,
+) -> np.ndarray:
+    """Find the first place of a grid of `size` at which labels that change once are true, (rows,).
+
+    rows: their numbers, as the label takes them
+    guess: a place, from which on it is looked ever farther away, (rows,)
+    low, high: places known to be false and true; before the first and beyond the last unless given
+    Returns 0 where all are true, and `size` where none is.
+    """
+    low = np.full(guess.size, -1) if low is None else low.copy()
+    high = np.full(guess.size, size) if high is None else high.copy()
+    reach, probe = np.ones(guess.size, np.int64), np.maximum(guess - 1, 0)
+    while (left := np.flatnonzero(high - low > 1)).size:
+        at = probe[left]
+        true = label(rows[left], at[:, np.newaxis])[:, 0]
+        low[left], high[left] = np.where(true, low[left], at), np.where(true, at, high[left])
+        below, above = low[left], high[left]
+        probe[left] = np.where(below < 0, np.maximum(above - reach[left], 0), (below + above) // 2)
+        upward = (above == size) & (below >= 0)
+        probe[left[upward]] = np.minimum(below + reach[left], size - 1)[upward]
+        reach[left] *= 2
+    return high
+
+
+def walk(
+    label: Label, rows: np.ndarray, start: np.ndarray | int, stop: np.ndarray | int, step: int = 1
+) -> np.ndarray:
+    """Find the first place, from `start` on in steps, at which a label is true, (rows,).
+
+    rows: as for `near`
+    stop: where to end, which stands where no label is; labels are asked of a few places beyond
+    """
+    place = np.array(np.broadcast_to(start, rows.shape))
+    stop = np.broadcast_to(stop, rows.shape)
+    left = np.flatnonzero(place < stop)
+    while left.size:
+        places = place[left, np.newaxis] + step * np.arange(TOGETHER)
+        true = label(rows[left], places)
+        seen = true.any(axis=1)
+        place[left] += step * np.where(seen, np.argmax(true, axis=1), TOGETHER)
+        left = left[~seen & (place[left] < stop[left])]
+    return np.minimum(place, stop)

@@ -1,0 +1,1 @@
+"""Shocks known by a spectrum: random vibration, and shock response spectra."""

@@ -1,0 +1,113 @@
+"""Slabs joined into one cube: every file checked, every cell accounted for, block by block."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from ..axes import NAMES
+from ..io.atomic import is_whole
+from ..solver.outcome import OUTCOMES
+from .cube import dress, with_summary
+from .slabs import open_slab
+
+BLOCK_CELLS = 10**6
+"""Cells held in memory at a time, and compressed together in the cube."""
+
+
+def collect_slabs(
+    paths: Sequence[str | Path], axes: Mapping[str, Sequence], document: Mapping
+) -> xr.Dataset:
+    """Join slabs lazily into one cube, which is read in blocks of at most BLOCK_CELLS.
+
+    paths: files named by the slab they hold
+    axes: values on every axis of the whole grid, in order, ascending
+    document: what was asked for, kept in the attributes
+    Raises ValueError, a line for each fault: files that are missing, broken or another slab's, and
+    values of an axis that are in no slab, or cells that are in several.
+    """
+    slabs = open_slabs(paths)
+    axes = {key: np.asarray(values) for key, values in axes.items()}
+    faults = [
+        f"hole in the grid: {key} = {value} is in no slab"
+        for key, values in axes.items()
+        for value in values[~np.isin(values, slabs[key].values)]
+    ]
+    if not faults and [*slabs.outcome.shape] != [values.size for values in axes.values()]:
+        faults = [f"{Path(paths[0]).parent}: holds cells of another grid; remove them"]
+    if faults:
+        raise ValueError("\n".join(faults))
+    sizes, room = {}, BLOCK_CELLS
+    for key, values in reversed(axes.items()):
+        sizes[key] = max(1, min(values.size, room))
+        room //= sizes[key]
+    # Names keep the order that they were given in.
+    slabs = slabs.sel({key: axes[key] for key in axes if key in NAMES}).chunk(sizes)
+    variables = {key: slabs[key].data for key in slabs.data_vars}
+    return with_summary(dress(axes, variables, document))
+
+
+def open_slabs(paths: Sequence[str | Path]) -> xr.Dataset:
+    """The lazy cube of slabs, a block for each; raises ValueError, a line for each fault."""
+    faults, cells = [], 0
+    for path in paths:
+        try:
+            with open_slab(path) as slab:
+                cells += slab["outcome"].size
+        except ValueError as error:
+            faults.append(str(error))
+    if faults:
+        raise ValueError("\n".join(faults))
+    try:
+        cube = xr.open_mfdataset(
+            paths,
+            combine="by_coords",
+            parallel=False,
+            engine="netcdf4",
+            data_vars="all",
+            coords="minimal",
+            compat="override",
+            join="exact",
+            combine_attrs="drop",
+            decode_cf=False,
+        )
+    except ValueError as error:
+        raise ValueError(f"hole in the grid of slabs: {' '.join(str(error).split())}") from None
+    if cells != cube.outcome.size:
+        raise ValueError(f"{cells} cells are in the slabs of a grid of {cube.outcome.size}")
+    return cube
+
+
+def open_cube(path: str | Path) -> xr.Dataset:
+    """Open a cube; `outcome` is its name, such as "latched", and `outcome_code` its number.
+
+    path: of the file, or of the folder with its slabs
+    The rest stays in the files until it is used: of slabs lazily, a block of dask for each.
+
+    >>> snapmap.open_cube("config/config.yaml")
+    Traceback (most recent call last):
+    ValueError: config/config.yaml: is no cube; `results/cube.nc` is one
+    """
+    names = np.array(OUTCOMES)
+    try:
+        if Path(path).is_dir():
+            slabs = open_slabs(sorted(Path(path).glob("*.nc")))
+            axes = {key: slabs[key].values for key in slabs.outcome.dims}
+            cube = dress(axes, {key: slabs[key].data for key in slabs.data_vars}, {})
+        elif is_whole(path) is False:
+            remedy = "take another copy, or remove it and run again"
+            raise ValueError(f"{path}: is damaged; {remedy}")
+        else:
+            cube = xr.open_dataset(path, engine="netcdf4")
+        codes = cube.outcome
+    except (OSError, RuntimeError, AttributeError):
+        raise ValueError(f"{path}: is no cube; `results/cube.nc` is one") from None
+    words = xr.apply_ufunc(
+        lambda codes: names[codes.astype(int)],
+        codes,
+        dask="parallelized",
+        output_dtypes=[names.dtype],
+    )
+    words.attrs = {"long_name": codes.attrs["long_name"]}
+    return cube.assign(outcome=words, outcome_code=codes)

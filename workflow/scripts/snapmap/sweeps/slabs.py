@@ -1,0 +1,142 @@
+"""A slab of the grid, the work of one job: named by what it holds, followed, written, read."""
+
+import hashlib
+import json
+import math
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import asdict
+from functools import lru_cache
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+
+from ..axes import DEVICE, DIRECTION, NAMES, SHAPE, Grid, shared_points
+from ..io.atomic import is_whole, replacing, seal
+from ..solver.adaptive import choose_model
+from ..solver.outcome import count
+from ..study import Study
+from .grid import follow_rows, rows_of
+
+SINGLE = (DEVICE, SHAPE, DIRECTION, "C")
+"""Axes of which a slab has one value: what else it holds may be sought in slabs of the same."""
+REMEDY = "remove it, and the next run makes it again"
+Slab = Mapping[str, tuple]
+"""Values on each axis, in order and ascending: internal units, f0 in Hz; names on axes of NAMES."""
+
+
+def slab_grid(study: Study, slab: Slab) -> Grid:
+    """Set out the points of a slab of a study."""
+    return study.part(slab).set_out({key: slab[key] for key in slab if key not in NAMES})
+
+
+def cells_in(slab: Slab) -> int:
+    """Number of its cells."""
+    return math.prod(len(values) for values in slab.values())
+
+
+def slab_name(study: Study, slab: Slab) -> str:
+    """Name a slab by two hashes: what slabs that share cells have in common, and its other axes."""
+    apart = {key: slab[key] for key in SINGLE if key in slab}
+    part, settings = study.part(slab), study.settings.asked()
+    nominal = [asdict(one) for one in part.devices().values()]
+    pulses = [hashlib.sha256(one.pieces.tobytes()).hexdigest() for one in part.settings.pulses]
+    common = [nominal, study.model, settings, pulses, list(slab), apart]
+    plain = json.dumps(common, sort_keys=True, default=np.ndarray.tolist)
+    others = ", ".join(_text(values) for key, values in slab.items() if key not in SINGLE)
+    return f"{_hash(plain)}_{_hash(f'[{others}]')}"
+
+
+@lru_cache  # N is that of many slabs
+def _text(values):
+    return json.dumps(values)
+
+
+def _hash(plain):
+    return hashlib.sha256(plain.encode()).hexdigest()[:12]
+
+
+def write_slab(study: Study, slab: Slab, path: str | Path, code: str = "") -> dict[str, int]:
+    """Follow the cells of one slab and write it to `path`; returns how many had which outcome.
+
+    Cells that other slabs in the same folder hold are taken from there.
+    code: hash of the code on which the numbers depend; slabs made by another are not used
+    """
+    variables, known = recall(path, slab, code, same_N=study.model["name"] == "auto")
+    grid = slab_grid(study, slab)
+    settings = study.settings._replace(pulses=grid.pulses)
+    _follow_unknown(grid, study.model, settings, variables, known)
+    with replacing(path) as temporary:
+        with netCDF4.Dataset(temporary, "w") as file:
+            file.slab, file.code = slab_name(study, slab), code
+            for axis, values in slab.items():
+                file.createDimension(axis, len(values))
+                kind = str if axis in NAMES else "f8"
+                file.createVariable(axis, kind, (axis,))[:] = np.array(values)
+            for key, values in variables.items():
+                file.createVariable(key, values.dtype, tuple(slab), compression="zlib")
+                file[key][:] = values
+        seal(temporary)
+    return count(variables["outcome"])
+
+
+@contextmanager
+def open_slab(path: str | Path) -> Iterator[netCDF4.Dataset]:
+    """Open a slab; raises ValueError, one line, for a file that is not the slab it is named by."""
+    if not Path(path).exists():
+        raise ValueError(f"{path}: missing; the next run makes it")
+    if not is_whole(path):
+        raise ValueError(f"{path}: not a whole slab; {REMEDY}")
+    with netCDF4.Dataset(path) as slab:
+        slab.set_auto_maskandscale(False)
+        name = getattr(slab, "slab", None)
+        if name != Path(path).stem:
+            raise ValueError(f"{path}: holds slab {name}, not its own; {REMEDY}")
+        yield slab
+
+
+def recall(
+    path: str | Path, slab: Slab, code: str, same_N: bool
+) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """Read from other slabs beside the file `path` what they hold of the cells of a slab.
+
+    slab: its values on each axis, ascending
+    code: hash of the code; slabs made by another are left alone
+    same_N: whether a cell depends on its neighbours along N, so that only slabs with the same N do
+    Returns each variable, in the shape of the slab, and which of its cells are known.
+    """
+    path, axes = Path(path), {key: np.asarray(values) for key, values in slab.items()}
+    known, variables = np.zeros([values.size for values in axes.values()], bool), {}
+    for other in sorted(path.parent.glob(f"{path.stem.split('_')[0]}_*.nc")):
+        try:
+            with open_slab(other) as file:
+                theirs = {key: np.asarray(file[key][:], axes[key].dtype) for key in axes}
+                place, there = (np.ix_(*side) for side in shared_points(axes, theirs))
+                other_N = same_N and not np.array_equal(axes["N"], theirs["N"])
+                if file.code != code or other_N or not all(index.size for index in place):
+                    continue
+                for key in set(file.variables) - set(file.dimensions):
+                    shape, kind = known.shape, file[key].dtype
+                    variables.setdefault(key, np.empty(shape, kind))[place] = file[key][:][there]
+                known[place] = True
+        except ValueError:
+            continue  # a broken file: its cells are followed again, and rule collect names it
+    return variables, known
+
+
+def _follow_unknown(grid, model, settings, variables, known):
+    """Follow what is not known, rows with the same gaps at once, and set it in the variables."""
+    if known.all():
+        return
+    built, rows = choose_model(grid.device, model), rows_of(grid)
+    patterns, pattern_of = np.unique(
+        ~known.reshape(-1, known.shape[-1]), axis=0, return_inverse=True
+    )
+    for number, pattern in enumerate(patterns):
+        some, columns = np.flatnonzero(pattern_of.ravel() == number), np.flatnonzero(pattern)
+        if columns.size:
+            found = follow_rows(built, rows.some(some), grid.axes["N"][columns], settings)
+            for key, values in found.items():
+                whole = variables.setdefault(key, np.empty(known.shape, values.dtype))
+                whole.reshape(-1, known.shape[-1])[np.ix_(some, columns)] = values
