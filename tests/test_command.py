@@ -87,7 +87,7 @@ def test_run_refuses_what_snakemake_would_evaluate(config, monkeypatch, capsys):
 @pytest.mark.parametrize(
     ("package", "call", "said"),
     [
-        ("jsonschema", lambda _: snapmap.load_device, "snapmap.load_device needs jsonschema: pip"),
+        ("pydantic", lambda _: snapmap.load_device, "snapmap.load_device needs pydantic: pip"),
         ("pyuff", read_pulse, "a universal file needs pyuff: pip install 'snapmap[records]'"),
     ],
 )

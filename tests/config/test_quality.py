@@ -158,42 +158,6 @@ def test_axes_and_tolerances_leave_the_damping_as_it_is():
     assert study.axes["C"] == alone.axes["C"]
 
 
-@pytest.mark.parametrize(
-    "values, line",
-    [
-        (
-            {"beam_damping": "4e-3 /us"},
-            "device.beam.quality_factor: stands beside damping; write one of them",
-        ),
-        (
-            {"sweep_C": ["1 uN*us/um"]},
-            "device.quality_factor: stands beside sweep.C; write one of them",
-        ),
-        (
-            {"device_quality_factor": None},
-            "sweep.C: missing; write dampers (force time per length) of the mass, "
-            "or device.quality_factor",
-        ),
-        (
-            {"beam_quality_factor": 0},
-            "device.beam.quality_factor: 0 is not positive; "
-            "write a plain number > 0 such as 250",
-        ),
-        (
-            {"device_quality_factor": "-3"},
-            "device.quality_factor: '-3' is not positive; write a plain number > 0 such as 250",
-        ),
-        (
-            {"device_quality_factor": "94 um"},
-            "device.quality_factor: '94 um' is not a plain number; "
-            "write a plain number > 0 such as 250",
-        ),
-    ],
-)  # fmt: skip
-def test_what_cannot_be_is_one_line(values, line):
-    assert faults(changed(**values)) == (line,)
-
-
 def several(**softer):
     parts = {key: value for key, value in DOCUMENT.items() if key != "device"}
     return parts | {"devices": {"one": DOCUMENT["device"], "two": DOCUMENT["device"] | softer}}

@@ -13,7 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import snapmap
-from snapmap.config.quality import damped
+from snapmap.beam.modal import damped
 from snapmap.io.netcdf import write
 from snapmap.solver.outcome import SNAPPED
 from snapmap.numerics.portable import geometric, linear

@@ -84,7 +84,7 @@ def test_a_pulse_that_cannot_be_is_named_in_one_line(document, pulse, wanted):
 @pytest.mark.parametrize(
     ("change", "wanted"),
     [
-        ({"N": -3}, "requirements[0]: N: -3 is not above 0"),
+        ({"N": -3}, "requirements[0].N: -3 is not above 0"),
         ({"duration": "1 ms"}, "requirements[0].duration: is one over f0"),
         ({"shape": "step"}, "requirements[0].shape: 'step' is not one of"),
         ({"direction": "both"}, "requirements[0].direction: 'both' is not one of"),
@@ -93,9 +93,9 @@ def test_a_pulse_that_cannot_be_is_named_in_one_line(document, pulse, wanted):
             ({"name": n}, f"requirements[0].name: {n!r} is not a name")
             for n in ("a|b", "a\n", "=a")
         ),
-        ({"survives": "100 %"}, "requirements[0]: survives: '100 %' is not between 0 % and 100 %"),
-        ({"survives": 1}, "requirements[0].survives: 1 is not true or false: whether the beam"),
-        ({"file": "no.csv"}, "requirements[0]: pulse.file: no.csv: is not there"),
+        ({"survives": "100 %"}, "requirements[0].survives: '100 %' is not between 0 % and 100 %"),
+        ({"survives": 1}, "requirements[0].survives: 1 has no unit; write a share"),
+        ({"file": "no.csv"}, "requirements[0].file: no.csv: is not there"),
     ],
 )
 def test_a_requirement_that_cannot_be_is_named_in_one_line(document, change, wanted):
@@ -116,7 +116,7 @@ def test_names_of_requirements_are_written_once(document):
     [
         (
             {"srs": [["1 kHz", "100 m"], ["2 kHz", "1 g"]]},
-            "srs: '100 m' is no level; write one",
+            "srs[0][1]: '100 m' is no level; write one",
         ),
         (
             {"srs": [["2 kHz", "1 g"], ["1 kHz", "1 g"]]},
@@ -134,7 +134,7 @@ def test_a_required_spectrum_is_read_or_its_fault_named_in_one_line(document, ch
     assert study.spectra == (found,) and "requirements" in products(study).stems
     assert found == ("crash", [[100.0, 100.0], [1000.0, 1500.0]], "-z", False)
     told = faults(document, requirements=[asked | change])
-    assert told.startswith(f"requirements[0]: {wanted}") and "\n" not in told
+    assert told.startswith(f"requirements[0].{wanted}") and "\n" not in told
 
 
 def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout):

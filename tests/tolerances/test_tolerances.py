@@ -307,7 +307,7 @@ def test_tolerances_of_a_config_are_read_in_internal_units(document):
     [
         ({"thickness": "5 kg"}, "tolerances.thickness: '5 kg' does not convert to um"),
         ({"thickness": "120 %"}, "tolerances.thickness: '120 %' is not between 0 % and 100 %"),
-        ({"thickness": {"gauss": "1 %"}}, "tolerances.thickness.gauss: unknown key"),
+        ({"thickness": {"gauss": "1 %"}}, "tolerances.thickness: a mapping is not of"),
         ({"thickness": {"normal": "1 %", "uniform": "1 %"}}, "tolerances.thickness: a mapping"),
         ({"N": "20 um"}, "tolerances.N: '20 um' is no share"),
         ({"width": "1 %"}, "tolerances.width: unknown key"),

@@ -63,11 +63,12 @@ def _words(what, within, unit, example):
     return f"{words}, such as {example}" if example else words
 
 
-def _whole(low: int, high: float = math.inf) -> Argument:
+def integer(low: int, high: float = math.inf) -> Argument:
+    """A whole number from low up to high."""
     number = _number(Range(low, high, low_fits=True, high_fits=high < math.inf))
 
     def fits(value):
-        return number.fits(value) and value == int(value)
+        return number.fits(value) and isinstance(value, int | np.integer)
 
     return Argument(f"a whole {number.need.removeprefix('a ')}", fits)
 
@@ -209,14 +210,14 @@ ARGUMENTS = {
         lambda value: isinstance(value, Mapping) or (isinstance(value, str) and value in OPTIONS),
     ),
     "model.tolerance": _number(range_of("(0, 1)"), "", "1e-3"),
-    "model.elements": _whole(1),
-    "model.cosines": _whole(1),
-    "model.modes": _whole(1),
-    "model.step": _number(range_of("(0, 1]"), "", "0.8"),
+    "model.elements": integer(1, 100),
+    "model.cosines": integer(1, 100),
+    "model.modes": integer(1, 200),
+    "model.step": _number(range_of("[1e-6, 1]"), "", "0.8"),
     "model.mass_matrix": _word("consistent", "hrz"),
     "horizon": _number(range_of("[0, inf)"), "us", "1500"),
     "energy_tolerance": _number(range_of("(0, 1)"), "", "1e-3"),
-    "threads": _whole(1, 1024),
+    "threads": integer(1, 1024),
     "until": _word("settled", "snap"),
     "repeat": FLAG,
     "skip": FLAG,
@@ -228,7 +229,7 @@ ARGUMENTS = {
     "pulse.height": _number(POSITIVE_RANGE, "um", "1e6"),
     "pulse.rebound": _number(range_of("[0, 0.99]"), "", "0.5"),
     **dict.fromkeys(("pulse.rise", "pulse.fall"), SHARE),
-    "pulse.repeat": _whole(1),
+    "pulse.repeat": integer(1),
     "direction": Argument("+z, -z, both, or a list of these", _are_directions),
     **dict.fromkeys(
         (f"{name}.direction" for name in ("simulate", "srs_test", "design", "calibrate")),
@@ -250,13 +251,13 @@ ARGUMENTS = {
         'what can scatter to its width, such as {"thickness": "3 %"}', *VALUES, "N", "duration", "C"
     ),
     "together": Argument("a list of groups of names, as [[span, rise]]", _are_groups),
-    "samples": _whole(2, 100_000),
-    "index_samples": _whole(2, 100_000),
-    "seed": _whole(0, 2**32 - 1),
+    "samples": integer(2, 100_000),
+    "index_samples": integer(2, 100_000),
+    "seed": integer(0, 2**32 - 1),
     "psd": _pairs("Hz and g^2/Hz", "[(20, 0.04), (2000, 0.04)]"),
     "srs": _pairs("Hz and multiples of g", "[(500, 700), (2000, 1500)]"),
     "vibration.duration": _number(range_of("(0, inf)"), "s", "60"),
-    "records": _whole(1, 10_000),
+    "records": integer(1, 10_000),
     "reach": _number(range_of("(0, 1)"), "", "0.01"),
     "shots": Argument(
         "the path of a file that is there, nor columns by name",
@@ -271,7 +272,7 @@ ARGUMENTS = {
     "method": _word("neyer", "up-and-down"),
     "confidence": SHARE,
     "reliability": SHARE,
-    "failures": _whole(0),
+    "failures": integer(0),
     "cube": _dataset("a cube, as sweep and open_cube return it", "outcome"),
     "path": PATH,
     "sha256": _of_type("the hexadecimal digits of a hash", str),

@@ -77,7 +77,7 @@ def _costs(study):
     from .solver.adaptive import choose_survey
     from .solver.cells import rows_of, to_rows
     from .thresholds.cost import PER_SAMPLE, run_seconds, survey_seconds
-    from .tolerances.dataset import INDEX_SAMPLES
+    from .tolerances.samples import INDEX_SAMPLES
 
     C, f0, scatter = study.axes["C"], study.axes["f0"], study.tolerances
     models = choose_survey(study.grid.device, study.model)

@@ -25,8 +25,8 @@ class Range(NamedTuple):
 
     def __str__(self):
         """In words that follow a noun."""
-        low = f"{'from' if self.low_fits else 'above'} {self.low:g}" * (self.low > -inf)
-        high = f"{'up to' if self.high_fits else 'below'} {self.high:g}" * (self.high < inf)
+        low = f"{'from' if self.low_fits else 'above'} {self.low:.10g}" * (self.low > -inf)
+        high = f"{'up to' if self.high_fits else 'below'} {self.high:.10g}" * (self.high < inf)
         return " and ".join(filter(None, (low, high)))
 
 
@@ -57,7 +57,7 @@ class Kind(NamedTuple):
 
 KINDS = {
     "number": Kind("a multiple of gravity without a unit", "", "1000", "(-inf, inf)"),
-    "quality": Kind("a plain number > 0", "", "250"),
+    "quality": Kind("a plain number", "", "250"),
     "length": Kind("a length", "um", "'600 um'"),
     "modulus": Kind("a modulus", "MPa", "'150 GPa'"),
     "distance": Kind("a length", "um", "'0.5 um'", "[0, inf)"),
@@ -77,8 +77,8 @@ KINDS = {
     "expansion": Kind("a change per kelvin", "1/K", "'-63e-6 /K'", "(-inf, inf)"),
     "part": Kind("a plain number", "", "0.1", "(-inf, inf)"),
     "exponent": Kind("a plain number", "", "0.7", "(-inf, inf)"),
-    "restitution": Kind("a plain number from 0 to 1", "", "0.5", "[0, 1]"),
-    "share": Kind("a share", "%", "'0.1 %'"),
+    "restitution": Kind("a plain number", "", "0.5", "[0, 1]"),
+    "share": Kind("a share", "%", "'0.1 %'", "(0, 1)"),
     "duration": Kind("a duration", "us", "'1500 us'", "[0, inf)"),
     "pulse": Kind("a duration", "us", "'0.5 ms'"),
 }

@@ -4,39 +4,27 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..axes import DURATION, NAMES, Grid, axis_behind
+from ..axes import DURATION, NAMES, axis_behind
 from ..quantities import QUANTITIES
-from .axes import frequency_of
-from .faults import Faults, convert_part
-from .schema import name_of
+from .models import frequency_of
 from .units import read, show
 
 
-def read_views(
-    document: Mapping, section: str, faults: Faults, grid: Grid | None
-) -> list[dict] | None:
-    """Read the views of a section, with `at` as places on the axes; None if it is not there.
+def read_view(asked: Mapping, axes: Mapping[str, np.ndarray]) -> dict:
+    """A view with `at` as places on the axes; ValueError, one line, for one that cannot be.
 
     The nearest value of an axis stands for another.
     """
-    asked = document.get(section)
-    if asked is None or grid is None:
-        return None
-    places = ((section, place) for place in range(len(asked)))
-    return [convert_part(document, place, faults, _view, place, grid.axes) for place in places]
-
-
-def _view(asked, path, axes):
     at = {}
     used = {key: asked[key] for key in ("x", "y", "lines") if key in asked}
     for key, axis in used.items():
         if axis_behind(axis) not in axes:
-            raise ValueError(f"{name_of((*path, key))}: {axis} is no axis of this sweep")
+            raise ValueError(f".{key}: {axis} is no axis of this sweep")
     drawn = {axis_behind(axis) for axis in used.values()}
     if len(drawn) < len(used):
-        raise ValueError(f"{name_of(path)}: {' and '.join(used)} are the same axis; write two")
+        raise ValueError(f"{' and '.join(used)} are the same axis; write two")
     for asked_axis, value in asked.get("at", {}).items():
-        name, axis = name_of((*path, "at", asked_axis)), axis_behind(asked_axis)
+        name, axis = f".at.{asked_axis}", axis_behind(asked_axis)
         if axis not in axes or axis in drawn or axis in at:
             raise ValueError(f"{name}: is no axis of this sweep, or one that is drawn")
         if axis in NAMES:

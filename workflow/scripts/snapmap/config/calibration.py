@@ -11,9 +11,8 @@ from ..io.named import sha256_of
 from ..io.recorded import RECORD
 from ..io.tables import ROWS, read_shots
 from ..pulse import Shocks
-from ..quantities import QUANTITIES
-from .shocks import check_path
-from .units import read
+from .keys import inside
+from .models import CalibrationSection
 
 
 class Calibration(NamedTuple):
@@ -30,38 +29,22 @@ class Calibration(NamedTuple):
 
 
 def read_calibration(
-    section: Mapping, device: Device | Mapping, shocks: Shocks, C: np.ndarray
+    section: CalibrationSection, device: Device | Mapping, shocks: Shocks, C: np.ndarray
 ) -> Calibration:
-    """Convert the section; ValueError names what cannot be.
+    """Take the section; ValueError, one line, for what cannot be.
 
     shocks: of shots that name none, their first; C: of the sweep, taken if it is one value
     """
-    unknowns = {
-        key: [read(end, QUANTITIES[key].kind) for end in ends]
-        for key, ends in section["unknowns"].items()
-    }
-    damping = None
-    if "C" in section:
-        damping = read(section["C"], "damper")
-    elif "C" not in unknowns and C.size == 1:
+    unknowns = {key: list(ends) for key, ends in section.unknowns.given.items()}
+    damping = section.C
+    if damping is None and "C" not in unknowns and C.size == 1:
         damping = float(C[0])
-    try:
-        if isinstance(device, Mapping):
-            raise ValueError("is of one device; write device in place of devices")
-        check_ranges(unknowns, damping)
-        files = _files(section["shots"])
-        shots_from(read_shots(section["shots"]), shocks.first(), device)
-    except ValueError as error:
-        raise ValueError(f"calibration: {error}") from None
-    return Calibration(section["shots"], files, unknowns, damping)
-
-
-def _files(path):
-    """SHA-256 of a table of shots and of the records that it names."""
-    check_path(path)
-    files = {path: sha256_of(path, *ROWS)}
-    for record in read_shots(path).get("file", []):
+    if isinstance(device, Mapping):
+        raise ValueError("is of one device; write device in place of devices")
+    check_ranges(unknowns, damping)
+    files = {section.shots: sha256_of(section.shots, *ROWS)}
+    for record in read_shots(section.shots).get("file", []):
         if record and record not in files:
-            check_path(record)
-            files[record] = sha256_of(record, *RECORD)
-    return files
+            files[inside(record)] = sha256_of(record, *RECORD)
+    shots_from(read_shots(section.shots), shocks.first(), device)
+    return Calibration(section.shots, files, unknowns, damping)

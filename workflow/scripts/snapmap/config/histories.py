@@ -7,16 +7,10 @@ import numpy as np
 
 from ..axes import DEVICE, PULSE_AXES, SHOCK_AXES, Grid
 from ..device import VALUES, Device, batch
-from ..quantities import QUANTITIES
-from .axes import frequency_of
 from .devices import nominal
-from .faults import Faults, convert_part
-from .schema import name_of
-from .units import read, show
-from .views import nearest_cell, value_name
-
-# ASSUME: without a list of histories, the grid's cell nearest the handout's own case is drawn.
-HANDOUT_CASE = {"N": 1000.0, "f0": 1500.0, "C": 0.025}
+from .models import frequency_of
+from .units import show
+from .views import HANDOUT_CASE, nearest_cell, value_name
 
 
 class History(NamedTuple):
@@ -40,18 +34,7 @@ class History(NamedTuple):
         return {"N": self.N, "f0": self.f0, "C": self.C}
 
 
-def read_histories(
-    document: Mapping, device: Device | Mapping[str, Device], grid: Grid | None, faults: Faults
-) -> tuple[History, ...]:
-    """Read the cells that are asked for, or choose the one of the grid nearest the handout's."""
-    cells = document.get("histories")
-    if cells is None:
-        return () if grid is None else (_nearest_history(device, grid),)
-    places = (("histories", place) for place in range(len(cells)))
-    return tuple(convert_part(document, at, faults, _asked_history, at, device) for at in places)
-
-
-def _nearest_history(device, grid):
+def nearest_history(device: Device | Mapping[str, Device], grid: Grid) -> History:
     """The grid's cell nearest the handout's case."""
     at = nearest_cell(grid, nominal(device), HANDOUT_CASE)
     values = {key: grid.axes[key][place].item() for key, place in at.items()}
@@ -59,17 +42,14 @@ def _nearest_history(device, grid):
     names |= {key: key for key in at if key not in (*SHOCK_AXES, *PULSE_AXES)}
     named = (value_name(word, grid.axes[key], at[key]) for word, key in names.items())
     cell = {key: value for key, value in values.items() if key not in PULSE_AXES}
-    return _history(cell, device, read_values=False)._replace(name="_".join(named))
+    return history(cell, device)._replace(name="_".join(named))
 
 
-def _asked_history(cell, path, device):
-    try:
-        return _history(cell, device)
-    except ValueError as error:
-        raise ValueError(f"{name_of(path)}: {error}") from None
+def history(cell: Mapping, device: Device | Mapping[str, Device]) -> History:
+    """A cell of a study; ValueError, one line, for one that cannot be.
 
-
-def _history(cell, device, read_values=True):
+    cell: N, f0 or duration, C, its device's name and other values of it, in internal units
+    """
     name = cell.get(DEVICE)
     if isinstance(device, Mapping):
         name = next(iter(device)) if name is None else name
@@ -80,8 +60,6 @@ def _history(cell, device, read_values=True):
     elif name is not None:
         raise ValueError("device is for studies of several devices; leave it out")
     values = {key: cell[key] for key in cell if key != DEVICE}
-    if read_values:
-        values = {key: read(value, QUANTITIES[key].kind) for key, value in values.items()}
     if "duration" in values:
         values["f0"] = frequency_of(values.pop("duration"))
     changes = {key: values[key] for key in values if key in VALUES}

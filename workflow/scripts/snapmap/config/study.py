@@ -4,49 +4,31 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from pydantic import ValidationError
 
-from ..axes import Grid, make_grid
+from ..axes import SHOCK_AXES, Grid, make_grid
 from ..described import describe, excited
 from ..device import VALUES, values_of
 from ..io.measured_shape import PROFILE
 from ..io.named import sha256_of
 from ..io.recorded import shocks_of
 from ..pulse import HANDOUT_SHOCK
-from ..solver.settings import THRESHOLD_TOLERANCE, Settings
+from ..solver.settings import THRESHOLD_TOLERANCE
 from ..study import Study
 from ..tolerances.samples import Plan, Tolerances
-from .asked_views import read_views
-from .axes import read_axis
+from .asked_views import read_view
 from .calibration import Calibration, read_calibration
-from .devices import (
-    measured_shapes,
-    nominal,
-    pushed,
-    read_devices,
-    stopped,
-    tilting,
-    unwarmed,
-)
-from .faults import convert_part, refuse
-from .histories import History, read_histories
+from .devices import nominal, pushed, stopped, tilting, unwarmed
+from .histories import History, history, nearest_history
+from .keys import line_at, lines_of
+from .models import Document, frequency_of
 from .plausible import implausible, proportions, wide
-from .quality import damper_of
-from .schema import schema_faults, validator
-from .shocks import (
-    Requirement,
-    SpectrumTest,
-    Vibration,
-    lasts_itself,
-    own_points_outside,
-    pulse_key,
-    read_own_points,
-    read_requirements,
-    read_shocks,
-)
-from .tolerances import read_tolerances
-from .units import read
+from .shocks import Requirement, SpectrumTest, Vibration, own_points_outside
 from .views import View, choose_boundary, choose_curves, choose_maps
 from .yaml_file import ConfigError
+
+AXES = *VALUES, *SHOCK_AXES
+"""Keys of the section sweep that are axes, but for the duration, which is f0 by another name."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -156,108 +138,122 @@ class Config(Study):
 
 def load_config(document: Mapping) -> Config:
     """Check a whole config document and convert it; raises ConfigError naming every fault."""
-    faults = schema_faults(document)
-    parts = document if isinstance(document, Mapping) else {}
-    device = read_devices(parts, faults)
-    given = parts.get("sweep")
-    pulse = pulse_key(given, ("sweep",), faults, lasts_itself(parts.get("pulse")))
-    varied = [key for key in given if key in (*VALUES, "C")] if isinstance(given, Mapping) else []
-    push = HANDOUT_SHOCK, {}
-    if "pulse" in parts:
-        push = convert_part(document, ("pulse",), faults, read_shocks)
-    shocks, pulse_values = push or (None, {})
-    C = damper_of(parts, device, faults)
-    keys = [*varied, *([pulse] if pulse else []), "N"]
-    axes = {
-        "f0" if key == "duration" else key: convert_part(
-            document, ("sweep", key), faults, read_axis, key
-        )
-        for key in keys
-    }
-    cells = parts.get("histories")
-    for place, cell in enumerate(cells if isinstance(cells, list | tuple) else ()):
-        pulse_key(cell, ("histories", place), faults)
-    requirements, vibrations, spectra = read_requirements(parts, faults)
-    refuse(faults)
-    skip = given.get("not_bistable") == "skip"
-    if C is not None:
-        axes["C"] = np.array([C])
-    if "f0" not in axes:
-        axes["f0"] = np.array([shocks.own_frequency()])
-    grid = convert_part(document, ("sweep",), faults, lambda _: _grid(device, axes, skip, shocks))
-    tolerances = None
-    if "tolerances" in parts:
-        devices = list(device.values()) if isinstance(device, Mapping) else [device]
-        at = ("tolerances",)
-        tolerances = convert_part(document, at, faults, read_tolerances, devices)
-    calibration = None
-    if "calibration" in parts:
-        given_so = device, shocks, axes["C"]
-        at = ("calibration",)
-        calibration = convert_part(document, at, faults, read_calibration, *given_so)
-    histories = read_histories(document, device, grid, faults)
-    own_points = ()
-    if "marks" in parts:
-        own_points = convert_part(document, ("marks",), faults, read_own_points)
-    maps = read_views(document, "maps", faults, grid)
-    curves = read_views(document, "thresholds", faults, grid)
-    refuse(faults)
     try:
-        own = Study(device=device, shocks=shocks)
-        if requirements or vibrations or spectra or tolerances:
-            own.set_out({})  # they are of the device itself, whatever the axes make of it
-        for asked in requirements:
-            replace(own, shocks=shocks_of(asked.pulse))
-        if vibrations or spectra:
-            own.require_frame("a spectrum among the requirements")
-    except ValueError as error:
-        raise ConfigError(str(error)) from None
+        parts = Document.model_validate(document)
+    except ValidationError as error:
+        raise ConfigError(*lines_of(error)) from None
+    faults = []
+
+    def part(path, make, *given):
+        try:
+            return make(*given)
+        except ValueError as error:
+            line = str(error)
+            of_device = path == ("sweep",) and line.startswith("device")
+            return faults.append(line if of_device else line_at(path, line))
+
+    device, sweep = parts.made, parts.sweep
+    shocks = parts.pulse.made if parts.pulse else HANDOUT_SHOCK
+    C = part(("devices",), _damper, parts)
+    grid = None if faults else part(("sweep",), _grid, parts, shocks, C)
+    tolerances = parts.tolerances.made if parts.tolerances else None
+    for one in parts.devices_by_name().values() if tolerances else ():
+        part(("tolerances",), Plan, one.made, tolerances.scatters, tolerances.together)
+    cells = [
+        part(("histories", place), history, cell.given, device)
+        for place, cell in enumerate(parts.histories or ())
+    ]
+    calibration, maps, curves = None, None, None
+    if grid and parts.calibration:
+        given = parts.calibration, device, shocks, grid.axes["C"]
+        calibration = part(("calibration",), read_calibration, *given)
+    if grid:
+        maps, curves = (
+            sections
+            and [
+                part((name, place), read_view, view.given, grid.axes)
+                for place, view in enumerate(sections)
+            ]
+            for name, sections in (("maps", parts.maps), ("thresholds", parts.thresholds))
+        )
+    required = [one.made for one in parts.requirements or ()]
+    requirements, vibrations, spectra = (
+        tuple(one for one in required if isinstance(one, kind))
+        for kind in (Requirement, Vibration, SpectrumTest)
+    )
+    part(("device",), _require_study, device, shocks, required, tolerances)
+    if faults:
+        raise ConfigError(*dict.fromkeys(faults))
     chosen, left_out = choose_maps(grid, nominal(device), maps)
+    if parts.histories is None:
+        cells = [nearest_history(device, grid)]
     return Config(
         device=device,
-        model=_model(document["model"]),
+        model=parts.model.given,
         grid=grid,
-        skip=skip,
-        settings=_settings(given),
+        skip=sweep.not_bistable == "skip",
+        settings=sweep.made,
         shocks=shocks,
-        pulse=pulse_values,
+        pulse=parts.pulse.values() if parts.pulse else {},
         requirements=requirements,
         vibrations=vibrations,
         spectra=spectra,
         tolerances=tolerances,
         calibration=calibration,
-        threshold_tolerance=given.get("threshold_tolerance", THRESHOLD_TOLERANCE),
-        histories=histories,
+        threshold_tolerance=sweep.threshold_tolerance or THRESHOLD_TOLERANCE,
+        histories=tuple(cells),
         maps=chosen,
         curves=choose_curves(grid, nominal(device), curves),
         boundary=choose_boundary(grid, nominal(device)),
-        own_points=own_points,
+        own_points=parts.marks or (),
         left_out=left_out,
-        measured=measured_shapes(document),
+        measured={
+            (name, one.beam.shape.file): f"{name}, {one.beam.measured}"
+            for name, one in parts.devices_by_name().items()
+            if one.beam.measured
+        },
     )
 
 
-def _grid(device, axes, skip, shocks):
+def _require_study(device, shocks, required, tolerances):
+    """What is found of the device itself, whatever the axes make of it; forces shake no frame."""
+    own = Study(device=device, shocks=shocks)
+    if required or tolerances:
+        own.set_out({})
+    for asked in required:
+        if isinstance(asked, Requirement):
+            replace(own, shocks=shocks_of(asked.pulse))
+        else:
+            own.require_frame("a spectrum among the requirements")
+
+
+def _damper(parts):
+    """C by the quality factors of the devices, if they have any."""
+    dampers = {section.C for section in parts.devices_by_name().values()}
+    if parts.sweep.C is None and (len(dampers) > 1 or None in dampers):
+        raise ValueError("quality factors give no C that all devices share; write sweep.C")
+    return dampers.pop()
+
+
+def _grid(parts, shocks, C):
+    """The points of the sweep, its axes in the order of the config."""
+    sweep, axes = parts.sweep, {}
+    for key, values in sweep.given.items():
+        if key == "duration":
+            axes["f0"] = np.array([frequency_of(value) for value in values[::-1].tolist()])
+        elif key in AXES:
+            axes[key] = values
+    if "C" not in axes:
+        axes["C"] = np.array([C])
+    if "f0" not in axes:
+        axes["f0"] = np.array([shocks.own_frequency()])
+    skip = sweep.not_bistable == "skip"
     remedy = "write other values" if skip else "write other values, or not_bistable: skip"
     try:
-        grid = make_grid(device, axes, skip, shocks)
+        grid = make_grid(parts.made, axes, skip, shocks)
     except ValueError as error:
-        at_fault = str(error) if str(error).startswith("device") else f"sweep: {error}; {remedy}"
-        raise ValueError(at_fault) from None
+        line = str(error) if str(error).startswith("device") else f"{error}; {remedy}"
+        raise ValueError(line) from None
     if (grid.device_of < 0).all():
-        raise ValueError(f"sweep: no device has a second stable shape; {remedy}")
+        raise ValueError(f"no device has a second stable shape; {remedy}")
     return grid
-
-
-def _model(section):
-    formats = validator().schema["properties"]["model"]["properties"]
-    return {
-        key: read(value, formats[key]["format"]) if "format" in formats[key] else value
-        for key, value in section.items()
-    }
-
-
-def _settings(section):
-    given = {key: section[key] for key in ("until", "repeat", "energy_tolerance") if key in section}
-    given.setdefault("repeat", given.get("until", "settled") == "settled")
-    return Settings(horizon=read(section["horizon"], "duration"), **given)

@@ -15,6 +15,9 @@ MOST_DAMPINGS = 6
 MOST_MAPS, PANELS = 24, 12
 """Maps that are drawn unless more are requested by name, and most of them in one figure."""
 
+# ASSUME: without a list of histories, the grid's cell nearest the handout's own case is drawn.
+HANDOUT_CASE = {"N": 1000.0, "f0": 1500.0, "C": 0.025}
+
 
 class View(NamedTuple):
     """A figure over axes of a study.

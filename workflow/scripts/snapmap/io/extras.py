@@ -5,10 +5,10 @@ from contextlib import contextmanager
 
 EXTRAS = {
     "dask": "workflow",
-    "jsonschema": "config",
     "pint": "config",
     "plotly": "page",
     "psutil": "workflow",
+    "pydantic": "config",
     "pyuff": "records",
     "snakemake": "workflow",
     "tqdm": "workflow",

@@ -33,7 +33,7 @@ DRAWS = [_PACKAGE / "figures"]
 _NO_NUMBERS = "command.py", "figures", "pipeline"
 NUMBERS = [path for path in _PACKAGE.iterdir() if path.name not in _NO_NUMBERS]
 """The code in two parts: what draws, and what makes the numbers."""
-_CODE = ".csv", ".html", ".js", ".mplstyle", ".py", ".svg", ".yaml"
+_CODE = ".csv", ".html", ".js", ".mplstyle", ".py", ".svg"
 
 
 def provenance(document: Mapping) -> dict[str, str]:

@@ -16,12 +16,11 @@ from ..numerics.portable import geometric
 from ..solver.cells import to_rows
 from ..study import THRESHOLD_SETTINGS, Study, frequencies, study_of, with_shocks
 from .batch import Batch, choose_builder
-from .samples import SHOCK_FACTORS, Plan, Tolerances
+from .samples import INDEX_SAMPLES, SHOCK_FACTORS, Plan, Tolerances
 from .sensitivity import crossed, indices
 from .statistics import count_below, left_out, moments, percents, quantile_bounds, quantiles, wilson
 
 QUANTILES = (0.001, 0.01, 0.1, 0.5, 0.9, 0.99, 0.999)
-INDEX_SAMPLES = 1024
 AMPLITUDES = 101
 """Values of N, by default from the lowest to the highest threshold."""
 FOLLOWED_CELLS, FEWEST_FOLLOWED = 1_000_000, 64

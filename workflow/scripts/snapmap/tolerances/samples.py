@@ -15,6 +15,8 @@ OF_DEVICE = tuple(key for key in VALUES if key != "temperature")
 SHOCK_FACTORS = ("N", "duration", "C")
 """Values of the shock and of the damper that scatter, too, as shares: they have no nominal ones."""
 KINDS = ("normal", "uniform", "lognormal", "truncated")
+INDEX_SAMPLES = 1024
+"""Of those by which Sobol indices are estimated, by default."""
 CUT = 2.0
 """Standard deviations at which a truncated normal distribution ends."""
 DIGITS = 7

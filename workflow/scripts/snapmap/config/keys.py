@@ -1,0 +1,285 @@
+"""What keys of a config hold: quantities with units, arguments, axes, paths, sections of others.
+
+A field's description says what would be right, in messages as on docs/config.md.
+"""
+
+import re
+from collections.abc import Callable, Mapping
+from difflib import get_close_matches
+from functools import cache
+from pathlib import PurePath
+from typing import Annotated
+
+import numpy as np
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    PlainValidator,
+    PrivateAttr,
+    TypeAdapter,
+    ValidationError,
+    create_model,
+    model_validator,
+)
+from pydantic_core import PydanticCustomError
+
+from ..arguments import ARGUMENTS, Argument, integer
+from ..numerics.portable import geometric, linear
+from ..quantities import KINDS, range_of
+from .units import read, show
+
+_WITHIN = re.compile(r"(\.[A-Za-z_]\w*|\[\d+\])+: ")
+_LONGEST_KEY = 40
+_MOST_KNOWN = 16
+"""Keys that a message lists; of more the nearest."""
+_FAULT = "fault"
+"""Of pydantic's errors the type of those that are a line of ours."""
+
+
+class Section(BaseModel):
+    """A mapping of known keys; each of its faults is an error of its own."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    _made: object = PrivateAttr(None)
+    _keys: tuple[str, ...] = PrivateAttr(())
+
+    @classmethod
+    def beside(cls, given: Mapping) -> dict[tuple, str]:
+        """What is wrong with keys that are there, or are not, beside others: lines by path."""
+        return {}
+
+    def make(self) -> object:
+        """What it stands for; ValueError for what cannot be, which may begin with `.key: `."""
+
+    @property
+    def made(self) -> object:
+        """What it stands for."""
+        return self._made
+
+    @property
+    def given(self) -> dict:
+        """What the config says: values by key, in its order."""
+        return {key: getattr(self, key) for key in self._keys}
+
+    def has(self, *keys: str) -> bool:
+        """Whether the config has one of these keys."""
+        return not self.model_fields_set.isdisjoint(keys)
+
+    @classmethod
+    def what(cls) -> str:
+        """What would be right in its place."""
+        words = cls.__doc__.partition("\n")[0].rstrip(".")
+        return f"a mapping: {words[0].lower()}{words[1:]}"
+
+    @classmethod
+    def needs(cls) -> dict[str, str]:
+        """What would be right, by key."""
+        fields = cls.model_fields.items()
+        return {field.alias or key: field.description for key, field in fields}
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _explained(cls, given, handler):
+        faults, section = cls.beside(given) if isinstance(given, Mapping) else {}, None
+        try:
+            section = handler(given)
+            section._keys = tuple(given)
+            if not faults:
+                section._made = section.make()
+        except ValidationError as error:
+            faults |= {one["loc"]: cls._line(one) for one in error.errors()}
+        except ValueError as error:
+            faults = {(): str(error)}
+        if faults:
+            errors = [
+                {"type": PydanticCustomError(_FAULT, line), "loc": path, "input": None}
+                for path, line in faults.items()
+            ]
+            raise ValidationError.from_exception_data(cls.__name__, errors)
+        return section
+
+    @classmethod
+    def _line(cls, error):
+        given, (first, *inner) = show(error["input"]), error["loc"] or [None]
+        needs = cls.needs()
+        match error["type"]:
+            case "fault":
+                return error["msg"]
+            case "value_error":
+                return str(error["ctx"]["error"])
+            case "missing" if not inner:
+                return f"missing; write {needs[first]}"
+            case "extra_forbidden" | "invalid_key":
+                return f"unknown key; known here are {_nearest(first, list(needs))}"
+        return f"{given} is not {needs.get(first) or cls.what()}"
+
+
+def _nearest(key, known):
+    if len(known) <= _MOST_KNOWN:
+        return ", ".join(known)
+    nearest = get_close_matches(str(key)[:_LONGEST_KEY], known, _MOST_KNOWN, 0)
+    return f"{', '.join(nearest)} and {len(known) - len(nearest)} others"
+
+
+def lines_of(error: ValidationError, *at: str | int) -> list[str]:
+    """The faults of a section, which stands at a path, with the names of their keys."""
+    return [line_at((*at, *one["loc"]), one["msg"]) for one in error.errors()]
+
+
+def line_at(path: tuple, line: str) -> str:
+    """A fault with the name of its key, which may be within the path, or at its begin already."""
+    name = name_of(path)
+    if _WITHIN.match(line):
+        return f"{name if path else ''}{line}".removeprefix(".")
+    return line if line.startswith((f"{name}:", f"{name}.")) else f"{name}: {line}"
+
+
+def name_of(path: tuple) -> str:
+    """device.beam.span, sweep.f0[2]; the document itself is `config`."""
+    name = ""
+    for key in path:
+        plain = isinstance(key, str) and key.isidentifier() and len(key) <= _LONGEST_KEY
+        name += f".{key}" if plain else f"[{show(key, _LONGEST_KEY)}]"
+    return name.removeprefix(".") or "config"
+
+
+def key(convert: Callable, need: str, what="", example="", out="") -> object:
+    """A key whose value a function converts; it raises ValueError for what cannot be.
+
+    need: what would be right; what: what it is of; out: what holds if it is left out
+    """
+    return Annotated[object, PlainValidator(convert), words(need, what, example, out)]
+
+
+def words(need: str, what="", example="", out="", **limits: int) -> object:
+    """The field of a key, in words, as for `key`."""
+    shown = {"example": example, "left_out": out or "required"}
+    default = {"default": None} if out else {}
+    description = ": ".join(filter(None, [need, what]))
+    return Field(description=description, json_schema_extra=shown, **default, **limits)
+
+
+def quantity(kind: str, what="", example="", out="") -> object:
+    """A number with a unit, of a key of KINDS, in its internal unit."""
+    example = example or KINDS[kind].example.replace("'", "")
+    return key(lambda value: read(value, kind), _need(kind), what, example, out)
+
+
+def _need(kind):
+    return f"{KINDS[kind].name} {range_of(KINDS[kind].interval)}".strip()
+
+
+def argument(name: str | Argument, what="", example="", out="") -> object:
+    """What a function takes from Python, too; or its name in ARGUMENTS."""
+    taken = ARGUMENTS[name] if isinstance(name, str) else name
+
+    def fit(value):
+        if not taken.fits(value):
+            raise ValueError(f"{show(value)} is not {': '.join(filter(None, [taken.need, what]))}")
+        return value
+
+    return key(fit, taken.need, what, example, out)
+
+
+def word(*words: str, what="", out="") -> object:
+    """One of some words."""
+    return argument(
+        Argument(f"one of {', '.join(words)}", lambda value: value in words), what, "", out
+    )
+
+
+def flag(what: str, out="") -> object:
+    """True or false."""
+    return argument(Argument("true or false", lambda value: isinstance(value, bool)), what, "", out)
+
+
+def path(what: str, example="", out="", check: Callable = str) -> object:
+    """The path of a file in the study's folder; check: what becomes of it."""
+    need = f"the path of {what}"
+
+    def convert(value):
+        if not (isinstance(value, str) and value):
+            raise ValueError(f"{show(value)} is not {need}")
+        return check(inside(value))
+
+    return key(convert, need, "", example, out)
+
+
+def either(section: type[Section], other: object, need: str, what="", example="", out="") -> object:
+    """A section or, where no mapping stands, something else."""
+    other = TypeAdapter(other)
+
+    def convert(value):
+        is_section = isinstance(value, Mapping)
+        return section.model_validate(value) if is_section else other.validate_python(value)
+
+    return key(convert, need, what, example, out)
+
+
+def part(section: type[Section], out="") -> object:
+    """A section of its own."""
+    return Annotated[section, words(section.what(), "", "", out)]
+
+
+def many(item: object, need: str, example="", out="", least=0) -> object:
+    """A list."""
+    return Annotated[list[item], words(need, "", example, out, min_length=least)]
+
+
+def inside(file: str) -> str:
+    """The path of a file that lies in the study's folder; else ValueError, one line."""
+    if PurePath(file).is_absolute() or ".." in PurePath(file).parts:
+        raise ValueError(f"{file} lies outside the study's folder; copy it there")
+    return file
+
+
+class Range(Section):
+    """A range of values, both ends counted."""
+
+    start: Annotated[object, words("one end, a value of the axis"), Field(alias="from")]
+    stop: Annotated[object, words("the other end, a value of the axis"), Field(alias="to")]
+    points: argument(integer(1, 1_000_000), "values, both ends counted")
+    spacing: word("linear", "log", out="`linear`")
+
+    def make(self) -> np.ndarray:
+        """From one end to the other; names ends that do not fit the points, or their spacing."""
+        ends = [self.start, self.stop]
+        if not np.isfinite(ends).all():
+            raise ValueError("hard is no end of a range; write a list")
+        if (self.points == 1) != (self.start == self.stop):
+            need = "equal ends" if self.points == 1 else "from and to that differ"
+            raise ValueError(f".points: {self.points} needs {need}; write other ends or points")
+        if self.spacing != "log":
+            return linear(*ends, self.points)
+        if min(ends) <= 0:
+            raise ValueError(".spacing: log needs from and to above 0; write linear, or a list")
+        return geometric(*ends, self.points)
+
+
+@cache
+def _range(kind):
+    ends = {
+        name: (quantity(kind, "one end", KINDS[kind].example), Field(alias=alias))
+        for name, alias in (("start", "from"), ("stop", "to"))
+    }
+    return create_model("Range", __base__=Range, __doc__=Range.__doc__, **ends)
+
+
+def axis(kind: str, what: str, example="", out="") -> object:
+    """A list of quantities, or a range of them, as an array, ascending."""
+
+    def ascending(given):
+        values = np.sort(given.made if isinstance(given, Range) else given)
+        before, after = values[:-1], values[1:]
+        repeated = after[(after == before) | (after * (1 - 1e-14 * np.sign(after)) <= before)]
+        if repeated.size:
+            value = f"{repeated[0]:.15g} {KINDS[kind].unit}".strip()
+            raise ValueError(f"{value} comes twice; write every value once")
+        return values
+
+    need = f"a list or a range {{from, to, points, spacing}}, each {_need(kind)}"
+    values = many(quantity(kind), need, least=1)
+    given = either(_range(kind), values, need, what, example, out)
+    return Annotated[given, AfterValidator(ascending)]
