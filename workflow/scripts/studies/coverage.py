@@ -116,7 +116,7 @@ def tell_misses(name, run: Run, truth, device: Device, shocks: Shocks, f0, C):
             where = f"{f0[row % len(f0)]:.6g} Hz, C {C[row // len(f0)]:.6g}"
             N, error = (values[row] for values in run.result[:2])
             told = f"{N:.6g} +- {error:.3g} for {truth[row]:.6g}, {bars:.2f} bars"
-            print(f"{name}: {where}, {shocks.pulse.shape} {shocks.direction}: {told}; {device}")
+            print(f"{name}: {where}, {shocks.pulse.name} {shocks.direction}: {told}; {device}")
 
 
 def is_clean(run: Run) -> np.ndarray:
