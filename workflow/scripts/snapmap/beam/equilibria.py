@@ -84,7 +84,7 @@ def static_threshold(device: Device) -> float | np.ndarray:
     alone, edge, apart = np.inf, 0.0, False
     if device.gap > 0 or any(leaves for *_, leaves in ends):
         alone, edge, _ = _end_of(modes, _shock_alone, lambda a, reached: a < 0, whole)
-        apart = device.gap > 0 and device.mass * alone < device.spring * (edge + device.gap)
+        apart = bool(device.gap > 0 and device.mass * alone < device.spring * (edge + device.gap))
     # What the mass on its spring no longer holds runs on to the stop, which may hold it.
     a = max(alone if (reached < edge if leaves else apart) else a for a, reached, leaves in ends)
     return float(a / device.gravity)
@@ -229,12 +229,13 @@ def find_barrier(beam: Beam, basis: Basis, modes: int | None = None) -> Barrier:
     """
     # With rise, span, rho A and EI as units few values tell one beam from another.
     kinds, kind = kinds_of(beam)
-    modal = unit_form(basis, modes, kinds)._replace(axial=6 * kinds.Q * kinds.Q)
+    axial = 6 * kinds.Q * kinds.Q
+    modal = unit_form(basis, modes, kinds)._replace(axial=axial)
     stiffness = modal.stiffness[..., np.newaxis] * np.eye(modal.stiffness.shape[-1])
     loads, shapes = eigh(stiffness, modal.geometric)
     s = apply(shapes.swapaxes(-1, -2), modal.slope_start)
     loads, s = (np.broadcast_to(part, (kinds.Q.size, part.shape[-1])) for part in (loads, s))
-    rest = equilibria(loads, s, modal.axial, np.zeros(kinds.Q.size))
+    rest = equilibria(loads, s, axial, np.zeros(kinds.Q.size))
     saddle, own = (apply(shapes, q - s) for q in (rest.saddle, s * rest.second))
     exists = np.isfinite(saddle).all(axis=-1)
     unit = beam.stiffness_unit * beam.made_rise * beam.made_rise

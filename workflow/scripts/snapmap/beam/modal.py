@@ -220,7 +220,7 @@ def pulse_load(device: Device, load: np.ndarray, midpoint: np.ndarray) -> np.nda
     return np.where(share, share * midpoint, load)
 
 
-def halfway(tension: Value) -> Value:
+def halfway(tension: np.ndarray) -> np.ndarray:
     """Axial force half way between the beam at rest, of some tension, and the saddle, in EI/L^2."""
     # ASSUME: softened by it the modes left out follow the contact force statically.
     return 8 * math.pi * math.pi - tension / 2

@@ -172,7 +172,7 @@ class GuidedOrFree(NamedTuple):
 
     def split(self, device: np.ndarray) -> list[tuple[np.ndarray, Model]]:
         """Guided ones and free ones."""
-        is_free = self.device.beam.free[device] != 0
+        is_free = np.asarray(self.device.beam.free)[device] != 0
         return [(~is_free, self.guided), (is_free, self.free)]
 
     def with_step(self, factor: float) -> "GuidedOrFree":
@@ -182,7 +182,7 @@ class GuidedOrFree(NamedTuple):
     def pick(self, which: int | np.ndarray) -> Follows:
         """The model of one device, or those of several."""
         if np.ndim(which) == 0:
-            return self[int(self.device.beam.free[which])].pick(which)
+            return self[int(np.asarray(self.device.beam.free)[which])].pick(which)
         return GuidedOrFree(*(model.pick(which) for model in self))
 
     def follow(self, cells: Cells, settings: Settings) -> Observations:
