@@ -307,7 +307,7 @@ def dump(**changes):
         (TEXT.replace("mass:", "spring:", 1), ["line 11 is not valid YAML: 'spring' comes twice"]),
         (
             TEXT.replace("handout", "!!python/name:os.system"),
-            ["Config file is not valid JSON or YAML"],
+            ["line 15 is not valid YAML"],
         ),
         (TEXT + "__use_yte__: true", ["__use_yte__ is not allowed; write values"]),
     ],

@@ -58,7 +58,7 @@ def test_a_plot_asks_for_one_value_on_other_axes(cube, tmp_path):
         for ax in (plain, words)
     ]
     assert drawn[0] == drawn[1]
-    assert plain.get_legend().get_texts()
+    assert plain.figure.legends[0].get_texts()
 
 
 def test_the_installed_package_has_all_its_files(root):

@@ -100,7 +100,7 @@ def set_scale(ax: Axes, which: str, scale: Scale) -> None:
 
 def tick_values(axis: Axis, places: np.ndarray, values: np.ndarray) -> None:
     """Tick an axis at values, of many at every nth."""
-    every = -(-values.size // SEVERAL)
+    every = max(1, -(-values.size // SEVERAL))
     axis.set_ticks(places[::every], [number(value) for value in values[::every]])
     axis.set_ticks([], minor=True)
 

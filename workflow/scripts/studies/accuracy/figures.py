@@ -90,7 +90,8 @@ def draw_convergence(axes: Sequence[Axes], found: xr.Dataset) -> Sequence[Axes]:
     for ax in axes:
         ticks = np.unique([x for line in ax.lines for x in line.get_xdata()])
         tick_values(ax.xaxis, ticks, ticks)
-    _draw_own_error(number, found)
+    for ax in axes:
+        _draw_own_error(ax, found)
     keys = [key for ax in axes for key in ax.get_legend_handles_labels()[0]]
     style.legend(number.figure, keys, ncols=3)
     return axes
