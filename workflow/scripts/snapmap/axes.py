@@ -12,8 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from .device import OF_MASS, VALUES, Device, batch, is_bistable
-from .pulse import HANDOUT_SHOCK, Pulse, Shocks
+from .pulse import Pulse
 from .quantities import QUANTITIES
+from .shocks import HANDOUT_SHOCK, Shocks
 
 SHOCK_AXES = ("C", "f0", "N")
 DEVICE = "device"

@@ -73,7 +73,7 @@ def _costs(study):
     import numpy as np
 
     from .device import batch
-    from .io.recorded import shocks_of
+    from .shocks import make_shocks
     from .solver.adaptive import choose_survey
     from .solver.cells import rows_of, to_rows
     from .thresholds.cost import PER_SAMPLE, run_seconds, survey_seconds
@@ -91,7 +91,7 @@ def _costs(study):
     for device in study.devices().values():
         models = choose_survey(batch([device]), study.model)
         for asked in study.requirements:
-            rows = to_rows(0, asked.f0, C, pulses=shocks_of(asked.pulse).pulses)
+            rows = to_rows(0, asked.f0, C, pulses=make_shocks(asked.pulse).pulses)
             costs["requirements"] += survey_seconds(models, rows, study.settings)
             if scatter:
                 seconds = run_seconds(models.decides, rows, study.settings).sum()

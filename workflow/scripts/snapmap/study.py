@@ -8,12 +8,13 @@ import numpy as np
 from .axes import DEVICE, Grid, make_grid, split_axes
 from .device import Device
 from .io.provenance import asked_for
-from .pulse import HANDOUT_SHOCK, VERSED_SINE, Shocks, shocks_from
+from .shocks import HANDOUT_SHOCK, Shocks, make_shocks
 from .solver.settings import Settings
-from .trains import pulses_of
 
 FOLLOWED = ("horizon", "energy_tolerance", "threads")
 """Settings that every verb takes from Python."""
+PUSH = ("pulse", "direction")
+"""What `make_shocks` takes."""
 THRESHOLD_SETTINGS = ("horizon", "energy_tolerance")
 """Those on which a threshold depends."""
 
@@ -59,7 +60,7 @@ class Study:
         device = self.device
         if DEVICE in names:
             device = {name: device[name] for name in names[DEVICE]}
-        return replace(self, device=device, shocks=self.shocks.some(names))
+        return replace(self, device=device, shocks=self.shocks.part(names))
 
     def document(self, keys: Sequence[str] = ()) -> dict:
         """What its products say was asked for: the same however it was spelt.
@@ -80,15 +81,12 @@ def study_of(
     """Make a study of a verb's keywords; raises ValueError, one line.
 
     model: name, or as a mapping the whole of the config's model section
-    options: some of `taken`, as in `Settings`; pulse (a shape by name, what `read_pulse` gives, or
-        {"train": ...}, {"drop": ...}, {"sweep": ...} of `trains.MAKERS`; several are an axis) and
-        direction ("+z", "-z", several, or "both"); skip; values of the device, which are axes; and
-        options of the model
+    options: some of `taken`, as in `Settings`; pulse and direction, as `make_shocks` takes them;
+        skip; values of the device, which are axes; and options of the model
     Returns the study, and the device's axes by name.
     """
     options = dict(options)
-    pulse = pulses_of(options.pop("pulse", VERSED_SINE))
-    shocks = shocks_from(pulse, options.pop("direction", "+z"))
+    shocks = make_shocks(**{key: options.pop(key) for key in PUSH if key in options})
     settings = Settings(**{key: options.pop(key) for key in taken if key in options})
     skip = options.pop("skip", False)
     axes, options = split_axes(options)
@@ -102,7 +100,7 @@ def frequencies(f0: Sequence[float] | None, shocks: Shocks) -> Sequence[float] |
     return [shocks.own_frequency()] if f0 is None else f0
 
 
-def with_shocks(asked: Mapping) -> dict:
-    """A requirement with `shocks`, by default of its `pulse` and `direction`, as in Python."""
-    pulse, direction = asked.get("pulse", VERSED_SINE), asked.get("direction", "+z")
-    return {"shocks": shocks_from(pulse, direction), **asked}
+def with_shocks(requirement: Mapping) -> dict:
+    """A requirement with `shocks`, by default of its `pulse` and `direction`."""
+    push = {key: requirement[key] for key in PUSH if key in requirement}
+    return {"shocks": make_shocks(**push), **requirement}

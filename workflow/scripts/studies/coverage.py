@@ -21,7 +21,7 @@ from matplotlib.figure import Figure
 from snapmap import threshold
 from snapmap.device import Device
 from snapmap.io.markdown import number, table
-from snapmap.pulse import HANDOUT_SHOCK, Shocks
+from snapmap.shocks import HANDOUT_SHOCK, Shocks
 from snapmap.solver.cells import Rows, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.search import lowest_snap

@@ -22,9 +22,10 @@ from ..device import (
     THERMAL,
     Device,
 )
-from ..pulse import Pulse, Shocks
+from ..pulse import Pulse
 from ..quantities import QUANTITIES
 from ..shape import COSINE
+from ..shocks import Shocks
 
 KEYWORDS = "bistable beam, snap-through, MEMS, shock sensor"
 PACKAGES = ("numpy", "numba", "xarray", "netCDF4", "dask", "matplotlib", "snakemake")

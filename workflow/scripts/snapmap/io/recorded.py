@@ -1,14 +1,12 @@
 """Recorded shocks: files of acceleration over time, read, checked and made pulses."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 
 import numpy as np
 
-from ..pulse import SHARES, VERSED_SINE, Pulse, Shocks, make_pulse, sampled, shocks_from
-from ..trains import MAKERS
+from ..pulse import Pulse, sampled
 from .extras import needing
 from .named import naming, read_named
 from .tables import read_table
@@ -43,25 +41,6 @@ def read_pulse(path: str | Path, sha256: str = "") -> Pulse:
             time, acceleration = read_table(content, columns, most=MOST_SAMPLES).values()
         pulse = sampled(time, acceleration, path.stem)
         return replace(pulse, peak=abs(acceleration).max(), given={"file": str(path)})
-
-
-def shocks_of(values: Mapping) -> Shocks:
-    """Make the shocks of a study from the values of its section `pulse`; {} for the handout's.
-
-    values: shape (a name or several), rise, fall (shares), file and its sha256, or one of
-        `trains.MAKERS`; direction
-    """
-    direction = values.get("direction", "+z")
-    if made := [make(values[key]) for key, make in MAKERS.items() if key in values]:
-        return shocks_from(*made, direction)
-    if "file" in values:
-        return shocks_from(read_pulse(values["file"], values.get("sha256", "")), direction)
-    shares = {key: values[key] for key in SHARES if key in values}
-    shape = values.get("shape", VERSED_SINE)
-    names = [shape] if isinstance(shape, str) else shape
-    of = "trapezoid" if "trapezoid" in names else names[0]
-    made = [make_pulse(name, **(shares if name == of else {})) for name in names]
-    return shocks_from(made[0] if isinstance(shape, str) else made, direction)
 
 
 def _read_uff(content):

@@ -7,7 +7,9 @@ import numpy as np
 from ..axes import Grid
 from ..device import Device
 from ..numerics.linalg import dot, multiply
-from ..pulse import HANDOUT_SHOCK, Pulse
+from ..pulse import Pulse, make_pulse
+
+HANDOUT_PULSES = (make_pulse(),)
 
 
 class Cells(NamedTuple):
@@ -106,7 +108,7 @@ def rows_of(grid: Grid) -> Rows:
     return to_rows(device, f0, C[:, np.newaxis], pulse, grid.pulses)
 
 
-def to_rows(device, f0, C, pulse=0, pulses=HANDOUT_SHOCK.pulses) -> Rows:
+def to_rows(device, f0, C, pulse=0, pulses=HANDOUT_PULSES) -> Rows:
     """Collect rows from arrays that broadcast; f0 in Hz, C in uN us/um; pulse: index in pulses."""
     indices = (np.asarray(column, np.int64) for column in (device, pulse))
     values = (np.asarray(column, float) for column in (f0, C))
@@ -115,7 +117,7 @@ def to_rows(device, f0, C, pulse=0, pulses=HANDOUT_SHOCK.pulses) -> Rows:
 
 
 def to_cells(
-    devices: Device, device, N, f0, C, horizon: float, pulse=0, pulses=HANDOUT_SHOCK.pulses
+    devices: Device, device, N, f0, C, horizon: float, pulse=0, pulses=HANDOUT_PULSES
 ) -> Cells:
     """Convert cells, arrays that broadcast, from multiples of g, Hz, uN us/um and a horizon.
 

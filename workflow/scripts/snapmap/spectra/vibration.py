@@ -12,7 +12,7 @@ from ..axes import coordinates
 from ..device import Device
 from ..io.provenance import recipe
 from ..io.variables import headed, variables
-from ..pulse import HANDOUT_SHOCK
+from ..shocks import HANDOUT_SHOCK
 from ..solver.adaptive import choose_survey
 from ..solver.cells import Rows, to_cells, to_rows
 from ..solver.model import Follows

@@ -11,7 +11,7 @@ import xarray as xr
 
 from snapmap.device import Device
 from snapmap.io.provenance import device_sections, provenance
-from snapmap.pulse import HANDOUT_SHOCK, Shocks
+from snapmap.shocks import HANDOUT_SHOCK, Shocks
 from snapmap.solver.settings import Settings
 
 from .answers import ask_all

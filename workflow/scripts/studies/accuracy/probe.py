@@ -9,7 +9,7 @@ import numpy as np
 from snapmap.beam.equilibria import static_threshold
 from snapmap.device import Device, batch
 from snapmap.numerics.portable import geometric, linear
-from snapmap.pulse import Shocks
+from snapmap.shocks import Shocks
 from snapmap.solver.adaptive import Survey
 from snapmap.solver.cells import Rows, to_rows
 from snapmap.solver.models import build_model
