@@ -16,7 +16,7 @@ NO_JUMP = 1e-12
 AT_REST, BASELINE = 0.05, 0.005
 """A recorded shock is over below this share of its peak, and its rest should be below that."""
 NOISE = 0.01
-"""Root mean square of a record's noise over its peak, from which on it is told."""
+"""Root mean square of a record's noise over its peak, from which on it is reported."""
 PULLED = 0.05
 """A pulse of which no more than this share points back lets the mass stay on the beam."""
 COARSE = 8.0
@@ -83,7 +83,7 @@ class Pulse:
 
     @property
     def impact(self) -> float:
-        """Velocity change of the strongest blow over peak times duration of the whole."""
+        """Velocity change of the strongest blow over peak times the pulse's duration."""
         if self.strongest is None:
             return self.area
         return self.strongest.area * self.strongest.duration / self.duration
@@ -128,11 +128,10 @@ class Pulse:
     def is_smooth(self) -> bool:
         """Whether its slope has no jump, within or at its ends, that would ring the beam."""
         begin, _, slope, turns, lift, swing = self.pieces.T
-        ends, turn = turns * np.diff(begin, append=1.0), 2 * np.pi * turns
-        ends, place = np.unique(ends, return_inverse=True)
-        each = (np.vectorize(portable.sine)(ends + quarter) for quarter in (0.0, 0.25))
-        sine, cosine = (values[place] for values in each)
-        first, last = slope + turn * swing, slope + turn * (lift * sine + swing * cosine)
+        ends, place = np.unique(turns * np.diff(begin, append=1.0), return_inverse=True)
+        sine, cosine = (np.vectorize(portable.sine)(ends + turn)[place] for turn in (0.0, 0.25))
+        rate = 2 * np.pi * turns
+        first, last = slope + rate * swing, slope + rate * (lift * sine + swing * cosine)
         jumps = np.append(first, 0.0) - np.insert(last, 0, 0.0)
         return not any(self.ends) and bool(abs(jumps).max() < NO_JUMP)
 
@@ -166,11 +165,10 @@ class Pulse:
         k = np.clip(np.searchsorted(self.pieces[:, 0], x, side="right") - 1, 0, None)
         begin, value, slope, turns, lift, swing = self.pieces[k].T
         s = np.asarray(x) - begin
-        found, turned = value + slope * s, turns * s
+        a, sine = value + slope * s, np.vectorize(portable.sine)
         if turns.any():
-            half, whole = (np.vectorize(portable.sine)(turned * share) for share in (0.5, 1.0))
-            found = found + lift * (2 * half**2) + swing * whole
-        return np.where((x >= 0) & (x <= 1), found, 0.0)
+            a = a + lift * (2 * sine(turns * s * 0.5) ** 2) + swing * sine(turns * s)
+        return np.where((x >= 0) & (x <= 1), a, 0.0)
 
     def doubts(self, own_frequency: float, lasts: float) -> list[str]:
         """Lines on what a recorded shock may leave out of a device's answer.
@@ -273,7 +271,7 @@ def table(pulses: Sequence[Pulse]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def blow_at(pulses: Sequence[Pulse], which: np.ndarray, x: np.ndarray) -> np.ndarray:
     """Number from 1 of the blow of a train that began last before x, int32; 0 where x is NaN.
 
-    which: index of each one's pulse, in the shape of x
+    which: index of the pulse of each, in the shape of x
     """
     number = np.zeros(np.shape(x), np.int32)
     for place, pulse in enumerate(pulses):

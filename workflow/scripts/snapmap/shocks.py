@@ -43,12 +43,9 @@ class Shocks:
     @property
     def axes(self) -> dict[str, np.ndarray]:
         """Names on its axes, `shape` and `direction`."""
-        axes = {}
-        if isinstance(self.pulse, Mapping):
-            axes["shape"] = np.array(list(self.pulse))
-        if not isinstance(self.direction, str):
-            axes["direction"] = np.array(self.directions)
-        return axes
+        named = {"shape": self.pulse, "direction": self.direction}
+        several = {key: names for key, names in named.items() if isinstance(names, Mapping | tuple)}
+        return {key: np.array([*names]) for key, names in several.items()}
 
     @property
     def pulses(self) -> tuple[Pulse, ...]:
@@ -61,12 +58,8 @@ class Shocks:
 
     def part(self, names: Mapping[str, Sequence[str]]) -> "Shocks":
         """Those of the given names on its axes."""
-        pulse, direction = self.pulse, self.direction
-        if "shape" in names:
-            pulse = {name: pulse[name] for name in names["shape"]}
-        if "direction" in names:
-            direction = tuple(names["direction"])
-        return Shocks(pulse, direction)
+        shapes = {name: self.pulse[name] for name in names.get("shape", ())}
+        return Shocks(shapes or self.pulse, tuple(names.get("direction", ())) or self.direction)
 
     def first(self) -> "Shocks":
         """The first shape in the first direction."""

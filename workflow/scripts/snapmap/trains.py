@@ -50,7 +50,17 @@ def make_train(items: Sequence[Mapping]) -> Pulse:
         raise ValueError("pulse.train: is no list of blows, waits and repeats")
     parts = []
     for place, item in enumerate(items):
-        parts = _with_item(parts, item, f"pulse.train[{place}]")
+        path, keys = f"pulse.train[{place}]", [*item] if isinstance(item, Mapping) else []
+        if keys in (["wait"], ["repeat"]):
+            require_pulse(path, item, keys)
+        else:
+            require_pulse(path, item, ("duration",), ("shape", "N", *SHARES))
+        if "repeat" not in item:
+            parts.append(_flat(item["wait"], 0.0) if "wait" in item else _blow(**item))
+        elif len(parts) * item["repeat"] > MOST_BLOWS:
+            raise ValueError(f"{path}.repeat: makes more than {MOST_BLOWS} blows and waits")
+        else:
+            parts *= item["repeat"]
     return _joined("train", parts, items)
 
 
@@ -80,7 +90,7 @@ def make_drop(drop: Mapping) -> Pulse:
 def make_sweep(sweep: Mapping) -> Pulse:
     """Make a sine whose logarithm of frequency goes straight over time; half a period is a blow.
 
-    sweep: from, to (Hz), duration (us), which is rounded so that it ends with a whole period
+    sweep: from, to (Hz), duration (us), which is rounded so that it ends with a full period
     Raises ValueError, one line.
     """
     require_pulse("pulse.sweep", sweep, ("from", "to", "duration"))
@@ -96,15 +106,15 @@ def make_sweep(sweep: Mapping) -> Pulse:
             f"{MOST_SAMPLES:.0e}; write a shorter duration, or lower frequencies"
         )
     turns = np.arange(samples + 1) / PER_PERIOD
-    slope = (stop - start) / periods  # of the frequency over whole turns
+    slope = (stop - start) / periods  # of the frequency over turns
     time = portable.logarithm(1 + turns * slope / start) / slope if slope else turns / start
     wave = [portable.sine(turn / PER_PERIOD) for turn in range(PER_PERIOD)]
     values = np.append(np.tile(wave, periods), 0.0)
     half = PER_PERIOD // 2
     x, ends = time / time[-1], time[::half]
     slowest = slice(half + 1) if start <= stop else slice(-half - 1, None)
-    some = time[slowest] - time[slowest][0]
-    alone = Pulse("half swing", straight(some / some[-1], values[slowest]), 1e6 * some[-1])
+    half_swing = time[slowest] - time[slowest][0]
+    alone = straight(half_swing / half_swing[-1], values[slowest])
     return Pulse(
         "sweep",
         straight(x, values),
@@ -112,22 +122,8 @@ def make_sweep(sweep: Mapping) -> Pulse:
         given={"sweep": sweep},
         blows=x[:-1:half],
         swing=float(np.diff(ends).min() / time[-1]),
-        strongest=alone,
+        strongest=Pulse("half swing", alone, 1e6 * half_swing[-1]),
     )
-
-
-def _with_item(parts, item, path):
-    keys = [*item] if isinstance(item, Mapping) else []
-    if keys == ["wait"]:
-        require_pulse(path, item, keys)
-        return [*parts, _flat(item["wait"], 0.0)]
-    if keys == ["repeat"]:
-        require_pulse(path, item, keys)
-        if len(parts) * item["repeat"] > MOST_BLOWS:
-            raise ValueError(f"{path}.repeat: makes more than {MOST_BLOWS} blows and waits")
-        return parts * item["repeat"]
-    require_pulse(path, item, ("duration",), ("shape", "N", *SHARES))
-    return [*parts, _blow(**item)]
 
 
 def _blow(duration, shape=VERSED_SINE, N=1.0, **shares):

@@ -74,7 +74,7 @@ class Config(Study):
 
     def values(self, *keys: str) -> dict:
         """Plain values of the study for `study_from`, with some of its settings; all by default."""
-        settings = self.settings.asked()
+        settings = self.settings.without_threads()
         return {
             "device": values_of(self.device),
             "pulse": self.pulse,

@@ -52,23 +52,22 @@ def _read_uff(content):
         with NamedTemporaryFile(suffix=".uff") as file:  # pyuff takes a path alone
             file.write(content)
             file.flush()
-            found = pyuff.UFF(file.name).read_sets()
+            sets = pyuff.UFF(file.name).read_sets()
     except Exception as error:  # pyuff lets errors of many types through
         raise ValueError(f"is no universal file ({error})") from None
-    for one in found if isinstance(found, list) else [found]:
-        kinds = one.get("abscissa_spec_data_type"), one.get("ordinate_spec_data_type")
-        if one.get("type") == 58 and kinds == (17, 12):
+    needed = {"type": 58, "abscissa_spec_data_type": 17, "ordinate_spec_data_type": 12}
+    for held in sets if isinstance(sets, list) else [sets]:
+        if needed.items() <= held.items():
             break
     else:
         raise ValueError("holds no dataset 58 of acceleration (12) over time (17)")
-    if one["data"].size > MOST_SAMPLES:
+    if held["data"].size > MOST_SAMPLES:
         raise ValueError(f"has more than {MOST_SAMPLES} samples; write fewer")
-    named = (
-        str(one.get(f"{axis}_axis_units_lab") or "").strip() for axis in ("abscissa", "ordinate")
-    )
-    time_unit, unit = (name.strip("()[]") for name in named)
-    times = TIMES.get(time_unit, TIMES["s"] if time_unit in ("", "NONE") else None)
-    scale = ACCELERATIONS.get(unit, ACCELERATIONS["m/s^2"] if unit in ("", "NONE") else None)
-    if times is None or scale is None:
-        raise ValueError(f"units {time_unit!r} and {unit!r} are unknown")
-    return np.asarray(one["x"], float) * times, np.real(np.asarray(one["data"])) * scale
+    scales = []
+    for axis, units, of_SI in (("abscissa", TIMES, "s"), ("ordinate", ACCELERATIONS, "m/s^2")):
+        unit = str(held.get(f"{axis}_axis_units_lab") or "").strip().strip("()[]")
+        unit = of_SI if unit in ("", "NONE") else unit
+        if unit not in units:
+            raise ValueError(f"{axis}: {unit!r} is not one of {', '.join(units)}")
+        scales.append(units[unit])
+    return np.asarray(held["x"], float) * scales[0], np.real(np.asarray(held["data"])) * scales[1]

@@ -66,7 +66,7 @@ class Observations(NamedTuple):
     well: the side of the saddle at the end of the run, 1 or 2; 0 if it ended at its snap
     energy_error: residual of the energy ledger over the gross work of the pulse
     well_share: share of the mass's last swing spent on that side; 1 if settled, NaN for well 0
-    pulse_work: of the whole pulse on mass and beam, pJ; NaN if the run ended before it or failed
+    pulse_work: of all of the pulse on mass and beam, pJ; NaN if the run ended before it or failed
     halvings: how often the model's step was halved for these observations
     level: of several that a model has, the one that decided the cell, 0 for the cheapest
     agreed: 0 where two of them disagree on whether the cell snaps, else 1
@@ -87,17 +87,16 @@ class Observations(NamedTuple):
         return Observations(*(column.reshape(shape) for column in self[:7]))
 
     def replace(self, which: np.ndarray, others: "Observations") -> None:
-        """Set what was observed of some cells, in place."""
-        for whole, part in zip(self[:7], others[:7], strict=True):
-            whole[which] = part
+        """Set what was observed of the given cells, in place."""
+        for column, part in zip(self[:7], others[:7], strict=True):
+            column[which] = part
 
 
 def no_observations(shape: tuple[int, ...]) -> Observations:
     """Room for observations of so many cells: nothing was seen, and no ledger closes."""
-    kinds = float, float, np.int8, float, float, float, np.int8
+    types = float, float, np.int8, float, float, float, np.int8
     nothing = np.nan, np.nan, 0, np.inf, np.nan, np.nan, 0
-    columns = zip(nothing, kinds, strict=True)
-    return Observations(*(np.full(shape, value, kind) for value, kind in columns))
+    return Observations(*(np.full(shape, *column) for column in zip(nothing, types, strict=True)))
 
 
 def rows_of(grid: Grid) -> Rows:

@@ -14,7 +14,7 @@ from ..pulse import blow_at
 from ..solver.adaptive import choose_survey
 from ..solver.cells import rows_of, to_rows
 from ..solver.settings import THRESHOLD_TOLERANCE
-from ..study import THRESHOLD_SETTINGS, Study, frequencies, study_of
+from ..study import THRESHOLD_SETTINGS, Study, study_of
 from .cost import tell_cost
 from .islands import (
     ABOVE,
@@ -84,7 +84,7 @@ def threshold(
     [893.0, 990.0]
     """
     study, varied = study_of(device, model, options)
-    axes = {**varied, "C": C, "f0": frequencies(f0, study.shocks)}
+    axes = {**varied, "C": C, "f0": [study.shocks.own_frequency()] if f0 is None else f0}
     with counting("threshold"):
         return thresholds_of(study, axes, tolerance, highest, earlier)
 

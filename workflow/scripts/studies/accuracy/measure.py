@@ -52,7 +52,7 @@ def measure(
     document = {
         **device_sections(device),
         **shocks.section(),
-        "sweep": settings.asked() | {"horizon": f"{settings.horizon!r} us"},
+        "sweep": settings.without_threads() | {"horizon": f"{settings.horizon!r} us"},
         "accuracy": plan._asdict(),
     }
     found = dress(cases, answers, converged, probe)
