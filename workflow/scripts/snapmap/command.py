@@ -82,7 +82,7 @@ def _costs(study):
     C, f0, scatter = study.axes["C"], study.axes["f0"], study.tolerances
     models = choose_survey(study.grid.device, study.model)
     rows = rows_of(study.grid)
-    costs = {"thresholds": survey_seconds(models, rows.some(rows.device >= 0), study.settings)}
+    costs = {"thresholds": survey_seconds(models, rows.take(rows.device >= 0), study.settings)}
     costs |= {"requirements": 0.0} if study.requirements else {}
     if scatter:
         power = min(scatter.samples, scatter.index_samples or INDEX_SAMPLES)

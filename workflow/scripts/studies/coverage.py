@@ -154,7 +154,7 @@ def look(model, rows: Rows, about, settings: Settings) -> np.ndarray:
     for reach in REACHES:
         left = np.flatnonzero(np.isnan(found))
         bracket = about[left] / reach, about[left] * reach
-        found[left] = lowest_snap(model, rows.some(left), bracket, settings, REFINED, NARROW)
+        found[left] = lowest_snap(model, rows.take(left), bracket, settings, REFINED, NARROW)
     return found
 
 

@@ -27,7 +27,7 @@ class Cells(NamedTuple):
     t_end: np.ndarray
     pulses: tuple[Pulse, ...]
 
-    def some(self, which: np.ndarray) -> "Cells":
+    def take(self, which: np.ndarray) -> "Cells":
         """Those chosen by indices or a mask."""
         return self._make([*(column[which] for column in self[:-1]), self.pulses])
 
@@ -48,7 +48,7 @@ class Rows(NamedTuple):
     pulse: np.ndarray
     pulses: tuple[Pulse, ...]
 
-    def some(self, which: np.ndarray | slice) -> "Rows":
+    def take(self, which: np.ndarray | slice) -> "Rows":
         """Those chosen."""
         return self._make([*(column[which] for column in self[:-1]), self.pulses])
 

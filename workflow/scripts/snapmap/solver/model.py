@@ -109,7 +109,7 @@ class Model:
         flat = cells.flat()
         seen, left = no_observations(flat.f0.shape), self._followed(flat, settings)
         if settings.until == "settled" and self.name != "reference":
-            first = self.follow_once(flat.some(left), settings._replace(until="pulse"))
+            first = self.follow_once(flat.take(left), settings._replace(until="pulse"))
             seen.replace(left, first)
             believed = first.energy_error <= settings.energy_tolerance
             left = left[np.isnan(first.t_settled) | ~believed]
@@ -117,7 +117,7 @@ class Model:
             if not left.size:
                 break
             model = self.with_step(0.5**halvings)
-            seen.replace(left, model.follow_once(flat.some(left), settings))
+            seen.replace(left, model.follow_once(flat.take(left), settings))
             seen.halvings[left] = halvings
             left = left[~(seen.energy_error[left] <= settings.energy_tolerance)]
         return seen.shaped(np.shape(cells.f0))
@@ -138,7 +138,7 @@ class Model:
         def follow_share(first):
             share = order[first :: settings.threads]
             for some in np.split(share, range(BUNCH, share.size, BUNCH)):
-                found = self.loop().march(self, cells.some(some), dt[some], settings)
+                found = self.loop().march(self, cells.take(some), dt[some], settings)
                 for whole, part in zip(seen[:6], found, strict=True):
                     whole[some] = part
                 count(some.size)
@@ -189,5 +189,5 @@ class GuidedOrFree(NamedTuple):
         """Follow every cell by the model of its device."""
         seen = no_observations(np.shape(cells.f0))
         for mine, model in self.split(cells.device):
-            seen.replace(mine, model.follow(cells.some(mine), settings))
+            seen.replace(mine, model.follow(cells.take(mine), settings))
         return seen

@@ -135,7 +135,7 @@ def _follow_unknown(grid, model, settings, variables, known):
     for number, pattern in enumerate(patterns):
         some, columns = np.flatnonzero(pattern_of.ravel() == number), np.flatnonzero(pattern)
         if columns.size:
-            found = follow_rows(built, rows.some(some), grid.axes["N"][columns], settings)
+            found = follow_rows(built, rows.take(some), grid.axes["N"][columns], settings)
             for key, values in found.items():
                 whole = variables.setdefault(key, np.empty(known.shape, values.dtype))
                 whole.reshape(-1, known.shape[-1])[np.ix_(some, columns)] = values
