@@ -9,7 +9,7 @@ import xarray as xr
 from ..axes import NAMES
 from ..io.atomic import is_whole
 from ..solver.outcome import OUTCOMES
-from .cube import dress, with_summary
+from .cube import as_cube, with_summary
 from .slabs import open_slab
 
 BLOCK_CELLS = 10**6
@@ -45,7 +45,7 @@ def collect_slabs(
     # Names keep the order that they were given in.
     slabs = slabs.sel({key: axes[key] for key in axes if key in NAMES}).chunk(sizes)
     variables = {key: slabs[key].data for key in slabs.data_vars}
-    return with_summary(dress(axes, variables, document))
+    return with_summary(as_cube(axes, variables, document))
 
 
 def open_slabs(paths: Sequence[str | Path]) -> xr.Dataset:
@@ -94,7 +94,7 @@ def open_cube(path: str | Path) -> xr.Dataset:
         if Path(path).is_dir():
             slabs = open_slabs(sorted(Path(path).glob("*.nc")))
             axes = {key: slabs[key].values for key in slabs.outcome.dims}
-            cube = dress(axes, {key: slabs[key].data for key in slabs.data_vars}, {})
+            cube = as_cube(axes, {key: slabs[key].data for key in slabs.data_vars}, {})
         elif is_whole(path) is False:
             remedy = "take another copy, or remove it and run again"
             raise ValueError(f"{path}: is damaged; {remedy}")

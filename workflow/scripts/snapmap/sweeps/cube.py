@@ -6,22 +6,17 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from ..axes import coordinates
 from ..device import Device
 from ..io.counting import counting
-from ..io.variables import flags, headed, variables
+from ..io.variables import dress, flags, variables
 from ..solver.adaptive import choose_model
-from ..solver.outcome import ABSENT, OUTCOMES, count, ended_elsewhere, shares
+from ..solver.outcome import OUTCOMES, count, ended_elsewhere, shares
 from ..study import FOLLOWED, frequencies, study_of
 from .grid import follow_grid
 
 LABEL_DISTANCE = 0.01
 """Relative, from a well-posed threshold: so far a label of three cosines, the handout's elements
 or finer may be wrong, in the steps that labels take: docs/accuracy.md."""
-VARIABLES = variables("cube")
-VARIABLES["outcome"] |= flags(OUTCOMES[:ABSENT])
-VARIABLES["t_snap"]["label_distance"] = LABEL_DISTANCE
-
 ELSEWHERE = "cells_ended_elsewhere"
 
 
@@ -57,22 +52,15 @@ def sweep(
     f0 = frequencies(f0, study.shocks)
     grid = study.set_out({**varied, "C": C, "f0": f0, "N": N})
     with counting("sweep"):
-        variables = follow_grid(choose_model(grid.device, study.model), grid, study.settings)
-    return with_summary(dress(grid.axes, variables, study.document()))
+        values = follow_grid(choose_model(grid.device, study.model), grid, study.settings)
+    return with_summary(as_cube(grid.axes, values, study.document()))
 
 
-def dress(axes: Mapping[str, np.ndarray], variables: Mapping, document: Mapping) -> xr.Dataset:
-    """Give axes and variables, in their shape, CF attributes, and the whole its provenance."""
-    return xr.Dataset(
-        {
-            key: (tuple(axes), variables[key], attributes)
-            for key, attributes in VARIABLES.items()
-            if key in variables
-        },
-        coordinates(axes),
-    ).assign_attrs(
-        **headed("cube", document),
-    )
+def as_cube(axes: Mapping[str, np.ndarray], values: Mapping, document: Mapping) -> xr.Dataset:
+    """Make a cube of axes and the values of each variable, in their shape."""
+    data = {key: (tuple(axes), values[key]) for key in variables("cube") if key in values}
+    data["t_snap"] = *data["t_snap"], {"label_distance": LABEL_DISTANCE}
+    return dress("cube", xr.Dataset(data, axes), document)
 
 
 def with_summary(cube: xr.Dataset) -> xr.Dataset:
