@@ -36,7 +36,6 @@ NORMAL = 1.959964
 ENOUGH = 1e-12
 
 
-
 class Seen(NamedTuple):
     """What was seen at a level of each row: records that snap and that fail, and time, s."""
 

@@ -41,8 +41,8 @@ def sweep(
     Raises ValueError, one line, for a value that cannot be.
 
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> asked = {"model": "cosines", "until": "snap", "thickness": [1.9, 2.0]}
-    >>> cube = snapmap.sweep(device, [800, 1100], [1500], [25], **asked)
+    >>> study = {"model": "cosines", "until": "snap", "thickness": [1.9, 2.0]}
+    >>> cube = snapmap.sweep(device, [800, 1100], [1500], [25], **study)
     >>> cube.t_snap.notnull().squeeze().values.tolist()
     [[False, True], [False, True]]
     """
@@ -68,8 +68,8 @@ def with_summary(cube: xr.Dataset) -> xr.Dataset:
 
     Of each outcome, and of those that ended elsewhere with another step.
     """
-    found = [count(block) for block in _blocks(cube.outcome)]
-    counts = {name: sum(block.get(name, 0) for block in found) for name in OUTCOMES}
+    each = [count(block) for block in _blocks(cube.outcome)]
+    counts = {name: sum(block.get(name, 0) for block in each) for name in OUTCOMES}
     counts = {name: number for name, number in counts.items() if number}
     if "absent" in counts:
         cube.outcome.attrs.update(flags(OUTCOMES))
@@ -83,22 +83,16 @@ def with_summary(cube: xr.Dataset) -> xr.Dataset:
 def _blocks(variable):
     """The values of a variable, a block at a time, as a lazy cube may be larger than memory."""
     if variable.chunks is None:
-        yield variable.values
-        return
-    for block in variable.data.blocks.ravel():
-        yield block.compute(scheduler="synchronous")
+        return [variable.values]
+    return (block.compute(scheduler="synchronous") for block in variable.data.blocks.ravel())
 
 
 def summary(cube: xr.Dataset) -> str:
-    """One line of what `with_summary` added: how many cells, how sure, of which kinds."""
+    """One line of what `with_summary` added: how many cells, how sure, of which outcomes."""
     counts = {name: cube.attrs.get(f"cells_{name}", 0) for name in OUTCOMES}
-    told = [f"{_percent(cube.attrs['share_proven'])} proven"]
+    # Never more than it is: all but one of a thousand are 99.9 %.
+    facts = [f"{math.floor(1000 * cube.attrs['share_proven']) / 10:g} % proven"]
     if ELSEWHERE in cube.attrs:
-        told.append(f"{cube.attrs[ELSEWHERE]} ended elsewhere with another step")
-    told += [f"{number} {name}" for name, number in counts.items() if number or name == "failed"]
-    return f"{sum(counts.values())} cells: {', '.join(told)}"
-
-
-def _percent(share):
-    """A share in text, never more than it is: all but one of a thousand are 99.9 %."""
-    return f"{math.floor(1000 * share) / 10:g} %"
+        facts.append(f"{cube.attrs[ELSEWHERE]} ended elsewhere with another step")
+    facts += [f"{number} {name}" for name, number in counts.items() if number or name == "failed"]
+    return f"{sum(counts.values())} cells: {', '.join(facts)}"
