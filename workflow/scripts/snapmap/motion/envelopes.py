@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from ..axes import NAMES, Grid
+from ..axes import NAMES
 from ..beam.equilibria import Barrier
 from ..io.counting import count
 from ..io.netcdf import recall
@@ -50,7 +50,9 @@ def trace(study: Study, cube: xr.Dataset, earlier: xr.Dataset | None = None) -> 
     Returns BANDS, (bin, *axes), and the length of the bins, (*axes); NaN where there is no device.
     """
     cube = thin(cube.sortby([key for key in cube.outcome.dims if key not in NAMES]))
-    grid, settings = grid_of(study, cube), study.settings
+    axes = {key: cube[key].values for key in cube.outcome.dims}
+    names = {key: axes.pop(key).tolist() for key in NAMES if key in axes}
+    grid, settings = replace(study.part(names), skip=True).set_out(axes), study.settings
     name = "handout" if study.model["name"] == "reference" else study.model["name"]
     levels = choose_model(grid.device, {**study.model, "name": name}).levels
     level = cube.level.values.ravel() if "level" in cube else np.zeros(cube.outcome.size, int)
@@ -96,13 +98,6 @@ def thin(cube: xr.Dataset) -> xr.Dataset:
         # Where C is short, as it is, only f0 and N are thinned.
         strides[max(strides, key=left)] += 1
     return cube.isel({key: slice(None, None, stride) for key, stride in strides.items()})
-
-
-def grid_of(study: Study, cube: xr.Dataset) -> Grid:
-    """Set out the points of a cube's axes again."""
-    axes = {key: cube[key].values for key in cube.outcome.dims}
-    names = {key: axes.pop(key).tolist() for key in NAMES if key in axes}
-    return replace(study.part(names), skip=True).set_out(axes)
 
 
 def _window(device, cube, cells, settings):

@@ -12,7 +12,7 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 
-from ..axes import DEVICE, DIRECTION, NAMES, SHAPE, Grid, shared_points
+from ..axes import DEVICE, DIRECTION, NAMES, SHAPE, shared_points
 from ..io.atomic import is_whole, replacing, seal
 from ..solver.adaptive import choose_model
 from ..solver.outcome import count
@@ -24,11 +24,6 @@ SINGLE = (DEVICE, SHAPE, DIRECTION, "C")
 REMEDY = "remove it, and the next run makes it again"
 Slab = Mapping[str, tuple]
 """Values on each axis, in order and ascending: internal units, f0 in Hz; names on axes of NAMES."""
-
-
-def slab_grid(study: Study, slab: Slab) -> Grid:
-    """Set out the points of a slab of a study."""
-    return study.part(slab).set_out({key: slab[key] for key in slab if key not in NAMES})
 
 
 def cells_in(slab: Slab) -> int:
@@ -61,7 +56,7 @@ def write_slab(study: Study, slab: Slab, path: str | Path, code: str = "") -> di
     code: hash of the code on which the numbers depend; slabs made by another are not used
     """
     variables, known = recall(path, slab, code, same_N=study.model["name"] == "auto")
-    grid = slab_grid(study, slab)
+    grid = study.part(slab).set_out({key: slab[key] for key in slab if key not in NAMES})
     settings = study.settings._replace(pulses=grid.pulses)
     _follow_unknown(grid, study.model, settings, variables, known)
     with replacing(path) as temporary:
