@@ -1,6 +1,7 @@
 """The cube as an xarray dataset: what it looks like, built here."""
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -68,9 +69,8 @@ def with_summary(cube: xr.Dataset) -> xr.Dataset:
 
     Of each outcome, and of those that ended elsewhere with another step.
     """
-    each = [count(block) for block in _blocks(cube.outcome)]
-    counts = {name: sum(block.get(name, 0) for block in each) for name in OUTCOMES}
-    counts = {name: number for name, number in counts.items() if number}
+    each = sum((Counter(count(block)) for block in _blocks(cube.outcome)), Counter())
+    counts = {name: each[name] for name in OUTCOMES if each[name]}
     if "absent" in counts:
         cube.outcome.attrs.update(flags(OUTCOMES))
     named = {f"cells_{name}": number for name, number in counts.items()}
