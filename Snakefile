@@ -1,5 +1,6 @@
 import os
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 from snakemake.logging import logger
@@ -19,12 +20,11 @@ from snapmap.io.job_log import SHELL_PREFIX
 from snapmap.io.lock import hold
 from snapmap.io.named import hold_to_plan
 from snapmap.io.progress import Progress, hush
-from snapmap.io.provenance import DRAWS, NUMBERS, code_hash
+from snapmap.io.provenance import DRAWS, NUMBERS, code_hash, device_sections
 from snapmap.config.devices import nominal
 from snapmap.config.products import products
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import read_document
-from snapmap.device import values_of
 from snapmap.study import THRESHOLD_SETTINGS
 from snapmap.sweeps.plan import make_plan
 from snapmap.sweeps.slabs import cells_in, slab_name

@@ -107,7 +107,7 @@ def test_a_requirement_that_cannot_be_is_named_in_one_line(document, change, wan
 def test_names_of_requirements_are_written_once(document):
     asked = {"name": "drop", "N": 500, "duration": "1 ms", "snaps": False}
     study = load_config(document | {"requirements": [asked]})
-    assert study.requirements[0].f0 == 1000.0 and study.requirements[0].pulse == {}
+    assert study.requirements[0]["f0"] == 1000.0 and study.requirements[0]["pulse"] == {}
     assert "'drop' comes twice" in faults(document, requirements=[asked, asked])
 
 
@@ -131,8 +131,9 @@ def test_a_required_spectrum_is_read_or_its_fault_named_in_one_line(document, ch
     asked = {"name": "crash", "srs": levels, "snaps": False, "direction": "-z"}
     study = load_config(document | {"requirements": [asked]})
     (found,) = study.all_required
-    assert study.spectra == (found,) and "requirements" in products(study).stems
-    assert found == ("crash", [[100.0, 100.0], [1000.0, 1500.0]], "-z", False)
+    assert study.spectra == [found] and "requirements" in products(study).stems
+    assert found["srs"] == [[100.0, 100.0], [1000.0, 1500.0]]
+    assert (found["name"], found["direction"], found["snaps"]) == ("crash", "-z", False)
     told = faults(document, requirements=[asked | change])
     assert told.startswith(f"requirements[0].{wanted}") and "\n" not in told
 

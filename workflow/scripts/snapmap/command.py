@@ -73,7 +73,6 @@ def _costs(study):
     import numpy as np
 
     from .device import batch
-    from .io.recorded import shocks_of
     from .solver.adaptive import choose_survey
     from .solver.cells import rows_of, to_rows
     from .thresholds.cost import PER_SAMPLE, run_seconds, survey_seconds
@@ -90,9 +89,9 @@ def _costs(study):
         costs["tolerances"] = 0.0
     for device in study.devices().values():
         models = choose_survey(batch([device]), study.model)
-        for asked in study.requirements:
-            own = study.settings._replace(pulses=shocks_of(asked.pulse).pulses)
-            rows = to_rows(0, asked.f0, C)
+        for required in study.requirements:
+            own = study.settings._replace(pulses=required["shocks"].pulses)
+            rows = to_rows(0, required["f0"], C)
             costs["requirements"] += survey_seconds(models, rows, own)
             if scatter:
                 runs = PER_SAMPLE * every

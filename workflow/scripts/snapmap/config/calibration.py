@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..calibration.shots import check_ranges, shots_from
+from ..calibration.shots import Shots, check_ranges, shots_from
 from ..device import Device
 from ..io.named import sha256_of
 from ..io.recorded import RECORD
@@ -18,11 +18,11 @@ from .models import CalibrationSection
 class Calibration(NamedTuple):
     """What is asked of measured shots.
 
-    shots: path of their table; files: SHA-256 of it and of recorded shocks that it names, by path
+    files: SHA-256 of the table of shots and of recorded shocks that it names, by path
     unknowns: ranges by name, internal units; C: uN us/um, unless it is unknown
     """
 
-    shots: str
+    shots: Shots
     files: dict[str, str]
     unknowns: dict[str, list[float]]
     C: float | None
@@ -43,8 +43,9 @@ def read_calibration(
         raise ValueError("is of one device; write device in place of devices")
     check_ranges(unknowns, damping)
     files = {section.shots: sha256_of(section.shots, *ROWS)}
-    for record in read_shots(section.shots).get("file", []):
+    table = read_shots(section.shots, files[section.shots])
+    for record in table.get("file", []):
         if record and record not in files:
             files[inside(record)] = sha256_of(record, *RECORD)
-    shots_from(read_shots(section.shots), shocks.first(), device)
-    return Calibration(section.shots, files, unknowns, damping)
+    shots = shots_from(table, shocks.first(), device)
+    return Calibration(shots, files, unknowns, damping)

@@ -52,7 +52,6 @@ from .keys import (
     word,
     words,
 )
-from .shocks import Requirement, SpectrumTest, Vibration
 from .units import read, show
 from .views import HANDOUT_CASE, MOST_MAPS
 
@@ -504,8 +503,9 @@ class RequirementSection(PulseSection):
             faults["duration",] = "missing; write a time such as '3 min'"
         return faults
 
-    def make(self) -> Requirement | Vibration | SpectrumTest:
-        """What is required."""
+    def make(self) -> dict:
+        """What is required: name, snaps and `shocks` with N and f0, or `psd`, or `srs`."""
+        required = {"name": self.name, "snaps": self.snaps}
         points = [list(pair) for pair in self.psd or self.srs or ()]
         try:
             if self.psd:
@@ -515,10 +515,10 @@ class RequirementSection(PulseSection):
         except ValueError as error:
             raise ValueError(f".{error}") from None
         if self.psd:
-            chance = self.probability or REACH
-            return Vibration(self.name, points, 1e-6 * self.duration, self.snaps, chance)
+            over = {"duration": 1e-6 * self.duration, "probability": self.probability or REACH}
+            return required | {"psd": points} | over
         if self.srs:
-            return SpectrumTest(self.name, points, self.direction or "+z", self.snaps)
+            return required | {"srs": points, "direction": self.direction or "+z"}
         shocks = super().make()
         N = self.N if self.has("N") else shocks.pulse.own_N
         if N is None:
@@ -526,9 +526,9 @@ class RequirementSection(PulseSection):
         if not N > 0:
             raise ValueError(f".N: {N:g} is not above 0; a direction of -z pushes the other way")
         f0 = frequency_of(self.duration) if self.duration else self.f0
+        required |= {"N": N, "f0": f0 or shocks.own_frequency(), "shocks": shocks}
         survives = self.survives if self.has("survives") else SURVIVES
-        f0 = f0 or shocks.own_frequency()
-        return Requirement(self.name, self.values(), N, f0, self.snaps, survives)
+        return required | {"survives": survives, "pulse": self.values()}
 
 
 RARE_LAST = sorted(VALUES, key=lambda name: QUANTITIES[name].left_out is not None)

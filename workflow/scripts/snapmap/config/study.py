@@ -8,13 +8,12 @@ from pydantic import ValidationError
 
 from ..axes import SHOCK_AXES, Grid, make_grid
 from ..described import describe, excited
-from ..device import VALUES, values_of
+from ..device import VALUES
 from ..io.measured_shape import PROFILE
-from ..io.named import sha256_of
-from ..io.recorded import shocks_of
+from ..io.named import hold_to_plan, sha256_of
 from ..pulse import HANDOUT_SHOCK
-from ..solver.settings import THRESHOLD_TOLERANCE
-from ..study import Study
+from ..solver.settings import THRESHOLD_TOLERANCE, Settings
+from ..study import FOLLOWED, Study
 from ..tolerances.samples import Plan, Tolerances
 from .asked_views import read_view
 from .calibration import Calibration, read_calibration
@@ -23,7 +22,7 @@ from .histories import History, history, nearest_history
 from .keys import line_at, lines_of
 from .models import Document, frequency_of
 from .plausible import implausible, proportions, wide
-from .shocks import Requirement, SpectrumTest, Vibration, own_points_outside
+from .shocks import own_points_outside
 from .views import View, choose_boundary, choose_curves, choose_maps
 from .yaml_file import ConfigError
 
@@ -36,8 +35,9 @@ class Config(Study):
     """A study with the cells of its sweep, and what else is made of it.
 
     grid: all axes, each ascending
-    pulse: values for `shocks_of`
-    requirements: shocks that must or must not trip the device; vibrations, spectra: likewise
+    pulse: what `shocks_of` took, with the SHA-256 of a record
+    requirements: shocks that must or must not trip the device, as `thresholds.requirements.check`
+        takes them, with their `pulse`; vibrations, spectra: likewise, as `spectra.verdicts` does
     tolerances: what scatters from device to device, or nothing
     calibration: measured shots, and what is read off them, or nothing
     threshold_tolerance: of the thresholds in N, relative
@@ -49,9 +49,9 @@ class Config(Study):
 
     grid: Grid
     pulse: dict
-    requirements: tuple[Requirement, ...]
-    vibrations: tuple[Vibration, ...]
-    spectra: tuple[SpectrumTest, ...]
+    requirements: list[dict]
+    vibrations: list[dict]
+    spectra: list[dict]
     tolerances: Tolerances | None
     calibration: Calibration | None
     threshold_tolerance: float
@@ -69,20 +69,21 @@ class Config(Study):
         return self.grid.axes
 
     @property
-    def all_required(self) -> tuple[Requirement | Vibration | SpectrumTest, ...]:
-        """What must or must not trip the device, of all kinds."""
-        return *self.requirements, *self.vibrations, *self.spectra
+    def all_required(self) -> list[dict]:
+        """What must or must not trip the device: shocks, vibrations, spectra."""
+        return self.requirements + self.vibrations + self.spectra
 
-    def values(self, *keys: str) -> dict:
-        """Plain values of the study for `study_from`, with some of its settings; all by default."""
-        settings = self.settings.asked()
-        return {
-            "device": values_of(self.device),
-            "pulse": self.pulse,
-            "model": self.model,
-            "settings": {key: settings[key] for key in keys or settings},
-            "skip": self.skip,
-        }
+    def inputs(self, *keys: str) -> dict:
+        """What its products depend on beside axes, in plain values: Snakemake compares them.
+
+        keys: of the settings on which they depend; all of them by default
+        """
+        return self.document(keys) | {"pulse": self.pulse}
+
+    def of_thresholds(self) -> "Config":
+        """The same, each cell followed as all functions but `sweep` follow it."""
+        kept = {key: getattr(self.settings, key) for key in FOLLOWED}
+        return replace(self, settings=Settings(**kept))
 
     @property
     def has_strength(self) -> bool:
@@ -102,7 +103,7 @@ class Config(Study):
 
     def files(self) -> dict[str, str]:
         """SHA-256 of each file that the config names, as it was read, by path."""
-        pulses = [self.pulse, *(asked.pulse for asked in self.requirements)]
+        pulses = [self.pulse, *(required["pulse"] for required in self.requirements)]
         own = dict([self.own_points] if self.own_points else [])
         shots = self.calibration.files if self.calibration else {}
         recorded = {one["file"]: one["sha256"] for one in pulses if "file" in one}
@@ -134,6 +135,13 @@ class Config(Study):
             for line in wide(Plan(one, self.tolerances.scatters, self.tolerances.together))
         ]
         return unlikely + named + pulses + outside + scatters
+
+
+def planned_study(document: Mapping, threads: int) -> Config:
+    """The study of a job, of its run's config; ValueError, one line, for a file edited since."""
+    study = load_config(document)
+    hold_to_plan(study.files(), plans=False)
+    return replace(study, settings=study.settings._replace(threads=threads))
 
 
 def load_config(document: Mapping) -> Config:
@@ -176,10 +184,9 @@ def load_config(document: Mapping) -> Config:
             ]
             for name, sections in (("maps", parts.maps), ("thresholds", parts.thresholds))
         )
-    required = [one.made for one in parts.requirements or ()]
+    required = [section.made for section in parts.requirements or ()]
     requirements, vibrations, spectra = (
-        tuple(one for one in required if isinstance(one, kind))
-        for kind in (Requirement, Vibration, SpectrumTest)
+        [one for one in required if key in one] for key in ("shocks", "psd", "srs")
     )
     part(("device",), _require_study, device, shocks, required, tolerances)
     if faults:
@@ -220,9 +227,9 @@ def _require_study(device, shocks, required, tolerances):
     own = Study(device=device, shocks=shocks)
     if required or tolerances:
         own.set_out({})
-    for asked in required:
-        if isinstance(asked, Requirement):
-            replace(own, shocks=shocks_of(asked.pulse))
+    for one in required:
+        if "shocks" in one:
+            replace(own, shocks=one["shocks"])
         else:
             own.require_frame("a spectrum among the requirements")
 
