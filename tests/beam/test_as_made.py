@@ -15,7 +15,7 @@ from snapmap.beam.cosines import antisymmetric_loads, buckling_shapes, symmetric
 from snapmap.beam.elements import hermite_elements
 from snapmap.beam.equilibria import find_barrier, static_threshold
 from snapmap.beam.modal import reduce_to_modes, settled
-from snapmap.config.devices import tilting
+from snapmap.config.doubts import tilting
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError
 from snapmap.device import batch

@@ -1,7 +1,7 @@
 """The section `calibration`: measured shots, and what is read off them."""
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -11,8 +11,36 @@ from ..io.named import sha256_of
 from ..io.recorded import RECORD
 from ..io.tables import ROWS, read_shots
 from ..pulse import Shocks
-from .keys import inside
-from .models import CalibrationSection
+from ..quantities import KINDS
+from .devices import of_device
+from .keys import Section, inside, part, path, quantity, words
+
+
+def _span(name, kind, example=""):
+    """Where an unknown is looked for."""
+    pair = tuple[quantity(kind), quantity(kind)]
+    need = f"a pair of values: where it is looked for, each {KINDS[kind].name}"
+    return Annotated[pair, words(need, "", example, "it is known")]
+
+
+class UnknownsSection(of_device(_span)):
+    """One to four values of the device, or C, with the range of each."""
+
+    C: _span("C", "damper", "[1 uN*us/um, 100 uN*us/um]")
+
+
+class CalibrationSection(Section):
+    """Shots that were measured, and what is read off them."""
+
+    shots: path(
+        "a table in the study's folder, CSV: columns N, f0 (Hz) or duration (ms), tripped (yes, "
+        "no) and, if wanted, direction, shape, file (a recorded shock), unit (a specimen's name)",
+        "shots.csv",
+    )
+    unknowns: part(UnknownsSection)
+    C: quantity(
+        "damper", "of the shots", out="that of `sweep`, if it is one value, unless it is unknown"
+    )
 
 
 class Calibration(NamedTuple):

@@ -128,6 +128,11 @@ def lines_of(error: ValidationError, *at: str | int) -> list[str]:
     return [line_at((*at, *one["loc"]), one["msg"]) for one in error.errors()]
 
 
+def within(section: str, error: ValueError) -> ValueError:
+    """An error whose line names a section as from without, as one within it."""
+    return ValueError(str(error).removeprefix(section).removeprefix(": "))
+
+
 def line_at(path: tuple, line: str) -> str:
     """A fault with the name of its key, which may be within the path, or at its begin already."""
     name = name_of(path)

@@ -4,9 +4,8 @@ from typing import NamedTuple
 
 from ..axes import DEVICE, DIRECTION, SHAPE
 from ..device import Device
-from .histories import History
 from .study import Config
-from .views import View, batch_places, side_by_side
+from .views import History, View, batch_places, side_by_side
 
 
 class Products(NamedTuple):

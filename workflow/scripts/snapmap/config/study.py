@@ -15,15 +15,31 @@ from ..pulse import HANDOUT_SHOCK
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
 from ..study import FOLLOWED, Study
 from ..tolerances.samples import Plan, Tolerances
-from .asked_views import read_view
 from .calibration import Calibration, read_calibration
-from .devices import nominal, pushed, stopped, tilting, unwarmed
-from .histories import History, history, nearest_history
+from .devices import nominal
+from .doubts import (
+    implausible,
+    own_points_outside,
+    proportions,
+    pushed,
+    stopped,
+    tilting,
+    unwarmed,
+    wide,
+)
 from .keys import line_at, lines_of
-from .models import Document, frequency_of
-from .plausible import implausible, proportions, wide
-from .shocks import own_points_outside
-from .views import View, choose_boundary, choose_curves, choose_maps
+from .models import Document
+from .views import (
+    History,
+    View,
+    choose_boundary,
+    choose_curves,
+    choose_maps,
+    frequency_of,
+    history,
+    nearest_history,
+    read_places,
+)
 from .yaml_file import ConfigError
 
 AXES = *VALUES, *SHOCK_AXES
@@ -112,29 +128,20 @@ class Config(Study):
 
     def doubts(self) -> list[str]:
         """Lines on what is hardly meant, and on what devices and recorded shocks may leave out."""
-        shortest, device = 1e6 / self.axes["f0"][-1], nominal(self.device)
-        each = self.devices().items()
-        lines = [
-            (name, line)
-            for name, one in each
-            for line in (tilting(one.beam), stopped(one), pushed(one))
-        ]
-        if "temperature" in self.axes:
-            lines += [(name, unwarmed(one)) for name, one in each]
-        pulses = [
-            line
-            for pulse in self.shocks.shapes.values()
-            for line in pulse.doubts(float(device.own_frequency), float(shortest))
-        ]
-        unlikely = implausible(self.grid.device, self.axes["C"], self.axes["f0"])
-        outside = own_points_outside(self.own_points[0], self.axes) if self.own_points else []
-        named = [f"{name}: {line}" for name, line in lines if line]
-        scatters = [
-            line
-            for one in (self.devices().values() if self.tolerances else ())
-            for line in wide(Plan(one, self.tolerances.scatters, self.tolerances.together))
-        ]
-        return unlikely + named + pulses + outside + scatters
+        axes, scatter = self.axes, self.tolerances
+        lines = implausible(self.grid.device, axes["C"], axes["f0"])
+        for name, one in self.devices().items():
+            own = [tilting(one.beam), stopped(one), pushed(one)]
+            own += [unwarmed(one)] * ("temperature" in axes)
+            lines += [f"{name}: {line}" for line in own if line]
+        slowest, shortest = nominal(self.device).own_frequency, 1e6 / axes["f0"][-1]
+        for pulse in self.shocks.shapes.values():
+            lines += pulse.doubts(float(slowest), float(shortest))
+        if self.own_points:
+            lines += own_points_outside(self.own_points[0], axes)
+        for one in self.devices().values() if scatter else ():
+            lines += wide(Plan(one, scatter.scatters, scatter.together))
+        return lines
 
 
 def planned_study(document: Mapping, threads: int) -> Config:
@@ -167,23 +174,19 @@ def load_config(document: Mapping) -> Config:
     tolerances = parts.tolerances.made if parts.tolerances else None
     for one in parts.devices_by_name().values() if tolerances else ():
         part(("tolerances",), Plan, one.made, tolerances.scatters, tolerances.together)
-    cells = [
-        part(("histories", place), history, cell.given, device)
-        for place, cell in enumerate(parts.histories or ())
-    ]
+
+    def each(name, make):
+        sections = getattr(parts, name)
+        return sections and [part((name, i), make, one) for i, one in enumerate(sections)]
+
+    cells = each("histories", lambda cell: history(cell.given, device))
     calibration, maps, curves = None, None, None
     if grid and parts.calibration:
         given = parts.calibration, device, shocks, grid.axes["C"]
         calibration = part(("calibration",), read_calibration, *given)
     if grid:
-        maps, curves = (
-            sections
-            and [
-                part((name, place), read_view, view.given, grid.axes)
-                for place, view in enumerate(sections)
-            ]
-            for name, sections in (("maps", parts.maps), ("thresholds", parts.thresholds))
-        )
+        maps = each("maps", lambda v: (v.x, v.y, read_places(v.given, grid.axes)))
+        curves = each("thresholds", lambda v: (v.x, v.lines, read_places(v.given, grid.axes)))
     required = [section.made for section in parts.requirements or ()]
     requirements, vibrations, spectra = (
         [one for one in required if key in one] for key in ("shocks", "psd", "srs")
@@ -192,8 +195,6 @@ def load_config(document: Mapping) -> Config:
     if faults:
         raise ConfigError(*dict.fromkeys(faults))
     chosen, left_out = choose_maps(grid, nominal(device), maps)
-    if parts.histories is None:
-        cells = [nearest_history(device, grid)]
     return Config(
         device=device,
         model=parts.model.given,
@@ -208,7 +209,7 @@ def load_config(document: Mapping) -> Config:
         tolerances=tolerances,
         calibration=calibration,
         threshold_tolerance=sweep.threshold_tolerance or THRESHOLD_TOLERANCE,
-        histories=tuple(cells),
+        histories=tuple([nearest_history(device, grid)] if cells is None else cells),
         maps=chosen,
         curves=choose_curves(grid, nominal(device), curves),
         boundary=choose_boundary(grid, nominal(device)),

@@ -1,10 +1,14 @@
-"""Values that convert, and yet are hardly meant: what a wrong unit leaves behind."""
+"""Lines on what is hardly meant, as a wrong unit leaves behind, and on what a device leaves out."""
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
+from ..beam.cosines import buckling_shapes
+from ..beam.equilibria import find_barrier, least_travel
 from ..device import VALUES, Beam, Device
+from ..io.tables import read_points
 from ..quantities import QUANTITIES
 from ..tolerances.samples import Plan
 
@@ -20,6 +24,8 @@ WIDE = 0.3
 """Scatter over the nominal value."""
 FAR = 1000.0
 """Duration of a pulse over a period, or the reverse."""
+TILTING = 8
+"""Shapes of each kind by which it is told whether a free beam has a second one."""
 
 
 def proportions(beam: Beam) -> str:
@@ -82,3 +88,63 @@ def implausible(device: Device, C: np.ndarray, f0: np.ndarray) -> list[str]:
         "jump in velocity": lasts[0] > FAR * last,
     }
     return unusual(device) + [line for line, holds in told.items() if holds]
+
+
+def tilting(beam: Beam) -> str:
+    """One line on what a beam that is guided, or free to tilt, means for its labels, or nothing."""
+    if not beam.free and not beam.stays_if_free:
+        ratio = beam.rise / beam.thickness
+        return (
+            f"rise/thickness = {ratio:.4g}: labels hold for a guided beam only; one free to tilt "
+            "does not stay in the second shape"
+        )
+    if beam.free and find_barrier(beam, buckling_shapes(TILTING)).energy == 0:
+        return (
+            "free to tilt, the beam has no stable second shape: a snap is the midpoint's first "
+            "arrival where a guided beam has its own, and nothing latches"
+        )
+    return ""
+
+
+def stopped(device: Device) -> str:
+    """One line on stops that leave the mass no room to snap the beam, or nothing."""
+    if not device.has_stops:
+        return ""
+    way, needed = device.stop_toward, least_travel(device)
+    if way <= device.gap:
+        return f"stops.toward: {way:.4g} um is not beyond the gap; the mass never meets the beam"
+    if way < needed:
+        return (
+            f"stops.toward: {way:.4g} um is short of the saddle, {needed:.4g} um from rest: a slow "
+            "push does not snap the beam, and a fast one only by the speed that it gives the beam"
+        )
+    return ""
+
+
+def pushed(device: Device) -> str:
+    """One line on what N counts of a beam that is pushed at its midpoint, or nothing."""
+    if not device.force:
+        return ""
+    return (
+        f"N counts {device.force:g} uN of force on the midpoint, wherever multiples of g are named"
+    )
+
+
+def unwarmed(device: Device) -> str:
+    """One line on a device of which a temperature changes nothing."""
+    if device.modulus_slope or device.expansion_mismatch or device.damper_exponent:
+        return ""
+    return "temperature: changes nothing without device.thermal; write its coefficients there"
+
+
+def own_points_outside(path: str, axes: Mapping[str, np.ndarray]) -> list[str]:
+    """A line for each of a user's own points that lies on no map."""
+    lines = []
+    for number, point in enumerate(read_points(path), start=1):
+        for key, value in (("f0", point.f0), ("N", point.N)):
+            low, high = axes[key].min(), axes[key].max()
+            if not low <= value <= high:
+                place = f"{key} = {value:g}, maps from {low:g} to {high:g}"
+                who = f"{path}: {point.name or f'point {number}'}"
+                lines.append(f"{who} lies on no map: {place}")
+    return lines
