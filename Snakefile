@@ -22,6 +22,7 @@ from snapmap.io.named import hold_to_plan
 from snapmap.io.progress import Progress, hush
 from snapmap.io.provenance import DRAWS, NUMBERS, code_hash, device_sections
 from snapmap.config.devices import nominal
+from snapmap.config.doubts import descriptions, doubts
 from snapmap.config.products import products
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import read_document
@@ -49,7 +50,7 @@ try:
     plan = make_plan(
         study.grid, study.model, study.settings, [h.f0 for h in study.histories]
     )
-    doubts = study.doubts()
+    doubted = doubts(study)
 except ValueError as error:
     sys.exit(str(error))  # Snakemake would put its own words before and after
 
@@ -99,7 +100,7 @@ onstart:
             file=sys.stderr,
         )
     remove_leftovers("results")
-    for line in filter(None, [*study.descriptions(), study.left_out, *doubts]):
+    for line in filter(None, [*descriptions(study), study.left_out, *doubted]):
         print(line, file=sys.stderr)
     for handler in logger.handlers:
         if handler.name == "DefaultStreamHandler":

@@ -11,6 +11,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from snapmap.config.devices import load_device, read_device
+from snapmap.config.doubts import descriptions, doubts
 from snapmap.config.products import products
 from snapmap.config.study import load_config
 from snapmap.config.units import read
@@ -247,7 +248,7 @@ def test_own_points_are_checked_with_the_config(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     path = tmp_path / "points.csv"
     path.write_text("name,N,f0\nslip,1000,1.5\nhere,1000,1500\n,9000,1500\n")
-    lines = [line for line in load_config(changed(marks="points.csv")).doubts() if "csv" in line]
+    lines = [line for line in doubts(load_config(changed(marks="points.csv"))) if "csv" in line]
     assert [line.split(",")[0] for line in lines] == [
         "points.csv: slip lies on no map: f0 = 1.5",
         "points.csv: point 3 lies on no map: N = 9000",
@@ -273,8 +274,8 @@ def test_a_beam_alone(pushed):
     section = device_sections(study.device)["device"]
     assert section["mass"] == "none" and not {"spring", "contact", "gap", "stops"} & {*section}
     assert read_device(section) == study.device
-    assert "no mass" in study.descriptions()[0]
-    assert sum("uN of force on the midpoint" in line for line in study.doubts()) == bool(pushed)
+    assert "no mass" in descriptions(study)[0]
+    assert sum("uN of force on the midpoint" in line for line in doubts(study)) == bool(pushed)
 
 
 ALONE = {"device__mass": "none", **OF_MASS}

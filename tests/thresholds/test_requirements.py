@@ -11,6 +11,7 @@ import snapmap
 from snapmap.axes import make_grid
 from snapmap.beam.stress import break_probability
 from snapmap.config.devices import read_device
+from snapmap.config.doubts import descriptions, doubts
 from snapmap.config.products import products
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError
@@ -53,10 +54,10 @@ def test_a_record_keeps_its_own_duration_or_takes_another(document, root, monkey
     sweep = {key: document["sweep"][key] for key in document["sweep"] if key != "f0"}
     study = load_config(document | {"pulse": {"file": "config/half_sine.csv"}, "sweep": sweep})
     assert study.axes["f0"].tolist() == [2000.0]
-    assert "half_sine: shock response (quality factor 10)" in study.descriptions()[1]
+    assert "half_sine: shock response (quality factor 10)" in descriptions(study)[1]
     study = load_config(document | {"pulse": {"file": "config/half_sine.csv"}})
     assert study.axes["f0"].size == document["sweep"]["f0"]["points"]
-    assert any("coarse for a period" in line for line in study.doubts()) is False
+    assert any("coarse for a period" in line for line in doubts(study)) is False
     assert "sweep.f0: missing" in faults(document, sweep=sweep)
 
 

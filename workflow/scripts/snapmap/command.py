@@ -51,6 +51,7 @@ def init(folder: Path) -> None:
 def check(config: Path) -> None:
     """Print what a config describes, its doubts and its cost; raises ValueError, a line a fault."""
     with needing("snapmap check"):
+        from .config.doubts import descriptions, doubts
         from .config.study import load_config
         from .config.yaml_file import read_document
     from .solver.cost import spoken
@@ -58,7 +59,7 @@ def check(config: Path) -> None:
 
     study = load_config(read_document(config))
     plan = make_plan(study.grid, study.model, study.settings, [h.f0 for h in study.histories])
-    for line in filter(None, [*study.descriptions(), study.left_out, *study.doubts()]):
+    for line in filter(None, [*descriptions(study), study.left_out, *doubts(study)]):
         print(line)
     sizes = ", ".join(f"{key} {values.size}" for key, values in study.axes.items())
     least, most = (spoken(times * plan.seconds) for times in SEEN)

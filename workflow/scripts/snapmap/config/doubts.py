@@ -7,9 +7,11 @@ import numpy as np
 
 from ..beam.cosines import buckling_shapes
 from ..beam.equilibria import find_barrier, least_travel
+from ..described import describe, excited
 from ..device import VALUES, Beam, Device
 from ..io.tables import read_points
 from ..quantities import QUANTITIES
+from ..study import Study
 from ..tolerances.samples import Plan
 
 STEEP = 0.05
@@ -28,12 +30,50 @@ TILTING = 8
 """Shapes of each kind by which it is told whether a free beam has a second one."""
 
 
-def proportions(beam: Beam) -> str:
-    """How flat and how slender a beam is."""
-    return (
-        f"rise/thickness {beam.rise / beam.thickness:.4g}, rise/span {beam.rise / beam.span:.3g}, "
-        f"span/thickness {beam.span / beam.thickness:.4g}"
-    )
+def descriptions(study: Study) -> list[str]:
+    """Lines on each device, whatever the axes change, and on how a record excites it.
+
+    study: a `Config`
+    """
+    C, lines = study.axes["C"], list(study.measured.values())
+    records = [one for one in study.shocks.shapes.values() if one.duration and not one.blows.size]
+    for name, one in study.devices().items():
+        beam = one.beam
+        lines.append(
+            f"{name}: rise/thickness {beam.rise / beam.thickness:.4g}, rise/span "
+            f"{beam.rise / beam.span:.3g}, span/thickness {beam.span / beam.thickness:.4g}; "
+            f"{describe(one, C)}"
+        )
+        lines += [f"{name}, {pulse.name}: {excited(one, pulse)}" for pulse in records]
+    return lines
+
+
+def doubts(study: Study) -> list[str]:
+    """Lines on what is hardly meant, and on what devices and recorded shocks may leave out.
+
+    study: a `Config`
+    """
+    axes, scatter, (first, *_) = study.axes, study.tolerances, study.devices().values()
+    lines = implausible(study.grid.device, axes["C"], axes["f0"])
+    for name, one in study.devices().items():
+        own = [tilting(one.beam), stopped(one)]
+        if one.force:
+            own += [
+                f"N counts {one.force:g} uN of force on the midpoint, wherever multiples of g are "
+                "named"
+            ]
+        slopes = one.modulus_slope, one.expansion_mismatch, one.damper_exponent
+        if "temperature" in axes and not any(slopes):
+            own += ["temperature: changes nothing without device.thermal; write its values there"]
+        lines += [f"{name}: {line}" for line in own if line]
+    slowest, shortest = first.own_frequency, 1e6 / axes["f0"][-1]
+    for pulse in study.shocks.shapes.values():
+        lines += pulse.doubts(float(slowest), float(shortest))
+    if study.own_points:
+        lines += outside(study.own_points[0], axes)
+    for one in study.devices().values() if scatter else ():
+        lines += wide(Plan(one, scatter.scatters, scatter.together))
+    return lines
 
 
 def unusual(device: Device) -> list[str]:
@@ -121,23 +161,7 @@ def stopped(device: Device) -> str:
     return ""
 
 
-def pushed(device: Device) -> str:
-    """One line on what N counts of a beam that is pushed at its midpoint, or nothing."""
-    if not device.force:
-        return ""
-    return (
-        f"N counts {device.force:g} uN of force on the midpoint, wherever multiples of g are named"
-    )
-
-
-def unwarmed(device: Device) -> str:
-    """One line on a device of which a temperature changes nothing."""
-    if device.modulus_slope or device.expansion_mismatch or device.damper_exponent:
-        return ""
-    return "temperature: changes nothing without device.thermal; write its coefficients there"
-
-
-def own_points_outside(path: str, axes: Mapping[str, np.ndarray]) -> list[str]:
+def outside(path: str, axes: Mapping[str, np.ndarray]) -> list[str]:
     """A line for each of a user's own points that lies on no map."""
     lines = []
     for number, point in enumerate(read_points(path), start=1):

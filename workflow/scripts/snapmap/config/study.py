@@ -7,7 +7,6 @@ import numpy as np
 from pydantic import ValidationError
 
 from ..axes import SHOCK_AXES, Grid, make_grid
-from ..described import describe, excited
 from ..device import VALUES
 from ..io.measured_shape import PROFILE
 from ..io.named import hold_to_plan, sha256_of
@@ -17,16 +16,6 @@ from ..study import FOLLOWED, Study
 from ..tolerances.samples import Plan, Tolerances
 from .calibration import Calibration, read_calibration
 from .devices import nominal
-from .doubts import (
-    implausible,
-    own_points_outside,
-    proportions,
-    pushed,
-    stopped,
-    tilting,
-    unwarmed,
-    wide,
-)
 from .keys import line_at, lines_of
 from .models import Document
 from .views import (
@@ -106,17 +95,6 @@ class Config(Study):
         """Whether a beam may break."""
         return any(one.strength < np.inf for one in self.devices().values())
 
-    def descriptions(self) -> list[str]:
-        """Lines on each device, whatever the axes change, and on how a record excites it."""
-        C, lines = self.axes["C"], list(self.measured.values())
-        records = [
-            one for one in self.shocks.shapes.values() if one.duration and not one.blows.size
-        ]
-        for name, one in self.devices().items():
-            lines.append(f"{name}: {proportions(one.beam)}; {describe(one, C)}")
-            lines += [f"{name}, {pulse.name}: {excited(one, pulse)}" for pulse in records]
-        return lines
-
     def files(self) -> dict[str, str]:
         """SHA-256 of each file that the config names, as it was read, by path."""
         pulses = [self.pulse, *(required["pulse"] for required in self.requirements)]
@@ -125,23 +103,6 @@ class Config(Study):
         recorded = {one["file"]: one["sha256"] for one in pulses if "file" in one}
         shapes = {path: sha256_of(path, *PROFILE) for _, path in self.measured}
         return recorded | shapes | own | shots
-
-    def doubts(self) -> list[str]:
-        """Lines on what is hardly meant, and on what devices and recorded shocks may leave out."""
-        axes, scatter = self.axes, self.tolerances
-        lines = implausible(self.grid.device, axes["C"], axes["f0"])
-        for name, one in self.devices().items():
-            own = [tilting(one.beam), stopped(one), pushed(one)]
-            own += [unwarmed(one)] * ("temperature" in axes)
-            lines += [f"{name}: {line}" for line in own if line]
-        slowest, shortest = nominal(self.device).own_frequency, 1e6 / axes["f0"][-1]
-        for pulse in self.shocks.shapes.values():
-            lines += pulse.doubts(float(slowest), float(shortest))
-        if self.own_points:
-            lines += own_points_outside(self.own_points[0], axes)
-        for one in self.devices().values() if scatter else ():
-            lines += wide(Plan(one, scatter.scatters, scatter.together))
-        return lines
 
 
 def planned_study(document: Mapping, threads: int) -> Config:
