@@ -66,15 +66,8 @@ progress = Progress({name: cells_in(slabs[name]) for name in new})
 numbers = code_hash(*NUMBERS, scripts / "jobs.py")
 drawing = code_hash(*DRAWS, scripts / "draw.py")
 studied = code_hash(*NUMBERS, scripts / "studies")
-FIGURES = ("map*", "snap*", "time*", "thresholds*", "damage_boundary*", "history_*")
-FIGURES += (
-    "statics*",
-    "requirements*",
-    "probability*",
-    "sensitivity*",
-    "yield*",
-    "calibration*",
-)
+FIGURES = "map snap time thresholds damage_boundary history_ statics requirements"
+FIGURES += " probability sensitivity yield calibration"
 
 
 report: "workflow/report/study.rst"
@@ -115,22 +108,21 @@ onerror:
 
 onsuccess:
     progress.close()
-    remove_others("results/figures", FIGURES, made.stems)
+    figures = [f"{stem}*" for stem in FIGURES.split()]
+    remove_others("results/figures", figures, made.stems)
     remove_others("results/histories", ["*"], made.histories)
     remove_others(
         "results", ["statics_*"], [f"statics{which}" for which in made.statics]
     )
-    told = ["find_threshold", "collect"]
-    told += ["check_requirements"] * bool(study.all_required)
-    told += ["find_tolerance"] * bool(study.tolerances)
-    told += ["fit_calibration"] * bool(study.calibration)
-    logs = [f"results/logs/{rule}.log" for rule in told]
+    logs = ["results/logs/find_threshold.log", "results/logs/collect.log"]
+    logs += ["results/logs/check_requirements.log"] * bool(study.all_required)
+    logs += ["results/logs/find_tolerance.log"] * bool(study.tolerances)
+    logs += ["results/logs/fit_calibration.log"] * bool(study.calibration)
     logs += [log for log in progress.logs if "measure_" in log]
-    for log in map(Path, logs):
-        if log.exists():
-            # The last line is what was found; warnings were told as they came.
-            found = log.read_text(encoding="utf-8").splitlines()[-1:]
-            print(*found, file=sys.stderr)
+    for log in filter(os.path.exists, logs):
+        # The last line is the summary; warnings were printed as they came.
+        summary = Path(log).read_text(encoding="utf-8").splitlines()[-1:]
+        print(*summary, file=sys.stderr)
     if os.path.exists("results/explore.html"):
         print("results/explore.html: open it in a browser", file=sys.stderr)
 

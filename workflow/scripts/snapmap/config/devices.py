@@ -25,7 +25,7 @@ from ..io.measured_shape import read_shape
 from ..quantities import QUANTITIES
 from ..shape import COSINE
 from ..shape import SHAPES as AS_MADE
-from .keys import Section, either, lines_of, many, part, path, quantity, within, word
+from .keys import Section, either, lines_of, many, part, path, quantity, word
 from .yaml_file import ConfigError, read_document
 
 AS_MEASURED = 0.1
@@ -64,6 +64,7 @@ def _cosine(n):
 class BeamSection(Section):
     """Dimensions and material of the beam."""
 
+    known_as = "device.beam"
     span: quantity("length", "clamp to clamp")
     rise: quantity("distance", "of the midpoint, as made; 0 if straight, for compression", "10 um")
     shape: either(
@@ -112,12 +113,8 @@ class BeamSection(Section):
         apart = "guide", "shape", "clamp", "quality_factor"
         values = {name: value for name, value in self.given.items() if name not in apart}
         values |= _by_name(self.clamp, CLAMP) | self._of_shape(free)
-        try:
-            beam = Beam(**values, free=float(free))
-            damp = self.has("quality_factor")
-            return damped(beam, self.quality_factor) if damp else beam
-        except ValueError as error:
-            raise within("device.beam", error) from None
+        beam = Beam(**values, free=float(free))
+        return damped(beam, self.quality_factor) if self.has("quality_factor") else beam
 
     @property
     def measured(self) -> str:
@@ -183,6 +180,7 @@ def _by_name(section, names):
 class DeviceSection(Section):
     """The beam, the mass on its spring, and what they meet."""
 
+    known_as = "device"
     beam: part(BeamSection)
     mass: quantity(
         "body",
@@ -246,10 +244,7 @@ class DeviceSection(Section):
         values |= ALONE if self.mass == 0 else {}
         values |= _by_name(self.stops, STOPS) | thermal
         values |= _by_name(self.strength, STRENGTH) if weibull else strength
-        try:
-            return Device(**{"gravity": 1.0, "beam": self.beam.made, **values})
-        except ValueError as error:
-            raise within("device", error) from None
+        return Device(**{"gravity": 1.0, "beam": self.beam.made, **values})
 
     @property
     def C(self) -> float | None:

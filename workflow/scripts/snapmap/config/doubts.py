@@ -112,7 +112,7 @@ def implausible(device: Device, C: np.ndarray, f0: np.ndarray) -> list[str]:
     damped = C[-1] / critical if critical else 0.0
     lasts = f0 * (2e-6 * np.pi)
     first, last = np.min(own), np.max(np.maximum(mass, beam.bending_frequency))
-    told = {
+    lines = {
         f"rise/span = {steepest:.3g}: above {STEEP:g} the beam is no shallow arch; forces come out "
         f"{FORCES_TOO_HIGH * steepest**2:.2g} % too high, thresholds "
         f"{THRESHOLDS_TOO_HIGH * steepest**2:.2g} %": steepest > STEEP,
@@ -127,7 +127,7 @@ def implausible(device: Device, C: np.ndarray, f0: np.ndarray) -> list[str]:
         f"f0 from {f0[0]:.4g} Hz: all pulses are over in a {FAR:g}th of any period; they act as a "
         "jump in velocity": lasts[0] > FAR * last,
     }
-    return unusual(device) + [line for line, holds in told.items() if holds]
+    return unusual(device) + [line for line, holds in lines.items() if holds]
 
 
 def tilting(beam: Beam) -> str:
@@ -150,13 +150,13 @@ def stopped(device: Device) -> str:
     """One line on stops that leave the mass no room to snap the beam, or nothing."""
     if not device.has_stops:
         return ""
-    way, needed = device.stop_toward, least_travel(device)
-    if way <= device.gap:
-        return f"stops.toward: {way:.4g} um is not beyond the gap; the mass never meets the beam"
-    if way < needed:
+    travel, needed = device.stop_toward, least_travel(device)
+    if travel <= device.gap:
+        return f"stops.toward: {travel:.4g} um is not beyond the gap; the mass never meets the beam"
+    if travel < needed:
         return (
-            f"stops.toward: {way:.4g} um is short of the saddle, {needed:.4g} um from rest: a slow "
-            "push does not snap the beam, and a fast one only by the speed that it gives the beam"
+            f"stops.toward: {travel:.4g} um is short of the saddle, {needed:.4g} um from rest: a "
+            "slow push does not snap the beam, a fast one only by the speed that it gives the beam"
         )
     return ""
 

@@ -13,7 +13,7 @@ from ..pulse import DIRECTIONS, SHAPES, SHARES, VERSED_SINE, Shocks
 from ..spectra.psd import REACH, Spectrum
 from ..spectra.srs import check_points
 from ..trains import MAKERS
-from .keys import Section, argument, flag, key, many, part, path, quantity, within, word
+from .keys import Section, argument, flag, key, many, part, path, quantity, word
 from .units import read, show
 from .views import frequency_of
 
@@ -69,6 +69,7 @@ def _shapes(value):
 class PulseSection(Section):
     """The shock: a shape, or a file, train, drop or sweep."""
 
+    known_as = "pulse"
     shape: argument(
         Argument(f"one of {', '.join(SHAPES)}, or a list of these, which then is an axis", _shapes),
         example="half sine, [half sine, sawtooth]",
@@ -111,10 +112,7 @@ class PulseSection(Section):
 
     def make(self) -> Shocks:
         """The shocks."""
-        try:
-            return shocks_of(self.values())
-        except ValueError as error:
-            raise within("pulse", error) from None
+        return shocks_of(self.values())
 
 
 def one_time(given, lasts_itself=False, at=()):
