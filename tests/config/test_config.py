@@ -399,7 +399,7 @@ def test_load_device_refuses(tmp_path, text, fault):
 
 
 def test_missing_file(tmp_path):
-    with pytest.raises(ConfigError, match=r"none\.yaml: cannot be read: No such file"):
+    with pytest.raises(ConfigError, match=r"none\.yaml: is not there"):
         load_device(tmp_path / "none.yaml")
 
 
