@@ -11,7 +11,7 @@ from typing import get_args
 import numpy as np
 
 from .arguments import ARGUMENTS, OPTIONS, SHOCK, require_model
-from .config.doubts import implausible, unusual, wide
+from .config.plausible import implausible, unusual, wide
 from .device import VALUES, batch
 from .tolerances.samples import Plan
 

@@ -108,7 +108,7 @@ Ours over theirs, less 1.
 It grows with the square of rise/span, as what the theory leaves out: the slope beside 1, and a
 length that exceeds the span by $\\tfrac{{\\pi^2}}4(\\delta/L)^2$, 2.5 % at a tenth.
 By the steepest, forces come out {forces} % and thresholds {thresholds} % too high times that
-square: above 1/20 a run says so, by these numbers (`config/doubts.py`).
+square: above 1/20 a run says so, by these numbers (`config/plausible.py`).
 
 ## A steep arch in 3-D continuum
 

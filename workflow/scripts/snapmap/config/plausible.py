@@ -1,0 +1,76 @@
+"""Values that convert, and yet are hardly meant: what a wrong unit leaves behind."""
+
+import math
+
+import numpy as np
+
+from ..device import VALUES, Device
+from ..quantities import QUANTITIES
+from ..tolerances.samples import Plan
+
+STEEP = 0.05
+"""Rise over span above which what is neglected raises forces by more than 1 %."""
+FORCES_TOO_HIGH, THRESHOLDS_TOO_HIGH = 565.0, 413.0
+"""By how much, in %, over the square of rise over span: docs/peers.md."""
+SLENDER = 20.0, 5000.0
+"""Span over thickness below which the same holds of shear; above no beam is made."""
+CREEPING = 10.0
+"""C over that of critical damping."""
+WIDE = 0.3
+"""Scatter over the nominal value."""
+FAR = 1000.0
+"""Duration of a pulse over a period, or the reverse."""
+
+
+def unusual(device: Device) -> list[str]:
+    """Lines on values beyond what is usual, of a batch of devices."""
+    lines = []
+    for key in VALUES:
+        low, high = QUANTITIES[key].usual
+        values = np.atleast_1d(getattr(device.beam if hasattr(device.beam, key) else device, key))
+        beyond = values[(values < low) | (values > high)]
+        if beyond.size:
+            unit = QUANTITIES[key].unit
+            lines.append(
+                f"{key} = {beyond[0]:.4g} {unit} is not from {low:g} to {high:g}, as is usual; is "
+                "its unit right?"
+            )
+    return lines
+
+
+def wide(plan: Plan) -> list[str]:
+    """Lines on values that scatter by more than is made."""
+    lines = []
+    for key, scatter in plan.scatters.items():
+        share = scatter.width / (1.0 if scatter.is_share else abs(plan.nominal[key]) or math.inf)
+        if share > WIDE:
+            lines.append(f"{key} scatters by {100 * share:.3g} %: hardly meant above {WIDE:.0%}")
+    return lines
+
+
+def implausible(device: Device, C: np.ndarray, f0: np.ndarray) -> list[str]:
+    """Lines on what is hardly meant, of a batch of devices; C: uN us/um, f0: Hz, ascending."""
+    beam, own = device.beam, device.own_frequency
+    mass = np.where(device.is_alone, own, device.mass_frequency)
+    steepest = np.max(beam.rise / beam.span)
+    slender = beam.span / beam.thickness
+    critical = np.min(2 * device.mass * mass)
+    damped = C[-1] / critical if critical else 0.0
+    lasts = f0 * (2e-6 * np.pi)
+    first, last = np.min(own), np.max(np.maximum(mass, beam.bending_frequency))
+    lines = {
+        f"rise/span = {steepest:.3g}: above {STEEP:g} the beam is no shallow arch; forces come out "
+        f"{FORCES_TOO_HIGH * steepest**2:.2g} % too high, thresholds "
+        f"{THRESHOLDS_TOO_HIGH * steepest**2:.2g} %": steepest > STEEP,
+        f"span/thickness = {slender.min():.3g}: below {SLENDER[0]:g} shear counts, which the model "
+        "leaves out": slender.min() < SLENDER[0],
+        f"span/thickness = {slender.max():.3g}: no beam is made above {SLENDER[1]:g}; is a unit "
+        "wrong?": slender.max() > SLENDER[1],
+        f"C = {C[-1]:.4g} uN*us/um is {damped:.3g} times that of critical damping; is its unit "
+        "right?": damped > CREEPING,
+        f"f0 up to {f0[-1]:.4g} Hz: all pulses last over {FAR:g} periods of beam and mass; they "
+        "act as a lasting acceleration": lasts[-1] * FAR < first,
+        f"f0 from {f0[0]:.4g} Hz: all pulses are over in a {FAR:g}th of any period; they act as a "
+        "jump in velocity": lasts[0] > FAR * last,
+    }
+    return unusual(device) + [line for line, holds in lines.items() if holds]
