@@ -10,8 +10,7 @@ from ..axes import point_text
 from ..device import batch, is_bistable
 from ..solver.cells import to_rows
 from ..study import Study
-from ..tolerances.batch import choose_builder
-from ..tolerances.regression import nominal_thresholds, thresholds_of_samples
+from ..tolerances.batch import Batch, choose_builder
 from .shots import Kind
 
 POINTS = {1: 33, 2: 17, 3: 9, 4: 6}
@@ -61,40 +60,35 @@ def surface_of(study: Study, kinds: Sequence[Kind], unknowns: Mapping, C: float 
     # Those that lie all over the ranges come first: they tell where to look for the others.
     points = low + np.concatenate([check, grid]) * (high - low)
     logs = np.log(_thresholds(study, kinds, dict(zip(unknowns, points.T, strict=True)), C))
-    found = Surface(unknowns, logs[CHECKED:].reshape(*steps[0].shape, len(kinds)))
-    apart = found.at(check) - logs[:CHECKED]
-    found.error = np.sqrt((apart * apart).mean(axis=0)) + TOLERANCE
-    return found
+    surface = Surface(unknowns, logs[CHECKED:].reshape(*steps[0].shape, len(kinds)))
+    apart = surface.at(check) - logs[:CHECKED]
+    surface.error = np.sqrt((apart * apart).mean(axis=0)) + TOLERANCE
+    return surface
 
 
 def _thresholds(study, kinds, values, C):
     """N_first, (points, kinds), at values of the unknowns by name, (points,)."""
-    damping = values.get("C", np.full(len(next(iter(values.values()))), C))
     made = {key: column for key, column in values.items() if key != "C"}
-    there = is_bistable(study.device, made, damping.size)
+    there = is_bistable(study.device, made, len(next(iter(values.values()))))
     if not there.all():
         place = _place(made, np.argmin(there))
         raise ValueError(f"unknowns: no second stable shape at {place}; write a narrower range")
     # The middle of the ranges stands for the nominal device.
-    middle = {key: np.array([(c.min() + c.max()) / 2]) for key, c in made.items()}
-    device = batch([study.device])
-    centre = device.vary(middle)
-    f0, pulse = np.array([kind.f0 for kind in kinds]), np.arange(len(kinds))
+    middle = {key: np.array([(c.min() + c.max()) / 2]) for key, c in values.items()}
+    C = middle.pop("C", C)
+    device = batch([study.device]).vary(middle).pick(0)
     settings = study.settings._replace(pulses=tuple(kind.pulse for kind in kinds))
-    rows = to_rows(0, f0, (damping.min() + damping.max()) / 2, pulse)
-    build = choose_builder(centre.pick(0), study.model, rows, settings)
-    nominal = nominal_thresholds(build(centre), rows, settings, TOLERANCE / 10)
-    model = build(device.pick(np.zeros(damping.size, int)).vary(made))
-    rows = to_rows(np.arange(damping.size)[:, None], f0, damping[:, None], pulse)
-    apart = np.column_stack([column - column.mean() for column in values.values()])
-    found, _ = thresholds_of_samples(model, rows, apart, nominal, settings, TOLERANCE)
-    if not np.isfinite(found).all():
-        where, kind = np.argwhere(~np.isfinite(found))[0]
+    rows = to_rows(0, [kind.f0 for kind in kinds], C, np.arange(len(kinds)))
+    build = choose_builder(device, study.model, rows, settings)
+    shares = {key: column / C if key == "C" else column for key, column in values.items()}
+    N_first, *_ = Batch(device, shares, build).thresholds(rows, settings, TOLERANCE)
+    if not np.isfinite(N_first).all():
+        where, kind = np.argwhere(~np.isfinite(N_first))[0]
         raise ValueError(
             f"shots: outside the model's reach, no threshold of {kinds[kind]} at "
             f"{_place(values, where)}; leave such shots out, or write narrower ranges"
         )
-    return found
+    return N_first
 
 
 def _place(values, where):

@@ -35,8 +35,8 @@ from ..solver.adaptive import TOLERANCE
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
 from ..spectra.psd import REACH, Spectrum
 from ..spectra.srs import check_points
+from ..tolerances.samples import DISTRIBUTIONS as SPREADS
 from ..tolerances.samples import INDEX_SAMPLES, OF_DEVICE, SHOCK_FACTORS, Tolerances
-from ..tolerances.samples import KINDS as SPREADS
 from ..trains import MAKERS
 from .keys import (
     Section,
