@@ -102,7 +102,7 @@ def surface_for(study, ranges) -> Surface:
     """Thresholds of the fitted model at all durations."""
     rows = {"duration": DURATIONS, "N": [1.0, 1.0, 2.0, 2.0], "tripped": [0, 0, 1, 1]}
     shots = shots_from(rows, study.shocks, study.device)
-    return surface_of(study, shots.kinds, ranges, C)
+    return surface_of(study, shots.groups, ranges, C)
 
 
 def thresholds_of(study, values):
@@ -150,8 +150,8 @@ def chances(surface, found, shots):
     """Fitted probabilities of shots that were held back."""
     low, high = np.array(list(surface.unknowns.values())).T
     logs = surface.at((found.estimate.values - low) / (high - low))
-    spread = np.hypot(found.spread.values[0], surface.error)[shots.kind]
-    return ndtr((np.log(shots.N) - np.ravel(logs)[shots.kind]) / spread)
+    spread = np.hypot(found.spread.values[0], surface.error)[shots.group]
+    return ndtr((np.log(shots.N) - np.ravel(logs)[shots.group]) / spread)
 
 
 def held_back(back):

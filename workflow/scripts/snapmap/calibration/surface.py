@@ -11,7 +11,7 @@ from ..device import batch, is_bistable
 from ..solver.cells import to_rows
 from ..study import Study
 from ..tolerances.batch import Batch, choose_builder
-from .shots import Kind
+from .shots import Group
 
 POINTS = {1: 33, 2: 17, 3: 9, 4: 6}
 """Values of each unknown on the grid, by how many unknowns there are."""
@@ -25,8 +25,8 @@ TOLERANCE = 2e-4
 class Surface:
     """Logarithms of thresholds, ln N, over the unknowns, each from 0 to 1 of its range.
 
-    unknowns: ranges by name, internal units; logs: at the points of the grid, (..., kinds)
-    error: of what stands between them, (kinds,), root mean square
+    unknowns: ranges by name, internal units; logs: at the points of the grid, (..., groups)
+    error: of what stands between them, (groups,), root mean square
     """
 
     def __init__(self, unknowns: Mapping, logs: np.ndarray):
@@ -37,7 +37,7 @@ class Surface:
         self.error = np.zeros(logs.shape[-1])
 
     def at(self, u: np.ndarray) -> np.ndarray:
-        """Logarithms of thresholds, (..., kinds), at shares of the ranges, (..., unknowns)."""
+        """Logarithms of thresholds, (..., groups), at shares of the ranges, (..., unknowns)."""
         return self._between(u)
 
     def values(self, u: np.ndarray) -> np.ndarray:
@@ -46,8 +46,10 @@ class Surface:
         return low + np.asarray(u) * (high - low)
 
 
-def surface_of(study: Study, kinds: Sequence[Kind], unknowns: Mapping, C: float | None) -> Surface:
-    """Find the thresholds of a study's device over ranges of its unknowns, of all kinds at once.
+def surface_of(
+    study: Study, groups: Sequence[Group], unknowns: Mapping, C: float | None
+) -> Surface:
+    """Find the thresholds of a study's device over ranges of its unknowns, of all groups at once.
 
     C: uN us/um, unless it is unknown
     Raises ValueError, one line, where there is no second stable shape, or no threshold.
@@ -59,15 +61,15 @@ def surface_of(study: Study, kinds: Sequence[Kind], unknowns: Mapping, C: float 
     low, high = np.array(list(unknowns.values()), float).T
     # Those that lie all over the ranges come first: they tell where to look for the others.
     points = low + np.concatenate([check, grid]) * (high - low)
-    logs = np.log(_thresholds(study, kinds, dict(zip(unknowns, points.T, strict=True)), C))
-    surface = Surface(unknowns, logs[CHECKED:].reshape(*steps[0].shape, len(kinds)))
+    logs = np.log(_thresholds(study, groups, dict(zip(unknowns, points.T, strict=True)), C))
+    surface = Surface(unknowns, logs[CHECKED:].reshape(*steps[0].shape, len(groups)))
     apart = surface.at(check) - logs[:CHECKED]
     surface.error = np.sqrt((apart * apart).mean(axis=0)) + TOLERANCE
     return surface
 
 
-def _thresholds(study, kinds, values, C):
-    """N_first, (points, kinds), at values of the unknowns by name, (points,)."""
+def _thresholds(study, groups, values, C):
+    """N_first, (points, groups), at values of the unknowns by name, (points,)."""
     made = {key: column for key, column in values.items() if key != "C"}
     there = is_bistable(study.device, made, len(next(iter(values.values()))))
     if not there.all():
@@ -77,15 +79,15 @@ def _thresholds(study, kinds, values, C):
     middle = {key: np.array([(c.min() + c.max()) / 2]) for key, c in values.items()}
     C = middle.pop("C", C)
     device = batch([study.device]).vary(middle).pick(0)
-    settings = study.settings._replace(pulses=tuple(kind.pulse for kind in kinds))
-    rows = to_rows(0, [kind.f0 for kind in kinds], C, np.arange(len(kinds)))
+    settings = study.settings._replace(pulses=tuple(group.pulse for group in groups))
+    rows = to_rows(0, [group.f0 for group in groups], C, np.arange(len(groups)))
     build = choose_builder(device, study.model, rows, settings)
     shares = {key: column / C if key == "C" else column for key, column in values.items()}
     N_first, *_ = Batch(device, shares, build).thresholds(rows, settings, TOLERANCE)
     if not np.isfinite(N_first).all():
-        where, kind = np.argwhere(~np.isfinite(N_first))[0]
+        where, group = np.argwhere(~np.isfinite(N_first))[0]
         raise ValueError(
-            f"shots: outside the model's reach, no threshold of {kinds[kind]} at "
+            f"shots: outside the model's reach, no threshold of {groups[group]} at "
             f"{_place(values, where)}; leave such shots out, or write narrower ranges"
         )
     return N_first
