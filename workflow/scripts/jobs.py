@@ -138,15 +138,19 @@ def fit_calibration(study, calibration, path, threads):
     _write(found, path, summary)
 
 
-def write_datasheet(study, C, tolerances, requirements, requirements_path, path, threads):
-    """Find what the data sheet tells beside the verdicts, and write it."""
+def write_datasheet(
+    study, title, requirements, requirements_path, path, threads, tolerance_path=()
+):
+    """Write verdicts, what was found of devices as made, and the device itself as a data sheet."""
+    from contextlib import nullcontext
+
     from snapmap.datasheet import datasheet
     from snapmap.io.tables import read_verdicts
-    from snapmap.tolerances.samples import Tolerances
 
-    asked = C, Tolerances(**tolerances) if tolerances else None, _required(requirements)
-    verdicts = read_verdicts(requirements_path)
-    _write_text(datasheet(study_from(study, threads), *asked, verdicts), path)
+    study, verdicts = study_from(study, threads), read_verdicts(requirements_path)
+    with _open(tolerance_path) if tolerance_path else nullcontext() as made:
+        text = datasheet(study, verdicts, _required(requirements), made, title)
+    _write_text(text, path)
 
 
 def measure_accuracy(device, pulse, axes, settings, plan, path, threads):

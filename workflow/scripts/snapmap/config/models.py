@@ -740,6 +740,12 @@ def _own_points(file):
 class Document(Section):
     """Device (or devices), model and sweep; if wanted, what else is made of them."""
 
+    title: argument(
+        Argument("a line of letters, digits, spaces, .,:()/%+-_, at most 60", _title),
+        "of the data sheet: name, issue, date",
+        "Crash sensor A, 2026-11-23",
+        "none",
+    )
     device: part(DeviceSection, out="required, or `devices`")
     devices: Annotated[
         dict[object, DeviceSection],

@@ -45,6 +45,7 @@ class Config(Study):
     own_points: path and SHA-256 of a user's own points on the maps, or nothing
     left_out: one line on what is not drawn, or nothing
     measured: lines on shapes of beams that were read from files, by device and path
+    title: of the data sheet
     """
 
     grid: Grid
@@ -62,6 +63,7 @@ class Config(Study):
     own_points: tuple[str, str] | tuple[()]
     left_out: str
     measured: dict[tuple[str, str], str]
+    title: str
 
     @property
     def axes(self) -> dict[str, np.ndarray]:
@@ -212,6 +214,7 @@ def load_config(document: Mapping) -> Config:
             for name, one in parts.devices_by_name().items()
             if one.beam.measured
         },
+        title=parts.title or "",
     )
 
 
