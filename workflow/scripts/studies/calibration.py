@@ -18,8 +18,8 @@ from snapmap.calibration.shots import Shots, shots_from
 from snapmap.calibration.surface import Surface, surface_of
 from snapmap.device import values_of
 from snapmap.io.markdown import number, table
-from snapmap.sizing import thresholds_at
 from snapmap.study import Study
+from snapmap.tolerances.batch import thresholds_at
 
 from .few import few
 

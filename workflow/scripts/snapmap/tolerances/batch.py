@@ -1,4 +1,8 @@
-"""A batch of devices that differ in some values: the table of them, and where they trip."""
+"""Devices that differ in some values: the table of them, and where they trip.
+
+`Batch.thresholds` is for devices that are alike, under the same shocks; `thresholds_at` for any,
+each under a shock of its own, with error bars.
+"""
 
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -10,14 +14,15 @@ import numpy as np
 from ..device import VALUES, Device, is_bistable
 from ..device import batch as batch_of
 from ..motion.history import extremes_of
-from ..solver.adaptive import TOLERANCE, choose_model
-from ..solver.cells import Rows, to_cells
+from ..solver.adaptive import TOLERANCE, choose_model, choose_survey
+from ..solver.cells import Rows, to_cells, to_rows
 from ..solver.model import Follows
 from ..solver.models import build_model
 from ..solver.outcome import LATCHED, label
 from ..solver.search import asker
-from ..solver.settings import Settings
+from ..solver.settings import THRESHOLD_TOLERANCE, Settings
 from ..study import Study
+from ..thresholds.islands import survey
 from .regression import nominal_thresholds, thresholds_of_samples
 from .samples import SHOCK_FACTORS, nominal_value
 
@@ -150,3 +155,25 @@ def choose_builder(
             break
         name, N_first = better, nearer
     return lambda devices: getattr(choose_model(devices, model), name)
+
+
+def thresholds_at(
+    study: Study, values: Mapping[str, np.ndarray], f0, C, pulse=0
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Thresholds of a study's device with other values, each (n,), and their errors, or NaN.
+
+    values: by name; f0: Hz; C: uN us/um; pulse: index in the study's, each a number or (n,)
+    Returns also where there is a device; (n,).
+    """
+    size = next(iter(values.values())).size
+    there = is_bistable(study.device, values, size)
+    first = np.full((2, size), np.nan)
+    if there.any():
+        places = np.arange(there.sum())
+        made = {key: column[there] for key, column in values.items()}
+        devices = batch_of([study.device]).pick(np.zeros_like(places)).vary(made)
+        rows = to_rows(places, *(np.broadcast_to(a, size)[there] for a in (f0, C, pulse)))
+        models = choose_survey(devices, study.model)
+        seen = survey(models, rows, study.settings, THRESHOLD_TOLERANCE)
+        first[:, there] = seen.N_first, seen.N_error
+    return *first, there
