@@ -79,11 +79,11 @@ def _thresholds(study, groups, values, C):
     middle = {key: np.array([(c.min() + c.max()) / 2]) for key, c in values.items()}
     C = middle.pop("C", C)
     device = batch([study.device]).vary(middle).pick(0)
-    settings = study.settings._replace(pulses=tuple(group.pulse for group in groups))
-    rows = to_rows(0, [group.f0 for group in groups], C, np.arange(len(groups)))
-    build = choose_builder(device, study.model, rows, settings)
+    f0, pulses = [group.f0 for group in groups], tuple(group.pulse for group in groups)
+    rows = to_rows(0, f0, C, np.arange(len(pulses)), pulses)
+    build = choose_builder(device, study.model, rows, study.settings)
     shares = {key: column / C if key == "C" else column for key, column in values.items()}
-    N_first, *_ = Batch(device, shares, build).thresholds(rows, settings, TOLERANCE)
+    N_first, *_ = Batch(device, shares, build).thresholds(rows, study.settings, TOLERANCE)
     if not np.isfinite(N_first).all():
         where, group = np.argwhere(~np.isfinite(N_first))[0]
         raise ValueError(

@@ -102,8 +102,9 @@ def snap_times(
     """
     pulses, peaks = zip(*records, strict=True)
     device, C = rows.device[:, np.newaxis], rows.C[:, np.newaxis]
-    cells = to_rows(device, [1e6 / one.duration for one in pulses], C, np.arange(len(pulses)))
-    ask = asker(model, cells, settings._replace(pulses=pulses), until="snap")
+    f0 = [1e6 / one.duration for one in pulses]
+    cells = to_rows(device, f0, C, np.arange(len(pulses)), pulses)
+    ask = asker(model, cells, settings, until="snap")
     t_snap = ask(np.multiply.outer(np.array(peaks)[cells.pulse], levels))
     return t_snap.reshape(rows.C.size, len(pulses), len(levels))
 

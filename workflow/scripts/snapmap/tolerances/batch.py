@@ -15,7 +15,7 @@ from ..device import VALUES, Device, is_bistable
 from ..device import batch as batch_of
 from ..motion.history import extremes_of
 from ..solver.adaptive import TOLERANCE, choose_model, choose_survey
-from ..solver.cells import Rows, to_cells, to_rows
+from ..solver.cells import Rows, to_rows
 from ..solver.model import Follows
 from ..solver.models import build_model
 from ..solver.outcome import LATCHED, label
@@ -93,9 +93,8 @@ class Batch:
         count, own = np.zeros((rows.f0.size, N.size), np.int64), self._rows(rows)
         for i in range(np.count_nonzero(self.bistable[:samples])):
             mine = own.some(slice(i * len(count), (i + 1) * len(count)))
-            device, f0, C, pulse = (column[:, np.newaxis] for column in mine[:4])
             levels = N * self.factors["N"][i]
-            cells = to_cells(self.model.device, device, levels, f0, C, settings.horizon, pulse)
+            cells = mine.cells(self.model.device, levels, settings.horizon)
             seen = self.model.follow(cells, settings)
             count += label(*seen[:4], settings.energy_tolerance) == LATCHED
         return count
@@ -172,7 +171,8 @@ def thresholds_at(
         places = np.arange(there.sum())
         made = {key: column[there] for key, column in values.items()}
         devices = batch_of([study.device]).pick(np.zeros_like(places)).vary(made)
-        rows = to_rows(places, *(np.broadcast_to(a, size)[there] for a in (f0, C, pulse)))
+        shock = (np.broadcast_to(a, size)[there] for a in (f0, C, pulse))
+        rows = to_rows(places, *shock, study.shocks.pulses)
         models = choose_survey(devices, study.model)
         seen = survey(models, rows, study.settings, THRESHOLD_TOLERANCE)
         first[:, there] = seen.N_first, seen.N_error

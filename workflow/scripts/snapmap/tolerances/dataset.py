@@ -111,8 +111,9 @@ def _of_device(study, axes, tolerances, requirements, tolerance):
     C, f0 = (np.atleast_1d(np.asarray(axes[key], float)) for key in ("C", "f0"))
     groups = study.shocks.axes | {"C": C, "f0": f0}
     shape = [values.size for values in groups.values()]
-    pulse = np.arange(len(settings.pulses))[:, np.newaxis, np.newaxis]
-    rows = to_rows(0, f0, C[:, np.newaxis], pulse)
+    pulses = study.shocks.pulses
+    pulse = np.arange(len(pulses))[:, np.newaxis, np.newaxis]
+    rows = to_rows(0, f0, C[:, np.newaxis], pulse, pulses)
     paired = min(samples, tolerances.index_samples or INDEX_SAMPLES)
     power = 1 << (paired.bit_length() - 1)
     plan = Plan(device, tolerances.scatters, tolerances.together)
@@ -174,10 +175,9 @@ def _requirements(batch, study, requirements, C, tolerance):
     """Thresholds of the required pulses, and the shares that meet each requirement, and all."""
     first, meets = [], []
     for required in requirements:
-        settings = study.settings._replace(pulses=required["shocks"].pulses)
-        rows = to_rows(0, required["f0"], C)
-        first.append(batch.thresholds(rows, settings, tolerance)[0])
-        snaps = batch.snaps(required["N"], rows, settings)
+        rows = to_rows(0, required["f0"], C, 0, required["shocks"].pulses)
+        first.append(batch.thresholds(rows, study.settings, tolerance)[0])
+        snaps = batch.snaps(required["N"], rows, study.settings)
         meets.append((snaps == required["snaps"]) & batch.bistable[:, np.newaxis])
     meets, along = np.array(meets), ("requirement", "C")
     N, f0, must = ([required[key] for required in requirements] for key in ("N", "f0", "snaps"))

@@ -45,8 +45,8 @@ def nominal_thresholds(
 ) -> np.ndarray:
     """The lowest N that snaps of rows of which nothing is known, (rows,); NaN for none."""
     ask = asker(model, rows, settings)
-    wide = wide_scan(model.device, static_threshold(model.device), rows, settings.pulses)
-    rough, _ = first_seen(ask, wide, least_amplitudes(model, rows, settings.pulses))
+    wide = wide_scan(model.device, static_threshold(model.device), rows)
+    rough, _ = first_seen(ask, wide, least_amplitudes(model, rows))
     N = Window(BELOW * rough, rough, np.full(rough.size, FINE_STEP)).N
     begins = np.isfinite(ask(N))
     begins[:, 1:] &= ~begins[:, :-1]
