@@ -56,7 +56,7 @@ def design(
     requirements: mappings of name, N, f0 (Hz) and snaps, with pulse and direction, or shocks
     scatters: of the value and others, as `tolerance` takes them, with samples, seed and together;
         then the yield is estimated within the windows, too
-    model: name, or as a mapping the whole of the config's model section
+    model: name, or as a mapping the config's model section
     options: as in `study.study_of`: horizon (us), energy_tolerance, threads, pulse, direction,
         options of the model; and one further value of the device with its values, along which the
         answer is a line: a dataset of value and error, NaN where there is none

@@ -44,7 +44,7 @@ def calibrate(
         and scales it) and `unit` (a name: specimens that differ are a spread of their own)
     unknowns: by name the range, internal units, in which a value of the device is looked for, or C
     C: uN us/um, unless it is unknown
-    model: name, or as a mapping the whole of the config's model section
+    model: name, or as a mapping the config's model section
     options: as in `study.study_of`: horizon (us), energy_tolerance, threads, pulse and direction of
         shots that name none, and options of the model
     A shot trips with probability Phi(ln(N / N_first) / spread). Over `unknown`: estimate, the
@@ -59,8 +59,8 @@ def calibrate(
     >>> device = snapmap.load_device("config/config.yaml")
     >>> shots = {"N": [800, 900, 950, 1000, 1050, 1200], "tripped": [0, 0, 0, 1, 1, 1]}
     >>> shots["duration"] = [1000.0] * 6
-    >>> found = snapmap.calibrate(device, shots, {"thickness": (1.7, 2.3)}, C=25.0)
-    >>> round(found.estimate.item(), 1)
+    >>> fitted = snapmap.calibrate(device, shots, {"thickness": (1.7, 2.3)}, C=25.0)
+    >>> round(fitted.estimate.item(), 1)
     2.0
     """
     study, _ = study_of(device, model, options)

@@ -45,8 +45,8 @@ def srs_test(
     Records of one spectrum differ: a device passes where none snaps it, or all do, with a margin.
 
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> asked = {"srs": [(500, 700), (2000, 1500)], "records": 2, "model": "cosines", "horizon": 0}
-    >>> snaps = snapmap.srs_test(device, C=[25], **asked).snaps
+    >>> shaken = {"srs": [(500, 700), (2000, 1500)], "records": 2, "model": "cosines", "horizon": 0}
+    >>> snaps = snapmap.srs_test(device, C=[25], **shaken).snaps
     >>> snaps.sel(factor=[0.25, 4]).mean("record").squeeze().values.tolist()
     [0.0, 1.0]
     """

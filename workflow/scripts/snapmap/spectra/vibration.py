@@ -63,9 +63,9 @@ def vibration(
     do not tell. Attributes: rms, of the given spectrum, duration, reach, record_length.
 
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> asked = {"psd": [(20, 4.0), (2000, 4.0)], "duration": 0.1, "model": "cosines"}
-    >>> found = snapmap.vibration(device, C=[25], records=2, reach=0.5, **asked)
-    >>> round(found.rms), found.snaps.values.tolist()
+    >>> shaken = {"psd": [(20, 4.0), (2000, 4.0)], "duration": 0.1, "model": "cosines"}
+    >>> rates = snapmap.vibration(device, C=[25], records=2, reach=0.5, **shaken)
+    >>> round(rates.rms), rates.snaps.values.tolist()
     (89, [0.0])
     """
     options = dict(options)
@@ -98,8 +98,8 @@ def vibration_of(
         seen = np.zeros((3, which.size))
         for begin in range(0, records, together):
             numbers = range(begin, min(begin + together, records))
-            some = [spectrum.record(length, [seed, number]) for number in numbers]
-            t_snap = snap_times(model, rows.some(which), some, [level], settings)[..., 0]
+            pulses = [spectrum.record(length, [seed, number]) for number in numbers]
+            t_snap = snap_times(model, rows.some(which), pulses, [level], settings)[..., 0]
             failed, snapped = np.isinf(t_snap), np.isfinite(t_snap)
             time = np.where(snapped, t_snap * 1e-6, np.where(failed, 0.0, length))
             seen += [column.sum(axis=1) for column in (snapped, failed, time)]
