@@ -51,24 +51,20 @@ class Likelihood:
         repeats = self.begins.size < unit.size
         self.shares = SHARES if repeats else ALONE
         self.deviations = DEVIATIONS if repeats else ALONE
-        weights = -0.5 * self.deviations**2
-        self._weights = weights - logsumexp(weights)
 
     def of(self, logs: np.ndarray) -> np.ndarray:
         """Logarithm of the likelihood of thresholds ln N, (n, groups): (n, spreads, shares)."""
-        size = SPREADS.size * self.shares.size * self.deviations.size * self.group.size
-        parts = np.array_split(logs, -(-len(logs) * size // CHUNK))
-        return np.concatenate([self._part(part) for part in parts])
-
-    def _part(self, logs):
-        apart = (self.log_N - logs[:, self.group])[:, None, None, None]
-        spread = SPREADS[:, None, None, None]
-        share = self.shares[:, None, None]
+        spread, share = SPREADS[:, None, None, None], self.shares[:, None, None]
         unit = spread * np.sqrt(share) * self.deviations[:, None]
         within = np.sqrt(spread**2 * (1 - share) + self.error**2)
-        each = log_ndtr(self.sign * (apart - unit) / within)
-        units = np.add.reduceat(each, self.begins, axis=-1)
-        return logsumexp(units + self._weights[:, None], axis=-2).sum(axis=-1)
+        weights, likely = -0.5 * self.deviations[:, None] ** 2, []
+        weights -= logsumexp(weights)
+        for part in np.array_split(logs, -(-len(logs) * (unit + within).size // CHUNK)):
+            apart = (self.log_N - part[:, self.group])[:, None, None, None]
+            each = log_ndtr(self.sign * (apart - unit) / within)
+            units = np.add.reduceat(each, self.begins, axis=-1) + weights
+            likely.append(logsumexp(units, axis=-2).sum(axis=-1))
+        return np.concatenate(likely)
 
     def integrated(self, logs: np.ndarray) -> np.ndarray:
         """The same, (n,), over all spreads, each as likely as another, and over all shares.

@@ -26,19 +26,15 @@ class Surface:
     """Logarithms of thresholds, ln N, over the unknowns, each from 0 to 1 of its range.
 
     unknowns: ranges by name, internal units; logs: at the points of the grid, (..., groups)
-    error: of what stands between them, (groups,), root mean square
+    at: a function of shares of the ranges, (..., unknowns), to what stands between them
+    error: of that, (groups,), root mean square
     """
 
     def __init__(self, unknowns: Mapping, logs: np.ndarray):
         """Take logs of thresholds over an even grid."""
         self.unknowns, self.logs = dict(unknowns), logs
-        self.axes = [np.linspace(0.0, 1.0, size) for size in logs.shape[:-1]]
-        self._between = RegularGridInterpolator(self.axes, logs)
-        self.error = np.zeros(logs.shape[-1])
-
-    def at(self, u: np.ndarray) -> np.ndarray:
-        """Logarithms of thresholds, (..., groups), at shares of the ranges, (..., unknowns)."""
-        return self._between(u)
+        axes = [np.linspace(0.0, 1.0, size) for size in logs.shape[:-1]]
+        self.at, self.error = RegularGridInterpolator(axes, logs), np.zeros(logs.shape[-1])
 
     def values(self, u: np.ndarray) -> np.ndarray:
         """Values of the unknowns, internal units, at shares of their ranges."""

@@ -21,25 +21,6 @@ REACH = 30.0
 """A sample's threshold is looked for within so many times the nominal one."""
 
 
-class Lattice:
-    """Amplitudes in relative steps, the same for all samples.
-
-    No others are tried: a threshold between two of them does not depend on where it was expected.
-    """
-
-    def __init__(self, low: float, high: float, step: float):
-        """Set out amplitudes from low to high, multiples of g."""
-        self.size = 2 + int(np.log(high / low) / np.log1p(step))
-        # Products, not powers: the library's exponential rounds by the processor.
-        N = np.multiply.accumulate(np.r_[low, np.full(self.size - 1, 1 + step)])
-        self.N = np.append(N, np.nan)
-        self.stride = max(1, round(np.log1p(FINE_STEP) / np.log1p(step)))
-
-    def place(self, N: np.ndarray) -> np.ndarray:
-        """The place of the first amplitude that is not below N."""
-        return np.minimum(np.searchsorted(self.N, N), self.size - 1)
-
-
 def nominal_thresholds(
     model: Follows, rows: Rows, settings: Settings, tolerance: float
 ) -> np.ndarray:
@@ -75,12 +56,22 @@ def thresholds_of_samples(
     ragged, known = np.zeros(nominal.size, bool), np.isfinite(nominal)
     if not known.any():
         return N_first, ragged
-    lattice = Lattice(nominal[known].min() / REACH, nominal[known].max() * REACH, tolerance)
+    # Amplitudes in relative steps, the same for all samples. No others are tried: a threshold
+    # between two of them does not depend on where it was expected.
+    low, high = nominal[known].min() / REACH, nominal[known].max() * REACH
+    size = 2 + int(np.log(high / low) / np.log1p(tolerance))
+    # Products, not powers: the library's exponential rounds by the processor.
+    N = np.multiply.accumulate(np.r_[low, np.full(size - 1, 1 + tolerance)])
+    lattice, stride = np.append(N, np.nan), max(1, round(np.log1p(FINE_STEP) / np.log1p(tolerance)))
 
     def snaps(numbers, places):
         """Whether rows, by number (n,), snap at places of the lattice; False beyond its end."""
-        N = lattice.N[np.minimum(places, lattice.size)]
+        N = lattice[np.minimum(places, size)]
         return np.isfinite(asker(model, rows.some(numbers), settings)(N))
+
+    def place(N, shape):
+        """The place of the first amplitude that is not below N."""
+        return np.minimum(np.searchsorted(lattice, np.broadcast_to(N, shape)), size - 1)
 
     numbers = np.arange(N_first.size).reshape(N_first.shape)
     expected, lowest, done = nominal[np.newaxis], np.full(nominal.size, BELOW), 0
@@ -89,25 +80,23 @@ def thresholds_of_samples(
         if done:
             expected, lowest = _expected(deviations[block], deviations[:done], N_first[:done])
         here = numbers[block]
-        first = np.full(here.shape, lattice.size)
+        first = np.full(here.shape, size)
         clean, back = (np.broadcast_to(known & a, here.shape) for a in (~ragged, ragged))
-        guess = lattice.place(np.broadcast_to(expected, here.shape))
-        first[clean] = near(snaps, here[clean], guess[clean], lattice.size)
+        first[clean] = near(snaps, here[clean], place(expected, here.shape)[clean], size)
         if not done:
             few = slice(LOOKED_AT), known
-            ragged[known] = _are_ragged(snaps, here[few], first[few], lattice)
+            ragged[known] = _are_ragged(snaps, here[few], first[few], stride)
             back = np.broadcast_to(known & ragged, here.shape)
-        low = np.minimum(lattice.place(np.broadcast_to(expected * lowest, here.shape)), first)
-        first[back] = _from_below(snaps, here[back], low[back], lattice)
-        N_first[block] = np.where(first > 0, lattice.N[first], np.nan)
+        low = np.minimum(place(expected * lowest, here.shape), first)
+        first[back] = _from_below(snaps, here[back], low[back], size, stride)
+        N_first[block] = np.where(first > 0, lattice[first], np.nan)
         done = block.stop
     return N_first, ragged
 
 
-def _from_below(snaps, numbers, start, lattice):
+def _from_below(snaps, numbers, start, size, step):
     """Places where the first of labels that change back and forth snaps, (rows,)."""
-    # The same places for every sample, wherever it was expected.
-    start, size, step = start - start % lattice.stride, lattice.size, lattice.stride
+    start = start - start % step  # the same places for every sample, wherever it was expected
     first, left = np.empty_like(start), np.arange(start.size)
     while left.size:
         first[left] = walk(snaps, numbers[left], start[left], size, step)
@@ -119,11 +108,11 @@ def _from_below(snaps, numbers, start, lattice):
     return first
 
 
-def _are_ragged(snaps, numbers, first, lattice):
+def _are_ragged(snaps, numbers, first, stride):
     """In which rows the labels of a sample change more than once; (rows,)."""
     steps = round(np.log(ABOVE / BELOW) / np.log1p(FINE_STEP))
-    start = np.maximum(first - round(-np.log(BELOW) / np.log1p(FINE_STEP)) * lattice.stride, 0)
-    places = start.ravel()[:, np.newaxis] + lattice.stride * np.arange(steps)
+    start = np.maximum(first - round(-np.log(BELOW) / np.log1p(FINE_STEP)) * stride, 0)
+    places = start.ravel()[:, np.newaxis] + stride * np.arange(steps)
     snapped = snaps(numbers.ravel(), places)
     changes = np.count_nonzero(snapped[:, 1:] & ~snapped[:, :-1], axis=1)
     return (changes.reshape(first.shape) > 1).any(axis=0)
