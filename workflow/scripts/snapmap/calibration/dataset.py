@@ -64,25 +64,15 @@ def calibrate(
     2.0
     """
     study, _ = study_of(device, model, options)
-    with counting("calibrate"):
-        return calibration_of(study, shots, unknowns, C)
-
-
-def calibration_of(
-    study: Study,
-    table: str | Path | Mapping,
-    unknowns: Mapping,
-    C: float | None,
-    files: Mapping[str, str] | None = None,
-) -> xr.Dataset:
-    """Find the values of a study's device from a table of shots, as `calibrate` returns them.
-
-    files: as in `shots_from`
-    """
     if len(study.shocks.pulses) > 1:
         raise ValueError("pulse: several; name the shape and direction of each shot in its row")
     check_ranges(unknowns, C)
-    shots = shots_from(table, study.shocks, study.device, files)
+    with counting("calibrate"):
+        return calibration_of(study, shots_from(shots, study.shocks, device), unknowns, C)
+
+
+def calibration_of(study: Study, shots: Shots, unknowns: Mapping, C: float | None) -> xr.Dataset:
+    """Find the values of a study's device from its shots, as `calibrate` returns them."""
     surface = surface_of(study, shots.groups, unknowns, C)
     corners = surface.logs.reshape(-1, len(shots.groups))
     low, high = (end[shots.group] for end in (corners.min(axis=0), corners.max(axis=0)))

@@ -52,16 +52,10 @@ class Shots(NamedTuple):
         return np.array([self.groups[i].f0 for i in self.group])
 
 
-def shots_from(
-    table: str | Path | Mapping,
-    shocks: Shocks,
-    device: Device,
-    files: Mapping[str, str] | None = None,
-) -> Shots:
+def shots_from(table: str | Path | Mapping, shocks: Shocks, device: Device) -> Shots:
     """Take a table of shots as `calibrate` does; raises ValueError, one line.
 
     shocks: of one shape and direction, where the table names none; device: whose gravity N counts
-    files: SHA-256 of the records it names as they were planned, by path; of others anything goes
     """
     columns = shot_columns(table)
     tripped = columns.get("tripped", np.empty(0, bool))
@@ -75,7 +69,7 @@ def shots_from(
         row = {key: values[i] for key, values in columns.items()}
         row = {key: value for key, value in row.items() if value == value and value != ""}
         try:
-            keys.append(_group(row, shocks, known, files or {}))
+            keys.append(_group(row, shocks, known))
             N.append(_level(row, known[keys[-1]].pulse, device))
         except ValueError as error:
             raise ValueError(f"shots, row {i + 1}: {error}") from None
@@ -96,7 +90,7 @@ def shots_from(
     return shots
 
 
-def _group(row, shocks, known, files):
+def _group(row, shocks, known):
     """The key in `known`, groups by what tells their shocks apart, of that of a row."""
     if "file" in row and "shape" in row:
         raise ValueError("shape stands beside file; write one of them")
@@ -110,7 +104,7 @@ def _group(row, shocks, known, files):
         return key
     pulse = shocks.pulse
     if "file" in row:
-        pulse = read_pulse(named, files.get(named, ""))
+        pulse = read_pulse(named)
     elif named:
         pulse = make_pulse(named)
     if len(given) > 1 or not (given or pulse.duration):
