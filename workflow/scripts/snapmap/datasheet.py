@@ -56,7 +56,7 @@ def datasheet(
             largest = _largest(replace(study, device=device), requirements, own)
             largest = table(["what", "value", "error", "under"], largest)
             sheets += ["Largest under these shocks:\n", largest]
-        if batch is not None:
+        if batch is not None and "yield" in batch:
             words = f"Share of {batch.sizes['sample']} devices as made, with bounds at 95 %:\n"
             sheets += [words, table(["share", "C, uN*us/um", "value", "bounds"], _shares(batch))]
     return "\n".join(sheets)
@@ -145,8 +145,6 @@ def _shares(made):
     for key in filter(made.data_vars.__contains__, words):
         for place in np.ndindex(made[key].shape):
             at = made[[key, f"{key}_bound"]].isel(dict(zip(made[key].dims, place, strict=True)))
-            name = (
-                [words[key], at.requirement.item()] if "requirement" in at.coords else [words[key]]
-            )
+            under = [at.requirement.item()] if "requirement" in at.coords else []
             bounds = percents(*at[f"{key}_bound"].values)
-            yield [" ".join(name), f"{at.C.item():g}", percents(at[key].item()), bounds]
+            yield [" ".join([words[key], *under]), f"{at.C.item():g}", percents(at[key]), bounds]
