@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from .arguments import ARGUMENTS
-from .axes import COORDINATES, coordinates
+from .axes import COORDINATES
 from .device import SIGNED, Device, batch
 from .io.counting import counting
 from .pulse import Shocks
@@ -198,7 +198,7 @@ def _line(value, key, places, N, row, values, errors):
         "error": (key, lowest[1], attrs | error),
         "solutions": (key, count, {"long_name": "number of values found", "units": "1"}),
     }
-    return xr.Dataset(data, coordinates({key: places}))
+    return xr.Dataset(data, {key: (key, places, COORDINATES[key])})
 
 
 def _window(study, value, C, between, goals, tolerances):

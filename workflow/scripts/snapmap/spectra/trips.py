@@ -5,9 +5,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from ..axes import coordinates
 from ..device import Device
-from ..io.variables import headed
+from ..io.variables import dress
 from ..pulse import DIRECTIONS, Pulse
 from ..solver.adaptive import choose_survey
 from ..solver.cells import Rows, to_rows
@@ -72,20 +71,15 @@ def trips_of(
     snaps = np.full((there.size, len(pulses), len(FACTORS)), np.nan)
     t_snap = snap_times(model, rows.some(there), pulses, FACTORS, study.settings)
     snaps[there] = np.where(np.isinf(t_snap), np.nan, np.isfinite(t_snap))
-    each = {
-        "peak": ([one.peak for one in records], "1"),
-        "duration": ([one.pulse.duration for one in records], "us"),
-        "deviation": ([abs(one.deviation).max() for one in records], "dB"),
+    snaps = snaps.reshape(*grid.shape, len(pulses), len(FACTORS))
+    data = {
+        "peak": ("record", [one.peak for one in records]),
+        "duration": ("record", [one.pulse.duration for one in records]),
+        "deviation": ("record", [abs(one.deviation).max() for one in records]),
+        "snaps": ((*grid.axes, "record", "factor"), snaps),
     }
-    data = {key: ("record", values, {"units": unit}) for key, (values, unit) in each.items()}
-    data["snaps"] = (
-        (*grid.axes, "record", "factor"),
-        snaps.reshape(*grid.shape, len(pulses), len(FACTORS)),
-        {"long_name": "whether the record snaps it", "units": "1"},
-    )
     document = study.document(THRESHOLD_SETTINGS) | {"srs": points.tolist(), **drawn}
-    tested = xr.Dataset(data, coordinates(grid.axes) | {"factor": list(FACTORS)})
-    return tested.assign_attrs(**headed("spectrum", document))
+    return dress("spectrum", xr.Dataset(data, grid.axes | {"factor": list(FACTORS)}), document)
 
 
 def snap_times(

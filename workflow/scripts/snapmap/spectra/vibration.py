@@ -7,10 +7,9 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from ..axes import coordinates
 from ..device import Device
 from ..io.provenance import recipe
-from ..io.variables import headed, variables
+from ..io.variables import dress
 from ..pulse import HANDOUT_SHOCK
 from ..solver.adaptive import choose_survey
 from ..solver.cells import to_rows
@@ -34,8 +33,6 @@ NORMAL = 1.959964
 """Standard deviations within which a normal number is at 95 %."""
 ENOUGH = 1e-12
 
-VARIABLES = variables("vibration")
-
 
 def vibration(
     device: Device | Mapping[str, Device],
@@ -57,7 +54,7 @@ def vibration(
     options: reach, the probability within the duration whose level is looked for, 0.01 by default;
         energy_tolerance and threads, as in `study.study_of`; values of the device, as axes; and
         options of the model; `auto` is its threshold's, five cosines
-    The variables are those of VARIABLES, (..., C), levels in g rms: rate and probability from the
+    The variables are (..., C), levels in g rms: rate and probability from the
     snaps seen at the given level, bounds by Poisson's distribution; the level by Rice's law, fitted
     to what was seen at this one and others, its bounds those of the fit, inf where even long runs
     do not tell. Attributes: rms, of the given spectrum, duration, reach, record_length.
@@ -114,16 +111,11 @@ def vibration_of(
     section = {"psd": [spectrum.f.tolist(), spectrum.density.tolist()], **drawn}
     document = study.document(THRESHOLD_SETTINGS) | {"vibration": section}
     columns = {
-        key: (tuple(grid.axes), np.where(there, data[key], np.nan).reshape(grid.shape), attributes)
-        for key, attributes in VARIABLES.items()
+        key: (tuple(grid.axes), np.where(there, values, np.nan).reshape(grid.shape))
+        for key, values in data.items()
     }
-    return xr.Dataset(columns, coordinates(grid.axes)).assign_attrs(
-        rms=rms,
-        record_length=length,
-        recipe=recipe(document, ()),
-        **drawn,
-        **headed("vibration", document),
-    )
+    about = {"rms": rms, "record_length": length, "recipe": recipe(document, ()), **drawn}
+    return dress("vibration", xr.Dataset(columns, grid.axes), document, **about)
 
 
 def _climb(follow: Callable, there: np.ndarray, records: int) -> dict[int, np.ndarray]:

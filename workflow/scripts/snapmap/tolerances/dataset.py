@@ -7,11 +7,11 @@ from itertools import product
 import numpy as np
 import xarray as xr
 
-from ..axes import COORDINATES, NAMES, coordinates
+from ..axes import COORDINATES, NAMES
 from ..beam.stress import break_probability
 from ..device import Device
 from ..io.counting import counting
-from ..io.variables import headed, variables
+from ..io.variables import dress
 from ..numerics.portable import geometric
 from ..solver.cells import to_rows
 from ..study import THRESHOLD_SETTINGS, Study, frequencies, study_of, with_shocks
@@ -26,7 +26,6 @@ AMPLITUDES = 101
 FOLLOWED_CELLS, FEWEST_FOLLOWED = 1_000_000, 64
 """So many cells are followed to their end, or at least those of so many samples."""
 
-VARIABLES = variables("tolerance")
 BOUND = ("low", "high")
 
 
@@ -95,14 +94,14 @@ def tolerances_of(
     if isinstance(study.device, Mapping):
         names = xr.Variable("device", list(study.device), COORDINATES["device"])
         data = xr.concat(parts, names, join="outer")
-    for key in data.data_vars:
-        name = key.removesuffix("_factor")
-        factor = {"long_name": f"{name} over its nominal value", "units": "1"}
-        data[key].attrs = VARIABLES.get(key) or (COORDINATES[key] if name == key else factor)
+    for key in SHOCK_FACTORS:
+        if f"{key}_factor" in data:
+            about = {"long_name": f"{key} over its nominal value", "units": "1"}
+            data[f"{key}_factor"].attrs = about
     document = study.document(THRESHOLD_SETTINGS)
     drawn = {"samples": samples, "seed": tolerances.seed, "together": tolerances.together}
     document["tolerances"] = {**tolerances.scatters, **drawn}
-    return data.assign_attrs(threshold_tolerance=tolerance, **headed("tolerance", document))
+    return dress("tolerance", data, document, threshold_tolerance=tolerance)
 
 
 def _of_device(study, axes, tolerances, requirements, tolerance):
@@ -162,7 +161,7 @@ def _of_device(study, axes, tolerances, requirements, tolerance):
     if requirements:
         named["requirement"] = [required["name"] for required in requirements]
         data |= _requirements(batch, study, requirements, C, tolerance)
-    return xr.Dataset(data, coordinates(groups | {"N": N}) | named)
+    return xr.Dataset(data, groups | {"N": N} | named)
 
 
 def _share(name, count, size, dims):
