@@ -25,13 +25,10 @@ def simulate_slab(study, axes, path, code):
 
 def collect(study, slab_paths, path):
     """Join slabs on the axes of the whole grid, write the cube and say what is in it."""
-    import xarray as xr
-
     from snapmap.sweeps.collect import collect_slabs
     from snapmap.sweeps.cube import summary
 
-    with xr.set_options(file_cache_maxsize=2):  # each open slab keeps what was read of it
-        _write(collect_slabs(slab_paths, study.axes, study.document()), path, summary)
+    _write(collect_slabs(slab_paths, study.axes, study.document()), path, summary)
 
 
 def find_threshold(study, path, table_path):
