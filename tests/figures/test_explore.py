@@ -66,7 +66,7 @@ def page_file(cube, traced, tmp_path_factory):
     paths = [folder / f"{name}.nc" for name in ("cube", "traces", "threshold")]
     for dataset, path in zip((cube, traced, edges_of(cube)), paths, strict=True):
         write(dataset, path)
-    draw.write_page(*paths, SETTINGS.horizon, folder / "explore.html")
+    draw.draw_page(*paths, SETTINGS.horizon, folder / "explore.html")
     assert sorted(folder.iterdir()) == sorted([*paths, folder / "explore.html"])
     return folder / "explore.html"
 

@@ -3,14 +3,14 @@ plots = {
     for key in ("snaps", "times", "ends", "together", "fields")
 }
 plots |= {"curves": views(study.curves), "boundary": views([study.boundary])}
-every_study_has = {
-    "cube": "results/cube.nc",
-    "threshold": "results/threshold.nc",
+of_cells = {"cube": "results/cube.nc", "threshold": "results/threshold.nc"}
+traces = "results/traces.nc"
+every_study_has = of_cells | {
     "statics": [f"results/statics{which}.nc" for which in made.statics],
     "history": [f"results/histories/{cell}.nc" for cell in made.histories],
 }
 if study.has_strength:
-    every_study_has["traces"] = "results/traces.nc"
+    every_study_has["traces"] = traces
 of_batch = {"places": made.batches, "yields": made.yields}
 of_settled = {"beam_dampings": [0.0, 4e-4], "C": 25.0}
 # By their caption: the part of the report, and figures.
@@ -18,6 +18,7 @@ FIGURES_OF = {
     "snap_maps": ("1 Which shock snaps it", made.snap_stems),
     "thresholds": ("2 Thresholds", made.curve_stems),
     "maps": ("3 When it snaps, where it ends", made.map_stems),
+    "page": ("4 Page", ["explore"]),
     "requirements": ("5 Requirements", ["requirements"]),
     "tolerance": ("6 Devices as made", made.batch_stems),
     "calibration": ("6 Devices as made", ["calibration"]),
@@ -32,6 +33,7 @@ OF_STUDY = ["snap_maps", "thresholds", "maps", "statics", "histories"]
 # By the rule's name without draw_, the most urgent first: captions, files and values.
 DRAWN = {
     "study": (OF_STUDY, every_study_has, {"views": plots, "own_points": own_points}),
+    "page": ([], of_cells | {"traces": traces}, {"horizon": study.settings.horizon}),
     "requirements": ([], {"requirements": "results/requirements.csv"}, {}),
     "tolerance": ([], {"tolerance": "results/tolerance.nc"}, of_batch),
     "calibration": ([], {"calibration": "results/calibration.nc"}, {}),
@@ -45,9 +47,11 @@ DRAWN = {
 def figures(caption):
     part, stems = FIGURES_OF[caption]
     for stem in stems:
-        png, labels = f"results/figures/{stem}.png", {"figure": stem}
-        yield report(png, f"../report/{caption}.rst", category=part, labels=labels)
-        yield f"results/figures/{stem}.pdf"
+        paths = [f"results/figures/{stem}.{ending}" for ending in ("png", "pdf")]
+        shown, *others = ["results/explore.html"] if caption == "page" else paths
+        labels = {"figure": stem}
+        yield report(shown, f"../report/{caption}.rst", category=part, labels=labels)
+        yield from others
 
 
 for place, (what, (captions, files, values)) in enumerate(DRAWN.items()):
@@ -73,30 +77,3 @@ for place, (what, (captions, files, values)) in enumerate(DRAWN.items()):
             f"Draw the {what}"
         script:
             "../scripts/draw.py"
-
-
-rule write_page:
-    input:
-        cube="results/cube.nc",
-        traces="results/traces.nc",
-        threshold="results/threshold.nc",
-    output:
-        page=report(
-            "results/explore.html",
-            caption="../report/page.rst",
-            category="4 Page",
-            labels={"page": "explore"},
-        ),
-    log:
-        "results/logs/write_page.log",
-    group:
-        "figures"
-    resources:
-        runtime=10,
-    params:
-        code=drawing,
-        horizon=study.settings.horizon,
-    message:
-        "Write the page"
-    script:
-        "../scripts/draw.py"

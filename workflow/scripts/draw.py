@@ -1,6 +1,6 @@
 """What the rules of figures run, each a function named like its rule: reads, draws, saves."""
 
-from contextlib import ExitStack, contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 import xarray as xr
@@ -66,7 +66,13 @@ def draw_study(
         _open(traces_path) if traces_path else nullcontext() as traces,
     ):
         check_alike(cube, found, threshold_path)
-        _draw_maps(cube, found, _with_stress(cube, traces, traces_path), views, own_points, folder)
+        stressed = cube
+        if traces_path:
+            check_alike(cube, traces, traces_path)
+            share = traces.stress_max / traces.strength
+            numbers = {key: cube[key] for key in share.dims if cube[key].dtype.kind == "f"}
+            stressed = cube.assign(stress_share=share.reindex(numbers, method="nearest"))
+        _draw_maps(cube, found, stressed, views, own_points, folder)
         for view in views["fields"]:
             _draw_map(thresholds.draw_threshold_map, view, folder, _along(found, view))
         for view in views["curves"]:
@@ -85,16 +91,6 @@ def draw_study(
         with _open(path) as history, _figure(stem, history, 4.2) as figure:
             axes = figure.subplots(3, sharex=True, height_ratios=[2, 1, 1])
             histories.draw_history(axes, history)
-
-
-def _with_stress(cube, traces, path):
-    """The cube with the stress of each cell over the strength, if there are traces with it."""
-    if traces is None:
-        return cube
-    check_alike(cube, traces, path)
-    share = traces.stress_max / traces.strength
-    numbers = {key: cube[key] for key in share.dims if cube[key].dtype.kind == "f"}
-    return cube.assign(stress_share=share.reindex(numbers, method="nearest"))
 
 
 def _draw_maps(cube, found, stressed, views, own_points, folder):
@@ -229,20 +225,19 @@ def draw_settled(settled_path, beam_dampings, C, stem):
         _draw_together(panels, stem, "f0", "N", ends=True)
 
 
-def write_page(cube_path, traces_path, threshold_path, horizon, path):
+def draw_page(cube_path, traces_path, threshold_path, horizon, path):
     """Write the page to explore a cube; horizon: us."""
     from snapmap.figures.explore import page  # brings Plotly
 
-    paths = cube_path, traces_path, threshold_path
-    with ExitStack() as files:
-        cube, *others = (
-            files.enter_context(xr.open_dataset(one, engine="netcdf4")) for one in paths
-        )
-        for other, one in zip(others, paths[1:], strict=True):
-            check_alike(cube, other, one)
-        text = page(cube, *others, horizon)
-    with replacing(path) as temporary:
-        Path(temporary).write_text(text, encoding="utf-8")
+    with (
+        _open(cube_path) as cube,
+        _open(traces_path) as traces,
+        _open(threshold_path) as found,
+        replacing(path) as temporary,
+    ):
+        check_alike(cube, traces, traces_path)
+        check_alike(cube, found, threshold_path)
+        Path(temporary).write_text(page(cube, traces, found, horizon), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -81,13 +81,11 @@ def _draw_gap(ax, found, scale, colour):
 
 def _title(found, width):
     """What every curve has in common, in lines of so many signs."""
-    words = [style.case(found.attrs, width), scales.place_text(found, width)]
     symbols = [f"$C$ in {scales.WORDS['C'][1]}"] * ("C" in found.dims)
     if found.velocity_change.notnull().any():
         symbols.append("$\\Delta v$: velocity change, limit of short pulses")
-    if symbols and found.area.ndim == 0:
-        symbols[-1] += f", $N = {1 / found.area.item():.3g} f_0\\,\\Delta v/g$"
-    return "\n".join(filter(None, [*words, "; ".join(symbols)]))
+    words = [style.case(found.attrs, width), scales.place_text(found, width), "; ".join(symbols)]
+    return "\n".join(filter(None, words))
 
 
 def draw_damage_boundary(ax: Axes, found: xr.Dataset, lines: str = "C") -> Axes:
