@@ -231,14 +231,6 @@ def test_snap_time_is_between_two_samples_or_not_seen():
     assert math.isnan(histories.snap_time(make_history([10, 0, -8.9])))
 
 
-def test_every_line_has_a_look_of_its_own_and_of_many_some_are_drawn():
-    found = curves.some_lines(make_found(C=range(21)), "f0", "C")
-    assert found.C.values.tolist() == [0, 4, 8, 12, 16, 20]
-    looks = [look for _, *look in curves.each_line(found, "C")]
-    assert len({colour for colour, _ in looks}) == len({marker for _, marker in looks}) == 6
-    assert len(list(curves.line_keys(found, "C"))) == 6
-
-
 def test_first_colours_differ_in_grey():
     grey = [np.dot(to_rgb(colour), [0.299, 0.587, 0.114]) for colour, _ in curves.LOOKS[:3]]
     assert (np.diff(grey) > 0.1).all()

@@ -47,6 +47,7 @@ def draw_shots(ax: Axes, found: xr.Dataset) -> Axes:
         f0, (middle, low, high) = f0 * [1 / WIDEST, WIDEST], np.tile([middle, low, high], 2)
     wide = np.exp(DEVIATIONS * found.spread.sel(bound="estimate").item())
     study_axis(ax, scale_of("f0", f0))
+    ax.set_xlim(min(f0[0], found.f0.min() / WIDEST), max(f0[-1], found.f0.max() * WIDEST))
     ends = found.N.values.min() / WIDEST, found.N.values.max() * WIDEST
     ax.set(yscale="log", ylim=ends, ylabel=axis_label("N"))
     tick(ax.yaxis, *ends)
