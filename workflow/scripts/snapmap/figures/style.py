@@ -25,6 +25,8 @@ from ..trains import MAKERS
 
 COLUMN, PAGE = 56, 130
 """Signs in a line over one column, and over two."""
+DPI = 300
+"""Of PNG, and of what is too fine for vectors in PDF."""
 SHEET = Path(__file__).with_name("paper.mplstyle")
 # Which metadata of each format holds which attribute of a dataset; what a screen shows comes first.
 METADATA = {
@@ -40,12 +42,12 @@ def paper() -> AbstractContextManager:
 
 def single_column(height: float) -> Figure:
     """Make an empty figure as wide as one column of a journal, 3.4 in; height: in."""
-    return Figure(figsize=(3.4, height))
+    return Figure((3.4, height), DPI)
 
 
 def double_column(height: float) -> Figure:
     """Make an empty figure as wide as two columns of a journal, 7.0 in; height: in."""
-    return Figure(figsize=(7.0, height))
+    return Figure((7.0, height), DPI)
 
 
 def notebook_axes() -> Axes:
