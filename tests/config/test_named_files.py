@@ -17,8 +17,8 @@ from snapmap.config.study import load_config, planned_study
 from snapmap.config.yaml_file import ConfigError, read_document
 from snapmap.io.named import hold_to_plan
 from snapmap.io.netcdf import check_alike
+from snapmap.io.recorded import read_pulse
 from snapmap.io.tables import read_points
-from snapmap.shocks import make_shocks
 
 STUDY = (
     THREE_COSINES
@@ -88,7 +88,7 @@ def test_an_edit_since_the_plan_is_refused(folder, monkeypatch):
     write_record(folder / "shock.csv", 3)
     (folder / "points.csv").write_text("N,f0\n1000,2001\n", encoding="utf-8")
     for read in (
-        lambda: make_shocks(study.pulse),
+        lambda: read_pulse(study.pulse["file"], study.pulse["sha256"]),
         lambda: planned_study(yaml.safe_load(STUDY), threads=1),
     ):
         with pytest.raises(ValueError, match=r"^shock\.csv: was edited after the run was planned"):

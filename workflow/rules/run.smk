@@ -154,17 +154,16 @@ rule fit_calibration:
 rule write_datasheet:
     input:
         requirements="results/requirements.csv",
+        **({"tolerance": "results/tolerance.nc"} if study.tolerances else {}),
     output:
         datasheet="results/datasheet.md",
     log:
         "results/logs/write_datasheet.log",
     priority: 30
-    threads: 4
     params:
         code=numbers,
         inputs=in_search,
-        C=axes["C"],
-        tolerances=tolerances,
+        title=study.title,
         requirements=required,
     message:
         "Write the data sheet"

@@ -24,7 +24,7 @@ rule measure_accuracy:
         device=nominal_device,
         pulse=study.pulse,
         axes=[axes[key] for key in ("C", "f0", "N")],
-        settings=study.settings.asked(),
+        settings=study.settings.without_threads(),
         plan=lambda wildcards: "quick" if wildcards.size else "full",
     message:
         "Measure error and time of every model: {output.accuracy}"

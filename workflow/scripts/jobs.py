@@ -135,13 +135,17 @@ def fit_calibration(study, path):
     _write(calibration_of(of_shots, shots, unknowns, C), path, summary)
 
 
-def write_datasheet(study, requirements_path, path):
-    """Find what the data sheet tells beside the verdicts, and write it."""
+def write_datasheet(study, requirements_path, path, tolerance_path=()):
+    """Write verdicts, what is known of devices as made, and the device itself as a data sheet."""
+    from contextlib import nullcontext
+
     from snapmap.datasheet import datasheet
     from snapmap.io.tables import read_verdicts
 
-    wanted = study.axes["C"].tolist(), study.tolerances, study.requirements
-    _write_text(datasheet(study.of_thresholds(), *wanted, read_verdicts(requirements_path)), path)
+    verdicts, required = read_verdicts(requirements_path), study.requirements
+    with _open(tolerance_path) if tolerance_path else nullcontext() as made:
+        text = datasheet(study.of_thresholds(), verdicts, required, made, study.title)
+    _write_text(text, path)
 
 
 def measure_accuracy(study, plan, path):

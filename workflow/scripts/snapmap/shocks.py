@@ -7,13 +7,12 @@ import numpy as np
 
 from .arguments import require_pulse
 from .checks import show
-from .io.recorded import read_pulse
 from .pulse import DIRECTIONS, SHARES, VERSED_SINE, Pulse, make_pulse
 from .trains import make_drop, make_sweep, make_train
 
 MAKERS = {"train": make_train, "drop": make_drop, "sweep": make_sweep}
-SECTION = {"shape", *SHARES, "file", "sha256", *MAKERS, "direction"}
-"""Keys of the section `pulse` of a config."""
+SECTION = {"shape", *SHARES, *MAKERS, "direction"}
+"""Keys of the section `pulse` of a config, but for a file."""
 UNITS = {"duration": "us", "wait": "us", "height": "um", "from": "Hz", "to": "Hz"}
 """Of its values."""
 
@@ -126,9 +125,6 @@ def _pulse(given):
     for key, make in MAKERS.items():
         if [*section] == [key]:
             return make(section[key])
-    if "file" in section:
-        require_pulse("pulse", section, ("file",), ("sha256",))
-        return read_pulse(section["file"], section.get("sha256", ""))
     section = {"shape": VERSED_SINE, **section}
     require_pulse("pulse", section, ("shape",), SHARES)
     return make_pulse(**section)

@@ -12,12 +12,12 @@ from ..io.tables import ROWS, read_points
 from ..quantities import QUANTITIES
 from ..solver.adaptive import TOLERANCE
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
+from ..tolerances.samples import DISTRIBUTIONS as SPREADS
 from ..tolerances.samples import INDEX_SAMPLES, OF_DEVICE, SHOCK_FACTORS, Tolerances
-from ..tolerances.samples import KINDS as SPREADS
 from .calibration import CalibrationSection
 from .devices import DeviceSection, of_device
 from .keys import Section, argument, axis, flag, key, many, part, path, quantity, word, words
-from .shocks import TIMED, PulseSection, RequirementSection, one_time
+from .shocks import TIMED, PulseSection, RequirementSection, is_title, one_time
 from .units import read, show
 from .views import HANDOUT_CASE, MOST_MAPS
 
@@ -218,6 +218,12 @@ def _own_points(file):
 class Document(Section):
     """Device (or devices), model and sweep; if wanted, what else is made of them."""
 
+    title: argument(
+        Argument("a line of letters, digits, spaces, .,:()/%+-_, at most 60", is_title),
+        "of the data sheet: name, issue, date",
+        "Crash sensor A, 2026-11-23",
+        "none",
+    )
     device: part(DeviceSection, out="required, or `devices`")
     devices: Annotated[
         dict[object, DeviceSection],

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from ..arguments import Argument
 from ..io.named import sha256_of
-from ..io.recorded import RECORD
+from ..io.recorded import RECORD, read_pulse
 from ..pulse import DIRECTIONS, SHAPES, SHARES, VERSED_SINE
 from ..shocks import MAKERS, Shocks, make_shocks
 from ..spectra.psd import REACH, Spectrum
@@ -102,7 +102,7 @@ class PulseSection(Section):
         return {}
 
     def values(self) -> dict:
-        """What `make_shocks` takes, with the SHA-256 of a file."""
+        """What it says, in internal units, with the SHA-256 of a file."""
         names = [*PulseSection.model_fields]
         values = self.model_dump(include=names, exclude_unset=True, by_alias=True)
         try:
@@ -112,7 +112,11 @@ class PulseSection(Section):
 
     def make(self) -> Shocks:
         """The shocks."""
-        return make_shocks(self.values())
+        values = self.values()
+        if self.file:
+            pulse = read_pulse(self.file, values["sha256"])
+            return make_shocks(pulse, values.get("direction", "+z"))
+        return make_shocks(values)
 
 
 def one_time(given, lasts_itself=False, at=()):
@@ -141,7 +145,8 @@ def _points(name, what, example):
     return many(pair, need, example, "one shock", least=2)
 
 
-def _title(value):
+def is_title(value: object) -> bool:
+    """Whether it is a line that may stand in tables."""
     return isinstance(value, str) and re.fullmatch(r"[^\W_][\w .,:()/%+-]{0,59}", value) is not None
 
 
@@ -153,7 +158,7 @@ class RequirementSection(PulseSection):
     """A shock, with its name, N and time, that must or must not trip the device; or a spectrum."""
 
     name: argument(
-        Argument("a name of its own: letters, digits, spaces, .,:()/%+-_, at most 60", _title)
+        Argument("a name of its own: letters, digits, spaces, .,:()/%+-_, at most 60", is_title)
     )
     N: quantity("number", "above 0", out="required, but of a drop or with `psd`, `srs`")
     snaps: flag("whether the device must trip")

@@ -40,7 +40,7 @@ class Config(Study):
     """A study with the cells of its sweep, and what else is made of it.
 
     grid: all axes, each ascending
-    pulse: what `make_shocks` took, with the SHA-256 of a record
+    pulse: its section, in internal units, with the SHA-256 of a record
     requirements: shocks that must or must not trip the device, as `thresholds.requirements.check`
         takes them, with their `pulse`; vibrations, spectra: likewise, as `spectra.verdicts` does
     tolerances: what scatters from device to device, or nothing
@@ -50,6 +50,7 @@ class Config(Study):
     own_points: path and SHA-256 of a user's own points on the maps, or nothing
     left_out: one line on what is not drawn, or nothing
     measured: lines on shapes of beams that were read from files, by device and path
+    title: of the data sheet
     """
 
     grid: Grid
@@ -67,6 +68,7 @@ class Config(Study):
     own_points: tuple[str, str] | tuple[()]
     left_out: str
     measured: dict[tuple[str, str], str]
+    title: str
 
     @property
     def axes(self) -> dict[str, np.ndarray]:
@@ -181,6 +183,7 @@ def load_config(document: Mapping) -> Config:
             for name, one in parts.devices_by_name().items()
             if one.beam.measured
         },
+        title=parts.title or "",
     )
 
 

@@ -59,13 +59,13 @@ def trace(study: Study, cube: xr.Dataset, earlier: xr.Dataset | None = None) -> 
     halvings = cube.halvings.values.ravel()
     rows, N = rows_of(grid), grid.axes["N"]
     cells = rows.cells(grid.device, N, settings.horizon).flat()
-    device_of, n_cells = cells.device, cells.f0.size
+    device_of, size = cells.device, cells.device.size
     window = _window(grid.device, cube, cells, settings)
-    bins = next((n for n in BINS if n * len(BANDS) * n_cells <= BYTES), BINS[-1])
+    bins = next((n for n in BINS if n * len(BANDS) * size <= BYTES), BINS[-1])
     made_by = recipe(json.loads(cube.attrs["config"]), grid.pulses, bins)
     held, known = recall(earlier, grid, made_by)
-    values = np.full((len(BANDS), bins, n_cells), np.nan, np.float32)
-    bin_length, stress = np.zeros(n_cells, np.float32), np.full(n_cells, np.nan, np.float32)
+    values = np.full((len(BANDS), bins, size), np.nan, np.float32)
+    bin_length, stress = np.zeros(size, np.float32), np.full(size, np.nan, np.float32)
     if held:
         values[:] = [held[key].T for key in BANDS]
         bin_length[known] = held["bin_length"][known]
@@ -129,10 +129,9 @@ def _follow(model, cells, window, bins, threads):
     order = np.argsort(width, kind="stable")
 
     def follow(these):
-        alike, of_stress = cells.take(these), None if rows is None else rows[these]
-        of = alike.device
+        of, own = cells.device[these], None if rows is None else rows[these]
         w_range, instants, stress[these] = simd_loop.trace(
-            model, alike, dt[these], width[these], bins, of_stress
+            model, cells.take(these), dt[these], width[these], bins, own
         )
         # Half way through the step in which it bounces the mass is beyond a stop.
         np.clip(instants[0], -device.stop_toward[of], device.stop_away[of], instants[0])
