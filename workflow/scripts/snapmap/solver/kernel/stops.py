@@ -10,27 +10,20 @@ from .rows import LANES, numbers
 @compiled
 def has_stops(work):
     """Whether the mass of any lane has one; an empty lane has zeros there."""
-    X, some = numbers(work), False
+    X, any_lane = numbers(work), False
     for l in range(LANES):
-        some |= 0.0 < X[R.STOP_TOWARD, l] < np.inf
-        some |= 0.0 < X[R.STOP_AWAY, l] < np.inf
-    return some
-
-
-@inlined
-def is_beyond(X, l):
-    """Whether the mass of lane l is beyond a stop."""
-    y = X[R.Y, l]
-    return (y < -X[R.STOP_TOWARD, l]) | (y > X[R.STOP_AWAY, l])
+        any_lane |= 0.0 < X[R.STOP_TOWARD, l] < np.inf
+        any_lane |= 0.0 < X[R.STOP_AWAY, l] < np.inf
+    return any_lane
 
 
 @compiled
 def crossed(work):
-    """Whether the mass of any lane is."""
-    X, some = numbers(work), False
+    """Whether the mass of any lane is beyond a stop."""
+    X, any_lane = numbers(work), False
     for l in range(LANES):
-        some |= is_beyond(X, l)
-    return some
+        any_lane |= (X[R.Y, l] < -X[R.STOP_TOWARD, l]) | (X[R.Y, l] > X[R.STOP_AWAY, l])
+    return any_lane
 
 
 @compiled
@@ -81,8 +74,8 @@ def strike(X, l, stop):
 @inlined
 def stored(X, l, begin, end):
     """What spring and contact take up as the mass goes from `begin` to `end` in a half step."""
-    middle, way = X[R.Y, l] - X[R.DY, l] / 2, end - begin
+    middle = X[R.Y, l] - X[R.DY, l] / 2
     before = max(0.0, X[R.OVERLAP, l] - (begin - middle))
     after = max(0.0, X[R.OVERLAP, l] - (end - middle))
     contact = X[R.CONTACT, l] * (after - before) * (after + before) / 2
-    return X[R.K, l] * way * (begin + end) / 2 + contact
+    return X[R.K, l] * (end - begin) * (begin + end) / 2 + contact
