@@ -27,7 +27,7 @@ def march(model, cells, dt, settings):
     facts = Facts(t_snap, t_settled, np.empty(n_cells, np.int8), *others)
     devices, pulses = coefficients(model, snap_target(model)), table(settings.pulses)
     ends = settings.until in ("snap", "edge", "pulse"), settings.until == "pulse"
-    task = Task(devices, pulses, cells, dt, *ends, settings.energy_tolerance, facts)
+    task = Task(devices, pulses, *cells, dt, *ends, settings.energy_tolerance, facts)
     follow_all(*empty_lanes(model), task)
     return facts
 

@@ -5,7 +5,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ...numerics.kernels import compiled, inlined, sine, widen_vectors
-from ..cells import Cells
 from . import rows as R
 from .pulse import BLOCK, begin_pulse, no_pulse, set_out
 from .rows import LANES, numbers, vectors
@@ -38,14 +37,19 @@ class Task(NamedTuple):
     devices: their coefficients, (n_devices, coefficients), as `simd_loop.coefficients` has them
     pulses: as in `numerics.pieces`, over x = f0 t: the pieces of all, (pieces, 6), where each one's
         begin and end, (pulses + 1,), and what it begins and ends with, (pulses, 2)
-    dt: us, (cells,)
+    device, ..., t_end: as in `Cells`; dt: us; (cells,)
     stop_at_snap, stop_after_pulse: whether a run ends there, too
     tolerance: of the ledger, over the gross work of the pulse; a run that exceeds it is given up
     """
 
     devices: np.ndarray
     pulses: tuple[np.ndarray, np.ndarray, np.ndarray]
-    cells: Cells
+    device: np.ndarray
+    pulse: np.ndarray
+    amplitude: np.ndarray
+    f0: np.ndarray
+    damping: np.ndarray
+    t_end: np.ndarray
     dt: np.ndarray
     stop_at_snap: bool
     stop_after_pulse: bool
@@ -86,7 +90,7 @@ def load(work, shape, l, device, damping, amplitude, dt):
             both = V[R.U, i, l] * V[R.U, j, l]
             V[R.S + i, j, l] = both * element
     X[R.OVERLAP, l] = 0.0 - X[R.Z0, l]
-    X[R.AMPLITUDE, l] = amplitude * dt**2
+    X[R.AMPLITUDE, l] = amplitude * square
     mass = X[R.M, l] + X[R.K, l] / 4
     X[R.KEEP, l] = (mass - drag) / (mass + drag)
     X[R.B, l] = 1 / (mass + drag)
@@ -111,12 +115,12 @@ def look(X, V, modes, l, cell, state, task):
     snapped = X[R.W, l] <= X[R.TARGET, l]
     in_pulse = steps - 1 < state.lasts[l]
     stopped = snapped and task.stop_at_snap
-    ended = steps * dt > task.cells.t_end[cell] or not np.isfinite(X[R.Y, l]) or stopped
+    ended = steps * dt > task.t_end[cell] or not np.isfinite(X[R.Y, l]) or stopped
     ended |= task.stop_after_pulse and not in_pulse
     if in_pulse and not ended:
         return False
 
-    drag, gross_work = task.cells.damping[cell] * dt, X[R.GROSS_WORK, l] / 2
+    drag, gross_work = task.damping[cell] * dt, X[R.GROSS_WORK, l] / 2
     scale, well = 1 / gross_work if gross_work > 0 else 1.0, 0
     beam, mass, contact, w, residual = ledger(X, V, modes, l, drag)
     if not in_pulse:
@@ -211,7 +215,7 @@ def follow_all(work, shape, task):
     """
     widen_vectors()
     work[:] = 0.0
-    X, V, cells = numbers(work), vectors(work, len(shape)), task.cells
+    X, V = numbers(work), vectors(work, len(shape))
     cell_in, state, shocks = np.full(LANES, -1), no_pulse(), np.zeros(BLOCK * LANES)
     next_cell, running, was_shocked = 0, 0, False
     while next_cell < task.dt.size or running > 0:
@@ -219,12 +223,11 @@ def follow_all(work, shape, task):
         for l in range(LANES):
             if cell_in[l] < 0 and next_cell < task.dt.size:
                 cell_in[l] = cell = next_cell
-                dt, pulse = task.dt[cell], cells.pulse[cell]
-                device = task.devices[cells.device[cell]]
-                load(work, shape, l, device, cells.damping[cell], cells.amplitude[cell], dt)
-                begin_pulse(work, l, state, task.pulses, pulse, cells.f0[cell] * dt)
+                device, dt = task.devices[task.device[cell]], task.dt[cell]
+                load(work, shape, l, device, task.damping[cell], task.amplitude[cell], dt)
+                begin_pulse(work, l, state, task.pulses, task.pulse[cell], task.f0[cell] * dt)
                 swing = 2 * np.pi * np.sqrt(X[R.M, l] / X[R.K, l])
-                X[R.LAST_SWING, l] = cells.t_end[cell] / dt - swing
+                X[R.LAST_SWING, l] = task.t_end[cell] / dt - swing
                 next_cell += 1
                 running += 1
             is_shocked |= state.steps[l] < state.lasts[l]
