@@ -179,7 +179,7 @@ def test_a_threshold_across_a_stop_by_another_integrator(handout):
     device = changed(handout, stop_toward=12.0, stop_away=6.0, restitution=0.9)
     model = build_model(device, "cosines", cosines=1, modes=1)
     pulses = Shocks(make_pulse("half sine"), "-z").pulses
-    asked = to_rows(0, 3e4, 0.0), (1e4, 3e4), Settings(100.0, pulses=pulses)
+    asked = to_rows(0, 3e4, 0.0, 0, pulses), (1e4, 3e4), Settings(100.0)
     N, fine = (lowest_snap(one, *asked, 1e-6).item() for one in (model, model.with_step(0.25)))
     assert abs(N - fine) < 5e-4 * fine
     one = model.pick(0)

@@ -17,7 +17,7 @@ from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError
 from snapmap.device import batch, values_of
 from snapmap.figures.requirements import each_share
-from snapmap.pulse import shocks_from
+from snapmap.pulse import HANDOUT_SHOCK, shocks_from
 from snapmap.solver.adaptive import RUNGS
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
@@ -178,7 +178,7 @@ def test_the_share_that_snaps_lies_within_its_bounds(handout):
 
     def thresholds(samples, seed):
         batch = Batch(handout, plan, plan.points(samples, seed)[0], build)
-        return batch.thresholds(C, f0, settings, 1e-3)[0]
+        return batch.thresholds(HANDOUT_SHOCK.pulses, C, f0, settings, 1e-3)[0]
 
     many = thresholds(4096, 1000)
     N = quantiles(many, [0.1, 0.5, 0.8])[:, 0, 0, 0]

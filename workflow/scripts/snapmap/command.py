@@ -91,15 +91,14 @@ def _costs(study):
     for device in study.devices().values():
         models = choose_survey(batch([device]), study.model)
         for asked in study.requirements:
-            own = study.settings._replace(pulses=shocks_of(asked.pulse).pulses)
-            rows = to_rows(0, asked.f0, C)
-            costs["requirements"] += survey_seconds(models, rows, own)
+            rows = to_rows(0, asked.f0, C, pulses=shocks_of(asked.pulse).pulses)
+            costs["requirements"] += survey_seconds(models, rows, study.settings)
             if scatter:
-                runs = PER_SAMPLE * every
-                costs["tolerances"] += runs * run_seconds(models.decides, rows, own).sum()
+                seconds = run_seconds(models.decides, rows, study.settings).sum()
+                costs["tolerances"] += PER_SAMPLE * every * seconds
         if scatter:
-            pulse = np.arange(len(study.settings.pulses))[:, np.newaxis, np.newaxis]
-            rows = to_rows(0, f0, C[:, np.newaxis], pulse)
+            pulse = np.arange(len(study.grid.pulses))[:, np.newaxis, np.newaxis]
+            rows = to_rows(0, f0, C[:, np.newaxis], pulse, study.grid.pulses)
             seconds = run_seconds(models.decides, rows, study.settings).sum()
             costs["tolerances"] += PER_SAMPLE * every * seconds
     return costs

@@ -121,7 +121,7 @@ def thresholds_at(
         some = {key: column[there] for key, column in values.items()}
         varied = batch([study.device]).pick(np.zeros(there.sum(), int)).vary(some)
         at = (np.broadcast_to(column, size)[there] for column in (f0, C, pulse))
-        rows = to_rows(np.arange(len(varied)), *at)
+        rows = to_rows(np.arange(len(varied)), *at, study.shocks.pulses)
         models = choose_survey(varied, study.model)
         of_some = survey(models, rows, study.settings, THRESHOLD_TOLERANCE)
         first[:, there] = of_some.N_first, of_some.N_error

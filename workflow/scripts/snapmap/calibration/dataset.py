@@ -80,7 +80,7 @@ def calibration_of(
 
     files: as in `shots_from`
     """
-    if len(study.settings.pulses) > 1:
+    if len(study.shocks.pulses) > 1:
         raise ValueError("pulse: several; name the shape and direction of each shot in its row")
     check_ranges(unknowns, C)
     shots = shots_from(table, study.shocks, study.device, files)

@@ -80,12 +80,12 @@ def _thresholds(study, kinds, values, C):
     device = batch([study.device])
     centre = device.vary(middle)
     f0, pulse = np.array([kind.f0 for kind in kinds]), np.arange(len(kinds))
-    settings = study.settings._replace(pulses=tuple(kind.pulse for kind in kinds))
-    rows = to_rows(0, f0, (damping.min() + damping.max()) / 2, pulse)
+    pulses, settings = tuple(kind.pulse for kind in kinds), study.settings
+    rows = to_rows(0, f0, (damping.min() + damping.max()) / 2, pulse, pulses)
     build = choose_builder(centre.pick(0), study.model, rows, settings)
     nominal = nominal_thresholds(build(centre), rows, settings, TOLERANCE / 10)
     model = build(device.pick(np.zeros(damping.size, int)).vary(made))
-    rows = to_rows(np.arange(damping.size)[:, None], f0, damping[:, None], pulse)
+    rows = to_rows(np.arange(damping.size)[:, None], f0, damping[:, None], pulse, pulses)
     apart = np.column_stack([column - column.mean() for column in values.values()])
     found, _ = thresholds_of_samples(model, rows, apart, nominal, settings, TOLERANCE)
     if not np.isfinite(found).all():

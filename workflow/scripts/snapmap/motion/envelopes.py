@@ -15,7 +15,7 @@ from ..io.provenance import provenance, recipe
 from ..io.variables import variables
 from ..solver import simd_loop
 from ..solver.adaptive import choose_model
-from ..solver.cells import rows_of, to_cells
+from ..solver.cells import rows_of
 from ..solver.kernel.rows import LANES
 from ..solver.kernel.trace import SAMPLE
 from ..solver.outcome import FAILED
@@ -56,12 +56,10 @@ def trace(study: Study, cube: xr.Dataset, earlier: xr.Dataset | None = None) -> 
     level = cube.level.values.ravel() if "level" in cube else np.zeros(cube.outcome.size, int)
     halvings = cube.halvings.values.ravel()
     rows, N = rows_of(grid), grid.axes["N"]
-    columns = (np.repeat(column, N.size) for column in rows)
-    device_of, f0, C, pulse = columns
-    N = np.tile(N, rows.f0.size)
-    cells = to_cells(grid.device, device_of, N, f0, C, settings.horizon, pulse)
+    cells = rows.cells(grid.device, N, settings.horizon).flat()
+    device_of = cells.device
     window = _window(grid.device, cube, cells, settings)
-    bins = next((n for n in BINS if n * len(VARIABLES) * f0.size <= BYTES), BINS[-1])
+    bins = next((n for n in BINS if n * len(VARIABLES) * device_of.size <= BYTES), BINS[-1])
     made_by = recipe(json.loads(cube.attrs["config"]), grid.pulses, bins)
     values, bin_length, stress, known = _recall(earlier, grid, made_by, bins)
     new = ~known & (device_of >= 0)
@@ -71,7 +69,7 @@ def trace(study: Study, cube: xr.Dataset, earlier: xr.Dataset | None = None) -> 
         for mine, part in stepped.split(device_of[some]):
             which = some[mine]
             alike = cells.some(which)
-            found = _follow(part, grid.pulses, alike, window[which], bins, settings.threads)
+            found = _follow(part, alike, window[which], bins, settings.threads)
             values[..., which], bin_length[which] = _shown(*found[:2], window[which])
             stress[which] = found[2]
     y = values[2] - values[2, 0]
@@ -122,7 +120,7 @@ def _window(device, cube, cells, settings):
     return np.where(np.isnan(settled), ended, settled + swing)
 
 
-def _follow(model, pulses, cells, window, bins, threads):
+def _follow(model, cells, window, bins, threads):
     """Values, (variables, bins, cells), lengths of the bins, us, and the largest stress, MPa.
 
     window: time followed, us
@@ -131,7 +129,7 @@ def _follow(model, pulses, cells, window, bins, threads):
     device = model.device
     gap = np.where(device.is_alone, np.nan, device.gap)
     origin = np.stack([first, first, first + gap[cells.device]])
-    dt = model.steps.of(cells, pulses, MOVE)
+    dt = model.steps.of(cells, MOVE)
     width = SAMPLE * np.ceil(window / (bins * SAMPLE * dt)).astype(np.int64)
     values, stress = np.empty((len(VARIABLES), bins, width.size)), np.full(width.size, np.nan)
     rows = None
@@ -141,10 +139,9 @@ def _follow(model, pulses, cells, window, bins, threads):
     order = np.argsort(width, kind="stable")
 
     def follow(some):
-        loads = *(column[some] for column in cells[1:5]), width[some]
         asked = None if rows is None else rows[some]
         w_range, instants, stress[some] = simd_loop.trace(
-            model, cells.device[some], dt[some], pulses, loads, bins, asked
+            model, cells.some(some), dt[some], width[some], bins, asked
         )
         # Half way through the step in which it bounces the mass is beyond a stop.
         which = cells.device[some]

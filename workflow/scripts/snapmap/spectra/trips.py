@@ -65,13 +65,14 @@ def trips_of(
     along = DIRECTIONS[study.shocks.directions[0]]
     pulses = tuple(one.pulse if along > 0 else one.pulse.reversed() for one in drawn)
     peak = np.array([one.peak for one in drawn])
-    grid, settings = study.set_out(axes), study.settings._replace(pulses=pulses)
+    grid = study.set_out(axes)
     f0 = np.array([1e6 / one.duration for one in pulses])
     device = grid.device_of[..., np.newaxis, np.newaxis]
-    rows = to_rows(device, f0, grid.axes["C"][:, np.newaxis], np.arange(len(pulses)))
+    rows = to_rows(device, f0, grid.axes["C"][:, np.newaxis], np.arange(len(pulses)), pulses)
     snaps, there = np.full((rows.device.size, len(FACTORS)), np.nan), rows.device >= 0
     some = rows.some(there)
-    ask = asker(choose_survey(grid.device, study.model).decides, some, settings, until="snap")
+    decides = choose_survey(grid.device, study.model).decides
+    ask = asker(decides, some, study.settings, until="snap")
     t_snap = ask(peak[some.pulse][:, np.newaxis] * FACTORS)
     snaps[there] = np.where(np.isinf(t_snap), np.nan, np.isfinite(t_snap))
     each = {

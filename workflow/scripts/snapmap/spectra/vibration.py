@@ -136,15 +136,15 @@ def _follow(
     """Follow all records at a level of some rows, so many at a time as PIECES allow."""
     length = spectrum.record_length(asked["duration"])
     size = max(1, PIECES // len(spectrum.record(length, [asked["seed"], 0])[0].pieces))
-    device, f0, C, _ = (column[:, np.newaxis] for column in rows)
+    device, f0, C = (column[:, np.newaxis] for column in rows[:3])
     seen = Seen(*np.zeros((3, rows.C.size)))
     for begin in range(0, asked["records"], size):
         numbers = range(begin, min(begin + size, asked["records"]))
         drawn = [spectrum.record(length, [asked["seed"], n]) for n in numbers]
         pulses, peaks = zip(*drawn, strict=True)
         N = level * np.array(peaks)
-        cells = to_cells(model.device, device, N, f0, C, 0.0, np.arange(len(pulses)))
-        found = model.follow(cells, settings._replace(until="snap", repeat=False, pulses=pulses))
+        cells = to_cells(model.device, device, N, f0, C, 0.0, np.arange(len(pulses)), pulses)
+        found = model.follow(cells, settings._replace(until="snap", repeat=False))
         failed = ~(found.energy_error <= settings.energy_tolerance)
         snapped = np.isfinite(found.t_snap) & ~failed
         time = np.where(snapped, found.t_snap * 1e-6, length)

@@ -131,8 +131,7 @@ def _expected_of_each(grid, model, settings, f0):
     """Shortest step, us, and the time of one cell of each device and f0, s; mean over pulses."""
     built = choose_model(grid.device, model).levels[0]
     device, pulse = np.arange(len(grid.device)), np.arange(len(grid.pulses))[:, np.newaxis]
-    at = device[:, np.newaxis, np.newaxis], 0.0, f0, 0.0, settings.horizon, pulse
-    settings = settings._replace(pulses=grid.pulses)
+    at = device[:, np.newaxis, np.newaxis], 0.0, f0, 0.0, settings.horizon, pulse, grid.pulses
     dt, seconds = steps_and_seconds(
         built, to_cells(grid.device, *at), settings, model["name"] == "reference"
     )

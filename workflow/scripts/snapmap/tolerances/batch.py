@@ -10,6 +10,7 @@ import numpy as np
 from ..device import FROM_ZERO, SIGNED, VALUES, Device, is_bistable
 from ..device import batch as batch_of
 from ..motion.history import extremes_of
+from ..pulse import Pulse
 from ..solver.adaptive import TOLERANCE, choose_model
 from ..solver.cells import Rows, to_cells, to_rows
 from ..solver.model import Follows
@@ -62,18 +63,23 @@ class Batch:
         self.deviations = np.column_stack(list(self.values.values()))[self.bistable] - nominal
 
     def thresholds(
-        self, C: np.ndarray, f0: np.ndarray, settings: Settings, tolerance: float
+        self,
+        pulses: Sequence[Pulse],
+        C: np.ndarray,
+        f0: np.ndarray,
+        settings: Settings,
+        tolerance: float,
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Find the lowest N that snaps, (samples, pulses, C, f0), and the nominal device's.
 
         The third result is which of these rows are ragged; NaN where a sample has none.
         """
-        pulse, C, f0 = np.meshgrid(np.arange(len(settings.pulses)), C, f0, indexing="ij")
-        rows = to_rows(0, f0, C, pulse)
+        pulse, C, f0 = np.meshgrid(np.arange(len(pulses)), C, f0, indexing="ij")
+        rows = to_rows(0, f0, C, pulse, pulses)
         nominal = nominal_thresholds(self.nominal, rows, settings, tolerance / 10)
         found, ragged = np.empty((0, f0.size)), np.zeros(f0.size, bool)
         if self.size:
-            rows = to_rows(*self._of_samples(f0, C), pulse)
+            rows = to_rows(*self._of_samples(f0, C), pulse, pulses)
             found, ragged = thresholds_of_samples(
                 self.model, rows, self.deviations, nominal, settings, tolerance
             )
@@ -82,31 +88,37 @@ class Batch:
         whole[self.bistable] = found.reshape(-1, *f0.shape)
         return whole, nominal.reshape(f0.shape), ragged.reshape(f0.shape)
 
-    def snapped(self, N: float, C: np.ndarray, f0: float, settings: Settings) -> np.ndarray:
+    def snapped(
+        self, pulse: Pulse, N: float, C: np.ndarray, f0: float, settings: Settings
+    ) -> np.ndarray:
         """Whether one shock snaps each sample, (samples, C)."""
         whole = np.zeros((self.bistable.size, len(C)), bool)
         if self.size:
-            rows = to_rows(*self._of_samples(f0, np.asarray(C)))
+            rows = to_rows(*self._of_samples(f0, np.asarray(C)), pulses=(pulse,))
             shock = np.repeat(N * self.factors["N"], len(C))
             seen = asker(self.model, rows, settings)(shock[:, np.newaxis])
             whole[self.bistable] = np.isfinite(seen).reshape(-1, len(C))
         return whole
 
     def latched(
-        self, samples: int, N: np.ndarray, C: np.ndarray, f0: np.ndarray, settings: Settings
+        self,
+        samples: int,
+        pulses: Sequence[Pulse],
+        N: np.ndarray,
+        C: np.ndarray,
+        f0: np.ndarray,
+        settings: Settings,
     ) -> np.ndarray:
         """How many of the first samples are proven to stay in the second shape.
 
         Returns (pulses, C, f0, N).
         """
-        pulse, C, f0, N = np.meshgrid(
-            np.arange(len(settings.pulses)), C, f0, N, indexing="ij", copy=False
-        )
+        pulse, C, f0, N = np.meshgrid(np.arange(len(pulses)), C, f0, N, indexing="ij", copy=False)
         count = np.zeros(N.shape, np.int64)
         for i in range(np.count_nonzero(self.bistable[:samples])):
             factors = {key: values[i] for key, values in self.factors.items()}
             shock = N * factors["N"], f0 / factors["duration"], C * factors["C"]
-            cells = to_cells(self.model.device, i, *shock, settings.horizon, pulse)
+            cells = to_cells(self.model.device, i, *shock, settings.horizon, pulse, pulses)
             seen = self.model.follow(cells, settings)
             count += label(*seen[:4], settings.energy_tolerance) == LATCHED
         return count

@@ -89,8 +89,9 @@ def tolerances_of(
         raise ValueError(f"index_samples: {asked.index_samples} is more than samples, {samples}")
     N = axes.get("N")
     axes = {key: np.atleast_1d(np.asarray(axes[key], float)) for key in ("C", "f0")}
-    pulses = np.arange(len(settings.pulses))[:, np.newaxis, np.newaxis]
-    rows = to_rows(0, axes["f0"], axes["C"][:, np.newaxis], pulses)
+    pulses = study.shocks.pulses
+    pulse = np.arange(len(pulses))[:, np.newaxis, np.newaxis]
+    rows = to_rows(0, axes["f0"], axes["C"][:, np.newaxis], pulse, pulses)
     paired = min(samples, asked.index_samples or INDEX_SAMPLES)
     power = 1 << (paired.bit_length() - 1)
     found = []
@@ -106,7 +107,7 @@ def tolerances_of(
         data = data.merge(_indices(N_first, samples, power, plan, asked.seed, data))
         data = data.merge(_probability(data, N))
         if one.beam.damping > 0:
-            data = data.merge(_latched(some, data, settings))
+            data = data.merge(_latched(some, pulses, data, settings))
         if requirements:
             own = replace(study, device=one)
             data = data.merge(_requirements(some, own, requirements, data, tolerance))
@@ -169,7 +170,7 @@ def _thresholds(whole, samples, shocks, axes, settings, tolerance):
     """N_first of the samples proper with its moments; and of all, (all, ...)."""
     groups = shocks.axes | axes
     shape = [values.size for values in groups.values()]
-    N_first, nominal, ragged = whole.thresholds(*axes.values(), settings, tolerance)
+    N_first, nominal, ragged = whole.thresholds(shocks.pulses, *axes.values(), settings, tolerance)
     N_first = N_first.reshape(-1, *shape)
     own = N_first[:samples]
     mean, std = moments(own)
@@ -225,12 +226,12 @@ def _share(name, count, size, dims, **coords):
     return xr.Dataset(values, coordinates(coords) | {"bound": list(BOUND)})
 
 
-def _latched(some, data, settings):
+def _latched(some, pulses, data, settings):
     """Share of the samples that stay latched, of as many as are affordable."""
     groups, N = data.N_nominal, data.N.values
     size = FOLLOWED_CELLS // (groups.size * N.size)
     size = min(len(some.bistable), max(FEWEST_FOLLOWED, size))
-    count = some.latched(size, N, data.C.values, data.f0.values, settings)
+    count = some.latched(size, pulses, N, data.C.values, data.f0.values, settings)
     dims = (*groups.dims, "N")
     return _share("latched", count.reshape(*groups.shape, N.size), size, dims, N=N)
 
@@ -240,10 +241,10 @@ def _requirements(some, study, requirements, data, tolerance):
     C, size = data.C.values, len(some.bistable)
     first, meets = [], []
     for asked in requirements:
-        own = study.settings._replace(pulses=asked["shocks"].pulses)
-        f0 = np.array([asked["f0"]])
-        first.append(some.thresholds(C, f0, own, tolerance)[0][:, 0, :, 0])
-        snapped = some.snapped(asked["N"], C, asked["f0"], own)
+        (pulse,), f0 = asked["shocks"].pulses, np.array([asked["f0"]])
+        N_first, *_ = some.thresholds((pulse,), C, f0, study.settings, tolerance)
+        first.append(N_first[:, 0, :, 0])
+        snapped = some.snapped(pulse, asked["N"], C, asked["f0"], study.settings)
         meets.append((snapped == asked["snaps"]) & some.bistable[:, np.newaxis])
     meets = np.array(meets)
     names = {"requirement": [asked["name"] for asked in requirements]}
