@@ -59,7 +59,7 @@ def unit_beams(beam: Beam) -> tuple[UnitBeams, np.ndarray]:
     table = np.stack(np.broadcast_arrays(*map(np.atleast_1d, columns)))
     values, which = np.unique(table, axis=1, return_inverse=True)
     a = values[3:].T if len(values) > 3 else None
-    return UnitBeams(*values[:3], a), which.ravel()
+    return UnitBeams(values[0], values[1], values[2], a), which.ravel()
 
 
 def at_rest(basis: Basis, beams: UnitBeams) -> tuple[np.ndarray, np.ndarray]:
@@ -138,7 +138,7 @@ def reduce_to_modes(beam: Beam, basis: Basis, modes: int | None = None) -> Modal
     unit = unit_form(basis, modes, beams)
     if not beams.as_made:
         which = which if np.ndim(beam.rise) else which[0]
-        unit = ModalBeam(*(column[which] for column in unit))
+        unit = ModalBeam(*(np.asarray(column)[which] for column in unit))
     root = np.sqrt(beam.weight)
     return ModalBeam(
         stiffness=_column(beam.stiffness_unit / beam.weight, 1) * unit.stiffness,

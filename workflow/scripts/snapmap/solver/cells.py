@@ -27,11 +27,11 @@ class Cells(NamedTuple):
 
     def some(self, which: np.ndarray) -> "Cells":
         """Those chosen by indices or a mask."""
-        return Cells(*(column[which] for column in self[:-1]), self.pulses)
+        return self._make([*(column[which] for column in self[:-1]), self.pulses])
 
     def flat(self) -> "Cells":
         """The same in one dimension."""
-        return Cells(*map(np.ravel, self[:-1]), self.pulses)
+        return self._make([*map(np.ravel, self[:-1]), self.pulses])
 
 
 class Rows(NamedTuple):
@@ -48,7 +48,7 @@ class Rows(NamedTuple):
 
     def some(self, which: np.ndarray | slice) -> "Rows":
         """Those chosen."""
-        return Rows(*(column[which] for column in self[:-1]), self.pulses)
+        return self._make([*(column[which] for column in self[:-1]), self.pulses])
 
     def cells(self, devices: Device, N, horizon: float) -> Cells:
         """Their cells, (rows, n), at multiples of g that broadcast so; as `to_cells`."""
@@ -61,8 +61,10 @@ class Observations(NamedTuple):
 
     t_snap: first arrival of the midpoint at w2 after the pulse's start, us; NaN if not seen
     t_settled: when the beam was seen to be settled in a well for ever, us; NaN if it was not
-    well: the side of the saddle at the end of the run, 1 or 2; 0 if it ended at its snap
-    energy_error: residual of the energy ledger over the gross work of the pulse
+    well: the side of the saddle at the end of the run, 1 or 2; 0 if it ended at its snap, or in
+        the pulse
+    energy_error: residual of the energy ledger over the gross work of the pulse, not finite after
+        a blow-up
     well_share: share of the mass's last swing spent on that side; 1 if settled, NaN for well 0
     pulse_work: of the whole pulse on mass and beam, pJ; NaN if the run ended before it or failed
     halvings: how often the model's step was halved for these observations
@@ -86,16 +88,14 @@ class Observations(NamedTuple):
 
     def replace(self, which: np.ndarray, others: "Observations") -> None:
         """Set what was observed of some cells, in place."""
-        for whole, part in zip(self[:7], others[:7], strict=True):
-            whole[which] = part
+        for column, part in zip(self[:7], others[:7], strict=True):
+            column[which] = part
 
 
 def no_observations(shape: tuple[int, ...]) -> Observations:
     """Room for observations of so many cells: nothing was seen, and no ledger closes."""
-    kinds = float, float, np.int8, float, float, float, np.int8
-    nothing = np.nan, np.nan, 0, np.inf, np.nan, np.nan, 0
-    columns = zip(nothing, kinds, strict=True)
-    return Observations(*(np.full(shape, value, kind) for value, kind in columns))
+    nothing = np.nan, np.nan, np.int8(0), np.inf, np.nan, np.nan, np.int8(0)
+    return Observations(*(np.full(shape, value) for value in nothing))
 
 
 def rows_of(grid: Grid) -> Rows:

@@ -15,7 +15,7 @@ from ..io.variables import headed, variables
 from ..pulse import HANDOUT_SHOCK
 from ..solver.adaptive import choose_survey
 from ..solver.cells import Rows, to_cells, to_rows
-from ..solver.model import Follows
+from ..solver.models import Follows
 from ..solver.settings import Settings
 from ..study import THRESHOLD_SETTINGS, Study, study_of
 from .psd import REACH, Spectrum

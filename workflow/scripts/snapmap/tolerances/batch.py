@@ -13,8 +13,7 @@ from ..motion.history import extremes_of
 from ..pulse import Pulse
 from ..solver.adaptive import TOLERANCE, choose_model
 from ..solver.cells import Rows, to_cells, to_rows
-from ..solver.model import Follows
-from ..solver.models import build_model
+from ..solver.models import Follows, build_model
 from ..solver.outcome import LATCHED, label
 from ..solver.search import asker
 from ..solver.settings import Settings
