@@ -16,7 +16,7 @@ import numpy as np
 from .checks import numbers, show
 from .device import VALUES, Device
 from .pulse import DIRECTIONS, SHAPES, Pulse
-from .quantities import QUANTITIES, Range, range_of
+from .quantities import QUANTITIES, Bounds, bounds_of
 
 OF_ELEMENTS = ("elements", "mass_matrix", "step", "modes")
 OPTIONS = {
@@ -40,8 +40,8 @@ class Argument(NamedTuple):
             raise ValueError(f"{name}: {show(value)} is not {self.need}")
 
 
-def _number(within: str | Range, unit: str = "", example: str = "") -> Argument:
-    within = range_of(within) if isinstance(within, str) else within
+def _number(within: str | Bounds, unit: str = "", example: str = "") -> Argument:
+    within = bounds_of(within) if isinstance(within, str) else within
 
     def fits(value):
         array = numbers(value)
@@ -50,7 +50,7 @@ def _number(within: str | Range, unit: str = "", example: str = "") -> Argument:
     return Argument(_words("a number", within, unit, example), fits)
 
 
-def _row(within: Range, unit: str, example: str) -> Argument:
+def _row(within: Bounds, unit: str, example: str) -> Argument:
     def fits(value):
         array = numbers(value)
         if array is None or array.ndim > 1 or not array.size or not within.holds(array).all():
@@ -67,7 +67,7 @@ def _words(what, within, unit, example):
 
 def integer(low: int, high: float = math.inf) -> Argument:
     """A whole number from low up to high."""
-    number = _number(Range(low, high, low_fits=True, high_fits=high < math.inf))
+    number = _number(Bounds(low, high, low_fits=True, high_fits=high < math.inf))
     return Argument(
         f"a whole {number.need.removeprefix('a ')}",
         lambda value: number.fits(value) and isinstance(value, int | np.integer),
@@ -167,7 +167,7 @@ def _is_group(value):
     return _is_list(value, lambda key: isinstance(key, str))
 
 
-def _of_axis(key: str, example: str) -> tuple[Range, str, str]:
+def _of_axis(key: str, example: str) -> tuple[Bounds, str, str]:
     return QUANTITIES[key].range, QUANTITIES[key].unit, example
 
 
@@ -178,7 +178,7 @@ THRESHOLDS = _dataset("a Dataset of thresholds, as threshold returns it", "N_fir
 PATH = Argument("the path of a file that is there", _is_path)
 DEVICE = _of_type("a Device; load_device reads one", Device)
 SHOCK = {
-    "N": (range_of("[0, inf)"), "multiples of g (direction -z pushes the other way)", "1000"),
+    "N": (bounds_of("[0, inf)"), "multiples of g (direction -z pushes the other way)", "1000"),
     "f0": _of_axis("f0", "1500"),
     "C": _of_axis("C", "25"),
 }

@@ -11,7 +11,7 @@ import numpy as np
 
 from .arch import Equilibria, equilibria, least_residual
 from .checks import numbers, require, require_quantity, show
-from .quantities import QUANTITIES, range_of
+from .quantities import QUANTITIES, bounds_of
 from .shape import (
     BISTABILITY_LIMIT,
     COSINE,
@@ -68,7 +68,7 @@ class Beam:
         for name in BEAM_VALUES:
             if name in QUANTITIES and name != "shape":
                 key = "clamp.axial" if name == "clamp_axial" else name
-                within = range_of("[0, inf)") if name == "rise" else None
+                within = bounds_of("[0, inf)") if name == "rise" else None
                 require_quantity(f"device.beam.{key}", name, getattr(self, name), within)
         for holds, words, *values in self._rules():
             require(holds, f"device.beam.{words}", *values)

@@ -27,11 +27,11 @@ class Cells(NamedTuple):
 
     def some(self, which: np.ndarray) -> "Cells":
         """Those chosen by indices or a mask."""
-        return self._make([*(column[which] for column in self[:-1]), self.pulses])
+        return Cells._make([*(column[which] for column in self[:-1]), self.pulses])
 
     def flat(self) -> "Cells":
         """The same in one dimension."""
-        return self._make([*map(np.ravel, self[:-1]), self.pulses])
+        return Cells._make([*map(np.ravel, self[:-1]), self.pulses])
 
 
 class Rows(NamedTuple):
@@ -48,7 +48,7 @@ class Rows(NamedTuple):
 
     def some(self, which: np.ndarray | slice) -> "Rows":
         """Those chosen."""
-        return self._make([*(column[which] for column in self[:-1]), self.pulses])
+        return Rows._make([*(column[which] for column in self[:-1]), self.pulses])
 
     def cells(self, devices: Device, N, horizon: float) -> Cells:
         """Their cells, (rows, n), at multiples of g that broadcast so; as `to_cells`."""

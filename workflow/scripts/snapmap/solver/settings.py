@@ -6,7 +6,7 @@ UNTIL = ("settled", "snap")
 SNAP, EDGE, STAY, MOVE = QUESTIONS = ("snap", "edge", "stay", "move")
 """Does it snap, from which N on, where does it stay, how does it move: each has its time step."""
 QUESTION = {"settled": STAY, "snap": SNAP, "edge": EDGE, "pulse": SNAP, "moved": MOVE}
-"""What is asked by how long a cell is followed.
+"""Which question it is, by how long a cell is followed.
 
 Beside UNTIL, within the solver: "edge" is "snap" in the steps that a threshold needs, "pulse" ends
 a run with its pulse or its snap, and "moved" is "settled" in the steps that the motion needs.
@@ -33,7 +33,7 @@ class Settings(NamedTuple):
 
     @property
     def question(self) -> str:
-        """The one of QUESTIONS that is asked."""
+        """Of QUESTIONS."""
         return QUESTION[self.until]
 
     def asked(self) -> dict:

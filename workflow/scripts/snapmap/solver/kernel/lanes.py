@@ -109,7 +109,7 @@ def load(work, shape, l, device, damping, amplitude, dt):
 @inlined
 def look(X, V, modes, l, cell, state, task):
     """Whether the run in lane l is over, after a block; then its facts are written."""
-    facts, steps, dt = task.facts, state.steps[l], task.dt[cell]
+    steps, dt = state.steps[l], task.dt[cell]
     if steps <= X[R.LAST_SWING, l]:
         X[R.SINCE, l], X[R.BEYOND_SINCE, l] = steps, X[R.BEYOND, l]
     snapped = X[R.W, l] <= X[R.TARGET, l]
@@ -134,7 +134,8 @@ def look(X, V, modes, l, cell, state, task):
     if not ended and well == 0:
         return False
 
-    proven = well != 0
+    # Not above: a reference to each of the arrays takes 7 % of a run.
+    facts, proven = task.facts, well != 0
     facts.energy_error[cell] = abs(residual) * scale
     facts.pulse_work[cell] = X[R.WORK, l] / (2 * dt**2) if steps >= state.lasts[l] else np.nan
     # Linear between the two instants around the target.
