@@ -120,7 +120,7 @@ def _is_list(value, fits):
 
 def _is_table(value):
     columns = [value[key] for key in value] if hasattr(value, "keys") else [None]
-    return all(map(_is_column, columns)) and len({len(column) for column in columns}) < 2
+    return all(map(_is_column, columns))
 
 
 def _is_column(value):

@@ -32,18 +32,14 @@ FLAT = 1e-8
 
 @dataclass(frozen=True)
 class Beam:
-    """Clamped beam, stress-free in its first shape; a value that cannot be raises ValueError.
+    """Clamped beam; values and units as in QUANTITIES; one that cannot be raises ValueError.
 
-    span, rise, thickness, depth: um; rise 0 is a straight beam, which compression must buckle
-    youngs_modulus: MPa
-    density: ng/um^3
-    damping: drag on the beam over its momentum, 1/us; swings decay at half of it
-    residual_stress: along the axis as made, before the beam bends to relieve it; tension positive,
-        MPa
-    imperfection: largest displacement in the first antisymmetric shape, as made, um
+    rise: 0 is a straight beam, which compression must buckle
+    damping: drag on the beam over its momentum; swings decay at half of it
+    residual_stress: along the axis as made, before the beam bends to relieve it
+    imperfection: largest displacement in the first antisymmetric shape
     free: whether it may tilt, 1 or 0: a guided beam moves symmetrically
-    clamp_axial: stiffness of each clamp along the beam, uN/um; math.inf is rigid
-    shape: as made, "cosine", "arc" (a circle's) or "parabola"
+    clamp_axial: math.inf is rigid; shape: as made, "cosine", "arc" (a circle's) or "parabola"
     cosine_2, ..., cosine_5: (1 - cos(2 n pi x/L))/2 in it, over the rise, which stays as it is
     """
 

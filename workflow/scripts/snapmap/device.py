@@ -48,22 +48,20 @@ OF_MASS = *ALONE, *STOPS.values()
 class Device:
     """Beam, and a mass on a spring that strikes it; a value that cannot be raises ValueError.
 
-    mass: ng; 0 with a gap of math.inf for a beam alone
-    spring, contact: uN/um; contact = math.inf is a hard contact
-    gravity: the unit of the shock's amplitude N, um/us^2
-    force: the unit of N, uN, where the pulse is a force on the midpoint of a beam alone, downward,
-        and 0 where it is an acceleration of the frame
-    gap: between mass and midpoint at rest, um
-    stop_toward, stop_away: travel of the mass from rest to a rigid stop, towards the beam and
-        away from it, um; math.inf for none
-    restitution: share of its speed with which the mass leaves a stop, 0 to 1
-    temperature: at which the other values hold, degC; `vary` takes it to others
-    reference_temperature: at which they were given, degC
+    Values and units as in QUANTITIES.
+
+    mass: 0 with a gap of math.inf for a beam alone; contact: math.inf is a hard one
+    gravity: the unit of the shock's amplitude N
+    force: the unit of N where the pulse is a force on the midpoint of a beam alone, downward, and 0
+        where it is an acceleration of the frame
+    stop_toward, stop_away: from rest to a rigid stop; math.inf for none
+    temperature: at which the other values hold; `vary` takes it to others
+    reference_temperature: at which they were given
     modulus_slope: change of Young's modulus over itself, 1/K
     expansion_mismatch: thermal expansion of the beam less that of what it is clamped to, 1/K
     damper_exponent: C grows with the absolute temperature to this power
-    strength: tensile stress at which the beam breaks, MPa, math.inf for never; or the scale of a
-        Weibull distribution of it, with strength_modulus and strength_threshold, MPa
+    strength: tensile stress at which the beam breaks, math.inf for never; or the scale of a
+        Weibull distribution of it, with strength_modulus and strength_threshold
     """
 
     beam: Beam
