@@ -32,7 +32,7 @@ class SnapMap:
 
     def some(self, which: slice | np.ndarray) -> "SnapMap":
         """Some of its cells."""
-        return replace(self, cells=self.cells.some(which), exact=self.exact[which])
+        return replace(self, cells=self.cells.take(which), exact=self.exact[which])
 
     def wrong(self, found: np.ndarray, level: int) -> int:
         """How many labels differ."""

@@ -60,7 +60,7 @@ def speed_section(device: Device, models: dict[str, Model], peak: float) -> str:
         for name, model in models.items()
     ]
     rows += [_speed(name, runs[name, "open"], plain) for name in rivals]
-    rows += _slow_rows(device, models[REFERENCE], cells.some(FEW))
+    rows += _slow_rows(device, models[REFERENCE], cells.take(FEW))
     facts = {"horizon": SETTINGS.horizon, "tolerance": TOLERANCE}
     legend = LEGEND.format(side=few(SIDE, FEWEST), rounds=few(ROUNDS), **facts)
     return f"\n## Speed\n\n{table(HEAD, rows)}{legend}"

@@ -8,7 +8,7 @@ import pytest
 import snapmap
 from snapmap import datasheet
 from snapmap.motion.history import extremes_of
-from snapmap.pulse import shocks_from
+from snapmap.shocks import make_shocks
 from snapmap.study import Study
 from snapmap.thresholds.requirements import check
 from snapmap.tolerances.samples import Tolerances
@@ -20,7 +20,7 @@ def sheet(handout):
         patch.setattr(datasheet, "DURATIONS", (0.5, 1.0))
         device = dataclasses.replace(handout, stop_away=6.0, stop_toward=40.0)
         study = Study(device=device, model={"name": "cosines", "cosines": 3})
-        shocks = shocks_from("half sine")
+        shocks = make_shocks("half sine")
         asked = [{"name": "drop", "shocks": shocks, "N": 500.0, "f0": 1000.0, "snaps": False}]
         verdicts = [one._asdict() for one in check(study, asked, [25.0])]
         under = dataclasses.replace(study, shocks=shocks)

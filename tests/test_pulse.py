@@ -15,6 +15,7 @@ from scipy.interpolate import CubicSpline
 
 import snapmap
 from snapmap.pulse import SHAPES, make_pulse, sampled, table
+from snapmap.shocks import make_shocks
 from snapmap.solver.kernel import rows as R
 from snapmap.solver.kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
 from snapmap.solver.kernel.rows import LANES
@@ -363,9 +364,9 @@ def test_trapezoids_rise_and_fall_as_asked():
     np.testing.assert_allclose(pulse.at(np.array([0.25, 0.5, 0.75])), [0.5, 1, 0.5])
     for shares in ({"rise": 0.6, "fall": 0.5}, {"rise": 0.0}, {"fall": True}):
         with pytest.raises(ValueError, match=r"pulse\.(rise|fall): "):
-            make_pulse("trapezoid", **shares)
+            make_shocks({"shape": "trapezoid", **shares})
     with pytest.raises(ValueError, match=r"pulse.rise: is of a trapezoid alone"):
-        make_pulse("half sine", rise=0.1)
+        make_shocks({"shape": "half sine", "rise": 0.1})
 
 
 def test_hard_contact_takes_every_shape(handout):

@@ -309,7 +309,7 @@ def test_proofs_hold_with_tilt(handout):
     proven = np.flatnonzero(np.isfinite(seen.t_settled))
     assert proven.size > 9 and {1, 2} == set(seen.well[proven])
     for some in np.array_split(proven, 2):
-        assert not leavers(model, cells.some(some), seen.t_settled[some], seen.well[some])
+        assert not leavers(model, cells.take(some), seen.t_settled[some], seen.well[some])
 
 
 @pytest.fixture

@@ -17,7 +17,7 @@ from snapmap.calibration.surface import Surface
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError
 from snapmap.io.tables import read_shots
-from snapmap.pulse import HANDOUT_SHOCK
+from snapmap.shocks import HANDOUT_SHOCK
 
 CHEAP = {"model": "cosines", "modes": 3, "horizon": 300.0, "C": 25.0}
 RANGE = {"thickness": (1.8, 2.2)}

@@ -18,9 +18,9 @@ from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError, read_document
 from snapmap.io.named import hold_to_plan, sha256_of
 from snapmap.io.netcdf import check_alike
-from snapmap.io.recorded import RECORD, shocks_of
+from snapmap.io.recorded import RECORD
 from snapmap.io.tables import read_points
-from snapmap.pulse import HANDOUT_SHOCK
+from snapmap.shocks import HANDOUT_SHOCK, make_shocks
 
 STUDY = (
     THREE_COSINES
@@ -83,7 +83,7 @@ def test_a_measured_shape_is_one_of_them(folder):
 
 def test_an_edit_since_the_plan_is_refused_by_every_reader(folder, monkeypatch):
     study = load_config(yaml.safe_load(STUDY))
-    shocks_of(study.pulse)
+    make_shocks(study.pulse)
     read_points(*study.own_points)
     monkeypatch.setenv("SNAPMAP_PLANNED", "{}")
     hold_to_plan(study.files(), plans=False)
@@ -92,8 +92,8 @@ def test_an_edit_since_the_plan_is_refused_by_every_reader(folder, monkeypatch):
     (folder / "points.csv").write_text("N,f0\n1000,2001\n", encoding="utf-8")
     edited = load_config(yaml.safe_load(STUDY))
     for read in (
-        lambda: shocks_of(study.pulse),
-        lambda: shocks_of(study.requirements[0].pulse),
+        lambda: make_shocks(study.pulse),
+        lambda: make_shocks(study.requirements[0].pulse),
         lambda: hold_to_plan(edited.files(), plans=False),
     ):
         with pytest.raises(ValueError, match=r"^shock\.csv: was edited after the run was planned"):

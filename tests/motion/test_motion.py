@@ -7,7 +7,7 @@ import pytest
 
 import snapmap
 from snapmap.motion.history import extremes_of
-from snapmap.pulse import shocks_from
+from snapmap.shocks import make_shocks
 from snapmap.solver.cells import Observations, to_cells
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import REPEATED_STEP, work_error
@@ -43,7 +43,7 @@ def test_the_work_on_a_mass_alone_is_what_its_residual_swing_holds(handout, rati
 def test_a_mass_alone_swings_as_far_as_the_shock_spectrum_says(handout, direction):
     """By 1.705 of N g/omega^2 in the end, if the versed sine lasts for one of its periods."""
     omega, device = handout.own_frequency, dataclasses.replace(handout, gap=1e3)
-    study = Study(device=device, shocks=shocks_from("versed sine", direction), settings=SETTINGS)
+    study = Study(device=device, shocks=make_shocks("versed sine", direction), settings=SETTINGS)
     found = extremes_of(study, 50.0, omega / (2 * np.pi) * 1e6, 0.0)
     assert found.contact_force_max == 0
     reach = 1.705 * 50 * handout.gravity / omega**2

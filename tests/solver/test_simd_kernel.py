@@ -131,11 +131,11 @@ def test_lanes_with_different_devices_give_what_each_gives_alone(handout):
     device_of = np.arange(75) % 3
     cells = to_cells(model.device, device_of, np.linspace(700, 1900, 75), 1500.0, 5.0, 300.0)
     dt = np.array([0.05, 0.4, 0.11])[device_of]
-    mixed = simd_loop.march(model, cells.some(np.arange(75)), dt, Settings())
+    mixed = simd_loop.march(model, cells.take(np.arange(75)), dt, Settings())
     for number, device in enumerate(others):
         mine = device_of == number
         single = build_model(device, "cosines", modes=4)
-        own = cells.some(mine)._replace(device=np.zeros(mine.sum(), int))
+        own = cells.take(mine)._replace(device=np.zeros(mine.sum(), int))
         found = simd_loop.march(single, own, dt[mine], Settings())
         for together, alone in zip(mixed, found, strict=True):
             np.testing.assert_array_equal(together[mine], alone)
@@ -149,8 +149,8 @@ def test_a_cell_does_not_depend_on_order_number_or_threads(handout):
     cells = to_cells(handout, 0, N, f0, 0.025, 300.0)
     together = model.follow(cells, Settings())[:6]
     order = rng.permutation(N.size)
-    shuffled = model.follow(cells.some(order), Settings(threads=2))[:6]
-    one = model.follow(cells.some(slice(1)), Settings())[:6]
+    shuffled = model.follow(cells.take(order), Settings(threads=2))[:6]
+    one = model.follow(cells.take(slice(1)), Settings())[:6]
     for whole, mixed, single in zip(together, shuffled, one, strict=True):
         np.testing.assert_array_equal(whole[order], mixed)
         np.testing.assert_array_equal(whole[:1], single)

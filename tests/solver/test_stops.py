@@ -17,7 +17,8 @@ from snapmap.config.devices import read_device, stopped
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError
 from snapmap.io.provenance import device_sections
-from snapmap.pulse import Shocks, make_pulse
+from snapmap.pulse import make_pulse
+from snapmap.shocks import Shocks
 from snapmap.solver import simd_loop
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.kernel import rows as R

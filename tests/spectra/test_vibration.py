@@ -8,7 +8,7 @@ import pytest
 from scipy import signal
 
 import snapmap
-from snapmap.pulse import shocks_from
+from snapmap.shocks import make_shocks
 from snapmap.spectra.psd import Spectrum
 from snapmap.spectra.vibration import fit_rates, vibration_of
 from snapmap.study import Study
@@ -91,7 +91,7 @@ def test_vibration_tells_rate_bounds_and_level(handout):
 
 def test_the_pulses_of_a_study_are_of_no_account(handout):
     plain = Study(device=handout, model={"name": "cosines", "cosines": 3})
-    both = replace(plain, shocks=shocks_from(["half sine", "sawtooth"], "both"))
+    both = replace(plain, shocks=make_shocks(["half sine", "sawtooth"], "both"))
     spectrum = Spectrum([(20.0, 9.0), (2000.0, 9.0)])
     asked = {"duration": 0.2, "records": 2, "seed": 1, "reach": 0.01}
     found = (vibration_of(study, {"C": [25.0]}, spectrum, asked) for study in (plain, both))

@@ -9,7 +9,8 @@ import xarray as xr
 
 from snapmap.device import Beam, Device
 from snapmap.figures import style
-from snapmap.pulse import HANDOUT_SHOCK, sampled, shocks_from
+from snapmap.pulse import sampled
+from snapmap.shocks import HANDOUT_SHOCK, make_shocks
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.search import lowest_snap
@@ -101,10 +102,10 @@ def test_what_is_asked_lies_within_the_sweep(handout):
 
 def test_every_pulse_of_the_study_is_asked():
     axes = axes_of([1.0, 200.0], np.geomspace(100, 1e4, 5), [900.0])
-    shocks = shocks_from(["half sine", "sawtooth"], "both")
+    shocks = make_shocks(["half sine", "sawtooth"], "both")
     rows = list_rows(axes, shocks)
     assert set(rows.pulse) == set(range(4)) and rows.f0.size == MOST_ROWS
-    assert set(list_rows(axes, shocks_from("sawtooth")).pulse) == {0}
+    assert set(list_rows(axes, make_shocks("sawtooth")).pulse) == {0}
 
 
 def test_own_rows_are_slow_and_damped(handout):
@@ -128,7 +129,7 @@ def test_what_is_measured_is_affordable(handout, spring, slowest):
     """However slow the pulses, long the horizon, and many the shocks."""
     device = dataclasses.replace(handout, spring=spring)
     axes = axes_of([0.0, 1.0], np.geomspace(slowest, 1e4, 5), [1000.0])
-    shocks, long = shocks_from(["half sine", "sawtooth"], "both"), SNAP._replace(horizon=1e6)
+    shocks, long = make_shocks(["half sine", "sawtooth"], "both"), SNAP._replace(horizon=1e6)
     found = afford(device, axes, long, plans["full"], shocks)
     again = afford(device, found.axes, found.settings, found.plan, shocks)
     assert found.settings.horizon < 1e6 and len(found.left_out) == 2 + (slowest == 1.0)
@@ -207,7 +208,7 @@ def test_the_figure_marks_the_front_and_the_handouts_setting(found):
 def test_other_shocks_have_other_thresholds(handout):
     """The study's own pulses are measured, and named."""
     axes = axes_of([25.0], [1000.0], [800.0, 1200.0])
-    shocks = shocks_from("half sine", "both")
+    shocks = make_shocks("half sine", "both")
     both = measure(handout, axes, SNAP, TINY, shocks)
     assert both["shape"].values.tolist() == 2 * ["half sine"]
     assert both.direction.values.tolist() == ["+z", "-z"]
@@ -220,7 +221,7 @@ def test_other_shocks_have_other_thresholds(handout):
 
 def test_without_thresholds_labels_are_judged(handout):
     """Pulses that press nothing snap nothing: no threshold, and yet no empty picture."""
-    pulls = shocks_from(sampled(np.array([0.0, 1.0, 2.0]), np.array([0.0, -1e-6, 0.0])))
+    pulls = make_shocks(sampled(np.array([0.0, 1.0, 2.0]), np.array([0.0, -1e-6, 0.0])))
     found = measure(handout, axes_of([200.0], [1e5], [1.0, 2.0]), SNAP, TINY, pulls)
     assert not found.threshold_decided.any() and found.judged_by == "label_error"
     assert (found.on_front == 1).any() and "labels" in summary(found)

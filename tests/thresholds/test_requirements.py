@@ -15,7 +15,8 @@ from snapmap.config.products import products
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError
 from snapmap.io.provenance import device_sections
-from snapmap.pulse import make_pulse, shocks_from
+from snapmap.pulse import make_pulse
+from snapmap.shocks import make_shocks
 from snapmap.solver.settings import Settings
 from snapmap.study import Study
 from snapmap.thresholds.requirements import Verdict, check, judge, summary
@@ -146,7 +147,7 @@ def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout):
     asked = [
         {
             "name": f"{name} {must}",
-            "shocks": shocks_from(record),
+            "shocks": make_shocks(record),
             "N": N,
             "f0": 2000.0,
             "snaps": must,

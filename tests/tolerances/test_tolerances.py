@@ -17,7 +17,7 @@ from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError
 from snapmap.device import batch, values_of
 from snapmap.figures.requirements import each_share
-from snapmap.pulse import HANDOUT_SHOCK, shocks_from
+from snapmap.shocks import HANDOUT_SHOCK, make_shocks
 from snapmap.solver.adaptive import RUNGS
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
@@ -223,7 +223,7 @@ def test_results_hang_neither_on_threads_nor_on_company(handout):
 def test_shares_that_meet_requirements_are_those_of_the_thresholds(handout, monkeypatch):
     monkeypatch.setattr(batches, "FEWEST", 10)
     monkeypatch.setattr(batches, "FOLLOWED", 0)
-    shocks = shocks_from("half sine", "+z")
+    shocks = make_shocks("half sine", "+z")
     asked = [
         {"name": "trips", "shocks": shocks, "N": 1000.0, "f0": 2000.0, "snaps": True},
         {"name": "rests", "shocks": shocks, "N": 850.0, "f0": 1000.0, "snaps": False},

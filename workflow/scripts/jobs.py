@@ -11,7 +11,7 @@ from snapmap.config.planned import study_from
 from snapmap.device import device_from
 from snapmap.io.atomic import replacing
 from snapmap.io.job_log import run_rule
-from snapmap.io.recorded import shocks_of
+from snapmap.shocks import make_shocks
 
 
 def simulate_slab(study, axes, path, threads, code):
@@ -157,7 +157,7 @@ def measure_accuracy(device, pulse, axes, settings, plan, path, threads):
     from studies.accuracy.plans import PLANS
 
     settings = Settings(**settings, threads=threads)
-    asked = device_from(device), axes, settings, PLANS[plan], shocks_of(pulse)
+    asked = device_from(device), axes, settings, PLANS[plan], make_shocks(pulse)
     _write(measure(*asked), path, summary)
 
 
@@ -192,7 +192,7 @@ def write_stability_table(stability_path, settled_path, path):
 
 
 def _required(requirements):
-    return [one | {"shocks": shocks_of(one["pulse"])} for one in requirements]
+    return [one | {"shocks": make_shocks(one["pulse"])} for one in requirements]
 
 
 def _open(path):

@@ -6,7 +6,7 @@ held against it whether they come from Python or from a config.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 from os.path import exists
 from typing import NamedTuple
@@ -15,7 +15,7 @@ import numpy as np
 
 from .checks import numbers, show
 from .device import VALUES, Device
-from .pulse import DIRECTIONS, SHAPES, Pulse
+from .pulse import DIRECTIONS, SHAPES, SHARES, TENTH, Pulse
 from .quantities import QUANTITIES, Bounds, bounds_of
 
 OF_ELEMENTS = ("elements", "mass_matrix", "step", "modes")
@@ -213,6 +213,7 @@ ARGUMENTS = {
     "skip": FLAG,
     "pulse": Argument(f"one of {', '.join(SHAPES)}, nor what read_pulse gives", _is_pulse),
     "pulse.shape": _word(*SHAPES),
+    "pulse.file": _of_type("the path of a file", str, PathLike),
     "pulse.N": Argument("a number above or below 0", lambda value: ANY.fits(value) and value != 0),
     **{f"pulse.{key}": _number("(0, inf)", "us", "500") for key in ("duration", "wait")},
     **{f"pulse.{key}": _number("(0, inf)", "Hz", "100") for key in ("from", "to")},
@@ -269,7 +270,7 @@ ARGUMENTS = {
     "failures": integer(0),
     "cube": _dataset("a cube, as sweep and open_cube return it", "outcome"),
     "path": PATH,
-    "sha256": _of_type("the hexadecimal digits of a hash", str),
+    **dict.fromkeys(("sha256", "pulse.sha256"), _of_type("the hexadecimal digits of a hash", str)),
     "ax": Argument("Axes of matplotlib", lambda value: hasattr(value, "get_xlim")),
     "x": _of_type("the name of an axis of the cube", str),
     "y": _of_type("the name of an axis of the cube", str),
@@ -297,3 +298,17 @@ def require_model(model: Mapping) -> None:
         elif key != "name":
             known = ", ".join(OPTIONS[name])
             raise ValueError(f"model.{key}: not an option of {name}; its options are {known}")
+
+
+def require_pulse(path: str, given: Mapping, needed: Sequence[str], others: Sequence[str] = ()):
+    """Raise ValueError, one line, unless it is a mapping of these keys to what a pulse may have."""
+    if not isinstance(given, Mapping) or not {*needed} <= {*given} <= {*needed, *others}:
+        more = f"; it may have {', '.join(others)}" if others else ""
+        raise ValueError(f"{path}: {show(given)} is not a mapping of {', '.join(needed)}{more}")
+    for key, value in given.items():
+        ARGUMENTS[f"pulse.{key}"].require(f"{path}.{key}", value)
+    shares = {key: given[key] for key in SHARES if key in given}
+    if shares and given.get("shape") != "trapezoid":
+        raise ValueError(f"{path}.{next(iter(shares))}: is of a trapezoid alone; leave it out")
+    if sum({"rise": TENTH, "fall": TENTH, **shares}.values()) > 1:
+        raise ValueError(f"{path}.rise: with fall is more than the duration; write smaller shares")

@@ -11,9 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .device import OF_MASS, VALUES, Device, batch, is_bistable
-from .pulse import HANDOUT_SHOCK, Pulse, Shocks
+from .device import OF_MASS, Device, batch, is_bistable
+from .pulse import Pulse
 from .quantities import QUANTITIES
+from .shocks import HANDOUT_SHOCK, Shocks
 
 SHOCK_AXES = ("C", "f0", "N")
 DEVICE = "device"
@@ -36,7 +37,7 @@ COORDINATES = {
 
 
 class Grid(NamedTuple):
-    """All points of some axes.
+    """All points of a study's axes.
 
     axes: values by name, in order; internal units, f0 in Hz, names for those in NAMES
     device: a batch of the devices that can be
@@ -72,11 +73,11 @@ def make_grid(
     if (points.get("N", np.zeros(1)) < 0).any():
         raise ValueError(f"N: {points['N'].min():g} is below 0; direction -z pushes the other way")
     named = device if isinstance(device, Mapping) else {}
-    for one in named.values() if named else [device]:
-        idle = [key for key in points if key in OF_MASS and np.all(one.is_alone)]
+    for each in named.values() if named else [device]:
+        idle = [key for key in points if key in OF_MASS and np.all(each.is_alone)]
         if idle:
             raise ValueError(f"{idle[0]}: is of the mass, and there is none; leave it out")
-    if len({one.gravity for one in named.values()}) > 1:
+    if len({each.gravity for each in named.values()}) > 1:
         raise ValueError("devices: gravity differs; write one, as N counts multiples of it")
     varied = [key for key in points if key not in SHOCK_AXES]
     shape = (*[len(named)] * bool(named), *(points[key].size for key in varied))
@@ -89,11 +90,11 @@ def make_grid(
     columns = zip(varied, places[bool(named) :], strict=True)
     values = {key: points[key][place] for key, place in columns}
     stays = is_bistable(nominal, values, len(nominal)) if skip else np.ones(len(nominal), bool)
-    some = {key: column[stays] for key, column in values.items()}
+    values = {key: column[stays] for key, column in values.items()}
     names = {DEVICE: np.array(list(named))} if named else {}
-    at = {key: column[places[0][stays]] for key, column in names.items()} | some
-    # Where no point has a device, the nominal one stands for the kind of model.
-    devices = _vary(nominal.pick(stays), some, at) if stays.any() else nominal.pick([0])
+    at = {key: column[places[0][stays]] for key, column in names.items()} | values
+    # Where no point has a device, the nominal one says which models there are.
+    devices = _vary(nominal.pick(stays), values, at) if stays.any() else nominal.pick([0])
     device_of = np.where(stays, np.cumsum(stays) - 1, -1).reshape(shape)
     values = {key: points[key] for key in varied} | shocks.axes
     values |= {key: points[key] for key in SHOCK_AXES if key in points}
@@ -115,15 +116,13 @@ def _vary(nominal, values, at):
 
 
 def point_text(point: Mapping[str, float | str]) -> str:
-    """Write where a point is on some axes, with units, for messages."""
+    """Write where a point is on its axes, with units, for messages."""
     return ", ".join(
-        f"{key} = {value}" if key in NAMES else f"{key} = {value:.6g} {_unit_text(key)}"
+        f"{key} = {value}"
+        if key in NAMES
+        else f"{key} = {value:.6g} {'g' if key == 'N' else QUANTITIES[key].unit}"
         for key, value in point.items()
     )
-
-
-def _unit_text(key):
-    return "g" if key == "N" else QUANTITIES[key].unit
 
 
 def axis_behind(name: str) -> str:
@@ -143,9 +142,3 @@ def shared_points(ours: Mapping[str, np.ndarray], theirs: Mapping) -> tuple[tupl
         for key in ours
     ]
     return tuple(zip(*pairs, strict=True))
-
-
-def split_axes(named: Mapping) -> tuple[dict, dict]:
-    """Split keyword arguments into values of the device's axes and others."""
-    axes = {key: values for key, values in named.items() if key in VALUES}
-    return axes, {key: value for key, value in named.items() if key not in axes}

@@ -73,7 +73,7 @@ def _costs(study):
     import numpy as np
 
     from .device import batch
-    from .io.recorded import shocks_of
+    from .shocks import make_shocks
     from .solver.adaptive import choose_survey
     from .solver.cells import rows_of, to_rows
     from .thresholds.cost import PER_SAMPLE, run_seconds, survey_seconds
@@ -82,7 +82,7 @@ def _costs(study):
     C, f0, scatter = study.axes["C"], study.axes["f0"], study.tolerances
     models = choose_survey(study.grid.device, study.model)
     rows = rows_of(study.grid)
-    costs = {"thresholds": survey_seconds(models, rows.some(rows.device >= 0), study.settings)}
+    costs = {"thresholds": survey_seconds(models, rows.take(rows.device >= 0), study.settings)}
     costs |= {"requirements": 0.0} if study.requirements else {}
     if scatter:
         power = min(scatter.samples, scatter.index_samples or INDEX_SAMPLES)
@@ -91,7 +91,7 @@ def _costs(study):
     for device in study.devices().values():
         models = choose_survey(batch([device]), study.model)
         for asked in study.requirements:
-            rows = to_rows(0, asked.f0, C, pulses=shocks_of(asked.pulse).pulses)
+            rows = to_rows(0, asked.f0, C, pulses=make_shocks(asked.pulse).pulses)
             costs["requirements"] += survey_seconds(models, rows, study.settings)
             if scatter:
                 seconds = run_seconds(models.decides, rows, study.settings).sum()

@@ -10,7 +10,8 @@ from .beam.modal import natural_frequency
 from .beam.statics import statics
 from .io.markdown import DASH, table
 from .motion.history import extremes_of
-from .pulse import DIRECTIONS, shocks_from
+from .pulse import DIRECTIONS
+from .shocks import make_shocks
 from .solver.outcome import REPEATED_STEP
 from .study import Study
 from .thresholds.surface import thresholds_of
@@ -53,7 +54,7 @@ def datasheet(
         if not device.beam.is_bistable:
             sheets.append("Its beam has no second stable shape, so there is no threshold.\n")
             continue
-        one = replace(study, device=device, shocks=shocks_from(SHAPE, "both"))
+        one = replace(study, device=device, shocks=make_shocks(SHAPE, "both"))
         unit = f"{device.gravity * 1e6:.4g} m/s^2"
         unit = f"{device.force:g} uN on the midpoint" if device.force else unit
         rows = _rows(thresholds_of(one, axes), _threshold)

@@ -1,4 +1,4 @@
-"""Shocks: the acceleration of the frame over time. The only room that knows their shapes."""
+"""A pulse: the acceleration of the frame over time. The only room that knows its shapes."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -6,7 +6,6 @@ from functools import cached_property
 
 import numpy as np
 
-from .checks import show
 from .numerics import portable
 
 VERSED_SINE = "versed sine"
@@ -17,7 +16,7 @@ NO_JUMP = 1e-12
 AT_REST, BASELINE = 0.05, 0.005
 """A recorded shock is over below this share of its peak, and its rest should be below that."""
 NOISE = 0.01
-"""Root mean square of a record's noise over its peak, from which on it is told."""
+"""Root mean square of a record's noise over its peak, from which on it is reported."""
 PULLED = 0.05
 """A pulse of which no more than this share points back lets the mass stay on the beam."""
 COARSE = 8.0
@@ -84,7 +83,7 @@ class Pulse:
 
     @property
     def impact(self) -> float:
-        """Velocity change of the strongest blow over peak times duration of the whole."""
+        """Velocity change of the strongest blow over peak times the pulse's duration."""
         if self.strongest is None:
             return self.area
         return self.strongest.area * self.strongest.duration / self.duration
@@ -129,11 +128,10 @@ class Pulse:
     def is_smooth(self) -> bool:
         """Whether its slope has no jump, within or at its ends, that would ring the beam."""
         begin, _, slope, turns, lift, swing = self.pieces.T
-        ends, turn = turns * np.diff(begin, append=1.0), 2 * np.pi * turns
-        ends, place = np.unique(ends, return_inverse=True)
-        each = (np.vectorize(portable.sine)(ends + quarter) for quarter in (0.0, 0.25))
-        sine, cosine = (values[place] for values in each)
-        first, last = slope + turn * swing, slope + turn * (lift * sine + swing * cosine)
+        ends, place = np.unique(turns * np.diff(begin, append=1.0), return_inverse=True)
+        sine, cosine = (np.vectorize(portable.sine)(ends + turn)[place] for turn in (0.0, 0.25))
+        rate = 2 * np.pi * turns
+        first, last = slope + rate * swing, slope + rate * (lift * sine + swing * cosine)
         jumps = np.append(first, 0.0) - np.insert(last, 0, 0.0)
         return not any(self.ends) and bool(abs(jumps).max() < NO_JUMP)
 
@@ -167,11 +165,10 @@ class Pulse:
         k = np.clip(np.searchsorted(self.pieces[:, 0], x, side="right") - 1, 0, None)
         begin, value, slope, turns, lift, swing = self.pieces[k].T
         s = np.asarray(x) - begin
-        found, turned = value + slope * s, turns * s
+        a, sine = value + slope * s, np.vectorize(portable.sine)
         if turns.any():
-            half, whole = (np.vectorize(portable.sine)(turned * share) for share in (0.5, 1.0))
-            found = found + lift * (2 * half**2) + swing * whole
-        return np.where((x >= 0) & (x <= 1), found, 0.0)
+            a = a + lift * (2 * sine(turns * s * 0.5) ** 2) + swing * sine(turns * s)
+        return np.where((x >= 0) & (x <= 1), a, 0.0)
 
     def doubts(self, own_frequency: float, lasts: float) -> list[str]:
         """Lines on what a recorded shock may leave out of a device's answer.
@@ -260,122 +257,8 @@ def _notes(values):
 
 
 def make_pulse(shape: str = VERSED_SINE, **shares: float) -> Pulse:
-    """Make a pulse of a shape known by name; shares: a trapezoid's rise and fall.
-
-    Raises ValueError, one line, for a shape or shares that cannot be.
-    """
-    if not isinstance(shape, str) or shape not in SHAPES:
-        raise ValueError(f"pulse.shape: {show(shape)} is not one of {', '.join(SHAPES)}")
-    for key, share in shares.items():
-        if shape != "trapezoid" or key not in SHARES:
-            raise ValueError(f"pulse.{key}: is of a trapezoid alone; leave it out")
-        if isinstance(share, bool) or not isinstance(share, int | float) or not 0 < share < 1:
-            raise ValueError(f"pulse.{key}: {show(share)} is no share of the duration, from 0 to 1")
-    if sum({"rise": TENTH, "fall": TENTH, **shares}.values()) > 1:
-        raise ValueError("pulse.rise: with fall is more than the duration; write smaller shares")
-    given = {"shape": shape} | {key: f"{100 * share:.15g} %" for key, share in shares.items()}
-    return Pulse(shape, np.array(SHAPES[shape](**shares)), given=given)
-
-
-@dataclass(frozen=True, eq=False)
-class Shocks:
-    """The pulses of a study.
-
-    pulse: one, or several by name, which then are an axis
-    direction: one of DIRECTIONS, or several, which then are an axis
-    """
-
-    pulse: Pulse | Mapping[str, Pulse] = field(default_factory=make_pulse)
-    direction: str | tuple[str, ...] = "+z"
-
-    @property
-    def shapes(self) -> dict[str, Pulse]:
-        """All by name."""
-        several = isinstance(self.pulse, Mapping)
-        return dict(self.pulse) if several else {self.pulse.name: self.pulse}
-
-    @property
-    def directions(self) -> tuple[str, ...]:
-        """All directions."""
-        return (self.direction,) if isinstance(self.direction, str) else self.direction
-
-    @property
-    def axes(self) -> dict[str, np.ndarray]:
-        """Names on its axes, `shape` and `direction`."""
-        axes = {}
-        if isinstance(self.pulse, Mapping):
-            axes["shape"] = np.array(list(self.pulse))
-        if not isinstance(self.direction, str):
-            axes["direction"] = np.array(self.directions)
-        return axes
-
-    @property
-    def pulses(self) -> tuple[Pulse, ...]:
-        """One for each point of its axes, in order."""
-        return tuple(
-            pulse if DIRECTIONS[direction] > 0 else pulse.reversed()
-            for pulse in self.shapes.values()
-            for direction in self.directions
-        )
-
-    def some(self, names: Mapping[str, Sequence[str]]) -> "Shocks":
-        """Those with some of the names on its axes."""
-        pulse, direction = self.pulse, self.direction
-        if "shape" in names:
-            pulse = {name: pulse[name] for name in names["shape"]}
-        if "direction" in names:
-            direction = tuple(names["direction"])
-        return Shocks(pulse, direction)
-
-    def first(self) -> "Shocks":
-        """The first shape in the first direction."""
-        return Shocks(next(iter(self.shapes.values())), self.directions[0])
-
-    def own_frequency(self) -> float:
-        """Hz, of recorded shocks that last equally long; else a ValueError, one line."""
-        durations = {pulse.duration for pulse in self.shapes.values()}
-        if durations == {None} or len(durations) > 1:
-            raise ValueError("f0: missing; write frequencies (1/time), or duration")
-        return 1e6 / durations.pop()
-
-    def section(self) -> dict:
-        """What a config says of it: nothing of the handout's, a versed sine along +z."""
-        several = isinstance(self.pulse, Mapping)
-        given = {"shape": [*self.shapes]} if several else dict(self.pulse.given)
-        given = {} if given == {"shape": VERSED_SINE} else given
-        if self.direction != "+z":
-            both = self.directions == tuple(DIRECTIONS)
-            given["direction"] = "both" if both else self.direction
-        return {"pulse": given} if given else {}
-
-
-HANDOUT_SHOCK = Shocks()
-"""A versed sine along +z."""
-
-
-def shocks_from(pulse=VERSED_SINE, direction="+z") -> Shocks:
-    """Take what `pulse` and `direction` mean in Python; raises ValueError, one line.
-
-    pulse: a name, a `Pulse`, several of these, or several by names of their own
-    direction: "+z", "-z", several, or "both"
-    """
-    directions = tuple(DIRECTIONS) if direction == "both" else direction
-    directions = directions if isinstance(directions, str) else tuple(directions)
-    if isinstance(pulse, str | Pulse):
-        return Shocks(_one(pulse), directions)
-    if isinstance(pulse, Mapping):
-        return Shocks({str(name): _one(one) for name, one in pulse.items()}, directions)
-    each = [_one(one) for one in pulse]
-    named = {one.name: one for one in each}
-    if len(named) < len(each):
-        raise ValueError("pulse: a shape comes twice; write every one once, or give them names")
-    return Shocks(named, directions)
-
-
-def _one(pulse):
-    if isinstance(pulse, str | Pulse):
-        return make_pulse(pulse) if isinstance(pulse, str) else pulse
-    raise ValueError(f"pulse: {show(pulse)} is no shape, nor a pulse; `read_pulse` reads one")
+    """Make a pulse of a shape known by name; shares: a trapezoid's rise and fall."""
+    return Pulse(shape, np.array(SHAPES[shape](**shares)), given={"shape": shape, **shares})
 
 
 def table(pulses: Sequence[Pulse]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -388,7 +271,7 @@ def table(pulses: Sequence[Pulse]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def blow_at(pulses: Sequence[Pulse], which: np.ndarray, x: np.ndarray) -> np.ndarray:
     """Number from 1 of the blow of a train that began last before x, int32; 0 where x is NaN.
 
-    which: index of each one's pulse, in the shape of x
+    which: index of the pulse of each, in the shape of x
     """
     number = np.zeros(np.shape(x), np.int32)
     for place, pulse in enumerate(pulses):

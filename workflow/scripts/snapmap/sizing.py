@@ -12,8 +12,8 @@ import xarray as xr
 from .axes import COORDINATES, coordinates
 from .device import SIGNED, Device, batch, is_bistable
 from .io.counting import counting
-from .pulse import Shocks
 from .quantities import QUANTITIES
+from .shocks import Shocks
 from .solver.adaptive import choose_survey
 from .solver.cells import to_rows
 from .solver.search import refine

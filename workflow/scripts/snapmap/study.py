@@ -3,17 +3,16 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
-from .axes import DEVICE, Grid, make_grid, split_axes
-from .device import Device
-from .io.provenance import asked_for
-from .pulse import HANDOUT_SHOCK, VERSED_SINE, Shocks, shocks_from
+from .axes import DEVICE, Grid, make_grid
+from .device import VALUES, Device
+from .io.provenance import device_sections
+from .shocks import HANDOUT_SHOCK, Shocks, make_shocks
 from .solver.settings import Settings
-from .trains import pulses_of
 
 FOLLOWED = ("horizon", "energy_tolerance", "threads")
 """Settings that every verb takes from Python."""
+PUSH = ("pulse", "direction")
+"""What `make_shocks` takes."""
 THRESHOLD_SETTINGS = ("horizon", "energy_tolerance")
 """Those on which a threshold depends."""
 
@@ -47,7 +46,7 @@ class Study:
 
     def require_frame(self, what: str) -> None:
         """Raise ValueError if pulses are forces on the midpoint, where `what` shakes the frame."""
-        if any(one.force for one in self.devices().values()):
+        if any(device.force for device in self.devices().values()):
             raise ValueError(f"device.force: {what} shakes the frame; write gravity in its place")
 
     def set_out(self, axes: Mapping[str, Sequence]) -> Grid:
@@ -55,20 +54,22 @@ class Study:
         return make_grid(self.device, axes, self.skip, self.shocks)
 
     def part(self, names: Mapping[str, Sequence[str]]) -> "Study":
-        """The same with some of the names on its axes of devices, shapes and directions."""
+        """The same of the given names on its axes of devices, shapes and directions."""
         device = self.device
         if DEVICE in names:
             device = {name: device[name] for name in names[DEVICE]}
-        return replace(self, device=device, shocks=self.shocks.some(names))
+        return replace(self, device=device, shocks=self.shocks.part(names))
 
     def document(self, keys: Sequence[str] = ()) -> dict:
-        """What its products say was asked for: the same however it was spelt.
+        """The sections of a config but for its axes, of which products are made: one spelling.
 
         keys: of the settings on which they depend; all of them by default
         """
-        settings = self.settings.asked()
-        kept = {key: settings[key] for key in keys or settings}
-        return asked_for(self.device, self.shocks, self.model, kept)
+        settings = self.settings.without_threads()
+        settings |= {"horizon": f"{settings['horizon']:.15g} us"}
+        sections = device_sections(self.device) | self.shocks.section()
+        sweep = {key: settings[key] for key in keys or settings}
+        return sections | {"model": dict(self.model), "sweep": sweep}
 
 
 def study_of(
@@ -79,30 +80,22 @@ def study_of(
 ) -> tuple[Study, dict[str, Sequence]]:
     """Make a study of a verb's keywords; raises ValueError, one line.
 
-    model: name, or as a mapping the whole of the config's model section
-    options: some of `taken`, as in `Settings`; pulse (a shape by name, what `read_pulse` gives, or
-        {"train": ...}, {"drop": ...}, {"sweep": ...} of `trains.MAKERS`; several are an axis) and
-        direction ("+z", "-z", several, or "both"); skip; values of the device, which are axes; and
-        options of the model
+    model: name, or the config's model section as a mapping
+    options: those `taken`, as in `Settings`; pulse and direction, as `make_shocks` takes them;
+        skip; values of the device, which are axes; and options of the model
     Returns the study, and the device's axes by name.
     """
     options = dict(options)
-    pulse = pulses_of(options.pop("pulse", VERSED_SINE))
-    shocks = shocks_from(pulse, options.pop("direction", "+z"))
+    shocks = make_shocks(**{key: options.pop(key) for key in PUSH if key in options})
     settings = Settings(**{key: options.pop(key) for key in taken if key in options})
     skip = options.pop("skip", False)
-    axes, options = split_axes(options)
+    axes = {key: options.pop(key) for key in [*options] if key in VALUES}
     named = {"name": model} if isinstance(model, str) else dict(model)
     model = named | options
     return Study(device=device, shocks=shocks, model=model, settings=settings, skip=skip), axes
 
 
-def frequencies(f0: Sequence[float] | None, shocks: Shocks) -> Sequence[float] | np.ndarray:
-    """Frequencies as given, Hz; the own one of recorded shocks for None."""
-    return [shocks.own_frequency()] if f0 is None else f0
-
-
-def with_shocks(asked: Mapping) -> dict:
-    """A requirement with `shocks`, by default of its `pulse` and `direction`, as in Python."""
-    pulse, direction = asked.get("pulse", VERSED_SINE), asked.get("direction", "+z")
-    return {"shocks": shocks_from(pulse, direction), **asked}
+def with_shocks(requirement: Mapping) -> dict:
+    """A requirement with `shocks`, by default of its `pulse` and `direction`."""
+    push = {key: requirement[key] for key in PUSH if key in requirement}
+    return {"shocks": make_shocks(**push), **requirement}

@@ -7,8 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .arguments import ARGUMENTS
-from .checks import show
+from .arguments import require_pulse
 from .numerics import portable
 from .pulse import SHARES, VERSED_SINE, Pulse, make_pulse, straight
 
@@ -24,8 +23,6 @@ SAME = 1e-8
 PER_PERIOD = 32
 """Samples in each period of a sweep, straight between."""
 MOST_SAMPLES = 2_000_000
-UNITS = {"duration": "us", "wait": "us", "height": "um", "from": "Hz", "to": "Hz"}
-"""Of what a train is made of."""
 
 
 class Part(NamedTuple):
@@ -53,11 +50,18 @@ def make_train(items: Sequence[Mapping]) -> Pulse:
         raise ValueError("pulse.train: is no list of blows, waits and repeats")
     parts = []
     for place, item in enumerate(items):
-        try:
-            parts = _with_item(parts, item)
-        except ValueError as error:
-            raise ValueError(f"pulse.train[{place}]: {error}") from None
-    return _joined("train", parts, [*map(_said, items)])
+        path, keys = f"pulse.train[{place}]", [*item] if isinstance(item, Mapping) else []
+        if keys in (["wait"], ["repeat"]):
+            require_pulse(path, item, keys)
+        else:
+            require_pulse(path, item, ("duration",), ("shape", "N", *SHARES))
+        if "repeat" not in item:
+            parts.append(_flat(item["wait"], 0.0) if "wait" in item else _blow(**item))
+        elif len(parts) * item["repeat"] > MOST_BLOWS:
+            raise ValueError(f"{path}.repeat: makes more than {MOST_BLOWS} blows and waits")
+        else:
+            parts *= item["repeat"]
+    return _joined("train", parts, items)
 
 
 def make_drop(drop: Mapping) -> Pulse:
@@ -68,7 +72,7 @@ def make_drop(drop: Mapping) -> Pulse:
     The blow of a fall to v changes the velocity by (1 + rebound) v; the pulse's own_N follows.
     Raises ValueError, one line.
     """
-    _check(drop, "pulse.drop: ", ("height", "duration"), ("rebound", "shape", *SHARES))
+    require_pulse("pulse.drop", drop, ("height", "duration"), ("rebound", "shape", *SHARES))
     rebound, velocity = drop.get("rebound", 0.0), math.sqrt(2 * GRAVITY * drop["height"])
     blow = {key: drop[key] for key in drop if key not in ("height", "rebound")}
     own_N = (1 + rebound) * velocity / (GRAVITY * _blow(**blow).area)
@@ -80,16 +84,16 @@ def make_drop(drop: Mapping) -> Pulse:
     while (share := share * rebound) >= LEAST_REBOUND:
         parts += [_flat(2 * share * velocity / GRAVITY, level), _blow(**blow, N=share)]
     note = f"is that from its height at N = {own_N:.5g}; at another N all of it is scaled"
-    return _joined("drop", parts, _said(drop), own_N=own_N, notes=(note,))
+    return _joined("drop", parts, drop, own_N=own_N, notes=(note,))
 
 
 def make_sweep(sweep: Mapping) -> Pulse:
     """Make a sine whose logarithm of frequency goes straight over time; half a period is a blow.
 
-    sweep: from, to (Hz), duration (us), which is rounded so that it ends with a whole period
+    sweep: from, to (Hz), duration (us), which is rounded so that it ends with a full period
     Raises ValueError, one line.
     """
-    _check(sweep, "pulse.sweep: ", ("from", "to", "duration"))
+    require_pulse("pulse.sweep", sweep, ("from", "to", "duration"))
     start, stop, lasts = sweep["from"], sweep["to"], 1e-6 * sweep["duration"]
     if abs(stop / start - 1) < SAME:
         stop = start
@@ -102,52 +106,24 @@ def make_sweep(sweep: Mapping) -> Pulse:
             f"{MOST_SAMPLES:.0e}; write a shorter duration, or lower frequencies"
         )
     turns = np.arange(samples + 1) / PER_PERIOD
-    slope = (stop - start) / periods  # of the frequency over whole turns
+    slope = (stop - start) / periods  # of the frequency over turns
     time = portable.logarithm(1 + turns * slope / start) / slope if slope else turns / start
     wave = [portable.sine(turn / PER_PERIOD) for turn in range(PER_PERIOD)]
     values = np.append(np.tile(wave, periods), 0.0)
     half = PER_PERIOD // 2
     x, ends = time / time[-1], time[::half]
     slowest = slice(half + 1) if start <= stop else slice(-half - 1, None)
-    some = time[slowest] - time[slowest][0]
-    alone = Pulse("half swing", straight(some / some[-1], values[slowest]), 1e6 * some[-1])
+    half_swing = time[slowest] - time[slowest][0]
+    alone = straight(half_swing / half_swing[-1], values[slowest])
     return Pulse(
         "sweep",
         straight(x, values),
         1e6 * float(time[-1]),
-        given={"sweep": _said(sweep)},
+        given={"sweep": sweep},
         blows=x[:-1:half],
         swing=float(np.diff(ends).min() / time[-1]),
-        strongest=alone,
+        strongest=Pulse("half swing", alone, 1e6 * half_swing[-1]),
     )
-
-
-MAKERS = {"train": make_train, "drop": make_drop, "sweep": make_sweep}
-"""By the key of a config, or of the mapping that is a pulse in Python."""
-
-
-def pulses_of(pulse: object) -> object:
-    """What `pulse` means in Python, each mapping of one key of MAKERS made a `Pulse`."""
-    if isinstance(pulse, Mapping):
-        (key, *others) = pulse or [None]
-        if key in MAKERS and not others:
-            return MAKERS[key](pulse[key])
-        return {name: pulses_of(one) for name, one in pulse.items()}
-    return [pulses_of(one) for one in pulse] if isinstance(pulse, list | tuple) else pulse
-
-
-def _with_item(parts, item):
-    keys = set(item) if isinstance(item, Mapping) else set()
-    if keys == {"wait"}:
-        _check(item, "", ("wait",))
-        return [*parts, _flat(item["wait"], 0.0)]
-    if keys != {"repeat"}:
-        _check(item, "", ("duration",), ("shape", "N", *SHARES))
-        return [*parts, _blow(**item)]
-    _check(item, "", ("repeat",))
-    if len(parts) * item["repeat"] > MOST_BLOWS:
-        raise ValueError(f"repeat: makes more than {MOST_BLOWS} blows and waits")
-    return parts * item["repeat"]
 
 
 def _blow(duration, shape=VERSED_SINE, N=1.0, **shares):
@@ -195,19 +171,3 @@ def _scaled(pieces, lasts, peak):
     scaled = pieces * [1.0, 1 / peak, lasts / peak, lasts, 1 / peak, 1 / peak]
     scaled[:, 0] /= lasts
     return scaled
-
-
-def _said(item):
-    """What a config says of an item."""
-    said = {key: f"{value:.15g} {UNITS[key]}" for key, value in item.items() if key in UNITS}
-    shares = {key: f"{100 * item[key]:.15g} %" for key in SHARES if key in item}
-    return dict(item) | said | shares
-
-
-def _check(given, where, needed, other=()):
-    """Raise ValueError unless it is a mapping of these keys to what fits them."""
-    if not isinstance(given, Mapping) or not {*needed} <= {*given} <= {*needed, *other}:
-        others = f"; it may have {', '.join(other)}" if other else ""
-        raise ValueError(f"{where}{show(given)} is not a mapping of {', '.join(needed)}{others}")
-    for key, value in given.items():
-        ARGUMENTS[f"pulse.{key}"].require(f"{where}{key}", value)

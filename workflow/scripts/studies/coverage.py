@@ -21,7 +21,7 @@ from matplotlib.figure import Figure
 from snapmap import threshold
 from snapmap.device import Device
 from snapmap.io.markdown import number, table
-from snapmap.pulse import HANDOUT_SHOCK, Shocks
+from snapmap.shocks import HANDOUT_SHOCK, Shocks
 from snapmap.solver.cells import Rows, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.search import lowest_snap
@@ -154,7 +154,7 @@ def look(model, rows: Rows, about, settings: Settings) -> np.ndarray:
     for reach in REACHES:
         left = np.flatnonzero(np.isnan(found))
         bracket = about[left] / reach, about[left] * reach
-        found[left] = lowest_snap(model, rows.some(left), bracket, settings, REFINED, NARROW)
+        found[left] = lowest_snap(model, rows.take(left), bracket, settings, REFINED, NARROW)
     return found
 
 

@@ -83,7 +83,7 @@ def step_of(model):
 
 def cells_of(device, N=N, f0=F0):
     f0, amplitude = (values.ravel() for values in np.meshgrid(few(f0), N))
-    return to_cells(device, 0, amplitude, f0, C, SETTINGS.horizon).some(np.arange(f0.size))
+    return to_cells(device, 0, amplitude, f0, C, SETTINGS.horizon).take(np.arange(f0.size))
 
 
 def follow(model):

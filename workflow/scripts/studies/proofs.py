@@ -61,7 +61,7 @@ def count(model, C):
     left = 0
     for first in range(0, proven.size, LANES):
         some = proven[first : first + LANES]
-        left += leavers(model, cells.some(some), seen.t_settled[some], seen.well[some])
+        left += leavers(model, cells.take(some), seen.t_settled[some], seen.well[some])
     return proven.size, left
 
 

@@ -8,7 +8,8 @@ import numpy as np
 from snapmap.curved_beam import COSINE
 from snapmap.curved_beam import SHAPES as BEAM_SHAPES
 from snapmap.device import Beam, Device
-from snapmap.pulse import DIRECTIONS, SHAPES, Shocks, make_pulse, sampled
+from snapmap.pulse import DIRECTIONS, SHAPES, make_pulse, sampled
+from snapmap.shocks import Shocks
 
 PULSES, DAMPINGS = 4, (0.01, 0.6)
 """Frequencies of each device, and its dampings over sqrt(K M)."""

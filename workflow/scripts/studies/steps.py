@@ -178,7 +178,7 @@ def moves():
     for contact in few(CONTACTS):
         model = damped(contact)
         cells = to_cells(model.device, 0, N, f0[:, np.newaxis], 25.0, settings.horizon)
-        cells = cells.some(np.ones(cells.f0.shape, bool))
+        cells = cells.take(np.ones(cells.f0.shape, bool))
         fine = turned(model, MOVE, 0.01).follow_once(cells, settings)
         shown = []
         for turn in few(MOVES):

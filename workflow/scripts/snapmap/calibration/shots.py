@@ -11,8 +11,9 @@ from ..checks import numbers, show
 from ..device import Device
 from ..io.recorded import read_pulse
 from ..io.tables import answers, shot_columns
-from ..pulse import Pulse, Shocks, make_pulse
+from ..pulse import Pulse
 from ..quantities import QUANTITIES
+from ..shocks import Shocks, make_shocks
 
 DIRECTIONS = "+z", "-z"
 FEWEST = 3
@@ -108,7 +109,7 @@ def _kind(row, place, shocks, known, files):
         if "file" in row:
             pulse = read_pulse(named, files.get(named, ""))
         elif named:
-            pulse = make_pulse(named)
+            pulse = make_shocks(named).pulse
     except ValueError as error:
         raise ValueError(f"{where}: {error}") from None
     f0 = _frequency(given, pulse, where)

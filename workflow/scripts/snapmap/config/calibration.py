@@ -10,7 +10,7 @@ from ..device import Device
 from ..io.named import sha256_of
 from ..io.recorded import RECORD
 from ..io.tables import ROWS, read_shots
-from ..pulse import Shocks
+from ..shocks import Shocks
 from .keys import inside
 from .models import CalibrationSection
 

@@ -25,19 +25,19 @@ from ..device import (
 )
 from ..io.measured_shape import read_shape
 from ..io.named import sha256_of
-from ..io.recorded import RECORD, shocks_of
+from ..io.recorded import RECORD
 from ..io.tables import ROWS, read_points
-from ..pulse import DIRECTIONS, SHAPES, SHARES, VERSED_SINE, Shocks
+from ..pulse import DIRECTIONS, SHAPES, SHARES, VERSED_SINE
 from ..quantities import KINDS, QUANTITIES
 from ..shape import COSINE
 from ..shape import SHAPES as AS_MADE
+from ..shocks import MAKERS, Shocks, make_shocks
 from ..solver.adaptive import TOLERANCE
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
 from ..spectra.psd import REACH, Spectrum
 from ..spectra.srs import check_points
 from ..tolerances.samples import INDEX_SAMPLES, OF_DEVICE, SHOCK_FACTORS, Tolerances
 from ..tolerances.samples import KINDS as SPREADS
-from ..trains import MAKERS
 from .keys import (
     Section,
     argument,
@@ -399,7 +399,7 @@ class PulseSection(Section):
         return {}
 
     def values(self) -> dict:
-        """What `shocks_of` takes, with the SHA-256 of a file."""
+        """What `make_shocks` takes, with the SHA-256 of a file."""
         names = [*PulseSection.model_fields]
         values = self.model_dump(include=names, exclude_unset=True, by_alias=True)
         try:
@@ -410,7 +410,7 @@ class PulseSection(Section):
     def make(self) -> Shocks:
         """The shocks."""
         try:
-            return shocks_of(self.values())
+            return make_shocks(self.values())
         except ValueError as error:
             raise _within("pulse", error) from None
 

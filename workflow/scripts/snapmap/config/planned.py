@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from ..device import devices_from
-from ..io.recorded import shocks_of
+from ..shocks import make_shocks
 from ..solver.settings import Settings
 from ..study import Study
 
@@ -12,7 +12,7 @@ def study_from(values: Mapping, threads: int = 1) -> Study:
     """Rebuild a study from the values that `Config.values` gives."""
     return Study(
         device=devices_from(values["device"]),
-        shocks=shocks_of(values["pulse"]),
+        shocks=make_shocks(values["pulse"]),
         model=values["model"],
         settings=Settings(**values["settings"], threads=threads),
         skip=values["skip"],

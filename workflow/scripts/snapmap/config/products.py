@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from ..axes import DEVICE, DIRECTION, SHAPE
 from ..device import Device
-from ..io.recorded import shocks_of
+from ..shocks import make_shocks
 from .histories import History
 from .study import Config
 from .views import View, batch_places, side_by_side
@@ -75,7 +75,7 @@ def _with_shocks(view, study):
     direction = study.shocks.directions[view.at.get(DIRECTION, 0)]
     required = []
     for asked in study.requirements:
-        own = shocks_of(asked.pulse)
+        own = make_shocks(asked.pulse)
         is_of_map = (own.pulse.given, own.direction) == (shape.given, direction)
         required.append((asked.name, asked.f0, asked.N, is_of_map))
     return view._replace(required_shocks=tuple(required))

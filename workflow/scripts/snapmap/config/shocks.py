@@ -11,7 +11,7 @@ from ..io.tables import read_points
 class Requirement(NamedTuple):
     """A shock that must or must not trip the device.
 
-    pulse: values for `shocks_of`; N: multiples of g; f0: Hz; snaps: whether it must
+    pulse: values for `make_shocks`; N: multiples of g; f0: Hz; snaps: whether it must
     survives: the least probability with which its beam must not break; 0 if it may
     """
 

@@ -11,8 +11,7 @@ from ..described import describe, excited
 from ..device import VALUES, values_of
 from ..io.measured_shape import PROFILE
 from ..io.named import sha256_of
-from ..io.recorded import shocks_of
-from ..pulse import HANDOUT_SHOCK
+from ..shocks import HANDOUT_SHOCK, make_shocks
 from ..solver.settings import THRESHOLD_TOLERANCE
 from ..study import Study
 from ..tolerances.samples import Plan, Tolerances
@@ -36,7 +35,7 @@ class Config(Study):
     """A study with the cells of its sweep, and what else is made of it.
 
     grid: all axes, each ascending
-    pulse: values for `shocks_of`
+    pulse: values for `make_shocks`
     requirements: shocks that must or must not trip the device; vibrations, spectra: likewise
     tolerances: what scatters from device to device, or nothing
     calibration: measured shots, and what is read off them, or nothing
@@ -75,7 +74,7 @@ class Config(Study):
 
     def values(self, *keys: str) -> dict:
         """Plain values of the study for `study_from`, with some of its settings; all by default."""
-        settings = self.settings.asked()
+        settings = self.settings.without_threads()
         return {
             "device": values_of(self.device),
             "pulse": self.pulse,
@@ -222,7 +221,7 @@ def _require_study(device, shocks, required, tolerances):
         own.set_out({})
     for asked in required:
         if isinstance(asked, Requirement):
-            replace(own, shocks=shocks_of(asked.pulse))
+            replace(own, shocks=make_shocks(asked.pulse))
         else:
             own.require_frame("a spectrum among the requirements")
 

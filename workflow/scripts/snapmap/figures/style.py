@@ -14,7 +14,7 @@ from matplotlib.legend import Legend
 
 from ..io.atomic import replacing
 from ..pulse import VERSED_SINE
-from ..trains import MAKERS
+from ..shocks import MAKERS
 
 COLUMN, PAGE = 56, 130
 """Signs in a line over one column, and over two."""

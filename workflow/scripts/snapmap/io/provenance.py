@@ -22,7 +22,7 @@ from ..device import (
     THERMAL,
     Device,
 )
-from ..pulse import Pulse, Shocks
+from ..pulse import Pulse
 from ..quantities import QUANTITIES
 from ..shape import COSINE
 
@@ -62,22 +62,10 @@ def _packages():
     return " ".join(filter(None, map(_with_version, PACKAGES)))
 
 
-def asked_for(
-    device: Device | Mapping[str, Device], shocks: Shocks, model: Mapping, settings: Mapping
-) -> dict:
-    """The sections of a config but for its axes, in internal units: one spelling for all.
-
-    settings: of the section sweep; horizon in us
-    """
-    horizon = {"horizon": f"{settings['horizon']:.15g} us"}
-    of_shock = device_sections(device) | shocks.section()
-    return of_shock | {"model": dict(model), "sweep": dict(settings) | horizon}
-
-
 def recipe(document: Mapping, pulses: Sequence[Pulse], *others: float | None) -> str:
     """Hash all that a product depends on beside its axes, 12 hex digits.
 
-    document: what was asked for, as from `asked_for`; others: further numbers
+    document: as from `Study.document`; others: further numbers
     """
     pushed = [hashlib.sha256(one.pieces.tobytes()).hexdigest() for one in pulses]
     whole = json.dumps([document, pushed, others, _numbers()], sort_keys=True)

@@ -1,14 +1,12 @@
 """Recorded shocks: files of acceleration over time, read, checked and made pulses."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 
 import numpy as np
 
-from ..pulse import SHARES, VERSED_SINE, Pulse, Shocks, make_pulse, sampled, shocks_from
-from ..trains import MAKERS
+from ..pulse import Pulse, sampled
 from .extras import needing
 from .named import naming, read_named
 from .tables import read_table
@@ -45,25 +43,6 @@ def read_pulse(path: str | Path, sha256: str = "") -> Pulse:
         return replace(pulse, peak=abs(acceleration).max(), given={"file": str(path)})
 
 
-def shocks_of(values: Mapping) -> Shocks:
-    """Make the shocks of a study from the values of its section `pulse`; {} for the handout's.
-
-    values: shape (a name or several), rise, fall (shares), file and its sha256, or one of
-        `trains.MAKERS`; direction
-    """
-    direction = values.get("direction", "+z")
-    if made := [make(values[key]) for key, make in MAKERS.items() if key in values]:
-        return shocks_from(*made, direction)
-    if "file" in values:
-        return shocks_from(read_pulse(values["file"], values.get("sha256", "")), direction)
-    shares = {key: values[key] for key in SHARES if key in values}
-    shape = values.get("shape", VERSED_SINE)
-    names = [shape] if isinstance(shape, str) else shape
-    of = "trapezoid" if "trapezoid" in names else names[0]
-    made = [make_pulse(name, **(shares if name == of else {})) for name in names]
-    return shocks_from(made[0] if isinstance(shape, str) else made, direction)
-
-
 def _read_uff(content):
     """The first dataset 58 of acceleration over time, SI unless it names its units."""
     with needing("a universal file"):
@@ -73,23 +52,22 @@ def _read_uff(content):
         with NamedTemporaryFile(suffix=".uff") as file:  # pyuff takes a path alone
             file.write(content)
             file.flush()
-            found = pyuff.UFF(file.name).read_sets()
+            sets = pyuff.UFF(file.name).read_sets()
     except Exception as error:  # pyuff lets errors of many types through
         raise ValueError(f"is no universal file ({error})") from None
-    for one in found if isinstance(found, list) else [found]:
-        kinds = one.get("abscissa_spec_data_type"), one.get("ordinate_spec_data_type")
-        if one.get("type") == 58 and kinds == (17, 12):
+    needed = {"type": 58, "abscissa_spec_data_type": 17, "ordinate_spec_data_type": 12}
+    for held in sets if isinstance(sets, list) else [sets]:
+        if needed.items() <= held.items():
             break
     else:
         raise ValueError("holds no dataset 58 of acceleration (12) over time (17)")
-    if one["data"].size > MOST_SAMPLES:
+    if held["data"].size > MOST_SAMPLES:
         raise ValueError(f"has more than {MOST_SAMPLES} samples; write fewer")
-    named = (
-        str(one.get(f"{axis}_axis_units_lab") or "").strip() for axis in ("abscissa", "ordinate")
-    )
-    time_unit, unit = (name.strip("()[]") for name in named)
-    times = TIMES.get(time_unit, TIMES["s"] if time_unit in ("", "NONE") else None)
-    scale = ACCELERATIONS.get(unit, ACCELERATIONS["m/s^2"] if unit in ("", "NONE") else None)
-    if times is None or scale is None:
-        raise ValueError(f"units {time_unit!r} and {unit!r} are unknown")
-    return np.asarray(one["x"], float) * times, np.real(np.asarray(one["data"])) * scale
+    scales = []
+    for axis, units, of_SI in (("abscissa", TIMES, "s"), ("ordinate", ACCELERATIONS, "m/s^2")):
+        unit = str(held.get(f"{axis}_axis_units_lab") or "").strip().strip("()[]")
+        unit = of_SI if unit in ("", "NONE") else unit
+        if unit not in units:
+            raise ValueError(f"{axis}: {unit!r} is not one of {', '.join(units)}")
+        scales.append(units[unit])
+    return np.asarray(held["x"], float) * scales[0], np.real(np.asarray(held["data"])) * scales[1]

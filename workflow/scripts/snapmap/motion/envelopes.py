@@ -68,7 +68,7 @@ def trace(study: Study, cube: xr.Dataset, earlier: xr.Dataset | None = None) -> 
         stepped = levels[number].with_step(0.5**halved)
         for mine, part in stepped.split(device_of[some]):
             which = some[mine]
-            alike = cells.some(which)
+            alike = cells.take(which)
             found = _follow(part, alike, window[which], bins, settings.threads)
             values[..., which], bin_length[which] = _shown(*found[:2], window[which])
             stress[which] = found[2]
@@ -141,7 +141,7 @@ def _follow(model, cells, window, bins, threads):
     def follow(some):
         asked = None if rows is None else rows[some]
         w_range, instants, stress[some] = simd_loop.trace(
-            model, cells.some(some), dt[some], width[some], bins, asked
+            model, cells.take(some), dt[some], width[some], bins, asked
         )
         # Half way through the step in which it bounces the mass is beyond a stop.
         which = cells.device[some]

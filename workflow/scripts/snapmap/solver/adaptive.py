@@ -66,8 +66,8 @@ class Adaptive:
             if not new.any():
                 return seen._replace(level=level, agreed=agreed)
             asked = settings._replace(until="snap")
-            check = self.check.follow(cells.some(new), asked)
-            top = self.top.follow(cells.some(new), settings)
+            check = self.check.follow(cells.take(new), asked)
+            top = self.top.follow(cells.take(new), settings)
             level[new] = 1
             agreed[new] = np.isfinite(check.t_snap) == np.isfinite(top.t_snap)
             seen.replace(new, top)

@@ -7,7 +7,9 @@ import numpy as np
 from ..axes import Grid
 from ..device import Device
 from ..numerics.linalg import dot, multiply
-from ..pulse import HANDOUT_SHOCK, Pulse
+from ..pulse import Pulse, make_pulse
+
+HANDOUT_PULSES = (make_pulse(),)
 
 
 class Cells(NamedTuple):
@@ -25,7 +27,7 @@ class Cells(NamedTuple):
     t_end: np.ndarray
     pulses: tuple[Pulse, ...]
 
-    def some(self, which: np.ndarray) -> "Cells":
+    def take(self, which: np.ndarray) -> "Cells":
         """Those chosen by indices or a mask."""
         return Cells._make([*(column[which] for column in self[:-1]), self.pulses])
 
@@ -46,7 +48,7 @@ class Rows(NamedTuple):
     pulse: np.ndarray
     pulses: tuple[Pulse, ...]
 
-    def some(self, which: np.ndarray | slice) -> "Rows":
+    def take(self, which: np.ndarray | slice) -> "Rows":
         """Those chosen."""
         return Rows._make([*(column[which] for column in self[:-1]), self.pulses])
 
@@ -66,7 +68,7 @@ class Observations(NamedTuple):
     energy_error: residual of the energy ledger over the gross work of the pulse, not finite after
         a blow-up
     well_share: share of the mass's last swing spent on that side; 1 if settled, NaN for well 0
-    pulse_work: of the whole pulse on mass and beam, pJ; NaN if the run ended before it or failed
+    pulse_work: of all of the pulse on mass and beam, pJ; NaN if the run ended before it or failed
     halvings: how often the model's step was halved for these observations
     level: of several that a model has, the one that decided the cell, 0 for the cheapest
     agreed: 0 where two of them disagree on whether the cell snaps, else 1
@@ -87,7 +89,7 @@ class Observations(NamedTuple):
         return Observations(*(column.reshape(shape) for column in self[:7]))
 
     def replace(self, which: np.ndarray, others: "Observations") -> None:
-        """Set what was observed of some cells, in place."""
+        """Set what was observed of the given cells, in place."""
         for column, part in zip(self[:7], others[:7], strict=True):
             column[which] = part
 
@@ -106,7 +108,7 @@ def rows_of(grid: Grid) -> Rows:
     return to_rows(device, f0, C[:, np.newaxis], pulse, grid.pulses)
 
 
-def to_rows(device, f0, C, pulse=0, pulses=HANDOUT_SHOCK.pulses) -> Rows:
+def to_rows(device, f0, C, pulse=0, pulses=HANDOUT_PULSES) -> Rows:
     """Collect rows from arrays that broadcast; f0 in Hz, C in uN us/um; pulse: index in pulses."""
     indices = (np.asarray(column, np.int64) for column in (device, pulse))
     values = (np.asarray(column, float) for column in (f0, C))
@@ -115,7 +117,7 @@ def to_rows(device, f0, C, pulse=0, pulses=HANDOUT_SHOCK.pulses) -> Rows:
 
 
 def to_cells(
-    devices: Device, device, N, f0, C, horizon: float, pulse=0, pulses=HANDOUT_SHOCK.pulses
+    devices: Device, device, N, f0, C, horizon: float, pulse=0, pulses=HANDOUT_PULSES
 ) -> Cells:
     """Convert cells, arrays that broadcast, from multiples of g, Hz, uN us/um and a horizon.
 

@@ -114,7 +114,7 @@ class Model:
         longest = self.steps.factor * self.steps.longest[MOVE][flat.device]
         left = np.flatnonzero(self.steps.of(flat, settings.question) >= SMALLEST * longest)
         if settings.until == "settled" and self.name != "reference":
-            first = self.follow_once(flat.some(left), settings._replace(until="pulse"))
+            first = self.follow_once(flat.take(left), settings._replace(until="pulse"))
             seen.replace(left, first)
             believed = first.energy_error <= settings.energy_tolerance
             left = left[np.isnan(first.t_settled) | ~believed]
@@ -122,7 +122,7 @@ class Model:
             if not left.size:
                 break
             model = self.with_step(0.5**halvings)
-            seen.replace(left, model.follow_once(flat.some(left), settings))
+            seen.replace(left, model.follow_once(flat.take(left), settings))
             seen.halvings[left] = halvings
             left = left[~(seen.energy_error[left] <= settings.energy_tolerance)]
         return seen.shaped(np.shape(cells.f0))
@@ -137,7 +137,7 @@ class Model:
         def follow_share(first):
             share = order[first :: settings.threads]
             for at in np.split(share, range(BUNCH, share.size, BUNCH)):
-                facts = self.loop().march(self, cells.some(at), dt[at], settings)
+                facts = self.loop().march(self, cells.take(at), dt[at], settings)
                 for column, part in zip(seen[:6], facts, strict=True):
                     column[at] = part
                 count(at.size)
@@ -188,7 +188,7 @@ class GuidedOrFree(NamedTuple):
         """Follow every cell by the model of its device."""
         seen = no_observations(np.shape(cells.f0))
         for mine, model in self.split(cells.device):
-            seen.replace(mine, model.follow(cells.some(mine), settings))
+            seen.replace(mine, model.follow(cells.take(mine), settings))
         return seen
 
 

@@ -65,7 +65,7 @@ def asker(model: Follows, rows: Rows, settings: Settings, until: str = "edge") -
 
     def ask(N):
         given = np.isfinite(N)
-        cells = rows.cells(model.device, N, asked.horizon).some(given)
+        cells = rows.cells(model.device, N, asked.horizon).take(given)
         t_snap = np.full(N.shape, np.nan)
         seen = model.follow(cells, asked)
         lost = np.isnan(seen.t_snap) & ~(seen.energy_error <= asked.energy_tolerance)

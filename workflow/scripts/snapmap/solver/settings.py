@@ -6,7 +6,7 @@ UNTIL = ("settled", "snap")
 SNAP, EDGE, STAY, MOVE = QUESTIONS = ("snap", "edge", "stay", "move")
 """Does it snap, from which N on, where does it stay, how does it move: each has its time step."""
 QUESTION = {"settled": STAY, "snap": SNAP, "edge": EDGE, "pulse": SNAP, "moved": MOVE}
-"""Which question it is, by how long a cell is followed.
+"""By how long a cell is followed, which question that answers.
 
 Beside UNTIL, within the solver: "edge" is "snap" in the steps that a threshold needs, "pulse" ends
 a run with its pulse or its snap, and "moved" is "settled" in the steps that the motion needs.
@@ -33,9 +33,9 @@ class Settings(NamedTuple):
 
     @property
     def question(self) -> str:
-        """Of QUESTIONS."""
+        """The one of QUESTIONS that the cells answer."""
         return QUESTION[self.until]
 
-    def asked(self) -> dict:
+    def without_threads(self) -> dict:
         """All but the threads, on which no result depends."""
         return {key: value for key, value in self._asdict().items() if key != "threads"}

@@ -70,7 +70,7 @@ def trips_of(
     device = grid.device_of[..., np.newaxis, np.newaxis]
     rows = to_rows(device, f0, grid.axes["C"][:, np.newaxis], np.arange(len(pulses)), pulses)
     snaps, there = np.full((rows.device.size, len(FACTORS)), np.nan), rows.device >= 0
-    some = rows.some(there)
+    some = rows.take(there)
     decides = choose_survey(grid.device, study.model).decides
     ask = asker(decides, some, study.settings, until="snap")
     t_snap = ask(peak[some.pulse][:, np.newaxis] * FACTORS)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..pulse import shocks_from
+from ..shocks import make_shocks
 from ..study import Study
 from ..thresholds.requirements import MET, UNCLEAR, VIOLATED, Verdict, each_device
 from .psd import Spectrum
@@ -49,7 +49,7 @@ def check_spectra(
     """
     verdicts, drawn = [], {"records": records, "seed": SEED}
     for asked, name, one in each_device(study, spectra):
-        one = replace(one, shocks=shocks_from(direction=asked["direction"]))
+        one = replace(one, shocks=make_shocks(direction=asked["direction"]))
         try:
             found = trips_of(one, {"C": C}, check_points(asked["srs"]), drawn)
         except ValueError as error:  # a spectrum that no record meets is seen only here

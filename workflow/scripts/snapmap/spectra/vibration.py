@@ -12,7 +12,7 @@ from ..axes import coordinates
 from ..device import Device
 from ..io.provenance import recipe
 from ..io.variables import headed, variables
-from ..pulse import HANDOUT_SHOCK
+from ..shocks import HANDOUT_SHOCK
 from ..solver.adaptive import choose_survey
 from ..solver.cells import Rows, to_cells, to_rows
 from ..solver.models import Follows
@@ -101,7 +101,7 @@ def vibration_of(
     rows = to_rows(grid.device_of[..., np.newaxis], 1 / length, grid.axes["C"])
 
     def follow(which, level):
-        return _follow(model, rows.some(which), study.settings, spectrum, asked, level)
+        return _follow(model, rows.take(which), study.settings, spectrum, asked, level)
 
     there = rows.device >= 0
     ladder = _climb(follow, there, asked["records"])

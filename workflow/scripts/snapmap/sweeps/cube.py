@@ -12,7 +12,7 @@ from ..io.counting import counting
 from ..io.variables import flags, headed, variables
 from ..solver.adaptive import choose_model
 from ..solver.outcome import ABSENT, OUTCOMES, count, ended_elsewhere, shares
-from ..study import FOLLOWED, frequencies, study_of
+from ..study import FOLLOWED, study_of
 from .grid import follow_grid
 
 LABEL_DISTANCE = 0.01
@@ -54,7 +54,7 @@ def sweep(
     repeat = options.pop("repeat", None)
     options["repeat"] = options.get("until", "settled") == "settled" if repeat is None else repeat
     study, varied = study_of(device, model, options, (*FOLLOWED, "until", "repeat"))
-    f0 = frequencies(f0, study.shocks)
+    f0 = [study.shocks.own_frequency()] if f0 is None else f0
     grid = study.set_out({**varied, "C": C, "f0": f0, "N": N})
     with counting("sweep"):
         variables = follow_grid(choose_model(grid.device, study.model), grid, study.settings)

@@ -34,7 +34,7 @@ def follow_rows(
     """Follow rows of cells, each through all N; returns each variable of a cube, (rows, N)."""
     there, N = rows.device >= 0, np.asarray(N)
     order = np.argsort(N, kind="stable")
-    cells = rows.some(there).cells(model.device, N[order], settings.horizon)
+    cells = rows.take(there).cells(model.device, N[order], settings.horizon)
     seen = model.follow(cells, settings)
     found = _variables(seen, settings)
     if settings.repeat:

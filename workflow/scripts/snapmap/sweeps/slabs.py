@@ -39,7 +39,7 @@ def cells_in(slab: Slab) -> int:
 def slab_name(study: Study, slab: Slab) -> str:
     """Name a slab by two hashes: what slabs that share cells have in common, and its other axes."""
     apart = {key: slab[key] for key in SINGLE if key in slab}
-    part, settings = study.part(slab), study.settings.asked()
+    part, settings = study.part(slab), study.settings.without_threads()
     nominal = [asdict(one) for one in part.devices().values()]
     pulses = [hashlib.sha256(one.pieces.tobytes()).hexdigest() for one in part.shocks.pulses]
     common = [nominal, study.model, settings, pulses, list(slab), apart]
@@ -135,7 +135,7 @@ def _follow_unknown(grid, model, settings, variables, known):
     for number, pattern in enumerate(patterns):
         some, columns = np.flatnonzero(pattern_of.ravel() == number), np.flatnonzero(pattern)
         if columns.size:
-            found = follow_rows(built, rows.some(some), grid.axes["N"][columns], settings)
+            found = follow_rows(built, rows.take(some), grid.axes["N"][columns], settings)
             for key, values in found.items():
                 whole = variables.setdefault(key, np.empty(known.shape, values.dtype))
                 whole.reshape(-1, known.shape[-1])[np.ix_(some, columns)] = values

@@ -114,12 +114,12 @@ def survey(
     found = _survey(models, rows, settings, tolerance, highest, bound)
     lost = np.flatnonzero(found.status == NOT_FOLLOWED)
     if lost.size:
-        finer = models._replace(scans=models.decides), rows.some(lost)
+        finer = models._replace(scans=models.decides), rows.take(lost)
         again = _survey(*finer, settings, tolerance, highest, bound[lost], SLACK * bound[lost])
         found = _taken(found, lost, again)
     unsure = (found.ragged == 0) & (found.N_error > models.tolerance * found.N_first)
     if models.finer is not None and unsure.any():
-        again = survey(models.finer, rows.some(unsure), settings, tolerance, highest)
+        again = survey(models.finer, rows.take(unsure), settings, tolerance, highest)
         found = _taken(found, np.flatnonzero(unsure), again._replace(level=again.level + 1))
     return found
 
@@ -134,7 +134,7 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
     """Thresholds of rows; lowest: from which N islands are looked for, if not from BELOW."""
 
     def ask(model, some=slice(None), horizon=settings.horizon):
-        return asker(model, rows.some(some), settings._replace(horizon=horizon))
+        return asker(model, rows.take(some), settings._replace(horizon=horizon))
 
     def scan_by(model):
         """In the longer steps of a label, which tell where to look."""

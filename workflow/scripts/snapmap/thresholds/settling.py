@@ -35,7 +35,7 @@ def lowest_latched(
         # Ascending, as a model may ask for its rows; the lowest once more for what is not there.
         places = np.maximum(size[which, np.newaxis] - 1 - below, 0)[:, ::-1]
         ascending = N[which[:, np.newaxis], places]
-        cells = rows.some(which).cells(model.device, ascending, settings.horizon)
+        cells = rows.take(which).cells(model.device, ascending, settings.horizon)
         seen = model.follow(cells, settings)
         return (label(*seen[:4], settings.energy_tolerance) != LATCHED)[:, ::-1]
 

@@ -14,7 +14,7 @@ from ..pulse import blow_at
 from ..solver.adaptive import choose_survey
 from ..solver.cells import rows_of, to_rows
 from ..solver.settings import THRESHOLD_TOLERANCE
-from ..study import THRESHOLD_SETTINGS, Study, frequencies, study_of
+from ..study import THRESHOLD_SETTINGS, Study, study_of
 from .cost import tell_cost
 from .islands import (
     ABOVE,
@@ -84,7 +84,7 @@ def threshold(
     [893.0, 990.0]
     """
     study, varied = study_of(device, model, options)
-    axes = {**varied, "C": C, "f0": frequencies(f0, study.shocks)}
+    axes = {**varied, "C": C, "f0": [study.shocks.own_frequency()] if f0 is None else f0}
     with counting("threshold"):
         return thresholds_of(study, axes, tolerance, highest, earlier)
 
@@ -108,7 +108,7 @@ def thresholds_of(
     models, rows = choose_survey(grid.device, study.model), rows_of(grid)
     found, known = recall(earlier, grid, made_by)
     new = np.flatnonzero(~known & (rows.device >= 0))
-    tell_cost(models, rows.some(new), settings)
+    tell_cost(models, rows.take(new), settings)
     found = _look(models, rows, settings, tolerance, highest, new, found)
     peak = np.array([pulse.peak for pulse in rows.pulses])
     if np.isfinite(peak).any():
@@ -138,7 +138,7 @@ def _look(models, rows, settings, tolerance, highest, new, known):
     whole = known
     blocks = np.split(new, range(ROWS, new.size, ROWS)) if new.size or not known else []
     for block in blocks:
-        found = _look_at(models, rows.some(block), settings, tolerance, highest)
+        found = _look_at(models, rows.take(block), settings, tolerance, highest)
         whole = {
             key: joined(rows.f0.size, block, found.get(key), whole.get(key))
             for key in found | whole

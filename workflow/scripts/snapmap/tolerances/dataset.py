@@ -14,7 +14,7 @@ from ..io.counting import counting
 from ..io.variables import headed, variables
 from ..numerics.portable import geometric
 from ..solver.cells import to_rows
-from ..study import THRESHOLD_SETTINGS, Study, frequencies, study_of, with_shocks
+from ..study import THRESHOLD_SETTINGS, Study, study_of, with_shocks
 from .batch import Batch, choose_builder
 from .samples import INDEX_SAMPLES, SHOCK_FACTORS, Plan, Tolerances
 from .sensitivity import crossed, indices
@@ -67,7 +67,7 @@ def tolerance(
     given = {key: options.pop(key) for key in Tolerances._fields if key in options}
     requirements = [with_shocks(one) for one in options.pop("requirements", ())]
     study, _ = study_of(device, model, options)
-    axes = {"C": C, "f0": frequencies(f0, study.shocks)}
+    axes = {"C": C, "f0": [study.shocks.own_frequency()] if f0 is None else f0}
     axes |= {} if N is None else {"N": N}
     with counting("tolerance"):
         return tolerances_of(study, axes, Tolerances(scatters, **given), requirements, tolerance)

@@ -87,7 +87,7 @@ def thresholds_of_samples(
     def snaps(numbers, places):
         """Whether rows, by number (n,), snap at places of the lattice; False beyond its end."""
         N = lattice.N[np.minimum(places, lattice.size)]
-        return np.isfinite(asker(model, rows.some(numbers), settings)(N))
+        return np.isfinite(asker(model, rows.take(numbers), settings)(N))
 
     numbers = np.arange(found.size).reshape(found.shape)
     expected, lowest, done = nominal[np.newaxis], np.full(nominal.size, BELOW), 0

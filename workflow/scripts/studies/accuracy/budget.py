@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from snapmap.device import Device
-from snapmap.pulse import Shocks
+from snapmap.shocks import Shocks
 from snapmap.solver.cells import to_cells
 from snapmap.solver.cost import steps_and_seconds
 from snapmap.solver.models import build_model

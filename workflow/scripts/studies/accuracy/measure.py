@@ -11,7 +11,7 @@ import xarray as xr
 
 from snapmap.device import Device
 from snapmap.io.provenance import device_sections, provenance
-from snapmap.pulse import HANDOUT_SHOCK, Shocks
+from snapmap.shocks import HANDOUT_SHOCK, Shocks
 from snapmap.solver.settings import Settings
 
 from .answers import ask_all
@@ -52,7 +52,7 @@ def measure(
     document = {
         **device_sections(device),
         **shocks.section(),
-        "sweep": settings.asked() | {"horizon": f"{settings.horizon!r} us"},
+        "sweep": settings.without_threads() | {"horizon": f"{settings.horizon!r} us"},
         "accuracy": plan._asdict(),
     }
     found = dress(cases, answers, converged, probe)

@@ -9,7 +9,7 @@ import numpy as np
 from snapmap.beam.equilibria import static_threshold
 from snapmap.device import Device, batch
 from snapmap.numerics.portable import geometric, linear
-from snapmap.pulse import Shocks
+from snapmap.shocks import Shocks
 from snapmap.solver.adaptive import Survey
 from snapmap.solver.cells import Rows, to_rows
 from snapmap.solver.models import build_model
@@ -52,7 +52,7 @@ def list_rows(axes: Mapping[str, Sequence[float]], shocks: Shocks) -> Rows:
     few, C = f0[np.unique(quarters)], np.unique(C[[0, -1]])[:, np.newaxis]
     rows = to_rows(0, few, C, pulse, shocks.pulses)
     count = rows.f0.size
-    return rows.some(np.unique(np.linspace(0, count - 1, min(count, MOST_ROWS)).astype(int)))
+    return rows.take(np.unique(np.linspace(0, count - 1, min(count, MOST_ROWS)).astype(int)))
 
 
 def list_own_rows(device: Device, slowest: float, shocks: Shocks) -> Rows:
@@ -87,7 +87,7 @@ def make_probe(
         rows = Rows(*(np.append(*pair) for pair in both), shocks.pulses)
         found, clean = np.append(found, seen[0]), np.append(clean, seen[1])
     kept = np.isfinite(found)
-    return Probe(rows.some(kept), found[kept], clean[kept], of_map, shocks)
+    return Probe(rows.take(kept), found[kept], clean[kept], of_map, shocks)
 
 
 def look(
