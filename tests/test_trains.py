@@ -185,7 +185,7 @@ def test_a_config_asks_for_trains_in_units(root):
     np.testing.assert_array_equal(study.shocks.pulse.pieces, python.pieces)
     assert study.shocks.section()["pulse"]["train"][0]["duration"] == "500 us"
     own_N = make_drop({"height": 1e6, **BLOW}).own_N
-    assert study.requirements[0].N == own_N == pytest.approx(1418.8, rel=1e-4)
+    assert study.requirements[0]["N"] == own_N == pytest.approx(1418.8, rel=1e-4)
 
 
 @pytest.mark.parametrize(

@@ -182,7 +182,7 @@ def test_the_config_has_a_calibration_and_its_figure(tmp_path, monkeypatch):
     asked = study.calibration
     assert asked.unknowns == {"thickness": [1.8, 2.2]} and asked.C == 25.0
     assert study.files() == asked.files and list(asked.files) == ["shots.csv"]
-    jobs.fit_calibration(study.values(), asked._asdict(), "calibration.nc", threads=1)
+    jobs.fit_calibration(study, "calibration.nc")
     draw.draw_calibration("calibration.nc", "calibration")
     with xr.open_dataset("calibration.nc") as found:
         assert 1.9 < found.estimate.item() < 2.1

@@ -13,7 +13,8 @@ from scipy.integrate import solve_ivp
 import snapmap
 from snapmap.beam.equilibria import static_threshold
 from snapmap.beam.modal import contact_stiffness
-from snapmap.config.devices import read_device, stopped
+from snapmap.config.devices import read_device
+from snapmap.config.doubts import stopped
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError
 from snapmap.io.provenance import device_sections

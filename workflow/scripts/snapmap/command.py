@@ -51,6 +51,7 @@ def init(folder: Path) -> None:
 def check(config: Path) -> None:
     """Print what a config describes, its doubts and its cost; raises ValueError, a line a fault."""
     with needing("snapmap check"):
+        from .config.doubts import descriptions, doubts
         from .config.study import load_config
         from .config.yaml_file import read_document
     from .solver.cost import spoken
@@ -58,7 +59,7 @@ def check(config: Path) -> None:
 
     study = load_config(read_document(config))
     plan = make_plan(study.grid, study.model, study.settings, [h.f0 for h in study.histories])
-    for line in filter(None, [*study.descriptions(), study.left_out, *study.doubts()]):
+    for line in filter(None, [*descriptions(study), study.left_out, *doubts(study)]):
         print(line)
     sizes = ", ".join(f"{key} {values.size}" for key, values in study.axes.items())
     least, most = (spoken(times * plan.seconds) for times in SEEN)
@@ -73,7 +74,6 @@ def _costs(study):
     import numpy as np
 
     from .device import batch
-    from .shocks import make_shocks
     from .solver.adaptive import choose_survey
     from .solver.cells import rows_of, to_rows
     from .thresholds.cost import PER_SAMPLE, run_seconds, survey_seconds
@@ -90,8 +90,8 @@ def _costs(study):
         costs["tolerances"] = 0.0
     for device in study.devices().values():
         models = choose_survey(batch([device]), study.model)
-        for asked in study.requirements:
-            rows = to_rows(0, asked.f0, C, pulses=make_shocks(asked.pulse).pulses)
+        for required in study.requirements:
+            rows = to_rows(0, required["f0"], C, pulses=required["shocks"].pulses)
             costs["requirements"] += survey_seconds(models, rows, study.settings)
             if scatter:
                 seconds = run_seconds(models.decides, rows, study.settings).sum()

@@ -16,7 +16,6 @@ from snapmap import load_device
 from snapmap.calibration.dataset import fit
 from snapmap.calibration.shots import Shots, shots_from
 from snapmap.calibration.surface import Surface, surface_of
-from snapmap.device import values_of
 from snapmap.io.markdown import number, table
 from snapmap.sizing import thresholds_at
 from snapmap.study import Study
@@ -113,7 +112,7 @@ def thresholds_of(study, values):
 
 def nominal_thresholds(study):
     """Of the device as drawn, about which levels are chosen, (durations,)."""
-    thickness = np.array([values_of(study.device)["beam"]["thickness"]])
+    thickness = np.array([study.device.beam.thickness])
     return thresholds_of(study, {"thickness": thickness})[0]
 
 

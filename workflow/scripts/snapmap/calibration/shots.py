@@ -54,16 +54,10 @@ class Shots(NamedTuple):
         return np.array([self.kinds[i].f0 for i in self.kind])
 
 
-def shots_from(
-    table: str | Path | Mapping,
-    shocks: Shocks,
-    device: Device,
-    files: Mapping[str, str] | None = None,
-) -> Shots:
+def shots_from(table: str | Path | Mapping, shocks: Shocks, device: Device) -> Shots:
     """Take a table of shots as `calibrate` does; raises ValueError, one line.
 
     shocks: of one shape and direction, where the table names none; device: whose gravity N counts
-    files: SHA-256 of the records it names as they were planned, by path; of others anything goes
     """
     columns = shot_columns(table)
     size = len(columns.get("tripped", ()))
@@ -72,7 +66,7 @@ def shots_from(
     kinds, places, levels = [], {}, []
     for i in range(size):
         row = {key: values[i] for key, values in columns.items() if not _is_empty(values[i])}
-        key, kind = _kind(row, i, shocks, places, files or {})
+        key, kind = _kind(row, i, shocks, places)
         if key not in places:
             places[key] = len(kinds)
             kinds.append(kind)
@@ -89,7 +83,7 @@ def _is_empty(value):
     return value is None or value == "" or (isinstance(value, float) and math.isnan(value))
 
 
-def _kind(row, place, shocks, known, files):
+def _kind(row, place, shocks, known):
     """What tells a shot's shock from others, and the shock."""
     where = f"shots, row {place + 1}"
     if "file" in row and "shape" in row:
@@ -107,7 +101,7 @@ def _kind(row, place, shocks, known, files):
     pulse = shocks.pulse
     try:
         if "file" in row:
-            pulse = read_pulse(named, files.get(named, ""))
+            pulse = read_pulse(named)
         elif named:
             pulse = make_shocks(named).pulse
     except ValueError as error:
