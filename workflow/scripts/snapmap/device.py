@@ -11,7 +11,7 @@ import numpy as np
 
 from .checks import numbers, require, require_quantity, show
 from .curved_beam import BEAM_VALUES, Beam
-from .quantities import KINDS, QUANTITIES
+from .quantities import QUANTITIES
 from .shape import Value
 
 # ASSUME: silicon that meets silicon; a config says its own.
@@ -176,8 +176,8 @@ _NAMES = (*BEAM_VALUES, *(field.name for field in fields(Device)))
 _NUMBERS = [key for key in _NAMES if key in QUANTITIES and key != "shape"]
 VALUES = tuple(key for key in _NUMBERS if QUANTITIES[key].long_name)
 """Names of the values that tell one device from another."""
-SIGNED = tuple(key for key in VALUES if KINDS[QUANTITIES[key].kind].signed)
-FROM_ZERO = tuple(key for key in VALUES if KINDS[QUANTITIES[key].kind].zero and key not in SIGNED)
+SIGNED = tuple(key for key in VALUES if QUANTITIES[key].range.low < 0)
+FROM_ZERO = tuple(key for key in VALUES if QUANTITIES[key].range.low_fits and key not in SIGNED)
 """Those that may be negative, or zero; all others are positive."""
 
 

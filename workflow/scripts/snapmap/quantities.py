@@ -44,16 +44,6 @@ class Dimension(NamedTuple):
     example: str
     interval: str = "(0, inf)"
 
-    @property
-    def zero(self) -> bool:
-        """Whether 0 fits."""
-        return bool(bounds_of(self.interval).holds(0.0))
-
-    @property
-    def signed(self) -> bool:
-        """Whether less than 0 does."""
-        return bounds_of(self.interval).low < 0
-
 
 KINDS = {
     "number": Dimension("a multiple of gravity without a unit", "", "1000", "(-inf, inf)"),
