@@ -7,8 +7,7 @@ from peers import by_heyoka, by_scipy
 from workload import Follow
 
 from snapmap.device import Device
-from snapmap.solver.model import Model
-from snapmap.solver.models import build_model
+from snapmap.solver.models import Model, build_model
 from studies.few import few
 
 REFERENCE = "reference (plain loop)"

@@ -11,8 +11,7 @@ from workload import by_model, map_cells, without_proofs
 
 from snapmap.device import Device
 from snapmap.solver.cells import Cells
-from snapmap.solver.model import Model
-from snapmap.solver.models import build_model
+from snapmap.solver.models import Model, build_model
 
 SNAP = "snap or no snap"
 FINE = 0.1

@@ -11,7 +11,7 @@ from snapmap.solver.kernel.lanes import load
 from snapmap.solver.kernel.pulse import BLOCK
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.kernel.step import advance
-from snapmap.solver.model import Model
+from snapmap.solver.models import Model
 from snapmap.solver.settings import MOVE
 from snapmap.solver.simd_loop import coefficients, empty_lanes
 from studies.few import few

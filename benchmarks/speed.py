@@ -19,7 +19,7 @@ from workload import (
 
 from snapmap.device import Device
 from snapmap.io.markdown import DASH, number, rate, ratio, table
-from snapmap.solver.model import Model
+from snapmap.solver.models import Model
 from studies.few import few
 
 ROUNDS = 5

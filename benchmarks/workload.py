@@ -7,7 +7,7 @@ import numpy as np
 
 from snapmap.device import Device
 from snapmap.solver.cells import Cells, to_cells
-from snapmap.solver.model import Model
+from snapmap.solver.models import Model
 from snapmap.solver.settings import Settings
 from studies.few import few
 

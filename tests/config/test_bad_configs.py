@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from snapmap.config.study import load_config
 from snapmap.config.units import show
 from snapmap.config.yaml_file import ConfigError
-from snapmap.quantities import KINDS
+from snapmap.quantities import KINDS, bounds_of
 from snapmap.sweeps.plan import make_plan
 
 DEFAULT = yaml.safe_load("""
@@ -114,7 +114,8 @@ no_value = st.one_of(
 def no_quantity(kind):
     """Values that the given kind of quantity cannot have."""
     unit, sign = KINDS[kind].unit, st.sampled_from(["-3 ", "nan ", "inf ", "1e25 ", "1e-40 "])
-    wrong_size = st.sampled_from(["0 "]) | sign if not KINDS[kind].zero else sign
+    takes_zero = bounds_of(KINDS[kind].interval).holds(0)
+    wrong_size = sign if takes_zero else st.sampled_from(["0 "]) | sign
     others = [other for other in UNITS if {unit, other} != RATES and other != unit]
     return st.one_of(
         no_value,

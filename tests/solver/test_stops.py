@@ -25,8 +25,7 @@ from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.kernel import rows as R
 from snapmap.solver.kernel.lanes import load
 from snapmap.solver.kernel.rows import LANES
-from snapmap.solver.kernel.step import advance
-from snapmap.solver.kernel.stops import rebound
+from snapmap.solver.kernel.step import advance, rebound
 from snapmap.solver.models import build_model
 from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import Settings

@@ -16,7 +16,7 @@ import numpy as np
 from .checks import numbers, show
 from .device import VALUES, Device
 from .pulse import DIRECTIONS, SHAPES, SHARES, TENTH, Pulse
-from .quantities import QUANTITIES, Range, range_of
+from .quantities import QUANTITIES, Bounds, bounds_of
 
 OF_ELEMENTS = ("elements", "mass_matrix", "step", "modes")
 OPTIONS = {
@@ -40,20 +40,22 @@ class Argument(NamedTuple):
             raise ValueError(f"{name}: {show(value)} is not {self.need}")
 
 
-def _number(within: Range, unit: str = "", example: str = "") -> Argument:
+def _number(within: str | Bounds, unit: str = "", example: str = "") -> Argument:
+    within = bounds_of(within) if isinstance(within, str) else within
+
     def fits(value):
-        found = numbers(value)
-        return found is not None and found.ndim == 0 and bool(within.holds(found))
+        array = numbers(value)
+        return array is not None and array.ndim == 0 and bool(within.holds(array))
 
     return Argument(_words("a number", within, unit, example), fits)
 
 
-def _row(within: Range, unit: str, example: str) -> Argument:
+def _row(within: Bounds, unit: str, example: str) -> Argument:
     def fits(value):
-        found = numbers(value)
-        if found is None or found.ndim > 1 or not found.size or not within.holds(found).all():
+        array = numbers(value)
+        if array is None or array.ndim > 1 or not array.size or not within.holds(array).all():
             return False
-        return np.unique(found).size == found.size
+        return np.unique(array).size == array.size
 
     return Argument(_words("a number or several, each once,", within, unit, example), fits)
 
@@ -65,21 +67,20 @@ def _words(what, within, unit, example):
 
 def integer(low: int, high: float = math.inf) -> Argument:
     """A whole number from low up to high."""
-    number = _number(Range(low, high, low_fits=True, high_fits=high < math.inf))
-
-    def fits(value):
-        return number.fits(value) and isinstance(value, int | np.integer)
-
-    return Argument(f"a whole {number.need.removeprefix('a ')}", fits)
+    number = _number(Bounds(low, high, low_fits=True, high_fits=high < math.inf))
+    return Argument(
+        f"a whole {number.need.removeprefix('a ')}",
+        lambda value: number.fits(value) and isinstance(value, int | np.integer),
+    )
 
 
 def _pairs(units: str, example: str) -> Argument:
     def fits(value):
-        found = numbers(value)
-        if found is None or found.ndim != 2 or found.shape[1] != 2 or len(found) < 2:
+        pairs = numbers(value)
+        if pairs is None or pairs.ndim != 2 or pairs.shape[1] != 2 or len(pairs) < 2:
             return False
-        positive = np.isfinite(found).all() and (found > 0).all()
-        return bool(positive and (np.diff(found[:, 0]) > 0).all())
+        positive = np.isfinite(pairs).all() and (pairs > 0).all()
+        return bool(positive and (np.diff(pairs[:, 0]) > 0).all())
 
     return Argument(f"two pairs or more of {units}, above 0 and ascending, such as {example}", fits)
 
@@ -93,42 +94,37 @@ def _of_type(need: str, *types: type) -> Argument:
     return Argument(need, lambda value: isinstance(value, types))
 
 
-def _dataset(need: str, *variables: str) -> Argument:
+def _dataset(need: str, variable: str) -> Argument:
     """By its attributes: xarray is imported by those alone who make one."""
-    return Argument(
-        need, lambda value: hasattr(value, "data_vars") and all(key in value for key in variables)
-    )
+    return Argument(need, lambda value: hasattr(value, "data_vars") and variable in value)
 
 
 def _is_pair(value):
-    found = numbers(value)
-    return found is not None and found.shape == (2,) and bool(np.isfinite(found).all())
-
-
-def _is_prior(value):
-    return THRESHOLDS.fits(value) or hasattr(value, "data_vars") or _is_pair(value)
+    pair = numbers(value)
+    return pair is not None and pair.shape == (2,) and bool(np.isfinite(pair).all())
 
 
 def _is_pulse(value):
     if isinstance(value, str):
         return value in SHAPES
-    return isinstance(value, Pulse) or (
-        isinstance(value, Mapping | list | tuple) and len(value) > 0
-    )
+    return isinstance(value, Pulse) or (isinstance(value, Mapping | list | tuple) and bool(value))
 
 
 def _is_path(value):
     return isinstance(value, str | PathLike) and "\0" not in str(value) and exists(value)
 
 
+def _is_list(value, fits):
+    return isinstance(value, list | tuple) and all(map(fits, value))
+
+
 def _is_table(value):
     columns = [value[key] for key in value] if hasattr(value, "keys") else [None]
-    return all(map(_is_column, columns)) and len({len(column) for column in columns}) < 2
+    return all(map(_is_column, columns))
 
 
 def _is_column(value):
-    is_row = isinstance(value, list | tuple) or getattr(value, "ndim", 0) == 1
-    return is_row and all(map(_is_entry, value))
+    return _is_list(list(value) if getattr(value, "ndim", 0) == 1 else value, _is_entry)
 
 
 def _is_entry(value):
@@ -147,48 +143,42 @@ def _mapping_of(need: str, *keys: str) -> Argument:
 def _are_directions(value):
     if isinstance(value, str):
         return value in (*DIRECTIONS, "both")
-    named = isinstance(value, list | tuple) and all(isinstance(one, str) for one in value)
-    return bool(named and value and {*value} <= {*DIRECTIONS} and len({*value}) == len(value))
+    named = _is_list(value, lambda each: isinstance(each, str) and each in DIRECTIONS)
+    return named and 0 < len(value) == len({*value})
 
 
 def _are_devices(value):
     named = value.values() if isinstance(value, Mapping) and value else [value]
-    return all(isinstance(one, Device) for one in named)
+    return all(isinstance(each, Device) for each in named)
 
 
-def _are_requirements(value):
-    return isinstance(value, list | tuple) and all(
-        isinstance(one, Mapping)
-        and {"name", "N", "f0", "snaps"} <= one.keys()
-        and isinstance(one["name"], str)
-        and POSITIVE.fits(one["N"])
-        and POSITIVE.fits(one["f0"])
-        and isinstance(one["snaps"], bool | np.bool_)
-        for one in value
+def _is_requirement(value):
+    return (
+        isinstance(value, Mapping)
+        and {"name", "N", "f0", "snaps"} <= value.keys()
+        and isinstance(value["name"], str)
+        and POSITIVE.fits(value["N"])
+        and POSITIVE.fits(value["f0"])
+        and FLAG.fits(value["snaps"])
     )
 
 
-def _are_groups(value):
-    return isinstance(value, list | tuple) and all(
-        isinstance(group, list | tuple) and all(isinstance(key, str) for key in group)
-        for group in value
-    )
+def _is_group(value):
+    return _is_list(value, lambda key: isinstance(key, str))
 
 
-def _of_axis(key: str, example: str) -> dict[str, tuple]:
-    quantity = QUANTITIES[key]
-    return quantity.range, quantity.unit, example
+def _of_axis(key: str, example: str) -> tuple[Bounds, str, str]:
+    return QUANTITIES[key].range, QUANTITIES[key].unit, example
 
 
-POSITIVE_RANGE = range_of("(0, inf)")
-POSITIVE, ANY = _number(POSITIVE_RANGE), _number(range_of("(-inf, inf)"))
-SHARE = _number(range_of("(0, 1)"), "", "0.95")
+POSITIVE, ANY = _number("(0, inf)"), _number("(-inf, inf)")
+SHARE = _number("(0, 1)", "", "0.95")
 FLAG = _of_type("True or False", bool, np.bool_)
 THRESHOLDS = _dataset("a Dataset of thresholds, as threshold returns it", "N_first")
 PATH = Argument("the path of a file that is there", _is_path)
 DEVICE = _of_type("a Device; load_device reads one", Device)
 SHOCK = {
-    "N": (range_of("[0, inf)"), "multiples of g (direction -z pushes the other way)", "1000"),
+    "N": (bounds_of("[0, inf)"), "multiples of g (direction -z pushes the other way)", "1000"),
     "f0": _of_axis("f0", "1500"),
     "C": _of_axis("C", "25"),
 }
@@ -209,14 +199,14 @@ ARGUMENTS = {
         f"one of {', '.join(OPTIONS)}, nor a mapping of its name and options",
         lambda value: isinstance(value, Mapping) or (isinstance(value, str) and value in OPTIONS),
     ),
-    "model.tolerance": _number(range_of("(0, 1)"), "", "1e-3"),
+    "model.tolerance": _number("(0, 1)", "", "1e-3"),
     "model.elements": integer(1, 100),
     "model.cosines": integer(1, 100),
     "model.modes": integer(1, 200),
-    "model.step": _number(range_of("[1e-6, 1]"), "", "0.8"),
+    "model.step": _number("[1e-6, 1]", "", "0.8"),
     "model.mass_matrix": _word("consistent", "hrz"),
-    "horizon": _number(range_of("[0, inf)"), "us", "1500"),
-    "energy_tolerance": _number(range_of("(0, 1)"), "", "1e-3"),
+    "horizon": _number("[0, inf)", "us", "1500"),
+    "energy_tolerance": _number("(0, 1)", "", "1e-3"),
     "threads": integer(1, 1024),
     "until": _word("settled", "snap"),
     "repeat": FLAG,
@@ -224,10 +214,10 @@ ARGUMENTS = {
     "pulse": Argument(f"one of {', '.join(SHAPES)}, nor what read_pulse gives", _is_pulse),
     "pulse.shape": _word(*SHAPES),
     "pulse.N": Argument("a number above or below 0", lambda value: ANY.fits(value) and value != 0),
-    **{f"pulse.{key}": _number(POSITIVE_RANGE, "us", "500") for key in ("duration", "wait")},
-    **{f"pulse.{key}": _number(POSITIVE_RANGE, "Hz", "100") for key in ("from", "to")},
-    "pulse.height": _number(POSITIVE_RANGE, "um", "1e6"),
-    "pulse.rebound": _number(range_of("[0, 0.99]"), "", "0.5"),
+    **{f"pulse.{key}": _number("(0, inf)", "us", "500") for key in ("duration", "wait")},
+    **{f"pulse.{key}": _number("(0, inf)", "Hz", "100") for key in ("from", "to")},
+    "pulse.height": _number("(0, inf)", "um", "1e6"),
+    "pulse.rebound": _number("[0, 0.99]", "", "0.5"),
     **dict.fromkeys(("pulse.rise", "pulse.fall"), SHARE),
     "pulse.repeat": integer(1),
     "direction": Argument("+z, -z, both, or a list of these", _are_directions),
@@ -235,9 +225,9 @@ ARGUMENTS = {
         (f"{name}.direction" for name in ("simulate", "srs_test", "design", "calibrate")),
         _word("+z", "-z"),
     ),
-    "tolerance": _number(range_of("[1e-9, 0.01]"), "", "1e-4"),
-    "tolerance.tolerance": _number(range_of("[1e-5, 0.01]"), "", "1e-3"),
-    "highest": _number(range_of("(0, inf)"), "multiples of g", "2000"),
+    "tolerance": _number("[1e-9, 0.01]", "", "1e-4"),
+    "tolerance.tolerance": _number("[1e-5, 0.01]", "", "1e-3"),
+    "highest": _number("(0, inf)", "multiples of g", "2000"),
     "earlier": THRESHOLDS,
     "value": Argument(
         "the name of a value of the device, such as thickness",
@@ -245,20 +235,23 @@ ARGUMENTS = {
     ),
     "between": Argument("a pair of numbers, low and high, such as (1.8, 2.2)", _is_pair),
     "requirements": Argument(
-        "a list of mappings of name, N, f0 (Hz) and snaps (True or False)", _are_requirements
+        "a list of mappings of name, N, f0 (Hz) and snaps (True or False)",
+        lambda value: _is_list(value, _is_requirement),
     ),
     "scatters": _mapping_of(
         'what can scatter to its width, such as {"thickness": "3 %"}', *VALUES, "N", "duration", "C"
     ),
-    "together": Argument("a list of groups of names, as [[span, rise]]", _are_groups),
+    "together": Argument(
+        "a list of groups of names, as [[span, rise]]", lambda value: _is_list(value, _is_group)
+    ),
     "samples": integer(2, 100_000),
     "index_samples": integer(2, 100_000),
     "seed": integer(0, 2**32 - 1),
     "psd": _pairs("Hz and g^2/Hz", "[(20, 0.04), (2000, 0.04)]"),
     "srs": _pairs("Hz and multiples of g", "[(500, 700), (2000, 1500)]"),
-    "vibration.duration": _number(range_of("(0, inf)"), "s", "60"),
+    "vibration.duration": _number("(0, inf)", "s", "60"),
     "records": integer(1, 10_000),
-    "reach": _number(range_of("(0, 1)"), "", "0.01"),
+    "reach": _number("(0, 1)", "", "0.01"),
     "shots": Argument(
         "the path of a file that is there, nor columns by name",
         lambda value: _is_table(value) or _is_path(value),
@@ -267,7 +260,8 @@ ARGUMENTS = {
         'values of the device, or C, to ranges, such as {"thickness": (1.7, 2.3)}', *VALUES, "C"
     ),
     "prior": Argument(
-        "a mean and a standard deviation above 0, nor what tolerance returns", _is_prior
+        "a mean and a standard deviation above 0, nor what tolerance returns",
+        lambda value: hasattr(value, "data_vars") or _is_pair(value),
     ),
     "method": _word("neyer", "up-and-down"),
     "confidence": SHARE,
@@ -286,7 +280,7 @@ ARGUMENTS = {
         lambda value: (
             isinstance(value, Mapping)
             and len(value) > 0
-            and all(isinstance(k, str) and THRESHOLDS.fits(one) for k, one in value.items())
+            and all(isinstance(k, str) and THRESHOLDS.fits(value[k]) for k in value)
         ),
     ),
 }

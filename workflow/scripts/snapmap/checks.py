@@ -7,7 +7,7 @@ from os import PathLike
 
 import numpy as np
 
-from .quantities import QUANTITIES, Range
+from .quantities import QUANTITIES, Bounds
 
 LONGEST = 60
 """Characters of a value in a message."""
@@ -32,20 +32,19 @@ def numbers(value):
     if isinstance(value, str | bytes | bool | Mapping):
         return None
     try:
-        found = np.asarray(value)
-        return found.astype(float) if found.dtype.kind in "iuf" else None
+        array = np.asarray(value)
+        return array.astype(float) if array.dtype.kind in "iuf" else None
     except (TypeError, ValueError, OverflowError):
         return None
 
 
-def require_quantity(key: str, name: str, value: np.ndarray, within: Range | None = None) -> None:
+def require_quantity(key: str, name: str, value: np.ndarray, within: Bounds | None = None) -> None:
     """Raise ValueError unless values, called `key`, are numbers that fit the quantity of a name.
 
     within: in place of its own range
     """
-    quantity = QUANTITIES[name]
-    within = within or quantity.range
-    need = " ".join(f"is not a number {within} {quantity.unit}".split())
+    within = within or QUANTITIES[name].range
+    need = " ".join(f"is not a number {within} {QUANTITIES[name].unit}".split())
     if numbers(value) is None:
         raise ValueError(f"{key}: {show(value)} {need}")
     require(within.holds(value), f"{key}: {{}} {need}", value)

@@ -11,7 +11,7 @@ import numpy as np
 
 from .arch import Equilibria, equilibria, least_residual
 from .checks import numbers, require, require_quantity, show
-from .quantities import QUANTITIES, range_of
+from .quantities import QUANTITIES, bounds_of
 from .shape import (
     BISTABILITY_LIMIT,
     COSINE,
@@ -32,18 +32,14 @@ FLAT = 1e-8
 
 @dataclass(frozen=True)
 class Beam:
-    """Clamped beam, stress-free in its first shape; a value that cannot be raises ValueError.
+    """Clamped beam; values and units as in QUANTITIES; one that cannot be raises ValueError.
 
-    span, rise, thickness, depth: um; rise 0 is a straight beam, which compression must buckle
-    youngs_modulus: MPa
-    density: ng/um^3
-    damping: drag on the beam over its momentum, 1/us; swings decay at half of it
-    residual_stress: along the axis as made, before the beam bends to relieve it; tension positive,
-        MPa
-    imperfection: largest displacement in the first antisymmetric shape, as made, um
+    rise: 0 is a straight beam, which compression must buckle
+    damping: drag on the beam over its momentum; swings decay at half of it
+    residual_stress: along the axis as made, before the beam bends to relieve it
+    imperfection: largest displacement in the first antisymmetric shape
     free: whether it may tilt, 1 or 0: a guided beam moves symmetrically
-    clamp_axial: stiffness of each clamp along the beam, uN/um; math.inf is rigid
-    shape: as made, "cosine", "arc" (a circle's) or "parabola"
+    clamp_axial: math.inf is rigid; shape: as made, "cosine", "arc" (a circle's) or "parabola"
     cosine_2, ..., cosine_5: (1 - cos(2 n pi x/L))/2 in it, over the rise, which stays as it is
     """
 
@@ -68,7 +64,7 @@ class Beam:
         for name in BEAM_VALUES:
             if name in QUANTITIES and name != "shape":
                 key = "clamp.axial" if name == "clamp_axial" else name
-                within = range_of("[0, inf)") if name == "rise" else None
+                within = bounds_of("[0, inf)") if name == "rise" else None
                 require_quantity(f"device.beam.{key}", name, getattr(self, name), within)
         for holds, words, *values in self._rules():
             require(holds, f"device.beam.{words}", *values)
@@ -91,21 +87,16 @@ class Beam:
         yield np.less_equal(Q, THINNEST), f"{thin}{THINNEST:g}", self.thickness, Q
 
     def require_second_shape(self) -> None:
-        """Raise ValueError if the beam, or one of them, has no second stable shape.
-
-        Whoever shakes it asks for one: slowly pushed it may be any.
-        """
-        if np.all(self.is_bistable):
-            return
-        Q = np.divide(self.rise, self.thickness)
-        none = (
-            "device.beam: rise/thickness = {:g} um/{:g} um = {:.6g} and a stress of {:g} MPa leave "
-            "no second stable shape; it needs a stress below {:.5g} MPa, or of a cosine without "
-            "stress rise/thickness of more than {:.3f}"
-        )
-        needed = BISTABILITY_LIMIT / np.sqrt(self.held)
-        at_fault = self.rise, self.thickness, Q, self.residual_stress, self.most_stress, needed
-        require(self.is_bistable, none, *at_fault)
+        """Raise ValueError if the beam, or one of them, has no second stable shape to snap to."""
+        if not np.all(self.is_bistable):
+            require(
+                self.is_bistable,
+                "device.beam: rise/thickness = {:g} um/{:g} um = {:.6g} and a stress of {:g} MPa "
+                "leave no second stable shape; it needs a stress below {:.5g} MPa, or of a cosine "
+                "without stress rise/thickness of more than {:.3f}",
+                *(self.rise, self.thickness, np.divide(self.rise, self.thickness)),
+                *(self.residual_stress, self.most_stress, BISTABILITY_LIMIT / np.sqrt(self.held)),
+            )
 
     @property
     def area(self) -> Value:
@@ -170,24 +161,22 @@ class Beam:
     @property
     def is_cosine(self) -> np.ndarray:
         """Whether the shape as made is the first cosine alone, an array."""
-        found = np.equal(self.shape, COSINE)
-        for name in COSINES:
-            found = found & np.equal(getattr(self, name), 0)
-        return np.asarray(found)
+        plain = [np.equal(getattr(self, name), 0) for name in COSINES]
+        return np.logical_and.reduce(np.broadcast_arrays(np.equal(self.shape, COSINE), *plain))
 
     @cached_property
     def at_rest(self) -> Equilibria:
         """Its equilibria if it is guided, in the rise and the first buckling load, as in `arch`."""
-        Q, compression, a = self._kind
-        found = equilibria(*modes_of(Q.ravel(), a.reshape(-1, TERMS)), compression.ravel())
-        return Equilibria(*(part.reshape(Q.shape + part.shape[1:]) for part in found))
+        shape, arch, compression = self._arch
+        parts = equilibria(*arch, compression)
+        return Equilibria(*(part.reshape(shape + part.shape[1:]) for part in parts))
 
     @property
-    def _kind(self):
-        Q, compression = np.broadcast_arrays(self.bistability, self.compression)
-        shape = np.broadcast_shapes(Q.shape, self.is_cosine.shape)
-        a = np.broadcast_to(self.cosines, (*shape, TERMS))
-        return np.broadcast_to(Q, shape), np.broadcast_to(compression, shape), a
+    def _arch(self):
+        """Shape of the batch, loads, s and EA/2L as `modes_of` has them, and the compression."""
+        Q, compression, _ = np.broadcast_arrays(self.bistability, self.compression, self.is_cosine)
+        a = np.broadcast_to(self.cosines, (*Q.shape, TERMS))
+        return Q.shape, modes_of(Q.ravel(), a.reshape(-1, TERMS)), compression.ravel()
 
     @property
     def is_bistable(self) -> bool | np.ndarray:
@@ -198,8 +187,7 @@ class Beam:
     def bending_frequency(self) -> Value:
         """The first of a straight clamped beam, (4.7300/L)^2 sqrt(EI / rho A), rad/us."""
         root = 4.730040744862704 / self.span
-        per_length = self.density * self.area
-        return root * root * np.sqrt(self.bending_stiffness / per_length)
+        return root * root * np.sqrt(self.bending_stiffness / self.mass_per_length)
 
     @property
     def buckling_stress(self) -> Value:
@@ -215,9 +203,8 @@ class Beam:
     @property
     def most_stress(self) -> Value:
         """Residual stress, MPa, above which there is no second stable shape."""
-        Q, _, a = self._kind
-        least = least_residual(*modes_of(Q.ravel(), a.reshape(-1, TERMS))).reshape(Q.shape)
-        return -least[()] * self.buckling_stress / self.held
+        shape, arch, _ = self._arch
+        return -least_residual(*arch).reshape(shape)[()] * self.buckling_stress / self.held
 
     @property
     def height(self) -> Value:

@@ -11,7 +11,7 @@ import numpy as np
 
 from .checks import numbers, require, require_quantity, show
 from .curved_beam import BEAM_VALUES, Beam
-from .quantities import KINDS, QUANTITIES
+from .quantities import QUANTITIES
 from .shape import Value
 
 # ASSUME: silicon that meets silicon; a config says its own.
@@ -37,6 +37,7 @@ STRENGTH = {
     "threshold": "strength_threshold",
 }
 """Likewise in its section `strength`."""
+SECTIONS = {"stops": STOPS, "thermal": THERMAL, "strength": STRENGTH}
 ALONE = {"mass": 0.0, "spring": 1.0, "contact": 1.0, "gap": math.inf}
 """Values of a device whose beam no mass ever meets; its spring and contact are of no account."""
 OF_MASS = *ALONE, *STOPS.values()
@@ -47,22 +48,20 @@ OF_MASS = *ALONE, *STOPS.values()
 class Device:
     """Beam, and a mass on a spring that strikes it; a value that cannot be raises ValueError.
 
-    mass: ng; 0 with a gap of math.inf for a beam alone
-    spring, contact: uN/um; contact = math.inf is a hard contact
-    gravity: the unit of the shock's amplitude N, um/us^2
-    force: the unit of N, uN, where the pulse is a force on the midpoint of a beam alone, downward,
-        and 0 where it is an acceleration of the frame
-    gap: between mass and midpoint at rest, um
-    stop_toward, stop_away: way of the mass from rest to a rigid stop, towards the beam and away
-        from it, um; math.inf for none
-    restitution: share of its speed with which the mass leaves a stop, 0 to 1
-    temperature: at which the other values hold, degC; `vary` takes it to others
-    reference_temperature: at which they were given, degC
+    Values and units as in QUANTITIES.
+
+    mass: 0 with a gap of math.inf for a beam alone; contact: math.inf is a hard one
+    gravity: the unit of the shock's amplitude N
+    force: the unit of N where the pulse is a force on the midpoint of a beam alone, downward, and 0
+        where it is an acceleration of the frame
+    stop_toward, stop_away: from rest to a rigid stop; math.inf for none
+    temperature: at which the other values hold; `vary` takes it to others
+    reference_temperature: at which they were given
     modulus_slope: change of Young's modulus over itself, 1/K
     expansion_mismatch: thermal expansion of the beam less that of what it is clamped to, 1/K
     damper_exponent: C grows with the absolute temperature to this power
-    strength: tensile stress at which the beam breaks, MPa, math.inf for never; or the scale of a
-        Weibull distribution of it, with strength_modulus and strength_threshold, MPa
+    strength: tensile stress at which the beam breaks, math.inf for never; or the scale of a
+        Weibull distribution of it, with strength_modulus and strength_threshold
     """
 
     beam: Beam
@@ -89,9 +88,7 @@ class Device:
             raise ValueError(f"device.beam: {show(self.beam)} is not a Beam")
         known = numbers(self.mass) is not None and numbers(self.gap) is not None
         alone = known and np.equal(self.mass, 0) & self.is_alone
-        keys = {STOPS[key]: f"stops.{key}" for key in STOPS}
-        keys |= {STRENGTH[key]: f"strength.{key}" for key in STRENGTH}
-        keys |= {THERMAL[key]: f"thermal.{key}" for key in THERMAL}
+        keys = {names[key]: f"{at}.{key}" for at, names in SECTIONS.items() for key in names}
         for name in (field.name for field in fields(self) if field.name != "beam"):
             value = getattr(self, name)
             if name in ALONE and np.any(alone):
@@ -148,11 +145,10 @@ class Device:
 
         Where the temperature is among them, the others are those at the reference.
         """
-        whole = asdict(self)
-        beam = whole.pop("beam")
-        found = _from_values({**beam, **whole, **self.warmed(values)}, np.asarray)
-        found.beam.require_second_shape()
-        return found
+        own = asdict(self)
+        device = _from_values({**own.pop("beam"), **own, **self.warmed(values)}, np.asarray)
+        device.beam.require_second_shape()
+        return device
 
     def warmed(self, values: Mapping[str, np.ndarray]) -> Mapping[str, np.ndarray]:
         """Values for `vary`, with the modulus and the stress at the temperature among them.
@@ -180,18 +176,18 @@ _NAMES = (*BEAM_VALUES, *(field.name for field in fields(Device)))
 _NUMBERS = [key for key in _NAMES if key in QUANTITIES and key != "shape"]
 VALUES = tuple(key for key in _NUMBERS if QUANTITIES[key].long_name)
 """Names of the values that tell one device from another."""
-SIGNED = tuple(key for key in VALUES if KINDS[QUANTITIES[key].kind].signed)
-FROM_ZERO = tuple(key for key in VALUES if KINDS[QUANTITIES[key].kind].zero and key not in SIGNED)
+SIGNED = tuple(key for key in VALUES if QUANTITIES[key].range.low < 0)
+FROM_ZERO = tuple(key for key in VALUES if QUANTITIES[key].range.low_fits and key not in SIGNED)
 """Those that may be negative, or zero; all others are positive."""
 
 
 def batch(devices: Sequence[Device]) -> Device:
     """Make a batch of single devices."""
-    columns = [{**asdict(device.beam), **asdict(device)} for device in devices]
-    keys = [key for key in columns[0] if key != "beam"]
-    kind = {"shape": str}
-    whole = {key: np.array([one[key] for one in columns], kind.get(key, float)) for key in keys}
-    return _from_values(whole, np.asarray)
+    rows = [{**asdict(device.beam), **asdict(device)} for device in devices]
+    del rows[0]["beam"]
+    types = {"shape": str}
+    columns = {key: np.array([row[key] for row in rows], types.get(key, float)) for key in rows[0]}
+    return _from_values(columns, np.asarray)
 
 
 def is_bistable(device: Device, values: Mapping[str, np.ndarray], size: int) -> np.ndarray:

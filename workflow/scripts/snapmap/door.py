@@ -49,22 +49,22 @@ def checked(function: Callable) -> Callable:
 
 def _bound(function, signature, given, named):
     """All arguments of a call by name, with its options; each fits."""
-    parameters = {key: one for key, one in signature.parameters.items() if key != "options"}
+    parameters = {key: each for key, each in signature.parameters.items() if key != "options"}
     if len(given) > len(parameters):
         raise TypeError(f"{function}: takes {len(parameters)} arguments, not {len(given)}")
     values = dict(zip(parameters, given, strict=False))
     if twice := [key for key in values if key in named]:
         raise TypeError(f"{twice[0]}: comes twice; write it once")
     values |= named
-    for key, one in parameters.items():
-        own = ARGUMENTS.get(f"{function}.{key}") or ARGUMENTS[key]
-        if key not in values:
-            if one.default is one.empty:
-                raise TypeError(f"{key}: missing; write {own.need}")
-        elif values[key] is not one.default and not (
-            values[key] is None and type(None) in get_args(one.annotation)
+    for key, each in parameters.items():
+        argument = ARGUMENTS.get(f"{function}.{key}") or ARGUMENTS[key]
+        if key not in values and each.default is each.empty:
+            raise TypeError(f"{key}: missing; write {argument.need}")
+        value = values.get(key, each.default)
+        if value is not each.default and (
+            value is not None or type(None) not in get_args(each.annotation)
         ):
-            own.require(key, values[key])
+            argument.require(key, value)
     options = {key: value for key, value in values.items() if key not in parameters}
     if "model" in parameters:
         model = values.get("model", parameters["model"].default)
@@ -102,13 +102,13 @@ def _doubts(values):
     """Lines on values that are hardly meant."""
     device = values.get("device")
     named = device if isinstance(device, Mapping) else {} if device is None else {"": device}
-    for one in named.values():
-        whole = batch([one])
+    for each in named.values():
+        alone = batch([each])
         C, f0 = (values.get(key) for key in ("C", "f0"))
         if C is None or f0 is None:
-            yield from unusual(whole)
+            yield from unusual(alone)
         else:
             ascending = (np.sort(np.atleast_1d(np.asarray(v, float))) for v in (C, f0))
-            yield from implausible(whole, *ascending)
+            yield from implausible(alone, *ascending)
         if "scatters" in values:
-            yield from wide(Plan(one, values["scatters"], values.get("together", ())))
+            yield from wide(Plan(each, values["scatters"], values.get("together", ())))

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 
-class Range(NamedTuple):
+class Bounds(NamedTuple):
     """Numbers between two ends; low_fits, high_fits: whether these are among them."""
 
     low: float
@@ -30,13 +30,13 @@ class Range(NamedTuple):
         return " and ".join(filter(None, (low, high)))
 
 
-def range_of(text: str) -> Range:
+def bounds_of(text: str) -> Bounds:
     """Read an interval such as "[0, inf)"."""
     low, high = (float(end) for end in text[1:-1].split(","))
-    return Range(low, high, text[0] == "[", text[-1] == "]")
+    return Bounds(low, high, text[0] == "[", text[-1] == "]")
 
 
-class Kind(NamedTuple):
+class Dimension(NamedTuple):
     """What a key expects: its name with article, internal unit, an example, and an interval."""
 
     name: str
@@ -44,43 +44,33 @@ class Kind(NamedTuple):
     example: str
     interval: str = "(0, inf)"
 
-    @property
-    def zero(self) -> bool:
-        """Whether 0 fits."""
-        return bool(range_of(self.interval).holds(0.0))
-
-    @property
-    def signed(self) -> bool:
-        """Whether less than 0 does."""
-        return range_of(self.interval).low < 0
-
 
 KINDS = {
-    "number": Kind("a multiple of gravity without a unit", "", "1000", "(-inf, inf)"),
-    "quality": Kind("a plain number", "", "250"),
-    "length": Kind("a length", "um", "'600 um'"),
-    "modulus": Kind("a modulus", "MPa", "'150 GPa'"),
-    "distance": Kind("a length", "um", "'0.5 um'", "[0, inf)"),
-    "strength": Kind("a stress", "MPa", "'1.5 GPa'"),
-    "stress": Kind("a stress", "MPa", "'-11 MPa'", "(-inf, inf)"),
-    "density": Kind("a density", "ng/um^3", "'2330 kg/m^3'"),
-    "rate": Kind("a damping rate", "1/us", "'4e-4 /us'", "[0, inf)"),
-    "mass": Kind("a mass", "ng", "'1e-8 kg'"),
-    "body": Kind("a mass", "ng", "'1e-8 kg', or the word none"),
-    "stiffness": Kind("a stiffness", "uN/um", "'5.5 N/m'"),
-    "contact": Kind("a stiffness", "uN/um", "'40 N/m', or the word hard", "(0, inf]"),
-    "acceleration": Kind("an acceleration", "um/us^2", "'9.81 m/s^2'"),
-    "force": Kind("a force", "uN", "'1 uN'"),
-    "frequency": Kind("a frequency", "Hz", "'1500 Hz'"),
-    "damper": Kind("a damper constant", "uN*us/um", "'25 uN*us/um'", "[0, inf)"),
-    "temperature": Kind("a temperature", "degC", "'85 degC'", "(-273.15, inf)"),
-    "expansion": Kind("a change per kelvin", "1/K", "'-63e-6 /K'", "(-inf, inf)"),
-    "part": Kind("a plain number", "", "0.1", "(-inf, inf)"),
-    "exponent": Kind("a plain number", "", "0.7", "(-inf, inf)"),
-    "restitution": Kind("a plain number", "", "0.5", "[0, 1]"),
-    "share": Kind("a share", "%", "'0.1 %'", "(0, 1)"),
-    "duration": Kind("a duration", "us", "'1500 us'", "[0, inf)"),
-    "pulse": Kind("a duration", "us", "'0.5 ms'"),
+    "number": Dimension("a multiple of gravity without a unit", "", "1000", "(-inf, inf)"),
+    "quality": Dimension("a plain number", "", "250"),
+    "length": Dimension("a length", "um", "'600 um'"),
+    "modulus": Dimension("a modulus", "MPa", "'150 GPa'"),
+    "distance": Dimension("a length", "um", "'0.5 um'", "[0, inf)"),
+    "strength": Dimension("a stress", "MPa", "'1.5 GPa'"),
+    "stress": Dimension("a stress", "MPa", "'-11 MPa'", "(-inf, inf)"),
+    "density": Dimension("a density", "ng/um^3", "'2330 kg/m^3'"),
+    "rate": Dimension("a damping rate", "1/us", "'4e-4 /us'", "[0, inf)"),
+    "mass": Dimension("a mass", "ng", "'1e-8 kg'"),
+    "body": Dimension("a mass", "ng", "'1e-8 kg', or the word none"),
+    "stiffness": Dimension("a stiffness", "uN/um", "'5.5 N/m'"),
+    "contact": Dimension("a stiffness", "uN/um", "'40 N/m', or the word hard", "(0, inf]"),
+    "acceleration": Dimension("an acceleration", "um/us^2", "'9.81 m/s^2'"),
+    "force": Dimension("a force", "uN", "'1 uN'"),
+    "frequency": Dimension("a frequency", "Hz", "'1500 Hz'"),
+    "damper": Dimension("a damper constant", "uN*us/um", "'25 uN*us/um'", "[0, inf)"),
+    "temperature": Dimension("a temperature", "degC", "'85 degC'", "(-273.15, inf)"),
+    "expansion": Dimension("a change per kelvin", "1/K", "'-63e-6 /K'", "(-inf, inf)"),
+    "part": Dimension("a plain number", "", "0.1", "(-inf, inf)"),
+    "exponent": Dimension("a plain number", "", "0.7", "(-inf, inf)"),
+    "restitution": Dimension("a plain number", "", "0.5", "[0, 1]"),
+    "share": Dimension("a share", "%", "'0.1 %'", "(0, 1)"),
+    "duration": Dimension("a duration", "us", "'1500 us'", "[0, inf)"),
+    "pulse": Dimension("a duration", "us", "'0.5 ms'"),
 }
 
 
@@ -130,13 +120,11 @@ class Quantity(NamedTuple):
     usual: tuple[float, float] = (-inf, inf)
 
     @property
-    def range(self) -> Range:
+    def range(self) -> Bounds:
         """Of its values, with that of which a recipe is silent."""
-        own, silent = range_of(KINDS[self.kind].interval), self.left_out
-        return own._replace(
-            low_fits=own.low_fits or silent == own.low,
-            high_fits=own.high_fits or silent == own.high,
-        )
+        low, high, low_fits, high_fits = bounds_of(KINDS[self.kind].interval)
+        silent = self.left_out
+        return Bounds(low, high, low_fits or silent == low, high_fits or silent == high)
 
     @property
     def unit(self) -> str:
@@ -159,7 +147,7 @@ def _quantity(line):
     cells = [cell.strip() for cell in line.split("|")]
     name, kind, left_out, *words, usual = cells + [""] * (8 - len(cells))
     silent = float(left_out) if left_out else None
-    return Quantity(name, kind, silent, *words, range_of(f"[{usual or '-inf, inf'}]")[:2])
+    return Quantity(name, kind, silent, *words, bounds_of(f"[{usual or '-inf, inf'}]")[:2])
 
 
 _LINES = """\
@@ -202,5 +190,5 @@ f0 | frequency | | frequency of the pulse | $f_0$ | pulse frequency $f_0$
 duration | pulse | | | pulse duration $1/f_0$
 N | number | | amplitude of the pulse, multiples of g | $N$ | pulse amplitude $N$ (multiples of $g$)
 """
-QUANTITIES = {one.name: one for one in map(_quantity, _LINES.splitlines())}
+QUANTITIES = {quantity.name: quantity for quantity in map(_quantity, _LINES.splitlines())}
 """By their names, in the order in which figures name them; the fields of each by its line."""

@@ -39,16 +39,16 @@ def coefficients(shape: str | np.ndarray, steepness: Value, cosines: Sequence[Va
     """
     shape, steepness, *cosines = np.broadcast_arrays(shape, steepness, *cosines)
     # Parabola: 8 / (pi n)^2, from 4 x (1 - x).
-    found = np.broadcast_to(8 / (np.pi * np.pi * _SQUARE), (*shape.shape, TERMS)).copy()
-    found[shape == COSINE] = _N == 1
+    a = np.broadcast_to(8 / (np.pi * np.pi * _SQUARE), (*shape.shape, TERMS)).copy()
+    a[shape == COSINE] = _N == 1
     arcs = shape == ARC
     if arcs.any():
-        found[arcs] = _arc(np.asarray(steepness)[arcs])
+        a[arcs] = _arc(steepness[arcs])
     for n, added in enumerate(cosines, start=2):
-        found[..., n - 1] += added
+        a[..., n - 1] += added
         if n % 2:
-            found[..., 0] -= added
-    return found
+            a[..., 0] -= added
+    return a
 
 
 def slope_products(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -62,19 +62,16 @@ def slope_products(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarra
     width = np.diff(nodes)[:, np.newaxis]
     x = nodes[:-1, np.newaxis] + width * share
     weights = width * np.tile(WEIGHTS / panels, panels)
-    sines = [[sine(n * one) for n in _N.tolist()] for one in x.ravel().tolist()]
+    sines = [[sine(n * turn) for n in _N.tolist()] for turn in x.ravel().tolist()]
     return x, weights, 2 * np.pi * _N * np.reshape(sines, (*x.shape, TERMS))
 
 
-@cache
-def _rule():
-    x, weights, slopes = slope_products(np.array([0.0, 0.5]))
-    return x[0], weights[0], slopes[0]
+_rule = cache(lambda: slope_products(np.array([0.0, 0.5])))
 
 
 def _arc(steepness):
     """Of the circle through clamps and midpoint: w0' = -y / sqrt(R^2 - y^2), y = x - 1/2."""
-    x, weights, slopes = _rule()
+    (x,), (weights,), (slopes,) = _rule()
     radius = (0.25 + steepness * steepness) / (2 * steepness)
     y = 0.5 - x
     slope = y / np.sqrt(radius[:, np.newaxis] ** 2 - y * y) / steepness[:, np.newaxis]

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from snapmap.solver.model import Model
+from snapmap.solver.models import Model
 from snapmap.solver.steps import fixed
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from ..device import Beam
 
 PLACES = 5
-"""Where curvature is told: 0, L/4, L/2, 3L/4 and L."""
+"""Where curvature is taken: 0, L/4, L/2, 3L/4 and L."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -16,9 +16,7 @@ class Basis:
     """Matrices of the whole beam (twice the half beam's) over n clamped shapes.
 
     They are symmetric and, of a beam that is free to tilt, antisymmetric ones; no matrix couples
-    the two kinds.
-
-    Of a beam whose span L, rise, rho A and EI are 1; `scaled_to` gives those of another.
+    these. Of a beam whose span L, rise, rho A and EI are 1; `scaled_to` gives those of another.
 
     mass: (n, n), rho A w w~, in rho A L
     bending: (n, n), EI w'' w~'', in EI/L^3
@@ -65,8 +63,6 @@ class Basis:
 
 
 def block_diagonal(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """The matrix of two square blocks."""
-    whole = np.zeros((len(a) + len(b), len(a) + len(b)))
-    whole[: len(a), : len(a)] = a
-    whole[len(a) :, len(a) :] = b
-    return whole
+    """The matrix of two square blocks of one size."""
+    zeros = np.zeros(a.shape)
+    return np.block([[a, zeros], [zeros, b]])

@@ -20,18 +20,17 @@ def symmetric_cosines(cosines: int) -> Basis:
     """Expand w in the first `cosines` symmetric cosines; w0 is rise/2 times the first of them."""
     n = np.arange(1, cosines + 1)
     square = 4 * np.pi * np.pi * n * n  # of the wave number
-    start = np.zeros(cosines)
-    start[0] = 0.5
+    quarters = n * np.arange(PLACES)[:, np.newaxis] % 4
     return Basis(
         mass=np.ones((cosines, cosines)) + np.eye(cosines) / 2,
         bending=np.diag(square * square / 2),
         geometric=np.diag(square / 2),
         load=np.ones(cosines),
         midpoint=np.where(n % 2, 2.0, 0.0),
-        start=start,
+        start=np.where(n == 1, 0.5, 0.0),
         project=lambda a: _resized(a, cosines) / 2,
         tilt=np.zeros(cosines),
-        curvature=square * _quarters(n),
+        curvature=square * np.array([1.0, 0.0, -1.0, 0.0])[quarters],  # cos(2 n pi x / L)
         flexibility=_midpoint_flexibility,
         bent=_bent,
         complete=False,
@@ -46,6 +45,9 @@ def buckling_shapes(cosines: int) -> Basis:
     # The slope of psi_1 vanishes at mu y = 2 pi - mu/2, where |psi_1| = 4 pi / mu.
     tilt[cosines] = mu[0] / (4 * np.pi)
     square = mu * mu
+    # -sin(mu y / L) / sin(mu / 2) at the PLACES, half way by the half angle.
+    inner = np.array([0.5 / sine(turn + 0.25) for turn in (mu / (8 * np.pi)).tolist()])
+    halves = np.stack([0 * mu + 1, inner, 0 * mu, -inner, 0 * mu - 1])
     # The integrals of psi_m psi_n over the span are 1/3, and 1/2 more where m = n.
     mass = np.full((cosines, cosines), 1 / 3) + np.eye(cosines) / 2
     return Basis(
@@ -57,7 +59,7 @@ def buckling_shapes(cosines: int) -> Basis:
         start=np.append(symmetric.start, none),
         project=lambda a: _resized(symmetric.project(a), 2 * cosines),
         tilt=tilt,
-        curvature=np.hstack([symmetric.curvature, square * _halves(mu)]),
+        curvature=np.hstack([symmetric.curvature, square * halves]),
         flexibility=_midpoint_flexibility,
         bent=_bent,
         complete=False,
@@ -82,10 +84,7 @@ def antisymmetric_loads(number: int) -> np.ndarray:
 
 def _resized(a, size):
     """The first `size` along the last axis, with zeros behind."""
-    found = np.zeros((*a.shape[:-1], size))
-    kept = min(size, a.shape[-1])
-    found[..., :kept] = a[..., :kept]
-    return found
+    return np.concatenate([a[..., :size], np.zeros((*a.shape[:-1], size))], axis=-1)[..., :size]
 
 
 def _midpoint_flexibility(axial_force):
@@ -111,15 +110,3 @@ def _lambert(axial_force):
     for odd in range(2 * TERMS - 1, 1, -2):
         fraction = odd - square / fraction
     return square, fraction
-
-
-def _quarters(n):
-    """cos(2 n pi x / L) at the PLACES, (PLACES, n)."""
-    turns = n * np.arange(PLACES)[:, np.newaxis] % 4
-    return np.array([1.0, 0.0, -1.0, 0.0])[turns]
-
-
-def _halves(mu):
-    """-sin(mu y / L) / sin(mu / 2) at the PLACES, (PLACES, n): half way by the half angle."""
-    inner = np.array([0.5 / sine(one / (8 * np.pi) + 0.25) for one in mu.tolist()])
-    return np.stack([0 * mu + 1, inner, 0 * mu, -inner, 0 * mu - 1])

@@ -29,12 +29,11 @@ def hermite_elements(
     free: whether the half beam's antisymmetric motions, W = 0 at L/2, are appended; both together
         are those of the whole beam of twice as many elements
     """
-    h = 1 / (2 * elements)
-    mass = _hrz_mass(h) if mass_matrix == "hrz" else _integrals(0, h)
-    parts = _integrals(2, h), _integrals(1, h), mass
+    h, none = 1 / (2 * elements), np.zeros(2 * elements - 1)
+    hrz = h * np.diag([1 / 2, h * h / 78, 1 / 2, h * h / 78])
+    parts = _integrals(2, h), _integrals(1, h), hrz if mass_matrix == "hrz" else _integrals(0, h)
     bending, geometric, mass = (_assemble(elements, part, SYMMETRIC) for part in parts)
-    none = np.zeros(2 * elements - 1)
-    load, start, tilt = _assemble_vector(elements, _load(h)), _interpolate_start(elements), none
+    load, start, tilt = _assemble(elements, _load(h), SYMMETRIC), _interpolate_start(elements), none
     midpoint, curvature = none.copy(), _curvature(elements, SYMMETRIC)
     midpoint[-1] = 1.0
     project = _projection(elements, geometric, free)
@@ -64,13 +63,8 @@ def _integrals(order, h):
         c, scale = c[:, 1:] * np.arange(1, c.shape[1]), scale / (h * h)
     n = np.arange(c.shape[1])
     # 420 divides by all up to 7: the sums are of whole numbers.
-    whole = multiply(multiply(c, 420 // (n[:, np.newaxis] + n + 1)), c.T)
-    return whole * outer(sizes, sizes) / 420 * scale
-
-
-def _hrz_mass(h):
-    """Diagonal of the consistent mass, scaled so that the translations carry all of it, um."""
-    return h * np.diag([1 / 2, h * h / 78, 1 / 2, h * h / 78])
+    sums = multiply(multiply(c, 420 // (n[:, np.newaxis] + n + 1)), c.T)
+    return sums * outer(sizes, sizes) / 420 * scale
 
 
 def _load(h):
@@ -78,20 +72,13 @@ def _load(h):
     return h * np.array([1 / 2, h / 12, 1 / 2, -h / 12])
 
 
-def _assemble(elements, element_matrix, fixed):
-    """Sum one element's matrix over the half beam, drop the fixed unknowns, double."""
-    full = np.zeros((2 * elements + 2, 2 * elements + 2))
+def _assemble(elements, part, fixed):
+    """Sum one element's matrix or vector over the half beam, drop the fixed unknowns, double."""
+    full = np.zeros([2 * elements + 2] * part.ndim)
     for i in range(0, 2 * elements, 2):
-        full[i : i + 4, i : i + 4] += element_matrix
+        full[(slice(i, i + 4),) * part.ndim] += part
     kept = np.delete(np.arange(2 * elements + 2), [0, 1, fixed])
-    return 2 * full[np.ix_(kept, kept)]
-
-
-def _assemble_vector(elements, element_vector):
-    full = np.zeros(2 * elements + 2)
-    for i in range(0, 2 * elements, 2):
-        full[i : i + 4] += element_vector
-    return 2 * full[2:-1]
+    return 2 * full[np.ix_(*[kept] * part.ndim)]
 
 
 def _curvature(elements, fixed):
@@ -112,8 +99,8 @@ def _interpolate_start(elements):
     """Nodal values and slopes of w0, eq. (1): hence exactly stress-free."""
     nodal = []
     for node in range(elements + 1):
-        half, whole = (sine(node / elements / parts) for parts in (4, 2))
-        nodal += [half * half, pi * whole]
+        quarter, half = (sine(node / elements / parts) for parts in (4, 2))
+        nodal += [quarter * quarter, pi * half]
     return np.array(nodal[2:-1])
 
 

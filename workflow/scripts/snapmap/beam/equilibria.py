@@ -25,14 +25,14 @@ from .modal import (
     contact_stiffness,
     first_midpoint,
     halfway,
-    kinds_of,
     pulse_load,
+    unit_beams,
     unit_form,
 )
 
 COSINES = 40
 GRID, ZOOMS = 100, 5
-"""Points between which something is looked for, and how often closer."""
+"""Points of a search, and how often it is repeated between two of them."""
 
 
 class BucklingModes(NamedTuple):
@@ -60,8 +60,7 @@ def static_threshold(device: Device) -> float | np.ndarray:
     modes = buckling_modes(device.beam)
     modes = modes._replace(load=pulse_load(device, modes.load, modes.midpoint))
     first = first_midpoint(shapes_of(device.beam), device.beam).item()
-    whole = first - device.beam.second_equilibrium
-
+    travel = first - device.beam.second_equilibrium
     stiffness, room = contact_stiffness(device, modes.residual), device.stop_toward - device.gap
 
     def pressed(modes, N):
@@ -70,23 +69,28 @@ def static_threshold(device: Device) -> float | np.ndarray:
     def held(modes, N):
         return _shock(modes, N, 0.0, np.inf, stiffness, -room)
 
+    def alone(modes, N):
+        return push(modes._replace(midpoint=modes.load), N)
+
     def is_left(a, reached):
         """Whether the midpoint is ahead of the mass by itself, once that has touched it."""
         behind = device.mass * a < device.spring * (reached + device.gap)
         return behind & np.logical_or.accumulate(~behind)
 
+    def is_pulled(a, reached):
+        return a < 0
+
     if device.is_alone:
-        alone, *_ = _end_of(modes, _shock_alone, lambda a, reached: a < 0, whole)
-        return float(alone / device.gravity)
-    ends = [_end_of(modes, pressed, is_left, whole)]
+        return float(_end_of(modes, alone, is_pulled, travel)[0] / device.gravity)
+    ends = [_end_of(modes, pressed, is_left, travel)]
     if room < np.inf:
-        ends.append(_end_of(modes, held, lambda a, reached: reached > room, whole))
-    alone, edge, apart = np.inf, 0.0, False
+        ends.append(_end_of(modes, held, lambda a, reached: reached > room, travel))
+    own, edge, apart = np.inf, 0.0, False
     if device.gap > 0 or any(leaves for *_, leaves in ends):
-        alone, edge, _ = _end_of(modes, _shock_alone, lambda a, reached: a < 0, whole)
-        apart = bool(device.gap > 0 and device.mass * alone < device.spring * (edge + device.gap))
+        own, edge, _ = _end_of(modes, alone, is_pulled, travel)
+        apart = bool(device.gap > 0 and device.mass * own < device.spring * (edge + device.gap))
     # What the mass on its spring no longer holds runs on to the stop, which may hold it.
-    a = max(alone if (reached < edge if leaves else apart) else a for a, reached, leaves in ends)
+    a = max(own if (reached < edge if leaves else apart) else a for a, reached, leaves in ends)
     return float(a / device.gravity)
 
 
@@ -95,33 +99,28 @@ def least_travel(device: Device) -> float:
     return float(device.gap - find_barrier(device.beam, shapes_of(device.beam)).midpoint)
 
 
-def _end_of(modes, loaded, is_left, whole):
+def _end_of(modes, loaded, is_left, travel):
     """The first maximum of a on a path, its end, or where the midpoint goes ahead of the mass.
 
-    is_left: tells which points of a path are such, from a and the midpoint's displacement there
-    whole: that of the second shape, um
+    is_left: of which points of a path this holds, from a and the midpoint's displacement there
+    travel: the displacement of the second shape, um
     Returns a, the midpoint's displacement, and whether the mass is left there.
     """
     largest = largest_force(modes, loaded, modes.buckling[1, 0])
     low, high = 0.0, 2.0
     for _ in range(ZOOMS):
         places = np.linspace(low, high, GRID)
-        a, reached = _along(modes, loaded, largest, places)
+        # N grows to the largest up to place 1, and falls to 2.
+        N = largest * (1 - (1 - places) ** 2)
+        constant, slope = loaded(modes, N)
+        lower, upper = roots(modes, N, constant, slope)
+        # Which root belongs to the path there changes where the loads' direction does.
+        a = np.where((displacement(modes, slope) > 0) == (places <= 1), lower, upper)
+        reached = displacement(modes, constant + slope * a)
         leaves = is_left(a, reached)[1:]
-        first = np.argmax((np.diff(a) < 0) | leaves | (reached[1:] >= whole))
+        first = np.argmax((np.diff(a) < 0) | leaves | (reached[1:] >= travel))
         low, high = places[[max(first - 1, 0), min(first + 1, GRID - 1)]]
     return a[first], reached[first], leaves[first]
-
-
-def _along(modes, loaded, largest, places):
-    """Load and displacement along a path: N grows to the largest up to 1, and falls to 2."""
-    N = largest * (1 - (1 - places) ** 2)
-    constant, slope = loaded(modes, N)
-    lower, upper = roots(modes, N, constant, slope)
-    # Which root belongs to the path there changes where the loads' direction does.
-    there_first = displacement(modes, slope) > 0
-    x = np.where(there_first == (places <= 1), lower, upper)
-    return x, displacement(modes, constant + slope * x)
 
 
 def shapes_of(beam: Beam) -> Basis:
@@ -131,8 +130,8 @@ def shapes_of(beam: Beam) -> Basis:
 
 def buckling_modes(beam: Beam) -> BucklingModes:
     """Expand a beam in COSINES buckling modes, twice as many if it is free to tilt."""
-    basis, (kinds, _) = shapes_of(beam), kinds_of(beam)
-    (T,), (q,) = at_rest(basis, kinds)
+    basis, (beams, _) = shapes_of(beam), unit_beams(beam)
+    (T,), (q,) = at_rest(basis, beams)
     loads, shapes = buckling(basis)
     vectors = apply(basis.geometric, q), basis.load, basis.midpoint
     start, load, midpoint = (apply(shapes.T, vector)[:, np.newaxis] for vector in vectors)
@@ -164,12 +163,6 @@ def _shock(modes, N, mass, spring, stiffness, gap):
     at_rest = (np.sum(modes.midpoint * constant, axis=0) - gap) / give
     grows = (mass / spring + np.sum(modes.midpoint * sag, axis=0)) / give
     return constant + slope * at_rest, sag + slope * grows
-
-
-def _shock_alone(modes, N):
-    """c = constant + slope a of the beam by itself."""
-    soft = 1 / (modes.buckling - N)
-    return soft * N * modes.start, -soft * modes.load
 
 
 def roots(
@@ -227,30 +220,26 @@ def find_barrier(beam: Beam, basis: Basis, modes: int | None = None) -> Barrier:
     A model that has no stable second shape has a barrier of energy 0: one too coarse, close to
     Q = 4/sqrt(3), or a beam that is free to tilt out of it.
     """
-    # With rise, span, rho A and EI as units few values tell one beam from another.
-    kinds, kind = kinds_of(beam)
-    axial = 6 * kinds.Q * kinds.Q
-    modal = unit_form(basis, modes, kinds)._replace(axial=axial)
+    beams, which = unit_beams(beam)
+    axial = 6 * beams.Q * beams.Q
+    modal = unit_form(basis, modes, beams)
     stiffness = modal.stiffness[..., np.newaxis] * np.eye(modal.stiffness.shape[-1])
     loads, shapes = eigh(stiffness, modal.geometric)
     s = apply(shapes.swapaxes(-1, -2), modal.slope_start)
-    loads, s = (np.broadcast_to(part, (kinds.Q.size, part.shape[-1])) for part in (loads, s))
-    rest = equilibria(loads, s, axial, np.zeros(kinds.Q.size))
-    saddle, own = (apply(shapes, q - s) for q in (rest.saddle, s * rest.second))
-    exists = np.isfinite(saddle).all(axis=-1)
-    unit = beam.stiffness_unit * beam.made_rise * beam.made_rise
-    first = first_midpoint(basis, beam)
-    energy, along = _energy(modal, saddle), dot(modal.midpoint, saddle)
-    energy, along = (np.where(exists, part, 0.0)[kind] for part in (energy, along))
-    second = np.atleast_1d(beam.second_equilibrium)
-    if basis.tilt.any():
-        stays = first + dot(modal.midpoint, own)[kind] * beam.made_rise
-        second = np.where(exists[kind], stays, second)
-    found = energy * unit, along * beam.made_rise, second, first
-    return Barrier(*(value if np.ndim(beam.rise) else value.item() for value in found))
-
-
-def _energy(modal, p):
+    loads, s = (np.broadcast_to(part, (axial.size, part.shape[-1])) for part in (loads, s))
+    rest = equilibria(loads, s, axial, np.zeros(axial.size))
+    p, own = (apply(shapes, q - s) for q in (rest.saddle, s * rest.second))
+    exists = np.isfinite(p).all(axis=-1)
     slope = apply(modal.geometric, p) + modal.slope_start
-    axial_force = -modal.axial * dot(p, slope + modal.slope_start)
-    return dot(p, modal.stiffness * p) / 2 + axial_force * axial_force / (4 * modal.axial)
+    N = -axial * dot(p, slope + modal.slope_start)
+    energy = dot(p, modal.stiffness * p) / 2 + N * N / (4 * axial)
+    energy, along = (
+        np.where(exists, part, 0.0)[which] for part in (energy, dot(modal.midpoint, p))
+    )
+    first, second = first_midpoint(basis, beam), np.atleast_1d(beam.second_equilibrium)
+    if basis.tilt.any():
+        stays = first + dot(modal.midpoint, own)[which] * beam.made_rise
+        second = np.where(exists[which], stays, second)
+    unit = beam.stiffness_unit * beam.made_rise * beam.made_rise
+    columns = energy * unit, along * beam.made_rise, second, first
+    return Barrier(*(value if np.ndim(beam.rise) else value.item() for value in columns))

@@ -24,11 +24,11 @@ ELEMENTS = 10
 """Of the half beam, for its natural frequency; they leave it 1e-4 too high."""
 
 
-class Kinds(NamedTuple):
-    """What tells one beam's unit form from another's; arrays (kinds,).
+class UnitBeams(NamedTuple):
+    """Beams whose span, rise, rho A and EI are 1; arrays (beams,).
 
     Q: rise over thickness; compression: residual stress over that of buckling, compression
-    positive; imperfection: over the rise; a: of the shapes as made, (kinds, TERMS), None if all
+    positive; imperfection: over the rise; a: of the shapes as made, (beams, TERMS), None if all
     are cosines
     """
 
@@ -43,7 +43,7 @@ class Kinds(NamedTuple):
         return self.a is None and not (self.compression.any() or self.imperfection.any())
 
     def made(self, basis: Basis) -> np.ndarray:
-        """Coordinates of the shapes as made, in the rise, (kinds, n)."""
+        """Coordinates of the shapes as made, in the rise, (beams, n)."""
         start = np.broadcast_to(basis.start, (self.Q.size, basis.start.size))
         if self.a is not None:
             cosine = (self.a[:, :1] == 1) & (self.a[:, 1:] == 0).all(axis=1, keepdims=True)
@@ -51,27 +51,27 @@ class Kinds(NamedTuple):
         return start + self.imperfection[:, np.newaxis] * basis.tilt
 
 
-def kinds_of(beam: Beam) -> tuple[Kinds, np.ndarray]:
-    """The kinds among a batch of beams, or of one, and the kind of each."""
+def unit_beams(beam: Beam) -> tuple[UnitBeams, np.ndarray]:
+    """The different ones among a batch of beams, or of one, and which of them each is."""
     columns = [beam.bistability, beam.compression, np.divide(beam.imperfection, beam.made_rise)]
     if not beam.is_cosine.all():
         columns += np.moveaxis(beam.cosines, -1, 0).tolist()
     table = np.stack(np.broadcast_arrays(*map(np.atleast_1d, columns)))
-    found, kind = np.unique(table, axis=1, return_inverse=True)
-    a = found[3:].T if len(found) > 3 else None
-    return Kinds(found[0], found[1], found[2], a), kind.ravel()
+    values, which = np.unique(table, axis=1, return_inverse=True)
+    a = values[3:].T if len(values) > 3 else None
+    return UnitBeams(values[0], values[1], values[2], a), which.ravel()
 
 
-def at_rest(basis: Basis, kinds: Kinds) -> tuple[np.ndarray, np.ndarray]:
-    """Tension T, in EI/L^2, (kinds,), and coordinates, in the rise, (kinds, n), of the beams."""
-    as_made = kinds.made(basis)
-    stressed = kinds.compression != 0
+def at_rest(basis: Basis, beams: UnitBeams) -> tuple[np.ndarray, np.ndarray]:
+    """Tension T, in EI/L^2, (beams,), and coordinates, in the rise, (beams, n), of the beams."""
+    as_made = beams.made(basis)
+    stressed = beams.compression != 0
     T, q = np.zeros(stressed.size), as_made.copy()
     if stressed.any():
         loads, shapes = buckling(basis)
         s = apply(shapes.T, apply(basis.geometric, as_made[stressed]))
-        axial = 6 * kinds.Q[stressed] * kinds.Q[stressed]
-        residual = FIRST_LOAD * kinds.compression[stressed]
+        axial = 6 * beams.Q[stressed] * beams.Q[stressed]
+        residual = FIRST_LOAD * beams.compression[stressed]
         rest = equilibria(np.broadcast_to(loads, s.shape), s, axial, residual)
         T[stressed] = -rest.N_first
         q[stressed] += apply(shapes, s * (rest.first - 1))
@@ -80,20 +80,20 @@ def at_rest(basis: Basis, kinds: Kinds) -> tuple[np.ndarray, np.ndarray]:
 
 def first_midpoint(basis: Basis, beam: Beam) -> np.ndarray:
     """w(L/2) of beams at rest in their first shape, um; (beams,)."""
-    kinds, kind = kinds_of(beam)
-    _, q = at_rest(basis, kinds)
+    beams, which = unit_beams(beam)
+    _, q = at_rest(basis, beams)
     shares = apply(q, basis.midpoint)
-    if kinds.a is not None:
-        shares += 1 - apply(kinds.made(basis), basis.midpoint)
-    return beam.made_rise * np.where(kinds.compression == 0, 1.0, shares)[kind]
+    if beams.a is not None:
+        shares += 1 - apply(beams.made(basis), basis.midpoint)
+    return beam.made_rise * np.where(beams.compression == 0, 1.0, shares)[which]
 
 
 def settled(basis: Basis, beam: Beam) -> Basis:
     """The basis of one beam whose start is its shape at rest, and whose bending holds T."""
-    kinds, _ = kinds_of(beam)
-    if kinds.as_made:
+    beams, _ = unit_beams(beam)
+    if beams.as_made:
         return basis
-    (T,), (q,) = at_rest(basis, kinds)
+    (T,), (q,) = at_rest(basis, beams)
     bending = basis.bending + T * basis.geometric
     return replace(basis, bending=bending, start=q, tilt=0 * basis.tilt)
 
@@ -134,11 +134,11 @@ class ModalBeam(NamedTuple):
 
 def reduce_to_modes(beam: Beam, basis: Basis, modes: int | None = None) -> ModalBeam:
     """Give a beam its lowest `modes` modes; None keeps all that the basis has."""
-    kinds, kind = kinds_of(beam)
-    unit = unit_form(basis, modes, kinds)
-    if not kinds.as_made:
-        some = kind if np.ndim(beam.rise) else kind[0]
-        unit = ModalBeam(*(np.asarray(column)[some] for column in unit))
+    beams, which = unit_beams(beam)
+    unit = unit_form(basis, modes, beams)
+    if not beams.as_made:
+        which = which if np.ndim(beam.rise) else which[0]
+        unit = ModalBeam(*(np.asarray(column)[which] for column in unit))
     root = np.sqrt(beam.weight)
     return ModalBeam(
         stiffness=_column(beam.stiffness_unit / beam.weight, 1) * unit.stiffness,
@@ -152,60 +152,43 @@ def reduce_to_modes(beam: Beam, basis: Basis, modes: int | None = None) -> Modal
     )
 
 
-def unit_form(basis: Basis, modes: int | None, kinds: Kinds) -> ModalBeam:
+def unit_form(basis: Basis, modes: int | None, beams: UnitBeams) -> ModalBeam:
     """The form of beams whose span, rise, rho A, EI and EA/2L are 1.
 
-    One for all kinds as made; else each has its own, along an axis in front.
+    One for all as made; else each has its own, along an axis in front.
     """
     made = unit_modes(basis, modes)
-    if kinds.as_made:
+    if beams.as_made:
         return made
-    T, q = at_rest(basis, kinds)
+    T, q = at_rest(basis, beams)
     stiffness, shapes = eigh(basis.bending + _column(T, 2) * basis.geometric, basis.mass)
     stiffness, shapes = stiffness[:, :modes], shapes[..., :modes]
-    stressed = T != 0
     # What has no stress has the modes of all others that have none, to the last bit.
-    stiffness[~stressed], shapes[~stressed] = made.stiffness, _unit_shapes(basis, modes)
-    back = shapes.swapaxes(-1, -2)
-    slopes = multiply(back, basis.geometric)
-    found = ModalBeam(
-        stiffness=stiffness,
-        geometric=multiply(slopes, shapes),
-        slope_start=apply(slopes, q),
-        load=apply(back, basis.load),
-        midpoint=apply(back, basis.midpoint),
-        axial=np.ones(T.size),
-        residual=np.zeros(T.size),
-        shapes=shapes,
-    )
-    return found._replace(residual=_residual_flexibility(basis, found, T))
+    stiffness[T == 0], shapes[T == 0] = made.stiffness, made.shapes
+    return _form(basis, stiffness, shapes, q, T)
 
 
 @cache
 def unit_modes(basis: Basis, modes: int | None = None) -> ModalBeam:
     """The form of all beams as made: K v = kappa M v is solved once."""
-    shapes = _unit_shapes(basis, modes)
-    slopes = multiply(shapes.T, basis.geometric)
-    modal = ModalBeam(
-        stiffness=_unit_eigen(basis)[0][:modes],
-        geometric=multiply(slopes, shapes),
-        slope_start=apply(slopes, basis.start),
-        load=apply(shapes.T, basis.load),
-        midpoint=apply(shapes.T, basis.midpoint),
-        axial=1.0,
-        residual=0.0,
-        shapes=shapes,
-    )
-    return modal._replace(residual=_residual_flexibility(basis, modal, 0.0))
+    stiffness, shapes = eigh(basis.bending, basis.mass)
+    return _form(basis, stiffness[:modes], shapes[:, :modes], basis.start, np.float64(0))
 
 
-@cache
-def _unit_eigen(basis):
-    return eigh(basis.bending, basis.mass)
-
-
-def _unit_shapes(basis, modes):
-    return _unit_eigen(basis)[1][:, :modes]
+def _form(basis, stiffness, shapes, start, T):
+    """The form in modes of a basis; start: the shape at rest, in the rise; T: the tension there."""
+    back = shapes.swapaxes(-1, -2)
+    slopes = multiply(back, basis.geometric)
+    geometric, midpoint = multiply(slopes, shapes), apply(back, basis.midpoint)
+    slope_start, load = apply(slopes, start), apply(back, basis.load)
+    residual = 0.0 * T
+    if not basis.complete or stiffness.shape[-1] < basis.load.size:
+        tangent = stiffness[..., np.newaxis] * np.eye(stiffness.shape[-1])
+        tangent = tangent - _column(halfway(T) + T, 2) * geometric
+        kept = dot(midpoint, solve(tangent, midpoint))
+        residual = np.maximum(0.0, basis.flexibility(halfway(T)) - kept)
+    vectors = slope_start, load, midpoint
+    return ModalBeam(stiffness, geometric, *vectors, np.ones(np.shape(T)), residual, shapes)
 
 
 def pulse_load(device: Device, load: np.ndarray, midpoint: np.ndarray) -> np.ndarray:
@@ -238,17 +221,6 @@ def contact_stiffness(device: Device, residual: Value) -> Value:
 def _column(values, more):
     """Values with so many more axes at the end."""
     return np.reshape(values, (*np.shape(values), *[1] * more))
-
-
-def _residual_flexibility(basis, modal, tension):
-    """Static flexibility of the modes left out; tension: of the beam at rest, in EI/L^2."""
-    if modal.stiffness.shape[-1] == basis.load.size and basis.complete:
-        return 0.0 * tension
-    axial_force = halfway(tension)
-    bending = modal.stiffness[..., np.newaxis] * np.eye(modal.stiffness.shape[-1])
-    tangent = bending - _column(axial_force + tension, 2) * modal.geometric
-    kept = dot(modal.midpoint, solve(tangent, modal.midpoint))
-    return np.maximum(0.0, basis.flexibility(axial_force) - kept)
 
 
 def natural_frequency(beam: Beam) -> float:

@@ -48,12 +48,15 @@ def statics(device: Device) -> xr.Dataset:
     modes, shapes = buckling_modes(device.beam), shapes_of(device.beam)
     barrier = find_barrier(device.beam, shapes)
     first = first_midpoint(shapes, device.beam).item()
-    # Kinds of shapes alternate.
-    symmetric = _some(modes, slice(None, None, 2)) if device.beam.free else modes
-    branches, way = _symmetric_paths(device.beam, symmetric, modes.buckling[1, 0])
+    # Symmetric shapes and others alternate.
+    symmetric = _every_second(modes) if device.beam.free else modes
+    branches, w = _symmetric_paths(device.beam, symmetric, modes.buckling[1, 0])
     if device.beam.free:
-        way = _dense_at_corners(way)
-        branches = {"tilted": (way, *_tilted(modes, way)), **branches}
+        # With an imperfection the path bends sharply at the corners of this.
+        first, last = w[POINTS], w[2 * POINTS - 1]
+        share = (1 - np.cos(np.linspace(0, np.pi, POINTS))) / 2
+        w = np.concatenate([w[:POINTS], first + (last - first) * share, w[2 * POINTS :]])
+        branches = {"tilted": (w, *_tilted(modes, w)), **branches}
     data = {
         key: (("branch", "point"), np.stack(arrays))
         for key, *arrays in zip(PATH, *branches.values(), strict=True)
@@ -78,7 +81,7 @@ def _symmetric_paths(beam, modes, tilts):
         turn = largest_force(modes, push, modes.buckling[1, 0])
         return {"guided": _path(modes, turn)}, _path(modes, min(turn, tilts))[0]
     # The even shapes move no midpoint and are in no start: the second enters by bifurcation.
-    odd = _some(modes, slice(None, None, 2))
+    odd = _every_second(modes)
     turn = largest_force(odd, push, odd.buckling[1, 0])
     branches = {
         "guided": _path(odd, min(turn, modes.buckling[1, 0])),
@@ -87,37 +90,30 @@ def _symmetric_paths(beam, modes, tilts):
     return branches, _path(odd, min(turn, tilts))[0]
 
 
-def _dense_at_corners(way):
-    """The displacements of a path, where one with an imperfection bends sharply."""
-    first, last = way[POINTS], way[2 * POINTS - 1]
-    share = (1 - np.cos(np.linspace(0, np.pi, POINTS))) / 2
-    return np.concatenate([way[:POINTS], first + (last - first) * share, way[2 * POINTS :]])
+def _every_second(modes):
+    return BucklingModes(*(column[::2] for column in modes[:4]), *modes[4:])
 
 
-def _some(modes, which):
-    return BucklingModes(*(column[which] for column in modes[:4]), *modes[4:])
-
-
-def _tilted(modes, way):
+def _tilted(modes, w):
     """Force and energy of a free beam whose midpoint is held at displacements, um.
 
     Below the first load that tilts it the held beam is stable at one N alone; x = 1 - N/N_tilt.
     """
     from scipy.optimize.elementwise import find_root  # half a second, for which nobody else waits
 
-    def held(log_x, way):
+    def held(log_x, w):
         N = modes.buckling[1, 0] * -np.expm1(log_x)
         constant, slope = push(modes, N)
         give = displacement(modes, slope) + modes.residual
-        force = (way - displacement(modes, constant)) / give
+        force = (w - displacement(modes, constant)) / give
         return N, force, constant + slope * force
 
-    def over(log_x, way):
-        N, _, c = held(log_x, way)
+    def over(log_x, w):
+        N, _, c = held(log_x, w)
         return N + modes.axial * np.sum(c * (c + 2 * modes.start), axis=0)
 
-    bracket = np.full(way.size, LEAST_LOG), np.full(way.size, np.log(2))
-    N, force, c = held(find_root(over, bracket, args=(way,)).x, way)
+    bracket = np.full(w.size, LEAST_LOG), np.full(w.size, np.log(2))
+    N, force, c = held(find_root(over, bracket, args=(w,)).x, w)
     return force, _energy(modes, N, c, 0.0, force)
 
 
@@ -127,19 +123,14 @@ def _energy(modes, N, c, free, force):
     return bent / 2 + N**2 / (4 * modes.axial)
 
 
-def _in_order(lower_first, lower, upper):
-    """There and back again: the lower values there where lower_first is above 0."""
-    there, back = np.where(lower_first > 0, [lower, upper], [upper, lower])
-    return np.concatenate([there, back[::-1]])
-
-
 def _path(modes, turn):
     """Displacement, force and energy: N from 0 to `turn`, straight there, and back to 0."""
     N = turn * (1 - np.linspace(1, 0, POINTS) ** 2)
+    lower, upper = roots(modes, N, *push(modes, N))
     # Crossing the first buckling load, the two roots change places.
-    force = _in_order(modes.buckling[0] - N, *roots(modes, N, *push(modes, N)))
-    straight = np.linspace(*force[POINTS - 1 : POINTS + 1], POINTS)
-    force = np.concatenate([force[:POINTS], straight, force[POINTS:]])
+    there, back = np.where(modes.buckling[0] > N, [lower, upper], [upper, lower])
+    straight = np.linspace(there[-1], back[-1], POINTS)
+    force = np.concatenate([there, straight, back[::-1]])
     N = np.concatenate([N, np.full(POINTS, turn), N[::-1]])
     constant, slope = push(modes, N)
     c = constant + slope * force

@@ -11,7 +11,7 @@ import numpy as np
 from ..device import Beam, Device, Value
 from ..numerics.linalg import apply, multiply, outer, solve
 from .basis import Basis
-from .modal import at_rest, halfway, kinds_of
+from .modal import at_rest, halfway, unit_beams
 
 
 class Stress(NamedTuple):
@@ -53,8 +53,8 @@ def break_probability(device: Device, stress: np.ndarray) -> np.ndarray:
 
 def stress_of(beam: Beam, basis: Basis, shapes: np.ndarray) -> Stress:
     """The stress of one beam in modes of its basis: shapes, (n, k), as in `ModalBeam`."""
-    kinds, _ = kinds_of(beam)
-    (T,), (q,) = at_rest(basis, kinds)
+    beams, _ = unit_beams(beam)
+    (T,), (q,) = at_rest(basis, beams)
     scaled, force = basis.scaled_to(beam), beam.stiffness_unit * beam.span
     per_curvature = beam.youngs_modulus * beam.thickness / 2
     N = halfway(T) * force
@@ -63,7 +63,7 @@ def stress_of(beam: Beam, basis: Basis, shapes: np.ndarray) -> Stress:
     kept = apply(shapes, solve(tangent, apply(back, scaled.midpoint)))
     return Stress(
         bending=per_curvature * multiply(scaled.curvature, shapes),
-        rest=per_curvature * apply(scaled.curvature, beam.made_rise * (q - kinds.made(basis)[0])),
+        rest=per_curvature * apply(scaled.curvature, beam.made_rise * (q - beams.made(basis)[0])),
         residual=per_curvature * (scaled.bent(N) - apply(scaled.curvature, kept)),
         tension=T * force / beam.area,
         area=beam.area,

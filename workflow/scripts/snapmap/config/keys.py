@@ -27,7 +27,7 @@ from pydantic_core import PydanticCustomError
 
 from ..arguments import ARGUMENTS, Argument, integer
 from ..numerics.portable import geometric, linear
-from ..quantities import KINDS, range_of
+from ..quantities import KINDS, bounds_of
 from .units import read, show
 
 _WITHIN = re.compile(r"(\.[A-Za-z_]\w*|\[\d+\])+: ")
@@ -170,7 +170,7 @@ def quantity(kind: str, what="", example="", out="") -> object:
 
 
 def _need(kind):
-    return f"{KINDS[kind].name} {range_of(KINDS[kind].interval)}".strip()
+    return f"{KINDS[kind].name} {bounds_of(KINDS[kind].interval)}".strip()
 
 
 def argument(name: str | Argument, what="", example="", out="") -> object:

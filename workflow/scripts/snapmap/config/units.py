@@ -7,7 +7,7 @@ from decimal import Context, Decimal
 from functools import cache
 
 from ..io.extras import needing
-from ..quantities import KINDS, range_of
+from ..quantities import KINDS, bounds_of
 
 LEAST, MOST = 1e-15, 1e15
 """In internal units: no device has values beyond, and they would overflow further on."""
@@ -37,8 +37,8 @@ def read(value: object, kind: str) -> float:
         number = _quantity(value, unit) if unit else _number(value)
         if not math.isfinite(number):
             raise ValueError("is not finite")
-        if not range_of(interval).holds(number):
-            raise ValueError(f"is not {range_of(interval)}")
+        if not bounds_of(interval).holds(number):
+            raise ValueError(f"is not {bounds_of(interval)}")
         least = LEAST if unit else 0.0
         if number and not least <= abs(number) <= MOST:
             raise ValueError(f"is not between {least:g} and {MOST:g} {unit}".rstrip())

@@ -9,8 +9,7 @@ import numpy as np
 from ..beam.equilibria import static_threshold
 from ..device import Device
 from .cells import Cells, Observations
-from .model import Follows
-from .models import build_model, check_options
+from .models import Follows, build_model, check_options
 from .settings import Settings
 
 RUNGS = (3, 5, 11)

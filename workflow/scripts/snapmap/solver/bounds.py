@@ -19,7 +19,7 @@ import numpy as np
 
 from ..numerics.linalg import dot
 from .cells import Rows
-from .model import Follows
+from .models import Follows
 
 
 def least_amplitudes(model: Follows, rows: Rows) -> np.ndarray:
@@ -29,20 +29,18 @@ def least_amplitudes(model: Follows, rows: Rows) -> np.ndarray:
     """
     bounds = np.empty((2, len(model.device)))
     for mine, part in model.split(np.arange(bounds.shape[1])):
-        bounds[:, mine] = np.array(_of_devices(part))[:, mine]
+        device, modal, barrier = part.device, part.modal, part.barrier
+        displacement = barrier.first - barrier.second
+        soft = dot(modal.midpoint, modal.midpoint / modal.stiffness) + modal.residual
+        energy = np.maximum(barrier.energy, displacement * displacement / (2 * soft))
+        sag = device.mass * device.mass / device.spring
+        sag = sag + dot(modal.load, modal.load / modal.stiffness)
+        pushed = np.where(device.force, dot(modal.load, modal.load), device.beam.weight)
+        least = np.sqrt(2 * energy / (device.mass + pushed)), np.sqrt(energy / (2 * sag))
+        bounds[:, mine] = np.array(least)[:, mine]
+    # The least integral of |a|, um/us, and ups and downs of a, um/us^2.
     speed, swing = bounds[:, rows.device]
     facts = np.array([(pulse.gross_area, pulse.variation) for pulse in rows.pulses])
     gross, ups_and_downs = facts[rows.pulse].T
     a = np.maximum(speed * rows.f0 * 1e-6 / gross, swing / ups_and_downs)
     return a / np.asarray(model.device.gravity)[rows.device]
-
-
-def _of_devices(model):
-    """The least integral of |a|, um/us, and ups and downs of a, um/us^2; each (devices,)."""
-    device, modal, barrier = model.device, model.modal, model.barrier
-    displacement = barrier.first - barrier.second
-    soft = dot(modal.midpoint, modal.midpoint / modal.stiffness) + modal.residual
-    energy = np.maximum(barrier.energy, displacement * displacement / (2 * soft))
-    sag = device.mass * device.mass / device.spring + dot(modal.load, modal.load / modal.stiffness)
-    pushed = np.where(device.force, dot(modal.load, modal.load), device.beam.weight)
-    return np.sqrt(2 * energy / (device.mass + pushed)), np.sqrt(energy / (2 * sag))

@@ -63,8 +63,10 @@ class Observations(NamedTuple):
 
     t_snap: first arrival of the midpoint at w2 after the pulse's start, us; NaN if not seen
     t_settled: when the beam was seen to be settled in a well for ever, us; NaN if it was not
-    well: the side of the saddle at the end of the run, 1 or 2; 0 if it ended at its snap
-    energy_error: residual of the energy ledger over the gross work of the pulse
+    well: the side of the saddle at the end of the run, 1 or 2; 0 if it ended at its snap, or in
+        the pulse
+    energy_error: residual of the energy ledger over the gross work of the pulse, not finite after
+        a blow-up
     well_share: share of the mass's last swing spent on that side; 1 if settled, NaN for well 0
     pulse_work: of all of the pulse on mass and beam, pJ; NaN if the run ended before it or failed
     halvings: how often the model's step was halved for these observations
@@ -94,9 +96,8 @@ class Observations(NamedTuple):
 
 def no_observations(shape: tuple[int, ...]) -> Observations:
     """Room for observations of so many cells: nothing was seen, and no ledger closes."""
-    types = float, float, np.int8, float, float, float, np.int8
-    nothing = np.nan, np.nan, 0, np.inf, np.nan, np.nan, 0
-    return Observations(*(np.full(shape, *column) for column in zip(nothing, types, strict=True)))
+    nothing = np.nan, np.nan, np.int8(0), np.inf, np.nan, np.nan, np.int8(0)
+    return Observations(*(np.full(shape, value) for value in nothing))
 
 
 def rows_of(grid: Grid) -> Rows:

@@ -5,7 +5,7 @@ import warnings
 import numpy as np
 
 from .cells import Cells
-from .model import Follows
+from .models import Follows
 from .settings import Settings
 
 MOST_SECONDS = 3.6e7
@@ -19,12 +19,11 @@ def tell(what: str, seconds: float, where: str, cure: str, stacklevel: int) -> N
 
     where: what takes longest; cure: what to write instead; stacklevel: as of `warnings.warn`
     """
-    if seconds <= WORTH_SAYING:
-        return
-    told = f"{what}: about {spoken(seconds)}; {where} takes longest"
+    line = f"{what}: about {spoken(seconds)}; {where} takes longest"
     if seconds > MOST_SECONDS:
-        raise ValueError(f"{told}; {cure}")
-    warnings.warn(told, stacklevel=stacklevel + 1)
+        raise ValueError(f"{line}; {cure}")
+    if seconds > WORTH_SAYING:
+        warnings.warn(line, stacklevel=stacklevel + 1)
 
 
 def spoken(seconds: float) -> str:
@@ -44,8 +43,7 @@ def steps_and_seconds(
     """
     dt, seconds = np.empty((2, *cells.f0.shape))
     for mine, part in built.split(cells.device):
-        some = cells.take(mine)
-        dt[mine] = part.steps.of(some, settings.question)
+        dt[mine] = part.steps.of(cells.take(mine), settings.question)
         nanoseconds = 80 if plain else 1 + part.modes**2 / 20
-        seconds[mine] = nanoseconds * 1e-9 * some.t_end / dt[mine]
+        seconds[mine] = nanoseconds * 1e-9 * cells.t_end[mine] / dt[mine]
     return dt, seconds

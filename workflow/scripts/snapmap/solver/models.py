@@ -1,17 +1,195 @@
-"""Models by name: which basis, how many modes and which step stand behind each."""
+"""Models of a device or a batch, by name; and the one thing that they do: to follow cells."""
 
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from importlib import import_module
+from types import ModuleType
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from ..arguments import require_model
+from ..beam.basis import Basis
 from ..beam.cosines import buckling_shapes, symmetric_cosines
 from ..beam.elements import hermite_elements
-from ..beam.equilibria import find_barrier
-from ..beam.modal import contact_stiffness, pulse_load, reduce_to_modes
+from ..beam.equilibria import Barrier, find_barrier
+from ..beam.modal import ModalBeam, contact_stiffness, pulse_load, reduce_to_modes
 from ..device import Device
-from .model import Follows, GuidedOrFree, Model
-from .steps import explicit_steps, steps_of
+from ..io.counting import count
+from .cells import Cells, Observations, no_observations
+from .settings import MOVE, Settings
+from .steps import Steps, explicit_steps, steps_of
+
+BUNCH = 8192
+"""Cells after which it is reported how many are done; the last lanes of a call run half empty."""
+HALVINGS = 4
+"""How often a cell whose energy ledger does not close is followed again with half the step."""
+SMALLEST = 2.0**-8
+"""Over the longest step that motions take: a pulse that needs a shorter one is not followed."""
+
+
+class Follows(Protocol):
+    """What every model does, however many discretisations it holds."""
+
+    @property
+    def device(self) -> Device:
+        """One, or a batch that the cells' indices refer to."""
+
+    @property
+    def levels(self) -> tuple["Follows", ...]:
+        """Its discretisations by the `level` of its observations, the cheapest first."""
+
+    def follow(self, cells: Cells, settings: Settings) -> Observations:
+        """Follow cells, (rows, n), each row of ascending amplitude, as the settings ask."""
+
+    def split(self, device: np.ndarray) -> list[tuple[np.ndarray, "Model"]]:
+        """Masks of devices, given by their indices, of any shape, and the model of each."""
+
+    def with_step(self, factor: float) -> "Follows":
+        """The same model with every step multiplied by `factor`."""
+
+    def pick(self, which: int | np.ndarray) -> "Follows":
+        """The same model of one device of the batch, or of some."""
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A device or a batch, its beam discretised.
+
+    basis, modal: its matrices, and their reduced form
+    barrier: between the two shapes of that form
+    steps: the rule of its time steps
+    """
+
+    name: str
+    device: Device
+    basis: Basis
+    modal: ModalBeam
+    barrier: Barrier
+    steps: Steps
+
+    @property
+    def levels(self) -> tuple["Model"]:
+        """Itself alone."""
+        return (self,)
+
+    @property
+    def modes(self) -> int:
+        """Number of modes kept."""
+        return self.modal.load.shape[-1]
+
+    def loop(self) -> ModuleType:
+        """Its time loop, imported when a run begins: a plan needs no compiler."""
+        loop = "plain_loop" if self.name == "reference" else "simd_loop"
+        return import_module(f".{loop}", __package__)
+
+    def split(self, device: np.ndarray) -> list[tuple[np.ndarray, "Model"]]:
+        """Itself, for all."""
+        return [(np.ones(device.shape, bool), self)]
+
+    def with_step(self, factor: float) -> "Model":
+        """The same model with its step multiplied by `factor`."""
+        return replace(self, steps=self.steps.times(factor))
+
+    def pick(self, which: int | np.ndarray) -> "Model":
+        """The same model of one device of the batch, or of some."""
+        if np.ndim(self.device.mass) == 0:
+            return self
+        modal = ModalBeam(*(np.asarray(column)[which] for column in self.modal))
+        barrier = Barrier(*(np.asarray(column)[which] for column in self.barrier))
+        device, steps = self.device.pick(which), self.steps.pick(which)
+        return replace(self, device=device, modal=modal, barrier=barrier, steps=steps)
+
+    def follow(self, cells: Cells, settings: Settings) -> Observations:
+        """Follow every cell as the settings ask; cells of any shape.
+
+        Steps depend on the question. To learn where a cell stays, the kernel first follows it to
+        the end of its pulse as if to learn whether it snaps; what then is proven never to snap is
+        done. A cell whose ledger does not close is followed again with half the step, up to
+        HALVINGS times; one whose pulse is too short to be followed has failed.
+        """
+        flat = cells.flat()
+        seen = no_observations(flat.f0.shape)
+        longest = self.steps.factor * self.steps.longest[MOVE][flat.device]
+        left = np.flatnonzero(self.steps.of(flat, settings.question) >= SMALLEST * longest)
+        if settings.until == "settled" and self.name != "reference":
+            first = self.follow_once(flat.take(left), settings._replace(until="pulse"))
+            seen.replace(left, first)
+            believed = first.energy_error <= settings.energy_tolerance
+            left = left[np.isnan(first.t_settled) | ~believed]
+        for halvings in range(HALVINGS + 1):
+            if not left.size:
+                break
+            model = self.with_step(0.5**halvings)
+            seen.replace(left, model.follow_once(flat.take(left), settings))
+            seen.halvings[left] = halvings
+            left = left[~(seen.energy_error[left] <= settings.energy_tolerance)]
+        return seen.shaped(np.shape(cells.f0))
+
+    def follow_once(self, cells: Cells, settings: Settings) -> Observations:
+        """Follow every cell, (cells,), in steps of the rule, whatever its ledger then says."""
+        seen = no_observations(cells.f0.shape)
+        dt = self.steps.of(cells, settings.question)
+        # Lanes run side by side: those of one call should take about as many steps.
+        order = np.argsort(-cells.t_end / dt, kind="stable")
+
+        def follow_share(first):
+            share = order[first :: settings.threads]
+            for at in np.split(share, range(BUNCH, share.size, BUNCH)):
+                facts = self.loop().march(self, cells.take(at), dt[at], settings)
+                for column, part in zip(seen[:6], facts, strict=True):
+                    column[at] = part
+                count(at.size)
+
+        if settings.threads == 1:
+            follow_share(0)
+        else:
+            with ThreadPoolExecutor(settings.threads) as pool:
+                list(pool.map(follow_share, range(settings.threads)))
+        seen.t_snap[seen.t_snap > cells.t_end] = np.nan
+        seen.t_settled[seen.t_settled > cells.t_end] = np.nan
+        seen.pulse_work[~(seen.energy_error <= settings.energy_tolerance)] = np.nan
+        return seen
+
+
+class GuidedOrFree(NamedTuple):
+    """A batch in which beams are guided or free to tilt: models of all devices as either."""
+
+    guided: Model
+    free: Model
+
+    @property
+    def device(self) -> Device:
+        """The batch."""
+        return self.free.device
+
+    @property
+    def levels(self) -> tuple["GuidedOrFree"]:
+        """Itself alone."""
+        return (self,)
+
+    def split(self, device: np.ndarray) -> list[tuple[np.ndarray, Model]]:
+        """Guided ones and free ones."""
+        is_free = np.asarray(self.device.beam.free)[device] != 0
+        return [(~is_free, self.guided), (is_free, self.free)]
+
+    def with_step(self, factor: float) -> "GuidedOrFree":
+        """The same models with every step multiplied by `factor`."""
+        return GuidedOrFree(*(model.with_step(factor) for model in self))
+
+    def pick(self, which: int | np.ndarray) -> Follows:
+        """The model of one device, or those of several."""
+        if np.ndim(which) == 0:
+            return self[int(np.asarray(self.device.beam.free)[which])].pick(which)
+        return GuidedOrFree(*(model.pick(which) for model in self))
+
+    def follow(self, cells: Cells, settings: Settings) -> Observations:
+        """Follow every cell by the model of its device."""
+        seen = no_observations(np.shape(cells.f0))
+        for mine, model in self.split(cells.device):
+            seen.replace(mine, model.follow(cells.take(mine), settings))
+        return seen
 
 
 def build_model(device: Device, name: str = "handout", **options) -> Follows:
@@ -24,13 +202,18 @@ def build_model(device: Device, name: str = "handout", **options) -> Follows:
     check_options(device, name, options)
     device.beam.require_second_shape()
     free = np.unique(device.beam.free)
-    models = [_build(device, name, options, sort != 0) for sort in free]
+    models = [_build(device, name, options, tilts) for tilts in free != 0]
     return models[0] if free.size == 1 else GuidedOrFree(*models)
 
 
 def _build(device, name, options, is_free):
     """The model of devices as if all were guided, or free to tilt."""
-    basis = _basis(options, name, is_free)
+    if name == "cosines":
+        basis_of = buckling_shapes if is_free else symmetric_cosines
+        basis = basis_of(options.get("cosines", options.get("modes", 5)))
+    else:
+        given = {key: options[key] for key in ("elements", "mass_matrix") if key in options}
+        basis = hermite_elements(**given, **{"free": True} if is_free else {})
     modes, most = options.get("modes"), basis.load.size // (1 + is_free)
     if modes is None:
         modes = basis.load.size if name == "cosines" else _modes_of_elements(device, basis, name)
@@ -55,14 +238,6 @@ def check_options(device: Device, name: str, options: Mapping) -> None:
     require_model({"name": name, **options})
     if name == "reference" and np.isinf(device.contact).any():
         raise ValueError("device.contact: hard is not for the reference model; write handout")
-
-
-def _basis(options, name, is_free):
-    if name == "cosines":
-        cosines = options.get("cosines", options.get("modes", 5))
-        return buckling_shapes(cosines) if is_free else symmetric_cosines(cosines)
-    chosen = {key: options[key] for key in ("elements", "mass_matrix") if key in options}
-    return hermite_elements(**chosen, **{"free": True} if is_free else {})
 
 
 def _modes_of_elements(device, basis, name):

@@ -70,12 +70,15 @@ def shares(counts: Mapping[str, int]) -> dict[str, float]:
     counts: as from `count`
     """
     total = max(1, sum(counts.values()) - counts.get("absent", 0))
-    found = {
-        "proven": sum(counts.get(name, 0) for name in ("never", "latched", "returned")),
-        "open": sum(counts.get(name, 0) for name in ("unsnapped", "snapped")),
-        "failed": counts.get("failed", 0),
+    groups = {
+        "proven": ("never", "latched", "returned"),
+        "open": ("unsnapped", "snapped"),
+        "failed": ("failed",),
     }
-    return {f"share_{name}": round(number / total, 6) for name, number in found.items()}
+    return {
+        f"share_{group}": round(sum(counts.get(name, 0) for name in names) / total, 6)
+        for group, names in groups.items()
+    }
 
 
 def work_error(seen: Observations, again: Observations) -> np.ndarray:

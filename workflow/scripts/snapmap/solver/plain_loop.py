@@ -22,7 +22,7 @@ class System(NamedTuple):
     mass, spring, penalty: M (ng), K (uN/um), lambda (uN/um)
     gap: z0, between mass and midpoint at rest, um
     beam_damping: rate alpha of the force -alpha Mb du/dt on the beam, 1/us
-    stop_toward, stop_away: way of the mass up to a stop, um; restitution: of both
+    stop_toward, stop_away: travel of the mass up to a stop, um; restitution: of both
     """
 
     inertia: np.ndarray
@@ -144,10 +144,10 @@ def meet_stops(system, w_mid, a, y_before, y, dt):
     Returns them with the work of the pulse on its way between both paths, and what it lost, pJ.
     """
     pushed, taken = 0.0, 0.0
-    for side, way in ((-1.0, system.stop_toward), (1.0, system.stop_away)):
+    for side, travel in ((-1.0, system.stop_toward), (1.0, system.stop_away)):
         middle, velocity = (y_before + y) / 2, (y - y_before) / dt
-        if side * y > way and side * velocity > 0:
-            place, turned = reflect(system, side * way, w_mid, a, middle, velocity)
+        if side * y > travel and side * velocity > 0:
+            place, turned = reflect(system, side * travel, w_mid, a, middle, velocity)
             falls = potential(system, w_mid, a, middle) - potential(system, w_mid, a, place)
             pushed += system.mass * a * (middle - place)
             taken += system.mass * (velocity**2 - turned**2) / 2 + falls
@@ -242,18 +242,18 @@ def march(model, cells, dt, settings):
     model: a `Model`; cells: `Cells`, each column (cells,); dt: us, (cells,)
     Returns what the SIMD kernel does; no well is known
     """
-    found = np.empty((3, cells.f0.size))
-    pulses = [one.curve for one in cells.pulses]
+    observed = np.empty((3, cells.f0.size))
     for which in np.unique(cells.device):
-        one = model.pick(which)
-        system = nodal_system(one.device, one.basis)
+        picked = model.pick(which)
+        system = nodal_system(picked.device, picked.basis)
         no_history = np.empty((0, 2 * system.load.size + 4))
-        target = one.barrier.second - one.barrier.first
+        target = picked.barrier.second - picked.barrier.first
         for i in np.flatnonzero(cells.device == which):
             steps = int(np.ceil(cells.t_end[i] / dt[i]))
-            load = pulses[cells.pulse[i]], cells.amplitude[i], cells.f0[i], cells.damping[i]
-            found[:, i] = follow(system, *load, target, dt[i], steps, no_history)
-    t_snap, energy_error, pulse_work = found
+            curve = cells.pulses[cells.pulse[i]].curve
+            load = curve, cells.amplitude[i], cells.f0[i], cells.damping[i]
+            observed[:, i] = follow(system, *load, target, dt[i], steps, no_history)
+    t_snap, energy_error, pulse_work = observed
     nothing = np.full(t_snap.size, np.nan)
     return t_snap, nothing, np.zeros(t_snap.size, np.int8), energy_error, nothing, pulse_work
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .cells import Rows
-from .model import Follows
+from .models import Follows
 from .settings import THRESHOLD_TOLERANCE, Settings
 
 SCAN_STEP = 0.03

@@ -36,7 +36,7 @@ def trace(model, cells, dt, width, bins, stress=None):
     """Follow up to LANES cells, each through `bins` bins of its own width.
 
     dt: us, width: steps in a bin; (cells,)
-    stress: of the cells, (cells, ...), as `stress_rows` has it of their devices, if it is asked
+    stress: of the cells, (cells, ...), as `stress_rows` has it of their devices, if it is wanted
     Returns w_range, instants and the largest stress from there
     """
     n_cells = width.size
@@ -52,18 +52,18 @@ def trace(model, cells, dt, width, bins, stress=None):
 
 
 def stress_rows(model):
-    """What tells the stress of each device's beam, (devices, PLACES + 1, modes + 2).
+    """What gives the stress of each device's beam, (devices, PLACES + 1, modes + 2).
 
     Rows of bending, MPa per coordinate, per contact force and at rest; a last one of the axial
     stress, per stretch and at rest
     """
-    found = np.zeros((len(model.device), PLACES + 1, model.modes + 2))
-    for rows, i in zip(found, range(len(found)), strict=True):
-        one = model.pick(i)
-        form = stress_of(one.device.beam, one.basis, one.modal.shapes)
+    tables = np.zeros((len(model.device), PLACES + 1, model.modes + 2))
+    for i, rows in enumerate(tables):
+        picked = model.pick(i)
+        form = stress_of(picked.device.beam, picked.basis, picked.modal.shapes)
         rows[:-1] = np.column_stack([form.bending, form.residual, form.rest])
-        rows[-1, -2:] = one.modal.axial / form.area, form.tension
-    return found
+        rows[-1, -2:] = picked.modal.axial / form.area, form.tension
+    return tables
 
 
 def record(model, pulse, amplitude, f0, damping, dt, steps):

@@ -7,7 +7,7 @@ import numpy as np
 from ..axes import Grid
 from ..pulse import blow_at
 from ..solver.cells import Rows, rows_of
-from ..solver.model import Follows
+from ..solver.models import Follows
 from ..solver.outcome import ABSENT, FAILED, REPEATED_STEP, label, t_snap_error, work_error
 from ..solver.settings import Settings
 

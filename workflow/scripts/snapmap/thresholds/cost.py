@@ -5,7 +5,7 @@ import numpy as np
 from ..solver.adaptive import Survey
 from ..solver.cells import Rows
 from ..solver.cost import steps_and_seconds, tell
-from ..solver.model import Follows
+from ..solver.models import Follows
 from ..solver.settings import Settings
 
 SCANNED, DECIDED = 400, 50

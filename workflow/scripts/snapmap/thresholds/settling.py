@@ -4,7 +4,7 @@ import numpy as np
 
 from ..solver.cells import Rows
 from ..solver.cost import steps_and_seconds
-from ..solver.model import Follows
+from ..solver.models import Follows
 from ..solver.outcome import LATCHED, label
 from ..solver.search import amplitudes, walk
 from ..solver.settings import Settings

@@ -16,8 +16,7 @@ from ..device import batch as batch_of
 from ..motion.history import extremes_of
 from ..solver.adaptive import TOLERANCE, choose_model, choose_survey
 from ..solver.cells import Rows, to_rows
-from ..solver.model import Follows
-from ..solver.models import build_model
+from ..solver.models import Follows, build_model
 from ..solver.outcome import LATCHED, label
 from ..solver.search import asker
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings

@@ -5,7 +5,7 @@ import numpy as np
 from ..beam.equilibria import static_threshold
 from ..solver.bounds import least_amplitudes
 from ..solver.cells import Rows
-from ..solver.model import Follows
+from ..solver.models import Follows
 from ..solver.search import TOGETHER, asker, first_snap, near, refine, walk
 from ..solver.settings import Settings
 from ..thresholds.islands import BELOW, first_seen, wide_scan

@@ -11,7 +11,7 @@ import numpy as np
 
 from snapmap.axes import make_grid
 from snapmap.solver.cells import to_cells
-from snapmap.solver.model import Model
+from snapmap.solver.models import Model
 from snapmap.solver.search import SCAN_STEP, lowest_snap
 from snapmap.solver.settings import EDGE, Settings
 from snapmap.sweeps.grid import follow_grid

@@ -6,8 +6,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from snapmap.device import Device
-from snapmap.solver.model import Model
-from snapmap.solver.models import build_model
+from snapmap.solver.models import Model, build_model
 from snapmap.solver.settings import Settings
 
 from .plans import Plan

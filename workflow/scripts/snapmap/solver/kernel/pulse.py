@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...numerics import pieces as curve
-from ...numerics.kernels import compiled, fma, inlined, sine, widen_vectors
+from ...numerics.kernels import compiled, fma, sine, widen_vectors
 from . import rows as R
 from .rows import LANES, numbers
 
@@ -69,21 +69,16 @@ def set_out(work, shocks, state, pulses):
         joins |= left <= BLOCK + 1 and jumps[pulse, 1] != 0
         joined |= joins << l
     go_on(work, shocks)
+    # Where pieces join in a block, or the pulse jumps, each step has its own.
     for l in range(LANES):
         if joined >> l & 1:
-            set_out_joined(X, shocks, l, state, pulses)
-
-
-@inlined
-def set_out_joined(X, shocks, l, state, pulses):
-    """The same of a lane in whose block pieces join, or the pulse jumps."""
-    pieces, bounds, jumps = pulses
-    pulse, k, step = state.pulse[l], state.piece[l], X[R.X_STEP, l]
-    for i in range(BLOCK):
-        x = step * (state.steps[l] + i)
-        k = curve.at(pieces, k, bounds[pulse + 1], x)
-        sample = curve.sample(pieces, k, (jumps[pulse, 0], jumps[pulse, 1]), x, step)
-        shocks[i * LANES + l] = X[R.AMPLITUDE, l] * sample
+            pulse, k, step = state.pulse[l], state.piece[l], X[R.X_STEP, l]
+            ends = jumps[pulse, 0], jumps[pulse, 1]
+            for i in range(BLOCK):
+                x = step * (state.steps[l] + i)
+                k = curve.at(pieces, k, bounds[pulse + 1], x)
+                sample = curve.sample(pieces, k, ends, x, step)
+                shocks[i * LANES + l] = X[R.AMPLITUDE, l] * sample
 
 
 @compiled

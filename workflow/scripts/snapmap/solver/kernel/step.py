@@ -1,11 +1,13 @@
-"""One step in which contact and stretch do the work they store: docs/theory.md, "One step"."""
+"""One step in which contact and stretch do the work they store, and the stops of the mass.
+
+See docs/theory.md, "One step" and "Stops".
+"""
 
 import numpy as np
 
 from ...numerics.kernels import compiled, fma, inlined, widen_vectors
 from . import rows as R
 from .rows import LANES, numbers, vectors
-from .stops import crossed, has_stops, meet_stops
 
 
 @compiled
@@ -63,14 +65,14 @@ def release(X, V, modes, l):
 
 @inlined
 def release_half(X, V, modes, l, first, last, sums):
-    """`release_some`, its modes cut in two."""
+    """`release_modes`, its modes cut in two."""
     middle = (first + last) // 2
-    sums = release_some(X, V, modes, l, first, middle, sums)
-    return release_some(X, V, modes, l, middle, last, sums)
+    sums = release_modes(X, V, modes, l, first, middle, sums)
+    return release_modes(X, V, modes, l, middle, last, sums)
 
 
 @inlined
-def release_some(X, V, modes, l, first, last, sums):
+def release_modes(X, V, modes, l, first, last, sums):
     """The same of modes from first to last, not included; sums: so far."""
     uu, eu, ep, ef, ud = sums
     a = X[R.A, l]
@@ -134,28 +136,22 @@ def switch_contacts(X):
 
 @inlined
 def meet(X, l):
-    """q and x at the next half step, w = e.p - c P latched; returns 2 gamma r."""
+    """q and x at the next half step, w = e.p - c P; returns 2 gamma r.
+
+    w is latched, with the value before, at the first instant at or below the target.
+    """
     force, b = X[R.FORCE, l], X[R.BEAM_B, l]
     r = fma(-X[R.EU, l] * (b / 2), force, X[R.Q_FREE, l])
     r *= X[R.INVERSE, l]
     X[R.Q, l] = fma(2.0, r, -X[R.Q, l])
     X[R.OVERLAP, l] = fma(-X[R.BETA, l], force, X[R.OVERLAP_FREE, l])
-    latch(X, l, fma(-X[R.RESIDUAL, l], force, X[R.EP, l]))
-    return 2 * X[R.GAMMA, l] * r
-
-
-@inlined
-def latch(X, l, w):
-    """Latch w, with the value before, at the first instant at or below the target.
-
-    Instants at which it is beyond the saddle are counted.
-    """
-    w_last = X[R.W, l]
+    w, w_last = fma(-X[R.RESIDUAL, l], force, X[R.EP, l]), X[R.W, l]
     above = w_last > X[R.TARGET, l]
     X[R.W_BEFORE, l] = w_last if above else X[R.W_BEFORE, l]
     X[R.W, l] = w if above else w_last
     X[R.COUNT, l] += 1.0 if above else 0.0
     X[R.BEYOND, l] += 1.0 if w < X[R.SADDLE, l] else 0.0
+    return 2 * X[R.GAMMA, l] * r
 
 
 @inlined
@@ -163,10 +159,10 @@ def press(X, V, modes, l, pull):
     """p+ = p + d_free - 2 gamma r u - b e P,  y+ = y + dy_free + B P; pull: 2 gamma r."""
     kick = X[R.BEAM_B, l] * X[R.FORCE, l]
     cut_1, cut_2, cut_3 = modes // 4, modes // 2, 3 * modes // 4
-    sums = press_some(V, modes, l, 0, cut_1, pull, kick, (0.0, X[R.BEAM_SWEPT, l]))
-    sums = press_some(V, modes, l, cut_1, cut_2, pull, kick, sums)
-    sums = press_some(V, modes, l, cut_2, cut_3, pull, kick, sums)
-    swept, X[R.BEAM_SWEPT, l] = press_some(V, modes, l, cut_3, modes, pull, kick, sums)
+    sums = press_modes(V, modes, l, 0, cut_1, pull, kick, (0.0, X[R.BEAM_SWEPT, l]))
+    sums = press_modes(V, modes, l, cut_1, cut_2, pull, kick, sums)
+    sums = press_modes(V, modes, l, cut_2, cut_3, pull, kick, sums)
+    swept, X[R.BEAM_SWEPT, l] = press_modes(V, modes, l, cut_3, modes, pull, kick, sums)
 
     before, after = X[R.DY, l], fma(X[R.B, l], X[R.FORCE, l], X[R.DY_FREE, l])
     X[R.DY, l] = after
@@ -178,7 +174,7 @@ def press(X, V, modes, l, pull):
 
 
 @inlined
-def press_some(V, modes, l, first, last, pull, kick, sums):
+def press_modes(V, modes, l, first, last, pull, kick, sums):
     """Of modes from first to last, not included; sums: f.(p+ - p-) and |p+ - p-|^2 so far."""
     swept, squared = sums
     for i in range(first, last):
@@ -190,3 +186,77 @@ def press_some(V, modes, l, first, last, pull, kick, sums):
         swept = fma(V[R.F, i, l], before + after, swept)
         squared = fma(before + after, before + after, squared)
     return swept, squared
+
+
+@compiled
+def has_stops(work):
+    """Whether the mass of any lane has one; an empty lane has zeros there."""
+    X, any_lane = numbers(work), False
+    for l in range(LANES):
+        any_lane |= 0.0 < X[R.STOP_TOWARD, l] < np.inf
+        any_lane |= 0.0 < X[R.STOP_AWAY, l] < np.inf
+    return any_lane
+
+
+@compiled
+def crossed(work):
+    """Whether the mass of any lane is beyond a stop."""
+    X, any_lane = numbers(work), False
+    for l in range(LANES):
+        any_lane |= (X[R.Y, l] < -X[R.STOP_TOWARD, l]) | (X[R.Y, l] > X[R.STOP_AWAY, l])
+    return any_lane
+
+
+@compiled
+def meet_stops(work):
+    """Reflect every mass that is beyond a stop and moves on; (m, d) at the last half step.
+
+    It stays within its energy there: v^2 = d^2 + 2 (U(m) - U(s)) dt^2/M is its speed at the stop s,
+    e v that with which it leaves, and m' = s - e (m - s) where it then is.
+    """
+    X = numbers(work)
+    for l in range(LANES):
+        if X[R.Y, l] < -X[R.STOP_TOWARD, l] and X[R.DY, l] < 0.0:
+            strike(X, l, -X[R.STOP_TOWARD, l])
+        if X[R.Y, l] > X[R.STOP_AWAY, l] and X[R.DY, l] > 0.0:
+            strike(X, l, X[R.STOP_AWAY, l])
+
+
+@compiled
+def rebound(work):
+    """Reflect the masses that have crossed a stop, as the next step else begins with."""
+    if has_stops(work) and crossed(work):
+        meet_stops(work)
+
+
+@inlined
+def strike(X, l, stop):
+    """Reflect the mass of lane l, with an account of its energy."""
+    d, mass, e = X[R.DY, l], X[R.M, l], X[R.RESTITUTION, l]
+    middle, weight = X[R.Y, l] - d / 2, mass * X[R.A, l]
+    squared = d * d - 2 * (stored(X, l, middle, stop) + weight * (stop - middle)) / mass
+    if squared <= 0.0 and (middle - stop) * d < 0.0:
+        return  # it turns before the stop, and is beyond it by an error of the step
+    left = e * e * max(squared, 0.0)
+    place = stop - e * (middle - stop)
+    away = left - 2 * (stored(X, l, stop, place) + weight * (place - stop)) / mass
+    if away < 0.0:
+        place, away = stop, left
+    turned = -np.copysign(np.sqrt(away), d)
+    work = weight * (middle - place)
+    taken = mass * (d * d - away) / 2 - stored(X, l, middle, place) + work
+    X[R.LOST, l] += taken
+    X[R.WORK, l] += 2 * work
+    X[R.GROSS_WORK, l] += abs(2 * work)
+    X[R.OVERLAP, l] -= place - middle
+    X[R.Y, l], X[R.DY, l] = place + turned / 2, turned
+
+
+@inlined
+def stored(X, l, begin, end):
+    """What spring and contact take up as the mass goes from `begin` to `end` in a half step."""
+    middle = X[R.Y, l] - X[R.DY, l] / 2
+    before = max(0.0, X[R.OVERLAP, l] - (begin - middle))
+    after = max(0.0, X[R.OVERLAP, l] - (end - middle))
+    contact = X[R.CONTACT, l] * (after - before) * (after + before) / 2
+    return X[R.K, l] * (end - begin) * (begin + end) / 2 + contact

@@ -9,8 +9,7 @@ from . import rows as R
 from .lanes import energies, half_step_midpoint, load
 from .pulse import BLOCK, begin_pulse, no_pulse, set_out
 from .rows import LANES, numbers, vectors
-from .step import advance
-from .stops import rebound
+from .step import advance, rebound
 
 # ASSUME: a trace looks at every fourth instant; the ringing of w has some forty to a period.
 SAMPLE = 4
@@ -82,8 +81,8 @@ def trace_all(work, shape, devices, dt, pulses, cells, stress, kept):
                 advance(work, shape, shocks, in_block + ahead, 1)
             for l in range(len(stress)):
                 if bins.bin[l] < bins.instants.shape[1]:
-                    found = largest_stress(X, V, modes, l, stress[l])
-                    bins.stress[l] = max(bins.stress[l], found)
+                    most = largest_stress(X, V, modes, l, stress[l])
+                    bins.stress[l] = max(bins.stress[l], most)
     for l in range(width.size):
         keep_range(bins, l)
 
