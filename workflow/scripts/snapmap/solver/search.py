@@ -174,10 +174,12 @@ def walk(
     place = np.array(np.broadcast_to(start, rows.shape))
     stop = np.broadcast_to(stop, rows.shape)
     left = np.flatnonzero(place < stop)
+    together = 1
     while left.size:
-        places = place[left, np.newaxis] + step * np.arange(TOGETHER)
+        places = place[left, np.newaxis] + step * np.arange(together)
         true = label(rows[left], places)
         seen = true.any(axis=1)
-        place[left] += step * np.where(seen, np.argmax(true, axis=1), TOGETHER)
+        place[left] += step * np.where(seen, np.argmax(true, axis=1), together)
+        together = min(2 * together, TOGETHER)
         left = left[~seen & (place[left] < stop[left])]
     return np.minimum(place, stop)

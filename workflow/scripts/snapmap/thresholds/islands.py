@@ -7,6 +7,7 @@ import numpy as np
 from ..solver.adaptive import Survey
 from ..solver.bounds import least_amplitudes
 from ..solver.cells import Rows
+from ..solver.model import Follows
 from ..solver.search import SCAN_STEP, Ask, Edges, amplitudes, asker, first_snap, refine, scan
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
 from ..solver.steps import stiffness_share
@@ -133,21 +134,21 @@ def _taken(found, which, again):
 def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
     """Thresholds of rows; lowest: from which N islands are looked for, if not from BELOW."""
 
-    def ask(model, some=slice(None), horizon=settings.horizon):
-        return asker(model, rows.some(some), settings._replace(horizon=horizon))
+    def ask(model, some=slice(None)):
+        return asker(model, rows.some(some), settings)
 
     def scan_by(model):
         """In the longer steps of a label, which tell where to look."""
         return asker(model, rows, settings, until="snap")
 
     scans, decides, doubts, better, static, judge, *_ = models
-    pace = _pace(scans.device, rows, settings.pulses)
-    slow = pace < SLOW
-    wide = wide_scan(scans.device, static, rows, settings.pulses, slow)
+    speed = pace(scans.device, rows, settings.pulses)
+    slow = speed < SLOW
+    wide = wide_scan(scans.device, static, rows, settings.pulses, bound, slow)
     rough, quiet = first_seen(scan_by(scans), wide, bound)
     whole = _whole_window(rough, lowest, highest, slow)
-    window, ragged = _closer_window(scan_by(scans), whole, pace >= RINGS)
-    closest = np.where(pace >= RINGS, CLOSEST_STEP, 0.0)
+    window, ragged = _closer_window(scan_by(scans), whole, speed >= RINGS)
+    closest = np.where(speed >= RINGS, CLOSEST_STEP, 0.0)
     edges, open_end, window, ragged = _decide(ask(decides), window, whole, ragged)
     row, *ends, rising = edges
     edges = Edges(row, *refine(ask(decides, row), *ends, tolerance, rising), rising)
@@ -166,7 +167,7 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
     near = in_time + np.max(in_space, axis=0) + (in_space[1] if better else 0.0)
     # An island below that finer steps open belongs to the bar.
     below = Window((1 - ISLANDS) * N_first, N_first, np.full(N_first.size, CLOSEST_STEP))
-    near = np.fmax(near, N_first - _elsewhere(ask(fine), below, ~ragged & (pace >= RINGS))[0])
+    near = np.fmax(near, N_first - _elsewhere(ask(fine), below, ~ragged & (speed >= RINGS))[0])
     apart = np.isinf(near)
     ragged |= apart
     window = chosen(apart, whole, window)
@@ -191,14 +192,14 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
         half_error + resolution * N_half,
         ragged.astype(np.int8),
         N_always,
-        *_pulse(ask, decides, rows.f0, N_first, highest, tolerance),
+        *in_pulse(decides, rows, settings, N_first, highest, tolerance),
         np.zeros(N_first.size, np.int8),
         np.count_nonzero(np.isfinite(islands[0]), axis=1),
         *islands,
     )
 
 
-def _pace(device, rows, pulses):
+def pace(device, rows, pulses):
     """What the device takes to follow a pulse, over how long that lasts, (rows,)."""
     own, spring = device.own_frequency[rows.device], device.spring[rows.device]
     steepest = np.array([pulse.steepest for pulse in pulses])[rows.pulse]
@@ -213,10 +214,11 @@ def _chatters(device, rows, pulses):
     return (share > CHATTERS) | ((share > 0) & ~smooth)
 
 
-def wide_scan(device, static, rows, pulses, slow=False) -> np.ndarray:
+def wide_scan(device, static, rows, pulses, bound, slow=False) -> np.ndarray:
     """Amplitudes, (rows, n), from below any threshold to far above, also of short pulses.
 
-    static: threshold of slow pulses, (devices,); slow: whether a row's pulse is one, (rows,)
+    static: threshold of slow pulses, (devices,); bound: below which nothing can snap, (rows,);
+        slow: whether a row's pulse is one, (rows,)
     """
     columns = static, device.own_frequency, device.mass
     static, own, mass = (column[rows.device] for column in columns)
@@ -231,7 +233,7 @@ def wide_scan(device, static, rows, pulses, slow=False) -> np.ndarray:
     # What mostly pulls must do so far more strongly.
     static = static / np.fmax(highest, LEAST_PUSH)
     high = np.where(slow, SLOW_REACH * static, 5 * static * (1 + fast) * (1 + damped))
-    return amplitudes(low, high, SCAN_STEP)
+    return amplitudes(np.fmax(low, SLACK * bound), high, SCAN_STEP)
 
 
 def first_seen(ask: Ask, wide: np.ndarray, bound: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -248,6 +250,24 @@ def first_seen(ask: Ask, wide: np.ndarray, bound: np.ndarray) -> tuple[np.ndarra
         lower = amplitudes(np.where(begins, SLACK * bound, np.nan), wide[:, 0], SCAN_STEP)
         first = np.where(begins, first_snap(lower, np.isfinite(ask(lower)))[1], first)
     return first, quiet
+
+
+def lowest(
+    model: Follows, static: np.ndarray, rows: Rows, settings: Settings, tolerance: float
+) -> np.ndarray:
+    """Find the lowest N that snaps by one model, (rows,), in steps of FINE_STEP; NaN for none.
+
+    static: threshold of slow pulses, (devices,)
+    """
+    ask = asker(model, rows, settings)
+    bound = least_amplitudes(model, rows, settings.pulses)
+    wide = wide_scan(model.device, static, rows, settings.pulses, bound)
+    rough, _ = first_seen(ask, wide, bound)
+    N = Window(BELOW * rough, rough, np.full(rough.size, FINE_STEP)).N
+    begins = np.isfinite(ask(N))
+    begins[:, 1:] &= ~begins[:, :-1]
+    begins[:, 0] = False
+    return refine(ask, *first_snap(N, begins), tolerance)[1]
 
 
 def _whole_window(rough, lowest, highest, slow):
@@ -338,13 +358,13 @@ def _distance(ask, N_first, tolerance):
     return distance
 
 
-def _pulse(ask, decides, f0, N_first, highest, tolerance):
+def in_pulse(model, rows, settings, N_first, highest, tolerance):
     """N_pulse and t_snap at N_first."""
-    t_snap = ask(decides)(N_first[:, np.newaxis])[:, 0]
+    t_snap = asker(model, rows, settings)(N_first[:, np.newaxis])[:, 0]
     N_pulse = N_first.copy()
-    late = np.flatnonzero(t_snap * f0 * 1e-6 > 1)
+    late = np.flatnonzero(t_snap * rows.f0 * 1e-6 > 1)
     high = N_first[late] * ABOVE if highest is None else np.fmax(highest, N_first[late])
-    in_pulse = ask(decides, late, horizon=0.0)
+    ask = asker(model, rows.some(late), settings._replace(horizon=0.0))
     N = amplitudes(N_first[late], high, SCAN_STEP)
-    N_pulse[late] = refine(in_pulse, *first_snap(N, np.isfinite(in_pulse(N))), tolerance)[1]
+    N_pulse[late] = refine(ask, *first_snap(N, np.isfinite(ask(N))), tolerance)[1]
     return N_pulse, t_snap

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from ..axes import PULSE_AXES, coordinates
+from ..axes import NAMES, PULSE_AXES, coordinates
 from ..device import Device
 from ..io.counting import counting
 from ..io.provenance import recipe
@@ -16,9 +16,15 @@ from ..solver.cells import rows_of, to_rows
 from ..solver.settings import THRESHOLD_TOLERANCE
 from ..study import THRESHOLD_SETTINGS, Study, frequencies, study_of
 from .cost import tell_cost
+from ..solver.bounds import least_amplitudes
 from .islands import (
     ABOVE,
     FINEST_STEP,
+    FOUND,
+    RINGS,
+    in_pulse,
+    lowest,
+    pace,
     NARROW,
     NOT_FOLLOWED,
     NOTHING_SNAPS,
@@ -28,6 +34,8 @@ from .islands import (
 from .reuse import joined, recall
 from .settling import lowest_latched
 from .transitions import FINE_STEP
+from .verified import ABOVE as ABOVE_VERIFIED
+from .verified import FEWEST, Searched, fill, first_near
 
 IMPULSE, IMPULSE_OF_BEAM = 100.0, 10.0
 """A pulse of so many times the device's own frequency, and the beam's, is as good as a jump in
@@ -106,10 +114,18 @@ def thresholds_of(
     document["sweep"]["threshold_tolerance"] = tolerance
     made_by = recipe(document, grid.pulses, highest)
     models, rows = choose_survey(grid.device, study.model), rows_of(grid)
+    numbers = np.where(rows.device >= 0, np.arange(rows.f0.size), -1)
+    speed = np.where(numbers >= 0, pace(grid.device, rows, settings.pulses), 0.0)
+    slow = speed.reshape(-1, grid.shape[-1]).max(axis=0) < RINGS
     found, known = recall(earlier, grid, made_by)
+    if known.all():
+        surfaces = []
+    else:
+        surfaces = _surfaces(grid.axes, numbers.reshape(grid.shape), slow)
+        known &= found["verified"] == 0 if found else True
     new = np.flatnonzero(~known & (rows.device >= 0))
     tell_cost(models, rows.some(new), settings)
-    found = _look(models, rows, settings, tolerance, highest, new, found)
+    found = _look(models, rows, surfaces, settings, tolerance, highest, known, found)
     peak = np.array([pulse.peak for pulse in settings.pulses])
     if np.isfinite(peak).any():
         found["scale_first"] = (
@@ -123,7 +139,7 @@ def thresholds_of(
         )
         for key, values in found.items()
     }
-    data |= _limits(grid, models, settings, tolerance, highest)
+    data |= _limits(grid, models, settings)
     return xr.Dataset(
         {key: (*values, VARIABLES[key]) for key, values in data.items()}, coordinates(grid.axes)
     ).assign_attrs(
@@ -133,73 +149,159 @@ def thresholds_of(
     )
 
 
-def _look(models, rows, settings, tolerance, highest, new, known):
-    """Thresholds of all rows by name: of the new ones, given by their indices, and those known."""
-    whole = known
-    blocks = np.split(new, range(ROWS, new.size, ROWS)) if new.size or not known else []
-    for block in blocks:
-        found = _look_at(models, rows.some(block), settings, tolerance, highest)
+def _look(models, rows, surfaces, settings, tolerance, highest, known, whole):
+    """Thresholds of all rows by name; known: which of them `whole` has, and need no search."""
+
+    def add(which, found):
+        nonlocal whole
         whole = {
-            key: joined(rows.f0.size, block, found.get(key), whole.get(key))
+            key: joined(rows.f0.size, which, found.get(key), whole.get(key))
             for key in found | whole
         }
+
+    def search(which):
+        for block in _blocks(which[~known[which]]):
+            add(block, _look_at(models, rows.some(block), settings, tolerance, highest))
+        N, bar = whole["N_first"][which], whole["N_error"][which] / whole["N_first"][which]
+        return Searched(N, bar, whole["level"][which], np.isfinite(N) & (whole["ragged"][which] == 0) & (whole["islands"][which]==0))
+
+    def verify(which, expected):
+        holds = np.zeros(which.size, bool)
+        for block in _blocks(np.arange(which.size)):
+            some = Searched(*(column[block] for column in expected))
+            found = _verify_at(models, rows.some(which[block]), settings, tolerance, highest, some)
+            first = found["N_first"]
+            holds[block] = np.isfinite(first)
+            add(which[block], found)
+        return holds
+
+    plain = rows.device >= 0
+    for numbers, _ in surfaces:
+        plain[numbers[numbers >= 0]] = False
+    if plain.any() or not whole:
+        search(np.flatnonzero(plain))
+    for numbers, axes in surfaces:
+        fill(numbers, axes, search, verify)
     if any(pulse.blows.size for pulse in settings.pulses):
         whole["blow"] = blow_at(settings.pulses, rows.pulse, whole["t_snap"] * rows.f0 * 1e-6)
     most = whole["islands"].max(initial=0)
     return whole | {key: whole[key][:, :most] for key in ("island_from", "island_to")}
 
 
+def _blocks(which):
+    return np.split(which, range(ROWS, which.size, ROWS))
+
+
+def _verify_at(models, rows, settings, tolerance, highest, expected):
+    """Thresholds of rows where they are expected, by name; NaN where they are not."""
+    size = rows.f0.size
+    found = {"N_first": np.full(size, np.nan), "N_pulse": np.full(size, np.nan), "t_snap": np.full(size, np.nan)}
+    rings = pace(models.decides.device, rows, settings.pulses) >= RINGS
+    level, one = 0, models
+    while one is not None:
+        of = np.flatnonzero(expected.level == level)
+        some = rows.some(of)
+        N_first = first_near(one.decides, some, settings, expected.N[of], rings[of], tolerance)
+        found["N_first"][of] = N_first
+        found["N_pulse"][of], found["t_snap"][of] = in_pulse(one.decides, some, settings, N_first, highest, tolerance)
+        level, one = level + 1, one.finer
+    N = found["N_first"]
+    error = (expected.bar + tolerance) * N
+    top = N if highest is None else np.fmax(highest, 0)
+    return found | {
+        "status": np.full(size, FOUND, np.int8),
+        "N_bound": least_amplitudes(models.decides, rows, settings.pulses),
+        "N_looked": ABOVE_VERIFIED[-1] * N,
+        "N_error": error,
+        "N_half": N,
+        "half_error": error,
+        "ragged": np.zeros(size, np.int8),
+        "N_always": np.where(N <= top, N, np.nan),
+        "level": expected.level.astype(np.int8),
+        "islands": np.zeros(size, int),
+        "island_from": np.empty((size, 0)),
+        "island_to": np.empty((size, 0)),
+        "verified": np.ones(size, np.int8),
+        "N_latched": _latched(models, rows, N, settings, highest),
+    }
+
+
 def _look_at(models, rows, settings, tolerance, highest):
     found = survey(models, rows, settings, tolerance, highest)._asdict()
-    first = found["N_first"]
+    latched = _latched(models, rows, found["N_first"], settings, highest)
+    return found | {"verified": np.zeros(rows.f0.size, np.int8), "N_latched": latched}
+
+
+def _latched(models, rows, first, settings, highest):
     top = np.where(np.isnan(first), np.nan, ABOVE * first if highest is None else highest)
     low = np.where(first <= top, first, np.nan)
-    return found | {"N_latched": lowest_latched(models.decides, rows, low, top, settings)}
+    return lowest_latched(models.decides, rows, low, top, settings)
 
 
-def _limits(grid, models, settings, tolerance, highest):
+def _surfaces(axes, rows, slow):
+    """Surfaces of rows, numbers of the axes' shape, and values of the axes along which they are.
+
+    slow: of f0, whether rows are smooth along it, too
+    """
+    surfaces = []
+    for is_slow in (True, False):
+        part, kept, values = rows, [], []
+        for place, (key, points) in enumerate(axes.items()):
+            chosen = np.flatnonzero(slow == is_slow) if key == "f0" else np.arange(points.size)
+            chosen = chosen[np.argsort(points[chosen])] if key not in NAMES else chosen
+            part = part.take(chosen, place)
+            if chosen.size >= FEWEST and key not in NAMES and (is_slow or key != "f0"):
+                kept.append(place)
+                values.append(points[chosen])
+        if kept and part.size:
+            part = np.moveaxis(part, kept, range(-len(kept), 0))
+            surfaces.append((part.reshape(-1, *(x.size for x in values)), values))
+    return surfaces
+
+
+def _lowest_of(grid, models, settings, omega, which):
+    """The lowest N that snaps, (..., pulses, C), of pulses of a frequency of each device, rad/us.
+
+    As the deciding level sees it, in islands as wide as FINE_STEP.
+    """
+    rows = rows_of(grid._replace(axes=grid.axes | {"f0": np.ones(1)}))
+    rows = rows._replace(f0=omega[rows.device] / (2 * np.pi) * 1e6)
+    there = (rows.device >= 0) & np.isin(rows.pulse, which)
+    N = np.full(rows.f0.size, np.nan)
+    N[there] = lowest(models.decides, models.static, rows.some(there), settings, THRESHOLD_TOLERANCE)
+    return N.reshape(grid.shape[:-1])
+
+
+def _limits(grid, models, settings):
     """Thresholds of slow and of short pulses, of trains their strongest blow; and their area."""
-    device, C = grid.device, grid.axes["C"]
+    device, there = grid.device, grid.device_of >= 0
     own, of_beam = device.own_frequency, device.beam.bending_frequency
     fast, slow = np.maximum(IMPULSE * own, IMPULSE_OF_BEAM * of_beam), SLOWNESS * own
     alone = settings._replace(pulses=tuple(pulse.alone for pulse in settings.pulses))
-
-    def look(omega, which, C):
-        """N_first, (devices, pulses, C), of pulses of one frequency for each device, rad/us."""
-        shape = len(device), len(which), C.size
-        numbers, pulse, damping = (place.ravel() for place in np.indices(shape))
-        f0 = omega[numbers] / (2 * np.pi) * 1e6
-        rows = to_rows(numbers, f0, C[damping], np.array(which)[pulse])
-        return survey(models, rows, alone, tolerance, highest).N_first.reshape(shape)
-
-    area = np.array([pulse.area for pulse in alone.pulses])
-    pushes = [p for p, size in enumerate(abs(area)) if size > NO_AREA]
-    change = np.full((len(device), area.size, C.size), np.nan)
-    lasts = 2 * np.pi / fast
-    if pushes:
-        change[:, pushes] = look(fast, pushes, C) * (device.gravity * lasts)[:, None, None]
-    change *= abs(area)[:, np.newaxis]
-    impact = np.array([pulse.impact for pulse in settings.pulses])
-    with np.errstate(divide="ignore"):
-        highest_of = np.array([one.highest for one in settings.pulses])
-        static = models.static[:, np.newaxis] / np.where(highest_of > 0, highest_of, np.nan)
-    jumps = [p for p, one in enumerate(settings.pulses) if any(one.ends)]
-    if jumps:
-        static[:, jumps] = look(slow, jumps, C[:1])[..., 0]
-
     of_pulse = {key: grid.axes[key] for key in PULSE_AXES if key in grid.axes}
-    sizes = [values.size for values in of_pulse.values()]
-    of_device = tuple(grid.axes)[: grid.device_of.ndim]
-    there = grid.device_of >= 0
+    sizes = tuple(values.size for values in of_pulse.values())
+    of_device = tuple(grid.axes)[: there.ndim]
 
     def spread(values):
-        values = values.reshape(len(device), *sizes, *values.shape[2:])
-        known = np.expand_dims(there, tuple(range(there.ndim, there.ndim + values.ndim - 1)))
-        return np.where(known, values[np.where(there, grid.device_of, 0)], np.nan)
+        """Values of devices, (devices,), over their axes and those of the pulse."""
+        values = np.where(there, values[grid.device_of], np.nan)
+        return values.reshape(there.shape + (1,) * len(sizes))
 
+    area = np.array([pulse.area for pulse in alone.pulses])
+    pushes = np.flatnonzero(abs(area) > NO_AREA)
+    change = _lowest_of(grid, models, alone, fast, pushes)
+    change *= (spread(device.gravity * (2 * np.pi / fast)) * abs(area).reshape(sizes))[..., np.newaxis]
+    impact = np.array([pulse.impact for pulse in settings.pulses])
+    highest = np.array([one.highest for one in settings.pulses])
+    static = spread(models.static) / np.where(highest > 0, highest, np.nan).reshape(sizes)
+    jumps = np.flatnonzero([any(one.ends) for one in settings.pulses])
+    if jumps.size:
+        at_least = grid._replace(axes=grid.axes | {"C": grid.axes["C"][:1]})
+        slowly = _lowest_of(at_least, models, alone, slow, jumps)[..., 0]
+        static = np.where(np.isin(np.arange(highest.size), jumps).reshape(sizes), slowly, static)
     return {
-        "N_static": ((*of_device, *of_pulse), spread(static)),
-        "velocity_change": ((*of_device, *of_pulse, "C"), spread(change)),
+        "N_static": ((*of_device, *of_pulse), static),
+        "velocity_change": ((*of_device, *of_pulse, "C"), change),
         "area": (tuple(of_pulse), abs(impact).reshape(sizes)),
     }
 
