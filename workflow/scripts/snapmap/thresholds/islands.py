@@ -144,7 +144,7 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
     scans, decides, doubts, better, static, judge, *_ = models
     speed = pace(scans.device, rows, settings.pulses)
     slow = speed < SLOW
-    wide = wide_scan(scans.device, static, rows, settings.pulses, bound, slow)
+    wide = wide_scan(scans.device, static, rows, settings.pulses, slow)
     rough, quiet = first_seen(scan_by(scans), wide, bound)
     whole = _whole_window(rough, lowest, highest, slow)
     window, ragged = _closer_window(scan_by(scans), whole, speed >= RINGS)
@@ -214,11 +214,11 @@ def _chatters(device, rows, pulses):
     return (share > CHATTERS) | ((share > 0) & ~smooth)
 
 
-def wide_scan(device, static, rows, pulses, bound, slow=False) -> np.ndarray:
+def wide_scan(device, static, rows, pulses, slow=False, bound=0.0) -> np.ndarray:
     """Amplitudes, (rows, n), from below any threshold to far above, also of short pulses.
 
-    static: threshold of slow pulses, (devices,); bound: below which nothing can snap, (rows,);
-        slow: whether a row's pulse is one, (rows,)
+    static: threshold of slow pulses, (devices,); slow: whether a row's pulse is one, (rows,)
+    bound: below which nothing can snap, (rows,)
     """
     columns = static, device.own_frequency, device.mass
     static, own, mass = (column[rows.device] for column in columns)
@@ -261,7 +261,7 @@ def lowest(
     """
     ask = asker(model, rows, settings)
     bound = least_amplitudes(model, rows, settings.pulses)
-    wide = wide_scan(model.device, static, rows, settings.pulses, bound)
+    wide = wide_scan(model.device, static, rows, settings.pulses, bound=bound)
     rough, _ = first_seen(ask, wide, bound)
     N = Window(BELOW * rough, rough, np.full(rough.size, FINE_STEP)).N
     begins = np.isfinite(ask(N))

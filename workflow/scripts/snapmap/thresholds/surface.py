@@ -5,37 +5,37 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from ..axes import NAMES, PULSE_AXES, coordinates
+from ..axes import PULSE_AXES, coordinates
 from ..device import Device
 from ..io.counting import counting
 from ..io.provenance import recipe
 from ..io.variables import flags, headed, variables
 from ..pulse import blow_at
 from ..solver.adaptive import choose_survey
-from ..solver.cells import rows_of, to_rows
+from ..solver.bounds import least_amplitudes
+from ..solver.cells import rows_of
 from ..solver.settings import THRESHOLD_TOLERANCE
 from ..study import THRESHOLD_SETTINGS, Study, frequencies, study_of
 from .cost import tell_cost
-from ..solver.bounds import least_amplitudes
 from .islands import (
     ABOVE,
     FINEST_STEP,
     FOUND,
-    RINGS,
-    in_pulse,
-    lowest,
-    pace,
     NARROW,
     NOT_FOLLOWED,
     NOTHING_SNAPS,
+    RINGS,
     STATUS,
+    in_pulse,
+    lowest,
+    pace,
     survey,
 )
 from .reuse import joined, recall
 from .settling import lowest_latched
 from .transitions import FINE_STEP
-from .verified import ABOVE as ABOVE_VERIFIED
-from .verified import FEWEST, Searched, fill, first_near
+from .verified import ABOVE as OVER
+from .verified import Expected, fill, first_near, surfaces
 
 IMPULSE, IMPULSE_OF_BEAM = 100.0, 10.0
 """A pulse of so many times the device's own frequency, and the beam's, is as good as a jump in
@@ -114,18 +114,17 @@ def thresholds_of(
     document["sweep"]["threshold_tolerance"] = tolerance
     made_by = recipe(document, grid.pulses, highest)
     models, rows = choose_survey(grid.device, study.model), rows_of(grid)
-    numbers = np.where(rows.device >= 0, np.arange(rows.f0.size), -1)
-    speed = np.where(numbers >= 0, pace(grid.device, rows, settings.pulses), 0.0)
-    slow = speed.reshape(-1, grid.shape[-1]).max(axis=0) < RINGS
     found, known = recall(earlier, grid, made_by)
-    if known.all():
-        surfaces = []
-    else:
-        surfaces = _surfaces(grid.axes, numbers.reshape(grid.shape), slow)
-        known &= found["verified"] == 0 if found else True
-    new = np.flatnonzero(~known & (rows.device >= 0))
-    tell_cost(models, rows.some(new), settings)
-    found = _look(models, rows, surfaces, settings, tolerance, highest, known, found)
+    there, parts = rows.device >= 0, []
+    if not known.all():
+        # A verified row is what those searched about it make of it, which may be others now.
+        known &= found.get("verified", 1) == 0
+        rings = there & (pace(grid.device, rows, settings.pulses) >= RINGS)
+        slow = ~rings.reshape(-1, grid.axes["f0"].size).any(axis=0)
+        numbers = np.where(there, np.arange(there.size), -1)
+        parts = surfaces(grid.axes, numbers.reshape(grid.shape), slow)
+    tell_cost(models, rows.some(there & ~known), settings)
+    found = _look(models, rows, parts, settings, tolerance, highest, known, found)
     peak = np.array([pulse.peak for pulse in settings.pulses])
     if np.isfinite(peak).any():
         found["scale_first"] = (
@@ -149,114 +148,93 @@ def thresholds_of(
     )
 
 
-def _look(models, rows, surfaces, settings, tolerance, highest, known, whole):
-    """Thresholds of all rows by name; known: which of them `whole` has, and need no search."""
+def _look(models, rows, parts, settings, tolerance, highest, known, whole):
+    """Thresholds of all rows by name.
 
-    def add(which, found):
+    parts: surfaces, as from `verified.surfaces`; known: rows that `whole` has, and need no search
+    """
+
+    def add(which, new):
         nonlocal whole
         whole = {
-            key: joined(rows.f0.size, which, found.get(key), whole.get(key))
-            for key in found | whole
+            key: joined(rows.f0.size, which, new.get(key), whole.get(key)) for key in new | whole
         }
 
     def search(which):
-        for block in _blocks(which[~known[which]]):
-            add(block, _look_at(models, rows.some(block), settings, tolerance, highest))
-        N, bar = whole["N_first"][which], whole["N_error"][which] / whole["N_first"][which]
-        return Searched(N, bar, whole["level"][which], np.isfinite(N) & (whole["ragged"][which] == 0) & (whole["islands"][which]==0))
+        new = which[~known[which]]
+        for block in _blocks(new) if new.size or not whole else []:
+            add(block, _search(models, rows.some(block), settings, tolerance, highest))
+        N, bar, level, *unclean = (
+            whole[key][which] for key in ("N_first", "N_error", "level", "ragged", "islands")
+        )
+        return Expected(N, bar / N, level, np.isfinite(N) & ~np.any(unclean, axis=0))
 
     def verify(which, expected):
-        holds = np.zeros(which.size, bool)
         for block in _blocks(np.arange(which.size)):
-            some = Searched(*(column[block] for column in expected))
-            found = _verify_at(models, rows.some(which[block]), settings, tolerance, highest, some)
-            first = found["N_first"]
-            holds[block] = np.isfinite(first)
-            add(which[block], found)
-        return holds
+            there = rows.some(which[block]), settings, tolerance, highest
+            part = Expected(*(column[block] for column in expected))
+            add(which[block], _verify(models, *there, part))
+        return np.isfinite(whole["N_first"][which])
 
     plain = rows.device >= 0
-    for numbers, _ in surfaces:
+    for numbers, _ in parts:
         plain[numbers[numbers >= 0]] = False
-    if plain.any() or not whole:
-        search(np.flatnonzero(plain))
-    for numbers, axes in surfaces:
-        fill(numbers, axes, search, verify)
+    search(np.flatnonzero(plain))
+    for part in parts:
+        fill(*part, search, verify)
     if any(pulse.blows.size for pulse in settings.pulses):
         whole["blow"] = blow_at(settings.pulses, rows.pulse, whole["t_snap"] * rows.f0 * 1e-6)
     most = whole["islands"].max(initial=0)
     return whole | {key: whole[key][:, :most] for key in ("island_from", "island_to")}
 
 
-def _blocks(which):
-    return np.split(which, range(ROWS, which.size, ROWS))
+def _blocks(rows):
+    return np.split(rows, range(ROWS, rows.size, ROWS))
 
 
-def _verify_at(models, rows, settings, tolerance, highest, expected):
-    """Thresholds of rows where they are expected, by name; NaN where they are not."""
-    size = rows.f0.size
-    found = {"N_first": np.full(size, np.nan), "N_pulse": np.full(size, np.nan), "t_snap": np.full(size, np.nan)}
+def _search(models, rows, settings, tolerance, highest):
+    new = survey(models, rows, settings, tolerance, highest)._asdict()
+    new["N_latched"] = _latched(models, rows, new["N_first"], settings, highest)
+    return new | {"verified": np.zeros(rows.f0.size, np.int8)}
+
+
+def _verify(models, rows, settings, tolerance, highest, expected):
+    """Thresholds of rows where they are expected, by name; N_first is NaN where they are not."""
+    N_first, N_pulse, t_snap = np.full((3, rows.f0.size), np.nan)
     rings = pace(models.decides.device, rows, settings.pulses) >= RINGS
-    level, one = 0, models
-    while one is not None:
-        of = np.flatnonzero(expected.level == level)
-        some = rows.some(of)
-        N_first = first_near(one.decides, some, settings, expected.N[of], rings[of], tolerance)
-        found["N_first"][of] = N_first
-        found["N_pulse"][of], found["t_snap"][of] = in_pulse(one.decides, some, settings, N_first, highest, tolerance)
-        level, one = level + 1, one.finer
-    N = found["N_first"]
-    error = (expected.bar + tolerance) * N
-    top = N if highest is None else np.fmax(highest, 0)
-    return found | {
-        "status": np.full(size, FOUND, np.int8),
+    for level, decides in enumerate(models.levels):
+        which = np.flatnonzero(expected.level == level)
+        part, N = rows.some(which), expected.N[which]
+        N = first_near(decides, part, settings, N, rings[which], tolerance)
+        N_first[which] = N
+        N_pulse[which], t_snap[which] = in_pulse(decides, part, settings, N, highest, tolerance)
+    top = np.inf if highest is None else highest
+    none, error = np.zeros(rows.f0.size, np.int8), (expected.bar + tolerance) * N_first
+    return {
+        "status": none + np.int8(FOUND),
         "N_bound": least_amplitudes(models.decides, rows, settings.pulses),
-        "N_looked": ABOVE_VERIFIED[-1] * N,
+        "N_looked": expected.N * OVER[-1],
+        "N_first": N_first,
         "N_error": error,
-        "N_half": N,
+        "N_half": N_first,
         "half_error": error,
-        "ragged": np.zeros(size, np.int8),
-        "N_always": np.where(N <= top, N, np.nan),
+        "ragged": none,
+        "N_always": np.where(N_first <= top, N_first, np.nan),
+        "N_pulse": N_pulse,
+        "t_snap": t_snap,
         "level": expected.level.astype(np.int8),
-        "islands": np.zeros(size, int),
-        "island_from": np.empty((size, 0)),
-        "island_to": np.empty((size, 0)),
-        "verified": np.ones(size, np.int8),
-        "N_latched": _latched(models, rows, N, settings, highest),
+        "islands": none.astype(int),
+        "island_from": np.empty((none.size, 0)),
+        "island_to": np.empty((none.size, 0)),
+        "N_latched": _latched(models, rows, N_first, settings, highest),
+        "verified": none + np.int8(1),
     }
 
 
-def _look_at(models, rows, settings, tolerance, highest):
-    found = survey(models, rows, settings, tolerance, highest)._asdict()
-    latched = _latched(models, rows, found["N_first"], settings, highest)
-    return found | {"verified": np.zeros(rows.f0.size, np.int8), "N_latched": latched}
-
-
-def _latched(models, rows, first, settings, highest):
-    top = np.where(np.isnan(first), np.nan, ABOVE * first if highest is None else highest)
-    low = np.where(first <= top, first, np.nan)
+def _latched(models, rows, N_first, settings, highest):
+    top = ABOVE * N_first if highest is None else np.where(np.isnan(N_first), np.nan, highest)
+    low = np.where(N_first <= top, N_first, np.nan)
     return lowest_latched(models.decides, rows, low, top, settings)
-
-
-def _surfaces(axes, rows, slow):
-    """Surfaces of rows, numbers of the axes' shape, and values of the axes along which they are.
-
-    slow: of f0, whether rows are smooth along it, too
-    """
-    surfaces = []
-    for is_slow in (True, False):
-        part, kept, values = rows, [], []
-        for place, (key, points) in enumerate(axes.items()):
-            chosen = np.flatnonzero(slow == is_slow) if key == "f0" else np.arange(points.size)
-            chosen = chosen[np.argsort(points[chosen])] if key not in NAMES else chosen
-            part = part.take(chosen, place)
-            if chosen.size >= FEWEST and key not in NAMES and (is_slow or key != "f0"):
-                kept.append(place)
-                values.append(points[chosen])
-        if kept and part.size:
-            part = np.moveaxis(part, kept, range(-len(kept), 0))
-            surfaces.append((part.reshape(-1, *(x.size for x in values)), values))
-    return surfaces
 
 
 def _lowest_of(grid, models, settings, omega, which):
@@ -268,7 +246,9 @@ def _lowest_of(grid, models, settings, omega, which):
     rows = rows._replace(f0=omega[rows.device] / (2 * np.pi) * 1e6)
     there = (rows.device >= 0) & np.isin(rows.pulse, which)
     N = np.full(rows.f0.size, np.nan)
-    N[there] = lowest(models.decides, models.static, rows.some(there), settings, THRESHOLD_TOLERANCE)
+    N[there] = lowest(
+        models.decides, models.static, rows.some(there), settings, THRESHOLD_TOLERANCE
+    )
     return N.reshape(grid.shape[:-1])
 
 
@@ -290,7 +270,9 @@ def _limits(grid, models, settings):
     area = np.array([pulse.area for pulse in alone.pulses])
     pushes = np.flatnonzero(abs(area) > NO_AREA)
     change = _lowest_of(grid, models, alone, fast, pushes)
-    change *= (spread(device.gravity * (2 * np.pi / fast)) * abs(area).reshape(sizes))[..., np.newaxis]
+    change *= (spread(device.gravity * (2 * np.pi / fast)) * abs(area).reshape(sizes))[
+        ..., np.newaxis
+    ]
     impact = np.array([pulse.impact for pulse in settings.pulses])
     highest = np.array([one.highest for one in settings.pulses])
     static = spread(models.static) / np.where(highest > 0, highest, np.nan).reshape(sizes)

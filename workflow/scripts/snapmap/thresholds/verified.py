@@ -1,35 +1,37 @@
-"""Thresholds as surfaces: a few rows are searched, those between are verified where expected."""
+"""Thresholds as surfaces: a few rows are searched, the others verified where those expect them."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 
+from ..axes import NAMES
 from ..solver.cells import Rows
 from ..solver.model import Follows
 from ..solver.search import asker, near
 from ..solver.settings import Settings
 
 FEWEST = 8
-"""Points of an axis along which thresholds are a surface; of fewer each is searched."""
+"""Points of an axis from which on thresholds along it are a surface."""
 SPACING, MOST = 5, 8
-"""Points from one searched row to the next, and at most so many intervals of an axis, at first."""
+"""Points between two searched rows along an axis, and most such intervals, at first."""
 TERMS = 4
-"""Searched rows along each axis, through which a cubic goes."""
+"""Searched rows along an axis through which a cubic goes."""
 WITHIN = 1e-3
-"""How far from where it is expected, relative, a threshold may be."""
-CLOSE = 1 - 0.002 * np.arange(10, 0, -1)
-BELOW, ABOVE = np.array([0.7, 0.8, 0.87, 0.92, 0.95, 0.965]), np.array([1.005, 1.02, 1.05, 1.1, 1.2, 1.4, 1.9])
-"""Where else labels are looked at, over the threshold expected; CLOSE, where the device rings."""
+"""How far from where it is expected a threshold may lie, relative."""
+BELOW, ABOVE = (0.7, 0.8, 0.87, 0.92, 0.95, 0.965), (1.005, 1.02, 1.05, 1.1, 1.2, 1.4, 1.9)
+"""Where else labels must be those expected, over the threshold."""
+CLOSE = tuple(1 - 0.002 * k for k in range(10, 0, -1))
+"""And where the device rings after its pulse, so that islands may lie close below."""
 
 
-class Searched(NamedTuple):
-    """What is expected from searched rows; (rows,).
+class Expected(NamedTuple):
+    """What searched rows are, or others between them are expected to be; (rows,).
 
-    N: threshold; bar: relative; level: of the model that decided; clean: whether one may be
-    expected between it and another such
+    N: threshold; bar: of it, relative; level: of the models that decides
+    clean: whether the threshold is one around which others may be expected
     """
 
     N: np.ndarray
@@ -38,116 +40,147 @@ class Searched(NamedTuple):
     clean: np.ndarray
 
 
+def surfaces(
+    axes: Mapping[str, np.ndarray], rows: np.ndarray, slow: np.ndarray
+) -> list[tuple[np.ndarray, list[np.ndarray]]]:
+    """Take a grid apart into surfaces, by the values of its axes alone.
+
+    axes: by name; rows: numbers, of the axes' shape; slow: of f0, where rows are smooth along it
+    Returns rows, (surfaces, n_1, ..., n_d), and d ascending axes, for slow pulses and others.
+    """
+    apart = []
+    for is_slow in (True, False):
+        part, kept = rows, {}
+        for place, (key, values) in enumerate(axes.items()):
+            if key in NAMES:
+                continue
+            order = np.argsort(values)
+            if key == "f0":
+                order = order[slow[order] == is_slow]
+            part = part.take(order, place)
+            if order.size >= FEWEST and (is_slow or key != "f0"):
+                kept[place] = values[order]
+        if kept and part.size:
+            part = np.moveaxis(part, list(kept), range(-len(kept), 0))
+            sizes = (values.size for values in kept.values())
+            apart.append((part.reshape(-1, *sizes), list(kept.values())))
+    return apart
+
+
 def fill(
     rows: np.ndarray,
     axes: Sequence[np.ndarray],
-    search: Callable[[np.ndarray], Searched],
-    verify: Callable[[np.ndarray, Searched], np.ndarray],
+    search: Callable[[np.ndarray], Expected],
+    verify: Callable[[np.ndarray, Expected], np.ndarray],
 ) -> None:
-    """Search some rows of surfaces, verify those between them, and search what is not verified.
+    """Search some rows of surfaces, verify those between, and search what is not verified.
 
     rows: numbers, (surfaces, n_1, ..., n_d), -1 for none; axes: ascending values, (n_1,), ...
-    search, verify: take numbers of rows, (n,); verify what is expected as well, and it returns of
-        which rows that holds
-    Which rows are searched depends on the axes and on what searched rows are: cells between them
-    are halved until all corners of one are clean.
+    search, verify: of numbers of rows, (n,); verify is given what is expected there, too, and
+        returns where that holds
+    Which rows are searched depends on the axes, and on what searched ones are: intervals are halved
+    until all rows at the corners of one are clean.
     """
     left, done = rows >= 0, np.zeros(rows.shape, bool)
-    known = Searched(*(np.full(rows.shape, blank) for blank in (np.nan, np.nan, 0, False)))
+    known = Expected(*(np.full(rows.shape, blank) for blank in (np.nan, np.nan, 0, False)))
 
     def look(which):
         done[which] = True
         for column, values in zip(known, search(rows[which]), strict=True):
             column[which] = values
 
-    coarse, parts = None, [np.clip((x.size - 1) // SPACING, TERMS - 1, MOST) for x in axes]
+    cubic = None
+    parts = [min(max((x.size - 1) // SPACING, TERMS - 1), MOST) for x in axes]
     while left.any():
         places = [np.arange(n + 1) * (x.size - 1) // n for n, x in zip(parts, axes, strict=True)]
-        corners, shares = _corners(np.nonzero(left), axes, places)
+        corners, _ = _corners(np.nonzero(left), axes, places)
         needed = np.zeros(rows.shape, bool)
         for corner in corners:
             needed[corner] = True
         look(needed & (rows >= 0) & ~done)
-        if coarse is None:
-            coarse = _cubic(known.N, axes, places)
-        clean = np.all([known.clean[corner] for corner in corners], axis=0) & ~done[left]
-        which = tuple(index[clean] for index in np.nonzero(left))
-        bar, level = (np.max([column[corner] for corner in corners], axis=0)[clean] for column in known[1:3])
-        apart = sum(share * (known.N / coarse)[corner] for corner, share in zip(corners, shares, strict=True))
-        expected = Searched(coarse[which] * apart[clean], bar, level, clean[clean])
-        holds = verify(rows[which], expected)
-        failed = np.zeros(rows.shape, bool)
-        failed[tuple(index[~holds] for index in which)] = True
-        look(failed)
-        left[which] = False
+        if cubic is None:
+            cubic = _cubic(known.N, axes, places)
         left &= ~done
+        corners, shares = _corners(np.nonzero(left), axes, places)
+        clean = np.all([known.clean[corner] for corner in corners], axis=0)
+        which = tuple(index[clean] for index in np.nonzero(left))
+        corners = [tuple(index[clean] for index in corner) for corner in corners]
+        apart = sum(
+            share[clean] * (known.N[corner] / cubic[corner])
+            for share, corner in zip(shares, corners, strict=True)
+        )
+        bar, level = (
+            np.max([column[corner] for corner in corners], axis=0)
+            for column in (known.bar, known.level)
+        )
+        expected = Expected(cubic[which] * apart, bar, level, clean[clean])
+        failed = np.zeros(rows.shape, bool)
+        failed[which] = ~verify(rows[which], expected)
+        left[which] = False
+        look(failed)
         parts = [min(2 * n, x.size - 1) for n, x in zip(parts, axes, strict=True)]
 
 
 def _corners(where, axes, places):
-    """Indices of the searched rows around others, (2^d, d + 1, rows), and their shares, (2^d, rows)."""
-    sides = []
+    """Where the 2^d rows stand between which others do, and their shares of what lies there."""
+    corners, shares = [where[:1]], [np.ones(where[0].size)]
     for index, x, at in zip(where[1:], axes, places, strict=True):
-        low = at[np.searchsorted(at, index, side="right") - 1]
-        high = at[np.searchsorted(at, index)]
-        share = np.divide(x[index] - x[low], x[high] - x[low], out=np.zeros(index.size), where=high > low)
-        sides.append(((low, 1 - share), (high, share)))
-    corners, shares = [], []
-    for chosen in product(*sides):
-        corners.append((where[0], *(index for index, _ in chosen)))
-        share = np.ones(where[0].size)
-        for _, one in chosen:
-            share = share * one
-        shares.append(share)
+        low, high = at[np.searchsorted(at, index, "right") - 1], at[np.searchsorted(at, index)]
+        share = (x[index] - x[low]) / np.where(high > low, x[high] - x[low], 1.0)
+        sides = (low, 1 - share), (high, share)
+        pairs = list(product(zip(corners, shares, strict=True), sides))
+        corners = [(*corner, end) for (corner, _), (end, _) in pairs]
+        shares = [all_of_it * part for (_, all_of_it), (_, part) in pairs]
     return corners, shares
 
 
 def _cubic(N, axes, places):
-    """Cubics through the four nearest of some places along each axis; 1 where one is missing."""
+    """N by cubics through the nearest places along each axis; 1 in surfaces that lack one."""
     for axis, (x, at) in enumerate(zip(axes, places, strict=True), 1):
-        first = np.clip(np.searchsorted(at, np.arange(x.size), side="right") - 2, 0, at.size - TERMS)
-        shape = (-1, *[1] * (N.ndim - 1 - axis))
+        first = np.searchsorted(at, np.arange(x.size), "right") - TERMS // 2
+        nodes = at[np.clip(first, 0, at.size - TERMS)[:, np.newaxis] + np.arange(TERMS)]
         total = 0.0
         for j in range(TERMS):
             weight = np.ones(x.size)
-            for i in range(TERMS):
-                if i != j:
-                    here, other = x[at[first + j]], x[at[first + i]]
-                    weight *= (x - other) / (here - other)
-            total = total + weight.reshape(shape) * N.take(at[first + j], axis)
+            for i in (*range(j), *range(j + 1, TERMS)):
+                weight *= (x - x[nodes[:, i]]) / (x[nodes[:, j]] - x[nodes[:, i]])
+            weight = weight.reshape(-1, *[1] * (N.ndim - 1 - axis))
+            total = total + weight * N.take(nodes[:, j], axis)
         N = total
     lacks = np.isnan(N).any(axis=tuple(range(1, N.ndim)), keepdims=True)
     return np.where(lacks, 1.0, N)
 
 
 def first_near(
-    model: Follows, rows: Rows, settings: Settings, expected: np.ndarray, rings: np.ndarray, tolerance: float
+    model: Follows,
+    rows: Rows,
+    settings: Settings,
+    expected: np.ndarray,
+    rings: np.ndarray,
+    tolerance: float,
 ) -> np.ndarray:
-    """The lowest N that snaps, (rows,), where it is expected; NaN where labels tell otherwise.
+    """Find the lowest N that snaps where it is expected, (rows,); NaN where labels are others.
 
-    rings: rows that are looked at more closely
-    N is one of a lattice in steps of up to `tolerance`, relative: it does not depend on what was
-    expected.
+    rings: rows in which it is looked more closely below
+    N stands on a lattice in relative steps of at most `tolerance`, wherever it was expected.
     """
-    ask = asker(model, rows, settings)
     size = 2 ** (1 - math.frexp(tolerance)[1])
-    low, high = (_place(expected * end, size) for end in (1 - WITHIN, 1 + WITHIN))
-    close = np.where(rings[:, np.newaxis], CLOSE, np.nan) * expected[:, np.newaxis]
-    below, above = (np.multiply.outer(expected, ends) for ends in (BELOW, ABOVE))
+    low, guess, high = (_place(expected * end, size) for end in (1 - WITHIN, 1.0, 1 + WITHIN))
+    close = np.where(rings[:, np.newaxis], np.multiply.outer(expected, CLOSE), np.nan)
+    below, above = (np.multiply.outer(expected, shares) for shares in (BELOW, ABOVE))
     N = np.column_stack([below, close, _amplitude(low, size), _amplitude(high, size), above])
-    t_snap = ask(N)
-    quiet = np.isnan(t_snap[:, : -1 - ABOVE.size]).all(axis=1)
-    holds = np.flatnonzero(quiet & np.isfinite(t_snap[:, -1 - ABOVE.size :]).all(axis=1))
+    quiet, snapping = np.hsplit(asker(model, rows, settings)(N), [-1 - len(ABOVE)])
+    holds = np.isnan(quiet).all(axis=1) & np.isfinite(snapping).all(axis=1)
+    low, guess, high, rows = low[holds], guess[holds], high[holds], rows.some(holds)
 
-    def snaps(numbers, places):
-        some = rows.some(holds[numbers])
-        return np.isfinite(asker(model, some, settings)(_amplitude(low[holds][numbers, np.newaxis] + places, size)))
+    def label(which, places):
+        N = _amplitude(low[which, np.newaxis] + places, size)
+        return np.isfinite(asker(model, rows.some(which), settings)(N))
 
+    ends = np.zeros(low.size, np.int64), high - low
+    place = near(label, np.arange(low.size), guess - low, size, *ends)
     first = np.full(expected.size, np.nan)
-    guess = _place(expected, size)
-    bounds = np.zeros(holds.size, np.int64), (high - low)[holds]
-    place = near(snaps, np.arange(holds.size), (guess - low)[holds], 2**62, *bounds)
-    first[holds] = _amplitude(low[holds] + place, size)
+    first[holds] = _amplitude(low + place, size)
     return first
 
 
@@ -159,4 +192,4 @@ def _place(N, size):
 
 def _amplitude(place, size):
     exponent, steps = np.divmod(place, size)
-    return np.ldexp(0.5 + steps / (2 * size), exponent.astype(int))
+    return np.ldexp(0.5 + steps / (2 * size), exponent.astype(np.int32))
