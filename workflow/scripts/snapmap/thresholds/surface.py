@@ -209,7 +209,8 @@ def _verify(models, rows, settings, tolerance, highest, expected):
         N_first[which] = N
         N_pulse[which], t_snap[which] = in_pulse(decides, part, settings, N, highest, tolerance)
     top = np.inf if highest is None else highest
-    none, error = np.zeros(rows.f0.size, np.int8), (expected.bar + tolerance) * N_first
+    none = np.zeros(rows.f0.size, np.int8)
+    error = (expected.bar + tolerance) * N_first + abs(N_first - expected.N)
     return {
         "status": none + np.int8(FOUND),
         "N_bound": least_amplitudes(models.decides, rows, settings.pulses),

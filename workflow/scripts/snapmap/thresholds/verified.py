@@ -79,15 +79,18 @@ def fill(
     search, verify: of numbers of rows, (n,); verify is given what is expected there, too, and
         returns where that holds
     Which rows are searched depends on the axes, and on what searched ones are: intervals are halved
-    until all rows at the corners of one are clean.
+    until all rows at the corners of one are clean, or verified, and what lies between holds.
     """
     left, done = rows >= 0, np.zeros(rows.shape, bool)
     known = Expected(*(np.full(rows.shape, blank) for blank in (np.nan, np.nan, 0, False)))
 
     def look(which):
+        keep(which, search(rows[which]))
+
+    def keep(which, values):
         done[which] = True
-        for column, values in zip(known, search(rows[which]), strict=True):
-            column[which] = values
+        for column, value in zip(known, values, strict=True):
+            column[which] = value
 
     cubic = None
     parts = [min(max((x.size - 1) // SPACING, TERMS - 1), MOST) for x in axes]
@@ -114,10 +117,12 @@ def fill(
             for column in (known.bar, known.level)
         )
         expected = Expected(cubic[which] * apart, bar, level, clean[clean])
-        failed = np.zeros(rows.shape, bool)
-        failed[which] = ~verify(rows[which], expected)
-        left[which] = False
-        look(failed)
+        holds = verify(rows[which], expected)
+        keep(
+            tuple(index[holds] for index in which),
+            Expected(*(values[holds] for values in expected)),
+        )
+        left &= ~done
         parts = [min(2 * n, x.size - 1) for n, x in zip(parts, axes, strict=True)]
 
 
