@@ -30,7 +30,7 @@ NARROW = 0.0005
 """Relative width of a stretch between two changes down to which it counts: narrower ones, which
 another level may not have, belong to no definition."""
 BELOW, ABOVE = 0.7, 2.0
-"""Where islands are looked for, as multiples of the threshold found first."""
+"""Where islands are looked for, as multiples of the first that snaps."""
 SLOW = 0.05
 """A pulse that lasts 1 / SLOW times longer than the device's response moves it from rest to rest:
 it snaps where no rest is left, and at every N above."""
@@ -52,9 +52,9 @@ NO_DEVICE, FOUND, NOTHING_SNAPS, NOT_FOLLOWED = range(len(STATUS))
 
 
 class Thresholds(NamedTuple):
-    """Thresholds of rows, (rows,), in multiples of g; NaN where none was found.
+    """Thresholds of rows, (rows,), in multiples of g; NaN where there is none.
 
-    status: whether N_first was found, or why not: index into STATUS
+    status: whether there is an N_first, or why not: index into STATUS
     N_bound: below it nothing can snap, by energy
     N_looked: the highest N looked at
     N_first: the lowest N seen to snap; below its bar, nothing wider than NARROW does within
@@ -183,9 +183,7 @@ def wide_scan(device, static, rows, pulses, slow=False, bound=0.0) -> np.ndarray
     """
     columns = static, device.own_frequency, device.mass
     static, own, mass = (column[rows.device] for column in columns)
-    facts = [
-        (one.variation, max(abs(one.impact), LEAST_AREA * one.swing), one.highest) for one in pulses
-    ]
+    facts = [(p.variation, max(abs(p.impact), LEAST_AREA * p.swing), p.highest) for p in pulses]
     variation, area, highest = (column[rows.pulse] for column in np.array(facts).T)
     # A pulse amplifies no more than it varies; a short one must bring a velocity, against damping.
     fast = 1e-6 * np.pi * rows.f0 / (own * area)
@@ -201,12 +199,12 @@ def first_seen(ask: Ask, wide: np.ndarray, bound: np.ndarray) -> tuple[np.ndarra
     """Find the first of wide amplitudes, (rows, n), that snaps, and in which rows all are quiet.
 
     bound: below which nothing can snap, (rows,); down to there it is looked where the lowest snaps
-    Returns N, (rows,), NaN where none was found, and bools, (rows,), false where a run failed
+    Returns N, (rows,), NaN for none, and bools, (rows,), false where a run failed
     """
-    told = ask(wide)
-    first = first_snap(wide, np.isfinite(told))[1]
-    quiet = np.isnan(told).all(axis=1) & np.isfinite(wide[:, 0])
-    begins = np.isfinite(told[:, 0])
+    t_snap = ask(wide)
+    first = first_snap(wide, np.isfinite(t_snap))[1]
+    quiet = np.isnan(t_snap).all(axis=1) & np.isfinite(wide[:, 0])
+    begins = np.isfinite(t_snap[:, 0])
     if begins.any():
         lower = amplitudes(np.where(begins, SLACK * bound, np.nan), wide[:, 0], SCAN_STEP)
         first = np.where(begins, first_snap(lower, np.isfinite(ask(lower)))[1], first)

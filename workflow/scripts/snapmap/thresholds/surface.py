@@ -35,7 +35,7 @@ from .reuse import joined, recall
 from .settling import lowest_latched
 from .transitions import FINE_STEP
 from .verified import ABOVE as OVER
-from .verified import Expected, fill, first_near, surfaces
+from .verified import Expected, at_first, fill, first_near, surfaces
 
 IMPULSE, IMPULSE_OF_BEAM = 100.0, 10.0
 """A pulse of so many times the device's own frequency, and the beam's, is as good as a jump in
@@ -74,8 +74,8 @@ def threshold(
         tolerance of its own
     tolerance: of the refinement in N, relative
     highest: up to which N islands are looked for; twice the threshold if not given
-    earlier: thresholds of the same study on other axes, from which rows are taken that the same
-        code found
+    earlier: thresholds of the same study on other axes, from which searched rows are taken that
+        the same code found
     options: as in `study.study_of`: horizon (us followed after the pulse), energy_tolerance and
         threads, as in `Settings`; pulse; direction; skip: whether a device without a second stable
         shape has no threshold, and is not refused; options of the model; and values of the device
@@ -83,8 +83,10 @@ def threshold(
     The variables are those of `islands.Thresholds`, (..., C, f0), with N_latched; the limits for
     slow and short pulses, N_static, over the axes of device and pulse, and velocity_change, over
     these and C; and the `area` of each pulse: its velocity change is area N g / f0. Of records in
-    known units `scale_first` is the factor of the record at which it snaps. `status` is a
-    number, in words `numpy.array(found.status.flag_meanings.split())[found.status]`.
+    known units `scale_first` is the factor of the record at which it snaps. Along axes of eight
+    values of the device, C or f0 of slow pulses, and more, few rows are searched and others
+    `verified` where those expect them. `status` is a number, in words
+    `numpy.array(found.status.flag_meanings.split())[found.status]`.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> found = snapmap.threshold(device, [1500], [25], model="cosines", thickness=[1.9, 2.0])
@@ -123,7 +125,9 @@ def thresholds_of(
         slow = ~rings.reshape(-1, grid.axes["f0"].size).any(axis=0)
         numbers = np.where(there, np.arange(there.size), -1)
         parts = surfaces(grid.axes, numbers.reshape(grid.shape), slow)
-    tell_cost(models, rows.some(there & ~known), settings)
+    first = _beside(there, parts)
+    first[np.concatenate([[], *(at_first(*part) for part in parts)]).astype(int)] = True
+    tell_cost(models, rows.some(first & ~known), settings)
     found = _look(models, rows, parts, settings, tolerance, highest, known, found)
     peak = np.array([pulse.peak for pulse in settings.pulses])
     if np.isfinite(peak).any():
@@ -170,22 +174,29 @@ def _look(models, rows, parts, settings, tolerance, highest, known, whole):
         return Expected(N, bar / N, level, np.isfinite(N) & ~np.any(unclean, axis=0))
 
     def verify(which, expected):
+        holds = np.zeros(which.size, bool)
         for block in _blocks(np.arange(which.size)):
             there = rows.some(which[block]), settings, tolerance, highest
-            part = Expected(*(column[block] for column in expected))
-            add(which[block], _verify(models, *there, part))
-        return np.isfinite(whole["N_first"][which])
+            new = _verify(models, *there, Expected(*(column[block] for column in expected)))
+            holds[block] = here = np.isfinite(new["N_first"])
+            add(which[block][here], {key: values[here] for key, values in new.items()})
+        return holds
 
-    plain = rows.device >= 0
-    for numbers, _ in parts:
-        plain[numbers[numbers >= 0]] = False
-    search(np.flatnonzero(plain))
+    search(np.flatnonzero(_beside(rows.device >= 0, parts)))
     for part in parts:
         fill(*part, search, verify)
     if any(pulse.blows.size for pulse in settings.pulses):
         whole["blow"] = blow_at(settings.pulses, rows.pulse, whole["t_snap"] * rows.f0 * 1e-6)
     most = whole["islands"].max(initial=0)
     return whole | {key: whole[key][:, :most] for key in ("island_from", "island_to")}
+
+
+def _beside(there, parts):
+    """Which rows are on no surface, (rows,)."""
+    beside = there.copy()
+    for numbers, _ in parts:
+        beside[numbers[numbers >= 0]] = False
+    return beside
 
 
 def _blocks(rows):

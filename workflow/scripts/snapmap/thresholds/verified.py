@@ -92,10 +92,9 @@ def fill(
         for column, value in zip(known, values, strict=True):
             column[which] = value
 
-    cubic = None
-    parts = [min(max((x.size - 1) // SPACING, TERMS - 1), MOST) for x in axes]
+    cubic, halvings = None, 0
     while left.any():
-        places = [np.arange(n + 1) * (x.size - 1) // n for n, x in zip(parts, axes, strict=True)]
+        places = [_places(x, halvings) for x in axes]
         corners, _ = _corners(np.nonzero(left), axes, places)
         needed = np.zeros(rows.shape, bool)
         for corner in corners:
@@ -123,7 +122,19 @@ def fill(
             Expected(*(values[holds] for values in expected)),
         )
         left &= ~done
-        parts = [min(2 * n, x.size - 1) for n, x in zip(parts, axes, strict=True)]
+        halvings += 1
+
+
+def at_first(rows: np.ndarray, axes: Sequence[np.ndarray]) -> np.ndarray:
+    """Numbers of the rows that `fill` searches whatever they are, (n,)."""
+    first = rows[np.ix_(range(len(rows)), *(_places(x, 0) for x in axes))]
+    return first[first >= 0]
+
+
+def _places(x, halvings):
+    """Where rows of an axis are searched after so many halvings."""
+    parts = min(max((x.size - 1) // SPACING, TERMS - 1), MOST) << halvings
+    return np.arange(parts + 1) * (x.size - 1) // parts if parts < x.size else np.arange(x.size)
 
 
 def _corners(where, axes, places):
