@@ -20,7 +20,7 @@ SPACING, MOST = 5, 8
 TERMS = 4
 """Searched rows along an axis through which a cubic goes."""
 WITHIN = 1e-3
-"""How far from where it is expected a threshold may lie, relative."""
+"""How far from where it is expected a threshold may lie, relative, and at least its tolerance."""
 BELOW, ABOVE = (0.7, 0.8, 0.87, 0.92, 0.95, 0.965), (1.005, 1.02, 1.05, 1.1, 1.2, 1.4, 1.9)
 """Where else labels must be those expected, over the threshold."""
 CLOSE = tuple(1 - 0.002 * k for k in range(10, 0, -1))
@@ -181,7 +181,8 @@ def first_near(
     N stands on a lattice in relative steps of at most `tolerance`, wherever it was expected.
     """
     size = 2 ** (1 - math.frexp(tolerance)[1])
-    low, guess, high = (_place(expected * end, size) for end in (1 - WITHIN, 1.0, 1 + WITHIN))
+    within = max(WITHIN, tolerance)
+    low, guess, high = (_place(expected * end, size) for end in (1 - within, 1.0, 1 + within))
     close = np.where(rings[:, np.newaxis], np.multiply.outer(expected, CLOSE), np.nan)
     below, above = (np.multiply.outer(expected, shares) for shares in (BELOW, ABOVE))
     N = np.column_stack([below, close, _amplitude(low, size), _amplitude(high, size), above])
