@@ -50,9 +50,8 @@ def nominal_thresholds(
     """Find the lowest N that snaps of rows of which nothing is known, (rows,); NaN for none."""
     ask = asker(model, rows, settings)
     static = static_threshold(model.device)
-    bound = least_amplitudes(model, rows, settings.pulses)
-    wide = wide_scan(model.device, static, rows, settings.pulses, bound)
-    rough, _ = first_seen(ask, wide, bound)
+    wide = wide_scan(model.device, static, rows, settings.pulses)
+    rough, _ = first_seen(ask, wide, least_amplitudes(model, rows, settings.pulses))
     N = Window(BELOW * rough, rough, np.full(rough.size, FINE_STEP)).N
     edges, *_ = scan(ask, N)
     row, *ends = (column[edges.rising] for column in edges[:3])
