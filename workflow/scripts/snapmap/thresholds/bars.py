@@ -62,7 +62,7 @@ def error_bars(
     others = [m for m in (decides.with_step(OTHER_STEP), doubts, better) if m is not None]
     clean = np.where(ragged, np.nan, N_first)
     in_time, *in_space = (_distance(ask(other), clean, tolerance) for other in others)
-    chatters = _chatters(decides.device, rows, settings.pulses)
+    chatters = _chatters(decides.device, rows)
     fine = (better or judge or decides).with_step(FINE_STEPS)
     in_fine = _distance(ask(fine), np.where(chatters, clean, np.nan), tolerance)
     # The better level may itself be off by as much.
@@ -90,9 +90,9 @@ def error_bars(
     return error + open_by * N_first, half_error + open_by * N_half, ragged
 
 
-def _chatters(device, rows, pulses):
+def _chatters(device, rows):
     """Whether the mass of a row may chatter on its contact, (rows,)."""
-    smooth = np.array([pulse.is_smooth for pulse in pulses])[rows.pulse]
+    smooth = np.array([pulse.is_smooth for pulse in rows.pulses])[rows.pulse]
     share = stiffness_share(device)[rows.device]
     return (share > CHATTERS) | ((share > 0) & ~smooth)
 

@@ -104,7 +104,7 @@ def survey(
     threshold than the one that decides, that one scans too. Clean rows that are left open by more
     than the models' tolerance are taken by finer ones.
     """
-    bound = least_amplitudes(models.decides, rows, settings.pulses)
+    bound = least_amplitudes(models.decides, rows)
     thresholds = _survey(models, rows, settings, tolerance, highest, bound)
     lost = np.flatnonzero(thresholds.status == NOT_FOLLOWED)
     if lost.size:
@@ -131,9 +131,9 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
 
     scans, decides, static = models.scans, models.decides, models.static
     ask, label = asker(decides, rows, settings), asker(scans, rows, settings, until="snap")
-    speed = pace(scans.device, rows, settings.pulses)
+    speed = pace(scans.device, rows)
     slow = speed < SLOW
-    wide = wide_scan(scans.device, static, rows, settings.pulses, slow)
+    wide = wide_scan(scans.device, static, rows, slow)
     rough, quiet = first_seen(label, wide, bound)
     whole = _whole_window(rough, lowest, highest, slow)
     window, ragged = _closer_window(label, whole, speed >= RINGS)
@@ -167,15 +167,15 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
     )
 
 
-def pace(device, rows, pulses):
+def pace(device, rows):
     """What the device takes to follow a pulse, over how long that lasts, (rows,)."""
     own, spring = device.own_frequency[rows.device], device.spring[rows.device]
-    steepest = np.array([pulse.steepest for pulse in pulses])[rows.pulse]
+    steepest = np.array([pulse.steepest for pulse in rows.pulses])[rows.pulse]
     C = np.where(device.is_alone[rows.device], 0.0, rows.C)
     return 2e-6 * np.pi * rows.f0 * steepest * (1 / own + C / spring)
 
 
-def wide_scan(device, static, rows, pulses, slow=False, bound=0.0) -> np.ndarray:
+def wide_scan(device, static, rows, slow=False, bound=0.0) -> np.ndarray:
     """Amplitudes, (rows, n), from below any threshold to far above, also of short pulses.
 
     static: threshold of slow pulses, (devices,); slow: whether a row's pulse is one, (rows,)
@@ -183,7 +183,9 @@ def wide_scan(device, static, rows, pulses, slow=False, bound=0.0) -> np.ndarray
     """
     columns = static, device.own_frequency, device.mass
     static, own, mass = (column[rows.device] for column in columns)
-    facts = [(p.variation, max(abs(p.impact), LEAST_AREA * p.swing), p.highest) for p in pulses]
+    facts = [
+        (p.variation, max(abs(p.impact), LEAST_AREA * p.swing), p.highest) for p in rows.pulses
+    ]
     variation, area, highest = (column[rows.pulse] for column in np.array(facts).T)
     # A pulse amplifies no more than it varies; a short one must bring a velocity, against damping.
     fast = 1e-6 * np.pi * rows.f0 / (own * area)
@@ -219,8 +221,8 @@ def lowest(
     static: threshold of slow pulses, (devices,)
     """
     label = asker(model, rows, settings, until="snap")
-    bound = least_amplitudes(model, rows, settings.pulses)
-    wide = wide_scan(model.device, static, rows, settings.pulses, bound=bound)
+    bound = least_amplitudes(model, rows)
+    wide = wide_scan(model.device, static, rows, bound=bound)
     rough, _ = first_seen(label, wide, bound)
     N = Window(BELOW * rough, rough, np.full(rough.size, FINE_STEP)).N
     begins = np.isfinite(label(N))

@@ -120,7 +120,7 @@ def thresholds_of(
     if not known.all():
         # A verified row is what those searched about it make of it, which may be others now.
         known &= found.get("verified", 1) == 0
-        rings = there & (pace(grid.device, rows, settings.pulses) >= RINGS)
+        rings = there & (pace(grid.device, rows) >= RINGS)
         slow = ~rings.reshape(-1, grid.axes["f0"].size).any(axis=0)
         numbers = np.where(there, np.arange(there.size), -1)
         parts = surfaces(grid.axes, numbers.reshape(grid.shape), slow)
@@ -128,7 +128,7 @@ def thresholds_of(
     first[np.concatenate([[], *(at_first(*part) for part in parts)]).astype(int)] = True
     tell_cost(models, rows.some(first & ~known), settings)
     found = _look(models, rows, parts, settings, tolerance, highest, known, found)
-    peak = np.array([pulse.peak for pulse in settings.pulses])
+    peak = np.array([pulse.peak for pulse in rows.pulses])
     if np.isfinite(peak).any():
         found["scale_first"] = (
             found["N_first"] * grid.device.gravity[rows.device] / peak[rows.pulse]
@@ -181,8 +181,8 @@ def _look(models, rows, parts, settings, tolerance, highest, known, whole):
     search(np.flatnonzero(_beside(rows.device >= 0, parts)))
     for part in parts:
         fill(*part, search, verify)
-    if any(pulse.blows.size for pulse in settings.pulses):
-        whole["blow"] = blow_at(settings.pulses, rows.pulse, whole["t_snap"] * rows.f0 * 1e-6)
+    if any(pulse.blows.size for pulse in rows.pulses):
+        whole["blow"] = blow_at(rows.pulses, rows.pulse, whole["t_snap"] * rows.f0 * 1e-6)
     most = whole["islands"].max(initial=0)
     return whole | {key: whole[key][:, :most] for key in ("island_from", "island_to")}
 
@@ -208,7 +208,7 @@ def _search(models, rows, settings, tolerance, highest):
 def _verify(models, rows, settings, tolerance, highest, expected):
     """Thresholds of rows where they are expected, by name; N_first is NaN where they are not."""
     N_first, N_pulse, t_snap = np.full((3, rows.f0.size), np.nan)
-    rings = pace(models.decides.device, rows, settings.pulses) >= RINGS
+    rings = pace(models.decides.device, rows) >= RINGS
     for level, decides in enumerate(models.levels):
         which = np.flatnonzero(expected.level == level)
         part, N = rows.some(which), expected.N[which]
@@ -220,7 +220,7 @@ def _verify(models, rows, settings, tolerance, highest, expected):
     error = (expected.bar + tolerance) * N_first + abs(N_first - expected.N)
     return {
         "status": none + np.int8(FOUND),
-        "N_bound": least_amplitudes(models.decides, rows, settings.pulses),
+        "N_bound": least_amplitudes(models.decides, rows),
         "N_looked": expected.N * OVER[-1],
         "N_first": N_first,
         "N_error": error,
@@ -265,7 +265,7 @@ def _limits(grid, models, settings):
     device, there = grid.device, grid.device_of >= 0
     own, of_beam = device.own_frequency, device.beam.bending_frequency
     fast, slow = np.maximum(IMPULSE * own, IMPULSE_OF_BEAM * of_beam), SLOWNESS * own
-    alone = settings._replace(pulses=tuple(pulse.alone for pulse in settings.pulses))
+    alone = grid._replace(pulses=tuple(pulse.alone for pulse in grid.pulses))
     of_pulse = {key: grid.axes[key] for key in PULSE_AXES if key in grid.axes}
     sizes = tuple(values.size for values in of_pulse.values())
     of_device = tuple(grid.axes)[: there.ndim]
@@ -277,17 +277,17 @@ def _limits(grid, models, settings):
 
     area = np.array([pulse.area for pulse in alone.pulses])
     pushes = np.flatnonzero(abs(area) > NO_AREA)
-    change = _lowest_of(grid, models, alone, fast, pushes)
+    change = _lowest_of(alone, models, settings, fast, pushes)
     change *= (spread(device.gravity * (2 * np.pi / fast)) * abs(area).reshape(sizes))[
         ..., np.newaxis
     ]
-    impact = np.array([pulse.impact for pulse in settings.pulses])
-    highest = np.array([one.highest for one in settings.pulses])
+    impact = np.array([pulse.impact for pulse in grid.pulses])
+    highest = np.array([one.highest for one in grid.pulses])
     static = spread(models.static) / np.where(highest > 0, highest, np.nan).reshape(sizes)
-    jumps = np.flatnonzero([any(one.ends) for one in settings.pulses])
+    jumps = np.flatnonzero([any(one.ends) for one in grid.pulses])
     if jumps.size:
-        at_least = grid._replace(axes=grid.axes | {"C": grid.axes["C"][:1]})
-        slowly = _lowest_of(at_least, models, alone, slow, jumps)[..., 0]
+        at_least = alone._replace(axes=grid.axes | {"C": grid.axes["C"][:1]})
+        slowly = _lowest_of(at_least, models, settings, slow, jumps)[..., 0]
         static = np.where(np.isin(np.arange(highest.size), jumps).reshape(sizes), slowly, static)
     return {
         "N_static": ((*of_device, *of_pulse), static),
