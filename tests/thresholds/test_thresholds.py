@@ -11,11 +11,11 @@ from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.search import amplitudes, asker, first_snap, near, refine, walk
 from snapmap.solver.settings import Settings
+from snapmap.thresholds.bars import _distance
 from snapmap.thresholds.islands import (
     NARROW,
     _closer_window,
     _decide,
-    _distance,
     _whole_window,
     first_seen,
 )

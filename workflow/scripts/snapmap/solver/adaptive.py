@@ -92,6 +92,11 @@ class Survey(NamedTuple):
     tolerance: float = np.inf
     finer: Optional["Survey"] = None
 
+    @property
+    def levels(self) -> tuple[Follows, ...]:
+        """The models that decide, by the `level` of their thresholds."""
+        return self.decides, *(self.finer.levels if self.finer else ())
+
 
 def choose_model(device: Device, model: Mapping) -> Follows | Adaptive:
     """Build a model, given by its name and options, for a device or a batch."""

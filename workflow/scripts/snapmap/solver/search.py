@@ -11,10 +11,10 @@ from .settings import THRESHOLD_TOLERANCE, Settings
 
 SCAN_STEP = 0.03
 """Relative distance of the amplitudes that are tried before any is refined."""
-SECTIONS = 4
-"""Parts into which each round of refinement cuts an interval; more cost more runs a digit."""
+PARTS = 4
+"""Of an interval, into which each round of refinement cuts it; more cost more runs a digit."""
 TOGETHER = 8
-"""Places of a walk that are looked at together."""
+"""Most places of a walk that are looked at together."""
 
 Ask = Callable[[np.ndarray], np.ndarray]
 """t_snap of N, (rows, n), us; not finite where a cell does not snap, or N is NaN."""
@@ -61,14 +61,14 @@ def asker(model: Follows, rows: Rows, settings: Settings, until: str = "edge") -
     until: "edge" or "snap", as in `settings.QUESTION`
     It gives -inf where no run of a cell can be believed.
     """
-    asked = settings._replace(until=until, repeat=False)
+    settings = settings._replace(until=until, repeat=False)
 
     def ask(N):
         given = np.isfinite(N)
-        cells = rows.cells(model.device, N, asked.horizon).take(given)
+        cells = rows.cells(model.device, N, settings.horizon).take(given)
         t_snap = np.full(N.shape, np.nan)
-        seen = model.follow(cells, asked)
-        lost = np.isnan(seen.t_snap) & ~(seen.energy_error <= asked.energy_tolerance)
+        seen = model.follow(cells, settings)
+        lost = np.isnan(seen.t_snap) & ~(seen.energy_error <= settings.energy_tolerance)
         t_snap[given] = np.where(lost, -np.inf, seen.t_snap)
         return t_snap
 
@@ -113,18 +113,18 @@ def refine(
     high: np.ndarray,
     tolerance: float,
     rising: np.ndarray | bool = True,
-    sections: int = SECTIONS,
+    parts: int = PARTS,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Narrow intervals, (rows,), between what snaps and what does not, to a relative tolerance.
 
     rising: whether it is `high` that snaps, (rows,)
-    sections: into which each round cuts an interval
+    parts: into which each round cuts an interval
     """
     low, high = np.array(low), np.array(high)
     rising = np.broadcast_to(rising, low.shape)[:, np.newaxis]
     while (wide := np.flatnonzero(high / low > 1 + tolerance)).size:
-        N = np.full((low.size, sections + 1), np.nan)
-        N[wide] = np.linspace(low[wide], high[wide], sections + 1, axis=1)
+        N = np.full((low.size, parts + 1), np.nan)
+        N[wide] = np.linspace(low[wide], high[wide], parts + 1, axis=1)
         as_high = (np.isfinite(ask(N[:, 1:-1])) == rising)[wide]
         ends = np.zeros((wide.size, 1), bool)
         low[wide], high[wide] = first_snap(N[wide], np.hstack([ends, as_high, ~ends]))
@@ -167,15 +167,17 @@ def walk(
     """Find the first place, from `start` on in steps, at which a label is true, (rows,).
 
     rows: as for `near`
-    stop: where to end, which stands where no label is; labels are asked of a few places beyond
+    stop: where to end, which stands where no label is; a few places beyond are looked at, too
     """
     place = np.array(np.broadcast_to(start, rows.shape))
     stop = np.broadcast_to(stop, rows.shape)
     left = np.flatnonzero(place < stop)
+    together = 1
     while left.size:
-        places = place[left, np.newaxis] + step * np.arange(TOGETHER)
+        places = place[left, np.newaxis] + step * np.arange(together)
         true = label(rows[left], places)
         seen = true.any(axis=1)
-        place[left] += step * np.where(seen, np.argmax(true, axis=1), TOGETHER)
+        place[left] += step * np.where(seen, np.argmax(true, axis=1), together)
+        together = min(2 * together, TOGETHER)
         left = left[~seen & (place[left] < stop[left])]
     return np.minimum(place, stop)

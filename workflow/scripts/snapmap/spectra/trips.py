@@ -10,7 +10,7 @@ from ..io.variables import dress
 from ..pulse import DIRECTIONS, Pulse
 from ..solver.adaptive import choose_survey
 from ..solver.cells import Rows, to_rows
-from ..solver.model import Follows
+from ..solver.models import Follows
 from ..solver.search import asker
 from ..solver.settings import Settings
 from ..study import THRESHOLD_SETTINGS, Study, study_of

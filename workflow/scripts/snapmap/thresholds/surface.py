@@ -13,22 +13,30 @@ from ..io.provenance import recipe
 from ..io.variables import dress, flags
 from ..pulse import blow_at
 from ..solver.adaptive import choose_survey
-from ..solver.cells import rows_of, to_rows
+from ..solver.bounds import least_amplitudes
+from ..solver.cells import rows_of
 from ..solver.settings import THRESHOLD_TOLERANCE
 from ..study import THRESHOLD_SETTINGS, Study, study_of
 from .cost import tell_cost
 from .islands import (
     ABOVE,
     FINEST_STEP,
+    FOUND,
     NARROW,
     NOT_FOLLOWED,
     NOTHING_SNAPS,
+    RINGS,
     STATUS,
+    in_pulse,
+    lowest,
+    pace,
     survey,
 )
 from .reuse import joined
 from .settling import lowest_latched
 from .transitions import FINE_STEP
+from .verified import ABOVE as OVER
+from .verified import Expected, at_first, fill, first_near, surfaces
 
 IMPULSE, IMPULSE_OF_BEAM = 100.0, 10.0
 """A pulse of so many times the device's own frequency, and the beam's, is as good as a jump in
@@ -65,8 +73,8 @@ def threshold(
         tolerance of its own
     tolerance: of the refinement in N, relative
     highest: up to which N islands are looked for; twice the threshold if not given
-    earlier: thresholds of the same study on other axes, from which rows are taken that the same
-        code found
+    earlier: thresholds of the same study on other axes, from which searched rows are taken that
+        the same code found
     options: as in `study.study_of`: horizon (us followed after the pulse), energy_tolerance and
         threads, as in `Settings`; pulse; direction; skip: whether a device without a second stable
         shape has no threshold, and is not refused; options of the model; and values of the device
@@ -74,8 +82,10 @@ def threshold(
     The variables are those of `islands.Thresholds`, (..., C, f0), with N_latched; the limits for
     slow and short pulses, N_static, over the axes of device and pulse, and velocity_change, over
     these and C; and the `area` of each pulse: its velocity change is area N g / f0. Of records in
-    known units `scale_first` is the factor of the record at which it snaps. `status` is a
-    number, in words `numpy.array(found.status.flag_meanings.split())[found.status]`.
+    known units `scale_first` is the factor of the record at which it snaps. Along axes of eight
+    values of the device, C or f0 of slow pulses, and more, few rows are searched and others
+    `verified` where those expect them. `status` is a number, in words
+    `numpy.array(found.status.flag_meanings.split())[found.status]`.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> found = snapmap.threshold(device, [1500], [25], model="cosines", thickness=[1.9, 2.0])
@@ -106,9 +116,18 @@ def thresholds_of(
     made_by = recipe(document, grid.pulses, highest)
     models, rows = choose_survey(grid.device, study.model), rows_of(grid)
     found, known = recall(earlier, grid, made_by)
-    new = np.flatnonzero(~known & (rows.device >= 0))
-    tell_cost(models, rows.take(new), settings)
-    found = _look(models, rows, settings, tolerance, highest, new, found)
+    there, parts = rows.device >= 0, []
+    if not known.all():
+        # A verified row is what those searched about it make of it, which may be others now.
+        known &= found.get("verified", 1) == 0
+        rings = there & (pace(grid.device, rows) >= RINGS)
+        slow = ~rings.reshape(-1, grid.axes["f0"].size).any(axis=0)
+        numbers = np.where(there, np.arange(there.size), -1)
+        parts = surfaces(grid.axes, numbers.reshape(grid.shape), slow)
+    first = _beside(there, parts)
+    first[np.concatenate([[], *(at_first(*part) for part in parts)]).astype(int)] = True
+    tell_cost(models, rows.take(first & ~known), settings)
+    found = _look(models, rows, parts, settings, tolerance, highest, known, found)
     peak = np.array([pulse.peak for pulse in rows.pulses])
     if np.isfinite(peak).any():
         found["scale_first"] = (
@@ -122,80 +141,157 @@ def thresholds_of(
         )
         for key, values in found.items()
     }
-    data |= _limits(grid, models, settings, tolerance, highest)
+    data |= _limits(grid, models, settings)
     data["status"] = *data["status"], flags(STATUS)
     data["N_first"] = *data["N_first"], {"comment": COMMENT}
     of_product = {"gravity": float(grid.device.gravity[0]), "recipe": made_by}
     return dress("threshold", xr.Dataset(data, grid.axes), document, **of_product)
 
 
-def _look(models, rows, settings, tolerance, highest, new, known):
-    """Thresholds of all rows by name: of the new ones, given by their indices, and those known."""
-    whole = known
-    blocks = np.split(new, range(ROWS, new.size, ROWS)) if new.size or not known else []
-    for block in blocks:
-        found = _look_at(models, rows.take(block), settings, tolerance, highest)
+def _look(models, rows, parts, settings, tolerance, highest, known, whole):
+    """Thresholds of all rows by name.
+
+    parts: surfaces, as from `verified.surfaces`; known: rows that `whole` has, and need no search
+    """
+
+    def add(which, new):
+        nonlocal whole
         whole = {
-            key: joined(rows.f0.size, block, found.get(key), whole.get(key))
-            for key in found | whole
+            key: joined(rows.f0.size, which, new.get(key), whole.get(key)) for key in new | whole
         }
+
+    def search(which):
+        new = which[~known[which]]
+        for block in _blocks(new) if new.size or not whole else []:
+            add(block, _search(models, rows.take(block), settings, tolerance, highest))
+        N, bar, level, *unclean = (
+            whole[key][which] for key in ("N_first", "N_error", "level", "ragged", "islands")
+        )
+        return Expected(N, bar / N, level, np.isfinite(N) & ~np.any(unclean, axis=0))
+
+    def verify(which, expected):
+        holds = np.zeros(which.size, bool)
+        for block in _blocks(np.arange(which.size)):
+            there = rows.take(which[block]), settings, tolerance, highest
+            new = _verify(models, *there, Expected(*(column[block] for column in expected)))
+            holds[block] = here = np.isfinite(new["N_first"])
+            add(which[block][here], {key: values[here] for key, values in new.items()})
+        return holds
+
+    search(np.flatnonzero(_beside(rows.device >= 0, parts)))
+    for part in parts:
+        fill(*part, search, verify)
     if any(pulse.blows.size for pulse in rows.pulses):
         whole["blow"] = blow_at(rows.pulses, rows.pulse, whole["t_snap"] * rows.f0 * 1e-6)
     most = whole["islands"].max(initial=0)
     return whole | {key: whole[key][:, :most] for key in ("island_from", "island_to")}
 
 
-def _look_at(models, rows, settings, tolerance, highest):
-    found = survey(models, rows, settings, tolerance, highest)._asdict()
-    first = found["N_first"]
-    top = np.where(np.isnan(first), np.nan, ABOVE * first if highest is None else highest)
-    low = np.where(first <= top, first, np.nan)
-    return found | {"N_latched": lowest_latched(models.decides, rows, low, top, settings)}
+def _beside(there, parts):
+    """Which rows are on no surface, (rows,)."""
+    beside = there.copy()
+    for numbers, _ in parts:
+        beside[numbers[numbers >= 0]] = False
+    return beside
 
 
-def _limits(grid, models, settings, tolerance, highest):
+def _blocks(rows):
+    return np.split(rows, range(ROWS, rows.size, ROWS))
+
+
+def _search(models, rows, settings, tolerance, highest):
+    new = survey(models, rows, settings, tolerance, highest)._asdict()
+    new["N_latched"] = _latched(models, rows, new["N_first"], settings, highest)
+    return new | {"verified": np.zeros(rows.f0.size, np.int8)}
+
+
+def _verify(models, rows, settings, tolerance, highest, expected):
+    """Thresholds of rows where they are expected, by name; N_first is NaN where they are not."""
+    N_first, N_pulse, t_snap = np.full((3, rows.f0.size), np.nan)
+    rings = pace(models.decides.device, rows) >= RINGS
+    for level, decides in enumerate(models.levels):
+        which = np.flatnonzero(expected.level == level)
+        part, N = rows.take(which), expected.N[which]
+        N = first_near(decides, part, settings, N, rings[which], tolerance)
+        N_first[which] = N
+        N_pulse[which], t_snap[which] = in_pulse(decides, part, settings, N, highest, tolerance)
+    top = np.inf if highest is None else highest
+    none = np.zeros(rows.f0.size, np.int8)
+    error = (expected.bar + tolerance) * N_first + abs(N_first - expected.N)
+    return {
+        "status": none + np.int8(FOUND),
+        "N_bound": least_amplitudes(models.decides, rows),
+        "N_looked": expected.N * OVER[-1],
+        "N_first": N_first,
+        "N_error": error,
+        "N_half": N_first,
+        "half_error": error,
+        "ragged": none,
+        "N_always": np.where(N_first <= top, N_first, np.nan),
+        "N_pulse": N_pulse,
+        "t_snap": t_snap,
+        "level": expected.level.astype(np.int8),
+        "islands": none.astype(int),
+        "island_from": np.empty((none.size, 0)),
+        "island_to": np.empty((none.size, 0)),
+        "N_latched": _latched(models, rows, N_first, settings, highest),
+        "verified": none + np.int8(1),
+    }
+
+
+def _latched(models, rows, N_first, settings, highest):
+    top = ABOVE * N_first if highest is None else np.where(np.isnan(N_first), np.nan, highest)
+    low = np.where(N_first <= top, N_first, np.nan)
+    return lowest_latched(models.decides, rows, low, top, settings)
+
+
+def _lowest_of(grid, models, settings, omega, which):
+    """The lowest N that snaps, (..., pulses, C), of pulses of a frequency of each device, rad/us.
+
+    As the deciding level sees it, in islands as wide as FINE_STEP.
+    """
+    rows = rows_of(grid._replace(axes=grid.axes | {"f0": np.ones(1)}))
+    rows = rows._replace(f0=omega[rows.device] / (2 * np.pi) * 1e6)
+    there = (rows.device >= 0) & np.isin(rows.pulse, which)
+    N = np.full(rows.f0.size, np.nan)
+    N[there] = lowest(
+        models.decides, models.static, rows.take(there), settings, THRESHOLD_TOLERANCE
+    )
+    return N.reshape(grid.shape[:-1])
+
+
+def _limits(grid, models, settings):
     """Thresholds of slow and of short pulses, of trains their strongest blow; and their area."""
-    device, C = grid.device, grid.axes["C"]
+    device, there = grid.device, grid.device_of >= 0
     own, of_beam = device.own_frequency, device.beam.bending_frequency
     fast, slow = np.maximum(IMPULSE * own, IMPULSE_OF_BEAM * of_beam), SLOWNESS * own
-    alone = tuple(pulse.alone for pulse in grid.pulses)
-
-    def look(omega, which, C):
-        """N_first, (devices, pulses, C), of pulses of one frequency for each device, rad/us."""
-        shape = len(device), len(which), C.size
-        numbers, pulse, damping = (place.ravel() for place in np.indices(shape))
-        f0 = omega[numbers] / (2 * np.pi) * 1e6
-        rows = to_rows(numbers, f0, C[damping], np.array(which)[pulse], alone)
-        return survey(models, rows, settings, tolerance, highest).N_first.reshape(shape)
-
-    area = np.array([pulse.area for pulse in alone])
-    pushes = [p for p, size in enumerate(abs(area)) if size > NO_AREA]
-    change = np.full((len(device), area.size, C.size), np.nan)
-    lasts = 2 * np.pi / fast
-    if pushes:
-        change[:, pushes] = look(fast, pushes, C) * (device.gravity * lasts)[:, None, None]
-    change *= abs(area)[:, np.newaxis]
-    impact = np.array([pulse.impact for pulse in grid.pulses])
-    with np.errstate(divide="ignore"):
-        highest_of = np.array([one.highest for one in grid.pulses])
-        static = models.static[:, np.newaxis] / np.where(highest_of > 0, highest_of, np.nan)
-    jumps = [p for p, one in enumerate(grid.pulses) if any(one.ends)]
-    if jumps:
-        static[:, jumps] = look(slow, jumps, C[:1])[..., 0]
-
+    alone = grid._replace(pulses=tuple(pulse.alone for pulse in grid.pulses))
     of_pulse = {key: grid.axes[key] for key in PULSE_AXES if key in grid.axes}
-    sizes = [values.size for values in of_pulse.values()]
-    of_device = tuple(grid.axes)[: grid.device_of.ndim]
-    there = grid.device_of >= 0
+    sizes = tuple(values.size for values in of_pulse.values())
+    of_device = tuple(grid.axes)[: there.ndim]
 
     def spread(values):
-        values = values.reshape(len(device), *sizes, *values.shape[2:])
-        known = np.expand_dims(there, tuple(range(there.ndim, there.ndim + values.ndim - 1)))
-        return np.where(known, values[np.where(there, grid.device_of, 0)], np.nan)
+        """Values of devices, (devices,), over their axes and those of the pulse."""
+        values = np.where(there, values[grid.device_of], np.nan)
+        return values.reshape(there.shape + (1,) * len(sizes))
 
+    area = np.array([pulse.area for pulse in alone.pulses])
+    pushes = np.flatnonzero(abs(area) > NO_AREA)
+    change = _lowest_of(alone, models, settings, fast, pushes)
+    change *= (spread(device.gravity * (2 * np.pi / fast)) * abs(area).reshape(sizes))[
+        ..., np.newaxis
+    ]
+    impact = np.array([pulse.impact for pulse in grid.pulses])
+    highest = np.array([one.highest for one in grid.pulses])
+    static = spread(models.static) / np.where(highest > 0, highest, np.nan).reshape(sizes)
+    jumps = np.flatnonzero([any(one.ends) for one in grid.pulses])
+    if jumps.size:
+        at_least = alone._replace(axes=grid.axes | {"C": grid.axes["C"][:1]})
+        slowly = _lowest_of(at_least, models, settings, slow, jumps)[..., 0]
+        static = np.where(np.isin(np.arange(highest.size), jumps).reshape(sizes), slowly, static)
     return {
-        "N_static": ((*of_device, *of_pulse), spread(static)),
-        "velocity_change": ((*of_device, *of_pulse, "C"), spread(change)),
+        "N_static": ((*of_device, *of_pulse), static),
+        "velocity_change": ((*of_device, *of_pulse, "C"), change),
         "area": (tuple(of_pulse), abs(impact).reshape(sizes)),
     }
 

@@ -8,6 +8,10 @@ from ..solver.search import Edges, amplitudes
 
 FINE_STEP = 0.005
 """Relative distance of the amplitudes between which islands are looked for."""
+FINEST_STEP, CLOSEST_STEP = 0.001, 0.00025
+"""Relative steps in ragged rows, where labels change back and forth, and to see which rows are."""
+BESIDE, FAR_BESIDE = 1.02, 1.05
+"""How far around the changes seen so far is looked closely, in clean and ragged rows."""
 MOST_STEPS = 400
 """A row's scan in finer steps takes no more of them, unless they are as wide as FINE_STEP."""
 

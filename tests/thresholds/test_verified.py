@@ -1,0 +1,90 @@
+"""Surfaces of thresholds: which rows are searched, which verified, and that both agree."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import snapmap
+from snapmap.numerics.portable import linear
+from snapmap.solver.cells import to_rows
+from snapmap.solver.models import build_model
+from snapmap.solver.settings import Settings
+from snapmap.thresholds import surface
+from snapmap.thresholds.verified import Expected, fill, first_near, surfaces
+
+AXES = [linear(1.0, 3.0, 21), linear(-1.0, 1.0, 16)]
+
+
+def filled(N, clean, near=1e-3):
+    """Numbers searched and verified of a surface whose thresholds are known, (n_1, n_2)."""
+    N, clean, searched, verified = N.ravel(), clean.ravel(), [], []
+
+    def search(which):
+        searched.extend(which)
+        return Expected(N[which], *np.zeros((2, which.size)), clean[which])
+
+    def verify(which, expected):
+        holds = abs(expected.N / N[which] - 1) < near
+        verified.extend(which[holds])
+        return holds
+
+    rows = np.arange(N.size).reshape(1, *(x.size for x in AXES))
+    fill(rows, AXES, search, verify)
+    assert sorted(searched + verified) == list(range(N.size))
+    return searched, verified
+
+
+def test_a_cubic_is_expected_as_it_is():
+    x, y = np.meshgrid(*AXES, indexing="ij")
+    N = 5 + x * x * x - x * y + 2 * y * y * y
+    searched, _ = filled(N, np.ones(N.shape, bool), near=1e-12)
+    assert len(searched) == 5 * 4
+
+
+def test_rows_beside_unclean_ones_and_beyond_a_jump_are_searched():
+    x, y = np.meshgrid(*AXES, indexing="ij")
+    unclean = np.hypot(x - 1.0, y + 1.0) < 0.5
+    jump = np.where(x + y > 3.2, 1.1, 1.0)
+    searched, verified = filled(jump * (5 + x * y), ~unclean)
+    assert set(np.flatnonzero(unclean)) <= set(searched)
+    assert len(verified) > x.size / 2
+
+
+def test_surfaces_hold_each_row_once_by_ascending_values():
+    axes = {
+        "thickness": linear(2.2, 1.8, 9)[::-1],
+        "direction": np.array(["+z", "-z"]),
+        "C": np.array([25.0, 0.0]),
+        "f0": np.array([900.0, *linear(100.0, 800.0, 8)]),
+    }
+    rows = np.arange(9 * 2 * 2 * 9).reshape(9, 2, 2, 9)
+    (slow, along), (fast, over) = surfaces(axes, rows, axes["f0"] < 850)
+    assert slow.shape == (4, 9, 8) and fast.shape == (4, 9)
+    assert sorted([*slow.ravel(), *fast.ravel()]) == list(range(rows.size))
+    assert all((np.diff(values) > 0).all() for values in (*along, *over))
+
+
+def test_a_threshold_near_a_guess_does_not_depend_on_it(handout):
+    model = build_model(handout, "cosines", modes=3)
+    rows, settings = to_rows(0, 1000.0, np.full(4, 25.0)), Settings(300.0)
+    known = snapmap.threshold(handout, [1000.0], [25.0], model="cosines", modes=3, horizon=300.0)
+    guess = known.N_first.item() * np.array([0.9994, 1.0, 1.0006, 1.01])
+    N = first_near(model, rows, settings, guess, np.ones(4, bool), 1e-4)
+    assert N[0] == N[1] == N[2] and np.isnan(N[3])
+    assert N[0] == pytest.approx(known.N_first.item(), rel=1e-4)
+
+
+def test_verified_thresholds_are_those_of_a_search(handout, monkeypatch):
+    """Each by itself is searched; bytes depend on neither blocks nor rows known before."""
+    asked = {"f0": [700.0, 9e3], "C": [25.0], "model": "cosines", "modes": 3, "horizon": 300.0}
+    thickness = linear(1.9, 2.1, 9)
+    whole = snapmap.threshold(handout, **asked, thickness=thickness)
+    half = snapmap.threshold(handout, **asked, thickness=thickness[::2])
+    assert whole.verified.sum() > 4 and not half.verified.any()
+    for one, other in ((whole.isel(thickness=slice(None, None, 2)), half), (half, whole)):
+        apart = abs(one.N_first - other.N_first.sel(thickness=one.thickness[:5:2]))
+        assert (apart <= one.N_error).all()
+    again = snapmap.threshold(handout, **asked, thickness=thickness, earlier=half)
+    xr.testing.assert_identical(again, whole)
+    monkeypatch.setattr(surface, "ROWS", 1)
+    xr.testing.assert_identical(snapmap.threshold(handout, **asked, thickness=thickness), whole)

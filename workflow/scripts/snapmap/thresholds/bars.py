@@ -1,0 +1,140 @@
+"""Error bars of thresholds: what other levels, other steps and the refinement leave open."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..solver.adaptive import Survey
+from ..solver.cells import Rows
+from ..solver.search import Edges, asker, scan
+from ..solver.settings import Settings
+from ..solver.steps import stiffness_share
+from .transitions import BESIDE, CLOSEST_STEP, Window, balance, chosen, outermost
+
+LOOKS = 4
+"""At so many distances another level must agree that a threshold lies between."""
+OTHER_STEP = 2.0**0.5
+"""Times the own step, of the runs by which the error of time is seen: of second order, it changes
+by itself."""
+FINE_STEPS, CHATTERS = 0.25, 0.5
+"""Times the own step, where the mass may chatter, which takes short steps to see: under a pulse
+with corners, or on a contact so near a hard one."""
+ISLANDS = 0.005
+"""How far below a clean threshold, relative, the best model looks again where a row rings."""
+JUDGED_STEP = 4.0
+"""Steps of the judge's scan of a ragged row, over those of the others."""
+FARTHEST = 0.25
+"""Relative distance up to which another level's threshold is looked for; beyond, a row is ragged.
+"""
+
+
+class Seen(NamedTuple):
+    """What the deciding level has seen of rows, (rows,).
+
+    edges: refined; window: its scan; whole: where islands are looked for at all
+    """
+
+    edges: Edges
+    N_first: np.ndarray
+    N_half: np.ndarray
+    ragged: np.ndarray
+    window: Window
+    whole: Window
+
+
+def error_bars(
+    models: Survey, rows: Rows, settings: Settings, tolerance: float, seen: Seen, rings: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Compare the deciding level with others: errors of N_first and N_half, and what is ragged.
+
+    rings: rows in which the device rings after its pulse
+    """
+    decides, doubts, better, judge = models.decides, models.doubts, models.better, models.judge
+    edges, N_first, N_half, ragged, window, whole = seen
+
+    def ask(model):
+        return asker(model, rows, settings)
+
+    def label(model):
+        """In the longer steps of a label, which tell where to look."""
+        return asker(model, rows, settings, until="snap")
+
+    others = [m for m in (decides.with_step(OTHER_STEP), doubts, better) if m is not None]
+    clean = np.where(ragged, np.nan, N_first)
+    in_time, *in_space = (_distance(ask(other), clean, tolerance) for other in others)
+    chatters = _chatters(decides.device, rows)
+    fine = (better or judge or decides).with_step(FINE_STEPS)
+    in_fine = _distance(ask(fine), np.where(chatters, clean, np.nan), tolerance)
+    # The better level may itself be off by as much.
+    near = np.fmax(in_time, in_fine) + np.max(in_space, axis=0) + (in_space[1] if better else 0.0)
+    # An island below that finer steps open belongs to the bar.
+    below = Window((1 - ISLANDS) * N_first, N_first, np.full(N_first.size, CLOSEST_STEP))
+    near = np.fmax(near, N_first - _elsewhere(ask(fine), below, ~ragged & rings)[0])
+    apart = np.isinf(near)
+    ragged = ragged | apart
+    window = chosen(apart, whole, window)
+    wider = window._replace(step=JUDGED_STEP * window.step)
+    pairs = [_elsewhere(label(other), window, ragged) for other in others]
+    if judge is not None:
+        pairs.append(_elsewhere(label(judge), wider, ragged))
+    finest = _elsewhere(label(fine), wider, ragged & chatters)
+    pairs.append(
+        [np.where(chatters, *pair) for pair in zip(finest, (N_first, N_half), strict=True)]
+    )
+    firsts, halves = zip(*pairs, strict=True)
+    far = np.fmax(_spread(edges, N_first), np.max(abs(N_first - np.array(firsts)), axis=0))
+    half_far = np.max(abs(N_half - np.array(halves)), axis=0)
+    closest = np.where(rings, CLOSEST_STEP, 0.0)
+    open_by = np.where(ragged, window.step, closest) + tolerance
+    error, half_error = np.where(ragged, [far, half_far], near)
+    return error + open_by * N_first, half_error + open_by * N_half, ragged
+
+
+def _chatters(device, rows):
+    """Whether the mass of a row may chatter on its contact, (rows,)."""
+    smooth = np.array([pulse.is_smooth for pulse in rows.pulses])[rows.pulse]
+    share = stiffness_share(device)[rows.device]
+    return (share > CHATTERS) | ((share > 0) & ~smooth)
+
+
+def _spread(edges, N_first):
+    """How far above N_first the last change is that lies close to it."""
+    spread = np.zeros(N_first.size)
+    above = edges.high - N_first[edges.row]
+    close = edges.high <= BESIDE * N_first[edges.row]
+    np.fmax.at(spread, edges.row[close], above[close])
+    return spread
+
+
+def _elsewhere(ask, window, ragged):
+    """N_first and N_half of ragged rows as another level sees them on the same scan.
+
+    The end of the window beyond which they lie stands for what is not in it.
+    """
+    N = window._replace(low=np.where(ragged, window.low, np.nan)).N
+    edges, begins, _ = scan(ask, N)
+    first, _ = outermost(edges.row[edges.rising], edges.high[edges.rising], ragged.size)
+    first = np.where(begins, window.low, np.where(np.isnan(first), window.high, first))
+    quiet = balance(edges, ragged.size) + np.where(begins, window.low, 0.0)
+    ends_quiet = np.bincount(edges.row, 2 * edges.rising - 1.0, ragged.size) + begins < 1
+    return first, quiet + np.where(ends_quiet, window.high, 0.0)
+
+
+def _distance(ask, N_first, tolerance):
+    """How far from N_first, at most, another level changes from quiet to snap.
+
+    There and at each of the next LOOKS - 1 doublings it is quiet below and snaps above: where
+    labels change back and forth closely, one look is luck.
+    """
+    distance = np.where(np.isnan(N_first), np.nan, np.inf)
+    reach = np.full(N_first.size, tolerance / 4)
+    while (left := np.flatnonzero(np.isinf(distance) & (reach < FARTHEST))).size:
+        reaches = np.minimum(np.multiply.outer(reach[left], 2.0 ** np.arange(LOOKS)), FARTHEST)
+        N = np.full((N_first.size, 2 * LOOKS), np.nan)
+        N[left] = N_first[left, np.newaxis] * np.hstack([1 - reaches, 1 + reaches])
+        below, above = np.hsplit(np.isfinite(ask(N))[left], 2)
+        differ = below | ~above
+        passed = np.where(differ.any(axis=1), LOOKS - np.argmax(differ[:, ::-1], axis=1), 0)
+        distance[left[passed == 0]] = (reach * N_first)[left[passed == 0]]
+        reach[left] *= 2.0**passed
+    return distance
