@@ -108,7 +108,9 @@ class Steps:
             corners = np.where(smooth, 1.0, self.cornered)
             pressed = corners * longest / (1 + fast * self.chatter[cells.device])
             apart = self.apart[cells.device]
-            lands = np.clip((LANDING / FAST * calm) ** LANDS, self.striking, 1.0)
+            bounces = 1 + self.chatter[cells.device] ** 2 / CHATTER
+            lands = np.minimum((LANDING / FAST * calm) ** LANDS, 1 / bounces)
+            lands = np.maximum(lands, self.striking)
             run_up = np.where(strikes, self.striking, np.where(apart, lands, 1.0))
             rests = smooth & ~strikes & ~apart
             slow = np.where(rests, swing / self.most[cells.device], 0.0)

@@ -25,6 +25,8 @@ BESIDE, FAR_BESIDE = 1.02, 1.05
 SLOW = 0.05
 """A pulse that lasts 1 / SLOW times longer than the device's response moves it from rest to rest:
 it snaps where no rest is left, and at every N above."""
+FAST = 0.7
+"""Frequency of a pulse over the device's own from which on few modes do not follow the beam."""
 RINGS = 0.25
 """From this share on, reckoned as SLOW, a device rings after the pulse: islands lie close below."""
 SLOW_REACH, SLOW_BESIDE = 2.0, 1.05
@@ -107,8 +109,8 @@ def survey(
     highest: up to which N islands are looked for; ABOVE times the threshold if not given
     The cheap model scans; the one that decides looks again where labels change, and refines; the
     others, and another step, tell what that is worth. Where the cheap one fails, or sees another
-    threshold than the one that decides, that one scans too. Clean rows that are left open by more
-    than the models' tolerance are taken by finer ones.
+    threshold than the one that decides, that one scans too. Clean rows of fast pulses, and those
+    left open by more than the models' tolerance, are taken by finer ones.
     """
     bound = least_amplitudes(models.decides, rows, settings.pulses)
     found = _survey(models, rows, settings, tolerance, highest, bound)
@@ -117,7 +119,10 @@ def survey(
         finer = models._replace(scans=models.decides), rows.some(lost)
         again = _survey(*finer, settings, tolerance, highest, bound[lost], SLACK * bound[lost])
         found = _taken(found, lost, again)
-    unsure = (found.ragged == 0) & (found.N_error > models.tolerance * found.N_first)
+    swings = np.array([pulse.swings for pulse in settings.pulses])[rows.pulse]
+    fast = 2e-6 * np.pi * rows.f0 * swings > FAST * models.decides.device.own_frequency[rows.device]
+    unsure = fast | (found.N_error > models.tolerance * found.N_first)
+    unsure &= (found.ragged == 0) & (found.status == FOUND)
     if models.finer is not None and unsure.any():
         again = survey(models.finer, rows.some(unsure), settings, tolerance, highest)
         found = _taken(found, np.flatnonzero(unsure), again._replace(level=again.level + 1))
