@@ -16,7 +16,6 @@ from snapmap.solver.steps import (
     FAST,
     FEWEST,
     HOLDS,
-    LANDS,
     LONGEST,
     MORE,
     OF_LIMIT,
@@ -90,7 +89,7 @@ def test_a_pulse_of_many_swings_has_steps_in_each(handout):
         ("+z", "versed sine", "returns", 10.0, 0.3),
         ("+z", "versed sine", "apart", 500.0, 0.3),  # or crosses a gap
         ("+z", "versed sine", "apart", 300.0, 3.0),  # so slowly that it lands softly
-        ("+z", "versed sine", "apart", 330.0, 3.0 * (300 / 330) ** LANDS),
+        ("+z", "versed sine", "apart", 330.0, 3.0 * (300 / 330) ** 6),
         ("+z", "trapezoid", "apart", 300.0, 1.2),
     ],
 )

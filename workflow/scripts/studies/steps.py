@@ -53,7 +53,8 @@ RULES = {
     "`STRIKING` five times": {"striking": 5.0},
 }
 """By what the constants of the rule for EDGE are multiplied."""
-SLOW_RULES = {key: RULES[key] for key in (DEFAULT, "`MOST` halved")} | {"as without a gap": {"apart": False}}
+SLOW_RULES = {key: RULES[key] for key in (DEFAULT, "`MOST` halved")}
+SLOW_RULES |= {"as without a gap": {"apart": False}}
 FINE, FINER = {"factor": 0.15}, {"factor": 0.1}
 AGREED, REFINED, NEAR = 2e-4, 2e-6, 1.04
 """Rows in which the fine rules agree so well are judged; thresholds are refined so far, near."""

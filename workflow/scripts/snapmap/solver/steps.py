@@ -45,9 +45,9 @@ CORNERED = 0.4
 STRIKING = 0.05
 """The same, where the mass strikes with a run-up: across a gap, after a pulse that pulls, back from
 a stop, or in a train of blows."""
-LANDING, LANDS = 0.03, 6
+LANDING = 0.03
 """Frequency of a pulse that presses, over the device's own, below which the mass lands so softly
-across a gap that it does not matter; above, STRIKING is reached with this power."""
+across a gap that it does not matter; above, steps fall to STRIKING with the sixth power."""
 STIFF = 90.0
 """Stiffness of a contact over the clamped beam's, 192 EI/L^3, that counts as half a hard one."""
 CHATTER = CORNERED / STRIKING - 1
@@ -109,8 +109,8 @@ class Steps:
             pressed = corners * longest / (1 + fast * self.chatter[cells.device])
             apart = self.apart[cells.device]
             bounces = 1 + self.chatter[cells.device] ** 2 / CHATTER
-            lands = np.minimum((LANDING / FAST * calm) ** LANDS, 1 / bounces)
-            lands = np.maximum(lands, self.striking)
+            lands = (LANDING / FAST * calm) ** 2
+            lands = np.clip(lands * lands * lands, self.striking, 1 / bounces)
             run_up = np.where(strikes, self.striking, np.where(apart, lands, 1.0))
             rests = smooth & ~strikes & ~apart
             slow = np.where(rests, swing / self.most[cells.device], 0.0)
