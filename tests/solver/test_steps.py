@@ -201,6 +201,16 @@ def test_thresholds_are_those_of_a_tenth_of_the_step(handout, shape, contact):
     np.testing.assert_allclose(found, fine, rtol=1e-3)
 
 
+@pytest.mark.parametrize("values", [{}, {"mass": 1e6}, {"gap": 1.0}])
+def test_slow_thresholds_are_exact_to_1e_4(handout, values):
+    """At rest on the beam, a hundred times as heavy, or across a gap."""
+    device = replace(handout, **values)
+    model, own = build_model(device, "cosines", modes=4), device.own_frequency / (2 * np.pi) * 1e6
+    asked = np.array([0.01, 0.028]) * own, 25.0, make_pulse(), 1e-6
+    found, fine = (threshold(one, *asked) for one in (model, model.with_step(0.2)))
+    np.testing.assert_allclose(found, fine, rtol=1e-4)
+
+
 @pytest.mark.parametrize(("f0", "coarse"), [(100.0, 250), (300.0, 500)])
 def test_the_threshold_converges_with_order_two(handout, f0, coarse):
     """Where the first mode turns by more than 2 radians in both steps, or by less in both."""
