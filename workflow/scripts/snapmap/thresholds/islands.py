@@ -27,6 +27,8 @@ SLOW = 0.05
 it snaps where no rest is left, and at every N above."""
 FAST = 0.7
 """Frequency of a pulse over the device's own from which on the finer models take its rows."""
+OPEN = 0.01
+"""A ragged row whose error bar is wider, relative, is not worth finer models."""
 RINGS = 0.25
 """From this share on, reckoned as SLOW, a device rings after the pulse: islands lie close below."""
 SLOW_REACH, SLOW_BESIDE = 2.0, 1.05
@@ -75,7 +77,7 @@ class Thresholds(NamedTuple):
     N_always: the lowest above which every N looked at snaps: from here on snapping is the rule
     N_pulse: the lowest N that snaps while the pulse lasts
     t_snap: at N_first, us after the pulse's start
-    level: of the models that decided: 1 of a fast pulse, or where the first left too much open
+    level: of the models that decided: 1 of fast pulses, or where the first left too much open
     islands: number of separate stretches of N below N_always that snap
     island_from, island_to: their ends, (rows, most islands), NaN where a row has fewer
     """
@@ -109,21 +111,10 @@ def survey(
     highest: up to which N islands are looked for; ABOVE times the threshold if not given
     The cheap model scans; the one that decides looks again where labels change, and refines; the
     others, and another step, tell what that is worth. Where the cheap one fails, or sees another
-    threshold than the one that decides, that one scans too. Fast pulses, and clean rows that are
-    left open by more than the models' tolerance, are taken by finer ones.
+    threshold than the one that decides, that one scans too. Rows of fast pulses, unless wide
+    open, and clean ones that are left open by more than the models' tolerance, are taken by finer
+    models.
     """
-    fast = _is_fast(models.decides.device, rows, settings.pulses)
-    if models.finer is not None and fast.any():
-        found = survey(models.finer, rows.some(fast), settings, tolerance, highest)
-        found = found._replace(level=found.level + 1)
-        if fast.all():
-            return found
-        others = survey(models, rows.some(~fast), settings, tolerance, highest)
-        size, fast, slow = fast.size, np.flatnonzero(fast), np.flatnonzero(~fast)
-        pairs = zip(found, others, strict=True)
-        return Thresholds(
-            *(joined(size, fast, new, joined(size, slow, old, None)) for new, old in pairs)
-        )
     bound = least_amplitudes(models.decides, rows, settings.pulses)
     found = _survey(models, rows, settings, tolerance, highest, bound)
     lost = np.flatnonzero(found.status == NOT_FOLLOWED)
@@ -131,7 +122,10 @@ def survey(
         finer = models._replace(scans=models.decides), rows.some(lost)
         again = _survey(*finer, settings, tolerance, highest, bound[lost], SLACK * bound[lost])
         found = _taken(found, lost, again)
-    unsure = (found.ragged == 0) & (found.N_error > models.tolerance * found.N_first)
+    fast = _is_fast(models.decides.device, rows, settings.pulses)
+    error = found.N_error / found.N_first
+    unsure = np.where(found.ragged == 0, fast | (error > models.tolerance), fast & (error < OPEN))
+    unsure &= found.status == FOUND
     if models.finer is not None and unsure.any():
         again = survey(models.finer, rows.some(unsure), settings, tolerance, highest)
         found = _taken(found, np.flatnonzero(unsure), again._replace(level=again.level + 1))
