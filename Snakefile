@@ -14,9 +14,8 @@ clone = Path(workflow.current_basedir.get_path_or_uri(secret_free=True))
 scripts = clone / "workflow" / "scripts"
 sys.path.append(str(scripts))
 os.environ.update(PYTHONDONTWRITEBYTECODE="1")  # jobs inherit it
-from snapmap.io.atomic import refuse_folders, remove_leftovers, remove_others
+from snapmap.io.atomic import hold, refuse_folders, remove_leftovers, remove_others
 from snapmap.io.job_log import SHELL_PREFIX
-from snapmap.io.lock import hold
 from snapmap.io.named import hold_to_plan
 from snapmap.io.progress import Progress, hush
 from snapmap.io.provenance import DRAWS, NUMBERS, code_hash

@@ -188,7 +188,7 @@ def test_devices_are_traced_as_each_alone(handout):
         there = traced.sel(thickness=1.8, contact=contact)
         assert float(there.second_equilibrium) == device.beam.second_equilibrium
         np.testing.assert_array_equal(there.bin_length, alone.bin_length)
-        for key in envelopes.VARIABLES:
+        for key in envelopes.BANDS:
             np.testing.assert_array_equal(there[key], alone[key])
     absent = traced.sel(thickness=4.4)
     assert absent.energy.isnull().all() and absent.second_equilibrium.isnull().all()

@@ -24,13 +24,10 @@ def simulate_slab(study, axes, path, threads, code):
 
 def collect(slab_paths, axes, config, path):
     """Join slabs on the axes of the whole grid, write the cube and say what is in it."""
-    import xarray as xr
-
     from snapmap.sweeps.collect import collect_slabs
     from snapmap.sweeps.cube import summary
 
-    with xr.set_options(file_cache_maxsize=2):  # each open slab keeps what was read of it
-        _write(collect_slabs(slab_paths, axes, config), path, summary)
+    _write(collect_slabs(slab_paths, axes, config), path, summary)
 
 
 def find_threshold(study, axes, tolerance, highest, path, table_path, threads):

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from .axes import COORDINATES, coordinates
+from .axes import COORDINATES
 from .device import SIGNED, Device, batch, is_bistable
 from .io.counting import counting
 from .pulse import Shocks
@@ -211,7 +211,7 @@ def _line(value, key, places, N, row, values, errors):
         "error": (key, lowest[1], attrs | error),
         "solutions": (key, count, {"long_name": "number of values found", "units": "1"}),
     }
-    return xr.Dataset(data, coordinates({key: places}))
+    return xr.Dataset(data, {key: (key, places, COORDINATES[key])})
 
 
 def _window(study, value, C, between, goals, tolerances):

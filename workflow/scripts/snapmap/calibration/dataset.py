@@ -11,7 +11,7 @@ from scipy.special import log_ndtr
 from ..axes import COORDINATES
 from ..device import Device
 from ..io.counting import counting
-from ..io.variables import headed, variables
+from ..io.variables import dress
 from ..study import THRESHOLD_SETTINGS, Study, study_of
 from .likelihood import SPREADS, Likelihood, Profile, information_at, reach
 from .shots import Shots, check_ranges, shots_from
@@ -23,7 +23,6 @@ INSIDE = 300
 """Places within the intervals over which the likelihood of spreads is summed, about."""
 FINE, LEAST_LOG = 2001, -100.0
 """Places between values of a likelihood, and its least logarithm, as 0 has none."""
-VARIABLES = variables("calibration") | {"f0": COORDINATES["f0"]}
 NEAR = 2.0
 """Times a threshold: campaigns with no shot as near tell nothing of a device."""
 OPEN = "open_low", "open_high"
@@ -89,9 +88,7 @@ def calibration_of(
     ranges = {key: [float(end) for end in ends] for key, ends in unknowns.items()}
     asked = {"unknowns": ranges} | ({} if C is None else {"C": float(C)})
     document = study.document(THRESHOLD_SETTINGS) | {"calibration": asked}
-    return fit(shots, surface).assign_attrs(
-        **headed("calibration", document),
-    )
+    return dress("calibration", fit(shots, surface), document)
 
 
 def fit(shots: Shots, surface: Surface) -> xr.Dataset:
@@ -106,20 +103,19 @@ def fit(shots: Shots, surface: Surface) -> xr.Dataset:
     low, high, *opens = np.array(intervals, float).T
     unit = {"comment": ", ".join(f"{key}: {COORDINATES[key]['units']}" for key in names)}
     data = {
-        key: ("unknown", _rounded(surface.values(place)), VARIABLES[key] | unit)
+        key: ("unknown", _rounded(surface.values(place)), unit)
         for key, place in {"estimate": profile.best, "low": low, "high": high}.items()
     }
     for key, ends in zip(OPEN, opens, strict=True):
-        data[key] = ("unknown", ends.astype(np.int8), VARIABLES[key])
+        data[key] = ("unknown", ends.astype(np.int8))
     spreads = _spreads(likelihood, surface, low, high, freedom)
-    data |= {key: ("bound", _rounded(values), VARIABLES[key]) for key, values in spreads.items()}
+    data |= {key: ("bound", _rounded(values)) for key, values in spreads.items()}
     spread = spreads["spread"][0]
     told = information_at(profile.best, surface, likelihood, spread)
     scale = np.sqrt(np.diag(told.covariance))
     data["correlation"] = (
         ("unknown", "unknown_2"),
         _rounded(told.covariance / np.outer(scale, scale)),
-        {"long_name": "correlation of estimates, their ranges being known", "units": "1"},
     )
     logs, kind = surface.at(profile.best[None])[0], shots.kind
     variance = np.einsum("ij,jk,ik->i", told.slopes, told.covariance, told.slopes)
@@ -139,7 +135,7 @@ def fit(shots: Shots, surface: Surface) -> xr.Dataset:
         "probability": _rounded(np.exp(log_ndtr(z))),
         "residual": _rounded(sign * np.sqrt(-2 * log_ndtr(sign * z))),
     }
-    data |= {key: ("shot", values, VARIABLES[key]) for key, values in columns.items()}
+    data |= {key: ("shot", values) for key, values in columns.items()}
     units = {"unknown": names, "unknown_2": names, "bound": ["estimate", "low", "high"]}
     return xr.Dataset(data, units).assign_attrs(
         untold=_untold_text(told, names), model_error=float(_rounded(surface.error.max()))

@@ -65,7 +65,10 @@ def job_log(path: str | Path) -> Iterator[None]:
         except Exception:
             complaint = traceback.format_exc()
     if complaint:
-        _complain(complaint, log)
+        try:
+            print(complaint, file=log, flush=True)
+        except OSError:  # the disk is full
+            print(complaint, file=sys.stderr)
     with suppress(OSError):
         log.close()
     if complaint:
@@ -93,11 +96,3 @@ def _end_with(run):
     while os.getppid() == run:
         time.sleep(LOOK_AROUND)
     os._exit(1)
-
-
-def _complain(complaint, log):
-    """Write to the log or, where the disk is full, to the terminal."""
-    try:
-        print(complaint, file=log, flush=True)
-    except OSError:
-        print(complaint, file=sys.stderr)

@@ -86,7 +86,7 @@ def shot_columns(shots: str | Path | Mapping[str, Sequence]) -> dict[str, np.nda
     columns = {str(key): np.asarray(table[key]).ravel() for key in table}
     known = f"columns are {', '.join([*SHOCKS, *SHOTS])}"
     for key in columns:
-        if key not in SHOCKS and key not in SHOTS:
+        if key not in SHOCKS | SHOTS:
             raise ValueError(f"shots: column {key!r} is unknown; {known}")
     for key in ("tripped",) if "file" in columns else ("N", "tripped"):
         if columns and key not in columns:
@@ -99,7 +99,7 @@ def shot_columns(shots: str | Path | Mapping[str, Sequence]) -> dict[str, np.nda
 
 def answers(values: Sequence) -> np.ndarray:
     """Whether each shot tripped, (shots,); ValueError, one line, for what tells it of none."""
-    words = [one.strip().lower() if isinstance(one, str) else one for one in values]
+    words = [value.strip().lower() if isinstance(value, str) else value for value in values]
     for place, (word, value) in enumerate(zip(words, values, strict=True), start=1):
         if word not in ANSWERS:
             raise ValueError(f"shots, row {place}: tripped: {show(value)} is not true or false")
@@ -110,9 +110,8 @@ def read_verdicts(path: str | Path) -> list[dict]:
     """Read the rows of requirements.csv: names stay text, were they 12 or nan."""
     import pandas  # imported late: most runs read no table
 
-    names = pandas.read_csv(
-        path, usecols=["requirement", "device"], dtype=str, keep_default_na=False
-    )
+    text = {"dtype": str, "keep_default_na": False}
+    names = pandas.read_csv(path, usecols=["requirement", "device"], **text)
     return pandas.read_csv(path).assign(**names).to_dict("records")
 
 
@@ -181,21 +180,19 @@ def _keys(head, numbers, words):
             raise ValueError(f"has {len(head)} columns; write {len(numbers)}, {known}")
         return list(numbers)
     keys = [_UNIT.sub("", word).strip() for word in head]
-    if not set(keys) & {*numbers, *words}:  # another file, which is not to be quoted
+    unknown = [key for key in keys if key not in {*numbers, *words}]
+    if len(unknown) == len(keys):  # another file, which is not to be quoted
         raise ValueError(f"line 1: names no column of this table; known are {known}")
-    for key in keys:
-        if key not in numbers and key not in words:
-            raise ValueError(f"line 1: column {key!r} is unknown; known are {known}")
-        if keys.count(key) > 1:
-            raise ValueError(f"line 1: column {key} comes twice; write one of them")
+    if unknown:
+        raise ValueError(f"line 1: column {unknown[0]!r} is unknown; known are {known}")
+    if twice := [key for key in keys if keys.count(key) > 1]:
+        raise ValueError(f"line 1: column {twice[0]} comes twice; write one of them")
     return keys
 
 
 def _scale(word, key, numbers):
     """The factor of a column of numbers, by the unit in its header."""
-    units = numbers.get(key, {"": 1.0})
-    found = _UNIT.search(word)
-    unit = found.group(1).strip() if found else ""
+    units, unit = numbers.get(key, {"": 1.0}), "".join(_UNIT.findall(word)[:1]).strip()
     if unit not in units:
         what = f"unit {unit!r} is unknown" if unit else "names no unit"
         raise ValueError(f"header {word!r} {what}; write such as {key} ({next(iter(units))})")

@@ -5,9 +5,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from ..axes import coordinates
 from ..device import Device
-from ..io.variables import headed
+from ..io.variables import dress
 from ..pulse import DIRECTIONS
 from ..solver.adaptive import choose_survey
 from ..solver.cells import to_rows
@@ -74,21 +73,18 @@ def trips_of(
     ask = asker(choose_survey(grid.device, study.model).decides, some, settings, until="snap")
     t_snap = ask(peak[some.pulse][:, np.newaxis] * FACTORS)
     snaps[there] = np.where(np.isinf(t_snap), np.nan, np.isfinite(t_snap))
-    each = {
-        "peak": (peak, "1"),
-        "duration": ([one.pulse.duration for one in drawn], "us"),
-        "deviation": ([abs(one.deviation).max() for one in drawn], "dB"),
+    data = {
+        "peak": ("record", peak),
+        "duration": ("record", [one.pulse.duration for one in drawn]),
+        "deviation": ("record", [abs(one.deviation).max() for one in drawn]),
+        "snaps": (
+            (*grid.axes, "record", "factor"),
+            snaps.reshape(*grid.shape, len(pulses), len(FACTORS)),
+        ),
     }
-    data = {key: ("record", values, {"units": unit}) for key, (values, unit) in each.items()}
-    data["snaps"] = (
-        (*grid.axes, "record", "factor"),
-        snaps.reshape(*grid.shape, len(pulses), len(FACTORS)),
-        {"long_name": "whether the record snaps it", "units": "1"},
-    )
     document = study.document(THRESHOLD_SETTINGS) | {"srs": points.tolist(), **asked}
-    return xr.Dataset(data, coordinates(grid.axes) | {"factor": list(FACTORS)}).assign_attrs(
-        **headed("spectrum", document),
-    )
+    factors = {"factor": list(FACTORS)}
+    return dress("spectrum", xr.Dataset(data, grid.axes | factors), document)
 
 
 def ends(snaps: np.ndarray) -> tuple[float, float, float, float]:

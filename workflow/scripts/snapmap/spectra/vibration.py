@@ -8,10 +8,9 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from ..axes import coordinates
 from ..device import Device
 from ..io.provenance import recipe
-from ..io.variables import headed, variables
+from ..io.variables import dress
 from ..pulse import HANDOUT_SHOCK
 from ..solver.adaptive import choose_survey
 from ..solver.cells import Rows, to_cells, to_rows
@@ -35,8 +34,6 @@ PIECES = 2_000_000
 NORMAL = 1.959964
 """Standard deviations within which a normal number is at 95 %."""
 ENOUGH = 1e-12
-
-VARIABLES = variables("vibration")
 
 
 class Seen(NamedTuple):
@@ -67,7 +64,7 @@ def vibration(
     options: reach, the probability within the duration whose level is looked for, 0.01 by default;
         energy_tolerance and threads, as in `study.study_of`; values of the device, as axes; and
         options of the model; `auto` is its threshold's, five cosines
-    The variables are those of VARIABLES, (..., C), levels in g rms: rate and probability from the
+    The variables are (..., C), levels in g rms: rate and probability from the
     snaps seen at the given level, bounds by Poisson's distribution; the level by Rice's law, fitted
     to what was seen at this one and others, its bounds those of the fit, inf where even long runs
     do not tell. Attributes: rms, of the given spectrum, duration, reach, record_length.
@@ -111,23 +108,12 @@ def vibration_of(
     document = study.document(THRESHOLD_SETTINGS) | {
         "vibration": {"psd": [spectrum.f.tolist(), spectrum.density.tolist()], **asked}
     }
-    return xr.Dataset(
-        {
-            key: (
-                tuple(grid.axes),
-                np.where(there, data[key], np.nan).reshape(grid.shape),
-                attributes,
-            )
-            for key, attributes in VARIABLES.items()
-        },
-        coordinates(grid.axes),
-    ).assign_attrs(
-        rms=rms,
-        record_length=length,
-        recipe=recipe(document, ()),
-        **asked,
-        **headed("vibration", document),
-    )
+    shaped = {
+        key: (tuple(grid.axes), np.where(there, values, np.nan).reshape(grid.shape))
+        for key, values in data.items()
+    }
+    of_product = {"rms": rms, "record_length": length, "recipe": recipe(document, ()), **asked}
+    return dress("vibration", xr.Dataset(shaped, grid.axes), document, **of_product)
 
 
 def _follow(

@@ -5,11 +5,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from ..axes import PULSE_AXES, coordinates
+from ..axes import PULSE_AXES
 from ..device import Device
 from ..io.counting import counting
+from ..io.netcdf import recall
 from ..io.provenance import recipe
-from ..io.variables import flags, headed, variables
+from ..io.variables import dress, flags
 from ..pulse import blow_at
 from ..solver.adaptive import choose_survey
 from ..solver.cells import rows_of, to_rows
@@ -25,7 +26,7 @@ from .islands import (
     STATUS,
     survey,
 )
-from .reuse import joined, recall
+from .reuse import joined
 from .settling import lowest_latched
 from .transitions import FINE_STEP
 
@@ -40,9 +41,7 @@ NO_AREA = 1e-3
 ROWS = 4096
 """Rows looked at together: each takes some 70 kB."""
 
-VARIABLES = variables("threshold")
-VARIABLES["status"] |= flags(STATUS)
-VARIABLES["N_first"]["comment"] = (
+COMMENT = (
     f"in multiples of g; narrower stretches may lie below: than {NARROW:.2%} of N near a clean "
     f"threshold of a fast pulse, {FINEST_STEP:.1%} near a ragged one, {FINE_STEP:.1%} elsewhere"
 )
@@ -124,13 +123,10 @@ def thresholds_of(
         for key, values in found.items()
     }
     data |= _limits(grid, models, settings, tolerance, highest)
-    return xr.Dataset(
-        {key: (*values, VARIABLES[key]) for key, values in data.items()}, coordinates(grid.axes)
-    ).assign_attrs(
-        gravity=float(grid.device.gravity[0]),
-        recipe=made_by,
-        **headed("threshold", document),
-    )
+    data["status"] = *data["status"], flags(STATUS)
+    data["N_first"] = *data["N_first"], {"comment": COMMENT}
+    of_product = {"gravity": float(grid.device.gravity[0]), "recipe": made_by}
+    return dress("threshold", xr.Dataset(data, grid.axes), document, **of_product)
 
 
 def _look(models, rows, settings, tolerance, highest, new, known):

@@ -7,11 +7,11 @@ from itertools import product
 import numpy as np
 import xarray as xr
 
-from ..axes import COORDINATES, NAMES, coordinates
+from ..axes import COORDINATES, NAMES
 from ..beam.stress import break_probability
 from ..device import Device
 from ..io.counting import counting
-from ..io.variables import headed, variables
+from ..io.variables import dress
 from ..numerics.portable import geometric
 from ..solver.cells import to_rows
 from ..study import THRESHOLD_SETTINGS, Study, frequencies, study_of, with_shocks
@@ -26,7 +26,6 @@ AMPLITUDES = 101
 FOLLOWED_CELLS, FEWEST_FOLLOWED = 1_000_000, 64
 """So many cells are followed to their end, or at least those of so many samples."""
 
-VARIABLES = variables("tolerance")
 BOUND = ("low", "high")
 
 
@@ -115,15 +114,10 @@ def tolerances_of(
     if isinstance(study.device, Mapping):
         names = xr.Variable("device", list(study.device), COORDINATES["device"])
         data = xr.concat(found, names, join="outer")
-    for key in data.data_vars:
-        data[key].attrs = VARIABLES[key] if key in VARIABLES else _attributes(key)
     made_by = study.document(THRESHOLD_SETTINGS)
     own = {"samples": samples, "seed": asked.seed, "together": asked.together}
     made_by["tolerances"] = {**asked.scatters, **own}
-    return data.assign_attrs(
-        threshold_tolerance=tolerance,
-        **headed("tolerance", made_by),
-    )
+    return dress("tolerance", data, made_by, threshold_tolerance=tolerance)
 
 
 def summary(found: xr.Dataset) -> str:
@@ -161,7 +155,8 @@ def _made(some):
     values = {key: ("sample", column) for key, column in some.values.items()}
     for key in SHOCK_FACTORS:
         if key in values:
-            values[f"{key}_factor"] = values.pop(key)
+            name = {"long_name": f"{key} over its nominal value", "units": "1"}
+            values[f"{key}_factor"] = *values.pop(key), name
     return xr.Dataset(values | {"bistable": ("sample", some.bistable.astype(np.int8))})
 
 
@@ -183,7 +178,7 @@ def _thresholds(whole, samples, shocks, axes, settings, tolerance):
         "ragged": (tuple(groups), ragged.reshape(shape).astype(np.int8)),
     }
     named = {"quantile": list(QUANTILES), "bound": list(BOUND)}
-    return xr.Dataset(data, coordinates(groups) | named), N_first
+    return xr.Dataset(data, groups | named), N_first
 
 
 def _indices(N_first, samples, power, plan, seed, data):
@@ -222,7 +217,7 @@ def _share(name, count, size, dims, **coords):
         name: (dims, count / size),
         f"{name}_bound": (("bound", *dims), np.stack(wilson(count, size))),
     }
-    return xr.Dataset(values, coordinates(coords) | {"bound": list(BOUND)})
+    return xr.Dataset(values, coords | {"bound": list(BOUND)})
 
 
 def _latched(some, data, settings):
@@ -268,11 +263,3 @@ def _requirements(some, study, requirements, data, tolerance):
         good = good[: followed[-1] + 1]
     shares.append(_share("yield", good.sum(axis=0), len(good), ("C",)))
     return xr.merge([xr.Dataset(columns, names), *shares])
-
-
-def _attributes(key):
-    """Of a value of the samples."""
-    if key.endswith("_factor"):
-        name = key.removesuffix("_factor")
-        return {"long_name": f"{name} over its nominal value", "units": "1"}
-    return COORDINATES[key]

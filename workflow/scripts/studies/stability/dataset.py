@@ -7,7 +7,7 @@ import xarray as xr
 
 from snapmap.device import Device
 from snapmap.io.provenance import device_sections, provenance
-from snapmap.sweeps.cube import VARIABLES as CUBE_VARIABLES
+from snapmap.io.variables import variables
 
 from .cases import HARD, Case
 from .pairs import FINE_STEPS
@@ -15,7 +15,7 @@ from .verdicts import VERDICTS
 
 VARIABLES = {
     "limit": {"long_name": "stability limit of the time step", "units": "us"},
-    "outcome": {**CUBE_VARIABLES["outcome"], "long_name": "outcome of the case's first cell"},
+    "outcome": {**variables("cube")["outcome"], "long_name": "outcome of the case's first cell"},
     "energy_error": {
         "long_name": "largest residual of an energy ledger over the gross work of the pulse",
         "units": "1",
