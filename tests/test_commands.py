@@ -11,8 +11,8 @@ import draw
 import jobs
 import pytest
 
-from snapmap.device import values_of
 from snapmap.io.netcdf import write
+from snapmap.study import Study
 from studies.stability import settled
 from studies.stability.cases import CASES
 from studies.stability.measure import measure
@@ -169,7 +169,7 @@ def test_stability_in_small(monkeypatch, tmp_path, handout):
     grid = settled.GRID | {"N": [900.0, 1100.0], "f0": [500.0, 1500.0]}
     monkeypatch.setattr(settled, "GRID", grid)
     dampings = [0.0, 4e-4, 4e-3]
-    jobs.measure_settled(values_of(handout), dampings, at.settled, threads=1)
+    jobs.measure_settled(Study(device=handout), dampings, at.settled)
     models = {"5 cosines": {"name": "cosines", "modes": 5}}
     write(measure(handout, CASES[:1], models, steps=(0.8, 1.05)), at.stability)
     draw.draw_settled(at.settled, dampings[:2], 25.0, str(tmp_path / "settled"))

@@ -213,8 +213,8 @@ def test_other_shocks_have_other_thresholds(handout):
     assert both.direction.values.tolist() == ["+z", "-z"]
     ours = both.converged_threshold.isel(reference=0).values
     model = build_model(handout, "cosines", modes=8, step=FINE_STEP)
-    rows, settings = to_rows(0, 1000.0, 25.0, [0, 1]), SNAP._replace(pulses=shocks.pulses)
-    again = lowest_snap(model, rows, (ours / 1.01, ours * 1.01), settings, 1e-6, 0.005)
+    rows = to_rows(0, 1000.0, 25.0, [0, 1], shocks.pulses)
+    again = lowest_snap(model, rows, (ours / 1.01, ours * 1.01), SNAP, 1e-6, 0.005)
     assert again == pytest.approx(ours, rel=3e-6) and ours[1] > 2 * ours[0]
 
 

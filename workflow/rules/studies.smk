@@ -1,3 +1,6 @@
+nominal_device = device_sections(nominal(study.device))
+
+
 rule accuracy:
     input:
         "results/accuracy.nc",
@@ -18,9 +21,9 @@ rule measure_accuracy:
     threads: 1000
     params:
         code=studied,
-        device=values_of(nominal(study.device)),
+        device=nominal_device,
         pulse=study.pulse,
-        axes={key: study.axes[key].tolist() for key in ("C", "f0", "N")},
+        axes=[axes[key] for key in ("C", "f0", "N")],
         settings=study.settings.asked(),
         plan=lambda wildcards: "quick" if wildcards.size else "full",
     message:
@@ -60,7 +63,7 @@ rule measure_stability:
     threads: 1000
     params:
         code=studied,
-        device=values_of(nominal(study.device)),
+        device=nominal_device,
     message:
         "Follow the hard cases"
     script:
@@ -75,7 +78,7 @@ rule measure_settled:
     threads: 1000
     params:
         code=studied,
-        device=values_of(nominal(study.device)),
+        device=nominal_device,
         beam_dampings=[0.0, 4e-4, 4e-3],
     message:
         "Sweep with less and more damping"

@@ -16,10 +16,9 @@ from snapmap import load_device
 from snapmap.calibration.dataset import fit
 from snapmap.calibration.shots import Shots, shots_from
 from snapmap.calibration.surface import Surface, surface_of
-from snapmap.device import values_of
 from snapmap.io.markdown import number, table
-from snapmap.sizing import thresholds_at
 from snapmap.study import Study
+from snapmap.tolerances.batch import thresholds_at
 
 from .few import few
 
@@ -102,7 +101,7 @@ def surface_for(study, ranges) -> Surface:
     """Thresholds of the fitted model at all durations."""
     rows = {"duration": DURATIONS, "N": [1.0, 1.0, 2.0, 2.0], "tripped": [0, 0, 1, 1]}
     shots = shots_from(rows, study.shocks, study.device)
-    return surface_of(study, shots.kinds, ranges, C)
+    return surface_of(study, shots.groups, ranges, C)
 
 
 def thresholds_of(study, values):
@@ -113,7 +112,7 @@ def thresholds_of(study, values):
 
 def nominal_thresholds(study):
     """Of the device as drawn, about which levels are chosen, (durations,)."""
-    thickness = np.array([values_of(study.device)["beam"]["thickness"]])
+    thickness = np.array([study.device.beam.thickness])
     return thresholds_of(study, {"thickness": thickness})[0]
 
 
@@ -150,8 +149,8 @@ def chances(surface, found, shots):
     """Fitted probabilities of shots that were held back."""
     low, high = np.array(list(surface.unknowns.values())).T
     logs = surface.at((found.estimate.values - low) / (high - low))
-    spread = np.hypot(found.spread.values[0], surface.error)[shots.kind]
-    return ndtr((np.log(shots.N) - np.ravel(logs)[shots.kind]) / spread)
+    spread = np.hypot(found.spread.values[0], surface.error)[shots.group]
+    return ndtr((np.log(shots.N) - np.ravel(logs)[shots.group]) / spread)
 
 
 def held_back(back):

@@ -164,11 +164,11 @@ def _cell(model, amplitude, f0):
     from .enclosures.rounding import looks
 
     cells = to_cells(model.device, 0, np.array([amplitude]), np.array([f0]), C, SETTINGS.horizon)
-    dt = model.steps.of(cells, SETTINGS.pulses, STAY).item()
+    dt = model.steps.of(cells, STAY).item()
     settled = model.follow_once(cells, SETTINGS).t_settled.item()
     end = settled if np.isfinite(settled) else cells.t_end.item()
     cell = cells.amplitude.item(), cells.f0.item(), C, dt
-    seen, floor = looks(model, SETTINGS.pulses[0], cell, min(STEPS, round(end / dt) + 1))
+    seen, floor = looks(model, cells.pulses[0], cell, min(STEPS, round(end / dt) + 1))
     last, worst = seen[-1], max(float(abs(one.told - one.energy).upper()) for one in seen)
     drift = max(float(abs(one.drift).upper()) for one in seen)
     proven = np.isfinite(settled) and last.told < 1

@@ -53,8 +53,8 @@ def steps(device, at):
     drawn = [spectrum.record(1.0, [SEED, n]) for n in range(few(RECORDS, 2))]
     pulses, peaks = zip(*drawn, strict=True)
     N, C = np.array(peaks) * at / spectrum.rms, np.sqrt(device.spring * device.mass) / QUALITY
-    cells = to_cells(one, 0, N, 1.0, C, 0.0, np.arange(len(pulses)))
-    asked = Settings(horizon=0.0, until="snap", repeat=False, pulses=pulses)
+    cells = to_cells(one, 0, N, 1.0, C, 0.0, np.arange(len(pulses)), pulses)
+    asked = Settings(horizon=0.0, until="snap", repeat=False)
     model, shortest, rows = choose_survey(one, {"name": "auto"}).decides, None, []
     for factor in few(FACTORS, 2):
         begin = time.process_time()

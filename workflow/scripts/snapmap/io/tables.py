@@ -80,7 +80,8 @@ def read_shots(path: str | Path, sha256: str = "") -> dict[str, np.ndarray]:
 def shot_columns(shots: str | Path | Mapping[str, Sequence]) -> dict[str, np.ndarray]:
     """Columns of shots from a file, or as they are given; ValueError, one line, if they cannot be.
 
-    N may be missing beside file; without a column there is no shot.
+    N, f0 (Hz) and duration (us) are above 0, or NaN; tripped are bools, the others text. N may be
+    missing beside file; without a column there is no shot.
     """
     table = read_shots(shots) if isinstance(shots, str | Path) else shots
     columns = {str(key): np.asarray(table[key]).ravel() for key in table}
@@ -94,16 +95,31 @@ def shot_columns(shots: str | Path | Mapping[str, Sequence]) -> dict[str, np.nda
     sizes = {key: values.size for key, values in columns.items()}
     if len(set(sizes.values())) > 1:
         raise ValueError(f"shots: columns differ in length, {sizes}; write a row for each shot")
+    for key, values in columns.items():
+        entries = [_entry(key, *pair) for pair in enumerate(values.tolist(), start=1)]
+        columns[key] = np.array(
+            entries, bool if key == "tripped" else float if key in SHOCKS else object
+        )
     return columns
 
 
-def answers(values: Sequence) -> np.ndarray:
-    """Whether each shot tripped, (shots,); ValueError, one line, for what tells it of none."""
-    words = [value.strip().lower() if isinstance(value, str) else value for value in values]
-    for place, (word, value) in enumerate(zip(words, values, strict=True), start=1):
+def _entry(key, row, value):
+    """What stands in a row of a column of shots: whether it tripped, a number or NaN, or text."""
+    is_empty = value is None or value == "" or value != value
+    if key == "tripped":
+        word = value.strip().lower() if isinstance(value, str) else value
         if word not in ANSWERS:
-            raise ValueError(f"shots, row {place}: tripped: {show(value)} is not true or false")
-    return np.array([ANSWERS[word] for word in words], bool)
+            raise ValueError(f"shots, row {row}: tripped: {show(value)} is not true or false")
+        return ANSWERS[word]
+    if key in SHOTS:
+        return "" if is_empty else str(value)
+    try:
+        number = math.nan if is_empty else float(value)
+    except (TypeError, ValueError):
+        number = 0.0
+    if not (is_empty or 0 < number < math.inf):
+        raise ValueError(f"shots, row {row}: {key}: {show(value)} is no number above 0")
+    return number
 
 
 def read_verdicts(path: str | Path) -> list[dict]:

@@ -16,7 +16,7 @@ from ..io.provenance import recipe
 from ..io.variables import dress
 from ..solver import simd_loop
 from ..solver.adaptive import choose_model
-from ..solver.cells import rows_of, to_cells
+from ..solver.cells import rows_of
 from ..solver.kernel.rows import LANES
 from ..solver.kernel.trace import SAMPLE
 from ..solver.outcome import FAILED
@@ -58,15 +58,14 @@ def trace(study: Study, cube: xr.Dataset, earlier: xr.Dataset | None = None) -> 
     level = cube.level.values.ravel() if "level" in cube else np.zeros(cube.outcome.size, int)
     halvings = cube.halvings.values.ravel()
     rows, N = rows_of(grid), grid.axes["N"]
-    device_of, f0, C, pulse = (np.repeat(column, N.size) for column in rows)
-    N = np.tile(N, rows.f0.size)
-    cells = to_cells(grid.device, device_of, N, f0, C, settings.horizon, pulse)
+    cells = rows.cells(grid.device, N, settings.horizon).flat()
+    device_of, size = cells.device, cells.device.size
     window = _window(grid.device, cube, cells, settings)
-    bins = next((n for n in BINS if n * len(BANDS) * N.size <= BYTES), BINS[-1])
+    bins = next((n for n in BINS if n * len(BANDS) * size <= BYTES), BINS[-1])
     made_by = recipe(json.loads(cube.attrs["config"]), grid.pulses, bins)
     held, known = recall(earlier, grid, made_by)
-    values = np.full((len(BANDS), bins, N.size), np.nan, np.float32)
-    bin_length, stress = np.zeros(N.size, np.float32), np.full(N.size, np.nan, np.float32)
+    values = np.full((len(BANDS), bins, size), np.nan, np.float32)
+    bin_length, stress = np.zeros(size, np.float32), np.full(size, np.nan, np.float32)
     if held:
         values[:] = [held[key].T for key in BANDS]
         bin_length[known] = held["bin_length"][known]
@@ -76,7 +75,7 @@ def trace(study: Study, cube: xr.Dataset, earlier: xr.Dataset | None = None) -> 
         alike = np.flatnonzero(new & (level == number) & (halvings == halved))
         for mine, part in levels[number].with_step(0.5**halved).split(device_of[alike]):
             at = alike[mine]
-            followed = part, grid.pulses, cells.some(at), window[at], bins, settings.threads
+            followed = part, cells.some(at), window[at], bins, settings.threads
             motion, length, stress[at] = _follow(*followed)
             values[..., at], bin_length[at] = _shown(motion, length, window[at]), length
     y = values[2] - values[2, 0]
@@ -111,7 +110,7 @@ def _window(device, cube, cells, settings):
     return np.where(np.isnan(settled), ended, settled + swing)
 
 
-def _follow(model, pulses, cells, window, bins, threads):
+def _follow(model, cells, window, bins, threads):
     """Values, (variables, bins, cells), lengths of the bins, us, and the largest stress, MPa.
 
     window: time followed, us
@@ -120,7 +119,7 @@ def _follow(model, pulses, cells, window, bins, threads):
     device = model.device
     gap = np.where(device.is_alone, np.nan, device.gap)
     origin = np.stack([first, first, first + gap[cells.device]])
-    dt = model.steps.of(cells, pulses, MOVE)
+    dt = model.steps.of(cells, MOVE)
     width = SAMPLE * np.ceil(window / (bins * SAMPLE * dt)).astype(np.int64)
     values, stress = np.empty((len(BANDS), bins, width.size)), np.full(width.size, np.nan)
     rows = None
@@ -130,10 +129,9 @@ def _follow(model, pulses, cells, window, bins, threads):
     order = np.argsort(width, kind="stable")
 
     def follow(these):
-        loads = *(column[these] for column in cells[1:5]), width[these]
-        of = cells.device[these]
+        of, own = cells.device[these], None if rows is None else rows[these]
         w_range, instants, stress[these] = simd_loop.trace(
-            model, of, dt[these], pulses, loads, bins, None if rows is None else rows[these]
+            model, cells.some(these), dt[these], width[these], bins, own
         )
         # Half way through the step in which it bounces the mass is beyond a stop.
         np.clip(instants[0], -device.stop_toward[of], device.stop_away[of], instants[0])

@@ -67,7 +67,7 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
         raise ValueError("pulse: several; a history is of one shape in one direction")
     device, settings = study.device, study.settings._replace(repeat=False)
     built, cells, t_snap = _cell(study, N, f0, C)
-    blow = blow_at(settings.pulses, cells.pulse, t_snap * cells.f0).item()
+    blow = blow_at(cells.pulses, cells.pulse, t_snap * cells.f0).item()
     dt, values, extremes = _record(built, cells, settings, SAMPLES)
     document = {
         **device_sections(device),
@@ -90,7 +90,7 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
         time_step=dt,
         **extremes._asdict(),
         **{key: place for key, place in stops.items() if math.isfinite(place)},
-        **({"blow": blow} if settings.pulses[0].blows.size else {}),
+        **({"blow": blow} if cells.pulses[0].blows.size else {}),
         **_differences(built, cells, settings),
     )
 
@@ -121,7 +121,8 @@ def extremes_of(study: Study, N: float, f0: float, C: float, step: float = 1.0) 
 
 def _cell(study, N, f0, C):
     """The model at the step that a sweep takes for a cell, the cell, and when it then snaps, us."""
-    cells = to_cells(study.device, [0], [N], [f0], [C], study.settings.horizon)
+    at = [0], [N], [f0], [C], study.settings.horizon, 0, study.shocks.pulses
+    cells = to_cells(study.device, *at)
     built = choose_model(study.device, study.model).levels[-1]
     seen = built.follow(cells, study.settings._replace(repeat=False))
     return built.with_step(0.5 ** seen.halvings.item()), cells, seen.t_snap
@@ -132,11 +133,11 @@ def _record(built, cells, settings, samples):
 
     samples: instants that are kept or more, every one of a power of two of steps
     """
-    dt = built.steps.of(cells, settings.pulses, MOVE).item()
-    amplitude, per_us, damping, t_end = (column.item() for column in cells[2:])
+    dt = built.steps.of(cells, MOVE).item()
+    amplitude, per_us, damping, t_end = (column.item() for column in cells[2:6])
     steps = int(np.ceil(t_end / dt))
     stride = 2 ** max(0, math.floor(math.log2(max(1, steps / samples))))
-    shock, device, first = settings.pulses[0], built.device, built.barrier.first
+    shock, device, first = cells.pulses[0], built.device, built.barrier.first
     form, motions = built.loop().record(built, shock, amplitude, per_us, damping, dt, steps)
     stress, rest = stress_of(device.beam, built.basis, form.shapes), first + device.gap
     largest, to_snap, snapped = np.array([0.0, 0.0, 0.0, -np.inf]), -np.inf, False

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..axes import Grid
 from ..pulse import blow_at
-from ..solver.cells import Rows, rows_of, to_cells
+from ..solver.cells import Rows, rows_of
 from ..solver.model import Follows
 from ..solver.outcome import ABSENT, FAILED, REPEATED_STEP, label, t_snap_error, work_error
 from ..solver.settings import Settings
@@ -34,8 +34,7 @@ def follow_rows(
     """Follow rows of cells, each through all N; returns each variable of a cube, (rows, N)."""
     there, N = rows.device >= 0, np.asarray(N)
     order = np.argsort(N, kind="stable")
-    device, f0, C, pulse = (column[there, np.newaxis] for column in rows)
-    cells = to_cells(model.device, device, N[order], f0, C, settings.horizon, pulse)
+    cells = rows.some(there).cells(model.device, N[order], settings.horizon)
     seen = model.follow(cells, settings)
     variables = _variables(seen, settings)
     if settings.repeat:
@@ -43,8 +42,8 @@ def follow_rows(
         variables |= _repeated(variables, _variables(again, settings))
         for compare in (work_error, t_snap_error):
             variables[compare.__name__] = compare(seen, again).astype(np.float32)
-    if any(pulse.blows.size for pulse in settings.pulses):
-        variables["blow"] = blow_at(settings.pulses, cells.pulse, seen.t_snap * cells.f0)
+    if any(pulse.blows.size for pulse in rows.pulses):
+        variables["blow"] = blow_at(rows.pulses, cells.pulse, seen.t_snap * cells.f0)
     for key, values in variables.items():
         variables[key] = np.full((there.size, N.size), ABSENCE[key], values.dtype)
         variables[key][np.ix_(there, order)] = values

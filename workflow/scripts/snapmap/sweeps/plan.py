@@ -125,7 +125,7 @@ def _expected_of_each(grid, model, settings, f0):
     """Shortest step, us, and the time of one cell of each device and f0, s; mean over pulses."""
     built = choose_model(grid.device, model).levels[0]
     device, pulse = np.arange(len(grid.device)), np.arange(len(grid.pulses))[:, np.newaxis]
-    at = device[:, np.newaxis, np.newaxis], 0.0, f0, 0.0, settings.horizon, pulse
-    settings, cells = settings._replace(pulses=grid.pulses), to_cells(grid.device, *at)
+    at = device[:, np.newaxis, np.newaxis], 0.0, f0, 0.0, settings.horizon, pulse, grid.pulses
+    cells = to_cells(grid.device, *at)
     dt, seconds = steps_and_seconds(built, cells, settings, model["name"] == "reference")
     return dt.min(), seconds.mean(axis=1)

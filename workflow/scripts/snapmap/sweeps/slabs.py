@@ -36,7 +36,7 @@ def slab_name(study: Study, slab: Slab) -> str:
     apart = {key: slab[key] for key in SINGLE if key in slab}
     part, settings = study.part(slab), study.settings.asked()
     nominal = [asdict(device) for device in part.devices().values()]
-    pulses = [hashlib.sha256(p.pieces.tobytes()).hexdigest() for p in part.settings.pulses]
+    pulses = [hashlib.sha256(p.pieces.tobytes()).hexdigest() for p in part.shocks.pulses]
     common = [nominal, study.model, settings, pulses, list(slab), apart]
     plain = json.dumps(common, sort_keys=True, default=np.ndarray.tolist)
     others = ", ".join(_text(values) for key, values in slab.items() if key not in SINGLE)
@@ -57,8 +57,7 @@ def write_slab(study: Study, slab: Slab, path: str | Path, code: str = "") -> di
     """
     variables, known = recall(path, slab, code, same_N=study.model["name"] == "auto")
     grid = study.part(slab).set_out({key: slab[key] for key in slab if key not in NAMES})
-    settings = study.settings._replace(pulses=grid.pulses)
-    _follow_unknown(grid, study.model, settings, variables, known)
+    _follow_unknown(grid, study.model, study.settings, variables, known)
     with replacing(path) as temporary:
         with netCDF4.Dataset(temporary, "w") as file:
             file.slab, file.code = slab_name(study, slab), code

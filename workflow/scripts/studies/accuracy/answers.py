@@ -85,7 +85,7 @@ def ask(model: Model, probe: Probe, settings: Settings) -> np.ndarray:
         step = min(SCAN_STEP, (reach - 1) / 2)
         lowest[left] = lowest_snap(model, rows.some(left), bracket, settings, TOLERANCE, step)
     N = np.nan_to_num(ABOVE * lowest)
-    cells = to_cells(model.device, 0, N, rows.f0, rows.C, settings.horizon, rows.pulse)
+    cells = to_cells(model.device, 0, N, rows.f0, rows.C, settings.horizon, *rows[3:])
     return np.array([lowest, model.follow(cells, settings).t_snap])
 
 

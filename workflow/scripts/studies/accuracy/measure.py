@@ -34,10 +34,10 @@ def measure(
 
     axes: C, f0 and N of the sweep from whose range the cells are chosen
     settings: with the threads for the thresholds; the map is always timed on one
-    shocks: of the study; its pulses are those of the settings
+    shocks: of the study
     What the device does not afford is cut down, and `left_out` says so.
     """
-    settings = settings._replace(until="edge", repeat=False, pulses=shocks.pulses)
+    settings = settings._replace(until="edge", repeat=False)
     axes, settings, plan, left_out, slowest = afford(device, axes, settings, plan, shocks)
     probe = make_probe(device, axes, settings, plan, shocks, slowest)
     converged = {CONVERGED: converge(device, probe, settings, plan.converged)}

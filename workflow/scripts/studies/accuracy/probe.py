@@ -49,7 +49,8 @@ def list_rows(axes: Mapping[str, Sequence[float]], shocks: Shocks) -> Rows:
     C, f0 = (np.sort(np.asarray(axes[key], float)) for key in ("C", "f0"))
     quarters = np.round(np.array([0.25, 0.5, 0.75]) * (f0.size - 1)).astype(int)
     pulse = np.arange(len(shocks.pulses))[:, np.newaxis, np.newaxis]
-    rows = to_rows(0, f0[np.unique(quarters)], np.unique(C[[0, -1]])[:, np.newaxis], pulse)
+    few, C = f0[np.unique(quarters)], np.unique(C[[0, -1]])[:, np.newaxis]
+    rows = to_rows(0, few, C, pulse, shocks.pulses)
     count = rows.f0.size
     return rows.some(np.unique(np.linspace(0, count - 1, min(count, MOST_ROWS)).astype(int)))
 
@@ -59,7 +60,7 @@ def list_own_rows(device: Device, slowest: float, shocks: Shocks) -> Rows:
     f0 = device.own_frequency / (2 * math.pi) * 1e6 * OWN_PULSES
     damping = OWN_DAMPING * math.sqrt(device.spring * device.mass)
     pulse = np.arange(len(shocks.pulses))[:, np.newaxis]
-    return to_rows(0, f0[f0 >= slowest], damping, pulse)
+    return to_rows(0, f0[f0 >= slowest], damping, pulse, shocks.pulses)
 
 
 def make_probe(
@@ -82,7 +83,8 @@ def make_probe(
     if not clean.any():
         own = list_own_rows(device, slowest, shocks)
         seen = look(device, own, settings, plan.judges)
-        rows = Rows(*(np.append(ours, more) for ours, more in zip(rows, own, strict=True)))
+        both = zip(rows[:-1], own[:-1], strict=True)
+        rows = Rows(*(np.append(*pair) for pair in both), shocks.pulses)
         found, clean = np.append(found, seen[0]), np.append(clean, seen[1])
     kept = np.isfinite(found)
     return Probe(rows.some(kept), found[kept], clean[kept], of_map, shocks)
