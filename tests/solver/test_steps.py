@@ -13,7 +13,9 @@ from snapmap.solver.models import build_model
 from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import EDGE, MOVE, QUESTIONS, SNAP, STAY, Settings
 from snapmap.solver.steps import (
+    FAST,
     FEWEST,
+    HOLDS,
     LONGEST,
     MORE,
     OF_LIMIT,
@@ -24,6 +26,7 @@ from snapmap.solver.steps import (
     arch_frequency,
     bending_limit,
     fixed,
+    most_steps,
     stability_limit,
     stiffness_share,
 )
@@ -34,8 +37,10 @@ RULE = Steps(
     shortest=np.array([0.05]),
     blows=np.array([100.0]),
     apart=np.array([False]),
+    returns=np.array([False]),
     chatter=np.array([0.0]),
     calms=np.array([1e3]),
+    most=np.array([np.inf]),
     per_swing=500,
 )
 VERSED_SINE = (make_pulse(),)
@@ -75,20 +80,38 @@ def test_a_pulse_of_many_swings_has_steps_in_each(handout):
 
 
 @pytest.mark.parametrize(
-    ("direction", "shape", "apart", "expected"),
+    ("direction", "shape", "part", "f0", "expected"),
     [
-        ("+z", "versed sine", False, 3.0),
-        ("+z", "trapezoid", False, 1.2),  # corners ring the beam
-        ("-z", "versed sine", False, 0.3),  # the mass flies off, and strikes on its way back
-        ("-z", "trapezoid", False, 0.3),
-        ("+z", "versed sine", True, 0.3),  # or crosses a gap
+        ("+z", "versed sine", None, 400.0, 3.0),
+        ("+z", "trapezoid", None, 400.0, 1.2),  # corners ring the beam
+        ("-z", "versed sine", None, 10.0, 0.3),  # the mass flies off, and strikes on its way back
+        ("-z", "trapezoid", None, 10.0, 0.3),
+        ("+z", "versed sine", "returns", 10.0, 0.3),
+        ("+z", "versed sine", "apart", 500.0, 0.3),  # or crosses a gap
+        ("+z", "versed sine", "apart", 300.0, 3.0),  # so slowly that it lands softly
+        ("+z", "versed sine", "apart", 330.0, 3.0 * (300 / 330) ** 6),
+        ("+z", "trapezoid", "apart", 300.0, 1.2),
     ],
 )
-def test_what_strikes_is_followed_closely(handout, direction, shape, apart, expected):
-    rule = replace(RULE, apart=np.array([apart]), cornered=0.4, striking=0.1)
+def test_what_strikes_is_followed_closely(handout, direction, shape, part, f0, expected):
+    """The device's own frequency is 10 kHz."""
+    apart = {part: np.array([True])} if part else {}
+    own = {"calms": np.array([1e6 / (FAST * 1e4)]), "per_swing": 1.0}
+    rule = replace(RULE, cornered=0.4, striking=0.1, **own, **apart)
     pulse = make_pulse(shape) if direction == "+z" else make_pulse(shape).reversed()
     for question, step in ((SNAP, expected), (EDGE, expected), (STAY, 0.2)):
-        assert step_of(rule, handout, 10.0, question, (pulse,)) == pytest.approx(step)
+        assert step_of(rule, handout, f0, question, (pulse,)) == pytest.approx(step)
+
+
+def test_slow_pulses_take_as_many_steps_however_slow(handout):
+    """More where the mass is heavy, or its spring holds the beam back."""
+    rule = replace(RULE, most=np.array([2000.0]))
+    assert step_of(rule, handout, 10.0) == pytest.approx(1e5 / 2000)
+    assert step_of(rule, handout, 10.0, pulses=(make_pulse("trapezoid"),)) == 3.0
+    heavier = replace(handout, mass=16 * handout.mass)
+    stiffer = replace(handout, spring=2 * HOLDS * 192 * handout.beam.stiffness_unit)
+    most, *more = (most_steps(device) for device in (handout, heavier, stiffer))
+    assert more == pytest.approx([2 * most, 8 * most])
 
 
 @pytest.mark.parametrize(
@@ -176,6 +199,16 @@ def test_thresholds_are_those_of_a_tenth_of_the_step(handout, shape, contact):
     asked = np.array([100.0, 300.0, 1000.0]), 200.0, pulse, 1e-5
     found, fine = (threshold(one, *asked) for one in (model, model.with_step(0.1)))
     np.testing.assert_allclose(found, fine, rtol=1e-3)
+
+
+@pytest.mark.parametrize("values", [{}, {"mass": 1e6}, {"gap": 1.0}])
+def test_slow_thresholds_are_exact_to_1e_4(handout, values):
+    """At rest on the beam, a hundred times as heavy, or across a gap."""
+    device = replace(handout, **values)
+    model, own = build_model(device, "cosines", modes=4), device.own_frequency / (2 * np.pi) * 1e6
+    asked = np.array([0.01, 0.028]) * own, 25.0, make_pulse(), 1e-6
+    found, fine = (threshold(one, *asked) for one in (model, model.with_step(0.2)))
+    np.testing.assert_allclose(found, fine, rtol=1e-4)
 
 
 @pytest.mark.parametrize(("f0", "coarse"), [(100.0, 250), (300.0, 500)])

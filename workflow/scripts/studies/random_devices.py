@@ -19,8 +19,8 @@ FREQUENCIES, SLOWEST = (0.05, 20.0), 0.01
 
 def draw_device(draw: np.random.Generator) -> Device:
     """A silicon beam and a mass on a spring, light or heavy, soft or stiff; some contacts hard."""
-    Q, span = draw.uniform(2.5, 8.0), _even(draw, 200.0, 2000.0)
-    thickness = span / 300 * _even(draw, 0.3, 3.0)
+    Q, span = draw.uniform(2.5, 8.0), even(draw, 200.0, 2000.0)
+    thickness = span / 300 * even(draw, 0.3, 3.0)
     beam = Beam(
         span=span,
         rise=Q * thickness,
@@ -30,11 +30,11 @@ def draw_device(draw: np.random.Generator) -> Device:
         density=2.33e-3,
     )
     stiffness = 192 * beam.stiffness_unit
-    contact = math.inf if draw.random() < 0.5 else stiffness * _even(draw, 0.1, 100.0)
+    contact = math.inf if draw.random() < 0.5 else stiffness * even(draw, 0.1, 100.0)
     return Device(
         beam,
-        mass=_even(draw, 1e2, 1e6),
-        spring=stiffness * _even(draw, 0.02, 20.0),
+        mass=even(draw, 1e2, 1e6),
+        spring=stiffness * even(draw, 0.02, 20.0),
         contact=contact,
         gravity=9.81e-6,
     )
@@ -48,8 +48,8 @@ def draw_any_device(draw: np.random.Generator) -> Device:
         # Up to half of the tension that leaves no second shape, or as much compression.
         beam = replace(beam, residual_stress=draw.uniform(-0.5, 0.5) * beam.most_stress)
     if draw.random() < 0.25:
-        beam = replace(beam, free=1.0, imperfection=beam.thickness * _even(draw, 0.01, 1.0))
-    gap = beam.rise * _even(draw, 0.03, 3.0) if draw.random() < 0.5 else 0.0
+        beam = replace(beam, free=1.0, imperfection=beam.thickness * even(draw, 0.01, 1.0))
+    gap = beam.rise * even(draw, 0.03, 3.0) if draw.random() < 0.5 else 0.0
     return replace(device, beam=beam, gap=gap)
 
 
@@ -57,10 +57,10 @@ def draw_widest_device(draw: np.random.Generator) -> Device:
     """A device as drawn above, some with stops, at another temperature, or of another shape."""
     device = draw_any_device(draw)
     if draw.random() < 0.3:
-        way = device.gap + device.beam.rise * _even(draw, 0.3, 3.0)
+        way = device.gap + device.beam.rise * even(draw, 0.3, 3.0)
         device = replace(device, stop_toward=way, restitution=draw.uniform(0.0, 0.9))
     if draw.random() < 0.3:
-        device = replace(device, stop_away=device.beam.rise * _even(draw, 0.1, 3.0))
+        device = replace(device, stop_away=device.beam.rise * even(draw, 0.1, 3.0))
     beam = replace(device.beam, shape=str(draw.choice(BEAM_SHAPES)))
     if beam.shape != COSINE:
         # Without compression it has no second shape.
@@ -91,11 +91,11 @@ def draw_shocks(
 ) -> tuple[list[float], list[float]]:
     """Frequencies (Hz; between some, over the device's own) and dampings C (uN us/um)."""
     own = device.own_frequency / (2 * math.pi) * 1e6
-    f0 = sorted(own * _even(draw, *frequencies) for _ in range(PULSES))
+    f0 = sorted(own * even(draw, *frequencies) for _ in range(PULSES))
     critical = math.sqrt(device.spring * device.mass)
     return f0, [share * critical for share in DAMPINGS]
 
 
-def _even(draw, low, high):
+def even(draw, low, high):
     """A number whose logarithm is evenly distributed."""
     return float(math.exp(draw.uniform(math.log(low), math.log(high))))

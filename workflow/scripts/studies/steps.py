@@ -13,6 +13,7 @@ from snapmap import load_device
 from snapmap.beam.equilibria import static_threshold
 from snapmap.device import batch
 from snapmap.io.markdown import number, table
+from snapmap.pulse import Shocks, make_pulse
 from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
@@ -29,6 +30,7 @@ from .random_devices import (
     draw_device,
     draw_pulse,
     draw_shocks,
+    even,
 )
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -51,6 +53,8 @@ RULES = {
     "`STRIKING` five times": {"striking": 5.0},
 }
 """By what the constants of the rule for EDGE are multiplied."""
+SLOW_RULES = {key: RULES[key] for key in (DEFAULT, "`MOST` halved")}
+SLOW_RULES |= {"as without a gap": {"apart": False}}
 FINE, FINER = {"factor": 0.15}, {"factor": 0.1}
 AGREED, REFINED, NEAR = 2e-4, 2e-6, 1.04
 """Rows in which the fine rules agree so well are judged; thresholds are refined so far, near."""
@@ -58,6 +62,16 @@ F0, C = np.geomspace(1e3, 3e4, 18), np.array([25.0, 200.0])
 """Of the handout's device, whose mass strikes the beam again and again."""
 PRESSED = 0.003, 1.0
 """Frequencies over the device's own at which a mass is pressed on a hard contact without a gap."""
+SLOW = 0.004, 0.1
+"""Likewise, at which a pulse moves the mass from rest to rest."""
+LANDINGS = {
+    "at rest": lambda device, draw: device,
+    "at rest, hard": lambda device, draw: replace(device, contact=np.inf),
+    "gap": lambda device, draw: replace(device, gap=device.beam.rise * even(draw, 0.03, 3.0)),
+    "gap, hard": lambda device, draw: LANDINGS["gap"](replace(device, contact=np.inf), draw),
+    "stop": lambda device, draw: replace(device, stop_away=device.beam.rise * even(draw, 0.1, 3.0)),
+}
+"""What the mass meets under a slow pulse."""
 LONGEST_PULSE = 1e5
 """Pulses of more than so many of the arch's radians are left out where nothing is pressed."""
 STAYS, MOVES = (0.2, 0.4, LONGEST[STAY], 0.7, 1.0), (0.05, LONGEST[MOVE], 0.2, 0.3)
@@ -68,6 +82,7 @@ def main():
     warnings.simplefilter("ignore")
     print(table(["steps", *HEAD, *HEAD[:-1]], edges()))
     print(table(["steps, pressed on a hard contact", *HEAD], pressed()))
+    print(table(["slow pulses", "steps", *HEAD], slow()))
     print(table(["contact, N/m", *(f"{turn:g}" for turn in few(STAYS))], stays()))
     head = [f"{turn:g}: median, 95 %, within 2 %" for turn in few(MOVES)]
     print(table(["contact, N/m", *head], moves()))
@@ -114,6 +129,18 @@ def pressed():
         yield [name, *_spread(found)]
 
 
+def slow():
+    """Rows: errors of thresholds of slow pulses by what the mass meets, and by rule."""
+    shocks = Shocks(make_pulse())
+    for name, landing in few(LANDINGS).items():
+        draw, errors = np.random.default_rng(SEED + 2), []
+        for _ in range(few(DEVICES)):
+            device = landing(draw_device(draw), draw)
+            errors.append(errors_of(device, shocks, draw, SLOW, np.inf, SLOW_RULES))
+        for rule, found in zip(few(SLOW_RULES), np.concatenate(errors, axis=1), strict=True):
+            yield [name, rule, *_spread(found)]
+
+
 def _spread(errors):
     """Cells of a table: how many rows, their errors, and how many found nothing near."""
     off = abs(errors[np.isfinite(errors)])
@@ -122,7 +149,7 @@ def _spread(errors):
     return [str(errors.size), *shown, str(np.sum(np.isnan(errors)))]
 
 
-def errors_of(device, shocks, draw, frequencies=FREQUENCIES, longest=LONGEST_PULSE):
+def errors_of(device, shocks, draw, frequencies=FREQUENCIES, longest=LONGEST_PULSE, rules=RULES):
     """Relative errors of one random device's well-posed thresholds, (rules, rows)."""
     model = build_model(batch([device]), "cosines", modes=COSINES)
     f0, C = draw_shocks(draw, device, frequencies)
@@ -130,10 +157,10 @@ def errors_of(device, shocks, draw, frequencies=FREQUENCIES, longest=LONGEST_PUL
     f0 = [one for one in f0 if 2e-6 * np.pi * one * longest > arch] or f0[-1:]
     rows = to_rows(0, np.array(f0), np.array(C)[:, np.newaxis], 0, shocks.pulses)
     horizon = min(4 * 2 * np.pi / device.own_frequency, 3e4 / arch)
-    return errors_of_rows(device, rows, Settings(horizon, threads=THREADS))
+    return errors_of_rows(device, rows, Settings(horizon, threads=THREADS), rules)
 
 
-def errors_of_rows(device, rows, settings):
+def errors_of_rows(device, rows, settings, rules=RULES):
     """Relative errors of well-posed thresholds, (rules, rows); NaN where none is near."""
     model = build_model(batch([device]), "cosines", modes=COSINES)
 
@@ -148,7 +175,7 @@ def errors_of_rows(device, rows, settings):
     finer = threshold_near(ask(FINER), fine)
     posed = abs(fine / finer - 1) < AGREED
     known = np.where(posed, finer, np.nan)
-    found = [threshold_near(ask(rule), known) / known - 1 for rule in few(RULES).values()]
+    found = [threshold_near(ask(rule), known) / known - 1 for rule in few(rules).values()]
     return np.array(found)[:, posed]
 
 

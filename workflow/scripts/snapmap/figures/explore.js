@@ -185,7 +185,7 @@ function drawMap() {
   const codes = byCell((k) => cells[view.code][k]);
   const hasLines = axes[Y].name === "N" && view.name === "snap";
   const lines = hasLines ? thresholds() : LINES.map(() => ({ x: [], y: [] }));
-  listClasses(codes.flat(), apart.length, lines.map(({ y }) => y.take(Number.isFinite)));
+  listClasses(codes.flat(), apart.length, lines.map(({ y }) => y.some(Number.isFinite)));
   const layers = { x: lines.map(({ x }) => x), y: lines.map(({ y }) => y) };
   Plotly.restyle(map, layers, LINES);
   const inks = apart.map(([i, j]) => inkOn(view.states[codes[j][i]].colour));
@@ -341,7 +341,7 @@ function left(energy) {
 function drawDevice() {
   const chosen = Object.fromEntries(axes.map(({ name, texts }, n) => [name, texts[at[n]]]));
   const written = study.devices[chosen.device ?? ""] ?? [];
-  const further = study.varied.filter(([key]) => !written.take(([own]) => own === key));
+  const further = study.varied.filter(([key]) => !written.some(([own]) => own === key));
   const rows = [...written, ...further].map(([key, words, text]) =>
     `<tr><th scope="row">${words}</th><td>${chosen[key] ?? text}</td></tr>`);
   document.getElementById("device").innerHTML = `The device ${chosen.device ?? ""}`;

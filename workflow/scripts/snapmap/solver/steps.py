@@ -30,14 +30,23 @@ BLOWS = 400.0
 blows decide. Longer pulses leave it steps that grow with the square of their length."""
 LONGEST = {SNAP: 5.0, EDGE: 5.0, STAY: 0.5, MOVE: 0.12}
 """Over the arch's frequency, by question."""
-MOST = 20_000
+MOST = 700.0
 """Steps in each swing of a smooth pulse that are enough for SNAP and EDGE, however slow: the beam
-follows it from rest to rest."""
+follows it from rest to rest. So many where the mass is the beam's; they grow with its fourth
+root."""
+LIGHT = 16.0
+"""Mass over the beam's up to which they do not grow."""
+HOLDS = 3.0
+"""Stiffness of a spring over the clamped beam's, 192 EI/L^3, from which on they grow with its
+cube: such a mass holds the beam back, and lets it snap alone."""
 CORNERED = 0.4
 """Times the longest step for SNAP and EDGE, of pulses with corners, which ring the beam."""
 STRIKING = 0.05
 """The same, where the mass strikes with a run-up: across a gap, after a pulse that pulls, back from
 a stop, or in a train of blows."""
+LANDING = 0.03
+"""Frequency of a pulse that presses, over the device's own, below which the mass lands so softly
+across a gap that it does not matter; above, steps fall to STRIKING with the sixth power."""
 STIFF = 90.0
 """Stiffness of a contact over the clamped beam's, 192 EI/L^3, that counts as half a hard one."""
 CHATTER = CORNERED / STRIKING - 1
@@ -46,7 +55,7 @@ contact, pressed by a pulse with corners or by a smooth one that is not slow: it
 FAST = 0.1
 """Frequency of a smooth pulse, over the device's own, from which on the mass chatters under it."""
 
-PARTS = "shortest", "blows", "apart", "chatter", "calms"
+PARTS = "shortest", "blows", "apart", "returns", "chatter", "calms", "most"
 """Of the rule that each device has its own of."""
 
 
@@ -57,11 +66,12 @@ class Steps:
     longest: us, (devices,), by question
     shortest: us, (devices,): so long a step resolves the device, however short the pulse
     blows: us, (devices,): swings up to which blows decide
-    apart: whether the mass rests apart from the beam, or comes back from a stop, (devices,)
+    apart: whether the mass rests apart from the beam, (devices,)
+    returns: whether it comes back from a stop, (devices,)
     chatter: by how much more steps a mass asks that chatters on its contact, (devices,)
     calms: us, (devices,): swings of smooth pulses below which it does
+    most: steps in each swing of a smooth pulse that are enough for SNAP and EDGE, (devices,)
     per_swing: steps in each swing of a pulse
-    most: steps in each swing of a smooth pulse that are enough for SNAP and EDGE
     cornered: times the longest for these, of pulses with corners
     striking: the same, where the mass strikes with a run-up
     factor: by which all are multiplied
@@ -71,10 +81,11 @@ class Steps:
     shortest: np.ndarray
     blows: np.ndarray
     apart: np.ndarray
+    returns: np.ndarray
     chatter: np.ndarray
     calms: np.ndarray
+    most: np.ndarray
     per_swing: float
-    most: float = np.inf
     cornered: float = 1.0
     striking: float = 1.0
     factor: float = 1.0
@@ -90,12 +101,19 @@ class Steps:
         longest = self.longest[question][cells.device]
         if question in (SNAP, EDGE):
             smooth, strikes = np.array([(one.is_smooth, one.strikes) for one in cells.pulses]).T
-            strikes = strikes[cells.pulse] | self.apart[cells.device]
-            calm = smooth[cells.pulse] & ~strikes
-            fast = np.where(calm, 1 / (1 + (swing / self.calms[cells.device]) ** 2), 1.0)
-            pressed = longest / (1 + fast * self.chatter[cells.device])
-            careful = np.where(strikes, self.striking * longest, self.cornered * pressed)
-            longest = np.where(calm, np.maximum(pressed, swing / self.most), careful)
+            smooth, strikes = smooth[cells.pulse], strikes[cells.pulse] | self.returns[cells.device]
+            calm = swing / self.calms[cells.device]
+            fast = np.where(smooth, 1 / (1 + calm**2), 1.0)
+            corners = np.where(smooth, 1.0, self.cornered)
+            pressed = corners * longest / (1 + fast * self.chatter[cells.device])
+            apart = self.apart[cells.device]
+            bounces = 1 + self.chatter[cells.device] ** 2 / CHATTER
+            lands = (LANDING / FAST * calm) ** 2
+            lands = np.clip(lands * lands * lands, self.striking, 1 / bounces)
+            run_up = np.where(strikes, self.striking, np.where(apart, lands, 1.0))
+            rests = smooth & ~strikes & ~apart
+            slow = np.where(rests, swing / self.most[cells.device], 0.0)
+            longest = np.maximum(np.minimum(run_up * longest, pressed), slow)
         step = np.minimum(longest, np.maximum(resolved, shortest))
         fewest = min(self.factor, MORE) * swing / FEWEST
         return np.minimum(self.factor * step, fewest)
@@ -115,13 +133,22 @@ class Steps:
 def fixed(dt: np.ndarray) -> Steps:
     """The rule that has one step for each device, us, (devices,), but for very short pulses."""
     none = np.zeros(dt.shape)
-    return Steps(dict.fromkeys(QUESTIONS, dt), dt, dt, none.astype(bool), none, dt, FEWEST)
+    never, endless = none.astype(bool), none + np.inf
+    return Steps(dict.fromkeys(QUESTIONS, dt), dt, dt, never, never, none, dt, endless, FEWEST)
 
 
 def stiffness_share(device: Device) -> Value:
     """How near a contact is to a hard one, from 0 to 1: k / (k + 1), k over STIFF beams'."""
     softness = STIFF * 192 * device.beam.stiffness_unit / np.asarray(device.contact, float)
     return np.where(device.is_alone, 0.0, 1 / (1 + softness))
+
+
+def most_steps(device: Device) -> Value:
+    """Steps in each swing of a smooth pulse that are enough, however slow."""
+    beam = device.beam
+    mass = np.maximum(device.mass / (beam.mass_per_length * beam.span), LIGHT)
+    spring = np.maximum(device.spring / (HOLDS * 192 * beam.stiffness_unit), 1.0)
+    return MOST * np.sqrt(np.sqrt(mass)) * spring * spring * spring
 
 
 def explicit_steps(device: Device, modal: ModalBeam, step: float | None) -> Steps:
@@ -140,11 +167,12 @@ def steps_of(device: Device, modal: ModalBeam, step: float | None) -> Steps:
     period = np.atleast_1d(1 / arch_frequency(modal))
     longest = {question: turn * period for question, turn in LONGEST.items()}
     has_gap = np.greater(device.gap, 0) & np.isfinite(device.gap)
-    apart = np.broadcast_to(has_gap | device.has_stops, period.shape)
+    apart, returns = (np.broadcast_to(one, period.shape) for one in (has_gap, device.has_stops))
     chatter = np.broadcast_to(CHATTER * stiffness_share(device), period.shape)
     calms = np.broadcast_to(2 * np.pi / (FAST * device.own_frequency), period.shape)
-    of_devices = SHORTEST * period, BLOWS * period, apart, chatter, calms
-    return Steps(longest, *of_devices, PER_SWING, MOST, CORNERED, STRIKING)
+    most = np.broadcast_to(most_steps(device), period.shape)
+    of_devices = SHORTEST * period, BLOWS * period, apart, returns, chatter, calms, most
+    return Steps(longest, *of_devices, PER_SWING, CORNERED, STRIKING)
 
 
 def bending_limit(device: Device, modal: ModalBeam) -> Value:

@@ -34,6 +34,10 @@ BELOW, ABOVE = 0.7, 2.0
 SLOW = 0.05
 """A pulse that lasts 1 / SLOW times longer than the device's response moves it from rest to rest:
 it snaps where no rest is left, and at every N above."""
+FAST = 0.7
+"""Frequency of a pulse over the device's own from which on the finer models take its rows."""
+OPEN = 0.01
+"""A ragged row whose error bar is wider, relative, is not worth finer models."""
 RINGS = 0.25
 """From this share on, reckoned as SLOW, a device rings after the pulse: islands lie close below."""
 SLOW_REACH, SLOW_BESIDE = 2.0, 1.05
@@ -67,7 +71,7 @@ class Thresholds(NamedTuple):
     N_always: the lowest above which every N looked at snaps: from here on snapping is the rule
     N_pulse: the lowest N that snaps while the pulse lasts
     t_snap: at N_first, us after the pulse's start
-    level: of the models that decided: 1 where the first left too much open, else 0
+    level: of the models that decided: 1 of fast pulses, or where the first left too much open
     islands: number of separate stretches of N below N_always that snap
     island_from, island_to: their ends, (rows, most islands), NaN where a row has fewer
     """
@@ -101,8 +105,9 @@ def survey(
     highest: up to which N islands are looked for; ABOVE times the threshold if not given
     The cheap model scans; the one that decides looks again where labels change, and refines; the
     others, and another step, tell what that is worth. Where the cheap one fails, or sees another
-    threshold than the one that decides, that one scans too. Clean rows that are left open by more
-    than the models' tolerance are taken by finer ones.
+    threshold than the one that decides, that one scans too. Rows of fast pulses, unless wide
+    open, and clean ones that are left open by more than the models' tolerance, are taken by finer
+    models.
     """
     bound = least_amplitudes(models.decides, rows)
     thresholds = _survey(models, rows, settings, tolerance, highest, bound)
@@ -111,7 +116,11 @@ def survey(
         finer = models._replace(scans=models.decides), rows.take(lost)
         again = _survey(*finer, settings, tolerance, highest, bound[lost], SLACK * bound[lost])
         thresholds = _taken(thresholds, lost, again)
-    unsure = (thresholds.ragged == 0) & (thresholds.N_error > models.tolerance * thresholds.N_first)
+    fast = _is_fast(models.decides.device, rows)
+    error = thresholds.N_error / thresholds.N_first
+    clean = thresholds.ragged == 0
+    unsure = np.where(clean, fast | (error > models.tolerance), fast & (error < OPEN))
+    unsure &= thresholds.status == FOUND
     if models.finer is not None and unsure.any():
         again = survey(models.finer, rows.take(unsure), settings, tolerance, highest)
         thresholds = _taken(
@@ -165,6 +174,12 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
         np.count_nonzero(np.isfinite(islands[0]), axis=1),
         *islands,
     )
+
+
+def _is_fast(device, rows):
+    """Whether the beam follows a pulse by more than its first modes, (rows,)."""
+    swings = np.array([pulse.swings for pulse in rows.pulses])[rows.pulse]
+    return 2e-6 * np.pi * rows.f0 * swings > FAST * device.own_frequency[rows.device]
 
 
 def pace(device, rows):
