@@ -1,5 +1,7 @@
+import json
 import os
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 from snakemake.logging import logger
@@ -14,17 +16,16 @@ clone = Path(workflow.current_basedir.get_path_or_uri(secret_free=True))
 scripts = clone / "workflow" / "scripts"
 sys.path.append(str(scripts))
 os.environ.update(PYTHONDONTWRITEBYTECODE="1")  # jobs inherit it
-from snapmap.io.atomic import refuse_folders, remove_leftovers, remove_others
+from snapmap.io.atomic import hold, refuse_folders, remove_leftovers, remove_others
 from snapmap.io.job_log import SHELL_PREFIX
-from snapmap.io.lock import hold
 from snapmap.io.named import hold_to_plan
 from snapmap.io.progress import Progress, hush
-from snapmap.io.provenance import DRAWS, NUMBERS, code_hash
+from snapmap.io.provenance import DRAWS, NUMBERS, code_hash, device_sections
 from snapmap.config.devices import nominal
+from snapmap.config.doubts import descriptions, doubts
 from snapmap.config.products import products
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import read_document
-from snapmap.device import values_of
 from snapmap.study import THRESHOLD_SETTINGS
 from snapmap.sweeps.plan import make_plan
 from snapmap.sweeps.slabs import cells_in, slab_name
@@ -49,7 +50,7 @@ try:
     plan = make_plan(
         study.grid, study.model, study.settings, [h.f0 for h in study.histories]
     )
-    doubts = study.doubts()
+    doubted = doubts(study)
 except ValueError as error:
     sys.exit(str(error))  # Snakemake would put its own words before and after
 
@@ -64,16 +65,9 @@ progress = Progress({name: cells_in(slabs[name]) for name in new})
 # Parameters of the rules: what was made by other code is made again.
 numbers = code_hash(*NUMBERS, scripts / "jobs.py")
 drawing = code_hash(*DRAWS, scripts / "draw.py")
-studied = code_hash(*NUMBERS, scripts / "studies")
-FIGURES = ("map*", "snap*", "time*", "thresholds*", "damage_boundary*", "history_*")
-FIGURES += (
-    "statics*",
-    "requirements*",
-    "probability*",
-    "sensitivity*",
-    "yield*",
-    "calibration*",
-)
+studied = code_hash(*NUMBERS, clone / "studies")
+FIGURES = "map snap time thresholds damage_boundary history_ statics requirements"
+FIGURES += " probability sensitivity yield calibration"
 
 
 report: "workflow/report/study.rst"
@@ -83,7 +77,6 @@ wildcard_constraints:
     slab="[0-9a-f_]+",
     cell="[^/]+",
     which="|_[^/]+",
-    size="|_quick",
 
 
 onstart:
@@ -99,7 +92,7 @@ onstart:
             file=sys.stderr,
         )
     remove_leftovers("results")
-    for line in filter(None, [*study.descriptions(), study.left_out, *doubts]):
+    for line in filter(None, [*descriptions(study), study.left_out, *doubted]):
         print(line, file=sys.stderr)
     for handler in logger.handlers:
         if handler.name == "DefaultStreamHandler":
@@ -114,22 +107,20 @@ onerror:
 
 onsuccess:
     progress.close()
-    remove_others("results/figures", FIGURES, made.stems)
+    figures = [f"{stem}*" for stem in FIGURES.split()]
+    remove_others("results/figures", figures, made.stems)
     remove_others("results/histories", ["*"], made.histories)
     remove_others(
         "results", ["statics_*"], [f"statics{which}" for which in made.statics]
     )
-    told = ["find_threshold", "collect"]
-    told += ["check_requirements"] * bool(study.all_required)
-    told += ["find_tolerance"] * bool(study.tolerances)
-    told += ["fit_calibration"] * bool(study.calibration)
-    logs = [f"results/logs/{rule}.log" for rule in told]
-    logs += [log for log in progress.logs if "measure_" in log]
-    for log in map(Path, logs):
-        if log.exists():
-            # The last line is what was found; warnings were told as they came.
-            found = log.read_text(encoding="utf-8").splitlines()[-1:]
-            print(*found, file=sys.stderr)
+    logs = ["results/logs/find_threshold.log", "results/logs/collect.log"]
+    logs += ["results/logs/check_requirements.log"] * bool(study.all_required)
+    logs += ["results/logs/find_tolerance.log"] * bool(study.tolerances)
+    logs += ["results/logs/fit_calibration.log"] * bool(study.calibration)
+    for log in filter(os.path.exists, logs):
+        # The last line is the summary; warnings were printed as they came.
+        summary = Path(log).read_text(encoding="utf-8").splitlines()[-1:]
+        print(*summary, file=sys.stderr)
     if os.path.exists("results/explore.html"):
         print("results/explore.html: open it in a browser", file=sys.stderr)
 
@@ -138,11 +129,6 @@ include: "workflow/rules/common.smk"
 include: "workflow/rules/run.smk"
 include: "workflow/rules/draw.smk"
 include: "workflow/rules/studies.smk"
-
-
-localrules:
-    write_accuracy_table,
-    write_stability_table,
 
 
 rule all:

@@ -9,7 +9,7 @@ from pathlib import Path
 import yaml
 
 from snapmap.arguments import OPTIONS
-from snapmap.config import models, units
+from snapmap.config import calibration, devices, models, shocks, units
 from snapmap.config.keys import Range
 from snapmap.config.study import load_config
 from snapmap.device import VALUES
@@ -65,24 +65,24 @@ OF_VALUES = {
 """What a section has for each value of the device: what, example, if left out."""
 SECTIONS = {
     "": models.Document,
-    "device": models.DeviceSection,
-    "device.beam": models.BeamSection,
-    "device.beam.shape": models.ShapeSection,
-    "device.beam.clamp": models.ClampSection,
-    "device.stops": models.StopsSection,
-    "device.thermal": models.ThermalSection,
-    "device.strength": models.StrengthSection,
+    "device": devices.DeviceSection,
+    "device.beam": devices.BeamSection,
+    "device.beam.shape": devices.ShapeSection,
+    "device.beam.clamp": devices.ClampSection,
+    "device.stops": devices.StopsSection,
+    "device.thermal": devices.ThermalSection,
+    "device.strength": devices.StrengthSection,
     "model": models.ModelSection,
-    "pulse": models.PulseSection,
-    "each of pulse.train": models.Blow,
-    "pulse.drop": models.Drop,
-    "pulse.sweep": models.SineSweep,
+    "pulse": shocks.PulseSection,
+    "each of pulse.train": shocks.Blow,
+    "pulse.drop": shocks.Drop,
+    "pulse.sweep": shocks.SineSweep,
     "sweep": models.SweepSection,
     "an axis given as a range": Range,
     "tolerances": models.TolerancesSection,
-    "calibration": models.CalibrationSection,
-    "calibration.unknowns": models.UnknownsSection,
-    "each of requirements": models.RequirementSection,
+    "calibration": calibration.CalibrationSection,
+    "calibration.unknowns": calibration.UnknownsSection,
+    "each of requirements": shocks.RequirementSection,
     "each of histories": models.CellSection,
     "each of maps": models.MapSection,
     "each of thresholds": models.LinesSection,

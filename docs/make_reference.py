@@ -11,7 +11,7 @@ from pathlib import Path
 
 import snapmap
 from snapmap.device import Beam, Device
-from snapmap.motion.history import VARIABLES
+from snapmap.io.variables import variables
 from snapmap.solver.settings import Settings
 
 PAGE = """\
@@ -78,7 +78,11 @@ RETURNED = {
     "threshold": "What the variables are: [thresholds](thresholds.md).",
     "tolerance": "What the variables are: [devices as made](tolerances.md#what-comes-out).",
     "simulate": "The variables, over `time` (us):\n\n"
-    + "\n".join(f"- `{key}`: {what}, {unit}" for key, (what, unit) in VARIABLES.items()),
+    + "\n".join(
+        f"- `{key}`: {about['long_name']}, {about['units']}"
+        for key, about in variables("history").items()
+        if key not in ("", "time")
+    ),
 }
 MODULES = re.compile(r"\b(?:[a-z_]\w*\.)+(?=[A-Z])")
 

@@ -1,6 +1,6 @@
 """Speed against error as a work-precision diagram: docs/accuracy.md and the README's figure.
 
-./run python -m studies accuracy [--device VALUES] [--small]
+./run python -m studies accuracy [--device SECTION] [--small]
 
 Writes results/accuracy.csv, results/accuracy.md and results/figures/accuracy.pdf and .png. SciPy
 takes part always, heyoka if it is installed (group `bench` of pyproject.toml).

@@ -17,7 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from snapmap import load_device
-from snapmap.device import Device, device_from
+from snapmap.config.devices import read_device
+from snapmap.device import Device
 from snapmap.solver.model import Model
 from snapmap.solver.steps import fixed
 
@@ -40,11 +41,11 @@ def few(values: Sequence | Mapping | int, count: int = 1) -> Sequence | Mapping 
 
 
 def command_device() -> Device:
-    """The device that the command gives as JSON of its values, or the handout's."""
+    """The device of the section that the command gives as JSON, or the handout's."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--device", type=json.loads)
     given = parser.parse_known_args()[0].device
-    return device_from(given) if given else load_device(ROOT / "config" / "config.yaml")
+    return read_device(given["device"]) if given else load_device(ROOT / "config" / "config.yaml")
 
 
 def results(name: str) -> Path:

@@ -135,8 +135,8 @@ def ask(device: Device, f0, C, options, shocks: Shocks = HANDOUT_SHOCK) -> Run:
 
 def judge(device: Device, f0, C, about, shocks: Shocks = HANDOUT_SHOCK) -> np.ndarray:
     """Thresholds, (thresholds,), NaN where the judges do not agree, or one finds none."""
-    rows = to_rows(0, np.tile(f0, len(C)), np.repeat(C, len(f0)))
-    settings = Settings(HORIZON, threads=THREADS, pulses=shocks.pulses)
+    rows = to_rows(0, np.tile(f0, len(C)), np.repeat(C, len(f0)), 0, shocks.pulses)
+    settings = Settings(HORIZON, threads=THREADS)
     judges = [build_model(device, **options).with_step(JUDGED_STEP) for options in JUDGES]
     by_judge = [look(model, rows, about, settings) for model in judges]
     mean = np.mean(by_judge, axis=0)

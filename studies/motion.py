@@ -87,10 +87,9 @@ def follow(model):
     """Follow the cells with the model's own step."""
     cells = cells_of(model.device)
     seen = model.follow_once(cells, SETTINGS._replace(until="moved"))
-    dt = model.steps.of(cells, SETTINGS.pulses, MOVE)
+    dt = model.steps.of(cells, MOVE)
     width = SAMPLE * np.ceil(cells.t_end / (BINS * SAMPLE * dt)).astype(int)
-    loads = cells.pulse, cells.amplitude, cells.f0, cells.damping, width
-    y, _, _ = trace(model, cells.device, dt, SETTINGS.pulses, loads, BINS)[1]
+    y, _, _ = trace(model, cells, dt, width, BINS)[1]
     return Moved(seen.pulse_work, seen.t_snap, y.max(axis=0))
 
 

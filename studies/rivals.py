@@ -43,7 +43,7 @@ def by_scipy(device: Device, modal: ModalBeam, method: str, tolerance: float = T
         return np.nan
 
     snaps.terminal, snaps.direction = True, -1
-    return lambda cells: np.array([follow_cell(*cell) for cell in zip(*cells[2:], strict=True)])
+    return lambda cells: np.array([follow_cell(*cell) for cell in zip(*cells[2:6], strict=True)])
 
 
 def compile_rate(device: Device, modal: ModalBeam):
@@ -167,6 +167,6 @@ class Lanes:
         self.integrator.reset_cooldowns(lane)
         self.cell_in[lane] = cell = self.queue.pop() if self.queue else None
         if cell is not None:
-            amplitude, f0, damping, _ = (values[cell] for values in self.cells[2:])
+            amplitude, f0, damping, _ = (values[cell] for values in self.cells[2:6])
             self.integrator.pars[:, lane] = amplitude / 2, 2 * np.pi * f0, damping, self.contact
             self.stop[lane] = 1 / f0

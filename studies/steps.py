@@ -126,9 +126,9 @@ def errors_of(device, shocks, draw, frequencies=FREQUENCIES, longest=LONGEST_PUL
     f0, C = draw_shocks(draw, device, frequencies)
     arch = LONGEST[SNAP] / model.steps.longest[SNAP].item()
     f0 = [one for one in f0 if 2e-6 * np.pi * one * longest > arch] or f0[-1:]
-    rows = to_rows(0, np.array(f0), np.array(C)[:, np.newaxis])
+    rows = to_rows(0, np.array(f0), np.array(C)[:, np.newaxis], 0, shocks.pulses)
     horizon = min(4 * 2 * np.pi / device.own_frequency, 3e4 / arch)
-    return errors_of_rows(device, rows, Settings(horizon, threads=THREADS, pulses=shocks.pulses))
+    return errors_of_rows(device, rows, Settings(horizon, threads=THREADS))
 
 
 def errors_of_rows(device, rows, settings):
@@ -139,8 +139,8 @@ def errors_of_rows(device, rows, settings):
         ruled, question = changed(model, **rule)
         return asker(ruled, rows, settings, until=question)
 
-    wide = wide_scan(model.device, static_threshold(model.device), rows, settings.pulses)
-    bound = least_amplitudes(model, rows, settings.pulses)
+    wide = wide_scan(model.device, static_threshold(model.device), rows)
+    bound = least_amplitudes(model, rows)
     near = first_seen(ask(RULES[DEFAULT]), wide, bound)[0]
     fine = threshold_near(ask(FINE), near)
     finer = threshold_near(ask(FINER), fine)

@@ -6,14 +6,15 @@ import numpy as np
 import xarray as xr
 
 from snapmap.axes import COORDINATES
+from snapmap.io.variables import variables
 from snapmap.solver.outcome import OUTCOMES
-from snapmap.sweeps.cube import VARIABLES
 
 CONFIG = {
     "model": {"name": "handout"},
     "sweep": {"horizon": "1.5 ms"},
     "histories": [{"N": 1000, "f0": "1500 Hz", "C": "0.025 uN*us/um"}],
 }
+VARIABLES = variables("cube")
 ATTRIBUTES = {"title": "A title", "code_version": "0.1.0+abc", "config": json.dumps(CONFIG)}
 
 

@@ -265,7 +265,7 @@ def test_devices_in_a_config_stand_beside_no_other():
     with pytest.raises(ValueError, match=r"^devices: stand beside device"):
         load_config(whole | {"device": one})
     broken = {**one, "spring": "-1 N/m"}
-    with pytest.raises(ValueError, match=r"^devices.b.spring: '-1 N/m' is not positive"):
+    with pytest.raises(ValueError, match=r"^devices.b.spring: '-1 N/m' is not above 0"):
         load_config(whole | {"devices": {"a": one, "b": broken}})
 
 

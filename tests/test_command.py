@@ -7,6 +7,7 @@ import yaml
 
 import snapmap
 from snapmap.command import _costs, main
+from snapmap.config.doubts import descriptions, doubts
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import read_document
 from snapmap.io.recorded import read_pulse
@@ -36,7 +37,7 @@ def test_check_says_what_a_config_describes_doubts_and_costs(config, capsys):
     assert main(["check", str(config)]) == 0
     told = capsys.readouterr().out.splitlines()
     study = load_config(read_document(config))
-    assert told[:-3] == [*study.descriptions(), *study.doubts()]
+    assert told[:-3] == [*descriptions(study), *doubts(study)]
     assert told[-3] == "11193 cells (C 3, f0 41, N 91) in 3 jobs of one core"
     assert told[-2].endswith(" of core time for them, beside traces, spectra and figures")
     assert told[-1].startswith("thresholds: about ")

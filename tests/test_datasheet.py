@@ -1,32 +1,34 @@
-"""The data sheet says what the functions it asks say."""
+"""The data sheet says what its tables of results say, and what the device is."""
 
 import dataclasses
 
 import numpy as np
 import pytest
 
-import snapmap
 from snapmap import datasheet
 from snapmap.motion.history import extremes_of
 from snapmap.pulse import shocks_from
 from snapmap.study import Study
-from snapmap.thresholds.requirements import check
+from snapmap.thresholds.requirements import check, judge
+from snapmap.tolerances.dataset import tolerances_of
 from snapmap.tolerances.samples import Tolerances
 
 
 @pytest.fixture(scope="module")
 def sheet(handout):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(datasheet, "DURATIONS", (0.5, 1.0))
-        device = dataclasses.replace(handout, stop_away=6.0, stop_toward=40.0)
-        study = Study(device=device, model={"name": "cosines", "cosines": 3})
-        shocks = shocks_from("half sine")
-        asked = [{"name": "drop", "shocks": shocks, "N": 500.0, "f0": 1000.0, "snaps": False}]
-        verdicts = [one._asdict() for one in check(study, asked, [25.0])]
-        under = dataclasses.replace(study, shocks=shocks)
-        verdicts[0] |= extremes_of(under, 500.0, 1000.0, 25.0)._asdict()
-        scatters = Tolerances({"thickness": 0.05}, samples=32)
-        return datasheet.datasheet(study, [25.0], scatters, asked, verdicts), device
+    device = dataclasses.replace(handout, stop_away=6.0, stop_toward=40.0, strength=900.0)
+    study = Study(device=device, model={"name": "cosines", "cosines": 3})
+    shocks = shocks_from("half sine")
+    required = [{"name": "drop", "shocks": shocks, "N": 500.0, "f0": 1000.0, "snaps": False}]
+    (verdict,) = check(study, required, [25.0])
+    under = dataclasses.replace(study, shocks=shocks)
+    moved = extremes_of(under, 500.0, 1000.0, 25.0)
+    verdict, survival = judge(verdict, device, moved.stress_max, 0.999)
+    row = verdict._asdict() | moved._asdict() | survival._asdict()
+    axes = {"C": [25.0], "f0": [1000.0]}
+    made = tolerances_of(study, axes, Tolerances({"thickness": 0.05}, samples=32), required)
+    text = datasheet.datasheet(study, [row], required, made, "Crash sensor, 2026")
+    return text, device, row, made
 
 
 def row(sheet, name):
@@ -34,20 +36,27 @@ def row(sheet, name):
     return [cell.strip() for cell in line.strip("|").split("|")][1:]
 
 
-def test_thresholds_are_those_of_threshold(sheet):
-    text, device = sheet
-    asked = {"f0": [1000.0], "C": [25.0], "pulse": "half sine", "model": "cosines", "cosines": 3}
-    found = snapmap.threshold(device, **asked)
-    value, error = row(text, "+z, 1 ms")[0].split(" ± ")
-    assert float(value) == pytest.approx(found.N_first.item(), rel=1e-4)
-    assert float(error.split(",")[0]) == pytest.approx(found.N_error.item(), rel=0.1)
-
-
-def test_statics_spread_and_margins_are_there(sheet):
-    text, device = sheet
+def test_the_device_is_there_with_its_name_and_model(sheet):
+    text, device, *_ = sheet
+    assert text.startswith("# Data sheet of Crash sensor, 2026\n")
+    assert row(text, "model") == ["cosines cosines 3"]
+    assert row(text, "support") == ["guided: the beam cannot tilt"]
+    assert row(text, "beam: thickness") == [f"{device.beam.thickness!r} um"]
+    assert row(text, "strength")[0] == "900.0 MPa"
     frequency = 1e3 * np.sqrt(device.spring / device.mass) / (2 * np.pi)
     assert row(text, "frequency of the mass")[0] == f"{frequency:.5g} kHz"
-    share = float(text.split("devices as made")[1].split("+z, 1 ms | ")[1].split(" ")[0])
+
+
+def test_thresholds_and_shares_are_those_of_the_results(sheet):
+    text, _, verdict, made = sheet
+    shock, C, threshold, spread, margin, met, *strength = row(text, "drop, does not trip")
+    assert (shock, C, met) == ("half sine +z, 1 ms", "25", "met")
+    value, error = map(float, threshold.split(" ± "))
+    assert value == pytest.approx(verdict["N_first"], rel=1e-4)
+    assert error == pytest.approx(verdict["N_error"], rel=0.1)
+    assert margin.startswith(f"{verdict['N_first'] / 500.0:.4g}")
+    share = float(spread.split()[1])
     assert share == pytest.approx(2.2 * 2.5, rel=0.5)  # 2.2 % of the threshold per % of thickness
-    assert row(text, "drop, does not trip")[2] == "met"
-    assert row(text, "way of the mass towards")[2] == "drop, C = 25"
+    assert float(strength[0]) == pytest.approx(900 / verdict["stress_max"], rel=1e-2)
+    assert row(text, "meet all")[1] == f"{100 * made['yield'].item():.1f} %"
+    assert row(text, "travel of the mass towards")[2] == "drop, C = 25"

@@ -50,8 +50,8 @@ def test_the_demands_of_the_recipe_are_read(root):
     device = whole["device"] | asked["device"]
     study = load_config(whole | {"device": device, "requirements": asked["requirements"]})
     assert study.device.stop_away == 8.0
-    assert [one.snaps for one in study.requirements] == [True, False, False, False]
-    assert study.vibrations[0].duration == 180.0
+    assert [one["snaps"] for one in study.requirements] == [True, False, False, False]
+    assert study.vibrations[0]["duration"] == 180.0
 
 
 def test_the_example_of_the_first_screen_runs(root, tmp_path, monkeypatch):

@@ -82,8 +82,8 @@ def test_thresholds_of_many_swings_are_those_of_a_quarter_of_the_step(handout):
     beats = sampled(500 * x, np.sin(np.pi * x) ** 2 * (1 - np.cos(32 * np.pi * x)) / 2)
     assert beats.variation > 15
     model = build_model(handout, "cosines", modes=4)
-    rows = to_rows(0, [1000.0, 2000.0], [[0.025], [200.0]])
-    asked = Settings(300.0, until="snap", pulses=(beats,))
+    rows = to_rows(0, [1000.0, 2000.0], [[0.025], [200.0]], pulses=(beats,))
+    asked = Settings(300.0, until="snap")
     bracket = tuple(np.array([0.5, 6.0]) * static_threshold(handout))
     found, fine = (
         lowest_snap(one, rows, bracket, asked, 1e-5) for one in (model, model.with_step(0.25))
@@ -98,7 +98,8 @@ def test_samples_on_straight_lines_change_nothing(handout):
     model = build_model(handout, "cosines", modes=3)
     cells = to_cells(handout, 0, np.linspace(800, 2000, 8), [[800.0], [5000.0]], 200.0, 300.0)
     few, many = (
-        model.follow(cells, Settings(300.0, until="snap", pulses=(one,))) for one in (pulse, record)
+        model.follow(cells._replace(pulses=(one,)), Settings(300.0, until="snap"))
+        for one in (pulse, record)
     )
     assert np.isfinite(few.t_snap).any() and np.isnan(few.t_snap).any()
     np.testing.assert_allclose(many.t_snap, few.t_snap, rtol=1e-9)

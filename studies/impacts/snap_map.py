@@ -46,7 +46,8 @@ def make_map(device: Device) -> SnapMap:
     cells = map_cells(device)
     blank = SnapMap(build_model(device, "cosines", modes=3), cells, np.zeros(cells.f0.size, bool))
     many = [cells._replace(amplitude=cells.amplitude * (1 + change)) for change in NEAR]
-    joined = Cells(*(np.concatenate(columns) for columns in zip(*many, strict=True)))
+    columns = zip(*(cells[:-1] for cells in many), strict=True)
+    joined = Cells(*map(np.concatenate, columns), many[0].pulses)
     labels = map_by_plain_loop(replace(blank, cells=joined))(FINE).reshape(len(NEAR), -1)
     return replace(blank, exact=labels[0]).some(labels.all(axis=0) | ~labels.any(axis=0))
 

@@ -1,6 +1,6 @@
 """Hard cases: docs/stability.md.
 
-./run python -m studies stability [--device VALUES] [--small]
+./run python -m studies stability [--device SECTION] [--small]
 
 Writes results/stability.nc and .md, and figures of the verdicts and of which cells settle.
 """

@@ -122,7 +122,7 @@ def measure_pair(
 def _default_step(device, model, case):
     """The step in which a sweep tells where the case stays, us."""
     cells, settings = to_cells(device, [0], 0.0, case.f0, case.C, case.horizon), Settings()
-    return model.steps.of(cells, settings.pulses, settings.question).item()
+    return model.steps.of(cells, settings.question).item()
 
 
 def _follow(case, model, limit, steps):

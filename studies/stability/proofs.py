@@ -66,10 +66,9 @@ def leavers(model, cells, t_settled, well):
 
     t_settled, well: of each, as observed
     """
-    dt = model.steps.of(cells, SETTINGS.pulses, STAY)
+    dt = model.steps.of(cells, STAY)
     width = SAMPLE * np.ceil((1 / cells.f0 + FURTHER) / (BINS * SAMPLE * dt)).astype(int)
-    loads = cells.pulse, cells.amplitude, cells.f0, cells.damping, width
-    (low, high), _, _ = trace(model, cells.device, dt, SETTINGS.pulses, loads, BINS)
+    (low, high), _, _ = trace(model, cells, dt, width, BINS)
     later = np.arange(BINS)[:, np.newaxis] * width * dt >= t_settled
     saddle = model.barrier.midpoint
     # A run that has blown up since is on neither side.

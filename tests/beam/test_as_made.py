@@ -15,7 +15,7 @@ from snapmap.beam.cosines import antisymmetric_loads, buckling_shapes, symmetric
 from snapmap.beam.elements import hermite_elements
 from snapmap.beam.equilibria import find_barrier, static_threshold
 from snapmap.beam.modal import reduce_to_modes, settled
-from snapmap.config.devices import tilting
+from snapmap.config.doubts import doubts, tilting
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError
 from snapmap.device import batch
@@ -363,7 +363,7 @@ def test_what_cannot_be_made_is_named_in_one_line(document, beam, wanted):
 
 
 def test_a_study_says_for_which_beam_its_labels_hold(document, handout):
-    (line,) = load_config(document).doubts()
+    (line,) = doubts(load_config(document))
     assert line.startswith("device: rise/thickness = 5: labels hold for a guided beam only")
     assert tilting(replace(handout.beam, thickness=1.7)) == ""
     assert tilting(replace(handout.beam, residual_stress=-5.0)) == ""

@@ -108,11 +108,11 @@ def test_a_recorded_drop_is_a_shot(root, handout):
     path = str(root / "config" / "half_sine.csv")
     shots = {"file": [path] * 6, "N": LEVELS, "tripped": SHOTS["tripped"]}
     shots = shots_from(shots, HANDOUT_SHOCK, handout)
-    assert shots.f0.tolist() == [2000.0] * 6 and len(shots.kinds) == 1
+    assert shots.f0.tolist() == [2000.0] * 6 and len(shots.groups) == 1
     both = {"file": [path, "", ""], "duration": [np.nan, 500.0, 500.0], "tripped": [1, 0, 1]}
     mixed = shots_from(both | {"N": [np.nan, 900.0, 990.0]}, HANDOUT_SHOCK, handout)
     peak = snapmap.read_pulse(path).peak
-    assert mixed.N[0] == peak / handout.gravity and len(mixed.kinds) == 2
+    assert mixed.N[0] == peak / handout.gravity and len(mixed.groups) == 2
 
 
 @pytest.mark.parametrize(
@@ -182,7 +182,7 @@ def test_the_config_has_a_calibration_and_its_figure(tmp_path, monkeypatch):
     asked = study.calibration
     assert asked.unknowns == {"thickness": [1.8, 2.2]} and asked.C == 25.0
     assert study.files() == asked.files and list(asked.files) == ["shots.csv"]
-    jobs.fit_calibration(study.values(), asked._asdict(), "calibration.nc", threads=1)
+    jobs.fit_calibration(study, "calibration.nc")
     draw.draw_calibration("calibration.nc", "calibration")
     with xr.open_dataset("calibration.nc") as found:
         assert 1.9 < found.estimate.item() < 2.1

@@ -95,7 +95,7 @@ def test_the_plan_begins_at_the_models_threshold(tmp_path):
         ({"N": ["1,5"], "tripped": ["yes"]}, "shots, row 1: N: '1,5' is no number above 0"),
         (
             {"N": [1, 2], "tripped": [0, 1], "f0": [1, 2]},
-            "shots: f0: 1, 2; plan each pulse by itself",
+            "shots: f0: 1.0, 2.0; plan each pulse by itself",
         ),
     ],
 )

@@ -13,14 +13,12 @@ from small_results import CONFIG, make_cells, make_found
 from small_studies import THREE_COSINES
 
 import snapmap
-from snapmap.calibration.shots import shots_from
-from snapmap.config.study import load_config
+from snapmap.config.study import load_config, planned_study
 from snapmap.config.yaml_file import ConfigError, read_document
-from snapmap.io.named import hold_to_plan, sha256_of
+from snapmap.io.named import hold_to_plan
 from snapmap.io.netcdf import check_alike
-from snapmap.io.recorded import RECORD, shocks_of
+from snapmap.io.recorded import shocks_of
 from snapmap.io.tables import read_points
-from snapmap.pulse import HANDOUT_SHOCK
 
 STUDY = (
     THREE_COSINES
@@ -68,7 +66,7 @@ def test_a_study_knows_its_files_by_what_they_hold(folder):
     content = (folder / "shock.csv").read_bytes(), POINTS.encode()
     hashes = [hashlib.sha256(held).hexdigest() for held in content]
     assert study.files() == dict(zip(["shock.csv", "points.csv"], hashes, strict=True))
-    assert study.pulse["sha256"] == study.requirements[0].pulse["sha256"] == hashes[0]
+    assert study.pulse["sha256"] == study.requirements[0]["pulse"]["sha256"] == hashes[0]
 
 
 def test_a_measured_shape_is_one_of_them(folder):
@@ -81,34 +79,22 @@ def test_a_measured_shape_is_one_of_them(folder):
     assert load_config(document).files()["shape.csv"] == hashlib.sha256(held).hexdigest()
 
 
-def test_an_edit_since_the_plan_is_refused_by_every_reader(folder, monkeypatch):
+def test_an_edit_since_the_plan_is_refused(folder, monkeypatch):
     study = load_config(yaml.safe_load(STUDY))
-    shocks_of(study.pulse)
-    read_points(*study.own_points)
     monkeypatch.setenv("SNAPMAP_PLANNED", "{}")
     hold_to_plan(study.files(), plans=False)
     hold_to_plan(study.files(), plans=True)
+    assert planned_study(yaml.safe_load(STUDY), threads=2).settings.threads == 2
     write_record(folder / "shock.csv", 3)
     (folder / "points.csv").write_text("N,f0\n1000,2001\n", encoding="utf-8")
-    edited = load_config(yaml.safe_load(STUDY))
     for read in (
         lambda: shocks_of(study.pulse),
-        lambda: shocks_of(study.requirements[0].pulse),
-        lambda: hold_to_plan(edited.files(), plans=False),
+        lambda: planned_study(yaml.safe_load(STUDY), threads=1),
     ):
         with pytest.raises(ValueError, match=r"^shock\.csv: was edited after the run was planned"):
             read()
     with pytest.raises(ValueError, match=r"^points\.csv: was edited after the run was planned"):
         read_points(*study.own_points)
-
-
-def test_a_record_among_shots_is_held_to_its_plan(folder, handout):
-    shots = {"file": ["shock.csv"] * 3, "N": [900, 1000, 1100], "tripped": [0, 1, 1]}
-    planned = {"shock.csv": sha256_of("shock.csv", *RECORD)}
-    shots_from(shots, HANDOUT_SHOCK, handout, planned)
-    write_record(folder / "shock.csv", 3)
-    with pytest.raises(ValueError, match=r"shock\.csv: was edited after the run was planned"):
-        shots_from(shots, HANDOUT_SHOCK, handout, planned)
 
 
 def test_contents_decide_what_runs_again_and_dates_do_not(root, folder):

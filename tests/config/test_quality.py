@@ -13,6 +13,7 @@ import snapmap
 from snapmap.beam.elements import hermite_elements
 from snapmap.beam.modal import natural_frequency
 from snapmap.config.devices import load_device, read_device
+from snapmap.config.doubts import descriptions, doubts
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError, read_document
 from snapmap.pulse import make_pulse
@@ -180,7 +181,7 @@ def test_several_devices_share_one_C():
 def test_a_device_is_described(handout):
     assert snapmap.describe(handout) == "beam 157.8 kHz, quality factor infinite; mass 3.733 kHz"
     study = load_config(DOCUMENT)
-    (line,) = study.descriptions()
+    (line,) = descriptions(study)
     C = study.axes["C"].item()
     assert line == (
         "device: rise/thickness 5, rise/span 0.0167, span/thickness 300; "
@@ -226,7 +227,7 @@ def test_a_device_is_described(handout):
 )
 def test_what_is_hardly_meant_is_told(values, told):
     guided = "labels hold for a guided beam only"
-    lines = [line for line in load_config(changed(**values)).doubts() if guided not in line]
+    lines = [line for line in doubts(load_config(changed(**values))) if guided not in line]
     assert len(lines) == len(told)
     assert all(line.startswith(start) for line, start in zip(lines, told, strict=True))
 
@@ -248,4 +249,4 @@ def test_documents_quote_the_quality_factors_of_their_configs(root):
 
 
 def test_the_sensor_of_the_tutorial_is_read(root):
-    assert load_config(read_document(root / "config" / "sensor.yaml")).descriptions()
+    assert descriptions(load_config(read_document(root / "config" / "sensor.yaml")))

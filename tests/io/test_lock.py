@@ -6,7 +6,7 @@ import os
 
 import pytest
 
-from snapmap.io.lock import hold
+from snapmap.io.atomic import hold
 
 
 def test_a_file_is_held_once(tmp_path):

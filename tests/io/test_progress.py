@@ -20,8 +20,8 @@ class Terminal(io.StringIO):
         return True
 
 
-def record(event, **facts):
-    made = logging.makeLogRecord({"msg": "told", "levelno": logging.INFO, "event": event})
+def record(event, level=logging.INFO, **facts):
+    made = logging.makeLogRecord({"msg": "said", "levelno": level, "event": event})
     made.__dict__.update(facts)
     return made
 
@@ -93,8 +93,9 @@ def test_faults_are_not_hushed():
     handler = logging.StreamHandler(io.StringIO())
     hush(handler)
     assert not handler.filter(record("job_info")) and not handler.filter(record("progress"))
-    assert handler.filter(record("job_error")) and handler.filter(record(None))
-    wrapped = record("error")
+    assert not handler.filter(record(None))
+    assert handler.filter(record("job_error", logging.ERROR))
+    wrapped = record("error", logging.ERROR)
     wrapped.msg = 'RuleException:\nCalledProcessError in file "sweep.smk", line 43:\nCommand'
     assert not handler.filter(wrapped)
 
@@ -104,7 +105,7 @@ def test_a_run_that_is_stopped_ends_in_one_line(capsys):
     hush(handler)
     stopping = record(None)
     stopping.msg = "Terminating processes on user request, this might take some time."
-    for told in (stopping, record("job_error"), stopping, record("error")):
+    for told in (stopping, record("job_error", logging.ERROR), stopping):
         assert not handler.filter(told)
     (line,) = capsys.readouterr().err.splitlines()
     assert line == "interrupted: what is whole is kept, and the same command goes on"

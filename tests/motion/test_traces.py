@@ -57,7 +57,7 @@ def test_traces_have_the_largest_stress_of_each_cell(handout, cube, traced):
 
 def steps_of(model, N, f0, C):
     """The steps in which motions are followed, us; the axes broadcast."""
-    return model.steps.of(to_cells(model.device, 0, N, f0, C, 0.0), SETTINGS.pulses, MOVE)
+    return model.steps.of(to_cells(model.device, 0, N, f0, C, 0.0), MOVE)
 
 
 def history_of(device, cell):
@@ -188,7 +188,7 @@ def test_devices_are_traced_as_each_alone(handout):
         there = traced.sel(thickness=1.8, contact=contact)
         assert float(there.second_equilibrium) == device.beam.second_equilibrium
         np.testing.assert_array_equal(there.bin_length, alone.bin_length)
-        for key in envelopes.VARIABLES:
+        for key in envelopes.BANDS:
             np.testing.assert_array_equal(there[key], alone[key])
     absent = traced.sel(thickness=4.4)
     assert absent.energy.isnull().all() and absent.second_equilibrium.isnull().all()
@@ -198,8 +198,8 @@ def test_what_follows_the_horizon_spoils_no_range(handout, cube, traced, monkeyp
     """Bins go on beyond it, where a run that was believed may blow up."""
     follow = envelopes._follow
 
-    def blow_up(model, pulses, cells, window, bins, threads):
-        values, bin_length, stress = follow(model, pulses, cells, window, bins, threads)
+    def blow_up(model, cells, window, bins, threads):
+        values, bin_length, stress = follow(model, cells, window, bins, threads)
         begins = np.arange(bins)[:, np.newaxis] * bin_length
         values[:, begins > window] = 1e280
         assert (begins > window).any()
@@ -218,9 +218,9 @@ def test_traces_that_grow_are_those_followed_at_once(handout, cube, traced, tmp_
     write(traced, tmp_path / "whole.nc")
     follow, followed = envelopes._follow, []
 
-    def counted(model, pulses, cells, *asked):
+    def counted(model, cells, *asked):
         followed.append(cells.f0.size)
-        return follow(model, pulses, cells, *asked)
+        return follow(model, cells, *asked)
 
     monkeypatch.setattr(envelopes, "_follow", counted)
     grown = trace(handout, cube, MODEL, SETTINGS, earlier=read_earlier(tmp_path / "part.nc"))

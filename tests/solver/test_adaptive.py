@@ -57,10 +57,7 @@ def test_a_tolerance_sets_the_steps(handout):
     """Of second order: a hundredth of the error, a tenth of the step."""
     cells = to_cells(handout, 0, 900.0, [[1500.0]], 25.0, 300.0)
     default, strict = (
-        [
-            level.steps.of(cells, SNAP.pulses, SNAP.question).item()
-            for level in (auto.base, auto.check, auto.top)
-        ]
+        [level.steps.of(cells, SNAP.question).item() for level in (auto.base, auto.check, auto.top)]
         for auto in (build_adaptive(handout), build_adaptive(handout, TOLERANCE / 100))
     )
     assert strict == pytest.approx([step / 10 for step in default])

@@ -185,7 +185,7 @@ def test_a_proven_beam_stays_in_its_well(handout):
     cells = to_cells(device, 0, np.linspace(900, 2400, 96), 3000.0, 25.0, 3000.0)
     seen = model.follow_once(cells, Settings(3000.0))
     outcome = label(*seen[:4], Settings().energy_tolerance)
-    dt = model.steps.of(cells, Settings().pulses, STAY)[0]
+    dt = model.steps.of(cells, STAY)[0]
     for i in np.flatnonzero(np.isin(outcome, (LATCHED, RETURNED)))[:8]:
         load = (column[i] for column in cells[2:5])
         form, motions = model.loop().record(model, make_pulse(), *load, dt, int(1e4 / dt))

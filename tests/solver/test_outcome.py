@@ -112,7 +112,7 @@ def test_latched_stays_in_well_two(handout):
     model = build_model(device, "cosines", modes=4)
     for N, f0, C in zip(*random_cells(device, 30, 2, [25.0, 200.0]), strict=True):
         cell = to_cells(device, [0], N, f0, C, 6000.0)
-        dt = model.steps.of(cell, Settings().pulses, STAY).item()
+        dt = model.steps.of(cell, STAY).item()
         seen = model.follow_once(cell, Settings(6000.0))
         outcome = label(*seen[:4], Settings().energy_tolerance)
         if outcome[0] not in (LATCHED, RETURNED):
@@ -216,7 +216,7 @@ def test_most_cells_under_the_threshold_end_with_the_pulse(handout):
     cells = (N.ravel(), f0.ravel(), np.full(N.size, 0.025))
     seen, outcome = follow(handout, cells, 1500.0, "cosines", modes=4)
     steps = build_model(handout, "cosines", modes=4).steps
-    dt = steps.of(to_cells(handout, 0, *cells, 1500.0), Settings().pulses, SNAP)
+    dt = steps.of(to_cells(handout, 0, *cells, 1500.0), SNAP)
     early = seen.t_settled < 1e6 / f0.ravel() + BLOCK * dt  # at the first look
     assert (outcome == NEVER).mean() > 0.9 and early.mean() > 0.7
 
@@ -228,7 +228,7 @@ def test_the_well_is_where_the_recorded_beam_spends_the_last_swing(handout, mode
     built = build_model(handout, name, **options)
     cells = to_cells(handout, 0, *random_cells(handout, 48, 7, [0.025, 25.0]), horizon)
     seen, own = built.follow_once(cells, Settings(horizon)), 2 * np.pi / handout.own_frequency
-    dt = built.steps.of(cells, Settings().pulses, STAY)
+    dt = built.steps.of(cells, STAY)
     assert set(seen.well) == {1, 2}
     np.testing.assert_array_equal(seen.well_share[np.isfinite(seen.t_settled)], 1.0)
     open_ones, shares = np.flatnonzero(np.isnan(seen.t_settled)), []

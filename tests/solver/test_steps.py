@@ -43,7 +43,7 @@ VERSED_SINE = (make_pulse(),)
 
 def step_of(rule, handout, f0, question=SNAP, pulses=VERSED_SINE):
     """The step of one cell, us."""
-    return rule.of(to_cells(handout, [0], 900.0, f0, 25.0, 300.0), pulses, question).item()
+    return rule.of(to_cells(handout, [0], 900.0, f0, 25.0, 300.0, 0, pulses), question).item()
 
 
 @pytest.mark.parametrize(
@@ -162,7 +162,7 @@ def test_the_arch_is_stiffer_than_its_bending_by_its_rise(handout):
 
 
 def threshold(model, f0, C, pulse, tolerance):
-    rows, settings = to_rows(0, f0, C), Settings(300.0, until="snap", pulses=(pulse,))
+    rows, settings = to_rows(0, f0, C, 0, (pulse,)), Settings(300.0, until="snap")
     reach = static_threshold(model.device) * np.array([0.5, 4.0])
     return lowest_snap(model, rows, tuple(reach), settings, tolerance)
 

@@ -13,7 +13,8 @@ from scipy.integrate import solve_ivp
 import snapmap
 from snapmap.beam.equilibria import static_threshold
 from snapmap.beam.modal import contact_stiffness
-from snapmap.config.devices import read_device, stopped
+from snapmap.config.devices import read_device
+from snapmap.config.doubts import stopped
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError
 from snapmap.io.provenance import device_sections
@@ -179,7 +180,7 @@ def test_a_threshold_across_a_stop_by_another_integrator(handout):
     device = changed(handout, stop_toward=12.0, stop_away=6.0, restitution=0.9)
     model = build_model(device, "cosines", cosines=1, modes=1)
     pulses = Shocks(make_pulse("half sine"), "-z").pulses
-    asked = to_rows(0, 3e4, 0.0), (1e4, 3e4), Settings(100.0, pulses=pulses)
+    asked = to_rows(0, 3e4, 0.0, 0, pulses), (1e4, 3e4), Settings(100.0)
     N, fine = (lowest_snap(one, *asked, 1e-6).item() for one in (model, model.with_step(0.25)))
     assert abs(N - fine) < 5e-4 * fine
     one = model.pick(0)

@@ -78,7 +78,7 @@ def test_a_pulse_shorter_than_a_step_still_pushes(handout):
     f0 = np.array([1e4, 3e5, 2e6, 1e12])
     cells = to_cells(handout, 0, 0.3 * f0, f0, 0.0, 300.0)
     seen = model.follow(cells, SNAP_ONLY)
-    dt = model.steps.of(cells, SNAP_ONLY.pulses, SNAP_ONLY.question)
+    dt = model.steps.of(cells, SNAP_ONLY.question)
     np.testing.assert_allclose(dt[2:], 1 / (16 * cells.f0[2:]))
     assert np.isfinite(seen.t_snap[1:3]).all() and np.isnan(seen.t_snap[3])
     outcome = label(*seen[:4], Settings().energy_tolerance)

@@ -11,6 +11,7 @@ import snapmap
 from snapmap.axes import make_grid
 from snapmap.beam.stress import break_probability
 from snapmap.config.devices import read_device
+from snapmap.config.doubts import descriptions, doubts
 from snapmap.config.products import products
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError
@@ -53,10 +54,10 @@ def test_a_record_keeps_its_own_duration_or_takes_another(document, root, monkey
     sweep = {key: document["sweep"][key] for key in document["sweep"] if key != "f0"}
     study = load_config(document | {"pulse": {"file": "config/half_sine.csv"}, "sweep": sweep})
     assert study.axes["f0"].tolist() == [2000.0]
-    assert "half_sine: shock response (quality factor 10)" in study.descriptions()[1]
+    assert "half_sine: shock response (quality factor 10)" in descriptions(study)[1]
     study = load_config(document | {"pulse": {"file": "config/half_sine.csv"}})
     assert study.axes["f0"].size == document["sweep"]["f0"]["points"]
-    assert any("coarse for a period" in line for line in study.doubts()) is False
+    assert any("coarse for a period" in line for line in doubts(study)) is False
     assert "sweep.f0: missing" in faults(document, sweep=sweep)
 
 
@@ -107,7 +108,7 @@ def test_a_requirement_that_cannot_be_is_named_in_one_line(document, change, wan
 def test_names_of_requirements_are_written_once(document):
     asked = {"name": "drop", "N": 500, "duration": "1 ms", "snaps": False}
     study = load_config(document | {"requirements": [asked]})
-    assert study.requirements[0].f0 == 1000.0 and study.requirements[0].pulse == {}
+    assert study.requirements[0]["f0"] == 1000.0 and study.requirements[0]["pulse"] == {}
     assert "'drop' comes twice" in faults(document, requirements=[asked, asked])
 
 
@@ -131,8 +132,9 @@ def test_a_required_spectrum_is_read_or_its_fault_named_in_one_line(document, ch
     asked = {"name": "crash", "srs": levels, "snaps": False, "direction": "-z"}
     study = load_config(document | {"requirements": [asked]})
     (found,) = study.all_required
-    assert study.spectra == (found,) and "requirements" in products(study).stems
-    assert found == ("crash", [[100.0, 100.0], [1000.0, 1500.0]], "-z", False)
+    assert study.spectra == [found] and "requirements" in products(study).stems
+    assert found["srs"] == [[100.0, 100.0], [1000.0, 1500.0]]
+    assert (found["name"], found["direction"], found["snaps"]) == ("crash", "-z", False)
     told = faults(document, requirements=[asked | change])
     assert told.startswith(f"requirements[0].{wanted}") and "\n" not in told
 

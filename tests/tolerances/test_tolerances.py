@@ -15,7 +15,7 @@ from small_studies import THREE_COSINES
 import snapmap
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError
-from snapmap.device import batch, values_of
+from snapmap.device import batch
 from snapmap.figures.requirements import each_share
 from snapmap.pulse import shocks_from
 from snapmap.solver.adaptive import RUNGS
@@ -170,22 +170,21 @@ def test_small_scatter_adds_up_as_the_linear_estimate_says(handout):
 
 def test_the_share_that_snaps_lies_within_its_bounds(handout):
     plan = Plan(handout, {"thickness": "4 %", "youngs_modulus": "4 %"})
-    f0, C = np.array([1500.0]), np.array([25.0])
     settings = Settings(300.0, threads=2)
 
     def build(devices):
         return build_model(devices, **SETTINGS)
 
     def thresholds(samples, seed):
-        batch = Batch(handout, plan, plan.points(samples, seed)[0], build)
-        return batch.thresholds(C, f0, settings, 1e-3)[0]
+        batch = Batch(handout, plan.values(plan.points(samples, seed)[0]), build)
+        return batch.thresholds(to_rows(0, 1500.0, 25.0), settings, 1e-3)[0]
 
     many = thresholds(4096, 1000)
-    N = quantiles(many, [0.1, 0.5, 0.8])[:, 0, 0, 0]
+    N = quantiles(many, [0.1, 0.5, 0.8])[:, 0]
     inside = np.zeros(3)
     for seed in range(100):
         few = thresholds(40, seed)
-        low, high = wilson(count_below(few, N)[0, 0, 0], 40)
+        low, high = wilson(count_below(few, N)[0], 40)
         inside += (low <= [0.1, 0.5, 0.8]) & (high >= [0.1, 0.5, 0.8])
     assert (inside >= 95).all()
 
@@ -332,24 +331,27 @@ def test_values_that_cannot_be_drawn_are_refused(handout):
         snapmap.tolerance(hard, {"contact": "10 %"}, [1500.0], [25.0], **CHEAP)
 
 
-def test_the_rules_write_and_draw_what_is_asked(handout, tmp_path):
-    required = {"name": "drop", "pulse": {"shape": "half sine"}, "N": 900.0, "f0": 1e3}
-    asked = {"scatters": {"thickness": 0.05, "N": "2 %"}, "together": [], "samples": 32}
-    jobs.find_tolerance(
-        study={
-            "device": values_of({"one": handout, "two": vary(handout, thickness=1.9)}),
+def test_the_rules_write_and_draw_what_is_asked(document, tmp_path):
+    device = document.pop("device")
+    beam = device["beam"] | {"thickness": "1.9 um"}
+    required = {"name": "drop", "shape": "half sine", "N": 900, "f0": "1 kHz", "snaps": True}
+    shaking = {"name": "shaking", "psd": [["100 Hz", "0.1 g^2/Hz"], ["2 kHz", "0.1 g^2/Hz"]]}
+    study = load_config(
+        document
+        | {
+            "devices": {"one": device, "two": device | {"beam": beam}},
             "pulse": {"direction": "both"},
-            "model": {"name": "cosines", "modes": 3},
-            "settings": {"horizon": 300.0, "energy_tolerance": 1e-3},
-            "skip": False,
-        },
-        axes={"C": [25.0], "f0": [800.0, 1500.0], "N": [800.0, 1000.0, 1200.0]},
-        tolerances=asked | {"index_samples": None, "seed": 1},
-        requirements=[required | {"snaps": True}],
-        left_out=["shaking"],
-        path=tmp_path / "tolerance.nc",
-        threads=2,
+            "sweep": {
+                "N": [800, 1000, 1200],
+                "f0": ["800 Hz", "1500 Hz"],
+                "C": ["25 uN*us/um"],
+                "horizon": "300 us",
+            },
+            "tolerances": {"thickness": "0.05 um", "N": "2 %", "samples": 32, "seed": 1},
+            "requirements": [required, shaking | {"duration": "10 ms", "snaps": False}],
+        }
     )
+    jobs.find_tolerance(study, tmp_path / "tolerance.nc")
     places = {"_one_+z": {"device": 0, "direction": 0}, "_two_-z": {"device": 1, "direction": 1}}
     yields = {"_one": {"device": 0}, "_two": {"device": 1}}
     draw.draw_tolerance(tmp_path / "tolerance.nc", places, yields, tmp_path)

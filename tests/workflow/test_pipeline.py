@@ -18,8 +18,7 @@ from snapmap.config.study import load_config
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
 from snapmap.sweeps.plan import make_plan
 
-DRAWING = {"draw_maps", "draw_snap_maps", "draw_thresholds", "draw_statics", "draw_histories"}
-DRAWING |= {"write_page"}
+DRAWING = {"draw_study", "draw_page"}
 RULES = {"simulate_slab", "collect", "find_threshold", "trace_cells", "trace_statics"}
 RULES |= {"simulate_history"} | DRAWING
 

@@ -1,60 +1,51 @@
-traced = {"traces": "results/traces.nc"} if study.has_strength else {}
-threshold = {"threshold": "results/threshold.nc"}
-cube = {"cube": "results/cube.nc"}
-snaps = dict(
-    views=views(made.snaps),
-    together=views(made.together),
-    fields=views(made.fields),
-    own_points=own_points,
-)
-times_and_ends = dict(
-    times=views(made.times),
-    ends=views(made.ends),
-    together=views(made.together if made.ends else []),
-    own_points=own_points,
-)
-lines = dict(views=views(study.curves), boundary=study.boundary._asdict())
-histories = [f"results/histories/{cell}.nc" for cell in made.histories]
-history_stems = [f"history_{cell}" for cell in made.histories]
-pushed = [f"results/statics{which}.nc" for which in made.statics]
-static_stems = [f"statics{which}" for which in made.statics]
-requirements = {"requirements": "results/requirements.csv"}
-calibrated = {"calibration": "results/calibration.nc"}
-of_batch = dict(places=made.batches, yields=made.yields)
-PARTS = [
-    "1 Which shock snaps it",
-    "2 Thresholds",
-    "3 When it snaps, where it ends",
-    "4 Page",
-    "5 Requirements",
-    "6 Devices as made",
-    "7 Device",
-    "8 Histories",
-    "9 Accuracy and stability",
-]
-# By the rule's name without draw_, which is that of its caption, the most urgent first: the part of
-# the report, files, figures and values.
+plots = {
+    key: views(getattr(made, key))
+    for key in ("snaps", "times", "ends", "together", "fields")
+}
+plots |= {"curves": views(study.curves), "boundary": views([study.boundary])}
+of_cells = {"cube": "results/cube.nc", "threshold": "results/threshold.nc"}
+traces = "results/traces.nc"
+every_study_has = of_cells | {
+    "statics": [f"results/statics{which}.nc" for which in made.statics],
+    "history": [f"results/histories/{cell}.nc" for cell in made.histories],
+}
+if study.has_strength:
+    every_study_has["traces"] = traces
+of_batch = {"places": made.batches, "yields": made.yields}
+# By their caption: the part of the report, and figures.
+FIGURES_OF = {
+    "snap_maps": ("1 Which shock snaps it", made.snap_stems),
+    "thresholds": ("2 Thresholds", made.curve_stems),
+    "maps": ("3 When it snaps, where it ends", made.map_stems),
+    "page": ("4 Page", ["explore"]),
+    "requirements": ("5 Requirements", ["requirements"]),
+    "tolerance": ("6 Devices as made", made.batch_stems),
+    "calibration": ("6 Devices as made", ["calibration"]),
+    "statics": ("7 Device", [f"statics{which}" for which in made.statics]),
+    "histories": ("8 Histories", [f"history_{cell}" for cell in made.histories]),
+}
+OF_STUDY = ["snap_maps", "thresholds", "maps", "statics", "histories"]
+# By the rule's name without draw_, the most urgent first: captions, files and values.
 DRAWN = {
-    "snap_maps": (1, threshold | cube | traced, made.snap_stems, snaps),
-    "thresholds": (2, threshold, made.curve_stems, lines),
-    "maps": (3, cube, made.map_stems, times_and_ends),
-    "requirements": (5, requirements, ["requirements"], {}),
-    "tolerance": (6, {"tolerance": "results/tolerance.nc"}, made.batch_stems, of_batch),
-    "calibration": (6, calibrated, ["calibration"], {}),
-    "statics": (7, {"statics": pushed}, static_stems, {}),
-    "histories": (8, {"history": histories}, history_stems, {}),
-    "accuracy": (9, {"accuracy": "results/accuracy{size}.nc"}, ["accuracy{size}"], {}),
-    "convergence": (9, {"accuracy": "results/accuracy.nc"}, ["convergence"], {}),
-    "stability": (9, {"stability": "results/stability.nc"}, ["stability"], {}),
-    "settled": (
-        9,
-        {"settled": "results/settled.nc"},
-        ["settled"],
-        {"beam_dampings": [0.0, 4e-4], "C": 25.0},
-    ),
+    "study": (OF_STUDY, every_study_has, {"views": plots, "own_points": own_points}),
+    "page": ([], of_cells | {"traces": traces}, {"horizon": study.settings.horizon}),
+    "requirements": ([], {"requirements": "results/requirements.csv"}, {}),
+    "tolerance": ([], {"tolerance": "results/tolerance.nc"}, of_batch),
+    "calibration": ([], {"calibration": "results/calibration.nc"}, {}),
 }
 
-for place, (what, (part, files, stems, values)) in enumerate(DRAWN.items()):
+
+def figures(caption):
+    part, stems = FIGURES_OF[caption]
+    for stem in stems:
+        paths = [f"results/figures/{stem}.{ending}" for ending in ("png", "pdf")]
+        shown, *others = ["results/explore.html"] if caption == "page" else paths
+        labels = {"figure": stem}
+        yield report(shown, f"../report/{caption}.rst", category=part, labels=labels)
+        yield from others
+
+
+for place, (what, (captions, files, values)) in enumerate(DRAWN.items()):
 
     rule:
         name:
@@ -62,18 +53,9 @@ for place, (what, (part, files, stems, values)) in enumerate(DRAWN.items()):
         input:
             **files,
         output:
-            pdf=[f"results/figures/{stem}.pdf" for stem in stems],
-            png=[
-                report(
-                    f"results/figures/{stem}.png",
-                    caption=f"../report/{what}.rst",
-                    category=PARTS[part - 1],
-                    labels={"figure": stem},
-                )
-                for stem in stems
-            ],
+            [path for caption in captions or [what] for path in figures(caption)],
         log:
-            f"results/logs/draw_{what}{'{size}' * (what == 'accuracy')}.log",
+            f"results/logs/draw_{what}.log",
         priority: 85 - place
         group:
             "figures"
@@ -83,33 +65,6 @@ for place, (what, (part, files, stems, values)) in enumerate(DRAWN.items()):
             **values,
             code=drawing,
         message:
-            f"Draw the {what.replace('_', ' ')}"
+            f"Draw the {what}"
         script:
             "../scripts/draw.py"
-
-
-rule write_page:
-    input:
-        cube="results/cube.nc",
-        traces="results/traces.nc",
-        threshold="results/threshold.nc",
-    output:
-        page=report(
-            "results/explore.html",
-            caption="../report/page.rst",
-            category=PARTS[3],
-            labels={"page": "explore"},
-        ),
-    log:
-        "results/logs/write_page.log",
-    group:
-        "figures"
-    resources:
-        runtime=10,
-    params:
-        code=drawing,
-        horizon=study.settings.horizon,
-    message:
-        "Write the page"
-    script:
-        "../scripts/draw.py"

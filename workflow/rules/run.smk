@@ -1,8 +1,12 @@
-# What a rule asks for, as plain values: Snakemake runs it again when they change.
-required = [asked._asdict() for asked in study.requirements]
+# A job reads the config itself. Its params are what its output depends on, as plain values:
+# Snakemake runs it again when they change.
+in_search = study.inputs(*THRESHOLD_SETTINGS)
+axes = {key: values.tolist() for key, values in study.axes.items()}
 tolerances = study.tolerances._asdict() if study.tolerances else {}
-in_search = study.values(*THRESHOLD_SETTINGS)
-C = study.axes["C"].tolist()
+required = [
+    {key: value for key, value in one.items() if key != "shocks"}
+    for one in study.requirements
+]
 
 
 rule simulate_slab:
@@ -18,8 +22,7 @@ rule simulate_slab:
         runtime=lambda wildcards, attempt: attempt * requests[wildcards.slab].runtime,
     params:
         code=numbers,
-        study=study.values(),
-        axes=lambda wildcards: slabs[wildcards.slab],
+        axes=lambda wildcards: slabs[wildcards.slab],  # all else is in its name
     message:
         "Simulate the cells"
     script:
@@ -38,8 +41,8 @@ rule collect:
         mem_mb=memory(2000),
     params:
         code=numbers,
-        axes={key: values.tolist() for key, values in study.axes.items()},
-        config=study.document(),
+        axes=axes,
+        inputs=study.document(),
     message:
         "Join the slabs to one cube"
     script:
@@ -59,14 +62,9 @@ rule find_threshold:
         mem_mb=memory(2000),
     params:
         code=numbers,
-        study=in_search,
-        axes={
-            key: values.tolist()
-            for key, values in study.axes.items()
-            if key not in ("device", "shape", "direction", "N")
-        },
+        inputs=in_search,
+        axes=axes | {"N": axes["N"][-1]},
         tolerance=study.threshold_tolerance,
-        highest=float(study.axes["N"][-1]),
     message:
         "Find the thresholds"
     script:
@@ -86,7 +84,7 @@ rule trace_cells:
         mem_mb=memory(2000),
     params:
         code=numbers,
-        study=study.values(),
+        inputs=study.inputs(),
     message:
         "Trace the motion of the cells"
     script:
@@ -103,11 +101,9 @@ rule check_requirements:
     threads: 4 if study.vibrations or study.spectra else 1
     params:
         code=numbers,
-        study=in_search,
-        requirements=required,
-        vibrations=[asked._asdict() for asked in study.vibrations],
-        spectra=[asked._asdict() for asked in study.spectra],
-        C=C,
+        inputs=in_search,
+        requirements=required + study.vibrations + study.spectra,
+        C=axes["C"],
         tolerance=study.threshold_tolerance,
     message:
         "Check the required shocks"
@@ -126,11 +122,11 @@ rule find_tolerance:
         mem_mb=memory(4000),
     params:
         code=numbers,
-        study=in_search,
-        axes={key: study.axes[key].tolist() for key in ("C", "f0", "N")},
+        inputs=in_search,
+        axes=[axes[key] for key in ("C", "f0", "N")],
         tolerances=tolerances,
         requirements=required,
-        left_out=[asked.name for asked in (*study.vibrations, *study.spectra)],
+        left_out=[one["name"] for one in study.vibrations + study.spectra],
     message:
         "Find the thresholds of devices as made"
     script:
@@ -146,11 +142,9 @@ rule fit_calibration:
     threads: 4
     params:
         code=numbers,
-        study=in_search,
+        inputs=in_search,
         # A function, as a path may have braces.
-        calibration=lambda wildcards: (
-            study.calibration._asdict() if study.calibration else {}
-        ),
+        calibration=lambda wildcards: study.calibration and study.calibration[1:],
     message:
         "Read values of the device off measured shots"
     script:
@@ -160,17 +154,16 @@ rule fit_calibration:
 rule write_datasheet:
     input:
         requirements="results/requirements.csv",
+        **({"tolerance": "results/tolerance.nc"} if study.tolerances else {}),
     output:
         datasheet="results/datasheet.md",
     log:
         "results/logs/write_datasheet.log",
     priority: 30
-    threads: 4
     params:
         code=numbers,
-        study=in_search,
-        C=C,
-        tolerances=tolerances,
+        inputs=in_search,
+        title=study.title,
         requirements=required,
     message:
         "Write the data sheet"
@@ -189,7 +182,7 @@ rule trace_statics:
         runtime=10,
     params:
         code=numbers,
-        device=lambda wildcards: values_of(made.statics[wildcards.which]),
+        inputs=lambda wildcards: device_sections(made.statics[wildcards.which]),
     message:
         "Push the beam slowly through"
     script:
@@ -207,11 +200,10 @@ rule simulate_history:
         runtime=10,
     params:
         code=numbers,
-        study=lambda wildcards: {
-            **study.values("horizon", "until", "energy_tolerance"),
-            "device": values_of(made.histories[wildcards.cell].device),
-        },
-        cell=lambda wildcards: made.histories[wildcards.cell].shock,
+        inputs=lambda wildcards: replace(
+            study, device=made.histories[wildcards.cell].device
+        ).inputs("horizon", "until", "energy_tolerance"),
+        shock=lambda wildcards: made.histories[wildcards.cell].shock,
     message:
         "Follow single cells in full"
     script:

@@ -14,7 +14,7 @@ for what, stems in STUDIES.items():
         threads: 1000
         params:
             code=studied,
-            device=json.dumps(values_of(nominal(study.device))),
+            device=json.dumps(device_sections(nominal(study.device))),
             python=sys.executable,
             path=os.pathsep.join([str(clone), str(scripts)]),
         message:

@@ -1,10 +1,6 @@
-"""What the rules of figures run, each a function named like its rule: reads, draws, saves.
+"""What the rules of figures run, each a function named like its rule: reads, draws, saves."""
 
-views: name, x, y, at, the place on each other axis, and of cells required_shocks
-own_points: path and SHA-256 of a user's own points, or nothing
-"""
-
-from contextlib import ExitStack, contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 import xarray as xr
@@ -32,58 +28,90 @@ ROW = 2.6
 """Height of a row of these panels, in."""
 
 
+def _open(path):
+    return xr.open_dataset(path, engine="netcdf4")
+
+
 @contextmanager
-def _drawing(path):
-    with xr.open_dataset(path, engine="netcdf4") as found, style.paper():
-        yield found
+def _figure(stem, found, height, columns=2):
+    """An empty figure as wide as so many columns, for a dataset; saved when it has been drawn."""
+    with style.paper():
+        figure = style.double_column(height) if columns == 2 else style.single_column(height)
+        yield figure
+        style.save(figure, stem, found.attrs)
 
 
-def draw_snap_maps(
-    cube_path, threshold_path, views, together, fields, own_points, folder, traces_path=None
+def draw_study(
+    cube_path,
+    threshold_path,
+    statics_paths,
+    history_paths,
+    views,
+    own_points,
+    folder,
+    traces_path="",
 ):
-    """Draw which cells snap, with the thresholds, and some of it side by side; then thresholds.
+    """Draw all that every study has: in one job, as the start of a job takes longer than a figure.
 
+    views: lists of what is drawn: snaps, times, ends (maps of the cube), together (of them side by
+        side), fields (maps of thresholds), curves, boundary; of each its name, x, y, at, the place
+        on each other axis, and of maps of cells required_shocks
+    own_points: path and SHA-256 of a user's own points, or nothing
     traces_path: with the stress of each cell, of devices that have a strength
     """
     own_points = read_points(*own_points) if own_points else ()
     with (
-        _drawing(cube_path) as cube,
-        xr.open_dataset(threshold_path, engine="netcdf4") as found,
-        xr.open_dataset(traces_path) if traces_path else nullcontext() as traces,
+        _open(cube_path) as cube,
+        _open(threshold_path) as found,
+        _open(traces_path) if traces_path else nullcontext() as traces,
     ):
         check_alike(cube, found, threshold_path)
-        if traces is not None:
+        stressed = cube
+        if traces_path:
             check_alike(cube, traces, traces_path)
             share = traces.stress_max / traces.strength
             numbers = {key: cube[key] for key in share.dims if cube[key].dtype.kind == "f"}
-            cube = cube.assign(stress_share=share.reindex(numbers, method="nearest"))
-        for view in views:
-            shown = view["required_shocks"], own_points
-            data = _along(cube, view), _along(found, view)
-            _draw_map(maps.draw_map, data, view, folder, cube, *shown)
-        if together:
-            panels = [(_along(cube, view), _along(found, view)) for view in together]
-            _draw_together(panels, together[0], own_points, f"{folder}/snap_maps", cube)
-        for view in fields:
-            lines = [_along(found, view)]
-            _draw_map(thresholds.draw_threshold_map, lines, view, folder, found)
+            stressed = cube.assign(stress_share=share.reindex(numbers, method="nearest"))
+        _draw_maps(cube, found, stressed, views, own_points, folder)
+        for view in views["fields"]:
+            _draw_map(thresholds.draw_threshold_map, view, folder, _along(found, view))
+        for view in views["curves"]:
+            with _figure(f"{folder}/{view['name']}", found, 3.4) as figure:
+                axes = view["x"], view["y"]
+                thresholds.draw_thresholds(figure.subplots(), _along(found, view), *axes)
+        for view in views["boundary"]:
+            with _figure(f"{folder}/{view['name']}", found, 3.6, columns=1) as figure:
+                lines = found.isel(view["at"])
+                thresholds.draw_damage_boundary(figure.subplots(), lines, view["y"])
+    for path in statics_paths:
+        with _open(path) as found, _figure(f"{folder}/{Path(path).stem}", found, 3.6, 1) as figure:
+            statics.draw_statics(figure, found)
+    for path in history_paths:
+        stem = f"{folder}/history_{Path(path).stem}"
+        with _open(path) as history, _figure(stem, history, 4.2) as figure:
+            axes = figure.subplots(3, sharex=True, height_ratios=[2, 1, 1])
+            histories.draw_history(axes, history)
 
 
-def draw_maps(cube_path, times, ends, together, own_points, folder):
-    """Draw when beams snap; then where they end, and some of it side by side."""
-    own_points = read_points(*own_points) if own_points else ()
-    with _drawing(cube_path) as cube:
-        # Of what is drawn: a cube may be larger than memory.
-        colours = maps.snap_times(_along(cube, view) for view in times)
-        for view in times:
-            _draw_map(maps.draw_time_map, [_along(cube, view)], view, folder, cube, colours)
-        for view in ends:
-            shown = view["required_shocks"], own_points
-            data = _along(cube, view), None
-            _draw_map(maps.draw_map, data, view, folder, cube, *shown, True)
-        if together:
+def _draw_maps(cube, found, stressed, views, own_points, folder):
+    for view in views["snaps"]:
+        shown = {"required_shocks": view["required_shocks"], "own_points": own_points}
+        data = _along(stressed, view), _along(found, view)
+        _draw_map(maps.draw_map, view, folder, *data, **shown)
+    # Of what is drawn: a cube may be larger than memory.
+    colours = maps.snap_times(_along(cube, view) for view in views["times"])
+    for view in views["times"]:
+        _draw_map(maps.draw_time_map, view, folder, _along(cube, view), ends=colours)
+    for view in views["ends"]:
+        shown = {"required_shocks": view["required_shocks"], "own_points": own_points}
+        _draw_map(maps.draw_map, view, folder, _along(cube, view), None, ends=True, **shown)
+    if together := views["together"]:
+        plane = together[0]["x"], together[0]["y"], own_points
+        panels = [(_along(stressed, view), _along(found, view)) for view in together]
+        _draw_together(panels, f"{folder}/snap_maps", *plane)
+        if views["ends"]:
             panels = [(_along(cube, view), None) for view in together]
-            _draw_together(panels, together[0], own_points, f"{folder}/maps", cube, True)
+            _draw_together(panels, f"{folder}/maps", *plane, ends=True)
 
 
 def _along(found, view):
@@ -91,75 +119,33 @@ def _along(found, view):
     return scales.along(found.isel(at), view["x"], view["y"])
 
 
-def _draw_map(draw, data, view, folder, found, *shown):
-    figure = style.single_column(height=5)
-    draw(figure.subplots(), *data, view["x"], view["y"], *shown)
-    style.fit(figure, maps.RATIO)
-    style.save(figure, f"{folder}/{view['name']}", found.attrs)
+def _draw_map(draw, view, folder, *data, **shown):
+    with _figure(f"{folder}/{view['name']}", data[0], height=5, columns=1) as figure:
+        draw(figure.subplots(), *data, view["x"], view["y"], **shown)
+        style.fit(figure, maps.RATIO)
 
 
-def _draw_together(panels, view, own_points, stem, found, ends=False):
-    figure = style.double_column(height=9)
-    maps.draw_maps(figure, panels, view["x"], view["y"], own_points, ends)
-    style.save(figure, stem, found.attrs)
-
-
-def draw_thresholds(threshold_path, views, boundary, folder):
-    """Draw the thresholds over each axis, and as a damage boundary."""
-    with _drawing(threshold_path) as found:
-        for view in views:
-            figure = style.double_column(height=3.4)
-            thresholds.draw_thresholds(figure.subplots(), _along(found, view), view["x"], view["y"])
-            style.save(figure, f"{folder}/{view['name']}", found.attrs)
-        figure = style.single_column(height=3.6)
-        lines = found.isel(boundary["at"])
-        thresholds.draw_damage_boundary(figure.subplots(), lines, boundary["y"])
-        style.save(figure, f"{folder}/{boundary['name']}", found.attrs)
-
-
-def draw_histories(history_paths, stems):
-    """Draw the time history of each cell that was followed in full."""
-    for path, stem in zip(history_paths, stems, strict=True):
-        with _drawing(path) as history:
-            figure = style.double_column(height=4.2)
-            axes = figure.subplots(3, sharex=True, height_ratios=[2, 1, 1])
-            histories.draw_history(axes, history)
-            style.save(figure, stem, history.attrs)
-
-
-def draw_statics(statics_paths, stems):
-    """Draw the force and the energy of each beam that was pushed slowly."""
-    for path, stem in zip(statics_paths, stems, strict=True):
-        with _drawing(path) as found:
-            figure = style.single_column(height=3.6)
-            force, energy = figure.subplots(2, sharex=True, height_ratios=[3, 2])
-            statics.draw_force_displacement(force, found)
-            statics.draw_energy(energy, found)
-            force.label_outer()
-            style.legend(figure, style.labelled([force]), ncols=2)
-            style.save(figure, stem, found.attrs)
+def _draw_together(panels, stem, *plane, **shown):
+    with _figure(stem, panels[0][0], height=9) as figure:
+        maps.draw_maps(figure, panels, *plane, **shown)
 
 
 def draw_requirements(requirements_path, stem):
     """Draw the margin of each required shock, a row for each device and C."""
     verdicts = read_verdicts(requirements_path)
-    with style.paper():
-        figure = style.double_column(height=1.2 + 0.32 * len(verdicts))
+    about = xr.Dataset(attrs={"title": "Margins of required shocks"})
+    with _figure(stem, about, 1.2 + 0.32 * len(verdicts)) as figure:
         requirements.draw_margins(figure.subplots(), verdicts)
-        style.save(figure, stem, {"title": "Margins of required shocks"})
 
 
 def draw_calibration(calibration_path, stem):
     """Draw measured shots over the fitted threshold and its band, by shape and direction."""
-    with _drawing(calibration_path) as found:
+    with _open(calibration_path) as found, _figure(stem, found, 3.4) as figure:
         panels = calibration.panels(found)
-        figure = style.double_column(height=3.4)
         axes = figure.subplots(1, len(panels), squeeze=False)[0]
         for ax, panel in zip(axes, panels, strict=True):
             calibration.draw_shots(ax, panel)
-        words = calibration.calibration_text(found)
-        style.legend(figure, style.labelled(axes), words, 5)
-        style.save(figure, stem, found.attrs)
+        style.legend(figure, style.labelled(axes), calibration.calibration_text(found), 5)
 
 
 def draw_tolerance(tolerance_path, places, yields, folder):
@@ -167,19 +153,13 @@ def draw_tolerance(tolerance_path, places, yields, folder):
 
     places, yields: on the axes of names, by the ending of the figures' names
     """
-    drawn = {
-        "probability": tolerances.draw_probability,
-        "sensitivity": tolerances.draw_sensitivity,
-    }
-    with _drawing(tolerance_path) as found:
+    with _open(tolerance_path) as found:
         for ending, at in places.items():
             here = found.isel(at)
             panels = [here.isel(C=i) for i in evenly(here.C.size, MOST)]
-            for name, draw in drawn.items():
-                figure, _ = _draw_panels(panels, draw)
-                words = tolerances.batch_text(here, found.attrs)
-                style.legend(figure, style.labelled(figure.axes), words)
-                style.save(figure, f"{folder}/{name}{ending}", found.attrs)
+            for name in ("probability", "sensitivity"):
+                draw = getattr(tolerances, f"draw_{name}")
+                _draw_panels(f"{folder}/{name}{ending}", panels, draw, found.attrs)
         for ending, at in yields.items():
             here = found.isel(at)
             here = here.isel(C=evenly(here.C.size, LINES))
@@ -188,84 +168,45 @@ def draw_tolerance(tolerance_path, places, yields, folder):
                 for i in evenly(here.requirement.size, MOST)
                 for j in evenly(here.C.size, MOST // min(MOST, here.requirement.size))
             ]
-            height = 0.5 + 0.17 * len(list(requirements.each_share(here))) * here.C.size
-            figure, above = _draw_panels(panels, requirements.draw_requirement, height)
-            requirements.draw_yield(above, here)
-            words = tolerances.batch_text(panels[0], found.attrs)
-            style.legend(figure, style.labelled(figure.axes), words)
-            style.save(figure, f"{folder}/yield{ending}", found.attrs)
+            stem, draw = f"{folder}/yield{ending}", requirements.draw_requirement
+            _draw_panels(stem, panels, draw, found.attrs, here)
 
 
-def _draw_panels(panels, draw, above=0.0):
-    """A figure of panels, and axes above them if these have a height, in."""
+def _draw_panels(stem, panels, draw, attributes, shares=None):
+    """Panels under one legend; above them the shares that meet requirements, if these are given."""
     dampings = len({panel.C.item() for panel in panels})
     columns = dampings if dampings in (2, COLUMNS) else min(COLUMNS, len(panels))
     rows = -(-len(panels) // columns)
-    figure = style.double_column(height=0.9 + ROW * rows + above)
-    *upper, lower = figure.subfigures(
-        1 + bool(above), height_ratios=[above] * bool(above) + [ROW * rows], squeeze=False
-    ).flat
-    axes = lower.subplots(rows, columns, squeeze=False).flat
-    for ax, panel in zip(axes, panels, strict=False):
-        draw(ax, panel)
-    for ax in axes[len(panels) :]:
-        ax.remove()
-    return figure, upper[0].subplots() if upper else None
+    heights = [ROW * rows]
+    if shares is not None:
+        rows_above = len(list(requirements.each_share(shares))) * shares.C.size
+        heights.insert(0, 0.5 + 0.17 * rows_above)
+    with _figure(stem, panels[0], 0.9 + sum(heights)) as figure:
+        *above, lower = figure.subfigures(len(heights), height_ratios=heights, squeeze=False).flat
+        axes = lower.subplots(rows, columns, squeeze=False).flat
+        for ax, panel in zip(axes, panels, strict=False):
+            draw(ax, panel)
+        for ax in axes[len(panels) :]:
+            ax.remove()
+        if above:
+            requirements.draw_yield(above[0].subplots(), shares)
+        words = tolerances.batch_text(panels[0], attributes)
+        style.legend(figure, style.labelled(figure.axes), words)
 
 
-def draw_accuracy(accuracy_path, stem):
-    """Draw error against time for every model."""
-    from studies.accuracy.figures import draw_accuracy
-
-    with _drawing(accuracy_path) as found:
-        figure = style.double_column(height=3.6)
-        draw_accuracy(figure.subplots(), found)
-        style.save(figure, stem, found.attrs)
-
-
-def draw_convergence(accuracy_path, stem):
-    """Draw how the error of the threshold falls with number and step."""
-    from studies.accuracy.figures import draw_convergence
-
-    with _drawing(accuracy_path) as found:
-        figure = style.double_column(height=3.2)
-        draw_convergence(figure.subplots(1, 2, sharey=True, width_ratios=[3, 2]), found)
-        style.save(figure, stem, found.attrs)
-
-
-def draw_stability(stability_path, stem):
-    """Draw the verdicts on the hard cases, a panel for each model."""
-    from studies.stability.figures import draw_panels
-
-    with _drawing(stability_path) as cases:
-        figure = style.double_column(height=9)
-        draw_panels(figure, cases)
-        style.save(figure, stem, cases.attrs)
-
-
-def draw_settled(settled_path, beam_dampings, C, stem):
-    """Draw the map of one C, uN us/um, for each beam damping, 1/us, side by side."""
-    with _drawing(settled_path) as settled:
-        figure = style.double_column(height=9)
-        panels = [(settled.sel(damping=damping, C=C), None) for damping in beam_dampings]
-        maps.draw_maps(figure, panels, "f0", "N", ends=True)
-        style.save(figure, stem, settled.attrs)
-
-
-def write_page(cube_path, traces_path, threshold_path, horizon, path):
+def draw_page(cube_path, traces_path, threshold_path, horizon, path):
     """Write the page to explore a cube; horizon: us."""
     from snapmap.figures.explore import page  # brings Plotly
 
-    paths = cube_path, traces_path, threshold_path
-    with ExitStack() as files:
-        cube, *others = (
-            files.enter_context(xr.open_dataset(one, engine="netcdf4")) for one in paths
-        )
-        for other, one in zip(others, paths[1:], strict=True):
-            check_alike(cube, other, one)
-        text = page(cube, *others, horizon)
-    with replacing(path) as temporary:
-        Path(temporary).write_text(text, encoding="utf-8")
+    with (
+        _open(cube_path) as cube,
+        _open(traces_path) as traces,
+        _open(threshold_path) as found,
+        replacing(path) as temporary,
+    ):
+        check_alike(cube, traces, traces_path)
+        check_alike(cube, found, threshold_path)
+        Path(temporary).write_text(page(cube, traces, found, horizon), encoding="utf-8")
 
 
 if __name__ == "__main__":

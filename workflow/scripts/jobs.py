@@ -1,39 +1,36 @@
 """What the rules run, each a function named like its rule; `run_rule` says what they are given.
 
-A study comes as the plain values of `Config.values`, in internal units; axes as in the cube.
+study: a `Config`, which each job reads anew by `planned_study`
 Imports stand in the functions: a job of cells does without xarray.
 """
 
 from dataclasses import replace
 from pathlib import Path
 
-from snapmap.config.planned import study_from
-from snapmap.device import device_from
+from snapmap.axes import NAMES
+from snapmap.config.products import products
+from snapmap.config.study import planned_study
 from snapmap.io.atomic import replacing
 from snapmap.io.job_log import run_rule
-from snapmap.io.recorded import shocks_of
 
 
-def simulate_slab(study, axes, path, threads, code):
+def simulate_slab(study, axes, path, code):
     """Simulate one slab and write it."""
     from snapmap.sweeps.slabs import write_slab
 
-    counts = write_slab(study_from(study, threads), axes, path, code)
+    counts = write_slab(study, axes, path, code)
     print(f"{path}: " + ", ".join(f"{n} {outcome}" for outcome, n in counts.items()))
 
 
-def collect(slab_paths, axes, config, path):
+def collect(study, slab_paths, path):
     """Join slabs on the axes of the whole grid, write the cube and say what is in it."""
-    import xarray as xr
-
     from snapmap.sweeps.collect import collect_slabs
     from snapmap.sweeps.cube import summary
 
-    with xr.set_options(file_cache_maxsize=2):  # each open slab keeps what was read of it
-        _write(collect_slabs(slab_paths, axes, config), path, summary)
+    _write(collect_slabs(slab_paths, study.axes, study.document()), path, summary)
 
 
-def find_threshold(study, axes, tolerance, highest, path, table_path, threads):
+def find_threshold(study, path, table_path):
     """Find the thresholds and write them, also as a table.
 
     Rows that stand in the file already, of the same study and code, are not found again.
@@ -42,14 +39,16 @@ def find_threshold(study, axes, tolerance, highest, path, table_path, threads):
     from snapmap.thresholds.rows import tidy
     from snapmap.thresholds.surface import summary, thresholds_of
 
-    asked = study_from(study, threads), axes, tolerance, highest
-    found = thresholds_of(*asked, earlier=read_earlier(path))
+    axes = {key: values for key, values in study.axes.items() if key not in (*NAMES, "N")}
+    highest, tolerance = float(study.axes["N"][-1]), study.threshold_tolerance
+    earlier = read_earlier(path)
+    thresholds = thresholds_of(study.of_thresholds(), axes, tolerance, highest, earlier=earlier)
     with replacing(table_path) as temporary:
-        tidy(found).to_csv(temporary, index=False)
-    _write(found, path, summary)
+        tidy(thresholds).to_csv(temporary, index=False)
+    _write(thresholds, path, summary)
 
 
-def trace_cells(cube_path, study, path, threads):
+def trace_cells(study, cube_path, path):
     """Read a cube, follow its cells again and write their motion in brief.
 
     Cells that stand in the file already, of the same study and code, are not followed again.
@@ -58,27 +57,31 @@ def trace_cells(cube_path, study, path, threads):
     from snapmap.motion.envelopes import trace
 
     with _open(cube_path) as cube:
-        traces = trace(study_from(study, threads), cube, read_earlier(path))
+        traces = trace(study, cube, read_earlier(path))
         shares = f"{traces.bin_length.size} of {cube.outcome.size} cells"
     _write(traces, path, lambda _: f"{shares} in {traces.sizes['bin']} time bins each")
 
 
 def simulate_history(study, cell, path):
-    """Follow one cell, N, f0 and C, beyond its snap, under the first pulse of a study."""
+    """Follow one cell, by its name, beyond its snap, under the first pulse of a study."""
     from snapmap.motion.history import history_of
 
-    study = study_from(study)
-    _write(history_of(replace(study, shocks=study.shocks.first()), **cell), path)
+    history = products(study).histories[cell]
+    study = replace(study, device=history.device, shocks=study.shocks.first())
+    _write(history_of(study, **history.shock), path)
 
 
-def trace_statics(device, path):
-    """Push the beam slowly through and write the static force over displacement."""
+def trace_statics(study, which, path):
+    """Push the beam slowly through and write the static force over displacement.
+
+    which: the ending of the file's name
+    """
     from snapmap.beam.statics import statics
 
-    _write(statics(device_from(device)), path)
+    _write(statics(products(study).statics[which]), path)
 
 
-def check_requirements(study, requirements, vibrations, spectra, C, tolerance, path, threads):
+def check_requirements(study, path):
     """Simulate the required shocks; write a row for each device and C, with what it does."""
     import csv
     from itertools import chain, product
@@ -88,21 +91,21 @@ def check_requirements(study, requirements, vibrations, spectra, C, tolerance, p
     from snapmap.spectra.verdicts import check_spectra, check_vibrations
     from snapmap.thresholds.requirements import Survival, Verdict, check, judge, summary
 
-    study, required = study_from(study, threads), _required(requirements)
-    verdicts = check(study, required, C, tolerance)
-    asked = product(required, study.devices().values(), C)
+    C, study = study.axes["C"].tolist(), study.of_thresholds()
+    verdicts = check(study, study.requirements, C, study.threshold_tolerance)
     moved, survived = [], []
-    for place, (one, device, damping) in enumerate(asked):
-        pushed = replace(study, device=device, shocks=one["shocks"])
-        moved.append(extremes_of(pushed, one["N"], one["f0"], damping))
+    cases = product(study.requirements, study.devices().values(), C)
+    for place, (required, device, damping) in enumerate(cases):
+        pushed = replace(study, device=device, shocks=required["shocks"])
+        moved.append(extremes_of(pushed, required["N"], required["f0"], damping))
         verdicts[place], survival = judge(
-            verdicts[place], device, moved[-1].stress_max, one["survives"]
+            verdicts[place], device, moved[-1].stress_max, required["survives"]
         )
         survived.append(survival)
-    shaken = check_vibrations(study, vibrations, C) + check_spectra(study, spectra, C)
+    shaken = check_vibrations(study, study.vibrations, C) + check_spectra(study, study.spectra, C)
     verdicts += shaken
-    for rows, kind in ((moved, Extremes), (survived, Survival)):
-        rows += [kind(*[nan] * len(kind._fields))] * len(shaken)
+    for rows, columns in ((moved, Extremes), (survived, Survival)):
+        rows += [columns(*[nan] * len(columns._fields))] * len(shaken)
     with open(path, "w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file)
         rows.writerow(Verdict._fields + Extremes._fields + Survival._fields)
@@ -110,89 +113,38 @@ def check_requirements(study, requirements, vibrations, spectra, C, tolerance, p
     print(f"{path}: {summary(verdicts)}")
 
 
-def find_tolerance(study, axes, tolerances, requirements, left_out, path, threads):
-    """Find the thresholds of devices whose values scatter.
-
-    tolerances: fields of `Tolerances`; left_out: names of requirements that the yield leaves out
-    """
+def find_tolerance(study, path):
+    """Find the thresholds of devices whose values scatter."""
     from snapmap.tolerances.dataset import summary, tolerances_of
-    from snapmap.tolerances.samples import Tolerances
 
-    asked = axes, Tolerances(**tolerances), _required(requirements)
-    found = tolerances_of(study_from(study, threads), *asked)
-    if requirements and left_out:
-        found["yield"].attrs["leaves_out"] = ", ".join(left_out)
-    _write(found, path, summary)
+    axes = {key: study.axes[key] for key in ("C", "f0", "N")}
+    made = tolerances_of(study.of_thresholds(), axes, study.tolerances, study.requirements)
+    left_out = [required["name"] for required in study.vibrations + study.spectra]
+    if study.requirements and left_out:
+        made["yield"].attrs["leaves_out"] = ", ".join(left_out)
+    _write(made, path, summary)
 
 
-def fit_calibration(study, calibration, path, threads):
-    """Fit the unknowns of a config's calibration, its fields by name, to measured shots."""
+def fit_calibration(study, path):
+    """Fit the unknowns of a study's calibration to its measured shots."""
     from snapmap.calibration.dataset import calibration_of, summary
-    from snapmap.io.tables import read_shots
 
-    files = calibration["files"]
-    table = read_shots(calibration["shots"], files[calibration["shots"]])
-    study = study_from(study, threads)
-    study = replace(study, shocks=study.shocks.first())
-    found = calibration_of(study, table, calibration["unknowns"], calibration["C"], files)
-    _write(found, path, summary)
+    shots, _, unknowns, C = study.calibration
+    of_shots = replace(study.of_thresholds(), shocks=study.shocks.first())
+    _write(calibration_of(of_shots, shots, unknowns, C), path, summary)
 
 
-def write_datasheet(study, C, tolerances, requirements, requirements_path, path, threads):
-    """Find what the data sheet tells beside the verdicts, and write it."""
+def write_datasheet(study, requirements_path, path, tolerance_path=()):
+    """Write verdicts, what is known of devices as made, and the device itself as a data sheet."""
+    from contextlib import nullcontext
+
     from snapmap.datasheet import datasheet
     from snapmap.io.tables import read_verdicts
-    from snapmap.tolerances.samples import Tolerances
 
-    asked = C, Tolerances(**tolerances) if tolerances else None, _required(requirements)
-    verdicts = read_verdicts(requirements_path)
-    _write_text(datasheet(study_from(study, threads), *asked, verdicts), path)
-
-
-def measure_accuracy(device, pulse, axes, settings, plan, path, threads):
-    """Measure the error from each source, and the time of a simulation; plan: by name."""
-    from snapmap.solver.settings import Settings
-    from studies.accuracy.dataset import summary
-    from studies.accuracy.measure import measure
-    from studies.accuracy.plans import PLANS
-
-    settings = Settings(**settings, threads=threads)
-    asked = device_from(device), axes, settings, PLANS[plan], shocks_of(pulse)
-    _write(measure(*asked), path, summary)
-
-
-def write_accuracy_table(accuracy_path, path):
-    """Write the tables of docs/accuracy.md."""
-    from studies.accuracy.tables import tables
-
-    with _open(accuracy_path) as found:
-        _write_text(tables(found), path)
-
-
-def measure_stability(device, path, threads):
-    """Follow the hard cases with every model at many steps and write what each was."""
-    from studies.stability.measure import measure
-
-    _write(measure(device_from(device), threads=threads), path)
-
-
-def measure_settled(device, beam_dampings, path, threads):
-    """Sweep a grid with less and more damping of the beam, 1/us."""
-    from studies.stability.settled import settled
-
-    _write(settled(device_from(device), beam_dampings, threads), path)
-
-
-def write_stability_table(stability_path, settled_path, path):
-    """Write the tables of docs/stability.md."""
-    from studies.stability.tables import tables
-
-    with _open(stability_path) as cases, _open(settled_path) as settled:
-        _write_text(tables(cases, settled), path)
-
-
-def _required(requirements):
-    return [one | {"shocks": shocks_of(one["pulse"])} for one in requirements]
+    verdicts, required = read_verdicts(requirements_path), study.requirements
+    with _open(tolerance_path) if tolerance_path else nullcontext() as made:
+        text = datasheet(study.of_thresholds(), verdicts, required, made, study.title)
+    _write_text(text, path)
 
 
 def _open(path):
@@ -201,12 +153,12 @@ def _open(path):
     return xr.open_dataset(path, engine="netcdf4")
 
 
-def _write(found, path, summary=None):
+def _write(dataset, path, summary=None):
     from snapmap.io.netcdf import write
 
-    write(found, path)
+    write(dataset, path)
     if summary:
-        print(f"{path}: {summary(found)}")
+        print(f"{path}: {summary(dataset)}")
 
 
 def _write_text(text, path):
@@ -215,4 +167,4 @@ def _write_text(text, path):
 
 
 if __name__ == "__main__":
-    run_rule(globals()[snakemake.rule], snakemake)
+    run_rule(globals()[snakemake.rule], snakemake, planned_study)

@@ -131,11 +131,6 @@ def axis_behind(name: str) -> str:
     return "f0" if name == DURATION else name
 
 
-def coordinates(axes: Mapping[str, np.ndarray]) -> dict[str, tuple]:
-    """Give the values of axes their attributes, as xarray takes coordinates."""
-    return {key: (key, values, COORDINATES[key]) for key, values in axes.items()}
-
-
 def shared_points(ours: Mapping[str, np.ndarray], theirs: Mapping) -> tuple[tuple, tuple]:
     """Where equal values stand on two sets of axes: indices into ours and into theirs, by axis."""
     pairs = [

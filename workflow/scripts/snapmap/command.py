@@ -51,6 +51,7 @@ def init(folder: Path) -> None:
 def check(config: Path) -> None:
     """Print what a config describes, its doubts and its cost; raises ValueError, a line a fault."""
     with needing("snapmap check"):
+        from .config.doubts import descriptions, doubts
         from .config.study import load_config
         from .config.yaml_file import read_document
     from .solver.cost import spoken
@@ -58,7 +59,7 @@ def check(config: Path) -> None:
 
     study = load_config(read_document(config))
     plan = make_plan(study.grid, study.model, study.settings, [h.f0 for h in study.histories])
-    for line in filter(None, [*study.descriptions(), study.left_out, *study.doubts()]):
+    for line in filter(None, [*descriptions(study), study.left_out, *doubts(study)]):
         print(line)
     sizes = ", ".join(f"{key} {values.size}" for key, values in study.axes.items())
     least, most = (spoken(times * plan.seconds) for times in SEEN)
@@ -73,7 +74,6 @@ def _costs(study):
     import numpy as np
 
     from .device import batch
-    from .io.recorded import shocks_of
     from .solver.adaptive import choose_survey
     from .solver.cells import rows_of, to_rows
     from .thresholds.cost import PER_SAMPLE, run_seconds, survey_seconds
@@ -90,16 +90,15 @@ def _costs(study):
         costs["tolerances"] = 0.0
     for device in study.devices().values():
         models = choose_survey(batch([device]), study.model)
-        for asked in study.requirements:
-            own = study.settings._replace(pulses=shocks_of(asked.pulse).pulses)
-            rows = to_rows(0, asked.f0, C)
-            costs["requirements"] += survey_seconds(models, rows, own)
+        for required in study.requirements:
+            rows = to_rows(0, required["f0"], C, pulses=required["shocks"].pulses)
+            costs["requirements"] += survey_seconds(models, rows, study.settings)
             if scatter:
-                runs = PER_SAMPLE * every
-                costs["tolerances"] += runs * run_seconds(models.decides, rows, own).sum()
+                seconds = run_seconds(models.decides, rows, study.settings).sum()
+                costs["tolerances"] += PER_SAMPLE * every * seconds
         if scatter:
-            pulse = np.arange(len(study.settings.pulses))[:, np.newaxis, np.newaxis]
-            rows = to_rows(0, f0, C[:, np.newaxis], pulse)
+            pulse = np.arange(len(study.grid.pulses))[:, np.newaxis, np.newaxis]
+            rows = to_rows(0, f0, C[:, np.newaxis], pulse, study.grid.pulses)
             seconds = run_seconds(models.decides, rows, study.settings).sum()
             costs["tolerances"] += PER_SAMPLE * every * seconds
     return costs

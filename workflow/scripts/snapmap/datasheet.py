@@ -9,68 +9,74 @@ import xarray as xr
 from .beam.modal import natural_frequency
 from .beam.statics import statics
 from .io.markdown import DASH, table
+from .io.provenance import code_version, device_sections
 from .motion.history import extremes_of
-from .pulse import DIRECTIONS, shocks_from
 from .solver.outcome import REPEATED_STEP
 from .study import Study
-from .thresholds.surface import thresholds_of
-from .tolerances.dataset import tolerances_of
-from .tolerances.samples import Tolerances
+from .tolerances.statistics import left_out, percents
 
-SHAPE, DURATIONS = "half sine", (0.1, 0.2, 0.5, 1.0, 2.0, 6.0, 11.0)
-"""Of the shocks in IEC 60068-2-27 and JESD22-B110; ms."""
-SAMPLES = 256
-"""Most devices as made of which the spread is found."""
 UNITS = {
-    "toward_max": ("way of the mass towards the beam", "um"),
-    "away_max": ("way of the mass away from the beam", "um"),
+    "toward_max": ("travel of the mass towards the beam", "um"),
+    "away_max": ("travel of the mass away from the beam", "um"),
     "contact_force_max": ("force between mass and beam, an indicator", "uN"),
     "stress_max": ("tensile stress in the beam", "MPa"),
 }
 """Of `Extremes`, as a data sheet names them."""
+LEVELS = {"random": " g rms", "spectrum": " times it"}
+"""Units of thresholds of what is no single shock."""
 
 
 def datasheet(
     study: Study,
-    C: Sequence[float],
-    tolerances: Tolerances | None = None,
+    verdicts: Sequence[Mapping],
     requirements: Sequence[Mapping] = (),
-    verdicts: Sequence[Mapping] = (),
+    made: xr.Dataset | None = None,
+    title: str = "",
 ) -> str:
     """Write the data sheets of a study's devices, in Markdown.
 
-    study: whose pulse is of no account; C: uN us/um; tolerances: what scatters, if it is known
-    requirements: as `thresholds.requirements.check` takes them; verdicts: rows of requirements.csv
+    verdicts: rows of requirements.csv, of which the thresholds are; requirements: name, shocks, N
+        and f0 (Hz) of those by a pulse
+    made: what `tolerances_of` returns of these requirements, if values scatter
     """
     several, sheets = isinstance(study.device, Mapping), []
-    axes = {"C": C, "f0": 1e3 / np.array(DURATIONS)}
-    head = ["direction, duration", *(f"C = {c:g} uN*us/um" for c in C)]
     for name, device in study.devices().items():
-        sheets += [
-            f"# Data sheet{f' of {name}' if several else ''}\n",
-            table(["at rest, exact to the digits shown", "value"], _statics(device)),
-        ]
-        if not device.beam.is_bistable:
-            sheets.append("Its beam has no second stable shape, so there is no threshold.\n")
-            continue
-        one = replace(study, device=device, shocks=shocks_from(SHAPE, "both"))
+        own = [row for row in verdicts if not several or row["device"] == name]
+        batch = made.sel(device=name) if made is not None and several else made
+        head = " of ".join(filter(None, ["# Data sheet", title, name if several else ""]))
+        sheets += [f"{head}\n", table(["device", "value"], _device(study, device))]
+        sheets += [table(["at rest, exact to the digits shown", "value"], _statics(device))]
         unit = f"{device.gravity * 1e6:.4g} m/s^2"
         unit = f"{device.force:g} uN on the midpoint" if device.force else unit
-        rows = _rows(thresholds_of(one, axes), _threshold)
-        sheets += [f"Thresholds of a {SHAPE}, multiples of {unit}:\n", table(head, rows)]
-        if tolerances:
-            few = min(tolerances.samples, SAMPLES)
-            made = tolerances_of(one, axes, tolerances._replace(samples=few, index_samples=2))
-            words = f"Standard deviation over {made.sizes['sample']} devices as made:\n"
-            sheets += [words, table(head, _rows(made, _deviation))]
-        if own := [row for row in verdicts if not several or row["device"] == name]:
-            of = ["requirement", "C, uN*us/um", "margin", "verdict"]
-            sheets += ["Threshold over the required level:\n", table(of, map(_margin, own))]
-            if requirements:
-                of = ["what", "value", "error", "under"]
-                largest = table(of, _largest(one, requirements, own))
-                sheets += ["Largest under these shocks:\n", largest]
+        head = ["requirement", "shock", "C, uN*us/um", "threshold", "of devices as made", "margin"]
+        head += ["verdict", "strength over stress", "breaks"]
+        rows = table(head, (_verdict(row, batch) for row in own))
+        sheets += [f"Thresholds in multiples of {unit}, and over the required level:\n", rows]
+        if requirements:
+            largest = _largest(replace(study, device=device), requirements, own)
+            largest = table(["what", "value", "error", "under"], largest)
+            sheets += ["Largest under these shocks:\n", largest]
+        if batch is not None and "yield" in batch:
+            words = f"Share of {batch.sizes['sample']} devices as made, with bounds at 95 %:\n"
+            sheets += [words, table(["share", "C, uN*us/um", "value", "bounds"], _shares(batch))]
     return "\n".join(sheets)
+
+
+def _device(study, device):
+    """What it is: model, support, dimensions."""
+    options = ", ".join(f"{key} {value}" for key, value in study.model.items() if key != "name")
+    yield ["made by", f"snapmap {code_version()}"]
+    yield ["model", " ".join(filter(None, [study.model["name"], options]))]
+    yield ["support", "free to tilt" if device.beam.free else "guided: the beam cannot tilt"]
+    yield from _written(device_sections(device)["device"])
+
+
+def _written(section, name=""):
+    for key, value in section.items():
+        if isinstance(value, Mapping):
+            yield from _written(value, f"{name}{key}: ")
+        else:
+            yield [f"{name}{key}".replace("_", " "), str(value)]
 
 
 def _statics(device):
@@ -78,57 +84,67 @@ def _statics(device):
     resets = f"{-path.least_force:.5g} uN" if path.least_force < 0 else "none: it returns by itself"
     yield ["force that snaps the beam", f"{path.largest_force:.5g} uN"]
     yield ["force that resets it", resets]
-    if beam.is_bistable:
-        way = beam.height - beam.second_equilibrium
-        yield ["way of the midpoint to the second shape", f"{way:.5g} um"]
+    travel = f"{beam.height - beam.second_equilibrium:.5g} um" if beam.is_bistable else DASH
+    yield ["travel of the midpoint to the second shape", travel]
     yield ["first frequency of the beam", f"{1e3 * natural_frequency(beam) / (2 * np.pi):.5g} kHz"]
     if not device.is_alone:
         own = f"{1e3 * device.mass_frequency / (2 * np.pi):.5g} kHz"
         yield ["frequency of the mass on its spring", own]
 
 
-def _rows(found, words):
-    """A row for each direction and duration: its name, and `words` of what was found at each C."""
-    for direction in DIRECTIONS:
-        for f0 in found.f0.values:
-            here = found.sel(direction=direction, f0=f0)
-            cells = (words(here.isel(C=i)) for i in range(here.sizes["C"]))
-            yield [f"{direction}, {1e3 / f0:g} ms", *cells]
-
-
-def _threshold(one: xr.Dataset) -> str:
-    if np.isfinite(one.N_first):
-        ragged = ", ragged" if one.ragged else ""
-        return f"{one.N_first.item():.5g} ± {one.N_error.item():.2g}{ragged}"
-    return f"none up to {one.N_looked.item():.3g}"
-
-
-def _deviation(one: xr.Dataset) -> str:
-    share = (one.N_std / one.N_mean).item()
-    # The error of a standard deviation of normal numbers.
-    error = 100 * share / np.sqrt(2 * one.sizes["sample"])
-    return f"{100 * share:.2g} ± {error:.1g} %" if share > 0 else DASH
-
-
-def _margin(row):
-    margin = f"{row['margin']:.4g} ± {row['margin_error']:.1g}"
-    known = np.isfinite(row["margin"])
+def _verdict(row, made):
+    """A row of requirements.csv, with how far thresholds of devices as made scatter."""
     must = "trips" if row["must_snap"] else "does not trip"
-    words = f"{row['requirement']}, {must}"
-    return [words, f"{row['C']:g}", margin if known else "nothing snaps", row["verdict"]]
+    shock = f"{row['shape']} {row['direction']}"
+    shock += f", {row['duration']:.4g} ms" if np.isfinite(row["duration"]) else ""
+    name, spread = row["requirement"], DASH
+    if made is not None and name in made.get("requirement", ()):
+        first = made.N_first_required.sel(requirement=name).sel(C=row["C"], method="nearest")
+        share = (first.std(ddof=1) / first.mean()).item()
+        if share > 0:  # with the error of a standard deviation of normal numbers
+            error = share / np.sqrt(2 * first.count().item())
+            spread = f"± {100 * share:.2g} % (± {100 * error:.1g} %)"
+    threshold, margin = "nothing snaps", DASH
+    if np.isfinite(row["N_first"]):
+        threshold = f"{row['N_first']:.5g} ± {row['N_error']:.2g}{LEVELS.get(row['shape'], '')}"
+        margin = f"{row['margin']:.4g} ± {row['margin_error']:.1g}"
+    broken = row["strength_margin"], row["break_probability"]
+    ends = [f"{value:.3g}" if np.isfinite(value) else DASH for value in broken]
+    ends = ends if np.isfinite(broken[0]) else [DASH, DASH]
+    return [
+        f"{name}, {must}",
+        shock,
+        f"{row['C']:g}",
+        threshold,
+        spread,
+        margin,
+        row["verdict"],
+        *ends,
+    ]
 
 
 def _largest(study, requirements, verdicts):
     """What is largest under all required shocks, and its error: the difference to another step."""
-    asked = {one["name"]: one for one in requirements}
-    shocks = [row for row in verdicts if row["requirement"] in asked]
+    required = {one["name"]: one for one in requirements}
+    shocks = [row for row in verdicts if row["requirement"] in required]
     for key, (words, unit) in UNITS.items():
         if not np.isfinite([row[key] for row in shocks]).any():
             continue
         worst = max(shocks, key=lambda row, key=key: row[key])
-        one = asked[worst["requirement"]]
-        under = replace(study, shocks=one["shocks"])
-        again = extremes_of(under, one["N"], one["f0"], worst["C"], step=REPEATED_STEP)
+        shock = required[worst["requirement"]]
+        under = replace(study, shocks=shock["shocks"])
+        again = extremes_of(under, shock["N"], shock["f0"], worst["C"], step=REPEATED_STEP)
         value, other = worst[key], getattr(again, key)
         where = f"{worst['requirement']}, C = {worst['C']:g}"
         yield [words, f"{value:.4g} {unit}", f"{abs(value - other):.1g} {unit}", where]
+
+
+def _shares(made):
+    """Of devices as made that meet all, and that break, at each C."""
+    words = {"yield": f"meet all{left_out(made['yield'])}", "share_breaking": "break under"}
+    for key in filter(made.data_vars.__contains__, words):
+        for place in np.ndindex(made[key].shape):
+            at = made[[key, f"{key}_bound"]].isel(dict(zip(made[key].dims, place, strict=True)))
+            under = [at.requirement.item()] if "requirement" in at.coords else []
+            bounds = percents(*at[f"{key}_bound"].values)
+            yield [" ".join([words[key], *under]), f"{at.C.item():g}", percents(at[key]), bounds]

@@ -25,7 +25,7 @@ def describe(device: Device, C: Sequence[float] = ()) -> str:
     if device.is_alone or not np.size(C):
         return words
     ends = dict.fromkeys((np.min(C), np.max(C)))
-    rates = (f"{_quality(own[1], one / device.mass)} at C = {one:.4g}" for one in ends)
+    rates = (f"{_quality(own[1], end / device.mass)} at C = {end:.4g}" for end in ends)
     critical = 2 * device.mass * own[1]
     return f"{words}, quality factor {' to '.join(rates)} uN*us/um (critical: {critical:.4g})"
 
@@ -33,10 +33,10 @@ def describe(device: Device, C: Sequence[float] = ()) -> str:
 def excited(device: Device, pulse: Pulse) -> str:
     """One line on the shock response spectrum of a pulse at the device's own frequencies."""
     own = _own(device)[: 1 if device.is_alone else 2]
-    found = pulse_response(pulse, pulse.duration, np.array(own) / (2e-6 * np.pi))
-    told = [f"{one:.3g} at the {of}'s" for one, of in zip(found, ("beam", "mass"), strict=False)]
-    told[-1] += " frequency"
-    return f"shock response (quality factor 10) over its peak {', '.join(told[::-1])}"
+    response = pulse_response(pulse, pulse.duration, np.array(own) / (2e-6 * np.pi))
+    each = [f"{a:.3g} at the {of}'s" for a, of in zip(response, ("beam", "mass"), strict=False)]
+    each[-1] += " frequency"
+    return f"shock response (quality factor 10) over its peak {', '.join(each[::-1])}"
 
 
 def _own(device):

@@ -185,25 +185,6 @@ FROM_ZERO = tuple(key for key in VALUES if KINDS[QUANTITIES[key].kind].zero and 
 """Those that may be negative, or zero; all others are positive."""
 
 
-def device_from(values: Mapping) -> Device:
-    """Rebuild a device from `dataclasses.asdict` of it."""
-    return Device(**{**values, "beam": Beam(**values["beam"])})
-
-
-def values_of(device: Device | Mapping[str, Device]) -> dict:
-    """The values of a device, or of several by name, as plain numbers."""
-    if isinstance(device, Mapping):
-        return {name: asdict(one) for name, one in device.items()}
-    return asdict(device)
-
-
-def devices_from(values: Mapping) -> Device | dict[str, Device]:
-    """Rebuild what `values_of` was given."""
-    if "beam" in values:
-        return device_from(values)
-    return {name: device_from(one) for name, one in values.items()}
-
-
 def batch(devices: Sequence[Device]) -> Device:
     """Make a batch of single devices."""
     columns = [{**asdict(device.beam), **asdict(device)} for device in devices]

@@ -9,17 +9,15 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from .axes import COORDINATES, coordinates
-from .device import SIGNED, Device, batch, is_bistable
+from .arguments import ARGUMENTS
+from .axes import COORDINATES
+from .device import SIGNED, Device, batch
 from .io.counting import counting
 from .pulse import Shocks
 from .quantities import QUANTITIES
-from .solver.adaptive import choose_survey
-from .solver.cells import to_rows
 from .solver.search import refine
-from .solver.settings import THRESHOLD_TOLERANCE
-from .study import Study, study_of, with_shocks
-from .thresholds.islands import survey
+from .study import study_of, with_shocks
+from .tolerances.batch import thresholds_at
 from .tolerances.dataset import tolerances_of
 from .tolerances.samples import Tolerances
 
@@ -58,7 +56,7 @@ def design(
     requirements: mappings of name, N, f0 (Hz) and snaps, with pulse and direction, or shocks
     scatters: of the value and others, as `tolerance` takes them, with samples, seed and together;
         then the yield is estimated within the windows, too
-    model: name, or as a mapping the whole of the config's model section
+    model: name, or as a mapping the config's model section
     options: as in `study.study_of`: horizon (us), energy_tolerance, threads, pulse, direction,
         options of the model; and one further value of the device with its values, along which the
         answer is a line: a dataset of value and error, NaN where there is none
@@ -72,9 +70,9 @@ def design(
     is right, or for one that cannot be.
 
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> asked = {"N": 1100, "f0": 1500, "C": 25, "model": "cosines", "horizon": 0}
-    >>> found = snapmap.design(device, "thickness", between=(2.0, 2.2), **asked)
-    >>> round(found.value, 1)
+    >>> shock = {"N": 1100, "f0": 1500, "C": 25, "model": "cosines", "horizon": 0}
+    >>> made = snapmap.design(device, "thickness", between=(2.0, 2.2), **shock)
+    >>> round(made.value, 1)
     2.1
     """
     options = dict(options)
@@ -84,7 +82,19 @@ def design(
     if given and not required:
         raise ValueError(f"{next(iter(given))}: is of requirements, and there are none")
     goals = required or [{"N": N, "f0": f0, "snaps": True, "shocks": study.shocks}]
-    _check(value, goals, C, between, along, bool(required))
+    shock = {**goals[0], "C": C, "between": between}
+    for key in ("N", "f0", "C", "between"):
+        if shock[key] is None:
+            raise ValueError(f"{key}: missing; write {ARGUMENTS[key].need}")
+    if any(len(goal["shocks"].pulses) > 1 for goal in goals):
+        raise ValueError("pulse: several; give one shape and one direction")
+    (low, high), least = between, -np.inf if value in SIGNED else 0.0
+    if not least <= low < high:
+        raise ValueError(f"between: {low:g}, {high:g} are not two ascending values from {least:g}")
+    if along and required:
+        raise ValueError(f"{next(iter(along))}: is no option beside requirements; vary the device")
+    if value in along or len(along) > 1:
+        raise ValueError(f"{', '.join(along)}: give one value of the device along which to look")
     if required:
         tolerances = Tolerances(**given) if given else None
         cost = f"{WINDOW_POINTS * len(goals)} thresholds, {ROUNDS * SECTIONS} for each end"
@@ -104,28 +114,6 @@ def design(
     if key != value:
         return _line(value, key, along[key], N, *ends)
     return _single(value, N, grid, N_first, *ends[1:])
-
-
-def thresholds_at(
-    study: Study, values: Mapping[str, np.ndarray], f0, C, pulse=0
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Thresholds of a study's device with other values, each (n,), and their errors, or NaN.
-
-    values: by name; f0: Hz; C: uN us/um; pulse: index in the study's, each a number or (n,)
-    Returns also where there is a device; (n,).
-    """
-    size = next(iter(values.values())).size
-    there = is_bistable(study.device, values, size)
-    first = np.full((2, size), np.nan)
-    if there.any():
-        some = {key: column[there] for key, column in values.items()}
-        varied = batch([study.device]).pick(np.zeros(there.sum(), int)).vary(some)
-        at = (np.broadcast_to(column, size)[there] for column in (f0, C, pulse))
-        rows = to_rows(np.arange(len(varied)), *at)
-        models = choose_survey(varied, study.model)
-        of_some = survey(models, rows, study.settings, THRESHOLD_TOLERANCE)
-        first[:, there] = of_some.N_first, of_some.N_error
-    return *first, there
 
 
 def _looker(study, value, C, goals, along=None) -> Callable:
@@ -169,12 +157,11 @@ def _ends(look, grid, N_first, met, where, N):
     (low, high), (below, beyond) = value.T, first.T
     N = np.broadcast_to(N, len(met))[row]
     slope = np.where(np.isfinite(slope), slope, (beyond - below) / (high - low))
-    crossed = (below < N) != (beyond < N)
     with np.errstate(invalid="ignore", divide="ignore"):
         inside = low + (N - below) * (high - low) / (beyond - below)
         left_open = (error.max(axis=1) + abs(beyond - below) / 2) / abs(slope)
     # At an end beyond which nothing snaps the bar of a threshold says nothing.
-    crossed &= np.isfinite(inside)
+    crossed = ((below < N) != (beyond < N)) & np.isfinite(inside)
     value = np.where(crossed, inside, value.mean(axis=1))
     return row, value, np.where(crossed, left_open, (high - low) / 2)
 
@@ -186,7 +173,7 @@ def _single(value, N, grid, N_first, values, errors):
         runs = f"runs from {known.min():.5g} to {known.max():.5g}" if known.size else "is not there"
         raise ValueError(f"{value}: no value {ends} has its threshold at N = {N:g}; it {runs}")
     if values.size > 1:
-        several = ", ".join(f"{one:.5g}" for one in values)
+        several = ", ".join(f"{at:.5g}" for at in values)
         warnings.warn(
             f"{value}: thresholds {ends} are not monotone; at {several} {unit} they are {N:g}",
             stacklevel=3,
@@ -201,9 +188,9 @@ def _line(value, key, places, N, row, values, errors):
     row, first = np.unique(row, return_index=True)
     lowest[:, row] = values[first], errors[first]
     if (count > 1).any():
-        where = ", ".join(f"{one:.5g}" for one in places[count > 1])
+        where = ", ".join(f"{at:.5g}" for at in places[count > 1])
         place = f"{key} = {where} {QUANTITIES[key].unit}"
-        warnings.warn(f"{value}: not the only one at {place}; the lowest is told", stacklevel=3)
+        warnings.warn(f"{value}: not the only one at {place}; the lowest is given", stacklevel=3)
     attrs, comment = COORDINATES[value], {"comment": f"where the threshold is {N:g} g"}
     error = {"long_name": f"error of the {attrs['long_name']}"}
     data = {
@@ -211,7 +198,7 @@ def _line(value, key, places, N, row, values, errors):
         "error": (key, lowest[1], attrs | error),
         "solutions": (key, count, {"long_name": "number of values found", "units": "1"}),
     }
-    return xr.Dataset(data, coordinates({key: places}))
+    return xr.Dataset(data, {key: (key, places, COORDINATES[key])})
 
 
 def _window(study, value, C, between, goals, tolerances):
@@ -238,15 +225,25 @@ def _window(study, value, C, between, goals, tolerances):
         for k, key in enumerate(("", "_error", "_from"))
     }
     data["met"] = (("requirement", "tried"), own[: i + 1])
-    found = xr.Dataset(data, {"requirement": names[: i + 1], "tried": ("tried", grid, attrs)})
+    design = xr.Dataset(data, {"requirement": names[: i + 1], "tried": ("tried", grid, attrs)})
     if not windows:
-        found.attrs["comment"] = _why_none(value, grid, goals[: i + 1], own, N_first[i])
-        warnings.warn(found.attrs["comment"], stacklevel=3)
-    elif tolerances:
-        found = found.merge(_yields(study, value, C, windows, goals, tolerances))
-        best = np.flatnonzero(found["yield"] == found["yield"].max())
-        found.attrs["best"] = float(found[value][best[best.size // 2]])
-    return found
+        design.attrs["comment"] = _why_none(value, grid, goals[: i + 1], own, N_first[i])
+        warnings.warn(design.attrs["comment"], stacklevel=3)
+    if not (windows and tolerances):
+        return design
+    # The share of devices as made that meet all, at places within the windows.
+    few = tolerances._replace(samples=min(tolerances.samples, SAMPLES), index_samples=2)
+    axes, shares = {"C": [C], "f0": [goals[0]["f0"]]}, []
+    inside = [np.linspace(low[0], high[0], PLACES + 2)[1:-1] for low, high in windows]
+    for place in (inside := np.concatenate(inside)):
+        device = batch([study.device]).vary({value: np.array([place])}).pick(0)
+        made = tolerances_of(replace(study, device=device), axes, few, goals)
+        shares.append(made[["yield", "yield_bound"]].squeeze("C", drop=True))
+    yields = xr.concat(shares, "place").assign({value: ("place", inside, attrs)})
+    best = np.flatnonzero(yields["yield"] == yields["yield"].max())
+    design = design.merge(yields)
+    design.attrs["best"] = float(inside[best[best.size // 2]])
+    return design
 
 
 def _why_none(value, grid, goals, own, N_first):
@@ -259,39 +256,7 @@ def _why_none(value, grid, goals, own, N_first):
         must = f"it must {'trip' if last['snaps'] else 'not trip'} at {last['N']:g}"
         return f"{none}; {last['name']} fails at each: {must}, thresholds {runs}"
     each = [
-        f"{goal['name']} is met from {grid[own].min():.4g} to {grid[own].max():.4g}"
-        for goal, own in zip(goals, own, strict=False)
+        f"{goal['name']} is met from {grid[met].min():.4g} to {grid[met].max():.4g}"
+        for goal, met in zip(goals, own, strict=False)
     ]
     return f"{none}, as these contradict: {', '.join(each)}"
-
-
-def _yields(study, value, C, windows, goals, tolerances):
-    """Share of devices as made that meet all, at places within the windows."""
-    asked = tolerances._replace(samples=min(tolerances.samples, SAMPLES), index_samples=2)
-    axes = {"C": [C], "f0": [goals[0]["f0"]]}
-    places = [np.linspace(low[0], high[0], PLACES + 2)[1:-1] for low, high in windows]
-    found = []
-    for place in (places := np.concatenate(places)):
-        device = batch([study.device]).vary({value: np.array([place])}).pick(0)
-        made = tolerances_of(replace(study, device=device), axes, asked, goals)
-        found.append(made[["yield", "yield_bound"]].squeeze("C", drop=True))
-    return xr.concat(found, "place").assign({value: ("place", places, COORDINATES[value])})
-
-
-def _check(value, goals, C, between, along, has_requirements):
-    for goal in goals:
-        for key, given in {"N": goal["N"], "f0": goal["f0"], "C": C}.items():
-            if given is None:
-                raise ValueError(f"{key}: missing; write a number")
-        if len(goal["shocks"].pulses) > 1:
-            raise ValueError("pulse: several; give one shape and one direction")
-    if between is None:
-        raise ValueError("between: missing; write the two values between which to look")
-    low, high = between
-    least = -np.inf if value in SIGNED else 0.0
-    if not least <= low < high:
-        raise ValueError(f"between: {low:g}, {high:g} are not two ascending values from {least:g}")
-    if along and has_requirements:
-        raise ValueError(f"{next(iter(along))}: is no option beside requirements; vary the device")
-    if value in along or len(along) > 1:
-        raise ValueError(f"{', '.join(along)}: give one value of the device along which to look")

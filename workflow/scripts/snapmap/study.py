@@ -25,7 +25,7 @@ class Study:
     device: the nominal one, or several by name, which then are an axis
     shocks: shapes and directions of the pulse; several are axes
     model: name and options, as in the config
-    settings: how each cell is followed; with the pulses of the shocks
+    settings: how each cell is followed
     skip: whether a device without a second stable shape is left out, not refused
     """
 
@@ -36,12 +36,10 @@ class Study:
     skip: bool = False
 
     def __post_init__(self):
-        """Give the settings the pulses of the shocks; ValueError for shocks that are no force."""
+        """Raise ValueError for shocks that are no force."""
         for pulse in self.shocks.shapes.values():
             if pulse.is_of_frame:
                 self.require_frame(f"the shock {pulse.name!r}")
-        pulses = self.shocks.pulses
-        object.__setattr__(self, "settings", self.settings._replace(pulses=pulses))
 
     def devices(self) -> dict[str, Device]:
         """Its devices by name; one alone is called `device`."""

@@ -4,8 +4,8 @@ import numpy as np
 import xarray as xr
 
 from ..device import Device
-from ..io.provenance import device_sections, provenance
-from ..io.variables import variables
+from ..io.provenance import device_sections
+from ..io.variables import dress
 from .equilibria import (
     BucklingModes,
     buckling_modes,
@@ -20,9 +20,9 @@ from .modal import first_midpoint
 
 POINTS = 400
 """On each of the parts of a path."""
+PATH = "displacement", "force", "energy"
 LEAST_LOG = -32.0
 """Of x in `_tilted`: no imperfection is so small that N comes nearer to the load."""
-VARIABLES = variables("statics")
 
 
 def statics(device: Device) -> xr.Dataset:
@@ -55,20 +55,20 @@ def statics(device: Device) -> xr.Dataset:
         way = _dense_at_corners(way)
         branches = {"tilted": (way, *_tilted(modes, way)), **branches}
     data = {
-        key: (("branch", "point"), np.stack(arrays), VARIABLES[key])
-        for key, arrays in zip(VARIABLES, zip(*branches.values(), strict=True), strict=True)
+        key: (("branch", "point"), np.stack(arrays))
+        for key, *arrays in zip(PATH, *branches.values(), strict=True)
     }
     force = data["force"][1][0]
-    return xr.Dataset(data, {"branch": list(branches)}).assign_attrs(
-        Conventions="CF-1.11",
-        title="Static force on the midpoint of the beam",
+    return dress(
+        "statics",
+        xr.Dataset(data, {"branch": list(branches)}),
+        device_sections(device),
         rise=first,
         second_equilibrium=barrier.second,
         saddle=first + barrier.midpoint,
         barrier=barrier.energy,
         largest_force=float(force[: 2 * POINTS].max()),
         least_force=float(force[POINTS:].min()),
-        **provenance(device_sections(device)),
     )
 
 

@@ -11,7 +11,7 @@ from scipy.special import log_ndtr
 from ..axes import COORDINATES
 from ..device import Device
 from ..io.counting import counting
-from ..io.variables import headed, variables
+from ..io.variables import dress
 from ..study import THRESHOLD_SETTINGS, Study, study_of
 from .likelihood import SPREADS, Likelihood, Profile, information_at, reach
 from .shots import Shots, check_ranges, shots_from
@@ -23,10 +23,8 @@ INSIDE = 300
 """Places within the intervals over which the likelihood of spreads is summed, about."""
 FINE, LEAST_LOG = 2001, -100.0
 """Places between values of a likelihood, and its least logarithm, as 0 has none."""
-VARIABLES = variables("calibration") | {"f0": COORDINATES["f0"]}
 NEAR = 2.0
 """Times a threshold: campaigns with no shot as near tell nothing of a device."""
-OPEN = "open_low", "open_high"
 
 
 def calibrate(
@@ -45,7 +43,7 @@ def calibrate(
         and scales it) and `unit` (a name: specimens that differ are a spread of their own)
     unknowns: by name the range, internal units, in which a value of the device is looked for, or C
     C: uN us/um, unless it is unknown
-    model: name, or as a mapping the whole of the config's model section
+    model: name, or as a mapping the config's model section
     options: as in `study.study_of`: horizon (us), energy_tolerance, threads, pulse and direction of
         shots that name none, and options of the model
     A shot trips with probability Phi(ln(N / N_first) / spread). Over `unknown`: estimate, the
@@ -60,96 +58,23 @@ def calibrate(
     >>> device = snapmap.load_device("config/config.yaml")
     >>> shots = {"N": [800, 900, 950, 1000, 1050, 1200], "tripped": [0, 0, 0, 1, 1, 1]}
     >>> shots["duration"] = [1000.0] * 6
-    >>> found = snapmap.calibrate(device, shots, {"thickness": (1.7, 2.3)}, C=25.0)
-    >>> round(found.estimate.item(), 1)
+    >>> fitted = snapmap.calibrate(device, shots, {"thickness": (1.7, 2.3)}, C=25.0)
+    >>> round(fitted.estimate.item(), 1)
     2.0
     """
     study, _ = study_of(device, model, options)
-    with counting("calibrate"):
-        return calibration_of(study, shots, unknowns, C)
-
-
-def calibration_of(
-    study: Study,
-    table: str | Path | Mapping,
-    unknowns: Mapping,
-    C: float | None,
-    files: Mapping[str, str] | None = None,
-) -> xr.Dataset:
-    """Find the values of a study's device from a table of shots, as `calibrate` returns them.
-
-    files: as in `shots_from`
-    """
-    if len(study.settings.pulses) > 1:
+    if len(study.shocks.pulses) > 1:
         raise ValueError("pulse: several; name the shape and direction of each shot in its row")
     check_ranges(unknowns, C)
-    shots = shots_from(table, study.shocks, study.device, files)
-    surface = surface_of(study, shots.kinds, unknowns, C)
-    _check_reach(shots, surface)
-    ranges = {key: [float(end) for end in ends] for key, ends in unknowns.items()}
-    asked = {"unknowns": ranges} | ({} if C is None else {"C": float(C)})
-    document = study.document(THRESHOLD_SETTINGS) | {"calibration": asked}
-    return fit(shots, surface).assign_attrs(
-        **headed("calibration", document),
-    )
+    with counting("calibrate"):
+        return calibration_of(study, shots_from(shots, study.shocks, device), unknowns, C)
 
 
-def fit(shots: Shots, surface: Surface) -> xr.Dataset:
-    """Fit shots to thresholds over the ranges of unknowns."""
-    likelihood = Likelihood(shots, surface.error)
-    nodes = likelihood.integrated(surface.logs.reshape(-1, len(shots.kinds)))
-    profile = Profile(
-        lambda u: likelihood.integrated(surface.at(u)), nodes.reshape(surface.logs.shape[:-1])
-    )
-    names, freedom = list(surface.unknowns), shots.N.size - len(surface.unknowns) - 1
-    intervals = [profile.interval(k, freedom) for k in range(len(names))]
-    low, high, *opens = np.array(intervals, float).T
-    unit = {"comment": ", ".join(f"{key}: {COORDINATES[key]['units']}" for key in names)}
-    data = {
-        key: ("unknown", _rounded(surface.values(place)), VARIABLES[key] | unit)
-        for key, place in {"estimate": profile.best, "low": low, "high": high}.items()
-    }
-    for key, ends in zip(OPEN, opens, strict=True):
-        data[key] = ("unknown", ends.astype(np.int8), VARIABLES[key])
-    spreads = _spreads(likelihood, surface, low, high, freedom)
-    data |= {key: ("bound", _rounded(values), VARIABLES[key]) for key, values in spreads.items()}
-    spread = spreads["spread"][0]
-    told = information_at(profile.best, surface, likelihood, spread)
-    scale = np.sqrt(np.diag(told.covariance))
-    data["correlation"] = (
-        ("unknown", "unknown_2"),
-        _rounded(told.covariance / np.outer(scale, scale)),
-        {"long_name": "correlation of estimates, their ranges being known", "units": "1"},
-    )
-    logs, kind = surface.at(profile.best[None])[0], shots.kind
-    variance = np.einsum("ij,jk,ik->i", told.slopes, told.covariance, told.slopes)
-    half = reach(freedom) * np.sqrt(variance)
-    z = (np.log(shots.N) - logs[kind]) / np.sqrt(spread**2 + surface.error**2)[kind]
-    sign = np.where(shots.tripped, 1.0, -1.0)
-    columns = {
-        "N": shots.N,
-        "f0": shots.f0,
-        "direction": np.array([shots.kinds[i].direction for i in kind]),
-        "shape": np.array([shots.kinds[i].shape for i in kind]),
-        "unit": shots.unit,
-        "tripped": shots.tripped.astype(np.int8),
-        "threshold": _rounded(np.exp(logs)[kind]),
-        "threshold_low": _rounded(np.exp(logs - half)[kind]),
-        "threshold_high": _rounded(np.exp(logs + half)[kind]),
-        "probability": _rounded(np.exp(log_ndtr(z))),
-        "residual": _rounded(sign * np.sqrt(-2 * log_ndtr(sign * z))),
-    }
-    data |= {key: ("shot", values, VARIABLES[key]) for key, values in columns.items()}
-    units = {"unknown": names, "unknown_2": names, "bound": ["estimate", "low", "high"]}
-    return xr.Dataset(data, units).assign_attrs(
-        untold=_untold_text(told, names), model_error=float(_rounded(surface.error.max()))
-    )
-
-
-def _check_reach(shots, surface):
-    """Raise ValueError if no shot is near any threshold within the ranges."""
-    axes = tuple(range(surface.logs.ndim - 1))
-    low, high = surface.logs.min(axis=axes)[shots.kind], surface.logs.max(axis=axes)[shots.kind]
+def calibration_of(study: Study, shots: Shots, unknowns: Mapping, C: float | None) -> xr.Dataset:
+    """Find the values of a study's device from its shots, as `calibrate` returns them."""
+    surface = surface_of(study, shots.groups, unknowns, C)
+    corners = surface.logs.reshape(-1, len(shots.groups))
+    low, high = (end[shots.group] for end in (corners.min(axis=0), corners.max(axis=0)))
     log_N = np.log(shots.N)
     if (np.maximum(low - log_N, log_N - high) > np.log(NEAR)).all():
         raise ValueError(
@@ -157,6 +82,66 @@ def _check_reach(shots, surface):
             f"thresholds from {np.exp(low.min()):.4g} to {np.exp(high.max()):.4g}; is N in "
             "multiples of g?"
         )
+    ranges = {key: [float(end) for end in ends] for key, ends in unknowns.items()}
+    section = {"unknowns": ranges} | ({} if C is None else {"C": float(C)})
+    document = study.document(THRESHOLD_SETTINGS) | {"calibration": section}
+    return dress("calibration", fit(shots, surface), document)
+
+
+def fit(shots: Shots, surface: Surface) -> xr.Dataset:
+    """Fit shots to thresholds over the ranges of unknowns."""
+    likelihood = Likelihood(shots, surface.error)
+    nodes = likelihood.integrated(surface.logs.reshape(-1, len(shots.groups)))
+    profile = Profile(
+        lambda u: likelihood.integrated(surface.at(u)), nodes.reshape(surface.logs.shape[:-1])
+    )
+    names, freedom = list(surface.unknowns), shots.N.size - len(surface.unknowns) - 1
+    low, high = np.array([profile.interval(k, freedom) for k in range(len(names))]).T
+    unit = {"comment": ", ".join(f"{key}: {COORDINATES[key]['units']}" for key in names)}
+    data = {
+        key: ("unknown", _rounded(surface.values(place)), unit)
+        for key, place in {"estimate": profile.best, "low": low, "high": high}.items()
+    }
+    for key, ends in {"open_low": low, "open_high": high}.items():
+        at_end = ((ends == 0.0) | (ends == 1.0)).astype(np.int8)
+        data[key] = ("unknown", at_end)
+    spreads = _spreads(likelihood, surface, low, high, freedom)
+    data |= {key: ("bound", _rounded(values)) for key, values in spreads.items()}
+    spread = spreads["spread"][0]
+    covariance, slopes, little = information_at(profile.best, surface, likelihood, spread)
+    scale = np.sqrt(np.diag(covariance))
+    data["correlation"] = (
+        ("unknown", "unknown_2"),
+        _rounded(covariance / np.outer(scale, scale)),
+    )
+    logs, group = surface.at(profile.best[None])[0], shots.group
+    variance = np.einsum("ij,jk,ik->i", slopes, covariance, slopes)
+    half = reach(freedom) * np.sqrt(variance)
+    z = (np.log(shots.N) - logs[group]) / np.sqrt(spread**2 + surface.error**2)[group]
+    sign = np.where(shots.tripped, 1.0, -1.0)
+    columns = {
+        "N": shots.N,
+        "f0": shots.f0,
+        "direction": np.array([shots.groups[i].direction for i in group]),
+        "shape": np.array([shots.groups[i].shape for i in group]),
+        "unit": shots.unit,
+        "tripped": shots.tripped.astype(np.int8),
+        "threshold": _rounded(np.exp(logs)[group]),
+        "threshold_low": _rounded(np.exp(logs - half)[group]),
+        "threshold_high": _rounded(np.exp(logs + half)[group]),
+        "probability": _rounded(np.exp(log_ndtr(z))),
+        "residual": _rounded(sign * np.sqrt(-2 * log_ndtr(sign * z))),
+    }
+    data |= {key: ("shot", values) for key, values in columns.items()}
+    named = {"unknown": names, "unknown_2": names, "bound": ["estimate", "low", "high"]}
+    lines = [
+        " ".join(f"{x:+.2f} {name}" for x, name in zip(axis, names, strict=True) if abs(x) >= 0.095)
+        for axis in little
+    ]
+    words = f"beyond the ranges the shots say little of {'; of '.join(lines)} (in ranges)"
+    return xr.Dataset(data, named).assign_attrs(
+        untold=words if lines else "", model_error=float(_rounded(surface.error.max()))
+    )
 
 
 def _spreads(likelihood, surface, low, high, freedom):
@@ -173,12 +158,12 @@ def _spreads(likelihood, surface, low, high, freedom):
     weighed, shares = likely * SPREADS[:, np.newaxis], likelihood.shares
     mean = np.average(SPREADS, weights=weighed.sum(axis=1))
     ends = np.exp(_ends(np.log(SPREADS), likely.sum(axis=1), freedom))
-    found = {"spread": np.array([mean, *ends])}
+    spreads = {"spread": np.array([mean, *ends])}
     if shares.size > 1:
         of_units = weighed.sum(axis=0)
         mean = np.average(shares, weights=of_units)
-        found["unit_share"] = np.array([mean, *_ends(shares, of_units, freedom)])
-    return found
+        spreads["unit_share"] = np.array([mean, *_ends(shares, of_units, freedom)])
+    return spreads
 
 
 def _ends(x, likelihood, freedom):
@@ -190,31 +175,19 @@ def _ends(x, likelihood, freedom):
     return fine[log >= log.max() - reach(freedom) ** 2 / 2][[0, -1]]
 
 
-def _untold_text(told, names):
-    """What the shots tell little of, in words; nothing if they tell of all."""
-    lines = []
-    for direction in told.untold:
-        parts = [f"{x:+.2f} {name}" for x, name in zip(direction, names, strict=True)]
-        parts = [part for part in parts if not part.startswith(("+0.0", "-0.0"))]
-        lines.append(" ".join(parts))
-    if not lines:
-        return ""
-    return f"beyond the ranges the shots say little of {'; of '.join(lines)} (in ranges)"
-
-
-def summary(found: xr.Dataset) -> str:
+def summary(fitted: xr.Dataset) -> str:
     """One line: each value with its interval, the spread, what is not told apart."""
-    told = [f"{found.sizes['shot']} shots"]
-    for key in found.unknown.values:
-        one = found.sel(unknown=key)
+    words = [f"{fitted.sizes['shot']} shots"]
+    for key in fitted.unknown.values:
+        own = fitted.sel(unknown=key)
         ends = [
-            f"{one[end].item():.4g}{' (its range ends)' * one[f'open_{end}'].item()}"
+            f"{own[end].item():.4g}{' (its range ends)' * own[f'open_{end}'].item()}"
             for end in ("low", "high")
         ]
-        told.append(f"{key} {one.estimate.item():.4g} ({' to '.join(ends)})")
-    spread = found.spread.values * 100
-    told.append(f"spread {spread[0]:.2g} % ({spread[1]:.2g} to {spread[2]:.2g} %)")
-    return ", ".join([*told, *[found.untold] * bool(found.untold)])
+        words.append(f"{key} {own.estimate.item():.4g} ({' to '.join(ends)})")
+    spread = fitted.spread.values * 100
+    words.append(f"spread {spread[0]:.2g} % ({spread[1]:.2g} to {spread[2]:.2g} %)")
+    return ", ".join([*words, *[fitted.untold] * bool(fitted.untold)])
 
 
 def _rounded(values):

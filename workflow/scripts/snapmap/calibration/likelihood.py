@@ -1,7 +1,6 @@
 """How likely shots are: where the likelihood of unknowns is greatest, and what it leaves open."""
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq, minimize
@@ -30,46 +29,42 @@ STEP = 0.02
 """Of a derivative, as a share of the range."""
 FLAT = 12.0
 """One over the variance of a place in its range, of which nothing is known but the range."""
-UNTOLD = 0.5
+UNRESOLVED = 0.5
 """Of the standard deviation within the range: what is left of it where shots tell little."""
 
 
 class Likelihood:
     """Likelihood of shots: P(trip) = Phi((ln N - ln N_first - unit)/spread).
 
-    # ASSUME: thresholds scatter lognormally, by the same share at every kind of shock.
+    # ASSUME: thresholds scatter lognormally, by the same share at every group of shots.
     """
 
     def __init__(self, shots: Shots, error: np.ndarray):
-        """Sort shots by their units; error: of thresholds, relative, (kinds,)."""
+        """Sort shots by their units; error: of thresholds, relative, (groups,)."""
         order = np.argsort(shots.unit, kind="stable")
-        self.kind = shots.kind[order]
+        self.group = shots.group[order]
         self.log_N = np.log(shots.N[order])
         self.sign = np.where(shots.tripped[order], 1.0, -1.0)
-        self.error = error[self.kind]
+        self.error = error[self.group]
         unit = shots.unit[order]
         self.begins = np.flatnonzero(np.r_[True, unit[1:] != unit[:-1]])
         repeats = self.begins.size < unit.size
         self.shares = SHARES if repeats else ALONE
         self.deviations = DEVIATIONS if repeats else ALONE
-        weights = -0.5 * self.deviations**2
-        self._weights = weights - logsumexp(weights)
 
     def of(self, logs: np.ndarray) -> np.ndarray:
-        """Logarithm of the likelihood of thresholds ln N, (n, kinds): (n, spreads, shares)."""
-        size = SPREADS.size * self.shares.size * self.deviations.size * self.kind.size
-        parts = np.array_split(logs, -(-len(logs) * size // CHUNK))
-        return np.concatenate([self._part(part) for part in parts])
-
-    def _part(self, logs):
-        apart = (self.log_N - logs[:, self.kind])[:, None, None, None]
-        spread = SPREADS[:, None, None, None]
-        share = self.shares[:, None, None]
+        """Logarithm of the likelihood of thresholds ln N, (n, groups): (n, spreads, shares)."""
+        spread, share = SPREADS[:, None, None, None], self.shares[:, None, None]
         unit = spread * np.sqrt(share) * self.deviations[:, None]
         within = np.sqrt(spread**2 * (1 - share) + self.error**2)
-        each = log_ndtr(self.sign * (apart - unit) / within)
-        units = np.add.reduceat(each, self.begins, axis=-1)
-        return logsumexp(units + self._weights[:, None], axis=-2).sum(axis=-1)
+        weights, likely = -0.5 * self.deviations[:, None] ** 2, []
+        weights -= logsumexp(weights)
+        for part in np.array_split(logs, -(-len(logs) * (unit + within).size // CHUNK)):
+            apart = (self.log_N - part[:, self.group])[:, None, None, None]
+            each = log_ndtr(self.sign * (apart - unit) / within)
+            units = np.add.reduceat(each, self.begins, axis=-1) + weights
+            likely.append(logsumexp(units, axis=-2).sum(axis=-1))
+        return np.concatenate(likely)
 
     def integrated(self, logs: np.ndarray) -> np.ndarray:
         """The same, (n,), over all spreads, each as likely as another, and over all shares.
@@ -82,15 +77,6 @@ class Likelihood:
 def reach(freedom: int) -> float:
     """Standard deviations within which 95 % lie, by Student; freedom: shots beyond the unknowns."""
     return t.ppf((1 + CONFIDENCE) / 2, max(1, freedom))
-
-
-class Interval(NamedTuple):
-    """Of one unknown, as shares of its range: ends, and whether the range ends it there."""
-
-    low: float
-    high: float
-    open_low: bool
-    open_high: bool
 
 
 class Profile:
@@ -106,7 +92,7 @@ class Profile:
         start = np.array([*np.unravel_index(np.argmax(nodes), nodes.shape)]) / (nodes.shape[0] - 1)
         self.best, self.most = self._climb(start, np.ones(nodes.ndim, bool))
 
-    def interval(self, k: int, freedom: int) -> Interval:
+    def interval(self, k: int, freedom: int) -> tuple[float, float]:
         """Where the profile of an unknown, by its number, lies above what 95 % ask for.
 
         Student's t takes the place of the normal distribution, as the spread is estimated too.
@@ -114,27 +100,21 @@ class Profile:
         least = self.most - reach(freedom) ** 2 / 2
         others = tuple(i for i in range(self.nodes.ndim) if i != k)
         inside = self.axes[k][self.nodes.max(axis=others) >= least]
-        ends = [self._end(k, least, inside, side) for side in (-1, 1)]
-        return Interval(*ends, *(end in (0.0, 1.0) for end in ends))
+        return tuple(self._end(k, least, inside, side) for side in (-1, 1))
 
     def _end(self, k, least, inside, side):
         """The outermost place on one side, -1 or 1, at which the profile is above `least`."""
         known = side * max(side * np.append(inside, self.best[k]))
         beyond = self.axes[k][side * self.axes[k] > side * known][::side]
-
-        def above(value):
-            return self._profile(k, value) - least
-
         for value in beyond:
-            if above(value) < 0:
-                return brentq(above, known, value, xtol=ENDS)
+            if self._profile(k, value) < least:
+                return brentq(lambda x: self._profile(k, x) - least, known, value, xtol=ENDS)
             known = value
         return known
 
     def _profile(self, k, value):
         """The greatest likelihood at a value of one unknown."""
-        place = np.argmin(abs(self.axes[k] - value))
-        nodes = self.nodes.take(place, k)
+        nodes = self.nodes.take(np.argmin(abs(self.axes[k] - value)), k)
         best = np.unravel_index(np.argmax(nodes), nodes.shape)
         free = np.arange(self.nodes.ndim) != k
         starts = np.tile(self.best, (2, 1))
@@ -143,7 +123,7 @@ class Profile:
         return self._climb(starts[np.argmax(self.log(starts))], free)[1]
 
     def _climb(self, start, free):
-        """Place and logarithm of the greatest likelihood, some coordinates being free."""
+        """Place and logarithm of the greatest likelihood, with these coordinates free."""
         place = start.copy()
         if not free.any():
             return place, self.log(place[None])[0]
@@ -155,47 +135,33 @@ class Profile:
         step = 0.5 / (self.nodes.shape[0] - 1)
         first = start[free]
         away = np.where(first > 0.5, -step, step) * np.eye(first.size)
-        simplex = np.vstack([first, first + away])
-        options = {"initial_simplex": simplex, "xatol": CLOSE, "fatol": CLOSE}
+        options = {"initial_simplex": np.vstack([first, first + away])}
+        options |= {"xatol": CLOSE, "fatol": CLOSE}
         bounds = [(0.0, 1.0)] * first.size
-        found = minimize(less, first, method="Nelder-Mead", bounds=bounds, options=options)
-        place[free] = found.x
-        return place, -found.fun
-
-
-class Information(NamedTuple):
-    """Of the unknowns as shares of their ranges, (unknowns, unknowns).
-
-    covariance: with the ranges; slopes: of ln N of each kind, (kinds, unknowns)
-    widths: standard deviations along the directions that are told apart, ascending; directions:
-        (widths, unknowns), each of length 1
-    """
-
-    covariance: np.ndarray
-    slopes: np.ndarray
-    widths: np.ndarray
-    directions: np.ndarray
-
-    @property
-    def untold(self) -> np.ndarray:
-        """Directions of which shots tell little: the ranges say nearly as much."""
-        return self.directions[self.widths * np.sqrt(FLAT) > UNTOLD]
+        fit = minimize(less, first, method="Nelder-Mead", bounds=bounds, options=options)
+        place[free] = fit.x
+        return place, -fit.fun
 
 
 def information_at(
     place: np.ndarray, surface: Surface, likelihood: Likelihood, spread: float
-) -> Information:
-    """Fisher's information of shots at a place, shares of the ranges, at a relative spread."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Fisher's information of shots at a place, shares of the ranges, at a relative spread.
+
+    Returns the covariance of the unknowns, ranges being known; the slopes of ln N, (groups,
+    unknowns); and the directions, each of length 1, (n, unknowns), of which the shots tell little:
+    the ranges say nearly as much.
+    """
     steps = STEP * np.eye(place.size)
-    above, below = (np.clip(place + way * steps, 0.0, 1.0) for way in (1, -1))
+    above, below = (np.clip(place + side * steps, 0.0, 1.0) for side in (1, -1))
     apart = (above - below).sum(axis=1)
     slopes = ((surface.at(above) - surface.at(below)) / apart[:, None]).T
-    z = (likelihood.log_N - surface.at(place[None])[0, likelihood.kind]) / spread
+    z = (likelihood.log_N - surface.at(place[None])[0, likelihood.group]) / spread
     # phi^2 / (Phi (1 - Phi)), without a loss of digits far out.
     weight = np.exp(-z * z - log_ndtr(z) - log_ndtr(-z)) / (2 * np.pi * spread * spread)
-    each = slopes[likelihood.kind]
-    whole = np.einsum("i,ij,ik->jk", weight, each, each) + FLAT * np.eye(place.size)
-    values, vectors = np.linalg.eigh(whole)
+    each = slopes[likelihood.group]
+    information = np.einsum("i,ij,ik->jk", weight, each, each) + FLAT * np.eye(place.size)
+    values, vectors = np.linalg.eigh(information)
     vectors *= np.sign(vectors[np.argmax(abs(vectors), axis=0), np.arange(place.size)])
-    covariance = (vectors / values) @ vectors.T
-    return Information(covariance, slopes, 1 / np.sqrt(values[::-1]), vectors.T[::-1])
+    little = np.sqrt(FLAT / values[::-1]) > UNRESOLVED
+    return (vectors / values) @ vectors.T, slopes, vectors.T[::-1][little]

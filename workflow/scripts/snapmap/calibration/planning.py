@@ -11,8 +11,7 @@ from scipy.optimize import brentq, minimize, minimize_scalar
 from scipy.special import log_ndtr, ndtri
 from scipy.stats import binom, chi2, f
 
-from ..checks import show
-from ..io.tables import answers, shot_columns
+from ..io.tables import shot_columns
 
 STEPS = np.arange(-4000, 4001) / 1000
 """Where a D-optimal level is sought, standard deviations from the mean."""
@@ -73,23 +72,15 @@ def plan_shots(
     mean, sigma = map(float, prior)
     if not (0 < mean < np.inf and 0 < sigma < np.inf):
         raise ValueError(f"prior: {mean:g}, {sigma:g} are no mean and standard deviation above 0")
-    N, tripped = _columns(shots)
+    columns = shot_columns(shots)
+    for key in ("f0", "duration", "direction", "shape"):
+        if len(several := dict.fromkeys(map(str, columns.get(key, ())))) > 1:
+            raise ValueError(f"shots: {key}: {', '.join(several)[:60]}; plan each pulse by itself")
+    N, tripped = columns.get("N", np.empty(0)), columns.get("tripped", np.empty(0, bool))
+    if N.size < tripped.size or np.isnan(N).any():
+        raise ValueError("shots: N: missing; write one for each shot")
     level, why = next_level(N, tripped, method, mean - 4 * sigma, mean + 4 * sigma, sigma)
     return Plan(level, why, estimate(N, tripped, confidence) if has_estimate(N, tripped) else None)
-
-
-def _columns(shots):
-    """N and whether it tripped, (shots,) each."""
-    table = shot_columns(shots)
-    if not len(table.get("tripped", ())):
-        return np.empty(0), np.empty(0, bool)
-    for key in ("f0", "duration", "direction", "shape"):
-        if len(several := {str(value): None for value in table.get(key, ())}) > 1:
-            raise ValueError(f"shots: {key}: {', '.join(several)[:60]}; plan each pulse by itself")
-    for place, value in enumerate(table.get("N", [None]), start=1):
-        if not (isinstance(value, int | float | np.number) and 0 < value < np.inf):
-            raise ValueError(f"shots, row {place}: N: {show(value)} is no number above 0")
-    return np.array(table["N"], float), answers(table["tripped"])
 
 
 def shots_needed(reliability: float, confidence: float = 0.95, failures: int = 0) -> int:

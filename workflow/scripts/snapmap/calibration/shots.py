@@ -10,20 +10,19 @@ import numpy as np
 from ..checks import numbers, show
 from ..device import Device
 from ..io.recorded import read_pulse
-from ..io.tables import answers, shot_columns
-from ..pulse import Pulse, Shocks, make_pulse
+from ..io.tables import shot_columns
+from ..pulse import DIRECTIONS, Pulse, Shocks, make_pulse
 from ..quantities import QUANTITIES
 
-DIRECTIONS = "+z", "-z"
 FEWEST = 3
 MOST = 4
 """Unknowns: the grid of thresholds grows with the power of their number."""
 MANY = 2
-"""So many of either kind at one shock contradict each other if all that trip lie below."""
+"""So many of either outcome at a shock contradict each other if all that trip lie below."""
 
 
-class Kind(NamedTuple):
-    """A shock but for its level; f0: Hz; pulse: along its direction."""
+class Group(NamedTuple):
+    """Shots that differ in their level alone; f0: Hz; pulse: along their direction."""
 
     shape: str
     direction: str
@@ -38,135 +37,92 @@ class Kind(NamedTuple):
 class Shots(NamedTuple):
     """Shots of a campaign, arrays (shots,).
 
-    N: multiples of g; tripped: bools; kind: index into kinds; unit: number of the specimen
+    N: multiples of g; tripped: bools; group: index into groups; unit: number of the specimen
     """
 
     N: np.ndarray
     tripped: np.ndarray
-    kind: np.ndarray
+    group: np.ndarray
     unit: np.ndarray
-    kinds: tuple[Kind, ...]
+    groups: tuple[Group, ...]
 
     @property
     def f0(self) -> np.ndarray:
         """Frequency of each, Hz."""
-        return np.array([self.kinds[i].f0 for i in self.kind])
+        return np.array([self.groups[i].f0 for i in self.group])
 
 
-def shots_from(
-    table: str | Path | Mapping,
-    shocks: Shocks,
-    device: Device,
-    files: Mapping[str, str] | None = None,
-) -> Shots:
+def shots_from(table: str | Path | Mapping, shocks: Shocks, device: Device) -> Shots:
     """Take a table of shots as `calibrate` does; raises ValueError, one line.
 
     shocks: of one shape and direction, where the table names none; device: whose gravity N counts
-    files: SHA-256 of the records it names as they were planned, by path; of others anything goes
     """
     columns = shot_columns(table)
-    size = len(columns.get("tripped", ()))
-    if size < FEWEST:
-        raise ValueError(f"shots: {size} are too few; give {FEWEST} or more")
-    kinds, places, levels = [], {}, []
-    for i in range(size):
-        row = {key: values[i] for key, values in columns.items() if not _is_empty(values[i])}
-        key, kind = _kind(row, i, shocks, places, files or {})
-        if key not in places:
-            places[key] = len(kinds)
-            kinds.append(kind)
-        levels.append((places[key], _level(row, i, kinds[places[key]].pulse, device)))
-    kind, N = np.array(levels).T
-    units = np.asarray(columns.get("unit", np.arange(size)))
-    unit = np.unique([str(one) for one in units], return_inverse=True)[1]
-    shots = Shots(N, answers(columns["tripped"].tolist()), kind.astype(int), unit, tuple(kinds))
-    _check(shots)
-    return shots
-
-
-def _is_empty(value):
-    return value is None or value == "" or (isinstance(value, float) and math.isnan(value))
-
-
-def _kind(row, place, shocks, known, files):
-    """What tells a shot's shock from others, and the shock."""
-    where = f"shots, row {place + 1}"
-    if "file" in row and "shape" in row:
-        raise ValueError(f"{where}: shape stands beside file; write one of them")
-    direction = str(row.get("direction", shocks.direction))
-    if direction not in DIRECTIONS:
-        raise ValueError(
-            f"{where}: direction: {show(direction)} is not one of {', '.join(DIRECTIONS)}"
-        )
-    named = str(row.get("file", row.get("shape", "")))
-    given = {key: row[key] for key in ("f0", "duration") if key in row}
-    key = named, direction, *given.items()
-    if key in known:
-        return key, None
-    pulse = shocks.pulse
-    try:
-        if "file" in row:
-            pulse = read_pulse(named, files.get(named, ""))
-        elif named:
-            pulse = make_pulse(named)
-    except ValueError as error:
-        raise ValueError(f"{where}: {error}") from None
-    f0 = _frequency(given, pulse, where)
-    pushed = pulse if direction == "+z" else pulse.reversed()
-    return key, Kind(named or pulse.name, direction, f0, pushed)
-
-
-def _frequency(given, pulse, where):
-    if not given and pulse.duration:
-        return 1e6 / pulse.duration
-    if len(given) != 1:
-        what = "both are there" if given else "missing"
-        raise ValueError(f"{where}: f0 or duration: {what}; write f0 in Hz, or duration in us")
-    ((key, value),) = given.items()
-    value = _positive(value, f"{where}: {key}")
-    return value if key == "f0" else 1e6 / value
-
-
-def _level(row, place, pulse, device):
-    if pulse.is_of_frame and device.force:
-        told = "file: shakes the frame; write gravity in place of device.force"
-        raise ValueError(f"shots, row {place + 1}: {told}")
-    if "N" in row:
-        return _positive(row["N"], f"shots, row {place + 1}: N")
-    own = pulse.own_N or pulse.peak / device.gravity
-    if math.isnan(own):
-        raise ValueError(f"shots, row {place + 1}: N: missing; write a multiple of g")
-    return own
-
-
-def _positive(value, where):
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        number = math.nan
-    if not 0 < number < math.inf:
-        raise ValueError(f"{where}: {show(value)} is no number above 0")
-    return number
-
-
-def _check(shots):
-    """Refuse shots of one kind, and those that contradict each other."""
-    N, tripped = shots.N, shots.tripped
+    tripped = columns.get("tripped", np.empty(0, bool))
+    if tripped.size < FEWEST:
+        raise ValueError(f"shots: {tripped.size} are too few; give {FEWEST} or more")
     if tripped.all() or not tripped.any():
         what = "all trip" if tripped.all() else "none trips"
         raise ValueError(f"shots: {what} of {tripped.size}; a threshold needs both")
+    known, keys, N = {}, [], []
+    for i in range(tripped.size):
+        row = {key: values[i] for key, values in columns.items()}
+        row = {key: value for key, value in row.items() if value == value and value != ""}
+        try:
+            keys.append(_group(row, shocks, known))
+            N.append(_level(row, known[keys[-1]].pulse, device))
+        except ValueError as error:
+            raise ValueError(f"shots, row {i + 1}: {error}") from None
+    N, group = np.array(N), np.array([list(known).index(key) for key in keys])
+    unit = np.unique(columns.get("unit", np.arange(N.size)).astype(str), return_inverse=True)[1]
+    shots = Shots(N, tripped, group, unit, tuple(known.values()))
     against = []
-    for number, kind in enumerate(shots.kinds):
-        trips, others = (N[(shots.kind == number) & (tripped == is_so)] for is_so in (True, False))
+    for number in range(len(known)):
+        trips, others = (N[(group == number) & (tripped == is_so)] for is_so in (True, False))
         if trips.size and others.size and trips.max() < others.min():
-            against.append((min(trips.size, others.size) >= MANY, kind))
-    all_are = len(against) == len(shots.kinds)
-    wrong = [kind for surely, kind in against if surely or all_are]
+            against.append((min(trips.size, others.size) >= MANY, shots.groups[number]))
+    wrong = [group for surely, group in against if surely or len(against) == len(known)]
     if wrong:
         raise ValueError(
             f"shots: they contradict each other, {wrong[0]}: all that trip lie below all that do "
             "not; is tripped the wrong way round?"
         )
+    return shots
+
+
+def _group(row, shocks, known):
+    """The key in `known`, groups by what tells their shocks apart, of that of a row."""
+    if "file" in row and "shape" in row:
+        raise ValueError("shape stands beside file; write one of them")
+    direction = row.get("direction", shocks.direction)
+    if direction not in DIRECTIONS:
+        raise ValueError(f"direction: {show(direction)} is not one of {', '.join(DIRECTIONS)}")
+    named = row.get("file", row.get("shape", ""))
+    given = {key: row[key] for key in ("f0", "duration") if key in row}
+    key = named, direction, *given.items()
+    if key in known:
+        return key
+    pulse = shocks.pulse
+    if "file" in row:
+        pulse = read_pulse(named)
+    elif named:
+        pulse = make_pulse(named)
+    if len(given) > 1 or not (given or pulse.duration):
+        what = "both are there" if given else "missing"
+        raise ValueError(f"f0 or duration: {what}; write f0 in Hz, or duration in us")
+    f0 = given.get("f0") or 1e6 / given.get("duration", pulse.duration)
+    pushed = pulse if direction == "+z" else pulse.reversed()
+    known[key] = Group(named or pulse.name, direction, f0, pushed)
+    return key
+
+
+def _level(row, pulse, device):
+    if pulse.is_of_frame and device.force:
+        raise ValueError("file: shakes the frame; write gravity in place of device.force")
+    N = row.get("N") or pulse.own_N or pulse.peak / device.gravity
+    if math.isnan(N):
+        raise ValueError("N: missing; write a multiple of g")
+    return N
 
 
 def check_ranges(unknowns: Mapping, C: float | None) -> None:

@@ -1,28 +1,56 @@
 """The section `calibration`: measured shots, and what is read off them."""
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ..calibration.shots import check_ranges, shots_from
+from ..calibration.shots import Shots, check_ranges, shots_from
 from ..device import Device
 from ..io.named import sha256_of
 from ..io.recorded import RECORD
 from ..io.tables import ROWS, read_shots
 from ..pulse import Shocks
-from .keys import inside
-from .models import CalibrationSection
+from ..quantities import KINDS
+from .devices import of_device
+from .keys import Section, inside, part, path, quantity, words
+
+
+def _span(name, kind, example=""):
+    """Where an unknown is looked for."""
+    pair = tuple[quantity(kind), quantity(kind)]
+    need = f"a pair of values: where it is looked for, each {KINDS[kind].name}"
+    return Annotated[pair, words(need, "", example, "it is known")]
+
+
+class UnknownsSection(of_device(_span)):
+    """One to four values of the device, or C, with the range of each."""
+
+    C: _span("C", "damper", "[1 uN*us/um, 100 uN*us/um]")
+
+
+class CalibrationSection(Section):
+    """Shots that were measured, and what is read off them."""
+
+    shots: path(
+        "a table in the study's folder, CSV: columns N, f0 (Hz) or duration (ms), tripped (yes, "
+        "no) and, if wanted, direction, shape, file (a recorded shock), unit (a specimen's name)",
+        "shots.csv",
+    )
+    unknowns: part(UnknownsSection)
+    C: quantity(
+        "damper", "of the shots", out="that of `sweep`, if it is one value, unless it is unknown"
+    )
 
 
 class Calibration(NamedTuple):
     """What is asked of measured shots.
 
-    shots: path of their table; files: SHA-256 of it and of recorded shocks that it names, by path
+    files: SHA-256 of the table of shots and of recorded shocks that it names, by path
     unknowns: ranges by name, internal units; C: uN us/um, unless it is unknown
     """
 
-    shots: str
+    shots: Shots
     files: dict[str, str]
     unknowns: dict[str, list[float]]
     C: float | None
@@ -43,8 +71,9 @@ def read_calibration(
         raise ValueError("is of one device; write device in place of devices")
     check_ranges(unknowns, damping)
     files = {section.shots: sha256_of(section.shots, *ROWS)}
-    for record in read_shots(section.shots).get("file", []):
+    table = read_shots(section.shots, files[section.shots])
+    for record in table.get("file", []):
         if record and record not in files:
             files[inside(record)] = sha256_of(record, *RECORD)
-    shots_from(read_shots(section.shots), shocks.first(), device)
-    return Calibration(section.shots, files, unknowns, damping)
+    shots = shots_from(table, shocks.first(), device)
+    return Calibration(shots, files, unknowns, damping)

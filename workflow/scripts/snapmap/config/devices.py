@@ -1,20 +1,269 @@
-"""The devices of a config."""
+"""The sections of a device: its beam, its mass, what they meet; and a device read by itself."""
 
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
 
-from pydantic import ValidationError
+import numpy as np
+from pydantic import PrivateAttr, ValidationError, create_model
 
-from ..beam.cosines import buckling_shapes
-from ..beam.equilibria import find_barrier, least_travel
-from ..device import Beam, Device
-from .keys import lines_of
-from .models import DeviceSection
+from ..beam.modal import damped
+from ..curved_beam import COSINES
+from ..device import (
+    ALONE,
+    CLAMP,
+    REFERENCE,
+    RESTITUTION,
+    STOPS,
+    STRENGTH,
+    THERMAL,
+    VALUES,
+    Beam,
+    Device,
+)
+from ..io.measured_shape import read_shape
+from ..quantities import QUANTITIES
+from ..shape import COSINE
+from ..shape import SHAPES as AS_MADE
+from .keys import Section, either, lines_of, many, part, path, quantity, word
 from .yaml_file import ConfigError, read_document
 
-TILTING = 8
-"""Shapes of each kind by which it is told whether a free beam has a second one."""
+AS_MEASURED = 0.1
+"""By how much span and rise may differ from a measured shape's, relative."""
+LEAST_TILT = 1e-6
+"""Of a measured shape, um; below it there is none but rounding."""
+
+
+class ShapeSection(Section):
+    """Of the beam as made: one of the two."""
+
+    cosines: many(
+        quantity("part"),
+        "a list of up to 5 numbers, of 1 - cos(2 n pi x/L) each; the midpoint keeps the rise",
+        out="`file`",
+        least=1,
+    )
+    file: path("a measured shape, CSV: x (um) and w (um), from clamp to clamp", out="`cosines`")
+
+    def make(self) -> None:
+        """Name anything but one of the two."""
+        if len(self.given) != 1 or len(self.cosines or ()) > len(COSINES) + 1:
+            raise ValueError("write one of cosines, up to 5, and file")
+
+
+class ClampSection(Section):
+    """What the clamps give."""
+
+    axial: quantity("stiffness", "of each clamp along the beam", "20 kN/m")
+
+
+def _cosine(n):
+    return quantity("part", QUANTITIES[f"cosine_{n}"].long_name, out="`0`")
+
+
+class BeamSection(Section):
+    """Dimensions and material of the beam."""
+
+    known_as = "device.beam"
+    span: quantity("length", "clamp to clamp")
+    rise: quantity("distance", "of the midpoint, as made; 0 if straight, for compression", "10 um")
+    shape: either(
+        ShapeSection,
+        word(*AS_MADE),
+        f"one of {', '.join(AS_MADE)}, or a mapping of cosines or file",
+        example="arc, {cosines: [1, 0.1]}, {file: shape.csv}",
+        out=f"`{COSINE}`",
+    )
+    clamp: part(ClampSection, out="rigid")
+    thickness: quantity("length", "in the direction of motion", "2 um")
+    depth: quantity("length", "out of the plane of motion", "22 um")
+    youngs_modulus: quantity("modulus")
+    density: quantity("density")
+    damping: quantity("rate", "drag over momentum; swings decay at half of it", out="`0 /us`")
+    quality_factor: quantity(
+        "quality",
+        "in place of damping, of the first symmetric mode about the rest; axes and tolerances "
+        "leave the damping as it is",
+        out="`damping`",
+    )
+    residual_stress: quantity(
+        "stress", "along the beam before it bends to relieve it, tension > 0", out="`0 MPa`"
+    )
+    guide: word("guided", "free", what="free, it may tilt", out="`guided`")
+    imperfection: quantity(
+        "distance",
+        "largest displacement, as made, in the first antisymmetric shape of a free beam",
+        "0.01 um",
+        "required if `guide` is `free`",
+    )
+    cosine_2: _cosine(2)
+    cosine_3: _cosine(3)
+    cosine_4: _cosine(4)
+    cosine_5: _cosine(5)
+
+    _measured: str = PrivateAttr("")
+
+    def make(self) -> Beam:
+        """The beam."""
+        free = self.guide == "free"
+        if self.has("imperfection") and not free:
+            raise ValueError(".imperfection: is of a free beam; write guide: free")
+        if self.has("quality_factor") and self.has("damping"):
+            raise ValueError(".quality_factor: stands beside damping; write one of them")
+        apart = "guide", "shape", "clamp", "quality_factor"
+        values = {name: value for name, value in self.given.items() if name not in apart}
+        values |= _by_name(self.clamp, CLAMP) | self._of_shape(free)
+        beam = Beam(**values, free=float(free))
+        return damped(beam, self.quality_factor) if self.has("quality_factor") else beam
+
+    @property
+    def measured(self) -> str:
+        """One line on a shape that was read from a file, or nothing."""
+        return self._measured
+
+    def _of_shape(self, free):
+        """The values that the shape sets."""
+        if not isinstance(self.shape, ShapeSection):
+            return {"shape": self.shape} if self.shape else {}
+        terms, tilt = self.shape.cosines, {}
+        if file := self.shape.file:
+            measured = read_shape(file)
+            self._measured = f"{file}: {measured.words}"
+            terms = measured.cosines
+            for name, has in (("span", measured.length), ("rise", measured.rise)):
+                own = getattr(self, name)
+                if not abs(has - own) < AS_MEASURED * own:
+                    where = f"{own:g} um, where {file} has {has:.4g} um"
+                    raise ValueError(f".{name}: {where}; is a unit wrong?")
+            if free and not self.has("imperfection") and measured.tilt > LEAST_TILT:
+                tilt = {"imperfection": measured.tilt}
+        if beside := next((name for name in COSINES if self.has(name)), None):
+            raise ValueError(f".{beside}: stands beside the cosines of shape; write one")
+        rise = sum(terms[::2])
+        if not rise > 0:
+            raise ValueError(f".shape.cosines: the odd ones add up to {rise:g}; write more")
+        return tilt | dict(zip(COSINES, (term / rise for term in terms[1:]), strict=False))
+
+
+class StopsSection(Section):
+    """How far the mass travels from rest, either way, up to a stop."""
+
+    toward: quantity("length", "from rest to the stop towards the beam", "14 um", "none there")
+    away: quantity("length", "from rest to the stop away from the beam", "6 um", "none there")
+    restitution: quantity(
+        "restitution", "share of the speed kept at a stop", "0.7", f"`{RESTITUTION:g}`"
+    )
+
+
+class ThermalSection(Section):
+    """What the axis temperature does to the modulus, the stress and C."""
+
+    reference: quantity("temperature", "of all other values", "20 degC", f"`{REFERENCE:g} degC`")
+    modulus: quantity("expansion", "of Young's modulus over itself", out="`0`")
+    mismatch: quantity("expansion", "expansion of the beam less its frame's", "2.3e-6 /K", "`0`")
+    damping: quantity("exponent", "C grows with this power of the temperature in K", out="`0`")
+
+
+class StrengthSection(Section):
+    """A Weibull distribution of the stress at which beams break."""
+
+    scale: quantity("strength", "at this much over the threshold 63 % break", "3 GPa")
+    modulus: quantity("quality", "the larger, the less the strengths differ", "10")
+    threshold: quantity("strength", "up to which none breaks", "1.446 GPa", "`0 MPa`")
+
+
+def _by_name(section, names):
+    """What a section of a device says, by the device's own names."""
+    return {names[name]: value for name, value in section.given.items()} if section else {}
+
+
+class DeviceSection(Section):
+    """The beam, the mass on its spring, and what they meet."""
+
+    known_as = "device"
+    beam: part(BeamSection)
+    mass: quantity(
+        "body",
+        "of the body that strikes the beam; none is a beam alone, without spring, contact, gap, "
+        "stops and C",
+        "1e-8 kg, none",
+    )
+    spring: quantity("stiffness", "what holds the mass", out="required, unless `mass` is none")
+    contact: quantity(
+        "contact", "where mass touches beam; or hard", "40 N/m, hard", "required, as the spring"
+    )
+    gap: quantity("distance", "between mass and midpoint at rest", "1 um", "`0 um`")
+    stops: part(StopsSection, out="the mass travels freely")
+    thermal: part(ThermalSection, out="an axis temperature changes nothing")
+    strength: either(
+        StrengthSection,
+        quantity("strength"),
+        "a stress at which the beam breaks, or a mapping of a Weibull distribution",
+        example="1.5 GPa, {scale: 3 GPa, modulus: 10}",
+        out="the beam never breaks",
+    )
+    quality_factor: quantity(
+        "quality",
+        "in place of sweep.C, of the mass on its spring, clear of the beam; axes and tolerances "
+        "leave C as it is",
+        "94",
+        "`sweep.C`",
+    )
+    gravity: quantity("acceleration", "the unit of N", out="required, or `force`")
+    force: quantity(
+        "force",
+        "on the midpoint of a beam alone: the unit of N, of pulses that push there and do not "
+        "shake the frame",
+        out="`gravity`",
+    )
+
+    @classmethod
+    def beside(cls, given: Mapping) -> dict[tuple, str]:
+        """Name what a device lacks, or has too much of, with a mass and without one."""
+        alone, pushed = given.get("mass") == "none", "force" in given
+        needed = [*([] if alone else ["spring", "contact"]), *([] if pushed else ["gravity"])]
+        needs = cls.needs()
+        said = {name: f"missing; write {needs[name]}" for name in needed if name not in given}
+        if alone:
+            extra = [*ALONE, "stops", "quality_factor"]
+            extra = [name for name in extra if name in given and name != "mass"]
+            said |= dict.fromkeys(extra, "is of the mass, and there is none; leave it out")
+        if pushed and "gravity" in given:
+            said["gravity"] = "stands beside force; N counts multiples of one of them"
+        return {(name,): line for name, line in said.items()}
+
+    def make(self) -> Device:
+        """The device at its reference: its temperature is an axis."""
+        apart = "beam", "stops", "strength", "thermal", "quality_factor"
+        values = {name: value for name, value in self.given.items() if name not in apart}
+        thermal = _by_name(self.thermal, THERMAL)
+        if "reference_temperature" in thermal:
+            thermal["temperature"] = thermal["reference_temperature"]
+        weibull = isinstance(self.strength, StrengthSection)
+        strength = {"strength": self.strength} if self.strength else {}
+        values |= ALONE if self.mass == 0 else {}
+        values |= _by_name(self.stops, STOPS) | thermal
+        values |= _by_name(self.strength, STRENGTH) if weibull else strength
+        return Device(**{"gravity": 1.0, "beam": self.beam.made, **values})
+
+    @property
+    def C(self) -> float | None:
+        """Of the mass, uN us/um; None without a quality factor."""
+        if self.mass == 0:
+            return 0.0
+        if not self.has("quality_factor"):
+            return None
+        return float(np.sqrt(self.spring * self.mass) / self.quality_factor)
+
+
+RARE_LAST = sorted(VALUES, key=lambda name: QUANTITIES[name].left_out is not None)
+"""Values of the device."""
+
+
+def of_device(make, names=RARE_LAST):
+    """A section with a key for each value of the device."""
+    fields = {name: make(name, QUANTITIES[name].kind) for name in names}
+    return create_model("OfDevice", __base__=Section, **fields)
 
 
 def load_device(path: str | Path) -> Device:
@@ -54,50 +303,3 @@ def _section(given):
 def nominal(device: Device | Mapping[str, Device]) -> Device:
     """The device itself, or the first of several."""
     return next(iter(device.values())) if isinstance(device, Mapping) else device
-
-
-def tilting(beam: Beam) -> str:
-    """One line on what a beam that is guided, or free to tilt, means for its labels, or nothing."""
-    if not beam.free and not beam.stays_if_free:
-        ratio = beam.rise / beam.thickness
-        return (
-            f"rise/thickness = {ratio:.4g}: labels hold for a guided beam only; one free to tilt "
-            "does not stay in the second shape"
-        )
-    if beam.free and find_barrier(beam, buckling_shapes(TILTING)).energy == 0:
-        return (
-            "free to tilt, the beam has no stable second shape: a snap is the midpoint's first "
-            "arrival where a guided beam has its own, and nothing latches"
-        )
-    return ""
-
-
-def stopped(device: Device) -> str:
-    """One line on stops that leave the mass no room to snap the beam, or nothing."""
-    if not device.has_stops:
-        return ""
-    way, needed = device.stop_toward, least_travel(device)
-    if way <= device.gap:
-        return f"stops.toward: {way:.4g} um is not beyond the gap; the mass never meets the beam"
-    if way < needed:
-        return (
-            f"stops.toward: {way:.4g} um is short of the saddle, {needed:.4g} um from rest: a slow "
-            "push does not snap the beam, and a fast one only by the speed that it gives the beam"
-        )
-    return ""
-
-
-def pushed(device: Device) -> str:
-    """One line on what N counts of a beam that is pushed at its midpoint, or nothing."""
-    if not device.force:
-        return ""
-    return (
-        f"N counts {device.force:g} uN of force on the midpoint, wherever multiples of g are named"
-    )
-
-
-def unwarmed(device: Device) -> str:
-    """One line on a device of which a temperature changes nothing."""
-    if device.modulus_slope or device.expansion_mismatch or device.damper_exponent:
-        return ""
-    return "temperature: changes nothing without device.thermal; write its coefficients there"

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from difflib import get_close_matches
 from functools import cache
 from pathlib import PurePath
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 from pydantic import (
@@ -41,6 +41,8 @@ _FAULT = "fault"
 class Section(BaseModel):
     """A mapping of known keys; each of its faults is an error of its own."""
 
+    known_as: ClassVar[str] = ""
+    """The path by which errors of what it makes name it, as they do from Python."""
     model_config = ConfigDict(extra="forbid", frozen=True)
     _made: object = PrivateAttr(None)
     _keys: tuple[str, ...] = PrivateAttr(())
@@ -91,7 +93,7 @@ class Section(BaseModel):
         except ValidationError as error:
             faults |= {one["loc"]: cls._line(one) for one in error.errors()}
         except ValueError as error:
-            faults = {(): str(error)}
+            faults = {(): str(error).removeprefix(cls.known_as).removeprefix(": ")}
         if faults:
             errors = [
                 {"type": PydanticCustomError(_FAULT, line), "loc": path, "input": None}

@@ -1,308 +1,27 @@
-"""The sections of a config: their keys, what these hold, and what a key left out stands for."""
+"""The sections of a config beside device and shock, and the whole: `Document`."""
 
 import re
 from collections.abc import Mapping
 from typing import Annotated
 
-import numpy as np
-from pydantic import Field, PrivateAttr, create_model
-
 from ..arguments import OPTIONS, Argument
 from ..axes import COORDINATES, axis_behind
-from ..beam.modal import damped
-from ..curved_beam import COSINES
-from ..device import (
-    ALONE,
-    CLAMP,
-    REFERENCE,
-    RESTITUTION,
-    STOPS,
-    STRENGTH,
-    THERMAL,
-    VALUES,
-    Beam,
-    Device,
-)
-from ..io.measured_shape import read_shape
+from ..device import Device
 from ..io.named import sha256_of
-from ..io.recorded import RECORD, shocks_of
 from ..io.tables import ROWS, read_points
-from ..pulse import DIRECTIONS, SHAPES, SHARES, VERSED_SINE, Shocks
-from ..quantities import KINDS, QUANTITIES
-from ..shape import COSINE
-from ..shape import SHAPES as AS_MADE
+from ..quantities import QUANTITIES
 from ..solver.adaptive import TOLERANCE
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
-from ..spectra.psd import REACH, Spectrum
-from ..spectra.srs import check_points
+from ..tolerances.samples import DISTRIBUTIONS as SPREADS
 from ..tolerances.samples import INDEX_SAMPLES, OF_DEVICE, SHOCK_FACTORS, Tolerances
-from ..tolerances.samples import KINDS as SPREADS
-from ..trains import MAKERS
-from .keys import (
-    Section,
-    argument,
-    axis,
-    either,
-    flag,
-    key,
-    many,
-    part,
-    path,
-    quantity,
-    word,
-    words,
-)
-from .shocks import Requirement, SpectrumTest, Vibration
+from .calibration import CalibrationSection
+from .devices import DeviceSection, of_device
+from .keys import Section, argument, axis, flag, key, many, part, path, quantity, word, words
+from .shocks import TIMED, PulseSection, RequirementSection, is_title, one_time
 from .units import read, show
 from .views import HANDOUT_CASE, MOST_MAPS
 
-AS_MEASURED = 0.1
-"""By how much span and rise may differ from a measured shape's, relative."""
-LEAST_TILT = 1e-6
-"""Of a measured shape, um; below it there is none but rounding."""
-TIMED = ("file", *MAKERS)
-"""Keys of shocks that are more than a shape, and last as long as they last."""
-OF_SPECTRA = {"psd": ("duration", "probability"), "srs": ("direction",)}
-"""What may stand beside a spectrum."""
-LEVELS = {"psd": ("density", "g^2/Hz", "0.04"), "srs": ("level", "g", "1500")}
-"""What a spectrum has at its frequencies: name, unit and an example."""
-# ASSUME: of devices whose strengths scatter all but one in a thousand must survive.
-SURVIVES = 0.999
 _DRAWN = Tolerances._field_defaults
-SHAPE = word(*SHAPES, out=f"`{VERSED_SINE}`")
-SHARE = quantity("share", "of the duration, in which a trapezoid rises, or falls", "10 %", "`10 %`")
-
-
-def _within(section, error):
-    """An error of a part, whose line names it as from without, as one within it."""
-    return ValueError(str(error).removeprefix(section).removeprefix(": "))
-
-
-class ShapeSection(Section):
-    """Of the beam as made: one of the two."""
-
-    cosines: many(
-        quantity("part"),
-        "a list of up to 5 numbers, of 1 - cos(2 n pi x/L) each; the midpoint keeps the rise",
-        out="`file`",
-        least=1,
-    )
-    file: path("a measured shape, CSV: x (um) and w (um), from clamp to clamp", out="`cosines`")
-
-    def make(self) -> None:
-        """Name anything but one of the two."""
-        if len(self.given) != 1 or len(self.cosines or ()) > len(COSINES) + 1:
-            raise ValueError("write one of cosines, up to 5, and file")
-
-
-class ClampSection(Section):
-    """What the clamps give."""
-
-    axial: quantity("stiffness", "of each clamp along the beam", "20 kN/m")
-
-
-def _cosine(n):
-    return quantity("part", QUANTITIES[f"cosine_{n}"].long_name, out="`0`")
-
-
-class BeamSection(Section):
-    """Dimensions and material of the beam."""
-
-    span: quantity("length", "clamp to clamp")
-    rise: quantity("distance", "of the midpoint, as made; 0 if straight, for compression", "10 um")
-    shape: either(
-        ShapeSection,
-        word(*AS_MADE),
-        f"one of {', '.join(AS_MADE)}, or a mapping of cosines or file",
-        example="arc, {cosines: [1, 0.1]}, {file: shape.csv}",
-        out=f"`{COSINE}`",
-    )
-    clamp: part(ClampSection, out="rigid")
-    thickness: quantity("length", "in the direction of motion", "2 um")
-    depth: quantity("length", "out of the plane of motion", "22 um")
-    youngs_modulus: quantity("modulus")
-    density: quantity("density")
-    damping: quantity("rate", "drag over momentum; swings decay at half of it", out="`0 /us`")
-    quality_factor: quantity(
-        "quality",
-        "in place of damping, of the first symmetric mode about the rest; axes and tolerances "
-        "leave the damping as it is",
-        out="`damping`",
-    )
-    residual_stress: quantity(
-        "stress", "along the beam before it bends to relieve it, tension > 0", out="`0 MPa`"
-    )
-    guide: word("guided", "free", what="free, it may tilt", out="`guided`")
-    imperfection: quantity(
-        "distance",
-        "largest displacement, as made, in the first antisymmetric shape of a free beam",
-        "0.01 um",
-        "required if `guide` is `free`",
-    )
-    cosine_2: _cosine(2)
-    cosine_3: _cosine(3)
-    cosine_4: _cosine(4)
-    cosine_5: _cosine(5)
-
-    _measured: str = PrivateAttr("")
-
-    def make(self) -> Beam:
-        """The beam."""
-        free = self.guide == "free"
-        if self.has("imperfection") and not free:
-            raise ValueError(".imperfection: is of a free beam; write guide: free")
-        if self.has("quality_factor") and self.has("damping"):
-            raise ValueError(".quality_factor: stands beside damping; write one of them")
-        apart = "guide", "shape", "clamp", "quality_factor"
-        values = {name: value for name, value in self.given.items() if name not in apart}
-        values |= _by_name(self.clamp, CLAMP) | self._of_shape(free)
-        try:
-            beam = Beam(**values, free=float(free))
-            damp = self.has("quality_factor")
-            return damped(beam, self.quality_factor) if damp else beam
-        except ValueError as error:
-            raise _within("device.beam", error) from None
-
-    @property
-    def measured(self) -> str:
-        """One line on a shape that was read from a file, or nothing."""
-        return self._measured
-
-    def _of_shape(self, free):
-        """The values that the shape sets."""
-        if not isinstance(self.shape, ShapeSection):
-            return {"shape": self.shape} if self.shape else {}
-        terms, tilt = self.shape.cosines, {}
-        if file := self.shape.file:
-            measured = read_shape(file)
-            self._measured = f"{file}: {measured.words}"
-            terms = measured.cosines
-            for name, has in (("span", measured.length), ("rise", measured.rise)):
-                own = getattr(self, name)
-                if not abs(has - own) < AS_MEASURED * own:
-                    where = f"{own:g} um, where {file} has {has:.4g} um"
-                    raise ValueError(f".{name}: {where}; is a unit wrong?")
-            if free and not self.has("imperfection") and measured.tilt > LEAST_TILT:
-                tilt = {"imperfection": measured.tilt}
-        if beside := next((name for name in COSINES if self.has(name)), None):
-            raise ValueError(f".{beside}: stands beside the cosines of shape; write one")
-        rise = sum(terms[::2])
-        if not rise > 0:
-            raise ValueError(f".shape.cosines: the odd ones add up to {rise:g}; write more")
-        return tilt | dict(zip(COSINES, (term / rise for term in terms[1:]), strict=False))
-
-
-class StopsSection(Section):
-    """How far the mass travels from rest, either way, up to a stop."""
-
-    toward: quantity("length", "from rest to the stop towards the beam", "14 um", "none there")
-    away: quantity("length", "from rest to the stop away from the beam", "6 um", "none there")
-    restitution: quantity(
-        "restitution", "share of the speed kept at a stop", "0.7", f"`{RESTITUTION:g}`"
-    )
-
-
-class ThermalSection(Section):
-    """What the axis temperature does to the modulus, the stress and C."""
-
-    reference: quantity("temperature", "of all other values", "20 degC", f"`{REFERENCE:g} degC`")
-    modulus: quantity("expansion", "of Young's modulus over itself", out="`0`")
-    mismatch: quantity("expansion", "expansion of the beam less its frame's", "2.3e-6 /K", "`0`")
-    damping: quantity("exponent", "C grows with this power of the temperature in K", out="`0`")
-
-
-class StrengthSection(Section):
-    """A Weibull distribution of the stress at which beams break."""
-
-    scale: quantity("strength", "at this much over the threshold 63 % break", "3 GPa")
-    modulus: quantity("quality", "the larger, the less the strengths differ", "10")
-    threshold: quantity("strength", "up to which none breaks", "1.446 GPa", "`0 MPa`")
-
-
-def _by_name(section, names):
-    """What a section of a device says, by the device's own names."""
-    return {names[name]: value for name, value in section.given.items()} if section else {}
-
-
-class DeviceSection(Section):
-    """The beam, the mass on its spring, and what they meet."""
-
-    beam: part(BeamSection)
-    mass: quantity(
-        "body",
-        "of the body that strikes the beam; none is a beam alone, without spring, contact, gap, "
-        "stops and C",
-        "1e-8 kg, none",
-    )
-    spring: quantity("stiffness", "what holds the mass", out="required, unless `mass` is none")
-    contact: quantity(
-        "contact", "where mass touches beam; or hard", "40 N/m, hard", "required, as the spring"
-    )
-    gap: quantity("distance", "between mass and midpoint at rest", "1 um", "`0 um`")
-    stops: part(StopsSection, out="the mass travels freely")
-    thermal: part(ThermalSection, out="an axis temperature changes nothing")
-    strength: either(
-        StrengthSection,
-        quantity("strength"),
-        "a stress at which the beam breaks, or a mapping of a Weibull distribution",
-        example="1.5 GPa, {scale: 3 GPa, modulus: 10}",
-        out="the beam never breaks",
-    )
-    quality_factor: quantity(
-        "quality",
-        "in place of sweep.C, of the mass on its spring, clear of the beam; axes and tolerances "
-        "leave C as it is",
-        "94",
-        "`sweep.C`",
-    )
-    gravity: quantity("acceleration", "the unit of N", out="required, or `force`")
-    force: quantity(
-        "force",
-        "on the midpoint of a beam alone: the unit of N, of pulses that push there and do not "
-        "shake the frame",
-        out="`gravity`",
-    )
-
-    @classmethod
-    def beside(cls, given: Mapping) -> dict[tuple, str]:
-        """Name what a device lacks, or has too much of, with a mass and without one."""
-        alone, pushed = given.get("mass") == "none", "force" in given
-        needed = [*([] if alone else ["spring", "contact"]), *([] if pushed else ["gravity"])]
-        needs = cls.needs()
-        said = {name: f"missing; write {needs[name]}" for name in needed if name not in given}
-        if alone:
-            extra = [*ALONE, "stops", "quality_factor"]
-            extra = [name for name in extra if name in given and name != "mass"]
-            said |= dict.fromkeys(extra, "is of the mass, and there is none; leave it out")
-        if pushed and "gravity" in given:
-            said["gravity"] = "stands beside force; N counts multiples of one of them"
-        return {(name,): line for name, line in said.items()}
-
-    def make(self) -> Device:
-        """The device at its reference: its temperature is an axis."""
-        apart = "beam", "stops", "strength", "thermal", "quality_factor"
-        values = {name: value for name, value in self.given.items() if name not in apart}
-        thermal = _by_name(self.thermal, THERMAL)
-        if "reference_temperature" in thermal:
-            thermal["temperature"] = thermal["reference_temperature"]
-        weibull = isinstance(self.strength, StrengthSection)
-        strength = {"strength": self.strength} if self.strength else {}
-        values |= ALONE if self.mass == 0 else {}
-        values |= _by_name(self.stops, STOPS) | thermal
-        values |= _by_name(self.strength, STRENGTH) if weibull else strength
-        try:
-            return Device(**{"gravity": 1.0, "beam": self.beam.made, **values})
-        except ValueError as error:
-            raise _within("device", error) from None
-
-    @property
-    def C(self) -> float | None:
-        """Of the mass, uN us/um; None without a quality factor."""
-        if self.mass == 0:
-            return 0.0
-        if not self.has("quality_factor"):
-            return None
-        return float(np.sqrt(self.spring * self.mass) / self.quality_factor)
 
 
 class ModelSection(Section):
@@ -327,221 +46,7 @@ class ModelSection(Section):
     )
 
 
-class Blow(Section):
-    """A blow {shape, N, duration, rise, fall}, {wait: a time}, or {repeat: a number}."""
-
-    shape: SHAPE
-    rise: SHARE
-    fall: SHARE
-    N: quantity("number", "the peak over those of others", "2", "`1`")
-    duration: quantity("pulse", out="`wait` or `repeat`, alone")
-    wait: quantity("pulse", out="none")
-    repeat: argument("pulse.repeat", "how often all before it comes in all", out="once")
-
-
-class Drop(Section):
-    """A free fall, its blow, and every flight and blow of the rebound."""
-
-    height: quantity("length", "of the free fall", "1 m")
-    duration: quantity("pulse", "of each blow")
-    shape: SHAPE
-    rise: SHARE
-    fall: SHARE
-    rebound: quantity("number", "velocity after a blow over before, 0 to 0.99", "0.3", "`0`")
-
-
-class SineSweep(Section):
-    """A sine whose frequency goes from one to another, logarithmically."""
-
-    start: Annotated[quantity("frequency", example="20 Hz"), Field(alias="from")]
-    stop: Annotated[quantity("frequency", example="2 kHz"), Field(alias="to")]
-    duration: quantity("pulse", example="10 s")
-
-
-def _shapes(value):
-    several = value if isinstance(value, list | tuple) else [value]
-    known = all(isinstance(one, str) and one in SHAPES for one in several)
-    return known and 0 < len(several) == len(set(several))
-
-
-class PulseSection(Section):
-    """The shock: a shape, or a file, train, drop or sweep."""
-
-    shape: argument(
-        Argument(f"one of {', '.join(SHAPES)}, or a list of these, which then is an axis", _shapes),
-        example="half sine, [half sine, sawtooth]",
-        out=f"`{VERSED_SINE}`",
-    )
-    rise: SHARE
-    fall: SHARE
-    file: path("a recorded shock in the study's folder, CSV or UFF", out="`shape`")
-    train: many(
-        Blow,
-        "a list of blows {shape, N, duration, rise, fall}, {wait: a time} and {repeat: how often "
-        "all before it comes in all}",
-        "[{duration: 0.5 ms}, {wait: 20 ms}, {repeat: 5}]",
-        "`shape`",
-        least=1,
-    )
-    drop: part(Drop, out="`shape`")
-    sweep: part(SineSweep, out="`shape`")
-    direction: word(
-        *(*DIRECTIONS, "both"), what="+z presses the mass on the beam; both are an axis", out="`+z`"
-    )
-
-    @classmethod
-    def beside(cls, given: Mapping) -> dict[tuple, str]:
-        """Name what stands beside a shock that is more than a shape."""
-        if timed := next((name for name in TIMED if name in given), None):
-            others = [name for name in ("shape", *SHARES, *TIMED) if name != timed]
-            said = [name for name in others if name in given]
-            return {(name,): f"stands beside {timed}; write one of them" for name in said}
-        return {}
-
-    def values(self) -> dict:
-        """What `shocks_of` takes, with the SHA-256 of a file."""
-        names = [*PulseSection.model_fields]
-        values = self.model_dump(include=names, exclude_unset=True, by_alias=True)
-        try:
-            return values | ({"sha256": sha256_of(self.file, *RECORD)} if self.file else {})
-        except ValueError as error:
-            raise ValueError(f".file: {error}") from None
-
-    def make(self) -> Shocks:
-        """The shocks."""
-        try:
-            return shocks_of(self.values())
-        except ValueError as error:
-            raise _within("pulse", error) from None
-
-
-def _one_time(given, lasts_itself=False, at=()):
-    """Name f0 and duration beside each other, or neither of them."""
-    if "f0" in given and "duration" in given:
-        return {(*at, "duration"): "is one over f0, which is there, too; write one of them"}
-    if "f0" in given or "duration" in given or lasts_itself:
-        return {}
-    return {(*at, "f0"): "missing; write frequencies (1/time), or duration"}
-
-
-def frequency_of(duration: float) -> float:
-    """Hz, of a pulse of so many us, to 14 digits: 0.5 ms is 2000 Hz."""
-    return float(f"{1e6 / duration:.14g}")
-
-
-def _points(name, what, example):
-    """Pairs of a spectrum."""
-    quantity_of, unit, such = LEVELS[name]
-
-    def level(value):
-        number, _, own = str(value).strip().partition(" ")
-        if own.replace("²", "^2").replace("**", "^") != unit:
-            raise ValueError(
-                f"{show(value)} is no {quantity_of}; write one such as '{such} {unit}'"
-            )
-        return read(number, "number")
-
-    pair = tuple[quantity("frequency"), key(level, quantity_of)]
-    need = f"a list of two pairs or more of a frequency and a {quantity_of}, ascending, {what}"
-    return many(pair, need, example, "one shock", least=2)
-
-
-def _title(value):
-    return isinstance(value, str) and re.fullmatch(r"[^\W_][\w .,:()/%+-]{0,59}", value) is not None
-
-
-def _survival(value):
-    return SURVIVES * value if isinstance(value, bool) else read(value, "share")
-
-
-class RequirementSection(PulseSection):
-    """A shock, with its name, N and time, that must or must not trip the device; or a spectrum."""
-
-    name: argument(
-        Argument("a name of its own: letters, digits, spaces, .,:()/%+-_, at most 60", _title)
-    )
-    N: quantity("number", "above 0", out="required, but of a drop or with `psd`, `srs`")
-    snaps: flag("whether the device must trip")
-    survives: key(
-        _survival,
-        "true, false or a share: whether a beam that has a strength must stay whole",
-        example="99.99 %",
-        out=f"`true`, which asks for `{100 * SURVIVES:g} %`",
-    )
-    f0: quantity(
-        "frequency", out="required, or `duration`, or a shock or spectrum that lasts itself"
-    )
-    duration: quantity("pulse", "instead of f0", out="`f0`")
-    shape: SHAPE
-    psd: _points(
-        "psd",
-        "instead of N: random vibration over the duration",
-        "[[20 Hz, 0.01 g^2/Hz], [2000 Hz, 0.04 g^2/Hz]]",
-    )
-    srs: _points(
-        "srs",
-        "instead of N: a shock response spectrum (quality factor 10)",
-        "[[100 Hz, 100 g], [1000 Hz, 1500 g], [10 kHz, 1500 g]]",
-    )
-    probability: quantity(
-        "share",
-        "how likely vibration may trip the device, or miss it",
-        "1 %",
-        f"`{100 * REACH:g} %`",
-    )
-    direction: word(*DIRECTIONS, what="+z presses the mass on the beam", out="`+z`")
-
-    @classmethod
-    def beside(cls, given: Mapping) -> dict[tuple, str]:
-        """Name what stands beside a spectrum, or lacks with it or without one."""
-        spectrum = next((name for name in OF_SPECTRA if name in given), None)
-        if spectrum is None:
-            return super().beside(given) | _one_time(given, any(name in given for name in TIMED))
-        known = "name", "snaps", spectrum, *OF_SPECTRA[spectrum]
-        others = [name for name in cls.model_fields if name in given and name not in known]
-        faults = {(name,): f"stands beside {spectrum}; leave it out" for name in others[-1:]}
-        if not faults and spectrum == "psd" and "duration" not in given:
-            faults["duration",] = "missing; write a time such as '3 min'"
-        return faults
-
-    def make(self) -> Requirement | Vibration | SpectrumTest:
-        """What is required."""
-        points = [list(pair) for pair in self.psd or self.srs or ()]
-        try:
-            if self.psd:
-                Spectrum(points)
-            elif self.srs:
-                check_points(points)
-        except ValueError as error:
-            raise ValueError(f".{error}") from None
-        if self.psd:
-            chance = self.probability or REACH
-            return Vibration(self.name, points, 1e-6 * self.duration, self.snaps, chance)
-        if self.srs:
-            return SpectrumTest(self.name, points, self.direction or "+z", self.snaps)
-        shocks = super().make()
-        N = self.N if self.has("N") else shocks.pulse.own_N
-        if N is None:
-            raise ValueError(f".N: missing; write {self.needs()['N']}")
-        if not N > 0:
-            raise ValueError(f".N: {N:g} is not above 0; a direction of -z pushes the other way")
-        f0 = frequency_of(self.duration) if self.duration else self.f0
-        survives = self.survives if self.has("survives") else SURVIVES
-        f0 = f0 or shocks.own_frequency()
-        return Requirement(self.name, self.values(), N, f0, self.snaps, survives)
-
-
-RARE_LAST = sorted(VALUES, key=lambda name: QUANTITIES[name].left_out is not None)
-"""Values of the device."""
-
-
-def _of_device(make, names=RARE_LAST):
-    """A section with a key for each value of the device."""
-    fields = {name: make(name, QUANTITIES[name].kind) for name in names}
-    return create_model("OfDevice", __base__=Section, **fields)
-
-
-_Axes = _of_device(lambda _, kind: axis(kind, "in place of the device's", out="the device's own"))
+_Axes = of_device(lambda _, kind: axis(kind, "in place of the device's", out="the device's own"))
 
 
 class SweepSection(_Axes):
@@ -613,7 +118,7 @@ def _scatter(name, kind, example=""):
     return key(convert, need, example=example, out="it does not scatter")
 
 
-class TolerancesSection(_of_device(_scatter, OF_DEVICE)):
+class TolerancesSection(of_device(_scatter, OF_DEVICE)):
     """What scatters from device to device, or from shock to shock.
 
     Kinds are normal, uniform (half the width), lognormal, and truncated at two standard deviations.
@@ -647,34 +152,7 @@ class TolerancesSection(_of_device(_scatter, OF_DEVICE)):
         return made
 
 
-def _span(name, kind, example=""):
-    """Where an unknown is looked for."""
-    pair = tuple[quantity(kind), quantity(kind)]
-    need = f"a pair of values: where it is looked for, each {KINDS[kind].name}"
-    return Annotated[pair, words(need, "", example, "it is known")]
-
-
-class UnknownsSection(_of_device(_span)):
-    """One to four values of the device, or C, with the range of each."""
-
-    C: _span("C", "damper", "[1 uN*us/um, 100 uN*us/um]")
-
-
-class CalibrationSection(Section):
-    """Shots that were measured, and what is read off them."""
-
-    shots: path(
-        "a table in the study's folder, CSV: columns N, f0 (Hz) or duration (ms), tripped (yes, "
-        "no) and, if wanted, direction, shape, file (a recorded shock), unit (a specimen's name)",
-        "shots.csv",
-    )
-    unknowns: part(UnknownsSection)
-    C: quantity(
-        "damper", "of the shots", out="that of `sweep`, if it is one value, unless it is unknown"
-    )
-
-
-_Values = _of_device(
+_Values = of_device(
     lambda _, kind: quantity(kind, "in place of the device's", out="the device's own")
 )
 
@@ -694,7 +172,7 @@ class CellSection(_Values):
     @classmethod
     def beside(cls, given: Mapping) -> dict[tuple, str]:
         """One of f0 and duration is there."""
-        return _one_time(given)
+        return one_time(given)
 
 
 AXES = [name for name in QUANTITIES if axis_behind(name) in COORDINATES]
@@ -740,6 +218,12 @@ def _own_points(file):
 class Document(Section):
     """Device (or devices), model and sweep; if wanted, what else is made of them."""
 
+    title: argument(
+        Argument("a line of letters, digits, spaces, .,:()/%+-_, at most 60", is_title),
+        "of the data sheet: name, issue, date",
+        "Crash sensor A, 2026-11-23",
+        "none",
+    )
     device: part(DeviceSection, out="required, or `devices`")
     devices: Annotated[
         dict[object, DeviceSection],
@@ -794,7 +278,7 @@ class Document(Section):
         if isinstance(sweep, Mapping):
             pulse = given.get("pulse")
             itself = isinstance(pulse, Mapping) and any(name in pulse for name in TIMED)
-            faults |= _one_time(sweep, itself, ("sweep",))
+            faults |= one_time(sweep, itself, ("sweep",))
             faults |= _dampers(given, sweep, several)
         return faults
 

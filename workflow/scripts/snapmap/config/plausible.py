@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from ..device import VALUES, Beam, Device
+from ..device import VALUES, Device
 from ..quantities import QUANTITIES
 from ..tolerances.samples import Plan
 
@@ -20,14 +20,6 @@ WIDE = 0.3
 """Scatter over the nominal value."""
 FAR = 1000.0
 """Duration of a pulse over a period, or the reverse."""
-
-
-def proportions(beam: Beam) -> str:
-    """How flat and how slender a beam is."""
-    return (
-        f"rise/thickness {beam.rise / beam.thickness:.4g}, rise/span {beam.rise / beam.span:.3g}, "
-        f"span/thickness {beam.span / beam.thickness:.4g}"
-    )
 
 
 def unusual(device: Device) -> list[str]:
@@ -66,7 +58,7 @@ def implausible(device: Device, C: np.ndarray, f0: np.ndarray) -> list[str]:
     damped = C[-1] / critical if critical else 0.0
     lasts = f0 * (2e-6 * np.pi)
     first, last = np.min(own), np.max(np.maximum(mass, beam.bending_frequency))
-    told = {
+    lines = {
         f"rise/span = {steepest:.3g}: above {STEEP:g} the beam is no shallow arch; forces come out "
         f"{FORCES_TOO_HIGH * steepest**2:.2g} % too high, thresholds "
         f"{THRESHOLDS_TOO_HIGH * steepest**2:.2g} %": steepest > STEEP,
@@ -81,4 +73,4 @@ def implausible(device: Device, C: np.ndarray, f0: np.ndarray) -> list[str]:
         f"f0 from {f0[0]:.4g} Hz: all pulses are over in a {FAR:g}th of any period; they act as a "
         "jump in velocity": lasts[0] > FAR * last,
     }
-    return unusual(device) + [line for line, holds in told.items() if holds]
+    return unusual(device) + [line for line, holds in lines.items() if holds]

@@ -4,10 +4,8 @@ from typing import NamedTuple
 
 from ..axes import DEVICE, DIRECTION, SHAPE
 from ..device import Device
-from ..io.recorded import shocks_of
-from .histories import History
 from .study import Config
-from .views import View, batch_places, side_by_side
+from .views import History, View, batch_places, side_by_side
 
 
 class Products(NamedTuple):
@@ -74,10 +72,10 @@ def _with_shocks(view, study):
     shape = list(study.shocks.shapes.values())[view.at.get(SHAPE, 0)]
     direction = study.shocks.directions[view.at.get(DIRECTION, 0)]
     required = []
-    for asked in study.requirements:
-        own = shocks_of(asked.pulse)
+    for one in study.requirements:
+        own = one["shocks"]
         is_of_map = (own.pulse.given, own.direction) == (shape.given, direction)
-        required.append((asked.name, asked.f0, asked.N, is_of_map))
+        required.append((one["name"], one["f0"], one["N"], is_of_map))
     return view._replace(required_shocks=tuple(required))
 
 

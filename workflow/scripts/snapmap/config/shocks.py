@@ -1,61 +1,228 @@
-"""What must or must not trip a device, and a user's own points."""
+"""The section of the shock, and those of shocks that must or must not trip the device."""
 
+import re
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Annotated
 
-import numpy as np
+from pydantic import Field
 
-from ..io.tables import read_points
+from ..arguments import Argument
+from ..io.named import sha256_of
+from ..io.recorded import RECORD, shocks_of
+from ..pulse import DIRECTIONS, SHAPES, SHARES, VERSED_SINE, Shocks
+from ..spectra.psd import REACH, Spectrum
+from ..spectra.srs import check_points
+from ..trains import MAKERS
+from .keys import Section, argument, flag, key, many, part, path, quantity, word
+from .units import read, show
+from .views import frequency_of
 
-
-class Requirement(NamedTuple):
-    """A shock that must or must not trip the device.
-
-    pulse: values for `shocks_of`; N: multiples of g; f0: Hz; snaps: whether it must
-    survives: the least probability with which its beam must not break; 0 if it may
-    """
-
-    name: str
-    pulse: dict
-    N: float
-    f0: float
-    snaps: bool
-    survives: float
-
-
-class Vibration(NamedTuple):
-    """Random vibration that must or must not trip the device.
-
-    psd: pairs of Hz and g^2/Hz; duration: s; snaps: whether it must, but for `probability`
-    """
-
-    name: str
-    psd: list[list[float]]
-    duration: float
-    snaps: bool
-    probability: float
+TIMED = ("file", *MAKERS)
+"""Keys of shocks that are more than a shape, and last as long as they last."""
+OF_SPECTRA = {"psd": ("duration", "probability"), "srs": ("direction",)}
+"""What may stand beside a spectrum."""
+LEVELS = {"psd": ("density", "g^2/Hz", "0.04"), "srs": ("level", "g", "1500")}
+"""What a spectrum has at its frequencies: name, unit and an example."""
+# ASSUME: of devices whose strengths scatter all but one in a thousand must survive.
+SURVIVES = 0.999
+SHAPE = word(*SHAPES, out=f"`{VERSED_SINE}`")
+SHARE = quantity("share", "of the duration, in which a trapezoid rises, or falls", "10 %", "`10 %`")
 
 
-class SpectrumTest(NamedTuple):
-    """A shock response spectrum whose records must or must not trip the device.
+class Blow(Section):
+    """A blow {shape, N, duration, rise, fall}, {wait: a time}, or {repeat: a number}."""
 
-    srs: pairs of Hz and multiples of g; snaps: whether all must, or none
-    """
+    shape: SHAPE
+    rise: SHARE
+    fall: SHARE
+    N: quantity("number", "the peak over those of others", "2", "`1`")
+    duration: quantity("pulse", out="`wait` or `repeat`, alone")
+    wait: quantity("pulse", out="none")
+    repeat: argument("pulse.repeat", "how often all before it comes in all", out="once")
 
-    name: str
-    srs: list[list[float]]
-    direction: str
-    snaps: bool
+
+class Drop(Section):
+    """A free fall, its blow, and every flight and blow of the rebound."""
+
+    height: quantity("length", "of the free fall", "1 m")
+    duration: quantity("pulse", "of each blow")
+    shape: SHAPE
+    rise: SHARE
+    fall: SHARE
+    rebound: quantity("number", "velocity after a blow over before, 0 to 0.99", "0.3", "`0`")
 
 
-def own_points_outside(path: str, axes: Mapping[str, np.ndarray]) -> list[str]:
-    """A line for each of a user's own points that lies on no map."""
-    lines = []
-    for number, point in enumerate(read_points(path), start=1):
-        for key, value in (("f0", point.f0), ("N", point.N)):
-            low, high = axes[key].min(), axes[key].max()
-            if not low <= value <= high:
-                place = f"{key} = {value:g}, maps from {low:g} to {high:g}"
-                who = f"{path}: {point.name or f'point {number}'}"
-                lines.append(f"{who} lies on no map: {place}")
-    return lines
+class SineSweep(Section):
+    """A sine whose frequency goes from one to another, logarithmically."""
+
+    start: Annotated[quantity("frequency", example="20 Hz"), Field(alias="from")]
+    stop: Annotated[quantity("frequency", example="2 kHz"), Field(alias="to")]
+    duration: quantity("pulse", example="10 s")
+
+
+def _shapes(value):
+    several = value if isinstance(value, list | tuple) else [value]
+    known = all(isinstance(one, str) and one in SHAPES for one in several)
+    return known and 0 < len(several) == len(set(several))
+
+
+class PulseSection(Section):
+    """The shock: a shape, or a file, train, drop or sweep."""
+
+    known_as = "pulse"
+    shape: argument(
+        Argument(f"one of {', '.join(SHAPES)}, or a list of these, which then is an axis", _shapes),
+        example="half sine, [half sine, sawtooth]",
+        out=f"`{VERSED_SINE}`",
+    )
+    rise: SHARE
+    fall: SHARE
+    file: path("a recorded shock in the study's folder, CSV or UFF", out="`shape`")
+    train: many(
+        Blow,
+        "a list of blows {shape, N, duration, rise, fall}, {wait: a time} and {repeat: how often "
+        "all before it comes in all}",
+        "[{duration: 0.5 ms}, {wait: 20 ms}, {repeat: 5}]",
+        "`shape`",
+        least=1,
+    )
+    drop: part(Drop, out="`shape`")
+    sweep: part(SineSweep, out="`shape`")
+    direction: word(
+        *(*DIRECTIONS, "both"), what="+z presses the mass on the beam; both are an axis", out="`+z`"
+    )
+
+    @classmethod
+    def beside(cls, given: Mapping) -> dict[tuple, str]:
+        """Name what stands beside a shock that is more than a shape."""
+        if timed := next((name for name in TIMED if name in given), None):
+            others = [name for name in ("shape", *SHARES, *TIMED) if name != timed]
+            said = [name for name in others if name in given]
+            return {(name,): f"stands beside {timed}; write one of them" for name in said}
+        return {}
+
+    def values(self) -> dict:
+        """What `shocks_of` takes, with the SHA-256 of a file."""
+        names = [*PulseSection.model_fields]
+        values = self.model_dump(include=names, exclude_unset=True, by_alias=True)
+        try:
+            return values | ({"sha256": sha256_of(self.file, *RECORD)} if self.file else {})
+        except ValueError as error:
+            raise ValueError(f".file: {error}") from None
+
+    def make(self) -> Shocks:
+        """The shocks."""
+        return shocks_of(self.values())
+
+
+def one_time(given, lasts_itself=False, at=()):
+    """Name f0 and duration beside each other, or neither of them."""
+    if "f0" in given and "duration" in given:
+        return {(*at, "duration"): "is one over f0, which is there, too; write one of them"}
+    if "f0" in given or "duration" in given or lasts_itself:
+        return {}
+    return {(*at, "f0"): "missing; write frequencies (1/time), or duration"}
+
+
+def _points(name, what, example):
+    """Pairs of a spectrum."""
+    quantity_of, unit, such = LEVELS[name]
+
+    def level(value):
+        number, _, own = str(value).strip().partition(" ")
+        if own.replace("²", "^2").replace("**", "^") != unit:
+            raise ValueError(
+                f"{show(value)} is no {quantity_of}; write one such as '{such} {unit}'"
+            )
+        return read(number, "number")
+
+    pair = tuple[quantity("frequency"), key(level, quantity_of)]
+    need = f"a list of two pairs or more of a frequency and a {quantity_of}, ascending, {what}"
+    return many(pair, need, example, "one shock", least=2)
+
+
+def is_title(value: object) -> bool:
+    """Whether it is a line that may stand in tables."""
+    return isinstance(value, str) and re.fullmatch(r"[^\W_][\w .,:()/%+-]{0,59}", value) is not None
+
+
+def _survival(value):
+    return SURVIVES * value if isinstance(value, bool) else read(value, "share")
+
+
+class RequirementSection(PulseSection):
+    """A shock, with its name, N and time, that must or must not trip the device; or a spectrum."""
+
+    name: argument(
+        Argument("a name of its own: letters, digits, spaces, .,:()/%+-_, at most 60", is_title)
+    )
+    N: quantity("number", "above 0", out="required, but of a drop or with `psd`, `srs`")
+    snaps: flag("whether the device must trip")
+    survives: key(
+        _survival,
+        "true, false or a share: whether a beam that has a strength must stay whole",
+        example="99.99 %",
+        out=f"`true`, which asks for `{100 * SURVIVES:g} %`",
+    )
+    f0: quantity(
+        "frequency", out="required, or `duration`, or a shock or spectrum that lasts itself"
+    )
+    duration: quantity("pulse", "instead of f0", out="`f0`")
+    shape: SHAPE
+    psd: _points(
+        "psd",
+        "instead of N: random vibration over the duration",
+        "[[20 Hz, 0.01 g^2/Hz], [2000 Hz, 0.04 g^2/Hz]]",
+    )
+    srs: _points(
+        "srs",
+        "instead of N: a shock response spectrum (quality factor 10)",
+        "[[100 Hz, 100 g], [1000 Hz, 1500 g], [10 kHz, 1500 g]]",
+    )
+    probability: quantity(
+        "share",
+        "how likely vibration may trip the device, or miss it",
+        "1 %",
+        f"`{100 * REACH:g} %`",
+    )
+    direction: word(*DIRECTIONS, what="+z presses the mass on the beam", out="`+z`")
+
+    @classmethod
+    def beside(cls, given: Mapping) -> dict[tuple, str]:
+        """Name what stands beside a spectrum, or lacks with it or without one."""
+        spectrum = next((name for name in OF_SPECTRA if name in given), None)
+        if spectrum is None:
+            return super().beside(given) | one_time(given, any(name in given for name in TIMED))
+        known = "name", "snaps", spectrum, *OF_SPECTRA[spectrum]
+        others = [name for name in cls.model_fields if name in given and name not in known]
+        faults = {(name,): f"stands beside {spectrum}; leave it out" for name in others[-1:]}
+        if not faults and spectrum == "psd" and "duration" not in given:
+            faults["duration",] = "missing; write a time such as '3 min'"
+        return faults
+
+    def make(self) -> dict:
+        """What is required: name, snaps and `shocks` with N and f0, or `psd`, or `srs`."""
+        required = {"name": self.name, "snaps": self.snaps}
+        points = [list(pair) for pair in self.psd or self.srs or ()]
+        try:
+            if self.psd:
+                Spectrum(points)
+            elif self.srs:
+                check_points(points)
+        except ValueError as error:
+            raise ValueError(f".{error}") from None
+        if self.psd:
+            over = {"duration": 1e-6 * self.duration, "probability": self.probability or REACH}
+            return required | {"psd": points} | over
+        if self.srs:
+            return required | {"srs": points, "direction": self.direction or "+z"}
+        shocks = super().make()
+        N = self.N if self.has("N") else shocks.pulse.own_N
+        if N is None:
+            raise ValueError(f".N: missing; write {self.needs()['N']}")
+        if not N > 0:
+            raise ValueError(f".N: {N:g} is not above 0; a direction of -z pushes the other way")
+        f0 = frequency_of(self.duration) if self.duration else self.f0
+        required |= {"N": N, "f0": f0 or shocks.own_frequency(), "shocks": shocks}
+        survives = self.survives if self.has("survives") else SURVIVES
+        return required | {"survives": survives, "pulse": self.values()}

@@ -7,24 +7,28 @@ import numpy as np
 from pydantic import ValidationError
 
 from ..axes import SHOCK_AXES, Grid, make_grid
-from ..described import describe, excited
-from ..device import VALUES, values_of
+from ..device import VALUES
 from ..io.measured_shape import PROFILE
-from ..io.named import sha256_of
-from ..io.recorded import shocks_of
+from ..io.named import hold_to_plan, sha256_of
 from ..pulse import HANDOUT_SHOCK
-from ..solver.settings import THRESHOLD_TOLERANCE
-from ..study import Study
+from ..solver.settings import THRESHOLD_TOLERANCE, Settings
+from ..study import FOLLOWED, Study
 from ..tolerances.samples import Plan, Tolerances
-from .asked_views import read_view
 from .calibration import Calibration, read_calibration
-from .devices import nominal, pushed, stopped, tilting, unwarmed
-from .histories import History, history, nearest_history
+from .devices import nominal
 from .keys import line_at, lines_of
-from .models import Document, frequency_of
-from .plausible import implausible, proportions, wide
-from .shocks import Requirement, SpectrumTest, Vibration, own_points_outside
-from .views import View, choose_boundary, choose_curves, choose_maps
+from .models import Document
+from .views import (
+    History,
+    View,
+    choose_boundary,
+    choose_curves,
+    choose_maps,
+    frequency_of,
+    history,
+    nearest_history,
+    read_places,
+)
 from .yaml_file import ConfigError
 
 AXES = *VALUES, *SHOCK_AXES
@@ -36,8 +40,9 @@ class Config(Study):
     """A study with the cells of its sweep, and what else is made of it.
 
     grid: all axes, each ascending
-    pulse: values for `shocks_of`
-    requirements: shocks that must or must not trip the device; vibrations, spectra: likewise
+    pulse: what `shocks_of` took, with the SHA-256 of a record
+    requirements: shocks that must or must not trip the device, as `thresholds.requirements.check`
+        takes them, with their `pulse`; vibrations, spectra: likewise, as `spectra.verdicts` does
     tolerances: what scatters from device to device, or nothing
     calibration: measured shots, and what is read off them, or nothing
     threshold_tolerance: of the thresholds in N, relative
@@ -45,13 +50,14 @@ class Config(Study):
     own_points: path and SHA-256 of a user's own points on the maps, or nothing
     left_out: one line on what is not drawn, or nothing
     measured: lines on shapes of beams that were read from files, by device and path
+    title: of the data sheet
     """
 
     grid: Grid
     pulse: dict
-    requirements: tuple[Requirement, ...]
-    vibrations: tuple[Vibration, ...]
-    spectra: tuple[SpectrumTest, ...]
+    requirements: list[dict]
+    vibrations: list[dict]
+    spectra: list[dict]
     tolerances: Tolerances | None
     calibration: Calibration | None
     threshold_tolerance: float
@@ -62,6 +68,7 @@ class Config(Study):
     own_points: tuple[str, str] | tuple[()]
     left_out: str
     measured: dict[tuple[str, str], str]
+    title: str
 
     @property
     def axes(self) -> dict[str, np.ndarray]:
@@ -69,71 +76,42 @@ class Config(Study):
         return self.grid.axes
 
     @property
-    def all_required(self) -> tuple[Requirement | Vibration | SpectrumTest, ...]:
-        """What must or must not trip the device, of all kinds."""
-        return *self.requirements, *self.vibrations, *self.spectra
+    def all_required(self) -> list[dict]:
+        """What must or must not trip the device: shocks, vibrations, spectra."""
+        return self.requirements + self.vibrations + self.spectra
 
-    def values(self, *keys: str) -> dict:
-        """Plain values of the study for `study_from`, with some of its settings; all by default."""
-        settings = self.settings.asked()
-        return {
-            "device": values_of(self.device),
-            "pulse": self.pulse,
-            "model": self.model,
-            "settings": {key: settings[key] for key in keys or settings},
-            "skip": self.skip,
-        }
+    def inputs(self, *keys: str) -> dict:
+        """What its products depend on beside axes, in plain values: Snakemake compares them.
+
+        keys: of the settings on which they depend; all of them by default
+        """
+        return self.document(keys) | {"pulse": self.pulse}
+
+    def of_thresholds(self) -> "Config":
+        """The same, each cell followed as all functions but `sweep` follow it."""
+        kept = {key: getattr(self.settings, key) for key in FOLLOWED}
+        return replace(self, settings=Settings(**kept))
 
     @property
     def has_strength(self) -> bool:
         """Whether a beam may break."""
         return any(one.strength < np.inf for one in self.devices().values())
 
-    def descriptions(self) -> list[str]:
-        """Lines on each device, whatever the axes change, and on how a record excites it."""
-        C, lines = self.axes["C"], list(self.measured.values())
-        records = [
-            one for one in self.shocks.shapes.values() if one.duration and not one.blows.size
-        ]
-        for name, one in self.devices().items():
-            lines.append(f"{name}: {proportions(one.beam)}; {describe(one, C)}")
-            lines += [f"{name}, {pulse.name}: {excited(one, pulse)}" for pulse in records]
-        return lines
-
     def files(self) -> dict[str, str]:
         """SHA-256 of each file that the config names, as it was read, by path."""
-        pulses = [self.pulse, *(asked.pulse for asked in self.requirements)]
+        pulses = [self.pulse, *(required["pulse"] for required in self.requirements)]
         own = dict([self.own_points] if self.own_points else [])
         shots = self.calibration.files if self.calibration else {}
         recorded = {one["file"]: one["sha256"] for one in pulses if "file" in one}
         shapes = {path: sha256_of(path, *PROFILE) for _, path in self.measured}
         return recorded | shapes | own | shots
 
-    def doubts(self) -> list[str]:
-        """Lines on what is hardly meant, and on what devices and recorded shocks may leave out."""
-        shortest, device = 1e6 / self.axes["f0"][-1], nominal(self.device)
-        each = self.devices().items()
-        lines = [
-            (name, line)
-            for name, one in each
-            for line in (tilting(one.beam), stopped(one), pushed(one))
-        ]
-        if "temperature" in self.axes:
-            lines += [(name, unwarmed(one)) for name, one in each]
-        pulses = [
-            line
-            for pulse in self.shocks.shapes.values()
-            for line in pulse.doubts(float(device.own_frequency), float(shortest))
-        ]
-        unlikely = implausible(self.grid.device, self.axes["C"], self.axes["f0"])
-        outside = own_points_outside(self.own_points[0], self.axes) if self.own_points else []
-        named = [f"{name}: {line}" for name, line in lines if line]
-        scatters = [
-            line
-            for one in (self.devices().values() if self.tolerances else ())
-            for line in wide(Plan(one, self.tolerances.scatters, self.tolerances.together))
-        ]
-        return unlikely + named + pulses + outside + scatters
+
+def planned_study(document: Mapping, threads: int) -> Config:
+    """The study of a job, of its run's config; ValueError, one line, for a file edited since."""
+    study = load_config(document)
+    hold_to_plan(study.files(), plans=False)
+    return replace(study, settings=study.settings._replace(threads=threads))
 
 
 def load_config(document: Mapping) -> Config:
@@ -159,34 +137,27 @@ def load_config(document: Mapping) -> Config:
     tolerances = parts.tolerances.made if parts.tolerances else None
     for one in parts.devices_by_name().values() if tolerances else ():
         part(("tolerances",), Plan, one.made, tolerances.scatters, tolerances.together)
-    cells = [
-        part(("histories", place), history, cell.given, device)
-        for place, cell in enumerate(parts.histories or ())
-    ]
+
+    def each(name, make):
+        sections = getattr(parts, name)
+        return sections and [part((name, i), make, one) for i, one in enumerate(sections)]
+
+    cells = each("histories", lambda cell: history(cell.given, device))
     calibration, maps, curves = None, None, None
     if grid and parts.calibration:
         given = parts.calibration, device, shocks, grid.axes["C"]
         calibration = part(("calibration",), read_calibration, *given)
     if grid:
-        maps, curves = (
-            sections
-            and [
-                part((name, place), read_view, view.given, grid.axes)
-                for place, view in enumerate(sections)
-            ]
-            for name, sections in (("maps", parts.maps), ("thresholds", parts.thresholds))
-        )
-    required = [one.made for one in parts.requirements or ()]
+        maps = each("maps", lambda v: (v.x, v.y, read_places(v.given, grid.axes)))
+        curves = each("thresholds", lambda v: (v.x, v.lines, read_places(v.given, grid.axes)))
+    required = [section.made for section in parts.requirements or ()]
     requirements, vibrations, spectra = (
-        tuple(one for one in required if isinstance(one, kind))
-        for kind in (Requirement, Vibration, SpectrumTest)
+        [one for one in required if key in one] for key in ("shocks", "psd", "srs")
     )
     part(("device",), _require_study, device, shocks, required, tolerances)
     if faults:
         raise ConfigError(*dict.fromkeys(faults))
     chosen, left_out = choose_maps(grid, nominal(device), maps)
-    if parts.histories is None:
-        cells = [nearest_history(device, grid)]
     return Config(
         device=device,
         model=parts.model.given,
@@ -201,7 +172,7 @@ def load_config(document: Mapping) -> Config:
         tolerances=tolerances,
         calibration=calibration,
         threshold_tolerance=sweep.threshold_tolerance or THRESHOLD_TOLERANCE,
-        histories=tuple(cells),
+        histories=tuple([nearest_history(device, grid)] if cells is None else cells),
         maps=chosen,
         curves=choose_curves(grid, nominal(device), curves),
         boundary=choose_boundary(grid, nominal(device)),
@@ -212,6 +183,7 @@ def load_config(document: Mapping) -> Config:
             for name, one in parts.devices_by_name().items()
             if one.beam.measured
         },
+        title=parts.title or "",
     )
 
 
@@ -220,9 +192,9 @@ def _require_study(device, shocks, required, tolerances):
     own = Study(device=device, shocks=shocks)
     if required or tolerances:
         own.set_out({})
-    for asked in required:
-        if isinstance(asked, Requirement):
-            replace(own, shocks=shocks_of(asked.pulse))
+    for one in required:
+        if "shocks" in one:
+            replace(own, shocks=one["shocks"])
         else:
             own.require_frame("a spectrum among the requirements")
 

@@ -7,10 +7,12 @@ from decimal import Context, Decimal
 from functools import cache
 
 from ..io.extras import needing
-from ..quantities import KINDS
+from ..quantities import KINDS, range_of
 
 LEAST, MOST = 1e-15, 1e15
 """In internal units: no device has values beyond, and they would overflow further on."""
+WORDS = {("contact", "hard"): math.inf, ("body", "none"): 0.0}
+"""Values that are a word, by kind."""
 
 # Pint evaluates arithmetic such as 9**9**9: a unit reaches it only if it has the form below.
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
@@ -28,13 +30,21 @@ def read(value: object, kind: str) -> float:
 
     Raises ValueError with one line: the value, what is wrong, what would be right.
     """
-    if not KINDS[kind].unit:
-        return _read_number(value, KINDS[kind])
-    if kind == "contact" and value == "hard":
-        return math.inf
-    if kind == "body" and value == "none":
-        return 0.0
-    return _read_quantity(value, KINDS[kind])
+    if isinstance(value, str) and (kind, value) in WORDS:
+        return WORDS[kind, value]
+    name, unit, example, interval = KINDS[kind]
+    try:
+        number = _quantity(value, unit) if unit else _number(value)
+        if not math.isfinite(number):
+            raise ValueError("is not finite")
+        if not range_of(interval).holds(number):
+            raise ValueError(f"is not {range_of(interval)}")
+        least = LEAST if unit else 0.0
+        if number and not least <= abs(number) <= MOST:
+            raise ValueError(f"is not between {least:g} and {MOST:g} {unit}".rstrip())
+    except ValueError as error:
+        raise ValueError(f"{show(value)} {error}; write {name} such as {example}") from None
+    return number
 
 
 def show(value: object, longest: int = _LONGEST) -> str:
@@ -49,77 +59,9 @@ def show(value: object, longest: int = _LONGEST) -> str:
     return text if len(text) <= longest else f"{text[:40]}...{text[-1]}"
 
 
-def _read_number(value, kind):
-    if not _is_number(value) and not _matches(_PLAIN, value):
-        raise _fault(value, "is not a plain number", kind)
-    try:
-        number = float(value)
-    except OverflowError:  # of an int; text beyond the range is inf
-        number = math.inf
-    if not math.isfinite(number):
-        raise _fault(value, "is not finite", kind)
-    if abs(number) > MOST:
-        raise _fault(value, f"is not between {-MOST:g} and {MOST:g}", kind)
-    _check_sign(value, number, kind)
-    return number
-
-
-def _read_quantity(value, kind):
-    if _is_number(value) or _matches(_PLAIN, value):
-        raise _fault(value, "has no unit", kind)
-    match = _matches(_QUANTITY, value)
-    if not match:
-        raise _fault(value, "is not a number with a unit", kind)
-    number, unit = match.groups()
-    if kind.unit == "degC":
-        return _read_temperature(value, number, unit, kind)
-    if kind.unit == "%":
-        return _read_share(value, number, unit, kind)
-    try:
-        factor = _factor(unit, kind.unit)
-    except ValueError as error:
-        raise _fault(value, str(error), kind) from None
-    # The product is rounded once: 2330 kg/m^3 is exactly the float 0.00233.
-    result = float(_ARITHMETIC.multiply(Decimal(number), factor))
-    if not math.isfinite(result):
-        raise _fault(value, "is not finite", kind)
-    _check_sign(value, result, kind)
-    if result and not LEAST <= abs(result) <= MOST:
-        raise _fault(value, f"is not between {LEAST:g} and {MOST:g} {kind.unit}", kind)
-    return result
-
-
-def _check_sign(value, number, kind):
-    if (number < 0 and not kind.signed) or (number == 0 and not kind.zero):
-        raise _fault(value, "is negative" if kind.zero else "is not positive", kind)
-
-
-def _read_temperature(value, number, unit, kind):
-    """Of the two scales with an offset between them."""
-    found = Decimal(number)
-    if unit.strip() == "K":
-        found -= _ZERO
-    elif unit.strip() != "degC":
-        try:
-            _factor(unit, "K")
-        except ValueError as error:
-            raise _fault(value, str(error), kind) from None
-        raise _fault(value, "does not convert to degC here", kind)
-    if not -_ZERO < found <= MOST:
-        raise _fault(value, f"is not above {-_ZERO} degC", kind)
-    return float(found)
-
-
-def _read_share(value, number, unit, kind):
-    """Percent to a fraction; decibels have no dimension either, so the sign itself is asked for."""
-    share = float(Decimal(number) / 100)
-    if unit.strip() != "%" or not 0 < share < 1:
-        raise _fault(value, "is not between 0 % and 100 %", kind)
-    return share
-
-
-def _is_number(value):
-    return isinstance(value, int | float) and not isinstance(value, bool)
+def _is_plain(value):
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return is_number or _matches(_PLAIN, value)
 
 
 def _matches(pattern, value):
@@ -128,8 +70,30 @@ def _matches(pattern, value):
     return None
 
 
-def _fault(value, complaint, kind):
-    return ValueError(f"{show(value)} {complaint}; write {kind.name} such as {kind.example}")
+def _number(value):
+    if not _is_plain(value):
+        raise ValueError("is not a plain number")
+    try:
+        return float(value)
+    except OverflowError:  # of an int; text beyond the range is inf
+        return math.inf
+
+
+def _quantity(value, target):
+    if _is_plain(value):
+        raise ValueError("has no unit")
+    match = _matches(_QUANTITY, value)
+    if not match:
+        raise ValueError("is not a number with a unit")
+    number, unit = Decimal(match[1]), match[2].strip()
+    if target == "%":  # decibels have no dimension either
+        if unit != "%" or not 0 < number < 100:
+            raise ValueError("is not between 0 % and 100 %")
+        return float(number / 100)
+    if target == "degC" and unit in ("degC", "K"):
+        return float(number - _ZERO if unit == "K" else number)
+    # The product is rounded once: 2330 kg/m^3 is exactly the float 0.00233.
+    return float(_ARITHMETIC.multiply(number, _factor(unit, target)))
 
 
 @cache
@@ -142,7 +106,8 @@ def _factor(unit, target):
         given, root_given = registry.get_root_units(unit_given)
     except Exception:  # pint lets errors of a dozen types through
         raise ValueError(f"has an unknown unit, {show(unit)}") from None
-    if root_given.dimensionality != root_wanted.dimensionality:
+    # Of temperatures in other scales the zero differs, too.
+    if root_given.dimensionality != root_wanted.dimensionality or target == "degC":
         raise ValueError(f"does not convert to {target}")
     # Radians, turns and counts have no dimension: pint would take 1 rad/s for 1 Hz.
     if root_given != root_wanted:

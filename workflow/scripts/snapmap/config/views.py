@@ -1,4 +1,4 @@
-"""What is drawn of a study: which two axes, and where on all others."""
+"""What is drawn of a study: which two axes, and where on all others; and which single cells."""
 
 from collections.abc import Collection, Mapping, Sequence
 from itertools import product
@@ -6,9 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..axes import DEVICE, NAMES, PULSE_AXES, Grid, axis_behind
-from ..device import VALUES, Device
+from ..axes import DEVICE, DURATION, NAMES, PULSE_AXES, SHOCK_AXES, Grid, axis_behind
+from ..device import VALUES, Device, batch
 from ..numerics.portable import evenly
+from ..quantities import QUANTITIES
+from .devices import nominal
+from .units import read, show
 
 MOST_DAMPINGS = 6
 """Figures of one kind, each at its own C, unless more are requested."""
@@ -44,18 +47,77 @@ class View(NamedTuple):
         return self._replace(name=f"{stem}{self.name.removeprefix('map')}")
 
 
+class History(NamedTuple):
+    """A cell whose time history is drawn.
+
+    name: of its files
+    device: the study's, with what the cell changes; N: multiples of g; f0: Hz; C: uN us/um
+    changes: the values of the device that are not the nominal ones, and its name if it has one
+    """
+
+    name: str
+    device: Device
+    N: float
+    f0: float
+    C: float
+    changes: dict[str, float | str]
+
+    @property
+    def shock(self) -> dict[str, float]:
+        """N, f0 and C."""
+        return {"N": self.N, "f0": self.f0, "C": self.C}
+
+
+def frequency_of(duration: float) -> float:
+    """Hz, of a pulse of so many us, to 14 digits: 0.5 ms is 2000 Hz."""
+    return float(f"{1e6 / duration:.14g}")
+
+
+def read_places(given: Mapping, axes: Mapping[str, np.ndarray]) -> dict[str, int]:
+    """The places on axes that a view names under `at`, the nearest value of each.
+
+    given: the view's axes, and `at`; ValueError, one line, for one that cannot be
+    """
+    drawn = {key: axis_behind(axis) for key, axis in given.items() if key != "at"}
+    for key, axis in drawn.items():
+        if axis not in axes:
+            raise ValueError(f".{key}: {given[key]} is no axis of this sweep")
+    if len({*drawn.values()}) < len(drawn):
+        raise ValueError(f"{' and '.join(drawn)} are the same axis; write two")
+    at = {}
+    for key, value in given.get("at", {}).items():
+        name, axis = f".at.{key}", axis_behind(key)
+        if axis not in axes or axis in drawn.values() or axis in at:
+            raise ValueError(f"{name}: is no axis of this sweep, or one that is drawn")
+        if axis in NAMES:
+            if value not in axes[axis]:
+                raise ValueError(f"{name}: no {axis} is called {show(value)}")
+            at[axis] = axes[axis].tolist().index(value)
+            continue
+        try:
+            number = read(value, QUANTITIES[key].kind)
+        except ValueError as error:
+            raise ValueError(f"{name}: {error}") from None
+        at[axis] = _nearest(axes[axis], frequency_of(number) if key == DURATION else number)
+    return at
+
+
+def _nearest(values, value):
+    with np.errstate(invalid="ignore"):  # where both are hard
+        return int(np.argmin(np.where(values == value, 0, np.nan_to_num(abs(values - value)))))
+
+
 def choose_maps(
-    grid: Grid, nominal: Device, asked: Sequence[Mapping] | None
+    grid: Grid, nominal: Device, requests: Sequence[tuple] | None
 ) -> tuple[tuple[View, ...], str]:
     """Choose maps: those requested, or N over f0 (or over what has several values) for all others.
 
-    asked: x, y and at of each; what `at` leaves out is taken where the nominal device stands, or
-        in the middle
+    requests: x, y and places of each; on other axes it is taken where the nominal device stands,
+        or in the middle
     Returns them and one line on what is left out, or nothing.
     """
-    if asked is not None:
-        views = (_asked_view(grid, nominal, "map", v["x"], v["y"], v["at"]) for v in asked)
-        return _once(views), ""
+    if requests is not None:
+        return _once(_view(grid, nominal, "map", *request) for request in requests), ""
     x, y = _default_plane(grid)
     others = [key for key in grid.axes if key not in (x, y) and not (key == "N" != y)]
     places = list(product(*(range(grid.axes[key].size) for key in others)))
@@ -77,10 +139,10 @@ def batch_places(grid: Grid, of: Collection[str] = NAMES) -> dict[str, dict[str,
     """
     names = [key for key in _names(grid) if key in of]
     places = product(*(range(grid.axes[key].size) for key in names))
-    found = [dict(zip(names, place, strict=True)) for place in places]
+    each = [dict(zip(names, place, strict=True)) for place in places]
     return {
         "".join(f"_{value_name(key, grid.axes[key], i)}" for key, i in at.items()): at
-        for at in found
+        for at in each
     }
 
 
@@ -91,60 +153,84 @@ def side_by_side(maps: Sequence[View]) -> list[View]:
     return [alike[place] for place in evenly(len(alike), PANELS)]
 
 
-def choose_curves(grid: Grid, nominal: Device, asked: Sequence[Mapping] | None) -> tuple[View, ...]:
-    """Choose figures of thresholds: those requested, or one over each axis of several values."""
-    if asked is not None:
-        stem = "thresholds"
-        return _once(_asked_view(grid, nominal, stem, v["x"], v["lines"], v["at"]) for v in asked)
+def choose_curves(
+    grid: Grid, nominal: Device, requests: Sequence[tuple] | None
+) -> tuple[View, ...]:
+    """Choose figures of thresholds: those requested, or one over each axis of several values.
+
+    requests: x, axis of the lines, and places of each
+    """
+    if requests is not None:
+        return _once(_view(grid, nominal, "thresholds", *request) for request in requests)
     several = _several(grid, without="N")
     over = list(dict.fromkeys(["f0", *(key for key in several if key not in (*NAMES, "C"))]))
     if len(over) > 1 and grid.axes["f0"].size == 1:
         over.remove("f0")
-    views = []
-    for x in over:
-        lines = _lines(grid, several, x)
-        views.append(_asked_view(grid, nominal, "thresholds", x, lines, {}))
+    drawn = [(x, _lines(grid, several, x)) for x in over]
     # Names on a further axis get lines of their own.
-    drawn = {view.y for view in views}
-    names = [key for key in _names(grid) if key not in drawn]
-    views += [_asked_view(grid, nominal, "thresholds", over[0], key, {}) for key in names]
-    views = [each for view in views for each in _for_each_C(grid, nominal, view)]
+    lines = {y for _, y in drawn}
+    drawn += [(over[0], key) for key in _names(grid) if key not in lines]
+    views = [
+        _view(grid, nominal, "thresholds", x, y, at) for x, y in drawn for at in _each_C(grid, y)
+    ]
     # The first keeps the plain name, whatever it is drawn over.
     return (views[0]._replace(name="thresholds"), *views[1:])
 
 
-def _for_each_C(grid, nominal, view):
-    """A view whose lines are names, for each C, at most MOST_DAMPINGS; any other as it is."""
-    if view.y not in NAMES or "C" not in view.at:
-        return [view]
+def _each_C(grid, lines):
+    """Places of figures whose lines are names: each C, at most MOST_DAMPINGS; of others one."""
     chosen = evenly(grid.axes["C"].size, MOST_DAMPINGS)
-    at = ({**view.at, "C": place} for place in chosen)
-    return [_asked_view(grid, nominal, "thresholds", view.x, view.y, one) for one in at]
+    return [{"C": place} for place in chosen] if lines in NAMES else [{}]
 
 
 def choose_boundary(grid: Grid, nominal: Device) -> View:
     """Choose the lines of the damage boundary, thresholds over f0."""
-    lines = _lines(grid, [], "f0")
-    return _asked_view(grid, nominal, "thresholds", "f0", lines, {})._replace(
-        name="damage_boundary"
-    )
+    view = _view(grid, nominal, "thresholds", "f0", _lines(grid, [], "f0"), {})
+    return view._replace(name="damage_boundary")
 
 
-def nearest_cell(grid: Grid, nominal: Device, case: Mapping[str, float]) -> dict[str, int]:
-    """The place on each axis of the cell nearest a case of N, f0 (as a ratio) and C.
+def nearest_history(device: Device | Mapping[str, Device], grid: Grid) -> History:
+    """The grid's cell nearest the handout's case, of f0 by its ratio.
 
     On the device's axes it is where the nominal device stands, or where the first one does that
     can be.
     """
-    at = {key: _usual(values, key, nominal) for key, values in grid.axes.items()}
+    at = {key: _usual(values, key, nominal(device)) for key, values in grid.axes.items()}
     of_device = [key for key in at if key == DEVICE or key in VALUES]
     if grid.device_of[tuple(at[key] for key in of_device)] < 0:
         at |= zip(of_device, np.argwhere(grid.device_of >= 0)[0].tolist(), strict=True)
-    for key, value in case.items():
+    for key, value in HANDOUT_CASE.items():
         values = grid.axes[key]
         apart = np.log(values / value) if key == "f0" else values - value
         at[key] = int(np.argmin(abs(apart)))
-    return at
+    cell = {key: grid.axes[key][i].item() for key, i in at.items() if key not in PULSE_AXES}
+    names = {"N": "N", "f": "f0", "C": "C"} | {key: key for key in cell if key not in SHOCK_AXES}
+    named = (value_name(word, grid.axes[key], at[key]) for word, key in names.items())
+    return history(cell, device)._replace(name="_".join(named))
+
+
+def history(cell: Mapping, device: Device | Mapping[str, Device]) -> History:
+    """A cell of a study; ValueError, one line, for one that cannot be.
+
+    cell: N, f0 or duration, C, its device's name and other values of it, in internal units
+    """
+    name, changes = cell.get(DEVICE), {key: cell[key] for key in cell if key in VALUES}
+    if isinstance(device, Mapping):
+        name = next(iter(device)) if name is None else name
+        if name not in device:
+            known = ", ".join(device)
+            raise ValueError(f"no device is called {show(name)}; known are {known}")
+        device = device[name]
+    elif name is not None:
+        raise ValueError("device is for studies of several devices; leave it out")
+    if changes:
+        device = batch([device]).vary({k: np.array([v]) for k, v in changes.items()}).pick(0)
+    if name is not None:
+        changes = {DEVICE: name} | changes
+    f0 = frequency_of(cell["duration"]) if "duration" in cell else cell["f0"]
+    parts = {"N": cell["N"], "f": f0, "C": cell["C"], **changes}
+    words = "_".join(v if k == DEVICE else f"{k}{v:.15g}" for k, v in parts.items())
+    return History(words.replace("inf", "hard"), device, cell["N"], f0, cell["C"], changes)
 
 
 def _lines(grid, several, x):
@@ -175,7 +261,7 @@ def _once(views):
     return tuple({view.name: view for view in views}.values())
 
 
-def _asked_view(grid, nominal, stem, x, y, given):
+def _view(grid, nominal, stem, x, y, given):
     at = {
         key: given.get(key, _usual(values, key, nominal))
         for key, values in grid.axes.items()
@@ -190,10 +276,8 @@ def _usual(values, key, nominal):
         return 0
     if key not in VALUES:
         return values.size // 2
-    value = getattr(nominal.beam, key, None)
-    value = getattr(nominal, key) if value is None else value
-    with np.errstate(invalid="ignore"):
-        return int(np.argmin(np.where(values == value, 0, np.nan_to_num(abs(values - value)))))
+    owner = nominal.beam if hasattr(nominal.beam, key) else nominal
+    return _nearest(values, getattr(owner, key))
 
 
 def _name(grid, stem, at):

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import yaml
 
-from ..io.named import read_named
+from ..io.named import naming, read_named
 from .units import show
 
 CONFIG = 300_000, "write axes as from, to, points"
@@ -24,25 +24,24 @@ class ConfigError(ValueError):
 def read_document(path: str | Path) -> dict:
     """Read a YAML file that holds one mapping without repeated keys; raises ConfigError."""
     try:
-        text = read_named(path, *CONFIG).decode("utf-8")
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise ConfigError(f"{path}: is no text in UTF-8") from None
+        with naming(path):
+            return _mapping(read_named(path, *CONFIG).decode("utf-8"))
     except ValueError as error:
-        raise ConfigError(f"{path}: {error}") from None
+        raise ConfigError(str(error)) from None
+
+
+def _mapping(text):
     try:
         document = yaml.load(text, Loader=_Loader)
     except yaml.MarkedYAMLError as error:
         line = error.problem_mark.line + 1
-        raise ConfigError(f"{path}: line {line} is not valid YAML: {error.problem}") from None
+        raise ValueError(f"line {line} is not valid YAML: {error.problem}") from None
     except Exception as error:  # PyYAML lets errors of several types through
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise ConfigError(f"{path}: not valid YAML: {reason}") from None
+        raise ValueError(f"not valid YAML: {str(error) or type(error).__name__}") from None
     if not isinstance(document, dict):
-        raise ConfigError(f"{path}: {show(document)} is not a mapping of device, model, sweep")
+        raise ValueError(f"{show(document)} is not a mapping of device, model, sweep")
     if "__use_yte__" in document:  # by which Snakemake would evaluate expressions
-        raise ConfigError(f"{path}: __use_yte__ is not allowed; write values, not expressions")
+        raise ValueError("__use_yte__ is not allowed; write values, not expressions")
     return document
 
 

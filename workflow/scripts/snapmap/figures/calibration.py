@@ -9,13 +9,13 @@ from matplotlib.axes import Axes
 from ..quantities import QUANTITIES
 from ..tolerances.statistics import DEVIATIONS
 from .plane import POINT, TRIPPED
-from .scales import axis_label, frequency_axis, tick
+from .scales import axis_label, number, scale_of, study_axis, tick
 from .style import PAGE, literal
 
 THRESHOLD = {"color": "#d55e00", "linewidth": 1.0, "label": "fitted threshold"}
-SURE = {"color": "#d55e00", "alpha": 0.35, "linewidth": 0, "label": "its interval at 95 %"}
-SCATTERS = {"color": "0.88", "linewidth": 0, "label": "where 95 % of the shots change sides"}
-WORDS = {True: "tripped", False: "did not trip"}
+SURE = {"color": "#d55e00", "alpha": 0.35, "linewidth": 0, "label": "its 95 % interval"}
+SCATTERS = {"color": "0.88", "linewidth": 0, "label": "where 95 % of the thresholds lie"}
+SIDES = {False: ("did not trip (left of its frequency)", -1), True: ("tripped (right of it)", 1)}
 ASIDE, WIDEST = 1.01, 1.2
 """Factors: of f0 by which shots of one kind stand apart, and of room beyond the outermost."""
 
@@ -46,17 +46,18 @@ def draw_shots(ax: Axes, found: xr.Dataset) -> Axes:
     if f0.size == 1:
         f0, (middle, low, high) = f0 * [1 / WIDEST, WIDEST], np.tile([middle, low, high], 2)
     wide = np.exp(DEVIATIONS * found.spread.sel(bound="estimate").item())
-    frequency_axis(ax, f0)
+    study_axis(ax, scale_of("f0", f0))
+    ax.set_xlim(min(f0[0], found.f0.min() / WIDEST), max(f0[-1], found.f0.max() * WIDEST))
     ends = found.N.values.min() / WIDEST, found.N.values.max() * WIDEST
     ax.set(yscale="log", ylim=ends, ylabel=axis_label("N"))
     tick(ax.yaxis, *ends)
     ax.fill_between(f0, low / wide, high * wide, **SCATTERS)
     ax.fill_between(f0, low, high, **SURE)
     ax.plot(f0, middle, **THRESHOLD)
-    for tripped, aside in ((False, 1 / ASIDE), (True, ASIDE)):
+    for tripped, (label, side) in SIDES.items():
         some = found.isel(shot=np.flatnonzero(found.tripped.values == tripped))
         look = POINT | {"markersize": 3, "markerfacecolor": TRIPPED[tripped]}
-        ax.plot(some.f0 * aside, some.N, label=WORDS[tripped], **look)
+        ax.plot(some.f0 * ASIDE**side, some.N, label=label, **look)
     return ax
 
 
@@ -65,9 +66,7 @@ def calibration_text(found: xr.Dataset) -> str:
     words = []
     for name in found.unknown.values:
         one, quantity = found.sel(unknown=name), QUANTITIES[name]
-        ends = f"{one.low.item():.4g} to {one.high.item():.4g}"
-        words.append(
-            f"{quantity.words} {one.estimate.item():.4g} {quantity.spelt.figures} ({ends})"
-        )
-    spread = found.spread.sel(bound="estimate").item()
-    return textwrap.fill(", ".join([*words, f"spread {100 * spread:.2g} %"]), PAGE)
+        middle, low, high = (number(one[key].item()) for key in ("estimate", "low", "high"))
+        words.append(f"{quantity.words} {middle} {quantity.spelt.figures} ({low} to {high})")
+    spread = number(100 * found.spread.sel(bound="estimate").item(), 2)
+    return textwrap.fill(", ".join([*words, f"spread {spread} %"]), PAGE)

@@ -1,13 +1,12 @@
-"""Thresholds over one axis as a curve, their limits, and their keys in a legend."""
+"""Thresholds over one axis as a curve, and their limits; each with its label in a legend."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.markers import CARETUPBASE
-from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 
 from ..numerics.portable import evenly
@@ -17,13 +16,13 @@ LOOKS = (("C0", "o"), ("C6", "s"), ("C2", "^"), ("C5", "D"), ("C3", "v"), ("C7",
 """Colour and marker of each line in turn; the first ones differ in grey, too."""
 CURVES, MARKS = 6, 45
 """Most lines in one figure, and most markers and error bars on a curve."""
-LIMIT = {"color": "0.4", "linewidth": 0.6, "zorder": 1.5}
 LONG, SHORT = "limit of long pulses", "limit of short pulses"
 DASH, DOT = (6, 1.5), (1, 1.5)
 """Limits are dashes with dots between them: one on the first line, two on the second."""
-BAND = {"color": "0.25", "alpha": 0.35, "linewidth": 0}
+BAND = {"color": "0.25", "alpha": 0.35, "linewidth": 0, "label": "its error"}
 ALWAYS = {"color": "black", "linewidth": 0.6, "marker": "_", "markersize": 5}
 ALWAYS |= {"path_effects": [withStroke(linewidth=2, foreground="white")]}
+ALWAYS["label"] = "above it every $N$ snaps"
 """The band of errors about N_first on a map, and N_always where it is another."""
 STAYS = {"linestyle": "", "marker": CARETUPBASE, "markersize": 4.5, "markeredgewidth": 0.6}
 """Of an N above which beams stay: an arrow's head upward, which a marker below it leaves to see."""
@@ -31,6 +30,7 @@ MISSING = {"linestyle": "", "marker": "x", "markersize": 3, "markeredgewidth": 0
 FIRST_ROW, NEXT_ROW = 0.975, 0.03
 """How high the marks of missing points of the first line are, and how far below those of others."""
 LATE = {"linestyle": "--", "markerfacecolor": "white", "markeredgewidth": 0.6}
+LATE["label"] = "threshold, snap after the pulse"
 
 
 def some_lines(found: xr.Dataset, x: str, lines: str) -> xr.Dataset:
@@ -62,84 +62,57 @@ def draw_curve(
     every = -(-x.size // MARKS)
     bars = {"linestyle": "", "elinewidth": 0.6, "errorevery": every}
     look = {"color": colour, "clip_on": False}
-    ax.errorbar(x, found.N_first.values, _known_error(found), **bars, **look)
+    ax.errorbar(x, found.N_first.values, _known_error(found).values, **bars, **look)
     _draw_line(ax, x, found, look | {"marker": marker, "markersize": size}, every)
 
 
 def draw_band(ax: Axes, x: np.ndarray, found: xr.Dataset) -> None:
     """Draw N_first over x in a band as wide as its error, and N_always where it is another."""
     N, error = found.N_first.values, _known_error(found)
-    ax.fill_between(x, N - error, N + error, **BAND)
-    _draw_line(ax, x, found, {"color": "black"})
+    _draw_line(ax, x, found, {"color": "black"}, label="threshold")
+    ax.fill_between(x, N - error.values, N + error.values, **BAND)
     mark_missing(ax, x, found, "black")
-    if _has_gap(found).any():
-        ax.plot(x, found.N_always.where(_has_gap(found)).values, **ALWAYS)
+    has_gap = found.N_always > found.N_first + error.fillna(0)
+    if has_gap.any():
+        ax.plot(x, found.N_always.where(has_gap).values, **ALWAYS)
 
 
-def _draw_line(ax, x, found, look, every=1):
-    N, late = found.N_first.values, _is_late(found).values
+def _draw_line(ax, x, found, look, every=1, label=None):
+    # Late is a snap that was not seen before the end of the pulse.
+    N, late = (
+        found.N_first.values,
+        (found.N_first.notnull() & ~(found.t_snap <= 1e6 / found.f0)).values,
+    )
     beside = np.convolve(late, [1, 1, 1])[1:-1] > 0
     marked = late & (np.arange(N.size) % every == 0)
+    ax.plot(x, np.where(late, np.nan, N), markevery=every, label=label, **look)
     ax.plot(x, np.where(beside, N, np.nan), markevery=marked, **look, **LATE)
-    ax.plot(x, np.where(late, np.nan, N), markevery=every, **look)
-
-
-def _is_late(found):
-    """Whether the snap at N_first was not seen before the end of the pulse."""
-    return found.N_first.notnull() & ~(found.t_snap <= 1e6 / found.f0)
-
-
-def _has_gap(found):
-    """Whether N_always lies above N_first by more than the error."""
-    return found.N_always > found.N_first + found.N_error.where(np.isfinite(found.N_error), 0)
 
 
 def _known_error(found):
-    return found.N_error.where(np.isfinite(found.N_error)).values
+    return found.N_error.where(np.isfinite(found.N_error))
 
 
 def mark_missing(ax: Axes, x: np.ndarray, found: xr.Dataset, colour: str, place: int = 0) -> None:
     """Mark at the upper edge where a line has no threshold; place: of the line, from 0."""
-    cross(ax, x[found.N_first.isnull().values], FIRST_ROW - NEXT_ROW * place, colour)
+    missing = x[found.N_first.isnull().values]
+    cross(ax, missing, FIRST_ROW - NEXT_ROW * place, colour, "no threshold here")
 
 
-def cross(ax: Axes, x: np.ndarray, height: float, colour: str, label: str | None = None) -> None:
+def cross(ax: Axes, x: np.ndarray, height: float, colour: str, label: str) -> None:
     """Draw crosses at some x, if any, at a share of the height of the axes."""
     if x.size:  # an empty line has no extent that a layout could take into account
         at = {"transform": ax.get_xaxis_transform(), "color": colour, "clip_on": False}
         ax.plot(x, np.full(x.size, height), label=label, **at, **MISSING)
 
 
-def curve_keys(found: xr.Dataset, colour: str = "0.4", marker: str = "o") -> Iterator[Line2D]:
-    """Keys of a legend for what `draw_curve` and `mark_missing` draw of some thresholds."""
-    late, known = _is_late(found), found.N_first.notnull()
-    look = {"color": colour, "marker": marker}
-    if (known & ~late).any():
-        yield Line2D([], [], **look, label="threshold")
-    if late.any():
-        yield Line2D([], [], **look, **LATE, label="threshold, snap after the pulse")
-    if not known.all():
-        yield Line2D([], [], color=colour, **MISSING, label="no threshold here")
-
-
-def band_keys(found: xr.Dataset, low: float, high: float) -> Iterator[Line2D | Patch]:
-    """Keys of a legend for what `draw_band` draws between two N."""
-    beyond = (found.N_first < low) | (found.N_first > high)
-    found = found.isel({beyond.dims[0]: ~beyond.values})
-    yield from curve_keys(found, "black", "")
-    if np.isfinite(_known_error(found)).any():
-        yield Patch(**BAND, label="its error")
-    if _has_gap(found).any():
-        yield Line2D([], [], **ALWAYS, label="above it every $N$ snaps")
-
-
 def draw_static(ax: Axes, found: xr.Dataset, x: str, colour: str = "0.4", place: int = 0) -> None:
     """Draw the limit of long pulses of one line over an axis; place: as for `limit_look`."""
-    look, static = limit_look(colour, place) | {"label": LONG}, found.N_static
+    look, static = limit_look(colour, place), found.N_static
     if x in static.dims:
-        ax.plot(scale_of(x, found[x].values).places, static.values, **look)
+        ax.plot(scale_of(x, found[x].values).places, static.values, label=LONG, **look)
     elif np.isfinite(static):
-        ax.axhline(static.item(), **look)
+        ax.axhline(static.item(), label=f"{LONG}, $N$ = {static.item():.4g}", **look)
 
 
 def draw_impulsive(ax: Axes, found: xr.Dataset, colour: str, place: int = 0) -> None:
@@ -153,26 +126,8 @@ def draw_impulsive(ax: Axes, found: xr.Dataset, colour: str, place: int = 0) -> 
 
 def limit_look(colour: str = "0.4", place: int = 0) -> dict:
     """How the limit of the line at a place among several is drawn; with `place` dots more."""
-    return LIMIT | {"color": colour, "linestyle": (0, DASH + DOT * (place + 1))}
-
-
-def limit_keys(axes: Iterable[Axes]) -> Iterator[Line2D]:
-    """Keys of a legend for the limits that are to be seen on some axes."""
-    for label in (LONG, SHORT):
-        lines = [line for ax in axes for line in ax.lines if line.get_label() == label]
-        lines = [line for line in lines if _is_seen(line)]
-        if not lines:
-            continue
-        colours = {line.get_color() for line in lines}
-        levels = np.unique([line.get_ydata() for line in lines])
-        value = f", $N$ = {levels[0]:.4g}" if levels.size == 1 else ""
-        colour = colours.pop() if len(colours) == 1 else "0.4"
-        yield Line2D([], [], **limit_look(colour), label=label + value)
-
-
-def _is_seen(line):
-    low, high = line.axes.get_ylim()
-    return any(low <= N <= high for N in line.get_ydata())
+    dashes = (0, DASH + DOT * (place + 1))
+    return {"color": colour, "linestyle": dashes, "linewidth": 0.6, "zorder": 1.5}
 
 
 def velocity_change(found: xr.Dataset) -> xr.DataArray:

@@ -17,6 +17,26 @@ let view = study.views[0]; // what the map shows
 const cells = {}; // arrays over the cells; the thresholds' are over the rows of cells along N
 const at = study.start; // the chosen cell's place on each axis
 
+const PLAIN = {
+  font: { family: "system-ui, sans-serif", size: 12, color: "#242424" },
+  hoverlabel: { bgcolor: "white", align: "left" },
+  hovermode: "closest",
+  showlegend: false,
+  margin: { l: 60, r: 12, t: 30, b: 50 },
+};
+const AXIS = { showline: true, linecolor: "#242424", ticks: "outside", showgrid: false, zeroline: false, automargin: true };
+const BUTTONS = {
+  responsive: true,
+  displaylogo: false,
+  showSendToCloud: false, // a button that uploads the study
+  plotlyServerURL: "",
+  doubleClick: "reset", // also what two quick clicks on two cells do
+  modeBarButtonsToRemove: ["select", "lasso", "autoScale"],
+};
+const [BAND, BEAM, TOTAL, AID] = ["rgba(0, 114, 178, 0.35)", "#0072b2", "#d55e00", "#555555"];
+const DASHES = { dash: "8 4", dot: "2 2", dashdot: "8 3 2 3", longdash: "12 4" }; // of plotly's what SVG takes
+const TICKS = 6; // at most, so that they stand apart on a phone
+
 async function unpack({ kind, bytes }) {
   const packed = Uint8Array.from(atob(bytes), (sign) => sign.charCodeAt(0));
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
@@ -30,6 +50,102 @@ const outcome = (k) => study.outcomes[cells.outcome[k]];
 const isOpen = (k) => ["unsnapped", "snapped"].includes(outcome(k).name);
 const isAbsent = (k) => outcome(k).name === "absent";
 const rowOf = (k) => Math.floor(k / axes.at(-1).values.length);
+
+// Round numbers, to a decade 1, 2 and 5 or fewer; between close ends evenly spaced.
+function roundBetween(low, high) {
+  const decades = Array.from({ length: Math.ceil(Math.log10(high / low)) + 1 }, (_, n) => 10 ** (Math.floor(Math.log10(low)) + n));
+  const sets = [[1, 2, 5], [1, 3], [1]].map((digits) =>
+    decades.flatMap((decade) => digits.map((digit) => digit * decade)).filter((tick) => tick >= low && tick <= high));
+  if (high > 4 * low) return sets.find((ticks) => ticks.length <= TICKS) ?? sets[2];
+  const unit = 10 ** Math.floor(Math.log10((high - low) / 4));
+  const step = unit * [1, 2, 5, 10].find((digit) => 4 * digit * unit >= high - low);
+  const first = Math.ceil(low / step);
+  return Array.from({ length: Math.floor(high / step) - first + 1 }, (_, n) => (first + n) * step);
+}
+
+function scaleOf({ label, unit, type, values, edges, ticked, bare }) {
+  const [low, high] = [edges[0], edges.at(-1)];
+  const range = type === "log" ? [Math.log10(low), Math.log10(high)] : [low, high];
+  const scale = { ...AXIS, title: { text: unit ? `${label} (${unit})` : label }, type, range, exponentformat: "none" };
+  const kept = (_, n) => n % ticked === 0;
+  if (ticked) return { ...scale, tickvals: values.filter(kept), ticktext: bare.filter(kept) };
+  if (type === "linear") return scale;
+  const ticks = roundBetween(low, high);
+  return { ...scale, tickvals: ticks, ticktext: ticks.map(round) };
+}
+
+// Above frequencies (Hz): durations (ms).
+function durations({ values, edges }) {
+  const ticks = values.length > 1 ? roundBetween(1e3 / edges.at(-1), 1e3 / edges[0]) : [1e3 / values[0]];
+  const title = { text: "pulse duration 1/f<sub>0</sub> (ms)", standoff: 4 };
+  const above = { overlaying: "x", matches: "x", side: "top", title };
+  return { ...above, tickvals: ticks.map((tick) => 1e3 / tick), ticktext: ticks.map(round) };
+}
+
+// The map without cells, colours and lines, which are filled in as chosen.
+function openMap() {
+  const bare = { type: "scatter", hoverinfo: "skip" };
+  const pale = "rgba(255, 255, 255, 0.6)";
+  const ring = { symbol: "circle-open", size: 15, color: "black", line: { width: 2 } };
+  const marks = [{ symbol: "line-ne-open", size: 7, color: "#333333" }, { ...ring, color: "white", line: { width: 5 } }, ring];
+  const always = { symbol: "line-ew-open", size: 9, color: "black" };
+  const curves = [
+    { type: "heatmap", x: axes[X].edges, y: axes[Y].edges, zmin: -0.5, showscale: false, hovertemplate: "%{text}<extra></extra>" },
+    // As LINES: from where all snap; the band of error about where the first snap; and where they do.
+    { ...bare, mode: "lines+markers", line: { color: "black", width: 1 }, marker: always },
+    { ...bare, mode: "lines", line: { color: pale, width: 3 }, fill: "toself", fillcolor: pale },
+    { ...bare, mode: "lines+markers", line: { color: "black", width: 1.5 }, marker: { size: 3, color: "black" } },
+    ...marks.map((marker) => ({ ...bare, mode: "markers", marker })),
+  ];
+  const layout = { ...PLAIN, xaxis: scaleOf(axes[X]), yaxis: scaleOf(axes[Y]) };
+  if (X === PULSE) {
+    curves.push({ ...bare, x: [null], y: [null], xaxis: "x2" }); // no axis is shown without a curve
+    layout.xaxis2 = { ...layout.xaxis, ...durations(axes[X]) };
+    layout.margin = { ...PLAIN.margin, t: 60 };
+  }
+  return Plotly.newPlot(map, curves, layout, BUTTONS);
+}
+
+// Positions and energies; the curves are as `traced`.
+function openMotion() {
+  const line = (name, color, width, more) => ({
+    type: "scatter", mode: "lines", name, line: { color, width }, x: [0], y: [0],
+    hovertemplate: "%{y:.3g} at %{x:.3g} ms", ...more,
+  });
+  const energy = { yaxis: "y2" };
+  const curves = [
+    line("w(L/2), least", BEAM, 0.7),
+    line("midpoint w(L/2)", BEAM, 0.7, { fill: "tonexty", fillcolor: BAND }),
+    line("mass z<sub>M</sub>", "#000000", 1.5),
+    line("energy", TOTAL, 1.5, energy),
+    line("beam's energy", BEAM, 1, energy),
+  ];
+  const mark = (name, dash, at) => ({ type: "line", name, line: { color: AID, width: 1.2, dash }, ...at });
+  const w2 = cells.second.reduce((low, w) => (w < low ? w : low), 0);
+  const level = { xref: "x domain", x0: 0, x1: 1 };
+  const instant = { xref: "x", x0: 0, x1: 0, yref: "paper", y0: 0, y1: 1 };
+  const shapes = [
+    mark("second shape w<sub>2</sub>", "dash", { ...level, yref: "y", y0: w2, y1: w2 }),
+    mark("saddle", "solid", { ...level, yref: "y2", y0: 1, y1: 1 }),
+    mark("end of the pulse", "dot", instant),
+    mark("snap", "dashdot", instant),
+    mark("settled", "longdash", instant),
+  ];
+  const stroke = ({ color, width, dash }) =>
+    `<path d="M0 6H28" stroke="${color}" stroke-width="${width}" stroke-dasharray="${DASHES[dash] ?? "none"}"/>`;
+  // A list of its own: it wraps on a phone, where plotly's legend does not.
+  document.getElementById("lines").innerHTML = [...curves.slice(1), ...shapes].map(({ name, line: own, fill }) =>
+    `<li><svg width="28" height="12" fill="none" aria-hidden="true">${stroke(own)}${
+      fill ? stroke({ color: BAND, width: 9 }) : ""}</svg> ${name}</li>`).join("");
+  const upright = (text, domain, include) => ({ ...AXIS, title: { text }, domain, autorangeoptions: { include } });
+  return Plotly.newPlot(motion, curves, {
+    ...PLAIN,
+    shapes,
+    xaxis: { ...AXIS, title: { text: "time after the start of the pulse (ms)" }, anchor: "y2" },
+    yaxis: upright("position (µm)", [0.45, 1], [1.15 * w2, -1.15 * w2]),
+    yaxis2: upright("energy / saddle's", [0, 0.4], [0, 1.2]),
+  }, BUTTONS);
+}
 
 function place(i, j) {
   const rest = at.map((own, n) => (n === X ? i : n === Y ? j : own));
@@ -230,7 +346,8 @@ function drawDevice() {
     `<tr><th scope="row">${words}</th><td>${chosen[key] ?? text}</td></tr>`);
   document.getElementById("device").innerHTML = `The device ${chosen.device ?? ""}`;
   document.getElementById("values").innerHTML = rows.join("");
-  document.getElementById("vibration").innerHTML = study.vibrations[chosen.device ?? ""];
+  document.getElementById("vibration").innerHTML = study.vibrations[chosen.device ?? ""].map(([name, ...cells]) =>
+    `<tr><th scope="row">${name}</th>${cells.map((cell) => `<td>${cell}</td>`).join("")}</tr>`).join("");
 }
 
 function choose(i, j) {
@@ -292,6 +409,7 @@ async function start() {
   await Promise.all(Object.entries(study.arrays).map(async ([key, packed]) => {
     cells[key] = await unpack(packed);
   }));
+  await Promise.all([openMap(), openMotion()]);
   addViews();
   axes.forEach(addSlider);
   addSteps();

@@ -1,44 +1,59 @@
 """The page to explore a cube: maps over two of its axes, and behind each cell its history."""
 
+import base64
 import html
 import json
+import re
+import zlib
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from string import Template
 
-import plotly.graph_objects as go
+import numpy as np
 import xarray as xr
+from matplotlib.colors import to_hex
+from plotly.offline import get_plotlyjs
 
-from ..device import VALUES
-from . import explore_words as words
-from . import scales, style
-from .explore_cells import cell_data, opening
+from ..axes import NAMES
+from ..config.devices import read_device
+from ..described import describe
+from ..device import CLAMP, STOPS, STRENGTH, VALUES
+from ..quantities import QUANTITIES, Quantity
+from ..solver.outcome import OUTCOMES, WHOLE_SWING
+from . import scales, states, style
 
 HERE = Path(__file__).parent
-PLAIN = {
-    "template": "simple_white",
-    "font": {"family": "system-ui, sans-serif", "size": 12},
-    "hoverlabel": {"bgcolor": "white", "align": "left"},
-    "separators": ".\u2009",  # of decimals and of thousands
+STRUCK = {
+    "": "is struck by a mass when the frame is shaken by one pulse of acceleration",
+    "alone": "is shaken with its frame by one pulse of acceleration",
+    "alone pushed": "is pushed at its midpoint by one pulse of force, of which N is the peak",
 }
-MARGIN = {"l": 60, "r": 12, "t": 30, "b": 50}
-BUTTONS = {
-    "responsive": True,
-    "displaylogo": False,
-    "showSendToCloud": False,  # a button that uploads the study
-    "plotlyServerURL": "",
-    "doubleClick": "reset",  # also what two quick clicks on two cells do
-    "modeBarButtonsToRemove": ["select", "lasso", "autoScale"],
+"""What the pulse does, by the kinds of the drawing."""
+SHOWN = {
+    "youngs_modulus": (1e-3, "GPa"),
+    "density": (1e6, "kg/m³"),
+    "mass": (1e-3, "µg"),
+    "gravity": (1e6, "m/s²"),
 }
-COLOURED_BY = {
-    True: "whether the beam snaps, when it first does, or where it ends",
-    False: "whether the beam snaps, or when it first does",
+"""Factor and unit of what is shown in other units than the axes have."""
+WORDS = {
+    "unsnapped": "no snap, end open",
+    "never": "never snaps",
+    "snapped": "snaps, end open",
+    "latched": "snaps and stays",
+    "returned": "snaps and returns",
+    "failed": "failed",
+    "absent": "no second stable shape",
 }
-"""What the colours of the map say, by whether it is known where the beam stays."""
-BAND, BEAM, MASS, TOTAL, AID = "rgba(0, 114, 178, 0.35)", "#0072b2", "#000000", "#d55e00", "#555555"
-DASHES = {"dash": "8 4", "dot": "2 2", "dashdot": "8 3 2 3", "longdash": "12 4"}
-"""Of plotly's dashes what SVG takes."""
-SAMPLE = '<svg width="28" height="12" fill="none" aria-hidden="true">{}</svg>'
-LINE = '<path d="M0 6H28" stroke="{}" stroke-width="{}" stroke-dasharray="{}"/>'
+"""Of each outcome, in the order of the codes."""
+GREY = "#999999"
+"""Of what is absent, in place of the white that maps in print hatch."""
+RAMP = [to_hex(colour) for colour in states.TIME_COLOURS(np.linspace(0, 1, 9))]
+"""Colours of snap times, from the first to the last."""
+TRACED = ("w_low", "w_high", "z_mass", "energy", "beam_energy")
+EDGES = ("N_first", "N_error", "N_always")
+STEPS, MISSING = 254, 255
+"""Codes of motion over each cell's own range, and that of what is not known."""
 
 
 def page(cube: xr.Dataset, traces: xr.Dataset, found: xr.Dataset, horizon: float) -> str:
@@ -48,34 +63,50 @@ def page(cube: xr.Dataset, traces: xr.Dataset, found: xr.Dataset, horizon: float
     found: thresholds at least at the points of the cube
     horizon: time for which the cells were followed after the pulse, us
     """
-    cells = cube.sel({key: traces[key] for key in cube.outcome.dims})
-    edges = found.sel({key: traces[key] for key in cube.outcome.dims[:-1]})
+    dims = cube.outcome.dims
+    cells = cube.sel({key: traces[key] for key in dims})
+    found = found.sel({key: traces[key] for key in dims[:-1]})
     document = json.loads(cube.attrs["config"])
-    x, y = words.plane(cells)
-    motion = _history(traces)
+    devices = document.get("devices", {"": document.get("device", {})})
+    devices = {html.escape(name): device for name, device in devices.items()}
+    x, y = _plane(cells)
+    kind = _kind_of(devices)
     data = {
-        "axes": [words.axis(cells, key) for key in cells.outcome.dims],
+        "axes": [_axis(cells, key) for key in dims],
         "x": x,
         "y": y,
-        "start": opening(cells, x, y),
+        "start": _opening(cells, x, y),
         "horizon": float(horizon),
-        "devices": words.device_rows(document),
-        "vibrations": words.vibrations(document, cells.C.values),
-        "varied": [(key, words.words_of(key)) for key in cells.outcome.dims if key in VALUES],
-        **cell_data(cells, traces, edges),
+        "devices": {name: list(_rows(device)) for name, device in devices.items()},
+        "vibrations": {
+            name: _vibration(device, cells.C.values) for name, device in devices.items()
+        },
+        "varied": [(key, _named(key)) for key in dims if key in VALUES],
+        "views": _views(cells),
+        "wide": states.WIDE,
+        "outcomes": [{"name": name, "words": WORDS[name]} for name in OUTCOMES],
+        "whole": WHOLE_SWING,
+        "bins": traces.sizes["bin"],
+        "missing": MISSING,
+        "reach": float(traces.energy.attrs["clipped_at"]),
+        "traced": TRACED,
+        "arrays": {key: _pack(each) for key, each in _arrays(cells, traces, found).items()},
     }
-    kind = words.kind_of(document)
+    kept = [
+        f"{cells.sizes[key]} of {cube.sizes[key]} {key}"
+        for key in dims
+        if cells.sizes[key] < cube.sizes[key]
+    ]
+    thinned = " and ".join(filter(None, [", ".join(kept[:-1]), *kept[-1:]]))
     return Template(_text("explore.html")).substitute(
-        map=_figure(_map(cells, x, y), "map", "470px", include_plotlyjs=True),
-        history=_figure(motion, "history", "440px", include_plotlyjs=False),
-        lines=_legend(motion),
-        colours=COLOURED_BY["well" in cells],
+        plotly=get_plotlyjs(),
+        ends=", or where it ends" if "well" in cells else "",
         drawing=_text("device.svg"),
         drawn=kind,
-        struck=words.STRUCK[kind],
+        struck=STRUCK[kind],
         data=json.dumps(data, allow_nan=False).replace("</", "<\\/"),
         code=_text("explore.js"),
-        thinned=_thinning(cube, cells),
+        thinned=f"Shown are {thinned} of the cube. " if kept else "",
         model=html.escape(document["model"]["name"]),
         guide=", ".join(style.guides(document)) or "some guided, some free to tilt",
         version=html.escape(cube.attrs["code_version"]),
@@ -86,100 +117,182 @@ def _text(name):
     return (HERE / name).read_text(encoding="utf-8")
 
 
-def _figure(figure, name, height, include_plotlyjs):
-    place = {"full_html": False, "div_id": name, "default_height": height}
-    figure.update_layout(PLAIN)
-    return figure.to_html(config=BUTTONS, include_plotlyjs=include_plotlyjs, **place)
+def _plane(cells):
+    """Names of the axes to the right and upward: f0 and N, or else the longest others."""
+    several = [key for key in cells.outcome.dims if cells.sizes[key] > 1]
+    longest = sorted(several, key=cells.sizes.get, reverse=True)
+    x = next((key for key in ("f0", *longest) if key in several and key != "N"), "f0")
+    y = next((key for key in ("N", *longest) if key in several and key != x), "N")
+    return x, y
 
 
-def _map(cells, x, y):
-    """The map without cells, colours and lines; the page fills them in as chosen."""
-    right, up = (scales.scale_of(key, cells[key].values) for key in (x, y))
-    shown = {"zmin": -0.5, "showscale": False, "hovertemplate": "%{text}<extra></extra>"}
-    bare = {"hoverinfo": "skip", "showlegend": False}
-    always = {"symbol": "line-ew-open", "size": 9, "color": "black"}
-    pale = "rgba(255, 255, 255, 0.6)"
-    apart = {"symbol": "line-ne-open", "size": 7, "color": "#333333"}
-    chosen = {"symbol": "circle-open", "size": 15, "color": "black", "line": {"width": 2}}
-    curves = [
-        go.Heatmap(x=right.edges.tolist(), y=up.edges.tolist(), **shown),
-        # From where all snap; the band of error about where the first snap; and where they do.
-        _curve("black", 1, mode="lines+markers", marker=always, **bare),
-        _curve(pale, 3, mode="lines", fill="toself", fillcolor=pale, **bare),
-        _curve("black", 1.5, mode="lines+markers", marker={"size": 3, "color": "black"}, **bare),
-        # What another step had end elsewhere, and the chosen cell with a halo.
-        go.Scatter(mode="markers", marker=apart, **bare),
-        go.Scatter(
-            mode="markers", marker={**chosen, "color": "white", "line": {"width": 5}}, **bare
-        ),
-        go.Scatter(mode="markers", marker=chosen, **bare),
-    ]
-    axes = {"xaxis": words.layout(right), "yaxis": words.layout(up), "margin": MARGIN}
-    if x == "f0":
-        # An axis that no curve is drawn on is not shown.
-        curves.append(go.Scatter(x=[None], y=[None], xaxis="x2", **bare))
-        axes |= {"xaxis2": words.layout(right) | words.durations(right), "margin_t": 60}
-    return go.Figure(curves).update_layout(axes)
+def _axis(cells, key):
+    """An axis as the page's code knows it: where its values stand, and their texts."""
+    quantity, scale = QUANTITIES[key], scales.scale_of(key, cells[key].values)
+    every = -(-scale.values.size // scales.SEVERAL)
+    lead = f"{quantity.words} ".lstrip() if key in NAMES else f"{_typeset(quantity.words)} = "
+    return {
+        "name": key,
+        "label": _typeset(quantity.label or quantity.words),
+        "unit": quantity.spelt.page,
+        "lead": lead,
+        "values": scale.places.tolist(),
+        "edges": scale.edges.tolist(),
+        "texts": [_say(value, quantity.spelt.page) for value in scale.values.tolist()],
+        "type": "log" if scale.is_log else "linear",
+        # What is no number is ticked by name, and so is a single value.
+        "ticked": every if scale.is_counted or scale.values.size == 1 else 0,
+        "bare": [_say(value) for value in scale.values.tolist()],
+    }
 
 
-def _curve(colour, width, dash=None, **look):
-    return go.Scatter(line={"color": colour, "width": width, "dash": dash}, **look)
+def _say(value, unit=""):
+    """Four digits and a unit, or a name, as HTML."""
+    if isinstance(value, str) or np.isinf(value):
+        return html.escape(scales.number(value))
+    digits = {"precision": 4, "fractional": False, "trim": "-"}
+    tiny = 0 < abs(value) < 1e-4
+    text = f"{value:.4g}" if tiny else np.format_float_positional(value, **digits)
+    return f"{text}\u00a0{unit}" if unit else text
 
 
-def _history(traces):
-    """Two axes, of positions and of energies; the curves are as `explore_cells.TRACED`."""
-    line = {"mode": "lines", "hovertemplate": "%{y:.3g} at %{x:.3g} ms", "x": [0], "y": [0]}
-    on_energy, band = {**line, "yaxis": "y2"}, {"fill": "tonexty", "fillcolor": BAND}
-    curves = [
-        _curve(BEAM, 0.7, name="w(L/2), least", **line),
-        _curve(BEAM, 0.7, name="midpoint w(L/2)", **line, **band),
-        _curve(MASS, 1.5, name="mass z<sub>M</sub>", **line),
-        _curve(TOTAL, 1.5, name="energy", **on_energy),
-        _curve(BEAM, 1, name="beam's energy", **on_energy),
-    ]
-    w_2 = float(traces.second_equilibrium.min())
-    wide, high = {"xref": "x domain", "x0": 0, "x1": 1}, {"yref": "paper", "y0": 0, "y1": 1}
-    instant = {"xref": "x", "x0": 0, "x1": 0, **high}
-    shapes = [
-        _mark("second shape w<sub>2</sub>", "dash", yref="y", y0=w_2, y1=w_2, **wide),
-        _mark("saddle", "solid", yref="y2", y0=1.0, y1=1.0, **wide),
-        _mark("end of the pulse", "dot", **instant),
-        _mark("snap", "dashdot", **instant),
-        _mark("settled", "longdash", **instant),
-    ]
-    return go.Figure(curves).update_layout(
-        xaxis={"title": "time after the start of the pulse (ms)", "anchor": "y2"},
-        yaxis={"title": "position (µm)", "domain": [0.45, 1], "zeroline": False},
-        yaxis2={"title": "energy / saddle's", "domain": [0, 0.4], "zeroline": False},
-        yaxis_autorangeoptions={"include": [1.15 * w_2, -1.15 * w_2]},
-        yaxis2_autorangeoptions={"include": [0, 1.2]},
-        shapes=shapes,
-        showlegend=False,
-        margin=MARGIN,
-    )
+def _typeset(text):
+    """Formulas, in dollars, as HTML."""
+    return re.sub(r"_(\w)", r"<sub>\1</sub>", text.replace("$", ""))
 
 
-def _mark(name, dash, **place):
-    line = {"color": AID, "width": 1.2, "dash": dash}
-    return {"type": "line", "line": line, "opacity": 1, "name": name, **place}
+def _kind_of(devices):
+    """Whether all devices are a beam alone, and pushed at the midpoint; a key of STRUCK."""
+    alone = all(one.get("mass") == "none" for one in devices.values())
+    pushed = alone and all("force" in one for one in devices.values())
+    return "alone pushed" if pushed else "alone" if alone else ""
 
 
-def _legend(figure):
-    """Items of a list of the lines of `_history`; it wraps on a phone, where plotly's does not."""
-    items = []
-    for line in (*figure.data[1:], *figure.layout.shapes):
-        parts = [LINE.format(line.line.color, line.line.width, DASHES.get(line.line.dash, "none"))]
-        if "fill" in line and line.fill:
-            parts.append(LINE.format(BAND, 9, "none"))
-        items.append(f"<li>{SAMPLE.format(''.join(parts))} {line.name}</li>")
-    return "".join(items)
+def _rows(values: Mapping):
+    """Rows of the table of a device, of which every value has its unit: key, words and value."""
+    for key, value in values.items():
+        if isinstance(value, Mapping):
+            yield from _rows(value)
+            continue
+        name = (CLAMP | STOPS | STRENGTH).get(key, key)
+        number, _, unit = str(value).partition(" ")
+        quantity, text = QUANTITIES.get(name, Quantity(name)), html.escape(str(value))
+        if quantity.kind and unit == quantity.unit:
+            factor, shown = SHOWN.get(name) or (1.0, quantity.spelt.page)
+            text = f"{float(number) * factor:.6g}\u00a0{shown}".strip()
+        yield name, _named(name), text
 
 
-def _thinning(cube, cells):
-    kept = [
-        f"{cells.sizes[key]} of {cube.sizes[key]} {key}"
-        for key in cube.outcome.dims
-        if cells.sizes[key] < cube.sizes[key]
-    ]
-    text = " and ".join(filter(None, [", ".join(kept[:-1]), *kept[-1:]]))
-    return f"Shown are {text} of the cube. " if kept else ""
+def _vibration(device: Mapping, C: Sequence[float]):
+    """Rows of what rings by itself, beam and mass: its name, frequency and quality factor."""
+    words = html.escape(describe(read_device(device), C).replace("uN*us/um", "µN µs/µm"))
+    parts = [part.partition(" ") for part in words.split("; ") if part != "no mass"]
+    return [[name, *text.split(", quality factor ")] for name, _, text in parts]
+
+
+def _named(key):
+    """What a value of the device is called, with its symbol, as HTML."""
+    quantity = QUANTITIES.get(key, Quantity(key))
+    text = html.escape(quantity.words or key.replace("_", " "))
+    return f"{text} <i>{quantity.symbol}</i>" if quantity.symbol else text
+
+
+def _views(cells):
+    """What the map can show: whether cells snap, when, and where they end if that is known.
+
+    Of each its name and words; states, and the array that has their codes; and a colour scale for
+    plotly, with RAMP in place of `snaps` on the map of times.
+    """
+    times = (states.WAITING, *states.SNAPS[1:])
+    shown = [("snap", "snaps", "snap", states.SNAPS), ("time", "time", "snap", times)]
+    shown += [("end", "where it ends", "end", states.STATES)] * ("well" in cells)
+    made = []
+    for name, words, code, (*known, absent) in shown:
+        known = [*known, absent._replace(colour=GREY)]
+        colours = [[state.colour] * 2 for state in known]
+        view = {"name": name, "words": words, "code": code}
+        if name == "time":
+            colours[1] = view["ramp"] = RAMP
+        view["scale"] = [
+            ((place + share) / len(colours), colour)
+            for place, ramp in enumerate(colours)
+            for share, colour in zip(np.linspace(0, 1, len(ramp)).tolist(), ramp, strict=True)
+        ]
+        made.append(view | {"states": [state._asdict() for state in known]})
+    return made
+
+
+def _opening(cells, x, y):
+    """Place on each axis of the cell to begin with: near the middle of x and y, at the threshold.
+
+    One that snaps just above one that does not, and ends alike with another step, if there is any.
+    """
+    dims, snaps = cells.outcome.dims, np.isfinite(cells.t_snap.values)
+    known = ~np.isin(cells.outcome.values, (OUTCOMES.index("failed"), OUTCOMES.index("absent")))
+    along = np.moveaxis(known & ~snaps, dims.index(y), 0)
+    below = np.moveaxis(np.concatenate([np.zeros_like(along[:1]), along[:-1]]), 0, dims.index(y))
+    first, sure = snaps & below, ~states.end_elsewhere(cells).values
+    choice = next(some for some in (first & sure, first, known, ~known) if some.any())
+    places, size = np.argwhere(choice), np.array(choice.shape)
+    off = ((places - (size - 1) / 2) / size) ** 2
+    drawn = np.isin(dims, (x, y))
+    nearest = np.lexsort([off[:, drawn].sum(axis=1), off[:, ~drawn].sum(axis=1)])[0]
+    return places[nearest].tolist()
+
+
+def _arrays(cells, traces, found):
+    """All that differs from cell to cell: arrays (*axes), (*axes, bin) or (*axes but N)."""
+    dims = cells.outcome.dims
+    unknown = xr.full_like(cells.t_snap, np.nan)
+    energy = traces.energy.transpose(*dims, "bin")
+    proof = np.ceil(cells.t_settled / traces.bin_length).transpose(*dims).fillna(0)
+    at_proof = energy.isel(bin=proof.clip(0, energy.sizes["bin"] - 1).astype(int))
+    columns = {
+        "snap": states.snap_states(cells),
+        **({"end": states.end_states(cells)} if "well" in cells else {}),
+        "outcome": cells.outcome,
+        "elsewhere": states.end_elsewhere(cells),
+        "well": cells.get("well", xr.zeros_like(cells.outcome)),
+        "t_snap": cells.t_snap,
+        "t_settled": cells.t_settled,
+        "share": cells.get("well_share", xr.ones_like(cells.t_snap)),
+        "work_error": cells.get("work_error", unknown),
+        "t_snap_error": cells.get("t_snap_error", unknown),
+        # Unrounded, as the page says of both on which side of the saddle's they are.
+        "energy_at_proof": at_proof,
+        "energy_at_end": energy.isel(bin=-1),
+        "bin_length": traces.bin_length.transpose(*dims),
+        "second": traces.second_equilibrium.broadcast_like(cells.outcome).transpose(*dims),
+        **{key: found[key].transpose(*dims[:-1]) for key in EDGES},
+    }
+    arrays = {key: column.values for key, column in columns.items()}
+    failed = cells.outcome.values == OUTCOMES.index("failed")
+    for key in TRACED:
+        arrays |= _scaled(key, traces[key].transpose(*dims, "bin").values, failed)
+    return arrays
+
+
+def _scaled(key, values, failed):
+    """Motion in codes over each cell's own range, as differences, which are packed smaller.
+
+    values: (*axes, bin), of what has failed as far as others go; the scale and the offset, (*axes),
+    undo it
+    """
+    others = values[~failed]
+    if np.isfinite(others).any():
+        values = np.clip(values, np.nanmin(others), np.nanmax(others))
+    seen = np.isfinite(values)
+    low = np.where(seen, values, np.inf).min(axis=-1, keepdims=True)
+    high = np.where(seen, values, -np.inf).max(axis=-1, keepdims=True)
+    low, high = (np.where(np.isfinite(end), end, 0.0) for end in (low, high))
+    scale = np.where(high > low, (high - low) / STEPS, 1.0)
+    codes = np.where(seen, np.rint((values - low) / scale), MISSING).astype(np.uint8)
+    steps = np.diff(codes, axis=-1, prepend=np.uint8(0))
+    return {key: steps, f"{key}_scale": scale[..., 0], f"{key}_offset": low[..., 0]}
+
+
+def _pack(values):
+    """Codes in a byte each, numbers in four."""
+    number = np.float32 if values.dtype.kind == "f" else np.uint8
+    packed = zlib.compress(np.ascontiguousarray(values, number).tobytes(), level=6)
+    return {"kind": number.__name__, "bytes": base64.b64encode(packed).decode()}

@@ -1,6 +1,5 @@
 """The time history of one cell: deflection and mass, contact force, acceleration of the frame."""
 
-import json
 import math
 from collections.abc import Sequence
 
@@ -9,7 +8,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from . import style
-from .scales import value_text
+from .scales import number, value_text
 
 BEAM, MASS, AID = "C5", "black", "0.3"
 FINE = 0.5  # pt, for what oscillates fast
@@ -53,23 +52,19 @@ def draw_history(axes: Sequence[Axes], history: xr.Dataset) -> Sequence[Axes]:
 
 def snap_time(history: xr.Dataset) -> float:
     """First arrival of the midpoint at the second equilibrium, us; NaN if not seen."""
-    time, w = history.time.values, history.w_mid.values
-    arrived = np.flatnonzero(w <= history.second_equilibrium)
+    arrived = np.flatnonzero(history.w_mid <= history.second_equilibrium)
     if arrived.size == 0:
         return math.nan
-    around = [arrived[0], arrived[0] - 1]
-    return float(np.interp(history.second_equilibrium, w[around], time[around]))
+    last = history.isel(time=[arrived[0], arrived[0] - 1])
+    return float(np.interp(history.second_equilibrium, last.w_mid, last.time))
 
 
 def _caption(history):
     """The shock and the model, and how far a run with another step goes apart, if that is known."""
-    if "config" not in history.attrs:
-        return ""
     shock = (value_text(key, history.attrs[key]) for key in ("N", "f0", "C"))
-    lines = [", ".join([*shock, style.model_words(json.loads(history.attrs["config"]))])]
+    words = ", ".join(filter(None, [*shock, style.case(history.attrs, style.PAGE)]))
     work, snap = (history.attrs.get(key, math.nan) for key in ("work_error", "t_snap_error"))
-    if not math.isnan(work):
-        words = "with another step (an indicator) the work of the pulse differs by "
-        words += f"{100 * work:.2g} %"
-        lines.append(words + ("" if math.isnan(snap) else f", the time of snap by {snap:.2g} µs"))
-    return "\n".join(lines)
+    if math.isnan(work):
+        return words
+    words += f"\nwith another step the work of the pulse differs by {number(100 * work, 2)} %"
+    return words + ("" if math.isnan(snap) else f", the time of snap by {number(snap, 2)} µs")

@@ -13,7 +13,7 @@ from ..axes import axis_behind
 from ..checks import show
 from ..io.tables import Point
 from . import plane, states, style
-from .curves import band_keys, draw_band, draw_impulsive, draw_static, limit_keys
+from .curves import draw_band, draw_impulsive, draw_static
 from .scales import place_text, scale_of, tick
 
 RATIO = 0.72
@@ -37,14 +37,11 @@ def draw_map(
     own_points: a user's own
     ends: draw instead on which side of the saddle the beam of each cell ends, and how sure
     """
-    required_shocks, own_points = _of_plane(x, y, required_shocks), _of_plane(x, y, own_points)
-    _fill_map(ax, cells, found, x, y, ends)
-    lines = [style.case(cells.attrs, 10**6), *plane.number_shocks(ax, x, required_shocks)]
-    plane.draw_points(ax, x, own_points)
+    _fill_map(ax, cells, found, x, y, own_points, ends)
+    shocks = plane.number_shocks(ax, x, required_shocks if _has_shocks(x, y) else ())
     ax.set_title(place_text(cells))
-    words = "\n".join(textwrap.fill(line, style.COLUMN) for line in lines)
-    keys = [*_keys([(cells, found)], [ax], y, ends), *plane.point_keys(own_points)]
-    style.legend(ax, keys, words, 2)
+    words = [style.case(cells.attrs, style.COLUMN), textwrap.fill(shocks, style.COLUMN)]
+    style.legend(ax, _keys([cells], [ax], ends), "\n".join(filter(None, words)), 2)
     return ax
 
 
@@ -136,17 +133,15 @@ def draw_maps(
     columns = 2 if len(panels) in (1, 2, 4) else 3 if len(panels) in (3, 5, 6, 9) else 4
     figure.set_figheight(3 * (1 - (-len(panels) // columns)))
     axes = figure.subplots(-(-len(panels) // columns), columns, squeeze=False)
-    first, *others = (cells for cells, _ in panels)
+    first, *others = cells = [cells for cells, _ in panels]
     alone = [key for key in first.coords if first[key].ndim == 0 and key != "C"]
     shared = [key for key in alone if others and all(one[key] == first[key] for one in others)]
-    own_points = _of_plane(x, y, own_points)
     for place, ax in enumerate(axes.flat):
         if place >= len(panels):
             ax.remove()
             axes.flat[place] = None
             continue
-        _fill_map(ax, *panels[place], x, y, ends)
-        plane.draw_points(ax, x, own_points)
+        _fill_map(ax, *panels[place], x, y, own_points, ends)
         ax.set_title(place_text(panels[place][0].drop_vars(shared), 110 // columns))
         figure.supylabel(ax.get_ylabel(), size="medium")
         ax.set_ylabel("")
@@ -159,18 +154,17 @@ def draw_maps(
                 top.remove()
     words = place_text(first.drop_vars({*first.coords} - {*shared}), style.PAGE)
     words = "\n".join(filter(None, [words, style.case(first.attrs)]))
-    keys = _keys(panels, axes.flat[: len(panels)], y, ends)
-    style.legend(figure, [*keys, *plane.point_keys(own_points)], words)
+    style.legend(figure, _keys(cells, axes.flat[: len(panels)], ends), words)
     style.fit(figure, RATIO)
     return axes
 
 
-def _of_plane(x, y, shocks):
-    """Shocks have a place on a map of N over f0 alone."""
-    return shocks if (axis_behind(x), y) == ("f0", "N") else ()
+def _has_shocks(x, y):
+    """Whether a map is one of N over f0, where alone shocks have a place."""
+    return (axis_behind(x), y) == ("f0", "N")
 
 
-def _fill_map(ax, cells, found, x, y, ends):
+def _fill_map(ax, cells, found, x, y, own_points, ends):
     cells = plane.thin(cells, x, y)
     across = plane.open_plane(ax, cells, x, y)
     shown, classify = _states(ends)
@@ -180,7 +174,8 @@ def _fill_map(ax, cells, found, x, y, ends):
         dark, elsewhere = plane.is_dark(codes, shown), states.end_elsewhere(cells)
         plane.hatch(ax, elsewhere & ~dark, *across, plane.ELSEWHERE)
         plane.hatch(ax, elsewhere & dark, *across, plane.ELSEWHERE_DARK)
-    plane.hatch(ax, _breaks(cells), *across, plane.BREAKS)
+    if "stress_share" in cells:
+        plane.hatch(ax, cells.stress_share >= 1, *across, plane.BREAKS)
     plane.freeze(ax)
     if found is not None and y == "N":
         found = found.sortby(x) if found[x].dtype.kind in "fiu" else found
@@ -188,6 +183,7 @@ def _fill_map(ax, cells, found, x, y, ends):
         draw_static(ax, found, x, "black")
         if x == "f0":
             draw_impulsive(ax, found, "black")
+    plane.draw_points(ax, x, own_points if _has_shocks(x, y) else ())
 
 
 def _states(ends):
@@ -195,25 +191,9 @@ def _states(ends):
     return (states.STATES, states.end_states) if ends else (states.SNAPS, states.snap_states)
 
 
-def _breaks(cells):
-    """Whether the largest stress of each cell reaches the strength; no where that is not known."""
-    return cells.get("stress_share", xr.zeros_like(cells.outcome)) >= 1
-
-
-def _keys(panels, axes, y, ends):
-    """Of states, hatches and thresholds; all panels have thresholds or none."""
-
-    def of_all(look):  # what is read of a part goes with it
-        return [look(part) for cells, _ in panels for part in plane.parts(cells)]
-
+def _keys(panels, axes, ends):
+    """Of the states of all cells, and of what is labelled on the axes."""
     shown, classify = _states(ends)
-    yield from plane.state_keys(of_all(classify), shown)
-    if ends:
-        words = "ended elsewhere with another step"
-        yield from plane.hatch_keys(of_all(states.end_elsewhere), plane.ELSEWHERE, words)
-    yield from plane.hatch_keys(of_all(_breaks), plane.BREAKS, "the beam breaks")
-    if panels[0][1] is not None and y == "N":
-        within = axes[0].get_ylim()
-        keys = [key for _, found in panels for key in band_keys(found, *within)]
-        yield from {key.get_label(): key for key in keys}.values()
-        yield from limit_keys(axes)
+    # What is read of a part goes with it.
+    codes = (classify(part) for cells in panels for part in plane.parts(cells))
+    return [*plane.state_keys(codes, shown), *style.labelled(axes)]

@@ -1,6 +1,6 @@
 """The plane of a map: axes, cells in the colours of their states, hatches, shocks and points."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 import xarray as xr
@@ -8,19 +8,18 @@ from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.colorbar import Colorbar
 from matplotlib.colors import BoundaryNorm, ListedColormap, to_rgb
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 
 from ..io.tables import Point
 from . import style
-from .scales import Scale, frequency_axis, scale_of, set_scale, value_text
+from .scales import Scale, scale_of, set_scale, study_axis, value_text
 from .states import State
 
 ABSENT = {"hatch": "x" * 3, "edgecolor": "0.6"}
-ELSEWHERE = {"hatch": "/" * 7, "edgecolor": "0.1"}
+ELSEWHERE = {"hatch": "/" * 7, "edgecolor": "0.1", "label": "ended elsewhere with another step"}
 ELSEWHERE_DARK = ELSEWHERE | {"edgecolor": "0.9"}
-BREAKS = {"hatch": "." * 5, "edgecolor": "#7a2d00"}
+BREAKS = {"hatch": "." * 5, "edgecolor": "#7a2d00", "label": "the beam breaks"}
 """Hatches: no device; another step had it end elsewhere, on light and on dark; the beam breaks."""
 LUMA, DARK = (0.299, 0.587, 0.114), 0.4
 """Shares of red, green and blue in how light a colour is, and below what a hatch is light."""
@@ -64,10 +63,7 @@ def parts(cells: xr.Dataset) -> Iterator[xr.Dataset]:
 def open_plane(ax: Axes, cells: xr.Dataset, x: str, y: str) -> tuple[Scale, Scale]:
     """Scale and name both axes for cells in ascending order; returns the scales."""
     scales = scale_of(x, cells[x].values), scale_of(y, cells[y].values)
-    if x == "f0":
-        frequency_axis(ax, cells.f0.values)
-    else:
-        set_scale(ax, "x", scales[0])
+    study_axis(ax, scales[0])
     set_scale(ax, "y", scales[1])
     return scales
 
@@ -115,20 +111,15 @@ def is_dark(found: xr.DataArray, states: Sequence[State]) -> xr.DataArray:
     return found.isin([i for i, value in enumerate(light) if value < DARK])
 
 
-def state_keys(found: Sequence[xr.DataArray], states: Sequence[State]) -> Iterator[Patch]:
+def state_keys(found: Iterable[xr.DataArray], states: Sequence[State]) -> Iterator[Patch]:
     """A key of a legend for each state that some panels have, with the number of cells."""
-    for code, state in enumerate(states):
+    codes = (panel.values[panel.values >= 0] for panel in found)
+    counts = sum(np.bincount(some, minlength=len(states)) for some in codes).tolist()
+    for state, count in zip(states, counts, strict=True):
         look = {"hatch": ABSENT["hatch"]} if state.name == "absent" else {}
-        yield from hatch_keys([panel == code for panel in found], look, state.words, state.colour)
-
-
-def hatch_keys(
-    chosen: Sequence[xr.DataArray], look: dict, words: str, colour: str = "none"
-) -> Iterator[Patch]:
-    """A key of a legend for the chosen cells, if there are any, with their number."""
-    if count := sum(int(panel.sum()) for panel in chosen):
-        look = look | {"facecolor": colour, "edgecolor": "black"}
-        yield Patch(**look, label=f"{words} ({count} cell{'s' * (count > 1)})")
+        words = f"{state.words} ({count} cell{'s' * (count > 1)})"
+        if count:
+            yield Patch(facecolor=state.colour, edgecolor="black", label=words, **look)
 
 
 def colour_bar(ax: Axes, field: QuadMesh, label: str) -> Colorbar:
@@ -142,26 +133,26 @@ def freeze(ax: Axes) -> None:
     ax.set(xlim=ax.get_xlim(), ylim=ax.get_ylim())
 
 
-def number_shocks(ax: Axes, x: str, shocks: Sequence[tuple[str, float, float, bool]]) -> list[str]:
+def number_shocks(ax: Axes, x: str, shocks: Sequence[tuple[str, float, float, bool]]) -> str:
     """Point out shocks by numbers in the order given, by arrows at the edge what lies beyond it.
 
     shocks: name, f0 (Hz), N, and whether it has the map's pulse; what has not is but named
-    Returns lines that name them.
+    Returns a line that names them.
     """
     freeze(ax)
-    lines, others = [], []
+    names = []
     for number, (name, f0, N, is_of_map) in enumerate(shocks, start=1):
-        name = f"{number}:\u00a0{style.literal(name)}"
+        names.append(f"{number}: {style.literal(name)}")
         if not is_of_map:
-            others.append(name)
+            names[-1] += " (another shape or direction)"
             continue
         place = np.array([_place(x, f0), N])
         low, high = np.transpose([ax.get_xlim(), ax.get_ylim()])
         inside = np.clip(place, low, high)
         ax.annotate(str(number), inside, INWARD * np.sign(inside - place), **NUMBER)
-        beyond = f" at {value_text('N', N)}, {value_text('f0', f0)}"
-        lines.append(name + beyond * bool((place != inside).any()))
-    return lines + ["of another shape or direction: " + ", ".join(others)] * bool(others)
+        if (place != inside).any():
+            names[-1] += f" at {value_text('N', N)}, {value_text('f0', f0)}"
+    return "; ".join(names)
 
 
 def draw_points(ax: Axes, x: str, points: Sequence[Point]) -> None:
@@ -171,18 +162,10 @@ def draw_points(ax: Axes, x: str, points: Sequence[Point]) -> None:
     """
     freeze(ax)
     for point in points:
-        place = _place(x, point.f0), point.N
-        ax.plot(*place, markerfacecolor=TRIPPED[point.snapped], **POINT)
+        place, look = (_place(x, point.f0), point.N), {"markerfacecolor": TRIPPED[point.snapped]}
+        ax.plot(*place, label=POINT_WORDS[point.snapped], **look, **POINT)
         if point.name and len(points) <= NAMED:
             ax.annotate(style.literal(point.name), place, **NAME)
-
-
-def point_keys(points: Sequence[Point], words: dict = POINT_WORDS) -> list[Line2D]:
-    """Keys of a legend for the kinds of points that there are."""
-    kinds = [kind for kind in words if any(point.snapped is kind for point in points)]
-    return [
-        Line2D([], [], markerfacecolor=TRIPPED[kind], **POINT, label=words[kind]) for kind in kinds
-    ]
 
 
 def _place(x, f0):

@@ -25,12 +25,10 @@ MANY = 8
 """Values from which on an axis ends at the first and last of them, not at the edges of cells."""
 THIN, FROM = "\u2009", 10_000
 """Space between thousands, of numbers from here on."""
-SUBS = (1, 2, 3, 5), (1, 2, 5), (1, 3), (1,)
-"""Digits that are ticked in a decade, the closest that have room."""
+SUBS, APART = ((1, 2, 3, 5), (1, 2, 5), (1, 3), (1,)), 1.1
+"""Digits that are ticked in a decade, the closest that stand so many labels apart."""
 SHORT = 0.5
 """Decades below which a logarithmic axis is ticked as a linear one."""
-ROOM = 0.6
-"""Ticks over as many as matplotlib has room for, as those of a logarithmic axis crowd."""
 
 
 class Scale(NamedTuple):
@@ -72,7 +70,7 @@ def _edges(values, half):
     """
     steps = np.diff(values) / 2 if values.size > 1 else np.array([half])
     return np.array(
-        [values[0] - steps[0], *(values[:-1] + np.diff(values) / 2), values[-1] + steps[-1]]
+        [values[0] - steps[0], *(values[:-1] + steps[: values.size - 1]), values[-1] + steps[-1]]
     )
 
 
@@ -87,11 +85,9 @@ def _is_geometric(values):
 def set_scale(ax: Axes, which: str, scale: Scale) -> None:
     """Scale, name and tick one axis, "x" or "y"; a single value alone is ticked."""
     axis = getattr(ax, f"{which}axis")
-    if scale.is_log:
-        getattr(ax, f"set_{which}scale")("log")
-    axis.set_label_text(axis_label(scale.key))
     ends = scale.places if scale.places.size >= MANY else scale.edges
-    getattr(ax, f"set_{which}lim")(ends[0], ends[-1])
+    ax.set(**{f"{which}scale": "log" if scale.is_log else "linear", f"{which}lim": ends[[0, -1]]})
+    axis.set_label_text(axis_label(scale.key))
     if scale.is_counted or scale.values.size == 1:
         tick_values(axis, scale.places, scale.values)
     else:
@@ -111,8 +107,8 @@ def tick(axis: Axis, low: float, high: float, is_log: bool = True) -> None:
     if decades < SHORT:
         axis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 3, 5, 10]))
     else:
-        room = ROOM * axis.get_tick_space()
-        fitting = (subs for subs in SUBS if decades * len(subs) <= room)
+        least = APART * decades / axis.get_tick_space()
+        fitting = (subs for subs in SUBS if np.diff(np.log10([*subs, 10])).min() >= least)
         axis.set_major_locator(LogLocator(subs=next(fitting, (1,))))
     axis.set_major_formatter(lambda value, _: number(value, 6))
     axis.set_minor_formatter("")
@@ -125,19 +121,17 @@ def axis_label(key: str) -> str:
     return f"{label} ({unit})" if unit else label
 
 
-def frequency_axis(ax: Axes, f0: np.ndarray) -> Axes:
-    """Make x the frequency of the pulse, logarithmic, and add its duration above; returns that.
-
-    f0: ascending, Hz
-    """
-    set_scale(ax, "x", scale_of("f0", f0))
+def study_axis(ax: Axes, scale: Scale) -> None:
+    """Make x an axis of the study; above a frequency (Hz) stands the duration of the pulse."""
+    set_scale(ax, "x", scale)
+    if scale.key != "f0":
+        return
     top = ax.secondary_xaxis("top", functions=(_reciprocal, _reciprocal))
     top.set_xlabel(axis_label(DURATION))
-    if f0.size == 1:
-        tick_values(top.xaxis, 1e3 / f0, 1e3 / f0)
+    if scale.values.size == 1:
+        tick_values(top.xaxis, 1e3 / scale.values, 1e3 / scale.values)
     else:
         tick(top.xaxis, *_reciprocal(ax.get_xlim()[::-1]))
-    return top
 
 
 def _reciprocal(values):
@@ -178,4 +172,4 @@ def number(value: float | str, digits: int = 4) -> str:
     sign, size = "−" if value < 0 else "", float(f"{abs(value):.{digits}g}")
     if FROM <= size < 1e7:
         return f"{sign}{size:,.0f}".replace(",", THIN)
-    return f"{sign}{size:.{digits}g}"
+    return f"{sign}{size:.12g}"

@@ -3,14 +3,30 @@
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from . import style
 
 TAKEN = {"color": "C5", "linewidth": 1.2, "label": "path of the beam"}
 GUIDED = {"color": "C2", "linestyle": ":", "label": "path of a guided beam"}
-UNBRANCHED = {"color": "C6", "linestyle": "--", "label": "without the second mode (no real beam)"}
+UNBRANCHED = {
+    "color": "C6",
+    "linestyle": "--",
+    "label": "with its second mode held back (no real beam)",
+}
 STABLE = {"color": "black", "marker": "o", "markersize": 4, "linestyle": "", "zorder": 3}
 UNSTABLE = STABLE | {"markerfacecolor": "white"}
 PEAK = {"color": "0.4", "linewidth": 0.5, "linestyle": ":", "zorder": 0}
 NOTE = {"textcoords": "offset points", "fontsize": 6}
+
+
+def draw_statics(figure: Figure, statics: xr.Dataset) -> None:
+    """Draw force and energy over the displacement, one above the other, with their legend."""
+    force, energy = figure.subplots(2, sharex=True, height_ratios=[3, 2])
+    draw_force_displacement(force, statics)
+    draw_energy(energy, statics)
+    force.label_outer()
+    style.legend(figure, style.labelled([force]), ncols=2)
 
 
 def draw_force_displacement(ax: Axes, statics: xr.Dataset) -> Axes:

@@ -4,13 +4,20 @@ import json
 import textwrap
 from collections.abc import Iterable, Mapping
 from contextlib import AbstractContextManager
+from copy import copy
 from pathlib import Path
 
 import matplotlib.style
+import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.collections import Collection
+from matplotlib.container import Container
 from matplotlib.figure import Figure, FigureBase
 from matplotlib.legend import Legend
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.transforms import Bbox
 
 from ..io.atomic import replacing
 from ..pulse import VERSED_SINE
@@ -18,11 +25,13 @@ from ..trains import MAKERS
 
 COLUMN, PAGE = 56, 130
 """Signs in a line over one column, and over two."""
+DPI = 300
+"""Of PNG, and of what is too fine for vectors in PDF."""
 SHEET = Path(__file__).with_name("paper.mplstyle")
-# Which metadata of each format holds which attribute of a dataset.
+# Which metadata of each format holds which attribute of a dataset; what a screen shows comes first.
 METADATA = {
-    "pdf": {"Title": "title", "Creator": "code_version", "Subject": "config"},
     "png": {"Title": "title", "Software": "code_version", "Comment": "config"},
+    "pdf": {"Title": "title", "Creator": "code_version", "Subject": "config"},
 }
 
 
@@ -33,12 +42,12 @@ def paper() -> AbstractContextManager:
 
 def single_column(height: float) -> Figure:
     """Make an empty figure as wide as one column of a journal, 3.4 in; height: in."""
-    return Figure(figsize=(3.4, height))
+    return Figure((3.4, height), DPI)
 
 
 def double_column(height: float) -> Figure:
     """Make an empty figure as wide as two columns of a journal, 7.0 in; height: in."""
-    return Figure(figsize=(7.0, height))
+    return Figure((7.0, height), DPI)
 
 
 def notebook_axes() -> Axes:
@@ -55,9 +64,28 @@ def is_alone(ax: Axes) -> bool:
 
 
 def labelled(axes: Iterable[Axes]) -> list[Artist]:
-    """What is labelled on some axes, each label once."""
-    pairs = [zip(*reversed(ax.get_legend_handles_labels()), strict=True) for ax in axes]
-    return list({label: key for each in pairs for label, key in each}.values())
+    """What is labelled and seen on some axes, each label once; grey where lines share a label."""
+    keys: dict[str, Artist] = {}
+    for ax in axes:
+        for artist, label in zip(*ax.get_legend_handles_labels(), strict=True):
+            if not _is_seen(ax, artist):
+                continue
+            if hatch := getattr(artist, "get_hatch", lambda: None)():
+                artist = Patch(hatch=hatch, facecolor="none", edgecolor="black", label=label)
+            key = keys.setdefault(label, artist)
+            if isinstance(key, Line2D) and key.get_color() != artist.get_color():
+                keys[label] = copy(key)
+                keys[label].set_color("0.4")
+    return list(keys.values())
+
+
+def _is_seen(ax, artist):
+    """Whether some of an artist lies within its axes."""
+    drawn = artist[0] if isinstance(artist, Container) else artist
+    paths = drawn.get_paths() if isinstance(drawn, Collection) else [drawn.get_path()]
+    points = np.concatenate([np.empty((0, 2)), *(path.vertices for path in paths)])
+    points = drawn.get_transform().transform(points[np.isfinite(points).all(axis=1)])
+    return points.size > 0 and Bbox([points.min(0), points.max(0)]).overlaps(ax.bbox)
 
 
 def legend(
@@ -85,30 +113,35 @@ def fit(figure: Figure, ratio: float) -> None:
     """Make a figure so high that its axes, all alike, are `ratio` times as high as wide."""
     rows = figure.axes[0].get_subplotspec().get_gridspec().nrows
     for _ in range(2):  # as what stands beside them grows with them, a little
-        figure.draw_without_rendering()
+        figure.get_layout_engine().execute(figure)
         width, height = figure.axes[0].get_position().size * figure.get_size_inches()
         figure.set_figheight(figure.get_figheight() + rows * (ratio * width - height))
 
 
 def save(figure: Figure, stem: str | Path, attributes: Mapping[str, str]) -> None:
-    """Write a figure as PDF and PNG, without dates, each whole or not at all.
+    """Write a figure as PNG and PDF, laid out once, without dates, each whole or not at all.
 
     stem: the path without its ending
     attributes: of the dataset drawn; title, code_version and config go into the files' metadata
     """
-    # What a screen shows first.
-    for kind, keys in reversed(METADATA.items()):
+    # A notebook does without; and `Figure.savefig` would draw everything twice for each.
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.backends.backend_pdf import FigureCanvasPdf
+
+    for ending, keys in METADATA.items():
         metadata = {key: attributes[name] for key, name in keys.items() if name in attributes}
-        if kind == "pdf":
-            metadata["CreationDate"] = None
-        with replacing(f"{stem}.{kind}") as temporary:
-            figure.savefig(temporary, format=kind, metadata=metadata)
+        with replacing(f"{stem}.{ending}") as temporary:
+            if ending == "png":
+                FigureCanvasAgg(figure).print_png(temporary, metadata=metadata)
+                figure.set_layout_engine("none")
+            else:
+                metadata["CreationDate"] = None
+                FigureCanvasPdf(figure).print_pdf(temporary, metadata=metadata)
 
 
 def case(attributes: Mapping[str, str], width: int = PAGE) -> str:
-    """Which model was followed for how long, from a dataset's attributes; empty without them.
+    """Pulse, guide, model and time followed, from a dataset's attributes; empty without them.
 
-    With it goes whether the beam is guided, as then its labels hold for one that cannot tilt.
     width: most signs in a line; COLUMN below one column
     """
     if "config" not in attributes:
@@ -119,33 +152,15 @@ def case(attributes: Mapping[str, str], width: int = PAGE) -> str:
     shape = pulse.get("file", pulse.get("shape", made))
     words = [literal(shape)] if isinstance(shape, str) else []
     words += ["along −z"] if pulse.get("direction") == "-z" else []
-    horizon = config["sweep"]["horizon"].replace("us", "µs")
-    words += [*guides(config), model_words(config), f"followed {horizon} beyond the pulse"]
+    words += [*guides(config), f"model {config['model']['name']}"]
+    horizon = config.get("sweep", {}).get("horizon", "").replace("us", "µs")
+    words += [f"followed {horizon}"] if horizon else []
     return textwrap.fill(", ".join(words), width)
 
 
 def literal(text: str) -> str:
     """A user's text, drawn as it is: a dollar begins no formula."""
     return text.replace("$", r"\$")
-
-
-def model_words(config: Mapping) -> str:
-    """The name of a config's model, and what it is made of: `handout model (5 Hermite ...)`."""
-    model = config["model"]
-    cosines = model.get("cosines", model.get("modes", 5))
-    kept = model.get("modes", cosines)
-    if model["name"] == "auto":
-        parts = ["as many cosines as each cell needs"]
-    elif model["name"] == "cosines":
-        parts = [f"{cosines} cosines" if kept == cosines else f"{kept} modes of {cosines} cosines"]
-    else:
-        parts = [f"{model.get('elements', 5)} Hermite elements on half the beam"]
-        if "modes" in model:
-            parts.append(f"{kept} modes")
-        elif '"contact": "hard"' not in json.dumps(config):
-            parts.append("all modes")
-        parts += ["plain loop"] * (model["name"] == "reference")
-    return f"{model['name']} model ({', '.join(parts)})"
 
 
 def guides(config: Mapping) -> list[str]:

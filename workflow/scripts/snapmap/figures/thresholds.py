@@ -13,12 +13,12 @@ from . import curves, plane, scales, style
 DOUBTFUL = 0.01
 """Error bars above this share of the threshold are marked."""
 BOUND = {"color": "0.4", "linewidth": 0.6, "linestyle": ":", "zorder": 1.5}
+BOUND["label"] = "below it nothing snaps, by energy"
+STAYS = curves.STAYS | {"label": "above it every $N$ seen stays snapped"}
 DURATION = {"color": "0.6", "linewidth": 0.5, "linestyle": ":", "zorder": 1}
 SHADE = {"color": "0.9", "linewidth": 0, "zorder": 0}
 FAR = 1e9
 """Beyond the edges of any axes, as a factor."""
-CLOSE = 1e-9
-"""Relative difference below which two values of C are the same."""
 
 
 def draw_thresholds(ax: Axes, found: xr.Dataset, x: str = "f0", lines: str = "C") -> Axes:
@@ -27,39 +27,43 @@ def draw_thresholds(ax: Axes, found: xr.Dataset, x: str = "f0", lines: str = "C"
     found: thresholds over these two axes; of many lines some are drawn, evenly chosen
     """
     found = curves.some_lines(found, x, lines)
-    scale = scales.scale_of(x, found[x].values)
-    if x == "f0":
-        scales.frequency_axis(ax, found.f0.values)
-    else:
-        scales.set_scale(ax, "x", scale)
-    ax.set(yscale="log", ylabel=scales.axis_label("N"))
-    keys = [*curves.line_keys(found, lines), *curves.curve_keys(found)]
-    own = lines in found.N_static.dims  # whether each line has a limit of its own
-    for place, (one, colour, marker) in enumerate(curves.each_line(found, lines)):
-        _draw_gap(ax, one, scale, colour)
-        curves.draw_curve(ax, scale.places, one, colour, marker)
-        curves.mark_missing(ax, scale.places, one, colour, place)
-        if one.N_latched.notnull().any():
-            ax.plot(scale.places, one.N_latched.values, color=colour, **curves.STAYS)
-        if place == 0 or own:
-            curves.draw_static(ax, one, x, colour if own else "0.4", place)
+    scales.study_axis(ax, scale := scales.scale_of(x, found[x].values))
+    # As with a run-up, or where long pulses have no limit: some pulse snaps below it.
+    if (found.N_first.notnull() & ~(found.N_first >= found.N_static)).any():
+        bound = np.unique(found.N_bound.transpose(x, lines).values, axis=1)
+        ax.plot(scale.places, bound, **BOUND)
+    _draw_lines(ax, list(curves.each_line(found, lines)), x)
+    keys = [*curves.line_keys(found, lines), *style.labelled([ax])]
     if found.islands.any():
         keys.append(Patch(color="0.5", alpha=0.3, linewidth=0, label="some $N$ here do not snap"))
         keys.append(Line2D([], [], color="0.5", linewidth=2.2, label="island of $N$ that snap"))
-    if found.N_latched.notnull().any():
-        look = {"color": "0.4", "label": "above it every $N$ seen stays snapped"}
-        keys.append(Line2D([], [], **look, **curves.STAYS))
-    # As with a run-up, or where long pulses have no limit: some pulse snaps below it.
-    if (found.N_first.notnull() & ~(found.N_first >= found.N_static)).any():
-        bound = found.N_bound.transpose(x, lines).values
-        ax.plot(scale.places, np.unique(bound, axis=1), **BOUND)
-        keys.append(Line2D([], [], **BOUND, label="below it nothing snaps, by energy"))
-    scales.tick(ax.yaxis, *ax.get_ylim())
-    if x == "f0":
-        for place, (one, colour, _) in enumerate(curves.each_line(found, lines)):
-            curves.draw_impulsive(ax, one, colour, place)
-    style.legend(ax, [*keys, *curves.limit_keys([ax])], _title(found, style.PAGE))
+    style.legend(ax, keys, _title(found, style.PAGE))
     return ax
+
+
+def _draw_lines(ax, lines, x):
+    """Draw thresholds over x, each with a colour and a marker, with their gaps and limits."""
+    ax.set(yscale="log", ylabel=scales.axis_label("N"))
+    for place, (found, colour, marker) in enumerate(lines):
+        scale = scales.scale_of(x, found[x].values)
+        _draw_gap(ax, found, scale, colour)
+        curves.draw_curve(ax, scale.places, found, colour, marker)
+        curves.mark_missing(ax, scale.places, found, colour, place)
+        if found.N_latched.notnull().any():
+            ax.plot(scale.places, found.N_latched.values, color=colour, **STAYS)
+    _draw_statics(ax, lines, x)
+    scales.tick(ax.yaxis, *ax.get_ylim())
+    for place, (found, colour, _) in enumerate(lines if x == "f0" else ()):
+        curves.draw_impulsive(ax, found, colour, place)
+
+
+def _draw_statics(ax, lines, x):
+    """Draw the limit of long pulses of every line, in grey what all have in common."""
+    if len({found.N_static.values.tobytes() for found, *_ in lines}) == 1:
+        curves.draw_static(ax, lines[0][0], x)
+        return
+    for place, (found, colour, _) in enumerate(lines):
+        curves.draw_static(ax, found, x, colour, place)
 
 
 def _draw_gap(ax, found, scale, colour):
@@ -77,13 +81,11 @@ def _draw_gap(ax, found, scale, colour):
 
 def _title(found, width):
     """What every curve has in common, in lines of so many signs."""
-    words = [style.case(found.attrs, width), scales.place_text(found, width)]
     symbols = [f"$C$ in {scales.WORDS['C'][1]}"] * ("C" in found.dims)
     if found.velocity_change.notnull().any():
         symbols.append("$\\Delta v$: velocity change, limit of short pulses")
-    if symbols and found.area.ndim == 0:
-        symbols[-1] += f", $N = {1 / found.area.item():.3g} f_0\\,\\Delta v/g$"
-    return "\n".join(filter(None, [*words, "; ".join(symbols)]))
+    words = [style.case(found.attrs, width), scales.place_text(found, width), "; ".join(symbols)]
+    return "\n".join(filter(None, words))
 
 
 def draw_damage_boundary(ax: Axes, found: xr.Dataset, lines: str = "C") -> Axes:
@@ -94,15 +96,15 @@ def draw_damage_boundary(ax: Axes, found: xr.Dataset, lines: str = "C") -> Axes:
     curve, of the durations that it has.
     """
     found = curves.some_lines(found, "f0", lines)
-    own = lines in found.N_static.dims
     ax.set(xscale="log", xlabel="velocity change of the pulse (m/s)")
     ax.set(yscale="log", ylabel="peak acceleration $N$ (multiples of $g$)")
-    for place, (one, colour, marker) in enumerate(curves.each_line(found, lines)):
+    each = list(curves.each_line(found, lines))
+    for place, (one, colour, marker) in enumerate(each):
         curves.draw_curve(ax, curves.velocity_change(one).values, one, colour, marker, size=2)
         if np.isfinite(one.velocity_change):
-            ax.axvline(one.velocity_change.item(), **curves.limit_look(colour, place))
-        if place == 0 or own:
-            curves.draw_static(ax, one, "f0", colour if own else "0.4", place)
+            look = curves.limit_look(colour, place) | {"label": curves.SHORT}
+            ax.axvline(one.velocity_change.item(), **look)
+    _draw_statics(ax, each, "f0")
     scales.tick(ax.xaxis, *ax.get_xlim())
     scales.tick(ax.yaxis, *ax.get_ylim())
     plane.freeze(ax)
@@ -110,8 +112,8 @@ def draw_damage_boundary(ax: Axes, found: xr.Dataset, lines: str = "C") -> Axes:
     _draw_region(ax, first)
     _draw_durations(ax, first)
     name = scales.value_text(lines, first[lines].item(), with_unit=lines != "C")
-    keys = [*curves.line_keys(found, lines), *curves.curve_keys(found), *curves.limit_keys([ax])]
-    keys.append(Patch(**SHADE, label=f"snaps, {name}"))
+    shaded = Patch(**SHADE, label=f"snaps, {name}")
+    keys = [*curves.line_keys(found, lines), *style.labelled([ax]), shaded]
     style.legend(ax, keys, _title(found, style.COLUMN), 2)
     return ax
 
@@ -163,7 +165,8 @@ def draw_threshold_map(ax: Axes, found: xr.Dataset, x: str, y: str) -> Axes:
     ax.set_title(scales.place_text(found))
     words, known = [style.case(found.attrs, style.COLUMN)], 100 * relative[np.isfinite(relative)]
     if known.size:
-        words.append(f"error bars: median {np.median(known):.2g} %, largest {known.max():.2g} %")
+        middle, most = (scales.number(error, 2) for error in (np.median(known), known.max()))
+        words.append(f"error bars: median {middle} %, largest {most} %")
     style.legend(ax, keys, "\n".join(filter(None, words)), 2)
     plane.colour_bar(ax, field, "threshold: lowest $N$ that snaps (multiples of $g$)")
     return ax
@@ -197,54 +200,36 @@ def plot_thresholds(studies: Mapping[str, xr.Dataset], ax: Axes | None = None) -
     >>> [text.get_text() for text in ax.figure.legends[0].get_texts()][:2]
     ['versed sine', 'half sine']
     """
-    shared = _shared_C(studies)
+    C = _shared_C(studies)
     ax = ax or style.notebook_axes()
     f0 = np.concatenate([found.f0.values for found in studies.values()])
-    scales.frequency_axis(ax, np.unique(f0))
-    ax.set(yscale="log", ylabel=scales.axis_label("N"))
-    lines = {}
+    scales.study_axis(ax, scales.scale_of("f0", np.unique(f0)))
+    lines, keys = [], []
     for name, found in studies.items():
-        for C, place in shared[name]:
-            words = f", {scales.value_text('C', C)}" if len(shared[name]) > 1 else ""
-            lines[name + words] = found.isel(C=place).sortby("f0")
-    looks = [curves.LOOKS[i % len(curves.LOOKS)] for i in range(len(lines))]
-    keys, others, statics = [], {}, set()
-    for place, ((name, found), (colour, marker)) in enumerate(
-        zip(lines.items(), looks, strict=True)
-    ):
-        curves.draw_curve(ax, found.f0.values, found, colour, marker)
-        curves.mark_missing(ax, found.f0.values, found, colour, place)
-        if found.N_static.item() not in statics:
-            curves.draw_static(ax, found, "f0", colour, place)
-        statics.add(found.N_static.item())
-        keys.append(Line2D([], [], color=colour, marker=marker, label=name))
-        others |= {key.get_label(): key for key in curves.curve_keys(found)}
-    scales.tick(ax.yaxis, *ax.get_ylim())
-    for place, (found, (colour, _)) in enumerate(zip(lines.values(), looks, strict=True)):
-        curves.draw_impulsive(ax, found, colour, place)
-    style.legend(ax, [*keys, *others.values(), *curves.limit_keys([ax])], ncols=2)
+        found = found.sortby("f0") if found.C.ndim else found.expand_dims("C").sortby("f0")
+        for value in C or found.C.values:
+            colour, marker = curves.LOOKS[len(lines) % len(curves.LOOKS)]
+            lines.append((found.sel(C=value, method="nearest"), colour, marker))
+            words = f", {scales.value_text('C', value)}" if len(C) > 1 else ""
+            keys.append(Line2D([], [], color=colour, marker=marker, label=name + words))
+    _draw_lines(ax, lines, "f0")
+    style.legend(ax, [*keys, *style.labelled([ax])], ncols=2)
     return ax
 
 
 def _shared_C(studies):
-    """The values of C that all studies have, with their places; or the only one of each."""
+    """The values of C that all studies have, to nine digits; none where each has but one."""
     if not studies:
         raise ValueError("studies: none; give thresholds by name")
     for name, found in studies.items():
         if several := [key for key in found.N_first.dims if key not in ("C", "f0")]:
             key = several[0]
             raise ValueError(f"{name}: is over {key}, too; choose one, as found.isel({key}=0)")
-    values = {name: np.atleast_1d(found.C.values) for name, found in studies.items()}
-    first = next(iter(values.values()))
-    if all(one.size == 1 for one in values.values()):
-        return {name: [(one[0], 0)] for name, one in values.items()}
-    near = {
-        name: np.isclose(first[:, None], one, rtol=CLOSE, atol=0) for name, one in values.items()
-    }
-    shared = np.all([one.any(axis=1) for one in near.values()], axis=0)
-    if not shared.any():
+    if all(found.C.size == 1 for found in studies.values()):
+        return []
+    values = [
+        {float(f"{C:.9g}") for C in np.atleast_1d(found.C.values)} for found in studies.values()
+    ]
+    if not (shared := set.intersection(*values)):
         raise ValueError("studies: no value of C is in all of them; choose one of each")
-    return {
-        name: [(first[i], int(one[i].argmax())) for i in np.flatnonzero(shared)]
-        for name, one in near.items()
-    }
+    return sorted(shared)

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 
 from . import style
 from .curves import LOOKS, STAYS, cross
-from .scales import WORDS, axis_label, frequency_axis, place_text, scale_of, set_scale
+from .scales import WORDS, axis_label, place_text, scale_of, set_scale, study_axis
 
 LINES = {0.01: ":", 0.1: "--", 0.5: "-", 0.9: "--", 0.99: ":"}
 """Of the shares of devices that snap."""
@@ -44,7 +44,7 @@ def draw_probability(ax: Axes, found: xr.Dataset) -> Axes:
         ax.set(xlabel=axis_label("N"), ylabel="share of devices that snap")
         ax.set(xlim=N.values[[0, -1]], ylim=(0, 1))
         return ax
-    frequency_axis(ax, f0.values)
+    study_axis(ax, f0)
     set_scale(ax, "y", N)
     ax.pcolormesh(f0.edges, N.edges, found.probability.transpose("N", "f0").values, **FIELD)
     for share, dashes in LINES.items():
@@ -64,10 +64,7 @@ def draw_sensitivity(ax: Axes, found: xr.Dataset) -> Axes:
     """Draw the Sobol indices of each value over f0, with their bounds; found: of one C."""
     ax.set_title(place_text(found))
     f0 = scale_of("f0", found.f0.values)
-    if f0.values.size > 1:
-        frequency_axis(ax, f0.values)
-    else:
-        set_scale(ax, "x", f0)
+    study_axis(ax, f0)
     for i, value in enumerate(found.value.values.tolist()):
         index, (colour, marker) = found.sel(value=value), LOOKS[i % len(LOOKS)]
         total, first = (index.sensitivity.sel(order=order).values for order in ("total", "first"))

@@ -1,5 +1,6 @@
-"""Files that are whole or absent, whatever kills the job that writes them."""
+"""Files that are whole or absent, whatever kills the job that writes them, and a folder's lock."""
 
+import fcntl
 import mmap
 import os
 import shutil
@@ -50,6 +51,22 @@ def is_whole(path: str | Path) -> bool | None:
             return None
         held = memoryview(mmap.mmap(file.fileno(), 0, prot=mmap.PROT_READ))
         return blake2b(held[:size]).digest() == digest
+
+
+def hold(path: str | Path) -> str:
+    """Lock a file until this process ends, whatever ends it.
+
+    Returns what the file system says if it has no locks, as some on clusters; else nothing.
+    Raises BlockingIOError if another process holds it.
+    """
+    file = os.open(path, os.O_CREAT | os.O_WRONLY)  # stays open
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise
+    except OSError as error:
+        return error.strerror
+    return ""
 
 
 def refuse_folders(folder: str | Path, endings: Sequence[str]) -> None:

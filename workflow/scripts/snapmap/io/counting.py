@@ -1,4 +1,4 @@
-"""How many cells have been followed, told to who waits."""
+"""How many cells have been followed, shown to who waits."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -25,8 +25,8 @@ def counting(what: str, **look) -> Iterator[None]:
         yield
         return
 
-    asked = {"unit": " cells", "delay": 2.0, "leave": False, "disable": None}
-    with tqdm(desc=what, **asked | look) as line:
+    usual = {"unit": " cells", "delay": 2.0, "leave": False, "disable": None}
+    with tqdm(desc=what, **usual | look) as line:
         _listeners.append(line.update)
         try:
             yield

@@ -22,22 +22,24 @@ LOOK_AROUND = 1.0
 """Seconds after which a job looks whether its run is still there."""
 
 
-def run_rule(function: Callable, job) -> None:
+def run_rule(function: Callable, job, study_of: Callable | None = None) -> None:
     """Call a script's function with what its job has under the names of its parameters.
 
-    job: the `snakemake` object. A parameter is one of its params, `threads`, or NAME_path (several:
-    NAME_paths) of an input or output NAME; `path`, `stem` and `folder` are those of the first
-    output, `stems` of all.
+    job: the `snakemake` object. A parameter is one of its wildcards or params, or NAME_path
+    (several: NAME_paths) of an input or output NAME; `path`, `stem` and `folder` are those of the
+    first output, `stems` of all; `study` is what study_of makes of the run's config and threads.
     """
     first = Path(job.output[0])
-    given = {"threads": job.threads, "path": str(first), "folder": first.parent}
-    given |= {"stem": str(first.with_suffix("")), **dict(job.params.items())}
+    given = {"path": str(first), "folder": first.parent, "stem": str(first.with_suffix(""))}
+    given |= {**dict(job.wildcards.items()), **dict(job.params.items())}
     given["stems"] = list(dict.fromkeys(Path(path).with_suffix("") for path in job.output))
     for name, files in [*job.input.items(), *job.output.items()]:
         given[f"{name}_path" if isinstance(files, str) else f"{name}_paths"] = files
     wanted = inspect.signature(function).parameters
     Thread(target=_end_with, args=[int(os.environ[RUN])], daemon=True).start()
     with job_log(job.log[0]), _counted(job.log[0]):
+        if "study" in wanted:
+            given["study"] = study_of(job.config, job.threads)
         function(**{name: given[name] for name in wanted if name in given})
 
 
@@ -65,7 +67,10 @@ def job_log(path: str | Path) -> Iterator[None]:
         except Exception:
             complaint = traceback.format_exc()
     if complaint:
-        _complain(complaint, log)
+        try:
+            print(complaint, file=log, flush=True)
+        except OSError:  # the disk is full
+            print(complaint, file=sys.stderr)
     with suppress(OSError):
         log.close()
     if complaint:
@@ -93,11 +98,3 @@ def _end_with(run):
     while os.getppid() == run:
         time.sleep(LOOK_AROUND)
     os._exit(1)
-
-
-def _complain(complaint, log):
-    """Write to the log or, where the disk is full, to the terminal."""
-    try:
-        print(complaint, file=log, flush=True)
-    except OSError:
-        print(complaint, file=sys.stderr)

@@ -46,8 +46,7 @@ class Measured(NamedTuple):
         """One line on what was read."""
         return (
             f"{COSINES} cosines fit {self.points} points to {self.rms:.2g} um (rms), "
-            f"{self.most:.2g} um at most; rise {self.rise:.4g} um, tilt "
-            f"{self.tilt:.2g} um"
+            f"{self.most:.2g} um at most; rise {self.rise:.4g} um, tilt {self.tilt:.2g} um"
         )
 
 
@@ -64,28 +63,31 @@ def read_shape(path: str | Path) -> Measured:
             raise ValueError(f"has {x.size} points; write {LEAST} at least")
         if not np.ptp(x) > 0:
             raise ValueError("has all points at one x; write some from clamp to clamp")
-        return _fit((x - x.min()) / np.ptp(x), w, float(np.ptp(x)))
+        length = float(np.ptp(x))
+        measured = _fit((x - x.min()) / length, w, length)
+        if not measured.rms <= FARTHEST * measured.rise:
+            raise ValueError(
+                f"is {measured.rms:.3g} um (rms) away from {COSINES} cosines of a rise of "
+                f"{measured.rise:.3g} um; write w along one beam, from clamp to clamp"
+            )
+        return measured
 
 
 def _fit(x, w, length):
     """By least squares: a line, the cosines and the first antisymmetric shape."""
-    waves = [[(1 - sine(n * one + 0.25)) / 2 for n in range(1, COSINES + 1)] for one in x.tolist()]
     mu = 2 * math.pi * math.sqrt(TILT)
     half = sine(mu / (4 * math.pi))
-    along = [sine(mu * one / (2 * math.pi)) / half - 2 * one for one in (x - 0.5).tolist()]
-    tilt = mu / (4 * math.pi) * np.array(along)
-    columns = np.column_stack([np.ones(x.size), x - 0.5, np.array(waves), tilt])
-    across = columns.T
-    found = solve(multiply(across, columns), apply(across, w))
+    tilted = [sine(mu * s / (2 * math.pi)) / half - 2 * s for s in (x - 0.5).tolist()]
+    columns = np.column_stack(
+        [
+            *(np.ones(x.size), x - 0.5),
+            [[(1 - sine(n * s + 0.25)) / 2 for n in range(1, COSINES + 1)] for s in x.tolist()],
+            mu / (4 * math.pi) * np.array(tilted),
+        ]
+    )
+    fit = solve(multiply(columns.T, columns), apply(columns.T, w))
+    away = w - apply(columns, fit)
     # A beam that was drawn upside down.
-    cosines = found[2:-1] * math.copysign(1.0, found[2])
-    away = w - apply(columns, found)
-    rms = math.sqrt(dot(away, away) / x.size)
-    rise = float(sum(cosines[::2]))
-    if not rms <= FARTHEST * rise:
-        raise ValueError(
-            f"is {rms:.3g} um (rms) away from {COSINES} cosines of a rise of {rise:.3g} um; write "
-            "w along one beam, from clamp to clamp"
-        )
-    most = float(np.abs(away).max())
-    return Measured(cosines.tolist(), abs(float(found[-1])), rms, most, x.size, length)
+    cosines = (fit[2:-1] * math.copysign(1.0, fit[2])).tolist()
+    rms, most = math.sqrt(dot(away, away) / x.size), float(np.abs(away).max())
+    return Measured(cosines, abs(float(fit[-1])), rms, most, x.size, length)

@@ -7,9 +7,12 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from ..axes import Grid, shared_points
 from .atomic import replacing, seal
 
 ENCODING = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
+DIGITS = {"quantize_mode", "significant_digits"}
+"""What says how many digits of a variable are kept, where not all are."""
 
 
 def write(dataset: xr.Dataset, path: str | Path) -> None:
@@ -19,9 +22,14 @@ def write(dataset: xr.Dataset, path: str | Path) -> None:
         no_fill = {key: {"_FillValue": None} for key in axes.coords}  # CF has none on an axis
         axes.to_netcdf(temporary, engine="netcdf4", encoding=no_fill)
         # One by one: together, dask would write their blocks in an order of its own every time.
-        for key in dataset.data_vars:
-            kind = {key: ENCODING | _digits(dataset[key]) | _chunks(dataset[key])}
-            dataset[[key]].to_netcdf(temporary, mode="a", engine="netcdf4", encoding=kind)
+        for key, variable in dataset.data_vars.items():
+            kept = DIGITS & variable.encoding.keys()
+            encoding = ENCODING | {digits: variable.encoding[digits] for digits in kept}
+            if variable.chunks:  # each block is compressed once
+                encoding["chunksizes"] = [size[0] for size in variable.chunks]
+            dataset[[key]].to_netcdf(
+                temporary, mode="a", engine="netcdf4", encoding={key: encoding}
+            )
         seal(temporary)
 
 
@@ -33,19 +41,48 @@ def read_earlier(path: str | Path) -> xr.Dataset | None:
         return None
 
 
+def recall(
+    earlier: xr.Dataset | None, grid: Grid, recipe: str
+) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """Take from an earlier product what it holds of the points of a grid.
+
+    recipe: its attribute; nothing is taken of another
+    Returns its variables, (points, ...), with NaN or 0 where a point is not known, and which are,
+    (points,).
+    """
+    known, dims = np.zeros(grid.shape, bool), tuple(grid.axes)
+    if earlier is None or earlier.attrs.get("recipe") != recipe:
+        return {}, known.ravel()
+    place, there = shared_points(grid.axes, earlier)
+    known[np.ix_(*place)] = True
+    variables = {}
+    for key, variable in earlier.isel(dict(zip(dims, there, strict=True))).items():
+        if set(dims) <= set(variable.dims):
+            held = variable.transpose(*dims, ...).values
+            full = blank(grid.shape + held.shape[len(dims) :], held.dtype)
+            full[np.ix_(*place)] = held
+            variables[key] = full.reshape(known.size, *held.shape[len(dims) :])
+    return variables, known.ravel()
+
+
+def blank(shape: tuple[int, ...], dtype: np.dtype) -> np.ndarray:
+    """An array in which nothing is known: NaN, or 0 where a type has none."""
+    return np.full(shape, np.nan if dtype.kind == "f" else 0, dtype)
+
+
 def check_alike(cube: xr.Dataset, other: xr.Dataset, path: str | Path) -> None:
     """Raise ValueError, one line, unless another product is of the same study as a cube.
 
     path: of the other product, whose axes hold more than the cube's, or fewer
     """
-    ours, theirs = (json.loads(one.attrs.get("config", "{}")) for one in (cube, other))
-    axes = set(cube.dims) & set(other.dims)
-    if not (
-        theirs
-        and all(ours.get(key) == theirs.get(key) for key in ("device", "devices", "pulse", "model"))
-        and _agree(ours["sweep"], theirs["sweep"])
-        and all(_overlap(cube[key].values, other[key].values) for key in axes)
-    ):
+    ours, theirs = (json.loads(product.attrs.get("config", "{}")) for product in (cube, other))
+    parts = [(ours.get(key), theirs.get(key)) for key in ("device", "devices", "pulse", "model")]
+    if theirs:
+        both = ours["sweep"].keys() & theirs["sweep"].keys()
+        parts += [(ours["sweep"][key], theirs["sweep"][key]) for key in both]
+    axes = [(cube[key].values, other[key].values) for key in {*cube.dims} & {*other.dims}]
+    overlap = all(np.isin(*pair).all() or np.isin(*pair[::-1]).all() for pair in axes)
+    if not (theirs and overlap and all(mine == its for mine, its in parts)):
         raise ValueError(f"{path}: is of another study; remove it and run again")
 
 
@@ -56,23 +93,3 @@ def _in_this_thread(dataset):
     import dask  # imported late: only the workflow has lazy ones
 
     return dask.config.set(scheduler="synchronous")
-
-
-def _agree(ours, theirs):
-    """Whether two sections say the same where both say anything."""
-    return all(ours[key] == theirs[key] for key in set(ours) & set(theirs))
-
-
-def _overlap(ours, theirs):
-    return np.isin(ours, theirs).all() or np.isin(theirs, ours).all()
-
-
-def _digits(variable):
-    """How many of its digits are kept, where not all are."""
-    asked = "quantize_mode", "significant_digits"
-    return {key: variable.encoding[key] for key in asked if key in variable.encoding}
-
-
-def _chunks(variable):
-    """The blocks of a lazy variable, so that each is compressed once."""
-    return {"chunksizes": [size[0] for size in variable.chunks]} if variable.chunks else {}

@@ -1,6 +1,7 @@
 """How far a run is: one line on a terminal, and the names of its stages in a log."""
 
 import logging
+import signal
 import sys
 import time
 from collections.abc import Mapping
@@ -14,29 +15,18 @@ from .job_log import count_path
 
 CELLS = "simulate_slab"
 """The rule whose jobs follow cells."""
-CHATTER = (
-    "run_info",
-    "job_info",
-    "job_started",
-    "job_finished",
-    "group_info",
-    "progress",
-    "resources_info",
-)
-"""Events of Snakemake that its own log file keeps, and the terminal is spared."""
 WRAPPED = (
-    "Select jobs",
     "RuleException:\nCalledProcessError in file",
     "WorkflowError:\nAt least one job did not complete",
 )
-"""How messages begin that say nothing which the log of a job, shown beside them, does not."""
+"""How faults begin that say nothing which the log of a job, shown beside them, does not."""
 STOPPING = "Terminating processes on user request"
 STOPPED = "interrupted: what is whole is kept, and the same command goes on"
 LOOK = "{n_fmt} of {total_fmt} cells, {percentage:.0f} %, {remaining} left for them{postfix}"
 
 
 class Progress(logging.Handler):
-    """Listens to what Snakemake logs, and tells it in brief.
+    """Listens to what Snakemake logs, and says it in brief.
 
     logs: paths of the logs of the jobs that have ended well
     """
@@ -58,19 +48,21 @@ class Progress(logging.Handler):
         """Take note of a job that starts or ends; other records are nothing to it."""
         event = str(getattr(record, "event", ""))
         if record.getMessage().startswith(STOPPING):
+            signal.signal(signal.SIGINT, signal.SIG_IGN)  # the jobs are being ended
             Thread(target=_end_jobs, daemon=True).start()
         elif event == "job_info" and record.rule_msg:
             self.jobs[record.jobid] = record
-            self._name_stages(record.rule_msg)
+            if self.line.disable and record.rule_msg not in self.stages:
+                self.stages.append(record.rule_msg)
+                print(record.rule_msg, file=sys.stderr)
         elif event == "job_finished" and record.job_id in self.jobs:
             job = self.jobs.pop(record.job_id)
             self.logs += job.log
             if job.rule_name == CELLS:
                 self.line.update(self.cells.get(job.wildcards["slab"], 0))
-            self._name_stages()
         elif event == "progress":
             self.done = f"{record.done} of {record.total} jobs"
-            self._name_stages()
+        self._name_stages()
 
     def close(self) -> None:
         """Clear the line."""
@@ -78,26 +70,22 @@ class Progress(logging.Handler):
         self.line.close()
         super().close()
 
-    def _name_stages(self, begun=""):
-        """Name what is being done on the line or, once each, in the log."""
+    def _name_stages(self):
         if not self.line.disable:
-            doing = dict.fromkeys(_look_at(job) for job in self.jobs.values())
-            self.line.set_postfix_str("; ".join(filter(None, [self.done, *doing])))
-        elif begun and begun not in self.stages:
-            self.stages.append(begun)
-            print(begun, file=sys.stderr)
+            stages = dict.fromkeys(map(_stage, self.jobs.values()))
+            self.line.set_postfix_str("; ".join(filter(None, [self.done, *stages])))
 
     def _tick(self):
         while not self.closed.wait(1.0):
             self._name_stages()
 
 
-def _look_at(job):
+def _stage(job):
     """What a job does, and how many cells it has followed; those of CELLS are on the line."""
     with suppress(OSError):
         if job.rule_name != CELLS:
-            *_, told = count_path(job.log[0]).read_text(encoding="utf-8").split("\n")
-            return f"{job.rule_msg}, {told.strip()}" if told.strip() else job.rule_msg
+            *_, cells = count_path(job.log[0]).read_text(encoding="utf-8").split("\n")
+            return ", ".join(filter(None, [job.rule_msg, cells.strip()]))
     return job.rule_msg
 
 
@@ -110,18 +98,18 @@ def _end_jobs():
 
 
 def hush(handler: logging.Handler) -> None:
-    """Keep a handler of Snakemake from all but faults, and what concerns a run as a whole.
+    """Keep a handler of Snakemake from all but warnings and faults; its log file keeps all.
 
     A run that the user stops ends in one line: what its jobs then complain of is no fault.
     """
     stopped = Event()
 
     def is_kept(record):
-        event, words = str(getattr(record, "event", "")), record.getMessage()
+        words = record.getMessage()
         if words.startswith(STOPPING) and not stopped.is_set():
             stopped.set()
             tqdm.write(STOPPED, file=sys.stderr)
-        is_chatter = event in CHATTER or words.startswith(WRAPPED)
-        return not (stopped.is_set() or is_chatter)
+        is_fault = record.levelno >= logging.WARNING and not words.startswith(WRAPPED)
+        return is_fault and not stopped.is_set()
 
     handler.addFilter(is_kept)

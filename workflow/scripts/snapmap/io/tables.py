@@ -80,13 +80,14 @@ def read_shots(path: str | Path, sha256: str = "") -> dict[str, np.ndarray]:
 def shot_columns(shots: str | Path | Mapping[str, Sequence]) -> dict[str, np.ndarray]:
     """Columns of shots from a file, or as they are given; ValueError, one line, if they cannot be.
 
-    N may be missing beside file; without a column there is no shot.
+    N, f0 (Hz) and duration (us) are above 0, or NaN; tripped are bools, the others text. N may be
+    missing beside file; without a column there is no shot.
     """
     table = read_shots(shots) if isinstance(shots, str | Path) else shots
     columns = {str(key): np.asarray(table[key]).ravel() for key in table}
     known = f"columns are {', '.join([*SHOCKS, *SHOTS])}"
     for key in columns:
-        if key not in SHOCKS and key not in SHOTS:
+        if key not in SHOCKS | SHOTS:
             raise ValueError(f"shots: column {key!r} is unknown; {known}")
     for key in ("tripped",) if "file" in columns else ("N", "tripped"):
         if columns and key not in columns:
@@ -94,25 +95,39 @@ def shot_columns(shots: str | Path | Mapping[str, Sequence]) -> dict[str, np.nda
     sizes = {key: values.size for key, values in columns.items()}
     if len(set(sizes.values())) > 1:
         raise ValueError(f"shots: columns differ in length, {sizes}; write a row for each shot")
+    for key, values in columns.items():
+        entries = [_entry(key, *pair) for pair in enumerate(values.tolist(), start=1)]
+        columns[key] = np.array(
+            entries, bool if key == "tripped" else float if key in SHOCKS else object
+        )
     return columns
 
 
-def answers(values: Sequence) -> np.ndarray:
-    """Whether each shot tripped, (shots,); ValueError, one line, for what tells it of none."""
-    words = [one.strip().lower() if isinstance(one, str) else one for one in values]
-    for place, (word, value) in enumerate(zip(words, values, strict=True), start=1):
+def _entry(key, row, value):
+    """What stands in a row of a column of shots: whether it tripped, a number or NaN, or text."""
+    is_empty = value is None or value == "" or value != value
+    if key == "tripped":
+        word = value.strip().lower() if isinstance(value, str) else value
         if word not in ANSWERS:
-            raise ValueError(f"shots, row {place}: tripped: {show(value)} is not true or false")
-    return np.array([ANSWERS[word] for word in words], bool)
+            raise ValueError(f"shots, row {row}: tripped: {show(value)} is not true or false")
+        return ANSWERS[word]
+    if key in SHOTS:
+        return "" if is_empty else str(value)
+    try:
+        number = math.nan if is_empty else float(value)
+    except (TypeError, ValueError):
+        number = 0.0
+    if not (is_empty or 0 < number < math.inf):
+        raise ValueError(f"shots, row {row}: {key}: {show(value)} is no number above 0")
+    return number
 
 
 def read_verdicts(path: str | Path) -> list[dict]:
     """Read the rows of requirements.csv: names stay text, were they 12 or nan."""
     import pandas  # imported late: most runs read no table
 
-    names = pandas.read_csv(
-        path, usecols=["requirement", "device"], dtype=str, keep_default_na=False
-    )
+    text = {"dtype": str, "keep_default_na": False}
+    names = pandas.read_csv(path, usecols=["requirement", "device"], **text)
     return pandas.read_csv(path).assign(**names).to_dict("records")
 
 
@@ -181,21 +196,19 @@ def _keys(head, numbers, words):
             raise ValueError(f"has {len(head)} columns; write {len(numbers)}, {known}")
         return list(numbers)
     keys = [_UNIT.sub("", word).strip() for word in head]
-    if not set(keys) & {*numbers, *words}:  # another file, which is not to be quoted
+    unknown = [key for key in keys if key not in {*numbers, *words}]
+    if len(unknown) == len(keys):  # another file, which is not to be quoted
         raise ValueError(f"line 1: names no column of this table; known are {known}")
-    for key in keys:
-        if key not in numbers and key not in words:
-            raise ValueError(f"line 1: column {key!r} is unknown; known are {known}")
-        if keys.count(key) > 1:
-            raise ValueError(f"line 1: column {key} comes twice; write one of them")
+    if unknown:
+        raise ValueError(f"line 1: column {unknown[0]!r} is unknown; known are {known}")
+    if twice := [key for key in keys if keys.count(key) > 1]:
+        raise ValueError(f"line 1: column {twice[0]} comes twice; write one of them")
     return keys
 
 
 def _scale(word, key, numbers):
     """The factor of a column of numbers, by the unit in its header."""
-    units = numbers.get(key, {"": 1.0})
-    found = _UNIT.search(word)
-    unit = found.group(1).strip() if found else ""
+    units, unit = numbers.get(key, {"": 1.0}), "".join(_UNIT.findall(word)[:1]).strip()
     if unit not in units:
         what = f"unit {unit!r} is unknown" if unit else "names no unit"
         raise ValueError(f"header {word!r} {what}; write such as {key} ({next(iter(units))})")

@@ -5,55 +5,35 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
+import xarray as xr
 
+from ..axes import COORDINATES
 from .provenance import provenance
 
-TITLES = {
-    "cube": (
-        "Snap-through of a bistable beam under shock",
-        "Outcome of each cell of a grid over damping, frequency and amplitude of the shock",
-    ),
-    "threshold": (
-        "Thresholds of snap-through under shock",
-        "Amplitudes where snapping begins and is certain, over damping and frequency",
-    ),
-    "tolerance": (
-        "Thresholds of devices as made",
-        "Share of devices that snap over damping, frequency and amplitude of the shock",
-    ),
-    "calibration": (
-        "A device read off its shots",
-        "Values of a device, their intervals and the residuals of shots, tripped or not",
-    ),
-    "history": (
-        "Time history of one cell",
-        "Motion, forces and energies of beam and mass under one shock",
-    ),
-    "vibration": (
-        "Snaps under random vibration",
-        "How often stationary Gaussian vibration trips a device, and at which level",
-    ),
-    "spectrum": (
-        "Snaps under records of a shock response spectrum",
-        "Which records that meet a spectrum trip a device, and at which factors of it",
-    ),
-}
-"""Title and summary of each product."""
 
+def dress(product: str, dataset: xr.Dataset, document: Mapping, **attributes) -> xr.Dataset:
+    """Give a dataset the CF attributes of a product and of its variables, and where it is from.
 
-def headed(product: str, document: Mapping) -> dict[str, str]:
-    """Attributes of a product: conventions, title, summary and where it is from."""
-    title, summary = TITLES[product]
-    head = {"Conventions": "CF-1.11, ACDD-1.3", "title": title, "summary": summary}
-    return head | provenance(document)
+    document: the config; attributes: others of the product. What a variable says already stays.
+    """
+    about = variables(product)
+    head = about.pop("")
+    for key, variable in dataset.variables.items():
+        variable.attrs = about.get(key, COORDINATES.get(key, {})) | variable.attrs
+    return dataset.assign_attrs(
+        Conventions="CF-1.11, ACDD-1.3",
+        title=head["long_name"],
+        summary=head["comment"],
+        **attributes,
+        **provenance(document),
+    )
 
 
 def variables(product: str) -> dict[str, dict]:
-    """CF attributes of each variable of a product, by name."""
+    """CF attributes of each variable of a product, by name; title and summary of itself as ""."""
     with open(Path(__file__).with_suffix(".csv"), encoding="utf-8") as file:
         rows = [row for row in csv.DictReader(file) if row.pop("product") == product]
-    named = {row.pop("name"): row for row in rows}
-    return {name: _attributes(**row) for name, row in named.items()}
+    return {row.pop("name"): _attributes(**row) for row in rows}
 
 
 def flags(words: Sequence[str]) -> dict:

@@ -13,7 +13,7 @@ from ..beam.modal import contact_stiffness
 from ..beam.stress import stress_of
 from ..device import Device, Value
 from ..io.provenance import device_sections
-from ..io.variables import headed, variables
+from ..io.variables import dress
 from ..numerics.linalg import dot, multiply
 from ..pulse import blow_at
 from ..solver.adaptive import choose_model
@@ -27,9 +27,7 @@ SAMPLES = 4000
 
 # ASSUME: a device leaves its mass a few times the rise of its beam, which a snap takes it twice.
 FARTHEST = 5.0
-"""Over the rise: of a mass that no stop holds, a way from rest that a run remarks upon."""
-
-VARIABLES = variables("history")
+"""Over the rise: of a mass that no stop holds, a travel from rest that a run remarks upon."""
 
 
 def simulate(
@@ -69,7 +67,7 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
         raise ValueError("pulse: several; a history is of one shape in one direction")
     device, settings = study.device, study.settings._replace(repeat=False)
     built, cells, t_snap = _cell(study, N, f0, C)
-    blow = blow_at(settings.pulses, cells.pulse, t_snap * cells.f0).item()
+    blow = blow_at(cells.pulses, cells.pulse, t_snap * cells.f0).item()
     dt, values, extremes = _record(built, cells, settings, SAMPLES)
     document = {
         **device_sections(device),
@@ -79,11 +77,10 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     }
     rest = built.barrier.first + device.gap
     stops = {"stop_toward": rest - device.stop_toward, "stop_away": rest + device.stop_away}
-    stops = {key: place for key, place in stops.items() if math.isfinite(place)}
-    data = {key: ("time", values[key], about) for key, about in VARIABLES.items() if key in values}
-    about = {"long_name": "time after the start of the pulse", "units": "us"}
-    return xr.Dataset(data, {"time": ("time", values["time"], about)}).assign_attrs(
-        **headed("history", document),
+    return dress(
+        "history",
+        xr.Dataset({key: ("time", column) for key, column in values.items()}),
+        document,
         N=N,
         f0=f0,
         C=C,
@@ -92,8 +89,8 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
         gravity=device.gravity,
         time_step=dt,
         **extremes._asdict(),
-        **stops,
-        **({"blow": blow} if settings.pulses[0].blows.size else {}),
+        **{key: place for key, place in stops.items() if math.isfinite(place)},
+        **({"blow": blow} if cells.pulses[0].blows.size else {}),
         **_differences(built, cells, settings),
     )
 
@@ -122,38 +119,10 @@ def extremes_of(study: Study, N: float, f0: float, C: float, step: float = 1.0) 
     return _record(built.with_step(step), cells, study.settings, samples=1)[-1]
 
 
-class _Largest:
-    """Extremes of a run, of which it is shown one window of steps after another."""
-
-    def __init__(self, rest: float, second: float):
-        """rest: z of the mass; second: w(L/2) at which the beam has snapped, um."""
-        self.rest, self.second, self.snapped = rest, second, False
-        self.most, self.to_snap = np.array([0.0, 0.0, 0.0, -np.inf]), -np.inf
-        self.last = np.empty((2, 0))
-
-    def show(self, values: Mapping[str, np.ndarray]) -> None:
-        """Take in the values of a window; NaN, of a run that failed, stays."""
-        y, stress = values["z_mass"] - self.rest, values["stress"]
-        most = -y.min(), y.max(), values["contact_force"].max(), stress.max()
-        self.most = np.maximum(self.most, most)
-        if self.snapped:
-            return
-        w, stress = path = np.append(self.last, [values["w_mid"], stress], axis=1)
-        self.last = path[:, -1:]
-        for i in np.flatnonzero(w <= self.second)[:1]:
-            share = (w[i - 1] - self.second) / (w[i - 1] - w[i])
-            stress = np.append(stress[:i], stress[i - 1] + share * (stress[i] - stress[i - 1]))
-            self.snapped = True
-        self.to_snap = np.maximum(self.to_snap, stress.max())
-
-    def extremes(self) -> Extremes:
-        """Those of all windows."""
-        return Extremes(*self.most.tolist(), float(self.to_snap))
-
-
 def _cell(study, N, f0, C):
     """The model at the step that a sweep takes for a cell, the cell, and when it then snaps, us."""
-    cells = to_cells(study.device, [0], [N], [f0], [C], study.settings.horizon)
+    at = [0], [N], [f0], [C], study.settings.horizon, 0, study.shocks.pulses
+    cells = to_cells(study.device, *at)
     built = choose_model(study.device, study.model).levels[-1]
     seen = built.follow(cells, study.settings._replace(repeat=False))
     return built.with_step(0.5 ** seen.halvings.item()), cells, seen.t_snap
@@ -164,28 +133,46 @@ def _record(built, cells, settings, samples):
 
     samples: instants that are kept or more, every one of a power of two of steps
     """
-    dt = built.steps.of(cells, settings.pulses, MOVE).item()
-    amplitude, per_us, damping, t_end = (column.item() for column in cells[2:])
+    dt = built.steps.of(cells, MOVE).item()
+    amplitude, per_us, damping, t_end = (column.item() for column in cells[2:6])
     steps = int(np.ceil(t_end / dt))
     stride = 2 ** max(0, math.floor(math.log2(max(1, steps / samples))))
-    shock, device, first = settings.pulses[0], built.device, built.barrier.first
+    shock, device, first = cells.pulses[0], built.device, built.barrier.first
     form, motions = built.loop().record(built, shock, amplitude, per_us, damping, dt, steps)
-    stress = stress_of(device.beam, built.basis, form.shapes)
-    largest, kept, done = _Largest(first + device.gap, built.barrier.second), [], 0
+    stress, rest = stress_of(device.beam, built.basis, form.shapes), first + device.gap
+    largest, to_snap, snapped = np.array([0.0, 0.0, 0.0, -np.inf]), -np.inf, False
+    kept, done, last = [], 0, np.empty((2, 0))
     for motion in motions:
         values = _observe(device, first, form, stress, motion)
-        largest.show(values)
+        y = values["z_mass"] - rest
+        of_window = -y.min(), y.max(), values["contact_force"].max(), values["stress"].max()
+        largest = np.maximum(largest, of_window)
+        if not snapped:
+            path = np.append(last, [values["w_mid"], values["stress"]], axis=1)
+            most, snapped = _stress_to(built.barrier.second, *path)
+            to_snap, last = np.maximum(to_snap, most), path[:, -1:]
         values |= {"time": motion.time, "dissipated_energy": motion.lost, "pulse_work": motion.work}
         kept.append({key: column[-done % stride :: stride] for key, column in values.items()})
         done += motion.time.size
-    values = {key: np.concatenate([part[key] for part in kept]) for key in kept[0]}
-    extremes = largest.extremes()
+    extremes = Extremes(*largest.tolist(), float(to_snap))
     warn_of_travel(device, -extremes.toward_max, extremes.away_max)
+    values = {key: np.concatenate([part[key] for part in kept]) for key in kept[0]}
     shaken = amplitude * shock.at(per_us * values["time"])
-    push = {"acceleration": shaken}
-    if device.force:
-        push = {"midpoint_force": shaken / device.gravity * device.force}
-    return dt, values | push, extremes
+    values |= (
+        {"midpoint_force": shaken / device.gravity * device.force}
+        if device.force
+        else {"acceleration": shaken}
+    )
+    return dt, values, extremes
+
+
+def _stress_to(second, w, stress):
+    """The largest stress until w(L/2) is at `second`, and whether it comes there."""
+    for i in np.flatnonzero(w <= second)[:1]:
+        share = (w[i - 1] - second) / (w[i - 1] - w[i])
+        there = stress[i - 1] + share * (stress[i] - stress[i - 1])
+        return np.append(stress[:i], there).max(), True
+    return stress.max(), False
 
 
 def _differences(model, cells, settings):
@@ -193,11 +180,9 @@ def _differences(model, cells, settings):
     settings = settings._replace(until="moved")
     # No snap ends a run of the model `reference` before its pulse is over.
     onward = replace(model, barrier=model.barrier._replace(second=-np.inf))
-    models = {work_error: onward, t_snap_error: model}
     differences = {}
-    for compare, one in models.items():
-        again = one.with_step(REPEATED_STEP)
-        runs = (each.follow_once(cells, settings) for each in (one, again))
+    for compare, own in ((work_error, onward), (t_snap_error, model)):
+        runs = (each.follow_once(cells, settings) for each in (own, own.with_step(REPEATED_STEP)))
         differences[compare.__name__] = compare(*runs).item()
     return differences
 
@@ -233,12 +218,12 @@ def warn_of_travel(device: Device, lowest: Value, highest: Value) -> None:
     """
     toward = np.where(np.isinf(device.stop_toward), -np.asarray(lowest), 0.0)
     away = np.where(np.isinf(device.stop_away), highest, 0.0)
-    way = np.fmax(toward, away)
-    beyond = np.atleast_1d(way / device.beam.height > FARTHEST)
+    travel = np.fmax(toward, away)
+    beyond = np.atleast_1d(travel / device.beam.height > FARTHEST)
     if beyond.any():
         runs = f" in {beyond.sum()} of {beyond.size} runs" if beyond.size > 1 else ""
         warnings.warn(
-            f"the mass travels up to {np.nanmax(way):.4g} um from rest{runs}, more than "
+            f"the mass travels up to {np.nanmax(travel):.4g} um from rest{runs}, more than "
             f"{FARTHEST:g} times the rise; if it meets the frame before, write device.stops",
             stacklevel=3,
         )

@@ -71,14 +71,13 @@ def compiled(function: Callable) -> Callable:
     speed needs is written out: fused multiply-adds, and sums in an order that vectorises over
     lanes. numba reads where to keep it here, and no other package's functions are moved.
     """
-    users = config.CACHE_DIR
+    users, room = config.CACHE_DIR, Path(function.__code__.co_filename).parent
     own = users or AppDirs("snapmap", False).user_cache_dir
-    config.CACHE_DIR = str(Path(own, _name_of_sources(Path(function.__code__.co_filename).parent)))
+    # numba hands the options of an inlined caller down unless they are said.
+    options = dict.fromkeys(INLINED, False)
+    config.CACHE_DIR = str(Path(own, f"kernels_{_hash(room)}"))
     try:
-        # numba hands the options of an inlined caller down unless they are said.
-        return njit(nogil=True, cache=True, error_model="numpy", **dict.fromkeys(INLINED, False))(
-            function
-        )
+        return njit(nogil=True, cache=True, error_model="numpy", **options)(function)
     finally:
         config.CACHE_DIR = users
 
@@ -92,40 +91,36 @@ def inlined(function: Callable) -> Callable:
 
 
 @cache
-def _name_of_sources(room):
-    """A name for what kernels of a folder are compiled from: its modules and those of this one.
+def _hash(room):
+    """Of what kernels of a folder are compiled from: its modules and those of this one.
 
     numba by itself sees an edit in the file of the function, and none in a file of what it calls.
     """
-    digest = hashlib.sha256()
-    for path in sorted({*room.glob("*.py"), *Path(__file__).parent.glob("*.py")}):
-        digest.update(hashlib.sha256(path.read_bytes()).digest())
-    return f"kernels_{digest.hexdigest()[:12]}"
+    paths = sorted({*room.glob("*.py"), *Path(__file__).parent.glob("*.py")})
+    return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:12]
 
 
-class OneByOne(caching.IndexDataCacheFile):
-    """The files of a function in numba's cache, which two processes add to one after the other.
+_save = caching.IndexDataCacheFile.save
 
-    Else both number their kernels alike, and one is called in the place of the other.
+
+def _save_alone(file, key, data):
+    """Add a kernel to numba's cache while no other process does.
+
+    Else both number their kernels alike, and a process calls one in the place of the other.
     """
-
-    def save(self, key: tuple, data: tuple) -> None:
-        """Add a kernel while no other process does."""
-        with open(f"{self._index_path}.lock", "w") as file:
-            with suppress(OSError):  # some file systems of clusters have no locks
-                fcntl.flock(file, fcntl.LOCK_EX)
-            super().save(key, data)
+    with open(f"{file._index_path}.lock", "w") as lock:
+        with suppress(OSError):  # some file systems of clusters have no locks
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        _save(file, key, data)
 
 
-caching.IndexDataCacheFile = OneByOne
+caching.IndexDataCacheFile.save = _save_alone
 
 
 class Reporter(event.Listener):
     """Reports once each size of kernel that is compiled: a user would else wait in silence."""
 
-    def __init__(self):
-        """Begin with no compilation under way."""
-        self.depth, self.reported = 0, set()
+    depth, reported = 0, frozenset()
 
     def on_start(self, event: event.Event) -> None:
         """Count a compilation; those within another are a part of it."""

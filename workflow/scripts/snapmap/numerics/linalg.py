@@ -48,13 +48,17 @@ def solve_all(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """x of a x = b for several right-hand sides, the columns of b, (..., n, m)."""
     n, m = b.shape[-2:]
     many = np.broadcast_shapes(a.shape[:-2], b.shape[:-2])
-    whole = [np.broadcast_to(part, (*many, *part.shape[-2:])) for part in (a, b)]
-    last = _matrices_last(np.concatenate(whole, axis=-1))
+    both = [np.broadcast_to(part, (*many, *part.shape[-2:])) for part in (a, b)]
+    last = _matrices_last(np.concatenate(both, axis=-1))
     x = np.empty((n, m, last.shape[-1]))
-    for first in range(0, last.shape[-1], TOGETHER):
-        some = slice(first, first + TOGETHER)
-        x[..., some] = _eliminate(np.array(last[..., some], float), n)
+    for block in _blocks(last):
+        x[..., block] = _eliminate(np.array(last[..., block], float), n)
     return np.moveaxis(x, -1, 0).reshape(*many, n, m)
+
+
+def _blocks(last):
+    """Slices of so many matrices as are at work at a time."""
+    return (slice(i, i + TOGETHER) for i in range(0, last.shape[-1], TOGETHER))
 
 
 def _matrices_last(a):
@@ -119,15 +123,14 @@ def _rotate(a, keep_vectors=True):
     *many, n, _ = a.shape
     last = _matrices_last(np.asarray(a))
     values, vectors = np.empty((n, last.shape[-1])), np.empty(last.shape)
-    for first in range(0, last.shape[-1], TOGETHER):
-        some = slice(first, first + TOGETHER)
-        block = np.array(last[..., some], float)
-        rows = np.repeat(np.eye(n)[..., np.newaxis], block.shape[-1], axis=-1)
-        turned = (block, block.swapaxes(0, 1), *[rows] * keep_vectors)
+    for block in _blocks(last):
+        a = np.array(last[..., block], float)
+        rows = np.repeat(np.eye(n)[..., np.newaxis], a.shape[-1], axis=-1)
+        turned = (a, a.swapaxes(0, 1), *[rows] * keep_vectors)
         for _ in range(SWEEPS):
-            if not any([_rotate_pairs(block, turned, p, q) for p, q in _rounds(n)]):
+            if not any([_rotate_pairs(a, turned, p, q) for p, q in _rounds(n)]):
                 break
-        values[:, some], vectors[..., some] = np.diagonal(block).T, rows
+        values[:, block], vectors[..., block] = np.diagonal(a).T, rows
     values = values.T.reshape(*many, n)
     return values, np.moveaxis(vectors, -1, 0).swapaxes(-1, -2).reshape(*many, n, n)
 

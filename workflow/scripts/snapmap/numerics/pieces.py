@@ -59,10 +59,10 @@ def sample(pieces, k, jumps, x, step):
     beyond = (x - 1) / step + 0.5
     if x >= 1:
         return end * (1 - beyond) if beyond < 1 else 0.0
-    found = value(pieces, k, x)
+    at_x = value(pieces, k, x)
     if x == 0:
-        found -= begin / 2
-    return found - end * beyond if beyond > 0 else found
+        at_x -= begin / 2
+    return at_x - end * beyond if beyond > 0 else at_x
 
 
 @compiled

@@ -18,21 +18,20 @@ midpoint.
 import numpy as np
 
 from ..numerics.linalg import dot
-from ..pulse import Pulse
 from .cells import Rows
 from .model import Follows
 
 
-def least_amplitudes(model: Follows, rows: Rows, pulses: tuple[Pulse, ...]) -> np.ndarray:
+def least_amplitudes(model: Follows, rows: Rows) -> np.ndarray:
     """Bound the N that can snap, multiples of g, (rows,): below, the energy does not suffice.
 
-    model: of a batch; pulses: those that the rows name
+    model: of a batch
     """
     bounds = np.empty((2, len(model.device)))
     for mine, part in model.split(np.arange(bounds.shape[1])):
         bounds[:, mine] = np.array(_of_devices(part))[:, mine]
     speed, swing = bounds[:, rows.device]
-    facts = np.array([(pulse.gross_area, pulse.variation) for pulse in pulses])
+    facts = np.array([(pulse.gross_area, pulse.variation) for pulse in rows.pulses])
     gross, ups_and_downs = facts[rows.pulse].T
     a = np.maximum(speed * rows.f0 * 1e-6 / gross, swing / ups_and_downs)
     return a / np.asarray(model.device.gravity)[rows.device]

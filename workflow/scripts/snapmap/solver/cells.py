@@ -7,12 +7,13 @@ import numpy as np
 from ..axes import Grid
 from ..device import Device
 from ..numerics.linalg import dot, multiply
+from ..pulse import HANDOUT_SHOCK, Pulse
 
 
 class Cells(NamedTuple):
     """Cells in internal units; arrays of one shape.
 
-    device: index of the device in the model's batch; pulse: of the pulse in the settings
+    device: index of the device in the model's batch; pulse: index in pulses
     amplitude: N g, um/us^2; f0: 1/us; damping: C, uN us/um; t_end: us
     """
 
@@ -22,26 +23,37 @@ class Cells(NamedTuple):
     f0: np.ndarray
     damping: np.ndarray
     t_end: np.ndarray
+    pulses: tuple[Pulse, ...]
 
     def some(self, which: np.ndarray) -> "Cells":
         """Those chosen by indices or a mask."""
-        return Cells(*(column[which] for column in self))
+        return Cells(*(column[which] for column in self[:-1]), self.pulses)
+
+    def flat(self) -> "Cells":
+        """The same in one dimension."""
+        return Cells(*map(np.ravel, self[:-1]), self.pulses)
 
 
 class Rows(NamedTuple):
     """Rows of cells that differ in N alone; arrays (rows,).
 
-    device: index in the model's batch; f0: Hz; C: uN us/um; pulse: index in the settings
+    device: index in the model's batch; f0: Hz; C: uN us/um; pulse: index in pulses
     """
 
     device: np.ndarray
     f0: np.ndarray
     C: np.ndarray
     pulse: np.ndarray
+    pulses: tuple[Pulse, ...]
 
     def some(self, which: np.ndarray | slice) -> "Rows":
         """Those chosen."""
-        return Rows(*(column[which] for column in self))
+        return Rows(*(column[which] for column in self[:-1]), self.pulses)
+
+    def cells(self, devices: Device, N, horizon: float) -> Cells:
+        """Their cells, (rows, n), at multiples of g that broadcast so; as `to_cells`."""
+        device, f0, C, pulse = (column[:, np.newaxis] for column in self[:-1])
+        return to_cells(devices, device, N, f0, C, horizon, pulse, self.pulses)
 
 
 class Observations(NamedTuple):
@@ -91,21 +103,23 @@ def rows_of(grid: Grid) -> Rows:
     C, f0 = grid.axes["C"], grid.axes["f0"]
     device, pulse = grid.device_of, np.arange(len(grid.pulses))
     device, pulse = np.expand_dims(device, (-3, -2, -1)), np.expand_dims(pulse, (-2, -1))
-    return to_rows(device, f0, C[:, np.newaxis], pulse)
+    return to_rows(device, f0, C[:, np.newaxis], pulse, grid.pulses)
 
 
-def to_rows(device, f0, C, pulse=0) -> Rows:
-    """Collect rows from arrays that broadcast; f0 in Hz, C in uN us/um."""
+def to_rows(device, f0, C, pulse=0, pulses=HANDOUT_SHOCK.pulses) -> Rows:
+    """Collect rows from arrays that broadcast; f0 in Hz, C in uN us/um; pulse: index in pulses."""
     indices = (np.asarray(column, np.int64) for column in (device, pulse))
     values = (np.asarray(column, float) for column in (f0, C))
     device, pulse, f0, C = (np.ravel(a) for a in np.broadcast_arrays(*indices, *values))
-    return Rows(device, f0, C, pulse)
+    return Rows(device, f0, C, pulse, pulses)
 
 
-def to_cells(devices: Device, device, N, f0, C, horizon: float, pulse=0) -> Cells:
+def to_cells(
+    devices: Device, device, N, f0, C, horizon: float, pulse=0, pulses=HANDOUT_SHOCK.pulses
+) -> Cells:
     """Convert cells, arrays that broadcast, from multiples of g, Hz, uN us/um and a horizon.
 
-    devices: one, or a batch; device: indices in it; pulse: indices in the settings' pulses
+    devices: one, or a batch; device: indices in it; pulse: indices in pulses
     horizon: followed after the pulse, us
     """
     indices = (np.asarray(column, np.int64) for column in (device, pulse))
@@ -115,7 +129,7 @@ def to_cells(devices: Device, device, N, f0, C, horizon: float, pulse=0) -> Cell
     f0 = f0 * 1e-6
     # Where there is no mass a damper holds its place at 0, whatever its constant.
     damping = np.where(np.atleast_1d(devices.is_alone)[device], 1.0, C * factor)
-    return Cells(device, pulse, N * gravity, f0, damping, 1 / f0 + horizon)
+    return Cells(device, pulse, N * gravity, f0, damping, 1 / f0 + horizon, pulses)
 
 
 class Motion(NamedTuple):

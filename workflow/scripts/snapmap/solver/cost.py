@@ -45,7 +45,7 @@ def steps_and_seconds(
     dt, seconds = np.empty((2, *cells.f0.shape))
     for mine, part in built.split(cells.device):
         some = cells.some(mine)
-        dt[mine] = part.steps.of(some, settings.pulses, settings.question)
+        dt[mine] = part.steps.of(some, settings.question)
         nanoseconds = 80 if plain else 1 + part.modes**2 / 20
         seconds[mine] = nanoseconds * 1e-9 * some.t_end / dt[mine]
     return dt, seconds

@@ -106,7 +106,7 @@ class Model:
         done. A cell whose ledger does not close is followed again with half the step, up to
         HALVINGS times; one whose pulse is too short to be followed has failed.
         """
-        flat = Cells(*(np.ravel(column) for column in cells))
+        flat = cells.flat()
         seen, left = no_observations(flat.f0.shape), self._followed(flat, settings)
         if settings.until == "settled" and self.name != "reference":
             first = self.follow_once(flat.some(left), settings._replace(until="pulse"))
@@ -125,13 +125,13 @@ class Model:
     def _followed(self, cells, settings):
         """Indices of the cells whose pulse needs no step below SMALLEST."""
         longest = self.steps.longest[MOVE][cells.device]
-        dt = self.steps.of(cells, settings.pulses, settings.question)
+        dt = self.steps.of(cells, settings.question)
         return np.flatnonzero(dt >= self.steps.factor * SMALLEST * longest)
 
     def follow_once(self, cells: Cells, settings: Settings) -> Observations:
         """Follow every cell, (cells,), in steps of the rule, whatever its ledger then says."""
         seen = no_observations(cells.f0.shape)
-        dt = self.steps.of(cells, settings.pulses, settings.question)
+        dt = self.steps.of(cells, settings.question)
         # Lanes run side by side: those of one call should take about as many steps.
         order = np.argsort(-cells.t_end / dt, kind="stable")
 

@@ -243,7 +243,7 @@ def march(model, cells, dt, settings):
     Returns what the SIMD kernel does; no well is known
     """
     found = np.empty((3, cells.f0.size))
-    pulses = [one.curve for one in settings.pulses]
+    pulses = [one.curve for one in cells.pulses]
     for which in np.unique(cells.device):
         one = model.pick(which)
         system = nodal_system(one.device, one.basis)

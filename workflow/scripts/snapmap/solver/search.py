@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .cells import Rows, to_cells
+from .cells import Rows
 from .model import Follows
 from .settings import THRESHOLD_TOLERANCE, Settings
 
@@ -65,9 +65,7 @@ def asker(model: Follows, rows: Rows, settings: Settings, until: str = "edge") -
 
     def ask(N):
         given = np.isfinite(N)
-        columns = (np.broadcast_to(column[:, np.newaxis], N.shape)[given] for column in rows)
-        device, f0, C, pulse = columns
-        cells = to_cells(model.device, device, N[given], f0, C, asked.horizon, pulse)
+        cells = rows.cells(model.device, N, asked.horizon).some(given)
         t_snap = np.full(N.shape, np.nan)
         seen = model.follow(cells, asked)
         lost = np.isnan(seen.t_snap) & ~(seen.energy_error <= asked.energy_tolerance)

@@ -2,8 +2,6 @@
 
 from typing import NamedTuple
 
-from ..pulse import Pulse, make_pulse
-
 UNTIL = ("settled", "snap")
 SNAP, EDGE, STAY, MOVE = QUESTIONS = ("snap", "edge", "stay", "move")
 """Does it snap, from which N on, where does it stay, how does it move: each has its time step."""
@@ -25,7 +23,6 @@ class Settings(NamedTuple):
     repeat: whether each cell is run again with another step, to see if its outcome is reproduced
     energy_tolerance: a run is believed if its energy ledger closes within this share of the
         pulse's gross work
-    pulses: what the cells' indices of pulses refer to
     """
 
     horizon: float = 1500.0
@@ -33,7 +30,6 @@ class Settings(NamedTuple):
     repeat: bool = True
     energy_tolerance: float = 1e-3
     threads: int = 1
-    pulses: tuple[Pulse, ...] = (make_pulse(),)
 
     @property
     def question(self) -> str:
@@ -41,6 +37,5 @@ class Settings(NamedTuple):
         return QUESTION[self.until]
 
     def asked(self) -> dict:
-        """All but the threads, on which no result depends, and the pulses."""
-        left_out = "threads", "pulses"
-        return {key: value for key, value in self._asdict().items() if key not in left_out}
+        """All but the threads, on which no result depends."""
+        return {key: value for key, value in self._asdict().items() if key != "threads"}

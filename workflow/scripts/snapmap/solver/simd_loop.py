@@ -25,29 +25,29 @@ def march(model, cells, dt, settings):
     n_cells = cells.f0.size
     t_snap, t_settled, *others = (np.empty(n_cells) for _ in range(5))
     facts = Facts(t_snap, t_settled, np.empty(n_cells, np.int8), *others)
-    devices, pulses = coefficients(model, snap_target(model)), table(settings.pulses)
+    devices, pulses = coefficients(model, snap_target(model)), table(cells.pulses)
     ends = settings.until in ("snap", "edge", "pulse"), settings.until == "pulse"
-    task = Task(devices, pulses, *cells, dt, *ends, settings.energy_tolerance, facts)
+    task = Task(devices, pulses, *cells[:-1], dt, *ends, settings.energy_tolerance, facts)
     follow_all(*empty_lanes(model), task)
     return facts
 
 
-def trace(model, device, dt, pulses, cells, bins, stress=None):
+def trace(model, cells, dt, width, bins, stress=None):
     """Follow up to LANES cells, each through `bins` bins of its own width.
 
-    device: index of each cell's; dt: us, (cells,)
-    pulses: those that the cells name; cells: as in `trace_all`
+    dt: us, width: steps in a bin; (cells,)
     stress: of the cells, (cells, ...), as `stress_rows` has it of their devices, if it is asked
     Returns w_range, instants and the largest stress from there
     """
-    n_cells = cells[0].size
+    n_cells = width.size
     w_range, instants = np.empty((2, bins, n_cells)), np.empty((3, bins, n_cells))
     kept = w_range, instants, np.full(n_cells, -np.inf)
     k = model.modes
     rows = np.empty((0, 1, k + 2)) if stress is None else stress.copy()
     rows[:, :-1, k] /= (dt * dt)[: len(rows), np.newaxis]
-    devices = coefficients(model, -np.inf)[device]
-    trace_all(*empty_lanes(model), devices, dt, table(pulses), cells, rows, kept)
+    devices = coefficients(model, -np.inf)[cells.device]
+    loads = *cells[1:5], width
+    trace_all(*empty_lanes(model), devices, dt, table(cells.pulses), loads, rows, kept)
     return kept
 
 

@@ -1,6 +1,6 @@
 """How long the time steps of a run are: by the question, the pulse and the device; and limits."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,7 +8,6 @@ import numpy as np
 from ..beam.modal import ModalBeam, contact_stiffness
 from ..device import Device, Value
 from ..numerics.linalg import dot, eigenvalues, outer, solve
-from ..pulse import Pulse
 from .cells import Cells
 from .settings import EDGE, MOVE, QUESTIONS, SNAP, STAY
 
@@ -80,9 +79,9 @@ class Steps:
     striking: float = 1.0
     factor: float = 1.0
 
-    def of(self, cells: Cells, pulses: Sequence[Pulse], question: str) -> np.ndarray:
-        """Time step of each cell, us, in the cells' shape; pulses: what the cells refer to."""
-        swings = np.array([pulse.swings for pulse in pulses])[cells.pulse]
+    def of(self, cells: Cells, question: str) -> np.ndarray:
+        """Time step of each cell, us, in the cells' shape."""
+        swings = np.array([pulse.swings for pulse in cells.pulses])[cells.pulse]
         swing = 1 / (swings * cells.f0)
         resolved, shortest = swing / self.per_swing, self.shortest[cells.device]
         if question == EDGE:
@@ -90,7 +89,7 @@ class Steps:
             resolved = np.minimum(resolved, strikes * shortest)
         longest = self.longest[question][cells.device]
         if question in (SNAP, EDGE):
-            smooth, strikes = np.array([(one.is_smooth, one.strikes) for one in pulses]).T
+            smooth, strikes = np.array([(one.is_smooth, one.strikes) for one in cells.pulses]).T
             strikes = strikes[cells.pulse] | self.apart[cells.device]
             calm = smooth[cells.pulse] & ~strikes
             fast = np.where(calm, 1 / (1 + (swing / self.calms[cells.device]) ** 2), 1.0)

@@ -5,13 +5,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from ..axes import coordinates
 from ..device import Device
-from ..io.variables import headed
-from ..pulse import DIRECTIONS
+from ..io.variables import dress
+from ..pulse import DIRECTIONS, Pulse
 from ..solver.adaptive import choose_survey
-from ..solver.cells import to_rows
+from ..solver.cells import Rows, to_rows
+from ..solver.model import Follows
 from ..solver.search import asker
+from ..solver.settings import Settings
 from ..study import THRESHOLD_SETTINGS, Study, study_of
 from .srs import check_points, record
 
@@ -43,8 +44,8 @@ def srs_test(
     Records of one spectrum differ: a device passes where none snaps it, or all do, with a margin.
 
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> asked = {"srs": [(500, 700), (2000, 1500)], "records": 2, "model": "cosines", "horizon": 0}
-    >>> snaps = snapmap.srs_test(device, C=[25], **asked).snaps
+    >>> shaken = {"srs": [(500, 700), (2000, 1500)], "records": 2, "model": "cosines", "horizon": 0}
+    >>> snaps = snapmap.srs_test(device, C=[25], **shaken).snaps
     >>> snaps.sel(factor=[0.25, 4]).mean("record").squeeze().values.tolist()
     [0.0, 1.0]
     """
@@ -55,40 +56,51 @@ def srs_test(
 
 
 def trips_of(
-    study: Study, axes: Mapping[str, Sequence[float]], points: np.ndarray, asked: Mapping
+    study: Study, axes: Mapping[str, Sequence[float]], points: np.ndarray, drawn: Mapping
 ) -> xr.Dataset:
     """Follow a study's devices under records of a spectrum, as `srs_test` returns it.
 
-    axes: values of the device, and C; points: as from `check_points`; asked: records, seed
+    axes: values of the device, and C; points: as from `check_points`; drawn: records, seed
     """
-    drawn = [record(points, [asked["seed"], number]) for number in range(asked["records"])]
+    records = [record(points, [drawn["seed"], number]) for number in range(drawn["records"])]
     along = DIRECTIONS[study.shocks.directions[0]]
-    pulses = tuple(one.pulse if along > 0 else one.pulse.reversed() for one in drawn)
-    peak = np.array([one.peak for one in drawn])
-    grid, settings = study.set_out(axes), study.settings._replace(pulses=pulses)
-    f0 = np.array([1e6 / one.duration for one in pulses])
-    device = grid.device_of[..., np.newaxis, np.newaxis]
-    rows = to_rows(device, f0, grid.axes["C"][:, np.newaxis], np.arange(len(pulses)))
-    snaps, there = np.full((rows.device.size, len(FACTORS)), np.nan), rows.device >= 0
-    some = rows.some(there)
-    ask = asker(choose_survey(grid.device, study.model).decides, some, settings, until="snap")
-    t_snap = ask(peak[some.pulse][:, np.newaxis] * FACTORS)
+    pulses = [(one.pulse if along > 0 else one.pulse.reversed(), one.peak) for one in records]
+    grid = study.set_out(axes)
+    rows = to_rows(grid.device_of[..., np.newaxis], 1.0, grid.axes["C"])
+    there, model = rows.device >= 0, choose_survey(grid.device, study.model).decides
+    snaps = np.full((there.size, len(pulses), len(FACTORS)), np.nan)
+    t_snap = snap_times(model, rows.some(there), pulses, FACTORS, study.settings)
     snaps[there] = np.where(np.isinf(t_snap), np.nan, np.isfinite(t_snap))
-    each = {
-        "peak": (peak, "1"),
-        "duration": ([one.pulse.duration for one in drawn], "us"),
-        "deviation": ([abs(one.deviation).max() for one in drawn], "dB"),
+    snaps = snaps.reshape(*grid.shape, len(pulses), len(FACTORS))
+    data = {
+        "peak": ("record", [one.peak for one in records]),
+        "duration": ("record", [one.pulse.duration for one in records]),
+        "deviation": ("record", [abs(one.deviation).max() for one in records]),
+        "snaps": ((*grid.axes, "record", "factor"), snaps),
     }
-    data = {key: ("record", values, {"units": unit}) for key, (values, unit) in each.items()}
-    data["snaps"] = (
-        (*grid.axes, "record", "factor"),
-        snaps.reshape(*grid.shape, len(pulses), len(FACTORS)),
-        {"long_name": "whether the record snaps it", "units": "1"},
-    )
-    document = study.document(THRESHOLD_SETTINGS) | {"srs": points.tolist(), **asked}
-    return xr.Dataset(data, coordinates(grid.axes) | {"factor": list(FACTORS)}).assign_attrs(
-        **headed("spectrum", document),
-    )
+    document = study.document(THRESHOLD_SETTINGS) | {"srs": points.tolist(), **drawn}
+    return dress("spectrum", xr.Dataset(data, grid.axes | {"factor": list(FACTORS)}), document)
+
+
+def snap_times(
+    model: Follows,
+    rows: Rows,
+    records: Sequence[tuple[Pulse, float]],
+    levels: Sequence[float],
+    settings: Settings,
+) -> np.ndarray:
+    """When records at levels snap rows, us, (rows, records, levels); NaN if not, -inf if unknown.
+
+    rows: of which f0 and pulse are of no account; records: pulses with their peaks, multiples of g;
+    levels: over those
+    """
+    pulses, peaks = zip(*records, strict=True)
+    device, C = rows.device[:, np.newaxis], rows.C[:, np.newaxis]
+    f0 = [1e6 / one.duration for one in pulses]
+    cells = to_rows(device, f0, C, np.arange(len(pulses)), pulses)
+    ask = asker(model, cells, settings, until="snap")
+    t_snap = ask(np.multiply.outer(np.array(peaks)[cells.pulse], levels))
+    return t_snap.reshape(rows.C.size, len(pulses), len(levels))
 
 
 def ends(snaps: np.ndarray) -> tuple[float, float, float, float]:
@@ -100,17 +112,15 @@ def ends(snaps: np.ndarray) -> tuple[float, float, float, float]:
     factors, stays = np.array(FACTORS), snaps == 0
     none = np.logical_and.accumulate(stays.all(axis=0))
     every = np.logical_and.accumulate((snaps == 1).all(axis=0)[::-1])[::-1]
-    some = (snaps == 1).any(axis=0)
-    return (
-        *(factors[none].max(initial=0), factors[some].min(initial=np.inf)),
-        *(factors[stays.any(axis=0)].max(initial=0), factors[every].min(initial=np.inf)),
-    )
+    first = factors[(snaps == 1).any(axis=0)].min(initial=np.inf)
+    last = factors[stays.any(axis=0)].max(initial=0)
+    return factors[none].max(initial=0), first, last, factors[every].min(initial=np.inf)
 
 
-def summary(found: xr.Dataset) -> str:
+def summary(tested: xr.Dataset) -> str:
     """One line: the share of records that snaps, below which factor none and from which all do."""
-    quiet, _, _, sure = ends(found.snaps.transpose(..., "factor").values.reshape(-1, len(FACTORS)))
-    told = [f"{found.snaps.sel(factor=1.0).mean().item():.0%} of the runs snap"]
-    told += [f"none up to {quiet:.2g} times it"] if quiet else []
-    told += [f"all from {sure:.2g} times it"] if sure < np.inf else []
-    return ", ".join(told)
+    quiet, _, _, sure = ends(tested.snaps.transpose(..., "factor").values.reshape(-1, len(FACTORS)))
+    words = [f"{tested.snaps.sel(factor=1.0).mean().item():.0%} of the runs snap"]
+    words += [f"none up to {quiet:.2g} times it"] if quiet else []
+    words += [f"all from {sure:.2g} times it"] if sure < np.inf else []
+    return ", ".join(words)

@@ -24,17 +24,18 @@ def check_vibrations(
     N, N_first and N_error of a verdict are levels in g rms, with the wider half of the bounds.
     """
     verdicts = []
-    for asked, name, one in each_device(study, vibrations):
-        chance = 1 - asked["probability"] if asked["snaps"] else asked["probability"]
-        drawn = {"records": RECORDS, "seed": SEED, "reach": chance, "duration": asked["duration"]}
-        found = vibration_of(one, {"C": C}, Spectrum(asked["psd"]), drawn)
-        shock = "random", "both", found.rms, np.nan, 1e3 * asked["duration"]
-        for i, damping in enumerate(C):
-            row = found.isel(C=i)
-            level, low, high = (row[key].item() for key in ("level", "level_low", "level_high"))
+    for required, name, own in each_device(study, vibrations):
+        chance, T = required["probability"], required["duration"]
+        reach = 1 - chance if required["snaps"] else chance
+        drawn = {"records": RECORDS, "seed": SEED, "reach": reach, "duration": T}
+        shaken = vibration_of(own, {"C": C}, Spectrum(required["psd"]), drawn)
+        shock = "random", "both", shaken.rms, np.nan, 1e3 * T
+        keys = "snaps", "level_low", "level_high", "level"
+        columns = (shaken[key].values.tolist() for key in keys)
+        for damping, snaps, low, high, level in zip(C, *columns, strict=True):
             error = max(high - level, level - low) if np.isfinite(level) else np.nan
-            seen = bool(row.snaps > 0), low, high, level, error
-            verdicts.append(_verdict(asked, name, shock, damping, *seen))
+            seen = snaps > 0, low, high, level, error
+            verdicts.append(_verdict(required, name, shock, damping, *seen))
     return verdicts
 
 
@@ -48,28 +49,29 @@ def check_spectra(
     N, N_first and N_error of a verdict are factors of the spectrum, with half the step about it.
     """
     verdicts, drawn = [], {"records": records, "seed": SEED}
-    for asked, name, one in each_device(study, spectra):
-        one = replace(one, shocks=shocks_from(direction=asked["direction"]))
+    for required, name, own in each_device(study, spectra):
+        must, direction = required["snaps"], required["direction"]
+        own = replace(own, shocks=shocks_from(direction=direction))
         try:
-            found = trips_of(one, {"C": C}, check_points(asked["srs"]), drawn)
+            tested = trips_of(own, {"C": C}, check_points(required["srs"]), drawn)
         except ValueError as error:  # a spectrum that no record meets is seen only here
-            raise ValueError(f"{asked['name']}: {error}") from None
-        shock = "spectrum", asked["direction"], 1.0, np.nan, np.nan
-        for damping, snaps in zip(C, found.snaps.values, strict=True):
-            low, high = ends(snaps)[2:] if asked["snaps"] else ends(snaps)[:2]
-            half = (high - low) / 2 if high < np.inf else np.nan
+            raise ValueError(f"{required['name']}: {error}") from None
+        shock = "spectrum", direction, 1.0, np.nan, np.nan
+        for damping, snaps in zip(C, tested.snaps.values, strict=True):
+            low, high = ends(snaps)[2:] if must else ends(snaps)[:2]
+            middle, half = (high + low) / 2, (high - low) / 2
             given = snaps[:, FACTORS.index(1.0)] == 1
-            snapped = given.all() if asked["snaps"] else given.any()
-            seen = snapped, low, high, (high + low) / 2 if high < np.inf else np.nan, half
-            verdicts.append(_verdict(asked, name, shock, damping, *seen))
+            level = (middle, half) if high < np.inf else (np.nan, np.nan)
+            seen = given.all() if must else given.any(), low, high, *level
+            verdicts.append(_verdict(required, name, shock, damping, *seen))
     return verdicts
 
 
-def _verdict(asked, name, shock, C, snapped, low, high, level, error):
+def _verdict(required, name, shock, C, snapped, low, high, level, error):
     """shock: of a verdict, shape to duration; low, high: between which the level lies."""
-    N, must = shock[2], asked["snaps"]
+    N, must = shock[2], required["snaps"]
     verdict = UNCLEAR
     if low > N or high < N:
         verdict = MET if (high < N) == must else VIOLATED
     seen = "snapped" if snapped else "unsnapped", level, error, level / N, error / N, verdict
-    return Verdict(asked["name"], name, *shock, C, must, *seen, np.nan, np.nan)
+    return Verdict(required["name"], name, *shock, C, must, *seen, np.nan, np.nan)

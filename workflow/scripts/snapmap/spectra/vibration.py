@@ -3,22 +3,19 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from ..axes import coordinates
 from ..device import Device
 from ..io.provenance import recipe
-from ..io.variables import headed, variables
+from ..io.variables import dress
 from ..pulse import HANDOUT_SHOCK
 from ..solver.adaptive import choose_survey
-from ..solver.cells import Rows, to_cells, to_rows
-from ..solver.model import Follows
-from ..solver.settings import Settings
+from ..solver.cells import to_rows
 from ..study import THRESHOLD_SETTINGS, Study, study_of
 from .psd import REACH, Spectrum
+from .trips import snap_times
 
 RECORDS, SEED = 16, 1
 """Records by default, and the seed of their phases."""
@@ -35,16 +32,6 @@ PIECES = 2_000_000
 NORMAL = 1.959964
 """Standard deviations within which a normal number is at 95 %."""
 ENOUGH = 1e-12
-
-VARIABLES = variables("vibration")
-
-
-class Seen(NamedTuple):
-    """What was seen at a level of each row: records that snap and that fail, and time, s."""
-
-    snaps: np.ndarray
-    failed: np.ndarray
-    time: np.ndarray
 
 
 def vibration(
@@ -67,107 +54,83 @@ def vibration(
     options: reach, the probability within the duration whose level is looked for, 0.01 by default;
         energy_tolerance and threads, as in `study.study_of`; values of the device, as axes; and
         options of the model; `auto` is its threshold's, five cosines
-    The variables are those of VARIABLES, (..., C), levels in g rms: rate and probability from the
+    The variables are (..., C), levels in g rms: rate and probability from the
     snaps seen at the given level, bounds by Poisson's distribution; the level by Rice's law, fitted
     to what was seen at this one and others, its bounds those of the fit, inf where even long runs
     do not tell. Attributes: rms, of the given spectrum, duration, reach, record_length.
 
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> asked = {"psd": [(20, 4.0), (2000, 4.0)], "duration": 0.1, "model": "cosines"}
-    >>> found = snapmap.vibration(device, C=[25], records=2, reach=0.5, **asked)
-    >>> round(found.rms), found.snaps.values.tolist()
+    >>> shaken = {"psd": [(20, 4.0), (2000, 4.0)], "duration": 0.1, "model": "cosines"}
+    >>> rates = snapmap.vibration(device, C=[25], records=2, reach=0.5, **shaken)
+    >>> round(rates.rms), rates.snaps.values.tolist()
     (89, [0.0])
     """
     options = dict(options)
     reach = options.pop("reach", REACH)
     study, varied = study_of(device, model, options, ("energy_tolerance", "threads"))
     study.require_frame("random vibration")
-    asked = {"duration": duration, "records": records, "seed": seed, "reach": reach}
-    return vibration_of(study, {**varied, "C": C}, Spectrum(psd), asked)
+    drawn = {"duration": duration, "records": records, "seed": seed, "reach": reach}
+    return vibration_of(study, {**varied, "C": C}, Spectrum(psd), drawn)
 
 
 def vibration_of(
-    study: Study, axes: Mapping[str, Sequence[float]], spectrum: Spectrum, asked: Mapping
+    study: Study, axes: Mapping[str, Sequence[float]], spectrum: Spectrum, drawn: Mapping
 ) -> xr.Dataset:
     """Find the rate and the level of a study's devices, as `vibration` returns them.
 
     study: whose pulse is of no account
-    axes: values of the device, and C; asked: duration, records, seed and reach
+    axes: values of the device, and C; drawn: duration, records, seed and reach
     """
     study = replace(study, shocks=HANDOUT_SHOCK)
     grid = study.set_out(axes)
-    length, rms, T = spectrum.record_length(asked["duration"]), spectrum.rms, asked["duration"]
+    T, records, seed, reach = (drawn[key] for key in ("duration", "records", "seed", "reach"))
+    length, rms = spectrum.record_length(T), spectrum.rms
     model = choose_survey(grid.device, study.model).decides.with_step(STEP)
-    rows = to_rows(grid.device_of[..., np.newaxis], 1 / length, grid.axes["C"])
+    rows = to_rows(grid.device_of[..., np.newaxis], 1.0, grid.axes["C"])
+    settings = study.settings._replace(horizon=0.0)
+    together = max(1, PIECES // len(spectrum.record(length, [seed, 0])[0].pieces))
 
     def follow(which, level):
-        return _follow(model, rows.some(which), study.settings, spectrum, asked, level)
+        """How many records snap at a level, and fail, and the time, s, of rows, (3, rows)."""
+        seen = np.zeros((3, which.size))
+        for begin in range(0, records, together):
+            numbers = range(begin, min(begin + together, records))
+            pulses = [spectrum.record(length, [seed, number]) for number in numbers]
+            t_snap = snap_times(model, rows.some(which), pulses, [level], settings)[..., 0]
+            failed, snapped = np.isinf(t_snap), np.isfinite(t_snap)
+            time = np.where(snapped, t_snap * 1e-6, np.where(failed, 0.0, length))
+            seen += [column.sum(axis=1) for column in (snapped, failed, time)]
+        return seen
 
     there = rows.device >= 0
-    ladder = _climb(follow, there, asked["records"])
-    given, needed = ladder[0], -math.log1p(-asked["reach"]) / T
-    levels = np.array([_level(ladder, row, needed) for row in range(given.time.size)]) * rms
-    data = _rates(given, T) | dict(zip(("level", "level_low", "level_high"), levels.T, strict=True))
-    document = study.document(THRESHOLD_SETTINGS) | {
-        "vibration": {"psd": [spectrum.f.tolist(), spectrum.density.tolist()], **asked}
+    ladder = _climb(follow, there, records)
+    needed = -math.log1p(-reach) / T
+    levels = np.array([_level(ladder, row, needed) for row in range(there.size)]) * rms
+    data = _rates(ladder[0], T)
+    data |= dict(zip(("level", "level_low", "level_high"), levels.T, strict=True))
+    section = {"psd": [spectrum.f.tolist(), spectrum.density.tolist()], **drawn}
+    document = study.document(THRESHOLD_SETTINGS) | {"vibration": section}
+    columns = {
+        key: (tuple(grid.axes), np.where(there, values, np.nan).reshape(grid.shape))
+        for key, values in data.items()
     }
-    return xr.Dataset(
-        {
-            key: (
-                tuple(grid.axes),
-                np.where(there, data[key], np.nan).reshape(grid.shape),
-                attributes,
-            )
-            for key, attributes in VARIABLES.items()
-        },
-        coordinates(grid.axes),
-    ).assign_attrs(
-        rms=rms,
-        record_length=length,
-        recipe=recipe(document, ()),
-        **asked,
-        **headed("vibration", document),
-    )
+    about = {"rms": rms, "record_length": length, "recipe": recipe(document, ()), **drawn}
+    return dress("vibration", xr.Dataset(columns, grid.axes), document, **about)
 
 
-def _follow(
-    model: Follows, rows: Rows, settings: Settings, spectrum: Spectrum, asked: Mapping, level: float
-) -> Seen:
-    """Follow all records at a level of some rows, so many at a time as PIECES allow."""
-    length = spectrum.record_length(asked["duration"])
-    size = max(1, PIECES // len(spectrum.record(length, [asked["seed"], 0])[0].pieces))
-    device, f0, C, _ = (column[:, np.newaxis] for column in rows)
-    seen = Seen(*np.zeros((3, rows.C.size)))
-    for begin in range(0, asked["records"], size):
-        numbers = range(begin, min(begin + size, asked["records"]))
-        drawn = [spectrum.record(length, [asked["seed"], n]) for n in numbers]
-        pulses, peaks = zip(*drawn, strict=True)
-        N = level * np.array(peaks)
-        cells = to_cells(model.device, device, N, f0, C, 0.0, np.arange(len(pulses)))
-        found = model.follow(cells, settings._replace(until="snap", repeat=False, pulses=pulses))
-        failed = ~(found.energy_error <= settings.energy_tolerance)
-        snapped = np.isfinite(found.t_snap) & ~failed
-        time = np.where(snapped, found.t_snap * 1e-6, length)
-        seen.snaps[:] += snapped.sum(axis=1)
-        seen.failed[:] += failed.sum(axis=1)
-        seen.time[:] += np.where(failed, 0.0, time).sum(axis=1)
-    return seen
-
-
-def _climb(follow: Callable, there: np.ndarray, records: int) -> dict[int, Seen]:
+def _climb(follow: Callable, there: np.ndarray, records: int) -> dict[int, np.ndarray]:
     """What is seen at rungs about the given level, 0: by STRIDE from none that snaps to all.
 
-    follow: of indices of rows and a level; there: rows that have a device
+    follow: of indices of rows and a level: snaps, failed, time; there: rows that have a device
     A rung holds NaN for rows at which it was not looked.
     """
     ladder = {}
 
     def look(rung, which):
-        seen = ladder.setdefault(rung, Seen(*np.full((3, there.size), np.nan)))
-        which = which[np.isnan(seen.snaps[which])]
+        seen = ladder.setdefault(rung, np.full((3, there.size), np.nan))
+        which = which[np.isnan(seen[0, which])]
         if which.size:
-            for column, part in zip(seen, follow(which, RUNG**rung), strict=True):
-                column[which] = part
+            seen[:, which] = follow(which, RUNG**rung)
         return seen
 
     every = np.flatnonzero(there)
@@ -175,8 +138,7 @@ def _climb(follow: Callable, there: np.ndarray, records: int) -> dict[int, Seen]
     for last, side in ((all_snap, 1), (none_snaps, -1)):
         rung, left = 0, every
         while left.size and abs(rung) <= FARTHEST:
-            seen = look(rung, left)
-            snaps, failed = seen.snaps[left], seen.failed[left]
+            snaps, failed, _ = look(rung, left)[:, left]
             stays = snaps + failed < records if side > 0 else snaps > 0
             last[left], left, rung = rung, left[stays], rung + side * STRIDE
     for rung in range(none_snaps[every].min(initial=0), all_snap[every].max(initial=0)):
@@ -185,31 +147,32 @@ def _climb(follow: Callable, there: np.ndarray, records: int) -> dict[int, Seen]
     return ladder
 
 
+def _seen(ladder, row):
+    """Snaps and time by rung of a row, ascending, where a run did not fail."""
+    return {rung: ladder[rung][::2, row] for rung in sorted(ladder) if ladder[rung][2, row] > 0}
+
+
 def _last_quiet(ladder, row):
     """The highest rung seen so far below which no record snaps, or the lowest; 0 if all fail."""
-    rungs = sorted(rung for rung in ladder if ladder[rung].time[row] > 0)
-    snaps = [rung for rung in rungs if ladder[rung].snaps[row] > 0]
-    quiet = [rung for rung in rungs if not snaps or rung < snaps[0]]
-    return quiet[-1] if quiet else min(rungs, default=0)
+    seen = _seen(ladder, row)
+    first = next((rung for rung, (snaps, _) in seen.items() if snaps > 0), math.inf)
+    return max((rung for rung in seen if rung < first), default=min(seen, default=0))
 
 
-def _level(ladder: Mapping[int, Seen], row: int, needed: float) -> tuple[float, float, float]:
+def _level(ladder: Mapping[int, np.ndarray], row: int, needed: float) -> tuple[float, float, float]:
     """Level over the given one at which the rate is `needed`, 1/s, and its bounds."""
-    rungs = sorted(rung for rung in ladder if ladder[rung].time[row] > 0)
-    seen = [rung for rung in rungs if ladder[rung].snaps[row] > 0]
-    if not seen:
-        return (np.inf,) * 3 if rungs else (np.nan,) * 3
-    rungs = [rung for rung in rungs if rung < seen[0] + RUNGS]
-    x = [RUNG ** (-2 * rung) for rung in rungs]
-    counts = [ladder[rung].snaps[row] for rung in rungs]
-    times = [ladder[rung].time[row] for rung in rungs]
-    a, b, variance = fit_rates(x, counts, times)
+    seen = _seen(ladder, row)
+    first = next((rung for rung, (snaps, _) in seen.items() if snaps > 0), None)
+    if first is None:
+        return (np.inf,) * 3 if seen else (np.nan,) * 3
+    near = [(RUNG ** (-2 * rung), *seen[rung]) for rung in seen if rung < first + RUNGS]
+    a, b, variance = fit_rates(*zip(*near, strict=True))
     if not b > 0:
         return np.nan, np.nan, np.nan
     reached = (a - math.log(needed)) / b
     spread = math.sqrt(variance(reached)) / b
     bounds = reached, reached + NORMAL * spread, reached - NORMAL * spread
-    return tuple(one**-0.5 if one > 0 else np.inf for one in bounds)
+    return tuple(end**-0.5 if end > 0 else np.inf for end in bounds)
 
 
 def fit_rates(x: Sequence[float], counts: Sequence[float], times: Sequence[float]):
@@ -236,11 +199,11 @@ def fit_rates(x: Sequence[float], counts: Sequence[float], times: Sequence[float
     return a, b, lambda one: scatter * (s2 - 2 * s1 * one + s0 * one * one) / det
 
 
-def _rates(given: Seen, T: float) -> dict[str, np.ndarray]:
+def _rates(seen: np.ndarray, T: float) -> dict[str, np.ndarray]:
     """Rate and probability within T, s, with bounds by Poisson's distribution."""
     from scipy.special import chdtri  # half a second, for which nobody else has to wait
 
-    n, time = given.snaps, given.time
+    n, failed, time = seen
     with np.errstate(divide="ignore", invalid="ignore"):
         rates = {
             "rate": n / time,
@@ -250,4 +213,4 @@ def _rates(given: Seen, T: float) -> dict[str, np.ndarray]:
     chances = {
         key.replace("rate", "probability"): -np.expm1(-rate * T) for key, rate in rates.items()
     }
-    return {"snaps": n, "simulated": time, "failed": given.failed} | rates | chances
+    return {"snaps": n, "simulated": time, "failed": failed} | rates | chances

@@ -3,17 +3,20 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+import netCDF4
 import numpy as np
 import xarray as xr
 
 from ..axes import NAMES
 from ..io.atomic import is_whole
 from ..solver.outcome import OUTCOMES
-from .cube import dress, with_summary
+from .cube import as_cube, with_summary
 from .slabs import open_slab
 
 BLOCK_CELLS = 10**6
 """Cells held in memory at a time, and compressed together in the cube."""
+SLAB_CACHE = 2**20
+"""Bytes that an open slab keeps of each variable that was read."""
 
 
 def collect_slabs(
@@ -45,7 +48,7 @@ def collect_slabs(
     # Names keep the order that they were given in.
     slabs = slabs.sel({key: axes[key] for key in axes if key in NAMES}).chunk(sizes)
     variables = {key: slabs[key].data for key in slabs.data_vars}
-    return with_summary(dress(axes, variables, document))
+    return with_summary(as_cube(axes, variables, document))
 
 
 def open_slabs(paths: Sequence[str | Path]) -> xr.Dataset:
@@ -59,19 +62,11 @@ def open_slabs(paths: Sequence[str | Path]) -> xr.Dataset:
             faults.append(str(error))
     if faults:
         raise ValueError("\n".join(faults))
+    netCDF4.set_chunk_cache(SLAB_CACHE)
+    joined = {"data_vars": "all", "coords": "minimal", "compat": "override", "join": "exact"}
+    joined |= {"combine": "by_coords", "combine_attrs": "drop", "decode_cf": False}
     try:
-        cube = xr.open_mfdataset(
-            paths,
-            combine="by_coords",
-            parallel=False,
-            engine="netcdf4",
-            data_vars="all",
-            coords="minimal",
-            compat="override",
-            join="exact",
-            combine_attrs="drop",
-            decode_cf=False,
-        )
+        cube = xr.open_mfdataset(paths, engine="netcdf4", **joined)
     except ValueError as error:
         raise ValueError(f"hole in the grid of slabs: {' '.join(str(error).split())}") from None
     if cells != cube.outcome.size:
@@ -89,25 +84,20 @@ def open_cube(path: str | Path) -> xr.Dataset:
     Traceback (most recent call last):
     ValueError: config/config.yaml: is no cube; `results/cube.nc` is one
     """
-    names = np.array(OUTCOMES)
     try:
         if Path(path).is_dir():
             slabs = open_slabs(sorted(Path(path).glob("*.nc")))
             axes = {key: slabs[key].values for key in slabs.outcome.dims}
-            cube = dress(axes, {key: slabs[key].data for key in slabs.data_vars}, {})
+            cube = as_cube(axes, {key: slabs[key].data for key in slabs.data_vars}, {})
         elif is_whole(path) is False:
-            remedy = "take another copy, or remove it and run again"
-            raise ValueError(f"{path}: is damaged; {remedy}")
+            raise ValueError(f"{path}: is damaged; take another copy, or remove it and run again")
         else:
             cube = xr.open_dataset(path, engine="netcdf4")
         codes = cube.outcome
     except (OSError, RuntimeError, AttributeError):
         raise ValueError(f"{path}: is no cube; `results/cube.nc` is one") from None
-    words = xr.apply_ufunc(
-        lambda codes: names[codes.astype(int)],
-        codes,
-        dask="parallelized",
-        output_dtypes=[names.dtype],
-    )
+    names = np.array(OUTCOMES)
+    lazy = {"dask": "parallelized", "output_dtypes": [names.dtype]}
+    words = xr.apply_ufunc(lambda codes: names[codes.astype(int)], codes, **lazy)
     words.attrs = {"long_name": codes.attrs["long_name"]}
     return cube.assign(outcome=words, outcome_code=codes)

@@ -1,27 +1,23 @@
 """The cube as an xarray dataset: what it looks like, built here."""
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
 
-from ..axes import coordinates
 from ..device import Device
 from ..io.counting import counting
-from ..io.variables import flags, headed, variables
+from ..io.variables import dress, flags, variables
 from ..solver.adaptive import choose_model
-from ..solver.outcome import ABSENT, OUTCOMES, count, ended_elsewhere, shares
+from ..solver.outcome import OUTCOMES, count, ended_elsewhere, shares
 from ..study import FOLLOWED, frequencies, study_of
 from .grid import follow_grid
 
 LABEL_DISTANCE = 0.01
 """Relative, from a well-posed threshold: so far a label of three cosines, the handout's elements
 or finer may be wrong, in the steps that labels take: docs/accuracy.md."""
-VARIABLES = variables("cube")
-VARIABLES["outcome"] |= flags(OUTCOMES[:ABSENT])
-VARIABLES["t_snap"]["label_distance"] = LABEL_DISTANCE
-
 ELSEWHERE = "cells_ended_elsewhere"
 
 
@@ -46,8 +42,8 @@ def sweep(
     Raises ValueError, one line, for a value that cannot be.
 
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> asked = {"model": "cosines", "until": "snap", "thickness": [1.9, 2.0]}
-    >>> cube = snapmap.sweep(device, [800, 1100], [1500], [25], **asked)
+    >>> study = {"model": "cosines", "until": "snap", "thickness": [1.9, 2.0]}
+    >>> cube = snapmap.sweep(device, [800, 1100], [1500], [25], **study)
     >>> cube.t_snap.notnull().squeeze().values.tolist()
     [[False, True], [False, True]]
     """
@@ -57,22 +53,15 @@ def sweep(
     f0 = frequencies(f0, study.shocks)
     grid = study.set_out({**varied, "C": C, "f0": f0, "N": N})
     with counting("sweep"):
-        variables = follow_grid(choose_model(grid.device, study.model), grid, study.settings)
-    return with_summary(dress(grid.axes, variables, study.document()))
+        values = follow_grid(choose_model(grid.device, study.model), grid, study.settings)
+    return with_summary(as_cube(grid.axes, values, study.document()))
 
 
-def dress(axes: Mapping[str, np.ndarray], variables: Mapping, document: Mapping) -> xr.Dataset:
-    """Give axes and variables, in their shape, CF attributes, and the whole its provenance."""
-    return xr.Dataset(
-        {
-            key: (tuple(axes), variables[key], attributes)
-            for key, attributes in VARIABLES.items()
-            if key in variables
-        },
-        coordinates(axes),
-    ).assign_attrs(
-        **headed("cube", document),
-    )
+def as_cube(axes: Mapping[str, np.ndarray], values: Mapping, document: Mapping) -> xr.Dataset:
+    """Make a cube of axes and the values of each variable, in their shape."""
+    data = {key: (tuple(axes), values[key]) for key in variables("cube") if key in values}
+    data["t_snap"] = *data["t_snap"], {"label_distance": LABEL_DISTANCE}
+    return dress("cube", xr.Dataset(data, axes), document)
 
 
 def with_summary(cube: xr.Dataset) -> xr.Dataset:
@@ -80,9 +69,8 @@ def with_summary(cube: xr.Dataset) -> xr.Dataset:
 
     Of each outcome, and of those that ended elsewhere with another step.
     """
-    found = [count(block) for block in _blocks(cube.outcome)]
-    counts = {name: sum(block.get(name, 0) for block in found) for name in OUTCOMES}
-    counts = {name: number for name, number in counts.items() if number}
+    each = sum((Counter(count(block)) for block in _blocks(cube.outcome)), Counter())
+    counts = {name: each[name] for name in OUTCOMES if each[name]}
     if "absent" in counts:
         cube.outcome.attrs.update(flags(OUTCOMES))
     named = {f"cells_{name}": number for name, number in counts.items()}
@@ -95,22 +83,16 @@ def with_summary(cube: xr.Dataset) -> xr.Dataset:
 def _blocks(variable):
     """The values of a variable, a block at a time, as a lazy cube may be larger than memory."""
     if variable.chunks is None:
-        yield variable.values
-        return
-    for block in variable.data.blocks.ravel():
-        yield block.compute(scheduler="synchronous")
+        return [variable.values]
+    return (block.compute(scheduler="synchronous") for block in variable.data.blocks.ravel())
 
 
 def summary(cube: xr.Dataset) -> str:
-    """One line of what `with_summary` added: how many cells, how sure, of which kinds."""
+    """One line of what `with_summary` added: how many cells, how sure, of which outcomes."""
     counts = {name: cube.attrs.get(f"cells_{name}", 0) for name in OUTCOMES}
-    told = [f"{_percent(cube.attrs['share_proven'])} proven"]
+    # Never more than it is: all but one of a thousand are 99.9 %.
+    facts = [f"{math.floor(1000 * cube.attrs['share_proven']) / 10:g} % proven"]
     if ELSEWHERE in cube.attrs:
-        told.append(f"{cube.attrs[ELSEWHERE]} ended elsewhere with another step")
-    told += [f"{number} {name}" for name, number in counts.items() if number or name == "failed"]
-    return f"{sum(counts.values())} cells: {', '.join(told)}"
-
-
-def _percent(share):
-    """A share in text, never more than it is: all but one of a thousand are 99.9 %."""
-    return f"{math.floor(1000 * share) / 10:g} %"
+        facts.append(f"{cube.attrs[ELSEWHERE]} ended elsewhere with another step")
+    facts += [f"{number} {name}" for name, number in counts.items() if number or name == "failed"]
+    return f"{sum(counts.values())} cells: {', '.join(facts)}"

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..axes import Grid
 from ..pulse import blow_at
-from ..solver.cells import Rows, rows_of, to_cells
+from ..solver.cells import Rows, rows_of
 from ..solver.model import Follows
 from ..solver.outcome import ABSENT, FAILED, REPEATED_STEP, label, t_snap_error, work_error
 from ..solver.settings import Settings
@@ -34,19 +34,17 @@ def follow_rows(
     """Follow rows of cells, each through all N; returns each variable of a cube, (rows, N)."""
     there, N = rows.device >= 0, np.asarray(N)
     order = np.argsort(N, kind="stable")
-    device, f0, C, pulse = (column[there, np.newaxis] for column in rows)
-    cells = to_cells(model.device, device, N[order], f0, C, settings.horizon, pulse)
+    cells = rows.some(there).cells(model.device, N[order], settings.horizon)
     seen = model.follow(cells, settings)
-    found = _variables(seen, settings)
+    variables = _variables(seen, settings)
     if settings.repeat:
         again = model.with_step(REPEATED_STEP).follow(cells, settings)
-        found |= _repeated(found, _variables(again, settings))
+        variables |= _repeated(variables, _variables(again, settings))
         for compare in (work_error, t_snap_error):
-            found[compare.__name__] = compare(seen, again).astype(np.float32)
-    if any(one.blows.size for one in settings.pulses):
-        found["blow"] = blow_at(settings.pulses, cells.pulse, seen.t_snap * cells.f0)
-    variables = {}
-    for key, values in found.items():
+            variables[compare.__name__] = compare(seen, again).astype(np.float32)
+    if any(pulse.blows.size for pulse in rows.pulses):
+        variables["blow"] = blow_at(rows.pulses, cells.pulse, seen.t_snap * cells.f0)
+    for key, values in variables.items():
         variables[key] = np.full((there.size, N.size), ABSENCE[key], values.dtype)
         variables[key][np.ix_(there, order)] = values
     return variables
@@ -70,13 +68,13 @@ def _variables(seen, settings):
     return {key: values for key, values in variables.items() if values is not None}
 
 
-def _repeated(found, again):
+def _repeated(first, again):
     """What a run has in common with another."""
-    same = again["outcome"] == found["outcome"]
+    same = again["outcome"] == first["outcome"]
     variables = {"reproduced": same.astype(np.int8)}
-    if "well" in found:
-        snapped = [np.isfinite(run["t_snap"]) for run in (found, again)]
+    if "well" in first:
+        snapped = [np.isfinite(run["t_snap"]) for run in (first, again)]
         # Of a run that tells no side the snap is the end.
-        same = (again["well"] == found["well"]) & ((found["well"] != 0) | np.equal(*snapped))
+        same = (again["well"] == first["well"]) & ((first["well"] != 0) | np.equal(*snapped))
         variables["well_reproduced"] = same.astype(np.int8)
     return variables

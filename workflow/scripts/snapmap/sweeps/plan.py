@@ -49,14 +49,24 @@ def make_plan(grid: Grid, model: Mapping, settings: Settings, alone: Sequence[fl
     model: name and options; alone: f0 (Hz) of cells that are followed beside the grid
     Raises ValueError, one line, for a model that cannot be built and a grid beyond all reason.
     """
-    axes = grid.axes
-    _check_size(grid)
+    axes, cells = grid.axes, math.prod(map(float, grid.shape))
+    if cells > MOST_CELLS:
+        need = f"more than {MOST_CELLS:.0e}; write fewer points"
+        raise ValueError(f"sweep: {cells:.3g} cells, {need}")
+    if axes["C"].size > MOST_SINGLE:
+        need = f"at most {MOST_SINGLE}, as each gets a job"
+        raise ValueError(f"sweep.C: {axes['C'].size} values; write {need}")
     dt, seconds = _expected_of_each(grid, model, settings, axes["f0"])
-    total = seconds.sum() * axes["N"].size * axes["C"].size * len(grid.pulses)
+    total = float(seconds.sum() * axes["N"].size * axes["C"].size * len(grid.pulses))
     if len(alone):
         moved = settings._replace(until="moved")
-        total += _expected_of_each(grid, model, moved, np.array(alone))[1].max(axis=0).sum()
-    _check_cost(axes["f0"][0], settings, dt, total)
+        total += float(_expected_of_each(grid, model, moved, np.array(alone))[1].max(axis=0).sum())
+    if total > MOST_SECONDS:
+        raise ValueError(
+            f"sweep: up to {total / 3600:.2g} core hours from f0 = {axes['f0'][0]:g} Hz with "
+            f"horizon {settings.horizon:g} us and steps of {dt:.2g} us, more than "
+            f"{MOST_SECONDS / 3600:g}; write fewer points, a higher f0 or a shorter horizon"
+        )
     known = np.where(grid.device_of < 0, 0, grid.device_of)
     cost = np.where(grid.device_of[..., np.newaxis] < 0, 0.0, seconds[known])
     if DEVICE in axes:
@@ -68,8 +78,11 @@ def make_plan(grid: Grid, model: Mapping, settings: Settings, alone: Sequence[fl
     for chosen in product(*parts):
         places, values = (dict(zip(axes, side, strict=True)) for side in zip(*chosen, strict=True))
         slabs.append(values)
-        requests.append(_request([places[key] for key in axes if key not in SINGLE], cost))
-    return Plan(tuple(slabs), tuple(requests), float(total))
+        *rows, N = (run for key, run in places.items() if key not in SINGLE)
+        cells = math.prod(run.size for run in (*rows, N))
+        minutes = START_MINUTES + CAUTION * float(cost[np.ix_(*rows)].sum()) * N.size / 60
+        requests.append(Request(int(START_MB + CELL_MB * cells), math.ceil(minutes)))
+    return Plan(tuple(slabs), tuple(requests), total)
 
 
 def _runs(axes, cost, keeps_N):
@@ -108,40 +121,11 @@ def _halved(run, bits, share):
     return _halved(run[~upper], bits, share) + _halved(run[upper], bits, share)
 
 
-def _check_size(grid: Grid):
-    cells = int(np.prod([float(size) for size in grid.shape]))
-    if cells > MOST_CELLS:
-        need = f"more than {MOST_CELLS:.0e}; write fewer points"
-        raise ValueError(f"sweep: {cells:.3g} cells, {need}")
-    if grid.axes["C"].size > MOST_SINGLE:
-        need = f"at most {MOST_SINGLE}, as each gets a job"
-        raise ValueError(f"sweep.C: {grid.axes['C'].size} values; write {need}")
-
-
-def _check_cost(lowest_f0, settings, dt, seconds):
-    if seconds > MOST_SECONDS:
-        raise ValueError(
-            f"sweep: up to {seconds / 3600:.2g} core hours from f0 = {lowest_f0:g} Hz with horizon "
-            f"{settings.horizon:g} us and steps of {dt:.2g} us, more than "
-            f"{MOST_SECONDS / 3600:g}; write fewer points, a higher f0 or a shorter horizon"
-        )
-
-
 def _expected_of_each(grid, model, settings, f0):
     """Shortest step, us, and the time of one cell of each device and f0, s; mean over pulses."""
     built = choose_model(grid.device, model).levels[0]
     device, pulse = np.arange(len(grid.device)), np.arange(len(grid.pulses))[:, np.newaxis]
-    at = device[:, np.newaxis, np.newaxis], 0.0, f0, 0.0, settings.horizon, pulse
-    settings = settings._replace(pulses=grid.pulses)
-    dt, seconds = steps_and_seconds(
-        built, to_cells(grid.device, *at), settings, model["name"] == "reference"
-    )
+    at = device[:, np.newaxis, np.newaxis], 0.0, f0, 0.0, settings.horizon, pulse, grid.pulses
+    cells = to_cells(grid.device, *at)
+    dt, seconds = steps_and_seconds(built, cells, settings, model["name"] == "reference")
     return dt.min(), seconds.mean(axis=1)
-
-
-def _request(places, cost):
-    *rows, N = places
-    cells = math.prod(run.size for run in places)
-    seconds = float(cost[np.ix_(*rows)].sum()) * N.size
-    minutes = START_MINUTES + CAUTION * seconds / 60
-    return Request(int(START_MB + CELL_MB * cells), int(np.ceil(minutes)))

@@ -12,7 +12,7 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 
-from ..axes import DEVICE, DIRECTION, NAMES, SHAPE, Grid, shared_points
+from ..axes import DEVICE, DIRECTION, NAMES, SHAPE, shared_points
 from ..io.atomic import is_whole, replacing, seal
 from ..solver.adaptive import choose_model
 from ..solver.outcome import count
@@ -26,11 +26,6 @@ Slab = Mapping[str, tuple]
 """Values on each axis, in order and ascending: internal units, f0 in Hz; names on axes of NAMES."""
 
 
-def slab_grid(study: Study, slab: Slab) -> Grid:
-    """Set out the points of a slab of a study."""
-    return study.part(slab).set_out({key: slab[key] for key in slab if key not in NAMES})
-
-
 def cells_in(slab: Slab) -> int:
     """Number of its cells."""
     return math.prod(len(values) for values in slab.values())
@@ -40,21 +35,18 @@ def slab_name(study: Study, slab: Slab) -> str:
     """Name a slab by two hashes: what slabs that share cells have in common, and its other axes."""
     apart = {key: slab[key] for key in SINGLE if key in slab}
     part, settings = study.part(slab), study.settings.asked()
-    nominal = [asdict(one) for one in part.devices().values()]
-    pulses = [hashlib.sha256(one.pieces.tobytes()).hexdigest() for one in part.settings.pulses]
+    nominal = [asdict(device) for device in part.devices().values()]
+    pulses = [hashlib.sha256(p.pieces.tobytes()).hexdigest() for p in part.shocks.pulses]
     common = [nominal, study.model, settings, pulses, list(slab), apart]
     plain = json.dumps(common, sort_keys=True, default=np.ndarray.tolist)
     others = ", ".join(_text(values) for key, values in slab.items() if key not in SINGLE)
-    return f"{_hash(plain)}_{_hash(f'[{others}]')}"
+    texts = plain, f"[{others}]"
+    return "_".join(hashlib.sha256(text.encode()).hexdigest()[:12] for text in texts)
 
 
 @lru_cache  # N is that of many slabs
 def _text(values):
     return json.dumps(values)
-
-
-def _hash(plain):
-    return hashlib.sha256(plain.encode()).hexdigest()[:12]
 
 
 def write_slab(study: Study, slab: Slab, path: str | Path, code: str = "") -> dict[str, int]:
@@ -64,16 +56,15 @@ def write_slab(study: Study, slab: Slab, path: str | Path, code: str = "") -> di
     code: hash of the code on which the numbers depend; slabs made by another are not used
     """
     variables, known = recall(path, slab, code, same_N=study.model["name"] == "auto")
-    grid = slab_grid(study, slab)
-    settings = study.settings._replace(pulses=grid.pulses)
-    _follow_unknown(grid, study.model, settings, variables, known)
+    grid = study.part(slab).set_out({key: slab[key] for key in slab if key not in NAMES})
+    _follow_unknown(grid, study.model, study.settings, variables, known)
     with replacing(path) as temporary:
         with netCDF4.Dataset(temporary, "w") as file:
             file.slab, file.code = slab_name(study, slab), code
             for axis, values in slab.items():
                 file.createDimension(axis, len(values))
-                kind = str if axis in NAMES else "f8"
-                file.createVariable(axis, kind, (axis,))[:] = np.array(values)
+                dtype = str if axis in NAMES else "f8"
+                file.createVariable(axis, dtype, (axis,))[:] = np.array(values)
             for key, values in variables.items():
                 file.createVariable(key, values.dtype, tuple(slab), compression="zlib")
                 file[key][:] = values
@@ -117,8 +108,8 @@ def recall(
                 if file.code != code or other_N or not all(index.size for index in place):
                     continue
                 for key in set(file.variables) - set(file.dimensions):
-                    shape, kind = known.shape, file[key].dtype
-                    variables.setdefault(key, np.empty(shape, kind))[place] = file[key][:][there]
+                    empty = np.empty(known.shape, file[key].dtype)
+                    variables.setdefault(key, empty)[place] = file[key][:][there]
                 known[place] = True
         except ValueError:
             continue  # a broken file: its cells are followed again, and rule collect names it
@@ -129,14 +120,12 @@ def _follow_unknown(grid, model, settings, variables, known):
     """Follow what is not known, rows with the same gaps at once, and set it in the variables."""
     if known.all():
         return
-    built, rows = choose_model(grid.device, model), rows_of(grid)
-    patterns, pattern_of = np.unique(
-        ~known.reshape(-1, known.shape[-1]), axis=0, return_inverse=True
-    )
-    for number, pattern in enumerate(patterns):
-        some, columns = np.flatnonzero(pattern_of.ravel() == number), np.flatnonzero(pattern)
-        if columns.size:
-            found = follow_rows(built, rows.some(some), grid.axes["N"][columns], settings)
-            for key, values in found.items():
-                whole = variables.setdefault(key, np.empty(known.shape, values.dtype))
-                whole.reshape(-1, known.shape[-1])[np.ix_(some, columns)] = values
+    built, rows, N = choose_model(grid.device, model), rows_of(grid), grid.axes["N"]
+    unknown = ~known.reshape(-1, N.size)
+    patterns, pattern_of = np.unique(unknown, axis=0, return_inverse=True)
+    for number in np.flatnonzero(patterns.any(axis=1)):
+        alike, pattern = np.flatnonzero(pattern_of.ravel() == number), patterns[number]
+        followed = follow_rows(built, rows.some(alike), N[pattern], settings)
+        for key, values in followed.items():
+            all_rows = variables.setdefault(key, np.empty(known.shape, values.dtype))
+            all_rows.reshape(-1, N.size)[np.ix_(alike, pattern)] = values

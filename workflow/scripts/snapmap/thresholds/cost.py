@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..solver.adaptive import Survey
-from ..solver.cells import Rows, to_cells
+from ..solver.cells import Rows
 from ..solver.cost import steps_and_seconds, tell
 from ..solver.model import Follows
 from ..solver.settings import Settings
@@ -18,9 +18,8 @@ ROUNDS, WIDTH = 26, 32
 
 def run_seconds(model: Follows, rows: Rows, settings: Settings) -> np.ndarray:
     """Core time of one run of each row in the steps of a threshold, s, about; (rows,)."""
-    at = rows.device, 0.0, rows.f0, rows.C, settings.horizon, rows.pulse
-    asked = settings._replace(until="edge")
-    return steps_and_seconds(model, to_cells(model.device, *at), asked)[1]
+    cells, asked = rows.cells(model.device, 0.0, settings.horizon), settings._replace(until="edge")
+    return steps_and_seconds(model, cells, asked)[1][:, 0]
 
 
 def survey_seconds(models: Survey, rows: Rows, settings: Settings) -> float:

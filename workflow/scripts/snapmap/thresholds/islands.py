@@ -110,7 +110,7 @@ def survey(
     threshold than the one that decides, that one scans too. Clean rows that are left open by more
     than the models' tolerance are taken by finer ones.
     """
-    bound = least_amplitudes(models.decides, rows, settings.pulses)
+    bound = least_amplitudes(models.decides, rows)
     found = _survey(models, rows, settings, tolerance, highest, bound)
     lost = np.flatnonzero(found.status == NOT_FOLLOWED)
     if lost.size:
@@ -141,9 +141,9 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
         return asker(model, rows, settings, until="snap")
 
     scans, decides, doubts, better, static, judge, *_ = models
-    pace = _pace(scans.device, rows, settings.pulses)
+    pace = _pace(scans.device, rows)
     slow = pace < SLOW
-    wide = wide_scan(scans.device, static, rows, settings.pulses, slow)
+    wide = wide_scan(scans.device, static, rows, slow)
     rough, quiet = first_seen(scan_by(scans), wide, bound)
     whole = _whole_window(rough, lowest, highest, slow)
     window, ragged = _closer_window(scan_by(scans), whole, pace >= RINGS)
@@ -158,7 +158,7 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
     others = [m for m in (decides.with_step(OTHER_STEP), doubts, better) if m is not None]
     clean = np.where(ragged, np.nan, N_first)
     in_time, *in_space = (_distance(ask(other), clean, tolerance) for other in others)
-    chatters = _chatters(scans.device, rows, settings.pulses)
+    chatters = _chatters(scans.device, rows)
     fine = (better or judge or decides).with_step(FINE_STEPS)
     in_fine = _distance(ask(fine), np.where(chatters, clean, np.nan), tolerance)
     in_time = np.fmax(in_time, in_fine)
@@ -198,22 +198,22 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
     )
 
 
-def _pace(device, rows, pulses):
+def _pace(device, rows):
     """What the device takes to follow a pulse, over how long that lasts, (rows,)."""
     own, spring = device.own_frequency[rows.device], device.spring[rows.device]
-    steepest = np.array([pulse.steepest for pulse in pulses])[rows.pulse]
+    steepest = np.array([pulse.steepest for pulse in rows.pulses])[rows.pulse]
     C = np.where(device.is_alone[rows.device], 0.0, rows.C)
     return 2e-6 * np.pi * rows.f0 * steepest * (1 / own + C / spring)
 
 
-def _chatters(device, rows, pulses):
+def _chatters(device, rows):
     """Whether the mass of a row may chatter on its contact, (rows,)."""
-    smooth = np.array([pulse.is_smooth for pulse in pulses])[rows.pulse]
+    smooth = np.array([pulse.is_smooth for pulse in rows.pulses])[rows.pulse]
     share = stiffness_share(device)[rows.device]
     return (share > CHATTERS) | ((share > 0) & ~smooth)
 
 
-def wide_scan(device, static, rows, pulses, slow=False) -> np.ndarray:
+def wide_scan(device, static, rows, slow=False) -> np.ndarray:
     """Amplitudes, (rows, n), from below any threshold to far above, also of short pulses.
 
     static: threshold of slow pulses, (devices,); slow: whether a row's pulse is one, (rows,)
@@ -221,7 +221,8 @@ def wide_scan(device, static, rows, pulses, slow=False) -> np.ndarray:
     columns = static, device.own_frequency, device.mass
     static, own, mass = (column[rows.device] for column in columns)
     facts = [
-        (one.variation, max(abs(one.impact), LEAST_AREA * one.swing), one.highest) for one in pulses
+        (one.variation, max(abs(one.impact), LEAST_AREA * one.swing), one.highest)
+        for one in rows.pulses
     ]
     variation, area, highest = (column[rows.pulse] for column in np.array(facts).T)
     # A pulse amplifies no more than it varies; a short one must bring a velocity, against damping.

@@ -10,7 +10,7 @@ import xarray as xr
 from ..beam.stress import break_probability
 from ..device import Device, batch
 from ..solver.adaptive import choose_model
-from ..solver.cells import to_cells
+from ..solver.cells import to_rows
 from ..solver.outcome import FAILED, OUTCOMES, label
 from ..solver.settings import THRESHOLD_TOLERANCE
 from ..study import Study
@@ -94,7 +94,8 @@ def _verdicts(study, name, asked, C, tolerance):
     N, f0, shocks, settings = asked["N"], asked["f0"], study.shocks, study.settings
     found = thresholds_of(study, {"C": C, "f0": [f0]}, tolerance).squeeze("f0")
     device = batch([study.device])
-    cells = to_cells(device, 0, [[N]], f0, np.reshape(C, (-1, 1)), settings.horizon)
+    rows = to_rows(0, f0, C, pulses=shocks.pulses)
+    cells = rows.cells(device, N, settings.horizon)
     seen = choose_model(device, study.model).follow(cells, settings)
     outcomes = label(*seen[:4], settings.energy_tolerance)[:, 0]
     for i, (damping, outcome) in enumerate(zip(C, outcomes, strict=True)):

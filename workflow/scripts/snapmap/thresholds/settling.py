@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..solver.cells import Rows, to_cells
+from ..solver.cells import Rows
 from ..solver.cost import steps_and_seconds
 from ..solver.model import Follows
 from ..solver.outcome import LATCHED, label
@@ -23,9 +23,8 @@ def lowest_latched(
     low, high: amplitudes from and to which cells are looked at, multiples of g, (rows,); NaN for
         none. From the highest down, as far as all latch.
     """
-    columns = rows.device, 0.0, rows.f0, rows.C, settings.horizon, rows.pulse
-    cells = to_cells(model.device, *columns)
-    lasts = cells.t_end / steps_and_seconds(model, cells, settings)[0]
+    cells = rows.cells(model.device, 0.0, settings.horizon)
+    lasts = (cells.t_end / steps_and_seconds(model, cells, settings)[0])[:, 0]
     N = amplitudes(np.where(lasts <= MOST_STEPS, low, np.nan), high, STEP)
     size = np.count_nonzero(np.isfinite(N), axis=1)
 
@@ -35,9 +34,8 @@ def lowest_latched(
         """Whether cells so many places below the highest are not proven to stay, (rows, n)."""
         # Ascending, as a model may ask for its rows; the lowest once more for what is not there.
         places = np.maximum(size[which, np.newaxis] - 1 - below, 0)[:, ::-1]
-        device, f0, C, pulse = (column[which, np.newaxis] for column in rows)
         ascending = N[which[:, np.newaxis], places]
-        cells = to_cells(model.device, device, ascending, f0, C, settings.horizon, pulse)
+        cells = rows.some(which).cells(model.device, ascending, settings.horizon)
         seen = model.follow(cells, settings)
         return (label(*seen[:4], settings.energy_tolerance) != LATCHED)[:, ::-1]
 

@@ -5,11 +5,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from ..axes import PULSE_AXES, coordinates
+from ..axes import PULSE_AXES
 from ..device import Device
 from ..io.counting import counting
+from ..io.netcdf import recall
 from ..io.provenance import recipe
-from ..io.variables import flags, headed, variables
+from ..io.variables import dress, flags
 from ..pulse import blow_at
 from ..solver.adaptive import choose_survey
 from ..solver.cells import rows_of, to_rows
@@ -25,7 +26,7 @@ from .islands import (
     STATUS,
     survey,
 )
-from .reuse import joined, recall
+from .reuse import joined
 from .settling import lowest_latched
 from .transitions import FINE_STEP
 
@@ -40,9 +41,7 @@ NO_AREA = 1e-3
 ROWS = 4096
 """Rows looked at together: each takes some 70 kB."""
 
-VARIABLES = variables("threshold")
-VARIABLES["status"] |= flags(STATUS)
-VARIABLES["N_first"]["comment"] = (
+COMMENT = (
     f"in multiples of g; narrower stretches may lie below: than {NARROW:.2%} of N near a clean "
     f"threshold of a fast pulse, {FINEST_STEP:.1%} near a ragged one, {FINE_STEP:.1%} elsewhere"
 )
@@ -110,7 +109,7 @@ def thresholds_of(
     new = np.flatnonzero(~known & (rows.device >= 0))
     tell_cost(models, rows.some(new), settings)
     found = _look(models, rows, settings, tolerance, highest, new, found)
-    peak = np.array([pulse.peak for pulse in settings.pulses])
+    peak = np.array([pulse.peak for pulse in rows.pulses])
     if np.isfinite(peak).any():
         found["scale_first"] = (
             found["N_first"] * grid.device.gravity[rows.device] / peak[rows.pulse]
@@ -124,13 +123,10 @@ def thresholds_of(
         for key, values in found.items()
     }
     data |= _limits(grid, models, settings, tolerance, highest)
-    return xr.Dataset(
-        {key: (*values, VARIABLES[key]) for key, values in data.items()}, coordinates(grid.axes)
-    ).assign_attrs(
-        gravity=float(grid.device.gravity[0]),
-        recipe=made_by,
-        **headed("threshold", document),
-    )
+    data["status"] = *data["status"], flags(STATUS)
+    data["N_first"] = *data["N_first"], {"comment": COMMENT}
+    of_product = {"gravity": float(grid.device.gravity[0]), "recipe": made_by}
+    return dress("threshold", xr.Dataset(data, grid.axes), document, **of_product)
 
 
 def _look(models, rows, settings, tolerance, highest, new, known):
@@ -143,8 +139,8 @@ def _look(models, rows, settings, tolerance, highest, new, known):
             key: joined(rows.f0.size, block, found.get(key), whole.get(key))
             for key in found | whole
         }
-    if any(pulse.blows.size for pulse in settings.pulses):
-        whole["blow"] = blow_at(settings.pulses, rows.pulse, whole["t_snap"] * rows.f0 * 1e-6)
+    if any(pulse.blows.size for pulse in rows.pulses):
+        whole["blow"] = blow_at(rows.pulses, rows.pulse, whole["t_snap"] * rows.f0 * 1e-6)
     most = whole["islands"].max(initial=0)
     return whole | {key: whole[key][:, :most] for key in ("island_from", "island_to")}
 
@@ -162,28 +158,28 @@ def _limits(grid, models, settings, tolerance, highest):
     device, C = grid.device, grid.axes["C"]
     own, of_beam = device.own_frequency, device.beam.bending_frequency
     fast, slow = np.maximum(IMPULSE * own, IMPULSE_OF_BEAM * of_beam), SLOWNESS * own
-    alone = settings._replace(pulses=tuple(pulse.alone for pulse in settings.pulses))
+    alone = tuple(pulse.alone for pulse in grid.pulses)
 
     def look(omega, which, C):
         """N_first, (devices, pulses, C), of pulses of one frequency for each device, rad/us."""
         shape = len(device), len(which), C.size
         numbers, pulse, damping = (place.ravel() for place in np.indices(shape))
         f0 = omega[numbers] / (2 * np.pi) * 1e6
-        rows = to_rows(numbers, f0, C[damping], np.array(which)[pulse])
-        return survey(models, rows, alone, tolerance, highest).N_first.reshape(shape)
+        rows = to_rows(numbers, f0, C[damping], np.array(which)[pulse], alone)
+        return survey(models, rows, settings, tolerance, highest).N_first.reshape(shape)
 
-    area = np.array([pulse.area for pulse in alone.pulses])
+    area = np.array([pulse.area for pulse in alone])
     pushes = [p for p, size in enumerate(abs(area)) if size > NO_AREA]
     change = np.full((len(device), area.size, C.size), np.nan)
     lasts = 2 * np.pi / fast
     if pushes:
         change[:, pushes] = look(fast, pushes, C) * (device.gravity * lasts)[:, None, None]
     change *= abs(area)[:, np.newaxis]
-    impact = np.array([pulse.impact for pulse in settings.pulses])
+    impact = np.array([pulse.impact for pulse in grid.pulses])
     with np.errstate(divide="ignore"):
-        highest_of = np.array([one.highest for one in settings.pulses])
+        highest_of = np.array([one.highest for one in grid.pulses])
         static = models.static[:, np.newaxis] / np.where(highest_of > 0, highest_of, np.nan)
-    jumps = [p for p, one in enumerate(settings.pulses) if any(one.ends)]
+    jumps = [p for p, one in enumerate(grid.pulses) if any(one.ends)]
     if jumps:
         static[:, jumps] = look(slow, jumps, C[:1])[..., 0]
 

@@ -1,4 +1,8 @@
-"""A batch of devices as made: what is asked of it, and answered by running each of them."""
+"""Devices that differ in some values: the table of them, and where they trip.
+
+`Batch.thresholds` is for devices that are alike, under the same shocks; `thresholds_at` for any,
+each under a shock of its own, with error bars.
+"""
 
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -7,143 +11,119 @@ from itertools import product
 
 import numpy as np
 
-from ..device import FROM_ZERO, SIGNED, VALUES, Device, is_bistable
+from ..device import VALUES, Device, is_bistable
 from ..device import batch as batch_of
 from ..motion.history import extremes_of
-from ..solver.adaptive import TOLERANCE, choose_model
-from ..solver.cells import Rows, to_cells, to_rows
+from ..solver.adaptive import TOLERANCE, choose_model, choose_survey
+from ..solver.cells import Rows, to_rows
 from ..solver.model import Follows
 from ..solver.models import build_model
 from ..solver.outcome import LATCHED, label
 from ..solver.search import asker
-from ..solver.settings import Settings
+from ..solver.settings import THRESHOLD_TOLERANCE, Settings
 from ..study import Study
+from ..thresholds.islands import survey
 from .regression import nominal_thresholds, thresholds_of_samples
-from .samples import SHOCK_FACTORS, Plan
+from .samples import SHOCK_FACTORS, nominal_value
 
 MOST_ROWS = 0.9
 """Share of the rows in which a level must keep the tolerance of `auto`."""
-
 FOLLOWED, FEWEST = 256, 32
 """So many cells are followed for their stress, each in half a second; or those of at least so many
 samples."""
 
 
 class Batch:
-    """Samples of one device, each with its own values, and shocks that scatter as well.
+    """Samples of one device, each with its own values, and shocks that differ with them.
 
-    values: by name, (samples,); of SHOCK_FACTORS as such; bistable: which have a second shape
+    values: by name, (samples,); those of SHOCK_FACTORS as shares of the shocks'
+    bistable: which have a second shape; size: how many
+    Rows are those of the nominal device; each sample's have its own duration and C.
     """
 
     def __init__(
         self,
         device: Device,
-        plan: Plan,
-        points: np.ndarray,
+        values: Mapping[str, np.ndarray],
         build: Callable[[Device], Follows],
     ):
-        """Make the devices at points of a plan, (samples, draws); ValueError for what cannot be."""
-        self.values = plan.values(points)
-        self._check(plan)
-        self.nominal = build(batch_of([device]))
-        made = {key: values for key, values in self.values.items() if key in VALUES}
-        self.bistable = is_bistable(device, made, len(points))
-        made = {key: values[self.bistable] for key, values in made.items()}
+        """Make the devices; build: a model of a batch, as from `choose_builder`."""
+        self.values, count = values, len(next(iter(values.values())))
+        made = {key: column for key, column in values.items() if key in VALUES}
+        self.bistable = is_bistable(device, made, count)
+        self.nominal, self.model = build(batch_of([device])), None
         self.size = np.count_nonzero(self.bistable)
-        self.model: Follows | None = None
         if self.size:
-            devices = self.nominal.device.pick(np.zeros(self.size, int)).vary(made)
-            self.model = build(devices)
-        self.factors = {
-            key: self.values[key][self.bistable] if key in self.values else np.ones(self.size)
-            for key in SHOCK_FACTORS
-        }
-        nominal = np.array([plan.nominal[key] for key in self.values])
-        self.deviations = np.column_stack(list(self.values.values()))[self.bistable] - nominal
+            devices = self.nominal.device.pick(np.zeros(self.size, int))
+            made = {key: column[self.bistable] for key, column in made.items()}
+            self.model = build(devices.vary(made))
+        shares = {key: values.get(key, np.ones(count)) for key in SHOCK_FACTORS}
+        self.factors = {key: column[self.bistable] for key, column in shares.items()}
+        nominal = [nominal_value(device, key) for key in values]
+        self.deviations = np.column_stack(list(values.values()))[self.bistable] - nominal
 
     def thresholds(
-        self, C: np.ndarray, f0: np.ndarray, settings: Settings, tolerance: float
+        self, rows: Rows, settings: Settings, tolerance: float
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Find the lowest N that snaps, (samples, pulses, C, f0), and the nominal device's.
+        """The lowest N that snaps, (samples, rows), the nominal device's, and what is ragged.
 
-        The third result is which of these rows are ragged; NaN where a sample has none.
+        NaN where a sample has none; the latter two: (rows,).
         """
-        pulse, C, f0 = np.meshgrid(np.arange(len(settings.pulses)), C, f0, indexing="ij")
-        rows = to_rows(0, f0, C, pulse)
         nominal = nominal_thresholds(self.nominal, rows, settings, tolerance / 10)
-        found, ragged = np.empty((0, f0.size)), np.zeros(f0.size, bool)
+        N_first = np.full((self.bistable.size, nominal.size), np.nan)
+        ragged = np.zeros(nominal.size, bool)
         if self.size:
-            rows = to_rows(*self._of_samples(f0, C), pulse)
-            found, ragged = thresholds_of_samples(
-                self.model, rows, self.deviations, nominal, settings, tolerance
+            levels, ragged = thresholds_of_samples(
+                self.model, self._rows(rows), self.deviations, nominal, settings, tolerance
             )
-            found /= self.factors["N"][:, np.newaxis]
-        whole = np.full((self.bistable.size, *f0.shape), np.nan)
-        whole[self.bistable] = found.reshape(-1, *f0.shape)
-        return whole, nominal.reshape(f0.shape), ragged.reshape(f0.shape)
+            N_first[self.bistable] = levels / self.factors["N"][:, np.newaxis]
+        return N_first, nominal, ragged
 
-    def snapped(self, N: float, C: np.ndarray, f0: float, settings: Settings) -> np.ndarray:
-        """Whether one shock snaps each sample, (samples, C)."""
-        whole = np.zeros((self.bistable.size, len(C)), bool)
+    def snaps(self, N: float, rows: Rows, settings: Settings) -> np.ndarray:
+        """Whether a level snaps each sample, (samples, rows)."""
+        snaps = np.zeros((self.bistable.size, rows.f0.size), bool)
         if self.size:
-            rows = to_rows(*self._of_samples(f0, np.asarray(C)))
-            shock = np.repeat(N * self.factors["N"], len(C))
-            seen = asker(self.model, rows, settings)(shock[:, np.newaxis])
-            whole[self.bistable] = np.isfinite(seen).reshape(-1, len(C))
-        return whole
+            levels = np.repeat(N * self.factors["N"], rows.f0.size)
+            t_snap = asker(self.model, self._rows(rows), settings)(levels[:, np.newaxis])
+            snaps[self.bistable] = np.isfinite(t_snap).reshape(self.size, -1)
+        return snaps
 
-    def latched(
-        self, samples: int, N: np.ndarray, C: np.ndarray, f0: np.ndarray, settings: Settings
-    ) -> np.ndarray:
-        """How many of the first samples are proven to stay in the second shape.
-
-        Returns (pulses, C, f0, N).
-        """
-        pulse, C, f0, N = np.meshgrid(
-            np.arange(len(settings.pulses)), C, f0, N, indexing="ij", copy=False
-        )
-        count = np.zeros(N.shape, np.int64)
+    def latched(self, samples: int, N: np.ndarray, rows: Rows, settings: Settings) -> np.ndarray:
+        """How many of the first samples are proven to stay in the second shape, (rows, N)."""
+        count, own = np.zeros((rows.f0.size, N.size), np.int64), self._rows(rows)
         for i in range(np.count_nonzero(self.bistable[:samples])):
-            factors = {key: values[i] for key, values in self.factors.items()}
-            shock = N * factors["N"], f0 / factors["duration"], C * factors["C"]
-            cells = to_cells(self.model.device, i, *shock, settings.horizon, pulse)
+            mine = own.some(slice(i * len(count), (i + 1) * len(count)))
+            levels = N * self.factors["N"][i]
+            cells = mine.cells(self.model.device, levels, settings.horizon)
             seen = self.model.follow(cells, settings)
             count += label(*seen[:4], settings.energy_tolerance) == LATCHED
         return count
 
     def stresses(self, study: Study, requirements: Sequence[Mapping], C: np.ndarray) -> np.ndarray:
-        """Largest stress in the first samples that have a second shape.
+        """Largest stress in the first samples with a second shape, (requirements, samples, C), MPa.
 
-        Returns (requirements, samples, C), MPa.
+        requirements: shocks, N and f0 (Hz) of each
         """
         size = min(self.size, max(FEWEST, FOLLOWED // (len(requirements) * len(C))))
         stress = np.empty((len(requirements), size, len(C)))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # how far the mass of each flies
-            for place in product(*map(range, stress.shape)):
-                asked, i, damping = requirements[place[0]], place[1], C[place[2]]
-                pushed = replace(study, device=self.model.device.pick(i), shocks=asked["shocks"])
-                factor = {key: values[i] for key, values in self.factors.items()}
-                shock = asked["N"] * factor["N"], asked["f0"] / factor["duration"]
-                stress[place] = extremes_of(pushed, *shock, damping * factor["C"]).stress_max
+            for k, i, j in product(*map(range, stress.shape)):
+                required, factor = requirements[k], {key: a[i] for key, a in self.factors.items()}
+                own = replace(study, device=self.model.device.pick(i), shocks=required["shocks"])
+                shock = required["N"] * factor["N"], required["f0"] / factor["duration"]
+                stress[k, i, j] = extremes_of(own, *shock, C[j] * factor["C"]).stress_max
         return stress
 
-    def _of_samples(self, f0, C):
-        """Index, f0 and C of the cells of each sample, (samples, ...)."""
-        index = np.arange(self.size).reshape(-1, *[1] * np.ndim(C))
-        duration, damping = (self.factors[key].reshape(index.shape) for key in ("duration", "C"))
-        return index, f0 / duration, C * damping
-
-    def _check(self, plan):
-        for key, values in self.values.items():
-            least = 0.0 if key in FROM_ZERO else np.finfo(float).tiny
-            if key in SIGNED:
-                continue
-            if (wrong := np.flatnonzero(~(values >= least))).size:
-                raise ValueError(
-                    f"tolerances.{key}: {values[wrong[0]]:.4g} is drawn and cannot be; write "
-                    f"truncated or lognormal, or a smaller scatter about {plan.nominal[key]:g}"
-                )
+    def _rows(self, rows):
+        """Those of all samples, raveled from (samples, rows)."""
+        duration, damping = (self.factors[key][:, np.newaxis] for key in ("duration", "C"))
+        return rows._replace(
+            device=np.repeat(np.arange(self.size), rows.f0.size),
+            f0=np.ravel(rows.f0 / duration),
+            C=np.ravel(rows.C * damping),
+            pulse=np.tile(rows.pulse, self.size),
+        )
 
 
 def choose_builder(
@@ -160,17 +140,40 @@ def choose_builder(
     auto = choose_model(batch_of([device]), model)
     accepted = model.get("tolerance", TOLERANCE)
 
-    def find(level):
+    def thresholds(level):
         return nominal_thresholds(level, rows, settings, accepted / 10)
 
     # ASSUME: what suffices for the nominal device suffices for those that scatter about it.
-    name, found = "base", find(auto.base)
+    name, N_first = "base", thresholds(auto.base)
     for better in ("check", "top"):
         finer = getattr(auto, better)
-        nearer, halved = find(finer), find(finer.with_step(0.5))
+        nearer, halved = thresholds(finer), thresholds(finer.with_step(0.5))
         clean = abs(halved / nearer - 1) < accepted
-        near = abs(found / nearer - 1)[clean] < accepted
+        near = abs(N_first / nearer - 1)[clean] < accepted
         if near.any() and near.mean() >= MOST_ROWS:
             break
-        name, found = better, nearer
+        name, N_first = better, nearer
     return lambda devices: getattr(choose_model(devices, model), name)
+
+
+def thresholds_at(
+    study: Study, values: Mapping[str, np.ndarray], f0, C, pulse=0
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Thresholds of a study's device with other values, each (n,), and their errors, or NaN.
+
+    values: by name; f0: Hz; C: uN us/um; pulse: index in the study's, each a number or (n,)
+    Returns also where there is a device; (n,).
+    """
+    size = next(iter(values.values())).size
+    there = is_bistable(study.device, values, size)
+    first = np.full((2, size), np.nan)
+    if there.any():
+        places = np.arange(there.sum())
+        made = {key: column[there] for key, column in values.items()}
+        devices = batch_of([study.device]).pick(np.zeros_like(places)).vary(made)
+        shock = (np.broadcast_to(a, size)[there] for a in (f0, C, pulse))
+        rows = to_rows(places, *shock, study.shocks.pulses)
+        models = choose_survey(devices, study.model)
+        seen = survey(models, rows, study.settings, THRESHOLD_TOLERANCE)
+        first[:, there] = seen.N_first, seen.N_error
+    return *first, there

@@ -7,11 +7,11 @@ from itertools import product
 import numpy as np
 import xarray as xr
 
-from ..axes import COORDINATES, NAMES, coordinates
+from ..axes import COORDINATES, NAMES
 from ..beam.stress import break_probability
 from ..device import Device
 from ..io.counting import counting
-from ..io.variables import headed, variables
+from ..io.variables import dress
 from ..numerics.portable import geometric
 from ..solver.cells import to_rows
 from ..study import THRESHOLD_SETTINGS, Study, frequencies, study_of, with_shocks
@@ -26,7 +26,6 @@ AMPLITUDES = 101
 FOLLOWED_CELLS, FEWEST_FOLLOWED = 1_000_000, 64
 """So many cells are followed to their end, or at least those of so many samples."""
 
-VARIABLES = variables("tolerance")
 BOUND = ("low", "high")
 
 
@@ -48,7 +47,7 @@ def tolerance(
         standard deviations). N, duration and C scatter from shock to shock, in shares
     f0: None for a recorded shock's own; N: multiples of g at which the probability is given;
         by default from the lowest to the highest threshold
-    model: name, or as a mapping the whole of the config's model section; `auto` takes the cheapest
+    model: name, or as a mapping the config's model section; `auto` takes the cheapest
         level that keeps its tolerance for the nominal device
     tolerance: of the refinement of each threshold, relative; those of `auto` are off by that of its
         level, too, up to 0.1 % unless the model's section says another tolerance
@@ -65,7 +64,7 @@ def tolerance(
     0.1
     """
     given = {key: options.pop(key) for key in Tolerances._fields if key in options}
-    requirements = [with_shocks(one) for one in options.pop("requirements", ())]
+    requirements = [with_shocks(required) for required in options.pop("requirements", ())]
     study, _ = study_of(device, model, options)
     axes = {"C": C, "f0": frequencies(f0, study.shocks)}
     axes |= {} if N is None else {"N": N}
@@ -76,7 +75,7 @@ def tolerance(
 def tolerances_of(
     study: Study,
     axes: Mapping[str, Sequence[float]],
-    asked: Tolerances,
+    tolerances: Tolerances,
     requirements: Sequence[Mapping] = (),
     tolerance: float = 1e-3,
 ) -> xr.Dataset:
@@ -84,195 +83,147 @@ def tolerances_of(
 
     axes: C, f0 and, unless it is to be chosen, N
     """
-    settings, samples = study.settings, asked.samples
-    if (asked.index_samples or 0) > samples:
-        raise ValueError(f"index_samples: {asked.index_samples} is more than samples, {samples}")
-    N = axes.get("N")
-    axes = {key: np.atleast_1d(np.asarray(axes[key], float)) for key in ("C", "f0")}
-    pulses = np.arange(len(settings.pulses))[:, np.newaxis, np.newaxis]
-    rows = to_rows(0, axes["f0"], axes["C"][:, np.newaxis], pulses)
-    paired = min(samples, asked.index_samples or INDEX_SAMPLES)
-    power = 1 << (paired.bit_length() - 1)
-    found = []
-    for one in study.devices().values():
-        plan = Plan(one, asked.scatters, asked.together)
-        points = plan.points(samples, asked.seed)
-        paired = points[:, :power]
-        every = np.concatenate([points[0], paired[1], *crossed(paired)])
-        build = choose_builder(one, study.model, rows, settings)
-        some, whole = (Batch(one, plan, part, build) for part in (points[0], every))
-        data, N_first = _thresholds(whole, samples, study.shocks, axes, settings, tolerance)
-        data = data.merge(_made(some))
-        data = data.merge(_indices(N_first, samples, power, plan, asked.seed, data))
-        data = data.merge(_probability(data, N))
-        if one.beam.damping > 0:
-            data = data.merge(_latched(some, data, settings))
-        if requirements:
-            own = replace(study, device=one)
-            data = data.merge(_requirements(some, own, requirements, data, tolerance))
-        found.append(data)
-    data = found[0]
+    samples, most = tolerances.samples, tolerances.index_samples
+    if (most or 0) > samples:
+        raise ValueError(f"index_samples: {most} is more than samples, {samples}")
+    parts = []
+    for device in study.devices().values():
+        own = replace(study, device=device)
+        parts.append(_of_device(own, axes, tolerances, requirements, tolerance))
+    data = parts[0]
     if isinstance(study.device, Mapping):
         names = xr.Variable("device", list(study.device), COORDINATES["device"])
-        data = xr.concat(found, names, join="outer")
-    for key in data.data_vars:
-        data[key].attrs = VARIABLES[key] if key in VARIABLES else _attributes(key)
-    made_by = study.document(THRESHOLD_SETTINGS)
-    own = {"samples": samples, "seed": asked.seed, "together": asked.together}
-    made_by["tolerances"] = {**asked.scatters, **own}
-    return data.assign_attrs(
-        threshold_tolerance=tolerance,
-        **headed("tolerance", made_by),
-    )
-
-
-def summary(found: xr.Dataset) -> str:
-    """One line: how many samples there are, how far thresholds scatter, what owes it, the yield."""
-    size, missing = found.bistable.size, int((found.bistable == 0).sum())
-    spread = (found.N_std / found.N_mean).values
-    spread = spread[np.isfinite(spread)]
-    told = [f"{size} samples", f"{missing} without a second stable shape"]
-    if spread.size:
-        told.append(f"thresholds scatter by {spread.min():.2g} to {spread.max():.2g}, relative")
-    told += _most_owed(found.sensitivity.sel(order="total"))
-    for key, word in (("yield", "yield"), ("share_breaking", "break")):
-        if key in found:
-            told.append(f"{word} {percents(*found[key].values.ravel())}{left_out(found[key])}")
-    return ", ".join(told)
-
-
-def _most_owed(sensitivity):
-    """What thresholds owe most of their variance to; where that differs, of each named pulse."""
-    named = [dim for dim in NAMES if dim in sensitivity.dims]
-    owed = sensitivity.mean([dim for dim in sensitivity.dims if dim not in ("value", *named)])
-    most = {}
-    for place in product(*(range(owed.sizes[dim]) for dim in named)):
-        one = owed.isel(dict(zip(named, place, strict=True)))
-        if one.notnull().any():
-            names = " ".join(str(one[dim].item()) for dim in named)
-            most.setdefault(one.idxmax().item(), []).append(names)
-    if len(most) < 2:
-        return [f"most by {value}" for value in most]
-    return [f"most by {value} ({', '.join(names)})" for value, names in most.items()]
-
-
-def _made(some):
-    """The values of the samples."""
-    values = {key: ("sample", column) for key, column in some.values.items()}
+        data = xr.concat(parts, names, join="outer")
     for key in SHOCK_FACTORS:
-        if key in values:
-            values[f"{key}_factor"] = values.pop(key)
-    return xr.Dataset(values | {"bistable": ("sample", some.bistable.astype(np.int8))})
+        if f"{key}_factor" in data:
+            about = {"long_name": f"{key} over its nominal value", "units": "1"}
+            data[f"{key}_factor"].attrs = about
+    document = study.document(THRESHOLD_SETTINGS)
+    drawn = {"samples": samples, "seed": tolerances.seed, "together": tolerances.together}
+    document["tolerances"] = {**tolerances.scatters, **drawn}
+    return dress("tolerance", data, document, threshold_tolerance=tolerance)
 
 
-def _thresholds(whole, samples, shocks, axes, settings, tolerance):
-    """N_first of the samples proper with its moments; and of all, (all, ...)."""
-    groups = shocks.axes | axes
+def _of_device(study, axes, tolerances, requirements, tolerance):
+    """The dataset of one device, without attributes."""
+    settings, samples, device = study.settings, tolerances.samples, study.device
+    C, f0 = (np.atleast_1d(np.asarray(axes[key], float)) for key in ("C", "f0"))
+    groups = study.shocks.axes | {"C": C, "f0": f0}
     shape = [values.size for values in groups.values()]
-    N_first, nominal, ragged = whole.thresholds(*axes.values(), settings, tolerance)
-    N_first = N_first.reshape(-1, *shape)
-    own = N_first[:samples]
-    mean, std = moments(own)
-    data = {
-        "N_first": (("sample", *groups), own),
+    pulses = study.shocks.pulses
+    pulse = np.arange(len(pulses))[:, np.newaxis, np.newaxis]
+    rows = to_rows(0, f0, C[:, np.newaxis], pulse, pulses)
+    paired = min(samples, tolerances.index_samples or INDEX_SAMPLES)
+    power = 1 << (paired.bit_length() - 1)
+    plan = Plan(device, tolerances.scatters, tolerances.together)
+    points = plan.points(samples, tolerances.seed)
+    partners = points[:, :power]
+    every = np.concatenate([points[0], partners[1], *crossed(partners)])
+    build = choose_builder(device, study.model, rows, settings)
+    batch, beside = (Batch(device, plan.values(part), build) for part in (points[0], every))
+    N_first, nominal, ragged = beside.thresholds(rows, settings, tolerance)
+    first, second, mixed = np.split(N_first, [samples, samples + power])
+    mixed = mixed.reshape(len(plan.names), power, -1)
+    sobol = indices(first[:power], second, mixed, tolerances.seed)
+    sobol = sobol.reshape(2, 3, -1, *shape)
+    first = first.reshape(-1, *shape)
+    mean, std = moments(first)
+    made = {
+        f"{key}_factor" if key in SHOCK_FACTORS else key: batch.values[key] for key in plan.nominal
+    }
+    data = {key: ("sample", column) for key, column in made.items()} | {
+        "bistable": ("sample", batch.bistable.astype(np.int8)),
+        "N_first": (("sample", *groups), first),
         "N_nominal": (tuple(groups), nominal.reshape(shape)),
         "N_mean": (tuple(groups), mean),
         "N_std": (tuple(groups), std),
-        "N_quantile": (("quantile", *groups), quantiles(own, QUANTILES)),
-        "N_quantile_bound": (("bound", "quantile", *groups), quantile_bounds(own, QUANTILES)),
+        "N_quantile": (("quantile", *groups), quantiles(first, QUANTILES)),
+        "N_quantile_bound": (("bound", "quantile", *groups), quantile_bounds(first, QUANTILES)),
         "ragged": (tuple(groups), ragged.reshape(shape).astype(np.int8)),
+        "sensitivity": (("order", "value", *groups), sobol[:, 0]),
+        "sensitivity_bound": (
+            ("bound", "order", "value", *groups),
+            np.moveaxis(sobol[:, 1:], 1, 0),
+        ),
     }
     named = {"quantile": list(QUANTILES), "bound": list(BOUND)}
-    return xr.Dataset(data, coordinates(groups) | named), N_first
-
-
-def _indices(N_first, samples, power, plan, seed, data):
-    """Sobol indices of N_first: samples proper, their partners, and both crossed."""
-    groups = data.N_nominal.dims
-    names = plan.names
-    flat = N_first.reshape(len(N_first), -1)
-    second, mixed = flat[samples : samples + power], flat[samples + power :]
-    mixed = mixed.reshape(len(names), power, -1)
-    told = indices(flat[:power], second, mixed, seed)
-    told = told.reshape(*told.shape[:3], *data.N_nominal.shape)
-    dims = "order", "value", *groups
-    return xr.Dataset(
-        {
-            "sensitivity": (dims, told[:, 0]),
-            "sensitivity_bound": (("bound", *dims), np.moveaxis(told[:, 1:], 1, 0)),
-        },
-        {"order": ["first", "total"], "value": names, "bound": list(BOUND)},
-    )
-
-
-def _probability(data, N):
-    """Share of the samples that snap at each N."""
-    own = data.N_first.values
-    if N is None:
-        known = own[np.isfinite(own)]
+    named |= {"order": ["first", "total"], "value": plan.names}
+    if (N := axes.get("N")) is None:
+        known = first[np.isfinite(first)]
         ends = (known.min(), known.max()) if known.size else (1.0, 2.0)
         N = np.append(geometric(*ends, AMPLITUDES)[:-1], ends[1])  # to its last digit
-    N = np.sort(np.atleast_1d(np.asarray(N, float)))
-    return _share("probability", count_below(own, N), len(own), (*data.N_nominal.dims, "N"), N=N)
+    N, along = np.sort(np.atleast_1d(np.asarray(N, float))), (*groups, "N")
+    data |= _share("probability", count_below(first, N), samples, along)
+    if device.beam.damping > 0:
+        size = min(samples, max(FEWEST_FOLLOWED, FOLLOWED_CELLS // (nominal.size * N.size)))
+        count = batch.latched(size, N, rows, settings).reshape(*shape, N.size)
+        data |= _share("latched", count, size, along)
+    if requirements:
+        named["requirement"] = [required["name"] for required in requirements]
+        data |= _requirements(batch, study, requirements, C, tolerance)
+    return xr.Dataset(data, groups | {"N": N} | named)
 
 
-def _share(name, count, size, dims, **coords):
+def _share(name, count, size, dims):
     """A share of samples with its bounds."""
-    values = {
-        name: (dims, count / size),
-        f"{name}_bound": (("bound", *dims), np.stack(wilson(count, size))),
-    }
-    return xr.Dataset(values, coordinates(coords) | {"bound": list(BOUND)})
+    bounds = ("bound", *dims), np.stack(wilson(count, size))
+    return {name: (dims, count / size), f"{name}_bound": bounds}
 
 
-def _latched(some, data, settings):
-    """Share of the samples that stay latched, of as many as are affordable."""
-    groups, N = data.N_nominal, data.N.values
-    size = FOLLOWED_CELLS // (groups.size * N.size)
-    size = min(len(some.bistable), max(FEWEST_FOLLOWED, size))
-    count = some.latched(size, N, data.C.values, data.f0.values, settings)
-    dims = (*groups.dims, "N")
-    return _share("latched", count.reshape(*groups.shape, N.size), size, dims, N=N)
-
-
-def _requirements(some, study, requirements, data, tolerance):
+def _requirements(batch, study, requirements, C, tolerance):
     """Thresholds of the required pulses, and the shares that meet each requirement, and all."""
-    C, size = data.C.values, len(some.bistable)
     first, meets = [], []
-    for asked in requirements:
-        own = study.settings._replace(pulses=asked["shocks"].pulses)
-        f0 = np.array([asked["f0"]])
-        first.append(some.thresholds(C, f0, own, tolerance)[0][:, 0, :, 0])
-        snapped = some.snapped(asked["N"], C, asked["f0"], own)
-        meets.append((snapped == asked["snaps"]) & some.bistable[:, np.newaxis])
-    meets = np.array(meets)
-    names = {"requirement": [asked["name"] for asked in requirements]}
-    columns = {
+    for required in requirements:
+        rows = to_rows(0, required["f0"], C, 0, required["shocks"].pulses)
+        first.append(batch.thresholds(rows, study.settings, tolerance)[0])
+        snaps = batch.snaps(required["N"], rows, study.settings)
+        meets.append((snaps == required["snaps"]) & batch.bistable[:, np.newaxis])
+    meets, along = np.array(meets), ("requirement", "C")
+    N, f0, must = ([required[key] for required in requirements] for key in ("N", "f0", "snaps"))
+    data = {
         "N_first_required": (("requirement", "sample", "C"), np.array(first)),
-        "N_required": ("requirement", [float(asked["N"]) for asked in requirements]),
-        "f0_required": ("requirement", [float(asked["f0"]) for asked in requirements]),
-        "must_snap": ("requirement", np.array([a["snaps"] for a in requirements], np.int8)),
+        "N_required": ("requirement", np.array(N, float)),
+        "f0_required": ("requirement", np.array(f0, float)),
+        "must_snap": ("requirement", np.array(must, np.int8)),
     }
-    shares = [_share("share_meeting", meets.sum(axis=1), size, ("requirement", "C"))]
+    data |= _share("share_meeting", meets.sum(axis=1), meets.shape[1], along)
     good = meets.all(axis=0).astype(float)
-    if study.device.strength < np.inf and some.size:
-        stress = some.stresses(study, requirements, C)
-        followed = np.flatnonzero(some.bistable)[: stress.shape[1]]
-        columns["stress_max"] = ("requirement", "sample", "C"), np.full(meets.shape, np.nan)
-        columns["stress_max"][1][:, followed] = stress
+    if study.device.strength < np.inf and batch.size:
+        stress = batch.stresses(study, requirements, C)
+        followed = np.flatnonzero(batch.bistable)[: stress.shape[1]]
+        largest = np.full(meets.shape, np.nan)
+        largest[:, followed] = stress
+        data["stress_max"] = ("requirement", "sample", "C"), largest
         broken = break_probability(study.device, stress).sum(axis=1)
-        shares.append(_share("share_breaking", broken, followed.size, ("requirement", "C")))
-        must = [bool(asked.get("survives", True)) for asked in requirements]
-        largest = stress[must].max(axis=0, initial=0.0)
-        good[followed] *= 1 - break_probability(study.device, largest)
+        data |= _share("share_breaking", broken, followed.size, along)
+        must = [bool(required.get("survives", True)) for required in requirements]
+        worst = stress[must].max(axis=0, initial=0.0)
+        good[followed] *= 1 - break_probability(study.device, worst)
         good = good[: followed[-1] + 1]
-    shares.append(_share("yield", good.sum(axis=0), len(good), ("C",)))
-    return xr.merge([xr.Dataset(columns, names), *shares])
+    return data | _share("yield", good.sum(axis=0), len(good), ("C",))
 
 
-def _attributes(key):
-    """Of a value of the samples."""
-    if key.endswith("_factor"):
-        name = key.removesuffix("_factor")
-        return {"long_name": f"{name} over its nominal value", "units": "1"}
-    return COORDINATES[key]
+def summary(made: xr.Dataset) -> str:
+    """One line: how many samples there are, how far thresholds scatter, what owes it, the yield."""
+    size, missing = made.bistable.size, int((made.bistable == 0).sum())
+    spread = (made.N_std / made.N_mean).values
+    spread = spread[np.isfinite(spread)]
+    words = [f"{size} samples", f"{missing} without a second stable shape"]
+    if spread.size:
+        words.append(f"thresholds scatter by {spread.min():.2g} to {spread.max():.2g}, relative")
+    # What thresholds owe most of their variance to; where that differs, of each named pulse.
+    total = made.sensitivity.sel(order="total")
+    named = [dim for dim in NAMES if dim in total.dims]
+    total = total.mean([dim for dim in total.dims if dim not in ("value", *named)])
+    most = {}
+    for place in product(*(range(total.sizes[dim]) for dim in named)):
+        own = total.isel(dict(zip(named, place, strict=True)))
+        if own.notnull().any():
+            names = " ".join(str(own[dim].item()) for dim in named)
+            most.setdefault(own.idxmax().item(), []).append(names)
+    several = len(most) > 1
+    words += [f"most by {key}" + f" ({', '.join(at)})" * several for key, at in most.items()]
+    for key, word in (("yield", "yield"), ("share_breaking", "break")):
+        if key in made:
+            words.append(f"{word} {percents(*made[key].values.ravel())}{left_out(made[key])}")
+    return ", ".join(words)

@@ -17,8 +17,7 @@ def crossed(points: np.ndarray) -> np.ndarray:
     points: (2, samples, draws)
     """
     first, second = points
-    one_else = np.eye(first.shape[1], dtype=bool)[:, np.newaxis]
-    return np.where(one_else, second, first)
+    return np.where(np.eye(first.shape[1], dtype=bool)[:, np.newaxis], second, first)
 
 
 def indices(first: np.ndarray, second: np.ndarray, crossed: np.ndarray, seed: int) -> np.ndarray:
@@ -29,21 +28,22 @@ def indices(first: np.ndarray, second: np.ndarray, crossed: np.ndarray, seed: in
     Saltelli et al. (2010); NaN where there are fewer than FEWEST samples, or nothing scatters.
     """
     draws, _, outputs = crossed.shape
-    found = np.full((2, 3, draws, outputs), np.nan)
-    whole = np.isfinite(first) & np.isfinite(second) & np.isfinite(crossed).all(axis=0)
+    result = np.full((2, 3, draws, outputs), np.nan)
+    known = np.isfinite(first) & np.isfinite(second) & np.isfinite(crossed).all(axis=0)
     for i in range(outputs):
-        some = np.flatnonzero(whole[:, i])
-        some = some[: 1 << max(some.size.bit_length() - 1, 0)]  # the library asks for a power of 2
-        if some.size < FEWEST or np.ptp(first[some, i]) == 0:
+        places = np.flatnonzero(known[:, i])
+        # The library asks for a power of 2.
+        places = places[: 1 << max(places.size.bit_length() - 1, 0)]
+        if places.size < FEWEST or np.ptp(first[places, i]) == 0:
             continue
         if draws == 1:
-            found[..., i] = 1.0
+            result[..., i] = 1.0
             continue
-        values = first[some, i], second[some, i], crossed[:, some, i]
-        found[:, 0, :, i] = _both_orders(*values)
+        values = first[places, i], second[places, i], crossed[:, places, i]
+        result[:, 0, :, i] = _both_orders(*values)
         # The library's own bootstrap draws without a seed.
-        sure = bootstrap(
-            [np.arange(some.size)],
+        interval = bootstrap(
+            [np.arange(places.size)],
             lambda which, values=values: _both_orders(*(part[..., which] for part in values)),
             n_resamples=RESAMPLES,
             vectorized=False,
@@ -51,12 +51,12 @@ def indices(first: np.ndarray, second: np.ndarray, crossed: np.ndarray, seed: in
             method="percentile",
             rng=np.random.default_rng(seed),
         ).confidence_interval
-        found[:, 1, :, i], found[:, 2, :, i] = sure
-    return np.round(found, DECIMALS)
+        result[:, 1, :, i], result[:, 2, :, i] = interval
+    return np.round(result, DECIMALS)
 
 
 def _both_orders(first, second, crossed):
     """First-order and total indices of one output, (2, draws)."""
-    seen = {"f_A": first[np.newaxis], "f_B": second[np.newaxis], "f_AB": crossed[:, np.newaxis]}
-    told = sobol_indices(func=seen, n=first.size)
-    return np.array([told.first_order, told.total_order])
+    values = {"f_A": first[np.newaxis], "f_B": second[np.newaxis], "f_AB": crossed[:, np.newaxis]}
+    of_order = sobol_indices(func=values, n=first.size)
+    return np.array([of_order.first_order, of_order.total_order])

@@ -59,13 +59,13 @@ def quantile_bounds(N_first: np.ndarray, shares: np.ndarray) -> np.ndarray:
 
 def moments(N_first: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Mean and standard deviation of what is not NaN among the samples, (...)."""
-    flat = N_first.reshape(len(N_first), -1)
-    found = np.array([_moments(column[np.isfinite(column)]) for column in flat.T])
-    return tuple(found.T.reshape(2, *N_first.shape[1:]))
-
-
-def _moments(values):
-    if values.size < 2:
-        return (*values, *[np.nan] * (2 - values.size))
-    mean = math.fsum(values) / values.size
-    return mean, math.sqrt(math.fsum((values - mean) ** 2) / (values.size - 1))
+    mean, std = np.full((2, *N_first.shape[1:]), np.nan)
+    for place in np.ndindex(mean.shape):
+        values = N_first[(slice(None), *place)]
+        values = values[np.isfinite(values)]
+        if values.size:
+            mean[place] = math.fsum(values) / values.size
+        if values.size > 1:
+            squares = math.fsum((values - mean[place]) ** 2)
+            std[place] = math.sqrt(squares / (values.size - 1))
+    return mean, std

@@ -1,0 +1,107 @@
+"""What is said of a study before it runs: how its devices vibrate, and what may be amiss."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..beam.cosines import buckling_shapes
+from ..beam.equilibria import find_barrier, least_travel
+from ..described import describe, excited
+from ..device import Beam, Device
+from ..io.tables import read_points
+from ..study import Study
+from ..tolerances.samples import Plan
+from .plausible import implausible, wide
+
+TILTING = 8
+"""Shapes of each kind by which it is told whether a free beam has a second one."""
+
+
+def descriptions(study: Study) -> list[str]:
+    """Lines on each device, whatever the axes change, and on how a record excites it.
+
+    study: a `Config`
+    """
+    C, lines = study.axes["C"], list(study.measured.values())
+    records = [one for one in study.shocks.shapes.values() if one.duration and not one.blows.size]
+    for name, one in study.devices().items():
+        beam = one.beam
+        lines.append(
+            f"{name}: rise/thickness {beam.rise / beam.thickness:.4g}, rise/span "
+            f"{beam.rise / beam.span:.3g}, span/thickness {beam.span / beam.thickness:.4g}; "
+            f"{describe(one, C)}"
+        )
+        lines += [f"{name}, {pulse.name}: {excited(one, pulse)}" for pulse in records]
+    return lines
+
+
+def doubts(study: Study) -> list[str]:
+    """Lines on what is hardly meant, and on what devices and recorded shocks may leave out.
+
+    study: a `Config`
+    """
+    axes, scatter, (first, *_) = study.axes, study.tolerances, study.devices().values()
+    lines = implausible(study.grid.device, axes["C"], axes["f0"])
+    for name, one in study.devices().items():
+        own = [tilting(one.beam), stopped(one)]
+        if one.force:
+            own += [
+                f"N counts {one.force:g} uN of force on the midpoint, wherever multiples of g are "
+                "named"
+            ]
+        slopes = one.modulus_slope, one.expansion_mismatch, one.damper_exponent
+        if "temperature" in axes and not any(slopes):
+            own += ["temperature: changes nothing without device.thermal; write its values there"]
+        lines += [f"{name}: {line}" for line in own if line]
+    slowest, shortest = first.own_frequency, 1e6 / axes["f0"][-1]
+    for pulse in study.shocks.shapes.values():
+        lines += pulse.doubts(float(slowest), float(shortest))
+    if study.own_points:
+        lines += outside(study.own_points[0], axes)
+    for one in study.devices().values() if scatter else ():
+        lines += wide(Plan(one, scatter.scatters, scatter.together))
+    return lines
+
+
+def tilting(beam: Beam) -> str:
+    """One line on what a beam that is guided, or free to tilt, means for its labels, or nothing."""
+    if not beam.free and not beam.stays_if_free:
+        ratio = beam.rise / beam.thickness
+        return (
+            f"rise/thickness = {ratio:.4g}: labels hold for a guided beam only; one free to tilt "
+            "does not stay in the second shape"
+        )
+    if beam.free and find_barrier(beam, buckling_shapes(TILTING)).energy == 0:
+        return (
+            "free to tilt, the beam has no stable second shape: a snap is the midpoint's first "
+            "arrival where a guided beam has its own, and nothing latches"
+        )
+    return ""
+
+
+def stopped(device: Device) -> str:
+    """One line on stops that leave the mass no room to snap the beam, or nothing."""
+    if not device.has_stops:
+        return ""
+    travel, needed = device.stop_toward, least_travel(device)
+    if travel <= device.gap:
+        return f"stops.toward: {travel:.4g} um is not beyond the gap; the mass never meets the beam"
+    if travel < needed:
+        return (
+            f"stops.toward: {travel:.4g} um is short of the saddle, {needed:.4g} um from rest: a "
+            "slow push does not snap the beam, a fast one only by the speed that it gives the beam"
+        )
+    return ""
+
+
+def outside(path: str, axes: Mapping[str, np.ndarray]) -> list[str]:
+    """A line for each of a user's own points that lies on no map."""
+    lines = []
+    for number, point in enumerate(read_points(path), start=1):
+        for key, value in (("f0", point.f0), ("N", point.N)):
+            low, high = axes[key].min(), axes[key].max()
+            if not low <= value <= high:
+                place = f"{key} = {value:g}, maps from {low:g} to {high:g}"
+                who = f"{path}: {point.name or f'point {number}'}"
+                lines.append(f"{who} lies on no map: {place}")
+    return lines
