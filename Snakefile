@@ -1,3 +1,4 @@
+import json
 import os
 import sys
 from dataclasses import replace
@@ -64,7 +65,7 @@ progress = Progress({name: cells_in(slabs[name]) for name in new})
 # Parameters of the rules: what was made by other code is made again.
 numbers = code_hash(*NUMBERS, scripts / "jobs.py")
 drawing = code_hash(*DRAWS, scripts / "draw.py")
-studied = code_hash(*NUMBERS, scripts / "studies")
+studied = code_hash(*NUMBERS, clone / "studies")
 FIGURES = "map snap time thresholds damage_boundary history_ statics requirements"
 FIGURES += " probability sensitivity yield calibration"
 
@@ -76,7 +77,6 @@ wildcard_constraints:
     slab="[0-9a-f_]+",
     cell="[^/]+",
     which="|_[^/]+",
-    size="|_quick",
 
 
 onstart:
@@ -117,7 +117,6 @@ onsuccess:
     logs += ["results/logs/check_requirements.log"] * bool(study.all_required)
     logs += ["results/logs/find_tolerance.log"] * bool(study.tolerances)
     logs += ["results/logs/fit_calibration.log"] * bool(study.calibration)
-    logs += [log for log in progress.logs if "measure_" in log]
     for log in filter(os.path.exists, logs):
         # The last line is the summary; warnings were printed as they came.
         summary = Path(log).read_text(encoding="utf-8").splitlines()[-1:]
@@ -130,11 +129,6 @@ include: "workflow/rules/common.smk"
 include: "workflow/rules/run.smk"
 include: "workflow/rules/draw.smk"
 include: "workflow/rules/studies.smk"
-
-
-localrules:
-    write_accuracy_table,
-    write_stability_table,
 
 
 rule all:

@@ -1,26 +1,17 @@
 """Every command that the documents name runs: here, in small, or in another test."""
 
-import os
 import re
 import runpy
 import subprocess
 import sys
-from types import SimpleNamespace
 
-import draw
-import jobs
 import pytest
 
-from snapmap.io.netcdf import write
-from snapmap.study import Study
-from studies.stability import settled
-from studies.stability.cases import CASES
-from studies.stability.measure import measure
+from studies.__main__ import NAMES
 
-LINE = re.compile(r"^    ((?:PYTHONPATH=\S+ )?(?:\./|/path/to/)run .*?)(?:  +#.*)?$", re.M)
-SPAN = re.compile(r"`((?:PYTHONPATH=\S+ )?\./run [^`]+)`")
-STUDY = re.compile(r"\bstudies\.(\w+)")
-BENCHMARK = re.compile(r"\bbenchmarks/(\w+)\.py")
+LINE = re.compile(r"^    ((?:\./|/path/to/)run .*?)(?:  +#.*)?$", re.M)
+SPAN = re.compile(r"`(\./run [^`]+)`")
+STUDY = re.compile(r"python -m studies (\w+)")
 
 ITSELF = "this run of the tests"
 A_STUDY = "test_pipeline.py::test_every_figure_is_there"
@@ -36,11 +27,8 @@ ELSEWHERE = {
     "snakemake --report report.zip --configfile sensor.yaml": (
         "test_pipeline.py::test_a_finished_run_makes_a_report"
     ),
-    "snakemake accuracy --cores 2": "test_pipeline.py::test_accuracy_is_a_target_of_its_own",
-    "snakemake results/figures/accuracy_quick.pdf --cores 2": (
-        "test_pipeline.py::test_accuracy_is_a_target_of_its_own"
-    ),
-    "snakemake stability --cores 2": "test_commands.py::test_stability_in_small",
+    "snakemake accuracy --cores 2": "test_pipeline.py::test_studies_are_targets_of_their_own",
+    "snakemake stability --cores 2": "test_pipeline.py::test_studies_are_targets_of_their_own",
     "snakemake --profile profiles/slurm": ON_SLURM,
     "snakemake --profile profiles/slurm --groups simulate_slab=slabs "
     "--group-components slabs=4": ON_SLURM,
@@ -57,10 +45,6 @@ ELSEWHERE = {
     "python docs/make_reference.py": (
         "test_docs.py::test_the_reference_is_what_the_docstrings_say"
     ),
-    "python benchmarks/impacts.py > docs/impacts.md": (
-        "test_commands.py::test_a_benchmark_runs_in_small"
-    ),
-    "python benchmarks/compare.py": "test_commands.py::test_the_comparison_in_small",
     "python -m snapmap.command check config.yaml": (
         "test_command.py::test_check_says_what_a_config_describes_doubts_and_costs"
     ),
@@ -70,15 +54,8 @@ ELSEWHERE = {
     "ruff format": ITSELF,
 }
 """What runs each command that is no study, in small."""
-SHORT = ("motion", "peers", "sensitivity", "settling")
-LONG = ("coverage", "proofs", "pulses", "steps", "thresholds", "tilt", "tolerances", "validation")
-LONG += ("calibration", "planning", "rigour", "vibration")
-BENCHMARKS = ("scaling",)
-LONG_BENCHMARKS = ("impacts", "many_devices", "start", "width")
-
-
-def marked(names):
-    return [pytest.param(name, marks=pytest.mark.long) for name in names]
+SHORT = "tolerances"
+"""The study that runs by default, in small."""
 
 
 @pytest.fixture(scope="module")
@@ -97,83 +74,33 @@ def commands_in(text):
 
 
 def test_every_command_is_run_by_a_test(root, documents):
-    commands = commands_in(documents)
-    own = {f"python benchmarks/{name}.py" for name in (*BENCHMARKS, *LONG_BENCHMARKS)}
-    others = {one for one in commands if not one.startswith("pytest") and not STUDY.search(one)}
-    assert others - own == set(ELSEWHERE)
+    named = commands_in(documents)
+    others = {one for one in named if not one.startswith(("pytest", "python -m studies"))}
+    assert others == set(ELSEWHERE)
     for place in set(ELSEWHERE.values()) - {ITSELF}:
         file, name = place.split("::")
         (path,) = (root / "tests").rglob(file)
         assert f"def {name}(" in path.read_text(encoding="utf-8")
 
 
+def test_the_documents_name_every_study(documents):
+    assert set(STUDY.findall(documents)) == {*NAMES}
+
+
 @pytest.mark.parametrize(
-    ("folder", "named_as", "run"),
-    [
-        ("workflow/scripts/studies", STUDY, {*SHORT, *LONG}),
-        ("benchmarks", BENCHMARK, {"compare", *BENCHMARKS, *LONG_BENCHMARKS}),
-    ],
+    "study", [pytest.param(name, marks=[pytest.mark.long] * (name != SHORT)) for name in NAMES]
 )
-def test_every_study_and_benchmark_is_run_by_a_test(root, documents, folder, named_as, run):
-    assert set(named_as.findall(documents)) == run
-    modules = (root / folder).glob("*.py")
-    runnable = {path.stem for path in modules if "__main__" in path.read_text(encoding="utf-8")}
-    assert run == runnable
-
-
-@pytest.mark.parametrize("study", [*SHORT, *marked(LONG)])
 def test_a_study_runs_in_small(monkeypatch, capsys, tmp_path, root, study):
-    """As by `python -m`; what it writes lands in the current folder."""
-    if study == "rigour":
-        pytest.importorskip("flint")
+    """As by `python -m studies`; what it writes lands in the current folder."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("PYTHONPATH", str(root / "workflow" / "scripts"))
-    monkeypatch.setattr(sys, "argv", [study, "--small"])
-    runpy.run_module(f"studies.{study}", run_name="__main__")
+    monkeypatch.setattr(sys, "argv", ["studies", study, "--small"])
+    runpy.run_module("studies", run_name="__main__")
     rows = [line for line in capsys.readouterr().out.splitlines() if line.startswith("| ")]
     assert len(rows) > 2
-
-
-@pytest.mark.parametrize("benchmark", [*BENCHMARKS, *marked(LONG_BENCHMARKS)])
-def test_a_benchmark_runs_in_small(root, tmp_path, benchmark):
-    command = [sys.executable, root / "benchmarks" / f"{benchmark}.py", "--small"]
-    path = {"PYTHONPATH": str(root / "workflow" / "scripts")}
-    options = {"cwd": tmp_path, "env": os.environ | path, "check": True, "capture_output": True}
-    out = subprocess.run(command, **options, text=True).stdout
-    assert len([line for line in out.splitlines() if line.startswith("| ")]) > 2
 
 
 def test_versions_in_one_paste(root):
     command = [sys.executable, "-m", "snapmap.io.provenance"]
     said = subprocess.check_output(command, cwd=root / "workflow" / "scripts", text=True)
     assert re.match(r"snapmap \d\S+ sources \w+, Python .*\nnumpy \d", said)
-
-
-@pytest.mark.long
-def test_the_comparison_in_small(root, tmp_path):
-    """The command of docs/performance.md; without heyoka, which the usual packages do not have."""
-    command = [sys.executable, root / "benchmarks" / "compare.py", "--small"]
-    path = {"PYTHONPATH": str(root / "workflow" / "scripts")}
-    report = tmp_path / "report.md"
-    options = {"cwd": tmp_path, "env": os.environ | path, "check": True, "capture_output": True}
-    subprocess.run([*command, "--out", report], **options)
-    text = report.read_text(encoding="utf-8")
-    assert "## Speed" in text and "## Error of the threshold" in text
-    labels = re.findall(r"^\| (\S.*?) \| 16 \| .*? (\d+)/16 \|", text, re.M)
-    assert len(labels) == 3 and min(int(same) for _, same in labels) >= 15
-
-
-def test_stability_in_small(monkeypatch, tmp_path, handout):
-    """The functions of its rules, one after the other."""
-    at = SimpleNamespace(stability=tmp_path / "stability.nc", settled=tmp_path / "settled.nc")
-    grid = settled.GRID | {"N": [900.0, 1100.0], "f0": [500.0, 1500.0]}
-    monkeypatch.setattr(settled, "GRID", grid)
-    dampings = [0.0, 4e-4, 4e-3]
-    jobs.measure_settled(Study(device=handout), dampings, at.settled)
-    models = {"5 cosines": {"name": "cosines", "modes": 5}}
-    write(measure(handout, CASES[:1], models, steps=(0.8, 1.05)), at.stability)
-    draw.draw_settled(at.settled, dampings[:2], 25.0, str(tmp_path / "settled"))
-    draw.draw_stability(at.stability, str(tmp_path / "stability"))
-    jobs.write_stability_table(at.stability, at.settled, tmp_path / "table.md")
-    assert "handout's case" in (tmp_path / "table.md").read_text(encoding="utf-8")
-    assert {path.suffix for path in tmp_path.glob("s*")} == {".nc", ".pdf", ".png"}

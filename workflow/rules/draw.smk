@@ -12,7 +12,6 @@ every_study_has = of_cells | {
 if study.has_strength:
     every_study_has["traces"] = traces
 of_batch = {"places": made.batches, "yields": made.yields}
-of_settled = {"beam_dampings": [0.0, 4e-4], "C": 25.0}
 # By their caption: the part of the report, and figures.
 FIGURES_OF = {
     "snap_maps": ("1 Which shock snaps it", made.snap_stems),
@@ -24,10 +23,6 @@ FIGURES_OF = {
     "calibration": ("6 Devices as made", ["calibration"]),
     "statics": ("7 Device", [f"statics{which}" for which in made.statics]),
     "histories": ("8 Histories", [f"history_{cell}" for cell in made.histories]),
-    "accuracy": ("9 Accuracy and stability", ["accuracy{size}"]),
-    "convergence": ("9 Accuracy and stability", ["convergence"]),
-    "stability": ("9 Accuracy and stability", ["stability"]),
-    "settled": ("9 Accuracy and stability", ["settled"]),
 }
 OF_STUDY = ["snap_maps", "thresholds", "maps", "statics", "histories"]
 # By the rule's name without draw_, the most urgent first: captions, files and values.
@@ -37,10 +32,6 @@ DRAWN = {
     "requirements": ([], {"requirements": "results/requirements.csv"}, {}),
     "tolerance": ([], {"tolerance": "results/tolerance.nc"}, of_batch),
     "calibration": ([], {"calibration": "results/calibration.nc"}, {}),
-    "accuracy": ([], {"accuracy": "results/accuracy{size}.nc"}, {}),
-    "convergence": ([], {"accuracy": "results/accuracy.nc"}, {}),
-    "stability": ([], {"stability": "results/stability.nc"}, {}),
-    "settled": ([], {"settled": "results/settled.nc"}, of_settled),
 }
 
 
@@ -64,7 +55,7 @@ for place, (what, (captions, files, values)) in enumerate(DRAWN.items()):
         output:
             [path for caption in captions or [what] for path in figures(caption)],
         log:
-            f"results/logs/draw_{what}{'{size}' * (what == 'accuracy')}.log",
+            f"results/logs/draw_{what}.log",
         priority: 85 - place
         group:
             "figures"

@@ -194,37 +194,6 @@ def _draw_panels(stem, panels, draw, attributes, shares=None):
         style.legend(figure, style.labelled(figure.axes), words)
 
 
-def draw_accuracy(accuracy_path, stem):
-    """Draw error against time for every model."""
-    from studies.accuracy.figures import draw_accuracy
-
-    with _open(accuracy_path) as found, _figure(stem, found, 3.6) as figure:
-        draw_accuracy(figure.subplots(), found)
-
-
-def draw_convergence(accuracy_path, stem):
-    """Draw how the error of the threshold falls with number and step."""
-    from studies.accuracy.figures import draw_convergence
-
-    with _open(accuracy_path) as found, _figure(stem, found, 3.2) as figure:
-        draw_convergence(figure.subplots(1, 2, sharey=True, width_ratios=[3, 2]), found)
-
-
-def draw_stability(stability_path, stem):
-    """Draw the verdicts on the hard cases, a panel for each model."""
-    from studies.stability.figures import draw_panels
-
-    with _open(stability_path) as cases, _figure(stem, cases, 9) as figure:
-        draw_panels(figure, cases)
-
-
-def draw_settled(settled_path, beam_dampings, C, stem):
-    """Draw the map of one C, uN us/um, for each beam damping, 1/us, side by side."""
-    with _open(settled_path) as settled:
-        panels = [(settled.sel(damping=damping, C=C), None) for damping in beam_dampings]
-        _draw_together(panels, stem, "f0", "N", ends=True)
-
-
 def draw_page(cube_path, traces_path, threshold_path, horizon, path):
     """Write the page to explore a cube; horizon: us."""
     from snapmap.figures.explore import page  # brings Plotly

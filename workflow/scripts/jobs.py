@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 
 from snapmap.axes import NAMES
-from snapmap.config.devices import nominal
 from snapmap.config.products import products
 from snapmap.config.study import planned_study
 from snapmap.io.atomic import replacing
@@ -146,47 +145,6 @@ def write_datasheet(study, requirements_path, path, tolerance_path=()):
     with _open(tolerance_path) if tolerance_path else nullcontext() as made:
         text = datasheet(study.of_thresholds(), verdicts, required, made, study.title)
     _write_text(text, path)
-
-
-def measure_accuracy(study, plan, path):
-    """Measure the error from each source, and the time of a simulation; plan: by name."""
-    from studies.accuracy.dataset import summary
-    from studies.accuracy.measure import measure
-    from studies.accuracy.plans import PLANS
-
-    axes = {key: study.axes[key].tolist() for key in ("C", "f0", "N")}
-    device = nominal(study.device)
-    _write(measure(device, axes, study.settings, PLANS[plan], study.shocks), path, summary)
-
-
-def write_accuracy_table(accuracy_path, path):
-    """Write the tables of docs/accuracy.md."""
-    from studies.accuracy.tables import tables
-
-    with _open(accuracy_path) as accuracy:
-        _write_text(tables(accuracy), path)
-
-
-def measure_stability(study, path):
-    """Follow the hard cases with every model at many steps and write what each was."""
-    from studies.stability.measure import measure
-
-    _write(measure(nominal(study.device), threads=study.settings.threads), path)
-
-
-def measure_settled(study, beam_dampings, path):
-    """Sweep a grid with less and more damping of the beam, 1/us."""
-    from studies.stability.settled import settled
-
-    _write(settled(nominal(study.device), beam_dampings, study.settings.threads), path)
-
-
-def write_stability_table(stability_path, settled_path, path):
-    """Write the tables of docs/stability.md."""
-    from studies.stability.tables import tables
-
-    with _open(stability_path) as cases, _open(settled_path) as settled:
-        _write_text(tables(cases, settled), path)
 
 
 def _open(path):

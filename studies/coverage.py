@@ -1,0 +1,193 @@
+"""How many thresholds of random devices lie within their error bars: docs/thresholds.md.
+
+./run python -m studies coverage [devices] [any] [--small]
+
+With `any`, devices with gaps, stops and stress, at other temperatures, of other shapes, free to
+tilt, under all shapes of pulse, slow ones among them, and along both directions.
+
+Prints each miss of a clean row, in bars.
+"""
+
+import sys
+from time import perf_counter
+from typing import NamedTuple
+
+import numpy as np
+
+from snapmap import threshold
+from snapmap.device import Device
+from snapmap.io.markdown import number, table
+from snapmap.shocks import HANDOUT_SHOCK, Shocks
+from snapmap.solver.cells import Rows, to_rows
+from snapmap.solver.models import build_model
+from snapmap.solver.search import lowest_snap
+from snapmap.solver.settings import Settings
+from snapmap.thresholds.islands import FOUND, NARROW, NOT_FOLLOWED, NOTHING_SNAPS
+
+from .common import SMALL, few
+from .random_devices import (
+    FREQUENCIES,
+    SLOWEST,
+    draw_device,
+    draw_pulse,
+    draw_shocks,
+    draw_widest_device,
+)
+
+SEED, DEVICES, THREADS = 13, 24, 2
+
+
+KEYS = "N_first", "N_error", "status", "ragged"
+
+
+class Run(NamedTuple):
+    """What a model answered, or None after an exception, and the time that it took, s."""
+
+    result: tuple | None
+    seconds: float
+
+
+MODELS = {
+    "auto": {"model": "auto"},
+    "handout": {"model": "handout"},
+    "5 cosines": {"model": "cosines", "modes": 5},
+}
+JUDGES = (
+    {"name": "cosines", "modes": 16},
+    {"name": "elements", "elements": 20, "modes": 12},
+)
+JUDGED_STEP = 0.2
+"""Two discretisations, far finer than what is judged, in a fifth of its steps; what they agree on
+is well posed."""
+AGREED, REFINED = 3e-4, 1e-5
+REACHES = (1.01, 1.1)
+"""About a threshold found before, the judges look this far around it in turn, for stretches as
+wide as thresholds are told to see."""
+HORIZON = 1500.0
+HEAD = [
+    "model",
+    "well posed",
+    "within the bar",
+    "share",
+    "clean",
+    "within",
+    "largest, bars",
+    "missed",
+    "nothing snaps",
+    "not followed",
+    "NaN without a reason",
+    "failed",
+    "s per threshold",
+    "bar",
+]
+
+
+def main():
+    given = [word for word in sys.argv[1:] if word not in (SMALL, "any")]
+    count, of_all = few(int(given[0]) if given else DEVICES), "any" in sys.argv[1:]
+    draw = np.random.default_rng(SEED)
+    found = {name: [] for name in MODELS}
+    for _ in range(count):
+        device = draw_widest_device(draw) if of_all else draw_device(draw)
+        shocks = draw_pulse(draw) if of_all else HANDOUT_SHOCK
+        slowest = SLOWEST if of_all else FREQUENCIES[0]
+        f0, C = (few(ones) for ones in draw_shocks(draw, device, (slowest, FREQUENCIES[1])))
+        runs = {name: ask(device, f0, C, options, shocks) for name, options in MODELS.items()}
+        about = next(run.result[0] for run in runs.values() if run.result)
+        truth = judge(device, f0, C, about, shocks)
+        for name, run in runs.items():
+            found[name].append((run, truth))
+            tell_misses(name, run, truth, device, shocks, f0, C)
+    print(f"{count} devices, {count * len(f0) * len(C)} thresholds\n")
+    print(table(HEAD, [[name, *summary(runs)] for name, runs in found.items()]))
+
+
+def tell_misses(name, run: Run, truth, device: Device, shocks: Shocks, f0, C):
+    """Print each clean row whose threshold lies beyond its bar."""
+    over = ratios([(run, truth)], of_clean=True)
+    known = np.flatnonzero(is_clean(run) & np.isfinite(truth)) if over.size else []
+    for row, bars in zip(known, over, strict=True):
+        if bars > 1:
+            where = f"{f0[row % len(f0)]:.6g} Hz, C {C[row // len(f0)]:.6g}"
+            N, error = (values[row] for values in run.result[:2])
+            told = f"{N:.6g} +- {error:.3g} for {truth[row]:.6g}, {bars:.2f} bars"
+            print(f"{name}: {where}, {shocks.pulse.name} {shocks.direction}: {told}; {device}")
+
+
+def is_clean(run: Run) -> np.ndarray:
+    """Which rows have a threshold and are not ragged, (thresholds,)."""
+    N, _, _, ragged = run.result
+    return np.isfinite(N) & (ragged == 0)
+
+
+def ask(device: Device, f0, C, options, shocks: Shocks = HANDOUT_SHOCK) -> Run:
+    """N_first, N_error, status and ragged, (thresholds,), or None after an exception; its time."""
+    asked = {"pulse": shocks.pulse, "direction": shocks.direction, "threads": THREADS}
+    begin = perf_counter()
+    try:
+        answer = threshold(device, f0, C, horizon=HORIZON, **asked, **options)
+        answer = tuple(answer[key].values.ravel() for key in KEYS)
+    except ValueError as error:
+        print(f"{device}: {error}")
+        answer = None
+    return Run(answer, perf_counter() - begin)
+
+
+def judge(device: Device, f0, C, about, shocks: Shocks = HANDOUT_SHOCK) -> np.ndarray:
+    """Thresholds, (thresholds,), NaN where the judges do not agree, or one finds none."""
+    rows = to_rows(0, np.tile(f0, len(C)), np.repeat(C, len(f0)), 0, shocks.pulses)
+    settings = Settings(HORIZON, threads=THREADS)
+    judges = [build_model(device, **options).with_step(JUDGED_STEP) for options in JUDGES]
+    by_judge = [look(model, rows, about, settings) for model in judges]
+    mean = np.mean(by_judge, axis=0)
+    return np.where(np.ptp(by_judge, axis=0) <= AGREED * mean, mean, np.nan)
+
+
+def look(model, rows: Rows, about, settings: Settings) -> np.ndarray:
+    """Thresholds by one judge, (thresholds,); NaN where there is none within REACHES."""
+    found = np.full(about.size, np.nan)
+    for reach in REACHES:
+        left = np.flatnonzero(np.isnan(found))
+        bracket = about[left] / reach, about[left] * reach
+        found[left] = lowest_snap(model, rows.take(left), bracket, settings, REFINED, NARROW)
+    return found
+
+
+def ratios(runs, of_clean: bool = False) -> np.ndarray:
+    """Errors over their bars where the threshold is well posed; inf where none was found.
+
+    of_clean: of clean rows alone
+    """
+    each = []
+    for run, truth in runs:
+        if run.result is not None:
+            known = np.isfinite(truth) & (is_clean(run) if of_clean else True)
+            N, bar = (values[known] for values in run.result[:2])
+            each.append(np.nan_to_num(abs(N - truth[known]) / bar, nan=np.inf))
+    return np.concatenate(each)
+
+
+def summary(runs):
+    """A row of the table."""
+    over, clean = ratios(runs), ratios(runs, of_clean=True)
+    asked = sum(truth.size for _, truth in runs)
+    N, status = (np.concatenate([run.result[i] for run, _ in runs if run.result]) for i in (0, 2))
+    bars = np.concatenate([run.result[1] / run.result[0] for run, _ in runs if run.result])
+    return [
+        str(over.size),
+        str(np.sum(over <= 1)),
+        f"{np.mean(over <= 1):.1%}",
+        str(clean.size),
+        f"{np.mean(clean <= 1):.1%}",
+        f"{clean.max(initial=0):.2f}",
+        str(np.sum(np.isinf(over))),
+        *(str(np.sum(status == reason)) for reason in (NOTHING_SNAPS, NOT_FOLLOWED)),
+        str(np.sum(np.isnan(N) & (status == FOUND))),
+        str(sum(run.result is None for run, _ in runs)),
+        number(sum(run.seconds for run, _ in runs) / asked),
+        f"{np.nanmedian(bars):.2%}",
+    ]
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,207 @@
+"""Who follows the ensembles of impact_problems.py, each by its own means: x[0] at t_end."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+from numba import njit
+from scipy.integrate import solve_ivp
+
+from snapmap.device import Device, batch
+from snapmap.pulse import Pulse
+from snapmap.solver import simd_loop
+from snapmap.solver.kernel.rows import LANES
+from snapmap.solver.kernel.trace import SAMPLE
+from snapmap.solver.models import build_model
+
+from .problems import BALL, WAY, Problem
+
+BISECTIONS = 50
+"""By which the plain loop finds an impact."""
+WIDTH = 8
+"""Lanes of heyoka."""
+ALONE = {"gap": 1e4, "contact": 1.0}
+"""Of a mass that never meets the beam."""
+LOOSE = 1e-16
+"""Spring of a falling ball, over the handout's."""
+CYCLES = 20.0
+"""Of a pulse's sine: more than any trajectory lasts."""
+SAMPLES = 16
+"""Instants that our kernel keeps of a trajectory; the last is its end."""
+
+Solve = Callable[..., np.ndarray]
+"""A tolerance, and for some a longest step, or a step alone, to x[0] at t_end of all."""
+
+
+def by_scipy(problem: Problem) -> Solve:
+    """`solve_ivp`, DOP853, begun anew after each impact; its right-hand side compiled by numba."""
+    rate = njit(problem.rate(np))
+
+    def guard(t, x, q):
+        return problem.guard(x, q)
+
+    def follow(x, q, t_end, tolerance, longest):
+        t, options = 0.0, {"events": guard, "rtol": tolerance, "atol": tolerance}
+        options["max_step"] = longest
+        while t < t_end:
+            run = solve_ivp(rate, (t, t_end), x, "DOP853", args=(q,), **options)
+            t, x = run.t[-1], run.y[:, -1]
+            if run.status == 1:
+                x, q = problem.reset(x, q)
+                if abs(x[1]) < problem.rest:
+                    break
+        return x[0]
+
+    def solve(tolerance, longest):
+        each = zip(problem.start, problem.q, problem.t_end, strict=True)
+        return np.array([follow(x, tuple(q), t_end, tolerance, longest) for x, q, t_end in each])
+
+    guard.terminal, guard.direction = True, -1
+    return solve
+
+
+def by_plain_loop(problem: Problem) -> Solve:
+    """Fixed steps of Runge and Kutta's fourth order, compiled by numba; impacts by bisection."""
+    follow = plain_loop(problem)
+    return lambda dt: follow(problem.start, problem.q, problem.t_end, dt)[0]
+
+
+def plain_loop(problem: Problem) -> Callable:
+    """Compile it: x[0] at the end of each trajectory, and when that is."""
+    rate, guard, reset = (njit(f) for f in (problem.rate(np), problem.guard, problem.reset))
+    rest = problem.rest
+
+    @njit
+    def step(t, x, q, h, new):
+        slope, middle = np.zeros(x.size), np.zeros(x.size)
+        for i in range(x.size):
+            new[i] = x[i]
+        for at, weight in ((0.0, 1 / 6), (0.5, 1 / 3), (0.5, 1 / 3), (1.0, 1 / 6)):
+            for i in range(x.size):
+                middle[i] = x[i] + at * h * slope[i]
+            for i, found in enumerate(rate(t + at * h, middle, q)):
+                slope[i] = found
+                new[i] += weight * h * found
+
+    @njit
+    def follow(x, q, t_end, dt):
+        t, new = 0.0, np.empty_like(x)
+        while t < t_end:
+            h = min(dt, t_end - t)
+            step(t, x, q, h, new)
+            if guard(new, q) >= 0.0:
+                t += h
+                x, new = new, x
+                continue
+            low = 0.0
+            for _ in range(BISECTIONS):
+                middle = (low + h) / 2
+                step(t, x, q, middle, new)
+                if guard(new, q) < 0.0:
+                    h = middle
+                else:
+                    low = middle
+            step(t, x, q, h, new)
+            t += h
+            after, parameters = reset(new, q)
+            for i in range(x.size):
+                x[i] = after[i]
+            for i in range(q.size):
+                q[i] = parameters[i]
+            if abs(x[1]) < rest:
+                break
+        return x[0], t
+
+    @njit
+    def follow_all(start, parameters, t_end, dt):
+        found = np.empty((2, t_end.size))
+        for n in range(t_end.size):
+            found[:, n] = follow(start[n].copy(), parameters[n].copy(), t_end[n], dt)
+        return found
+
+    return follow_all
+
+
+def by_heyoka(problem: Problem) -> Solve:
+    """heyoka's batch mode, impacts as terminal events that go on."""
+    import heyoka as hy
+
+    hy.set_logger_level_critical()  # it warns on the standard output of events it may have missed
+    x = hy.make_vars(*(f"x{i}" for i in range(problem.start.shape[1])))
+    q = [hy.par[i] for i in range(problem.q.shape[1])]
+    rates = [
+        hy.expression(d) if isinstance(d, float) else d for d in problem.rate(hy)(hy.time, x, q)
+    ]
+
+    values = np.empty((len(q), WIDTH))
+
+    def used(integrator):
+        return integrator.pars.shape[0]  # the last parameters may be of the resets alone
+
+    def meet(integrator, sign, lane):
+        x, values[:, lane] = problem.reset(integrator.state[:, lane], values[:, lane])
+        integrator.state[:, lane], integrator.pars[:, lane] = x, values[: used(integrator), lane]
+        return bool(abs(integrator.state[1, lane]) >= problem.rest)
+
+    @cache
+    def integrator_of(tolerance):
+        falling = {"direction": hy.event_direction.negative, "callback": meet}
+        return hy.taylor_adaptive_batch(
+            list(zip(x, rates, strict=True)),
+            np.zeros((len(x), WIDTH)),
+            tol=tolerance,
+            t_events=[hy.t_event_batch(problem.guard(x, q), **falling)],
+        )
+
+    def solve(tolerance):
+        integrator, found = integrator_of(tolerance), []
+        for first in range(0, problem.t_end.size, WIDTH):
+            # The last batch is filled up with its last trajectory.
+            some = np.minimum(np.arange(first, first + WIDTH), problem.t_end.size - 1)
+            integrator.state[:], values[:] = problem.start[some].T, problem.q[some].T
+            integrator.pars[:] = values[: used(integrator)]
+            integrator.set_time(0.0)
+            integrator.reset_cooldowns()
+            ends = problem.t_end[some].copy()
+            while (integrator.time < ends).any():
+                integrator.propagate_until(ends)
+                ends = np.minimum(ends, np.where(_stopped(integrator), integrator.time, ends))
+            found.append(integrator.state[0].copy())
+        return np.concatenate(found)[: problem.t_end.size]
+
+    return solve
+
+
+def _stopped(integrator):
+    """Lanes whose event ended the call."""
+    return np.array([-1000 < int(outcome) < 0 for outcome, *_ in integrator.propagate_res])
+
+
+def by_kernel(problem: Problem, device: Device) -> Solve:
+    """Our own kernel: a mass before a stop, its beam out of reach; steps of one length."""
+    omega = device.mass_frequency
+    e = problem.q[:, -1]
+    frequency = problem.q[:, 0] * omega / (2 * np.pi)
+    spring, stop = device.spring, WAY
+    pulse = Pulse("sine", np.array([[0.0, 0.0, 0.0, CYCLES, 0.0, 1.0]]))
+    if problem.name == BALL:
+        spring, stop, pulse = spring * LOOSE, 1.0, Pulse("constant", np.eye(1, 6, 1))
+        frequency = CYCLES / (2 * problem.t_end) * omega
+    held = replace(device, stop_toward=stop, spring=spring, **ALONE)
+    devices = batch([replace(held, restitution=share) for share in e.tolist()])
+    model = build_model(devices, "cosines", cosines=1, modes=1)
+    columns = np.zeros(e.size, np.int64), np.full(e.size, omega**2), frequency / CYCLES
+
+    def solve(steps):
+        width = SAMPLE * (steps // (SAMPLE * (SAMPLES - 1)))
+        dt = problem.t_end / omega / (width * (SAMPLES - 1) + 0.5)
+        found = []
+        for some in np.split(np.arange(e.size), range(LANES, e.size, LANES)):
+            cells = *(column[some] for column in columns), np.zeros(some.size)
+            widths = np.full(some.size, width)
+            kept = simd_loop.trace(model, some, dt[some], [pulse], (*cells, widths), SAMPLES)
+            found.append(kept[1][0, -1])
+        return stop + np.concatenate(found) if problem.name == BALL else np.concatenate(found)
+
+    return solve

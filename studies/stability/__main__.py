@@ -1,0 +1,51 @@
+"""Hard cases: docs/stability.md.
+
+./run python -m studies stability [--device SECTION] [--small]
+
+Writes results/stability.nc and .md, and figures of the verdicts and of which cells settle.
+"""
+
+import os
+
+import numpy as np
+
+from snapmap.figures import maps, style
+from snapmap.numerics.portable import geometric, linear
+from snapmap.sweeps.cube import sweep
+
+from ..common import command_device, few, results
+from .cases import CASES, MODELS
+from .figures import draw_panels
+from .measure import measure
+from .proofs import followed_on
+from .tables import tables
+
+GRID = {"N": linear(600, 2400, 61), "f0": geometric(100, 3e4, 31), "C": [0.025, 25.0, 200.0]}
+"""Of the cells that may settle: multiples of g, Hz, uN us/um."""
+SETTLING = {"model": "cosines", "modes": 4, "horizon": 6000.0, "repeat": True}
+DAMPINGS, SHOWN = [0.0, 4e-4, 4e-3], 25.0
+"""Of the beam, 1/us; the C of which maps are drawn."""
+
+
+def main() -> None:
+    device, threads = command_device(), os.cpu_count() or 1
+    cases = measure(device, few(CASES, 2), few(MODELS, 2), threads=threads)
+    grid = {key: few(values, 3) for key, values in GRID.items()}
+    settled = sweep(device, **grid, **SETTLING, threads=threads, damping=few(DAMPINGS, 2))
+    cases.to_netcdf(results("stability.nc"))
+    text = f"{tables(cases, settled)}\n{followed_on(device)}"
+    results("stability.md").write_text(text, encoding="utf-8")
+    with style.paper():
+        figure = style.double_column(height=9)
+        draw_panels(figure, cases)
+        style.save(figure, results("figures/stability"), cases.attrs)
+        figure = style.double_column(height=9)
+        C = np.clip(SHOWN, None, max(grid["C"]))
+        panels = [(settled.sel(damping=one, C=C), None) for one in few(DAMPINGS, 2)]
+        maps.draw_maps(figure, panels, "f0", "N", ends=True)
+        style.save(figure, results("figures/settled"), settled.attrs)
+    print(text)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,185 @@
+"""Follow every hard case with every model at many steps, and judge what was found."""
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+from itertools import product
+
+import numpy as np
+import xarray as xr
+
+from snapmap.device import Device
+from snapmap.solver.cells import to_cells, to_rows
+from snapmap.solver.kernel.rows import LANES
+from snapmap.solver.models import build_model
+from snapmap.solver.outcome import FAILED, label
+from snapmap.solver.search import lowest_snap
+from snapmap.solver.settings import Settings
+from snapmap.solver.steps import bending_limit, stability_limit
+from snapmap.sweeps.cube import VARIABLES as CUBE_VARIABLES
+
+from ..common import stepped
+from .cases import APART, CASES, MODELS, Case, changed
+from .verdicts import LEFT_OUT, NO_RUNS, REFUSED, VERDICTS, Runs, judge, snap_shift
+
+STEPS = (0.2, 0.4, 0.6, 0.8, 0.9, 1.0, 1.05)
+FINE_STEPS = (0.1, 0.075)
+SEARCHED = (300.0, 3000.0)
+"""Where the threshold is looked for, multiples of g."""
+BUDGET = 18.0
+"""The steps of a case are left out if they would take longer, s; if one run takes an eighth of it,
+the case is."""
+VARIABLES = {
+    "limit": {"long_name": "stability limit of the time step", "units": "us"},
+    "outcome": {**CUBE_VARIABLES["outcome"], "long_name": "outcome of the case's first cell"},
+    "energy_error": {
+        "long_name": "largest residual of an energy ledger over the gross work of the pulse",
+        "units": "1",
+        "comment": "inf: a run blew up; NaN: not run",
+    },
+    "snap_shift": {
+        "long_name": "largest difference of a believed snap time from the fine runs', over it",
+        "units": "1",
+        "comment": "NaN: there are none to compare",
+    },
+    "verdict": {
+        "long_name": "verdict on the worst of the case's cells",
+        "flag_values": np.arange(len(VERDICTS), dtype=np.int8),
+        "flag_meanings": " ".join(VERDICTS),
+    },
+    "step": {"long_name": "time step over the stability limit", "units": "1"},
+    "halvings": {
+        "long_name": "how often the default step was halved until every ledger closed",
+        "units": "1",
+        "comment": "-1: not run",
+    },
+}
+
+
+def measure(
+    device: Device,
+    cases: Sequence[Case] = CASES,
+    models: Mapping[str, Mapping] = MODELS,
+    steps: Sequence[float] = STEPS,
+    threads: int = 1,
+) -> xr.Dataset:
+    """Follow every case with every model at every step, as shares of its stability limit.
+
+    models: name and options of each, by what the dataset calls it
+    The variables named default_* hold what a sweep gives: it takes the model's own step, and
+    halves it where a ledger does not close.
+    """
+    pairs = list(product(cases, models.values()))
+    with ThreadPoolExecutor(threads) as pool:
+        found = list(pool.map(lambda pair: measure_pair(device, *pair, steps), pairs))
+    values = {key: np.array([one[key] for one in found]) for key in found[0]}
+    return dress(cases, models, steps, values)
+
+
+def dress(
+    cases: Sequence[Case],
+    models: Mapping[str, Mapping],
+    steps: Sequence[float],
+    values: Mapping[str, np.ndarray],
+) -> xr.Dataset:
+    """Give what was found its axes and CF attributes.
+
+    values: by name, of every pair of case and model, cases first: (pairs,) or (pairs, steps)
+    """
+    axes = {"case": [case.name for case in cases], "model": list(models), "step": list(steps)}
+    data = {}
+    for name, one in values.items():
+        shape = (len(cases), len(models), *one.shape[1:])
+        dtype = float if one.dtype.kind == "f" else np.int8
+        attributes = VARIABLES[name.removeprefix("default_")]
+        data[name] = (tuple(axes)[: len(shape)], one.reshape(shape).astype(dtype), attributes)
+    return xr.Dataset(data, axes).assign_attrs(Conventions="CF-1.11", title="Hard cases")
+
+
+def measure_pair(
+    device: Device, case: Case, options: Mapping, steps: Sequence[float]
+) -> dict[str, object]:
+    """The values of one case and one model, by the dataset's names of them.
+
+    options: of the model, its name included; steps: shares of its stability limit
+    A list holds one value for each step.
+    """
+    device = changed(device, case)
+    try:
+        model = build_model(device, **options)
+    except ValueError:
+        return _blank(steps, REFUSED)
+    limit_of = stability_limit if model.name == "reference" else bending_limit
+    limit = limit_of(device, model.modal)
+    default = _default_step(device, model, case)
+    values = _blank(steps, LEFT_OUT) | {"limit": limit, "default_step": default / limit}
+    search = [FINE_STEPS[0] * limit] * 4 * case.of_threshold  # a dozen runs, over at the snap
+    if _seconds(model, case, [default, *search]) > BUDGET / 8:
+        return values
+    return values | _follow(case, model, limit, steps)
+
+
+def _default_step(device, model, case):
+    """The step in which a sweep tells where the case stays, us."""
+    cells, settings = to_cells(device, [0], 0.0, case.f0, case.C, case.horizon), Settings()
+    return model.steps.of(cells, settings.question).item()
+
+
+def _follow(case, model, limit, steps):
+    """What is judged: with fine steps unless that takes too long, and the default step always."""
+    cells, settings = _cells(model, case, limit), Settings(case.horizon)
+
+    @cache
+    def follow_at(dt):
+        return _to_runs(stepped(model, dt).follow_once(cells, settings))
+
+    fine, values = NO_RUNS, {}
+    if _seconds(model, case, limit * np.array([*FINE_STEPS, *steps])) < BUDGET:
+        fine = Runs(*np.hstack([follow_at(step * limit) for step in FINE_STEPS]))
+        at_steps = [_summary(follow_at(step * limit), fine) for step in steps]
+        values = {key: [one[key] for one in at_steps] for key in at_steps[0]}
+    seen = model.follow(cells, settings)
+    values |= {f"default_{key}": value for key, value in _summary(_to_runs(seen), fine).items()}
+    return values | {"halvings": seen.halvings.max()}
+
+
+def _seconds(model, case, steps):
+    """Expected time of one run at each step (us); only for leaving out what takes too long."""
+    nanoseconds = 40 * LANES if model.name == "reference" else 60 + model.modes**2
+    duration = 1e6 / case.f0 + case.horizon
+    groups = np.ceil(case.cells / LANES)
+    return float(np.sum(duration / np.array(steps)) * groups * nanoseconds * 1e-9)
+
+
+def _cells(model, case, limit):
+    N = case.N
+    if case.of_threshold:
+        fine = stepped(model, FINE_STEPS[0] * limit)
+        row = to_rows(0, case.f0, case.C)
+        asked = SEARCHED, Settings(horizon=300.0)
+        N *= lowest_snap(fine, row, *asked, tolerance=10 * APART)[0]
+    copies = N * (1 - APART * np.arange(case.cells))
+    return to_cells(model.device, 0, copies, case.f0, case.C, case.horizon)
+
+
+def _to_runs(seen):
+    outcome = label(*seen[:4], Settings().energy_tolerance)
+    return Runs(outcome, seen.t_snap, seen.t_settled, seen.energy_error)
+
+
+def _blank(steps, verdict):
+    """What stands for a case that is not run, and why."""
+    one = {"outcome": FAILED, "energy_error": np.nan, "snap_shift": np.nan, "verdict": verdict}
+    at_steps = {key: [value] * len(steps) for key, value in one.items()}
+    default = {f"default_{key}": value for key, value in one.items()}
+    return {"limit": np.nan, "default_step": np.nan, "halvings": -1, **at_steps, **default}
+
+
+def _summary(runs, fine):
+    """The first cell's outcome, and the worst of the others' energy error, shift and verdict."""
+    return {
+        "outcome": runs.outcome[0],
+        "energy_error": np.nan_to_num(runs.energy_error, nan=np.inf).max(),
+        "snap_shift": np.fmax.reduce(snap_shift(runs, fine)),
+        "verdict": judge(runs, fine).max(),
+    }

@@ -1,0 +1,76 @@
+"""How many proven runs stay in their wells if they are followed on for 10 ms."""
+
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+
+from snapmap.device import Device
+from snapmap.io.markdown import table
+from snapmap.solver.cells import to_cells
+from snapmap.solver.kernel.rows import LANES
+from snapmap.solver.kernel.trace import SAMPLE
+from snapmap.solver.models import build_model
+from snapmap.solver.settings import STAY, Settings
+from snapmap.solver.simd_loop import trace
+
+from ..common import few
+
+N, F0 = np.linspace(600, 2400, 26), np.geomspace(100, 3e4, 16)
+MODELS = {
+    "3 cosines": {"name": "cosines", "modes": 3},
+    "5 cosines": {"name": "cosines", "modes": 5},
+    "5 elements": {"name": "handout"},
+}
+DAMPINGS = (0.025, 25.0)
+SETTINGS = Settings(threads=2)
+FURTHER, BINS = 10_000.0, 500
+"""How long runs are followed on after the pulse, us, and the bins in which w is kept."""
+
+
+HEAD = ["beam", "contact, N/m", "model", "proven", "left their well"]
+FREE = {"free": 1.0, "imperfection": 0.02, "thickness": 1.4, "residual_stress": -40.0}
+FREE |= {"damping": 4e-4}
+"""A beam that is free to tilt and still has a second shape; um, MPa, 1/us."""
+
+
+def followed_on(device: Device) -> str:
+    """A table of how many cells are proven, and how many of these leave their well later on."""
+    rows = []
+    tilting = replace(device, beam=replace(device.beam, **FREE))
+    for (name, beam), contact, label in product(
+        few({"guided": device, "free": tilting}).items(), few((40.0, np.inf)), few(MODELS)
+    ):
+        model = build_model(replace(beam, contact=contact), **MODELS[label])
+        found = np.sum([count(model, C) for C in few(DAMPINGS)], axis=0)
+        rows.append([name, f"{contact:g}", label, *(str(number) for number in found)])
+    return table(HEAD, rows)
+
+
+def count(model, C):
+    """How many cells are proven at the model's own step, and how many of them leave their well."""
+    f0, amplitude = (values.ravel() for values in np.meshgrid(few(F0), N))
+    cells = to_cells(model.device, 0, amplitude, f0, C, SETTINGS.horizon)
+    seen = model.follow_once(cells, SETTINGS)
+    settled = np.isfinite(seen.t_settled)
+    proven = np.flatnonzero(settled & (seen.energy_error <= SETTINGS.energy_tolerance))
+    left = 0
+    for first in range(0, proven.size, LANES):
+        some = proven[first : first + LANES]
+        left += leavers(model, cells.take(some), seen.t_settled[some], seen.well[some])
+    return proven.size, left
+
+
+def leavers(model, cells, t_settled, well):
+    """How many of up to LANES cells are on the other side of the saddle after their proof.
+
+    t_settled, well: of each, as observed
+    """
+    dt = model.steps.of(cells, STAY)
+    width = SAMPLE * np.ceil((1 / cells.f0 + FURTHER) / (BINS * SAMPLE * dt)).astype(int)
+    (low, high), _, _ = trace(model, cells, dt, width, BINS)
+    later = np.arange(BINS)[:, np.newaxis] * width * dt >= t_settled
+    saddle = model.barrier.midpoint
+    # A run that has blown up since is on neither side.
+    stays = np.where(well == 1, low > saddle, high < saddle)
+    return int((later & ~stays).any(axis=0).sum())

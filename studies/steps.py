@@ -1,0 +1,225 @@
+"""What the time steps cost in accuracy, by question: docs/accuracy.md.
+
+./run python -m studies steps [--small]
+"""
+
+import warnings
+from dataclasses import replace
+
+import numpy as np
+
+from snapmap import load_device
+from snapmap.beam.equilibria import static_threshold
+from snapmap.device import batch
+from snapmap.io.markdown import number, table
+from snapmap.pulse import make_pulse
+from snapmap.shocks import Shocks
+from snapmap.solver.bounds import least_amplitudes
+from snapmap.solver.cells import to_cells, to_rows
+from snapmap.solver.models import build_model
+from snapmap.solver.outcome import work_error
+from snapmap.solver.search import asker, refine
+from snapmap.solver.settings import EDGE, MOVE, SNAP, STAY, Settings
+from snapmap.solver.steps import LONGEST
+from snapmap.thresholds.islands import first_seen, wide_scan
+
+from .common import ROOT, few
+from .random_devices import (
+    FREQUENCIES,
+    draw_any_device,
+    draw_device,
+    draw_pulse,
+    draw_shocks,
+    even,
+)
+
+SEED, DEVICES, COSINES, THREADS = 5, 24, 7, 2
+DEFAULT = "default"
+RULES = {
+    DEFAULT: {},
+    "for a label": {"question": SNAP},
+    "all steps halved": {"factor": 0.5},
+    "all steps doubled": {"factor": 2.0},
+    "`PER_SWING` halved": {"per_swing": 0.5},
+    "`SHORTEST` doubled": {"shortest": 2.0},
+    "`BLOWS` halved": {"blows": 0.5},
+    "`LONGEST` doubled": {"longest": 2.0},
+    "`MOST` halved": {"most": 0.5},
+    "`CORNERED` doubled": {"cornered": 2.0},
+    "no `CHATTER`": {"chatter": 0.0},
+    "`CHATTER` doubled": {"chatter": 2.0},
+    "`STRIKING` doubled": {"striking": 2.0},
+    "`STRIKING` five times": {"striking": 5.0},
+}
+"""By what the constants of the rule for EDGE are multiplied."""
+SLOW_RULES = {key: RULES[key] for key in (DEFAULT, "`MOST` halved")}
+SLOW_RULES |= {"as without a gap": {"apart": False}}
+FINE, FINER = {"factor": 0.15}, {"factor": 0.1}
+AGREED, REFINED, NEAR = 2e-4, 2e-6, 1.04
+"""Rows in which the fine rules agree so well are judged; thresholds are refined so far, near."""
+F0, C = np.geomspace(1e3, 3e4, 18), np.array([25.0, 200.0])
+"""Of the handout's device, whose mass strikes the beam again and again."""
+PRESSED = 0.003, 1.0
+"""Frequencies over the device's own at which a mass is pressed on a hard contact without a gap."""
+SLOW = 0.004, 0.1
+"""Likewise, at which a pulse moves the mass from rest to rest."""
+LANDINGS = {
+    "at rest": lambda device, draw: device,
+    "at rest, hard": lambda device, draw: replace(device, contact=np.inf),
+    "gap": lambda device, draw: replace(device, gap=device.beam.rise * even(draw, 0.03, 3.0)),
+    "gap, hard": lambda device, draw: LANDINGS["gap"](replace(device, contact=np.inf), draw),
+    "stop": lambda device, draw: replace(device, stop_away=device.beam.rise * even(draw, 0.1, 3.0)),
+}
+"""What the mass meets under a slow pulse."""
+LONGEST_PULSE = 1e5
+"""Pulses of more than so many of the arch's radians are left out where nothing is pressed."""
+STAYS, MOVES = (0.2, 0.4, LONGEST[STAY], 0.7, 1.0), (0.05, LONGEST[MOVE], 0.2, 0.3)
+CONTACTS = (40.0, 400.0, np.inf)
+
+
+def main():
+    warnings.simplefilter("ignore")
+    print(table(["steps", *HEAD, *HEAD[:-1]], edges()))
+    print(table(["steps, pressed on a hard contact", *HEAD], pressed()))
+    print(table(["slow pulses", "steps", *HEAD], slow()))
+    print(table(["contact, N/m", *(f"{turn:g}" for turn in few(STAYS))], stays()))
+    head = [f"{turn:g}: median, 95 %, within 2 %" for turn in few(MOVES)]
+    print(table(["contact, N/m", *head], moves()))
+
+
+HEAD = ["rows", "median", "90 %", "largest", "no threshold near"]
+
+
+def changed(model, question=EDGE, factor=1.0, longest=1.0, **factors):
+    """The model with constants of its rule for EDGE multiplied, or with the rule of SNAP."""
+    steps = model.steps.times(factor)
+    parts = {key: times * getattr(steps, key) for key, times in factors.items()}
+    parts["longest"] = {**steps.longest, EDGE: longest * steps.longest[EDGE]}
+    return replace(model, steps=replace(steps, **parts)), question
+
+
+def turned(model, question, turn):
+    """The model with another longest step, over the arch's frequency, for a question."""
+    longest = {**model.steps.longest}
+    longest[question] = longest[question] * turn / LONGEST[question]
+    return replace(model, steps=replace(model.steps, longest=longest))
+
+
+def edges():
+    """Rows: errors of thresholds by rule, of random devices and of the handout's."""
+    draw, errors = np.random.default_rng(SEED), []
+    for _ in range(few(DEVICES)):
+        errors.append(errors_of(draw_any_device(draw), draw_pulse(draw), draw))
+    device = load_device(ROOT / "config" / "config.yaml")
+    rows = to_rows(0, few(F0), C[:, np.newaxis])
+    own = errors_of_rows(device, rows, Settings(threads=THREADS))
+    for i, name in enumerate(few(RULES)):
+        of_random = _spread(np.concatenate([found[i] for found in errors]))
+        yield [name, *of_random, *_spread(own[i])[:-1]]
+
+
+def pressed():
+    """Rows: errors of thresholds by rule, of random devices with hard contact and no gap."""
+    draw, errors = np.random.default_rng(SEED + 1), []
+    for _ in range(few(DEVICES)):
+        device = replace(draw_device(draw), contact=np.inf)
+        errors.append(errors_of(device, draw_pulse(draw), draw, PRESSED, np.inf))
+    for name, found in zip(few(RULES), np.concatenate(errors, axis=1), strict=True):
+        yield [name, *_spread(found)]
+
+
+def slow():
+    """Rows: errors of thresholds of slow pulses by what the mass meets, and by rule."""
+    shocks = Shocks(make_pulse())
+    for name, landing in few(LANDINGS).items():
+        draw, errors = np.random.default_rng(SEED + 2), []
+        for _ in range(few(DEVICES)):
+            device = landing(draw_device(draw), draw)
+            errors.append(errors_of(device, shocks, draw, SLOW, np.inf, SLOW_RULES))
+        for rule, found in zip(few(SLOW_RULES), np.concatenate(errors, axis=1), strict=True):
+            yield [name, rule, *_spread(found)]
+
+
+def _spread(errors):
+    """Cells of a table: how many rows, their errors, and how many found nothing near."""
+    off = abs(errors[np.isfinite(errors)])
+    spread = np.quantile(off, [0.5, 0.9, 1.0]) if off.size else np.full(3, np.nan)
+    shown = [f"{number(100 * value)} %" for value in spread]
+    return [str(errors.size), *shown, str(np.sum(np.isnan(errors)))]
+
+
+def errors_of(device, shocks, draw, frequencies=FREQUENCIES, longest=LONGEST_PULSE, rules=RULES):
+    """Relative errors of one random device's well-posed thresholds, (rules, rows)."""
+    model = build_model(batch([device]), "cosines", modes=COSINES)
+    f0, C = draw_shocks(draw, device, frequencies)
+    arch = LONGEST[SNAP] / model.steps.longest[SNAP].item()
+    f0 = [one for one in f0 if 2e-6 * np.pi * one * longest > arch] or f0[-1:]
+    rows = to_rows(0, np.array(f0), np.array(C)[:, np.newaxis], 0, shocks.pulses)
+    horizon = min(4 * 2 * np.pi / device.own_frequency, 3e4 / arch)
+    return errors_of_rows(device, rows, Settings(horizon, threads=THREADS), rules)
+
+
+def errors_of_rows(device, rows, settings, rules=RULES):
+    """Relative errors of well-posed thresholds, (rules, rows); NaN where none is near."""
+    model = build_model(batch([device]), "cosines", modes=COSINES)
+
+    def ask(rule):
+        ruled, question = changed(model, **rule)
+        return asker(ruled, rows, settings, until=question)
+
+    wide = wide_scan(model.device, static_threshold(model.device), rows)
+    bound = least_amplitudes(model, rows)
+    near = first_seen(ask(RULES[DEFAULT]), wide, bound)[0]
+    fine = threshold_near(ask(FINE), near)
+    finer = threshold_near(ask(FINER), fine)
+    posed = abs(fine / finer - 1) < AGREED
+    known = np.where(posed, finer, np.nan)
+    found = [threshold_near(ask(rule), known) / known - 1 for rule in few(rules).values()]
+    return np.array(found)[:, posed]
+
+
+def threshold_near(ask, N):
+    """The threshold of each row, if it lies near N, (rows,)."""
+    low, high = N / NEAR, N * NEAR
+    snapped = np.isfinite(ask(np.column_stack([low, high])))
+    there = ~snapped[:, 0] & snapped[:, 1]
+    return refine(ask, *(np.where(there, end, np.nan) for end in (low, high)), REFINED)[1]
+
+
+def stays():
+    """Rows: share of cells that end in the second shape, by step, for each contact."""
+    N, f0 = few(np.linspace(1040, 2400, 70), 8), few(np.geomspace(300, 1.5e4, 36), 4)
+    settings = Settings(6000.0, threads=THREADS)
+    for contact in few(CONTACTS):
+        model = damped(contact, 1e-3)
+        cells = to_cells(model.device, 0, N, f0[:, np.newaxis], 25.0, settings.horizon)
+        ends = (turned(model, STAY, turn).follow(cells, settings).well for turn in few(STAYS))
+        yield [f"{contact:g}", *(f"{np.mean(well == 2):.1%}" for well in ends)]
+
+
+def moves():
+    """Rows: error of the pulse's work, by step, for each contact."""
+    N, f0 = few(np.linspace(1100, 3000, 12), 3), few(np.geomspace(1e3, 8e3, 12), 3)
+    settings = Settings(1000.0, until="moved", threads=THREADS)
+    for contact in few(CONTACTS):
+        model = damped(contact)
+        cells = to_cells(model.device, 0, N, f0[:, np.newaxis], 25.0, settings.horizon)
+        cells = cells.take(np.ones(cells.f0.shape, bool))
+        fine = turned(model, MOVE, 0.01).follow_once(cells, settings)
+        shown = []
+        for turn in few(MOVES):
+            off = work_error(fine, turned(model, MOVE, turn).follow_once(cells, settings))
+            middle, most = (f"{number(100 * value)} %" for value in np.quantile(off, [0.5, 0.95]))
+            shown.append(f"{middle}, {most}, {np.mean(off < 0.02):.0%}")
+        yield [f"{contact:g}", *shown]
+
+
+def damped(contact, damping=4e-3):
+    """The model of the handout's device with a contact, N/m, and damping of the beam, 1/us."""
+    device = load_device(ROOT / "config" / "config.yaml")
+    beam = replace(device.beam, damping=damping)
+    return build_model(replace(device, beam=beam, contact=contact), "cosines", modes=COSINES)
+
+
+if __name__ == "__main__":
+    main()
