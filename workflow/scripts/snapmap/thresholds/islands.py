@@ -7,7 +7,7 @@ import numpy as np
 from ..solver.adaptive import Survey
 from ..solver.bounds import least_amplitudes
 from ..solver.cells import Rows
-from ..solver.model import Follows
+from ..solver.models import Follows
 from ..solver.search import SCAN_STEP, Ask, Edges, amplitudes, asker, first_snap, refine, scan
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
 from .bars import Seen, error_bars

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..axes import NAMES
 from ..solver.cells import Rows
-from ..solver.model import Follows
+from ..solver.models import Follows
 from ..solver.search import asker, near
 from ..solver.settings import Settings
 
