@@ -265,7 +265,7 @@ def of_device(make, names=RARE_LAST):
 def load_device(path: str | Path) -> Device:
     """Read the device of a config file, whatever its other sections; raises ConfigError.
 
-    Its `quality_factor` stands for a C, which is no value of the device: a warning says which.
+    A `quality_factor` stands for a C, which is no value of the device: a warning names this C.
 
     >>> snapmap.load_device("config/config.yaml").beam.thickness
     2.0
