@@ -6,12 +6,14 @@
 import inspect
 import re
 from collections.abc import Callable, Collection, Iterator
+from dataclasses import fields, is_dataclass
 from itertools import groupby
 from pathlib import Path
 
 import snapmap
 from snapmap.device import Beam, Device
 from snapmap.io.variables import variables
+from snapmap.quantities import QUANTITIES
 from snapmap.solver.settings import Settings
 
 PAGE = """\
@@ -94,8 +96,18 @@ def _section(level: str, name: str, described: Callable) -> str:
     parts += [_signature(described)] if inspect.isfunction(described) else []
     parts += _paragraphs(text, inspect.signature(described).parameters)
     parts += [RETURNED[name]] if name in RETURNED else []
+    parts += [_units(described)] if is_dataclass(described) else []
     parts += [f"```pycon\n>>> {example}\n```"] if example else []
     return "\n\n".join(parts)
+
+
+def _units(kind: type) -> str:
+    """Which of its values has which unit."""
+    units = {}
+    for field in fields(kind):
+        if unit := QUANTITIES[field.name].unit if field.name in QUANTITIES else "":
+            units.setdefault(unit, []).append(f"`{field.name}`")
+    return "Units: " + "; ".join(f"{unit} of {', '.join(of)}" for unit, of in units.items()) + "."
 
 
 def _signature(function: Callable) -> str:

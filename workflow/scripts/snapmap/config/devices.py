@@ -58,7 +58,7 @@ class ClampSection(Section):
 
 
 def _cosine(n):
-    return quantity("part", QUANTITIES[f"cosine_{n}"].long_name, out="`0`")
+    return quantity("part", f"cosine {n} of the shape, over the rise", out="`0`")
 
 
 class BeamSection(Section):
