@@ -86,7 +86,7 @@ all that the pulse gave.
 The same modal equations, 3 cosines, contact and axial force as they stand, by scipy's DOP853 at a
 relative tolerance of {tolerance:g}, the snap as its event; f0 = {f0:g} Hz, C = {C:g}. Ours: at a
 twentieth of the step limit, and as shipped. (Against heyoka's Taylor
-method: [accuracy](accuracy.md#speed).)
+method: [performance](performance.md#error-of-the-threshold).)
 
 {thresholds}
 """
