@@ -12,6 +12,7 @@ from ..io.netcdf import recall
 from ..io.provenance import recipe
 from ..io.variables import dress, flags
 from ..pulse import blow_at
+from ..quantities import plain
 from ..solver.adaptive import choose_survey
 from ..solver.bounds import least_amplitudes
 from ..solver.cells import rows_of
@@ -299,7 +300,7 @@ def _limits(grid, models, settings):
 def summary(found: xr.Dataset) -> str:
     """One line: thresholds from where to where, ragged ones, how sure they are; the weaker side."""
     N = found.N_first.values[np.isfinite(found.N_first.values)]
-    ends = f"from N = {N.min():.4g} to {N.max():.4g}, " if N.size else ""
+    ends = f"from N = {plain(N.min())} to {plain(N.max())}, " if N.size else ""
     relative = (found.N_error / found.N_first).values
     known = relative[np.isfinite(relative)]
     typical = f"{np.median(known):.2%}" if known.size else "unknown"
