@@ -45,7 +45,7 @@ def find_threshold(study, path, table_path):
     thresholds = thresholds_of(study.of_thresholds(), axes, tolerance, highest, earlier=earlier)
     with replacing(table_path) as temporary:
         tidy(thresholds).to_csv(temporary, index=False)
-    _write(thresholds, path, summary)
+    _write(thresholds, path, lambda made: summary(made, study.axes["N"][0], highest))
 
 
 def trace_cells(study, cube_path, path):

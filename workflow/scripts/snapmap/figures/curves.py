@@ -20,7 +20,7 @@ CURVES, MARKS = 6, 45
 LONG, SHORT = "limit of long pulses", "limit of short pulses"
 DASH, DOT = (6, 1.5), (1, 1.5)
 """Limits are dashes with dots between them: one on the first line, two on the second."""
-BAND = {"color": "0.25", "alpha": 0.35, "linewidth": 0, "label": "its error"}
+BAND = {"color": "0.25", "alpha": 0.35, "linewidth": 0, "label": "error of the threshold"}
 ALWAYS = {"color": "black", "linewidth": 0.6, "marker": "_", "markersize": 5}
 ALWAYS |= {"path_effects": [withStroke(linewidth=2, foreground="white")]}
 ALWAYS["label"] = "above it every $N$ snaps"
