@@ -94,6 +94,12 @@ onstart:
     remove_leftovers("results")
     for line in filter(None, [*descriptions(study), study.left_out, *doubted]):
         print(line, file=sys.stderr)
+    fresh, cells = sum(progress.cells.values()), sum(map(cells_in, plan.slabs))
+    if fresh < cells:
+        print(
+            f"{cells} cells: {cells - fresh} are there already, {fresh} are new",
+            file=sys.stderr,
+        )
     for handler in logger.handlers:
         if handler.name == "DefaultStreamHandler":
             hush(handler)

@@ -1,12 +1,15 @@
 """The value of a device that puts its threshold where it is wanted."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import snapmap
-from snapmap.sizing import _ends, _single
+from snapmap.sizing import _ends, _single, remedy
+from snapmap.study import Study
+from snapmap.tolerances.batch import thresholds_at
 
 CHEAP = {"model": "cosines", "modes": 3, "horizon": 300.0}
 SHOCK = {"f0": 1000.0, "C": 25.0}
@@ -22,6 +25,24 @@ def test_the_threshold_at_the_value_found_is_the_one_asked_for(handout):
     around = snapmap.threshold(handout, [1000.0], [25.0], thickness=[2.1, 2.3], **CHEAP)
     slope = np.diff(around.N_first.squeeze()).item() / 0.2
     assert found.error == pytest.approx(told.N_error.item() / slope, rel=0.5)
+
+
+@pytest.mark.parametrize(("N", "snaps"), [(1300.0, False), (800.0, True)])
+def test_each_remedy_brings_the_threshold_to_its_side(handout, N, snaps):
+    """With the mass, the spring or the beam as the line says, to a percent."""
+    study = Study(device=handout, model={"name": "cosines", "modes": 3})
+    goal = {"N": N, "f0": 1000.0, "snaps": snaps, "shocks": study.shocks}
+    first = snapmap.threshold(handout, [1000.0], [25.0], **CHEAP).N_first.item()
+    words = remedy(study, goal, 25.0, first)
+    changes = re.findall(r"a (mass|spring|beam) (\d+)% (\w+)", words)
+    assert {name for name, *_ in changes} >= {"mass", "beam"}
+    for name, percent, word in changes:
+        key = {"beam": "thickness"}.get(name, name)
+        sign = 1 if word in ("heavier", "stiffer", "thicker") else -1
+        value = {"thickness": handout.beam.thickness}.get(key) or getattr(handout, key)
+        other = {key: np.array([value * (1 + sign * float(percent) / 100)])}
+        first = thresholds_at(study, other, 1000.0, 25.0)[0]
+        assert (first <= N) == snaps
 
 
 def test_along_another_value_the_answer_is_a_line(handout):

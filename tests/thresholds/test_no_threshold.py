@@ -125,6 +125,11 @@ def test_a_threshold_that_is_not_there_has_its_reason(handout):
     assert tidy(there).status.tolist() == ["found", "not_followed"]
     assert summary(there).endswith("; not followed in 1")
     assert summary(back).endswith("; nothing snaps in 1")
+    first = there.N_first[0].item()
+    for ends, side in ((first + 1, 2 * first), "above"), ((0.5 * first, first - 1), "below"):
+        line = f"; the grid lies wholly {side} the threshold"
+        assert summary(there.isel(f0=[0]), *ends).endswith(line)
+        assert "grid" not in summary(there.isel(f0=[0]), ends[0] - first, ends[1] + first)
 
 
 def test_the_deciding_level_looks_where_the_cheap_one_cannot(handout):

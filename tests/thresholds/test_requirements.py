@@ -20,7 +20,7 @@ from snapmap.pulse import make_pulse
 from snapmap.shocks import make_shocks
 from snapmap.solver.settings import Settings
 from snapmap.study import Study
-from snapmap.thresholds.requirements import Verdict, check, judge, summary
+from snapmap.thresholds.requirements import Verdict, check, judge, summary, worst
 
 SETTINGS = Settings(horizon=300.0)
 
@@ -167,6 +167,10 @@ def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout):
         assert one.duration == 0.5 and one.shape == "half sine" and one.direction == "+z"
     told = summary(verdicts)
     assert told.startswith("2 of 6 requirements met; failed: below True, above False; unclear: at")
+    one, words = worst(verdicts)
+    off = {one.requirement: abs(np.log(one.margin)) for one in verdicts if one.verdict == "failed"}
+    assert off[one.requirement] == max(off.values())
+    assert ("not sensitive enough, trips" if one.must_snap else "too sensitive, trips") in words
 
 
 def test_a_requirement_fails_if_the_beam_breaks(handout):

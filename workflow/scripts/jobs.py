@@ -45,7 +45,7 @@ def find_threshold(study, path, table_path):
     thresholds = thresholds_of(study.of_thresholds(), axes, tolerance, highest, earlier=earlier)
     with replacing(table_path) as temporary:
         tidy(thresholds).to_csv(temporary, index=False)
-    _write(thresholds, path, summary)
+    _write(thresholds, path, lambda made: summary(made, study.axes["N"][0], highest))
 
 
 def trace_cells(study, cube_path, path):
@@ -88,8 +88,9 @@ def check_requirements(study, path):
     from math import nan
 
     from snapmap.motion.history import Extremes, extremes_of
+    from snapmap.sizing import remedy
     from snapmap.spectra.verdicts import check_spectra, check_vibrations
-    from snapmap.thresholds.requirements import Survival, Verdict, check, judge, summary
+    from snapmap.thresholds.requirements import Survival, Verdict, check, judge, summary, worst
 
     C, study = study.axes["C"].tolist(), study.of_thresholds()
     verdicts = check(study, study.requirements, C, study.threshold_tolerance)
@@ -104,13 +105,19 @@ def check_requirements(study, path):
         survived.append(survival)
     shaken = check_vibrations(study, study.vibrations, C) + check_spectra(study, study.spectra, C)
     verdicts += shaken
+    one, words = worst(verdicts)
+    for required in study.requirements:
+        if one.requirement == required["name"] and one.must_snap != (one.N_first <= one.N):
+            device = study.devices()[one.device] if one.device else study.device
+            changes = remedy(replace(study, device=device), required, one.C, one.N_first)
+            words += f"; it does so with {changes}, all else as it is" * bool(changes)
     for rows, columns in ((moved, Extremes), (survived, Survival)):
         rows += [columns(*[nan] * len(columns._fields))] * len(shaken)
     with open(path, "w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file)
         rows.writerow(Verdict._fields + Extremes._fields + Survival._fields)
         rows.writerows(map(chain.from_iterable, zip(verdicts, moved, survived, strict=True)))
-    print(f"{path}: {summary(verdicts)}")
+    print(f"{path}: {summary(verdicts)}; {words}")
 
 
 def find_tolerance(study, path):

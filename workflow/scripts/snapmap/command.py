@@ -14,6 +14,8 @@ PACKAGE = Path(__file__).parent
 PIPELINE = next(path for path in (PACKAGE / "pipeline", PACKAGE.parents[2]) if path.is_dir())
 """The folder of the Snakefile: in a wheel within the package, else that of the checkout."""
 CONFIG = "config.yaml"
+START, PER_FIGURE, PER_TRACE = 2.5, 1.0, 4e-3
+"""Core time of a job's start and loading, of a figure, and of a cell's motion, s; seen."""
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -38,13 +40,13 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 def init(folder: Path) -> None:
-    """Write the handout's config, with comments, into a folder; ValueError if one is there."""
+    """Write the config of a sensor, with comments, into a folder; ValueError if one is there."""
     path = folder / CONFIG
     with naming(path):
         if path.exists() or path.is_symlink():
             raise ValueError("is there already; name another folder")
         folder.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(PIPELINE / "config" / CONFIG, path)
+        shutil.copyfile(PIPELINE / "config" / "sensor.yaml", path)
     print(f"{path}: write your device there, then: snapmap check {path}")
 
 
@@ -62,46 +64,47 @@ def check(config: Path) -> None:
     for line in filter(None, [*descriptions(study), study.left_out, *doubts(study)]):
         print(line)
     sizes = ", ".join(f"{key} {values.size}" for key, values in study.axes.items())
-    least, most = (spoken(times * plan.seconds) for times in SEEN)
+    costs = {"cells": " to ".join(spoken(times * plan.seconds) for times in SEEN)}
+    costs |= {what: spoken(START + seconds) for what, seconds in _costs(study).items()}
     print(f"{prod(study.grid.shape)} cells ({sizes}) in {len(plan.slabs)} jobs of one core")
-    print(f"{least} to {most} of core time for them, beside traces, spectra and figures")
-    for what, seconds in _costs(study).items():
-        print(f"{what}: about {spoken(1 + seconds)} of core time")  # a second to load the kernels
+    print(f"core time, about: {', '.join(f'{what} {time}' for what, time in costs.items())}")
 
 
 def _costs(study):
-    """Core time of what is found beside the cells, s, about."""
+    """Core time of each job beside those of the cells, but for its start, s, about."""
     import numpy as np
 
+    from .config.products import products
     from .device import batch
+    from .motion.envelopes import CELLS
     from .solver.adaptive import choose_survey
     from .solver.cells import rows_of, to_rows
     from .thresholds.cost import PER_SAMPLE, run_seconds, survey_seconds
-    from .tolerances.samples import INDEX_SAMPLES
 
     C, f0, scatter = study.axes["C"], study.axes["f0"], study.tolerances
-    models = choose_survey(study.grid.device, study.model)
-    rows = rows_of(study.grid)
+    models, rows = choose_survey(study.grid.device, study.model), rows_of(study.grid)
     costs = {"thresholds": survey_seconds(models, rows.take(rows.device >= 0), study.settings)}
-    costs |= {"requirements": 0.0} if study.requirements else {}
-    if scatter:
-        power = min(scatter.samples, scatter.index_samples or INDEX_SAMPLES)
-        every = scatter.samples + power * (1 + len(scatter.scatters))
-        costs["tolerances"] = 0.0
+    costs["traces"] = PER_TRACE * min(CELLS, prod(study.grid.shape))
+    costs |= dict.fromkeys(["requirements"] * bool(study.requirements), 0.0)
+    costs |= dict.fromkeys(["tolerances"] * bool(scatter), 0.0)
     for device in study.devices().values():
         models = choose_survey(batch([device]), study.model)
+
+        def samples(rows, count, models=models):
+            seconds = run_seconds(models.decides, rows, study.settings).sum()
+            return PER_SAMPLE * count * float(seconds)
+
         for required in study.requirements:
             rows = to_rows(0, required["f0"], C, pulses=required["shocks"].pulses)
             costs["requirements"] += survey_seconds(models, rows, study.settings)
-            if scatter:
-                seconds = run_seconds(models.decides, rows, study.settings).sum()
-                costs["tolerances"] += PER_SAMPLE * every * seconds
+            costs["tolerances"] += samples(rows, scatter.samples) if scatter else 0.0
         if scatter:
             pulse = np.arange(len(study.grid.pulses))[:, np.newaxis, np.newaxis]
             rows = to_rows(0, f0, C[:, np.newaxis], pulse, study.grid.pulses)
-            seconds = run_seconds(models.decides, rows, study.settings).sum()
-            costs["tolerances"] += PER_SAMPLE * every * seconds
-    return costs
+            every = scatter.samples + scatter.power * (1 + len(scatter.scatters))
+            costs["tolerances"] += samples(rows, every)
+    costs |= dict.fromkeys(["data sheet"] * bool(study.all_required), 0.0)
+    return costs | {"figures": PER_FIGURE * len(products(study).stems)}
 
 
 def run(config: Path, cores: str) -> None:

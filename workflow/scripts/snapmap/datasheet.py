@@ -11,8 +11,10 @@ from .beam.statics import statics
 from .io.markdown import DASH, table
 from .io.provenance import code_version, device_sections
 from .motion.history import extremes_of
+from .quantities import plain
 from .solver.outcome import REPEATED_STEP
 from .study import Study
+from .thresholds.requirements import LEVELS
 from .tolerances.statistics import left_out, percents
 
 UNITS = {
@@ -22,8 +24,6 @@ UNITS = {
     "stress_max": ("tensile stress in the beam", "MPa"),
 }
 """Of `Extremes`, as a data sheet names them."""
-LEVELS = {"random": " g rms", "spectrum": " times it"}
-"""Units of thresholds of what is no single shock."""
 
 
 def datasheet(
@@ -46,7 +46,7 @@ def datasheet(
         head = " of ".join(filter(None, ["# Data sheet", title, name if several else ""]))
         sheets += [f"{head}\n", table(["device", "value"], _device(study, device))]
         sheets += [table(["at rest, exact to the digits shown", "value"], _statics(device))]
-        unit = f"{device.gravity * 1e6:.4g} m/s^2"
+        unit = f"{plain(device.gravity * 1e6)} m/s^2"
         unit = f"{device.force:g} uN on the midpoint" if device.force else unit
         head = ["requirement", "shock", "C, uN*us/um", "threshold", "of devices as made", "margin"]
         head += ["verdict", "strength over stress", "breaks"]
@@ -96,20 +96,22 @@ def _verdict(row, made):
     """A row of requirements.csv, with how far thresholds of devices as made scatter."""
     must = "trips" if row["must_snap"] else "does not trip"
     shock = f"{row['shape']} {row['direction']}"
-    shock += f", {row['duration']:.4g} ms" if np.isfinite(row["duration"]) else ""
+    shock += f", {plain(row['duration'])} ms" if np.isfinite(row["duration"]) else ""
     name, spread = row["requirement"], DASH
     if made is not None and name in made.get("requirement", ()):
         first = made.N_first_required.sel(requirement=name).sel(C=row["C"], method="nearest")
         share = (first.std(ddof=1) / first.mean()).item()
         if share > 0:  # with the error of a standard deviation of normal numbers
             error = share / np.sqrt(2 * first.count().item())
-            spread = f"± {100 * share:.2g} % (± {100 * error:.1g} %)"
+            spread = f"± {plain(100 * share, 2)} % (± {plain(100 * error, 1)} %)"
     threshold, margin = "nothing snaps", DASH
     if np.isfinite(row["N_first"]):
-        threshold = f"{row['N_first']:.5g} ± {row['N_error']:.2g}{LEVELS.get(row['shape'], '')}"
-        margin = f"{row['margin']:.4g} ± {row['margin_error']:.1g}"
+        threshold = (
+            f"{row['N_first']:.5g} ± {plain(row['N_error'], 2)}{LEVELS.get(row['shape'], '')}"
+        )
+        margin = f"{plain(row['margin'])} ± {plain(row['margin_error'], 1)}"
     broken = row["strength_margin"], row["break_probability"]
-    ends = [f"{value:.3g}" if np.isfinite(value) else DASH for value in broken]
+    ends = [f"{plain(value, 3)}" if np.isfinite(value) else DASH for value in broken]
     ends = ends if np.isfinite(broken[0]) else [DASH, DASH]
     return [
         f"{name}, {must}",
@@ -136,7 +138,7 @@ def _largest(study, requirements, verdicts):
         again = extremes_of(under, shock["N"], shock["f0"], worst["C"], step=REPEATED_STEP)
         value, other = worst[key], getattr(again, key)
         where = f"{worst['requirement']}, C = {worst['C']:g}"
-        yield [words, f"{value:.4g} {unit}", f"{abs(value - other):.1g} {unit}", where]
+        yield [words, f"{plain(value)} {unit}", f"{plain(abs(value - other), 1)} {unit}", where]
 
 
 def _shares(made):

@@ -36,6 +36,11 @@ def bounds_of(text: str) -> Bounds:
     return Bounds(low, high, text[0] == "[", text[-1] == "]")
 
 
+def plain(value: float, digits: int = 4) -> str:
+    """A number to so many digits, without an exponent where it is an ordinary one."""
+    return f"{float(f'{value:.{digits}g}'):.12g}"
+
+
 class Dimension(NamedTuple):
     """What a key expects: its name with article, internal unit, an example, and an interval."""
 

@@ -13,13 +13,13 @@ from .arguments import ARGUMENTS
 from .axes import COORDINATES
 from .device import SIGNED, Device, batch
 from .io.counting import counting
-from .quantities import QUANTITIES
+from .quantities import QUANTITIES, plain
 from .shocks import Shocks
 from .solver.search import refine
-from .study import study_of, with_shocks
+from .study import Study, study_of, with_shocks
 from .tolerances.batch import thresholds_at
 from .tolerances.dataset import tolerances_of
-from .tolerances.samples import Tolerances
+from .tolerances.samples import Tolerances, nominal_value
 
 POINTS, WINDOW_POINTS = 17, 33
 """Values that are tried first, for a threshold and for a window."""
@@ -27,6 +27,15 @@ SECTIONS, ROUNDS = 8, 3
 """Into so many parts an interval between two of them is cut, so often."""
 PLACES, SAMPLES = 9, 256
 """Values in a window, and devices as made at each, of which the yield is estimated."""
+
+CHANGED = {
+    "mass": ("mass", "lighter", "heavier"),
+    "spring": ("spring", "softer", "stiffer"),
+    "thickness": ("beam", "thinner", "thicker"),
+}
+"""Values of which one is changed for a threshold that is on the wrong side, and words for it."""
+BEYOND, MOST, STEPS = 0.05, 2.0, 4
+"""So far beyond the required N, and at most by such a factor, in so many steps; logarithms."""
 
 
 class Design(NamedTuple):
@@ -113,6 +122,35 @@ def design(
     if key != value:
         return _line(value, key, along[key], N, *ends)
     return _single(value, N, grid, N_first, *ends[1:])
+
+
+def remedy(study: Study, goal: Mapping, C: float, N_first: float) -> str:
+    """Which change of one value brings a threshold to the right side of a required N, in words.
+
+    study: of one device; goal: as in `requirements`; N_first: the device's threshold
+    Each change is a root by secants of logarithms, with the threshold seen there; others are
+    left out, and where there is none the line is empty.
+    """
+    nominal = {key: nominal_value(study.device, key) for key in CHANGED}
+    nominal = {key: value for key, value in nominal.items() if value > 0}
+    study, way = replace(study, shocks=goal["shocks"]), -1 if goal["snaps"] else 1
+    N, shift = np.log(goal["N"]) + way * BEYOND, np.full(len(nominal), 2 * BEYOND)
+    for _ in range(STEPS):
+        factors = np.exp(np.where(np.eye(shift.size), shift, 0.0))
+        values = {key: nominal[key] * row for key, row in zip(nominal, factors, strict=True)}
+        first, error, _ = thresholds_at(study, values, goal["f0"], C)
+        met = way * (first - goal["N"]) > error
+        if met.all():
+            break
+        with np.errstate(divide="ignore", invalid="ignore"):
+            nearer = shift * (N - np.log(N_first)) / np.log(first / N_first)
+        shift = np.where(met | ~np.isfinite(nearer), shift, np.clip(nearer, -MOST, MOST))
+    words = [
+        f"a {name} {abs(np.expm1(by)):.0%} {more if by > 0 else less}"
+        for (name, less, more), by, right in zip(map(CHANGED.get, nominal), shift, met, strict=True)
+        if right
+    ]
+    return " or ".join(words)
 
 
 def _looker(study, value, C, goals, along=None) -> Callable:
@@ -251,11 +289,11 @@ def _why_none(value, grid, goals, own, N_first):
     none = f"{value}: none from {grid[0]:g} to {grid[-1]:g} {unit} meets all requirements"
     if not own[len(goals) - 1].any():
         seen = N_first[np.isfinite(N_first)]
-        runs = f"run from {seen.min():.4g} to {seen.max():.4g}" if seen.size else "are none"
+        runs = f"run from {plain(seen.min())} to {plain(seen.max())}" if seen.size else "are none"
         must = f"it must {'trip' if last['snaps'] else 'not trip'} at {last['N']:g}"
         return f"{none}; {last['name']} fails at each: {must}, thresholds {runs}"
     each = [
-        f"{goal['name']} is met from {grid[met].min():.4g} to {grid[met].max():.4g}"
+        f"{goal['name']} is met from {plain(grid[met].min())} to {plain(grid[met].max())}"
         for goal, met in zip(goals, own, strict=False)
     ]
     return f"{none}, as these contradict: {', '.join(each)}"

@@ -12,6 +12,7 @@ from ..axes import COORDINATES
 from ..device import Device
 from ..io.counting import counting
 from ..io.variables import dress
+from ..quantities import plain
 from ..study import THRESHOLD_SETTINGS, Study, study_of
 from .likelihood import SPREADS, Likelihood, Profile, information_at, reach
 from .shots import Shots, check_ranges, shots_from
@@ -75,9 +76,9 @@ def calibration_of(study: Study, shots: Shots, unknowns: Mapping, C: float | Non
     log_N = np.log(shots.N)
     if (np.maximum(low - log_N, log_N - high) > np.log(NEAR)).all():
         raise ValueError(
-            f"shots: N from {shots.N.min():.4g} to {shots.N.max():.4g}, where the ranges lead to "
-            f"thresholds from {np.exp(low.min()):.4g} to {np.exp(high.max()):.4g}; is N in "
-            "multiples of g?"
+            f"shots: N from {plain(shots.N.min())} to {plain(shots.N.max())}, where the ranges "
+            f"lead to thresholds from {plain(np.exp(low.min()))} to {plain(np.exp(high.max()))}; "
+            "is N in multiples of g?"
         )
     ranges = {key: [float(end) for end in ends] for key, ends in unknowns.items()}
     section = {"unknowns": ranges} | ({} if C is None else {"C": float(C)})
@@ -178,12 +179,14 @@ def summary(fitted: xr.Dataset) -> str:
     for key in fitted.unknown.values:
         own = fitted.sel(unknown=key)
         ends = [
-            f"{own[end].item():.4g}{' (its range ends)' * own[f'open_{end}'].item()}"
+            f"{plain(own[end].item())}{' (its range ends)' * own[f'open_{end}'].item()}"
             for end in ("low", "high")
         ]
-        words.append(f"{key} {own.estimate.item():.4g} ({' to '.join(ends)})")
+        words.append(f"{key} {plain(own.estimate.item())} ({' to '.join(ends)})")
     spread = fitted.spread.values * 100
-    words.append(f"spread {spread[0]:.2g} % ({spread[1]:.2g} to {spread[2]:.2g} %)")
+    words.append(
+        f"spread {plain(spread[0], 2)} % ({plain(spread[1], 2)} to {plain(spread[2], 2)} %)"
+    )
     return ", ".join([*words, *[fitted.untold] * bool(fitted.untold)])
 
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from ..device import VALUES, Device
-from ..quantities import QUANTITIES
+from ..quantities import QUANTITIES, plain
 from ..tolerances.samples import Plan
 
 STEEP = 0.05
@@ -32,8 +32,8 @@ def unusual(device: Device) -> list[str]:
         if beyond.size:
             unit = QUANTITIES[key].unit
             lines.append(
-                f"{key} = {beyond[0]:.4g} {unit} is not from {low:g} to {high:g}, as is usual; is "
-                "its unit right?"
+                f"{key} = {plain(beyond[0])} {unit} is not from {low:g} to {high:g}, as is usual; "
+                "is its unit right?"
             )
     return lines
 
@@ -44,7 +44,9 @@ def wide(plan: Plan) -> list[str]:
     for key, scatter in plan.scatters.items():
         share = scatter.width / (1.0 if scatter.is_share else abs(plan.nominal[key]) or math.inf)
         if share > WIDE:
-            lines.append(f"{key} scatters by {100 * share:.3g} %: hardly meant above {WIDE:.0%}")
+            lines.append(
+                f"{key} scatters by {plain(100 * share, 3)} %: hardly meant above {WIDE:.0%}"
+            )
     return lines
 
 
@@ -59,18 +61,18 @@ def implausible(device: Device, C: np.ndarray, f0: np.ndarray) -> list[str]:
     lasts = f0 * (2e-6 * np.pi)
     first, last = np.min(own), np.max(np.maximum(mass, beam.bending_frequency))
     lines = {
-        f"rise/span = {steepest:.3g}: above {STEEP:g} the beam is no shallow arch; forces come out "
-        f"{FORCES_TOO_HIGH * steepest**2:.2g} % too high, thresholds "
-        f"{THRESHOLDS_TOO_HIGH * steepest**2:.2g} %": steepest > STEEP,
-        f"span/thickness = {slender.min():.3g}: below {SLENDER[0]:g} shear counts, which the model "
-        "leaves out": slender.min() < SLENDER[0],
-        f"span/thickness = {slender.max():.3g}: no beam is made above {SLENDER[1]:g}; is a unit "
-        "wrong?": slender.max() > SLENDER[1],
-        f"C = {C[-1]:.4g} uN*us/um is {damped:.3g} times that of critical damping; is its unit "
-        "right?": damped > CREEPING,
-        f"f0 up to {f0[-1]:.4g} Hz: all pulses last over {FAR:g} periods of beam and mass; they "
+        f"rise/span = {plain(steepest, 3)}: above {STEEP:g} the beam is no shallow arch; forces "
+        f"come out {plain(FORCES_TOO_HIGH * steepest**2, 2)} % too high, thresholds "
+        f"{plain(THRESHOLDS_TOO_HIGH * steepest**2, 2)} %": steepest > STEEP,
+        f"span/thickness = {plain(slender.min(), 3)}: below {SLENDER[0]:g} shear counts, which the "
+        "model leaves out": slender.min() < SLENDER[0],
+        f"span/thickness = {plain(slender.max(), 3)}: no beam is made above {SLENDER[1]:g}; is a "
+        "unit wrong?": slender.max() > SLENDER[1],
+        f"C = {plain(C[-1])} uN*us/um is {plain(damped, 3)} times that of critical damping; is its "
+        "unit right?": damped > CREEPING,
+        f"f0 up to {plain(f0[-1])} Hz: all pulses last over {FAR:g} periods of beam and mass; they "
         "act as a lasting acceleration": lasts[-1] * FAR < first,
-        f"f0 from {f0[0]:.4g} Hz: all pulses are over in a {FAR:g}th of any period; they act as a "
-        "jump in velocity": lasts[0] > FAR * last,
+        f"f0 from {plain(f0[0])} Hz: all pulses are over in a {FAR:g}th of any period; they act as "
+        "a jump in velocity": lasts[0] > FAR * last,
     }
     return unusual(device) + [line for line, holds in lines.items() if holds]

@@ -10,6 +10,7 @@ from matplotlib.markers import CARETUPBASE
 from matplotlib.patheffects import withStroke
 
 from ..numerics.portable import evenly
+from ..quantities import plain
 from .scales import scale_of, value_text
 
 LOOKS = (("C0", "o"), ("C6", "s"), ("C2", "^"), ("C5", "D"), ("C3", "v"), ("C7", "P"), ("C1", "X"))
@@ -19,7 +20,7 @@ CURVES, MARKS = 6, 45
 LONG, SHORT = "limit of long pulses", "limit of short pulses"
 DASH, DOT = (6, 1.5), (1, 1.5)
 """Limits are dashes with dots between them: one on the first line, two on the second."""
-BAND = {"color": "0.25", "alpha": 0.35, "linewidth": 0, "label": "its error"}
+BAND = {"color": "0.25", "alpha": 0.35, "linewidth": 0, "label": "error of the threshold"}
 ALWAYS = {"color": "black", "linewidth": 0.6, "marker": "_", "markersize": 5}
 ALWAYS |= {"path_effects": [withStroke(linewidth=2, foreground="white")]}
 ALWAYS["label"] = "above it every $N$ snaps"
@@ -50,7 +51,9 @@ def line_keys(found: xr.Dataset, lines: str) -> Iterator[Line2D]:
     for one, colour, marker in each_line(found, lines):
         v = one.velocity_change
         label = value_text(lines, one[lines].item(), with_unit=lines != "C")
-        label += f", $\\Delta v$ = {v.item():.3g} m/s" if v.ndim == 0 and np.isfinite(v) else ""
+        label += (
+            f", $\\Delta v$ = {plain(v.item(), 3)} m/s" if v.ndim == 0 and np.isfinite(v) else ""
+        )
         label += "" if one.N_first.notnull().any() else ", no threshold"
         yield Line2D([], [], color=colour, marker=marker, label=label)
 
@@ -112,7 +115,7 @@ def draw_static(ax: Axes, found: xr.Dataset, x: str, colour: str = "0.4", place:
     if x in static.dims:
         ax.plot(scale_of(x, found[x].values).places, static.values, label=LONG, **look)
     elif np.isfinite(static):
-        ax.axhline(static.item(), label=f"{LONG}, $N$ = {static.item():.4g}", **look)
+        ax.axhline(static.item(), label=f"{LONG}, $N$ = {plain(static.item())}", **look)
 
 
 def draw_impulsive(ax: Axes, found: xr.Dataset, colour: str, place: int = 0) -> None:

@@ -136,16 +136,15 @@ def freeze(ax: Axes) -> None:
 def number_shocks(ax: Axes, x: str, shocks: Sequence[tuple[str, float, float, bool]]) -> str:
     """Point out shocks by numbers in the order given, by arrows at the edge what lies beyond it.
 
-    shocks: name, f0 (Hz), N, and whether it has the map's pulse; what has not is but named
+    shocks: name, f0 (Hz), N, and whether it has the map's pulse; what has not is left out
     Returns a line that names them.
     """
     freeze(ax)
     names = []
     for number, (name, f0, N, is_of_map) in enumerate(shocks, start=1):
-        names.append(f"{number}: {style.literal(name)}")
         if not is_of_map:
-            names[-1] += " (another shape or direction)"
             continue
+        names.append(f"{number}: {style.literal(name)}")
         place = np.array([_place(x, f0), N])
         low, high = np.transpose([ax.get_xlim(), ax.get_ylim()])
         inside = np.clip(place, low, high)

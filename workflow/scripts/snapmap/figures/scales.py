@@ -11,7 +11,7 @@ from matplotlib.axis import Axis
 from matplotlib.ticker import LogLocator, MaxNLocator
 
 from ..axes import COORDINATES, DURATION, axis_behind
-from ..quantities import QUANTITIES
+from ..quantities import QUANTITIES, plain
 
 WORDS = {
     key: (quantity.words, "ms" if key == DURATION else quantity.spelt.figures)
@@ -169,7 +169,5 @@ def number(value: float | str, digits: int = 4) -> str:
         return value
     if value == math.inf:
         return "hard"
-    sign, size = "−" if value < 0 else "", float(f"{abs(value):.{digits}g}")
-    if FROM <= size < 1e7:
-        return f"{sign}{size:,.0f}".replace(",", THIN)
-    return f"{sign}{size:.12g}"
+    sign, size = "−" if value < 0 else "", plain(abs(value), digits)
+    return sign + (f"{float(size):,.0f}".replace(",", THIN) if FROM <= float(size) < 1e7 else size)

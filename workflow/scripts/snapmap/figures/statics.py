@@ -5,6 +5,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ..quantities import plain
 from . import style
 
 TAKEN = {"color": "C5", "linewidth": 1.2, "label": "path of the beam"}
@@ -37,7 +38,7 @@ def draw_force_displacement(ax: Axes, statics: xr.Dataset) -> Axes:
     least = statics.least_force, r"F_\mathrm{min}", 0, (3, -3), {"ha": "left", "va": "top"}
     for force, symbol, end, offset, side in (largest, least):
         ax.axhline(force, **PEAK)
-        words = f"${symbol}$ = {force:.4g} µN".replace("-", "−")
+        words = f"${symbol}$ = {plain(force)} µN".replace("-", "−")
         ax.annotate(words, (end, force), offset, ("axes fraction", "data"), **side, **NOTE)
     ax.margins(y=0.12)
     ax.set_ylabel("force on the midpoint (µN)")
@@ -54,7 +55,7 @@ def draw_energy(ax: Axes, statics: xr.Dataset) -> Axes:
     _draw_branches(ax, statics, statics.energy, [0, statics.barrier, second])
     ax.set_ylabel("energy of the beam (pJ)")
     if statics.barrier:
-        at, words = statics.rise - statics.saddle, f"barrier {statics.barrier:.4g} pJ"
+        at, words = statics.rise - statics.saddle, f"barrier {plain(statics.barrier)} pJ"
         ax.annotate(words, (at, statics.barrier), (8, -7), ha="right", va="top", **NOTE)
     return ax
 

@@ -16,6 +16,7 @@ from ..io.provenance import device_sections
 from ..io.variables import dress
 from ..numerics.linalg import dot, multiply
 from ..pulse import blow_at
+from ..quantities import plain
 from ..solver.adaptive import choose_model
 from ..solver.cells import to_cells
 from ..solver.outcome import REPEATED_STEP, t_snap_error, work_error
@@ -222,7 +223,7 @@ def warn_of_travel(device: Device, lowest: Value, highest: Value) -> None:
     if beyond.any():
         runs = f" in {beyond.sum()} of {beyond.size} runs" if beyond.size > 1 else ""
         warnings.warn(
-            f"the mass travels up to {np.nanmax(travel):.4g} um from rest{runs}, more than "
+            f"the mass travels up to {plain(np.nanmax(travel))} um from rest{runs}, more than "
             f"{FARTHEST:g} times the rise; if it meets the frame before, write device.stops",
             stacklevel=3,
         )

@@ -4,6 +4,7 @@ import warnings
 
 import numpy as np
 
+from ..quantities import plain
 from .cells import Cells
 from .models import Follows
 from .settings import Settings
@@ -30,8 +31,8 @@ def spoken(seconds: float) -> str:
     """A time in the unit that suits it."""
     for unit, length in (("h", 3600), ("min", 60)):
         if seconds > 2 * length:
-            return f"{seconds / length:.2g} {unit}"
-    return f"{seconds:.2g} s"
+            return f"{plain(seconds / length, 2)} {unit}"
+    return f"{plain(seconds, 2)} s"
 
 
 def steps_and_seconds(

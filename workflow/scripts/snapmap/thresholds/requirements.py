@@ -9,6 +9,7 @@ import xarray as xr
 
 from ..beam.stress import break_probability
 from ..device import Device, batch
+from ..quantities import plain
 from ..solver.adaptive import choose_model
 from ..solver.cells import to_rows
 from ..solver.outcome import FAILED, OUTCOMES, label
@@ -17,6 +18,8 @@ from ..study import Study
 from .surface import thresholds_of
 
 MET, VIOLATED, UNCLEAR = "met", "failed", "unclear"
+LEVELS = {"random": " g rms", "spectrum": " times it"}
+"""Units of thresholds of what is no single shock."""
 
 
 class Verdict(NamedTuple):
@@ -129,6 +132,27 @@ def _is_close(row: xr.Dataset, N: float) -> bool:
     first, error = row.N_first.item(), row.N_error.item()
     last = np.fmax(first, row.N_always.item()) if row.ragged else first
     return first - error <= N <= last + error
+
+
+def worst(verdicts: Sequence[Verdict]) -> tuple[Verdict, str]:
+    """The verdict whose threshold is furthest on the wrong side, or nearest to it; and in words."""
+
+    def beyond(one):
+        """The margin on the wrong side, as a logarithm."""
+        size = np.inf if np.isnan(one.margin) else np.log(one.margin)
+        return size if one.must_snap else -size
+
+    def level(N):
+        return f"{plain(N)}{LEVELS[one.shape]}" if one.shape in LEVELS else f"N = {plain(N)}"
+
+    one = max(verdicts, key=beyond)
+    where = ", ".join(filter(None, [one.requirement, one.device, f"C = {plain(one.C)}"]))
+    if np.isnan(one.margin):
+        return one, f"{where}: nothing snaps"
+    side = "not sensitive enough" if one.must_snap else "too sensitive"
+    words = f"{where}: {side}, " if beyond(one) > 0 else f"nearest is {where}: "
+    need = "must" if one.must_snap else "must not"
+    return one, f"{words}trips at {level(one.N_first)}, {need} at {level(one.N)}"
 
 
 def summary(verdicts: Sequence[Verdict]) -> str:

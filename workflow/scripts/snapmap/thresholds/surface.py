@@ -12,6 +12,7 @@ from ..io.netcdf import recall
 from ..io.provenance import recipe
 from ..io.variables import dress, flags
 from ..pulse import blow_at
+from ..quantities import plain
 from ..solver.adaptive import choose_survey
 from ..solver.bounds import least_amplitudes
 from ..solver.cells import rows_of
@@ -293,10 +294,13 @@ def _limits(grid, models, settings):
     }
 
 
-def summary(found: xr.Dataset) -> str:
-    """One line: thresholds from where to where, ragged ones, how sure they are; the weaker side."""
+def summary(found: xr.Dataset, lowest: float = -np.inf, highest: float = np.inf) -> str:
+    """One line: thresholds from where to where, ragged ones, how sure they are; the weaker side.
+
+    lowest, highest: N of a grid, which it says where they are on one side of all thresholds
+    """
     N = found.N_first.values[np.isfinite(found.N_first.values)]
-    ends = f"from N = {N.min():.4g} to {N.max():.4g}, " if N.size else ""
+    ends = f"from N = {plain(N.min())} to {plain(N.max())}, " if N.size else ""
     relative = (found.N_error / found.N_first).values
     known = relative[np.isfinite(relative)]
     typical = f"{np.median(known):.2%}" if known.size else "unknown"
@@ -309,6 +313,14 @@ def summary(found: xr.Dataset) -> str:
     for number in (NOTHING_SNAPS, NOT_FOLLOWED):
         count = int((found.status == number).sum())
         line += f"; {STATUS[number].replace('_', ' ')} in {count}" if count else ""
+    beyond = {
+        "above": found.N_first < lowest,
+        "below": (found.N_first > highest) | (found.status == NOTHING_SNAPS) & (highest < np.inf),
+    }
+    for side, rows in beyond.items():
+        maps = rows.all("f0")
+        where = f" in {int(maps.sum())} of {maps.size} maps" * (maps.size > 1)
+        line += f"; the grid lies wholly {side} the threshold{where}" * bool(maps.any())
     if found.sizes.get("direction", 1) < 2:
         return line
     # Where nothing snaps, the other side is the weaker one.

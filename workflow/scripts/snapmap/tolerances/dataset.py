@@ -16,7 +16,7 @@ from ..numerics.portable import geometric
 from ..solver.cells import to_rows
 from ..study import THRESHOLD_SETTINGS, Study, study_of, with_shocks
 from .batch import Batch, choose_builder
-from .samples import INDEX_SAMPLES, SHOCK_FACTORS, Plan, Tolerances
+from .samples import SHOCK_FACTORS, Plan, Tolerances
 from .sensitivity import crossed, indices
 from .statistics import count_below, left_out, moments, percents, quantile_bounds, quantiles, wilson
 
@@ -111,8 +111,7 @@ def _of_device(study, axes, tolerances, requirements, tolerance):
     pulses = study.shocks.pulses
     pulse = np.arange(len(pulses))[:, np.newaxis, np.newaxis]
     rows = to_rows(0, f0, C[:, np.newaxis], pulse, pulses)
-    paired = min(samples, tolerances.index_samples or INDEX_SAMPLES)
-    power = 1 << (paired.bit_length() - 1)
+    power = tolerances.power
     plan = Plan(device, tolerances.scatters, tolerances.together)
     points = plan.points(samples, tolerances.seed)
     partners = points[:, :power]

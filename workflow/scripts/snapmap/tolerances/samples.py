@@ -39,6 +39,11 @@ class Tolerances(NamedTuple):
     index_samples: int | None = None
     seed: int = 1
 
+    @property
+    def power(self) -> int:
+        """Samples by which indices are estimated."""
+        return 1 << (min(self.samples, self.index_samples or INDEX_SAMPLES).bit_length() - 1)
+
 
 class Scatter(NamedTuple):
     """How one value scatters about its nominal one.
