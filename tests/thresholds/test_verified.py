@@ -30,7 +30,9 @@ def filled(N, clean, near=1e-3):
 
     rows = np.arange(N.size).reshape(1, *(x.size for x in AXES))
     fill(rows, AXES, search, verify)
-    assert sorted(searched + verified) == list(range(N.size))
+    # A verified row beside an unclean one is searched after all.
+    verified = set(verified) - set(searched)
+    assert sorted([*searched, *verified]) == list(range(N.size))
     return searched, verified
 
 
@@ -46,7 +48,9 @@ def test_rows_beside_unclean_ones_and_beyond_a_jump_are_searched():
     unclean = np.hypot(x - 1.0, y + 1.0) < 0.5
     jump = np.where(x + y > 3.2, 1.1, 1.0)
     searched, verified = filled(jump * (5 + x * y), ~unclean)
-    assert set(np.flatnonzero(unclean)) <= set(searched)
+    around = np.pad(unclean, 1)
+    beside = [around[i : i + x.shape[0], j : j + x.shape[1]] for i in range(3) for j in range(3)]
+    assert set(np.flatnonzero(np.any(beside, axis=0))) <= set(searched)
     assert len(verified) > x.size / 2
 
 

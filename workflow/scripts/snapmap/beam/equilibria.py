@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arch import equilibria
-from ..device import Beam, Device, Value
+from ..device import Beam, Device, Value, batch
 from ..numerics.linalg import apply, dot, eigh
 from .basis import Basis
 from .cosines import buckling_shapes, symmetric_cosines
@@ -55,16 +55,37 @@ def static_threshold(device: Device) -> float | np.ndarray:
     reach across its gap, goes on to its own first maximum; so does one alone, of whose force on the
     midpoint N then counts the units.
     """
-    if np.ndim(device.mass):
-        return np.array([static_threshold(device.pick(i)) for i in range(len(device))])
-    modes = buckling_modes(device.beam)
-    modes = modes._replace(load=pulse_load(device, modes.load, modes.midpoint))
-    first = first_midpoint(shapes_of(device.beam), device.beam).item()
-    travel = first - device.beam.second_equilibrium
-    stiffness, room = contact_stiffness(device, modes.residual), device.stop_toward - device.gap
+    if not np.ndim(device.mass):
+        return static_threshold(batch([device])).item()
+    N = np.empty(len(device))
+    for free in np.unique(device.beam.free):
+        mine = np.flatnonzero(device.beam.free == free)
+        alike = device.pick(mine) if mine.size < N.size else device
+        modes, first = buckling_modes(alike.beam), first_midpoint(shapes_of(alike.beam), alike.beam)
+        modes = modes._replace(load=pulse_load(alike, modes.load, modes.midpoint))
+        facts = {
+            "mass": alike.mass,
+            "spring": alike.spring,
+            "stiffness": contact_stiffness(alike, modes.residual),
+            "gap": alike.gap,
+            "room": alike.stop_toward - alike.gap,
+            "travel": first - alike.beam.second_equilibrium,
+        }
+        N[mine] = [
+            _least_without_rest(
+                BucklingModes(*(column[i] for column in modes)),
+                **{key: float(column[i]) for key, column in facts.items()},
+            )
+            for i in range(mine.size)
+        ]
+    return N / device.gravity
+
+
+def _least_without_rest(modes, mass, spring, stiffness, gap, room, travel):
+    """That acceleration of one device; room: from where it strikes the beam to its stop."""
 
     def pressed(modes, N):
-        return _shock(modes, N, device.mass, device.spring, stiffness, device.gap)
+        return _shock(modes, N, mass, spring, stiffness, gap)
 
     def held(modes, N):
         return _shock(modes, N, 0.0, np.inf, stiffness, -room)
@@ -74,24 +95,23 @@ def static_threshold(device: Device) -> float | np.ndarray:
 
     def is_left(a, reached):
         """Whether the midpoint is ahead of the mass by itself, once that has touched it."""
-        behind = device.mass * a < device.spring * (reached + device.gap)
+        behind = mass * a < spring * (reached + gap)
         return behind & np.logical_or.accumulate(~behind)
 
     def is_pulled(a, reached):
         return a < 0
 
-    if device.is_alone:
-        return float(_end_of(modes, alone, is_pulled, travel)[0] / device.gravity)
+    if gap == np.inf:
+        return _end_of(modes, alone, is_pulled, travel)[0]
     ends = [_end_of(modes, pressed, is_left, travel)]
     if room < np.inf:
         ends.append(_end_of(modes, held, lambda a, reached: reached > room, travel))
     own, edge, apart = np.inf, 0.0, False
-    if device.gap > 0 or any(leaves for *_, leaves in ends):
+    if gap > 0 or any(leaves for *_, leaves in ends):
         own, edge, _ = _end_of(modes, alone, is_pulled, travel)
-        apart = bool(device.gap > 0 and device.mass * own < device.spring * (edge + device.gap))
+        apart = bool(gap > 0 and mass * own < spring * (edge + gap))
     # What the mass on its spring no longer holds runs on to the stop, which may hold it.
-    a = max(own if (reached < edge if leaves else apart) else a for a, reached, leaves in ends)
-    return float(a / device.gravity)
+    return max(own if (reached < edge if leaves else apart) else a for a, reached, leaves in ends)
 
 
 def least_travel(device: Device) -> float:
@@ -125,25 +145,33 @@ def _end_of(modes, loaded, is_left, travel):
 
 def shapes_of(beam: Beam) -> Basis:
     """The basis in which a beam's equilibria are found: COSINES shapes of each kind it takes."""
-    return buckling_shapes(COSINES) if beam.free else symmetric_cosines(COSINES)
+    return buckling_shapes(COSINES) if np.any(beam.free) else symmetric_cosines(COSINES)
 
 
 def buckling_modes(beam: Beam) -> BucklingModes:
-    """Expand a beam in COSINES buckling modes, twice as many if it is free to tilt."""
-    basis, (beams, _) = shapes_of(beam), unit_beams(beam)
-    (T,), (q,) = at_rest(basis, beams)
+    """Expand a beam in COSINES buckling modes, twice as many if it is free to tilt.
+
+    Of a batch, of guided beams or of free ones, each has one more axis, in front.
+    """
+    basis, (beams, which) = shapes_of(beam), unit_beams(beam)
+    which = which if np.ndim(beam.rise) else which[0]
+    T, q = at_rest(basis, beams)
     loads, shapes = buckling(basis)
-    vectors = apply(basis.geometric, q), basis.load, basis.midpoint
-    start, load, midpoint = (apply(shapes.T, vector)[:, np.newaxis] for vector in vectors)
-    loads = loads[:, np.newaxis]
-    kept = np.sum(midpoint * midpoint / (loads - halfway(T)))
-    residual = max(0.0, basis.flexibility(halfway(T)) - kept)
+    start = apply(shapes.T, apply(basis.geometric, q))[which]
+    load, midpoint = (apply(shapes.T, vector) for vector in (basis.load, basis.midpoint))
+    middle = halfway(T)
+    kept = np.sum(midpoint * midpoint / (loads - middle[:, np.newaxis]), axis=-1)
+    residual = np.maximum(0.0, basis.flexibility(middle) - kept)[which]
+
+    def column(values, factor):
+        return (values * np.asarray(factor)[..., np.newaxis])[..., np.newaxis]
+
     root = np.sqrt(beam.span)
     return BucklingModes(
-        buckling=(loads + T) * (beam.stiffness_unit * beam.span),
-        start=start * (beam.made_rise / root),
-        load=load * (beam.weight * root),
-        midpoint=midpoint * root,
+        buckling=column(loads + T[which][..., np.newaxis], beam.stiffness_unit * beam.span),
+        start=column(start, beam.made_rise / root),
+        load=column(load, beam.weight * root),
+        midpoint=column(midpoint, root),
         axial=beam.axial_stiffness,
         residual=residual / beam.stiffness_unit,
     )

@@ -7,7 +7,6 @@ import numpy as np
 from ..solver.adaptive import Survey
 from ..solver.bounds import least_amplitudes
 from ..solver.cells import Rows
-from ..solver.models import Follows
 from ..solver.search import SCAN_STEP, Ask, Edges, amplitudes, asker, first_snap, refine, scan
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
 from .bars import Seen, error_bars
@@ -116,7 +115,7 @@ def survey(
         finer = models._replace(scans=models.decides), rows.take(lost)
         again = _survey(*finer, settings, tolerance, highest, bound[lost], SLACK * bound[lost])
         thresholds = _taken(thresholds, lost, again)
-    fast = _is_fast(models.decides.device, rows)
+    fast = is_fast(models.decides.device, rows)
     error = thresholds.N_error / thresholds.N_first
     clean = thresholds.ragged == 0
     unsure = np.where(clean, fast | (error > models.tolerance), fast & (error < OPEN))
@@ -135,29 +134,65 @@ def _taken(thresholds, which, again):
     return Thresholds(*(joined(thresholds.status.size, which, new, old) for new, old in pairs))
 
 
-def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
-    """Thresholds of rows; lowest: from which N islands are looked for, if not from BELOW."""
+def lowest(models: Survey, rows: Rows, settings: Settings, tolerance: float) -> np.ndarray:
+    """Find N_first, (rows,), in stretches of FINEST_STEP and without a bar; NaN for none."""
+    bound = least_amplitudes(models.decides, rows)
+    # No island above the first counts.
+    changes = _changes(models, rows, settings, tolerance, 0.0, bound, closest=FINEST_STEP)
+    return stretches(changes.edges, changes.open_end)[0]
 
-    scans, decides, static = models.scans, models.decides, models.static
+
+class _Changes(NamedTuple):
+    """Where labels of rows change: refined, whether the highest N is quiet, and what was seen.
+
+    wide: amplitudes of the first scan; quiet: rows in which nothing snaps there
+    """
+
+    edges: Edges
+    open_end: np.ndarray
+    window: Window
+    whole: Window
+    ragged: np.ndarray
+    wide: np.ndarray
+    quiet: np.ndarray
+
+
+def _changes(models, rows, settings, tolerance, highest, bound, lowest=None, closest=CLOSEST_STEP):
+    """Changes of rows; lowest: from which N islands are looked for, if not from BELOW.
+
+    closest: step of the deciding level's scan of clean rows that ring
+    """
+    scans, decides = models.scans, models.decides
     ask, label = asker(decides, rows, settings), asker(scans, rows, settings, until="snap")
     speed = pace(scans.device, rows)
     slow = speed < SLOW
-    wide = wide_scan(scans.device, static, rows, slow)
+    wide = wide_scan(scans.device, models.static, rows, slow)
     rough, quiet = first_seen(label, wide, bound)
     whole = _whole_window(rough, lowest, highest, slow)
-    window, ragged = _closer_window(label, whole, speed >= RINGS)
+    step = np.where(speed >= RINGS, closest, FINE_STEP)
+    window, ragged = _closer_window(label, whole, step)
     edges, open_end, window, ragged = _decide(ask, window, whole, ragged)
     row, *ends, rising = edges
     of_edges = asker(decides, rows.take(row), settings)
     edges = Edges(row, *refine(of_edges, *ends, tolerance, rising), rising)
+    return _Changes(edges, open_end, window, whole, ragged, wide, quiet)
+
+
+def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
+    """Thresholds of rows by the deciding level; lowest: as in `_changes`."""
+    edges, open_end, window, whole, ragged, wide, quiet = _changes(
+        models, rows, settings, tolerance, highest, bound, lowest
+    )
+    decides = models.decides
     N_first, N_always, islands = stretches(edges, open_end)
     N_half = np.where(np.isnan(N_always), np.nan, balance(edges, N_first.size))
     if highest is not None:
         N_always = np.where(N_always <= highest, N_always, np.nan)
     seen = Seen(edges, N_first, N_half, ragged, window, whole)
-    N_error, half_error, ragged = error_bars(
-        models, rows, settings, tolerance, seen, speed >= RINGS
-    )
+    rings = pace(decides.device, rows) >= RINGS
+    if models.finer is not None:
+        rings &= ~is_fast(decides.device, rows)  # their bars, if clean, are those of finer models
+    N_error, half_error, ragged = error_bars(models, rows, settings, tolerance, seen, rings)
     none = np.where(quiet, NOTHING_SNAPS, NOT_FOLLOWED)
     return Thresholds(
         np.where(np.isnan(N_first), none, FOUND).astype(np.int8),
@@ -176,7 +211,7 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
     )
 
 
-def _is_fast(device, rows):
+def is_fast(device, rows):
     """Whether the beam follows a pulse by more than its first modes, (rows,)."""
     swings = np.array([pulse.swings for pulse in rows.pulses])[rows.pulse]
     return 2e-6 * np.pi * rows.f0 * swings > FAST * device.own_frequency[rows.device]
@@ -190,11 +225,10 @@ def pace(device, rows):
     return 2e-6 * np.pi * rows.f0 * steepest * (1 / own + C / spring)
 
 
-def wide_scan(device, static, rows, slow=False, bound=0.0) -> np.ndarray:
+def wide_scan(device, static, rows, slow=False) -> np.ndarray:
     """Amplitudes, (rows, n), from below any threshold to far above, also of short pulses.
 
     static: threshold of slow pulses, (devices,); slow: whether a row's pulse is one, (rows,)
-    bound: below which nothing can snap, (rows,)
     """
     columns = static, device.own_frequency, device.mass
     static, own, mass = (column[rows.device] for column in columns)
@@ -209,7 +243,7 @@ def wide_scan(device, static, rows, slow=False, bound=0.0) -> np.ndarray:
     # What mostly pulls must do so far more strongly.
     static = static / np.fmax(highest, LEAST_PUSH)
     high = np.where(slow, SLOW_REACH * static, 5 * static * (1 + fast) * (1 + damped))
-    return amplitudes(np.fmax(low, SLACK * bound), high, SCAN_STEP)
+    return amplitudes(low, high, SCAN_STEP)
 
 
 def first_seen(ask: Ask, wide: np.ndarray, bound: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -228,24 +262,6 @@ def first_seen(ask: Ask, wide: np.ndarray, bound: np.ndarray) -> tuple[np.ndarra
     return first, quiet
 
 
-def lowest(
-    model: Follows, static: np.ndarray, rows: Rows, settings: Settings, tolerance: float
-) -> np.ndarray:
-    """Find the lowest N that snaps by one model, (rows,), in stretches of FINE_STEP; NaN for none.
-
-    static: threshold of slow pulses, (devices,)
-    """
-    label = asker(model, rows, settings, until="snap")
-    bound = least_amplitudes(model, rows)
-    wide = wide_scan(model.device, static, rows, bound=bound)
-    rough, _ = first_seen(label, wide, bound)
-    N = Window(BELOW * rough, rough, np.full(rough.size, FINE_STEP)).N
-    begins = np.isfinite(label(N))
-    begins[:, 1:] &= ~begins[:, :-1]
-    begins[:, 0] = False
-    return refine(asker(model, rows, settings), *first_snap(N, begins), tolerance)[1]
-
-
 def _whole_window(rough, lowest, highest, slow):
     """Where islands are looked for, about the first of wide amplitudes that snaps."""
     top = ABOVE * rough if highest is None else np.fmax(highest, FAR_BESIDE * rough)
@@ -254,7 +270,7 @@ def _whole_window(rough, lowest, highest, slow):
     return Window(low, high, np.full(rough.size, FINE_STEP))
 
 
-def _closer_window(ask, whole, rings):
+def _closer_window(ask, whole, step):
     """Where labels change along N, as the cheapest level sees it, and which rows are ragged.
 
     A row is ragged where they change more than once; so it is by every level, each in its own way.
@@ -263,7 +279,7 @@ def _closer_window(ask, whole, rings):
     edges, *_ = scan(ask, whole.N)
     ends = outermost(edges.row, edges.high, n_rows)
     ragged = np.bincount(edges.row, minlength=n_rows) > 1
-    clean = around(whole, *ends, BESIDE, np.where(rings, CLOSEST_STEP, FINE_STEP))
+    clean = around(whole, *ends, BESIDE, step)
     return chosen(ragged, around(whole, *ends, FAR_BESIDE, FINEST_STEP), clean), ragged
 
 

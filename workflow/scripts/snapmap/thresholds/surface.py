@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from ..axes import PULSE_AXES
+from ..axes import NAMES, PULSE_AXES
 from ..device import Device
 from ..io.counting import counting
 from ..io.netcdf import recall
@@ -29,6 +29,7 @@ from .islands import (
     RINGS,
     STATUS,
     in_pulse,
+    is_fast,
     lowest,
     pace,
     survey,
@@ -37,7 +38,7 @@ from .reuse import joined
 from .settling import lowest_latched
 from .transitions import FINE_STEP
 from .verified import ABOVE as OVER
-from .verified import Expected, at_first, fill, first_near, surfaces
+from .verified import FEWEST, Expected, at_first, changes_once, fill, first_near, surfaces
 
 IMPULSE, IMPULSE_OF_BEAM = 100.0, 10.0
 """A pulse of so many times the device's own frequency, and the beam's, is as good as a jump in
@@ -126,6 +127,12 @@ def thresholds_of(
     first[np.concatenate([[], *(at_first(*part) for part in parts)]).astype(int)] = True
     tell_cost(models, rows.take(first & ~known), settings)
     found = _look(models, rows, parts, settings, tolerance, highest, known, found)
+    new = np.flatnonzero(there & ~known)
+    first = found["N_first"][new]
+    top = np.where(np.isnan(first), np.nan, ABOVE * first if highest is None else highest)
+    low = np.where(first <= top, first, np.nan)
+    latched = lowest_latched(models.decides, rows.take(new), low, top, settings)
+    found["N_latched"] = joined(there.size, new, latched, found.get("N_latched"))
     peak = np.array([pulse.peak for pulse in rows.pulses])
     if np.isfinite(peak).any():
         found["scale_first"] = (
@@ -139,7 +146,7 @@ def thresholds_of(
         )
         for key, values in found.items()
     }
-    data |= _limits(grid, models, settings)
+    data |= _limits(grid, models, settings, tolerance, highest)
     data["status"] = *data["status"], flags(STATUS)
     data["N_first"] = *data["N_first"], {"comment": COMMENT}
     of_product = {"gravity": float(grid.device.gravity[0]), "recipe": made_by}
@@ -199,18 +206,22 @@ def _blocks(rows):
 
 def _search(models, rows, settings, tolerance, highest):
     new = survey(models, rows, settings, tolerance, highest)._asdict()
-    new["N_latched"] = _latched(models, rows, new["N_first"], settings, highest)
     return new | {"verified": np.zeros(rows.f0.size, np.int8)}
 
 
 def _verify(models, rows, settings, tolerance, highest, expected):
     """Thresholds of rows where they are expected, by name; N_first is NaN where they are not."""
     N_first, N_pulse, t_snap = np.full((3, rows.f0.size), np.nan)
-    rings = pace(models.decides.device, rows) >= RINGS
+    device, finest = models.decides.device, len(models.levels) - 1
+    rings = pace(device, rows) >= RINGS
+    of_row = np.maximum(expected.level, np.minimum(is_fast(device, rows), finest))
     for level, decides in enumerate(models.levels):
-        which = np.flatnonzero(expected.level == level)
+        which = np.flatnonzero(of_row == level)
         part, N = rows.take(which), expected.N[which]
         N = first_near(decides, part, settings, N, rings[which], tolerance)
+        ring = np.flatnonzero(rings[which] & np.isfinite(N))
+        once = changes_once(models.decides, part.take(ring), settings, N[ring])
+        N[ring[~once]] = np.nan
         N_first[which] = N
         N_pulse[which], t_snap[which] = in_pulse(decides, part, settings, N, highest, tolerance)
     top = np.inf if highest is None else highest
@@ -228,37 +239,33 @@ def _verify(models, rows, settings, tolerance, highest, expected):
         "N_always": np.where(N_first <= top, N_first, np.nan),
         "N_pulse": N_pulse,
         "t_snap": t_snap,
-        "level": expected.level.astype(np.int8),
+        "level": of_row.astype(np.int8),
         "islands": none.astype(int),
         "island_from": np.empty((none.size, 0)),
         "island_to": np.empty((none.size, 0)),
-        "N_latched": _latched(models, rows, N_first, settings, highest),
         "verified": none + np.int8(1),
     }
 
 
-def _latched(models, rows, N_first, settings, highest):
-    top = ABOVE * N_first if highest is None else np.where(np.isnan(N_first), np.nan, highest)
-    low = np.where(N_first <= top, N_first, np.nan)
-    return lowest_latched(models.decides, rows, low, top, settings)
+def _lowest_of(grid, models, settings, tolerance, highest, omega, which):
+    """N_first, (..., pulses, C), of pulses of a frequency of each device, rad/us.
 
-
-def _lowest_of(grid, models, settings, omega, which):
-    """The lowest N that snaps, (..., pulses, C), of pulses of a frequency of each device, rad/us.
-
-    As the deciding level sees it, in islands as wide as FINE_STEP.
+    Of surfaces of devices by `lowest`.
     """
-    rows = rows_of(grid._replace(axes=grid.axes | {"f0": np.ones(1)}))
+    grid = grid._replace(axes=grid.axes | {"f0": np.ones(1)})
+    rows = rows_of(grid)
     rows = rows._replace(f0=omega[rows.device] / (2 * np.pi) * 1e6)
-    there = (rows.device >= 0) & np.isin(rows.pulse, which)
-    N = np.full(rows.f0.size, np.nan)
-    N[there] = lowest(
-        models.decides, models.static, rows.take(there), settings, THRESHOLD_TOLERANCE
-    )
+    there, N = (rows.device >= 0) & np.isin(rows.pulse, which), np.full(rows.f0.size, np.nan)
+    asked = models, rows.take(there), settings, tolerance
+    sizes = zip(grid.axes, grid.device_of.shape, strict=False)
+    if any(size >= FEWEST and key not in NAMES for key, size in sizes):
+        N[there] = lowest(*asked)
+    else:
+        N[there] = survey(*asked, highest).N_first
     return N.reshape(grid.shape[:-1])
 
 
-def _limits(grid, models, settings):
+def _limits(grid, models, settings, tolerance, highest):
     """Thresholds of slow and of short pulses, of trains their strongest blow; and their area."""
     device, there = grid.device, grid.device_of >= 0
     own, of_beam = device.own_frequency, device.beam.bending_frequency
@@ -275,18 +282,19 @@ def _limits(grid, models, settings):
 
     area = np.array([pulse.area for pulse in alone.pulses])
     pushes = np.flatnonzero(abs(area) > NO_AREA)
-    change = _lowest_of(alone, models, settings, fast, pushes)
+    asked = models, settings, tolerance, highest
+    change = _lowest_of(alone, *asked, fast, pushes)
     change *= (spread(device.gravity * (2 * np.pi / fast)) * abs(area).reshape(sizes))[
         ..., np.newaxis
     ]
     impact = np.array([pulse.impact for pulse in grid.pulses])
-    highest = np.array([one.highest for one in grid.pulses])
-    static = spread(models.static) / np.where(highest > 0, highest, np.nan).reshape(sizes)
+    presses = np.array([one.highest for one in grid.pulses])
+    static = spread(models.static) / np.where(presses > 0, presses, np.nan).reshape(sizes)
     jumps = np.flatnonzero([any(one.ends) for one in grid.pulses])
     if jumps.size:
         at_least = alone._replace(axes=grid.axes | {"C": grid.axes["C"][:1]})
-        slowly = _lowest_of(at_least, models, settings, slow, jumps)[..., 0]
-        static = np.where(np.isin(np.arange(highest.size), jumps).reshape(sizes), slowly, static)
+        slowly = _lowest_of(at_least, *asked, slow, jumps)[..., 0]
+        static = np.where(np.isin(np.arange(presses.size), jumps).reshape(sizes), slowly, static)
     return {
         "N_static": ((*of_device, *of_pulse), static),
         "velocity_change": ((*of_device, *of_pulse, "C"), change),

@@ -10,8 +10,9 @@ import numpy as np
 from ..axes import NAMES
 from ..solver.cells import Rows
 from ..solver.models import Follows
-from ..solver.search import asker, near
+from ..solver.search import asker, near, scan
 from ..solver.settings import Settings
+from .transitions import BESIDE, CLOSEST_STEP, Window
 
 FEWEST = 8
 """Points of an axis from which on thresholds along it are a surface."""
@@ -79,9 +80,10 @@ def fill(
     search, verify: of numbers of rows, (n,); verify is given what is expected there, too, and
         returns where that holds
     Which rows are searched depends on the axes, and on what searched ones are: intervals are halved
-    until all rows at the corners of one are clean, or verified, and what lies between holds.
+    until all rows at the corners of one are clean, or verified, and what lies between holds. Beside
+    one that is not clean none is left verified.
     """
-    left, done = rows >= 0, np.zeros(rows.shape, bool)
+    left, done, by_others = rows >= 0, *np.zeros((2, *rows.shape), bool)
     known = Expected(*(np.full(rows.shape, blank) for blank in (np.nan, np.nan, 0, False)))
 
     def look(which):
@@ -121,14 +123,29 @@ def fill(
             tuple(index[holds] for index in which),
             Expected(*(values[holds] for values in expected)),
         )
+        by_others[which] = holds
         left &= ~done
         halvings += 1
+    while (near := by_others & _beside(done & ~known.clean)).any():
+        by_others &= ~near
+        look(near)
 
 
 def at_first(rows: np.ndarray, axes: Sequence[np.ndarray]) -> np.ndarray:
     """Numbers of the rows that `fill` searches whatever they are, (n,)."""
     first = rows[np.ix_(range(len(rows)), *(_places(x, 0) for x in axes))]
     return first[first >= 0]
+
+
+def _beside(those):
+    """Rows of surfaces that are some of those, or next to one, along axes and across."""
+    for axis in range(1, those.ndim):
+        ahead, behind = (np.moveaxis(those, axis, 0)[part] for part in (np.s_[1:], np.s_[:-1]))
+        wider = np.moveaxis(those, axis, 0).copy()
+        wider[:-1] |= ahead
+        wider[1:] |= behind
+        those = np.moveaxis(wider, 0, axis)
+    return those
 
 
 def _places(x, halvings):
@@ -199,6 +216,16 @@ def first_near(
     first = np.full(expected.size, np.nan)
     first[holds] = _amplitude(low + place, size)
     return first
+
+
+def changes_once(
+    model: Follows, rows: Rows, settings: Settings, expected: np.ndarray
+) -> np.ndarray:
+    """Whether labels change once on the scan by which rows are known to be ragged, (rows,)."""
+    step = np.full(expected.size, CLOSEST_STEP)
+    N = Window(expected / BESIDE, expected * BESIDE, step).N
+    edges, begins, _ = scan(asker(model, rows, settings), N)
+    return ~begins & (np.bincount(edges.row, minlength=expected.size) == 1)
 
 
 def _place(N, size):
