@@ -10,7 +10,6 @@ Prints each miss of a clean row, in bars.
 
 import sys
 from time import perf_counter
-from typing import NamedTuple
 
 import numpy as np
 
@@ -24,7 +23,7 @@ from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import Settings
 from snapmap.thresholds.islands import FOUND, NARROW, NOT_FOLLOWED, NOTHING_SNAPS
 
-from .common import SMALL, few
+from .common import SMALL, Run, few
 from .random_devices import (
     FREQUENCIES,
     SLOWEST,
@@ -35,16 +34,7 @@ from .random_devices import (
 )
 
 SEED, DEVICES, THREADS = 13, 24, 2
-
-
 KEYS = "N_first", "N_error", "status", "ragged"
-
-
-class Run(NamedTuple):
-    """What a model answered, or None after an exception, and the time that it took, s."""
-
-    result: tuple | None
-    seconds: float
 
 
 MODELS = {
@@ -64,22 +54,9 @@ REACHES = (1.01, 1.1)
 """About a threshold found before, the judges look this far around it in turn, for stretches as
 wide as thresholds are told to see."""
 HORIZON = 1500.0
-HEAD = [
-    "model",
-    "well posed",
-    "within the bar",
-    "share",
-    "clean",
-    "within",
-    "largest, bars",
-    "missed",
-    "nothing snaps",
-    "not followed",
-    "NaN without a reason",
-    "failed",
-    "s per threshold",
-    "bar",
-]
+HEAD = ["model", "well posed", "within the bar", "share", "clean", "within", "largest, bars"]
+HEAD += ["missed", "nothing snaps", "not followed", "NaN without a reason", "failed"]
+HEAD += ["s per threshold", "bar"]
 
 
 def main():
