@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import psutil
@@ -48,30 +49,22 @@ class Folder:
         pipe = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
         return subprocess.Popen(self.command, **pipe, **options)
 
-    def run(self, *options):
+    def run(self):
         """Run the command to its end; returns its exit code and output."""
-        done = subprocess.run([*self.command, *options], capture_output=True, text=True)
-        return done.returncode, done.stdout + done.stderr
+        run = self.start()
+        return (run.communicate()[0], run.returncode)[::-1]
 
     def finished(self):
         """The finished slabs: when each was written."""
         return {path.name: path.stat().st_mtime_ns for path in self.slabs.glob("*.nc")}
 
-    def leftovers(self):
-        return list((self.path / "results").rglob("*.part"))
-
 
 def jobs_of(run):
     """The processes that simulate slabs for a run."""
-    children = psutil.Process(run.pid).children(recursive=True)
     found = []
-    for child in children:
-        try:
-            command = child.cmdline()
-        except psutil.NoSuchProcess:
-            continue
-        if command and command[-1].endswith("jobs.py"):
-            found.append(child)
+    for child in psutil.Process(run.pid).children(recursive=True):
+        with suppress(psutil.NoSuchProcess):
+            found += [child] * "".join(child.cmdline()[-1:]).endswith("jobs.py")
     return found
 
 
@@ -143,7 +136,7 @@ def test_a_killed_run_loses_nothing(resumed):
     options = {"model": "cosines", "modes": 3, "horizon": 500.0, "until": "snap"}
     with xr.open_dataset(resumed.cube) as cube:
         xr.testing.assert_equal(cube, snapmap.sweep(study.device, **study.axes, **options))
-    assert not resumed.leftovers()
+    assert not list((resumed.path / "results").rglob("*.part"))
 
 
 @pytest.mark.long

@@ -224,15 +224,3 @@ def test_every_product_is_made_of_two_shapes_along_both_directions(clone, tmp_pa
         assert found.sizes["shape"] == found.sizes["direction"] == 2
         assert found["yield"].leaves_out == "shaking, spectrum"
         assert found.share_breaking.notnull().all()
-
-
-@pytest.mark.long
-def test_a_foreign_slab_is_refused_by_name(clone, finished, tmp_path):
-    folder = tmp_path / "study"
-    shutil.copytree(finished[0], folder)
-    first, second = sorted((folder / "results" / "slabs").glob("*.nc"))[:2]
-    shutil.copyfile(first, second)
-    (folder / "results" / "cube.nc").unlink()
-    code, output = snakemake(clone, folder, folder / "mine.yaml", check=False)
-    assert code != 0 and f"{second.name}: holds slab {first.stem}" in output
-    assert not (folder / "results" / "cube.nc").exists()
