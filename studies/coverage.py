@@ -4,8 +4,6 @@
 
 With `any`, devices with gaps, stops and stress, at other temperatures, of other shapes, free to
 tilt, under all shapes of pulse, slow ones among them, and along both directions.
-
-Prints each miss of a clean row, in bars.
 """
 
 import sys
@@ -74,21 +72,8 @@ def main():
         truth = judge(device, f0, C, about, shocks)
         for name, run in runs.items():
             found[name].append((run, truth))
-            tell_misses(name, run, truth, device, shocks, f0, C)
     print(f"{count} devices, {count * len(f0) * len(C)} thresholds\n")
     print(table(HEAD, [[name, *summary(runs)] for name, runs in found.items()]))
-
-
-def tell_misses(name, run: Run, truth, device: Device, shocks: Shocks, f0, C):
-    """Print each clean row whose threshold lies beyond its bar."""
-    over = ratios([(run, truth)], of_clean=True)
-    known = np.flatnonzero(is_clean(run) & np.isfinite(truth)) if over.size else []
-    for row, bars in zip(known, over, strict=True):
-        if bars > 1:
-            where = f"{f0[row % len(f0)]:.6g} Hz, C {C[row // len(f0)]:.6g}"
-            N, error = (values[row] for values in run.result[:2])
-            told = f"{N:.6g} +- {error:.3g} for {truth[row]:.6g}, {bars:.2f} bars"
-            print(f"{name}: {where}, {shocks.pulse.name} {shocks.direction}: {told}; {device}")
 
 
 def is_clean(run: Run) -> np.ndarray:
