@@ -1,6 +1,7 @@
 """The command `snapmap`, and what a package without its extras says."""
 
 import sys
+from importlib.metadata import PackageNotFoundError
 
 import pytest
 import yaml
@@ -10,6 +11,7 @@ from snapmap.command import _costs, main
 from snapmap.config.doubts import descriptions, doubts
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import read_document
+from snapmap.io import provenance
 from snapmap.io.recorded import read_pulse
 
 
@@ -63,11 +65,8 @@ def test_check_names_every_fault(config, capsys):
     capsys.readouterr()
     assert main(["check", str(config)]) == 1
     told = capsys.readouterr()
-    assert [line.split(":")[0] for line in told.err.splitlines()] == [
-        "device.mass",
-        "sweep.N.points",
-    ]
-    assert told.out == ""
+    keys = [line.split(":")[0] for line in told.err.splitlines()]
+    assert keys == ["device.mass", "sweep.N.points"] and told.out == ""
 
 
 def test_run_is_snakemake_with_the_workflow(root, config, monkeypatch):
@@ -103,10 +102,6 @@ def test_a_missing_package_is_one_line(tmp_path, monkeypatch, package, call, sai
 
 
 def test_a_result_names_the_packages_that_there_are(monkeypatch):
-    from importlib.metadata import PackageNotFoundError
-
-    from snapmap.io import provenance
-
     def version(name):
         if name == "dask":
             raise PackageNotFoundError
