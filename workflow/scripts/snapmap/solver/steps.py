@@ -39,6 +39,8 @@ LIGHT = 16.0
 HOLDS = 3.0
 """Stiffness of a spring over the clamped beam's, 192 EI/L^3, from which on they grow with its
 cube: such a mass holds the beam back, and lets it snap alone."""
+MOST_ALONE = 20_000.0
+"""The same of a beam without a mass, which little wakes from the path on which it is pushed."""
 CORNERED = 0.4
 """Times the longest step for SNAP and EDGE, of pulses with corners, which ring the beam."""
 STRIKING = 0.05
@@ -148,7 +150,8 @@ def most_steps(device: Device) -> Value:
     beam = device.beam
     mass = np.maximum(device.mass / (beam.mass_per_length * beam.span), LIGHT)
     spring = np.maximum(device.spring / (HOLDS * 192 * beam.stiffness_unit), 1.0)
-    return MOST * np.sqrt(np.sqrt(mass)) * spring * spring * spring
+    most = MOST * np.sqrt(np.sqrt(mass)) * spring * spring * spring
+    return np.where(device.is_alone, MOST_ALONE, most)
 
 
 def explicit_steps(device: Device, modal: ModalBeam, step: float | None) -> Steps:
