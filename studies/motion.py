@@ -29,17 +29,12 @@ MODELS = {
 }
 FINEST, FINE, OTHER = "7 cosines", 0.002, 0.003
 """What models are held against: which of them, its step, us, and one to hold that against."""
-STEPPED, STEPS = "5 cosines", (0.01, 0.02, 0.04, 0.08, 0.137)
-"""What is held against itself at step FINE, and its steps, us."""
 SETTINGS = Settings(horizon=1000.0)
-PLANE = np.linspace(600, 2400, 25), np.geomspace(100, 2e4, 16)
-"""N and f0, Hz, of cells of which only what a cube says is asked."""
 BINS = 2000
 """In which the position of the mass is looked at."""
 SPREAD = ["work: median", "third quartile", "largest"]
 HEAD = ["contact, N/m", "model", "step, us", *SPREAD, "t_snap, us", "highest z, um"]
-TOLD = ["reported: median", "third quartile", "largest"]
-HEAD_PLANE = ["contact, N/m", "model", "cells", "number", *TOLD, "within 2 %"]
+HEAD += ["reported: median", "third quartile", "largest"]
 
 
 class Moved(NamedTuple):
@@ -52,34 +47,21 @@ class Moved(NamedTuple):
 
 def main():
     device = load_device(ROOT / "config" / "damped.yaml")
-    models, steps, plane = [], [], []
+    models = []
     for contact in few(CONTACTS):
         one = replace(device, contact=contact)
         built = {name: build_model(one, **options) for name, options in few(MODELS, 3).items()}
-        for name, model in built.items():
-            plane += [[f"{contact:g}", name, *row] for row in tell(model)]
         finest = follow(stepped(built[FINEST], FINE))
         built[FINEST + ", fine"] = stepped(built[FINEST], OTHER)
         for name, model in built.items():
             off = compare(follow(model), finest)
-            errors = told(model, cells_of(device))[0]
-            models.append([f"{contact:g}", name, number(step_of(model)), *off, *spread(errors)])
-        fine = follow(stepped(built[STEPPED], FINE))
-        for dt in few(STEPS):
-            off = compare(follow(stepped(built[STEPPED], dt)), fine)
-            steps.append([f"{contact:g}", STEPPED, number(dt), *off])
-    print(table([*HEAD, *TOLD], models))
-    print(table(HEAD, steps))
-    print(table(HEAD_PLANE, plane))
+            dt = model.steps.longest[MOVE].item()
+            models.append([f"{contact:g}", name, number(dt), *off, *spread(told(model))])
+    print(table(HEAD, models))
 
 
-def step_of(model):
-    """The step in which the model's motion is followed, us, of pulses as long as here."""
-    return model.steps.longest[MOVE].item()
-
-
-def cells_of(device, N=N, f0=F0):
-    f0, amplitude = (values.ravel() for values in np.meshgrid(few(f0), N))
+def cells_of(device):
+    f0, amplitude = (values.ravel() for values in np.meshgrid(few(F0), N))
     return to_cells(device, 0, amplitude, f0, C, SETTINGS.horizon).take(np.arange(f0.size))
 
 
@@ -100,17 +82,11 @@ def compare(found, converged):
     return [*spread(abs(found.work / converged.work - 1)), number(snap), number(highest)]
 
 
-def told(model, cells):
-    """What a cube says: the `work_error` of each cell, and whether it snaps."""
+def told(model):
+    """What a cube says of the error of the work of each cell."""
+    cells = cells_of(model.device)
     seen, again = (one.follow(cells, SETTINGS) for one in (model, model.with_step(REPEATED_STEP)))
-    return work_error(seen, again), np.isfinite(seen.t_snap)
-
-
-def tell(model):
-    """Rows on those cells of the plane that snap, and on the others."""
-    errors, snapped = told(model, cells_of(model.device, *PLANE))
-    for name, some in {"that snap": errors[snapped], "others": errors[~snapped]}.items():
-        yield name, str(some.size), *spread(some), f"{np.mean(some < 0.02):.1%}"
+    return work_error(seen, again)
 
 
 def spread(errors):

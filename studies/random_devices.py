@@ -21,23 +21,12 @@ def draw_device(draw: np.random.Generator) -> Device:
     """A silicon beam and a mass on a spring, light or heavy, soft or stiff; some contacts hard."""
     Q, span = draw.uniform(2.5, 8.0), even(draw, 200.0, 2000.0)
     thickness = span / 300 * even(draw, 0.3, 3.0)
-    beam = Beam(
-        span=span,
-        rise=Q * thickness,
-        thickness=thickness,
-        depth=draw.uniform(5.0, 30.0),
-        youngs_modulus=draw.uniform(1.0e5, 1.7e5),
-        density=2.33e-3,
-    )
+    depth, E = draw.uniform(5.0, 30.0), draw.uniform(1.0e5, 1.7e5)
+    beam = Beam(span, Q * thickness, thickness, depth, youngs_modulus=E, density=2.33e-3)
     stiffness = 192 * beam.stiffness_unit
     contact = math.inf if draw.random() < 0.5 else stiffness * even(draw, 0.1, 100.0)
-    return Device(
-        beam,
-        mass=even(draw, 1e2, 1e6),
-        spring=stiffness * even(draw, 0.02, 20.0),
-        contact=contact,
-        gravity=9.81e-6,
-    )
+    mass, spring = even(draw, 1e2, 1e6), stiffness * even(draw, 0.02, 20.0)
+    return Device(beam, mass=mass, spring=spring, contact=contact, gravity=9.81e-6)
 
 
 def draw_any_device(draw: np.random.Generator) -> Device:

@@ -28,9 +28,10 @@ def by_scipy(device: Device, modal: ModalBeam, method: str, tolerance: float = T
     from scipy.integrate import solve_ivp
 
     (rate, w), size = compile_rate(device, modal), 2 * modal.load.size + 2
+    target = snap_target(device)
 
     def snaps(t, x, *_):
-        return w(x) - snap_target(device)
+        return w(x) - target
 
     def follow_cell(amplitude, f0, damping, t_end):
         x, start = np.zeros(size), 0.0

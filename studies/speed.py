@@ -102,7 +102,7 @@ def by_everyone(device: Device) -> list[list[str]]:
 
 def count_steps(model: Model, cells: Cells, t_snap: np.ndarray) -> float:
     """Steps that the cells need to their snaps or horizons."""
-    dt = model.steps.of(cells, cells.pulses, SETTINGS.question)
+    dt = model.steps.of(cells, SETTINGS.question)
     return float(np.sum(np.where(np.isnan(t_snap), cells.t_end, t_snap) / dt))
 
 

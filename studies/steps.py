@@ -17,9 +17,8 @@ from snapmap.shocks import Shocks
 from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.outcome import work_error
 from snapmap.solver.search import asker, refine
-from snapmap.solver.settings import EDGE, MOVE, SNAP, STAY, Settings
+from snapmap.solver.settings import EDGE, SNAP, STAY, Settings
 from snapmap.solver.steps import LONGEST
 from snapmap.thresholds.islands import first_seen, wide_scan
 
@@ -73,7 +72,7 @@ LANDINGS = {
 """What the mass meets under a slow pulse."""
 LONGEST_PULSE = 1e5
 """Pulses of more than so many of the arch's radians are left out where nothing is pressed."""
-STAYS, MOVES = (0.2, 0.4, LONGEST[STAY], 0.7, 1.0), (0.05, LONGEST[MOVE], 0.2, 0.3)
+STAYS = 0.2, 0.4, LONGEST[STAY], 0.7, 1.0
 CONTACTS = (40.0, 400.0, np.inf)
 
 
@@ -83,8 +82,6 @@ def main():
     print(table(["steps, pressed on a hard contact", *HEAD], pressed()))
     print(table(["slow pulses", "steps", *HEAD], slow()))
     print(table(["contact, N/m", *(f"{turn:g}" for turn in few(STAYS))], stays()))
-    head = [f"{turn:g}: median, 95 %, within 2 %" for turn in few(MOVES)]
-    print(table(["contact, N/m", *head], moves()))
 
 
 HEAD = ["rows", "median", "90 %", "largest", "no threshold near"]
@@ -98,10 +95,10 @@ def changed(model, question=EDGE, factor=1.0, longest=1.0, **factors):
     return replace(model, steps=replace(steps, **parts)), question
 
 
-def turned(model, question, turn):
-    """The model with another longest step, over the arch's frequency, for a question."""
+def stepped(model, turn):
+    """The model with another longest step, over the arch's frequency, after the pulse."""
     longest = {**model.steps.longest}
-    longest[question] = longest[question] * turn / LONGEST[question]
+    longest[STAY] = longest[STAY] * turn / LONGEST[STAY]
     return replace(model, steps=replace(model.steps, longest=longest))
 
 
@@ -190,35 +187,14 @@ def stays():
     """Rows: share of cells that end in the second shape, by step, for each contact."""
     N, f0 = few(np.linspace(1040, 2400, 70), 8), few(np.geomspace(300, 1.5e4, 36), 4)
     settings = Settings(6000.0, threads=THREADS)
-    for contact in few(CONTACTS):
-        model = damped(contact, 1e-3)
-        cells = to_cells(model.device, 0, N, f0[:, np.newaxis], 25.0, settings.horizon)
-        ends = (turned(model, STAY, turn).follow(cells, settings).well for turn in few(STAYS))
-        yield [f"{contact:g}", *(f"{np.mean(well == 2):.1%}" for well in ends)]
-
-
-def moves():
-    """Rows: error of the pulse's work, by step, for each contact."""
-    N, f0 = few(np.linspace(1100, 3000, 12), 3), few(np.geomspace(1e3, 8e3, 12), 3)
-    settings = Settings(1000.0, until="moved", threads=THREADS)
-    for contact in few(CONTACTS):
-        model = damped(contact)
-        cells = to_cells(model.device, 0, N, f0[:, np.newaxis], 25.0, settings.horizon)
-        cells = cells.take(np.ones(cells.f0.shape, bool))
-        fine = turned(model, MOVE, 0.01).follow_once(cells, settings)
-        shown = []
-        for turn in few(MOVES):
-            off = work_error(fine, turned(model, MOVE, turn).follow_once(cells, settings))
-            middle, most = (f"{number(100 * value)} %" for value in np.quantile(off, [0.5, 0.95]))
-            shown.append(f"{middle}, {most}, {np.mean(off < 0.02):.0%}")
-        yield [f"{contact:g}", *shown]
-
-
-def damped(contact, damping=4e-3):
-    """The model of the handout's device with a contact, N/m, and damping of the beam, 1/us."""
     device = load_device(ROOT / "config" / "config.yaml")
-    beam = replace(device.beam, damping=damping)
-    return build_model(replace(device, beam=beam, contact=contact), "cosines", modes=COSINES)
+    beam = replace(device.beam, damping=1e-3)
+    for contact in few(CONTACTS):
+        one = replace(device, beam=beam, contact=contact)
+        model = build_model(one, "cosines", modes=COSINES)
+        cells = to_cells(model.device, 0, N, f0[:, np.newaxis], 25.0, settings.horizon)
+        ends = (stepped(model, turn).follow(cells, settings).well for turn in few(STAYS))
+        yield [f"{contact:g}", *(f"{np.mean(well == 2):.1%}" for well in ends)]
 
 
 if __name__ == "__main__":

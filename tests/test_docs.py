@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
+from small_studies import SHOTS
 
 import snapmap
 from snapmap.config.study import load_config
 from snapmap.io.netcdf import write
 from snapmap.io.tables import read_verdicts
 from snapmap.tolerances.statistics import percents
-from studies import sensitivity
 
-IN_PYTHON = "recipes", "tolerances", "tutorial"
+IN_PYTHON = "recipes", "devices", "tutorial", "figures"
 """Pages whose numbers are those of the Python in them."""
 
 
@@ -35,13 +35,6 @@ def test_the_tutorial_writes_the_config_that_there_is(root):
     written = "\n".join(blocks(root / "docs" / "tutorial.md", "yaml"))
     assert written == (root / "config" / "sensor.yaml").read_text(encoding="utf-8")
     load_config(yaml.safe_load(written))
-
-
-def test_the_gallery_has_every_figure(root):
-    table = re.findall(r"^\| (`.*?) \|", (root / "docs" / "figures.md").read_text(), re.M)
-    figures = {name for cell in table for name in re.findall(r"`(\w+\*?)`", cell)}
-    shown = set(re.findall(r"`(\w+\*?)`", (root / "docs" / "gallery.md").read_text()))
-    assert {"maps", "yield", "accuracy"} <= figures - {"thresholds_*", "accuracy_quick"} <= shown
 
 
 def test_the_demands_of_the_recipe_are_read(root):
@@ -77,7 +70,10 @@ def test_the_recipes_in_python_run(root, handout, tmp_path, monkeypatch, page):
     (tmp_path / "results").mkdir()
     cells = {"N": [900.0, 1100.0], "f0": [500.0, 1500.0], "C": [25.0, 200.0]}
     write(snapmap.sweep(handout, **cells), tmp_path / "results" / "cube.nc")
-    known = {"snapmap": snapmap, "device": handout}
+    found = snapmap.threshold(handout, cells["f0"], cells["C"])
+    write(found, tmp_path / "results" / "threshold.nc")
+    (tmp_path / "shots.csv").write_text(SHOTS)
+    known = {"snapmap": snapmap, "device": handout, "shots": "shots.csv"}
     runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
     for block in blocks(root / page, "python"):
         if block.startswith(">>>"):
@@ -116,12 +112,6 @@ def test_the_tutorial_says_what_its_study_gives(root, tmp_path):
         assert f"at least {percents(low)} at 95 % confidence" in words
 
 
-@pytest.mark.long
-def test_the_limits_say_what_their_study_prints(root, handout):
-    page = (root / "docs" / "limits.md").read_text(encoding="utf-8")
-    assert sensitivity.one_percent_more(handout) in page
-
-
 def test_the_site_is_made_without_a_warning_and_asks_no_other_host(root, tmp_path):
     pytest.importorskip("furo", reason="the packages of requirements-docs.lock are not installed")
     build = [sys.executable, "-m", "sphinx", "-qEW", "--keep-going", "-c", root / "docs" / "site"]
@@ -130,7 +120,7 @@ def test_the_site_is_made_without_a_warning_and_asks_no_other_host(root, tmp_pat
     )
     assert made.returncode == 0, made.stderr
     pages = {path.stem: path.read_text() for path in (tmp_path / "site").rglob("*.html")}
-    assert {"README", "tutorial", "theory", "reference", "gallery"} <= set(pages)
+    assert {"README", "tutorial", "theory", "reference", "figures"} <= set(pages)
     assert pages["theory"].count("<math") > 100
     asked = re.compile(r"<(?:script|link|img)[^>]*(?:src|href)=\"(?:https?:)?//")
     assert not [stem for stem, page in pages.items() if asked.search(page)]

@@ -151,7 +151,8 @@ def fault_of(name, given, key):
     return "passes"
 
 
-def test_a_wrong_argument_is_one_line_that_names_it(right_calls, calls=2000):
+@pytest.mark.parametrize("calls", [1000, pytest.param(100_000, marks=pytest.mark.long)])
+def test_a_wrong_argument_is_one_line_that_names_it(right_calls, calls):
     every = [*wrong_calls(right_calls), *nested_wrong_calls(right_calls)]
     drawn = random.Random(1).sample(every, min(calls, len(every)))
     faults = {}
@@ -161,11 +162,6 @@ def test_a_wrong_argument_is_one_line_that_names_it(right_calls, calls=2000):
             if fault := fault_of(name, {**right, key: value}, key):
                 faults[name, key, repr(value)[:30]] = fault
     assert len(faults) <= 0.01 * len(drawn), faults
-
-
-@pytest.mark.long
-def test_every_wrong_argument_is_one_line_that_names_it(right_calls):
-    test_a_wrong_argument_is_one_line_that_names_it(right_calls, calls=100_000)
 
 
 def test_a_misspelt_option_is_named_with_the_right(right_calls):
@@ -191,33 +187,20 @@ def test_what_is_missing_or_there_twice_is_named(right_calls):
             function(right[first], **right)
 
 
-@pytest.mark.parametrize("name", ["threshold", "sweep"])
-def test_a_function_can_be_sent_to_other_processes(name):
-    function = getattr(snapmap, name)
-    assert pickle.loads(pickle.dumps(function)) is function
+def test_a_function_can_be_sent_to_other_processes():
+    assert pickle.loads(pickle.dumps(snapmap.sweep)) is snapmap.sweep
 
 
 def test_more_cells_than_a_call_can_hold_are_refused(handout):
-    with pytest.raises(ValueError, match=r"^N: 1e\+11 cells with f0, C and all axes, more"):
+    with pytest.raises(ValueError, match=r"^N: 1e\+11 "):
         snapmap.sweep(handout, np.arange(1e5), np.arange(1.0, 1e4 + 1), np.arange(100.0))
 
 
-@pytest.mark.parametrize(
-    ("values", "start"),
-    [
-        ({"youngs_modulus": 160.0}, "youngs_modulus = 160 MPa is not from 1000"),
-        ({"density": 2330.0}, "density = 2330 ng/um"),
-        ({"mass": 6e13}, "mass = 6e"),
-    ],
-)
-def test_what_is_hardly_meant_is_doubted(handout, values, start):
-    with pytest.warns(UserWarning, match=f"^{start}"):
-        snapmap.describe(
-            batch([handout]).vary({k: np.array([v]) for k, v in values.items()}).pick(0)
-        )
-
-
-def test_a_wide_scatter_is_doubted(handout):
+def test_what_is_hardly_meant_is_doubted(handout):
+    for key, value in {"youngs_modulus": 160.0, "density": 2330.0, "mass": 6e13}.items():
+        odd = batch([handout]).vary({key: np.array([value])}).pick(0)
+        with pytest.warns(UserWarning, match=f"^{key} = "):
+            snapmap.describe(odd)
     asked = {"device": handout, "f0": [1500], "C": [25], "samples": 2, **CHEAP}
     with pytest.warns(UserWarning, match="^thickness scatters by 80 %"):
         snapmap.tolerance(scatters={"thickness": {"lognormal": "80 %"}}, **asked)

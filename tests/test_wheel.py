@@ -14,14 +14,8 @@ from snapmap.config.yaml_file import read_document
 pytestmark = pytest.mark.long
 
 SOLVER = {"matplotlib", "netcdf4", "numba", "numpy", "scipy", "xarray"}
-BROUGHT = {
-    "certifi",
-    "cftime",
-    "contourpy",
-    "cycler",
-    "fonttools",
-    "kiwisolver",
-    "llvmlite",
+BROUGHT = {"certifi", "cftime", "contourpy", "cycler", "fonttools", "kiwisolver", "llvmlite"}
+BROUGHT |= {
     "packaging",
     "pandas",
     "pillow",

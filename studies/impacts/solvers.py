@@ -1,4 +1,4 @@
-"""Who follows the ensembles of impact_problems.py, each by its own means: x[0] at t_end."""
+"""Who follows the ensembles of problems.py, each by its own means: x[0] at t_end."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 from snapmap.device import Device, batch
 from snapmap.pulse import Pulse
 from snapmap.solver import simd_loop
+from snapmap.solver.cells import Cells
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.kernel.trace import SAMPLE
 from snapmap.solver.models import build_model
@@ -191,16 +192,16 @@ def by_kernel(problem: Problem, device: Device) -> Solve:
     held = replace(device, stop_toward=stop, spring=spring, **ALONE)
     devices = batch([replace(held, restitution=share) for share in e.tolist()])
     model = build_model(devices, "cosines", cosines=1, modes=1)
-    columns = np.zeros(e.size, np.int64), np.full(e.size, omega**2), frequency / CYCLES
+    shocks = np.zeros(e.size, np.int64), np.full(e.size, omega**2), frequency / CYCLES
+    cells = Cells(np.arange(e.size), *shocks, np.zeros(e.size), problem.t_end, (pulse,))
 
     def solve(steps):
         width = SAMPLE * (steps // (SAMPLE * (SAMPLES - 1)))
         dt = problem.t_end / omega / (width * (SAMPLES - 1) + 0.5)
         found = []
         for some in np.split(np.arange(e.size), range(LANES, e.size, LANES)):
-            cells = *(column[some] for column in columns), np.zeros(some.size)
             widths = np.full(some.size, width)
-            kept = simd_loop.trace(model, some, dt[some], [pulse], (*cells, widths), SAMPLES)
+            kept = simd_loop.trace(model, cells.take(some), dt[some], widths, SAMPLES)
             found.append(kept[1][0, -1])
         return stop + np.concatenate(found) if problem.name == BALL else np.concatenate(found)
 

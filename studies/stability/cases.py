@@ -56,12 +56,7 @@ CASES = (
     Case("chaotic, damped beam", 1500.0, C=25.0, horizon=6000.0, beam_damping=4e-4, cells=64),
 )
 MODELS = {
-    "1 cosine": {"name": "cosines", "modes": 1},
-    "2 cosines": {"name": "cosines", "modes": 2},
-    "3 cosines": {"name": "cosines", "modes": 3},
-    "5 cosines": {"name": "cosines", "modes": 5},
-    "8 cosines": {"name": "cosines", "modes": 8},
-    "12 cosines": {"name": "cosines", "modes": 12},
+    **{f"{n} cosines": {"name": "cosines", "modes": n} for n in (1, 2, 3, 5, 8, 12)},
     "1 element": {"name": "handout", "elements": 1},
     "5 elements": {"name": "handout", "elements": 5},
     "5 elements, HRZ": {"name": "handout", "elements": 5, "mass_matrix": "hrz"},

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from snapmap.device import Device
+from snapmap.io.variables import flags, variables
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.models import build_model
@@ -16,7 +17,6 @@ from snapmap.solver.outcome import FAILED, label
 from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import Settings
 from snapmap.solver.steps import bending_limit, stability_limit
-from snapmap.sweeps.cube import VARIABLES as CUBE_VARIABLES
 
 from ..common import stepped
 from .cases import APART, CASES, MODELS, Case, changed
@@ -31,7 +31,7 @@ BUDGET = 18.0
 the case is."""
 VARIABLES = {
     "limit": {"long_name": "stability limit of the time step", "units": "us"},
-    "outcome": {**CUBE_VARIABLES["outcome"], "long_name": "outcome of the case's first cell"},
+    "outcome": {**variables("cube")["outcome"], "long_name": "outcome of the case's first cell"},
     "energy_error": {
         "long_name": "largest residual of an energy ledger over the gross work of the pulse",
         "units": "1",
@@ -42,11 +42,7 @@ VARIABLES = {
         "units": "1",
         "comment": "NaN: there are none to compare",
     },
-    "verdict": {
-        "long_name": "verdict on the worst of the case's cells",
-        "flag_values": np.arange(len(VERDICTS), dtype=np.int8),
-        "flag_meanings": " ".join(VERDICTS),
-    },
+    "verdict": {"long_name": "verdict on the worst of the case's cells", **flags(VERDICTS)},
     "step": {"long_name": "time step over the stability limit", "units": "1"},
     "halvings": {
         "long_name": "how often the default step was halved until every ledger closed",

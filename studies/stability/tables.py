@@ -4,17 +4,10 @@ from itertools import product
 
 import numpy as np
 
+from snapmap.io.markdown import table
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, OUTCOMES, RETURNED, SNAPPED, UNSNAPPED
 
-from .verdicts import (
-    CAUGHT,
-    LEFT_OUT,
-    REFUSED,
-    SENSITIVE,
-    SHIFTED,
-    UNSEEN,
-    VERDICTS,
-)
+from .verdicts import CAUGHT, LEFT_OUT, REFUSED, SENSITIVE, SHIFTED, UNSEEN, VERDICTS
 
 MARKS = {
     SENSITIVE: "*{}*",
@@ -27,7 +20,7 @@ MARKS = {
 def tables(cases, settled):
     """Of the hard cases and of the settled cells, as Markdown."""
     made = default_table(cases), step_table(cases), wrong_list(cases), settled_table(settled)
-    return "\n\n".join(made) + "\n"
+    return "\n".join(made)
 
 
 def default_table(cases):
@@ -37,7 +30,7 @@ def default_table(cases):
         [case, *(_default_entry(cases.sel(case=case, model=model)) for model in models)]
         for case in cases.case.values
     ]
-    return _table(["case", *models], rows)
+    return table(["case", *models], rows)
 
 
 def _default_entry(pair):
@@ -53,11 +46,14 @@ def step_table(cases):
     """How many pairs of case and model have which verdict, for each step."""
     shown = [code for code, name in enumerate(VERDICTS) if name != "unchecked"]
     rows = [
-        [f"{step:g}", *((cases.verdict.sel(step=step) == code).sum().item() for code in shown)]
-        for step in cases.step.values
+        [f"{step:g}", *_counts(cases.verdict.sel(step=step), shown)] for step in cases.step.values
     ]
-    rows.append(["default", *((cases.default_verdict == code).sum().item() for code in shown)])
-    return _table(["step / limit", *(VERDICTS[code] for code in shown)], rows)
+    rows.append(["default", *_counts(cases.default_verdict, shown)])
+    return table(["step / limit", *(VERDICTS[code] for code in shown)], rows)
+
+
+def _counts(verdicts, shown):
+    return [str(int((verdicts == code).sum())) for code in shown]
 
 
 def wrong_list(cases):
@@ -73,7 +69,7 @@ def wrong_list(cases):
             place = f"{name}, {one.case.item()}, {one.model.item()}"
             shift = f"snap time off by {one.snap_shift.item():.1%}"
             lines.append(f"- {place}: {VERDICTS[int(one.verdict)]}, {shift}")
-    return "\n".join(lines or ["None is believed and wrong."])
+    return "\n".join([*(lines or ["None is believed and wrong."]), ""])
 
 
 def settled_table(settled):
@@ -85,7 +81,7 @@ def settled_table(settled):
         [f"{damping:g}", f"{C:g}", *_settled_shares(settled.sel(damping=damping, C=C))]
         for damping, C in product(settled.damping.values, settled.C.values)
     ]
-    return _table(head, rows)
+    return table(head, rows)
 
 
 def _settled_shares(cells):
@@ -97,8 +93,3 @@ def _settled_shares(cells):
     shares += [(outcome[snapped] == code).mean() for code in (LATCHED, RETURNED, SNAPPED)]
     shares += [(outcome == FAILED).mean(), reproduced.mean(), reproduced[proven].mean()]
     return [f"{share:.1%}" for share in shares]
-
-
-def _table(head, rows):
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join(f"| {' | '.join(map(str, line))} |" for line in lines)

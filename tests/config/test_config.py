@@ -14,7 +14,7 @@ from snapmap.config.devices import load_device, read_device
 from snapmap.config.doubts import descriptions, doubts
 from snapmap.config.products import products
 from snapmap.config.study import load_config
-from snapmap.config.units import read
+from snapmap.config.units import read, show
 from snapmap.config.yaml_file import ConfigError, read_document
 from snapmap.device import Beam, Device
 from snapmap.io.provenance import device_sections
@@ -54,121 +54,6 @@ def only_fault(document):
     return line
 
 
-def test_default_study_is_exact():
-    study = load_config(DEFAULT)
-    assert study.device == Device(
-        beam=Beam(
-            span=600.0,
-            rise=10.0,
-            thickness=2.0,
-            depth=22.0,
-            youngs_modulus=150000.0,
-            density=0.00233,
-        ),
-        mass=10000.0,
-        spring=5.5,
-        contact=40.0,
-        gravity=9.81e-6,
-    )
-    assert study.model == DEFAULT["model"]
-    assert np.array_equal(study.axes["N"], np.arange(600.0, 2401.0, 20.0))
-    assert np.array_equal(study.axes["C"], [0.025, 25.0, 200.0])
-    assert (study.axes["f0"].size, study.axes["f0"][0], study.axes["f0"][-1]) == (
-        41,
-        100.0,
-        30000.0,
-    )
-    assert np.allclose(study.axes["f0"][1:] / study.axes["f0"][:-1], 300 ** (1 / 40), rtol=1e-13)
-    assert study.settings._replace(threads=1) == Settings(1500.0, "settled", True, 1e-3)
-    (cell,) = study.histories
-    nearest = study.axes["f0"][19]
-    assert cell.shock == {"N": 1000.0, "f0": nearest, "C": 0.025} and cell.changes == {}
-    assert cell.name == f"N1000_f{nearest:.6g}_C0.025"
-    assert study.own_points == ()
-
-
-@pytest.mark.parametrize(
-    ("text", "kind", "value"),
-    [
-        ("600um", "length", 600.0),
-        ("600 \N{MICRO SIGN}m", "length", 600.0),
-        ("600 \N{GREEK SMALL LETTER MU}m", "length", 600.0),
-        (" 0.6 mm\n", "length", 600.0),
-        (".6e0 mm", "length", 600.0),
-        ("2.33 g/cm**3", "density", 0.00233),
-        ("2330 kg/m³", "density", 0.00233),
-        ("2330 kg m^-3", "density", 0.00233),
-        ("150000 N/mm^2", "modulus", 150000.0),
-        ("4e-4 /us", "rate", 4e-4),
-        ("4e-4/us", "rate", 4e-4),
-        ("4e-4 1/us", "rate", 4e-4),
-        ("4e-4 1 / us", "rate", 4e-4),
-        ("0 /us", "rate", 0.0),
-        ("0.1 ug", "mass", 100.0),
-        ("5.5e-3 N/mm", "stiffness", 5.5),
-        ("hard", "contact", math.inf),
-        ("1.5 kHz", "frequency", 1500.0),
-        ("0.2 mN*s/m", "damper", 200.0),
-        ("0.025 mg/s", "damper", 0.025),
-        ("1.5 ms", "duration", 1500.0),
-        ("1e3", "number", 1000.0),
-        (1000, "number", 1000.0),
-    ],
-)
-def test_conversion_adds_no_noise(text, kind, value):
-    assert read(text, kind) == value
-
-
-@pytest.mark.parametrize("kind", [kind for kind, of in KINDS.items() if of.unit not in ("", "%")])
-@pytest.mark.parametrize(
-    ("value", "complaint"),
-    [
-        (600, "600 has no unit"),
-        ("600", "'600' has no unit"),
-        (None, "an empty value is not a number with a unit"),
-        (True, "true is not a number with a unit"),
-        ({"a": 1}, "a mapping is not a number with a unit"),
-        ("long", "'long' is not a number with a unit"),
-        ("inf um", "'inf um' is not a number with a unit"),
-        ("1,5 um", "'1,5 um' is not a number with a unit"),
-        ("(1+1) um", "'(1+1) um' is not a number with a unit"),
-        ("2**9**9**9 um", "'2**9**9**9 um' is not a number with a unit"),
-        ("1e1000 um", "'1e1000 um' is not a number with a unit"),
-        ("600 foo", "'600 foo' has an unknown unit, 'foo'"),
-        ("600 um*dB", "'600 um*dB' has an unknown unit, 'um*dB'"),
-        ("20 degF", "'20 degF' does not convert to "),
-        ("3 %", "'3 %' does not convert to "),
-    ],
-)
-def test_not_a_quantity(kind, value, complaint):
-    with pytest.raises(ValueError) as caught:
-        read(value, kind)
-    assert complaint in str(caught.value)
-    assert str(caught.value).endswith(f"; write {KINDS[kind].name} such as {KINDS[kind].example}")
-
-
-@pytest.mark.parametrize(
-    ("text", "kind", "complaint"),
-    [
-        ("600 kg", "length", "'600 kg' does not convert to um"),
-        ("1e999 um", "length", "'1e999 um' is not finite"),
-        ("0 um", "length", "'0 um' is not above 0"),
-        ("-1 us", "duration", "'-1 us' is not from 0"),
-        ("Hard", "contact", "'Hard' is not a number with a unit"),
-        ("hard", "stiffness", "'hard' is not a number with a unit"),
-        ("10 krad/s", "frequency", "counts angles or events, which is not Hz"),
-        ("10 rpm", "frequency", "counts angles or events, which is not Hz"),
-        ("10 rad/us", "rate", "counts angles or events, which is not 1/us"),
-        ("600 g", "number", "'600 g' is not a plain number; write a multiple of gravity"),
-        (math.inf, "number", "inf is not finite"),
-    ],
-)
-def test_not_this_quantity(text, kind, complaint):
-    with pytest.raises(ValueError) as caught:
-        read(text, kind)
-    assert complaint in str(caught.value)
-
-
 @pytest.mark.parametrize(
     ("axis", "values"),
     [
@@ -193,16 +78,6 @@ def test_a_finer_range_keeps_the_values_of_a_coarser():
         assert set(coarse) < set(fine)
 
 
-def test_histories():
-    cell = {"N": "1e3", "f0": "2 kHz", "C": "0 kg/s"}
-    assert load_config(changed(histories=[cell])).histories[0].shock == {
-        "N": 1000.0,
-        "f0": 2000.0,
-        "C": 0.0,
-    }
-    assert load_config(changed(histories=[])).histories == ()
-
-
 def test_the_history_left_out_is_the_cell_nearest_the_handouts_case():
     f0 = ["1 kHz", "2 kHz", "2.3 kHz"]  # 1500 Hz is nearer to 2000, as a ratio
     study = load_config(changed(sweep__N=[900, 1090], sweep__f0=f0, sweep__C=["7 kg/s", "0 kg/s"]))
@@ -211,58 +86,8 @@ def test_the_history_left_out_is_the_cell_nearest_the_handouts_case():
     assert cell.name == "N1090_f2000_C0"
 
 
-def with_durations(given):
-    document = copy.deepcopy(DEFAULT)
-    del document["sweep"]["f0"]
-    document["sweep"]["duration"] = given
-    return document
-
-
-def test_durations_stand_for_frequencies():
-    assert load_config(with_durations(["0.5 ms", "2 ms", "100 us"])).axes["f0"].tolist() == [
-        500,
-        2000,
-        10000,
-    ]
-    log = {"from": "0.1 ms", "to": "10 ms", "points": 21, "spacing": "log"}
-    same = {"from": "100 Hz", "to": "10 kHz", "points": 21, "spacing": "log"}
-    np.testing.assert_allclose(
-        load_config(with_durations(log)).axes["f0"],
-        load_config(changed(sweep__f0=same)).axes["f0"],
-        rtol=1e-13,
-    )
-    cell = {"N": 1000, "duration": "0.5 ms", "C": "25 uN*us/um"}
-    assert load_config(changed(histories=[cell])).histories[0].shock == {
-        "N": 1000.0,
-        "f0": 2000.0,
-        "C": 25.0,
-    }
-
-
-def test_hard_contact_and_damping():
-    device = load_config(changed(device__contact="hard", device__beam__damping="4e-4 /us")).device
-    assert (device.contact, device.beam.damping) == (math.inf, 4e-4)
-
-
-def test_own_points_are_checked_with_the_config(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    path = tmp_path / "points.csv"
-    path.write_text("name,N,f0\nslip,1000,1.5\nhere,1000,1500\n,9000,1500\n")
-    lines = [line for line in doubts(load_config(changed(marks="points.csv"))) if "csv" in line]
-    assert [line.split(",")[0] for line in lines] == [
-        "points.csv: slip lies on no map: f0 = 1.5",
-        "points.csv: point 3 lies on no map: N = 9000",
-    ]
-    path.write_text("N,f0\n1000,soon\n")
-    assert only_fault(changed(marks="points.csv")).startswith(
-        "marks: points.csv: line 2, column f0"
-    )
-
-
 OF_MASS = dict.fromkeys(("device__spring", "device__contact", "sweep__C", "histories"), MISSING)
 PUSHED = {"device__gravity": MISSING, "device__force": "2 uN"}
-CELL = {"N": 1, "f0": "1 kHz", "C": "1 kg/s"}
-DROP = {"height": "1 m", "duration": "0.5 ms"}
 
 
 @pytest.mark.parametrize("pushed", [{}, PUSHED])
@@ -281,126 +106,10 @@ def test_a_beam_alone(pushed):
 ALONE = {"device__mass": "none", **OF_MASS}
 
 
-@pytest.mark.parametrize(
-    ("values", "key"),
-    [
-        ({"device__beam__span": "600"}, "device.beam.span: '600' has no unit"),
-        ({"device__beam__span": MISSING}, "device.beam.span: missing; write a length"),
-        ({"device__beam__rise": "4 um"}, "device.beam: rise/thickness = 4 um/2 um"),
-        ({"device__beam__rise": "0 um"}, "device.beam: rise/thickness = 0 um"),
-        ({"device__beam": None}, "device.beam: an empty value is not a mapping"),
-        ({"device__weight": "1 kg"}, "device.weight: unknown key; known here are beam, mass"),
-        ({"device__contact": "soft"}, "device.contact: 'soft'"),
-        ({"model__name": "nodal"}, "model.name: 'nodal' is not one of reference"),
-        ({"model__name": MISSING}, "model.name: missing; write one of"),
-        ({"model__elements": 5.0}, "model.elements: 5.0"),
-        ({"model__elements": True}, "model.elements: "),
-        ({"model__modes": "5"}, "model.modes: '5'"),
-        ({"model__cosines": -1}, "model.cosines: -1"),
-        ({"model__step": 1.5}, "model.step: 1.5"),
-        ({"model__step": math.nan}, "model.step: nan"),
-        ({"sweep__horizon": 1500}, "sweep.horizon: 1500 has no unit"),
-        ({"sweep__N": 1000}, "sweep.N: 1000 is not a list or a range"),
-        ({"sweep__N": []}, "sweep.N: an empty list is not a list"),
-        ({"sweep__N": [1, math.nan]}, "sweep.N[1]: nan"),
-        ({"sweep__N": [1, 2, 1.0]}, "sweep.N: 1 comes twice"),
-        ({"sweep__N": {"from": 1, "to": 1 + 1e-15, "points": 30}}, "sweep.N: 1 comes twice"),
-        ({"sweep__f0": ["1 kHz", "1000 Hz"]}, "sweep.f0: 1000 Hz comes twice"),
-        ({"sweep__f0__from": "0 Hz"}, "sweep.f0.from: '0 Hz' is not above 0"),
-        ({"sweep__f0__spacing": "lin"}, "sweep.f0.spacing: 'lin' is not one of linear, log"),
-        ({"sweep__N__step": 20}, "sweep.N.step: unknown key; known here are from, to, points"),
-        ({"sweep__N__points": MISSING}, "sweep.N.points: missing"),
-        ({"sweep__N__points": 10**7}, "sweep.N.points: 10000000"),
-        ({"sweep__N__points": 1}, "sweep.N.points: 1 needs equal ends"),
-        ({"sweep__N__to": 600}, "sweep.N.points: 91 needs from and to that differ"),
-        ({"sweep__N__spacing": "log", "sweep__N__from": -1}, "sweep.N.spacing: log needs"),
-        ({"sweep__f0": MISSING}, "sweep.f0: missing; write frequencies"),
-        ({"sweep__duration": ["1 ms"]}, "sweep.duration: is one over f0"),
-        ({"histories": {}}, "histories: a mapping is not a list of cells"),
-        ({"histories": [3]}, "histories[0]: 3 is not a mapping"),
-        ({"histories": [{"N": 1, "C": "1 kg/s"}]}, "histories[0].f0: missing"),
-        ({"histories": [{**CELL, "device": "a"}]}, "histories[0]: device is for studies"),
-        ({"marks": "none.csv"}, "marks: none.csv: is not there"),
-        ({"marks": "../points.csv"}, "marks: ../points.csv lies outside the study's folder"),
-        ({"marks": "/etc/passwd"}, "marks: /etc/passwd lies outside the study's folder"),
-        ({"marks": ""}, "marks: '' is not the path"),
-        ({**ALONE, "device__gap": "1 um"}, "device.gap: is of the mass"),
-        ({**ALONE, "sweep__C": ["1 kg/s"]}, "sweep.C: is of the mass"),
-        ({**ALONE, "sweep__spring": ["1 N/m"]}, "sweep: spring: is of"),
-        (PUSHED, "device.force: 2 uN is of a beam alone; write mass: none"),
-        ({"device__force": "2 uN"}, "device.gravity: stands beside force"),
-        ({**ALONE, **PUSHED, "pulse": {"drop": DROP}}, "device.force: the shock 'drop' shakes"),
-        ({"device__spring": MISSING}, "device.spring: missing; write a stiffness"),
-        ({"device__beam__damping": "1 /us", "device__beam__quality_factor": 9}, "device.beam.q"),
-        ({"device__quality_factor": 9}, "device.quality_factor: stands beside sweep.C"),
-        ({"sweep__C": MISSING}, "sweep.C: missing; write dampers"),
-        ({"device__beam__shape": {"cosines": []}}, "device.beam.shape.cosines: an empty list"),
-        ({"pulse": {"shape": "half sine", "form": 1}}, "pulse.form: unknown key"),
-        ({"devices": {"a b": DEFAULT["device"]}, "device": MISSING}, "devices['a b']: 'a b' is"),
-    ],
-)
-def test_a_fault_is_one_line_that_names_its_key(values, key):
-    assert only_fault(changed(**values)).startswith(key)
-
-
-def test_all_faults_are_reported_at_once_wherever_they_are():
-    document = changed(
-        device__beam__span="600",
-        device__spring=MISSING,
-        model__step=2,
-        sweep__C=["1 kg/s", "2 kg", 3],
-        sweep__N=[1, 1],
-        sweep__horizon=MISSING,
-        requirements=[{"name": "drop", "N": -3, "f0": "1 kHz", "snaps": False}],
-        marks="none.csv",
-    )
-    document |= {1: 2, "a\nb": 4}
-    keys = {line.split(": ")[0] for line in faults(document)}
-    assert keys == {
-        *("device.beam.span", "device.spring", "model.step", "sweep.C[1]", "sweep.C[2]", "sweep.N"),
-        *("sweep.horizon", "requirements[0].N", "marks", "[1]", "['a\\nb']"),
-    }
-
-
-@pytest.mark.parametrize("document", [None, 3, "device", [], [DEFAULT]])
-def test_document_is_a_mapping(document):
-    assert only_fault(document).startswith("config: ")
-
-
 def test_load_device_looks_at_the_device_only(tmp_path):
     path = tmp_path / "config.yaml"
     path.write_text(yaml.safe_dump({"device": DEFAULT["device"], "model": 1, "more": 2}))
     assert load_device(path) == load_config(DEFAULT).device
-
-
-@pytest.mark.parametrize(
-    ("text", "fault"),
-    [
-        ("sweep: {}", "device: missing; write a mapping: "),
-        ("device: 3", "device: 3 is not a mapping: "),
-        ("[1, 2]", "{path}: a list is not a mapping of device, model, sweep"),
-        ("", "{path}: an empty value is not a mapping of device, model, sweep"),
-        ("a: 1\nb: [", "{path}: line 2 is not valid YAML: "),
-        ("a: 1\na: 2", "{path}: line 2 is not valid YAML: 'a' comes twice"),
-        ("__use_yte__: true", "{path}: __use_yte__ is not allowed; write values"),
-        ("a: \x00", "{path}: not valid YAML: "),
-        ("a: 2026-13-45", "{path}: not valid YAML: "),
-        ("[" * 2000, "{path}: not valid YAML: "),
-        ("a: !!python/object:os.system x", "{path}: line 1 is not valid YAML: "),
-    ],
-)
-def test_load_device_refuses(tmp_path, text, fault):
-    path = tmp_path / "config.yaml"
-    path.write_text(text)
-    with pytest.raises(ConfigError) as caught:
-        load_device(path)
-    (line,) = str(caught.value).splitlines()
-    assert line.startswith(fault.format(path=path))
-
-
-def test_missing_file(tmp_path):
-    with pytest.raises(ConfigError, match=r"none\.yaml: is not there"):
-        load_device(tmp_path / "none.yaml")
 
 
 NUMBERS = st.one_of(
@@ -414,7 +123,7 @@ UNITS = st.one_of(
 QUANTITIES = st.builds(lambda *parts: "".join(parts), NUMBERS, st.sampled_from(["", " "]), UNITS)
 
 
-@settings(max_examples=200, derandomize=True, deadline=None, database=None)
+@settings(max_examples=60, derandomize=True, deadline=None, database=None)
 @given(
     QUANTITIES | st.text(alphabet="0123456789.eE+-*/^ umNkgHzrad\N{MICRO SIGN}%()²", max_size=30)
 )
@@ -430,10 +139,6 @@ def test_any_text_is_a_finite_quantity_or_a_fault(text):
 
 
 def test_a_tolerance_is_a_share_in_percent():
-    assert read("0.1 %", "share") == 0.001 and read("5%", "share") == 0.05
-    for wrong in ("0.1", 0.1, "3 dB", "0 %", "-1 %", "100 %", "0.1 um"):
-        with pytest.raises(ValueError, match=r"write a share such as '0\.1 %'$"):
-            read(wrong, "share")
     document = changed(model={"name": "auto", "tolerance": "0.1 %"})
     assert load_config(document).model == {"name": "auto", "tolerance": 0.001}
 
@@ -455,3 +160,158 @@ def test_what_a_study_makes_is_listed():
 
 def _maps(made):
     return [view.name for view in made.ends]
+
+
+def test_default_study_is_exact():
+    study = load_config(DEFAULT)
+    beam = Beam(600.0, 10.0, 2.0, 22.0, youngs_modulus=150000.0, density=0.00233)
+    assert study.device == Device(beam, mass=10000.0, spring=5.5, contact=40.0, gravity=9.81e-6)
+    assert study.model == DEFAULT["model"]
+    assert np.array_equal(study.axes["N"], np.arange(600.0, 2401.0, 20.0))
+    assert np.array_equal(study.axes["C"], [0.025, 25.0, 200.0])
+    f0 = study.axes["f0"]
+    assert (f0.size, f0[0], f0[-1]) == (41, 100.0, 30000.0)
+    assert np.allclose(f0[1:] / f0[:-1], 300 ** (1 / 40), rtol=1e-13)
+    assert study.settings._replace(threads=1) == Settings(1500.0, "settled", True, 1e-3)
+    (cell,) = study.histories
+    assert cell.shock == {"N": 1000.0, "f0": f0[19], "C": 0.025} and cell.changes == {}
+    assert cell.name == f"N1000_f{f0[19]:.6g}_C0.025" and study.own_points == ()
+
+
+EXACT = {
+    "length": {"600um": 600.0, "600 \N{MICRO SIGN}m": 600.0, " 0.6 mm\n": 600.0, ".6e0 mm": 600.0},
+    "density": {"2.33 g/cm**3": 0.00233, "2330 kg/m³": 0.00233, "2330 kg m^-3": 0.00233},
+    "rate": {"4e-4 /us": 4e-4, "4e-4/us": 4e-4, "4e-4 1 / us": 4e-4, "0 /us": 0.0},
+    "modulus": {"150000 N/mm^2": 150000.0},
+    "mass": {"0.1 ug": 100.0},
+    "stiffness": {"5.5e-3 N/mm": 5.5},
+    "contact": {"hard": math.inf},
+    "frequency": {"1.5 kHz": 1500.0},
+    "damper": {"0.2 mN*s/m": 200.0, "0.025 mg/s": 0.025},
+    "duration": {"1.5 ms": 1500.0},
+    "number": {"1e3": 1000.0, 1000: 1000.0},
+    "share": {"0.1 %": 0.001, "5%": 0.05},
+}
+NEVER = (600, "600", None, True, {"a": 1}, "long", "inf um", "1,5 um", "(1+1) um", "1e1000 um")
+NEVER += ("2**9**9**9 um", "600 foo", "600 um*dB", "20 degF", "1e999 um", math.inf)
+NOT_THIS = {"length": ["600 kg", "0 um", "3 %"], "duration": ["-1 us"], "contact": ["Hard"]}
+NOT_THIS |= {"stiffness": ["hard"], "frequency": ["10 krad/s", "10 rpm"], "rate": ["10 rad/us"]}
+NOT_THIS |= {"number": ["600 g", math.inf], "share": ["0.1", 0.1, "3 dB", "0 %", "100 %"]}
+
+
+def test_conversion_adds_no_noise():
+    for kind, values in EXACT.items():
+        assert [read(text, kind) for text in values] == [*values.values()]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_no_quantity_is_one_line_with_its_value_and_an_example(kind):
+    of = KINDS[kind]
+    for value in (*NEVER * (of.unit not in ("", "%")), *NOT_THIS.get(kind, ())):
+        with pytest.raises(ValueError) as caught:
+            read(value, kind)
+        assert str(caught.value).startswith(show(value)) and "\n" not in str(caught.value)
+        assert f"; write {of.name}" in str(caught.value) or "write a multiple" in str(caught.value)
+
+
+def test_durations_stand_for_frequencies():
+    def axis(key, given):
+        sweep = {"f0": MISSING, "duration": given} if key == "duration" else {"f0": given}
+        return load_config(changed(**{f"sweep__{k}": v for k, v in sweep.items()})).axes["f0"]
+
+    assert axis("duration", ["0.5 ms", "2 ms", "100 us"]).tolist() == [500, 2000, 10000]
+    log = {"from": "0.1 ms", "to": "10 ms", "points": 21, "spacing": "log"}
+    same = {"from": "100 Hz", "to": "10 kHz", "points": 21, "spacing": "log"}
+    np.testing.assert_allclose(axis("duration", log), axis("f0", same), rtol=1e-13)
+    cells = [{"N": "1e3", key: one, "C": "0 kg/s"} for key, one in PULSES.items()]
+    for history in load_config(changed(histories=cells[:1])).histories:
+        assert history.shock == {"N": 1000.0, "f0": 2000.0, "C": 0.0}
+        assert load_config(changed(histories=cells[1:])).histories == (history,)
+    assert load_config(changed(histories=[])).histories == ()
+
+
+PULSES = {"f0": "2 kHz", "duration": "0.5 ms"}
+
+
+def test_own_points_are_checked_with_the_config(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "points.csv"
+    path.write_text("name,N,f0\nslip,1000,1.5\nhere,1000,1500\n,9000,1500\n")
+    lines = [line for line in doubts(load_config(changed(marks="points.csv"))) if "csv" in line]
+    assert [("1.5" in line, "9000" in line) for line in lines] == [(True, False), (False, True)]
+    path.write_text("N,f0\n1000,soon\n")
+    assert only_fault(changed(marks="points.csv")).startswith("marks: points.csv: line 2")
+
+
+FORCED = {**ALONE, **PUSHED}
+DROP = {"drop": {"height": "1 m", "duration": "0.5 ms"}}
+
+
+@pytest.mark.parametrize(
+    ("key", "values"),
+    [
+        ("device.beam", {"device__beam__rise": "4 um"}),
+        ("device.weight", {"device__weight": "1 kg"}),
+        ("model.modes", {"model__modes": "5"}),
+        ("model.cosines", {"model__cosines": -1}),
+        ("sweep.N", {"sweep__N": [1, 2, 1.0]}),
+        ("sweep.N", {"sweep__N": {"from": 1, "to": 1 + 1e-15, "points": 30}}),
+        ("sweep.f0", {"sweep__f0": ["1 kHz", "1000 Hz"]}),
+        ("sweep.N.points", {"sweep__N__points": 1}),
+        ("sweep.N.points", {"sweep__N__to": 600}),
+        ("sweep.N.spacing", {"sweep__N__spacing": "log", "sweep__N__from": -1}),
+        ("sweep.f0", {"sweep__f0": MISSING}),
+        ("sweep.duration", {"sweep__duration": ["1 ms"]}),
+        ("histories", {"histories": {}}),
+        ("histories[0]", {"histories": [3]}),
+        ("histories[0].f0", {"histories": [{"N": 1, "C": "1 kg/s"}]}),
+        ("marks", {"marks": "none.csv"}),
+        ("marks", {"marks": "../points.csv"}),
+        ("marks", {"marks": "/etc/passwd"}),
+        ("marks", {"marks": ""}),
+        ("device.gap", {**ALONE, "device__gap": "1 um"}),
+        ("sweep.C", {**ALONE, "sweep__C": ["1 kg/s"]}),
+        ("sweep", {**ALONE, "sweep__spring": ["1 N/m"]}),
+        ("device.force", PUSHED),
+        ("device.gravity", {"device__force": "2 uN"}),
+        ("device.force", {**FORCED, "pulse": DROP}),
+        ("device.quality_factor", {"device__quality_factor": 9}),
+        ("device.beam.shape.cosines", {"device__beam__shape": {"cosines": []}}),
+        ("pulse.form", {"pulse": {"shape": "half sine", "form": 1}}),
+        ("devices['a b']", {"devices": {"a b": DEFAULT["device"]}, "device": MISSING}),
+    ],
+)
+def test_a_fault_between_keys_is_one_line_that_names_one(key, values):
+    """Faults of single values: test_bad_configs.py."""
+    assert only_fault(changed(**values)).startswith(f"{key}: ")
+
+
+def test_all_faults_are_reported_at_once_wherever_they_are():
+    values = {"device__beam__span": "600", "model__step": 2, "sweep__N": [1, 1]}
+    values |= {"device__spring": MISSING, "sweep__horizon": MISSING, "marks": "none.csv"}
+    drop = {"name": "drop", "N": -3, "f0": "1 kHz", "snaps": False}
+    document = changed(**values, sweep__C=["1 kg/s", "2 kg", 3], requirements=[drop])
+    keys = {line.split(": ")[0] for line in faults(document | {1: 2, "a\nb": 4})}
+    assert keys == {key.replace("__", ".") for key in values} | {
+        *("sweep.C[1]", "sweep.C[2]", "requirements[0].N", "[1]", "['a\\nb']")
+    }
+
+
+@pytest.mark.parametrize("document", [None, 3, "device", [], [DEFAULT]])
+def test_document_is_a_mapping(document):
+    assert only_fault(document).startswith("config: ")
+
+
+TEXTS = ("sweep: {}", "device: 3", "[1, 2]", "", "a: 1\nb: [", "a: 1\na: 2", "a: \x00", "[" * 2000)
+TEXTS += ("__use_yte__: true", "a: 2026-13-45", "a: !!python/object:os.system x", None)
+
+
+@pytest.mark.parametrize("text", TEXTS, ids=range(len(TEXTS)))
+def test_a_file_that_holds_no_device_is_one_line_that_names_it(tmp_path, text):
+    path = tmp_path / "config.yaml"
+    if text is not None:
+        path.write_text(text)
+    with pytest.raises(ConfigError) as caught:
+        load_device(path)
+    (line,) = str(caught.value).splitlines()
+    assert line.startswith((f"{path}: ", "device: "))

@@ -62,21 +62,17 @@ def snakemake(root, *options):
 
 
 def test_a_study_knows_its_files_by_what_they_hold(folder):
-    study = load_config(yaml.safe_load(STUDY))
-    content = (folder / "shock.csv").read_bytes(), POINTS.encode()
-    hashes = [hashlib.sha256(held).hexdigest() for held in content]
-    assert study.files() == dict(zip(["shock.csv", "points.csv"], hashes, strict=True))
-    assert study.pulse["sha256"] == study.requirements[0]["pulse"]["sha256"] == hashes[0]
-
-
-def test_a_measured_shape_is_one_of_them(folder):
     x = np.linspace(0, 600, 50)
     table = np.column_stack([x, 5 * (1 - np.cos(2 * np.pi * x / 600))])
     np.savetxt("shape.csv", table, delimiter=",", header="x (um),w (um)", comments="")
     document = yaml.safe_load(STUDY)
     document["device"]["beam"]["shape"] = {"file": "shape.csv"}
-    held = (folder / "shape.csv").read_bytes()
-    assert load_config(document).files()["shape.csv"] == hashlib.sha256(held).hexdigest()
+    study = load_config(document)
+    names = "shock.csv", "points.csv", "shape.csv"
+    hashes = {name: hashlib.sha256((folder / name).read_bytes()).hexdigest() for name in names}
+    assert study.files() == hashes
+    required = study.requirements[0]["pulse"]
+    assert study.pulse["sha256"] == required["sha256"] == hashes["shock.csv"]
 
 
 def test_an_edit_since_the_plan_is_refused(folder, monkeypatch):
@@ -97,8 +93,11 @@ def test_an_edit_since_the_plan_is_refused(folder, monkeypatch):
         read_points(*study.own_points)
 
 
-def test_contents_decide_what_runs_again_and_dates_do_not(root, folder):
-    products = ["results/threshold.nc", "results/requirements.csv"]
+@pytest.mark.parametrize(
+    "rules", [["simulate_slab"], pytest.param(["find_threshold"], marks=pytest.mark.long)]
+)
+def test_contents_decide_what_runs_again_and_dates_do_not(root, folder, rules):
+    products = ["results/cube.nc" if rules == ["simulate_slab"] else "results/threshold.nc"]
     code, output = snakemake(root, *products)
     assert code == 0, output
     os.utime(folder / "shock.csv")
@@ -107,24 +106,7 @@ def test_contents_decide_what_runs_again_and_dates_do_not(root, folder):
     os.utime(folder / "other.csv", (0, 0))
     (folder / "other.csv").replace(folder / "shock.csv")
     code, output = snakemake(root, "--dry-run", *products)
-    assert all(f"{rule}  " in output for rule in ("find_threshold", "check_requirements")), output
-
-
-def open_pipe(path):
-    os.mkfifo(path)
-
-
-def open_device(path):
-    path.symlink_to("/dev/zero")
-
-
-@pytest.mark.parametrize("odd", [open_pipe, open_device])
-@pytest.mark.parametrize("read", [read_points, snapmap.read_pulse, read_document])
-def test_what_never_ends_is_refused(tmp_path, odd, read):
-    path = tmp_path / "odd.csv"
-    odd(path)
-    with pytest.raises(ValueError, match=r"odd\.csv: is no file"):
-        read(path)
+    assert all(f"{rule}  " in output for rule in rules), output
 
 
 def test_ten_million_rows_are_refused_unread(tmp_path):
@@ -142,12 +124,12 @@ def test_ten_million_rows_are_refused_unread(tmp_path):
 def test_no_other_file_is_quoted(tmp_path):
     path = tmp_path / "points.csv"
     path.write_text("root:x:0:0:secret,word\n", encoding="utf-8")
-    with pytest.raises(ValueError) as fault:
+    with pytest.raises(ValueError, match=r"points\.csv: line 1: ") as fault:
         read_points(path)
-    assert "line 1: names no column of this table" in str(fault.value)
     assert "secret" not in str(fault.value) and "word" not in str(fault.value)
 
 
+@pytest.mark.long
 def test_names_may_have_braces(root, folder):
     (folder / "shock.csv").rename(folder / "a{b}.csv")
     (folder / "points.csv").rename(folder / "{slab}.csv")
@@ -164,23 +146,15 @@ def test_a_folder_in_place_of_a_product_is_named(root, folder):
     assert "Traceback" not in output
 
 
-@pytest.mark.parametrize(
-    ("text", "complaint"),
-    [
-        (b"a: \xe9\n", "is no text in UTF-8"),
-        (b"a: 1:30:00", "line 1 is not valid YAML: '1:30:00' is no plain decimal number"),
-        (b"a: 010", "line 1 is not valid YAML: '010' is no plain decimal number"),
-        (b"a: 1:30.5", "line 1 is not valid YAML: '1:30.5' is no plain decimal number"),
-        (b"a: [" + b"1234567, " * 1_000_000 + b"]", "has 9 MB; write axes as from, to, points"),
-        (b'"__use\\x5fyte__": true', "__use_yte__ is not allowed"),
-    ],
-)
-def test_odd_configs_are_one_line(tmp_path, text, complaint):
+TEXTS = (b"a: \xe9\n", b"a: 1:30:00", b"a: 010", b"a: 1:30.5", b'"__use\\x5fyte__": true')
+
+
+@pytest.mark.parametrize("text", [*TEXTS, b"a: [" + b"1234567, " * 1_000_000 + b"]"], ids=len)
+def test_odd_configs_are_one_line(tmp_path, text):
     path = tmp_path / "odd.yaml"
     path.write_bytes(text)
-    with pytest.raises(ConfigError) as fault:
+    with pytest.raises(ConfigError, match=r"odd\.yaml: [^\n]+$"):
         read_document(path)
-    assert str(fault.value).startswith(f"{path}: {complaint}")
 
 
 def test_plain_numbers_are_read_as_they_are(tmp_path):
@@ -201,3 +175,12 @@ def test_a_product_of_another_study_is_named():
     ):
         with pytest.raises(ValueError, match=r"^threshold\.nc: is of another study; remove it"):
             check_alike(cube, foreign, "threshold.nc")
+
+
+@pytest.mark.parametrize("read", [read_points, snapmap.read_pulse, read_document])
+def test_what_never_ends_is_refused(tmp_path, read):
+    os.mkfifo(tmp_path / "pipe.csv")
+    (tmp_path / "device.csv").symlink_to("/dev/zero")
+    for path in tmp_path.iterdir():
+        with pytest.raises(ValueError, match=rf"{path.name}: is no file"):
+            read(path)

@@ -2,14 +2,11 @@
 
 import json
 import math
-import os
-import re
 import subprocess
 import sys
 import warnings
 
 import draw as rules
-import matplotlib
 import numpy as np
 import pytest
 import xarray as xr
@@ -185,22 +182,6 @@ def test_devices_as_made_are_drawn_as_they_are():
     ax = drawn(tolerances.draw_sensitivity, found)
     shown = [line.get_ydata()[0] for line in ax.lines if len(line.get_ydata()) == F0.size]
     assert sorted(shown) == [0.1, 0.1, 0.9, 0.9]
-    assert len(style.labelled([ax])) == 3
-    assert "1 of them without a second" in tolerances.batch_text(found, ATTRIBUTES)
-
-
-def test_devices_under_one_frequency_are_a_curve():
-    found = make_batch(np.array([1500.0])).isel(C=0)
-    ax = drawn(tolerances.draw_probability, found)
-    np.testing.assert_allclose(ax.lines[0].get_ydata(), found.probability.squeeze())
-    drawn(tolerances.draw_sensitivity, found)
-
-
-def test_a_requirement_is_drawn_with_the_share_that_meets_it():
-    ax = drawn(requirements.draw_requirement, make_batch().isel(C=0, requirement=0))
-    assert "met by 50.0 %" in ax.get_title(loc="left")
-    assert sum(patch.get_height() for patch in ax.patches[1:]) == 3
-    assert ax.patches[0].get_x() == 1050.0
 
 
 def test_shots_stand_on_the_side_of_their_outcome_beside_the_fit():
@@ -215,39 +196,6 @@ def test_shots_stand_on_the_side_of_their_outcome_beside_the_fit():
     assert fit.get_xydata().tolist() == [[1e3, 1e3], [2e3, 1.2e3]]
     assert stayed.get_ydata().tolist() == [900, 1000] and tripped.get_ydata().tolist() == [1100]
     assert [shots.get_markerfacecolor() for shots in (stayed, tripped)] == ["white", "black"]
-
-
-def test_a_design_is_drawn_over_both_values():
-    along = {"rise": [9.0, 10.0]}
-    comment = {"comment": "where the threshold is 1500 g"}
-    values = {"thickness": ("rise", [2.5, 2.4], comment), "error": ("rise", [0.01, 0.02])}
-    ax = drawn(thresholds.draw_design, xr.Dataset(values, along))
-    np.testing.assert_allclose(ax.lines[0].get_xydata(), [[9.0, 2.5], [10.0, 2.4]])
-    assert (ax.get_xlabel(), ax.get_ylabel()) == ("rise (µm)", "thickness (µm)")
-
-
-def test_snap_time_is_between_two_samples_or_not_seen():
-    assert histories.snap_time(make_history([10, 0, -8, -12, -5, -12])) == 22.5
-    assert math.isnan(histories.snap_time(make_history([10, 0, -8.9])))
-
-
-def test_first_colours_differ_in_grey():
-    grey = [np.dot(to_rgb(colour), [0.299, 0.587, 0.114]) for colour, _ in curves.LOOKS[:3]]
-    assert (np.diff(grey) > 0.1).all()
-
-
-def test_thresholds_have_error_bars():
-    bars = artists(drawn(thresholds.draw_thresholds, make_found()), LineCollection)[1]
-    assert bars.get_segments()[0].tolist() == [[100.0, 993.0], [100.0, 1007.0]]
-
-
-def test_gaps_are_shaded_and_islands_stroked():
-    ax = drawn(thresholds.draw_thresholds, make_found(C=[25.0]))
-    (gap,) = artists(ax, FillBetweenPolyCollection)
-    assert gap.get_paths()[0].vertices.max(axis=0).tolist() == [10000.0, 2300.0]
-    islands, _ = artists(ax, LineCollection)
-    ends = [line[:, 1].tolist() for line in islands.get_segments() if len(line)]
-    assert ends == [[2000.0, 2050.0], [2100.0, 2150.0]]
 
 
 def test_damage_boundary_shades_what_snaps_of_the_first_C():
@@ -269,102 +217,21 @@ def test_the_shade_of_a_damage_boundary_has_the_holes_of_its_curve():
     assert len(artists(ax, Polygon)) == 2
 
 
-def compared(**studies):
-    return thresholds.plot_thresholds(studies, style.double_column(height=3.4).subplots())
-
-
 def curves_of(ax):
     """What is seen of each line, late or not."""
     known = [line for line in ax.lines if line.get_marker() not in ("None", "", "x", "|", "_")]
     return [points for line in known if (points := visible(line))]
 
 
-def test_studies_are_drawn_by_name_each_over_its_own_frequencies():
-    mine, theirs = make_found(C=[25.0]), make_found(C=[200.0]).isel(f0=[0, 2])
-    ax = compared(mine=mine, theirs=theirs)
-    assert legend_words(ax)[:2] == ["mine", "theirs"]
-    shown = [[100.0, 1000.0], [1000.0, 1100.0]], [[100.0, 1000.0]]
-    assert all(points in curves_of(ax) for points in shown)
-
-
-def test_of_several_C_those_of_all_studies_are_compared():
-    ax = compared(mine=make_found(C=[25.0, 200.0]), theirs=make_found(C=[1.0, 25.0]))
-    assert legend_words(ax)[:2] == ["mine", "theirs"]
-    firsts = [points[0] for points in curves_of(ax) if points[0][0] == 100]
-    assert firsts == [[100.0, 1000.0], [100.0, 1001.0]]
-    both = compared(mine=make_found(C=[1.0, 25.0]), theirs=make_found(C=[1.0, 25.0]))
-    words = [f"{name}, {scales.value_text('C', C)}" for name in ("mine", "theirs") for C in (1, 25)]
-    assert legend_words(both)[:4] == words
-
-
-def test_studies_that_cannot_be_compared_are_refused():
-    with pytest.raises(ValueError, match="no value of C is in all of them"):
-        compared(mine=make_found(C=[1.0, 25.0]), theirs=make_found(C=[200.0]))
-    with pytest.raises(ValueError, match="mine: is over gap, too; choose one"):
-        compared(mine=make_found(C=[1.0]).expand_dims("gap"))
-    with pytest.raises(ValueError, match="studies: none"):
-        compared()
-
-
-@pytest.mark.parametrize(
-    ("value", "words"),
-    [
-        (9999.0, "9999"),
-        (10_000.0, "10\u2009000"),
-        (24_811.0, "24\u2009810"),
-        (-5.0, "−5"),
-        (np.inf, "hard"),
-        ("mine", "mine"),
-    ],
-)
-def test_numbers_have_spaces_between_thousands(value, words):
-    assert scales.number(value) == words
-
-
 @pytest.mark.parametrize("draw", [thresholds.draw_thresholds, thresholds.draw_damage_boundary])
-@pytest.mark.parametrize("f0", [[0], [2], [0, 2]])
+@pytest.mark.parametrize("f0", [[2], [0, 2]])
 def test_thresholds_not_found_leave_a_hole(draw, f0):
     found = make_found()
     for name in ("N_first", "N_error", "N_always"):
         found[name] = found[name].where(found.f0 < 1000)
     ax = drawn(draw, found.isel(f0=f0))
-    ax.figure.draw_without_rendering()
     seen = [points for points in curves_of(ax) if points[0][1] >= 1000]
     assert bool(seen) == (0 in f0)
-
-
-def test_force_and_energy_are_the_data():
-    found = make_statics()
-    force, energy = (drawn(draw, found) for draw in DRAW_STATICS)
-    for ax, values in ((force, found.force), (energy, found.energy)):
-        unbranched, followed = ax.lines[:2]
-        assert followed.get_xydata().T.tolist() == [
-            *found.displacement[:1].values.tolist(),
-            values[0].values.tolist(),
-        ]
-        assert unbranched.get_ydata().tolist() == values[1].values.tolist()
-        assert (followed.get_linestyle(), unbranched.get_linestyle()) == ("-", "--")
-        assert "µm" in ax.get_xlabel()
-
-
-DRAW_STATICS = (statics.draw_force_displacement, statics.draw_energy)
-
-
-def test_statics_mark_wells_saddle_and_peaks():
-    force, energy = (drawn(draw, make_statics()) for draw in DRAW_STATICS)
-    assert line(force, "stable").get_xydata().tolist() == [[0.0, 0.0], [19.0, 0.0]]
-    assert line(force, "saddle").get_xydata().tolist() == [[12.0, 0.0]]
-    assert line(energy, "stable").get_ydata().tolist() == [0.0, 385.0]
-    assert line(energy, "saddle").get_ydata().tolist() == [490.0]
-    told = " ".join(text.get_text() for text in (*force.texts, *energy.texts))
-    assert all(value in told for value in ("70 µN", "−30 µN", "490 pJ"))
-
-
-def test_style_leaves_the_users_own_alone():
-    with matplotlib.rc_context({"font.size": 33}):
-        with style.paper():
-            assert matplotlib.rcParams["font.size"] == 7
-        assert matplotlib.rcParams["font.size"] == 33
 
 
 def test_figures_need_no_pyplot(root):
@@ -373,22 +240,6 @@ def test_figures_need_no_pyplot(root):
     command = [sys.executable, "-c", code]
     run = subprocess.run(command, cwd=scripts, capture_output=True, text=True, check=True)
     assert run.stdout == "False\n"
-
-
-def test_examples_of_the_page_on_figures_run(root, tmp_path):
-    """On a tiny cube, as they stand; the last has ten lines."""
-    page = (root / "docs" / "figures.md").read_text()
-    examples = re.findall(r"```python\n(.*?)```", page, re.S)
-    assert len([line for line in examples[-1].splitlines() if line.strip()]) == 10
-    (tmp_path / "results").mkdir()
-    write(TINY.expand_dims("C"), tmp_path / "results" / "cube.nc")
-    write(make_found(C=[25.0]), tmp_path / "results" / "threshold.nc")
-    path = {"PYTHONPATH": str(root / "workflow" / "scripts"), "MPLBACKEND": "agg"}
-    for code in examples:
-        subprocess.run(
-            [sys.executable, "-c", code], cwd=tmp_path, env=os.environ | path, check=True
-        )
-    assert {figure.name for figure in tmp_path.glob("*.pdf")} == {"both.pdf", "share.pdf"}
 
 
 def limits(ax, label):
@@ -433,21 +284,6 @@ def test_damage_boundary_is_over_the_velocity_change_between_its_limits():
     assert len(guides) == 3 and N * 1e-5 / v == pytest.approx(np.full(2, 2e-3))
 
 
-def test_a_legend_has_what_is_seen_once_and_grey_where_several_share_it():
-    ax = style.single_column(height=3).subplots()
-    ax.set(xlim=(0, 1), ylim=(0, 1))
-    for colour, y in (("red", 0.5), ("blue", 0.6)):
-        ax.plot([0, 1], [y, y], color=colour, label="shared")
-        ax.plot([0, 1], [y, np.nan], color=colour, label=colour)
-    ax.plot([0, 1], [5, 6], label="beyond")
-    ax.plot([0, 1], [np.nan, np.nan], label="nothing")
-    ax.fill_between([0, 1], 2, 3, label="a band beyond")
-    ax.axhspan(0.2, 0.3, label="a span")
-    keys = {key.get_label(): key for key in style.labelled([ax])}
-    assert list(keys) == ["shared", "red", "blue", "a span"]
-    assert [keys[name].get_color() for name in ("shared", "red")] == ["0.4", "red"]
-
-
 def test_a_history_is_the_data_in_ms_and_multiples_of_g_and_marks_the_snap():
     history = make_history([10, 0, -8, -12])
     positions, force, shock = axes = history_of(history)
@@ -463,11 +299,7 @@ def test_a_history_is_the_data_in_ms_and_multiples_of_g_and_marks_the_snap():
     assert [len(ax.lines) for ax in history_of(make_history([10, 5, 10]))] == [3, 1, 1]
 
 
-def test_the_yield_stands_below_the_shares_that_meet_each_requirement():
-    ax = drawn(requirements.draw_yield, make_batch())
-    assert ax.lines[0].get_xydata().tolist() == [[0.5, 0.0], [0.4, 1.0]]
-
-
+@pytest.mark.long
 def test_a_study_is_drawn_file_by_file(tmp_path):
     cube = TINY.isel(f0=slice(3)).assign_coords(f0=F0).expand_dims("C")
     paths = [tmp_path / name for name in ("cube.nc", "threshold.nc", "statics.nc", "N1.nc")]
@@ -487,31 +319,94 @@ def test_a_study_is_drawn_file_by_file(tmp_path):
     stems = "snap", "time", "end", "snap_maps", "maps", "curve", "boundary", "statics", "history_N1"
     files = {f"{stem}.{ending}" for stem in stems for ending in ("pdf", "png")}
     assert {path.name for path in made.iterdir()} == files
-    for stem, width in (("snap", 1020), ("maps", 2100)):
-        pdf = (made / f"{stem}.pdf").read_bytes()
-        there = b"/FontFile2", b"/Title (A title)", b"/Creator (0.1.0+abc)", b"1.5 ms"
-        assert all(part in pdf for part in there) and b"/Type3" not in pdf and b"Date" not in pdf
-        with Image.open(made / f"{stem}.png") as image:
-            assert image.size[0] == width
-            assert image.info["dpi"] == pytest.approx((300, 300), abs=0.01)
-            assert [image.info[key] for key in ("Title", "Software")] == ["A title", "0.1.0+abc"]
-            assert json.loads(image.info["Comment"]) == CONFIG
 
 
-def test_saved_files_repeat_byte_for_byte(tmp_path):
+def test_a_saved_figure_has_fonts_and_facts_and_repeats_byte_for_byte(tmp_path):
     files = []
     for name in ("first", "again"):
         with style.paper():
-            style.save(
-                history_of(make_history([10, 0, -12]))[0].figure, tmp_path / name, ATTRIBUTES
-            )
+            figure = history_of(make_history([10, 0, -12]))[0].figure
+            style.save(figure, tmp_path / name, ATTRIBUTES)
         files.append([(tmp_path / f"{name}.{kind}").read_bytes() for kind in ("pdf", "png")])
     assert files[0] == files[1]
+    pdf = files[0][0]
+    assert all(
+        part in pdf for part in (b"/FontFile2", b"/Title (A title)", b"/Creator (0.1.0+abc)")
+    )
+    assert b"1.5 ms" in pdf and b"/Type3" not in pdf and b"Date" not in pdf
+    with Image.open(tmp_path / "first.png") as image:
+        assert image.size[0] == 2100
+        assert image.info["dpi"] == pytest.approx((300, 300), abs=0.01)
+        assert [image.info[key] for key in ("Title", "Software")] == ["A title", "0.1.0+abc"]
+        assert json.loads(image.info["Comment"]) == CONFIG
 
 
-def test_every_caption_of_the_report_belongs_to_a_figure_the_page_or_the_head(root, workflow_text):
-    table = re.search(r"FIGURES_OF = \{(.*?)\n\}", workflow_text, re.S).group(1)
-    captions = {f"{name}.rst" for name in re.findall(r'^    "(\w+)": \(', table, re.M)}
-    written = list((root / "workflow" / "report").iterdir())
-    assert {path.name for path in written} == captions | {"page.rst", "study.rst"}
-    assert all(path.read_text().strip() for path in written)
+def test_statics_are_the_data_and_mark_wells_saddle_and_peaks():
+    found = make_statics()
+    force = drawn(statics.draw_force_displacement, found)
+    energy = drawn(statics.draw_energy, found)
+    for ax, values in ((force, found.force), (energy, found.energy)):
+        unbranched, followed = ax.lines[:2]
+        w = found.displacement.values[0].tolist()
+        assert followed.get_xydata().T.tolist() == [w, values[0].values.tolist()]
+        assert unbranched.get_ydata().tolist() == values[1].values.tolist()
+    assert line(force, "stable").get_xydata().tolist() == [[0.0, 0.0], [19.0, 0.0]]
+    assert line(force, "saddle").get_xydata().tolist() == [[12.0, 0.0]]
+    assert line(energy, "stable").get_ydata().tolist() == [0.0, 385.0]
+    assert line(energy, "saddle").get_ydata().tolist() == [490.0]
+
+
+def test_studies_are_compared_by_name_where_all_have_the_C():
+    def compared(**studies):
+        ax = thresholds.plot_thresholds(studies, style.double_column(height=3.4).subplots())
+        return ax, [points for points in curves_of(ax) if points[0][0] == 100]
+
+    theirs = make_found(C=[200.0]).isel(f0=[0, 2])
+    ax, curves = compared(mine=make_found(C=[25.0]), theirs=theirs)
+    assert legend_words(ax)[:2] == ["mine", "theirs"]
+    assert [[100.0, 1000.0], [1000.0, 1100.0]] in curves and len(curves) > 1
+    _, curves = compared(mine=make_found(C=[25.0, 200.0]), theirs=make_found(C=[1.0, 25.0]))
+    assert [points[0] for points in curves] == [[100.0, 1000.0], [100.0, 1001.0]]
+    for studies in ({"mine": make_found(C=[1.0]).expand_dims("gap")}, {}):
+        with pytest.raises(ValueError, match=r"choose one|studies: none"):
+            compared(**studies)
+    with pytest.raises(ValueError, match="no value of C is in all of them"):
+        compared(mine=make_found(C=[1.0, 25.0]), theirs=make_found(C=[200.0]))
+
+
+def test_thresholds_have_bars_gaps_and_islands():
+    ax = drawn(thresholds.draw_thresholds, make_found(C=[25.0]))
+    (gap,) = artists(ax, FillBetweenPolyCollection)
+    assert gap.get_paths()[0].vertices.max(axis=0).tolist() == [10000.0, 2300.0]
+    islands, bars = artists(ax, LineCollection)
+    ends = [line[:, 1].tolist() for line in islands.get_segments() if len(line)]
+    assert ends == [[2000.0, 2050.0], [2100.0, 2150.0]]
+    assert bars.get_segments()[0].tolist() == [[100.0, 993.0], [100.0, 1007.0]]
+
+
+def test_yields_and_requirements_are_drawn_as_they_are():
+    ax = drawn(requirements.draw_yield, make_batch())
+    assert ax.lines[0].get_xydata().tolist() == [[0.5, 0.0], [0.4, 1.0]]
+    ax = drawn(requirements.draw_requirement, make_batch().isel(C=0, requirement=0))
+    assert sum(patch.get_height() for patch in ax.patches[1:]) == 3
+    assert ax.patches[0].get_x() == 1050.0
+    found = make_batch(np.array([1500.0])).isel(C=0)
+    ax = drawn(tolerances.draw_probability, found)
+    np.testing.assert_allclose(ax.lines[0].get_ydata(), found.probability.squeeze())
+    comment = {"comment": "where the threshold is 1500 g"}
+    values = {"thickness": ("rise", [2.5, 2.4], comment), "error": ("rise", [0.01, 0.02])}
+    ax = drawn(thresholds.draw_design, xr.Dataset(values, {"rise": [9.0, 10.0]}))
+    np.testing.assert_allclose(ax.lines[0].get_xydata(), [[9.0, 2.5], [10.0, 2.4]])
+
+
+def test_numbers_have_spaces_between_thousands():
+    values = [9999.0, 10_000.0, 24_811.0, -5.0, np.inf, "mine"]
+    words = ["9999", "10\u2009000", "24\u2009810", "−5", "hard", "mine"]
+    assert [scales.number(value) for value in values] == words
+
+
+def test_snap_time_is_between_two_samples_or_not_seen():
+    assert histories.snap_time(make_history([10, 0, -8, -12, -5, -12])) == 22.5
+    assert math.isnan(histories.snap_time(make_history([10, 0, -8.9])))
+    grey = [np.dot(to_rgb(colour), [0.299, 0.587, 0.114]) for colour, _ in curves.LOOKS[:3]]
+    assert (np.diff(grey) > 0.1).all()

@@ -2,7 +2,6 @@
 
 import itertools
 import warnings
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -86,19 +85,6 @@ def legend_words(ax):
     return [text.get_text() for text in ax.figure.legends[0].get_texts()]
 
 
-def words_below(ax):
-    return ax.figure.legends[0].get_title().get_text()
-
-
-def test_where_the_beam_breaks_cells_are_hatched():
-    cells = make_cells(["22", "22", "00"])
-    share = (cells.N / 1150 + 0 * cells.f0).transpose(*cells.outcome.dims)
-    ax = snap_map(cells.assign(stress_share=share))
-    expected = [(50.0, 1150.0, 200.0, 1250.0), (200.0, 1150.0, 800.0, 1250.0)]
-    assert hatched(ax, plane.BREAKS) == expected
-    assert not artists(snap_map(cells.assign(stress_share=share / 2)), PathPatch)
-
-
 def lightness(rgb):
     """L* of linear RGB."""
     Y = np.clip(rgb, 0, 1) @ [0.2126, 0.7152, 0.0722]
@@ -144,19 +130,6 @@ def test_end_states_tell_the_side_and_how_sure_it_is():
         assert end_states(cells).squeeze().values.tolist() == crossing
 
 
-def test_a_run_that_ends_at_its_snap_was_last_seen_there():
-    """As every run of the model `reference` is, whose cells tell no well."""
-    untold = {"well": xr.zeros_like(EVERY.well), "well_share": np.nan * EVERY.well_share}
-    cells = EVERY.assign(untold).isel(f0=slice(0, 3))
-    codes = {0: REST_SEEN, 1: REST_PROVEN, 2: TRIPPED_SEEN}
-    expected = [codes[int(code)] for code in cells.outcome.values.ravel()]
-    assert end_states(cells).values.ravel().tolist() == expected
-
-
-def test_snap_states_tell_whether_a_cell_snaps():
-    assert snap_states(EVERY).squeeze().values.tolist() == [0, 0, 1, 1, 1, 2, 3]
-
-
 def test_an_end_is_elsewhere_by_its_side_alone():
     """Not by its label, as of a proof before the horizon in one step alone, nor by its level."""
     cells = make_cells(["2222"])
@@ -180,42 +153,6 @@ def test_cells_lie_about_their_grid_points_in_the_colours_of_their_states(order)
     assert codes == expected and x == pytest.approx([50, 200, 800]) and y == [950, 1050, 1150]
     codes, *_ = filled(snap_map(cells))
     assert codes == [[0, 1], [1, 0]]
-
-
-@pytest.mark.parametrize(("draw", "states"), [(end_map, STATES), (snap_map, SNAPS)])
-def test_each_state_has_its_colour_and_a_key_with_the_number_of_cells(draw, states):
-    ax = draw(EVERY)
-    (mesh,) = artists(ax, QuadMesh)
-    codes = np.ravel(filled(ax)[0]).astype(int)
-    keys = ax.figure.legends[0].get_patches()
-    for key, words, code in zip(keys, legend_words(ax), np.unique(codes), strict=True):
-        assert (
-            tuple(mesh.to_rgba(float(code))) == key.get_facecolor() == to_rgba(states[code].colour)
-        )
-        count = (codes == code).sum()
-        assert words.startswith(f"{states[code].words} ({count} ")
-    assert keys[-1].get_hatch() == plane.ABSENT["hatch"]
-
-
-def test_what_ended_elsewhere_is_hatched_light_on_dark():
-    cells = make_cells(["43", "20"])
-    cells["well_reproduced"] = xr.zeros_like(cells.outcome)
-    ax = end_map(cells)
-    light = [(50.0, 950.0, 200.0, 1050.0), (200.0, 950.0, 800.0, 1050.0)]
-    assert hatched(ax, plane.ELSEWHERE) == light
-    dark = [(50.0, 1050.0, 200.0, 1150.0), (200.0, 1050.0, 800.0, 1150.0)]
-    assert hatched(ax, plane.ELSEWHERE_DARK) == dark
-    assert not hatched(snap_map(cells), plane.ELSEWHERE)
-
-
-def test_where_no_device_is_cells_are_hatched():
-    cells = hatched(end_map(make_cells(["26"])), plane.ABSENT)
-    assert cells == [(200.0, 900.0, 800.0, 1100.0)]
-
-
-def test_failed_cells_are_crossed_out():
-    crosses = [line.get_xydata().tolist() for line in end_map(TINY).lines]
-    assert crosses == [[[6400.0, 1300.0]]] * 2
 
 
 def test_time_map_shows_the_snap_times_and_grey_elsewhere():
@@ -261,72 +198,6 @@ def size(ax):
     return ax.get_position().size * ax.figure.get_size_inches()
 
 
-def test_boxes_are_alike_whatever_is_written_and_nothing_is_clipped():
-    shocks = [(f"shock {i}", 100.0, 1100.0, True) for i in range(9)]
-    cells = make_cells(["0123456" * 4] * 40, f0=np.geomspace(100, 3e4, 28), N=np.arange(40) + 6e2)
-    cells["well_reproduced"] = xr.zeros_like(cells.outcome)
-    drawn = end_map(make_cells(["1"])), snap_map(TINY, make_found().isel(C=0)), end_map(cells)
-    drawn += snap_map(TINY, required_shocks=shocks), time_map(TINY)
-    for ax in drawn:
-        style.fit(ax.figure, maps.RATIO)
-        width, height = size(ax)
-        assert height == pytest.approx(maps.RATIO * width, rel=0.02) and 2.5 < width < 2.9
-        tight, (wide, high) = ax.figure.get_tightbbox(), ax.figure.get_size_inches()
-        assert min(tight.x0, tight.y0) > -0.01
-        assert tight.x1 < wide + 0.01 and tight.y1 < high + 0.01
-
-
-def panels_of(number, found=None):
-    return [(TINY.assign_coords(C=25.0 + C), found and found.isel(C=0)) for C in range(number)]
-
-
-def together(panels, **others):
-    return maps.draw_maps(style.double_column(height=9), panels, "f0", "N", **others)
-
-
-@pytest.mark.parametrize("number", [2, 3, 11])
-def test_maps_side_by_side_are_alike_and_share_one_legend(number):
-    drawn = together(panels_of(number), ends=True)
-    there = [ax for ax in drawn.flat if ax is not None]
-    assert len(there) == number and drawn.shape[1] <= 4 and drawn.size < number + drawn.shape[1]
-    assert np.ptp([size(ax) for ax in there], axis=0) == pytest.approx([0, 0], abs=1e-4)
-    titles = [ax.get_title(loc="left").replace("\xa0", " ") for ax in there]
-    assert [title.split()[2] for title in titles] == [f"{25 + C}" for C in range(number)]
-    lowest = {[ax for ax in column if ax is not None][-1] for column in drawn.T if column.any()}
-    assert {ax for ax in there if ax.get_xlabel()} == lowest
-    figure = there[0].figure
-    assert figure.get_figwidth() == 7
-    (legend,) = figure.legends
-    assert f"({7 * number} cells)" in legend.get_texts()[1].get_text()
-
-
-def test_shocks_are_pointed_out_by_numbers_at_the_edge_if_they_lie_beyond():
-    far, back = ("far", 1e3, 1e6, True), ("back", 400.0, 1000.0, False)
-    ax = snap_map(TINY, required_shocks=[far, back, ("drop", 400.0, 1000.0, True)])
-    top = ax.get_ylim()[1]
-    assert [(text.get_text(), *text.xy) for text in ax.texts] == [("1", 1e3, top), ("3", 400, 1000)]
-    assert words_below(ax).count("\n") < 4
-
-
-def test_where_no_threshold_is_the_edge_is_marked():
-    found = make_found().isel(C=0)
-    found["N_first"] = found.N_first.where(found.f0 != 1000)
-    (marks,) = [line for line in snap_map(TINY, found).lines if line.get_markersize() == 3]
-    assert marks.get_xdata().tolist() == [1000.0] and 0 < marks.get_ydata()[0] < 1
-
-
-def test_names_are_drawn_as_they_are():
-    name = r"$\frac$ of {x}"
-    ax = snap_map(
-        TINY,
-        required_shocks=[(name, 400.0, 1000.0, True)],
-        own_points=[Point(name, 1000.0, 400.0, True)],
-    )
-    ax.figure.draw_without_rendering()
-    for text in (words_below(ax).splitlines()[-1], ax.texts[0].get_text()):
-        assert text.endswith(r"\$\frac\$ of {x}")
-
-
 POINTS = (Point("bench", 1000.0, 400.0, True), Point("", 1100.0, 800.0, False))
 
 
@@ -337,87 +208,6 @@ def test_own_points_are_filled_where_the_device_tripped():
         assert hollow.get_xydata().tolist() == [[800.0, 1100.0]]
         assert (filled.get_markerfacecolor(), hollow.get_markerfacecolor()) == ("black", "white")
         assert [text.get_text() for text in ax.texts] == ["bench"]
-
-
-def table(folder, text):
-    path = Path(folder) / "points.csv"
-    path.write_text(text, encoding="utf-8")
-    return path
-
-
-def test_points_are_read_over_frequencies_and_durations(tmp_path):
-    text = "N,f0 (Hz),name,snapped\n1000,400,bench,yes\n\n1100,800,,NO\n900,1e3,,\n"
-    assert read_points(table(tmp_path, text)) == (*POINTS, Point("", 900.0, 1000.0, None))
-    assert read_points(table(tmp_path, "duration,N\n0.5,70\n")) == (Point("", 70.0, 2e3, None),)
-
-
-@pytest.mark.parametrize(
-    ("text", "complaint"),
-    [
-        ("", "is empty; write a header"),
-        ("N,f0,colour\n", "line 1: column 'colour' is unknown; known are N, f0,"),
-        ("N,f0,f0 (Hz)\n", "line 1: column f0 comes twice"),
-        ("N\n1\n", "line 1: write one of the columns f0 (Hz) and duration (ms)"),
-        ("N,f0\n1,2\n1\n", "line 3, column f0: '' is no number above 0"),
-        ("N,duration\n1,0\n", "line 2, column duration: '0' is no number above 0"),
-        ("N,f0\n1,5,2\n", "line 2: has more than 2 columns; write decimals with a point"),
-        ('N,f0\n"1,5",2\n', "line 2, column N: '1,5' is no number above 0; write decimals with a"),
-        ("N,f0,snapped\n1,2,maybe\n", "line 2, column snapped: 'maybe' is not yes or no"),
-    ],
-)
-def test_faults_of_points_are_named(tmp_path, text, complaint):
-    path = table(tmp_path, text)
-    with pytest.raises(ValueError) as fault:
-        read_points(path)
-    assert str(fault.value).startswith(f"{path}: {complaint}")
-    assert "\n" not in str(fault.value)
-
-
-def test_upper_axis_is_the_duration_of_the_pulse():
-    ax = end_map(TINY)
-    ax.figure.draw_without_rendering()
-    (top,) = ax.child_axes
-    places = [(ax, 400.0), (top, 2.5)]
-    place, place_on_top = (axis.transData.transform([at, 0])[0] for axis, at in places)
-    assert place_on_top == pytest.approx(place)
-
-
-@pytest.mark.parametrize(
-    "rows",
-    [["0"], ["5"], ["6"], ["5", "2", "0"], ["22", "22"]],
-)
-def test_odd_grids_draw_without_warnings(rows):
-    cells = make_cells(rows)
-    for draw in (end_map, snap_map, time_map):
-        draw(cells).figure.draw_without_rendering()
-
-
-def test_a_lone_value_is_the_only_tick():
-    ax = end_map(make_cells(["2"], f0=[1500.0], N=[1000.0]))
-    ax.figure.draw_without_rendering()
-    for axis, words in [(ax.xaxis, "1500"), (ax.yaxis, "1000"), (ax.child_axes[0].xaxis, "0.6667")]:
-        labels = [label.get_text() for label in axis.get_ticklabels(which="both")]
-        assert labels == [words]
-
-
-def test_axes_of_a_fine_grid_end_at_its_first_and_last_value_which_are_ticked():
-    cells = make_cells(["2" * 31] * 91, f0=np.geomspace(100, 3e4, 31), N=np.linspace(600, 2400, 91))
-    ax = end_map(cells)
-    ax.figure.draw_without_rendering()
-    assert ax.get_xlim() == pytest.approx((100, 3e4)) and ax.get_ylim() == (600, 2400)
-    labels = [label.get_text() for label in ax.get_xticklabels() if label.get_text()]
-    assert {"1000", "10\u2009000"} <= set(labels)
-    heights = {label.get_text() for label in ax.get_yticklabels()}
-    assert {"600", "900", "1200", "1500", "1800", "2100", "2400"} <= heights
-
-
-def test_very_fine_grids_are_rasterised_in_the_same_colours():
-    rows = ["2" * 400] * 150 + ["0" * 400] * 150
-    cells = make_cells(rows, f0=np.geomspace(100, 3e4, 400), N=np.linspace(600, 2400, 300))
-    ax = end_map(cells)
-    (mesh,) = artists(ax, QuadMesh)
-    assert mesh.get_rasterized() and (mesh.get_array() == end_states(cells).values.T).all()
-    assert all("(60000 cells)" in words for words in legend_words(ax))
 
 
 def test_a_plot_in_a_notebook_shows_what_snaps_or_where_it_ends():
@@ -431,3 +221,146 @@ def test_a_plot_in_a_notebook_shows_what_snaps_or_where_it_ends():
 def test_snap_times_are_the_ends_of_all_maps():
     panels = [TINY.assign(t_snap=TINY.t_snap * factor) for factor in (3.0, np.nan, 0.5)]
     assert maps.snap_times(panels) == (50.0, 300.0)
+
+
+def test_cells_are_hatched_where_the_beam_breaks_where_no_device_is_and_what_ends_elsewhere():
+    cells = make_cells(["22", "22", "00"])
+    share = (cells.N / 1150 + 0 * cells.f0).transpose(*cells.outcome.dims)
+    ax = snap_map(cells.assign(stress_share=share))
+    expected = [(50.0, 1150.0, 200.0, 1250.0), (200.0, 1150.0, 800.0, 1250.0)]
+    assert hatched(ax, plane.BREAKS) == expected
+    assert not artists(snap_map(cells.assign(stress_share=share / 2)), PathPatch)
+    absent = hatched(end_map(make_cells(["26"])), plane.ABSENT)
+    assert absent == [(200.0, 900.0, 800.0, 1100.0)]
+    cells = make_cells(["43", "20"])
+    cells["well_reproduced"] = xr.zeros_like(cells.outcome)
+    ax = end_map(cells)
+    light = [(50.0, 950.0, 200.0, 1050.0), (200.0, 950.0, 800.0, 1050.0)]
+    assert hatched(ax, plane.ELSEWHERE) == light
+    dark = [(50.0, 1050.0, 200.0, 1150.0), (200.0, 1050.0, 800.0, 1150.0)]
+    assert hatched(ax, plane.ELSEWHERE_DARK) == dark
+    assert not hatched(snap_map(cells), plane.ELSEWHERE)
+    crosses = [line.get_xydata().tolist() for line in end_map(TINY).lines]
+    assert crosses == [[[6400.0, 1300.0]]] * 2  # of the failed cell
+
+
+@pytest.mark.parametrize(("draw", "states"), [(end_map, STATES), (snap_map, SNAPS)])
+def test_each_state_has_its_colour_and_a_key_with_the_number_of_cells(draw, states):
+    ax = draw(EVERY)
+    (mesh,) = artists(ax, QuadMesh)
+    codes = np.ravel(filled(ax)[0]).astype(int)
+    keys = ax.figure.legends[0].get_patches()
+    for key, words, code in zip(keys, legend_words(ax), np.unique(codes), strict=True):
+        seen, colour = mesh.to_rgba(float(code)), to_rgba(states[code].colour)
+        assert tuple(seen) == key.get_facecolor() == colour
+        assert f"({(codes == code).sum()} " in words
+
+
+def test_snap_states_tell_whether_a_cell_snaps():
+    assert snap_states(EVERY).squeeze().values.tolist() == [0, 0, 1, 1, 1, 2, 3]
+    # A run that ends at its snap, as of the model `reference`, tells no well.
+    untold = {"well": xr.zeros_like(EVERY.well), "well_share": np.nan * EVERY.well_share}
+    ends = end_states(EVERY.assign(untold)).squeeze().values.tolist()
+    assert ends[:3] == [REST_SEEN, REST_PROVEN, TRIPPED_SEEN]
+
+
+def test_maps_are_alike_whatever_is_written_and_nothing_is_clipped():
+    shocks = [(f"shock {i}", 100.0, 1100.0, True) for i in range(9)]
+    cells = make_cells(["0123456" * 4] * 40, f0=np.geomspace(100, 3e4, 28), N=np.arange(40) + 6e2)
+    drawn = snap_map(TINY, make_found().isel(C=0), required_shocks=shocks), end_map(cells)
+    for ax in drawn:
+        style.fit(ax.figure, maps.RATIO)
+        width, height = size(ax)
+        assert height == pytest.approx(maps.RATIO * width, rel=0.02) and 2.5 < width < 2.9
+        tight, (wide, high) = ax.figure.get_tightbbox(), ax.figure.get_size_inches()
+        assert min(tight.x0, tight.y0) > -0.01
+        assert tight.x1 < wide + 0.01 and tight.y1 < high + 0.01
+
+
+@pytest.mark.parametrize("number", [3, pytest.param(11, marks=pytest.mark.long)])
+def test_maps_side_by_side_are_alike_and_share_one_legend(number):
+    panels = [(TINY.assign_coords(C=25.0 + C), None) for C in range(number)]
+    drawn = maps.draw_maps(style.double_column(height=9), panels, "f0", "N", ends=True)
+    there = [ax for ax in drawn.flat if ax is not None]
+    assert len(there) == number and drawn.shape[1] <= 4 and drawn.size < number + drawn.shape[1]
+    assert np.ptp([size(ax) for ax in there], axis=0) == pytest.approx([0, 0], abs=1e-4)
+    titles = [ax.get_title(loc="left").replace("\xa0", " ") for ax in there]
+    assert [title.split()[2] for title in titles] == [f"{25 + C}" for C in range(number)]
+    (legend,) = there[0].figure.legends
+    assert f"({7 * number} cells)" in legend.get_texts()[1].get_text()
+
+
+def test_shocks_and_points_have_numbers_and_names_as_they_are():
+    name = r"$\frac$ of {x}"
+    shocks = [("far", 1e3, 1e6, True), ("back", 400.0, 1000.0, False), (name, 400.0, 1000.0, True)]
+    ax = snap_map(TINY, required_shocks=shocks)
+    top = ax.get_ylim()[1]
+    assert [(text.get_text(), *text.xy) for text in ax.texts] == [("1", 1e3, top), ("3", 400, 1000)]
+    below = ax.figure.legends[0].get_title().get_text()
+    ax = snap_map(TINY, own_points=[Point(name, 1000.0, 400.0, True)])
+    assert all(text.endswith(r"\$\frac\$ of {x}") for text in (below, ax.texts[0].get_text()))
+
+
+def test_where_no_threshold_is_the_edge_is_marked():
+    found = make_found().isel(C=0)
+    found["N_first"] = found.N_first.where(found.f0 != 1000)
+    (marks,) = [line for line in snap_map(TINY, found).lines if line.get_markersize() == 3]
+    assert marks.get_xdata().tolist() == [1000.0] and 0 < marks.get_ydata()[0] < 1
+
+
+COLUMNS = "N,f0 (Hz),name,snapped\n1000,400,bench,yes\n\n1100,800,,NO\n900,1e3,,\n"
+FAULTS = {
+    "": "",
+    "N,f0,colour\n": "line 1: column 'colour'",
+    "N,f0,f0 (Hz)\n": "line 1: column f0",
+    "N\n1\n": "line 1: ",
+    "N,f0\n1,2\n1\n": "line 3, column f0: ''",
+    "N,duration\n1,0\n": "line 2, column duration: '0'",
+    "N,f0\n1,5,2\n": "line 2: ",
+    'N,f0\n"1,5",2\n': "line 2, column N: '1,5'",
+    "N,f0,snapped\n1,2,maybe\n": "line 2, column snapped: 'maybe'",
+}
+
+
+def test_points_are_read_and_their_faults_named_by_line_column_and_value(tmp_path):
+    path = tmp_path / "points.csv"
+    for text, points in (
+        (COLUMNS, (*POINTS, Point("", 900.0, 1000.0, None))),
+        ("duration,N\n0.5,70\n", (Point("", 70.0, 2e3, None),)),
+    ):
+        path.write_text(text, encoding="utf-8")
+        assert read_points(path) == points
+    for text, place in FAULTS.items():
+        path.write_text(text, encoding="utf-8")
+        with pytest.raises(ValueError) as fault:
+            read_points(path)
+        assert str(fault.value).startswith(f"{path}: {place}") and "\n" not in str(fault.value)
+
+
+def test_axes_end_at_the_grid_with_ticks_and_the_duration_above():
+    ax = end_map(TINY)
+    ax.figure.draw_without_rendering()
+    (top,) = ax.child_axes
+    places = [(ax, 400.0), (top, 2.5)]
+    place, place_on_top = (axis.transData.transform([at, 0])[0] for axis, at in places)
+    assert place_on_top == pytest.approx(place)
+    rows = ["2" * 400] * 150 + ["0" * 400] * 150
+    cells = make_cells(rows, f0=np.geomspace(100, 3e4, 400), N=np.linspace(600, 2400, 300))
+    ax = end_map(cells)
+    (mesh,) = artists(ax, QuadMesh)
+    assert mesh.get_rasterized() and (mesh.get_array() == end_states(cells).values.T).all()
+    ax.figure.draw_without_rendering()
+    assert ax.get_xlim() == pytest.approx((100, 3e4)) and ax.get_ylim() == (600, 2400)
+    heights = {label.get_text() for label in ax.get_yticklabels()}
+    assert {"600", "900", "1200", "1500", "1800", "2100", "2400"} <= heights
+
+
+@pytest.mark.parametrize("rows", [["5"], ["6"], ["5", "2", "0"]])
+def test_odd_grids_draw_without_warnings(rows):
+    cells = make_cells(rows)
+    for draw in (end_map, snap_map, time_map):
+        draw(cells).figure.draw_without_rendering()
+    ax = end_map(make_cells(["2"], f0=[1500.0], N=[1000.0]))
+    ax.figure.draw_without_rendering()
+    for axis, words in [(ax.xaxis, "1500"), (ax.yaxis, "1000"), (ax.child_axes[0].xaxis, "0.6667")]:
+        assert [label.get_text() for label in axis.get_ticklabels(which="both")] == [words]

@@ -48,24 +48,16 @@ def progress():
     made.close()
 
 
-def test_a_terminal_has_one_line(progress, monkeypatch):
-    monkeypatch.setattr(sys, "stderr", Terminal())
-    progress.begin()
-    tell(progress)
-    lines = re.split(r"[\r\n]+", sys.stderr.getvalue())
-    assert "30 of 120 cells, 25 %" in lines[-1] and "left" in lines[-1]
-    assert lines[-1].rstrip().endswith("1 of 3 jobs; Simulate the cells; Find the thresholds")
-    assert "\n" not in sys.stderr.getvalue()
-
-
-def test_a_job_at_work_says_how_many_cells_it_has_followed(progress, tmp_path, monkeypatch):
+def test_a_terminal_has_one_line_with_cells_and_jobs_at_work(progress, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "stderr", Terminal())
     Path("results/logs").mkdir(parents=True)
     count_path("results/logs/find_threshold.log").write_text("\r100 cells\r700 cells ")
     progress.begin()
     tell(progress)
-    assert sys.stderr.getvalue().rstrip().endswith("Find the thresholds, 700 cells")
+    last = re.split(r"[\r\n]+", sys.stderr.getvalue())[-1]
+    parts = "30 of 120 cells, 25 %", "left", "1 of 3 jobs", "Find the thresholds, 700 cells"
+    assert all(part in last for part in parts) and "\n" not in sys.stderr.getvalue()
 
 
 def test_cells_are_counted_for_who_waits():
@@ -107,5 +99,4 @@ def test_a_run_that_is_stopped_ends_in_one_line(capsys):
     stopping.msg = "Terminating processes on user request, this might take some time."
     for told in (stopping, record("job_error", logging.ERROR), stopping):
         assert not handler.filter(told)
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line == "interrupted: what is whole is kept, and the same command goes on"
+    assert re.fullmatch("interrupted: .*\n", capsys.readouterr().err)

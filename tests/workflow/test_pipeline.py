@@ -16,7 +16,6 @@ import snapmap
 from snapmap.config.products import products
 from snapmap.config.study import load_config
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
-from snapmap.sweeps.plan import make_plan
 
 DRAWING = {"draw_study", "draw_page"}
 RULES = {"simulate_slab", "collect", "find_threshold", "trace_cells", "trace_statics"}
@@ -37,7 +36,7 @@ def planned_rules(output):
     """The rules that a dry run would execute, with the number of their jobs."""
     table = output.split("Job stats:")[1].split("total")[0] if "Job stats:" in output else ""
     lines = (line.split() for line in table.splitlines())
-    return {line[0]: int(line[1]) for line in lines if line and line[0] in RULES}
+    return {line[0]: int(line[1]) for line in lines if len(line) == 2 and line[1].isdigit()}
 
 
 def tracked_state(root):
@@ -70,43 +69,35 @@ def finished(clone, tmp_path_factory):
     return folder, config, output
 
 
-def test_the_cube_keeps_the_contract(finished):
-    folder, _, output = finished
+def test_the_cube_is_what_python_gives(finished):
+    folder, config, output = finished
     with xr.open_dataset(folder / "results" / "cube.nc") as cube:
+        axes = {"N": cube.N, "f0": cube.f0, "C": cube.C}
+        device = snapmap.load_device(config)
+        direct = snapmap.sweep(device, **axes, model="cosines", modes=3, horizon=200.0)
+        xr.testing.assert_equal(cube, direct)
         assert cube.outcome.dims == ("C", "f0", "N") and cube.outcome.shape == (2, 2, 8)
-        assert cube.C.units == "uN us um-1" and cube.f0.units == "Hz"
-        assert cube.f0.values.tolist() == [800.0, 2000.0] and cube.N.values[-1] == 3000.0
-        assert cube.outcome.dtype == "int8"
-        assert cube.outcome.flag_meanings == "unsnapped never snapped latched returned failed"
-        assert cube.outcome.flag_values.tolist() == list(range(6))
-        assert cube.t_snap.dtype == "float64" and cube.t_snap.units == "us"
+        assert cube.outcome.dtype == "int8" and cube.t_snap.dtype == "float64"
         snapped = cube.outcome.isin([SNAPPED, LATCHED, RETURNED])
         assert snapped.any() and not snapped.all() and not (cube.outcome == FAILED).any()
         assert (cube.t_snap.notnull() == snapped).all()
         proven = cube.outcome.isin([NEVER, LATCHED, RETURNED])
         assert (cube.t_settled.notnull() == proven).all()
         assert cube.energy_error.max() <= 1e-3
-        assert set(cube.reproduced.values.ravel()) <= {0, 1}
-        assert json.loads(cube.config) == load_config(yaml.safe_load(TINY)).document()
+        document = load_config(yaml.safe_load(TINY)).document()
+        assert json.loads(cube.config) == json.loads(direct.config) == document
         assert snapmap.__version__ in cube.code_version and "numba" in cube.packages
-    assert " never, " in output and "cells: " in output and " proven, " in output
+    logs = {path.stem: path.read_text() for path in (folder / "results" / "logs").iterdir()}
+    assert len(logs) >= len(RULES) and logs["collect"].strip() in output
 
 
 def test_the_thresholds_are_what_python_gives(finished):
-    folder, config, output = finished
+    folder, config, _ = finished
     with xr.open_dataset(folder / "results" / "threshold.nc") as found:
         axes = {"f0": found.f0, "C": found.C, "highest": 3000.0}
         device = snapmap.load_device(config)
-        direct = snapmap.threshold(device, **axes, model="handout", elements=3, horizon=200.0)
+        direct = snapmap.threshold(device, **axes, model="cosines", modes=3, horizon=200.0)
         xr.testing.assert_equal(found, direct)
-    assert "4 of 4 thresholds found" in output
-
-
-def test_every_job_has_a_log(finished):
-    """What a script prints is on the terminal and in its log."""
-    folder, _, output = finished
-    logs = {path.stem: path.read_text() for path in (folder / "results" / "logs").iterdir()}
-    assert len(logs) >= len(RULES) and logs["collect"].strip() in output
 
 
 def test_lint_misses_nothing_but_environments_of_rules(clone):
@@ -124,16 +115,6 @@ def test_the_workflow_is_formatted(clone):
     assert subprocess.run(command, timeout=120).returncode == 0
 
 
-def test_the_cube_is_what_python_gives(finished):
-    folder, config, _ = finished
-    with xr.open_dataset(folder / "results" / "cube.nc") as cube:
-        axes = {"N": cube.N, "f0": cube.f0, "C": cube.C}
-        device = snapmap.load_device(config)
-        direct = snapmap.sweep(device, **axes, model="handout", elements=3, horizon=200.0)
-        xr.testing.assert_equal(cube, direct)
-        assert cube.config == direct.config
-
-
 def figures_of(config, *C):
     """Names of the figures of a tiny study over these C."""
     (history,) = load_config(yaml.safe_load(config)).histories
@@ -148,11 +129,6 @@ def test_every_figure_is_there(finished):
     assert figures == figures_of(TINY, 0.5, 30)
 
 
-def test_a_second_run_has_nothing_to_do(clone, finished):
-    folder, config, _ = finished
-    assert "Nothing to be done" in snakemake(clone, folder, config)[1]
-
-
 @contextmanager
 def edited(path, text):
     """Add text to a file for a while."""
@@ -164,30 +140,24 @@ def edited(path, text):
         path.write_text(before, encoding="utf-8")
 
 
-def planned_after_edit(clone, finished, path, text="EDITED = 1\n"):
-    folder, config, _ = finished
-    with edited(clone / "workflow" / "scripts" / path, text):
-        return set(planned_rules(snakemake(clone, folder, config, "--dry-run")[1]))
-
-
 @pytest.mark.parametrize(
     ("path", "rules"),
     [
-        ("draw.py", DRAWING),
         ("snapmap/figures/explore.js", DRAWING),
         ("snapmap/thresholds/islands.py", RULES),
-        ("jobs.py", RULES),
         ("snapmap/command.py", set()),
+        pytest.param("draw.py", DRAWING, marks=pytest.mark.long),
+        pytest.param("jobs.py", RULES, marks=pytest.mark.long),
     ],
 )
 def test_an_edit_reruns_what_makes_numbers_or_what_draws(clone, finished, path, rules):
-    assert planned_after_edit(clone, finished, path) == rules
-
-
-def test_a_touch_reruns_nothing(clone, finished):
-    for path in (clone / "workflow" / "scripts").rglob("*.py"):
-        path.touch()
-    assert planned_after_edit(clone, finished, "snapmap/io/job_log.py", "") == set()
+    """And a touch nothing."""
+    folder, config, _ = finished
+    for one in (clone / "workflow" / "scripts").rglob("*.py"):
+        one.touch()
+    with edited(clone / "workflow" / "scripts" / path, "EDITED = 1\n"):
+        output = snakemake(clone, folder, config, "--dry-run")[1]
+    assert planned_rules(output).keys() - {"all"} == rules
 
 
 @pytest.mark.long
@@ -201,7 +171,7 @@ def test_a_finished_run_makes_a_report(clone, finished):
 def test_studies_are_targets_of_their_own(clone, finished):
     folder, config, _ = finished
     _, output = snakemake(clone, folder, config, "accuracy", "stability", "--dry-run")
-    assert {"accuracy", "stability"} <= planned_rules(output).keys()
+    assert planned_rules(output).keys() == {"accuracy", "stability"}
 
 
 def test_another_value_leaves_the_old_slabs_alone(clone, finished):
@@ -212,7 +182,7 @@ def test_another_value_leaves_the_old_slabs_alone(clone, finished):
     assert planned_rules(output)["simulate_slab"] == 1
 
 
-def test_another_spelling_changes_nothing(clone, finished):
+def test_a_second_run_in_another_spelling_has_nothing_to_do(clone, finished):
     folder, _, _ = finished
     other = folder / "other.yaml"
     text = TINY.replace("span: 500 um", "span: 5e-4 m").replace("2 kHz", "2000 Hz")
@@ -220,6 +190,7 @@ def test_another_spelling_changes_nothing(clone, finished):
     assert "Nothing to be done" in snakemake(clone, folder, other)[1]
 
 
+@pytest.mark.long
 def test_what_left_the_config_leaves_the_figures(clone, finished, tmp_path):
     """What is left is as found before: nothing is simulated or looked for again."""
     folder = tmp_path / "study"
@@ -253,50 +224,3 @@ def test_every_product_is_made_of_two_shapes_along_both_directions(clone, tmp_pa
         assert found.sizes["shape"] == found.sizes["direction"] == 2
         assert found["yield"].leaves_out == "shaking, spectrum"
         assert found.share_breaking.notnull().all()
-
-
-BAD = [
-    ("span: 500 um", "span: 500", "device.beam.span"),
-    ("span: 500 um", "span: 500 kg", "device.beam.span"),
-    ("mass: 6e-9 kg", "mass: 6e-9 kg\n  colour: red", "device.colour"),
-    ("thickness: 1.9 um", "thickness: -1.9 um", "device.beam.thickness"),
-    ("[800 Hz, 2 kHz]", "[]", "sweep.f0"),
-    ("spring: 4 N/m", "spring: .nan", "device.spring"),
-    ("rise: 8 um", "rise: 4 um", "device.beam"),
-    ("elements: 3", "elements: 3, step: 1.2", "model.step"),
-    ("elements: 3", "cosines: 3", "model.cosines"),
-    ("elements: 3", "elements: 0", "model.elements"),
-]
-
-
-@pytest.mark.parametrize(("old", "new", "key"), BAD)
-def test_bad_input_is_one_line(old, new, key):
-    """All that the Snakefile asks of a config before any job is planned."""
-    assert old in TINY
-    with pytest.raises(ValueError) as fault:
-        study = load_config(yaml.safe_load(TINY.replace(old, new, 1)))
-        make_plan(study.grid, study.model, study.settings)
-    (line,) = str(fault.value).splitlines()
-    assert line.startswith(key)
-
-
-@pytest.mark.parametrize(("old", "new", "key"), [BAD[1], BAD[8]])
-def test_bad_input_leaves_no_result(clone, tmp_path, old, new, key):
-    """Faults of the config, and of the model that it asks for."""
-    config = tmp_path / "bad.yaml"
-    config.write_text(TINY.replace(old, new, 1))
-    code, output = snakemake(clone, tmp_path, config, check=False)
-    assert code != 0 and "Traceback" not in output
-    assert sum(key in line for line in output.splitlines()) == 1, output
-    assert not (tmp_path / "results").exists()
-
-
-def test_a_foreign_slab_is_refused_by_name(clone, finished, tmp_path):
-    folder = tmp_path / "study"
-    shutil.copytree(finished[0], folder)
-    first, second = sorted((folder / "results" / "slabs").glob("*.nc"))[:2]
-    shutil.copyfile(first, second)
-    (folder / "results" / "cube.nc").unlink()
-    code, output = snakemake(clone, folder, folder / "mine.yaml", check=False)
-    assert code != 0 and f"{second.name}: holds slab {first.stem}" in output
-    assert not (folder / "results" / "cube.nc").exists()

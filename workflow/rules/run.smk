@@ -153,8 +153,8 @@ rule fit_calibration:
 
 rule write_datasheet:
     input:
-        requirements="results/requirements.csv",
         **({"tolerance": "results/tolerance.nc"} if study.tolerances else {}),
+        requirements="results/requirements.csv",
     output:
         datasheet="results/datasheet.md",
     log:

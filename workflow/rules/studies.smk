@@ -7,7 +7,9 @@ for what, stems in STUDIES.items():
             what
         output:
             table=f"results/{what}.md",
-            figures=expand("results/figures/{stem}.{kind}", stem=stems, kind=["pdf", "png"]),
+            figures=expand(
+                "results/figures/{stem}.{kind}", stem=stems, kind=["pdf", "png"]
+            ),
         log:
             f"results/logs/{what}.log",
         # All there are: another job at the same time would spoil the times.
