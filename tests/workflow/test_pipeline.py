@@ -18,8 +18,8 @@ from snapmap.config.study import load_config
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
 from snapmap.sweeps.plan import make_plan
 
-DRAWING = {"draw_study", "draw_page"}
-RULES = {"simulate_slab", "collect", "find_threshold", "trace_cells", "trace_statics"}
+DRAWING = {"draw_snaps", "draw_study", "draw_page"}
+RULES = {"simulate_slab", "collect", "find_threshold", "trace_cells"}
 RULES |= {"simulate_history"} | DRAWING
 
 
