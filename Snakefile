@@ -76,7 +76,6 @@ report: "workflow/report/study.rst"
 wildcard_constraints:
     slab="[0-9a-f_]+",
     cell="[^/]+",
-    which="|_[^/]+",
 
 
 onstart:

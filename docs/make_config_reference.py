@@ -16,7 +16,7 @@ from snapmap.device import VALUES
 from snapmap.sweeps import plan
 
 HERE = Path(__file__).parent
-HANDOUT = HERE.parent / "config" / "config.yaml"
+HANDOUT = HERE.parent / "config" / "handout.yaml"
 
 TWO_AXES = """\
 sweep:
@@ -89,7 +89,7 @@ SECTIONS = {
 PAGE = """\
 # The config, key by key
 
-A config is a YAML file of one mapping, such as [the handout's](../config/config.yaml),
+A config is a YAML file of one mapping, such as [the handout's](../config/handout.yaml),
 [the same with damping](../config/damped.yaml) or [the tutorial's](../config/sensor.yaml). This page
 comes from the models that read it, by
 

@@ -261,7 +261,6 @@ def test_devices_in_a_config_stand_beside_no_other():
     whole["devices"] = {"a": one, "b": {**one, "spring": "5 N/m"}}
     study = load_config(whole)
     assert study.axes["device"].tolist() == ["a", "b"]
-    assert [history.changes for history in study.histories] == [{"device": "a"}]
     with pytest.raises(ValueError, match=r"^devices: stand beside device"):
         load_config(whole | {"device": one})
     broken = {**one, "spring": "-1 N/m"}
@@ -276,23 +275,6 @@ def test_a_history_may_change_the_device():
     (history,) = load_config(whole).histories
     assert history.name == "N1000_f1000_C30_thickness2"
     assert history.device == varied(load_config(document()).device, thickness=2.0)
-
-
-@pytest.mark.parametrize(
-    "sweep",
-    [
-        {},
-        {"thickness": ["1.8 um", "1.89 um"], "spring": ["5 N/m"]},
-        {"rise": ["4.2 um", "20 um"], "not_bistable": "skip"},  # the nearer one is no device
-    ],
-)
-def test_the_history_left_out_is_a_cell_of_the_study(sweep):
-    study = load_config(document(**sweep))
-    (history,) = study.histories
-    for key, value in (history.shock | history.changes).items():
-        assert value in study.axes[key]
-    assert set(history.changes) == {key for key in study.axes if key in VALUES}
-    assert history.device == varied(study.device, **history.changes)
 
 
 def test_maps_are_called_by_what_they_show():

@@ -22,7 +22,7 @@ from snapmap.quantities import KINDS
 from snapmap.solver.settings import Settings
 
 ROOT = Path(__file__).parents[2]
-DEFAULT = read_document(ROOT / "config/config.yaml")
+DEFAULT = read_document(ROOT / "config/handout.yaml")
 MISSING = object()
 
 
@@ -76,14 +76,6 @@ def test_a_finer_range_keeps_the_values_of_a_coarser():
             for points in (91, 181)
         )
         assert set(coarse) < set(fine)
-
-
-def test_the_history_left_out_is_the_cell_nearest_the_handouts_case():
-    f0 = ["1 kHz", "2 kHz", "2.3 kHz"]  # 1500 Hz is nearer to 2000, as a ratio
-    study = load_config(changed(sweep__N=[900, 1090], sweep__f0=f0, sweep__C=["7 kg/s", "0 kg/s"]))
-    (cell,) = study.histories
-    assert cell.shock == {"N": 1090.0, "f0": 2000.0, "C": 0.0}
-    assert cell.name == "N1090_f2000_C0"
 
 
 OF_MASS = dict.fromkeys(("device__spring", "device__contact", "sweep__C", "histories"), MISSING)

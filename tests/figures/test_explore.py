@@ -63,10 +63,10 @@ def write_text(path, cube, traces):
 def page_file(cube, traced, tmp_path_factory):
     """The page of the small cube, written by the rule's own function."""
     folder = tmp_path_factory.mktemp("a page")
-    paths = [folder / f"{name}.nc" for name in ("cube", "traces", "threshold")]
-    for dataset, path in zip((cube, traced, edges_of(cube)), paths, strict=True):
+    paths = [folder / f"{name}.nc" for name in ("cube", "threshold", "traces")]
+    for dataset, path in zip((cube, edges_of(cube), traced), paths, strict=True):
         write(dataset, path)
-    draw.draw_page(*paths, SETTINGS.horizon, folder / "explore.html")
+    draw.draw_page(*paths[:2], SETTINGS.horizon, folder / "explore.html", paths[2])
     assert sorted(folder.iterdir()) == sorted([*paths, folder / "explore.html"])
     return folder / "explore.html"
 
@@ -411,6 +411,16 @@ def test_where_f0_has_one_value_the_longest_other_takes_its_place(browser, hando
     assert view.page.evaluate("motion.layout.shapes[2].x0") == pytest.approx(1e3 / 1500)
     assert view.shown("map", "y", FIRST) != [] and not view.page.evaluate("'xaxis2' in map.layout")
     assert "thickness (µm)" in view.page.evaluate("map.layout.xaxis.title.text")
+
+
+def test_without_traces_the_page_says_how_to_get_them(browser, cube, tmp_path):
+    write_text(tmp_path / "page.html", cube, None)
+    view = View(browser, tmp_path / "page.html")
+    assert shows(view, cube.isel(C=view.place()[0]), "f0", "N")
+    assert not view.page.is_visible("#history") and "traces: true" in view.text("main")
+    view.click(1, 2)
+    assert not view.page.is_visible("#history") and "undefined" not in view.text("#verdict")
+    assert view.complaints == []
 
 
 def test_a_sweep_to_the_snap_shows_where_it_snaps(browser, handout, tmp_path):

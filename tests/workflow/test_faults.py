@@ -28,7 +28,7 @@ STUDY = (
   N: {from: 600, to: 2400, points: 40}
   f0: {from: 300 Hz, to: 10 kHz, points: 20, spacing: log}
   C: [0.025 uN*us/um, 25 uN*us/um, 50 uN*us/um]
-  horizon: 500 us
+  horizon: 40 ms
   until: snap
 """
 )

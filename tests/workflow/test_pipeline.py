@@ -17,8 +17,8 @@ from snapmap.config.products import products
 from snapmap.config.study import load_config
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
 
-DRAWING = {"draw_study", "draw_page"}
-RULES = {"simulate_slab", "collect", "find_threshold", "trace_cells", "trace_statics"}
+DRAWING = {"draw_snaps", "draw_study", "draw_page"}
+RULES = {"simulate_slab", "collect", "find_threshold", "trace_cells"}
 RULES |= {"simulate_history"} | DRAWING
 
 

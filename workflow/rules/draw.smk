@@ -4,13 +4,12 @@ plots = {
 }
 plots |= {"curves": views(study.curves), "boundary": views([study.boundary])}
 of_cells = {"cube": "results/cube.nc", "threshold": "results/threshold.nc"}
-traces = "results/traces.nc"
+traced = {"traces": path for path in made.traces}
+of_stress = of_cells | (traced if study.has_strength else {})
 every_study_has = of_cells | {
     "statics": [f"results/statics{which}.nc" for which in made.statics],
     "history": [f"results/histories/{cell}.nc" for cell in made.histories],
 }
-if study.has_strength:
-    every_study_has["traces"] = traces
 of_batch = {"places": made.batches, "yields": made.yields}
 # By their caption: the part of the report, and figures.
 FIGURES_OF = {
@@ -24,11 +23,13 @@ FIGURES_OF = {
     "statics": ("7 Device", [f"statics{which}" for which in made.statics]),
     "histories": ("8 Histories", [f"history_{cell}" for cell in made.histories]),
 }
-OF_STUDY = ["snap_maps", "thresholds", "maps", "statics", "histories"]
+OF_STUDY = ["thresholds", "maps", "statics", "histories"]
+seen = {"views": plots, "own_points": own_points}
 # By the rule's name without draw_, the most urgent first: captions, files and values.
 DRAWN = {
-    "study": (OF_STUDY, every_study_has, {"views": plots, "own_points": own_points}),
-    "page": ([], of_cells | {"traces": traces}, {"horizon": study.settings.horizon}),
+    "snaps": (["snap_maps"], of_stress, seen),
+    "study": (OF_STUDY, every_study_has, seen),
+    "page": ([], of_cells | traced, {"horizon": study.settings.horizon}),
     "requirements": ([], {"requirements": "results/requirements.csv"}, {}),
     "tolerance": ([], {"tolerance": "results/tolerance.nc"}, of_batch),
     "calibration": ([], {"calibration": "results/calibration.nc"}, {}),

@@ -53,6 +53,7 @@ rule find_threshold:
     output:
         threshold=update("results/threshold.nc"),
         table="results/thresholds.csv",
+        statics=[f"results/statics{which}.nc" for which in made.statics],
     log:
         "results/logs/find_threshold.log",
     # Beside the first cells, not after them: of these no two then compile the same kernel at once.
@@ -167,24 +168,6 @@ rule write_datasheet:
         requirements=required,
     message:
         "Write the data sheet"
-    script:
-        "../scripts/jobs.py"
-
-
-rule trace_statics:
-    output:
-        statics="results/statics{which}.nc",
-    log:
-        "results/logs/trace_statics{which}.log",
-    group:
-        "figures"
-    resources:
-        runtime=10,
-    params:
-        code=numbers,
-        inputs=lambda wildcards: device_sections(made.statics[wildcards.which]),
-    message:
-        "Push the beam slowly through"
     script:
         "../scripts/jobs.py"
 

@@ -41,22 +41,9 @@ def _figure(stem, found, height, columns=2):
         style.save(figure, stem, found.attrs)
 
 
-def draw_study(
-    cube_path,
-    threshold_path,
-    statics_paths,
-    history_paths,
-    views,
-    own_points,
-    folder,
-    traces_path="",
-):
-    """Draw all that every study has: in one job, as the start of a job takes longer than a figure.
+def draw_snaps(cube_path, threshold_path, views, own_points, folder, traces_path=""):
+    """Draw which cells snap, and maps of thresholds; views and own_points as `draw_study` has them.
 
-    views: lists of what is drawn: snaps, times, ends (maps of the cube), together (of them side by
-        side), fields (maps of thresholds), curves, boundary; of each its name, x, y, at, the place
-        on each other axis, and of maps of cells required_shocks
-    own_points: path and SHA-256 of a user's own points, or nothing
     traces_path: with the stress of each cell, of devices that have a strength
     """
     own_points = read_points(*own_points) if own_points else ()
@@ -72,9 +59,31 @@ def draw_study(
             share = traces.stress_max / traces.strength
             numbers = {key: cube[key] for key in share.dims if cube[key].dtype.kind == "f"}
             stressed = cube.assign(stress_share=share.reindex(numbers, method="nearest"))
-        _draw_maps(cube, found, stressed, views, own_points, folder)
+        for view in views["snaps"]:
+            shown = {"required_shocks": view["required_shocks"], "own_points": own_points}
+            data = _along(stressed, view), _along(found, view)
+            _draw_map(maps.draw_map, view, folder, *data, **shown)
+        if together := views["together"]:
+            panels = [(_along(stressed, view), _along(found, view)) for view in together]
+            _draw_together(panels, f"{folder}/snap_maps", together[0], own_points)
         for view in views["fields"]:
             _draw_map(thresholds.draw_threshold_map, view, folder, _along(found, view))
+
+
+def draw_study(
+    cube_path, threshold_path, statics_paths, views, own_points, folder, history_paths=()
+):
+    """Draw what else every study has: in one job, as its start takes longer than a figure.
+
+    views: lists of what is drawn: snaps, times, ends (maps of the cube), together (of them side by
+        side), fields (maps of thresholds), curves, boundary; of each its name, x, y, at, the place
+        on each other axis, and of maps of cells required_shocks
+    own_points: path and SHA-256 of a user's own points, or nothing
+    """
+    own_points = read_points(*own_points) if own_points else ()
+    with _open(cube_path) as cube, _open(threshold_path) as found:
+        check_alike(cube, found, threshold_path)
+        _draw_times_and_ends(cube, views, own_points, folder)
         for view in views["curves"]:
             with _figure(f"{folder}/{view['name']}", found, 3.4) as figure:
                 axes = view["x"], view["y"]
@@ -93,11 +102,7 @@ def draw_study(
             histories.draw_history(axes, history)
 
 
-def _draw_maps(cube, found, stressed, views, own_points, folder):
-    for view in views["snaps"]:
-        shown = {"required_shocks": view["required_shocks"], "own_points": own_points}
-        data = _along(stressed, view), _along(found, view)
-        _draw_map(maps.draw_map, view, folder, *data, **shown)
+def _draw_times_and_ends(cube, views, own_points, folder):
     # Of what is drawn: a cube may be larger than memory.
     colours = maps.snap_times(_along(cube, view) for view in views["times"])
     for view in views["times"]:
@@ -105,13 +110,9 @@ def _draw_maps(cube, found, stressed, views, own_points, folder):
     for view in views["ends"]:
         shown = {"required_shocks": view["required_shocks"], "own_points": own_points}
         _draw_map(maps.draw_map, view, folder, _along(cube, view), None, ends=True, **shown)
-    if together := views["together"]:
-        plane = together[0]["x"], together[0]["y"], own_points
-        panels = [(_along(stressed, view), _along(found, view)) for view in together]
-        _draw_together(panels, f"{folder}/snap_maps", *plane)
-        if views["ends"]:
-            panels = [(_along(cube, view), None) for view in together]
-            _draw_together(panels, f"{folder}/maps", *plane, ends=True)
+    if views["ends"]:
+        panels = [(_along(cube, view), None) for view in views["together"]]
+        _draw_together(panels, f"{folder}/maps", views["together"][0], own_points, ends=True)
 
 
 def _along(found, view):
@@ -125,9 +126,9 @@ def _draw_map(draw, view, folder, *data, **shown):
         style.fit(figure, maps.RATIO)
 
 
-def _draw_together(panels, stem, *plane, **shown):
+def _draw_together(panels, stem, view, own_points, **shown):
     with _figure(stem, panels[0][0], height=9) as figure:
-        maps.draw_maps(figure, panels, *plane, **shown)
+        maps.draw_maps(figure, panels, view["x"], view["y"], own_points, **shown)
 
 
 def draw_requirements(requirements_path, stem):
@@ -194,18 +195,19 @@ def _draw_panels(stem, panels, draw, attributes, shares=None):
         style.legend(figure, style.labelled(figure.axes), words)
 
 
-def draw_page(cube_path, traces_path, threshold_path, horizon, path):
+def draw_page(cube_path, threshold_path, horizon, path, traces_path=""):
     """Write the page to explore a cube; horizon: us."""
     from snapmap.figures.explore import page  # brings Plotly
 
     with (
         _open(cube_path) as cube,
-        _open(traces_path) as traces,
         _open(threshold_path) as found,
+        _open(traces_path) if traces_path else nullcontext() as traces,
         replacing(path) as temporary,
     ):
-        check_alike(cube, traces, traces_path)
         check_alike(cube, found, threshold_path)
+        if traces_path:
+            check_alike(cube, traces, traces_path)
         Path(temporary).write_text(page(cube, traces, found, horizon), encoding="utf-8")
 
 

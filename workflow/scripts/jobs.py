@@ -30,11 +30,12 @@ def collect(study, slab_paths, path):
     _write(collect_slabs(slab_paths, study.axes, study.document()), path, summary)
 
 
-def find_threshold(study, path, table_path):
-    """Find the thresholds and write them, also as a table.
+def find_threshold(study, path, table_path, statics_paths):
+    """Find the thresholds and write them, also as a table; and those of a slow push, the statics.
 
     Rows that stand in the file already, of the same study and code, are not found again.
     """
+    from snapmap.beam.statics import statics
     from snapmap.io.netcdf import read_earlier
     from snapmap.thresholds.rows import tidy
     from snapmap.thresholds.surface import summary, thresholds_of
@@ -43,6 +44,8 @@ def find_threshold(study, path, table_path):
     highest, tolerance = float(study.axes["N"][-1]), study.threshold_tolerance
     earlier = read_earlier(path)
     thresholds = thresholds_of(study.of_thresholds(), axes, tolerance, highest, earlier=earlier)
+    for device, statics_path in zip(study.devices().values(), statics_paths, strict=True):
+        _write(statics(device), statics_path)
     with replacing(table_path) as temporary:
         tidy(thresholds).to_csv(temporary, index=False)
     _write(thresholds, path, lambda made: summary(made, study.axes["N"][0], highest))
@@ -69,16 +72,6 @@ def simulate_history(study, cell, path):
     history = products(study).histories[cell]
     study = replace(study, device=history.device, shocks=study.shocks.first())
     _write(history_of(study, **history.shock), path)
-
-
-def trace_statics(study, which, path):
-    """Push the beam slowly through and write the static force over displacement.
-
-    which: the ending of the file's name
-    """
-    from snapmap.beam.statics import statics
-
-    _write(statics(products(study).statics[which]), path)
 
 
 def check_requirements(study, path):

@@ -84,7 +84,8 @@ def _costs(study):
     C, f0, scatter = study.axes["C"], study.axes["f0"], study.tolerances
     models, rows = choose_survey(study.grid.device, study.model), rows_of(study.grid)
     costs = {"thresholds": survey_seconds(models, rows.take(rows.device >= 0), study.settings)}
-    costs["traces"] = PER_TRACE * min(CELLS, prod(study.grid.shape))
+    if study.traces or study.has_strength:
+        costs["traces"] = PER_TRACE * min(CELLS, prod(study.grid.shape))
     costs |= dict.fromkeys(["requirements"] * bool(study.requirements), 0.0)
     costs |= dict.fromkeys(["tolerances"] * bool(scatter), 0.0)
     for device in study.devices().values():

@@ -19,7 +19,7 @@ from .devices import DeviceSection, of_device
 from .keys import Section, argument, axis, flag, key, many, part, path, quantity, word, words
 from .shocks import TIMED, PulseSection, RequirementSection, is_title, one_time
 from .units import read, show
-from .views import HANDOUT_CASE, MOST_MAPS
+from .views import MOST_MAPS
 
 _DRAWN = Tolerances._field_defaults
 
@@ -231,13 +231,8 @@ class Document(Section):
     sweep: part(SweepSection)
     tolerances: part(TolerancesSection, out="no scatter")
     calibration: part(CalibrationSection, out="none")
-    histories: many(
-        CellSection,
-        "a list of cells {N, f0 or duration, C}",
-        out="the cell nearest to N = {N:g}, f0 = {f0:g} Hz, C = {C:g} uN*us/um".format(
-            **HANDOUT_CASE
-        ),
-    )
+    histories: many(CellSection, "a list of cells {N, f0 or duration, C}", out="none")
+    traces: flag("whether all cells are followed again, to show how each moves", out="`false`")
     maps: many(
         MapSection,
         "a list of maps {x, y, at} to draw",

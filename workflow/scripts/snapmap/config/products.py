@@ -16,6 +16,7 @@ class Products(NamedTuple):
     batches, yields: places on the axes of names of figures of devices as made, by the ending of
         their names; a yield does not depend on the study's own pulse
     histories: cells followed in full; statics: devices by the ending of their files' names
+    traces: files of all cells' motion: of a study that asks for them, or has a strength
     map_stems, snap_stems, curve_stems, batch_stems: figures, by the rule that draws them
     stems: all figures
     """
@@ -29,6 +30,7 @@ class Products(NamedTuple):
     yields: dict[str, dict[str, int]]
     histories: dict[str, History]
     statics: dict[str, Device]
+    traces: list[str]
     map_stems: list[str]
     snap_stems: list[str]
     curve_stems: list[str]
@@ -55,6 +57,7 @@ def products(study: Config) -> Products:
     return Products(
         *(ends, times, snaps, fields, side_by_side(of_cells)),
         *(batches, yields, histories, statics),
+        ["results/traces.nc"] * (study.traces or study.has_strength),
         *(maps, snap_maps, curves, made),
         [
             *(*snap_maps, *maps, *curves),

@@ -26,7 +26,6 @@ from .views import (
     choose_maps,
     frequency_of,
     history,
-    nearest_history,
     read_places,
 )
 from .yaml_file import ConfigError
@@ -46,6 +45,7 @@ class Config(Study):
     tolerances: what scatters from device to device, or nothing
     calibration: measured shots, and what is read off them, or nothing
     threshold_tolerance: of the thresholds in N, relative
+    histories, traces: cells followed in full, and whether all are followed for the page
     maps, curves, boundary: what is drawn of cells, thresholds, and the damage boundary
     own_points: path and SHA-256 of a user's own points on the maps, or nothing
     left_out: one line on what is not drawn, or nothing
@@ -62,6 +62,7 @@ class Config(Study):
     calibration: Calibration | None
     threshold_tolerance: float
     histories: tuple[History, ...]
+    traces: bool
     maps: tuple[View, ...]
     curves: tuple[View, ...]
     boundary: View
@@ -172,7 +173,8 @@ def load_config(document: Mapping) -> Config:
         tolerances=tolerances,
         calibration=calibration,
         threshold_tolerance=sweep.threshold_tolerance or THRESHOLD_TOLERANCE,
-        histories=tuple([nearest_history(device, grid)] if cells is None else cells),
+        histories=tuple(cells or ()),
+        traces=bool(parts.traces),
         maps=chosen,
         curves=choose_curves(grid, nominal(device), curves),
         boundary=choose_boundary(grid, nominal(device)),

@@ -6,20 +6,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..axes import DEVICE, DURATION, NAMES, PULSE_AXES, SHOCK_AXES, Grid, axis_behind
+from ..axes import DEVICE, DURATION, NAMES, PULSE_AXES, Grid, axis_behind
 from ..device import VALUES, Device, batch
 from ..numerics.portable import evenly
 from ..quantities import QUANTITIES
-from .devices import nominal
 from .units import read, show
 
 MOST_DAMPINGS = 6
 """Figures of one kind, each at its own C, unless more are requested."""
 MOST_MAPS, PANELS = 24, 12
 """Maps that are drawn unless more are requested by name, and most of them in one figure."""
-
-# ASSUME: without a list of histories, the grid's cell nearest the handout's own case is drawn.
-HANDOUT_CASE = {"N": 1000.0, "f0": 1500.0, "C": 0.025}
 
 
 class View(NamedTuple):
@@ -187,26 +183,6 @@ def choose_boundary(grid: Grid, nominal: Device) -> View:
     """Choose the lines of the damage boundary, thresholds over f0."""
     view = _view(grid, nominal, "thresholds", "f0", _lines(grid, [], "f0"), {})
     return view._replace(name="damage_boundary")
-
-
-def nearest_history(device: Device | Mapping[str, Device], grid: Grid) -> History:
-    """The grid's cell nearest the handout's case, of f0 by its ratio.
-
-    On the device's axes it is where the nominal device stands, or where the first one does that
-    can be.
-    """
-    at = {key: _usual(values, key, nominal(device)) for key, values in grid.axes.items()}
-    of_device = [key for key in at if key == DEVICE or key in VALUES]
-    if grid.device_of[tuple(at[key] for key in of_device)] < 0:
-        at |= zip(of_device, np.argwhere(grid.device_of >= 0)[0].tolist(), strict=True)
-    for key, value in HANDOUT_CASE.items():
-        values = grid.axes[key]
-        apart = np.log(values / value) if key == "f0" else values - value
-        at[key] = int(np.argmin(abs(apart)))
-    cell = {key: grid.axes[key][i].item() for key, i in at.items() if key not in PULSE_AXES}
-    names = {"N": "N", "f": "f0", "C": "C"} | {key: key for key in cell if key not in SHOCK_AXES}
-    named = (value_name(word, grid.axes[key], at[key]) for word, key in names.items())
-    return history(cell, device)._replace(name="_".join(named))
 
 
 def history(cell: Mapping, device: Device | Mapping[str, Device]) -> History:

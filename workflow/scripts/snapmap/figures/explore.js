@@ -275,7 +275,7 @@ function drawHistory() {
   document.getElementById("verdict").innerHTML = `<b>${state(k).words}:</b> ${verdict(k)}`;
   drawDevice();
   const wasHidden = room.hidden;
-  room.hidden = isAbsent(k);
+  room.hidden = isAbsent(k) || !study.bins;
   if (room.hidden) return;
   const starts = Array.from({ length: study.bins }, (_, bin) => (bin * cells.bin_length[k]) / 1e3);
   const middles = starts.map((start) => start + cells.bin_length[k] / 2e3);
@@ -311,15 +311,15 @@ function verdict(k) {
   const fell = "the energy fell below the saddle";
   const apart = "the beam's own energy fell below the saddle, and the mass swings too weakly to touch it again";
   const kept = cells.well[k] ? `; it was ${side(k).join(" ")}` : "";
-  const open = `${kept}; what follows is open: ${left(cells.energy_at_end[k])}`;
+  const open = `${kept}; what follows is open${study.bins ? `: ${left(cells.energy_at_end[k])}` : ""}`;
   // After the pulse the energy only falls: if it is above the saddle after the proof, so it was then.
-  const parted = cells.energy_at_proof[k] > 1;
+  const why = () => (cells.energy_at_proof[k] > 1 ? apart : fell);
   const doubt = cells.elsewhere[k] ? " With another step it ended elsewhere." : "";
   return {
     unsnapped: `no snap within ${study.horizon} µs after the pulse${open}.`,
     never: `no snap, ${proven}: after the pulse nothing adds to the energy, and it is below the saddle.`,
     snapped: `${snap}${open}.`,
-    latched: `${snap}; that it stays is ${proven}: ${parted ? apart : fell}.`,
+    latched: `${snap}; that it stays is ${proven}${study.bins ? `: ${why()}` : ""}.`,
     returned: `${snap}; that it is back in the first shape for ever is ${proven}: ${fell}.`,
     failed: "the run blew up or its energy ledger did not close; nothing is claimed of this cell.",
   }[outcome(k).name] + doubt + withAnotherStep(k);
@@ -409,7 +409,7 @@ async function start() {
   await Promise.all(Object.entries(study.arrays).map(async ([key, packed]) => {
     cells[key] = await unpack(packed);
   }));
-  await Promise.all([openMap(), openMotion()]);
+  await Promise.all([openMap(), study.bins && openMotion()]);
   addViews();
   axes.forEach(addSlider);
   addSteps();

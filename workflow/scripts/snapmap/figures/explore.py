@@ -18,6 +18,7 @@ from ..axes import NAMES
 from ..config.devices import read_device
 from ..described import describe
 from ..device import CLAMP, STOPS, STRENGTH, VALUES
+from ..motion.envelopes import ENERGY_REACH, thin
 from ..quantities import QUANTITIES, Quantity
 from ..solver.outcome import OUTCOMES, WHOLE_SWING
 from . import scales, states, style
@@ -51,21 +52,37 @@ GREY = "#999999"
 RAMP = [to_hex(colour) for colour in states.TIME_COLOURS(np.linspace(0, 1, 9))]
 """Colours of snap times, from the first to the last."""
 TRACED = ("w_low", "w_high", "z_mass", "energy", "beam_energy")
+MOVES = {
+    True: {
+        "choose": "Choose a cell to see how it moved, and whether its energy still suffices to "
+        "cross the saddle between the two shapes.",
+        "untraced": "",
+        "bands": "The band of w(L/2) spans its least and greatest value in each time bin; energies "
+        "above four times the saddle's are drawn as four times. ",
+    },
+    False: {
+        "choose": "Choose a cell to read how it ended.",
+        "untraced": "To see here how each cell moves, write <code>traces: true</code> into the "
+        "config and run it again.",
+        "bands": "",
+    },
+}
+"""What the page says with traces, and without."""
 EDGES = ("N_first", "N_error", "N_always")
 STEPS, MISSING = 254, 255
 """Codes of motion over each cell's own range, and that of what is not known."""
 
 
-def page(cube: xr.Dataset, traces: xr.Dataset, found: xr.Dataset, horizon: float) -> str:
+def page(cube: xr.Dataset, traces: xr.Dataset | None, found: xr.Dataset, horizon: float) -> str:
     """Write a cube, its traces and its thresholds as one HTML page that needs nothing else.
 
-    traces: unpacked; where they are thinned, so is the map
+    traces: unpacked, if there are any; where they are thinned, so is the map
     found: thresholds at least at the points of the cube
     horizon: time for which the cells were followed after the pulse, us
     """
     dims = cube.outcome.dims
-    cells = cube.sel({key: traces[key] for key in dims})
-    found = found.sel({key: traces[key] for key in dims[:-1]})
+    cells = thin(cube) if traces is None else cube.sel({key: traces[key] for key in dims})
+    found = found.sel({key: cells[key] for key in dims[:-1]})
     document = json.loads(cube.attrs["config"])
     devices = document.get("devices", {"": document.get("device", {})})
     devices = {html.escape(name): device for name, device in devices.items()}
@@ -86,9 +103,9 @@ def page(cube: xr.Dataset, traces: xr.Dataset, found: xr.Dataset, horizon: float
         "wide": states.WIDE,
         "outcomes": [{"name": name, "words": WORDS[name]} for name in OUTCOMES],
         "whole": WHOLE_SWING,
-        "bins": traces.sizes["bin"],
+        "bins": 0 if traces is None else traces.sizes["bin"],
         "missing": MISSING,
-        "reach": float(traces.energy.attrs["clipped_at"]),
+        "reach": ENERGY_REACH,
         "traced": TRACED,
         "arrays": {key: _pack(each) for key, each in _arrays(cells, traces, found).items()},
     }
@@ -106,6 +123,7 @@ def page(cube: xr.Dataset, traces: xr.Dataset, found: xr.Dataset, horizon: float
         struck=STRUCK[kind],
         data=json.dumps(data, allow_nan=False).replace("</", "<\\/"),
         code=_text("explore.js"),
+        **MOVES[traces is not None],
         thinned=f"Shown are {thinned} of the cube. " if kept else "",
         model=html.escape(document["model"]["name"]),
         guide=", ".join(style.guides(document)) or "some guided, some free to tilt",
@@ -244,9 +262,6 @@ def _arrays(cells, traces, found):
     """All that differs from cell to cell: arrays (*axes), (*axes, bin) or (*axes but N)."""
     dims = cells.outcome.dims
     unknown = xr.full_like(cells.t_snap, np.nan)
-    energy = traces.energy.transpose(*dims, "bin")
-    proof = np.ceil(cells.t_settled / traces.bin_length).transpose(*dims).fillna(0)
-    at_proof = energy.isel(bin=proof.clip(0, energy.sizes["bin"] - 1).astype(int))
     columns = {
         "snap": states.snap_states(cells),
         **({"end": states.end_states(cells)} if "well" in cells else {}),
@@ -258,14 +273,21 @@ def _arrays(cells, traces, found):
         "share": cells.get("well_share", xr.ones_like(cells.t_snap)),
         "work_error": cells.get("work_error", unknown),
         "t_snap_error": cells.get("t_snap_error", unknown),
-        # Unrounded, as the page says of both on which side of the saddle's they are.
-        "energy_at_proof": at_proof,
-        "energy_at_end": energy.isel(bin=-1),
-        "bin_length": traces.bin_length.transpose(*dims),
-        "second": traces.second_equilibrium.broadcast_like(cells.outcome).transpose(*dims),
         **{key: found[key].transpose(*dims[:-1]) for key in EDGES},
     }
+    if traces is not None:
+        energy = traces.energy.transpose(*dims, "bin")
+        proof = np.ceil(cells.t_settled / traces.bin_length).transpose(*dims).fillna(0)
+        columns |= {
+            # Unrounded, as the page says of both on which side of the saddle's they are.
+            "energy_at_proof": energy.isel(bin=proof.clip(0, energy.bin.size - 1).astype(int)),
+            "energy_at_end": energy.isel(bin=-1),
+            "bin_length": traces.bin_length.transpose(*dims),
+            "second": traces.second_equilibrium.broadcast_like(cells.outcome).transpose(*dims),
+        }
     arrays = {key: column.values for key, column in columns.items()}
+    if traces is None:
+        return arrays
     failed = cells.outcome.values == OUTCOMES.index("failed")
     for key in TRACED:
         arrays |= _scaled(key, traces[key].transpose(*dims, "bin").values, failed)

@@ -12,11 +12,13 @@ from ..solver.adaptive import choose_model
 from ..solver.cells import to_cells
 from ..solver.cost import MOST_SECONDS, steps_and_seconds
 from ..solver.settings import Settings
-from .slabs import SINGLE, Slab
+from .slabs import SINGLE, Slab, cells_in
 
 JOB_SECONDS = 30
 """At most the expected time of a slab, most take over a third: long against a job's start, and
 short enough to lose."""
+SHARED_SECONDS = 0.2
+"""A study of at most so much expected time is one job: most take less than the start of another."""
 SLAB_CELLS = 400_000
 """At most in a slab, for its memory, but for a row that stays together."""
 MOST_CELLS, MOST_SINGLE = 10**10, 1000
@@ -79,7 +81,7 @@ def make_plan(grid: Grid, model: Mapping, settings: Settings, alone: Sequence[fl
         places, values = (dict(zip(axes, side, strict=True)) for side in zip(*chosen, strict=True))
         slabs.append(values)
         *rows, N = (run for key, run in places.items() if key not in SINGLE)
-        cells = math.prod(run.size for run in (*rows, N))
+        cells = cells_in(values)
         minutes = START_MINUTES + CAUTION * float(cost[np.ix_(*rows)].sum()) * N.size / 60
         requests.append(Request(int(START_MB + CELL_MB * cells), math.ceil(minutes)))
     return Plan(tuple(slabs), tuple(requests), total)
@@ -92,6 +94,8 @@ def _runs(axes, cost, keeps_N):
     cost: of a cell, s, (axes of the device, f0); keeps_N: `auto` looks at neighbours along N
     """
     runs = {key: list(np.arange(axes[key].size)[:, np.newaxis]) for key in axes}
+    if cost.sum() * axes["N"].size * axes["C"].size <= SHARED_SECONDS:
+        runs["C"] = [np.arange(axes["C"].size)]
     cut = [key for key in axes if key not in SINGLE]
     # As a share of what a slab may have, of all N.
     left = (np.maximum(cost / JOB_SECONDS, 1 / SLAB_CELLS) * axes["N"].size)[..., np.newaxis]

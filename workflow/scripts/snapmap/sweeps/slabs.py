@@ -20,7 +20,8 @@ from ..study import Study
 from .grid import follow_rows, rows_of
 
 SINGLE = (DEVICE, SHAPE, DIRECTION, "C")
-"""Axes of which a slab has one value: what else it holds may be sought in slabs of the same."""
+"""Axes of which a slab has one value, but for all C of a study that is over at once: what else it
+holds may be sought in slabs of the same."""
 REMEDY = "remove it, and the next run makes it again"
 Slab = Mapping[str, tuple]
 """Values on each axis, in order and ascending: internal units, f0 in Hz; names on axes of NAMES."""
