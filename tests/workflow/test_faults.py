@@ -133,7 +133,7 @@ def slabs(resumed, tmp_path):
 
 def test_a_killed_run_loses_nothing(resumed):
     study = load_config(yaml.safe_load(STUDY))
-    options = {"model": "cosines", "modes": 3, "horizon": 500.0, "until": "snap"}
+    options = {"model": "cosines", "modes": 3, "horizon": 40_000.0, "until": "snap"}
     with xr.open_dataset(resumed.cube) as cube:
         xr.testing.assert_equal(cube, snapmap.sweep(study.device, **study.axes, **options))
     assert not list((resumed.path / "results").rglob("*.part"))
