@@ -8,11 +8,10 @@ import pytest
 import snapmap
 from snapmap.beam.equilibria import static_threshold
 from snapmap.device import batch
-from snapmap.pulse import SHAPES, make_pulse, sampled
+from snapmap.pulse import make_pulse
 from snapmap.solver.bounds import least_amplitudes
-from snapmap.solver.cells import to_cells, to_rows
+from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import SNAP, Settings
 from snapmap.thresholds.islands import FOUND, NOT_FOLLOWED, NOTHING_SNAPS, first_seen
 from snapmap.thresholds.rows import tidy
 from snapmap.thresholds.surface import summary
@@ -71,14 +70,6 @@ def test_the_bound_is_that_of_the_saddle_or_of_bending(handout, tilts_out):
     assert fast == pytest.approx(speed * 0.1 / 0.5 / handout.gravity, rel=1e-5)
 
 
-def test_the_gross_area_counts_both_signs():
-    for shape in SHAPES:
-        assert make_pulse(shape).gross_area == pytest.approx(make_pulse(shape).area)
-        assert make_pulse(shape).reversed().gross_area == pytest.approx(make_pulse(shape).area)
-    swing = sampled(np.arange(5.0), np.array([0.0, 1.0, 0.0, -1.0, 0.0]))
-    assert swing.area == pytest.approx(0) and swing.gross_area == pytest.approx(0.5)
-
-
 def test_it_is_looked_down_to_the_bound():
     """By hand: a threshold below what is looked at first, none, a run that fails, one too weak."""
     exact = np.array([[0.3], [np.inf], [5.0], [0.0]])
@@ -98,12 +89,6 @@ def test_it_is_looked_down_to_the_bound():
     [
         ({"spring": 0.1}, {"f0": [1000.0], "direction": "-z"}, 77.76),
         ({"spring": 0.5}, {"f0": [1000.0], "direction": "-z", "pulse": "half sine"}, 228.4),
-        pytest.param(
-            {"spring": 0.1, "gap": 30.0},
-            {"f0": [500.0], "pulse": "trapezoid"},
-            151.5,
-            marks=pytest.mark.long,
-        ),
     ],
 )
 def test_a_mass_with_a_run_up_snaps_far_below_the_statics(handout, change, asked, independent):
@@ -125,28 +110,3 @@ def test_a_threshold_that_is_not_there_has_its_reason(handout):
     assert tidy(there).status.tolist() == ["found", "not_followed"]
     assert summary(there).endswith("; not followed in 1")
     assert summary(back).endswith("; nothing snaps in 1")
-
-
-def test_the_deciding_level_looks_where_the_cheap_one_cannot(handout):
-    """At 1e8 Hz only its shorter steps follow the pulse, which is as good as a jump in velocity."""
-    found = snapmap.threshold(handout, [1e8], [25.0], horizon=300.0).squeeze()
-    change = found.N_first * handout.gravity * 0.5 / 100.0
-    assert change.item() == pytest.approx(found.velocity_change.item(), rel=0.01)
-
-
-def test_a_gap_that_the_mass_does_not_cross_leaves_the_beam_alone(handout):
-    alone = static_threshold(replace(handout, mass=1e-5))
-    assert static_threshold(replace(handout, gap=1e4)) == alone
-    # At that acceleration the mass has gone as far as its spring lets it, M a / K.
-    reach = handout.mass * alone * handout.gravity / handout.spring
-    assert static_threshold(replace(handout, gap=1.1 * reach)) == alone
-    assert static_threshold(replace(handout, gap=0.5 * reach)) < alone
-
-
-def test_a_light_mass_on_its_spring_does_not_bound_the_step(handout):
-    """It swings hundreds of times in a step, and the ledger closes all the same."""
-    light = replace(handout, mass=1e-5)
-    model = build_model(light, "cosines", modes=3)
-    assert model.steps.longest[SNAP] > 100 * np.sqrt(light.mass / light.spring)
-    cells = to_cells(light, 0, [1e5], 1e5, 0.025, 20.0)
-    assert model.follow(cells, Settings(20.0)).energy_error < 1e-6
