@@ -138,7 +138,7 @@ def test_a_recorded_half_sine_is_a_half_sine(handout, tmp_path):
     uff, zero = tmp_path / "half.uff", dict.fromkeys(("abscissa_spacing", "binary"), 0)
     kinds = {"abscissa_spec_data_type": 17, "ordinate_spec_data_type": 12, "ord_data_type": 4}
     nodes = dict.fromkeys(("rsp_node", "ref_node", "func_type"), 1) | {"rsp_dir": 3, "ref_dir": 3}
-    zero |= dict.fromkeys(("abscissa_min", "abscissa_inc", "orddenom_spec_data_type"), 0)
+    zero |= dict.fromkeys(("abscissa_min", "abscissa_inc"), 0.0) | {"orddenom_spec_data_type": 0}
     rows = {"num_pts": x.size, "x": 5e-4 * x, "data": 9.81 * np.sin(np.pi * x)}
     data = pyuff.prepare_58(**zero, **kinds, **nodes, **rows)
     pyuff.UFF(str(uff)).write_sets(data, "overwrite")

@@ -35,7 +35,7 @@ def thrown(device, dt, steps, velocity, a=0.0, C=0.0):
 
     Returns it with what its stops took, pJ.
     """
-    model = build_model(device, "elements", elements=2, modes=2)
+    model = build_model(device, "elements", elements=2)
     lanes = simd_loop.empty_lanes(model)
     X, shocks = lanes[0], np.full(LANES, a * dt**2)
     load(*lanes, 0, simd_loop.coefficients(model, -np.inf)[0], C, 1.0, dt)
