@@ -122,7 +122,7 @@ def test_a_recorded_half_sine_is_a_half_sine(handout, tmp_path):
     """By CSV and UFF, whatever its peak, with its own duration and stretched to another."""
     x = np.linspace(0, 1, 401)
     path = tmp_path / "half.csv"
-    rows = (f"{0.5 * at!r},{37.0 * np.sin(np.pi * at)!r}" for at in x.tolist())
+    rows = (f"{0.5 * at!r},{37.0 * math.sin(math.pi * at)!r}" for at in x.tolist())
     path.write_text("\n".join(["time (ms),acceleration (g)", *map(str, rows)]), encoding="utf-8")
     pulse = snapmap.read_pulse(path)
     assert pulse.name == "half" and pulse.duration == pytest.approx(500.0) and not pulse.notes
