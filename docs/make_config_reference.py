@@ -48,7 +48,7 @@ devices:
 MODELS = {
     "handout": "Hermite elements on the half beam, all modes kept (hard contact: three quarters)",
     "elements": "the same, a few modes kept",
-    "cosines": "symmetric cosines: [how exact each number is](accuracy.md#all-cases)",
+    "cosines": "symmetric cosines: [how exact each number is](accuracy.md#what-moves-a-threshold)",
     "auto": "for each cell the cheapest number of cosines that suffices",
     "reference": "the handout's scheme, central differences, as a plain loop: slow",
 }

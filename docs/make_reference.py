@@ -76,7 +76,7 @@ cells.
 RETURNED = {
     "sweep": "What the variables are: [the cube](#the-cube).",
     "threshold": "What the variables are: [thresholds](thresholds.md).",
-    "tolerance": "What the variables are: [devices as made](tolerances.md#what-comes-out).",
+    "tolerance": "What the variables are: [devices as made](devices.md).",
     "simulate": "The variables, over `time` (us):\n\n"
     + "\n".join(
         f"- `{key}`: {about['long_name']}, {about['units']}"

@@ -51,7 +51,7 @@ AGREED, RESOLVED, NEAR = 1e-4, 1e-7, 1.04
 """
 MAP = np.linspace(0.6, 1.8, 33)
 """Amplitudes over the threshold, of the cells whose time counts; of every fourth for the slow."""
-STRIDE, FEWER = 6, 20
+STRIDE, FEWER = 6, 30
 """Of the posed rows, every so many-th is followed by those who are slow, and by SciPy, which takes
 seconds for a cell of a fast pulse and half a minute for one of a slow pulse: it is left out there.
 """

@@ -1,4 +1,4 @@
-"""How many thresholds of random devices lie within their error bars: docs/thresholds.md.
+"""How many thresholds of random devices lie within their error bars: docs/accuracy.md.
 
 ./run python -m studies coverage [devices] [any] [--small]
 

@@ -1,4 +1,4 @@
-"""By how much models and steps move the motion after the snap: docs/accuracy.md, docs/stability.md.
+"""By how much models and steps move the motion after the snap: docs/accuracy.md.
 
 ./run python -m studies motion
 """

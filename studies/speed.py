@@ -1,4 +1,4 @@
-"""How many cells a second, by whom and on how many threads, and how soon: docs/performance.md.
+"""How many cells a second, by whom and on how many threads, and how soon: docs/accuracy.md.
 
 ./run python -m studies speed [--small]
 

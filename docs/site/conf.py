@@ -32,38 +32,29 @@ CONTENTS = """
 :caption: Use
 Tutorial <docs/tutorial>
 docs/recipes
-docs/gallery
-docs/questions
 docs/glossary
 Config <docs/config>
-Pulses <docs/pulses>
-docs/tolerances
-docs/planning
-docs/calibration
+Shocks <docs/pulses>
+Devices <docs/devices>
 docs/figures
 Functions <docs/reference>
-Cluster <docs/cluster>
+Running <docs/running>
 ```
 ```{toctree}
 :hidden:
 :caption: Evidence
 Theory <docs/theory>
+docs/thresholds
+Accuracy <docs/accuracy>
 docs/validation
 docs/peers
-Beyond doubt <docs/rigour>
-docs/accuracy
-docs/thresholds
-Stability <docs/stability>
-docs/performance
-A benchmark <docs/impacts>
-docs/reliability
+Impacts <docs/impacts>
 Limits <docs/limits>
 ```
 ```{toctree}
 :hidden:
 :caption: Project
 docs/architecture
-docs/publishing
 CONTRIBUTING
 CHANGELOG
 SUPPORT

@@ -1,4 +1,4 @@
-"""Hard cases: docs/stability.md.
+"""Hard cases: docs/accuracy.md.
 
 ./run python -m studies stability [--device SECTION] [--small]
 

@@ -1,4 +1,4 @@
-"""The tables of docs/stability.md."""
+"""The tables of docs/accuracy.md."""
 
 from itertools import product
 

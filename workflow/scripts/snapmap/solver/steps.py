@@ -11,10 +11,10 @@ from ..numerics.linalg import dot, eigenvalues, outer, solve
 from .cells import Cells
 from .settings import EDGE, MOVE, QUESTIONS, SNAP, STAY
 
-# ASSUME: chosen by measurement, see docs/stability.md.
+# ASSUME: chosen by measurement, see docs/accuracy.md.
 OF_LIMIT = 0.8
 """Step of central differences over their limit of stability."""
-# ASSUME: no run bends the beam further than this multiple of its start; see docs/stability.md.
+# ASSUME: no run bends the beam further than this multiple of its start; see docs/accuracy.md.
 TENSION_REACH = 1.25
 FEWEST = 16
 """Steps in each swing of any pulse: its sum is then exact to 1e-4."""

@@ -13,7 +13,7 @@ from .step import advance
 MARGIN = 2.0
 """A proof must hold by this many times the largest residual of the energy ledger seen so far."""
 ROUNDING = 1e-12
-"""And by this share of the barrier: what rounding does to both, and more; docs/rigour.md."""
+"""And by this share of the barrier: what rounding does to both, and more; docs/accuracy.md."""
 EXACT = 2.0
 """Radians a step up to which a mode swings by itself as it should; faster ones are too slow."""
 OPENED = 4.0
