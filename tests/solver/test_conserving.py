@@ -19,7 +19,6 @@ from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
 
 CONTACTS = (40.0, 4000.0, np.inf)
-MODELS = {"3 cosines": ("cosines", {"modes": 3}), "5 elements": ("handout", {})}
 
 
 def changed(device, contact, beam_damping=0.0):

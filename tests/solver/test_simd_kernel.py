@@ -11,7 +11,7 @@ from snapmap.solver.cells import to_cells
 from snapmap.solver.kernel import rows as R
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.models import build_model
-from snapmap.solver.outcome import FAILED, NEVER, label
+from snapmap.solver.outcome import FAILED, NEVER
 from snapmap.solver.plain_loop import System, follow
 from snapmap.solver.settings import Settings
 
@@ -24,10 +24,6 @@ def threshold(device, f0, C=0.025, horizon=300.0, low=700.0, high=1100.0, **mode
         first = int(np.argmax(np.isfinite(cube.t_snap.values.ravel())))
         low, high = N[first - 1], N[first]
     return high
-
-
-def labels(follow, cells):
-    return label(*follow(cells, Settings())[:4], Settings().energy_tolerance)
 
 
 @pytest.fixture(scope="module")

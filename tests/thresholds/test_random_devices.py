@@ -14,7 +14,6 @@ from studies import coverage
 from studies.coverage import ask, judge, ratios
 from studies.random_devices import draw_device, draw_shocks
 
-SNAP_ONLY = Settings(300.0, until="snap")
 LIGHT, STIFF = {"mass": 0.6}, {"spring": 1e5}
 
 
@@ -30,15 +29,6 @@ def test_a_beam_snaps_by_its_own_inertia(handout, change, f0):
     truth = lowest_snap(fine, rows, (0.97 * N, 1.03 * N), settings, 1e-5, 0.002)[0]
     assert abs(truth - N) < bar < 0.01 * N
     assert found.N_static.item() < N and found.velocity_change.item() > 0
-
-
-def test_the_own_frequency_is_that_of_what_swings_more_slowly(handout):
-    assert handout.own_frequency == np.sqrt(handout.spring / handout.mass)
-    light = dataclasses.replace(handout, **LIGHT)
-    beam = handout.beam
-    stiffness, per_length = beam.bending_stiffness, beam.density * beam.area
-    first = 22.3733 / beam.span**2 * np.sqrt(stiffness / per_length)
-    assert light.own_frequency == pytest.approx(first, rel=1e-5)
 
 
 def test_ragged_rows_have_a_band_and_finite_bars(handout):
