@@ -75,6 +75,7 @@ def test_slow_pulses_take_as_many_steps_however_slow(handout):
     rule = replace(RULE, most=np.array([2000.0]))
     assert step_of(rule, handout, 10.0) == pytest.approx(1e5 / 2000)
     assert step_of(rule, handout, 10.0, pulses=(make_pulse("trapezoid"),)) == 3.0
+    assert step_of(replace(rule, apart=np.array([True])), handout, 10.0) == 3.0
     heavier = replace(handout, mass=16 * handout.mass)
     stiffer = replace(handout, spring=2 * HOLDS * 192 * handout.beam.stiffness_unit)
     most, *more = (most_steps(device) for device in (handout, heavier, stiffer))
