@@ -43,6 +43,14 @@ def test_the_place_on_a_grid_does_not_depend_on_the_guess():
     assert walk(label, rows, 3, size, 10).tolist() == [3, 3, 23, 63, 64]
 
 
+def test_amplitudes_reach_both_ends_in_even_steps():
+    N = amplitudes(np.array([1.0, 2.0, np.nan]), np.array([1.5, 2.0, 3.0]), 0.1)
+    assert N[0, 0] == 1.0 and np.nanmax(N[0]) == 1.5
+    ratios = N[0, 1:-1] / N[0, :-2]
+    np.testing.assert_allclose(ratios[np.isfinite(ratios)], 1.1)
+    assert N[1, 0] == 2.0 and np.isnan(N[1, 1:]).all() and np.isnan(N[2]).all()
+
+
 ISLANDS = np.array([[1.0, 1.02], [1.1, 1.2], [1.5, 9.0]])
 
 
