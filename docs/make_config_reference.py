@@ -1,6 +1,6 @@
 """Writes docs/config.md from the models of the config:
 
-PYTHONPATH=workflow/scripts ./run python docs/make_config_reference.py
+./run python docs/make_config_reference.py
 """
 
 from inspect import cleandoc
@@ -46,23 +46,21 @@ devices:
 """
 
 MODELS = {
-    "handout": "Hermite elements on the half beam, all modes kept (hard contact: three quarters)",
-    "elements": "the same, a few modes kept",
-    "cosines": "symmetric cosines: [how exact each number is](accuracy.md#what-moves-a-threshold)",
-    "auto": "for each cell the cheapest number of cosines that suffices",
-    "reference": "the handout's scheme, central differences, as a plain loop: slow",
+    "handout": "Hermite elements on the half beam, all modes (hard contact: three quarters)",
+    "elements": "the same with few modes",
+    "cosines": "symmetric cosines",
+    "auto": "for each cell the cheapest sufficient number of cosines",
+    "reference": "the handout's central differences as a plain loop: slow",
 }
 
 OF_VALUES = {
-    "sweep": "a list or a range of values, written as in `device` | `[-5 MPa, 0 MPa, 5 MPa]` | the "
-    "device's own",
+    "sweep": "a list or a range of values (`[-5 MPa, 0 MPa, 5 MPa]`) | the device's own",
     "tolerances": "a standard deviation, as a value or a share, or a mapping of its kind to its "
-    "width | `0.05 um`, `5 %`, `{uniform: 0.2 um}` | it does not scatter",
-    "calibration.unknowns": "a pair of values, written as in `device`: where it is looked for "
-    "| `[1.7 um, 2.3 um]` | it is known",
-    "each of histories": "a value, written as in `device` | `1.9 um` | the device's own",
+    "width (`0.05 um`, `5 %`, `{uniform: 0.2 um}`) | no scatter",
+    "calibration.unknowns": "a pair of values: its range (`[1.7 um, 2.3 um]`) | it is known",
+    "each of histories": "a value (`1.9 um`) | the device's own",
 }
-"""What a section has for each value of the device: what, example, if left out."""
+"""What a section has for each value of the device: what, with an example; if left out."""
 SECTIONS = {
     "": models.Document,
     "device": devices.DeviceSection,
@@ -93,42 +91,38 @@ PAGE = """\
 
 A config is a YAML file of one mapping, such as [the handout's](../config/config.yaml),
 [the same with damping](../config/damped.yaml) or [the tutorial's](../config/sensor.yaml). This page
-comes from the models that every config is read by, `workflow/scripts/snapmap/config/models.py`, by
+comes from the models that read it, by
 
-    PYTHONPATH=workflow/scripts ./run python docs/make_config_reference.py
+    ./run python docs/make_config_reference.py
 
-A physical value is text: a number and a unit, such as `600 um`. Any unit of the right kind will do
-(`0.6 mm`), with powers, products and quotients (`kg/m^3`). Converted to µm, ng and µs, frequencies
-to Hz, it must be from {least:g} to {most:g}, or 0 where 0 fits. Unknown keys are refused. What is
-wrong is said before any job starts, in one line for each fault: the key, the value, and what would
-be right. `snapmap check FILE` says it without a run.
+A physical value is text: a number and a unit, such as `600 um` or `2330 kg/m^3`; any unit of its
+dimension fits. Converted to µm, ng and µs, frequencies to Hz, it must be from {least:g} to
+{most:g}, or 0 where 0 fits. Unknown keys are refused. Each mistake is reported in one line before
+any job starts: the key, the value, and what would be right. `snapmap check FILE` reports them
+without a run.
 
 {sections}
 
 ## Limits
 
-Refused as a slip: more than {cells:,} cells; more than {dampings} values of C, as each gets a job;
-and more than {hours:g} core hours, should every cell run to the horizon.
+Refused are more than {cells:,} cells; more than {dampings} values of C, as each gets a job; and
+more than {hours:g} core hours, should every cell run to the horizon.
 
-No value is evaluated or reaches a shell. But Snakemake itself, before it starts the workflow,
-evaluates the expressions of a config file that says `__use_yte__: true`. Such a file is refused,
-yet only after that: look for this line in a config that comes from somebody else.
+No value is evaluated or reaches a shell. But Snakemake itself evaluates the expressions of a config
+that has `__use_yte__: true`, before such a file can be refused: look for this line in a config of
+somebody else.
 
 ## Values of the device as axes
 
-Any value of the device may stand under `sweep`, by its own key, and then takes the place of the
-device's own. The axes of all products are these, in the order of the config, then `shape`,
-`direction`, C, f0 and N.
+Any value of the device may be under `sweep`, in place of the device's own. The axes of all products
+are these, in the order of the config, then `shape`, `direction`, C, f0 and N.
 
 ```yaml
 {two_axes}```
 
-A point whose beam has no second stable shape is refused by name before any job starts, as it is a
-slip more often than not. Where the limit itself is of interest, `not_bistable: skip` marks its
-cells `absent` and goes on.
-
-Several devices may be compared by their names, which then are the first axis; what they share is
-written once:
+A point whose beam has no second stable shape is refused before any job starts;
+`not_bistable: skip` marks its cells `absent` instead. Several devices, by name, are the first axis;
+what they share is written once:
 
 ```yaml
 {devices}```
@@ -143,7 +137,7 @@ def reference() -> str:
     return PAGE.format(
         least=units.LEAST,
         most=units.MOST,
-        sections="\n\n".join(_section(*named) for named in SECTIONS.items()),
+        sections="\n\n".join(_sections()),
         cells=plan.MOST_CELLS,
         dampings=plan.MOST_SINGLE,
         hours=plan.MOST_SECONDS / 3600,
@@ -152,28 +146,38 @@ def reference() -> str:
     )
 
 
-def _section(name, section):
-    """A table of keys; those of the device's values are one row, but where they are its own."""
-    lines = [f"## {f'`{name}`' if name and ' ' not in name else name.capitalize() or 'The whole'}"]
-    lines += ["", cleandoc(section.__doc__), ""]
-    lines += ["| key | what | example | if left out |", "|---|---|---|---|"]
-    keys = {field.alias or key: field for key, field in section.model_fields.items()}
-    for key, field in keys.items():
-        if name not in OF_VALUES or key not in VALUES:
-            shown = field.json_schema_extra
-            example = f"`{shown['example']}`" if shown["example"] else ""
-            lines.append(f"| `{key}` | {field.description} | {example} | {shown['left_out']} |")
-    if name in OF_VALUES:
-        values = ", ".join(f"`{key}`" for key in keys if key in VALUES)
-        lines.append(f"| {values} | {OF_VALUES[name]} |")
-    return "\n".join([*lines, *(_options() if name == "model" else [])])
+def _sections():
+    """Tables of keys; the device's values are one row, and so are rows of an earlier section."""
+    before, of_sweep = set(), []
+    for name, section in SECTIONS.items():
+        title = f"`{name}`" if name and " " not in name else name.capitalize() or "All sections"
+        lines = [f"## {title}", "", cleandoc(section.__doc__), ""]
+        lines += ["| key | what, such as | if left out |", "|---|---|---|"]
+        keys = {field.alias or key: field for key, field in section.model_fields.items()}
+        values = [key for key in keys if key in VALUES] if name in OF_VALUES else []
+        again = []
+        for key in [key for key in keys if key not in values]:
+            shown = keys[key].json_schema_extra
+            what = keys[key].description + f" (`{shown['example']}`)" * bool(shown["example"])
+            row = f"| `{key}` | {what} | {shown['left_out']} |"
+            again += [key] if row in before else []
+            lines += [] if row in before else [row]
+            before.add(row)
+        lines += [f"| {_listed(again)} | as above | |"] if again else []
+        of_sweep = of_sweep or values
+        if values:
+            less = [key for key in of_sweep if key not in values]
+            these = f"those of `sweep`{' but ' + _listed(less) if less else ''}"
+            lines += [f"| {_listed(values) if values is of_sweep else these} | {OF_VALUES[name]} |"]
+        yield "\n".join([*lines, *(_options() if name == "model" else [])])
+
+
+def _listed(keys):
+    return ", ".join(f"`{key}`" for key in keys)
 
 
 def _options():
-    rows = [
-        f"| `{name}` | {MODELS[name]} | {', '.join(f'`{key}`' for key in keys)} |"
-        for name, keys in OPTIONS.items()
-    ]
+    rows = [f"| `{name}` | {MODELS[name]} | {_listed(keys)} |" for name, keys in OPTIONS.items()]
     head = ["", "Each model has its own options:", "", "| name | what | options |", "|---|---|---|"]
     return [*head, *rows]
 

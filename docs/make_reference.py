@@ -1,26 +1,28 @@
 """Writes docs/reference.md from signatures and docstrings:
 
-PYTHONPATH=workflow/scripts ./run python docs/make_reference.py
+./run python docs/make_reference.py
 """
 
 import inspect
 import re
 from collections.abc import Callable, Collection, Iterator
+from dataclasses import fields, is_dataclass
 from itertools import groupby
 from pathlib import Path
 
 import snapmap
 from snapmap.device import Beam, Device
 from snapmap.io.variables import variables
+from snapmap.quantities import QUANTITIES
 from snapmap.solver.settings import Settings
 
 PAGE = """\
 # The functions, one by one
 
-Everything works in µm, ng and µs, so µN, MPa and pJ; frequencies are in Hz, and N in multiples
-of g. Recipes are [here](recipes.md). This page comes from the docstrings, by
+Units are µm, ng and µs, so µN, MPa and pJ; frequencies are in Hz, N in multiples of g.
+[Recipes](recipes.md) show them at work. This page comes from the docstrings, by
 
-    PYTHONPATH=workflow/scripts ./run python docs/make_reference.py
+    ./run python docs/make_reference.py
 
 {functions}
 
@@ -33,37 +35,28 @@ what that device gives alone. A cell *snaps* when the midpoint first reaches the
 | `outcome` | means | known by |
 |---|---|---|
 | `never` | did not snap and never will | energy: less than the barrier is left |
-| `latched` | snapped and stays in the second shape for ever | energy of all, or of the beam, \
-parted from the mass |
-| `returned` | snapped and is back in the first shape for ever | energy |
+| `latched` | snapped and stays in the second shape | energy of all, or of the beam alone |
+| `returned` | snapped and stays in the first shape | energy |
 | `unsnapped`, `snapped` | so at the horizon; what follows is open | simulation |
-| `failed` | the run blew up or its energy ledger did not close | the ledger |
-| `absent` | no second stable shape (only with `not_bistable: skip`) | Q = rise/thickness |
+| `failed` | the run diverged, or its energy ledger did not close | the ledger |
+| `absent` | no second stable shape (`not_bistable: skip`) | Q = rise/thickness |
 
 | other variables | what |
 |---|---|
-| `t_snap`, `t_settled` | when it snapped, and when it was seen to be settled; us after the \
-pulse's start, NaN if not; the attribute `label_distance`: \
-how far, relative, from a well-posed threshold a label can be \
-[wrong](accuracy.md#steps-by-question) |
-| `blow` | of a train of blows, a drop or a sweep: number of the one that snaps, from 1; else 0 |
-| `well`, `well_share` | side of the saddle on which the beam is at the end of its run, and the \
-share of the mass's last swing spent there: 1 where it is proven; 0 and NaN with the model \
-`reference`, whose runs end at their snap; not with `until: snap` |
-| `energy_error` | residual of the energy ledger over the gross work of the pulse; about \
-1e-13 in coarse steps as in fine ones, but for `reference` |
-| `pulse_work` | work of the whole pulse on mass and beam, pJ; NaN where the run ended before its \
-pulse, at a snap, or failed |
-| `halvings` | how often the step was halved until the ledger closed; histories and traces take \
-the same step |
+| `t_snap`, `t_settled` | times of the snap and of the proof; us after the pulse's start, NaN if \
+there is none; the attribute `label_distance`: how far, relative, from a well-posed threshold a \
+label can be wrong ([accuracy](accuracy.md)) |
+| `blow` | of a train, a drop or a sweep: number of the blow that snaps, from 1; else 0 |
+| `well`, `well_share` | side of the saddle on which the beam ends, and the share of the mass's \
+last swing spent there: 1 where it is proven; 0 and NaN of `reference`; not with `until: snap` |
+| `energy_error` | residual of the energy ledger over the gross work of the pulse |
+| `pulse_work` | work of the whole pulse on mass and beam, pJ; NaN where the run ended before |
+| `halvings` | how often the step was halved until the ledger closed |
 | `reproduced`, `well_reproduced` | 1 if a run with another step had the same outcome, and 1 if it \
-ended on the same side; what did not, and no longer goes back and forth, is hatched on the maps of \
-ends |
-| `work_error`, `t_snap_error` | indicators, no bounds: difference of the work of the pulse (over \
-the larger of both) and of the time of snap (us) in that other run: how far \
-[the motion](accuracy.md#the-motion-after-the-snap) is known; a history has both as attributes |
-| `level`, `agreed` | of the model `auto`: the level that decided, 0 or 1, and whether no two that \
-did disagree |
+ended on the same side; else the maps of ends are hatched |
+| `work_error`, `t_snap_error` | indicators, no bounds: differences to that run, of the work (over \
+the larger of both) and of the time of snap (us); a history has both as attributes |
+| `level`, `agreed` | of `auto`: the level that decided, 0 or 1, and whether levels agreed |
 
 Attributes hold the config, the versions of code and packages, and the shares of proven and open
 cells.
@@ -103,8 +96,18 @@ def _section(level: str, name: str, described: Callable) -> str:
     parts += [_signature(described)] if inspect.isfunction(described) else []
     parts += _paragraphs(text, inspect.signature(described).parameters)
     parts += [RETURNED[name]] if name in RETURNED else []
+    parts += [_units(described)] if is_dataclass(described) else []
     parts += [f"```pycon\n>>> {example}\n```"] if example else []
     return "\n\n".join(parts)
+
+
+def _units(kind: type) -> str:
+    """Which of its values has which unit."""
+    units = {}
+    for field in fields(kind):
+        if unit := QUANTITIES[field.name].unit if field.name in QUANTITIES else "":
+            units.setdefault(unit, []).append(f"`{field.name}`")
+    return "Units: " + "; ".join(f"{unit} of {', '.join(of)}" for unit, of in units.items()) + "."
 
 
 def _signature(function: Callable) -> str:

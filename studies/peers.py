@@ -56,75 +56,70 @@ CLOSED |= {12: (395.596, 343.351), 20: (396.839, 347.465)}
 TEXT = """\
 # Other codes, and closed forms with all modes
 
-What the shallow equations cost against a geometrically exact beam, and what others published, by
-one command, which prints this page:
+What the shallow equations cost against a geometrically exact beam, and against published values.
+One command prints this page:
 
     ./run python -m studies peers > docs/peers.md
 
-[Validation](validation.md) checks that the shallow equations are solved; this page, what they leave
-out. The exact beam is OpenSeesPy's (corotational elements, elastic, without shear), which the group
-`bench` of `pyproject.toml` installs. Its licence is free for research, education and internal use:
-it is used here, not redistributed, and the package does not import it. Its numbers are
-extrapolated in the element size $h$ from the finest two of three meshes, as $h^2$; "mesh" is how
-far that is from the same of the coarser two. Where a path branches, an imperfection of 1e-3 and
-1e-4 of the rise makes it do so, and its corners are extrapolated by the 2/3 power (Koiter).
+The exact beam is OpenSeesPy's (corotational elements, elastic, without shear), of the group `bench`
+of `pyproject.toml`; its licence is free for research, education and internal use. Its numbers are
+extrapolated in the element size as $h^2$ from the finest two of three meshes; "mesh" is the
+difference to the same from the coarser two. Where a path branches, imperfections of 1e-3 and 1e-4
+of the rise lead it, and corners are extrapolated by the 2/3 power (Koiter).
 
 ## A clamped arch that laboratories have measured
 
-After Chandra et al. (Comput. Mech. 55, 2015, 1041): circular, span 304.8 mm, rise 15.3955 mm,
-rise/span 0.05, $Q$ = 25. Forces in N, displacements in mm. The published example (20 elements,
-a crown force that grows by 1 N/s) is as it stands in public.
+Chandra et al. (Comput. Mech. 55, 2015, 1041): circular, span 304.8 mm, rise 15.3955 mm, rise/span
+0.05, $Q$ = 25; N and mm. The published example has 20 elements and a crown force that grows by 1
+N/s.
 
 {arch}
 
-The example's number comes out again with its mesh. Twenty elements are 1.9 % above what the meshes
-converge to, and the force grows by 0.6 % while the arch snaps: 6.43 N is no truth to 1 %, and a
-shallow 6.380 N (of a parabola) is 0.8 % from it by chance. At rise/span 0.05 the shallow equations
-make the forces 0.7 and 2.6 % of the circle, 1.6 and 1.2 % of the parabola, too high.
+The published number is reproduced with its mesh. But 20 elements are 1.9 % above the limit of fine
+meshes, and the force grows by 0.6 % while the arch snaps: 6.43 N is not exact to 1 %, and a shallow
+6.380 N (of a parabola) is 0.8 % from it by chance. At rise/span 0.05 the shallow forces are 0.7 and
+2.6 % too high for the circle, 1.6 and 1.2 % for the parabola.
 
 ## The handout's device
 
-Rise/span 1/60, as made a cosine, guided. Forces on the midpoint in $EI\\delta/L^3$; under the
-shock the mass on its spring, the penalty contact, the versed sine of f0 = {f0:g} Hz and
-C = {C:g} uN us/um as base acceleration. The base acceleration enters as forces: OpenSees' own
-`UniformExcitation` counts the mass of elements with `-cMass` twice. The time step is {step:g} us;
-half of it moves the threshold on {shaken} elements by {halved}, and a motion has a quarter of it.
+Rise/span 1/60, a cosine, guided. Forces on the midpoint in $EI\\delta/L^3$. The shock is a versed
+sine of f0 = {f0:g} Hz, with C = {C:g} uN us/um and the penalty contact. It enters as forces, as
+OpenSees' `UniformExcitation` counts the mass of elements with `-cMass` twice. The time step is
+{step:g} us; half of it moves the threshold on {shaken} elements by {halved}, and a motion has a
+quarter of it.
 
 {handout}
 
-Paths differ most near their corners, which are not at the same place; motions before the saddle,
-where the beam swings on the mass, and their swings are not in phase.
+Paths differ most near their corners; motions before the saddle, where their swings are not in
+phase.
 
 ## What the shallow theory costs
 
-The handout's device, rise and thickness 1, 3 and 6 times as large, and mass, spring, contact, C,
-f0 and N scaled so that the shallow equations stay the same: all the difference is the theory's.
-Ours over theirs, less 1.
+The handout's device with rise and thickness 1, 3 and 6 times as large, and mass, spring, contact,
+C, f0 and N scaled so that the shallow equations are the same. Ours over theirs, less 1.
 
 {costs}
 
-It grows with the square of rise/span, as what the theory leaves out: the slope beside 1, and a
-length that exceeds the span by $\\tfrac{{\\pi^2}}4(\\delta/L)^2$, 2.5 % at a tenth.
-By the steepest, forces come out {forces} % and thresholds {thresholds} % too high times that
-square: above 1/20 a run says so, by these numbers (`config/plausible.py`).
+The cost grows with the square of rise/span. At the steepest, forces are {forces} % and thresholds
+{thresholds} % too high times that square; above 1/20 a run reports it by these numbers.
 
 ## A steep arch in 3-D continuum
 
 Public tutorial (Ferrite.jl with BifurcationKit): circular, span 20, rise 2, thickness 0.5, width 2,
-E = 1000, Poisson's ratio 0.3, uniform dead load p per area. Ours: a uniform load in the modal
-form. "OpenSees here": the load per length of the arch as made.
+E = 1000, Poisson's ratio 0.3, uniform dead load p per area; here a uniform load in the modal form,
+in OpenSees the load per length of the arch as made.
 
 {steep}
 
-Ours are above OpenSees' by what the shallow equations cost at 1/10: 3 to 13 % for the circle, 8 to
-9 % for the parabola. Open: the lower fold. The published one has two digits, 2.4 % either way;
-1.2 % are left, of a beam without shear and Poisson's ratio at span/thickness 40 beside a continuum.
+Ours are above OpenSees' by the cost of the shallow equations at 1/10: 3 to 13 % for the circle, 8
+to 9 % for the parabola. Of the published lower fold, two digits (2.4 %), 1.2 % remain open: a beam
+without shear and Poisson's ratio is compared with a continuum at span/thickness 40.
 
 ## Closed forms, all modes
 
-A force on the midpoint of a clamped beam that is free to tilt, in $EI\\delta/L^3$; computed
-apart from this code. The energy bound is a proven lower bound of the force that, applied at once
-and kept, snaps the beam: there the tilted saddle's energy is the force's work up to it.
+A force on the midpoint of a clamped beam that is free to tilt, in $EI\\delta/L^3$, computed without
+this code. The energy bound is a lower bound of the force that, applied at once and kept, snaps the
+beam.
 
 {closed}
 """

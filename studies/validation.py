@@ -32,40 +32,38 @@ TOLERANCE = 1e-9
 TEXT = """\
 # Validation
 
-What can be checked against something else, by one command, which prints this page:
+What can be compared with exact solutions, published values and another integrator. One command
+prints this page:
 
     ./run python -m studies validation > docs/validation.md
 
-**No measured device has been compared.** What is below checks that the equations are solved, not
-that a device obeys them. A comparison would need: span, thickness, depth and rise of the beam, as
-measured rather than drawn; its first frequency before assembly (it gives
-modulus over density, and the residual stress); mass and spring, or the frequency of the mass; gap
-and gas pressure; the recorded acceleration at the die, not the setting of the machine; and how
-many of how many shocks at each level snapped the device, with those that did not.
-What the equations themselves leave out is held against other codes in [peers](peers.md).
+**No measured device has been compared.** These tables show that the equations are solved, not that
+a device obeys them; [peers](peers.md) shows what the equations leave out. A comparison with a
+device would need the dimensions as made; the first frequency of the beam before assembly; mass and
+spring, or their frequency; gap and gas pressure; the recorded acceleration at the die; and how many
+shocks at each level snapped the device and how many did not.
 
 ## Statics of the curved beam
 
-Force on the midpoint in $EI\\delta/L^3$, displacement in $\\delta$. Qiu, Lang and Slocum (J.
-Microelectromech. Syst. 13, 2004, 137) give the values for large $Q$ and the lines of three modes;
-the paper itself could not be opened here, so its numbers are as others quote them, and each line
-is derived: with the axial force at a buckling load $\\mu^2EI/L^2$ the first cosine alone gives
+Force on the midpoint in $EI\\delta/L^3$, displacement in $\\delta$. The values for large $Q$ and
+the lines of three modes are those of Qiu, Lang and Slocum (J. Microelectromech. Syst. 13, 2004,
+137), as others quote them; the paper was not available. The lines are derived here: with the axial
+force at a buckling load $\\mu^2EI/L^2$ the first cosine gives
 $F=\\tfrac{{\\pi^2}}2\\mu^2-(\\tfrac{{\\pi^2}}2\\mu^2-2\\pi^4)\\Delta$, that is
-$8\\pi^4-6\\pi^4\\Delta$ for $\\mu=4\\pi$. For the antisymmetric path, $\\mu=8.9868$, that is
-$4.09\\pi^4-2.09\\pi^4\\Delta$; the printed $4.18\\pi^4-2.18\\pi^4\\Delta$ differs from the
-formula it stands for by 2 and 4 %. The largest force for $Q\\to\\infty$ by hand, with the axial
-force $16\\pi^2$ and cosines $u_n$, $n$ odd: $u_1=(2F-1558.5)/2337.8$, $u_3=-2F/35067$,
-$u_5=-2F/409119$, and no stretch, $u_1^2+u_1+9u_3^2+25u_5^2=0$, give $F=758.7$: ours, not the
-quoted 740.
+$8\\pi^4-6\\pi^4\\Delta$ for $\\mu=4\\pi$ and $4.09\\pi^4-2.09\\pi^4\\Delta$ for the antisymmetric
+$\\mu=8.9868$; the printed $4.18\\pi^4-2.18\\pi^4\\Delta$ differs from this formula by 2 and 4 %.
+The largest force for $Q\\to\\infty$, with the axial force $16\\pi^2$ and cosines $u_n$, $n$ odd:
+$u_1=(2F-1558.5)/2337.8$, $u_3=-2F/35067$, $u_5=-2F/409119$ and no stretch,
+$u_1^2+u_1+9u_3^2+25u_5^2=0$, give $F=758.7$, as ours; 740 is quoted.
 
 {statics}
 
 ## Buckling and frequencies
 
 Buckling: $\\mu=2\\pi,\\ 4\\pi$ and $\\tan\\mu/2=\\mu/2$. Frequencies of the clamped beam with
-tension $T$: with $p^2,q^2=\\mp\\tfrac T2+\\sqrt{{T^2/4+\\omega^2}}$, $2pq(1-\\cos p\\cosh
-q)+(q^2-p^2)\\sin p\\sinh q=0$ (from $w''''-Tw''=\\omega^2w$ and four clamping conditions), solved
-by scipy's brentq. Units $EI/L^2$ and $\\sqrt{{EI/\\rho AL^4}}$.
+tension $T$ are the roots of $2pq(1-\\cos p\\cosh q)+(q^2-p^2)\\sin p\\sinh q=0$ with
+$p^2,q^2=\\mp\\tfrac T2+\\sqrt{{T^2/4+\\omega^2}}$ ($w''''-Tw''=\\omega^2w$). Units are $EI/L^2$ and
+$\\sqrt{{EI/\\rho AL^4}}$.
 
 {spectra}
 
@@ -75,18 +73,16 @@ by scipy's brentq. Units $EI/L^2$ and $\\sqrt{{EI/\\rho AL^4}}$.
 
 ## The mass alone, and impacts
 
-A gap that is never crossed leaves the mass alone: an oscillator, whose largest response to a
-pulse is known (shock spectra). Impacts are elastic: what mass, spring, contact and beam keep is
-all that the pulse gave.
+Across a gap that is never closed, the mass is an oscillator, whose largest response to a pulse is
+known. Impacts are elastic: the energy of mass, spring, contact and beam is the work of the pulse.
 
 {mass}
 
 ## Thresholds against another integrator
 
-The same modal equations, 3 cosines, contact and axial force as they stand, by scipy's DOP853 at a
-relative tolerance of {tolerance:g}, the snap as its event; f0 = {f0:g} Hz, C = {C:g}. Ours: at a
-twentieth of the step limit, and as shipped. (Against heyoka's Taylor
-method: [performance](performance.md#error-of-the-threshold).)
+The same modal equations of 3 cosines by scipy's DOP853 at a relative tolerance of {tolerance:g},
+with the snap as its event; f0 = {f0:g} Hz, C = {C:g}. Ours: as shipped, and in steps of a twentieth
+of the limit. [Accuracy](accuracy.md) compares with heyoka's Taylor method.
 
 {thresholds}
 """

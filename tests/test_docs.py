@@ -103,7 +103,7 @@ def test_the_tutorial_says_what_its_study_gives(root, tmp_path):
     words = " ".join(page.split())
     with xr.open_dataset(tmp_path / "results" / "threshold.nc") as found:
         one = found.isel(C=0).sel(f0=1e3 / 1.003, method="nearest")
-        assert f"{one.N_first.item():.1f} g, give or take {one.N_error.item():.1f}." in words
+        assert f"{one.N_first.item():.1f} ± {one.N_error.item():.1f} g." in words
         same = int((found.N_latched == found.N_first).sum())
         assert f"`N_first` itself in {same} of {found.N_first.size} rows" in words
     margins = [row["margin"] for row in read_verdicts(tmp_path / "results" / "requirements.csv")]

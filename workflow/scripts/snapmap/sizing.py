@@ -52,22 +52,21 @@ def design(
     """Find the value of a device, by its name, for which N (multiples of g) is its threshold.
 
     Or, with requirements in place of N and f0, the windows of the value in which all are met.
-    f0: Hz; C: uN us/um; between: where to look, internal units
+
+    f0: Hz; C: uN us/um; between: range of the value, internal units
     requirements: mappings of name, N, f0 (Hz) and snaps, with pulse and direction, or shocks
-    scatters: of the value and others, as `tolerance` takes them, with samples, seed and together;
-        then the yield is estimated within the windows, too
-    model: name, or as a mapping the config's model section
+    scatters: as `tolerance` takes them, with samples, seed and together, for the yield in the
+        windows
+    model: name, or the config's model section
     options: as in `study.study_of`: horizon (us), energy_tolerance, threads, pulse, direction,
-        options of the model; and one further value of the device with its values, along which the
-        answer is a line: a dataset of value and error, NaN where there is none
-    Variables of windows, over `window`: low and high, with low_error and high_error, and low_from,
-    high_from, the requirement that ends it there, "between" for an end of the range; over `place`,
-    with scatters: the value and its `yield`, with bounds at 95 %, the attribute best being the
-    value of the largest; over `requirement` and the values `tried`: whether it is `met`, up to the
-    first that leaves none.
-    Warns where several values are right, and returns the lowest, and where no window is, by which
-    requirements; the attribute comment says the same. Raises ValueError, one line, where no value
-    is right, or for one that cannot be.
+        options of the model; and one further value of the device, along which the answer is a line:
+        a dataset of value and error, NaN where there is none
+    Windows have, over `window`: low and high, with low_error and high_error, and low_from and
+    high_from, the requirement that ends it, or "between"; over `place`, with scatters: the value
+    and its `yield`, with bounds at 95 %, and the attribute best, the value of the largest; over
+    `requirement` and the values `tried`: whether it is `met`. Warns where several values are right,
+    and returns the lowest; and where there is no window, with the requirements that exclude it.
+    Raises ValueError, one line, where no value is right, or for an invalid argument.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> shock = {"N": 1100, "f0": 1500, "C": 25, "model": "cosines", "horizon": 0}

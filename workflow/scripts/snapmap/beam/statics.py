@@ -30,16 +30,16 @@ def statics(device: Device) -> xr.Dataset:
 
     Returns displacement (um), force (uN) and energy (pJ) over (branch, point). Branches:
 
-    - `guided`: of a beam that moves symmetrically; it leaves `unbranched` where N reaches the
-      second buckling load, and runs straight from there to where they meet again (Vangbo, 1998)
-    - `unbranched`: without the second mode, which no beam follows; of a shape that has nothing of
-      that mode
+    - `guided`: of a beam that moves symmetrically; it leaves `unbranched` where the axial force
+      reaches the second buckling load, and is straight from there to where they meet again (Vangbo,
+      1998)
+    - `unbranched`: without the second mode; no beam follows it
     - `tilted`: of a beam that is free to tilt, with its imperfection
 
-    The attributes are those of the path that the beam takes, `tilted` if it is free, else `guided`:
-    `largest_force` and `least_force` between the shapes (uN; the least is above 0 where the beam
-    returns by itself), and w(L/2) of the shapes and the saddle, `rise`, `second_equilibrium`,
-    `saddle` (um), with its energy, `barrier` (pJ; 0 of a beam without a second stable shape).
+    Attributes, of the path that the beam takes: `largest_force` and `least_force` between the
+    shapes (uN; the least is above 0 where the beam returns by itself), w(L/2) of the shapes and the
+    saddle, `rise`, `second_equilibrium`, `saddle` (um), and the saddle's energy, `barrier` (pJ; 0
+    without a second stable shape).
 
     >>> path = snapmap.statics(snapmap.load_device("config/config.yaml"))
     >>> round(path.largest_force, 2), round(path.least_force, 2)

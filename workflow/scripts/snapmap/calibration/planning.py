@@ -55,11 +55,11 @@ def plan_shots(
 
     prior: what `tolerance` returns, of one pulse, C and f0; or mean and standard deviation of the
         thresholds, multiples of g
-    shots: a CSV file, or columns by name: N and tripped (yes or no); in the order of the shots, all
-        with the same pulse
+    shots: a CSV file, or columns by name: N and tripped (yes or no), in their order, all with one
+        pulse
     method: neyer (D-optimal) or up-and-down; confidence: of the intervals, two-sided
     The estimate has mean, sigma, and the levels no_fire and all_fire at which 0.1 and 99.9 % trip,
-    each with value, low and high. Raises ValueError, one line, for a value that cannot be.
+    each with value, low and high. Raises ValueError, one line, for an invalid argument.
 
     >>> plan = snapmap.plan_shots((1000, 50), {"N": [1000, 1100], "tripped": [False, True]})
     >>> plan.N
@@ -84,10 +84,10 @@ def plan_shots(
 
 
 def shots_needed(reliability: float, confidence: float = 0.95, failures: int = 0) -> int:
-    """How many shots show a reliability at a confidence, if so many of them may fail.
+    """Return how many shots show a reliability at a confidence, if so many of them may fail.
 
     reliability: least share of devices that do as required, from 0 to 1
-    failures: none by default: a success run, ln(1 - confidence) / ln(reliability) shots
+    failures: 0 is a success run of ln(1 - confidence) / ln(reliability) shots
 
     >>> snapmap.shots_needed(0.999, 0.95)
     2995

@@ -19,7 +19,7 @@ from .keys import Section, inside, part, path, quantity, words
 def _span(name, kind, example=""):
     """Where an unknown is looked for."""
     pair = tuple[quantity(kind), quantity(kind)]
-    need = f"a pair of values: where it is looked for, each {KINDS[kind].name}"
+    need = f"a pair of values: its range, each {KINDS[kind].name}"
     return Annotated[pair, words(need, "", example, "it is known")]
 
 
@@ -30,17 +30,15 @@ class UnknownsSection(of_device(_span)):
 
 
 class CalibrationSection(Section):
-    """Shots that were measured, and what is read off them."""
+    """Values estimated from measured shots."""
 
     shots: path(
-        "a table in the study's folder, CSV: columns N, f0 (Hz) or duration (ms), tripped (yes, "
-        "no) and, if wanted, direction, shape, file (a recorded shock), unit (a specimen's name)",
+        "a CSV table in the study's folder: N, f0 (Hz) or duration (ms), tripped (yes, no) and, "
+        "optionally, direction, shape, file (a record), unit (a specimen)",
         "shots.csv",
     )
     unknowns: part(UnknownsSection)
-    C: quantity(
-        "damper", "of the shots", out="that of `sweep`, if it is one value, unless it is unknown"
-    )
+    C: quantity("damper", "of the shots", out="unknown, or the one of `sweep`")
 
 
 class Calibration(NamedTuple):

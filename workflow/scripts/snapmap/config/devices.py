@@ -35,7 +35,7 @@ LEAST_TILT = 1e-6
 
 
 class ShapeSection(Section):
-    """Of the beam as made: one of the two."""
+    """The shape of the beam as made: one of two."""
 
     cosines: many(
         quantity("part"),
@@ -58,7 +58,7 @@ class ClampSection(Section):
 
 
 def _cosine(n):
-    return quantity("part", QUANTITIES[f"cosine_{n}"].long_name, out="`0`")
+    return quantity("part", f"cosine {n} of the shape, over the rise", out="`0`")
 
 
 class BeamSection(Section):
@@ -66,7 +66,7 @@ class BeamSection(Section):
 
     known_as = "device.beam"
     span: quantity("length", "clamp to clamp")
-    rise: quantity("distance", "of the midpoint, as made; 0 if straight, for compression", "10 um")
+    rise: quantity("distance", "of the midpoint, as made; 0 is straight", "10 um")
     shape: either(
         ShapeSection,
         word(*AS_MADE),
@@ -79,20 +79,17 @@ class BeamSection(Section):
     depth: quantity("length", "out of the plane of motion", "22 um")
     youngs_modulus: quantity("modulus")
     density: quantity("density")
-    damping: quantity("rate", "drag over momentum; swings decay at half of it", out="`0 /us`")
+    damping: quantity("rate", "drag over momentum", out="`0 /us`")
     quality_factor: quantity(
         "quality",
-        "in place of damping, of the first symmetric mode about the rest; axes and tolerances "
-        "leave the damping as it is",
+        "in place of damping, of the first symmetric mode; axes and tolerances keep the damping",
         out="`damping`",
     )
-    residual_stress: quantity(
-        "stress", "along the beam before it bends to relieve it, tension > 0", out="`0 MPa`"
-    )
+    residual_stress: quantity("stress", "before the beam bends; tension > 0", out="`0 MPa`")
     guide: word("guided", "free", what="free, it may tilt", out="`guided`")
     imperfection: quantity(
         "distance",
-        "largest displacement, as made, in the first antisymmetric shape of a free beam",
+        "of a free beam, as made, in the first antisymmetric shape",
         "0.01 um",
         "required if `guide` is `free`",
     )
@@ -146,30 +143,32 @@ class BeamSection(Section):
 
 
 class StopsSection(Section):
-    """How far the mass travels from rest, either way, up to a stop."""
+    """Travel of the mass from rest up to a stop."""
 
-    toward: quantity("length", "from rest to the stop towards the beam", "14 um", "none there")
-    away: quantity("length", "from rest to the stop away from the beam", "6 um", "none there")
+    toward: quantity("length", "towards the beam", "14 um", "no stop")
+    away: quantity("length", "away from the beam", "6 um", "no stop")
     restitution: quantity(
         "restitution", "share of the speed kept at a stop", "0.7", f"`{RESTITUTION:g}`"
     )
 
 
 class ThermalSection(Section):
-    """What the axis temperature does to the modulus, the stress and C."""
+    """How modulus, stress and C depend on the temperature."""
 
     reference: quantity("temperature", "of all other values", "20 degC", f"`{REFERENCE:g} degC`")
     modulus: quantity("expansion", "of Young's modulus over itself", out="`0`")
-    mismatch: quantity("expansion", "expansion of the beam less its frame's", "2.3e-6 /K", "`0`")
+    mismatch: quantity(
+        "expansion", "expansion of the beam less that of its frame", "2.3e-6 /K", "`0`"
+    )
     damping: quantity("exponent", "C grows with this power of the temperature in K", out="`0`")
 
 
 class StrengthSection(Section):
-    """A Weibull distribution of the stress at which beams break."""
+    """A Weibull distribution of strengths."""
 
-    scale: quantity("strength", "at this much over the threshold 63 % break", "3 GPa")
-    modulus: quantity("quality", "the larger, the less the strengths differ", "10")
-    threshold: quantity("strength", "up to which none breaks", "1.446 GPa", "`0 MPa`")
+    scale: quantity("strength", "over the threshold; there 63 % break", "3 GPa")
+    modulus: quantity("quality", "a large one is a narrow distribution", "10")
+    threshold: quantity("strength", "none breaks below", "1.446 GPa", "`0 MPa`")
 
 
 def _by_name(section, names):
@@ -184,8 +183,7 @@ class DeviceSection(Section):
     beam: part(BeamSection)
     mass: quantity(
         "body",
-        "of the body that strikes the beam; none is a beam alone, without spring, contact, gap, "
-        "stops and C",
+        "of the body; none is a beam alone, without spring, contact, gap, stops and C",
         "1e-8 kg, none",
     )
     spring: quantity("stiffness", "what holds the mass", out="required, unless `mass` is none")
@@ -194,26 +192,24 @@ class DeviceSection(Section):
     )
     gap: quantity("distance", "between mass and midpoint at rest", "1 um", "`0 um`")
     stops: part(StopsSection, out="the mass travels freely")
-    thermal: part(ThermalSection, out="an axis temperature changes nothing")
+    thermal: part(ThermalSection, out="they do not")
     strength: either(
         StrengthSection,
         quantity("strength"),
-        "a stress at which the beam breaks, or a mapping of a Weibull distribution",
+        "a stress at which the beam breaks, or a mapping: a Weibull distribution",
         example="1.5 GPa, {scale: 3 GPa, modulus: 10}",
         out="the beam never breaks",
     )
     quality_factor: quantity(
         "quality",
-        "in place of sweep.C, of the mass on its spring, clear of the beam; axes and tolerances "
-        "leave C as it is",
+        "in place of sweep.C, of the mass on its spring; axes and tolerances keep C",
         "94",
         "`sweep.C`",
     )
     gravity: quantity("acceleration", "the unit of N", out="required, or `force`")
     force: quantity(
         "force",
-        "on the midpoint of a beam alone: the unit of N, of pulses that push there and do not "
-        "shake the frame",
+        "the unit of N, of pulses that push the midpoint of a beam alone",
         out="`gravity`",
     )
 
@@ -269,7 +265,7 @@ def of_device(make, names=RARE_LAST):
 def load_device(path: str | Path) -> Device:
     """Read the device of a config file, whatever its other sections; raises ConfigError.
 
-    Its `quality_factor` stands for a C, which is no value of the device: a warning says which.
+    A `quality_factor` stands for a C, which is no value of the device: a warning names this C.
 
     >>> snapmap.load_device("config/config.yaml").beam.thickness
     2.0

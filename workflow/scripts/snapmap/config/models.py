@@ -32,17 +32,17 @@ class ModelSection(Section):
     cosines: argument("model.cosines", "symmetric", out="as many as `modes`")
     modes: argument(
         "model.modes",
-        "of the beam's own to keep",
-        out="`5` cosines; of elements all, with hard contact three quarters",
+        "that are kept",
+        out="`5` cosines; elements: all, with hard contact three quarters",
     )
     mass_matrix: argument("model.mass_matrix", out="`consistent`")
     tolerance: quantity(
-        "share", "error of the threshold that auto may make", out=f"`{100 * TOLERANCE:g} %`"
+        "share", "largest error of thresholds of auto", out=f"`{100 * TOLERANCE:g} %`"
     )
     step: argument(
         "model.step",
-        "one for every question, over the stability limit of central differences in linear bending",
-        out="of `reference` `0.8`; elsewhere as question, pulse and device require",
+        "a fixed one, over the stability limit of central differences in linear bending",
+        out="as needed; of `reference` `0.8`",
     )
 
 
@@ -50,7 +50,7 @@ _Axes = of_device(lambda _, kind: axis(kind, "in place of the device's", out="th
 
 
 class SweepSection(_Axes):
-    """The axes N, f0 (or duration), C and any value of the device; how each cell is followed."""
+    """The axes, and how each cell is followed."""
 
     N: axis("number", "the shock's peak over gravity", "{from: 600, to: 2400, points: 91}")
     f0: axis(
@@ -66,19 +66,15 @@ class SweepSection(_Axes):
         "[0.025 uN*us/um, 25 uN*us/um]",
         "required, or `device.quality_factor`, or no mass",
     )
-    not_bistable: word(
-        *("refuse", "skip"), what="if no second shape is stable; skip marks absent", out="`refuse`"
-    )
-    horizon: quantity("duration", "for which a cell is followed after the pulse's end")
-    until: argument(
-        "until", "a cell is followed until its well is proven, or its snap", out="`settled`"
-    )
+    not_bistable: word(*("refuse", "skip"), what="if no second shape is stable", out="`refuse`")
+    horizon: quantity("duration", "after the pulse, for which a cell is followed")
+    until: argument("until", "until its well is proven, or it snaps", out="`settled`")
     repeat: flag(
         "whether each cell is run again with another step", out="`true` where `until` is `settled`"
     )
     energy_tolerance: argument(
         "energy_tolerance",
-        "the share of the pulse's work by which a believed run's energy ledger may miss",
+        "of the energy ledger, over the work of the pulse",
         out=f"`{Settings().energy_tolerance:g}`",
     )
     threshold_tolerance: argument(
@@ -115,11 +111,11 @@ def _scatter(name, kind, example=""):
 
     value = "" if name in SHOCK_FACTORS else " or a value"
     need = f"a standard deviation, as a share{value}, or a mapping of its kind to such a width"
-    return key(convert, need, example=example, out="it does not scatter")
+    return key(convert, need, example=example, out="no scatter")
 
 
 class TolerancesSection(of_device(_scatter, OF_DEVICE)):
-    """What scatters from device to device, or from shock to shock.
+    """What scatters between devices, or between shocks.
 
     Kinds are normal, uniform (half the width), lognormal, and truncated at two standard deviations.
     """
@@ -129,15 +125,15 @@ class TolerancesSection(of_device(_scatter, OF_DEVICE)):
     duration: _scatter("duration", "", "{uniform: 5 %}")
     together: argument(
         "together",
-        "each moved by one draw",
+        "each varies by one draw",
         example="[[thickness, depth]]",
-        out="each value by a draw of its own",
+        out="each value by itself",
     )
     samples: argument("samples", "devices that are drawn", out=f"`{_DRAWN['samples']}`")
     index_samples: argument(
         "index_samples",
-        "of those by which the Sobol indices are estimated; cut down to a power of two",
-        out=f"`{INDEX_SAMPLES}`, or `samples` if these are fewer",
+        "for the Sobol indices; rounded down to a power of two",
+        out=f"`{INDEX_SAMPLES}`, or `samples` if fewer",
     )
     seed: argument("seed", "of the draws", out=f"`{_DRAWN['seed']}`")
 
@@ -186,8 +182,8 @@ def _axis_name(what, *but):
 _PLACE = Annotated[
     dict[str, object],
     words(
-        "a mapping of axes to where on them to look; the nearest value is taken",
-        out="where the device itself stands; else in the middle, and for maps no N",
+        "a mapping of axes to values; the nearest is taken",
+        out="the device's own value; else the middle, and for maps no N",
     ),
 ]
 
@@ -216,7 +212,7 @@ def _own_points(file):
 
 
 class Document(Section):
-    """Device (or devices), model and sweep; if wanted, what else is made of them."""
+    """Device (or devices), model and sweep; the others are optional."""
 
     title: argument(
         Argument("a line of letters, digits, spaces, .,:()/%+-_, at most 60", is_title),
@@ -231,15 +227,13 @@ class Document(Section):
     ]
     model: part(ModelSection)
     pulse: part(PulseSection, out="a versed sine along +z")
-    requirements: many(
-        RequirementSection, "a list of shocks that must or must not trip the device", out="none"
-    )
+    requirements: many(RequirementSection, "a list of shocks", out="none")
     sweep: part(SweepSection)
-    tolerances: part(TolerancesSection, out="every device is as drawn")
+    tolerances: part(TolerancesSection, out="no scatter")
     calibration: part(CalibrationSection, out="none")
     histories: many(
         CellSection,
-        "a list of cells {N, f0 or duration, C} whose time history is drawn",
+        "a list of cells {N, f0 or duration, C}",
         out="the cell nearest to N = {N:g}, f0 = {f0:g} Hz, C = {C:g} uN*us/um".format(
             **HANDOUT_CASE
         ),
@@ -252,11 +246,11 @@ class Document(Section):
     thresholds: many(
         LinesSection,
         "a list of figures {x, lines, at} of thresholds over an axis",
-        out="over each axis of several values, lines for `device` or C",
+        out="over each axis, lines for `device` or C",
     )
     marks: path(
-        "a table in the study's folder, CSV, of shocks that maps of N over f0 show: columns N, "
-        "f0 (Hz) or duration (ms) and, if wanted, name, snapped (yes, no)",
+        "a CSV table in the study's folder, of points on maps: N, f0 (Hz) or duration (ms) and, "
+        "optionally, name, snapped (yes, no)",
         "points.csv",
         "none",
         _own_points,

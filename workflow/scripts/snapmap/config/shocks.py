@@ -26,7 +26,7 @@ LEVELS = {"psd": ("density", "g^2/Hz", "0.04"), "srs": ("level", "g", "1500")}
 # ASSUME: of devices whose strengths scatter all but one in a thousand must survive.
 SURVIVES = 0.999
 SHAPE = word(*SHAPES, out=f"`{VERSED_SINE}`")
-SHARE = quantity("share", "of the duration, in which a trapezoid rises, or falls", "10 %", "`10 %`")
+SHARE = quantity("share", "of the duration of a trapezoid", "10 %", "`10 %`")
 
 
 class Blow(Section):
@@ -38,22 +38,22 @@ class Blow(Section):
     N: quantity("number", "the peak over those of others", "2", "`1`")
     duration: quantity("pulse", out="`wait` or `repeat`, alone")
     wait: quantity("pulse", out="none")
-    repeat: argument("pulse.repeat", "how often all before it comes in all", out="once")
+    repeat: argument("pulse.repeat", "how often all before it comes", out="once")
 
 
 class Drop(Section):
-    """A free fall, its blow, and every flight and blow of the rebound."""
+    """A free fall, its blow, and the rebounds."""
 
     height: quantity("length", "of the free fall", "1 m")
     duration: quantity("pulse", "of each blow")
     shape: SHAPE
     rise: SHARE
     fall: SHARE
-    rebound: quantity("number", "velocity after a blow over before, 0 to 0.99", "0.3", "`0`")
+    rebound: quantity("number", "velocity after over before a blow, 0 to 0.99", "0.3", "`0`")
 
 
 class SineSweep(Section):
-    """A sine whose frequency goes from one to another, logarithmically."""
+    """A sine of logarithmically swept frequency."""
 
     start: Annotated[quantity("frequency", example="20 Hz"), Field(alias="from")]
     stop: Annotated[quantity("frequency", example="2 kHz"), Field(alias="to")]
@@ -80,8 +80,7 @@ class PulseSection(Section):
     file: path("a recorded shock in the study's folder, CSV or UFF", out="`shape`")
     train: many(
         Blow,
-        "a list of blows {shape, N, duration, rise, fall}, {wait: a time} and {repeat: how often "
-        "all before it comes in all}",
+        "a list of blows {shape, N, duration, rise, fall}, {wait: a time} and {repeat: a number}",
         "[{duration: 0.5 ms}, {wait: 20 ms}, {repeat: 5}]",
         "`shape`",
         least=1,
@@ -141,7 +140,7 @@ def _points(name, what, example):
         return read(number, "number")
 
     pair = tuple[quantity("frequency"), key(level, quantity_of)]
-    need = f"a list of two pairs or more of a frequency and a {quantity_of}, ascending, {what}"
+    need = f"a list of two pairs or more of a frequency and a {quantity_of}, ascending: {what}"
     return many(pair, need, example, "one shock", least=2)
 
 
@@ -155,7 +154,7 @@ def _survival(value):
 
 
 class RequirementSection(PulseSection):
-    """A shock, with its name, N and time, that must or must not trip the device; or a spectrum."""
+    """A shock or spectrum that must, or must not, trip the device."""
 
     name: argument(
         Argument("a name of its own: letters, digits, spaces, .,:()/%+-_, at most 60", is_title)
@@ -164,28 +163,26 @@ class RequirementSection(PulseSection):
     snaps: flag("whether the device must trip")
     survives: key(
         _survival,
-        "true, false or a share: whether a beam that has a strength must stay whole",
+        "true, false or a share: whether the beam must not break",
         example="99.99 %",
-        out=f"`true`, which asks for `{100 * SURVIVES:g} %`",
+        out=f"`true`, that is `{100 * SURVIVES:g} %`",
     )
-    f0: quantity(
-        "frequency", out="required, or `duration`, or a shock or spectrum that lasts itself"
-    )
+    f0: quantity("frequency", out="required, or `duration`, or a shock with its own")
     duration: quantity("pulse", "instead of f0", out="`f0`")
     shape: SHAPE
     psd: _points(
         "psd",
-        "instead of N: random vibration over the duration",
+        "random vibration",
         "[[20 Hz, 0.01 g^2/Hz], [2000 Hz, 0.04 g^2/Hz]]",
     )
     srs: _points(
         "srs",
-        "instead of N: a shock response spectrum (quality factor 10)",
+        "a shock response spectrum (quality factor 10)",
         "[[100 Hz, 100 g], [1000 Hz, 1500 g], [10 kHz, 1500 g]]",
     )
     probability: quantity(
         "share",
-        "how likely vibration may trip the device, or miss it",
+        "that vibration may trip the device, or miss it",
         "1 %",
         f"`{100 * REACH:g} %`",
     )

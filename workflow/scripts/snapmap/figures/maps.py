@@ -92,7 +92,7 @@ def plot_outcome(
     found: xr.Dataset | None = None,
     ends: bool = False,
 ) -> Axes:
-    """Draw in a notebook which cells snap, with a legend: on `ax`, or on a figure of its own.
+    """Draw which cells snap, with a legend, on `ax` or on a new figure.
 
     cube: as from `sweep` or `open_cube`, of one value on every axis but x and y
     found: thresholds over x, drawn if y is N

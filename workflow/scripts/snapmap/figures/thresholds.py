@@ -190,7 +190,7 @@ def plot_thresholds(studies: Mapping[str, xr.Dataset], ax: Axes | None = None) -
     """Draw the thresholds of several studies over f0 in one figure, each under its name.
 
     studies: thresholds over C and f0 by name, as from `threshold` or threshold.nc; of several
-        values of C those that all studies have are drawn
+        values of C those that all studies have
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> cheap = {"model": "cosines", "modes": 3, "horizon": 300.0}

@@ -25,7 +25,7 @@ def read_pulse(path: str | Path, sha256: str = "") -> Pulse:
 
     path: CSV of two columns, time (s, ms or us) and acceleration (g or m/s^2), whose header names
         the units, as in `time (ms),acceleration (g)`; or UFF with a dataset 58
-    sha256: of the file as it was planned, hex digits; nothing where anything goes
+    sha256: expected hash of the file, hex digits; empty for any
     Between samples the acceleration is linear. Raises ValueError, one line, naming file and fault.
 
     >>> snapmap.read_pulse("config/half_sine.csv").duration

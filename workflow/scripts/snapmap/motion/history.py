@@ -41,15 +41,14 @@ def simulate(
     """Follow one cell to the horizon, beyond its snap, and return its history over time.
 
     N: multiples of g; f0: Hz, or None for a recorded shock's own; C: uN us/um
-    model: name, or as a mapping the whole of the config's model section; of `auto` the finest level
-    options: as in `study.study_of`: horizon (us followed after the pulse), until and
-        energy_tolerance, of a sweep whose step for this cell is taken; pulse and direction, of one
-        shape in one direction; and options of the model
-    The attributes work_error and t_snap_error say by how much the pulse's work and the time of snap
-    differ with another step, as in a cube: indicators of error, no bounds. toward_max, away_max (of
-    the mass from rest, um), contact_force_max (uN), stress_max and stress_max_to_snap (MPa) are the
-    largest of all steps, not of the instants that are kept; of a train, blow tells at which it
-    snaps.
+    model: name, or the config's model section; of `auto` the finest level
+    options: as in `study.study_of`: horizon (us after the pulse), until and energy_tolerance of the
+        sweep whose step is taken; pulse and direction, of one shape in one direction; and options
+        of the model
+    Attributes: work_error and t_snap_error, differences to another step, as in a cube, indicators
+    and no bounds; toward_max, away_max (of the mass from rest, um), contact_force_max (uN),
+    stress_max and stress_max_to_snap (MPa), the largest of all steps; blow, the number of the blow
+    that snaps.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> run = snapmap.simulate(device, 1100, 1500, 25, model="cosines", horizon=0)

@@ -32,16 +32,15 @@ def srs_test(
 ) -> xr.Dataset:
     """Follow a device under records that meet a shock response spectrum of Q = 10.
 
-    device: one, or several by name, which then are an axis
+    device: one, or several by name, as an axis
     srs: pairs of frequency (Hz) and level (multiples of g), ascending, joined by straight lines on
-        logarithmic scales; C: uN us/um
-    records: how many are drawn, of wavelets at sixth octaves; seed: of their draw
+        logarithmic scales
+    C: uN us/um; records: how many are drawn, of wavelets at sixth octaves; seed: of their draw
     options: direction, of one; horizon, energy_tolerance, threads as in `study.study_of`; values of
         the device, as axes; and options of the model
-    The variables: snaps, 1 or 0, NaN where a run fails, (..., C, record, factor), the latter of
-    FACTORS; the peak of each record, multiples of g, its duration, us, and its largest deviation
-    from the spectrum, dB, (record,).
-    Records of one spectrum differ: a device passes where none snaps it, or all do, with a margin.
+    Variables: snaps, 1 or 0, NaN where a run fails, (..., C, record, factor), with the factors of
+    FACTORS; over `record` the peak, multiples of g, the duration, us, and the largest deviation
+    from the spectrum, dB. A device passes where none snaps it, or all do, with a margin.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> shaken = {"srs": [(500, 700), (2000, 1500)], "records": 2, "model": "cosines", "horizon": 0}

@@ -44,20 +44,22 @@ def vibration(
     model: str | Mapping = "auto",
     **options,
 ) -> xr.Dataset:
-    """Find the rate at which stationary Gaussian vibration snaps a device, and the level it stands.
+    """Find the rate at which stationary Gaussian vibration snaps a device, and the level it bears.
 
-    device: one, or several by name, which then are an axis
+    device: one, or several by name, as an axis
     psd: pairs of frequency (Hz) and one-sided density (g^2/Hz), joined by straight lines on
-        logarithmic scales; duration: s; C: uN us/um
+        logarithmic scales
+    duration: s; C: uN us/um
     records: how many are followed from rest, each a second long, or ten periods of the lowest
-        frequency, or the duration if that is shorter; seed: of their phases
-    options: reach, the probability within the duration whose level is looked for, 0.01 by default;
+        frequency, or the duration if that is shorter
+    seed: of their phases
+    options: reach, the probability within the duration at `level`, 0.01 by default;
         energy_tolerance and threads, as in `study.study_of`; values of the device, as axes; and
-        options of the model; `auto` is its threshold's, five cosines
-    The variables are (..., C), levels in g rms: rate and probability from the
-    snaps seen at the given level, bounds by Poisson's distribution; the level by Rice's law, fitted
-    to what was seen at this one and others, its bounds those of the fit, inf where even long runs
-    do not tell. Attributes: rms, of the given spectrum, duration, reach, record_length.
+        options of the model; `auto` takes five cosines
+    Variables, (..., C), levels in g rms: rate and probability from the snaps at the given level,
+    with bounds by Poisson's distribution; level by Rice's law fitted to all levels, with the bounds
+    of the fit, inf where the runs do not determine it. Attributes: rms, of the given spectrum,
+    duration, reach, record_length.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> shaken = {"psd": [(20, 4.0), (2000, 4.0)], "duration": 0.1, "model": "cosines"}

@@ -77,8 +77,7 @@ def open_slabs(paths: Sequence[str | Path]) -> xr.Dataset:
 def open_cube(path: str | Path) -> xr.Dataset:
     """Open a cube; `outcome` is its name, such as "latched", and `outcome_code` its number.
 
-    path: of the file, or of the folder with its slabs
-    The rest stays in the files until it is used: of slabs lazily, a block of dask for each.
+    path: of the file, or of the folder of slabs, which are opened lazily, each as a block of dask
 
     >>> snapmap.open_cube("config/config.yaml")
     Traceback (most recent call last):

@@ -67,25 +67,22 @@ def threshold(
 ) -> xr.Dataset:
     """Find where snapping begins over C (uN us/um) and f0 (Hz), with error bars.
 
-    device: one, or several by name, which then are an axis
+    device: one, or several by name, as an axis
     f0: None for a recorded shock's own
-    model: name, or as a mapping the whole of the config's model section, which may give `auto` a
-        tolerance of its own
+    model: name, or the config's model section
     tolerance: of the refinement in N, relative
-    highest: up to which N islands are looked for; twice the threshold if not given
-    earlier: thresholds of the same study on other axes, from which searched rows are taken that
-        the same code found
-    options: as in `study.study_of`: horizon (us followed after the pulse), energy_tolerance and
-        threads, as in `Settings`; pulse; direction; skip: whether a device without a second stable
-        shape has no threshold, and is not refused; options of the model; and values of the device
-        by their names, in internal units, as axes in front of C and f0
-    The variables are those of `islands.Thresholds`, (..., C, f0), with N_latched; the limits for
-    slow and short pulses, N_static, over the axes of device and pulse, and velocity_change, over
-    these and C; and the `area` of each pulse: its velocity change is area N g / f0. Of records in
-    known units `scale_first` is the factor of the record at which it snaps. Along axes of eight
-    values of the device, C or f0 of slow pulses, and more, few rows are searched and others
-    `verified` where those expect them. `status` is a number, in words
-    `numpy.array(found.status.flag_meanings.split())[found.status]`.
+    highest: largest N of the search for islands; by default twice the threshold
+    earlier: thresholds of the same study and code on other axes, whose searched rows are taken
+    options: as in `study.study_of`: horizon (us after the pulse), energy_tolerance and threads, as
+        in `Settings`; pulse; direction; skip: whether a device without a second stable shape is no
+        error; options of the model; and values of the device, internal units, as axes in front of C
+        and f0
+    Variables: those of `islands.Thresholds`, (..., C, f0), with N_latched; the limits of slow and
+    short pulses, N_static, over the axes of device and pulse, and velocity_change, over these and
+    C; the `area` of each pulse: its velocity change is area N g / f0; of records in known units
+    `scale_first`, the factor of the record at which it snaps. Along axes of eight values and more
+    of the device, C or f0 of slow pulses, few rows are searched and others `verified`. `status` is
+    a number, in words `numpy.array(found.status.flag_meanings.split())[found.status]`.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> found = snapmap.threshold(device, [1500], [25], model="cosines", thickness=[1.9, 2.0])

@@ -41,22 +41,20 @@ def tolerance(
 ) -> xr.Dataset:
     """Find the thresholds, over C (uN us/um) and f0 (Hz), of devices whose values scatter.
 
-    device: the nominal one, or several by name, which then are an axis
-    scatters: of each value the standard deviation, a number in internal units or a share such as
-        "5 %", or {kind: width}; kind is uniform (half width), lognormal, or truncated (at two
-        standard deviations). N, duration and C scatter from shock to shock, in shares
-    f0: None for a recorded shock's own; N: multiples of g at which the probability is given;
-        by default from the lowest to the highest threshold
-    model: name, or as a mapping the config's model section; `auto` takes the cheapest
-        level that keeps its tolerance for the nominal device
-    tolerance: of the refinement of each threshold, relative; those of `auto` are off by that of its
-        level, too, up to 0.1 % unless the model's section says another tolerance
+    device: the nominal one, or several by name, as an axis
+    scatters: of each value the standard deviation, in internal units or as a share such as "5 %",
+        or {kind: width}; kind is uniform (half width), lognormal, or truncated (at two standard
+        deviations). N, duration and C scatter from shock to shock, in shares
+    f0: None for a recorded shock's own
+    N: multiples of g at which the probability is given; by default the range of the thresholds
+    model: name, or the config's model section; `auto` takes the cheapest level that keeps its
+        tolerance, 0.1 % by default, for the nominal device
+    tolerance: of the refinement of each threshold, relative
     options: samples, index_samples, seed and together, as in `Tolerances`; requirements: name,
-        shocks (of one shape and direction), N, f0 (Hz) and snaps of each, and survives, whether
-        its beam must not break, by default; and as in
-        `study.study_of`: horizon (us), energy_tolerance, threads, pulse, direction, and options of
-        the model
-    Raises ValueError, one line, for a value that cannot be.
+        shocks (of one shape and direction), N, f0 (Hz), snaps and survives (whether the beam must
+        not break) of each; and as in `study.study_of`: horizon (us), energy_tolerance, threads,
+        pulse, direction, and options of the model
+    Raises ValueError, one line, for an invalid argument.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> made = snapmap.tolerance(device, {"thickness": "5 %"}, [1500], [25], samples=64)
