@@ -1,4 +1,4 @@
-"""The device's closed forms and limits."""
+"""The device's closed forms and limits, and its recipe, which is read back."""
 
 import math
 from dataclasses import replace
@@ -6,7 +6,9 @@ from dataclasses import replace
 import pytest
 
 import snapmap
-from snapmap.device import STRENGTH, THERMAL, VALUES, Beam, Device
+from snapmap.config.devices import read_device
+from snapmap.device import ALONE, STRENGTH, THERMAL, VALUES, Beam, Device
+from snapmap.io.provenance import device_sections
 
 BEAM = Beam(span=600.0, rise=10.0, thickness=2.0, depth=22.0, youngs_modulus=1.5e5, density=0.00233)
 DEVICE = Device(beam=BEAM, mass=1e4, spring=5.5, contact=40.0, gravity=9.81e-6)
@@ -23,66 +25,58 @@ def test_section():
 def test_second_equilibrium():
     assert BEAM.bistability == 5.0
     assert BEAM.second_equilibrium == pytest.approx(-9.43471, abs=1e-5)
-
-
-def test_second_equilibrium_is_half_the_rise_at_the_limit():
     beam = replace(BEAM, rise=8 / math.sqrt(3) * (1 + 1e-12))
     assert beam.second_equilibrium == pytest.approx(-beam.rise / 2, rel=1e-5)
 
 
-def test_beam_needs_a_second_equilibrium():
-    with pytest.raises(
-        ValueError, match=r"^device\.beam: rise/thickness = 4 um/2 um = 2 and .* more than 2\.309$"
-    ):
-        replace(BEAM, rise=4.0).require_second_shape()
-
-
-def refused_by(verb):
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda device: snapmap.threshold(device, [1500.0], [25.0]),
+        lambda device: snapmap.sweep(device, [900.0], [1500.0], [25.0]),
+        lambda device: snapmap.simulate(device, 900.0, 1500.0, 25.0),
+    ],
+)
+def test_a_beam_without_a_second_shape_has_statics_alone(ask):
+    device = replace(DEVICE, beam=replace(BEAM, rise=4.0))
     with pytest.raises(ValueError, match=r"^device\.beam: rise/thickness = 4 um/2 um = 2 and "):
-        verb(replace(DEVICE, beam=replace(BEAM, rise=4.0)))
-
-
-def test_a_cosine_without_a_second_shape_is_refused_where_it_is_shaken_alone():
-    refused_by(lambda device: snapmap.threshold(device, [1500.0], [25.0]))
-    refused_by(lambda device: snapmap.sweep(device, [900.0], [1500.0], [25.0]))
-    refused_by(lambda device: snapmap.simulate(device, 900.0, 1500.0, 25.0))
-    found = snapmap.statics(replace(DEVICE, beam=replace(BEAM, rise=4.0)))
+        ask(device)
+    found = snapmap.statics(device)
     assert found.largest_force > found.least_force > 0  # it snaps, and returns by itself
 
 
-BEAM_SIZES = ["span", "rise", "thickness", "depth", "youngs_modulus", "density"]
+SIZES = ["span", "thickness", "depth", "youngs_modulus", "density", "mass", "spring", "gravity"]
 
 
-@pytest.mark.parametrize("name", BEAM_SIZES)
 @pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
-def test_beam_sizes_are_positive_and_finite(name, value):
-    if (name, value) == ("rise", 0.0):  # a straight beam, which compression buckles
-        return
-    with pytest.raises(ValueError, match=rf"^device\.beam\.{name}: {value} is not .*$"):
-        replace(BEAM, **{name: value})
+def test_sizes_are_positive_and_finite(value):
+    for name in SIZES:
+        part, key = (BEAM, "device.beam") if hasattr(BEAM, name) else (DEVICE, "device")
+        with pytest.raises(ValueError, match=rf"^{key}\.{name}: {value} is not .*$"):
+            replace(part, **{name: value})
+    if value != math.inf:
+        with pytest.raises(ValueError, match=rf"^device\.contact: {value} is not .*$"):
+            replace(DEVICE, contact=value)
 
 
-@pytest.mark.parametrize("value", [-1e-9, math.nan, math.inf])
-def test_beam_damping_is_not_negative(value):
-    with pytest.raises(ValueError, match=rf"^device\.beam\.damping: {value} is not .*$"):
-        replace(BEAM, damping=value)
+MADE = [
+    {"residual_stress": -11.0, "free": 1.0, "imperfection": 0.01, "damping": 4e-4},
+    {"cosine_2": 0.08, "cosine_3": 0.2, "clamp_axial": 2e4},
+    {"shape": "arc", "residual_stress": -80.0},
+]
+AROUND = [
+    {"stop_toward": 14.0, "restitution": 0.7, "gap": 0.5, "contact": math.inf},
+    {"strength": 3000.0, "strength_modulus": 10.0, "strength_threshold": 1446.0},
+    {"modulus_slope": -63e-6, "damper_exponent": 0.7, "expansion_mismatch": 2e-6},
+    {**ALONE, "force": 2.0, "gravity": 1.0},
+]
 
 
-@pytest.mark.parametrize("name", ["mass", "spring", "gravity"])
-@pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
-def test_device_values_are_positive_and_finite(name, value):
-    with pytest.raises(ValueError, match=rf"^device\.{name}: {value} is not .*$"):
-        replace(DEVICE, **{name: value})
-
-
-@pytest.mark.parametrize("value", [0.0, -40.0, -math.inf, math.nan])
-def test_contact_is_positive(value):
-    with pytest.raises(ValueError, match=rf"^device\.contact: {value} is not .*$"):
-        replace(DEVICE, contact=value)
-
-
-def test_contact_may_be_hard():
-    assert replace(DEVICE, contact=math.inf).contact == math.inf
+@pytest.mark.parametrize("of_beam", MADE)
+@pytest.mark.parametrize("of_device", AROUND)
+def test_the_recipe_of_a_device_is_read_back(of_device, of_beam):
+    device = replace(DEVICE, **of_device, beam=replace(BEAM, **of_beam))
+    assert read_device(device_sections(device)["device"]) == device
 
 
 def test_every_value_has_its_line_in_the_table():

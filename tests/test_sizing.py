@@ -71,33 +71,11 @@ def test_no_solution_and_several_are_said(handout):
     assert design.value == pytest.approx(1.3)
 
 
-@pytest.mark.parametrize(
-    ("change", "wanted"),
-    [
-        ({"spring": [float("nan")]}, r"spring: \[nan\] is not"),
-        ({"value": "width"}, "value: 'width' is not the name"),
-        ({"between": (2.4, 1.9)}, "between: 2.4, 1.9 are not two ascending"),
-        ({"N": -1.0}, "N: -1.0 is not a number above 0"),
-        ({"thickness": [2.0]}, "thickness: give one value"),
-        ({"direction": "both"}, "direction: 'both' is not one of"),
-    ],
-)
-def test_what_cannot_be_is_named(handout, change, wanted):
-    asked = {"value": "thickness", "N": 1100, "between": (1.9, 2.4), **SHOCK, **CHEAP} | change
-    with pytest.raises(ValueError, match=wanted.replace("(", r"\(")):
-        snapmap.design(handout, **asked)
-
-
 def test_the_window_in_which_all_requirements_are_met(handout):
     asked = {"f0": 1500.0, "pulse": "versed sine"}
     must, must_not = (
         asked | {"name": "trip", "N": 1300.0, "snaps": True},
-        asked
-        | {
-            "name": "stay",
-            "N": 1100.0,
-            "snaps": False,
-        },
+        asked | {"name": "stay", "N": 1100.0, "snaps": False},
     )
     within = {"C": 25.0, "between": (1.8, 2.5)} | CHEAP
     found = snapmap.design(handout, "thickness", requirements=[must, must_not], **within)
@@ -106,39 +84,3 @@ def test_the_window_in_which_all_requirements_are_met(handout):
         error = alone.error + found[f"{end}_error"].item()
         assert abs(found[end].item() - alone.value) <= error
     assert (found.low_from.item(), found.high_from.item()) == ("stay", "trip")
-
-
-def test_no_window_and_one_that_the_range_ends(handout):
-    within = {"C": 25.0, "between": (1.8, 2.5)} | CHEAP
-    never = {"name": "trip", "N": 100.0, "f0": 1500.0, "snaps": True}
-    with pytest.warns(UserWarning, match="trip fails at each: it must trip at 100, thresholds run"):
-        found = snapmap.design(handout, "thickness", requirements=[never], **within)
-    assert found.sizes["window"] == 0 and not found.met.any()
-    needs = [never | {"N": 900.0}, never | {"name": "stay", "N": 1300.0, "snaps": False}]
-    with pytest.warns(UserWarning, match="these contradict: trip is met from 1.8 to .*, stay is"):
-        found = snapmap.design(handout, "thickness", requirements=needs, **within)
-    assert found.met.any("tried").all() and not found.met.all("requirement").any()
-    always = never | {"snaps": False}
-    found = snapmap.design(handout, "thickness", requirements=[always], **within)
-    assert (found.low.item(), found.high.item(), found.high_from.item()) == (1.8, 2.5, "between")
-
-
-def test_the_yield_is_largest_within_the_window(handout):
-    asked = {"f0": 1500.0, "C": 25.0}
-    needs = [
-        {"name": "trip", "N": 1300.0, "f0": 1500.0, "snaps": True},
-        {"name": "stay", "N": 1100.0, "f0": 1500.0, "snaps": False},
-    ]
-    scatter = {"scatters": {"thickness": 0.03}, "samples": 64}
-    found = snapmap.design(
-        handout,
-        "thickness",
-        C=asked["C"],
-        between=(1.8, 2.5),
-        requirements=needs,
-        **scatter,
-        **CHEAP,
-    )
-    middle = (found.low.item() + found.high.item()) / 2
-    assert abs(found.best - middle) < 0.3 * (found.high.item() - found.low.item())
-    assert found["yield"].max() > found["yield"][0] and found["yield"].max() > found["yield"][-1]

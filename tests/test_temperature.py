@@ -7,23 +7,10 @@ import pytest
 
 import snapmap
 from snapmap.axes import make_grid
-from snapmap.config.devices import read_device
-from snapmap.config.doubts import doubts
-from snapmap.config.study import load_config
-from snapmap.config.yaml_file import ConfigError, read_document
 from snapmap.device import batch
 from snapmap.solver.cells import to_cells
 
-THERMAL = {
-    "modulus_slope": -63e-6,
-    "expansion_mismatch": -0.5e-6,
-    "damper_exponent": 0.7,
-}
-
-
-@pytest.fixture(scope="module")
-def document(root):
-    return read_document(root / "config" / "config.yaml")
+THERMAL = {"modulus_slope": -63e-6, "expansion_mismatch": -0.5e-6, "damper_exponent": 0.7}
 
 
 @pytest.fixture(scope="module")
@@ -51,12 +38,6 @@ def test_the_way_there_does_not_matter(silicon):
     assert at(silicon, 20.0).beam == silicon.beam
 
 
-def test_a_modulus_beside_the_temperature_is_that_at_the_reference(silicon):
-    assert at(silicon, 120.0, youngs_modulus=160e3).beam.youngs_modulus == pytest.approx(
-        160e3 * (1 - 63e-4), rel=1e-15
-    )
-
-
 def test_the_axis_is_the_device_with_other_values(silicon):
     asked = {"f0": [1500.0], "model": "cosines", "horizon": 0}
     along = snapmap.threshold(silicon, C=[25.0], temperature=[-40.0, 20.0, 120.0], **asked)
@@ -66,40 +47,6 @@ def test_the_axis_is_the_device_with_other_values(silicon):
     alone = snapmap.threshold(apart, C=[25.0 * factor], **asked)
     assert along.N_first.values[2].item() == pytest.approx(alone.N_first.item(), rel=1e-9)
     assert along.temperature.attrs["units"] == "degC"
-
-
-def test_a_device_without_coefficients_keeps_its_bits(handout):
-    assert at(handout, 120.0).beam == handout.beam
-
-
-def test_a_config_says_the_coefficients_with_units(document):
-    section = document["device"] | {
-        "thermal": {
-            "reference": "300 K",
-            "modulus": "-63e-6 /K",
-            "mismatch": "2e-6 /K",
-            "damping": 0.7,
-        }
-    }
-    device = read_device(section)
-    assert device.temperature == device.reference_temperature == pytest.approx(26.85)
-    assert (device.modulus_slope, device.damper_exponent) == (-63e-6, 0.7)
-
-
-@pytest.mark.parametrize("value", ["20", "20 um", "-300 degC", "-1 K"])
-def test_what_is_no_temperature_is_named(document, value):
-    with pytest.raises(ValueError, match="degC"):
-        read_device(document["device"] | {"thermal": {"reference": value}})
-
-
-def test_a_temperature_that_changes_nothing_is_told(document):
-    sweep = document["sweep"] | {"temperature": ["-40 degC", "300 K"]}
-    study = load_config(document | {"sweep": sweep})
-    assert study.axes["temperature"].tolist() == pytest.approx([-40.0, 26.85])
-    assert any("changes nothing without device.thermal" in line for line in doubts(study))
-    device = document["device"] | {"thermal": {"modulus": "-63e-6 /K"}}
-    warmed = load_config(document | {"sweep": sweep, "device": device})
-    assert not any("thermal" in line for line in doubts(warmed))
 
 
 @pytest.mark.parametrize("beam", [{"shape": "arc", "residual_stress": -20.0}, {"rise": 4.0}])
@@ -112,17 +59,3 @@ def test_a_second_shape_is_needed_at_the_temperature_alone(handout, beam):
     assert len(make_grid(cold, {"temperature": [120.0]}).device) == 1
     with pytest.raises(ValueError, match=r"temperature = 20 degC: device.beam: .* second stable"):
         make_grid(cold, {"temperature": [20.0, 120.0]})
-
-
-def test_a_config_of_a_device_that_snaps_when_warm_is_taken(document):
-    device = document["device"] | {"thermal": {"mismatch": "9e-6 /K"}}
-    device["beam"] = device["beam"] | {"rise": "4 um"}
-    warm = document | {
-        "device": device,
-        "sweep": document["sweep"] | {"temperature": ["120 degC"]},
-    }
-    assert load_config(warm).grid.device.beam.is_bistable.all()
-    required = {"name": "drop", "N": 1000, "f0": "1 kHz", "snaps": True}
-    for asked in ({"requirements": [required]}, {"tolerances": {"depth": "1 %"}}):
-        with pytest.raises(ConfigError, match=r"^device.beam: rise/thickness = 4 um/2 um = 2 "):
-            load_config(warm | asked)

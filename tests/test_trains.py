@@ -5,19 +5,12 @@ import math
 
 import numpy as np
 import pytest
-import yaml
 from conserving_loop import assert_followed
 
 import snapmap
-from snapmap.config.study import load_config
-from snapmap.config.yaml_file import ConfigError
-from snapmap.device import batch
 from snapmap.numerics import portable
 from snapmap.pulse import blow_at, make_pulse
-from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.search import lowest_snap
-from snapmap.solver.settings import QUESTIONS, Settings
 from snapmap.trains import GRAVITY, make_drop, make_sweep, make_train
 
 BLOW = {"shape": "half sine", "duration": 500.0}
@@ -96,15 +89,6 @@ def test_a_sweep_goes_through_as_many_octaves_in_each_second(stop):
     np.testing.assert_allclose(portable.logarithm(begins[1:]), np.log(begins[1:]), atol=1e-15)
 
 
-@pytest.mark.parametrize("apart", [1e-15, 1e-13, 1e-9, 2e-8, 1e-7])
-def test_a_sweep_to_its_own_frequency_is_a_sine(apart):
-    sine, pulse = (
-        make_sweep({"from": 1e3, "to": 1e3 * f, "duration": 1e4}) for f in (1, 1 + apart)
-    )
-    np.testing.assert_allclose(pulse.duration, sine.duration, rtol=apart + 2e-8)
-    np.testing.assert_allclose(pulse.blows, sine.blows, atol=apart + 2e-8)
-
-
 @pytest.mark.parametrize(("apart", "share"), [(1.0, 1.0), (0.5, 0.0), (1.25, 0.5**0.5)])
 def test_a_second_blow_adds_to_the_swing_of_the_mass_or_takes_it(handout, apart, share):
     """Behind a wide gap the mass is a linear oscillator: times 2 |cos(pi apart)| in periods."""
@@ -137,74 +121,7 @@ def test_blows_far_apart_with_damping_are_blows_alone(calm):
     assert "blow" not in one and alone.blow == 1
 
 
-def test_the_blow_that_snaps_is_told(calm):
-    push = train({**BLOW, "N": 0.8}, {"wait": 5000.0}, BLOW)
-    asked = {"f0": None, "C": [25.0], "model": "cosines", "horizon": 500.0, "pulse": push}
-    cube = snapmap.sweep(calm, [900.0, 1100.0, 1400.0], **asked).squeeze()
-    assert cube.blow.values.tolist() == [0, 2, 1]
-    run = snapmap.simulate(calm, 1100.0, None, 25.0, "cosines", horizon=100.0, pulse=push)
-    assert run.blow == 2
-
-
 def test_the_kernel_follows_the_plain_loop_through_a_train(handout):
     parts = {"shape": "sawtooth", "duration": 90.0}, {"wait": 60.0}, {**BLOW, "duration": 99.0}
     pulse, model = make_train(parts), build_model(handout, "cosines", modes=3)
     assert_followed(model, pulse, 700.0, 1e6 / pulse.duration, 25.0, 0.2, 1400)
-
-
-def test_steps_resolve_each_blow_however_long_the_waits(calm):
-    """Those of a blow alone, or shorter ones; a quarter of them moves no threshold by 0.1 %."""
-    model, shapes = build_model(batch([calm]), "cosines"), ("half sine", "sawtooth")
-    for shape in shapes:
-        blow = {"shape": shape, "duration": 60.0}
-        pulse = make_train([blow, {"wait": 3000.0}, blow])
-        pulses = pulse, make_pulse(shape)
-        rows = to_rows(0, [1e6 / pulse.duration], 25.0, 0, pulses)
-        f0 = [1e6 / pulse.duration, 1e6 / 60]
-        cells = to_cells(calm, 0, 900.0, f0, 25.0, 500.0, [0, 1], pulses)
-        for question in QUESTIONS:
-            many, one = model.steps.of(cells, question)
-            assert many <= one * (1 + 1e-12)
-        settings = Settings(horizon=500.0)
-        whole, quarter = (
-            lowest_snap(model.with_step(factor), rows, (800.0, 4000.0), settings).item()
-            for factor in (1.0, 0.25)
-        )
-        assert whole == pytest.approx(quarter, rel=1e-3)
-
-
-def test_a_config_asks_for_trains_in_units(root):
-    document = yaml.safe_load((root / "config" / "config.yaml").read_text(encoding="utf-8"))
-    del document["sweep"]["f0"]
-    items = [{"shape": "half sine", "N": 1, "duration": "0.5 ms"}, {"wait": "20 ms"}, {"repeat": 5}]
-    drop = {"height": "1 m", "duration": "0.5 ms", "shape": "half sine"}
-    required = {"name": "drop", "drop": drop, "snaps": True}
-    study = load_config(document | {"pulse": train(*items), "requirements": [required]})
-    assert study.axes["f0"].tolist() == pytest.approx([1e6 / 102500])
-    python = make_train([BLOW, {"wait": 20000.0}, {"repeat": 5}])
-    np.testing.assert_array_equal(study.shocks.pulse.pieces, python.pieces)
-    assert study.shocks.section()["pulse"]["train"][0]["duration"] == "500 us"
-    own_N = make_drop({"height": 1e6, **BLOW}).own_N
-    assert study.requirements[0]["N"] == own_N == pytest.approx(1418.8, rel=1e-4)
-
-
-@pytest.mark.parametrize(
-    ("pulse", "wanted"),
-    [
-        ({"train": [{"wait": "1 ms"}]}, "pulse.train: has no blow"),
-        ({"train": [{"wait": "1 ms", "repeat": 2}]}, "pulse.train[0]: "),
-        ({"train": [{"duration": "1 ms"}, {"repeat": 0}]}, "pulse.train[1].repeat: 0 is not"),
-        ({"train": [{"duration": "1 ms", "N": 0}]}, "pulse.train[0].N: 0.0 is not"),
-        ({"train": [{"duration": "1 ms"}], "shape": "half sine"}, "stands beside train"),
-        ({"train": [{"duration": "1 ms"}, *2 * [{"repeat": 1000}]]}, "pulse.train[2].repeat: "),
-        ({"drop": {"height": "1 m"}}, "pulse.drop.duration: missing"),
-        ({"drop": {"height": "1 m", "duration": "1 ms", "rebound": 0.999}}, "rebound: 0.999 is"),
-        ({"drop": {"height": "1 um", "duration": "9 ms"}}, "write a shorter duration"),
-        ({"sweep": {"from": "9 Hz", "to": "9 kHz", "duration": "1 h"}}, "write a shorter duration"),
-    ],
-)
-def test_what_is_no_train_is_said_in_one_line(root, pulse, wanted):
-    document = yaml.safe_load((root / "config" / "config.yaml").read_text(encoding="utf-8"))
-    with pytest.raises(ConfigError) as fault:
-        load_config(document | {"pulse": pulse})
-    assert wanted in str(fault.value) and "\n" not in str(fault.value)

@@ -82,23 +82,3 @@ def test_the_plan_begins_at_the_models_threshold(tmp_path):
     columns = {"N": GONOGO[0], "tripped": GONOGO[1]}
     told = [snapmap.plan_shots((600.0, 15.0), one) for one in (path, columns)]
     assert told[0] == told[1] and told[0].estimate.mean.value == pytest.approx(600.383131)
-
-
-@pytest.mark.parametrize(
-    ("shots", "line"),
-    [
-        ({"N": [1.0]}, "shots: column tripped is missing"),
-        (
-            {"N": [1.0], "tripped": ["perhaps"]},
-            "shots, row 1: tripped: 'perhaps' is not true or false",
-        ),
-        ({"N": ["1,5"], "tripped": ["yes"]}, "shots, row 1: N: '1,5' is no number above 0"),
-        (
-            {"N": [1, 2], "tripped": [0, 1], "f0": [1, 2]},
-            "shots: f0: 1.0, 2.0; plan each pulse by itself",
-        ),
-    ],
-)
-def test_shots_that_cannot_be_are_one_line(shots, line):
-    with pytest.raises(ValueError, match=line):
-        snapmap.plan_shots((1.0, 0.1), shots)

@@ -7,7 +7,6 @@ import pytest
 from conserving_loop import assert_followed, inertia
 
 import snapmap
-from snapmap.device import batch
 from snapmap.pulse import make_pulse, table
 from snapmap.solver import simd_loop
 from snapmap.solver.cells import to_cells
@@ -17,16 +16,9 @@ from snapmap.solver.kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.kernel.step import advance
 from snapmap.solver.models import build_model
-from snapmap.solver.outcome import LATCHED, RETURNED, label
-from snapmap.solver.settings import STAY, Settings
+from snapmap.solver.settings import Settings
 
 CONTACTS = (40.0, 4000.0, np.inf)
-MODELS = {
-    "3 cosines": ("cosines", {"modes": 3}),
-    "8 cosines": ("cosines", {"modes": 8}),
-    "5 elements": ("handout", {}),
-    "20 elements, 6 modes": ("elements", {"elements": 20, "modes": 6}),
-}
 
 
 def changed(device, contact, beam_damping=0.0):
@@ -59,7 +51,7 @@ def vector(found, which, modes):
 def test_each_step_solves_the_equations_of_the_scheme(handout, contact, dt):
     """With stretch, gap and all means written out from three instants, in numpy."""
     device, C = changed(handout, contact, 4e-4), 25.0
-    model = build_model(device, "cosines", modes=4)
+    model = build_model(device, "cosines", modes=5)
     modal, modes = model.modal, model.modes
     found = states(model, 1500.0, C, dt, 4000)
     heavier = inertia(modal.stiffness, dt)
@@ -107,26 +99,27 @@ DEVICES = {
 }
 
 
+def made(handout, name):
+    of_device, of_beam = DEVICES[name]
+    beam = dataclasses.replace(handout.beam, **of_beam)
+    return dataclasses.replace(handout, beam=beam, **of_device)
+
+
 @pytest.mark.parametrize(("dt", "steps"), [(0.05, 1200), (0.4, 150)])
 @pytest.mark.parametrize("name", DEVICES)
 @pytest.mark.parametrize("kind", ["cosines", "elements"])
 def test_the_kernel_follows_the_plain_loop_to_rounding(handout, kind, name, dt, steps):
-    of_device, of_beam = DEVICES[name]
-    beam = dataclasses.replace(handout.beam, **of_beam)
-    device = dataclasses.replace(handout, beam=beam, **of_device)
-    options = {"modes": 3} if kind == "cosines" else {"elements": 3, "modes": 3}
-    model = build_model(device, kind, **options)
+    model = build_model(made(handout, name), kind, modes=3)
     motion, _ = assert_followed(model, make_pulse("half sine"), 3000.0, 2e4, 25.0, dt, steps)
     assert np.ptp(motion.y) > 1 and np.ptp(motion.u, axis=0).all()
 
 
-@pytest.mark.parametrize("beam_damping", [0.0, 4e-3])
-@pytest.mark.parametrize("contact", CONTACTS)
-@pytest.mark.parametrize("name", MODELS)
-def test_energy_is_conserved_to_rounding(handout, name, contact, beam_damping):
-    """Over thousands of impacts, with and without damping, in steps a hundred times apart."""
-    device, (kind, options) = changed(handout, contact, beam_damping), MODELS[name]
-    model = build_model(device, kind, **options)
+@pytest.mark.parametrize("kind", ["cosines", "elements"])
+@pytest.mark.parametrize("name", DEVICES)
+def test_energy_is_conserved_to_rounding(handout, name, kind):
+    """Over thousands of impacts, in steps a hundred times apart."""
+    device = made(handout, name)
+    model = build_model(device, kind, modes=3)
     model = dataclasses.replace(model, barrier=model.barrier._replace(energy=0.0))
     cells = to_cells(device, 0, [880.0, 1100.0, 1500.0], 1500.0, [0.0, 0.025, 25.0], 5000.0)
     for factor in (1.0, 10.0, 100.0):
@@ -134,29 +127,11 @@ def test_energy_is_conserved_to_rounding(handout, name, contact, beam_damping):
         assert seen.energy_error.max() < 1e-11
 
 
-def test_conserving_histories_close_their_ledger(handout):
-    device = changed(handout, np.inf)
-    run = snapmap.simulate(device, N=1500.0, f0=1500.0, C=0.025, model="cosines")
-    stored = sum(
-        run[f"{kind}_energy"] for kind in ("kinetic", "spring", "bending", "axial", "contact")
-    )
-    off = stored + run.dissipated_energy - run.pulse_work
-    assert abs(off).max() < 1e-9 * stored.max() and run.contact_force.max() > 0
-
-
 def test_the_order_is_two_until_contact_opens(handout):
     """Position and speed of midpoint and mass at 300 us, pressed together by a long pulse."""
     ends = []
     for step in (0.4, 0.2, 0.1, 0.05):
-        run = snapmap.simulate(
-            handout,
-            N=800.0,
-            f0=500.0,
-            C=25.0,
-            model="cosines",
-            modes=3,
-            step=step,
-        )
+        run = snapmap.simulate(handout, 800.0, 500.0, 25.0, "cosines", modes=3, step=step)
         early = run.sel(time=slice(20, 300))
         assert (early.contact_force > 0).all()
         ends.append(
@@ -169,42 +144,10 @@ def test_the_order_is_two_until_contact_opens(handout):
 
 def test_no_contact_is_too_stiff(handout):
     """The step knows nothing of contact, and a penalty without end is hard contact."""
-    hard = build_model(changed(handout, np.inf), "cosines", modes=4)
-    stiff = build_model(changed(handout, 1e12), "cosines", modes=4)
+    hard = build_model(changed(handout, np.inf), "cosines", modes=5)
+    stiff = build_model(changed(handout, 1e12), "cosines", modes=5)
     assert hard.steps.longest == stiff.steps.longest
     cells = to_cells(handout, 0, np.linspace(700, 1900, 24), 1500.0, 25.0, 300.0)
     found = [model.follow(cells, Settings(300.0, until="snap")).t_snap for model in (hard, stiff)]
     np.testing.assert_allclose(*found, rtol=1e-6)
     assert np.isfinite(found[0]).any() and np.isnan(found[0]).any()
-
-
-def test_a_proven_beam_stays_in_its_well(handout):
-    """Followed on in the same steps for 10 ms, with hard contact."""
-    device = changed(handout, np.inf)
-    model, kept = build_model(device, "cosines", modes=3), 0
-    cells = to_cells(device, 0, np.linspace(900, 2400, 96), 3000.0, 25.0, 3000.0)
-    seen = model.follow_once(cells, Settings(3000.0))
-    outcome = label(*seen[:4], Settings().energy_tolerance)
-    dt = model.steps.of(cells, STAY)[0]
-    for i in np.flatnonzero(np.isin(outcome, (LATCHED, RETURNED)))[:8]:
-        load = (column[i] for column in cells[2:5])
-        form, motions = model.loop().record(model, make_pulse(), *load, dt, int(1e4 / dt))
-        time, w = np.hstack([(part.time, part.u @ form.midpoint) for part in motions])
-        after = w[time >= seen.t_settled[i]]
-        above = after > model.barrier.midpoint
-        assert (~above).all() if outcome[i] == LATCHED else above.all()
-        kept += 1
-    assert kept == 8
-
-
-def test_soft_and_hard_contacts_share_a_batch(handout):
-    devices = [changed(handout, contact) for contact in (40.0, np.inf, 4000.0, 60.0)]
-    model = build_model(batch(devices), "elements", modes=6)
-    cells = to_cells(model.device, np.arange(4), 1300.0, 1500.0, 25.0, 300.0)
-    together = model.follow(cells, Settings(300.0))
-    for i, device in enumerate(devices):
-        alone = build_model(device, "elements", modes=6)
-        assert model.pick(i).steps.longest == alone.steps.longest
-        own = alone.follow(to_cells(device, [0], 1300.0, 1500.0, 25.0, 300.0), Settings(300.0))
-        for mixed, single in zip(together[:6], own[:6], strict=True):
-            np.testing.assert_array_equal(mixed[i : i + 1], single)

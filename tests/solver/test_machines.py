@@ -43,16 +43,15 @@ for name in names or products:
     write(product, folder / "product.nc")
     print(name, hashlib.sha256((folder / "product.nc").read_bytes()).hexdigest())
 """
-WITHOUT = {
-    "BLAS for Haswell": {"OPENBLAS_CORETYPE": "Haswell"},
-    "BLAS for Zen": {"OPENBLAS_CORETYPE": "Zen"},
-    "BLAS for SkylakeX, numpy without wide vectors": {
+HASWELL = {"OPENBLAS_CORETYPE": "Haswell", "NUMBA_CPU_NAME": "haswell"}
+"""Vectors of 256 bits, in which LLVM takes its own order of instructions."""
+OTHERS = {
+    "any with FMA": {"OPENBLAS_CORETYPE": "Zen", "NUMBA_CPU_NAME": "x86-64-v3"},
+    "no wide vectors": {
         "OPENBLAS_CORETYPE": "SkylakeX",
         "NPY_DISABLE_CPU_FEATURES": "X86_V4 X86_V3",
     },
 }
-KERNELS = "cosines", "handout", "reference"
-COMPILED = {"for Haswell": "haswell", "for all with FMA": "x86-64-v3"}
 
 
 def compute(root, folder, processor, *names):
@@ -64,27 +63,15 @@ def compute(root, folder, processor, *names):
     return dict(line.split() for line in run.stdout.splitlines())
 
 
-@pytest.fixture(scope="module")
-def here(root, tmp_path_factory):
-    """As this machine computes them by itself, with vectors of 512 bits where it has them."""
-    found = compute(root, tmp_path_factory.mktemp("here"), {})
-    assert len(found) == 6
-    return found
+def test_another_processor_changes_no_bit(root, tmp_path):
+    """Its kernels are compiled afresh; here they may come from the cache."""
+    cache, names = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}, ("cosines", "reference", "quality")
+    found = compute(root, tmp_path, HASWELL | cache, *names)
+    assert found == compute(root, tmp_path, {}, *names)
 
 
-@pytest.mark.parametrize("processor", WITHOUT)
-def test_libraries_for_another_processor_change_no_bit(root, tmp_path, here, processor):
-    assert compute(root, tmp_path, WITHOUT[processor]) == here
-
-
-@pytest.mark.parametrize(
-    "processor", ["for Haswell", pytest.param("for all with FMA", marks=pytest.mark.long)]
-)
-def test_kernels_for_another_processor_change_no_bit(root, tmp_path, here, processor):
-    """Both have vectors of 256 bits, and each takes its own order of instructions.
-
-    They are compiled afresh; where the others find theirs in the cache, that is compared as well.
-    """
-    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
-    found = compute(root, tmp_path, {"NUMBA_CPU_NAME": COMPILED[processor]} | cache, *KERNELS)
-    assert found == {name: here[name] for name in KERNELS}
+@pytest.mark.long
+@pytest.mark.parametrize("processor", OTHERS)
+def test_no_product_changes_a_bit(root, tmp_path, processor):
+    cache, here = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}, compute(root, tmp_path, {})
+    assert len(here) == 6 and compute(root, tmp_path, OTHERS[processor] | cache) == here

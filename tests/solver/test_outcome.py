@@ -4,7 +4,6 @@ import dataclasses
 
 import numpy as np
 import pytest
-import xarray as xr
 
 import snapmap
 from snapmap.device import batch
@@ -22,8 +21,7 @@ from snapmap.solver.outcome import (
     UNSNAPPED,
     label,
 )
-from snapmap.solver.settings import SNAP, STAY, Settings
-from snapmap.sweeps.cube import summary
+from snapmap.solver.settings import STAY, Settings
 
 PROVEN = (NEVER, LATCHED, RETURNED)
 
@@ -34,50 +32,20 @@ def with_damping(device, rate):
 
 def test_labels_say_what_was_observed():
     nan = np.nan
-    seen = np.array(
-        [
-            [nan, nan, 0, 0.0],
-            [nan, 9.0, 1, 0.0],
-            [5.0, nan, 0, 0.0],
-            [5.0, 9.0, 2, 0.0],
-            [5.0, 9.0, 1, 0.0],
-            [5.0, 9.0, 2, 0.1],
-            [nan, nan, 0, nan],
-            [nan, 9.0, 1, np.inf],
-        ]
-    )
+    t_snap = [nan, nan, 5, 5, 5, 5, nan, nan]
+    t_settled, well = [nan, 9, nan, 9, 9, 9, nan, 9], [0, 1, 0, 2, 1, 2, 0, 1]
+    seen = np.array([t_snap, t_settled, well, [0, 0, 0, 0, 0, 0.1, nan, np.inf]])
     expected = [UNSNAPPED, NEVER, SNAPPED, LATCHED, RETURNED, FAILED, FAILED, FAILED]
-    assert label(*seen.T, 1e-3).tolist() == expected
+    assert label(*seen, 1e-3).tolist() == expected
     assert OUTCOMES[LATCHED] == "latched"
-
-
-def test_the_barrier_of_two_and_more_cosines_is_the_exact_saddle(handout):
-    for modes in (2, 3, 4, 8):
-        barrier = build_model(handout, "cosines", modes=modes).barrier
-        assert barrier.energy == pytest.approx(486.805, abs=1e-3)
-        assert barrier.midpoint == pytest.approx(-4 / 3 * handout.beam.rise)
 
 
 def test_a_models_barrier_is_its_own(handout):
     one = build_model(handout, "cosines", modes=1).barrier
     assert one.energy == pytest.approx(1034.93, abs=0.01)
-    errors = [
-        build_model(handout, "elements", elements=n).barrier.energy / 486.8049389 - 1
-        for n in (5, 10)
-    ]
+    finite = (build_model(handout, "elements", elements=n).barrier.energy for n in (5, 10))
+    errors = [energy / 486.8049389 - 1 for energy in finite]
     assert 3.7 < np.log2(errors[0] / errors[1]) < 4.3
-
-
-@pytest.mark.parametrize(("rise", "midpoint"), [(4.62, None), (4.85, None), (4.95, -1.65)])
-def test_a_flat_beams_saddle_has_one_mode(handout, rise, midpoint):
-    """Mode 2 takes part only for Q > sqrt 6; then the saddle lies at -rise / 3."""
-    device = dataclasses.replace(handout, beam=dataclasses.replace(handout.beam, rise=rise))
-    barrier = build_model(device, "cosines", modes=4).barrier
-    ratio = 16 / 3 / device.beam.bistability**2
-    inner = -rise * (1 - np.sqrt(1 - ratio)) / 2
-    expected = inner if midpoint is None else midpoint
-    assert rise + barrier.midpoint == pytest.approx(expected, rel=1e-6)
-    assert barrier.energy > 0
 
 
 def random_cells(device, number, seed, C):
@@ -92,24 +60,11 @@ def follow(device, cells, horizon, model, **options):
     return seen, label(*seen[:4], Settings().energy_tolerance)
 
 
-def test_never_stays_never_ten_times_as_long_on_a_finer_mesh(handout):
-    """`never` cells 2 % below the threshold: no run of another kind sees them snap."""
-    cells = random_cells(handout, 400, 1, [0.025, 25.0, 200.0])
-    _, outcome = follow(handout, cells, 1500.0, "cosines", modes=4)
-    kept = outcome == NEVER
-    N, f0, C = (values[kept] for values in cells)
-    assert kept.sum() > 100
-    seen, _ = follow(
-        handout, (0.98 * N, f0, C), 15000.0, "elements", elements=12, modes=8, step=0.3
-    )
-    assert np.isnan(seen.t_snap).all()
-
-
 def test_latched_stays_in_well_two(handout):
     """Followed on in the same steps, the midpoint of a latched beam never rises past the saddle."""
     device = with_damping(handout, 4e-4)
     found = 0
-    model = build_model(device, "cosines", modes=4)
+    model = build_model(device, "cosines", modes=3)
     for N, f0, C in zip(*random_cells(device, 30, 2, [25.0, 200.0]), strict=True):
         cell = to_cells(device, [0], N, f0, C, 6000.0)
         dt = model.steps.of(cell, STAY).item()
@@ -127,12 +82,11 @@ def test_latched_stays_in_well_two(handout):
     assert found > 10
 
 
-@pytest.mark.parametrize("model", [("cosines", {"modes": 3}), ("handout", {})])
 @pytest.mark.parametrize("contact", [40.0, np.inf])
-def test_no_proof_from_a_run_whose_energy_error_exceeds_its_margin(handout, model, contact):
+def test_no_proof_from_a_run_whose_energy_error_exceeds_its_margin(handout, contact):
     """On purpose: the roughest steps. What is proven must be what a fine step shows."""
     device = dataclasses.replace(handout, contact=contact)
-    name, options = model
+    name, options = "cosines", {"modes": 3}
     cells = random_cells(device, 100, 3, [0.025, 25.0])
     shares = np.array([[0.98], [1.0], [1.02]])
     fine, _ = follow(device, (shares * cells[0], *cells[1:]), 3000.0, name, **options, step=0.1)
@@ -144,11 +98,6 @@ def test_no_proof_from_a_run_whose_energy_error_exceeds_its_margin(handout, mode
         assert (seen.energy_error[proven] <= Settings().energy_tolerance).all()
         never = (outcome == NEVER) & away
         assert never.sum() > 20 and nearby[1][never].all()
-    built = build_model(device, name, **options, step=1.0).with_step(1.5)
-    wild = built.follow_once(to_cells(device, 0, *cells, 3000.0), Settings(3000.0))
-    outcome = label(*wild[:4], Settings().energy_tolerance)
-    # No step is beyond its limit.
-    assert nearby[1][(outcome == NEVER) & away].all() and (outcome == NEVER).any()
 
 
 def test_no_proof_below_the_energy_that_a_run_keeps(handout):
@@ -179,53 +128,9 @@ def test_a_snap_seen_together_with_the_end_of_its_pulse_is_followed_on(root):
     assert not np.isin(to_snap.outcome, (LATCHED, RETURNED)).any()
 
 
-def test_with_a_damped_beam_everything_settles(handout):
-    device = with_damping(handout, 4e-3)
-    cells = random_cells(device, 200, 4, [25.0])
-    _, outcome = follow(device, cells, 6000.0, "cosines", modes=4)
-    assert np.isin(outcome, PROVEN).all() and LATCHED in outcome and NEVER in outcome
-
-
-def test_beam_damping_is_the_same_in_both_loops(handout):
-    device = with_damping(handout, 4e-3)
-    cell = {"N": 1000.0, "f0": 1500.0, "C": 25.0, "horizon": 500.0}
-    lanes = snapmap.simulate(device, **cell, model="handout", step=0.4)
-    plain = snapmap.simulate(device, **cell, model="reference")
-    early = np.linspace(1, 380, 200)
-    for key in ("w_mid", "dissipated_energy"):
-        np.testing.assert_allclose(
-            *(run[key].interp(time=early) for run in (lanes, plain)), atol=1e-3
-        )
-    assert lanes.dissipated_energy[-1] > 200
-
-
-SECOND = [pytest.param(model, 1e6, marks=pytest.mark.long) for model in ("handout", "cosines")]
-
-
-@pytest.mark.parametrize(("model", "duration"), [("handout", 1e5), ("cosines", 2e5), *SECOND])
-def test_the_undamped_ledger_stays_closed(handout, model, duration):
-    """Without any damping, thousands of impacts: the residual ends below 1e-3."""
-    built = build_model(handout, model)
-    built = dataclasses.replace(built, barrier=built.barrier._replace(energy=0.0))
-    cells = to_cells(handout, 0, [880.0, 1000.0, 1500.0], 1500.0, 0.0, duration)
-    assert (built.follow(cells, Settings(duration)).energy_error < 1e-3).all()
-
-
-def test_most_cells_under_the_threshold_end_with_the_pulse(handout):
-    N, f0 = np.meshgrid(np.linspace(600, 900, 30), np.geomspace(100, 1.5e3, 20))
-    cells = (N.ravel(), f0.ravel(), np.full(N.size, 0.025))
-    seen, outcome = follow(handout, cells, 1500.0, "cosines", modes=4)
-    steps = build_model(handout, "cosines", modes=4).steps
-    dt = steps.of(to_cells(handout, 0, *cells, 1500.0), SNAP)
-    early = seen.t_settled < 1e6 / f0.ravel() + BLOCK * dt  # at the first look
-    assert (outcome == NEVER).mean() > 0.9 and early.mean() > 0.7
-
-
-@pytest.mark.parametrize("model", [("cosines", {"modes": 3}), ("handout", {})])
-def test_the_well_is_where_the_recorded_beam_spends_the_last_swing(handout, model):
+def test_the_well_is_where_the_recorded_beam_spends_the_last_swing(handout):
     """Open cells: side and share against a recording of the same steps, sampled more finely."""
-    (name, options), horizon = model, 900.0
-    built = build_model(handout, name, **options)
+    built, horizon = build_model(handout, "cosines", modes=3), 900.0
     cells = to_cells(handout, 0, *random_cells(handout, 48, 7, [0.025, 25.0]), horizon)
     seen, own = built.follow_once(cells, Settings(horizon)), 2 * np.pi / handout.own_frequency
     dt = built.steps.of(cells, STAY)
@@ -242,10 +147,3 @@ def test_the_well_is_where_the_recorded_beam_spends_the_last_swing(handout, mode
         shares.append(np.mean(is_second == (seen.well[i] == 2)))
     np.testing.assert_allclose(seen.well_share[open_ones], shares, atol=0.03)
     assert min(shares) < 0.9
-
-
-def test_a_share_is_never_told_as_more_than_it_is():
-    told = {"share_proven": 0.99996, "cells_ended_elsewhere": 2, "cells_never": 25_000}
-    assert summary(xr.Dataset(attrs=told)) == (
-        "25000 cells: 99.9 % proven, 2 ended elsewhere with another step, 25000 never, 0 failed"
-    )

@@ -1,11 +1,8 @@
 """The plain loop against exact motions, convergence orders and its energy ledger."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 
-import snapmap
 from snapmap.beam.elements import hermite_elements
 from snapmap.pulse import make_pulse
 from snapmap.solver.plain_loop import follow, nodal_system
@@ -21,12 +18,6 @@ def march(device, N, f0, C, dt, duration, target=-np.inf, elements=5):
     shock = make_pulse().curve, N * device.gravity, f0
     result = follow(nodal_system(device, basis), *shock, C, target, dt, steps, history)
     return np.arange(steps) * dt, history, result
-
-
-def test_no_pulse_no_motion_to_the_last_bit(handout):
-    _, history, (t_snap, error, work) = march(handout, 0.0, 1.5e-3, 0.025, 0.027, 500.0)
-    assert not history.any()
-    assert np.isnan(t_snap) and error == 0.0 and np.isnan(work)
 
 
 def versed_sine_response(t, amplitude, f0, omega):
@@ -66,35 +57,6 @@ def test_order_two_in_the_step_before_first_separation(handout):
     assert orders == pytest.approx(2.0, abs=0.1)
 
 
-def test_the_deflection_converges_with_order_four_in_h(handout):
-    """At a fixed time, before contact can chatter."""
-    ends = []
-    for elements in (3, 6, 12):
-        _, history, _ = march(handout, 800.0, 1.5e-3, 0.025, 0.002, 250.0, elements=elements)
-        ends.append(history[-1, 2 * elements - 2])
-    assert 3.3 < np.log2((ends[0] - ends[1]) / (ends[1] - ends[2])) < 4.7
-
-
-def test_undamped_energy_stays_bounded(handout):
-    run = snapmap.simulate(
-        handout, N=1000, f0=1500.0, C=0.0, model="reference", horizon=2.0e4, step=0.5
-    )
-    stored = sum(run[key] for key in run if key.endswith("_energy"))
-    free = stored.values[run.time.values > 700.0]
-    assert abs(free - free[0]).max() < 1e-3 * free[0]
-
-
-def test_the_ledger_residual_falls_as_the_step_squared(handout):
-    errors = [march(handout, 1500.0, 1.5e-3, 25.0, dt, 200.0)[2][1] for dt in (0.02, 0.01, 0.005)]
-    assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.3)
-    assert np.log2(errors[1] / errors[2]) == pytest.approx(2.0, abs=0.3)
-
-
-def test_a_step_over_the_limit_does_not_pass_for_a_result(handout):
-    _, _, (_, error, _) = march(handout, 1000.0, 1.5e-3, 0.025, 0.05, 2000.0)
-    assert not error <= 1e-2
-
-
 def test_the_handouts_own_question(handout):
     """N = 1000 at 1500 Hz snaps; without the beam's own load, as in eq. (3), it would not."""
     dt, w2 = 0.0276, handout.beam.second_equilibrium - handout.beam.rise
@@ -107,20 +69,3 @@ def test_the_handouts_own_question(handout):
     unloaded = system._replace(load=np.zeros(9))
     t_snap, *_ = follow(unloaded, curve, 1000 * G, 1.5e-3, 0.025, w2, dt, steps, none)
     assert np.isnan(t_snap)
-
-
-def test_hrz_mass_agrees_with_consistent(handout):
-    cell = {"N": [1000.0], "f0": [1500.0], "C": [0.025], "model": "reference", "horizon": 300.0}
-    times = [
-        float(snapmap.sweep(handout, **cell, mass_matrix=kind).t_snap.squeeze())
-        for kind in ("consistent", "hrz")
-    ]
-    assert times[0] == pytest.approx(times[1], rel=1e-3)
-
-
-def test_a_stiffer_contact_lowers_the_threshold(handout):
-    """lambda = 40 N/m is no converged penalty: N = 960 snaps only against a stiffer one."""
-    cell = {"N": [960.0], "f0": [1500.0], "C": [0.025], "model": "reference", "horizon": 300.0}
-    soft = snapmap.sweep(handout, **cell)
-    stiff = snapmap.sweep(dataclasses.replace(handout, contact=400.0), **cell)
-    assert np.isnan(soft.t_snap).all() and not np.isnan(stiff.t_snap).any()

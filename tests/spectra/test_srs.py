@@ -8,7 +8,7 @@ import snapmap
 from snapmap.pulse import make_pulse
 from snapmap.solver.settings import Settings
 from snapmap.spectra.srs import BAND, check_points, frequencies, level, pulse_response, record
-from snapmap.spectra.trips import FACTORS, ends, summary
+from snapmap.spectra.trips import FACTORS, ends
 from snapmap.spectra.verdicts import check_spectra
 from snapmap.study import Study
 
@@ -50,29 +50,6 @@ def test_a_record_leaves_no_velocity_and_is_drawn_by_its_seed():
     assert first.pulse.duration != other.pulse.duration
 
 
-def test_records_of_a_spectrum_trip_a_device_by_share(handout):
-    asked = {"C": [25.0], "records": 2, "model": "cosines", "cosines": 3, "horizon": 0.0}
-    found = snapmap.srs_test(handout, [(400.0, 700.0), (4000.0, 1500.0)], **asked)
-    assert found.snaps.dims == ("C", "record", "factor")
-    share = found.snaps.mean(["C", "record"])
-    assert share[0] == 0 and share[-1] == 1 and (found.deviation < BAND).all()
-    one = found.isel(record=0, C=0)
-    drawn = record(check_points([(400.0, 700.0), (4000.0, 1500.0)]), [1, 0]).pulse
-    f0 = [1e6 / drawn.duration]
-    N = one.peak.item() * one.factor.values
-    cube = snapmap.sweep(
-        handout,
-        N,
-        f0,
-        [25.0],
-        until="snap",
-        pulse=drawn,
-        **{key: asked[key] for key in ("model", "cosines", "horizon")},
-    )
-    np.testing.assert_array_equal(cube.t_snap.notnull().squeeze(), one.snaps == 1)
-    assert "of the runs snap, none up to" in summary(found)
-
-
 def test_a_spectrum_is_held_against_the_factors_at_which_its_records_snap(handout):
     levels, model = [(400.0, 700.0), (4000.0, 1500.0)], {"name": "cosines", "cosines": 3}
     found = snapmap.srs_test(handout, levels, [25.0], records=2, horizon=0.0, model=model)
@@ -99,19 +76,3 @@ def test_ends_leave_out_what_fails():
     assert ends(snaps) == (FACTORS[4], FACTORS[5], FACTORS[6], FACTORS[8])
     assert ends(np.zeros((2, len(FACTORS)))) == (4.0, np.inf, 4.0, np.inf)
     assert ends(np.ones((2, len(FACTORS)))) == (0.0, 0.25, 0.0, 0.25)
-
-
-@pytest.mark.parametrize(
-    ("asked", "wanted"),
-    [
-        ({"srs": [(10.0, 10.0)]}, "srs: "),
-        ({"srs": [(10.0, 10.0), (100.0, -1.0)]}, "srs: "),
-        ({"srs": "much"}, "srs: 'much' is not two pairs"),
-        ({"srs": [(1.0, 10.0), (1e6, 10.0)]}, "srs: its frequencies span"),
-        ({"srs": CRASH, "records": 0}, "records: 0 is not a whole number"),
-        ({"srs": CRASH, "direction": "both"}, "direction: 'both' is not one of"),
-    ],
-)
-def test_what_is_no_spectrum_is_said_in_one_line(handout, asked, wanted):
-    with pytest.raises(ValueError, match=wanted):
-        snapmap.srs_test(handout, C=[25.0], **asked)

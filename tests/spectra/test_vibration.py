@@ -1,17 +1,14 @@
 """Random vibration: records against closed forms, rates against Poisson's and Rice's laws."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy import signal
 
 import snapmap
-from snapmap.shocks import make_shocks
 from snapmap.spectra.psd import Spectrum
-from snapmap.spectra.vibration import fit_rates, vibration_of
-from snapmap.study import Study
+from snapmap.spectra.vibration import fit_rates
 
 FLAT = [(20.0, 0.04), (2000.0, 0.04)]
 
@@ -27,24 +24,6 @@ def test_rms_is_the_integral_of_straight_lines_on_logarithmic_scales():
     assert bent.rms == pytest.approx(math.sqrt(0.01 * (80**2 - 20**2) / 40 + 0.04 * 1920))
     falling = Spectrum([(10.0, 1.0), (100.0, 0.1)])
     assert falling.rms == pytest.approx(math.sqrt(10 * math.log(10)))
-
-
-def test_a_record_has_the_rms_of_its_spectrum_and_is_normal():
-    a, _ = samples(Spectrum(FLAT), 4.0)
-    rms = Spectrum(FLAT).rms
-    # The phases leave only the lines at the ends of the band open.
-    assert a.std() == pytest.approx(rms, rel=0.02)
-    assert abs(np.mean(a**4) / rms**4 - 3) < 0.2
-
-
-def test_a_spectrum_of_one_line_is_a_sine():
-    narrow = Spectrum([(99.6, 3.0), (100.4, 3.0)])
-    a, step = samples(narrow, 1.0)
-    t = step * np.arange(a.size)
-    wave = np.column_stack([np.cos(2 * np.pi * 100 * t), np.sin(2 * np.pi * 100 * t)])
-    fitted = wave @ np.linalg.lstsq(wave[1:], a[1:])[0]
-    assert abs(a - fitted)[1:].max() < 0.01 * abs(a).max()
-    assert abs(a).max() == pytest.approx(math.sqrt(2 * 3.0), rel=0.01)
 
 
 def test_an_oscillator_answers_as_miles_and_rice_say():
@@ -87,29 +66,3 @@ def test_vibration_tells_rate_bounds_and_level(handout):
     assert (calm.snaps == 0).all()
     assert np.allclose(calm.rate_high, -math.log(0.025) / (4 * 0.2))
     assert np.allclose(calm.level, high.level, rtol=0.1)
-
-
-def test_the_pulses_of_a_study_are_of_no_account(handout):
-    plain = Study(device=handout, model={"name": "cosines", "cosines": 3})
-    both = replace(plain, shocks=make_shocks(["half sine", "sawtooth"], "both"))
-    spectrum = Spectrum([(20.0, 9.0), (2000.0, 9.0)])
-    asked = {"duration": 0.2, "records": 2, "seed": 1, "reach": 0.01}
-    found = (vibration_of(study, {"C": [25.0]}, spectrum, asked) for study in (plain, both))
-    assert next(found).identical(next(found))
-
-
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        ({"psd": [(20.0, 1.0)]}, "psd: "),
-        ({"psd": [(20.0, 1.0), (10.0, 1.0)]}, "psd: "),
-        ({"psd": [(20.0, 1.0), (30.0, -1.0)]}, "psd: "),
-        ({"duration": 0.0}, "duration: 0.0 is not a number above 0"),
-        ({"records": 0}, "records: 0"),
-        ({"reach": 1.0}, "reach: 1.0"),
-    ],
-)
-def test_what_cannot_be_is_one_line(handout, change, said):
-    asked = {"psd": FLAT, "duration": 1.0, "C": [25.0]} | change
-    with pytest.raises(ValueError, match=said):
-        snapmap.vibration(handout, **asked)

@@ -8,11 +8,10 @@ import pytest
 import snapmap
 from snapmap.beam.equilibria import static_threshold
 from snapmap.device import batch
-from snapmap.pulse import SHAPES, make_pulse, sampled
+from snapmap.pulse import make_pulse
 from snapmap.solver.bounds import least_amplitudes
-from snapmap.solver.cells import to_cells, to_rows
+from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import SNAP, Settings
 from snapmap.thresholds.islands import FOUND, NOT_FOLLOWED, NOTHING_SNAPS, first_seen
 from snapmap.thresholds.rows import tidy
 from snapmap.thresholds.surface import summary
@@ -71,17 +70,9 @@ def test_the_bound_is_that_of_the_saddle_or_of_bending(handout, tilts_out):
     assert fast == pytest.approx(speed * 0.1 / 0.5 / handout.gravity, rel=1e-5)
 
 
-def test_the_gross_area_counts_both_signs():
-    for shape in SHAPES:
-        assert make_pulse(shape).gross_area == pytest.approx(make_pulse(shape).area)
-        assert make_pulse(shape).reversed().gross_area == pytest.approx(make_pulse(shape).area)
-    swing = sampled(np.arange(5.0), np.array([0.0, 1.0, 0.0, -1.0, 0.0]))
-    assert swing.area == pytest.approx(0) and swing.gross_area == pytest.approx(0.5)
-
-
 def test_it_is_looked_down_to_the_bound():
     """By hand: a threshold below what is looked at first, none, a run that fails, one too weak."""
-    exact = np.array([[0.3], [np.inf], [5.0], [0.0]])
+    exact = np.array([[0.12], [np.inf], [5.0], [0.0]])
 
     def ask(N):
         told = np.where(exact <= N, 1.0, np.nan)
@@ -89,7 +80,7 @@ def test_it_is_looked_down_to_the_bound():
         return np.where(np.isfinite(N), told, np.nan)
 
     first, quiet = first_seen(ask, np.tile([1.0, 2.0, 4.0], (4, 1)), np.full(4, 0.1))
-    assert 0.3 <= first[0] <= 0.3 * 1.03 and np.isnan(first[1:]).all()
+    assert 0.12 <= first[0] <= 0.12 * 1.03 and np.isnan(first[1:]).all()
     assert quiet.tolist() == [False, True, False, False]
 
 
@@ -98,12 +89,6 @@ def test_it_is_looked_down_to_the_bound():
     [
         ({"spring": 0.1}, {"f0": [1000.0], "direction": "-z"}, 77.76),
         ({"spring": 0.5}, {"f0": [1000.0], "direction": "-z", "pulse": "half sine"}, 228.4),
-        pytest.param(
-            {"spring": 0.1, "gap": 30.0},
-            {"f0": [500.0], "pulse": "trapezoid"},
-            151.5,
-            marks=pytest.mark.long,
-        ),
     ],
 )
 def test_a_mass_with_a_run_up_snaps_far_below_the_statics(handout, change, asked, independent):

@@ -56,7 +56,7 @@ def static_threshold(device: Device) -> float | np.ndarray:
     midpoint N then counts the units.
     """
     if not np.ndim(device.mass):
-        return static_threshold(batch([device])).item()
+        return float(np.asarray(static_threshold(batch([device])))[0])
     N = np.empty(len(device))
     for free in np.unique(device.beam.free):
         mine = np.flatnonzero(device.beam.free == free)
@@ -73,8 +73,8 @@ def static_threshold(device: Device) -> float | np.ndarray:
         }
         N[mine] = [
             _least_without_rest(
-                BucklingModes(*(column[i] for column in modes)),
-                **{key: float(column[i]) for key, column in facts.items()},
+                BucklingModes(*(np.asarray(column)[i] for column in modes)),
+                **{key: float(np.asarray(column)[i]) for key, column in facts.items()},
             )
             for i in range(mine.size)
         ]
