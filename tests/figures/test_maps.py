@@ -296,7 +296,7 @@ def test_shocks_and_points_have_numbers_and_names_as_they_are():
     ax = snap_map(TINY, required_shocks=shocks)
     top = ax.get_ylim()[1]
     assert [(text.get_text(), *text.xy) for text in ax.texts] == [("1", 1e3, top), ("3", 400, 1000)]
-    below = ax.figure.legends[0].get_title().get_text()
+    below = ax.figure.legends[0].get_title().get_text().replace("\n", " ")
     ax = snap_map(TINY, own_points=[Point(name, 1000.0, 400.0, True)])
     assert all(text.endswith(r"\$\frac\$ of {x}") for text in (below, ax.texts[0].get_text()))
 

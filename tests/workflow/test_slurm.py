@@ -204,7 +204,7 @@ def test_a_slab_asks_for_more_the_more_there_is_to_do(monkeypatch):
         (only,) = make_plan(study.grid, study.model, study.settings).requests
         return only
 
-    one, many, longer = request("100 Hz", 2), request("100 Hz", 20000), request("10 Hz", 20000)
+    one, many, longer = request("100 Hz", 2), request("100 Hz", 200_000), request("10 Hz", 200_000)
     assert one.mem_mb < many.mem_mb == longer.mem_mb
     assert 1 <= one.runtime < many.runtime < longer.runtime
 
