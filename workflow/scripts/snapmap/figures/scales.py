@@ -101,13 +101,18 @@ def tick_values(axis: Axis, places: np.ndarray, values: np.ndarray) -> None:
     axis.set_ticks([], minor=True)
 
 
-def tick(axis: Axis, low: float, high: float, is_log: bool = True) -> None:
-    """Tick an axis between its ends at round numbers, a logarithmic one as closely as has room."""
+def tick(
+    axis: Axis, low: float, high: float, is_log: bool = True, beside: Axis | None = None
+) -> None:
+    """Tick an axis between its ends at round numbers, a logarithmic one as closely as has room.
+
+    beside: the axis that is as long, of a secondary one, which does not know its own length yet
+    """
     decades = math.log10(high / low) if is_log else 0.0
     if decades < SHORT:
         axis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 3, 5, 10]))
     else:
-        least = APART * decades / axis.get_tick_space()
+        least = APART * decades / (beside or axis).get_tick_space()
         fitting = (subs for subs in SUBS if np.diff(np.log10([*subs, 10])).min() >= least)
         axis.set_major_locator(LogLocator(subs=next(fitting, (1,))))
     axis.set_major_formatter(lambda value, _: number(value, 6))
@@ -131,7 +136,7 @@ def study_axis(ax: Axes, scale: Scale) -> None:
     if scale.values.size == 1:
         tick_values(top.xaxis, 1e3 / scale.values, 1e3 / scale.values)
     else:
-        tick(top.xaxis, *_reciprocal(ax.get_xlim()[::-1]))
+        tick(top.xaxis, *_reciprocal(ax.get_xlim()[::-1]), beside=ax.xaxis)
 
 
 def _reciprocal(values):
