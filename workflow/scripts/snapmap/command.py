@@ -98,7 +98,8 @@ def _costs(study):
         for required in study.requirements:
             rows = to_rows(0, required["f0"], C, pulses=required["shocks"].pulses)
             costs["requirements"] += survey_seconds(models, rows, study.settings)
-            costs["tolerances"] += samples(rows, scatter.samples) if scatter else 0.0
+            if scatter:
+                costs["tolerances"] += samples(rows, scatter.samples)
         if scatter:
             pulse = np.arange(len(study.grid.pulses))[:, np.newaxis, np.newaxis]
             rows = to_rows(0, f0, C[:, np.newaxis], pulse, study.grid.pulses)
