@@ -90,8 +90,9 @@ def test_the_tutorial_says_what_its_study_gives(root, tmp_path):
     """But for the data sheet, the figures and the page, which take most of the time."""
     page = (root / "docs" / "tutorial.md").read_text(encoding="utf-8")
     named = ["thresholds.csv", "cube.nc", "requirements.csv", "tolerance.nc"]
-    run = ["snakemake", "--snakefile", root / "Snakefile", "--directory", tmp_path, "--cores", "2"]
-    run += ["--configfile", root / "config" / "sensor.yaml", *(f"results/{name}" for name in named)]
+    run = ["snakemake", *(f"results/{name}" for name in named), "--cores", "2"]
+    run += ["--snakefile", root / "Snakefile", "--directory", tmp_path]
+    run += ["--configfile", root / "config" / "sensor.yaml"]
     subprocess.run(run, check=True, capture_output=True)
     logs = tmp_path / "results" / "logs"
     for rule in ("find_threshold", "collect", "check_requirements"):
