@@ -34,7 +34,7 @@ ABOVE, EARLY = 1100.0, 250.0
 STEEPER = (1, 3, 6)
 """Times the handout's rise over span, 1/60."""
 SHAPES = "arc", "parabola"
-APART = "shallow, apart from this code"
+APART = "independent shallow"
 ARCH = {
     "span": 304800.0,
     "rise": 15395.5,
@@ -43,83 +43,72 @@ ARCH = {
     "youngs_modulus": 206843.0,
     "density": 7.83e-3,
 }
-PARABOLA_ARCH = {"displacement at the largest force": 4.970, "largest force": 6.380}
-PARABOLA_ARCH |= {"displacement at the least force": 19.43, "least force": 2.250}
-"""As computed apart from this code, mm and N; of a parabola, though said of the circle."""
+PARABOLA_ARCH = {"largest force": 6.380, "least force": 2.250}
+"""As computed apart from this code, N; of a parabola, though said of the circle."""
 STEEP = {"span": 20.0, "rise": 2.0, "thickness": 0.5, "depth": 2.0, "youngs_modulus": 1000.0}
-CONTINUUM = {"symmetry breaks": 0.0709, "upper fold": 0.0768}
-CONTINUUM |= {"symmetry returns": 0.023, "lower fold": 0.021}
-PARABOLA_STEEP = dict(zip(CONTINUUM, (0.0767, 0.0842, 0.0243, 0.0220), strict=True))
-CLOSED = {5: (386.1, 318.6), 6: (389.665, 326.853), 8: (393.146, 336.005)}
-CLOSED |= {12: (395.596, 343.351), 20: (396.839, 347.465)}
+CONTINUUM = {"symmetry breaks": 0.0709, "upper fold": 0.0768, "lower fold": 0.021}
+PARABOLA_STEEP = dict(zip(CONTINUUM, (0.0767, 0.0842, 0.0220), strict=True))
+CLOSED = {5: (386.1, 318.6), 20: (396.839, 347.465)}
 """Static tilt, and energy bound of a force applied at once, in EI rise/L^3, by Q."""
 TEXT = """\
 # Other codes, and closed forms with all modes
 
-What the shallow equations cost against a geometrically exact beam, and against published values.
-One command prints this page:
+What the shallow equations cost, against a geometrically exact beam and published values:
 
     ./run python -m studies peers > docs/peers.md
 
-The exact beam is OpenSeesPy's (corotational elements, elastic, without shear), of the group `bench`
-of `pyproject.toml`; its licence is free for research, education and internal use. Its numbers are
-extrapolated in the element size as $h^2$ from the finest two of three meshes; "mesh" is the
-difference to the same from the coarser two. Where a path branches, imperfections of 1e-3 and 1e-4
-of the rise lead it, and corners are extrapolated by the 2/3 power (Koiter).
+The exact beam is OpenSeesPy's (corotational elements, without shear), of the group `bench` of
+`pyproject.toml`; its licence is free for research, education and internal use. Its numbers are
+extrapolated as $h^2$ from the finest two of three meshes, ± the relative difference to the
+coarser two. Imperfections of 1e-3 and 1e-4 of the rise lead paths that branch, and corners are
+extrapolated by the 2/3 power (Koiter).
 
-## A clamped arch that laboratories have measured
+## A measured clamped arch
 
-Chandra et al. (Comput. Mech. 55, 2015, 1041): circular, span 304.8 mm, rise 15.3955 mm, rise/span
-0.05, $Q$ = 25; N and mm. The published example has 20 elements and a crown force that grows by 1
-N/s.
+Chandra et al. (Comput. Mech. 55, 2015, 1041): circular, span 304.8 mm, rise 15.3955 mm, $Q$ = 25;
+N. The published example has 20 elements; the crown force grows by 1 N/s.
 
 {arch}
 
-The published number is reproduced with its mesh. But 20 elements are 1.9 % above the limit of fine
-meshes, and the force grows by 0.6 % while the arch snaps: 6.43 N is not exact to 1 %, and a shallow
-6.380 N (of a parabola) is 0.8 % from it by chance. At rise/span 0.05 the shallow forces are 0.7 and
-2.6 % too high for the circle, 1.6 and 1.2 % for the parabola.
+The published number is reproduced with its mesh. But 20 elements are 1.9 % above fine meshes, and
+the force grows by 0.6 % while the arch snaps: 6.43 N is not exact to 1 %, and a parabola's 6.380 N
+is near it by chance.
 
 ## The handout's device
 
-Rise/span 1/60, a cosine, guided. Forces on the midpoint in $EI\\delta/L^3$. The shock is a versed
-sine of f0 = {f0:g} Hz, with C = {C:g} uN us/um and the penalty contact. It enters as forces, as
-OpenSees' `UniformExcitation` counts the mass of elements with `-cMass` twice. The time step is
-{step:g} us; half of it moves the threshold on {shaken} elements by {halved}, and a motion has a
-quarter of it.
+Rise/span 1/60, a cosine, guided; forces on the midpoint in $EI\\delta/L^3$. The shock is a versed
+sine of f0 = {f0:g} Hz, with C = {C:g} uN us/um and the penalty contact. The time step is
+{step:g} us (half of it moves the threshold on {shaken} elements by {halved}).
 
 {handout}
 
-Paths differ most near their corners; motions before the saddle, where their swings are not in
-phase.
+Paths differ most near their corners; motions before the saddle, where swings are not in phase.
 
 ## What the shallow theory costs
 
 The handout's device with rise and thickness 1, 3 and 6 times as large, and mass, spring, contact,
-C, f0 and N scaled so that the shallow equations are the same. Ours over theirs, less 1.
+C, f0 and N scaled to the same shallow equations. Ours over theirs, less 1.
 
 {costs}
 
 The cost grows with the square of rise/span. At the steepest, forces are {forces} % and thresholds
-{thresholds} % too high times that square; above 1/20 a run reports it by these numbers.
+{thresholds} % too high times that square; above 1/20 a run reports it.
 
 ## A steep arch in 3-D continuum
 
 Public tutorial (Ferrite.jl with BifurcationKit): circular, span 20, rise 2, thickness 0.5, width 2,
-E = 1000, Poisson's ratio 0.3, uniform dead load p per area; here a uniform load in the modal form,
-in OpenSees the load per length of the arch as made.
+E = 1000, Poisson's ratio 0.3, dead load per area; ours uniform, OpenSees' per length of the arch.
 
 {steep}
 
 Ours are above OpenSees' by the cost of the shallow equations at 1/10: 3 to 13 % for the circle, 8
-to 9 % for the parabola. Of the published lower fold, two digits (2.4 %), 1.2 % remain open: a beam
-without shear and Poisson's ratio is compared with a continuum at span/thickness 40.
+to 9 % for the parabola. Of the published lower fold's 3.5 %, two digits explain 2.4; the rest is a
+beam without shear and Poisson's ratio beside a continuum at span/thickness 40.
 
 ## Closed forms, all modes
 
-A force on the midpoint of a clamped beam that is free to tilt, in $EI\\delta/L^3$, computed without
-this code. The energy bound is a lower bound of the force that, applied at once and kept, snaps the
-beam.
+A force on the midpoint of a clamped beam free to tilt, in $EI\\delta/L^3$, computed without this
+code. Applied at once and kept, it snaps the beam at no less than the energy bound.
 
 {closed}
 """
@@ -163,11 +152,11 @@ def _percent(theirs, ours):
 
 
 def _mesh(apart):
-    return f"OpenSees, mesh {apart:.0e}"
+    return f"OpenSees ±{apart:.0e}"
 
 
 def arch(device):
-    """The clamped arch of Chandra et al., in N and mm."""
+    """The clamped arch of Chandra et al., in N."""
     beam = replace(device.beam, **ARCH)
     for n in (20, ELEMENTS[1]):
         grown = opensees.Arch(beam, opensees.arc, n).growing_force(1.0, 1e3)
@@ -179,11 +168,10 @@ def arch(device):
         path = statics(replace(device, beam=replace(beam, shape=shape))).isel(branch=0)
         found[shape] = folds(path.displacement.values, path.force.values)
     for which, (name, apart) in enumerate(PARABOLA_ARCH.items()):
-        unit = (1e3, 1e6)[which % 2]
         for what, values in found.items():
-            ours, known = values[which] / unit, theirs[which] / unit
+            ours, known = values[which] / 1e6, theirs[which] / 1e6
             yield row(f"{name}, {what}", _mesh(mesh[which]), known, ours)
-        yield row(f"{name}, parabola", APART, apart, found["parabola"][which] / unit)
+        yield row(f"{name}, parabola", APART, apart, ours)  # the last shape
 
 
 def slow(device):
@@ -194,7 +182,7 @@ def slow(device):
     x = np.linspace(0, FAR, opensees.STEPS + 1)
     ours = np.interp(x * beam.rise, path.displacement, path.force) / unit
     paths = {n: [follow(beam, opensees.cosine, n, FAR, bent=b) for b in BENT] for n in ELEMENTS}
-    corners = [unbent(*(folds(*one)[1::2] for one in paths[n])) / unit for n in ELEMENTS]
+    corners = [unbent(*(folds(*one) for one in paths[n])) / unit for n in ELEMENTS]
     theirs, mesh = limit(corners)
     yield "largest force", _mesh(mesh[0]), theirs[0], _largest(path) / unit, 5
     yield "least force", _mesh(mesh[1]), theirs[1], _least(path) / unit, 5
@@ -264,17 +252,15 @@ def steep(device):
         path = follow(beam, opensees.arc, n, 1.4, uniform=True, whole=bent > 0, bent=bent)
         return folds(*path) / beam.depth
 
-    symmetric, mesh = limit([folded(n)[1::2] for n in ELEMENTS])
-    tilted, tilt_mesh = limit([unbent(*(folded(n, b) for b in BENT))[1] for n in ELEMENTS])
-    exact = {"symmetry breaks": (tilted, tilt_mesh), "upper fold": (symmetric[0], mesh[0])}
-    exact["lower fold"] = symmetric[1], mesh[1]
-    for name, (theirs, _) in exact.items():
+    symmetric, mesh = limit([folded(n) for n in ELEMENTS])
+    tilted, tilt_mesh = limit([unbent(*(folded(n, b) for b in BENT))[0] for n in ELEMENTS])
+    exact = {"symmetry breaks": (_mesh(tilt_mesh), tilted)}
+    exact["upper fold"], exact["lower fold"] = zip(map(_mesh, mesh), symmetric, strict=True)
+    for name, (_, theirs) in exact.items():
         yield row(f"{name}, OpenSees here", "published", CONTINUUM[name], theirs, 4)
     for shape in SHAPES:
         for name, ours in uniform(replace(beam, shape=shape)).items():
-            yield row(f"{name}, {shape}", "published", CONTINUUM[name], ours, 4)
-            if name in exact:
-                yield row(f"{name}, {shape}", _mesh(exact[name][1]), exact[name][0], ours, 4)
+            yield row(f"{name}, {shape}", *exact[name], ours, 4)
             if shape == "parabola":
                 yield row(f"{name}, {shape}", APART, PARABOLA_STEEP[name], ours, 4)
 
@@ -288,7 +274,7 @@ def uniform(beam):
     tilt = antisymmetric_loads(1) ** 2 * beam.stiffness_unit * beam.span
     per_area = beam.mass_per_length / beam.depth
     turns, branch = (np.array(roots(modes, at, *loaded(at))) * per_area for at in (N, tilt))
-    found = branch.max(), turns.max(), branch.min(), turns.min()
+    found = branch.max(), turns.max(), turns.min()
     return dict(zip(CONTINUUM, map(float, found), strict=True))
 
 
@@ -300,7 +286,7 @@ def closed(device):
         straight = path.isel(point=slice(POINTS, 2 * POINTS))
         left = straight.energy - straight.force * straight.displacement
         ours = np.roots(np.polyfit(straight.force, left, 2)).min()
-        yield row(f"applied at once, energy bound, Q = {Q}", "closed form", bound, ours)
+        yield row(f"energy bound, Q = {Q}", "closed form", bound, ours)
     ours = _least(tilting(device, 6))
     yield row("least force of the tilted path, Q = 6", "closed form", -1.042, ours, 4)
     ours = brentq(lambda Q: _least(tilting(device, Q)), 5.2, 6)
@@ -344,16 +330,16 @@ def limit(values):
 
 
 def folds(x, force):
-    """The first maximum of a path, and the minimum after it: place, force, place, force."""
+    """Forces of the first maximum of a path, and of the minimum after it."""
     rises = np.diff(force) > 0
     top = np.argmin(rises)
     bottom = top + np.argmax(rises[top:])
-    return np.array([*_vertex(x, force, top), *_vertex(x, force, bottom)])
+    return np.array([_vertex(x, force, top), _vertex(x, force, bottom)])
 
 
 def _vertex(x, y, i):
     a, b, _ = np.polyfit(x[i - 1 : i + 2] - x[i], y[i - 1 : i + 2], 2)
-    return x[i] - b / (2 * a), y[i] - b * b / (4 * a)
+    return y[i] - b * b / (4 * a)
 
 
 if __name__ == "__main__":
