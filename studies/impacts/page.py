@@ -2,7 +2,7 @@
 
 TEXT = r"""# A benchmark: ensembles of small systems with impacts
 
-Five problems with known answers, for solvers of thousands of small stiff systems with impacts:
+Five problems with known answers for solvers of thousands of small, stiff systems with impacts:
 
     ./run python -m studies impacts > docs/impacts.md
 
@@ -40,8 +40,8 @@ The first and the last trajectory of each:
 ## Results
 
 {machine}, one thread; {versions}.
-CPU time, compiled beforehand, the median of {rounds} rounds in turns. **Only ratios
-count**: rates do not carry over to another machine.
+CPU time when compiled, the median of {rounds} rounds in turns. **Only ratios
+count**: rates do not carry to another machine.
 
 Trajectories per second, *loose* and *tight*: within 1e-3 and 1e-6 of the answer for all but 5 % of
 them, as those near grazing have no bounded error; of the labels, all but one in a hundred, and all.
