@@ -46,29 +46,27 @@ ARCH = {
 PARABOLA_ARCH = {"largest force": 6.380, "least force": 2.250}
 """As computed apart from this code, N; of a parabola, though said of the circle."""
 STEEP = {"span": 20.0, "rise": 2.0, "thickness": 0.5, "depth": 2.0, "youngs_modulus": 1000.0}
-CONTINUUM = {"symmetry breaks": 0.0709, "upper fold": 0.0768}
-CONTINUUM |= {"symmetry returns": 0.023, "lower fold": 0.021}
-PARABOLA_STEEP = dict(zip(CONTINUUM, (0.0767, 0.0842, 0.0243, 0.0220), strict=True))
-CLOSED = {5: (386.1, 318.6), 8: (393.146, 336.005), 20: (396.839, 347.465)}
+CONTINUUM = {"symmetry breaks": 0.0709, "upper fold": 0.0768, "lower fold": 0.021}
+PARABOLA_STEEP = dict(zip(CONTINUUM, (0.0767, 0.0842, 0.0220), strict=True))
+CLOSED = {5: (386.1, 318.6), 20: (396.839, 347.465)}
 """Static tilt, and energy bound of a force applied at once, in EI rise/L^3, by Q."""
 TEXT = """\
 # Other codes, and closed forms with all modes
 
-What the shallow equations cost, against a geometrically exact beam and published values. One
-command prints this page:
+What the shallow equations cost, against a geometrically exact beam and published values:
 
     ./run python -m studies peers > docs/peers.md
 
 The exact beam is OpenSeesPy's (corotational elements, without shear), of the group `bench` of
 `pyproject.toml`; its licence is free for research, education and internal use. Its numbers are
-extrapolated as $h^2$ from the finest two of three meshes; "mesh" is the difference to the coarser
-two. Where a path branches, imperfections of 1e-3 and 1e-4 of the rise lead it, and corners are
+extrapolated as $h^2$ from the finest two of three meshes, ± the relative difference to the
+coarser two. Imperfections of 1e-3 and 1e-4 of the rise lead paths that branch, and corners are
 extrapolated by the 2/3 power (Koiter).
 
-## A clamped arch that laboratories have measured
+## A measured clamped arch
 
-Chandra et al. (Comput. Mech. 55, 2015, 1041): circular, span 304.8 mm, rise/span 0.05, $Q$ = 25; in
-N. The published example has 20 elements and a crown force that grows by 1 N/s.
+Chandra et al. (Comput. Mech. 55, 2015, 1041): circular, span 304.8 mm, rise 15.3955 mm, $Q$ = 25;
+N. The published example has 20 elements; the crown force grows by 1 N/s.
 
 {arch}
 
@@ -79,10 +77,8 @@ is near it by chance.
 ## The handout's device
 
 Rise/span 1/60, a cosine, guided; forces on the midpoint in $EI\\delta/L^3$. The shock is a versed
-sine of f0 = {f0:g} Hz, with C = {C:g} uN us/um and the penalty contact, applied as forces:
-OpenSees' `UniformExcitation` counts the mass of elements with `-cMass` twice. The time step is
-{step:g} us, half of which moves the threshold on {shaken} elements by {halved}; for motions, a
-quarter of it.
+sine of f0 = {f0:g} Hz, with C = {C:g} uN us/um and the penalty contact. The time step is
+{step:g} us (half of it moves the threshold on {shaken} elements by {halved}).
 
 {handout}
 
@@ -91,18 +87,17 @@ Paths differ most near their corners; motions before the saddle, where swings ar
 ## What the shallow theory costs
 
 The handout's device with rise and thickness 1, 3 and 6 times as large, and mass, spring, contact,
-C, f0 and N scaled so that the shallow equations are the same. Ours over theirs, less 1.
+C, f0 and N scaled to the same shallow equations. Ours over theirs, less 1.
 
 {costs}
 
 The cost grows with the square of rise/span. At the steepest, forces are {forces} % and thresholds
-{thresholds} % too high times that square; above 1/20 a run reports it by these numbers.
+{thresholds} % too high times that square; above 1/20 a run reports it.
 
 ## A steep arch in 3-D continuum
 
 Public tutorial (Ferrite.jl with BifurcationKit): circular, span 20, rise 2, thickness 0.5, width 2,
-E = 1000, Poisson's ratio 0.3, dead load per area; here a uniform load in the modal form, in
-OpenSees per length of the arch as made.
+E = 1000, Poisson's ratio 0.3, dead load per area; ours uniform, OpenSees' per length of the arch.
 
 {steep}
 
@@ -157,7 +152,7 @@ def _percent(theirs, ours):
 
 
 def _mesh(apart):
-    return f"OpenSees, mesh {apart:.0e}"
+    return f"OpenSees ±{apart:.0e}"
 
 
 def arch(device):
@@ -265,8 +260,7 @@ def steep(device):
         yield row(f"{name}, OpenSees here", "published", CONTINUUM[name], theirs, 4)
     for shape in SHAPES:
         for name, ours in uniform(replace(beam, shape=shape)).items():
-            source, theirs = exact.get(name, ("published", CONTINUUM[name]))
-            yield row(f"{name}, {shape}", source, theirs, ours, 4)
+            yield row(f"{name}, {shape}", *exact[name], ours, 4)
             if shape == "parabola":
                 yield row(f"{name}, {shape}", APART, PARABOLA_STEEP[name], ours, 4)
 
@@ -280,7 +274,7 @@ def uniform(beam):
     tilt = antisymmetric_loads(1) ** 2 * beam.stiffness_unit * beam.span
     per_area = beam.mass_per_length / beam.depth
     turns, branch = (np.array(roots(modes, at, *loaded(at))) * per_area for at in (N, tilt))
-    found = branch.max(), turns.max(), branch.min(), turns.min()
+    found = branch.max(), turns.max(), turns.min()
     return dict(zip(CONTINUUM, map(float, found), strict=True))
 
 
@@ -292,7 +286,7 @@ def closed(device):
         straight = path.isel(point=slice(POINTS, 2 * POINTS))
         left = straight.energy - straight.force * straight.displacement
         ours = np.roots(np.polyfit(straight.force, left, 2)).min()
-        yield row(f"applied at once, energy bound, Q = {Q}", "closed form", bound, ours)
+        yield row(f"energy bound, Q = {Q}", "closed form", bound, ours)
     ours = _least(tilting(device, 6))
     yield row("least force of the tilted path, Q = 6", "closed form", -1.042, ours, 4)
     ours = brentq(lambda Q: _least(tilting(device, Q)), 5.2, 6)

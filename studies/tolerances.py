@@ -12,7 +12,7 @@ from .common import ROOT, few
 SCATTERS = {"thickness": 0.05, "rise": {"uniform": 0.2}, "youngs_modulus": "5 %"}
 SCATTERS |= {"mass": "1 %", "spring": "3 %", "N": "2 %"}
 """um, or shares; half a width where it is uniform."""
-F0, C = [500.0, 1500.0, 5000.0, 15000.0], [25.0]
+F0, C = [500.0, 1500.0, 15000.0], [25.0]
 THREADS = 2
 
 
