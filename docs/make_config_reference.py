@@ -54,7 +54,7 @@ MODELS = {
 }
 
 OF_VALUES = {
-    "sweep": "a list or a range of values (`[-5 MPa, 0 MPa, 5 MPa]`) | the device's own",
+    "sweep": "values (`[-5 MPa, 0 MPa, 5 MPa]`) | the device's own",
     "tolerances": "a standard deviation, as a value or a share, or a mapping of its kind to its "
     "width (`0.05 um`, `5 %`, `{uniform: 0.2 um}`) | no scatter",
     "calibration.unknowns": "a pair of values: its range (`[1.7 um, 2.3 um]`) | it is known",
@@ -95,11 +95,11 @@ comes from the models that read it, by
 
     ./run python docs/make_config_reference.py
 
-A physical value is text: a number and a unit, such as `600 um` or `2330 kg/m^3`; any unit of its
-dimension fits. Converted to µm, ng and µs, frequencies to Hz, it must be from {least:g} to
-{most:g}, or 0 where 0 fits. Unknown keys are refused. Each mistake is reported in one line before
-any job starts: the key, the value, and what would be right. `snapmap check FILE` reports them
-without a run.
+A physical value is text: a number and any unit of its dimension, as in `2330 kg/m^3`. In µm, ng,
+µs and Hz it must be from {least:g} to {most:g}, or 0 where 0 fits. Each mistake, also an unknown
+key, is reported in one line before any job starts: the key, the value, and what would be right.
+`snapmap check FILE` reports them without a run. Examples are in brackets; an axis is a list or a
+[range](#an-axis-given-as-a-range).
 
 {sections}
 
@@ -108,25 +108,26 @@ without a run.
 Refused are more than {cells:,} cells; more than {dampings} values of C, as each gets a job; and
 more than {hours:g} core hours, should every cell run to the horizon.
 
-No value is evaluated or reaches a shell. But Snakemake itself evaluates the expressions of a config
-that has `__use_yte__: true`, before such a file can be refused: look for this line in a config of
-somebody else.
+No value is evaluated or reaches a shell. But Snakemake evaluates the expressions of a config with
+`__use_yte__: true` before it can be refused: look for this line in somebody else's config.
 
 ## Values of the device as axes
 
-Any value of the device may be under `sweep`, in place of the device's own. The axes of all products
-are these, in the order of the config, then `shape`, `direction`, C, f0 and N.
+Values of the device under `sweep` are axes of all products, in the order of the config, followed by
+`shape`, `direction`, C, f0 and N.
 
 ```yaml
 {two_axes}```
 
-A point whose beam has no second stable shape is refused before any job starts;
-`not_bistable: skip` marks its cells `absent` instead. Several devices, by name, are the first axis;
-what they share is written once:
+A point whose beam has no second stable shape is refused; `not_bistable: skip` marks its cells
+`absent` instead. Several devices, by name, are the first axis:
 
 ```yaml
 {devices}```
 """
+
+PLACES = "a list or a range {from, to, points, spacing}, each "
+"""What the page says once, for all axes."""
 
 
 def reference() -> str:
@@ -147,22 +148,28 @@ def reference() -> str:
 
 
 def _sections():
-    """Tables of keys; the device's values are one row, and so are rows of an earlier section."""
+    """Tables of keys; a row for the device's values, those of an earlier section, those alike."""
     before, of_sweep = set(), []
     for name, section in SECTIONS.items():
         title = f"`{name}`" if name and " " not in name else name.capitalize() or "All sections"
-        lines = [f"## {title}", "", cleandoc(section.__doc__), ""]
-        lines += ["| key | what, such as | if left out |", "|---|---|---|"]
+        first, _, more = cleandoc(section.__doc__).partition("\n\n")
+        lines = [f"## {title}", "", *([more, ""] if more else [first, ""] * ("`" not in title))]
+        lines += ["| key | what | default |", "|---|---|---|"]
         keys = {field.alias or key: field for key, field in section.model_fields.items()}
         values = [key for key in keys if key in VALUES] if name in OF_VALUES else []
-        again = []
+        again, rows = [], {}
         for key in [key for key in keys if key not in values]:
             shown = keys[key].json_schema_extra
-            what = keys[key].description + f" (`{shown['example']}`)" * bool(shown["example"])
-            row = f"| `{key}` | {what} | {shown['left_out']} |"
-            again += [key] if row in before else []
-            lines += [] if row in before else [row]
-            before.add(row)
+            row = keys[key].description.replace(PLACES, ""), shown["left_out"]
+            if (key, *row) in before:
+                again.append(key)
+            else:
+                rows.setdefault(row, {})[key] = shown["example"]
+            before.add((key, *row))
+        for (what, left_out), of in rows.items():
+            examples = _listed(filter(None, dict.fromkeys(of.values())))
+            what += f" ({examples})" * bool(examples)
+            lines.append(f"| {_listed(of)} | {what} | {left_out} |")
         lines += [f"| {_listed(again)} | as above | |"] if again else []
         of_sweep = of_sweep or values
         if values:

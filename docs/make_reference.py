@@ -19,8 +19,10 @@ from snapmap.solver.settings import Settings
 PAGE = """\
 # The functions, one by one
 
-Units are µm, ng and µs, so µN, MPa and pJ; frequencies are in Hz, N in multiples of g.
-[Recipes](recipes.md) show them at work. This page comes from the docstrings, by
+Units are µm, ng and µs, so µN, MPa and pJ; frequencies are in Hz, N in multiples of g, C in
+uN us/um. `model` is a name, or the config's model section; a `device` that may be a mapping is one,
+or several by name, as an axis. [Recipes](recipes.md) show them at work. This page comes from the
+docstrings, by
 
     ./run python docs/make_reference.py
 
@@ -29,8 +31,8 @@ Units are µm, ng and µs, so µN, MPa and pJ; frequencies are in Hz, N in multi
 ## The cube
 
 Its dimensions are the axes of the device, in the order of the config, `shape` and `direction` if
-there are several, then C (uN us/um), f0 (Hz) and N (multiples of g). Each slice is, bit for bit,
-what that device gives alone. A cell *snaps* when the midpoint first reaches the second equilibrium.
+there are several, then C, f0 and N. Each slice is, bit for bit, what that device gives alone. A
+cell *snaps* when the midpoint first reaches the second equilibrium.
 
 | `outcome` | means | known by |
 |---|---|---|
@@ -44,18 +46,18 @@ what that device gives alone. A cell *snaps* when the midpoint first reaches the
 | other variables | what |
 |---|---|
 | `t_snap`, `t_settled` | times of the snap and of the proof; us after the pulse's start, NaN if \
-there is none; the attribute `label_distance`: how far, relative, from a well-posed threshold a \
-label can be wrong ([accuracy](accuracy.md)) |
-| `blow` | of a train, a drop or a sweep: number of the blow that snaps, from 1; else 0 |
-| `well`, `well_share` | side of the saddle on which the beam ends, and the share of the mass's \
-last swing spent there: 1 where it is proven; 0 and NaN of `reference`; not with `until: snap` |
+there is none; attribute `label_distance`: how far from a threshold, relative, a label can be \
+wrong ([accuracy](accuracy.md)) |
+| `blow` | of a train, drop or sweep: number of the blow that snaps, from 1; else 0 |
+| `well`, `well_share` | side of the saddle on which the beam ends, and share of the mass's last \
+swing there: 1 where proven; 0 and NaN of `reference`; not with `until: snap` |
 | `energy_error` | residual of the energy ledger over the gross work of the pulse |
 | `pulse_work` | work of the whole pulse on mass and beam, pJ; NaN where the run ended before |
 | `halvings` | how often the step was halved until the ledger closed |
-| `reproduced`, `well_reproduced` | 1 if a run with another step had the same outcome, and 1 if it \
-ended on the same side; else the maps of ends are hatched |
+| `reproduced`, `well_reproduced` | 1 if a run with another step had the same outcome; ended on \
+the same side |
 | `work_error`, `t_snap_error` | indicators, no bounds: differences to that run, of the work (over \
-the larger of both) and of the time of snap (us); a history has both as attributes |
+the larger of both) and of the time of snap (us) |
 | `level`, `agreed` | of `auto`: the level that decided, 0 or 1, and whether levels agreed |
 
 Attributes hold the config, the versions of code and packages, and the shares of proven and open
@@ -77,6 +79,12 @@ RETURNED = {
         if key not in ("", "time")
     ),
 }
+ALWAYS = {
+    "device: one, or several by name, as an axis",
+    "model: name, or the config's model section",
+    "C: uN us/um",
+}
+"""Lines of docstrings that the page says once."""
 MODULES = re.compile(r"\b(?:[a-z_]\w*\.)+(?=[A-Z])")
 
 
@@ -127,7 +135,8 @@ def _paragraphs(text: str, names: Collection[str]) -> Iterator[str]:
     for is_entry, group in groupby(lines, key=lambda line: bool(re.match(entry, line))):
         if is_entry:
             items = [item for line in group for item in re.split(f"; (?={entry})", line)]
-            yield "\n".join(f"- {_code_in_head(item, names)}" for item in items)
+            shown = [item for item in items if item not in ALWAYS]
+            yield "\n".join(f"- {_code_in_head(item, names)}" for item in shown)
         else:
             yield "\n".join(group).strip()
 

@@ -52,8 +52,7 @@ class Device:
 
     mass: 0 with a gap of math.inf for a beam alone; contact: math.inf is a hard one
     gravity: the unit of the shock's amplitude N
-    force: the unit of N where the pulse is a force on the midpoint of a beam alone, downward, and 0
-        where it is an acceleration of the frame
+    force: the unit of N of a downward force on the midpoint of a beam alone; 0 if the frame shakes
     stop_toward, stop_away: from rest to a rigid stop; math.inf for none
     temperature: at which the other values hold; `vary` takes it to others
     reference_temperature: at which they were given

@@ -63,19 +63,18 @@ def design(
     Or, with requirements in place of N and f0, the windows of the value in which all are met.
 
     f0: Hz; C: uN us/um; between: range of the value, internal units
-    requirements: mappings of name, N, f0 (Hz) and snaps, with pulse and direction, or shocks
-    scatters: as `tolerance` takes them, with samples, seed and together, for the yield in the
-        windows
     model: name, or the config's model section
-    options: as in `study.study_of`: horizon (us), energy_tolerance, threads, pulse, direction,
-        options of the model; and one further value of the device, along which the answer is a line:
-        a dataset of value and error, NaN where there is none
-    Windows have, over `window`: low and high, with low_error and high_error, and low_from and
-    high_from, the requirement that ends it, or "between"; over `place`, with scatters: the value
-    and its `yield`, with bounds at 95 %, and the attribute best, the value of the largest; over
-    `requirement` and the values `tried`: whether it is `met`. Warns where several values are right,
-    and returns the lowest; and where there is no window, with the requirements that exclude it.
-    Raises ValueError, one line, where no value is right, or for an invalid argument.
+    options: requirements, mappings of name, N, f0 (Hz) and snaps, with pulse and direction, or
+        shocks; for the yield in the windows scatters, samples, seed and together, as in
+        `tolerance`; horizon (us), energy_tolerance, threads, pulse, direction, those of the model;
+        and a further value of the device, along which the answer is a line: a dataset of value and
+        error, NaN where there is none
+    Windows have, over `window`: low and high, their errors, and low_from and high_from, the
+    requirement that ends it, or "between"; over `place`, with scatters: the value and its `yield`,
+    with bounds at 95 %, and the attribute best, the value of the largest; over `requirement` and
+    the values `tried`: whether it is `met`. Warns where several values are right, and returns the
+    lowest; and where there is no window, with the requirements that exclude it. Raises ValueError,
+    one line, where no value is right, or for an invalid argument.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> shock = {"N": 1100, "f0": 1500, "C": 25, "model": "cosines", "horizon": 0}

@@ -38,20 +38,19 @@ def calibrate(
 ) -> xr.Dataset:
     """Estimate the values of a device from its shots, tripped or not, by maximum likelihood.
 
-    shots: a CSV file, or columns of one length, such as a pandas table: `N` (multiples of g),
-        `duration` (us) or `f0` (Hz), `tripped` (true or false); optional `direction` (+z, -z),
-        `shape`, `file` (a record in place of shape, whose peak N is) and `unit` (a specimen's name)
+    shots: a CSV file, or columns of one length: `N` (multiples of g), `duration` (us) or `f0` (Hz),
+        `tripped` (true or false); optional `direction` (+z, -z), `shape`, `file` (a record in place
+        of shape, whose peak N is) and `unit` (a specimen's name)
     unknowns: ranges by name, internal units, of values of the device, or C
     C: uN us/um, unless it is unknown; model: name, or the config's model section
-    options: as in `study.study_of`: horizon (us), energy_tolerance, threads, pulse and direction of
-        shots that name none, and options of the model
-    A shot trips with probability Phi(ln(N / N_first) / spread). Over `unknown`: estimate; low and
-    high, its interval at 95 % by the profile of the likelihood, which is integrated over the
-    spread; open_low and open_high, where the range ends it; correlation over `unknown` and
-    `unknown_2`. Over `bound`: spread, relative, and unit_share, the share of its variance between
-    units. Over `shot`: threshold, probability, deviance residual. Attributes: untold, what the
-    shots leave undetermined; model_error, relative, of interpolated thresholds. Fitted values are
-    rounded to six digits. Raises ValueError, one line, for invalid shots or ranges.
+    options: horizon (us), energy_tolerance, threads; pulse and direction of shots that name none;
+        and those of the model
+    A shot trips with probability Phi(ln(N / N_first) / spread). Over `unknown`: estimate, to six
+    digits; low and high, its profile interval at 95 %; open_low and open_high, where the range ends
+    it; correlation, also over `unknown_2`. Over `bound`: spread, relative, and unit_share, the
+    share of its variance between units. Over `shot`: threshold, probability, deviance residual.
+    Attributes: untold, what the shots leave undetermined; model_error, relative, of interpolated
+    thresholds. Raises ValueError, one line, for invalid shots or ranges.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> shots = {"N": [800, 900, 950, 1000, 1050, 1200], "tripped": [0, 0, 0, 1, 1, 1]}

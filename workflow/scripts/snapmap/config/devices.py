@@ -57,8 +57,7 @@ class ClampSection(Section):
     axial: quantity("stiffness", "of each clamp along the beam", "20 kN/m")
 
 
-def _cosine(n):
-    return quantity("part", f"cosine {n} of the shape, over the rise", out="`0`")
+_COSINE = quantity("part", "this cosine of the shape, over the rise", "0.1", "`0`")
 
 
 class BeamSection(Section):
@@ -93,10 +92,10 @@ class BeamSection(Section):
         "0.01 um",
         "required if `guide` is `free`",
     )
-    cosine_2: _cosine(2)
-    cosine_3: _cosine(3)
-    cosine_4: _cosine(4)
-    cosine_5: _cosine(5)
+    cosine_2: _COSINE
+    cosine_3: _COSINE
+    cosine_4: _COSINE
+    cosine_5: _COSINE
 
     _measured: str = PrivateAttr("")
 

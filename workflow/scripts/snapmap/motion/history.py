@@ -43,13 +43,11 @@ def simulate(
 
     N: multiples of g; f0: Hz, or None for a recorded shock's own; C: uN us/um
     model: name, or the config's model section; of `auto` the finest level
-    options: as in `study.study_of`: horizon (us after the pulse), until and energy_tolerance of the
-        sweep whose step is taken; pulse and direction, of one shape in one direction; and options
-        of the model
-    Attributes: work_error and t_snap_error, differences to another step, as in a cube, indicators
-    and no bounds; toward_max, away_max (of the mass from rest, um), contact_force_max (uN),
-    stress_max and stress_max_to_snap (MPa), the largest of all steps; blow, the number of the blow
-    that snaps.
+    options: horizon (us after the pulse), until and energy_tolerance of the sweep whose step is
+        taken; pulse and direction, a single one; and those of the model
+    Attributes: work_error, t_snap_error and blow, as in a cube; toward_max, away_max (of the mass
+    from rest, um), contact_force_max (uN), stress_max and stress_max_to_snap (MPa), the largest of
+    all steps.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> run = snapmap.simulate(device, 1100, 1500, 25, model="cosines", horizon=0)

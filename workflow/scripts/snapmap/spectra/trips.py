@@ -36,11 +36,10 @@ def srs_test(
     srs: pairs of frequency (Hz) and level (multiples of g), ascending, joined by straight lines on
         logarithmic scales
     C: uN us/um; records: how many are drawn, of wavelets at sixth octaves; seed: of their draw
-    options: direction, of one; horizon, energy_tolerance, threads as in `study.study_of`; values of
-        the device, as axes; and options of the model
-    Variables: snaps, 1 or 0, NaN where a run fails, (..., C, record, factor), with the factors of
-    FACTORS; over `record` the peak, multiples of g, the duration, us, and the largest deviation
-    from the spectrum, dB. A device passes where none snaps it, or all do, with a margin.
+    options: direction, a single one; horizon (us), energy_tolerance, threads; values of the device,
+        as axes; and those of the model
+    Variables: snaps, 1 or 0, NaN where a run fails, (..., C, record, factor); over `record` the
+    peak, multiples of g, the duration, us, and the largest deviation from the spectrum, dB.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> shaken = {"srs": [(500, 700), (2000, 1500)], "records": 2, "model": "cosines", "horizon": 0}

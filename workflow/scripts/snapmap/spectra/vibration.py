@@ -54,12 +54,11 @@ def vibration(
         frequency, or the duration if that is shorter
     seed: of their phases
     options: reach, the probability within the duration at `level`, 0.01 by default;
-        energy_tolerance and threads, as in `study.study_of`; values of the device, as axes; and
-        options of the model; `auto` takes five cosines
-    Variables, (..., C), levels in g rms: rate and probability from the snaps at the given level,
-    with bounds by Poisson's distribution; level by Rice's law fitted to all levels, with the bounds
-    of the fit, inf where the runs do not determine it. Attributes: rms, of the given spectrum,
-    duration, reach, record_length.
+        energy_tolerance, threads; values of the device, as axes; those of the model; `auto` takes
+        five cosines
+    Variables, (..., C), levels in g rms: rate and probability at the given level, with Poisson's
+    bounds; level by Rice's law fitted to all levels, with the bounds of the fit, inf where the runs
+    do not determine it. Attributes: rms, of the given spectrum, duration, reach, record_length.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> shaken = {"psd": [(20, 4.0), (2000, 4.0)], "duration": 0.1, "model": "cosines"}

@@ -34,10 +34,10 @@ def sweep(
     device: one, or several by name, as an axis
     N: multiples of g; f0: Hz, above 0, or None for a recorded shock's own; C: uN us/um, from 0
     model: name, or the config's model section
-    options: as in `study.study_of`: horizon (us), until, repeat, energy_tolerance, threads, as in
-        `Settings`; pulse; direction; skip: whether a device without a second stable shape is marked
-        `absent`, not refused; options of the model; and values of the device, internal units, as
-        axes in front of C, f0 and N
+    options: horizon (us), until, repeat, energy_tolerance, threads, as in `Settings`; pulse;
+        direction; skip: whether a device without a second stable shape is marked `absent`, not
+        refused; those of the model; and values of the device, internal units, as axes in front of
+        C, f0 and N
     By default only settled cells are repeated. Raises ValueError, one line, for an invalid
     argument.
 

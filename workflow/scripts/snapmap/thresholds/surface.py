@@ -75,16 +75,15 @@ def threshold(
     tolerance: of the refinement in N, relative
     highest: largest N of the search for islands; by default twice the threshold
     earlier: thresholds of the same study and code on other axes, whose searched rows are taken
-    options: as in `study.study_of`: horizon (us after the pulse), energy_tolerance and threads, as
-        in `Settings`; pulse; direction; skip: whether a device without a second stable shape is no
-        error; options of the model; and values of the device, internal units, as axes in front of C
-        and f0
+    options: horizon (us after the pulse), energy_tolerance, threads; pulse; direction; skip:
+        whether a device without a second stable shape is no error; those of the model; and values
+        of the device, internal units, as axes in front of C and f0
     Variables: those of `islands.Thresholds`, (..., C, f0), with N_latched; the limits of slow and
     short pulses, N_static, over the axes of device and pulse, and velocity_change, over these and
     C; the `area` of each pulse: its velocity change is area N g / f0; of records in known units
-    `scale_first`, the factor of the record at which it snaps. Along axes of eight values and more
-    of the device, C or f0 of slow pulses, few rows are searched and others `verified`. `status` is
-    a number, in words `numpy.array(found.status.flag_meanings.split())[found.status]`.
+    `scale_first`, a factor. Along axes of eight values and more of the device, C or f0 of slow
+    pulses, few rows are searched and others `verified`. `status` in words is
+    `numpy.array(found.status.flag_meanings.split())[found.status]`.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> found = snapmap.threshold(device, [1500], [25], model="cosines", thickness=[1.9, 2.0])

@@ -47,13 +47,12 @@ def tolerance(
         deviations). N, duration and C scatter from shock to shock, in shares
     f0: None for a recorded shock's own
     N: multiples of g at which the probability is given; by default the range of the thresholds
-    model: name, or the config's model section; `auto` takes the cheapest level that keeps its
-        tolerance, 0.1 % by default, for the nominal device
+    model: name, or the config's model section; of `auto` the cheapest level within its tolerance,
+        0.1 % by default, for the nominal device
     tolerance: of the refinement of each threshold, relative
-    options: samples, index_samples, seed and together, as in `Tolerances`; requirements: name,
-        shocks (of one shape and direction), N, f0 (Hz), snaps and survives (whether the beam must
-        not break) of each; and as in `study.study_of`: horizon (us), energy_tolerance, threads,
-        pulse, direction, and options of the model
+    options: samples, index_samples, seed, together; requirements: name, shocks (of one shape and
+        direction), N, f0 (Hz), snaps and survives (whether the beam must not break) of each;
+        horizon (us), energy_tolerance, threads, pulse, direction, and those of the model
     Raises ValueError, one line, for an invalid argument.
 
     >>> device = snapmap.load_device("config/config.yaml")
