@@ -66,3 +66,12 @@ def make_found(C=(25.0, 200.0)):
         "velocity_change": ("C", 0.5 + 0.1 * np.arange(len(C))),
     }
     return xr.Dataset(variables, {"C": list(C), "f0": F0}, ATTRIBUTES | {"gravity": 1e-5})
+
+
+def visible(line):
+    """Points of a line that are not NaN."""
+    return line.get_xydata()[~np.isnan(line.get_ydata())].tolist()
+
+
+def legend_words(ax):
+    return [text.get_text() for text in ax.figure.legends[0].get_texts()]

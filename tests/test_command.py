@@ -2,17 +2,14 @@
 
 import re
 import sys
-from importlib.metadata import PackageNotFoundError
 
 import pytest
-import yaml
 
 import snapmap
 from snapmap.command import _costs, main
 from snapmap.config.doubts import descriptions, doubts
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import read_document
-from snapmap.io import provenance
 from snapmap.io.recorded import read_pulse
 
 
@@ -58,18 +55,6 @@ def test_check_says_what_else_it_costs(config):
     assert costs[1]["tolerances"] == pytest.approx(2 * costs[0]["tolerances"], rel=0.01)
 
 
-def test_check_names_every_fault(config, capsys):
-    document = read_document(config)
-    document["device"]["mass"] = "1 m"
-    document["sweep"]["N"]["points"] = 0
-    config.write_text(yaml.safe_dump(document))
-    capsys.readouterr()
-    assert main(["check", str(config)]) == 1
-    told = capsys.readouterr()
-    keys = [line.split(":")[0] for line in told.err.splitlines()]
-    assert keys == ["device.mass", "sweep.N.points"] and told.out == ""
-
-
 def test_run_is_snakemake_with_the_workflow(root, config, monkeypatch):
     asked = []
     monkeypatch.setattr("snakemake.cli.main", asked.extend)
@@ -100,13 +85,3 @@ def test_a_missing_package_is_one_line(tmp_path, monkeypatch, package, call, sai
     (tmp_path / "shock.uff").write_text("    -1\n")
     with pytest.raises(ImportError, match=f"^{said}[^\n]*$"):
         call(tmp_path / "shock.uff")
-
-
-def test_a_result_names_the_packages_that_there_are(monkeypatch):
-    def version(name):
-        if name == "dask":
-            raise PackageNotFoundError
-        return "1"
-
-    monkeypatch.setattr(provenance, "version", version)
-    assert "dask" not in provenance.provenance({})["packages"]

@@ -14,47 +14,44 @@ SPAN = re.compile(r"`(\./run [^`]+)`")
 STUDY = re.compile(r"python -m studies ([a-z]+)")
 
 ELSEWHERE = {
-    "test_pipeline.py::test_every_figure_is_there": [
+    "test_every_figure_is_there": [
         "snakemake --cores 2",
         "snakemake --snakefile /path/to/Snakefile --configfile mine.yaml --cores 2",
         "snakemake --cores 2 --configfile sensor.yaml",
+        "snakemake --cores 2 --configfile config/handout.yaml",
         "snakemake --directory build/tutorial --configfile config/sensor.yaml --cores 2",
     ],
-    "test_pipeline.py::test_a_finished_run_makes_a_report": [
+    "test_a_finished_run_makes_a_report": [
         "snakemake --report report.zip",
         "snakemake --report report.zip --configfile sensor.yaml",
     ],
-    "test_pipeline.py::test_studies_are_targets_of_their_own": [
+    "test_studies_are_targets_of_their_own": [
         "snakemake accuracy --cores 2",
         "snakemake stability --cores 2",
     ],
-    "test_pipeline.py::test_the_workflow_is_formatted": ["snakefmt Snakefile workflow/rules"],
-    "test_slurm.py::test_the_cube_is_that_of_a_local_run_bit_for_bit": [
+    "test_the_workflow_is_formatted": ["snakefmt Snakefile workflow/rules"],
+    "test_the_cube_is_that_of_a_local_run_bit_for_bit": [
         "snakemake --profile profiles/slurm",
         "snakemake --profile profiles/slurm --groups simulate_slab=slabs "
         "--group-components slabs=4",
     ],
-    "test_run.py::test_install_from_nothing": ["snakemake --version"],
-    "test_run.py::test_lock_holds_only_exact_versions_and_hashes": [
+    "test_install_from_nothing": ["snakemake --version"],
+    "test_lock_holds_only_exact_versions_and_hashes": [
         "uv pip install --require-hashes --requirements requirements-docs.lock",
         "uv pip install --require-hashes --requirements requirements-slurm.lock",
     ],
-    "test_docs.py::test_the_site_is_made_without_a_warning_and_asks_no_other_host": [
+    "test_the_site_is_made_without_a_warning_and_asks_no_other_host": [
         "sphinx-build -EW -c docs/site . build/site"
     ],
-    "test_docs.py::test_the_recipes_in_python_run": ["python"],
-    "test_docs.py::test_the_reference_is_what_the_docstrings_say": [
-        "python docs/make_reference.py"
-    ],
-    "test_project.py::test_the_config_reference_is_what_the_models_say": [
-        "python docs/make_config_reference.py"
-    ],
-    "test_project.py::test_the_types_of_beam_and_solver_fit": ["mypy"],
-    "test_command.py::test_check_says_what_a_config_describes_doubts_and_costs": [
+    "test_the_recipes_in_python_run": ["python"],
+    "test_the_reference_is_what_the_docstrings_say": ["python docs/make_reference.py"],
+    "test_the_config_reference_is_what_the_models_say": ["python docs/make_config_reference.py"],
+    "test_the_types_of_beam_and_solver_fit": ["mypy"],
+    "test_check_says_what_a_config_describes_doubts_and_costs": [
         "python -m snapmap.command check config.yaml"
     ],
-    "test_commands.py::test_versions_in_one_paste": ["python -m snapmap.io.provenance"],
-    "test_commands.py::test_every_command_is_run_by_a_test": ["ruff check", "ruff format"],
+    "test_versions_in_one_paste": ["python -m snapmap.io.provenance"],
+    "test_every_command_is_run_by_a_test": ["ruff check", "ruff format"],
 }
 """What runs each command that is no study, in small."""
 SHORT = "tolerances"
@@ -80,10 +77,8 @@ def test_every_command_is_run_by_a_test(root, documents):
     named = commands_in(documents)
     others = {one for one in named if not one.startswith(("pytest", "python -m studies"))}
     assert others == {command for commands in ELSEWHERE.values() for command in commands}
-    for place in ELSEWHERE:
-        file, name = place.split("::")
-        (path,) = (root / "tests").rglob(file)
-        assert f"def {name}(" in path.read_text(encoding="utf-8")
+    tests = "".join(path.read_text(encoding="utf-8") for path in (root / "tests").rglob("*.py"))
+    assert all(f"\ndef {name}(" in tests for name in ELSEWHERE)
 
 
 def test_the_documents_name_every_study(documents):

@@ -82,18 +82,6 @@ def test_the_types_of_beam_and_solver_fit(root):
     assert done.returncode == 0, done.stdout
 
 
-def test_the_page_on_architecture_names_files_types_and_symbols_that_there_are(root, architecture):
-    scripts = root / "workflow" / "scripts"
-    folders = root, root / "workflow", scripts, scripts / "snapmap"
-    names = re.findall(r"`([\w/]+(?:/|\.(?:py|yaml)))`", architecture)
-    types = re.findall(r"^\| `(\w+)`[^|]*\| `(\S+)` \|", architecture, re.M)
-    assert len(names) > 15 and len(types) > 2
-    for name in names:
-        assert any((folder / name).exists() for folder in folders), name
-    for kind, name in types:
-        assert re.search(rf"^class {kind}\b", (folders[-1] / name).read_text(), re.M), kind
-
-
 def test_relative_links_lead_somewhere(root):
     """To a file, and to a heading of it, as a Markdown viewer makes anchors of them."""
     for page in [*root.glob("*.md"), *root.glob("docs/*.md"), *root.glob("config/*.md")]:

@@ -12,7 +12,6 @@ import pytest
 
 import snapmap
 from snapmap.arguments import OPTIONS
-from snapmap.device import batch
 from snapmap.door import TAKEN
 
 CELL = {"N": [1000.0], "f0": [1500.0], "C": [25.0]}
@@ -54,23 +53,15 @@ def right_calls(handout, root):
     """A right call of each function."""
     cube = snapmap.sweep(handout, [900.0, 1000.0], [1500.0], [25.0], until="snap", **CHEAP)
     found = snapmap.threshold(handout, [1500.0], [25.0], **CHEAP)
-    several = {"device": handout, **CELL, **CHEAP}
+    at = {"device": handout, **CHEAP}
+    several = {**at, **CELL}
     no_N = {key: several[key] for key in several if key != "N"}
     no_f0 = {key: no_N[key] for key in no_N if key not in ("f0", "horizon")}
     pairs = [(500, 700), (2000, 1500)]
     return {
-        "calibrate": {
-            **{"device": handout, "shots": SHOTS, "unknowns": {"thickness": (1.7, 2.3)}},
-            **{"C": 25.0, **CHEAP},
-        },
+        "calibrate": {"shots": SHOTS, "unknowns": {"thickness": (1.7, 2.3)}, **at, "C": 25.0},
         "describe": {"device": handout, "C": [25.0]},
-        "design": {
-            "device": handout,
-            "value": "thickness",
-            **SINGLE,
-            "between": (1.8, 2.2),
-            **CHEAP,
-        },
+        "design": {"value": "thickness", **SINGLE, "between": (1.8, 2.2), **at},
         "load_device": {"path": root / "config/config.yaml"},
         "open_cube": {"path": root / "no.nc"},
         "plan_shots": {"prior": (1000, 50), "shots": (), "method": "neyer", "confidence": 0.9},
@@ -78,7 +69,7 @@ def right_calls(handout, root):
         "plot_thresholds": {"studies": {"a": found}, "ax": None},
         "read_pulse": {"path": root / "config/half_sine.csv", "sha256": ""},
         "shots_needed": {"reliability": 0.9, "confidence": 0.9, "failures": 0},
-        "simulate": {"device": handout, **SINGLE, **CHEAP},
+        "simulate": {**SINGLE, **at},
         "srs_test": {"srs": pairs, "records": 1, "seed": 1, **no_f0},
         "statics": {"device": handout},
         "sweep": several,
@@ -194,13 +185,3 @@ def test_a_function_can_be_sent_to_other_processes():
 def test_more_cells_than_a_call_can_hold_are_refused(handout):
     with pytest.raises(ValueError, match=r"^N: 1e\+11 "):
         snapmap.sweep(handout, np.arange(1e5), np.arange(1.0, 1e4 + 1), np.arange(100.0))
-
-
-def test_what_is_hardly_meant_is_doubted(handout):
-    for key, value in {"youngs_modulus": 160.0, "density": 2330.0, "mass": 6e13}.items():
-        odd = batch([handout]).vary({key: np.array([value])}).pick(0)
-        with pytest.warns(UserWarning, match=f"^{key} = "):
-            snapmap.describe(odd)
-    asked = {"device": handout, "f0": [1500], "C": [25], "samples": 2, **CHEAP}
-    with pytest.warns(UserWarning, match="^thickness scatters by 80 %"):
-        snapmap.tolerance(scatters={"thickness": {"lognormal": "80 %"}}, **asked)

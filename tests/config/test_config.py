@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 
 from snapmap.config.devices import load_device, read_device
 from snapmap.config.doubts import descriptions, doubts
-from snapmap.config.products import products
 from snapmap.config.study import load_config
 from snapmap.config.units import read, show
 from snapmap.config.yaml_file import ConfigError, read_document
@@ -135,25 +134,6 @@ def test_a_tolerance_is_a_share_in_percent():
     assert load_config(document).model == {"name": "auto", "tolerance": 0.001}
 
 
-def test_what_a_study_makes_is_listed():
-    """Figures by the rule that draws them; all, without any twice."""
-    made = products(load_config(DEFAULT))
-    assert [view.name for view in made.snaps] == [one.replace("map", "snap") for one in _maps(made)]
-    times = [view.name for view in made.times]
-    assert made.map_stems == [*times, *_maps(made), "maps"]
-    assert made.stems[: len(made.snap_stems)] == made.snap_stems
-    assert made.batch_stems == ["probability", "sensitivity"] and list(made.statics) == [""]
-    assert not {*made.batch_stems, "requirements"} & {*made.stems}
-    assert len({*made.stems}) == len(made.stems)
-    snapping = copy.deepcopy(DEFAULT)
-    snapping["sweep"]["until"] = "snap"
-    assert not products(load_config(snapping)).ends
-
-
-def _maps(made):
-    return [view.name for view in made.ends]
-
-
 def test_default_study_is_exact():
     study = load_config(DEFAULT)
     beam = Beam(600.0, 10.0, 2.0, 22.0, youngs_modulus=150000.0, density=0.00233)
@@ -225,16 +205,6 @@ def test_durations_stand_for_frequencies():
 PULSES = {"f0": "2 kHz", "duration": "0.5 ms"}
 
 
-def test_own_points_are_checked_with_the_config(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    path = tmp_path / "points.csv"
-    path.write_text("name,N,f0\nslip,1000,1.5\nhere,1000,1500\n,9000,1500\n")
-    lines = [line for line in doubts(load_config(changed(marks="points.csv"))) if "csv" in line]
-    assert [("1.5" in line, "9000" in line) for line in lines] == [(True, False), (False, True)]
-    path.write_text("N,f0\n1000,soon\n")
-    assert only_fault(changed(marks="points.csv")).startswith("marks: points.csv: line 2")
-
-
 FORCED = {**ALONE, **PUSHED}
 DROP = {"drop": {"height": "1 m", "duration": "0.5 ms"}}
 
@@ -243,29 +213,21 @@ DROP = {"drop": {"height": "1 m", "duration": "0.5 ms"}}
     ("key", "values"),
     [
         ("device.beam", {"device__beam__rise": "4 um"}),
-        ("device.weight", {"device__weight": "1 kg"}),
-        ("model.modes", {"model__modes": "5"}),
-        ("model.cosines", {"model__cosines": -1}),
+        *(("device.weight", {"device__weight": "1 kg"}), ("model.modes", {"model__modes": "5"})),
+        *(("model.cosines", {"model__cosines": -1}), ("sweep.f0", {"sweep__f0": MISSING})),
         ("sweep.N", {"sweep__N": [1, 2, 1.0]}),
         ("sweep.N", {"sweep__N": {"from": 1, "to": 1 + 1e-15, "points": 30}}),
         ("sweep.f0", {"sweep__f0": ["1 kHz", "1000 Hz"]}),
-        ("sweep.N.points", {"sweep__N__points": 1}),
-        ("sweep.N.points", {"sweep__N__to": 600}),
+        *(("sweep.N.points", {f"sweep__N__{key}": n}) for key, n in (("points", 1), ("to", 600))),
         ("sweep.N.spacing", {"sweep__N__spacing": "log", "sweep__N__from": -1}),
-        ("sweep.f0", {"sweep__f0": MISSING}),
+        *(("histories", {"histories": {}}), ("histories[0]", {"histories": [3]})),
         ("sweep.duration", {"sweep__duration": ["1 ms"]}),
-        ("histories", {"histories": {}}),
-        ("histories[0]", {"histories": [3]}),
         ("histories[0].f0", {"histories": [{"N": 1, "C": "1 kg/s"}]}),
-        ("marks", {"marks": "none.csv"}),
-        ("marks", {"marks": "../points.csv"}),
-        ("marks", {"marks": "/etc/passwd"}),
-        ("marks", {"marks": ""}),
+        *(("marks", {"marks": name}) for name in ("none.csv", "../points.csv", "/etc/passwd", "")),
         ("device.gap", {**ALONE, "device__gap": "1 um"}),
         ("sweep.C", {**ALONE, "sweep__C": ["1 kg/s"]}),
         ("sweep", {**ALONE, "sweep__spring": ["1 N/m"]}),
-        ("device.force", PUSHED),
-        ("device.gravity", {"device__force": "2 uN"}),
+        *(("device.force", PUSHED), ("device.gravity", {"device__force": "2 uN"})),
         ("device.force", {**FORCED, "pulse": DROP}),
         ("device.quality_factor", {"device__quality_factor": 9}),
         ("device.beam.shape.cosines", {"device__beam__shape": {"cosines": []}}),

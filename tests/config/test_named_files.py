@@ -129,16 +129,6 @@ def test_no_other_file_is_quoted(tmp_path):
     assert "secret" not in str(fault.value) and "word" not in str(fault.value)
 
 
-@pytest.mark.long
-def test_names_may_have_braces(root, folder):
-    (folder / "shock.csv").rename(folder / "a{b}.csv")
-    (folder / "points.csv").rename(folder / "{slab}.csv")
-    text = STUDY.replace("shock.csv", "'a{b}.csv'").replace("points.csv", "'{slab}.csv'")
-    (folder / "mine.yaml").write_text(text, encoding="utf-8")
-    code, output = snakemake(root, "--dry-run")
-    assert code == 0 and "simulate_slab  " in output, output
-
-
 def test_a_folder_in_place_of_a_product_is_named(root, folder):
     (folder / "results/cube.nc").mkdir(parents=True)
     code, output = snakemake(root, "results/cube.nc")

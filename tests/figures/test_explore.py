@@ -3,7 +3,6 @@
 import json
 import re
 import shutil
-from dataclasses import replace
 
 import draw
 import numpy as np
@@ -91,7 +90,6 @@ class View:
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
         self.page.goto(path.as_uri())
         self.wait("document.getElementById('verdict').textContent")
-        self.opened = self.place()
 
     def wait(self, condition):
         """Wait until it holds; Playwright's own way to wait is a script that the page forbids."""
@@ -150,11 +148,6 @@ class View:
         rows = "[...document.querySelectorAll('#sliders input')].map((slider) => ["
         rows += "slider.labels[0].textContent, slider.nextElementSibling.textContent])"
         return [[text.replace("\xa0", " ") for text in row] for row in self.page.evaluate(rows)]
-
-    def values(self):
-        """The rows of the table of the device."""
-        rows = "[...document.querySelectorAll('#values tr')].map((row) => row.innerText)"
-        return dict(row.replace("\xa0", " ").split("\t") for row in self.page.evaluate(rows))
 
     def place(self):
         """Where the chosen cell is on each axis."""
@@ -233,21 +226,6 @@ def test_a_switch_shows_when_cells_snap_and_where_they_end(view, cube):
     assert view.shown("map", "z") == codes_of(cube, 0) and view.shown("map", "y", FIRST) != []
 
 
-@pytest.mark.long
-def test_a_band_is_left_out_where_no_error_is_known(browser, cube, traced, tmp_path):
-    found = edges_of(cube)
-    found.N_first[0, 2], found.N_error[0, 1] = np.nan, np.inf
-    (tmp_path / "page.html").write_text(page(cube, traced, found, 300.0), encoding="utf-8")
-    view = View(browser, tmp_path / "page.html")
-    view.slide(0)
-    first = found.N_first.values[0, 0]
-    assert view.shown("map", "y", BAND) == [first + 20, first - 20, None]
-    view.click(1, 3)
-    assert "±" not in view.text("#edge")
-    view.click(2, 3)
-    assert "nothing snaps" in view.text("#edge")
-
-
 def test_a_click_shows_the_history_of_that_cell(view, traced):
     """Each curve to half a step of its own range, of which there are 254."""
     view.slide(0)
@@ -304,14 +282,6 @@ def test_a_phone_shows_all_in_one_column_and_a_finger_chooses_and_scrolls(phone)
     touch.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
     phone.wait("window.scrollY > 100")
     assert phone.page.evaluate("map.layout.yaxis.range") == before
-
-
-def test_a_thinned_page_says_so(cube, traced):
-    some, found = traced.isel(N=slice(None, None, 2)), edges_of(cube)
-    assert "Shown are 2 of 4 N of the cube." in page(cube, some, found, 300.0)
-    fewer = page(cube, some.isel(C=[0], f0=slice(None, None, 2)), found, 300.0)
-    assert "Shown are 1 of 2 C, 2 of 3 f0 and 2 of 4 N of the cube." in fewer
-    assert "Shown are" not in page(cube, traced, found, 300.0)
 
 
 def test_text_from_a_config_is_text(cube, traced):
@@ -385,20 +355,6 @@ def test_a_cell_without_a_device_says_so_and_shows_no_curves(of_devices):
     assert view.complaints == []
 
 
-@pytest.mark.long
-def test_devices_are_shown_by_their_names(browser, handout, tmp_path):
-    devices = {"made": handout, "thin": replace(handout, spring=3.0)}
-    cube, view = view_of(browser, tmp_path / "page.html", devices, C=[25.0])
-    for d, name in enumerate(devices):
-        view.slide(d, "device")
-        assert shows(view, cube.isel(device=d, C=0), "f0", "N")
-        assert view.sliders() == [["device", name]]
-        assert view.text("#cell").endswith(f"device {name}")
-        assert view.values()["spring K"] == f"{devices[name].spring:g} N/m"
-        assert view.text("#device") == f"The device {name}"
-    assert view.complaints == []
-
-
 def test_where_f0_has_one_value_the_longest_other_takes_its_place(browser, handout, tmp_path):
     axes = {"thickness": [1.8, 1.9, 2.0, 2.2], "spring": [4.0, 7.0], "f0": [1500.0], "C": [25.0]}
     cube, view = view_of(browser, tmp_path / "page.html", handout, **axes)
@@ -434,18 +390,3 @@ def test_a_sweep_to_the_snap_shows_where_it_snaps(browser, handout, tmp_path):
     said = [view.hover(i, j) for i, j in np.ndindex(3, 4)]
     said += [view.text("#verdict"), view.text("#classes")]
     assert not [text for text in said if "tripped" in text or "swing" in text]
-
-
-@pytest.mark.long
-def test_the_page_opens_at_the_threshold_near_the_middle(browser, handout, tmp_path):
-    """The middle spring snaps everywhere or nowhere, so that another has to be shown."""
-    springs = [1.0, 4.0, 7.0, 500.0, 600.0, 700.0, 800.0]
-    axes = {"spring": springs, "N": np.linspace(600, 2400, 9), "C": [25.0]}
-    cube, view = view_of(browser, tmp_path / "page.html", handout, **axes)
-    snaps = np.isfinite(cube.t_snap.values[:, 0])
-    mixed = [s for s in range(7) if (~snaps[s, :, :1] & snaps[s].any(axis=1)[:, None]).any()]
-    assert mixed and 3 not in mixed, "the middle shows a change itself"
-    s, _, i, j = view.opened
-    assert abs(s - 3) == min(abs(one - 3) for one in mixed)
-    assert snaps[s, i, j] and not snaps[s, i, :j].any() and j > 0
-    assert view.page.input_value("#at-spring") == str(s)

@@ -6,7 +6,6 @@ import subprocess
 import sys
 import warnings
 
-import draw as rules
 import numpy as np
 import pytest
 import xarray as xr
@@ -14,7 +13,7 @@ from matplotlib.collections import FillBetweenPolyCollection, LineCollection
 from matplotlib.colors import to_rgb
 from matplotlib.patches import Polygon
 from PIL import Image
-from small_results import ATTRIBUTES, CONFIG, F0, TINY, make_found
+from small_results import ATTRIBUTES, CONFIG, F0, legend_words, make_found, visible
 
 from snapmap.figures import (
     calibration,
@@ -27,7 +26,6 @@ from snapmap.figures import (
     thresholds,
     tolerances,
 )
-from snapmap.io.netcdf import write
 
 
 def make_statics():
@@ -67,17 +65,8 @@ def drawn(draw, dataset, *others):
     return draw(style.double_column(height=3.4).subplots(), dataset, *others)
 
 
-def visible(line):
-    """Points of a line that are not NaN."""
-    return line.get_xydata()[~np.isnan(line.get_ydata())].tolist()
-
-
 def artists(ax, kind):
     return [artist for artist in ax.get_children() if isinstance(artist, kind)]
-
-
-def legend_words(ax):
-    return [text.get_text() for text in ax.figure.legends[0].get_texts()]
 
 
 def line(ax, label):
@@ -94,8 +83,7 @@ def history_of(history):
     [
         ("f0", [100.0, 400.0, 6400.0], [50.0, 200.0, 1600.0, 25600.0]),
         ("N", [-1.0, 0.0, 3.0], [-1.5, -0.5, 1.5, 4.5]),
-        ("N", [1500.0], [1350.0, 1650.0]),
-        ("N", [0.0], [-0.5, 0.5]),
+        *(("N", [1500.0], [1350.0, 1650.0]), ("N", [0.0], [-0.5, 0.5])),
         ("f0", [1500.0], [1500 / 1.1, 1500 * 1.1]),
         ("device", ["a", "b"], [-0.5, 0.5, 1.5]),
     ],
@@ -208,15 +196,6 @@ def test_damage_boundary_shades_what_snaps_of_the_first_C():
     assert not snaps([(0.6, 1e5), (1.0, 2100.0), (1e3, 1000.0), (51.0, 1010.0)]).any()
 
 
-def test_the_shade_of_a_damage_boundary_has_the_holes_of_its_curve():
-    found = (
-        make_found(C=[25.0]).isel(f0=[0, 0, 1, 2, 2]).assign_coords(f0=[1e2, 2e2, 1e3, 5e3, 1e4])
-    )
-    known = found.N_first.where(found.f0 != 1e3)
-    ax = drawn(thresholds.draw_damage_boundary, found.assign(N_first=known))
-    assert len(artists(ax, Polygon)) == 2
-
-
 def curves_of(ax):
     """What is seen of each line, late or not."""
     known = [line for line in ax.lines if line.get_marker() not in ("None", "", "x", "|", "_")]
@@ -299,28 +278,6 @@ def test_a_history_is_the_data_in_ms_and_multiples_of_g_and_marks_the_snap():
     assert [len(ax.lines) for ax in history_of(make_history([10, 5, 10]))] == [3, 1, 1]
 
 
-@pytest.mark.long
-def test_a_study_is_drawn_file_by_file(tmp_path):
-    cube = TINY.isel(f0=slice(3)).assign_coords(f0=F0).expand_dims("C")
-    paths = [tmp_path / name for name in ("cube.nc", "threshold.nc", "statics.nc", "N1.nc")]
-    datasets = cube, make_found(), make_statics(), make_history([10, 0, -8, -12])
-    for dataset, path in zip(datasets, paths, strict=True):
-        write(dataset, path)
-    points = tmp_path / "points.csv"
-    points.write_text("N,f0\n1100,300\n")
-    view = {"x": "f0", "y": "N", "at": {"C": 0}, "required_shocks": ()}
-    views = {f"{name}s": [view | {"name": name}] for name in ("snap", "time", "end")}
-    curve = {"name": "curve", "x": "f0", "y": "C", "at": {}}
-    views |= {"together": [view], "fields": [], "curves": [curve]}
-    views |= {"boundary": [curve | {"name": "boundary"}]}
-    made = tmp_path / "made"
-    made.mkdir()
-    rules.draw_study(*paths[:2], paths[2:3], paths[3:], views, (points, ""), made)
-    stems = "snap", "time", "end", "snap_maps", "maps", "curve", "boundary", "statics", "history_N1"
-    files = {f"{stem}.{ending}" for stem in stems for ending in ("pdf", "png")}
-    assert {path.name for path in made.iterdir()} == files
-
-
 def test_a_saved_figure_has_fonts_and_facts_and_repeats_byte_for_byte(tmp_path):
     files = []
     for name in ("first", "again"):
@@ -397,12 +354,6 @@ def test_yields_and_requirements_are_drawn_as_they_are():
     values = {"thickness": ("rise", [2.5, 2.4], comment), "error": ("rise", [0.01, 0.02])}
     ax = drawn(thresholds.draw_design, xr.Dataset(values, {"rise": [9.0, 10.0]}))
     np.testing.assert_allclose(ax.lines[0].get_xydata(), [[9.0, 2.5], [10.0, 2.4]])
-
-
-def test_numbers_have_spaces_between_thousands():
-    values = [9999.0, 10_000.0, 24_811.0, -5.0, np.inf, "mine"]
-    words = ["9999", "10\u2009000", "24\u2009810", "−5", "hard", "mine"]
-    assert [scales.number(value) for value in values] == words
 
 
 def test_snap_time_is_between_two_samples_or_not_seen():

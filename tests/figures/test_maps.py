@@ -9,24 +9,11 @@ import xarray as xr
 from matplotlib.collections import FillBetweenPolyCollection, QuadMesh
 from matplotlib.colors import to_rgb, to_rgba
 from matplotlib.patches import PathPatch
-from small_results import TINY, make_cells, make_found
+from small_results import TINY, legend_words, make_cells, make_found, visible
 
 import snapmap
 from snapmap.figures import maps, plane, style
-from snapmap.figures.states import (
-    ABSENT,
-    CROSSING,
-    FAILED,
-    REST_PROVEN,
-    REST_SEEN,
-    SNAPS,
-    STATES,
-    TRIPPED_PROVEN,
-    TRIPPED_SEEN,
-    end_elsewhere,
-    end_states,
-    snap_states,
-)
+from snapmap.figures import states as S
 from snapmap.io.tables import Point, read_points
 from snapmap.sweeps.cube import summary, with_summary
 
@@ -76,15 +63,6 @@ def hatched(ax, look):
     return [(*corners[0], *corners[2]) for region in cells for corners in region]
 
 
-def visible(line):
-    """Points of a line that are not NaN."""
-    return line.get_xydata()[~np.isnan(line.get_ydata())].tolist()
-
-
-def legend_words(ax):
-    return [text.get_text() for text in ax.figure.legends[0].get_texts()]
-
-
 def lightness(rgb):
     """L* of linear RGB."""
     Y = np.clip(rgb, 0, 1) @ [0.2126, 0.7152, 0.0722]
@@ -112,7 +90,7 @@ BLIND = {
 """Machado, Oliveira and Fernandes (2009), severity 1, on linear RGB."""
 
 
-@pytest.mark.parametrize("states", [STATES, SNAPS])
+@pytest.mark.parametrize("states", [S.STATES, S.SNAPS])
 def test_states_differ_in_grey_and_to_the_colour_blind(states):
     for one, other in itertools.combinations([linear(state.colour) for state in states], 2):
         assert abs(lightness(one) - lightness(other)) > 11.5
@@ -121,13 +99,14 @@ def test_states_differ_in_grey_and_to_the_colour_blind(states):
 
 
 def test_end_states_tell_the_side_and_how_sure_it_is():
-    states = end_states(EVERY).squeeze().values.tolist()
-    known = [REST_SEEN, REST_PROVEN, TRIPPED_SEEN, TRIPPED_PROVEN, REST_PROVEN, FAILED, ABSENT]
+    states = S.end_states(EVERY).squeeze().values.tolist()
+    seen, proven = (S.REST_SEEN, S.TRIPPED_SEEN), (S.REST_PROVEN, S.TRIPPED_PROVEN)
+    known = [seen[0], proven[0], seen[1], proven[1], proven[0], S.FAILED, S.ABSENT]
     assert states == known
     for share in (0.6, np.nan):
         cells = EVERY.assign(well_share=share * EVERY.well_share)
-        crossing = [CROSSING if state in (REST_SEEN, TRIPPED_SEEN) else state for state in known]
-        assert end_states(cells).squeeze().values.tolist() == crossing
+        crossing = [S.CROSSING if state in seen else state for state in known]
+        assert S.end_states(cells).squeeze().values.tolist() == crossing
 
 
 def test_an_end_is_elsewhere_by_its_side_alone():
@@ -135,10 +114,10 @@ def test_an_end_is_elsewhere_by_its_side_alone():
     cells = make_cells(["2222"])
     for name in ("reproduced", "agreed"):
         cells[name] = xr.zeros_like(cells.outcome)
-    assert not end_elsewhere(cells).any()
+    assert not S.end_elsewhere(cells).any()
     cells["well_reproduced"] = (("f0", "N"), [[0], [0], [1], [1]])
     cells["well_share"] = (("f0", "N"), [[1.0], [0.5], [1.0], [0.5]])
-    assert end_elsewhere(cells).squeeze().values.tolist() == [True, False, False, False]
+    assert S.end_elsewhere(cells).squeeze().values.tolist() == [True, False, False, False]
     told = with_summary(cells)
     assert told.attrs["cells_ended_elsewhere"] == 1
     assert len(hatched(end_map(cells), plane.ELSEWHERE)) == 1
@@ -148,7 +127,7 @@ def test_an_end_is_elsewhere_by_its_side_alone():
 @pytest.mark.parametrize("order", [1, -1])
 def test_cells_lie_about_their_grid_points_in_the_colours_of_their_states(order):
     cells = make_cells(["21", "03"]).isel(f0=slice(None, None, order), N=slice(None, None, order))
-    expected = [[REST_SEEN, TRIPPED_PROVEN], [TRIPPED_SEEN, REST_PROVEN]]
+    expected = [[S.REST_SEEN, S.TRIPPED_PROVEN], [S.TRIPPED_SEEN, S.REST_PROVEN]]
     codes, x, y = filled(end_map(cells))
     assert codes == expected and x == pytest.approx([50, 200, 800]) and y == [950, 1050, 1150]
     codes, *_ = filled(snap_map(cells))
@@ -182,16 +161,6 @@ def test_map_shows_the_refined_threshold_in_its_band_dashed_where_late():
     assert {993.0, 1007.0} <= set(corners[corners[:, 0] == 100.0, 1])
 
 
-def test_map_keeps_its_limits_and_shows_both_asymptotes():
-    cells = make_cells(["22", "00"])
-    ax, bare = snap_map(cells, make_found().isel(C=0)), snap_map(cells)
-    assert (ax.get_xlim(), ax.get_ylim()) == (bare.get_xlim(), bare.get_ylim())
-    static, short = ax.lines[-2:]
-    assert static.get_ydata() == [990.0, 990.0]
-    f0, N = short.get_xydata().T
-    assert N * 1e-5 / (2e-6 * f0) == pytest.approx(np.full(f0.size, 0.5))
-
-
 def size(ax):
     """Width and height of the box, in."""
     ax.figure.draw_without_rendering()
@@ -211,7 +180,7 @@ def test_own_points_are_filled_where_the_device_tripped():
 
 
 def test_a_plot_in_a_notebook_shows_what_snaps_or_where_it_ends():
-    for ends, classify in ((True, end_states), (False, snap_states)):
+    for ends, classify in ((True, S.end_states), (False, S.snap_states)):
         ax = snapmap.plot_outcome(TINY, axes(), found=make_found().isel(C=0), ends=ends)
         assert filled(ax)[0] == classify(TINY).values.T.tolist()
     with pytest.raises(ValueError, match="not known"):
@@ -244,7 +213,7 @@ def test_cells_are_hatched_where_the_beam_breaks_where_no_device_is_and_what_end
     assert crosses == [[[6400.0, 1300.0]]] * 2  # of the failed cell
 
 
-@pytest.mark.parametrize(("draw", "states"), [(end_map, STATES), (snap_map, SNAPS)])
+@pytest.mark.parametrize(("draw", "states"), [(end_map, S.STATES), (snap_map, S.SNAPS)])
 def test_each_state_has_its_colour_and_a_key_with_the_number_of_cells(draw, states):
     ax = draw(EVERY)
     (mesh,) = artists(ax, QuadMesh)
@@ -257,11 +226,11 @@ def test_each_state_has_its_colour_and_a_key_with_the_number_of_cells(draw, stat
 
 
 def test_snap_states_tell_whether_a_cell_snaps():
-    assert snap_states(EVERY).squeeze().values.tolist() == [0, 0, 1, 1, 1, 2, 3]
+    assert S.snap_states(EVERY).squeeze().values.tolist() == [0, 0, 1, 1, 1, 2, 3]
     # A run that ends at its snap, as of the model `reference`, tells no well.
     untold = {"well": xr.zeros_like(EVERY.well), "well_share": np.nan * EVERY.well_share}
-    ends = end_states(EVERY.assign(untold)).squeeze().values.tolist()
-    assert ends[:3] == [REST_SEEN, REST_PROVEN, TRIPPED_SEEN]
+    ends = S.end_states(EVERY.assign(untold)).squeeze().values.tolist()
+    assert ends[:3] == [S.REST_SEEN, S.REST_PROVEN, S.TRIPPED_SEEN]
 
 
 def test_maps_are_alike_whatever_is_written_and_nothing_is_clipped():
@@ -348,7 +317,7 @@ def test_axes_end_at_the_grid_with_ticks_and_the_duration_above():
     cells = make_cells(rows, f0=np.geomspace(100, 3e4, 400), N=np.linspace(600, 2400, 300))
     ax = end_map(cells)
     (mesh,) = artists(ax, QuadMesh)
-    assert mesh.get_rasterized() and (mesh.get_array() == end_states(cells).values.T).all()
+    assert mesh.get_rasterized() and (mesh.get_array() == S.end_states(cells).values.T).all()
     ax.figure.draw_without_rendering()
     assert ax.get_xlim() == pytest.approx((100, 3e4)) and ax.get_ylim() == (600, 2400)
     heights = {label.get_text() for label in ax.get_yticklabels()}

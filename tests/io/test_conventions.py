@@ -60,11 +60,8 @@ def test_a_cube_is_decoded_as_it_was_written(handout, files):
         assert cube.outcome.dtype == np.int8
         assert cube.outcome.attrs["flag_values"].dtype == np.int8
         assert cube.outcome.attrs["flag_meanings"].split() == list(OUTCOMES[:ABSENT])
-        assert {key: cube[key].attrs["units"] for key in cube.coords} == {
-            "C": "uN us um-1",
-            "f0": "Hz",
-            "N": "1",
-        }
+        units = {key: cube[key].attrs["units"] for key in cube.coords}
+        assert units == {"C": "uN us um-1", "f0": "Hz", "N": "1"}
         for key in ("t_snap", "t_settled"):
             assert cube[key].attrs["units"] == "us" and cube[key].dtype == np.float64
         direct = snapmap.sweep(handout, cube.N, cube.f0, cube.C, **MODEL)

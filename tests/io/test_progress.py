@@ -90,13 +90,3 @@ def test_faults_are_not_hushed():
     wrapped = record("error", logging.ERROR)
     wrapped.msg = 'RuleException:\nCalledProcessError in file "sweep.smk", line 43:\nCommand'
     assert not handler.filter(wrapped)
-
-
-def test_a_run_that_is_stopped_ends_in_one_line(capsys):
-    handler = logging.StreamHandler(io.StringIO())
-    hush(handler)
-    stopping = record(None)
-    stopping.msg = "Terminating processes on user request, this might take some time."
-    for told in (stopping, record("job_error", logging.ERROR), stopping):
-        assert not handler.filter(told)
-    assert re.fullmatch("interrupted: .*\n", capsys.readouterr().err)

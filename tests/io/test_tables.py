@@ -71,11 +71,8 @@ def test_the_installed_package_has_all_its_files(root):
 
 def test_names_of_verdicts_stay_text_and_numbers_are_numbers(tmp_path):
     path = tmp_path / "requirements.csv"
-    lines = [
-        "requirement,device,margin,must_snap,verdict,must_survive",
-        "nan,12,nan,True,met,0.999",
-    ]
-    path.write_text("\n".join([*lines, "b,,0.5,False,failed,nan"]) + "\n")
+    head = "requirement,device,margin,must_snap,verdict,must_survive\n"
+    path.write_text(f"{head}nan,12,nan,True,met,0.999\nb,,0.5,False,failed,nan\n")
     first, second = read_verdicts(path)
     assert (first["requirement"], first["device"], second["device"]) == ("nan", "12", "")
     assert first["margin"] != first["margin"] and second["margin"] == 0.5

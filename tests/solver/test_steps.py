@@ -13,18 +13,11 @@ from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import EDGE, MOVE, SNAP, STAY, Settings
 from snapmap.solver.steps import FAST, FEWEST, HOLDS, Steps, arch_frequency, most_steps
 
-LONGEST_STEPS = {SNAP: 3.0, EDGE: 3.0, STAY: 0.2, MOVE: 0.1}
-RULE = Steps(
-    {question: np.array([step]) for question, step in LONGEST_STEPS.items()},
-    shortest=np.array([0.05]),
-    blows=np.array([100.0]),
-    apart=np.array([False]),
-    returns=np.array([False]),
-    chatter=np.array([0.0]),
-    calms=np.array([1e3]),
-    most=np.array([np.inf]),
-    per_swing=500,
-)
+LONGEST = {SNAP: 3.0, EDGE: 3.0, STAY: 0.2, MOVE: 0.1}
+LIMITS = {"shortest": 0.05, "blows": 100.0, "apart": False, "returns": False, "chatter": 0.0}
+LIMITS |= {"calms": 1e3, "most": np.inf}
+STEPS, LIMITS = ({key: np.array([one]) for key, one in part.items()} for part in (LONGEST, LIMITS))
+RULE = Steps(STEPS, **LIMITS, per_swing=500)
 VERSED_SINE = (make_pulse(),)
 
 

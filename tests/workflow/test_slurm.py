@@ -7,6 +7,7 @@ import socket
 import subprocess
 import time
 from contextlib import ExitStack, contextmanager
+from pathlib import Path
 
 import netCDF4
 import numpy as np
@@ -18,30 +19,7 @@ from snapmap.config.study import load_config
 from snapmap.sweeps.plan import make_plan
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sinfo", "sbatch", "srun")
-SLURM = """
-ClusterName=test
-SlurmctldHost=localhost
-SlurmctldPort={ports[0]}
-SlurmdPort={ports[1]}
-SlurmUser={user}
-SlurmdUser={user}
-AuthInfo=socket={folder}/munge.socket
-StateSaveLocation={folder}/state
-SlurmdSpoolDir={folder}/spool
-SlurmctldPidFile={folder}/slurmctld.pid
-SlurmdPidFile={folder}/slurmd.pid
-ProctrackType=proctrack/linuxproc
-TaskPlugin=task/none
-SelectType=select/cons_tres
-SelectTypeParameters=CR_Core_Memory
-JobAcctGatherType=jobacct_gather/none
-AccountingStorageType=accounting_storage/none
-MpiDefault=none
-MinJobAge=3600
-SlurmdParameters=config_overrides
-NodeName=one NodeHostname=localhost NodeAddr=127.0.0.1 CPUs=4 RealMemory=16000
-PartitionName=all Nodes=ALL Default=YES State=UP
-"""
+SLURM = (Path(__file__).parent / "slurm.conf").read_text()
 # Any plugin that starts without a mounted cgroup: nothing above uses one.
 CGROUP = "CgroupPlugin=cgroup/v1\n"
 # The executor's job step drops SLURM_CONF from the environment in which it calls srun.
@@ -231,22 +209,3 @@ def test_every_job_went_through_slurm_with_what_it_asked_for(remote):
     }
     assert len(list((folder / "results" / "figures").glob("*.pdf"))) > 8
     assert all(job["TimeLimit"] == "00:03:00" for job in jobs if "slab" in job["Comment"])
-
-
-@pytest.mark.long
-def test_a_cancelled_job_is_tried_again_with_more(cluster, clone, tmp_path):
-    command = workflow(clone, tmp_path, "--profile", clone / "profiles" / "slurm")
-    command += ["results/cube.nc"]
-    with open(tmp_path / "log", "w") as log:
-        process = subprocess.Popen(command, env=cluster.environment, stdout=log, stderr=log)
-    running = ["squeue", "--noheader", "--states=RUNNING", "--format=%i"]
-    assert wait_for(lambda: cluster.ask(*running), 300), (tmp_path / "log").read_text()
-    cancelled = cluster.ask(*running).split()[0]
-    cluster.ask("scancel", cancelled)
-    assert process.wait(600) == 0, (tmp_path / "log").read_text()
-    jobs = {job["JobId"]: job for job in cluster.jobs(tmp_path)}
-    first = jobs.pop(cancelled)
-    again = [job for job in jobs.values() if job["Comment"] == first["Comment"]]
-    assert first["JobState"] == "CANCELLED" and [job["JobState"] for job in again] == ["COMPLETED"]
-    assert (first["MinMemoryNode"], again[0]["MinMemoryNode"]) == ("1000M", "2000M")
-    assert f"'{cancelled}' failed, SLURM status is: 'CANCELLED'" in (tmp_path / "log").read_text()
