@@ -53,6 +53,8 @@ def test_check_says_what_else_it_costs(config):
         costs.append(_costs(load_config(document)))
         assert {"thresholds", "requirements", "tolerances", "data sheet"} < set(costs[-1])
     assert costs[1]["tolerances"] == pytest.approx(2 * costs[0]["tolerances"], rel=0.01)
+    del document["tolerances"]
+    assert "tolerances" not in _costs(load_config(document))
 
 
 def test_run_is_snakemake_with_the_workflow(root, config, monkeypatch):

@@ -1,6 +1,7 @@
 """What goes wrong on real machines, done for real: nothing is lost, and nothing false is merged."""
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -178,6 +179,21 @@ def test_jobs_end_with_a_killed_run(folder):
     assert not folder.finished()
 
 
+@pytest.mark.long
+def test_a_broken_slab_is_refused_by_name_and_made_again(folder, undisturbed):
+    shutil.copytree(undisturbed.path, folder.path, dirs_exist_ok=True)
+    broken = min(folder.slabs.glob("*.nc"))
+    broken.write_bytes(broken.read_bytes()[:20000])
+    code, output = folder.run()
+    assert code != 0 and f"results/slabs/{broken.name}: not a whole slab" in output
+    assert "Traceback" not in output and "WorkflowError" not in output and ", line " not in output
+    assert not folder.cube.exists()
+    broken.unlink()
+    code, output = folder.run()
+    assert code == 0, output
+    assert folder.cube.read_bytes() == undisturbed.cube.read_bytes()
+
+
 FAULTS = {
     "truncated": lambda path, other: path.write_bytes(path.read_bytes()[:-1000]),
     "empty": lambda path, other: path.write_bytes(b""),
@@ -227,6 +243,23 @@ def test_a_flipped_byte_is_refused_or_without_effect(slabs, stride):
     assert refused
 
 
+@pytest.mark.long
+def test_a_job_out_of_memory_is_reported_by_name(folder, undisturbed):
+    run = folder.start()
+    starved = set()
+    while run.poll() is None:
+        for job in set(jobs_of(run)) - starved:
+            starved.add(job)
+            job.rlimit(psutil.RLIMIT_AS, (2**28, 2**28))
+        time.sleep(0.02)
+    output, _ = run.communicate()
+    assert run.returncode != 0 and not folder.finished()
+    assert "Error in rule simulate_slab" in output and "output: results/slabs/" in output
+    code, output = folder.run()
+    assert code == 0, output
+    assert folder.cube.read_bytes() == undisturbed.cube.read_bytes()
+
+
 def in_own_mounts(script, *arguments):
     """Run a shell script that may mount what it likes; skips where that is not permitted."""
     if subprocess.run([*IN_OWN_MOUNTS, "mount -t tmpfs none /tmp"], capture_output=True).returncode:
@@ -257,6 +290,23 @@ def test_a_full_disk_is_named_and_leaves_no_broken_file(folder, undisturbed, kil
     left = [Path(name) for name in (folder.path / "full.txt").read_text().split()]
     assert all(path.suffix == ".log" or path.parent.name == "slabs" for path in left)
     assert (folder.path / "resumed.nc").read_bytes() == undisturbed.cube.read_bytes()
+
+
+@pytest.mark.long
+def test_the_clone_and_the_packages_may_be_read_only(root, folder, undisturbed):
+    script = """
+        for place in "$1" "$2"; do
+            mount --bind "$place" "$place"
+            mount -o remount,ro,bind "$place"
+            if touch "$place/written" 2>/dev/null; then exit 1; fi
+        done
+        cd "$3"; shift 3
+        exec "$@"
+    """
+    places = [root, Path(psutil.__file__).parents[1], folder.path]
+    code, output = in_own_mounts(script, *places, *folder.command)
+    assert code == 0, output
+    assert folder.cube.read_bytes() == undisturbed.cube.read_bytes()
 
 
 OUTER = """
