@@ -14,7 +14,7 @@ min_version("9.19")
 sys.dont_write_bytecode = True
 clone = Path(workflow.current_basedir.get_path_or_uri(secret_free=True))
 scripts = clone / "workflow" / "scripts"
-sys.path.append(str(scripts))
+sys.path.insert(0, str(scripts))  # before what PYTHONPATH names
 os.environ.update(PYTHONDONTWRITEBYTECODE="1")  # jobs inherit it
 from snapmap.io.atomic import hold, refuse_folders, remove_leftovers, remove_others
 from snapmap.io.job_log import SHELL_PREFIX
