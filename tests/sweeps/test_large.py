@@ -22,11 +22,13 @@ KINDS = {"outcome": "i1", "t_snap": "f8", "t_settled": "f8", "energy_error": "f8
 COLLECT = """
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 import numpy as np
 from jobs import collect
 folder, axes, cube = sys.argv[1:]
-collect(sorted(Path(folder).glob("*.nc")), dict(np.load(axes)), {"sweep": {"horizon": "1 us"},
-        "model": {"name": "cosines"}}, cube)
+document = {"sweep": {"horizon": "1 us"}, "model": {"name": "cosines"}}
+study = SimpleNamespace(axes=dict(np.load(axes)), document=lambda: document)
+collect(study, sorted(Path(folder).glob("*.nc")), cube)
 """
 
 

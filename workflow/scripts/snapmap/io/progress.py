@@ -20,6 +20,7 @@ WRAPPED = (
     "WorkflowError:\nAt least one job did not complete",
 )
 """How faults begin that say nothing which the log of a job, shown beside them, does not."""
+AGAIN = "Trying to restart job"
 STOPPING = "Terminating processes on user request"
 STOPPED = "interrupted: what is whole is kept, and the same command goes on"
 LOOK = "{n_fmt} of {total_fmt} cells, {percentage:.0f} %, {remaining} left for them{postfix}"
@@ -98,7 +99,7 @@ def _end_jobs():
 
 
 def hush(handler: logging.Handler) -> None:
-    """Keep a handler of Snakemake from all but warnings and faults; its log file keeps all.
+    """Keep from a handler of Snakemake all but warnings, faults, restarts; its log file has all.
 
     A run that the user stops ends in one line: what its jobs then complain of is no fault.
     """
@@ -110,6 +111,6 @@ def hush(handler: logging.Handler) -> None:
             stopped.set()
             tqdm.write(STOPPED, file=sys.stderr)
         is_fault = record.levelno >= logging.WARNING and not words.startswith(WRAPPED)
-        return is_fault and not stopped.is_set()
+        return (is_fault or words.startswith(AGAIN)) and not stopped.is_set()
 
     handler.addFilter(is_kept)
