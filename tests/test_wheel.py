@@ -93,7 +93,7 @@ def test_the_solver_needs_six_packages(installed, handout):
     found, error = map(float, done.stdout.split())
     assert found == pytest.approx(edge.N_first.item(), abs=error)
     assert run("snapmap", "init").returncode == 0
-    for verb, package in (("check", "yaml"), ("run", "snakemake")):
+    for verb, package in (("check", "pydantic"), ("run", "snakemake")):
         refused = run("snapmap", verb, "config.yaml")
         assert refused.returncode == 1
         assert refused.stderr.startswith(f"snapmap {verb} needs {package}: pip install 'snapmap[")
