@@ -21,7 +21,7 @@ from ..solver.outcome import LATCHED, label
 from ..solver.search import asker
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
 from ..study import Study
-from ..thresholds.islands import survey
+from ..thresholds.surface import look
 from .regression import nominal_thresholds, thresholds_of_samples
 from .samples import SHOCK_FACTORS, nominal_value
 
@@ -156,11 +156,12 @@ def choose_builder(
 
 
 def thresholds_at(
-    study: Study, values: Mapping[str, np.ndarray], f0, C, pulse=0
+    study: Study, values: Mapping[str, np.ndarray], f0, C, pulse=0, axes: Sequence[np.ndarray] = ()
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Thresholds of a study's device with other values, each (n,), and their errors, or NaN.
 
     values: by name; f0: Hz; C: uN us/um; pulse: index in the study's, each a number or (n,)
+    axes: ascending, of surfaces that the values are, raveled; of these few rows are searched
     Returns also where there is a device; (n,).
     """
     size = next(iter(values.values())).size
@@ -173,6 +174,9 @@ def thresholds_at(
         shock = (np.broadcast_to(a, size)[there] for a in (f0, C, pulse))
         rows = to_rows(places, *shock, study.shocks.pulses)
         models = choose_survey(devices, study.model)
-        seen = survey(models, rows, study.settings, THRESHOLD_TOLERANCE)
-        first[:, there] = seen.N_first, seen.N_error
+        numbers = np.full(size, -1)
+        numbers[there] = places
+        parts = [(numbers.reshape(-1, *(x.size for x in axes)), axes)] if axes else []
+        seen = look(models, rows, parts, study.settings, THRESHOLD_TOLERANCE)
+        first[:, there] = seen["N_first"], seen["N_error"]
     return *first, there
