@@ -25,7 +25,7 @@ from .tolerances.samples import Tolerances, nominal_value
 POINTS, WINDOW_POINTS = 17, 33
 """Values that are tried first, for a threshold and for a window."""
 PARTS = 512
-"""Of an interval between two of them; an answer lies within one."""
+"""Of an interval between two of them, in one of which an answer lies."""
 PLACES, SAMPLES = 9, 256
 """Values in a window, and devices as made at each, of which the yield is estimated."""
 
@@ -105,7 +105,7 @@ def design(
         raise ValueError(f"{', '.join(along)}: give one value of the device along which to look")
     if required:
         tolerances = Tolerances(**given) if given else None
-        cost = f"{WINDOW_POINTS * len(goals)} thresholds, some five for each end"
+        cost = f"{WINDOW_POINTS * len(goals)} thresholds, about three for each end"
         if tolerances:
             made = PLACES * min(tolerances.samples, SAMPLES)
             cost += f", {made * (len(goals) + 1)} devices"

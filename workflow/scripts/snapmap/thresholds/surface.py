@@ -84,8 +84,8 @@ def threshold(
     short pulses, N_static, over the axes of device and pulse, and velocity_change, over these and
     C; the `area` of each pulse: its velocity change is area N g / f0; of records in known units
     `scale_first`, a factor; along axes of the device and C of three values and more `dN_d<value>`,
-    per internal unit, with its error. Along axes of eight values and more of the device, C or f0 of slow
-    pulses, few rows are searched and others `verified`. `status` in words is
+    per internal unit, and its error. Along axes of eight values and more of the device, C or f0 of
+    slow pulses, few rows are searched and others `verified`. `status` in words is
     `numpy.array(found.status.flag_meanings.split())[found.status]`.
 
     >>> device = snapmap.load_device("config/config.yaml")
@@ -117,6 +117,7 @@ def thresholds_of(
     made_by = recipe(document, grid.pulses, highest)
     models, rows = choose_survey(grid.device, study.model), rows_of(grid)
     found, known = recall(earlier, grid, made_by)
+    # Slopes are of the points that there are now.
     found = {key: column for key, column in found.items() if not key.startswith("dN_d")}
     there, parts = rows.device >= 0, []
     if not known.all():
