@@ -56,6 +56,14 @@ def datasheet(
             largest = _largest(replace(study, device=device), requirements, own)
             largest = table(["what", "value", "error", "under"], largest)
             sheets += ["Largest under these shocks:\n", largest]
+        closed = [row for row in own if np.isfinite(row.get("t_closed", np.nan))]
+        if closed:
+            words = (
+                f"Closures of the electrode, to {plain(study.settings.horizon)} us after the pulse:"
+            )
+            head = ["requirement", "C, uN*us/um", "closes after, us", "allowed over that"]
+            head += ["stays closed, us", "over required", "openings", "share closed"]
+            sheets += [f"{words}\n", table(head, map(_closures, closed))]
         if batch is not None and "yield" in batch:
             words = f"Share of {batch.sizes['sample']} devices as made, with bounds at 95 %:\n"
             sheets += [words, table(["share", "C, uN*us/um", "value", "bounds"], _shares(batch))]
@@ -86,6 +94,8 @@ def _statics(device):
     yield ["force that resets it", resets]
     travel = f"{beam.height - beam.second_equilibrium:.5g} um" if beam.is_bistable else DASH
     yield ["travel of the midpoint to the second shape", travel]
+    if device.has_electrode:
+        yield [f"force on the electrode at {device.contact_at:g} um", f"{path.hold_force:.5g} uN"]
     yield ["first frequency of the beam", f"{1e3 * natural_frequency(beam) / (2 * np.pi):.5g} kHz"]
     if not device.is_alone:
         own = f"{1e3 * device.mass_frequency / (2 * np.pi):.5g} kHz"
@@ -122,6 +132,26 @@ def _verdict(row, made):
         margin,
         row["verdict"],
         *ends,
+    ]
+
+
+def _closures(row):
+    """A row of requirements.csv, with closures: each with its error."""
+
+    def told(key):
+        return f"{plain(row[key])} ± {plain(row[f'{key}_error'], 1)}"
+
+    def margin(key):
+        return plain(row[key]) if np.isfinite(row.get(key, np.nan)) else DASH
+
+    kept = "from " * (row["openings"] == 0) + told("closed_for")
+    times = [told("t_closed"), margin("closes_margin"), kept, margin("stays_margin")]
+    return [
+        row["requirement"],
+        f"{row['C']:g}",
+        *times,
+        f"{row['openings']:g} ± {row['openings_error']:g}",
+        told("closed_share"),
     ]
 
 

@@ -18,6 +18,7 @@ from .calibration import Calibration, read_calibration
 from .devices import nominal
 from .keys import line_at, lines_of
 from .models import Document
+from .shocks import CLOSING
 from .views import (
     History,
     View,
@@ -195,6 +196,10 @@ def _require_study(device, shocks, required, tolerances):
     if required or tolerances:
         own.set_out({})
     for one in required:
+        closing = next((key for key in CLOSING if key in one), None)
+        if closing and not all(each.has_electrode for each in own.devices().values()):
+            need = "write the place of the electrode, such as '-5 um'"
+            raise ValueError(f".contact_at: missing, for {closing}; {need}")
         if "shocks" in one:
             replace(own, shocks=one["shocks"])
         else:

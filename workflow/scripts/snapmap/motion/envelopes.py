@@ -19,6 +19,7 @@ from ..solver.adaptive import choose_model
 from ..solver.cells import rows_of
 from ..solver.kernel.rows import LANES
 from ..solver.kernel.trace import SAMPLE
+from ..solver.models import deciders
 from ..solver.outcome import FAILED
 from ..solver.settings import MOVE
 from ..study import Study
@@ -71,13 +72,10 @@ def trace(study: Study, cube: xr.Dataset, earlier: xr.Dataset | None = None) -> 
         bin_length[known] = held["bin_length"][known]
         stress[:] = held.get("stress_max", stress)
     new = ~known & (device_of >= 0)
-    for number, halved in np.unique([level[new], halvings[new]], axis=1).T:
-        alike = np.flatnonzero(new & (level == number) & (halvings == halved))
-        for mine, part in levels[number].with_step(0.5**halved).split(device_of[alike]):
-            at = alike[mine]
-            followed = part, cells.take(at), window[at], bins, settings.threads
-            motion, length, stress[at] = _follow(*followed)
-            values[..., at], bin_length[at] = _shown(motion, length, window[at]), length
+    for at, part in deciders(levels, device_of, level, halvings, np.flatnonzero(new)):
+        followed = part, cells.take(at), window[at], bins, settings.threads
+        motion, length, stress[at] = _follow(*followed)
+        values[..., at], bin_length[at] = _shown(motion, length, window[at]), length
     y = values[2] - values[2, 0]
     ran = np.isfinite(y).all(axis=0) & (cube.outcome.values.ravel() != FAILED)
     if ran.any():
