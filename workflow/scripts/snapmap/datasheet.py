@@ -25,6 +25,14 @@ UNITS = {
 }
 """Of `Extremes`, as a data sheet names them."""
 
+CLOSURES = {
+    "t_closed": ("first closure", " us"),
+    "closed_for": ("then closed, to the end if it never opens", " us"),
+    "openings": ("openings", ""),
+    "closed_share": ("share of the time since then closed", ""),
+}
+"""Likewise of `Closures`."""
+
 
 def datasheet(
     study: Study,
@@ -58,12 +66,8 @@ def datasheet(
             sheets += ["Largest under these shocks:\n", largest]
         closed = [row for row in own if np.isfinite(row.get("t_closed", np.nan))]
         if closed:
-            words = (
-                f"Closures of the electrode, to {plain(study.settings.horizon)} us after the pulse:"
-            )
-            head = ["requirement", "C, uN*us/um", "closes after, us", "allowed over that"]
-            head += ["stays closed, us", "over required", "openings", "share closed"]
-            sheets += [f"{words}\n", table(head, map(_closures, closed))]
+            closed = table(["what", "value", "error", "under"], _closures(closed))
+            sheets += [f"The electrode, to {study.settings.horizon:g} us after a shock:\n", closed]
         if batch is not None and "yield" in batch:
             words = f"Share of {batch.sizes['sample']} devices as made, with bounds at 95 %:\n"
             sheets += [words, table(["share", "C, uN*us/um", "value", "bounds"], _shares(batch))]
@@ -135,24 +139,12 @@ def _verdict(row, made):
     ]
 
 
-def _closures(row):
-    """A row of requirements.csv, with closures: each with its error."""
-
-    def told(key):
-        return f"{plain(row[key])} ± {plain(row[f'{key}_error'], 1)}"
-
-    def margin(key):
-        return plain(row[key]) if np.isfinite(row.get(key, np.nan)) else DASH
-
-    kept = "from " * (row["openings"] == 0) + told("closed_for")
-    times = [told("t_closed"), margin("closes_margin"), kept, margin("stays_margin")]
-    return [
-        row["requirement"],
-        f"{row['C']:g}",
-        *times,
-        f"{row['openings']:g} ± {row['openings_error']:g}",
-        told("closed_share"),
-    ]
+def _closures(rows):
+    """Of the electrode under required shocks, with its error."""
+    for row in rows:
+        for key, (words, unit) in CLOSURES.items():
+            value, error = plain(row[key]), plain(row[f"{key}_error"], 1)
+            yield [words, value + unit, error + unit, f"{row['requirement']}, C = {row['C']:g}"]
 
 
 def _largest(study, requirements, verdicts):

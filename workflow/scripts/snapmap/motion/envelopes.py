@@ -57,7 +57,6 @@ def trace(study: Study, cube: xr.Dataset, earlier: xr.Dataset | None = None) -> 
     name = "handout" if study.model["name"] == "reference" else study.model["name"]
     levels = choose_model(grid.device, {**study.model, "name": name}).levels
     level = cube.level.values.ravel() if "level" in cube else np.zeros(cube.outcome.size, int)
-    halvings = cube.halvings.values.ravel()
     rows, N = rows_of(grid), grid.axes["N"]
     cells = rows.cells(grid.device, N, settings.horizon).flat()
     device_of, size = cells.device, cells.device.size
@@ -72,7 +71,8 @@ def trace(study: Study, cube: xr.Dataset, earlier: xr.Dataset | None = None) -> 
         bin_length[known] = held["bin_length"][known]
         stress[:] = held.get("stress_max", stress)
     new = ~known & (device_of >= 0)
-    for at, part in deciders(levels, device_of, level, halvings, np.flatnonzero(new)):
+    decided = np.stack([level, cube.halvings.values.ravel()])
+    for at, part in deciders(levels, device_of, decided, np.flatnonzero(new)):
         followed = part, cells.take(at), window[at], bins, settings.threads
         motion, length, stress[at] = _follow(*followed)
         values[..., at], bin_length[at] = _shown(motion, length, window[at]), length

@@ -154,18 +154,14 @@ class Model:
 
 
 def deciders(
-    levels: Sequence[Follows],
-    device: np.ndarray,
-    level: np.ndarray,
-    halvings: np.ndarray,
-    which: np.ndarray,
+    levels: Sequence[Follows], device: np.ndarray, decided: np.ndarray, which: np.ndarray
 ) -> Iterator[tuple[np.ndarray, Model]]:
     """Indices of cells, out of `which`, and the model that decided them, at its step.
 
-    device, level, halvings: of all cells, (cells,), as observed
+    device: of all cells; decided: their level and halvings, (2, cells)
     """
-    for number, halved in np.unique([level[which], halvings[which]], axis=1).T:
-        alike = which[(level[which] == number) & (halvings[which] == halved)]
+    for number, halved in np.unique(decided[:, which], axis=1).T:
+        alike = which[(decided[0, which] == number) & (decided[1, which] == halved)]
         for mine, part in levels[number].with_step(0.5**halved).split(device[alike]):
             yield alike[mine], part
 

@@ -7,15 +7,14 @@ import numpy as np
 from ..axes import Grid
 from ..pulse import blow_at
 from ..solver.cells import Rows, rows_of
-from ..solver.closures import Closures, closures_again
+from ..solver.closures import CLOSING, closures_again
 from ..solver.models import Follows
 from ..solver.outcome import ABSENT, FAILED, REPEATED_STEP, label, t_snap_error, work_error
 from ..solver.settings import Settings
 
 TIMES = "t_snap", "t_settled", "t_snap_error"
-OF_CONTACT = *Closures._fields, *(f"{key}_error" for key in Closures._fields)
 SHARES = "well_share", "energy_error", "pulse_work", "work_error"
-UNKNOWN = dict.fromkeys((*TIMES, *SHARES, *OF_CONTACT), np.nan)
+UNKNOWN = dict.fromkeys((*TIMES, *SHARES, *CLOSING), np.nan)
 KNOWN = dict.fromkeys(("agreed", "reproduced", "well_reproduced"), 1)
 NONE = dict.fromkeys(("well", "halvings", "level", "blow"), 0)
 ABSENCE = {"outcome": ABSENT, **NONE, **KNOWN, **UNKNOWN}
