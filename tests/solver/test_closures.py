@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 import snapmap
 from snapmap.motion.history import closing_of
-from snapmap.solver.closures import Closures, closures_of, passages
+from snapmap.solver.closures import CLOSING, Closures, closures_of, passages
 from snapmap.solver.settings import Settings
 from snapmap.study import Study
 from snapmap.thresholds.requirements import Verdict, judge_closing
@@ -25,52 +25,37 @@ def device(handout):
     return replace(handout, beam=replace(handout.beam, damping=4e-3), contact_at=-5.0)
 
 
-def seen(w, level, end):
-    """What an electrode sees of w(t) at 0, 0.001, ... up to an end."""
-    time = np.arange(0, end, 1e-3)
-    _, places = passages(w(time)[:, np.newaxis], np.array([level]))
-    return closures_of((1e-3 * places).tolist(), bool(w(time[:1])[0] <= level), end)
-
-
 def test_a_bouncing_ball_closes_in_a_geometric_series():
-    """Dropped from h: flight n is under the level from its fall past it to the rise past it."""
-    g, h, e, level = 2.0, 9.0, 0.7, 0.1
-    impact = sqrt(2 * g * h)
-    speeds = [impact * e**n for n in range(60)]
-    impacts = np.cumsum([sqrt(2 * h / g), *(2 * v / g for v in speeds[1:])])
-
-    def height(time):
-        n = np.searchsorted(impacts, time, side="right")
-        since = time - np.append(0.0, impacts)[n]
-        flown = np.append(0.0, [*speeds[1:], 0.0])[n] * since - g * since**2 / 2
-        return np.maximum(0.0, np.where(n == 0, h, 0.0) + flown)
-
+    """Dropped from h, it is up to `level` around each impact, for sqrt(v^2 - 2 g level) apart."""
+    g, h, e, level, end = 2.0, 9.0, 0.7, 0.1, 30.0
+    speeds = sqrt(2 * g * h) * e ** np.arange(60)  # at the impacts
+    impacts = np.cumsum([sqrt(2 * h / g), *(2 * speeds[1:] / g)])
+    time = np.arange(0, end, 1e-3)
+    n = np.searchsorted(impacts, time, side="right")
+    since = time - np.append(0.0, impacts)[n]
+    flown = np.where(n == 0, h, np.append(0.0, speeds)[n] * e * since) - g * since**2 / 2
+    _, places = passages(np.maximum(0.0, flown)[:, np.newaxis], np.array([level]))
     openings = int(log(level / h) / (2 * log(e)))  # e^2n h > level
     under = [(v - sqrt(v * v - 2 * g * level)) / g for v in speeds[: openings + 1]]
-    found, end = seen(height, level, 30.0), 30.0
-    assert found.openings == openings == 6
+    above = fsum(2 * v / g - 2 * t for v, t in zip(speeds[1:], under[1:], strict=False))
     first = impacts[0] - under[0]
-    assert found.t_closed == pytest.approx(first, abs=1e-5)
-    assert found.closed_for == pytest.approx(under[0] + under[1], abs=1e-5)
-    flights = fsum(2 * v / g - 2 * t for v, t in zip(speeds[1:], under[1:], strict=False))
-    expected = 1 - flights / (end - first)
-    assert found.closed_share == pytest.approx(expected, abs=1e-5)
+    expected = first, under[0] + under[1], openings, 1 - above / (end - first)
+    assert closures_of(1e-3 * places, False, end) == pytest.approx(expected, abs=1e-5)
 
 
 def test_a_damped_swing_passes_zero_at_its_quarter_turns_with_order_two():
-    turn, errors = 2 * pi, []
+    errors = []
     for step in (0.02, 0.01, 0.005):
         time = step * (np.arange(round(3 / step)) + 0.3)
-        w = np.exp(-0.8 * time) * np.cos(turn * time)
-        _, places = passages(w[:, np.newaxis], np.zeros(1))
-        instants = step * (places + 0.3)
+        w = np.exp(-0.8 * time) * np.cos(2 * pi * time)
+        instants = step * (passages(w[:, np.newaxis], np.zeros(1))[1] + 0.3)
         errors.append(abs(instants - (0.25 + 0.5 * np.arange(6))).max())
     np.testing.assert_allclose(np.log2(np.divide(errors[:-1], errors[1:])), 2, atol=0.5)
-    found = closures_of(instants, False, 3.0)
-    assert found == pytest.approx(Closures(0.25, 0.5, 3, 1.5 / 2.75), abs=1e-4)
-    begun = closures_of([0.5, 2.0], True, 3.0)
-    assert begun == (0.0, 0.5, 1, 0.5) and closures_of([], True, 3.0) == (0.0, 3.0, 0, 1.0)
-    assert np.isnan(closures_of([3.5], False, 3.0)).all()
+    expected = Closures(0.25, 0.5, 3, 1.5 / 2.75)
+    assert closures_of(instants, False, 3.0) == pytest.approx(expected, abs=1e-4)
+    assert closures_of([0.5, 2.0], True, 3.0) == (0.0, 0.5, 1, 0.5)
+    assert closures_of([], True, 3.0) == (0.0, 3.0, 0, 1.0)
+    assert np.isnan(closures_of([], False, 3.0)).all()
 
 
 def integrated(device, N, f0, C):
@@ -124,20 +109,16 @@ def test_a_cube_has_what_histories_have_and_else_nothing_new(device, handout):
     asked = {"f0": [1500.0], "C": [25.0], "model": MODEL, "horizon": HORIZON}
     bare = replace(device, contact_at=-np.inf)
     cube, other = (snapmap.sweep(one, [700.0, 1000.0, 1100.0], **asked) for one in (device, bare))
-    assert {*cube} - {*other} == {
-        f"{key}{end}" for key in Closures._fields for end in ("", "_error")
-    }
+    alone = snapmap.sweep(device, [1000.0], **asked)
+    assert all(cube[key].sel(N=1000.0).item() == alone[key].item() for key in CLOSING)
+    assert {*cube} - {*other} == {*CLOSING}
     assert all((cube[key].values == other[key].values).all() for key in ("outcome", "well"))
-    for N in (1000.0, 1100.0):
-        run = snapmap.simulate(device, N, 1500.0, 25.0, model=MODEL, horizon=HORIZON)
-        for key in Closures._fields:
-            assert cube[key].sel(N=N).item() == np.float32(run.attrs[key])
-        fallen = slice(0, int(np.argmin(run.w_mid.values)) + 1)
-        first = np.interp(5.0, -run.w_mid.values[fallen], run.time.values[fallen])
-        assert run.t_closed == pytest.approx(first, abs=0.01)
-    assert np.isnan(cube.t_closed.sel(N=700.0)) and cube.t_closed.sel(N=1000.0) < cube.t_snap.sel(
-        N=1000.0
-    )
+    assert (cube.t_closed[..., 1:] < cube.t_snap[..., 1:]).all() and np.isnan(cube.t_closed[..., 0])
+    run = snapmap.simulate(device, 1000.0, 1500.0, 25.0, model=MODEL, horizon=HORIZON)
+    assert all(alone[key].item() == np.float32(run.attrs[key]) for key in CLOSING)
+    fallen = slice(0, int(run.w_mid.values.argmin()) + 1)
+    first = np.interp(5.0, -run.w_mid.values[fallen], run.time.values[fallen])
+    assert run.t_closed == pytest.approx(first, abs=0.01)
 
 
 def test_an_electrode_is_held_by_the_straight_line_of_the_statics(device):

@@ -41,10 +41,10 @@ CLOSING = *Closures._fields, *(f"{key}_error" for key in Closures._fields)
 def closures_of(instants: Sequence[float], is_closed: bool, end: float) -> Closures:
     """What an electrode sees of a beam that touches it and leaves it by turns.
 
-    instants: when it does, ascending, us; is_closed: whether it touches at 0
+    instants: when it does, ascending up to the end, us; is_closed: whether it touches at 0
     end: of the time followed, us
     """
-    turns = [0.0] * is_closed + [instant for instant in instants if instant < end]
+    turns = [0.0] * is_closed + [*instants]
     if not turns:
         return Closures(nan, nan, nan, nan)
     openings = len(turns) // 2
@@ -94,7 +94,9 @@ def _follow(model, cells, window, threads):
                 instants[column].append(float((first + place - 0.5) * dt[these[column]]))
             last = w[-1:]
         for i, cell in enumerate(these):
-            found[:, cell] = closures_of(instants[i], bool(level[i] >= 0), float(cells.t_end[cell]))
+            # Its lane may have run on beside a longer one.
+            own = [instant for instant in instants[i] if instant < window[cell]]
+            found[:, cell] = closures_of(own, bool(level[i] >= 0), float(cells.t_end[cell]))
 
     # Lanes run together to the end of the longest: those of one call should be of one length.
     order = np.argsort(-steps, kind="stable")
