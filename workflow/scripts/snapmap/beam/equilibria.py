@@ -248,21 +248,11 @@ def find_barrier(beam: Beam, basis: Basis, modes: int | None = None) -> Barrier:
     A model that has no stable second shape has a barrier of energy 0: one too coarse, close to
     Q = 4/sqrt(3), or a beam that is free to tilt out of it.
     """
-    beams, which = unit_beams(beam)
-    axial = 6 * beams.Q * beams.Q
-    modal = unit_form(basis, modes, beams)
-    stiffness = modal.stiffness[..., np.newaxis] * np.eye(modal.stiffness.shape[-1])
-    loads, shapes = eigh(stiffness, modal.geometric)
-    s = apply(shapes.swapaxes(-1, -2), modal.slope_start)
-    loads, s = (np.broadcast_to(part, (axial.size, part.shape[-1])) for part in (loads, s))
-    rest = equilibria(loads, s, axial, np.zeros(axial.size))
-    p, own = (apply(shapes, q - s) for q in (rest.saddle, s * rest.second))
+    modal, axial, which, p, own = _saddle_and_second(beam, basis, modes)
     exists = np.isfinite(p).all(axis=-1)
-    slope = apply(modal.geometric, p) + modal.slope_start
-    N = -axial * dot(p, slope + modal.slope_start)
-    energy = dot(p, modal.stiffness * p) / 2 + N * N / (4 * axial)
     energy, along = (
-        np.where(exists, part, 0.0)[which] for part in (energy, dot(modal.midpoint, p))
+        np.where(exists, part, 0.0)[which]
+        for part in (_unit_energy(modal, axial, p), dot(modal.midpoint, p))
     )
     first, second = first_midpoint(basis, beam), np.atleast_1d(beam.second_equilibrium)
     if basis.tilt.any():
@@ -271,3 +261,38 @@ def find_barrier(beam: Beam, basis: Basis, modes: int | None = None) -> Barrier:
     unit = beam.stiffness_unit * beam.made_rise * beam.made_rise
     columns = energy * unit, along * beam.made_rise, second, first
     return Barrier(*(value if np.ndim(beam.rise) else value.item() for value in columns))
+
+
+class Rest(NamedTuple):
+    """The second shape of a form at rest: its modes, (..., k), um ng^0.5; its energy, pJ."""
+
+    modes: np.ndarray
+    energy: Value
+
+
+def second_shape(beam: Beam, basis: Basis, modes: int | None = None) -> Rest:
+    """Find where a beam rests in its second shape, measured from the first; NaN if it has none."""
+    modal, axial, which, _, own = _saddle_and_second(beam, basis, modes)
+    energy, scale = _unit_energy(modal, axial, own)[which], beam.made_rise * np.sqrt(beam.weight)
+    p = own[which] * np.reshape(scale, (-1, 1))
+    energy = energy * (beam.stiffness_unit * beam.made_rise * beam.made_rise)
+    return Rest(p, energy) if np.ndim(beam.rise) else Rest(p[0], energy.item())
+
+
+def _saddle_and_second(beam, basis, modes):
+    """The form of unit beams, their axial stiffness, which is which, and coordinates there."""
+    beams, which = unit_beams(beam)
+    axial = 6 * beams.Q * beams.Q
+    modal = unit_form(basis, modes, beams)
+    stiffness = modal.stiffness[..., np.newaxis] * np.eye(modal.stiffness.shape[-1])
+    loads, shapes = eigh(stiffness, modal.geometric)
+    s = apply(shapes.swapaxes(-1, -2), modal.slope_start)
+    loads, s = (np.broadcast_to(part, (axial.size, part.shape[-1])) for part in (loads, s))
+    rest = equilibria(loads, s, axial, np.zeros(axial.size))
+    return modal, axial, which, *(apply(shapes, q - s) for q in (rest.saddle, s * rest.second))
+
+
+def _unit_energy(modal, axial, p):
+    slope = apply(modal.geometric, p) + modal.slope_start
+    N = -axial * dot(p, slope + modal.slope_start)
+    return dot(p, modal.stiffness * p) / 2 + N * N / (4 * axial)

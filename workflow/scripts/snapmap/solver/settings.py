@@ -11,6 +11,8 @@ QUESTION = {"settled": STAY, "snap": SNAP, "edge": EDGE, "pulse": SNAP, "moved":
 Beside UNTIL, within the solver: "edge" is "snap" in the steps that a threshold needs, "pulse" ends
 a run with its pulse or its snap, and "moved" is "settled" in the steps that the motion needs.
 """
+FIRST, SECOND = STARTS = ("first", "second")
+"""The shape in which the beam rests at the start of a run; a snap is its arrival at the other."""
 THRESHOLD_TOLERANCE = 1e-4
 """How closely thresholds in N are refined by default, relative."""
 
@@ -19,6 +21,7 @@ class Settings(NamedTuple):
     """How each cell is followed, and how many threads work at it.
 
     horizon: time followed after the pulse's end, us
+    start: the one of STARTS in which the beam rests at first
     until: "settled" follows a cell until its well is proven, "snap" ends it at its snap too
     repeat: whether each cell is run again with another step, to see if its outcome is reproduced
     energy_tolerance: a run is believed if its energy ledger closes within this share of the
@@ -26,6 +29,7 @@ class Settings(NamedTuple):
     """
 
     horizon: float = 1500.0
+    start: str = FIRST
     until: str = "settled"
     repeat: bool = True
     energy_tolerance: float = 1e-3
@@ -37,5 +41,6 @@ class Settings(NamedTuple):
         return QUESTION[self.until]
 
     def without_threads(self) -> dict:
-        """All but the threads, on which no result depends."""
-        return {key: value for key, value in self._asdict().items() if key != "threads"}
+        """All but the threads, on which no result depends, and the start if it is the usual one."""
+        usual = "threads", *(["start"] if self.start == FIRST else [])
+        return {key: value for key, value in self._asdict().items() if key not in usual}
