@@ -82,7 +82,7 @@ def _costs(study):
     from .thresholds.cost import PER_SAMPLE, run_seconds, survey_seconds
 
     C, f0, scatter = study.axes["C"], study.axes["f0"], study.tolerances
-    models, rows = choose_survey(study.grid.device, study.model), rows_of(study.grid)
+    models, rows = choose_survey(study.grid.device, study.model, study.settings.start), rows_of(study.grid)
     costs = {"thresholds": survey_seconds(models, rows.take(rows.device >= 0), study.settings)}
     if study.traces or study.has_strength:
         costs["traces"] = PER_TRACE * min(CELLS, prod(study.grid.shape))

@@ -9,11 +9,11 @@ from .io.provenance import device_sections
 from .shocks import HANDOUT_SHOCK, Shocks, make_shocks
 from .solver.settings import Settings
 
-FOLLOWED = ("horizon", "energy_tolerance", "threads")
+FOLLOWED = ("horizon", "energy_tolerance", "threads", "start")
 """Settings that every verb takes from Python."""
 PUSH = ("pulse", "direction")
 """What `make_shocks` takes."""
-THRESHOLD_SETTINGS = ("horizon", "energy_tolerance")
+THRESHOLD_SETTINGS = ("horizon", "energy_tolerance", "start")
 """Those on which a threshold depends."""
 
 
@@ -68,7 +68,7 @@ class Study:
         settings = self.settings.without_threads()
         settings |= {"horizon": f"{settings['horizon']:.15g} us"}
         sections = device_sections(self.device) | self.shocks.section()
-        sweep = {key: settings[key] for key in keys or settings}
+        sweep = {key: settings[key] for key in keys or settings if key in settings}
         return sections | {"model": dict(self.model), "sweep": sweep}
 
 

@@ -46,7 +46,7 @@ class BucklingModes(NamedTuple):
     residual: Value
 
 
-def static_threshold(device: Device) -> float | np.ndarray:
+def static_threshold(device: Device, back: bool = False) -> float | np.ndarray:
     """Lowest N, in multiples of g, whose lasting acceleration leaves no equilibrium to rest in.
 
     That is the first maximum on the path, or where the beam leaves the mass to snap by itself. A
@@ -54,15 +54,21 @@ def static_threshold(device: Device) -> float | np.ndarray:
     inertia. A beam that leaves the mass where it could still rest alone, or that the mass does not
     reach across its gap, goes on to its own first maximum; so does one alone, of whose force on the
     midpoint N then counts the units.
+
+    back: from the second shape, by a pull along -z, where the mass goes its own way
     """
     if not np.ndim(device.mass):
-        return float(np.asarray(static_threshold(batch([device])))[0])
+        return float(np.asarray(static_threshold(batch([device]), back))[0])
     N = np.empty(len(device))
     for free in np.unique(device.beam.free):
         mine = np.flatnonzero(device.beam.free == free)
         alike = device.pick(mine) if mine.size < N.size else device
         modes, first = buckling_modes(alike.beam), first_midpoint(shapes_of(alike.beam), alike.beam)
         modes = modes._replace(load=pulse_load(alike, modes.load, modes.midpoint))
+        each = [BucklingModes(*(np.asarray(c)[i] for c in modes)) for i in range(mine.size)]
+        if back:
+            N[mine] = [_least_back(one) for one in each]
+            continue
         facts = {
             "mass": alike.mass,
             "spring": alike.spring,
@@ -73,12 +79,12 @@ def static_threshold(device: Device) -> float | np.ndarray:
         }
         N[mine] = [
             _least_without_rest(
-                BucklingModes(*(np.asarray(column)[i] for column in modes)),
-                **{key: float(np.asarray(column)[i]) for key, column in facts.items()},
+                one, **{key: float(np.asarray(column)[i]) for key, column in facts.items()}
             )
-            for i in range(mine.size)
+            for i, one in enumerate(each)
         ]
     return N / device.gravity
+
 
 
 def _least_without_rest(modes, mass, spring, stiffness, gap, room, travel):
@@ -89,9 +95,6 @@ def _least_without_rest(modes, mass, spring, stiffness, gap, room, travel):
 
     def held(modes, N):
         return _shock(modes, N, 0.0, np.inf, stiffness, -room)
-
-    def alone(modes, N):
-        return push(modes._replace(midpoint=modes.load), N)
 
     def is_left(a, reached):
         """Whether the midpoint is ahead of the mass by itself, once that has touched it."""
@@ -130,17 +133,35 @@ def _end_of(modes, loaded, is_left, travel):
     low, high = 0.0, 2.0
     for _ in range(ZOOMS):
         places = np.linspace(low, high, GRID)
-        # N grows to the largest up to place 1, and falls to 2.
-        N = largest * (1 - (1 - places) ** 2)
-        constant, slope = loaded(modes, N)
-        lower, upper = roots(modes, N, constant, slope)
-        # Which root belongs to the path there changes where the loads' direction does.
-        a = np.where((displacement(modes, slope) > 0) == (places <= 1), lower, upper)
-        reached = displacement(modes, constant + slope * a)
+        a, reached = _on_path(modes, loaded, largest, places)
         leaves = is_left(a, reached)[1:]
         first = np.argmax((np.diff(a) < 0) | leaves | (reached[1:] >= travel))
         low, high = places[[max(first - 1, 0), min(first + 1, GRID - 1)]]
     return a[first], reached[first], leaves[first]
+
+
+def _least_back(modes):
+    """The pull at the first minimum of a that is met from beyond the second shape."""
+    largest, low, high = largest_force(modes, alone, modes.buckling[1, 0]), 1.0, 2.0
+    for _ in range(ZOOMS):
+        places = np.linspace(high, low, GRID)
+        a, _ = _on_path(modes, alone, largest, places)
+        first = np.argmax(np.append(np.diff(a) > 0, True))
+        low, high = places[[min(first + 1, GRID - 1), max(first - 1, 0)]]
+    return -a[first]
+
+
+def _on_path(modes, loaded, largest, places):
+    """a and the midpoint's displacement where N grows to the largest up to place 1 and falls to 2.
+
+    At 1 itself those of the path from the first shape.
+    """
+    N = largest * (1 - (1 - places) ** 2)
+    constant, slope = loaded(modes, N)
+    lower, upper = roots(modes, N, constant, slope)
+    # Which root belongs to the path there changes where the loads' direction does.
+    a = np.where((displacement(modes, slope) > 0) == (places <= 1), lower, upper)
+    return a, displacement(modes, constant + slope * a)
 
 
 def shapes_of(beam: Beam) -> Basis:
@@ -181,6 +202,11 @@ def push(modes: BucklingModes, N: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """c = constant + slope P under a force P (uN) on the midpoint, each (modes, n); N: (n,), uN."""
     soft = 1 / (modes.buckling - N)
     return soft * N * modes.start, -soft * modes.midpoint
+
+
+def alone(modes: BucklingModes, N: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """c = constant + slope a under the load of the pulse alone, as `push`."""
+    return push(modes._replace(midpoint=modes.load), N)
 
 
 def _shock(modes, N, mass, spring, stiffness, gap):

@@ -172,7 +172,7 @@ def thresholds_at(
         devices = batch_of([study.device]).pick(np.zeros_like(places)).vary(made)
         shock = (np.broadcast_to(a, size)[there] for a in (f0, C, pulse))
         rows = to_rows(places, *shock, study.shocks.pulses)
-        models = choose_survey(devices, study.model)
+        models = choose_survey(devices, study.model, study.settings.start)
         seen = survey(models, rows, study.settings, THRESHOLD_TOLERANCE)
         first[:, there] = seen.N_first, seen.N_error
     return *first, there
