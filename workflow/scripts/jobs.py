@@ -83,6 +83,7 @@ def check_requirements(study, path):
     from snapmap.motion.history import Extremes, extremes_of
     from snapmap.sizing import remedy
     from snapmap.spectra.verdicts import check_spectra, check_vibrations
+    from snapmap.study import of_requirement
     from snapmap.thresholds.requirements import Survival, Verdict, check, judge, summary, worst
 
     C, study = study.axes["C"].tolist(), study.of_thresholds()
@@ -90,7 +91,7 @@ def check_requirements(study, path):
     moved, survived = [], []
     cases = product(study.requirements, study.devices().values(), C)
     for place, (required, device, damping) in enumerate(cases):
-        pushed = replace(study, device=device, shocks=required["shocks"])
+        pushed = replace(of_requirement(study, required), device=device)
         moved.append(extremes_of(pushed, required["N"], required["f0"], damping))
         verdicts[place], survival = judge(
             verdicts[place], device, moved[-1].stress_max, required["survives"]

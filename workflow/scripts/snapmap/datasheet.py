@@ -13,7 +13,7 @@ from .io.provenance import code_version, device_sections
 from .motion.history import extremes_of
 from .quantities import plain
 from .solver.outcome import REPEATED_STEP
-from .study import Study
+from .study import Study, of_requirement
 from .thresholds.requirements import LEVELS
 from .tolerances.statistics import left_out, percents
 
@@ -134,7 +134,7 @@ def _largest(study, requirements, verdicts):
             continue
         worst = max(shocks, key=lambda row, key=key: row[key])
         shock = required[worst["requirement"]]
-        under = replace(study, shocks=shock["shocks"])
+        under = of_requirement(study, shock)
         again = extremes_of(under, shock["N"], shock["f0"], worst["C"], step=REPEATED_STEP)
         value, other = worst[key], getattr(again, key)
         where = f"{worst['requirement']}, C = {worst['C']:g}"

@@ -86,7 +86,6 @@ def static_threshold(device: Device, back: bool = False) -> float | np.ndarray:
     return N / device.gravity
 
 
-
 def _least_without_rest(modes, mass, spring, stiffness, gap, room, travel):
     """That acceleration of one device; room: from where it strikes the beam to its stop."""
 

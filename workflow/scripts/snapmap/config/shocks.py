@@ -11,6 +11,7 @@ from ..io.named import sha256_of
 from ..io.recorded import RECORD, read_pulse
 from ..pulse import DIRECTIONS, SHAPES, SHARES, VERSED_SINE
 from ..shocks import MAKERS, Shocks, make_shocks
+from ..solver.settings import FIRST, SECOND, STARTS
 from ..spectra.psd import REACH, Spectrum
 from ..spectra.srs import check_points
 from .keys import Section, argument, flag, key, many, part, path, quantity, word
@@ -187,6 +188,7 @@ class RequirementSection(PulseSection):
         f"`{100 * REACH:g} %`",
     )
     direction: word(*DIRECTIONS, what="+z presses the mass on the beam", out="`+z`")
+    start: word(*STARTS, what="the shape in which the beam rests at first", out=f"`{FIRST}`")
 
     @classmethod
     def beside(cls, given: Mapping) -> dict[tuple, str]:
@@ -226,4 +228,5 @@ class RequirementSection(PulseSection):
         f0 = frequency_of(self.duration) if self.duration else self.f0
         required |= {"N": N, "f0": f0 or shocks.own_frequency(), "shocks": shocks}
         survives = self.survives if self.has("survives") else SURVIVES
-        return required | {"survives": survives, "pulse": self.values()}
+        required |= {"survives": survives, "pulse": self.values()}
+        return required | ({"start": self.start} if self.start == SECOND else {})

@@ -119,8 +119,8 @@ def _pairs(model, lanes, pulses, pulse_state, steps):
 def coefficients(model, target, start=FIRST):
     """A row for each device, in the order of the rows of X, with forces times dt^2.
 
-    model: a `Model`; target: where a run counts as snapped, as from `Model.snap_target`; -inf for never
-    start: as in `Settings`
+    model: a `Model`; start: as in `Settings`
+    target: where a run counts as snapped, as from `Model.snap_target`; -inf for never
     """
     device, modal, barrier = model.device, model.modal, model.barrier
     side, n, k = SIDE[start], len(device), model.modes

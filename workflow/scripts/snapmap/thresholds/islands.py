@@ -234,9 +234,7 @@ def wide_scan(device, static, rows, bound, start=FIRST, slow=False) -> np.ndarra
     ahead = [pulse if start == FIRST else pulse.reversed() for pulse in rows.pulses]
     columns = static, device.own_frequency, device.mass
     static, own, mass = (column[rows.device] for column in columns)
-    facts = [
-        (p.variation, max(abs(p.impact), LEAST_AREA * p.swing), p.highest) for p in ahead
-    ]
+    facts = [(p.variation, max(abs(p.impact), LEAST_AREA * p.swing), p.highest) for p in ahead]
     variation, area, highest = (column[rows.pulse] for column in np.array(facts).T)
     # A pulse amplifies no more than it varies; a short one must bring a velocity, against damping.
     fast = 1e-6 * np.pi * rows.f0 / (own * area)

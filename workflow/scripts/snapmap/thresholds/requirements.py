@@ -14,7 +14,7 @@ from ..solver.adaptive import choose_model
 from ..solver.cells import to_rows
 from ..solver.outcome import FAILED, OUTCOMES, label
 from ..solver.settings import THRESHOLD_TOLERANCE
-from ..study import Study
+from ..study import Study, of_requirement
 from .surface import thresholds_of
 
 MET, VIOLATED, UNCLEAR = "met", "failed", "unclear"
@@ -72,14 +72,14 @@ def check(
 ) -> list[Verdict]:
     """Simulate each required shock with its own pulse and find the threshold of that pulse.
 
-    study: whose pulse is of no account
-    requirements: name, shocks (of one shape and direction), N, f0 (Hz) and snaps of each
+    study: whose pulse and start are of no account
+    requirements: name, shocks (of one shape and direction), N, f0 (Hz), snaps and start of each
     C: uN us/um; tolerance: of the thresholds in N, relative
     """
     return [
         verdict
         for asked, name, one in each_device(study, requirements)
-        for verdict in _verdicts(replace(one, shocks=asked["shocks"]), name, asked, C, tolerance)
+        for verdict in _verdicts(one, name, asked, C, tolerance)
     ]
 
 
@@ -90,7 +90,8 @@ def each_device(
     several = isinstance(study.device, Mapping)
     for asked in requirements:
         for name, device in study.devices().items():
-            yield asked, name if several else "", replace(study, device=device)
+            one = of_requirement(study, asked)
+            yield asked, name if several else "", replace(one, device=device)
 
 
 def _verdicts(study, name, asked, C, tolerance):

@@ -75,7 +75,7 @@ def threshold(
     tolerance: of the refinement in N, relative
     highest: largest N of the search for islands; by default twice the threshold
     earlier: thresholds of the same study and code on other axes, whose searched rows are taken
-    options: horizon (us after the pulse), energy_tolerance, threads; pulse; direction; skip:
+    options: horizon (us after the pulse), start, energy_tolerance, threads; pulse; direction; skip:
         whether a device without a second stable shape is no error; those of the model; and values
         of the device, internal units, as axes in front of C and f0
     Variables: those of `islands.Thresholds`, (..., C, f0), with N_latched; the limits of slow and

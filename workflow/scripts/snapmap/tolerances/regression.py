@@ -7,7 +7,7 @@ from ..solver.bounds import least_amplitudes
 from ..solver.cells import Rows
 from ..solver.models import Follows
 from ..solver.search import TOGETHER, asker, first_snap, near, refine, walk
-from ..solver.settings import FIRST, Settings
+from ..solver.settings import SECOND, Settings
 from ..thresholds.islands import BELOW, first_seen, wide_scan
 from ..thresholds.transitions import FINE_STEP, Window
 
@@ -27,7 +27,7 @@ def nominal_thresholds(
     """The lowest N that snaps of rows of which nothing is known, (rows,); NaN for none."""
     ask = asker(model, rows, settings)
     start, bound = settings.start, least_amplitudes(model, rows, settings.start)
-    static = static_threshold(model.device, back=start != FIRST)
+    static = static_threshold(model.device, back=start == SECOND)
     rough, _ = first_seen(ask, wide_scan(model.device, static, rows, bound, start), bound)
     N = Window(BELOW * rough, rough, np.full(rough.size, FINE_STEP)).N
     begins = np.isfinite(ask(N))
