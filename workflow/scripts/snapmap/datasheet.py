@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
+from .beam.equilibria import reset_force
 from .beam.modal import natural_frequency
 from .beam.statics import statics
 from .io.markdown import DASH, table
@@ -81,7 +82,8 @@ def _written(section, name=""):
 
 def _statics(device):
     path, beam = statics(device), device.beam
-    resets = f"{-path.least_force:.5g} uN" if path.least_force < 0 else "none: it returns by itself"
+    force, error = reset_force(beam)
+    resets = f"{force:.5g} ± {plain(error, 1)} uN" if force > 0 else "none: it returns by itself"
     yield ["force that snaps the beam", f"{path.largest_force:.5g} uN"]
     yield ["force that resets it", resets]
     travel = f"{beam.height - beam.second_equilibrium:.5g} um" if beam.is_bistable else DASH

@@ -116,6 +116,18 @@ def _least_without_rest(modes, mass, spring, stiffness, gap, room, travel):
     return max(own if (reached < edge if leaves else apart) else a for a, reached, leaves in ends)
 
 
+def reset_force(beam: Beam) -> tuple[float, float]:
+    """Force on the midpoint of one beam that leaves no rest in its second shape, and its error, uN.
+
+    Below 0 where the beam returns by itself. The error is what half of the modes leave out.
+    """
+    modes = buckling_modes(beam)
+    modes = modes._replace(load=modes.midpoint)
+    half = BucklingModes(*(column[: len(column) // 2] for column in modes[:4]), *modes[4:])
+    force = _least_back(modes)
+    return float(force), float(abs(force - _least_back(half)))
+
+
 def least_travel(device: Device) -> float:
     """How far the mass must travel from rest to push the midpoint slowly to the saddle, um."""
     return float(device.gap - find_barrier(device.beam, shapes_of(device.beam)).midpoint)
