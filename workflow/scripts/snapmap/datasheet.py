@@ -14,6 +14,7 @@ from .io.provenance import code_version, device_sections
 from .motion.history import extremes_of
 from .quantities import plain
 from .solver.outcome import REPEATED_STEP
+from .solver.settings import SECOND
 from .study import Study, of_requirement
 from .thresholds.requirements import LEVELS
 from .tolerances.statistics import left_out, percents
@@ -99,6 +100,7 @@ def _verdict(row, made):
     must = "trips" if row["must_snap"] else "does not trip"
     shock = f"{row['shape']} {row['direction']}"
     shock += f", {plain(row['duration'])} ms" if np.isfinite(row["duration"]) else ""
+    shock += ", from the second shape" if row["start"] == SECOND else ""
     name, spread = row["requirement"], DASH
     if made is not None and name in made.get("requirement", ()):
         first = made.N_first_required.sel(requirement=name).sel(C=row["C"], method="nearest")

@@ -123,7 +123,8 @@ def reset_force(beam: Beam) -> tuple[float, float]:
     """
     modes = buckling_modes(beam)
     modes = modes._replace(load=modes.midpoint)
-    half = BucklingModes(*(column[: len(column) // 2] for column in modes[:4]), *modes[4:])
+    kept = slice(len(modes.buckling) // 2)
+    half = BucklingModes(*(part[kept] if np.ndim(part) else part for part in modes))
     force = _least_back(modes)
     return float(force), float(abs(force - _least_back(half)))
 

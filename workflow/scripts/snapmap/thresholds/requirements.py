@@ -13,7 +13,7 @@ from ..quantities import plain
 from ..solver.adaptive import choose_model
 from ..solver.cells import to_rows
 from ..solver.outcome import FAILED, OUTCOMES, label
-from ..solver.settings import THRESHOLD_TOLERANCE
+from ..solver.settings import FIRST, THRESHOLD_TOLERANCE
 from ..study import Study, of_requirement
 from .surface import thresholds_of
 
@@ -29,6 +29,7 @@ class Verdict(NamedTuple):
     scale, scale_first: N and N_first as factors of the record; NaN unless it is one
     margin, margin_error: N_first and its bar over N; NaN where nothing snaps
     outcome: of the shock as simulated; verdict: MET, VIOLATED, or UNCLEAR within the bar
+    start: as in `Settings`
     """
 
     requirement: str
@@ -48,6 +49,7 @@ class Verdict(NamedTuple):
     verdict: str
     scale: float
     scale_first: float
+    start: str = FIRST
 
 
 class Survival(NamedTuple):
@@ -112,7 +114,7 @@ def _verdicts(study, name, asked, C, tolerance):
         yield Verdict(
             *(asked["name"], name, shocks.pulse.name, shocks.direction),
             *(N, f0, 1e3 / f0, damping, asked["snaps"], OUTCOMES[outcome]),
-            *(first, error, first / N, error / N, verdict, N * over, first * over),
+            *(first, error, first / N, error / N, verdict, N * over, first * over, settings.start),
         )
 
 
