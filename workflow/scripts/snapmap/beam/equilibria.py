@@ -124,7 +124,7 @@ def reset_force(beam: Beam) -> tuple[float, float]:
     modes = buckling_modes(beam)
     modes = modes._replace(load=modes.midpoint)
     kept = slice(len(modes.buckling) // 2)
-    half = BucklingModes(*(part[kept] if np.ndim(part) else part for part in modes))
+    half = modes._replace(**{key: getattr(modes, key)[kept] for key in modes._fields[:4]})
     force = _least_back(modes)
     return float(force), float(abs(force - _least_back(half)))
 
