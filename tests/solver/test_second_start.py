@@ -5,12 +5,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import yaml
 from scipy.integrate import solve_ivp
 
 import snapmap
 from snapmap.beam.equilibria import reset_force, static_threshold
-from snapmap.device import ALONE
+from snapmap.config.study import load_config
+from snapmap.device import ALONE, batch
 from snapmap.shocks import make_shocks
+from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.search import lowest_snap
@@ -131,3 +134,33 @@ def test_nothing_snaps_below_the_bound_and_the_start_is_told(handout):
     study = Study(device=device, model={"name": "cosines", "modes": 3})
     asked = [{"name": name, "start": name, **shock} for name in ("first", "second")]
     assert [one.verdict for one in check(study, asked, [0.0])] == ["failed", "met"]
+
+
+def test_the_energy_above_the_second_shape_is_within_both_bounds(handout):
+    """solver/bounds.py: while the beam is in that well; of a pulse of area 1/2 and variation 2."""
+    for device in (handout, alone(handout)):
+        run = snapmap.simulate(device, 4e4, 2e4, 0.0, **CHEAP, **BACK, horizon=0.0)
+        assert run.w_mid.max() < run.second_equilibrium + 6  # before the saddle
+        gained, peak = run.pulse_work.max().item(), 4e4 * device.gravity
+        speed, weight = peak / (2 * 2e-2), device.mass + device.beam.weight
+        assert 0 < gained < weight / 2 * speed**2
+        model = build_model(batch([device]), "cosines", modes=3)
+        depth = (model.barrier.energy - model.second.energy).item()
+        fast, slow = least_amplitudes(model, to_rows(0, [2e4, 1.0], 0.0), "second")
+        assert fast == pytest.approx(np.sqrt(2 * depth / weight) * 4e-2 / device.gravity, rel=1e-6)
+        assert 0 < slow < static_threshold(device, back=True)
+
+
+def test_the_config_of_the_recipe_says_where_runs_start(root):
+    page = (root / "docs" / "recipes.md").read_text(encoding="utf-8").split("brings it back?")[1]
+    asked = yaml.safe_load(page.split("```")[1].removeprefix("yaml"))
+    whole = yaml.safe_load((root / "config" / "sensor.yaml").read_text(encoding="utf-8"))
+    whole |= {"requirements": asked["requirements"], "sweep": whole["sweep"] | asked["sweep"]}
+    study = load_config(whole)
+    assert study.settings.start == study.of_thresholds().settings.start == "second"
+    assert [one["start"] for one in study.requirements] == ["second", "second"]
+    del whole["requirements"][0]["start"]
+    assert "start" not in load_config(whole).requirements[0]
+    whole["sweep"]["start"] = "third"
+    with pytest.raises(ValueError, match="start: 'third' is not"):
+        load_config(whole)
