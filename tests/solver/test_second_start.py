@@ -64,7 +64,7 @@ def test_slow_pulses_tend_to_the_static_one(handout, force):
     device = alone(handout, force, damping=4e-3, free=1.0, imperfection=0.05, residual_stress=-60.0)
     static, model = static_threshold(device, back=True), build_model(device, "cosines", modes=3)
     rows = to_rows(0, 500.0, 0.0, pulses=make_shocks(direction="-z").pulses)
-    settings = Settings(0.0, "second", "snap")
+    settings = Settings(0.0, "snap", start="second")
     found = lowest_snap(model, rows, (0.8 * static, 1.2 * static), settings, 1e-4).item()
     assert found == pytest.approx(static, rel=2e-3)
 
@@ -79,7 +79,7 @@ def test_the_models_and_scipy_agree(handout):
     load = -given["N"] * handout.gravity, 2e-2, given["C"]
     exact = solve_ivp(rate, (0, 50), start, "DOP853", args=load, **snap).t_events[0][0]
     cells = to_rows(0, 2e4, 25.0).cells(handout, -given["N"], 0.0)
-    found = model.follow(cells, Settings(0.0, "second", "snap"))
+    found = model.follow(cells, Settings(0.0, "snap", start="second"))
     assert found.t_snap.item() == pytest.approx(exact, rel=1e-5)
     asked = {key: [value] for key, value in given.items()} | {"until": "snap"} | BACK
     fast, slow = (snapmap.sweep(handout, **asked, model=name) for name in ("handout", "reference"))

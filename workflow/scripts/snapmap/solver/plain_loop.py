@@ -253,7 +253,7 @@ def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
 
 def starting(model, start):
     """The system of a model of one device whose runs begin in a shape."""
-    nodes = model.modal.shapes @ model.rest(start) if start == SECOND else None
+    nodes = apply(model.modal.shapes, model.rest(start)) if start == SECOND else None
     return nodal_system(model.device, model.basis, nodes)
 
 

@@ -21,19 +21,19 @@ class Settings(NamedTuple):
     """How each cell is followed, and how many threads work at it.
 
     horizon: time followed after the pulse's end, us
-    start: the one of STARTS in which the beam rests at first
     until: "settled" follows a cell until its well is proven, "snap" ends it at its snap too
     repeat: whether each cell is run again with another step, to see if its outcome is reproduced
     energy_tolerance: a run is believed if its energy ledger closes within this share of the
         pulse's gross work
+    start: the one of STARTS in which the beam rests at first
     """
 
     horizon: float = 1500.0
-    start: str = FIRST
     until: str = "settled"
     repeat: bool = True
     energy_tolerance: float = 1e-3
     threads: int = 1
+    start: str = FIRST
 
     @property
     def question(self) -> str:
