@@ -105,6 +105,12 @@ def test_the_ledger_closes_from_the_energy_of_the_second_shape(handout):
     assert depth == pytest.approx(385.96, abs=0.01)
     assert abs(kept - depth).max() < 1e-9 * run.pulse_work.max()
     assert run.w_mid.max() > run.first_equilibrium == device.beam.rise
+    # An electrode that the second shape touches opens as the beam leaves, and is closed till then.
+    run = snapmap.simulate(replace(device, contact_at=-7.0), 6e4, 2e4, 25.0, **CHEAP, **BACK)
+    leaves = np.interp(
+        -7.0, *(run[key][: np.argmax(run.w_mid.values)] for key in ("w_mid", "time"))
+    )
+    assert run.t_closed == 0 and run.closed_for == pytest.approx(leaves, abs=0.01)
 
 
 def test_what_is_proven_holds_for_longer_runs(handout):
