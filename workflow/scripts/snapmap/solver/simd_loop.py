@@ -23,7 +23,7 @@ def march(model, cells, dt, settings):
     model: a `Model`; cells: `Cells`, each column (cells,); dt: us, (cells,)
     """
     n_cells = cells.f0.size
-    t_snap, t_settled, *others = (np.empty(n_cells) for _ in range(5))
+    t_snap, t_settled, *others = (np.empty(n_cells) for _ in range(6))
     facts = Facts(t_snap, t_settled, np.empty(n_cells, np.int8), *others)
     devices, pulses = coefficients(model, snap_target(model)), table(cells.pulses)
     ends = settings.until in ("snap", "edge", "pulse"), settings.until == "pulse"

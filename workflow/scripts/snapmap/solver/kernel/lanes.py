@@ -29,6 +29,7 @@ class Facts(NamedTuple):
     energy_error: np.ndarray
     well_share: np.ndarray
     pulse_work: np.ndarray
+    lowest: np.ndarray
 
 
 class Task(NamedTuple):
@@ -143,6 +144,7 @@ def look(X, V, modes, l, cell, state, task):
     passed = X[R.COUNT, l] - 2 + (before - X[R.TARGET, l]) / (before - after)
     facts.t_snap[cell] = passed * dt if snapped else np.nan
     facts.t_settled[cell] = (steps - 1) * dt if proven and not stopped else np.nan
+    facts.lowest[cell] = X[R.LOWEST, l]
     facts.well[cell], facts.well_share[cell] = 0, np.nan
     if not in_pulse and not stopped:
         share = (X[R.BEYOND, l] - X[R.BEYOND_SINCE, l]) / (steps - X[R.SINCE, l])
