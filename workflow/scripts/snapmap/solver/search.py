@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .cells import Observations, Rows, no_observations
+from .cells import Rows
 from .models import Follows
 from .settings import THRESHOLD_TOLERANCE, Settings
 
@@ -20,6 +20,13 @@ Ask = Callable[[np.ndarray], np.ndarray]
 """t_snap of N, (rows, n), us; not finite where a cell does not snap, or N is NaN."""
 Label = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """A bool of rows, by number (n,), at places of a grid, (n, m)."""
+
+
+class Approach(NamedTuple):
+    """How near cells come to a snap: t_snap, as `Ask` has it, and the `lowest` w(L/2)."""
+
+    t_snap: np.ndarray
+    lowest: np.ndarray
 
 
 class Edges(NamedTuple):
@@ -76,17 +83,17 @@ def asker(model: Follows, rows: Rows, settings: Settings, until: str = "edge") -
 
 def observer(
     model: Follows, rows: Rows, settings: Settings, until: str = "edge"
-) -> Callable[[np.ndarray], Observations]:
-    """Make a function of N, (rows, n), that gives what is observed, t_snap as `asker` has it."""
+) -> Callable[[np.ndarray], Approach]:
+    """Make a function of N, (rows, n), that tells how near their cells come to a snap."""
     settings = settings._replace(until=until, repeat=False)
 
     def observe(N):
         given = np.isfinite(N)
-        seen = no_observations(N.shape)
-        found = model.follow(rows.cells(model.device, N, settings.horizon).take(given), settings)
-        lost = np.isnan(found.t_snap) & ~(found.energy_error <= settings.energy_tolerance)
-        seen.replace(given, found._replace(t_snap=np.where(lost, -np.inf, found.t_snap)))
-        return seen
+        seen = model.follow(rows.cells(model.device, N, settings.horizon).take(given), settings)
+        lost = np.isnan(seen.t_snap) & ~(seen.energy_error <= settings.energy_tolerance)
+        t_snap, lowest = np.full((2, *N.shape), np.nan)
+        t_snap[given], lowest[given] = np.where(lost, -np.inf, seen.t_snap), seen.lowest
+        return Approach(t_snap, lowest)
 
     return observe
 
