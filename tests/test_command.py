@@ -61,7 +61,7 @@ def test_check_says_what_else_it_costs(config):
 def test_check_says_what_vibration_calibration_and_histories_cost(config, tmp_path, monkeypatch):
     """In proportion to the spectra and the histories, and to the points over the ranges."""
     monkeypatch.chdir(tmp_path)
-    Path("shots.csv").write_text("N,duration (ms),tripped\n800,1,no\n1000,1,yes\n")
+    Path("shots.csv").write_text("N,duration (ms),tripped\n800,1,no\n900,1,no\n1000,1,yes\n")
     document = read_document(config)
     ranges = {"thickness": ["1.5 um", "1.7 um"], "rise": ["7.9 um", "8.1 um"]}
     psd = [["100 Hz", "4 g^2/Hz"], ["2000 Hz", "4 g^2/Hz"]]
@@ -87,6 +87,11 @@ def test_run_is_snakemake_with_the_workflow(root, config, monkeypatch):
     assert main(["run", str(config), "--cores", "2"]) == 0
     files = ["--snakefile", str(root / "Snakefile"), "--configfile", str(config)]
     assert asked == [*files, "--cores", "2"]
+    asked.clear()
+    assert main(["run", str(config), "-n", "results/cube.nc"]) == 0
+    assert asked == [*files, "--cores", "all", "-n", "results/cube.nc"]
+    with pytest.raises(SystemExit):
+        main(["check", str(config), "-n"])
 
 
 def test_run_refuses_what_snakemake_would_evaluate(config, monkeypatch, capsys):

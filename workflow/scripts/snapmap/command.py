@@ -30,7 +30,12 @@ def main(words: Sequence[str] | None = None) -> int:
         verb.add_argument("config", type=Path)
         verb.set_defaults(do=do)
     verb.add_argument("--cores", default="all", help="by default all")
-    given = vars(parser.parse_args(words))
+    known, others = parser.parse_known_args(words)
+    given = vars(known)
+    if known.do is run:
+        given["others"] = others  # Snakemake's: -n, targets
+    elif others:
+        parser.error(f"unrecognized arguments: {' '.join(others)}")
     try:
         given.pop("do")(**given)
     except (ImportError, OSError, ValueError) as fault:
@@ -153,14 +158,25 @@ def _calibrated(study):
     return PER_SAMPLE * points * float(run_seconds(model, rows, study.settings).sum())
 
 
-def run(config: Path, cores: str) -> None:
-    """Run the workflow in the current folder, and exit as Snakemake does; ValueError, one line."""
+def run(config: Path, cores: str, others: Sequence[str] = ()) -> None:
+    """Run the workflow in the current folder, and exit as Snakemake does; ValueError, one line.
+
+    others: options and targets of Snakemake's, such as -n
+    """
     with needing("snapmap run"):
         from snakemake.cli import main as snakemake
 
         from .config.yaml_file import read_document
     read_document(config)  # Snakemake would evaluate what is behind __use_yte__, not refuse it
-    asked = ["--snakefile", PIPELINE / "Snakefile", "--configfile", config, "--cores", cores]
+    asked = [
+        "--snakefile",
+        PIPELINE / "Snakefile",
+        "--configfile",
+        config,
+        "--cores",
+        cores,
+        *others,
+    ]
     snakemake([str(word) for word in asked])
 
 
