@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
+from .beam.equilibria import reset_force
 from .beam.modal import natural_frequency
 from .beam.statics import statics
 from .io.markdown import DASH, table
@@ -13,7 +14,8 @@ from .io.provenance import code_version, device_sections
 from .motion.history import extremes_of
 from .quantities import plain
 from .solver.outcome import REPEATED_STEP
-from .study import Study
+from .solver.settings import SECOND
+from .study import Study, of_requirement
 from .thresholds.requirements import LEVELS
 from .tolerances.statistics import left_out, percents
 
@@ -24,6 +26,14 @@ UNITS = {
     "stress_max": ("tensile stress in the beam", "MPa"),
 }
 """Of `Extremes`, as a data sheet names them."""
+
+CLOSURES = {
+    "t_closed": ("first closure", " us"),
+    "closed_for": ("then closed, to the end if it never opens", " us"),
+    "openings": ("openings", ""),
+    "closed_share": ("share of the time since then closed", ""),
+}
+"""Likewise of `Closures`."""
 
 
 def datasheet(
@@ -56,6 +66,10 @@ def datasheet(
             largest = _largest(replace(study, device=device), requirements, own)
             largest = table(["what", "value", "error", "under"], largest)
             sheets += ["Largest under these shocks:\n", largest]
+        closed = [row for row in own if np.isfinite(row.get("t_closed", np.nan))]
+        if closed:
+            closed = table(["what", "value", "error", "under"], _closures(closed))
+            sheets += [f"The electrode, to {study.settings.horizon:g} us after a shock:\n", closed]
         if batch is not None and "yield" in batch:
             words = f"Share of {batch.sizes['sample']} devices as made, with bounds at 95 %:\n"
             sheets += [words, table(["share", "C, uN*us/um", "value", "bounds"], _shares(batch))]
@@ -81,11 +95,14 @@ def _written(section, name=""):
 
 def _statics(device):
     path, beam = statics(device), device.beam
-    resets = f"{-path.least_force:.5g} uN" if path.least_force < 0 else "none: it returns by itself"
+    force, error = reset_force(beam)
+    resets = f"{force:.5g} ± {plain(error, 1)} uN" if force > 0 else "none: it returns by itself"
     yield ["force that snaps the beam", f"{path.largest_force:.5g} uN"]
     yield ["force that resets it", resets]
     travel = f"{beam.height - beam.second_equilibrium:.5g} um" if beam.is_bistable else DASH
     yield ["travel of the midpoint to the second shape", travel]
+    if device.has_electrode:
+        yield [f"force on the electrode at {device.contact_at:g} um", f"{path.hold_force:.5g} uN"]
     yield ["first frequency of the beam", f"{1e3 * natural_frequency(beam) / (2 * np.pi):.5g} kHz"]
     if not device.is_alone:
         own = f"{1e3 * device.mass_frequency / (2 * np.pi):.5g} kHz"
@@ -97,6 +114,7 @@ def _verdict(row, made):
     must = "trips" if row["must_snap"] else "does not trip"
     shock = f"{row['shape']} {row['direction']}"
     shock += f", {plain(row['duration'])} ms" if np.isfinite(row["duration"]) else ""
+    shock += ", from the second shape" if row["start"] == SECOND else ""
     name, spread = row["requirement"], DASH
     if made is not None and name in made.get("requirement", ()):
         first = made.N_first_required.sel(requirement=name).sel(C=row["C"], method="nearest")
@@ -125,6 +143,14 @@ def _verdict(row, made):
     ]
 
 
+def _closures(rows):
+    """Of the electrode under required shocks, with its error."""
+    for row in rows:
+        for key, (words, unit) in CLOSURES.items():
+            value, error = plain(row[key]), plain(row[f"{key}_error"], 1)
+            yield [words, value + unit, error + unit, f"{row['requirement']}, C = {row['C']:g}"]
+
+
 def _largest(study, requirements, verdicts):
     """What is largest under all required shocks, and its error: the difference to another step."""
     required = {one["name"]: one for one in requirements}
@@ -134,7 +160,7 @@ def _largest(study, requirements, verdicts):
             continue
         worst = max(shocks, key=lambda row, key=key: row[key])
         shock = required[worst["requirement"]]
-        under = replace(study, shocks=shock["shocks"])
+        under = of_requirement(study, shock)
         again = extremes_of(under, shock["N"], shock["f0"], worst["C"], step=REPEATED_STEP)
         value, other = worst[key], getattr(again, key)
         where = f"{worst['requirement']}, C = {worst['C']:g}"

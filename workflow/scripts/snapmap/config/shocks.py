@@ -11,6 +11,7 @@ from ..io.named import sha256_of
 from ..io.recorded import RECORD, read_pulse
 from ..pulse import DIRECTIONS, SHAPES, SHARES, VERSED_SINE
 from ..shocks import MAKERS, Shocks, make_shocks
+from ..solver.settings import FIRST, SECOND, STARTS
 from ..spectra.psd import REACH, Spectrum
 from ..spectra.srs import check_points
 from .keys import Section, argument, flag, key, many, part, path, quantity, word
@@ -25,6 +26,8 @@ LEVELS = {"psd": ("density", "g^2/Hz", "0.04"), "srs": ("level", "g", "1500")}
 """What a spectrum has at its frequencies: name, unit and an example."""
 # ASSUME: of devices whose strengths scatter all but one in a thousand must survive.
 SURVIVES = 0.999
+CLOSING = "closes_within", "stays_closed"
+"""What may be required of an electrode."""
 SHAPE = word(*SHAPES, out=f"`{VERSED_SINE}`")
 SHARE = quantity("share", "of the duration of a trapezoid", "10 %", "`10 %`")
 
@@ -167,6 +170,10 @@ class RequirementSection(PulseSection):
         example="99.99 %",
         out=f"`true`, that is `{100 * SURVIVES:g} %`",
     )
+    closes_within: quantity(
+        "pulse", "from its start until the beam is at contact_at", out="any time"
+    )
+    stays_closed: quantity("pulse", "until it opens again", out="any time")
     f0: quantity("frequency", out="required, or `duration`, or a shock with its own")
     duration: quantity("pulse", "instead of f0", out="`f0`")
     shape: SHAPE
@@ -187,6 +194,7 @@ class RequirementSection(PulseSection):
         f"`{100 * REACH:g} %`",
     )
     direction: word(*DIRECTIONS, what="+z presses the mass on the beam", out="`+z`")
+    start: word(*STARTS, what="the shape in which the beam rests at first", out=f"`{FIRST}`")
 
     @classmethod
     def beside(cls, given: Mapping) -> dict[tuple, str]:
@@ -226,4 +234,10 @@ class RequirementSection(PulseSection):
         f0 = frequency_of(self.duration) if self.duration else self.f0
         required |= {"N": N, "f0": f0 or shocks.own_frequency(), "shocks": shocks}
         survives = self.survives if self.has("survives") else SURVIVES
-        return required | {"survives": survives, "pulse": self.values()}
+        closes = {name: self.given[name] for name in CLOSING if self.has(name)}
+        if closes and (not self.snaps or self.start == SECOND):
+            key = next(iter(closes))
+            need = "write snaps: true, and no start" if self.start else "write snaps: true"
+            raise ValueError(f".{key}: is of a device that must trip; {need}")
+        required |= {"survives": survives, "pulse": self.values()} | closes
+        return required | ({"start": self.start} if self.start == SECOND else {})
