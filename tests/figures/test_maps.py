@@ -333,3 +333,7 @@ def test_odd_grids_draw_without_warnings(rows):
     ax.figure.draw_without_rendering()
     for axis, words in [(ax.xaxis, "1500"), (ax.yaxis, "1000"), (ax.child_axes[0].xaxis, "0.6667")]:
         assert [label.get_text() for label in axis.get_ticklabels(which="both")] == [words]
+
+
+def test_without_maps_of_cells_no_snap_has_a_time():
+    assert np.isnan(maps.snap_times([])).all()
