@@ -55,7 +55,7 @@ def _of_one(study, axes, required, thresholds):
     """How far one requirement is met, by the thresholds of its pulse, and the largest stress."""
     N, survives = required["N"], required["survives"]
     first = thresholds.N_first.where(thresholds.status != NOTHING_SNAPS, np.inf)
-    found = thresholds[["N_first", "N_error"]].drop_attrs(deep=False)
+    found = thresholds[["N_first", "N_error"]].drop_attrs()
     found["reserve"] = N / first if required["snaps"] else first / N
     found["N_required"], found["must_snap"] = N, np.int8(required["snaps"])
     grid = study.set_out({**axes, "f0": [required["f0"]]})
