@@ -1,7 +1,6 @@
 """Where on the axes of device and damper requirements are met, by how much, and the yield."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -12,7 +11,7 @@ from .io.variables import dress
 from .motion.envelopes import largest_stress
 from .quantities import plain
 from .solver.cells import rows_of, to_rows
-from .study import THRESHOLD_SETTINGS, Study
+from .study import THRESHOLD_SETTINGS, Study, of_requirement
 from .thresholds.islands import NOTHING_SNAPS
 from .thresholds.surface import thresholds_of
 from .tolerances.batch import Batch, choose_builder
@@ -35,8 +34,8 @@ def window_of(
     """
     each, thresholds = [], {}
     for required in requirements:
-        own, f0 = replace(study, shocks=required["shocks"]), required["f0"]
-        pulse = own.shocks.pulses[0].pieces.tobytes(), f0
+        own, f0 = of_requirement(study, required), required["f0"]
+        pulse = own.shocks.pulses[0].pieces.tobytes(), own.settings, f0
         if pulse not in thresholds:
             thresholds[pulse] = thresholds_of(own, {**axes, "f0": [f0]}).squeeze("f0", drop=True)
         each.append(_of_one(own, axes, required, thresholds[pulse]))
@@ -87,7 +86,8 @@ def _good(study, axes, requirements, tolerances):
         values = plan.values(plan.points(tolerances.samples, tolerances.seed)[0])
         batch, good = Batch(device, values, build), True
         for required, pulse in zip(requirements, pulses, strict=True):
-            good &= batch.meets(required, to_rows(0, required["f0"], C, 0, [pulse]), settings)
+            own = of_requirement(study, required).settings
+            good &= batch.meets(required, to_rows(0, required["f0"], C, 0, [pulse]), own)
         count[place] = good.sum(axis=0)
     return count
 

@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withTickedStroke
 
+from ..solver.settings import SECOND
 from ..tolerances.statistics import left_out, percents
 from . import plane, style
 from .curves import LOOKS, each_line
@@ -69,6 +70,7 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
 
 def _name(row):
     where = f"{row['device']}, " if row["device"] else ""
+    where += "from the second shape, " if row["start"] == SECOND else ""
     return f"{_required(row['requirement'], row['must_snap'])}\n{where}{value_text('C', row['C'])}"
 
 

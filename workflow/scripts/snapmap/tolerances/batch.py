@@ -17,7 +17,7 @@ from ..solver.models import Follows, build_model
 from ..solver.outcome import LATCHED, label
 from ..solver.search import asker
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
-from ..study import Study
+from ..study import Study, of_requirement
 from ..thresholds.islands import survey
 from .regression import nominal_thresholds, thresholds_of_samples
 from .samples import SHOCK_FACTORS, nominal_value
@@ -103,10 +103,11 @@ class Batch:
         device, stress = self.model.device.pick(np.arange(size)), []
         N = np.repeat(self.factors["N"][:size], len(C))[:, np.newaxis]
         for required in requirements:
+            own = of_requirement(study, required)
             rows = self._rows(to_rows(0, required["f0"], C, 0, required["shocks"].pulses))
             rows = rows.take(slice(N.size))
-            cells = rows.cells(device, required["N"] * N, study.settings.horizon).flat()
-            stress.append(largest_stress(study, device, cells).reshape(size, len(C)))
+            cells = rows.cells(device, required["N"] * N, own.settings.horizon).flat()
+            stress.append(largest_stress(own, device, cells).reshape(size, len(C)))
         return np.array(stress)
 
     def _rows(self, rows):
@@ -167,7 +168,7 @@ def thresholds_at(
         devices = batch_of([study.device]).pick(np.zeros_like(places)).vary(made)
         shock = (np.broadcast_to(a, size)[there] for a in (f0, C, pulse))
         rows = to_rows(places, *shock, study.shocks.pulses)
-        models = choose_survey(devices, study.model)
+        models = choose_survey(devices, study.model, study.settings.start)
         seen = survey(models, rows, study.settings, THRESHOLD_TOLERANCE)
         first[:, there] = seen.N_first, seen.N_error
     return *first, there
