@@ -4,16 +4,13 @@
 each under a shock of its own, with error bars.
 """
 
-import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
-from itertools import product
 
 import numpy as np
 
 from ..device import VALUES, Device, is_bistable
 from ..device import batch as batch_of
-from ..motion.history import extremes_of
+from ..motion.envelopes import largest_stress
 from ..solver.adaptive import TOLERANCE, choose_model, choose_survey
 from ..solver.cells import Rows, to_rows
 from ..solver.models import Follows, build_model
@@ -28,8 +25,7 @@ from .samples import SHOCK_FACTORS, nominal_value
 MOST_ROWS = 0.9
 """Share of the rows in which a level must keep the tolerance of `auto`."""
 FOLLOWED, FEWEST = 256, 32
-"""So many cells are followed for their stress, each in half a second; or those of at least so many
-samples."""
+"""So many cells are followed for their stress, or those of at least so many samples."""
 
 
 class Batch:
@@ -78,14 +74,14 @@ class Batch:
             N_first[self.bistable] = levels / self.factors["N"][:, np.newaxis]
         return N_first, nominal, ragged
 
-    def snaps(self, N: float, rows: Rows, settings: Settings) -> np.ndarray:
-        """Whether a level snaps each sample, (samples, rows)."""
+    def meets(self, required: Mapping, rows: Rows, settings: Settings) -> np.ndarray:
+        """Whether each sample meets a requirement, by its N and snaps; (samples, rows)."""
         snaps = np.zeros((self.bistable.size, rows.f0.size), bool)
         if self.size:
-            levels = np.repeat(N * self.factors["N"], rows.f0.size)
+            levels = np.repeat(required["N"] * self.factors["N"], rows.f0.size)
             t_snap = asker(self.model, self._rows(rows), settings)(levels[:, np.newaxis])
             snaps[self.bistable] = np.isfinite(t_snap).reshape(self.size, -1)
-        return snaps
+        return (snaps == required["snaps"]) & self.bistable[:, np.newaxis]
 
     def latched(self, samples: int, N: np.ndarray, rows: Rows, settings: Settings) -> np.ndarray:
         """How many of the first samples are proven to stay in the second shape, (rows, N)."""
@@ -104,15 +100,15 @@ class Batch:
         requirements: shocks, N and f0 (Hz) of each
         """
         size = min(self.size, max(FEWEST, FOLLOWED // (len(requirements) * len(C))))
-        stress = np.empty((len(requirements), size, len(C)))
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # how far the mass of each flies
-            for k, i, j in product(*map(range, stress.shape)):
-                required, factor = requirements[k], {key: a[i] for key, a in self.factors.items()}
-                own = replace(of_requirement(study, required), device=self.model.device.pick(i))
-                shock = required["N"] * factor["N"], required["f0"] / factor["duration"]
-                stress[k, i, j] = extremes_of(own, *shock, C[j] * factor["C"]).stress_max
-        return stress
+        device, stress = self.model.device.pick(np.arange(size)), []
+        N = np.repeat(self.factors["N"][:size], len(C))[:, np.newaxis]
+        for required in requirements:
+            own = of_requirement(study, required)
+            rows = self._rows(to_rows(0, required["f0"], C, 0, required["shocks"].pulses))
+            rows = rows.take(slice(N.size))
+            cells = rows.cells(device, required["N"] * N, own.settings.horizon).flat()
+            stress.append(largest_stress(own, device, cells).reshape(size, len(C)))
+        return np.array(stress)
 
     def _rows(self, rows):
         """Those of all samples, raveled from (samples, rows)."""
