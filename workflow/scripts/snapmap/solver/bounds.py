@@ -29,10 +29,9 @@ def least_amplitudes(model: Follows, rows: Rows) -> np.ndarray:
     """
     bounds = np.empty((2, len(model.device)))
     for mine, part in model.split(np.arange(bounds.shape[1])):
-        device, modal, barrier = part.device, part.modal, part.barrier
-        displacement = barrier.first - barrier.second
+        device, modal, displacement = part.device, part.modal, part.target
         soft = dot(modal.midpoint, modal.midpoint / modal.stiffness) + modal.residual
-        energy = np.maximum(barrier.energy, displacement * displacement / (2 * soft))
+        energy = np.maximum(part.least_energy, displacement * displacement / (2 * soft))
         sag = device.mass * device.mass / device.spring
         sag = sag + dot(modal.load, modal.load / modal.stiffness)
         pushed = np.where(device.force, dot(modal.load, modal.load), device.beam.weight)

@@ -15,7 +15,7 @@ from ..beam.cosines import buckling_shapes, symmetric_cosines
 from ..beam.elements import hermite_elements
 from ..beam.equilibria import Barrier, find_barrier
 from ..beam.modal import ModalBeam, contact_stiffness, pulse_load, reduce_to_modes
-from ..device import Device
+from ..device import Device, Value
 from ..io.counting import count
 from .cells import Cells, Observations, no_observations
 from .settings import MOVE, Settings
@@ -25,6 +25,8 @@ BUNCH = 8192
 """Cells after which it is reported how many are done; the last lanes of a call run half empty."""
 HALVINGS = 4
 """How often a cell whose energy ledger does not close is followed again with half the step."""
+PLATEAU = 64 * np.pi**2
+"""Most that a midpoint softens on its way, over EI/L^3."""
 SMALLEST = 2.0**-8
 """Over the longest step that motions take: a pulse that needs a shorter one is not followed."""
 
@@ -78,6 +80,29 @@ class Model:
     def modes(self) -> int:
         """Number of modes kept."""
         return self.modal.load.shape[-1]
+
+    @property
+    def target(self) -> Value:
+        """Where the midpoint trips the device: the second shape, or where its link breaks.
+
+        From where it rests, um.
+        """
+        device, barrier = self.device, self.barrier
+        at = np.where(device.has_link, device.link_breaks_at, barrier.second)
+        return (at - barrier.first)[()]
+
+    @property
+    def least_energy(self) -> Value:
+        """Energy above that at rest below which a beam in its first shape cannot trip, pJ.
+
+        That of the saddle; a link that breaks before it may need less, docs/theory.md.
+        """
+        device, barrier = self.device, self.barrier
+        before = np.maximum(0.0, self.target - barrier.midpoint)
+        needed = -PLATEAU * device.beam.stiffness_unit * before * before / 2
+        needed = needed + np.square(device.link_strength) / (2 * device.link_stiffness)
+        lower = np.where(device.has_link & (before > 0), np.minimum(needed, 0.0), 0.0)
+        return (barrier.energy + lower)[()]
 
     def loop(self) -> ModuleType:
         """Its time loop, imported when a run begins: a plan needs no compiler."""
@@ -138,7 +163,7 @@ class Model:
             share = order[first :: settings.threads]
             for at in np.split(share, range(BUNCH, share.size, BUNCH)):
                 facts = self.loop().march(self, cells.take(at), dt[at], settings)
-                for column, part in zip(seen[:6], facts, strict=True):
+                for column, part in zip(seen[:7], facts, strict=True):
                     column[at] = part
                 count(at.size)
 
@@ -200,7 +225,7 @@ def build_model(device: Device, name: str = "handout", **options) -> Follows:
     step: fraction of the limit of linear stability, above 0 and up to 1
     """
     check_options(device, name, options)
-    device.beam.require_second_shape()
+    device.require_shapes()
     free = np.unique(device.beam.free)
     models = [_build(device, name, options, tilts) for tilts in free != 0]
     return models[0] if free.size == 1 else GuidedOrFree(*models)

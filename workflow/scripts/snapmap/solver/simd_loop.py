@@ -23,9 +23,9 @@ def march(model, cells, dt, settings):
     model: a `Model`; cells: `Cells`, each column (cells,); dt: us, (cells,)
     """
     n_cells = cells.f0.size
-    t_snap, t_settled, *others = (np.empty(n_cells) for _ in range(5))
+    t_snap, t_settled, *others = (np.empty(n_cells) for _ in range(6))
     facts = Facts(t_snap, t_settled, np.empty(n_cells, np.int8), *others)
-    devices, pulses = coefficients(model, snap_target(model)), table(cells.pulses)
+    devices, pulses = coefficients(model, model.target), table(cells.pulses)
     ends = settings.until in ("snap", "edge", "pulse"), settings.until == "pulse"
     task = Task(devices, pulses, *cells[:-1], dt, *ends, settings.energy_tolerance, facts)
     follow_all(*empty_lanes(model), task)
@@ -96,6 +96,7 @@ def _motion(model, damping, dt, shrink, first, before, after):
         stretch=after[R.Q - R.STATE],
         work=after[R.WORK - R.STATE] / (2 * dt**2),
         lost=lost / (4 * dt) + after[R.LOST - R.STATE] / dt**2,
+        link=after[R.LINK - R.STATE] / dt**2,
     )
 
 
@@ -118,10 +119,15 @@ def coefficients(model, target):
     model: a `Model`; target: w(L/2) from rest at which a run counts as snapped, um; -inf for never
     """
     device, modal, barrier = model.device, model.modal, model.barrier
+    soft = 1 / np.asarray(device.link_stiffness) + modal.residual
     numbers = [
         *(modal.axial, modal.residual, contact_stiffness(device, modal.residual), device.mass),
-        *(device.spring, target, barrier.energy, barrier.midpoint, device.gap),
+        *(device.spring, np.where(device.has_link, -np.inf, target), model.least_energy),
+        *(barrier.midpoint, device.gap),
         *(device.beam.damping, device.stop_toward, device.stop_away, device.restitution),
+        # The modes left out give under the link as under the mass.
+        *(device.link_at - barrier.first, device.link_strength * soft),
+        np.where(device.has_link, 1 / soft, 0.0),
     ]
     vectors = modal.stiffness, *modal[2:5]
     n, k = len(device), model.modes
@@ -133,11 +139,6 @@ def coefficients(model, target):
 def empty_lanes(model):
     """X and shape, as the kernels of a model take them."""
     return work_array(model.modes), (0,) * model.modes
-
-
-def snap_target(model):
-    """Where the midpoint snaps, from where it rests, um."""
-    return model.barrier.second - model.barrier.first
 
 
 def work_array(modes):

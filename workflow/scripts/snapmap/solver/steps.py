@@ -69,7 +69,7 @@ class Steps:
     shortest: us, (devices,): so long a step resolves the device, however short the pulse
     blows: us, (devices,): swings up to which blows decide
     apart: whether the mass rests apart from the beam, (devices,)
-    returns: whether it comes back from a stop, (devices,)
+    returns: whether it comes back from a stop, or meets a link, (devices,)
     chatter: by how much more steps a mass asks that chatters on its contact, (devices,)
     calms: us, (devices,): swings of smooth pulses below which it does
     most: steps in each swing of a smooth pulse that are enough for SNAP and EDGE, (devices,)
@@ -170,7 +170,8 @@ def steps_of(device: Device, modal: ModalBeam, step: float | None) -> Steps:
     period = np.atleast_1d(1 / arch_frequency(modal))
     longest = {question: turn * period for question, turn in LONGEST.items()}
     has_gap = np.greater(device.gap, 0) & np.isfinite(device.gap)
-    apart, returns = (np.broadcast_to(one, period.shape) for one in (has_gap, device.has_stops))
+    returns = device.has_stops | device.has_link
+    apart, returns = (np.broadcast_to(one, period.shape) for one in (has_gap, returns))
     chatter = np.broadcast_to(CHATTER * stiffness_share(device), period.shape)
     calms = np.broadcast_to(2 * np.pi / (FAST * device.own_frequency), period.shape)
     most = np.broadcast_to(most_steps(device), period.shape)

@@ -13,6 +13,7 @@ from ..solver.settings import Settings
 
 TIMES = "t_snap", "t_settled", "t_snap_error"
 UNKNOWN = dict.fromkeys((*TIMES, "well_share", "energy_error", "pulse_work", "work_error"), np.nan)
+UNKNOWN["energy_left"] = np.nan
 KNOWN = dict.fromkeys(("agreed", "reproduced", "well_reproduced"), 1)
 NONE = dict.fromkeys(("well", "halvings", "level", "blow"), 0)
 ABSENCE = {"outcome": ABSENT, **NONE, **KNOWN, **UNKNOWN}
@@ -36,10 +37,11 @@ def follow_rows(
     order = np.argsort(N, kind="stable")
     cells = rows.take(there).cells(model.device, N[order], settings.horizon)
     seen = model.follow(cells, settings)
-    variables = _variables(seen, settings)
+    linked = np.broadcast_to(model.device.has_link, len(model.device))[cells.device]
+    variables = _variables(seen, settings, linked)
     if settings.repeat:
         again = model.with_step(REPEATED_STEP).follow(cells, settings)
-        variables |= _repeated(variables, _variables(again, settings))
+        variables |= _repeated(variables, _variables(again, settings, linked))
         for compare in (work_error, t_snap_error):
             variables[compare.__name__] = compare(seen, again).astype(np.float32)
     if any(pulse.blows.size for pulse in rows.pulses):
@@ -50,9 +52,9 @@ def follow_rows(
     return variables
 
 
-def _variables(seen, settings):
+def _variables(seen, settings, linked):
     variables = {
-        "outcome": label(*seen[:4], settings.energy_tolerance),
+        "outcome": label(*seen[:4], settings.energy_tolerance, linked),
         "t_snap": seen.t_snap,
         "t_settled": seen.t_settled,
         "energy_error": seen.energy_error,
@@ -61,6 +63,8 @@ def _variables(seen, settings):
         "level": seen.level,
         "agreed": seen.agreed,
     }
+    if linked.any():
+        variables["energy_left"] = seen.energy_left.astype(np.float32)
     if settings.until == "settled":
         failed = variables["outcome"] == FAILED
         variables["well"] = np.where(failed, 0, seen.well).astype(np.int8)
