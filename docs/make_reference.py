@@ -39,6 +39,7 @@ cell *snaps* when the midpoint first reaches the second equilibrium.
 | `never` | did not snap and never will | energy: less than the barrier is left |
 | `latched` | snapped and stays in the second shape | energy of all, or of the beam alone |
 | `returned` | snapped and stays in the first shape | energy |
+| `held` | beyond the saddle at the horizon, the [link](recipes.md#a-weak-link) whole | simulation |
 | `unsnapped`, `snapped` | so at the horizon; what follows is open | simulation |
 | `failed` | the run diverged, or its energy ledger did not close | the ledger |
 | `absent` | no second stable shape (`not_bistable: skip`) | Q = rise/thickness |

@@ -56,7 +56,8 @@ class Device:
     gravity: the unit of the shock's amplitude N
     force: the unit of N of a downward force on the midpoint of a beam alone; 0 if the frame shakes
     stop_toward, stop_away: from rest to a rigid stop; math.inf for none
-    link_at: w(L/2) where the beam meets its weak link; link_strength: 0 for none
+    link_at: w(L/2) where the beam meets its weak link, math.inf for nowhere; link_strength: 0
+        for none
     temperature: at which the other values hold; `vary` takes it to others
     reference_temperature: at which they were given
     modulus_slope: change of Young's modulus over itself, 1/K
@@ -76,7 +77,7 @@ class Device:
     stop_toward: Value = math.inf
     stop_away: Value = math.inf
     restitution: Value = RESTITUTION
-    link_at: Value = 0.0
+    link_at: Value = math.inf
     link_stiffness: Value = 1.0
     link_strength: Value = 0.0
     temperature: Value = REFERENCE

@@ -180,7 +180,7 @@ gap | distance | 0 | gap between mass and beam at rest | gap
 stop_toward | length | inf | travel to the stop towards the beam | stop towards the beam
 stop_away | length | inf | travel to the stop away from the beam | stop away from the beam
 restitution | restitution | nan | share of speed that a stop leaves it | restitution of the stops
-link_at | position | nan | midpoint of the beam where it meets the link | place of the link
+link_at | position | inf | midpoint of the beam where it meets the link | place of the link
 link_stiffness | stiffness | nan | stiffness of the link | stiffness of the link
 link_strength | force | 0 | force at which the link breaks | strength of the link
 temperature | temperature | 20 | temperature of the device | temperature

@@ -191,7 +191,8 @@ def _observe(device, first, form, stress, motion):
     stiffness = contact_stiffness(device, form.residual)
     overlap = dot(motion.u, form.midpoint) - motion.y - device.gap
     contact = stiffness * np.maximum(0.0, overlap)
-    pull = motion.link * np.maximum(0.0, device.link_at - first - dot(motion.u, form.midpoint))
+    link_at = device.link_at - first if device.has_link else -math.inf
+    pull = motion.link * np.maximum(0.0, link_at - dot(motion.u, form.midpoint))
     whole = np.where(motion.link > 0, motion.link, 1.0)
     of_link = {"link_force": pull, "link_energy": pull**2 / (2 * whole)}
     axial_force = -device.beam.axial_stiffness * motion.stretch

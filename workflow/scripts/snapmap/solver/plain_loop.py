@@ -260,7 +260,7 @@ def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
             if w_after <= target:
                 t_snap = (step + (w_mid - target) / (w_mid - w_after)) * dt
                 multiply(system.inertia, (u_after - u) / dt, force)
-                left = dot((u_after - u) / dt, force) / 2
+                left = dot((u_after - u) / dt, force) / 2 if system.link_stiffness > 0 else np.nan
             break
         u_before, u, u_after = u, u_after, u_before
         y_before, y = y, y_after

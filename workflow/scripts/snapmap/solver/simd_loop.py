@@ -120,13 +120,14 @@ def coefficients(model, target):
     """
     device, modal, barrier = model.device, model.modal, model.barrier
     soft = 1 / np.asarray(device.link_stiffness) + modal.residual
+    link_at = np.where(device.has_link, device.link_at - barrier.first, 0.0)
     numbers = [
         *(modal.axial, modal.residual, contact_stiffness(device, modal.residual), device.mass),
         *(device.spring, np.where(device.has_link, -np.inf, target), model.least_energy),
         *(barrier.midpoint, device.gap),
         *(device.beam.damping, device.stop_toward, device.stop_away, device.restitution),
         # The modes left out give under the link as under the mass.
-        *(device.link_at - barrier.first, device.link_strength * soft),
+        *(link_at, device.link_strength * soft),
         np.where(device.has_link, 1 / soft, 0.0),
     ]
     vectors = modal.stiffness, *modal[2:5]

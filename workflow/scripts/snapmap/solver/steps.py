@@ -46,6 +46,8 @@ CORNERED = 0.4
 STRIKING = 0.05
 """The same, where the mass strikes with a run-up: across a gap, after a pulse that pulls, back from
 a stop, or in a train of blows."""
+LINKED = 0.25
+"""Times all but the fewest, of a beam that meets a link."""
 LANDING = 0.03
 """Frequency of a pulse that presses, over the device's own, below which the mass lands so softly
 across a gap that it does not matter; above, steps fall to STRIKING with the sixth power."""
@@ -167,7 +169,7 @@ def steps_of(device: Device, modal: ModalBeam, step: float | None) -> Steps:
     """
     if step is not None:
         return fixed(np.atleast_1d(step * bending_limit(device, modal)))
-    period = np.atleast_1d(1 / arch_frequency(modal))
+    period = np.atleast_1d(np.where(device.has_link, LINKED, 1.0) / arch_frequency(modal))
     longest = {question: turn * period for question, turn in LONGEST.items()}
     has_gap = np.greater(device.gap, 0) & np.isfinite(device.gap)
     returns = device.has_stops | device.has_link

@@ -136,6 +136,7 @@ def look(X, V, modes, l, cell, state, task):
     if not ended and well == 0:
         return False
 
+    linked = X[R.LINK_STIFFNESS, l] > 0.0
     # Not above: a reference to each of the arrays takes 7 % of a run.
     facts, proven = task.facts, well != 0
     facts.energy_error[cell] = abs(residual) * scale
@@ -144,7 +145,7 @@ def look(X, V, modes, l, cell, state, task):
     before, after = X[R.W_BEFORE, l], X[R.W, l]
     passed = X[R.COUNT, l] - 2 + (before - X[R.TARGET, l]) / (before - after)
     facts.t_snap[cell] = passed * dt if snapped else np.nan
-    facts.energy_left[cell] = X[R.LEFT, l] / dt**2 if snapped else np.nan
+    facts.energy_left[cell] = X[R.LEFT, l] / dt**2 if snapped and linked else np.nan
     facts.t_settled[cell] = (steps - 1) * dt if proven and not stopped else np.nan
     facts.well[cell], facts.well_share[cell] = 0, np.nan
     if not in_pulse and not stopped:
