@@ -32,7 +32,8 @@ docstrings, by
 
 Its dimensions are the axes of the device, in the order of the config, `shape` and `direction` if
 there are several, then C, f0 and N. Each slice is, bit for bit, what that device gives alone. A
-cell *snaps* when the midpoint first reaches the second equilibrium.
+cell *snaps* when the midpoint first reaches the second equilibrium; a device with a `link` as that
+breaks.
 
 | `outcome` | means | known by |
 |---|---|---|
@@ -52,6 +53,8 @@ wrong ([accuracy](accuracy.md)) |
 | `blow` | of a train, drop or sweep: number of the blow that snaps, from 1; else 0 |
 | `well`, `well_share` | side of the saddle on which the beam ends, and share of the mass's last \
 swing there: 1 where proven; 0 and NaN of `reference`; not with `until: snap` |
+| `energy_left` | with a `link`: kinetic energy of the beam as it breaks, pJ \
+([recipe](recipes.md#a-weak-link)) |
 | `energy_error` | residual of the energy ledger over the gross work of the pulse |
 | `pulse_work` | work of the whole pulse on mass and beam, pJ; NaN where the run ended before |
 | `halvings` | how often the step was halved until the ledger closed |

@@ -45,21 +45,8 @@ def follow(model, pulse, amplitude, f0, C, dt, steps):
         ahead, give = e @ (p + free - A * r_free) / 2, e @ (B - A * r_give) / 2
         F, beta = ahead - (y + y_free) / 2 - device.gap, give + D / 2
         before = link_at - e @ (p_old + p) / 2
-
-        def forces(s):
-            """Overlap and both forces where the link's compression is s."""
-            stored = [np.clip(each, 0.0, travel) ** 2 for each in (before, s)]
-            pull = 0.0 if s == before else link / 2 * (stored[1] - stored[0]) / (s - before)
-            x_new = overlap(x, F + give * pull, k * beta / 2)
-            return x_new, (F + give * pull - x_new) / beta, pull
-
-        def too_far(s):
-            _, P, pull = forces(s)
-            return s - link_at + ahead - give * (P - pull)
-
-        breaks = bool(link) and too_far(travel) <= 0
-        s = brentq(too_far, *((travel, 1e3) if breaks else (-1e3, travel)), xtol=1e-14) if link else 0
-        x_new, P, pull = forces(s)
+        met = meet_link((x, F, beta, k, give), before, link_at - ahead, link, travel)
+        x_new, P, pull, breaks = met
         r = r_free - r_give * (P - pull)
         p_new, y_new = free - A * r - B * (P - pull), y_free + D * P
         if breaks:
@@ -98,6 +85,29 @@ def overlap(m, F, h):
     if m > 0:
         return (F + m - np.sqrt((F - m) ** 2 + 4 * h * m**2)) / 2
     return (F + m + np.sqrt((F - m) ** 2 - 4 * h * F * m)) / (2 + 2 * h)
+
+
+def meet_link(contact, before, ahead, link, travel):
+    """x at the next half step, P, the link's force, and whether it breaks.
+
+    before, ahead: its compression at the last half step, and at the next one without P and itself
+    """
+    x, F, beta, k, give = contact
+
+    def forces(s):
+        stored = [np.clip(each, 0.0, travel) ** 2 for each in (before, s)]
+        pull = 0.0 if s == before else link / 2 * (stored[1] - stored[0]) / (s - before)
+        x_new = overlap(x, F + give * pull, k * beta / 2)
+        return x_new, (F + give * pull - x_new) / beta, pull
+
+    def too_far(s):
+        _, P, pull = forces(s)
+        return s - ahead - give * (P - pull)
+
+    if not link:
+        return *forces(before), False
+    breaks = too_far(travel) <= 0
+    return *forces(brentq(too_far, travel, 1e3 if breaks else -1e3, xtol=1e-14)), breaks
 
 
 def bounce(device, k, a, s, m, d, x):

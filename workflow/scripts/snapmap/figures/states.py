@@ -32,7 +32,8 @@ STATES = (
 
 Steps of lightness tell them apart in grey, hue and lightness to the colour-blind.
 """
-REST_PROVEN, REST_SEEN, CROSSING, TRIPPED_SEEN, TRIPPED_PROVEN, FAILED, ABSENT, HELD = range(len(STATES))
+REST_PROVEN, REST_SEEN, CROSSING, TRIPPED_SEEN, TRIPPED_PROVEN = range(5)
+FAILED, ABSENT, HELD = range(5, len(STATES))
 
 SNAPS = (
     State("waiting", "does not snap", "#d3dde5"),

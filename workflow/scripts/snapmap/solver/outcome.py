@@ -11,7 +11,7 @@ from .cells import Observations
 class Outcome(IntEnum):
     """What became of a cell; `ABSENT` is one whose device has no second stable shape.
 
-    Where there is a link a device snaps as it breaks: `HELD` is one that it holds beyond the saddle.
+    A device with a link snaps as that breaks; of `HELD` it is whole, the beam beyond the saddle.
     """
 
     UNSNAPPED = 0

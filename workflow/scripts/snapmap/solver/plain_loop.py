@@ -183,17 +183,17 @@ def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
     With u = q - q0 and y the displacement of the mass, from rest, at t = n dt:
 
         N = -EA/2L (2 u.G q0 + u.G u),  P = lambda <u(L/2) - y - z0>+
-        F = k <s>+, s = w_link - u(L/2), until the link breaks
-        Mb (u+ - 2 u + u-)/dt^2 + alpha Mb (u+ - u-)/(2 dt) = -Kb u + N (G u + G q0) - f a - e (P - F)
+        F = k <s>+, s = w_link - u(L/2), until the link breaks;  R = P - F
+        Mb (u+ - 2 u + u-)/dt^2 + alpha Mb (u+ - u-)/(2 dt) = -Kb u + N (G u + G q0) - f a - e R
         M (y+ - 2 y + y-)/dt^2 + C (y+ - y-)/(2 dt) = -M a - K y + P
 
     pulse: pieces, and what they begin and end with, as in `numerics.pieces`, over x = f0 t
     amplitude: N g, um/us^2; f0: 1/us; damping: C, uN us/um; target: w(L/2) from rest, um
     history: (samples, 2 n + 4), modified in place: u, du/dt, y, dy/dt, work of the pulse and
         energy lost (pJ), at as many of the first instants as it holds
-    Returns (t_snap, energy_error, pulse_work, energy_left): us, NaN if the target is not reached; the energy
-    ledger's residual over the gross work of the pulse, not finite after a blow-up; pJ, of the whole
-    pulse, NaN if the run ended before it; pJ, kinetic, of the beam at its snap, NaN likewise.
+    Returns (t_snap, energy_error, pulse_work, energy_left): us, NaN if the target is not reached;
+    the energy ledger's residual over the gross work of the pulse, not finite after a blow-up; pJ,
+    of the whole pulse, NaN if the run ended before it; pJ, kinetic, of the beam as its link breaks.
     """
     n = system.load.size
     u, u_before, u_after, velocity = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
