@@ -12,6 +12,7 @@ from snapmap.beam.modal import contact_stiffness
 from snapmap.beam.statics import statics
 from snapmap.config.devices import read_device
 from snapmap.device import ALONE, batch
+from snapmap.figures.states import HELD, REST_PROVEN, end_states
 from snapmap.io.provenance import device_sections
 from snapmap.pulse import make_pulse
 from snapmap.solver.bounds import least_amplitudes
@@ -102,6 +103,7 @@ def test_the_limits_of_no_strength_and_of_one_without_end(handout):
     cube = snapmap.sweep(strong, [900.0, 1100.0], *([each] for each in SHOCK), "cosines", modes=3)
     assert cube.t_snap.isnull().all()
     assert [OUTCOMES[code] for code in cube.outcome.values.ravel()] == ["never", "held"]
+    assert end_states(cube).values.ravel().tolist() == [REST_PROVEN, HELD]
 
 
 def test_a_bound_of_the_energy_to_break_it_lies_below_the_static_path(handout):

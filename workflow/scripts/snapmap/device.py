@@ -65,6 +65,7 @@ class Device:
     damper_exponent: C grows with the absolute temperature to this power
     strength: tensile stress at which the beam breaks, math.inf for never; or the scale of a
         Weibull distribution of it, with strength_modulus and strength_threshold
+    contact_at: w(L/2) up to which the beam touches an electrode; -math.inf for none
     """
 
     beam: Beam
@@ -88,6 +89,7 @@ class Device:
     strength: Value = math.inf
     strength_modulus: Value = math.inf
     strength_threshold: Value = 0.0
+    contact_at: Value = -math.inf
 
     def __post_init__(self):
         if not isinstance(self.beam, Beam):
@@ -104,6 +106,10 @@ class Device:
         require(alone | np.equal(self.force, 0), pushed, self.force)
         stopped = "device.stops: are of a mass, and there is none; leave them out"
         require(~(alone & self.has_stops), stopped)
+        if np.any(self.has_electrode):
+            closed = "device.contact_at: {:g} um is not below the midpoint at rest, {:g} um"
+            rest = self.beam.height
+            require(np.less(self.contact_at, rest), closed, self.contact_at, rest)
 
     @property
     def own_frequency(self) -> Value:
@@ -148,6 +154,11 @@ class Device:
             line = "device.link.at: {:g} um is not between the second shape, {:.6g} um, and the "
             ends = self.link_at, second, first
             require(on_way | ~self.has_link, f"{line}first, {{:.6g}} um", *ends)
+
+    @property
+    def has_electrode(self) -> bool | np.ndarray:
+        """Whether the beam meets one on its way."""
+        return np.isfinite(self.contact_at)
 
     @property
     def damper_factor(self) -> Value:

@@ -191,6 +191,7 @@ damper_exponent | exponent | 0
 strength | strength | inf
 strength_modulus | quality | inf
 strength_threshold | strength | 0
+contact_at | position | -inf
 gravity | acceleration
 force | force | 0
 shape | | | shape of the pulse | | shape of the pulse

@@ -26,7 +26,7 @@ STATES = (
     State("tripped_proven", "tripped for good, proven", "#ad4a00"),
     State("failed", "failed", "#000000"),
     State("absent", "no second stable shape", "#ffffff"),
-    State("held", "snapped when last seen, held by the link", "#8a6fb0"),
+    State("held", "snapped when last seen, held by the link", "#3a1452"),
 )
 """Colours answer whether the beam is tripped at the end, their strength how that is known.
 
