@@ -32,8 +32,8 @@ docstrings, by
 
 Its dimensions are the axes of the device, in the order of the config, `shape` and `direction` if
 there are several, then C, f0 and N. Each slice is, bit for bit, what that device gives alone. A
-cell *snaps* when the midpoint first reaches the second equilibrium; a device with a `link` as that
-breaks.
+cell *snaps* when the midpoint first reaches the second equilibrium, or when a `link` breaks; with
+`start: second` it is the first, both shapes change places here, and the link is broken.
 
 | `outcome` | means | known by |
 |---|---|---|

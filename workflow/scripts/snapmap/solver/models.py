@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import cached_property
 from importlib import import_module
 from types import ModuleType
 from typing import NamedTuple, Protocol
@@ -13,12 +14,12 @@ from ..arguments import require_model
 from ..beam.basis import Basis
 from ..beam.cosines import buckling_shapes, symmetric_cosines
 from ..beam.elements import hermite_elements
-from ..beam.equilibria import Barrier, find_barrier
+from ..beam.equilibria import Barrier, Rest, find_barrier, second_shape
 from ..beam.modal import ModalBeam, contact_stiffness, pulse_load, reduce_to_modes
 from ..device import Device, Value
 from ..io.counting import count
 from .cells import Cells, Observations, no_observations
-from .settings import MOVE, Settings
+from .settings import FIRST, MOVE, SECOND, Settings
 from .steps import Steps, explicit_steps, steps_of
 
 BUNCH = 8192
@@ -81,15 +82,31 @@ class Model:
         """Number of modes kept."""
         return self.modal.load.shape[-1]
 
-    @property
-    def target(self) -> Value:
-        """Where the midpoint trips the device: the second shape, or where its link breaks.
+    @cached_property
+    def second(self) -> Rest:
+        """The second shape of its form; ValueError if one of the beams cannot rest there."""
+        rest = second_shape(self.device.beam, self.basis, self.modes)
+        if not np.isfinite(rest.energy).all():
+            raise ValueError("start: second, and a beam that is free to tilt does not stay there")
+        return rest
 
-        From where it rests, um.
+    def rest(self, start: str) -> np.ndarray:
+        """The modes in the shape in which a run starts, (..., k), as `ModalBeam` has them."""
+        return self.second.modes if start == SECOND else np.zeros(self.modal.load.shape)
+
+    def snap_target(self, start: str) -> Value:
+        """Where w(L/2), of a run from the second shape -w(L/2), snaps, from the first shape, um.
+
+        On the way to the second shape a device with a link snaps as that breaks.
         """
-        device, barrier = self.device, self.barrier
-        at = np.where(device.has_link, device.link_breaks_at, barrier.second)
-        return (at - barrier.first)[()]
+        first, second = self.barrier.first, self.barrier.second
+        second = np.where(self.device.has_link, self.device.link_breaks_at, second)[()]
+        return second - first if start == FIRST else 0.0 * first
+
+    def time_steps(self, cells: Cells, settings: Settings) -> np.ndarray:
+        """Of each cell, us, in the cells' shape; no mass rests on a beam in its second shape."""
+        met = ~np.atleast_1d(self.device.is_alone)[cells.device]
+        return self.steps.of(cells, settings.question, met & (settings.start == SECOND))
 
     @property
     def least_energy(self) -> Value:
@@ -98,7 +115,7 @@ class Model:
         That of the saddle; a link that breaks before it may need less, docs/theory.md.
         """
         device, barrier = self.device, self.barrier
-        before = np.maximum(0.0, self.target - barrier.midpoint)
+        before = np.maximum(0.0, self.snap_target(FIRST) - barrier.midpoint)
         needed = -PLATEAU * device.beam.stiffness_unit * before * before / 2
         needed = needed + np.square(device.link_strength) / (2 * device.link_stiffness)
         lower = np.where(device.has_link & (before > 0), np.minimum(needed, 0.0), 0.0)
@@ -137,7 +154,7 @@ class Model:
         flat = cells.flat()
         seen = no_observations(flat.f0.shape)
         longest = self.steps.factor * self.steps.longest[MOVE][flat.device]
-        left = np.flatnonzero(self.steps.of(flat, settings.question) >= SMALLEST * longest)
+        left = np.flatnonzero(self.time_steps(flat, settings) >= SMALLEST * longest)
         if settings.until == "settled" and self.name != "reference":
             first = self.follow_once(flat.take(left), settings._replace(until="pulse"))
             seen.replace(left, first)
@@ -155,7 +172,7 @@ class Model:
     def follow_once(self, cells: Cells, settings: Settings) -> Observations:
         """Follow every cell, (cells,), in steps of the rule, whatever its ledger then says."""
         seen = no_observations(cells.f0.shape)
-        dt = self.steps.of(cells, settings.question)
+        dt = self.time_steps(cells, settings)
         # Lanes run side by side: those of one call should take about as many steps.
         order = np.argsort(-cells.t_end / dt, kind="stable")
 

@@ -10,7 +10,7 @@ from ..solver.cells import Rows, rows_of
 from ..solver.closures import CLOSING, closures_again
 from ..solver.models import Follows
 from ..solver.outcome import ABSENT, FAILED, REPEATED_STEP, label, t_snap_error, work_error
-from ..solver.settings import Settings
+from ..solver.settings import FIRST, Settings
 
 TIMES = "t_snap", "t_settled", "t_snap_error"
 SHARES = "well_share", "energy_error", "pulse_work", "work_error", "energy_left"
@@ -38,7 +38,8 @@ def follow_rows(
     order = np.argsort(N, kind="stable")
     cells = rows.take(there).cells(model.device, N[order], settings.horizon)
     seen = model.follow(cells, settings)
-    linked = np.broadcast_to(model.device.has_link, len(model.device))[cells.device]
+    has_link = model.device.has_link & (settings.start == FIRST)
+    linked = np.broadcast_to(has_link, len(model.device))[cells.device]
     variables = _variables(seen, settings, linked)
     if settings.repeat:
         again = model.with_step(REPEATED_STEP).follow(cells, settings)
@@ -70,7 +71,8 @@ def _variables(seen, settings, linked):
         variables["energy_left"] = seen.energy_left.astype(np.float32)
     if settings.until == "settled":
         failed = variables["outcome"] == FAILED
-        variables["well"] = np.where(failed, 0, seen.well).astype(np.int8)
+        well = seen.well if settings.start == FIRST else np.where(seen.well, 3 - seen.well, 0)
+        variables["well"] = np.where(failed, 0, well).astype(np.int8)
         variables["well_share"] = np.where(failed, np.nan, seen.well_share).astype(np.float32)
     return {key: values for key, values in variables.items() if values is not None}
 
