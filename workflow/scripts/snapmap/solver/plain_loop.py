@@ -307,8 +307,8 @@ def march(model, cells, dt, settings):
             load = curve, cells.amplitude[i], cells.f0[i], cells.damping[i]
             observed[:, i] = follow(system, *load, target, dt[i], steps, no_history)
     t_snap, energy_error, *works = observed
-    nothing = np.full(t_snap.size, np.nan)
-    return t_snap, nothing, np.zeros(t_snap.size, np.int8), energy_error, nothing, *works
+    no_well, unknown = np.zeros(t_snap.size, np.int8), np.full(t_snap.size, np.nan)
+    return t_snap, unknown, no_well, energy_error, unknown, *works, unknown
 
 
 def record(model, pulse, amplitude, f0, damping, dt, steps, start=FIRST):
