@@ -17,7 +17,7 @@ from plotly.offline import get_plotlyjs
 from ..axes import NAMES
 from ..config.devices import read_device
 from ..described import describe
-from ..device import CLAMP, STOPS, STRENGTH, VALUES
+from ..device import CLAMP, SECTIONS, STOPS, VALUES
 from ..motion.envelopes import ENERGY_REACH, thin
 from ..quantities import QUANTITIES, Quantity
 from ..solver.outcome import OUTCOMES, WHOLE_SWING
@@ -47,6 +47,7 @@ WORDS = {
     "returned": "snaps and returns",
     "failed": "failed",
     "absent": "no second stable shape",
+    "held": "snaps, held by the link",
 }
 """Of each outcome, in the order of the codes."""
 GREY = "#999999"
@@ -97,7 +98,7 @@ def page(cube: xr.Dataset, traces: xr.Dataset | None, found: xr.Dataset, horizon
         "start": _opening(cells, x, y),
         "horizon": float(horizon),
         "shapes": STARTS[::-1] if style.starts(document) else STARTS,
-        "devices": {name: list(_rows(device)) for name, device in devices.items()},
+        "devices": {name: list(_rows(device, {})) for name, device in devices.items()},
         "vibrations": {
             name: _vibration(device, cells.C.values) for name, device in devices.items()
         },
@@ -196,13 +197,13 @@ def _lacking(devices, dims):
     return [f"without-{part}" for part, names in parts.items() if not names & named]
 
 
-def _rows(values: Mapping):
+def _rows(values: Mapping, names: Mapping):
     """Rows of the table of a device, of which every value has its unit: key, words and value."""
     for key, value in values.items():
         if isinstance(value, Mapping):
-            yield from _rows(value)
+            yield from _rows(value, {"clamp": CLAMP, **SECTIONS}.get(key, {}))
             continue
-        name = (CLAMP | STOPS | STRENGTH).get(key, key)
+        name = names.get(key, key)
         number, _, unit = str(value).partition(" ")
         quantity, text = QUANTITIES.get(name, Quantity(name)), html.escape(str(value))
         if quantity.kind and unit == quantity.unit:
