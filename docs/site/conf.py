@@ -32,7 +32,6 @@ CONTENTS = """
 :caption: Use
 Tutorial <docs/tutorial>
 docs/recipes
-docs/glossary
 Config <docs/config>
 Shocks <docs/pulses>
 Devices <docs/devices>
@@ -47,8 +46,6 @@ Theory <docs/theory>
 docs/thresholds
 Accuracy <docs/accuracy>
 docs/validation
-docs/peers
-Impacts <docs/impacts>
 Limits <docs/limits>
 ```
 ```{toctree}
