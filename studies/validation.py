@@ -32,11 +32,10 @@ TOLERANCE = 1e-9
 TEXT = """\
 # Validation
 
-Exact solutions, published values and other codes beside ours, in three parts:
+Exact solutions, published values and other codes beside ours, in two parts:
 
     ./run python -m studies validation > docs/validation.md
     ./run python -m studies peers >> docs/validation.md
-    ./run python -m studies impacts >> docs/validation.md
 
 **No measured device has been compared.** These tables show that the equations are solved, not that
 a device obeys them; the [second part](#other-codes) shows what the equations leave out. A

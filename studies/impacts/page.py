@@ -1,10 +1,13 @@
-"""The words of its part of docs/validation.md."""
+"""The words of README.md."""
 
-TEXT = r"""# Ensembles with impacts
+TEXT = r"""# A benchmark: ensembles of small systems with impacts
 
-A benchmark: five problems with known answers for solvers of thousands of small, stiff systems with
-impacts. heyoka is in the group `bench` of `pyproject.toml`. Another solver takes part by a function
-in `solvers.py` and a line in `contenders` of `__main__.py`, both in `studies/impacts`.
+Five problems with known answers for solvers of thousands of small, stiff systems with impacts:
+
+    ./run python -m studies impacts > studies/impacts/README.md
+
+heyoka is in the group `bench` of `pyproject.toml`. Another solver takes part by a function in
+`solvers.py` and a line in `contenders` of `__main__.py`.
 
 ## The problems
 
@@ -26,7 +29,7 @@ spaced; two ranges make a grid, its last one running fastest.
    is reversed and multiplied by 0.8. From $(0.2, 0, 10)$, so that no valve rattles to rest. 256
    values of $q$ from 0.2 to 7, $t_\mathrm{{end}} = 10$. The answer is that of SciPy's DOP853
    at 1e-13.
-5. **Snap or no snap.** The handout's device in three cosines ([theory](theory.md)), with soft
+5. **Snap or no snap.** The handout's device in three cosines ([theory](../../docs/theory.md)), with soft
    contact and C = 0.025: 16 values of N from 600 to 2400, 16 of f0 from 300 Hz to 20 kHz by ratio.
    The label is whether $w_\mathrm{{mid}}$ reaches the second shape within 1500 us after the pulse.
    The answer is that of the plain loop at {fine:g} us. Left out are {contested} cells whose label
