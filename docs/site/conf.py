@@ -87,7 +87,6 @@ def complete(app, page, source):
     if page == root_doc:
         source[0] += CONTENTS
     here = (app.srcdir / page).parent
-
     rows = QUESTION.findall((app.srcdir / "docs" / "figures.md").read_text(encoding="utf-8"))
 
     def show(name):

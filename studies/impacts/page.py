@@ -29,11 +29,12 @@ spaced; two ranges make a grid, its last one running fastest.
    is reversed and multiplied by 0.8. From $(0.2, 0, 10)$, so that no valve rattles to rest. 256
    values of $q$ from 0.2 to 7, $t_\mathrm{{end}} = 10$. The answer is that of SciPy's DOP853
    at 1e-13.
-5. **Snap or no snap.** The handout's device in three cosines ([theory](../../docs/theory.md)), with soft
-   contact and C = 0.025: 16 values of N from 600 to 2400, 16 of f0 from 300 Hz to 20 kHz by ratio.
-   The label is whether $w_\mathrm{{mid}}$ reaches the second shape within 1500 us after the pulse.
-   The answer is that of the plain loop at {fine:g} us. Left out are {contested} cells whose label
-   turns with N by up to 0.2 %. Of the other {cells}, {snap} snap.
+5. **Snap or no snap.** The handout's device in three cosines ([theory](../../docs/theory.md)), with
+   soft contact and C = 0.025: 16 values of N from 600 to 2400, 16 of f0 from 300 Hz to 20 kHz
+   by ratio. The label is whether $w_\mathrm{{mid}}$ reaches the second shape within 1500 us
+   after the pulse. The answer is that of the plain loop at {fine:g} us. Left out are
+   {contested} cells whose label turns with N by up to 0.2 %. Of the other {cells}, {snap}
+   snap.
 
 The first and the last trajectory of each:
 
