@@ -58,6 +58,8 @@ swing there: 1 where proven; 0 and NaN of `reference`; not with `until: snap` |
 the same side |
 | `work_error`, `t_snap_error` | indicators, no bounds: differences to that run, of the work (over \
 the larger of both) and of the time of snap (us) |
+| `t_closed`, `closed_for`, `openings`, `closed_share` | with `contact_at`, each with its \
+`_error`: [electrode](limits.md#electrode) |
 | `level`, `agreed` | of `auto`: the level that decided, 0 or 1, and whether levels agreed |
 
 Attributes hold the config, the versions of code and packages, and the shares of proven and open

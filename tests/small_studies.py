@@ -25,6 +25,7 @@ device:
   contact: 60 N/m
   gravity: 9.81 m/s^2
   strength: 1.2 GPa
+  contact_at: -4 um
 model: {name: cosines, modes: 3}
 pulse: {shape: [half sine, sawtooth], direction: both}
 sweep:
@@ -33,7 +34,7 @@ sweep:
   C: [30 uN*us/um]
   horizon: 200 us
 requirements:
-  - {name: crash, shape: half sine, N: 2000, f0: 1 kHz, snaps: true}
+  - {name: crash, shape: half sine, N: 2000, f0: 1 kHz, snaps: true, closes_within: 1 ms}
   - {name: drop, shape: half sine, N: 300, f0: 2 kHz, direction: -z, snaps: false}
   - {name: shaking, psd: [[100 Hz, 0.1 g^2/Hz], [2 kHz, 0.1 g^2/Hz]], duration: 10 ms, snaps: false}
   - {name: spectrum, srs: [[500 Hz, 200 g], [5 kHz, 200 g]], snaps: false}

@@ -8,6 +8,7 @@ import pytest
 from snapmap import datasheet
 from snapmap.motion.history import extremes_of
 from snapmap.shocks import make_shocks
+from snapmap.solver.closures import CLOSING
 from snapmap.study import Study
 from snapmap.thresholds.requirements import check, judge
 from snapmap.tolerances.dataset import tolerances_of
@@ -16,7 +17,9 @@ from snapmap.tolerances.samples import Tolerances
 
 @pytest.fixture(scope="module")
 def sheet(handout):
-    device = dataclasses.replace(handout, stop_away=6.0, stop_toward=40.0, strength=900.0)
+    device = dataclasses.replace(
+        handout, stop_away=6.0, stop_toward=40.0, strength=900.0, contact_at=-5.0
+    )
     study = Study(device=device, model={"name": "cosines", "cosines": 3})
     shocks = make_shocks("half sine")
     required = [{"name": "drop", "shocks": shocks, "N": 500.0, "f0": 1000.0, "snaps": False}]
@@ -24,7 +27,8 @@ def sheet(handout):
     under = dataclasses.replace(study, shocks=shocks)
     moved = extremes_of(under, 500.0, 1000.0, 25.0)
     verdict, survival = judge(verdict, device, moved.stress_max, 0.999)
-    row = verdict._asdict() | moved._asdict() | survival._asdict()
+    closing = {key: 2.0 + i for i, key in enumerate(CLOSING)}
+    row = closing | verdict._asdict() | moved._asdict() | survival._asdict()
     axes = {"C": [25.0], "f0": [1000.0]}
     made = tolerances_of(study, axes, Tolerances({"thickness": 0.05}, samples=32), required)
     text = datasheet.datasheet(study, [row], required, made, "Crash sensor, 2026")
@@ -52,3 +56,6 @@ def test_thresholds_and_shares_are_those_of_the_results(sheet):
     assert float(strength[0]) == pytest.approx(900 / verdict["stress_max"], rel=1e-2)
     assert row(text, "meet all")[1] == f"{100 * made['yield'].item():.1f} %"
     assert row(text, "travel of the mass towards")[2] == "drop, C = 25"
+    assert row(text, "first closure") == ["2 us", "6 us", "drop, C = 25"]
+    assert row(text, "openings") == ["4", "8", "drop, C = 25"]
+    assert row(text, "force on the electrode at -5 um") == ["10.723 uN"]

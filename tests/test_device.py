@@ -81,4 +81,11 @@ def test_the_recipe_of_a_device_is_read_back(of_device, of_beam):
 
 def test_every_value_has_its_line_in_the_table():
     fields = {*Beam.__dataclass_fields__, *Device.__dataclass_fields__} - {"beam", "free", "shape"}
-    assert fields == {*VALUES, "gravity", "force", *STRENGTH.values(), *THERMAL.values()}
+    assert fields == {
+        *VALUES,
+        "gravity",
+        "force",
+        "contact_at",
+        *STRENGTH.values(),
+        *THERMAL.values(),
+    }

@@ -193,6 +193,7 @@ def test_durations_stand_for_frequencies():
 
 
 DROP = {"drop": {"height": "1 m", "duration": "0.5 ms"}}
+CRASH = {"name": "crash", "N": 1500, "f0": "2 kHz", "snaps": True, "closes_within": "1 ms"}
 
 
 @pytest.mark.parametrize(
@@ -217,6 +218,9 @@ DROP = {"drop": {"height": "1 m", "duration": "0.5 ms"}}
         ("device.force", {**ALONE, **PUSHED, "pulse": DROP}),
         ("device.quality_factor", {"device__quality_factor": 9}),
         ("device.beam.shape.cosines", {"device__beam__shape": {"cosines": []}}),
+        ("device.contact_at", {"requirements": [CRASH]}),
+        ("device.contact_at", {"device__contact_at": "10 um"}),
+        ("requirements[0].closes_within", {"requirements": [CRASH | {"snaps": False}]}),
         ("pulse.form", {"pulse": {"shape": "half sine", "form": 1}}),
         ("devices['a b']", {"devices": {"a b": DEFAULT["device"]}, "device": MISSING}),
     ],

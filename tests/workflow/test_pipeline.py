@@ -222,5 +222,5 @@ def test_every_product_is_made_of_two_shapes_along_both_directions(clone, tmp_pa
         assert "crash" in text and "shaking" in text
     with xr.open_dataset(tmp_path / "results" / "tolerance.nc") as found:
         assert found.sizes["shape"] == found.sizes["direction"] == 2
-        assert found["yield"].leaves_out == "shaking, spectrum"
+        assert found["yield"].leaves_out == "shaking, spectrum, the closing of crash"
         assert found.share_breaking.notnull().all()

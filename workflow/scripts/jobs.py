@@ -77,49 +77,56 @@ def simulate_history(study, cell, path):
 def check_requirements(study, path):
     """Simulate the required shocks; write a row for each device and C, with what it does."""
     import csv
-    from itertools import chain, product
+    from itertools import chain, product, zip_longest
     from math import nan
 
-    from snapmap.motion.history import Extremes, extremes_of
+    from snapmap.motion.history import Extremes, closing_of, extremes_of
     from snapmap.sizing import remedy
     from snapmap.spectra.verdicts import check_spectra, check_vibrations
-    from snapmap.thresholds.requirements import Survival, Verdict, check, judge, summary, worst
+    from snapmap.thresholds import requirements
 
     C, study = study.axes["C"].tolist(), study.of_thresholds()
-    verdicts = check(study, study.requirements, C, study.threshold_tolerance)
-    moved, survived = [], []
+    verdicts = requirements.check(study, study.requirements, C, study.threshold_tolerance)
+    beside = []
     cases = product(study.requirements, study.devices().values(), C)
     for place, (required, device, damping) in enumerate(cases):
-        pushed = replace(study, device=device, shocks=required["shocks"])
-        moved.append(extremes_of(pushed, required["N"], required["f0"], damping))
-        verdicts[place], survival = judge(
-            verdicts[place], device, moved[-1].stress_max, required["survives"]
+        shaken = replace(study, device=device, shocks=required["shocks"])
+        shot = required["N"], required["f0"], damping
+        moved = extremes_of(shaken, *shot)
+        verdicts[place], survival = requirements.judge(
+            verdicts[place], device, moved.stress_max, required["survives"]
         )
-        survived.append(survival)
-    shaken = check_vibrations(study, study.vibrations, C) + check_spectra(study, study.spectra, C)
-    verdicts += shaken
-    one, words = worst(verdicts)
+        closing = closing_of(shaken, *shot)
+        verdicts[place], margins = requirements.judge_closing(verdicts[place], required, closing)
+        beside.append(moved._asdict() | survival._asdict() | closing | margins)
+    verdicts += check_vibrations(study, study.vibrations, C)
+    verdicts += check_spectra(study, study.spectra, C)
+    one, words = requirements.worst(verdicts)
     for required in study.requirements:
         if one.requirement == required["name"] and one.must_snap != (one.N_first <= one.N):
             device = study.devices()[one.device] if one.device else study.device
             changes = remedy(replace(study, device=device), required, one.C, one.N_first)
             words += f"; it does so with {changes}, all else as it is" * bool(changes)
-    for rows, columns in ((moved, Extremes), (survived, Survival)):
-        rows += [columns(*[nan] * len(columns._fields))] * len(shaken)
+    always = requirements.Verdict, Extremes, requirements.Survival
+    columns = dict.fromkeys(chain(*(one._fields for one in always), *beside))
     with open(path, "w", newline="", encoding="utf-8") as file:
-        rows = csv.writer(file)
-        rows.writerow(Verdict._fields + Extremes._fields + Survival._fields)
-        rows.writerows(map(chain.from_iterable, zip(verdicts, moved, survived, strict=True)))
-    print(f"{path}: {summary(verdicts)}; {words}")
+        rows = csv.DictWriter(file, columns, restval=nan)
+        rows.writeheader()
+        for verdict, others in zip_longest(verdicts, beside, fillvalue={}):
+            rows.writerow(verdict._asdict() | others)
+    print(f"{path}: {requirements.summary(verdicts)}; {words}")
 
 
 def find_tolerance(study, path):
     """Find the thresholds of devices whose values scatter."""
+    from snapmap.config.shocks import CLOSING
     from snapmap.tolerances.dataset import summary, tolerances_of
 
     axes = {key: study.axes[key] for key in ("C", "f0", "N")}
     made = tolerances_of(study.of_thresholds(), axes, study.tolerances, study.requirements)
     left_out = [required["name"] for required in study.vibrations + study.spectra]
+    closing = [one["name"] for one in study.requirements if any(key in one for key in CLOSING)]
+    left_out += [f"the closing of {name}" for name in closing]
     if study.requirements and left_out:
         made["yield"].attrs["leaves_out"] = ", ".join(left_out)
     _write(made, path, summary)

@@ -25,6 +25,14 @@ UNITS = {
 }
 """Of `Extremes`, as a data sheet names them."""
 
+CLOSURES = {
+    "t_closed": ("first closure", " us"),
+    "closed_for": ("then closed, to the end if it never opens", " us"),
+    "openings": ("openings", ""),
+    "closed_share": ("share of the time since then closed", ""),
+}
+"""Likewise of `Closures`."""
+
 
 def datasheet(
     study: Study,
@@ -56,6 +64,10 @@ def datasheet(
             largest = _largest(replace(study, device=device), requirements, own)
             largest = table(["what", "value", "error", "under"], largest)
             sheets += ["Largest under these shocks:\n", largest]
+        closed = [row for row in own if np.isfinite(row.get("t_closed", np.nan))]
+        if closed:
+            closed = table(["what", "value", "error", "under"], _closures(closed))
+            sheets += [f"The electrode, to {study.settings.horizon:g} us after a shock:\n", closed]
         if batch is not None and "yield" in batch:
             words = f"Share of {batch.sizes['sample']} devices as made, with bounds at 95 %:\n"
             sheets += [words, table(["share", "C, uN*us/um", "value", "bounds"], _shares(batch))]
@@ -86,6 +98,8 @@ def _statics(device):
     yield ["force that resets it", resets]
     travel = f"{beam.height - beam.second_equilibrium:.5g} um" if beam.is_bistable else DASH
     yield ["travel of the midpoint to the second shape", travel]
+    if device.has_electrode:
+        yield [f"force on the electrode at {device.contact_at:g} um", f"{path.hold_force:.5g} uN"]
     yield ["first frequency of the beam", f"{1e3 * natural_frequency(beam) / (2 * np.pi):.5g} kHz"]
     if not device.is_alone:
         own = f"{1e3 * device.mass_frequency / (2 * np.pi):.5g} kHz"
@@ -123,6 +137,14 @@ def _verdict(row, made):
         row["verdict"],
         *ends,
     ]
+
+
+def _closures(rows):
+    """Of the electrode under required shocks, with its error."""
+    for row in rows:
+        for key, (words, unit) in CLOSURES.items():
+            value, error = plain(row[key]), plain(row[f"{key}_error"], 1)
+            yield [words, value + unit, error + unit, f"{row['requirement']}, C = {row['C']:g}"]
 
 
 def _largest(study, requirements, verdicts):

@@ -61,6 +61,7 @@ class Device:
     damper_exponent: C grows with the absolute temperature to this power
     strength: tensile stress at which the beam breaks, math.inf for never; or the scale of a
         Weibull distribution of it, with strength_modulus and strength_threshold
+    contact_at: w(L/2) up to which the beam touches an electrode; -math.inf for none
     """
 
     beam: Beam
@@ -81,6 +82,7 @@ class Device:
     strength: Value = math.inf
     strength_modulus: Value = math.inf
     strength_threshold: Value = 0.0
+    contact_at: Value = -math.inf
 
     def __post_init__(self):
         if not isinstance(self.beam, Beam):
@@ -97,6 +99,10 @@ class Device:
         require(alone | np.equal(self.force, 0), pushed, self.force)
         stopped = "device.stops: are of a mass, and there is none; leave them out"
         require(~(alone & self.has_stops), stopped)
+        if np.any(self.has_electrode):
+            closed = "device.contact_at: {:g} um is not below the midpoint at rest, {:g} um"
+            rest = self.beam.height
+            require(np.less(self.contact_at, rest), closed, self.contact_at, rest)
 
     @property
     def own_frequency(self) -> Value:
@@ -121,6 +127,11 @@ class Device:
     def has_stops(self) -> bool | np.ndarray:
         """Whether the mass meets a stop on either side."""
         return np.isfinite(self.stop_toward) | np.isfinite(self.stop_away)
+
+    @property
+    def has_electrode(self) -> bool | np.ndarray:
+        """Whether the beam meets one on its way."""
+        return np.isfinite(self.contact_at)
 
     @property
     def damper_factor(self) -> Value:

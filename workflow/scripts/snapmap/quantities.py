@@ -56,6 +56,7 @@ KINDS = {
     "length": Dimension("a length", "um", "'600 um'"),
     "modulus": Dimension("a modulus", "MPa", "'150 GPa'"),
     "distance": Dimension("a length", "um", "'0.5 um'", "[0, inf)"),
+    "position": Dimension("a length", "um", "'-5 um'", "(-inf, inf)"),
     "strength": Dimension("a stress", "MPa", "'1.5 GPa'"),
     "stress": Dimension("a stress", "MPa", "'-11 MPa'", "(-inf, inf)"),
     "density": Dimension("a density", "ng/um^3", "'2330 kg/m^3'"),
@@ -186,6 +187,7 @@ damper_exponent | exponent | 0
 strength | strength | inf
 strength_modulus | quality | inf
 strength_threshold | strength | 0
+contact_at | position | -inf
 gravity | acceleration
 force | force | 0
 shape | | | shape of the pulse | | shape of the pulse

@@ -39,7 +39,8 @@ def statics(device: Device) -> xr.Dataset:
     Attributes, of the path that the beam takes: `largest_force` and `least_force` between the
     shapes (uN; the least is above 0 where the beam returns by itself), w(L/2) of the shapes and the
     saddle, `rise`, `second_equilibrium`, `saddle` (um), and the saddle's energy, `barrier` (pJ; 0
-    without a second stable shape).
+    without a second stable shape); with device.contact_at that, and `hold_force` (uN), with which
+    the beam rests on an electrode there: 0 where it does not.
 
     >>> path = snapmap.statics(snapmap.load_device("config/config.yaml"))
     >>> round(path.largest_force, 2), round(path.least_force, 2)
@@ -61,7 +62,11 @@ def statics(device: Device) -> xr.Dataset:
         key: (("branch", "point"), np.stack(arrays))
         for key, *arrays in zip(PATH, *branches.values(), strict=True)
     }
-    force = data["force"][1][0]
+    w, force = (data[key][1][0] for key in PATH[:2])
+    electrode = {}
+    if device.has_electrode:
+        held = np.interp(first - device.contact_at, w, -force)
+        electrode = {"contact_at": device.contact_at, "hold_force": max(0.0, float(held))}
     return dress(
         "statics",
         xr.Dataset(data, {"branch": list(branches)}),
@@ -72,6 +77,7 @@ def statics(device: Device) -> xr.Dataset:
         barrier=barrier.energy,
         largest_force=float(force[: 2 * POINTS].max()),
         least_force=float(force[POINTS:].min()),
+        **electrode,
     )
 
 

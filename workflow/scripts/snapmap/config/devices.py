@@ -205,6 +205,9 @@ class DeviceSection(Section):
         "94",
         "`sweep.C`",
     )
+    contact_at: quantity(
+        "position", "w(L/2) up to which the beam touches an electrode", out="no electrode"
+    )
     gravity: quantity("acceleration", "the unit of N", out="required, or `force`")
     force: quantity(
         "force",

@@ -25,6 +25,8 @@ LEVELS = {"psd": ("density", "g^2/Hz", "0.04"), "srs": ("level", "g", "1500")}
 """What a spectrum has at its frequencies: name, unit and an example."""
 # ASSUME: of devices whose strengths scatter all but one in a thousand must survive.
 SURVIVES = 0.999
+CLOSING = "closes_within", "stays_closed"
+"""What may be required of an electrode."""
 SHAPE = word(*SHAPES, out=f"`{VERSED_SINE}`")
 SHARE = quantity("share", "of the duration of a trapezoid", "10 %", "`10 %`")
 
@@ -167,6 +169,10 @@ class RequirementSection(PulseSection):
         example="99.99 %",
         out=f"`true`, that is `{100 * SURVIVES:g} %`",
     )
+    closes_within: quantity(
+        "pulse", "from its start until the beam is at contact_at", out="any time"
+    )
+    stays_closed: quantity("pulse", "until it opens again", out="any time")
     f0: quantity("frequency", out="required, or `duration`, or a shock with its own")
     duration: quantity("pulse", "instead of f0", out="`f0`")
     shape: SHAPE
@@ -226,4 +232,8 @@ class RequirementSection(PulseSection):
         f0 = frequency_of(self.duration) if self.duration else self.f0
         required |= {"N": N, "f0": f0 or shocks.own_frequency(), "shocks": shocks}
         survives = self.survives if self.has("survives") else SURVIVES
-        return required | {"survives": survives, "pulse": self.values()}
+        closes = {name: self.given[name] for name in CLOSING if self.has(name)}
+        if closes and not self.snaps:
+            key = next(iter(closes))
+            raise ValueError(f".{key}: is of a device that must trip; write snaps: true")
+        return required | {"survives": survives, "pulse": self.values()} | closes

@@ -18,6 +18,7 @@ from .calibration import Calibration, read_calibration
 from .devices import nominal
 from .keys import line_at, lines_of
 from .models import Document
+from .shocks import CLOSING
 from .views import (
     History,
     View,
@@ -192,9 +193,16 @@ def load_config(document: Mapping) -> Config:
 def _require_study(device, shocks, required, tolerances):
     """What is found of the device itself, whatever the axes make of it; forces shake no frame."""
     own = Study(device=device, shocks=shocks)
+    electrodes = {bool(one.has_electrode) for one in own.devices().values()}
+    if len(electrodes) > 1:
+        raise ValueError(".contact_at: only some devices have one; write it for all or none")
     if required or tolerances:
         own.set_out({})
     for one in required:
+        closing = next((key for key in CLOSING if key in one), None)
+        if closing and electrodes == {False}:
+            need = "write the place of the electrode, such as '-5 um'"
+            raise ValueError(f".contact_at: missing, for {closing}; {need}")
         if "shocks" in one:
             replace(own, shocks=one["shocks"])
         else:

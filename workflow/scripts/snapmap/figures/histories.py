@@ -24,6 +24,9 @@ def draw_history(axes: Sequence[Axes], history: xr.Dataset) -> Sequence[Axes]:
         positions.plot(time, history.z_mass, color=MASS, label="mass $z_M$")
     look = {"color": AID, "linestyle": "--", "label": "second shape at rest $w_2$"}
     positions.axhline(second, **look)
+    if "contact_at" in history.attrs:
+        look = {"color": BEAM, "linestyle": ":", "label": "electrode"}
+        positions.axhline(history.contact_at, **look)
     stops = [history.attrs[key] for key in ("stop_toward", "stop_away") if key in history.attrs]
     for stop, label in zip(stops, ["stop of the mass", None], strict=False):
         positions.axhline(stop, color=MASS, linestyle="-.", linewidth=FINE, label=label)

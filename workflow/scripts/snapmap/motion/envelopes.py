@@ -19,6 +19,7 @@ from ..solver.adaptive import choose_model
 from ..solver.cells import rows_of
 from ..solver.kernel.rows import LANES
 from ..solver.kernel.trace import SAMPLE
+from ..solver.models import deciders
 from ..solver.outcome import FAILED
 from ..solver.settings import MOVE
 from ..study import Study
@@ -56,7 +57,6 @@ def trace(study: Study, cube: xr.Dataset, earlier: xr.Dataset | None = None) -> 
     name = "handout" if study.model["name"] == "reference" else study.model["name"]
     levels = choose_model(grid.device, {**study.model, "name": name}).levels
     level = cube.level.values.ravel() if "level" in cube else np.zeros(cube.outcome.size, int)
-    halvings = cube.halvings.values.ravel()
     rows, N = rows_of(grid), grid.axes["N"]
     cells = rows.cells(grid.device, N, settings.horizon).flat()
     device_of, size = cells.device, cells.device.size
@@ -71,13 +71,11 @@ def trace(study: Study, cube: xr.Dataset, earlier: xr.Dataset | None = None) -> 
         bin_length[known] = held["bin_length"][known]
         stress[:] = held.get("stress_max", stress)
     new = ~known & (device_of >= 0)
-    for number, halved in np.unique([level[new], halvings[new]], axis=1).T:
-        alike = np.flatnonzero(new & (level == number) & (halvings == halved))
-        for mine, part in levels[number].with_step(0.5**halved).split(device_of[alike]):
-            at = alike[mine]
-            followed = part, cells.take(at), window[at], bins, settings.threads
-            motion, length, stress[at] = _follow(*followed)
-            values[..., at], bin_length[at] = _shown(motion, length, window[at]), length
+    decided = np.stack([level, cube.halvings.values.ravel()])
+    for at, part in deciders(levels, device_of, decided, np.flatnonzero(new)):
+        followed = part, cells.take(at), window[at], bins, settings.threads
+        motion, length, stress[at] = _follow(*followed)
+        values[..., at], bin_length[at] = _shown(motion, length, window[at]), length
     y = values[2] - values[2, 0]
     ran = np.isfinite(y).all(axis=0) & (cube.outcome.values.ravel() != FAILED)
     if ran.any():

@@ -19,6 +19,7 @@ from ..pulse import blow_at
 from ..quantities import plain
 from ..solver.adaptive import choose_model
 from ..solver.cells import to_cells
+from ..solver.closures import follow_closures
 from ..solver.outcome import REPEATED_STEP, t_snap_error, work_error
 from ..solver.settings import MOVE
 from ..study import Study, study_of
@@ -47,7 +48,7 @@ def simulate(
         taken; pulse and direction, a single one; and those of the model
     Attributes: work_error, t_snap_error and blow, as in a cube; toward_max, away_max (of the mass
     from rest, um), contact_force_max (uN), stress_max and stress_max_to_snap (MPa), the largest of
-    all steps.
+    all steps; with device.contact_at that, and what the beam does there, as in a cube.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> run = snapmap.simulate(device, 1100, 1500, 25, model="cosines", horizon=0)
@@ -67,6 +68,7 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     built, cells, t_snap = _cell(study, N, f0, C)
     blow = blow_at(cells.pulses, cells.pulse, t_snap * cells.f0).item()
     dt, values, extremes = _record(built, cells, settings, SAMPLES)
+    closing = _closing(built, cells) if device.has_electrode else {}
     document = {
         **device_sections(device),
         **study.shocks.section(),
@@ -89,6 +91,7 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
         **extremes._asdict(),
         **{key: place for key, place in stops.items() if math.isfinite(place)},
         **({"blow": blow} if cells.pulses[0].blows.size else {}),
+        **closing,
         **_differences(built, cells, settings),
     )
 
@@ -115,6 +118,16 @@ def extremes_of(study: Study, N: float, f0: float, C: float, step: float = 1.0) 
     """
     built, cells, _ = _cell(study, N, f0, C)
     return _record(built.with_step(step), cells, study.settings, samples=1)[-1]
+
+
+def closing_of(study: Study, N: float, f0: float, C: float) -> dict[str, float]:
+    """Follow one cell as `follow_closures` does; nothing without an electrode, which it places."""
+    return _closing(*_cell(study, N, f0, C)[:2]) if study.device.has_electrode else {}
+
+
+def _closing(built, cells):
+    found = follow_closures(built, cells, cells.t_end).items()
+    return {"contact_at": built.device.contact_at} | {key: one.item() for key, one in found}
 
 
 def _cell(study, N, f0, C):

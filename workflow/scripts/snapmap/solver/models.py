@@ -1,6 +1,6 @@
 """Models of a device or a batch, by name; and the one thing that they do: to follow cells."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from importlib import import_module
@@ -151,6 +151,19 @@ class Model:
         seen.t_settled[seen.t_settled > cells.t_end] = np.nan
         seen.pulse_work[~(seen.energy_error <= settings.energy_tolerance)] = np.nan
         return seen
+
+
+def deciders(
+    levels: Sequence[Follows], device: np.ndarray, decided: np.ndarray, which: np.ndarray
+) -> Iterator[tuple[np.ndarray, Model]]:
+    """Indices of cells, out of `which`, and the model that decided them, at its step.
+
+    device: of all cells; decided: their level and halvings, (2, cells)
+    """
+    for number, halved in np.unique(decided[:, which], axis=1).T:
+        alike = which[(decided[0, which] == number) & (decided[1, which] == halved)]
+        for mine, part in levels[number].with_step(0.5**halved).split(device[alike]):
+            yield alike[mine], part
 
 
 class GuidedOrFree(NamedTuple):

@@ -11,7 +11,7 @@ from .kernel import rows as R
 from .kernel.lanes import Facts, Task, follow_all, load
 from .kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
 from .kernel.rows import LANES
-from .kernel.trace import keep_block, trace_all
+from .kernel.trace import keep_block, keep_midpoints, trace_all
 
 WINDOW = 64 * BLOCK
 """Steps of a record that are in memory at once."""
@@ -49,6 +49,23 @@ def trace(model, cells, dt, width, bins, stress=None):
     loads = *cells[1:5], width
     trace_all(*empty_lanes(model), devices, dt, table(cells.pulses), loads, rows, kept)
     return kept
+
+
+def midpoints(model, cells, dt, steps):
+    """Follow up to LANES cells; the first step and w(L/2) from rest of one WINDOW after another.
+
+    dt: us, (cells,); steps: of all; w: half way through each step, um, (steps, cells)
+    """
+    lanes, state, pulses = empty_lanes(model), no_pulse(), table(cells.pulses)
+    rows = coefficients(model, -np.inf)
+    for l in range(dt.size):
+        _, pulse, amplitude, f0, damping, _ = (column[l] for column in cells[:-1])
+        load(*lanes, l, rows[cells.device[l]], damping, amplitude, dt[l])
+        begin_pulse(lanes[0], l, state, pulses, pulse, f0 * dt[l])
+    for first in range(0, steps, WINDOW):
+        w = np.empty((min(WINDOW, steps - first), LANES))
+        keep_midpoints(*lanes, state, pulses, first, w)
+        yield first, w[:, : dt.size]
 
 
 def stress_rows(model):

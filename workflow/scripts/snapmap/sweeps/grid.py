@@ -7,12 +7,14 @@ import numpy as np
 from ..axes import Grid
 from ..pulse import blow_at
 from ..solver.cells import Rows, rows_of
+from ..solver.closures import CLOSING, closures_again
 from ..solver.models import Follows
 from ..solver.outcome import ABSENT, FAILED, REPEATED_STEP, label, t_snap_error, work_error
 from ..solver.settings import Settings
 
 TIMES = "t_snap", "t_settled", "t_snap_error"
-UNKNOWN = dict.fromkeys((*TIMES, "well_share", "energy_error", "pulse_work", "work_error"), np.nan)
+SHARES = "well_share", "energy_error", "pulse_work", "work_error"
+UNKNOWN = dict.fromkeys((*TIMES, *SHARES, *CLOSING), np.nan)
 KNOWN = dict.fromkeys(("agreed", "reproduced", "well_reproduced"), 1)
 NONE = dict.fromkeys(("well", "halvings", "level", "blow"), 0)
 ABSENCE = {"outcome": ABSENT, **NONE, **KNOWN, **UNKNOWN}
@@ -42,6 +44,8 @@ def follow_rows(
         variables |= _repeated(variables, _variables(again, settings))
         for compare in (work_error, t_snap_error):
             variables[compare.__name__] = compare(seen, again).astype(np.float32)
+    if np.any(model.device.has_electrode):
+        variables |= closures_again(model, cells, seen, settings)
     if any(pulse.blows.size for pulse in rows.pulses):
         variables["blow"] = blow_at(rows.pulses, cells.pulse, seen.t_snap * cells.f0)
     for key, values in variables.items():

@@ -11,6 +11,7 @@ from ..axes import DEVICE, Grid
 from ..solver.adaptive import choose_model
 from ..solver.cells import to_cells
 from ..solver.cost import MOST_SECONDS, steps_and_seconds
+from ..solver.outcome import REPEATED_STEP
 from ..solver.settings import Settings
 from .slabs import SINGLE, Slab, cells_in
 
@@ -132,4 +133,7 @@ def _expected_of_each(grid, model, settings, f0):
     at = device[:, np.newaxis, np.newaxis], 0.0, f0, 0.0, settings.horizon, pulse, grid.pulses
     cells = to_cells(grid.device, *at)
     dt, seconds = steps_and_seconds(built, cells, settings, model["name"] == "reference")
+    if np.any(grid.device.has_electrode):  # followed again, in two steps
+        moved = steps_and_seconds(built, cells, settings._replace(until="moved"))[1]
+        seconds += (1 + 1 / REPEATED_STEP) * moved
     return dt.min(), seconds.mean(axis=1)

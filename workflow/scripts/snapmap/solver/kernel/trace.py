@@ -100,6 +100,25 @@ def keep_block(work, shape, shocks, before, after):
             after[step, i] = work[(R.STATE + i) * LANES]
 
 
+@compiled
+def keep_midpoints(work, shape, state, pulses, first, midpoints):
+    """Advance all lanes and keep w(L/2) from rest half way through each step, (steps, LANES).
+
+    first: steps done, a multiple of BLOCK; midpoints: modified in place
+    """
+    widen_vectors()
+    modes = len(shape)
+    X, V, shocks = numbers(work), vectors(work, modes), np.zeros(BLOCK * LANES)
+    for step in range(midpoints.shape[0]):
+        if step % BLOCK == 0:
+            state.steps[:] = first + step
+            set_out(work, shocks, state, pulses)
+        rebound(work)
+        advance(work, shape, shocks, step % BLOCK, 1)
+        for l in range(LANES):
+            midpoints[step, l] = seen_midpoint(X, V, modes, l)
+
+
 @inlined
 def begin_bin(X, V, modes, l, bins, dt, y):
     """Keep the bin of lane l, and begin the next one; y: before the step."""
@@ -118,9 +137,15 @@ def begin_bin(X, V, modes, l, bins, dt, y):
 def widen(X, V, modes, low, high):
     """Take w of every lane into the range of its bin."""
     for l in range(LANES):
-        w = half_step_midpoint(V, modes, l) - X[R.RESIDUAL, l] * pressed(X, l)
+        w = seen_midpoint(X, V, modes, l)
         low[l] = w if w < low[l] else low[l]
         high[l] = w if w > high[l] else high[l]
+
+
+@inlined
+def seen_midpoint(X, V, modes, l):
+    """w(L/2) from rest of lane l half way through the step, um."""
+    return half_step_midpoint(V, modes, l) - X[R.RESIDUAL, l] * pressed(X, l)
 
 
 @inlined

@@ -1,0 +1,129 @@
+"""When the midpoint of the beam touches an electrode on its way, and for how long."""
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from math import fsum, nan
+from typing import NamedTuple
+
+import numpy as np
+
+from . import simd_loop
+from .cells import Cells, Observations
+from .kernel.rows import LANES
+from .models import Follows, Model, deciders
+from .outcome import REPEATED_STEP
+from .settings import MOVE, Settings
+
+APART = 4.0
+"""Errors over the difference with another step; 1/(1 - 0.75^2) = 2.3 at second order, and more."""
+
+
+class Closures(NamedTuple):
+    """What an electrode sees; numbers, or arrays (cells,); NaN where it never closes.
+
+    t_closed: when it first closes, us after the start of the pulse
+    closed_for: how long it then stays closed, us; to the end of the time followed, if it never
+        opens
+    openings: how often it opens in that time
+    closed_share: share closed of the time from t_closed to that end
+    """
+
+    t_closed: float | np.ndarray
+    closed_for: float | np.ndarray
+    openings: float | np.ndarray
+    closed_share: float | np.ndarray
+
+
+CLOSING = *Closures._fields, *(f"{key}_error" for key in Closures._fields)
+"""Of each cell, and by how much it may be off."""
+
+
+def closures_of(instants: Sequence[float], is_closed: bool, end: float) -> Closures:
+    """What an electrode sees of a beam that touches it and leaves it by turns.
+
+    instants: when it does, ascending up to the end, us; is_closed: whether it touches at 0
+    end: of the time followed, us
+    """
+    turns = [0.0] * is_closed + [*instants]
+    if not turns:
+        return Closures(nan, nan, nan, nan)
+    openings = len(turns) // 2
+    turns += [end] * (len(turns) % 2)
+    closed = [opens - closes for closes, opens in zip(turns[::2], turns[1::2], strict=True)]
+    return Closures(turns[0], closed[0], openings, fsum(closed) / (end - turns[0]))
+
+
+def passages(w: np.ndarray, level: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where columns of samples, (samples, columns), pass their level, (columns,), either way.
+
+    Returns column and place of each, in samples, ascending: linear between two.
+    """
+    closed = w <= level
+    sample, column = np.nonzero(closed[1:] != closed[:-1])
+    before, after = w[sample, column], w[sample + 1, column]
+    return column, sample + (before - level[column]) / (before - after)
+
+
+# ASSUME: the electrode is an observer: it neither stops the beam nor holds it, so that bounces are
+# those of the ringing beam.
+def follow_closures(
+    model: Model, cells: Cells, window: np.ndarray, threads: int = 1
+) -> dict[str, np.ndarray]:
+    """Follow cells, (cells,), in the steps that motions need, each for its window, us.
+
+    Returns CLOSING up to t_end; errors are APART times by how much another step differs.
+    """
+    steps = model, model.with_step(REPEATED_STEP)
+    found, again = (_follow(each, cells, window, threads) for each in steps)
+    return dict(zip(CLOSING, [*found, *(APART * abs(again - found))], strict=True))
+
+
+def _follow(model, cells, window, threads):
+    dt, size = model.steps.of(cells, MOVE), len(model.device)
+    ways = np.broadcast_to(model.device.contact_at - model.barrier.first, size)[cells.device]
+    steps = np.ceil(window / dt).astype(np.int64) + 1
+    found = np.empty((len(Closures._fields), dt.size))
+
+    def follow(these):
+        level, instants = ways[these], [[] for _ in these]
+        last = np.zeros((1, these.size))  # at rest, half a step before the start
+        group = cells.take(these), dt[these], steps[these].max()
+        for first, w in simd_loop.midpoints(model, *group):
+            w = np.concatenate([last, w])
+            for column, place in zip(*passages(w, level), strict=True):
+                instants[column].append(float((first + place - 0.5) * dt[these[column]]))
+            last = w[-1:]
+        for i, cell in enumerate(these):
+            # Its lane may have run on beside a longer one.
+            own = [instant for instant in instants[i] if instant < window[cell]]
+            found[:, cell] = closures_of(own, bool(level[i] >= 0), float(cells.t_end[cell]))
+
+    # Lanes run together to the end of the longest: those of one call should be of one length.
+    order = np.argsort(-steps, kind="stable")
+    with ThreadPoolExecutor(threads) as pool:
+        list(pool.map(follow, np.split(order, range(LANES, order.size, LANES))))
+    return found
+
+
+def closures_again(
+    model: Follows, cells: Cells, seen: Observations, settings: Settings
+) -> dict[str, np.ndarray]:
+    """Follow cells of any shape again, each as it was decided, by what was `seen` of it.
+
+    Returns what `follow_closures` does, in that shape; NaN, too, of cells whose runs failed.
+    """
+    flat, size, shape = cells.flat(), len(model.device), np.shape(cells.f0)
+    level = np.zeros(shape, np.int8) if seen.level is None else seen.level
+    decided, seen = np.stack([level.ravel(), seen.halvings.ravel()]), seen.shaped((flat.f0.size,))
+    place = np.broadcast_to(model.device.contact_at, size)[flat.device]
+    which = (seen.energy_error <= settings.energy_tolerance) & np.isfinite(place)
+    made = {key: np.full(flat.f0.size, nan, np.float32) for key in CLOSING}
+    for at, part in deciders(model.levels, flat.device, decided, np.flatnonzero(which)):
+        saddle = np.broadcast_to(part.barrier.first + part.barrier.midpoint, size)[flat.device[at]]
+        # What is proven to stay on this side of the saddle reaches nothing beyond it.
+        over = (seen.well[at] == 1) & (place[at] < saddle)
+        window = np.fmin(np.where(over, seen.t_settled[at], np.inf), flat.t_end[at])
+        found = follow_closures(part, flat.take(at), window, settings.threads)
+        for key, values in found.items():
+            made[key][at] = values
+    return {key: values.reshape(shape) for key, values in made.items()}
