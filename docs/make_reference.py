@@ -32,7 +32,8 @@ docstrings, by
 
 Its dimensions are the axes of the device, in the order of the config, `shape` and `direction` if
 there are several, then C, f0 and N. Each slice is, bit for bit, what that device gives alone. A
-cell *snaps* when the midpoint first reaches the second equilibrium.
+cell *snaps* when the midpoint first reaches the second equilibrium; with `start: second` it is
+the first, and both shapes change places here.
 
 | `outcome` | means | known by |
 |---|---|---|

@@ -164,8 +164,8 @@ def errors_of_rows(device, rows, settings, rules=RULES):
         ruled, question = changed(model, **rule)
         return asker(ruled, rows, settings, until=question)
 
-    wide = wide_scan(model.device, static_threshold(model.device), rows)
     bound = least_amplitudes(model, rows)
+    wide = wide_scan(model.device, static_threshold(model.device), rows, bound)
     near = first_seen(ask(RULES[DEFAULT]), wide, bound)[0]
     fine = threshold_near(ask(FINE), near)
     finer = threshold_near(ask(FINER), fine)

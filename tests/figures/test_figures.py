@@ -121,7 +121,7 @@ def test_margins_of_requirements_are_the_data_with_their_bars():
     ]
     for row, breaks, must in zip(verdicts, [0.0, 1e-4, 0.01], [True, False, False], strict=True):
         row |= {"device": "", "C": 25.0, "must_snap": must}
-        row |= {"must_survive": 0.999, "break_probability": breaks}
+        row |= {"must_survive": 0.999, "break_probability": breaks, "start": "first"}
     ax = drawn(requirements.draw_margins, verdicts)
     points = [line.get_xydata()[0].tolist() for line in ax.lines if line.get_marker() in "oX"]
     assert points == [[0.8, 0.0], [0.9, 2.0]]

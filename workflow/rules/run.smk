@@ -185,7 +185,7 @@ rule simulate_history:
         code=numbers,
         inputs=lambda wildcards: replace(
             study, device=made.histories[wildcards.cell].device
-        ).inputs("horizon", "until", "energy_tolerance"),
+        ).inputs("horizon", "until", "energy_tolerance", "start"),
         shock=lambda wildcards: made.histories[wildcards.cell].shock,
     message:
         "Follow single cells in full"

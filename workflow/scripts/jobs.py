@@ -83,6 +83,7 @@ def check_requirements(study, path):
     from snapmap.motion.history import Extremes, closing_of, extremes_of
     from snapmap.sizing import remedy
     from snapmap.spectra.verdicts import check_spectra, check_vibrations
+    from snapmap.study import of_requirement
     from snapmap.thresholds import requirements
 
     C, study = study.axes["C"].tolist(), study.of_thresholds()
@@ -90,7 +91,7 @@ def check_requirements(study, path):
     beside = []
     cases = product(study.requirements, study.devices().values(), C)
     for place, (required, device, damping) in enumerate(cases):
-        shaken = replace(study, device=device, shocks=required["shocks"])
+        shaken = replace(of_requirement(study, required), device=device)
         shot = required["N"], required["f0"], damping
         moved = extremes_of(shaken, *shot)
         verdicts[place], survival = requirements.judge(

@@ -160,6 +160,7 @@ def _is_requirement(value):
         and POSITIVE.fits(value["N"])
         and POSITIVE.fits(value["f0"])
         and FLAG.fits(value["snaps"])
+        and START.fits(value.get("start", "first"))
     )
 
 
@@ -173,7 +174,7 @@ def _of_axis(key: str, example: str) -> tuple[Bounds, str, str]:
 
 POSITIVE, ANY = _number("(0, inf)"), _number("(-inf, inf)")
 SHARE = _number("(0, 1)", "", "0.95")
-FLAG = _of_type("True or False", bool, np.bool_)
+FLAG, START = _of_type("True or False", bool, np.bool_), _word("first", "second")
 THRESHOLDS = _dataset("a Dataset of thresholds, as threshold returns it", "N_first")
 PATH = Argument("the path of a file that is there", _is_path)
 DEVICE = _of_type("a Device; load_device reads one", Device)
@@ -209,6 +210,7 @@ ARGUMENTS = {
     "energy_tolerance": _number("(0, 1)", "", "1e-3"),
     "threads": integer(1, 1024),
     "until": _word("settled", "snap"),
+    "start": START,
     "repeat": FLAG,
     "skip": FLAG,
     "pulse": Argument(f"one of {', '.join(SHAPES)}, nor what read_pulse gives", _is_pulse),

@@ -79,10 +79,12 @@ def _costs(study):
     from .motion.envelopes import CELLS
     from .solver.adaptive import choose_survey
     from .solver.cells import rows_of, to_rows
+    from .study import of_requirement
     from .thresholds.cost import PER_SAMPLE, run_seconds, survey_seconds
 
     C, f0, scatter = study.axes["C"], study.axes["f0"], study.tolerances
-    models, rows = choose_survey(study.grid.device, study.model), rows_of(study.grid)
+    models = choose_survey(study.grid.device, study.model, study.settings.start)
+    rows = rows_of(study.grid)
     costs = {"thresholds": survey_seconds(models, rows.take(rows.device >= 0), study.settings)}
     if study.traces or study.has_strength:
         costs["traces"] = PER_TRACE * min(CELLS, prod(study.grid.shape))
@@ -97,7 +99,8 @@ def _costs(study):
 
         for required in study.requirements:
             rows = to_rows(0, required["f0"], C, pulses=required["shocks"].pulses)
-            costs["requirements"] += survey_seconds(models, rows, study.settings)
+            settings = of_requirement(study, required).settings
+            costs["requirements"] += survey_seconds(models, rows, settings)
             if scatter:
                 costs["tolerances"] += samples(rows, scatter.samples)
         if scatter:

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
+from .beam.equilibria import reset_force
 from .beam.modal import natural_frequency
 from .beam.statics import statics
 from .io.markdown import DASH, table
@@ -13,7 +14,8 @@ from .io.provenance import code_version, device_sections
 from .motion.history import extremes_of
 from .quantities import plain
 from .solver.outcome import REPEATED_STEP
-from .study import Study
+from .solver.settings import SECOND
+from .study import Study, of_requirement
 from .thresholds.requirements import LEVELS
 from .tolerances.statistics import left_out, percents
 
@@ -93,7 +95,8 @@ def _written(section, name=""):
 
 def _statics(device):
     path, beam = statics(device), device.beam
-    resets = f"{-path.least_force:.5g} uN" if path.least_force < 0 else "none: it returns by itself"
+    force, error = reset_force(beam)
+    resets = f"{force:.5g} ± {plain(error, 1)} uN" if force > 0 else "none: it returns by itself"
     yield ["force that snaps the beam", f"{path.largest_force:.5g} uN"]
     yield ["force that resets it", resets]
     travel = f"{beam.height - beam.second_equilibrium:.5g} um" if beam.is_bistable else DASH
@@ -111,6 +114,7 @@ def _verdict(row, made):
     must = "trips" if row["must_snap"] else "does not trip"
     shock = f"{row['shape']} {row['direction']}"
     shock += f", {plain(row['duration'])} ms" if np.isfinite(row["duration"]) else ""
+    shock += ", from the second shape" if row["start"] == SECOND else ""
     name, spread = row["requirement"], DASH
     if made is not None and name in made.get("requirement", ()):
         first = made.N_first_required.sel(requirement=name).sel(C=row["C"], method="nearest")
@@ -156,7 +160,7 @@ def _largest(study, requirements, verdicts):
             continue
         worst = max(shocks, key=lambda row, key=key: row[key])
         shock = required[worst["requirement"]]
-        under = replace(study, shocks=shock["shocks"])
+        under = of_requirement(study, shock)
         again = extremes_of(under, shock["N"], shock["f0"], worst["C"], step=REPEATED_STEP)
         value, other = worst[key], getattr(again, key)
         where = f"{worst['requirement']}, C = {worst['C']:g}"

@@ -21,12 +21,12 @@ RUN = ("horizon", "energy_tolerance", "threads")
 MADE = ("samples", "index_samples", "seed", "together", "requirements")
 TAKEN = {
     "calibrate": (*RUN, "pulse", "direction"),
-    "design": (*RUN, *MADE, "scatters", "pulse", "direction", *VALUES),
-    "simulate": ("horizon", "energy_tolerance", "until", "pulse", "direction"),
+    "design": (*RUN, *MADE, "start", "scatters", "pulse", "direction", *VALUES),
+    "simulate": ("horizon", "energy_tolerance", "until", "start", "pulse", "direction"),
     "srs_test": (*RUN, "direction", "skip", *VALUES),
-    "sweep": (*RUN, "until", "repeat", "pulse", "direction", "skip", *VALUES),
-    "threshold": (*RUN, "pulse", "direction", "skip", *VALUES),
-    "tolerance": (*RUN, *MADE, "pulse", "direction"),
+    "sweep": (*RUN, "start", "until", "repeat", "pulse", "direction", "skip", *VALUES),
+    "threshold": (*RUN, "start", "pulse", "direction", "skip", *VALUES),
+    "tolerance": (*RUN, *MADE, "start", "pulse", "direction"),
     "vibration": ("energy_tolerance", "threads", "reach", "skip", *VALUES),
 }
 """Options of each function, beside those of the model."""

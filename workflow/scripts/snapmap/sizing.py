@@ -16,7 +16,7 @@ from .io.counting import counting
 from .quantities import QUANTITIES, plain
 from .shocks import Shocks
 from .solver.search import refine
-from .study import Study, study_of, with_shocks
+from .study import Study, of_requirement, study_of, with_shocks
 from .tolerances.batch import thresholds_at
 from .tolerances.dataset import tolerances_of
 from .tolerances.samples import Tolerances, nominal_value
@@ -132,7 +132,7 @@ def remedy(study: Study, goal: Mapping, C: float, N_first: float) -> str:
     """
     nominal = {key: nominal_value(study.device, key) for key in CHANGED}
     nominal = {key: value for key, value in nominal.items() if value > 0}
-    study, way = replace(study, shocks=goal["shocks"]), -1 if goal["snaps"] else 1
+    study, way = of_requirement(study, goal), -1 if goal["snaps"] else 1
     N, shift = np.log(goal["N"]) + way * BEYOND, np.full(len(nominal), 2 * BEYOND)
     for _ in range(STEPS):
         factors = np.exp(np.where(np.eye(shift.size), shift, 0.0))
@@ -157,12 +157,20 @@ def _looker(study, value, C, goals, along=None) -> Callable:
     pulses = {str(i): goal["shocks"].pulses[0] for i, goal in enumerate(goals)}
     study = replace(study, shocks=Shocks(pulses))
     N, f0, snaps = (np.array([goal[key] for goal in goals]) for key in ("N", "f0", "snaps"))
+    starts = np.array([goal.get("start", study.settings.start) for goal in goals])
 
     def look(row, tried):
         i = np.repeat(row, tried.shape[1])
         values = {key: column[i] for key, column in (along or {}).items()} | {value: tried.ravel()}
-        N_first, error, there = thresholds_at(study, values, f0[i], C, i)
-        met = ((N_first <= N[i]) == snaps[i]) & there
+        N_first, error, there = np.empty((3, i.size))
+        for start in np.unique(starts[i]):
+            mine, settings = starts[i] == start, study.settings._replace(start=str(start))
+            own = {key: column[mine] for key, column in values.items()}
+            asked = own, f0[i[mine]], C, i[mine]
+            N_first[mine], error[mine], there[mine] = thresholds_at(
+                replace(study, settings=settings), *asked
+            )
+        met = ((N_first <= N[i]) == snaps[i]) & (there > 0)
         return [column.reshape(tried.shape) for column in (N_first, error, met)]
 
     return look

@@ -7,13 +7,13 @@ from .axes import DEVICE, Grid, make_grid
 from .device import VALUES, Device
 from .io.provenance import device_sections
 from .shocks import HANDOUT_SHOCK, Shocks, make_shocks
-from .solver.settings import Settings
+from .solver.settings import FIRST, Settings
 
-FOLLOWED = ("horizon", "energy_tolerance", "threads")
+FOLLOWED = ("horizon", "energy_tolerance", "threads", "start")
 """Settings that every verb takes from Python."""
 PUSH = ("pulse", "direction")
 """What `make_shocks` takes."""
-THRESHOLD_SETTINGS = ("horizon", "energy_tolerance")
+THRESHOLD_SETTINGS = ("horizon", "energy_tolerance", "start")
 """Those on which a threshold depends."""
 
 
@@ -68,7 +68,7 @@ class Study:
         settings = self.settings.without_threads()
         settings |= {"horizon": f"{settings['horizon']:.15g} us"}
         sections = device_sections(self.device) | self.shocks.section()
-        sweep = {key: settings[key] for key in keys or settings}
+        sweep = {key: settings[key] for key in keys or settings if key in settings}
         return sections | {"model": dict(self.model), "sweep": sweep}
 
 
@@ -93,6 +93,12 @@ def study_of(
     named = {"name": model} if isinstance(model, str) else dict(model)
     model = named | options
     return Study(device=device, shocks=shocks, model=model, settings=settings, skip=skip), axes
+
+
+def of_requirement(study: Study, required: Mapping) -> Study:
+    """The study of a requirement's shock and start, which is the first shape unless it says so."""
+    settings = study.settings._replace(start=required.get("start", FIRST))
+    return replace(study, shocks=required.get("shocks", study.shocks), settings=settings)
 
 
 def with_shocks(requirement: Mapping) -> dict:

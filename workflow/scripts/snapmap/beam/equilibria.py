@@ -46,7 +46,7 @@ class BucklingModes(NamedTuple):
     residual: Value
 
 
-def static_threshold(device: Device) -> float | np.ndarray:
+def static_threshold(device: Device, back: bool = False) -> float | np.ndarray:
     """Lowest N, in multiples of g, whose lasting acceleration leaves no equilibrium to rest in.
 
     That is the first maximum on the path, or where the beam leaves the mass to snap by itself. A
@@ -54,15 +54,21 @@ def static_threshold(device: Device) -> float | np.ndarray:
     inertia. A beam that leaves the mass where it could still rest alone, or that the mass does not
     reach across its gap, goes on to its own first maximum; so does one alone, of whose force on the
     midpoint N then counts the units.
+
+    back: from the second shape, by a pull along -z, where the mass goes its own way
     """
     if not np.ndim(device.mass):
-        return float(np.asarray(static_threshold(batch([device])))[0])
+        return float(np.asarray(static_threshold(batch([device]), back))[0])
     N = np.empty(len(device))
     for free in np.unique(device.beam.free):
         mine = np.flatnonzero(device.beam.free == free)
         alike = device.pick(mine) if mine.size < N.size else device
         modes, first = buckling_modes(alike.beam), first_midpoint(shapes_of(alike.beam), alike.beam)
         modes = modes._replace(load=pulse_load(alike, modes.load, modes.midpoint))
+        each = [BucklingModes(*(np.asarray(c)[i] for c in modes)) for i in range(mine.size)]
+        if back:
+            N[mine] = [_least_back(one) for one in each]
+            continue
         facts = {
             "mass": alike.mass,
             "spring": alike.spring,
@@ -73,10 +79,9 @@ def static_threshold(device: Device) -> float | np.ndarray:
         }
         N[mine] = [
             _least_without_rest(
-                BucklingModes(*(np.asarray(column)[i] for column in modes)),
-                **{key: float(np.asarray(column)[i]) for key, column in facts.items()},
+                one, **{key: float(np.asarray(column)[i]) for key, column in facts.items()}
             )
-            for i in range(mine.size)
+            for i, one in enumerate(each)
         ]
     return N / device.gravity
 
@@ -89,9 +94,6 @@ def _least_without_rest(modes, mass, spring, stiffness, gap, stop, travel):
 
     def held(modes, N):
         return _shock(modes, N, 0.0, np.inf, stiffness, gap - stop)
-
-    def alone(modes, N):
-        return push(modes._replace(midpoint=modes.load), N)
 
     def is_left(a, reached):
         """Whether the midpoint is ahead of the mass by itself, once that has touched it."""
@@ -114,6 +116,19 @@ def _least_without_rest(modes, mass, spring, stiffness, gap, stop, travel):
     return max(own if (reached < edge if leaves else apart) else a for a, reached, leaves in ends)
 
 
+def reset_force(beam: Beam) -> tuple[float, float]:
+    """Force on the midpoint of one beam that leaves no rest in its second shape, and its error, uN.
+
+    Below 0 where the beam returns by itself. The error is what half of the modes leave out.
+    """
+    modes = buckling_modes(beam)
+    modes = modes._replace(load=modes.midpoint)
+    kept = slice(len(modes.buckling) // 2)
+    half = modes._replace(**{key: getattr(modes, key)[kept] for key in modes._fields[:4]})
+    force = _least_back(modes)
+    return float(force), float(abs(force - _least_back(half)))
+
+
 def least_travel(device: Device) -> float:
     """How far the mass must travel from rest to push the midpoint slowly to the saddle, um."""
     return float(device.gap - find_barrier(device.beam, shapes_of(device.beam)).midpoint)
@@ -130,17 +145,35 @@ def _end_of(modes, loaded, is_left, travel):
     low, high = 0.0, 2.0
     for _ in range(ZOOMS):
         places = np.linspace(low, high, GRID)
-        # N grows to the largest up to place 1, and falls to 2.
-        N = largest * (1 - (1 - places) ** 2)
-        constant, slope = loaded(modes, N)
-        lower, upper = roots(modes, N, constant, slope)
-        # Which root belongs to the path there changes where the loads' direction does.
-        a = np.where((displacement(modes, slope) > 0) == (places <= 1), lower, upper)
-        reached = displacement(modes, constant + slope * a)
+        a, reached = _on_path(modes, loaded, largest, places)
         leaves = is_left(a, reached)[1:]
         first = np.argmax((np.diff(a) < 0) | leaves | (reached[1:] >= travel))
         low, high = places[[max(first - 1, 0), min(first + 1, GRID - 1)]]
     return a[first], reached[first], leaves[first]
+
+
+def _least_back(modes):
+    """The pull at the first minimum of a that is met from beyond the second shape."""
+    largest, low, high = largest_force(modes, alone, modes.buckling[1, 0]), 1.0, 2.0
+    for _ in range(ZOOMS):
+        places = np.linspace(high, low, GRID)
+        a, _ = _on_path(modes, alone, largest, places)
+        first = np.argmax(np.append(np.diff(a) > 0, True))
+        low, high = places[[min(first + 1, GRID - 1), max(first - 1, 0)]]
+    return -a[first]
+
+
+def _on_path(modes, loaded, largest, places):
+    """a and the midpoint's displacement where N grows to the largest up to place 1 and falls to 2.
+
+    At 1 itself those of the path from the first shape.
+    """
+    N = largest * (1 - (1 - places) ** 2)
+    constant, slope = loaded(modes, N)
+    lower, upper = roots(modes, N, constant, slope)
+    # Which root belongs to the path there changes where the loads' direction does.
+    a = np.where((displacement(modes, slope) > 0) == (places <= 1), lower, upper)
+    return a, displacement(modes, constant + slope * a)
 
 
 def shapes_of(beam: Beam) -> Basis:
@@ -181,6 +214,11 @@ def push(modes: BucklingModes, N: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """c = constant + slope P under a force P (uN) on the midpoint, each (modes, n); N: (n,), uN."""
     soft = 1 / (modes.buckling - N)
     return soft * N * modes.start, -soft * modes.midpoint
+
+
+def alone(modes: BucklingModes, N: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """c = constant + slope a under the load of the pulse alone, as `push`."""
+    return push(modes._replace(midpoint=modes.load), N)
 
 
 def _shock(modes, N, mass, spring, stiffness, gap):
@@ -248,21 +286,11 @@ def find_barrier(beam: Beam, basis: Basis, modes: int | None = None) -> Barrier:
     A model that has no stable second shape has a barrier of energy 0: one too coarse, close to
     Q = 4/sqrt(3), or a beam that is free to tilt out of it.
     """
-    beams, which = unit_beams(beam)
-    axial = 6 * beams.Q * beams.Q
-    modal = unit_form(basis, modes, beams)
-    stiffness = modal.stiffness[..., np.newaxis] * np.eye(modal.stiffness.shape[-1])
-    loads, shapes = eigh(stiffness, modal.geometric)
-    s = apply(shapes.swapaxes(-1, -2), modal.slope_start)
-    loads, s = (np.broadcast_to(part, (axial.size, part.shape[-1])) for part in (loads, s))
-    rest = equilibria(loads, s, axial, np.zeros(axial.size))
-    p, own = (apply(shapes, q - s) for q in (rest.saddle, s * rest.second))
+    modal, axial, which, p, own = _saddle_and_second(beam, basis, modes)
     exists = np.isfinite(p).all(axis=-1)
-    slope = apply(modal.geometric, p) + modal.slope_start
-    N = -axial * dot(p, slope + modal.slope_start)
-    energy = dot(p, modal.stiffness * p) / 2 + N * N / (4 * axial)
     energy, along = (
-        np.where(exists, part, 0.0)[which] for part in (energy, dot(modal.midpoint, p))
+        np.where(exists, part, 0.0)[which]
+        for part in (_unit_energy(modal, axial, p), dot(modal.midpoint, p))
     )
     first, second = first_midpoint(basis, beam), np.atleast_1d(beam.second_equilibrium)
     if basis.tilt.any():
@@ -271,3 +299,38 @@ def find_barrier(beam: Beam, basis: Basis, modes: int | None = None) -> Barrier:
     unit = beam.stiffness_unit * beam.made_rise * beam.made_rise
     columns = energy * unit, along * beam.made_rise, second, first
     return Barrier(*(value if np.ndim(beam.rise) else value.item() for value in columns))
+
+
+class Rest(NamedTuple):
+    """The second shape of a form at rest: its modes, (..., k), um ng^0.5; its energy, pJ."""
+
+    modes: np.ndarray
+    energy: Value
+
+
+def second_shape(beam: Beam, basis: Basis, modes: int | None = None) -> Rest:
+    """Find where a beam rests in its second shape, measured from the first; NaN if it has none."""
+    modal, axial, which, _, own = _saddle_and_second(beam, basis, modes)
+    energy, scale = _unit_energy(modal, axial, own)[which], beam.made_rise * np.sqrt(beam.weight)
+    p = own[which] * np.reshape(scale, (-1, 1))
+    energy = energy * (beam.stiffness_unit * beam.made_rise * beam.made_rise)
+    return Rest(p, energy) if np.ndim(beam.rise) else Rest(p[0], energy.item())
+
+
+def _saddle_and_second(beam, basis, modes):
+    """The form of unit beams, their axial stiffness, which is which, and coordinates there."""
+    beams, which = unit_beams(beam)
+    axial = 6 * beams.Q * beams.Q
+    modal = unit_form(basis, modes, beams)
+    stiffness = modal.stiffness[..., np.newaxis] * np.eye(modal.stiffness.shape[-1])
+    loads, shapes = eigh(stiffness, modal.geometric)
+    s = apply(shapes.swapaxes(-1, -2), modal.slope_start)
+    loads, s = (np.broadcast_to(part, (axial.size, part.shape[-1])) for part in (loads, s))
+    rest = equilibria(loads, s, axial, np.zeros(axial.size))
+    return modal, axial, which, *(apply(shapes, q - s) for q in (rest.saddle, s * rest.second))
+
+
+def _unit_energy(modal, axial, p):
+    slope = apply(modal.geometric, p) + modal.slope_start
+    N = -axial * dot(p, slope + modal.slope_start)
+    return dot(p, modal.stiffness * p) / 2 + N * N / (4 * axial)

@@ -11,7 +11,7 @@ from ..io.named import sha256_of
 from ..io.tables import ROWS, read_points
 from ..quantities import QUANTITIES
 from ..solver.adaptive import TOLERANCE
-from ..solver.settings import THRESHOLD_TOLERANCE, Settings
+from ..solver.settings import FIRST, STARTS, THRESHOLD_TOLERANCE, Settings
 from ..tolerances.samples import DISTRIBUTIONS as SPREADS
 from ..tolerances.samples import INDEX_SAMPLES, OF_DEVICE, SHOCK_FACTORS, Tolerances
 from .calibration import CalibrationSection
@@ -68,6 +68,7 @@ class SweepSection(_Axes):
     )
     not_bistable: word(*("refuse", "skip"), what="if no second shape is stable", out="`refuse`")
     horizon: quantity("duration", "after the pulse, for which a cell is followed")
+    start: word(*STARTS, what="the shape in which the beam rests at first", out=f"`{FIRST}`")
     until: argument("until", "until its well is proven, or it snaps", out="`settled`")
     repeat: flag(
         "whether each cell is run again with another step", out="`true` where `until` is `settled`"
@@ -83,7 +84,7 @@ class SweepSection(_Axes):
 
     def make(self) -> Settings:
         """How each cell is followed."""
-        names = "horizon", "until", "repeat", "energy_tolerance"
+        names = "horizon", "start", "until", "repeat", "energy_tolerance"
         given = {name: self.given[name] for name in names if self.has(name)}
         return Settings(**{"repeat": self.until in (None, "settled"), **given})
 

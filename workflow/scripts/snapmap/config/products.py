@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 from ..axes import DEVICE, DIRECTION, SHAPE
 from ..device import Device
+from ..solver.settings import FIRST
 from .study import Config
 from .views import History, View, batch_places, side_by_side
 
@@ -77,7 +78,8 @@ def _with_shocks(view, study):
     required = []
     for one in study.requirements:
         own = one["shocks"]
-        is_of_map = (own.pulse.given, own.direction) == (shape.given, direction)
+        pushed = own.pulse.given, own.direction, one.get("start", FIRST)
+        is_of_map = pushed == (shape.given, direction, study.settings.start)
         required.append((one["name"], one["f0"], one["N"], is_of_map))
     return view._replace(required_shocks=tuple(required))
 

@@ -11,6 +11,7 @@ from ..io.named import sha256_of
 from ..io.recorded import RECORD, read_pulse
 from ..pulse import DIRECTIONS, SHAPES, SHARES, VERSED_SINE
 from ..shocks import MAKERS, Shocks, make_shocks
+from ..solver.settings import FIRST, SECOND, STARTS
 from ..spectra.psd import REACH, Spectrum
 from ..spectra.srs import check_points
 from .keys import Section, argument, flag, key, many, part, path, quantity, word
@@ -193,6 +194,7 @@ class RequirementSection(PulseSection):
         f"`{100 * REACH:g} %`",
     )
     direction: word(*DIRECTIONS, what="+z presses the mass on the beam", out="`+z`")
+    start: word(*STARTS, what="the shape in which the beam rests at first", out=f"`{FIRST}`")
 
     @classmethod
     def beside(cls, given: Mapping) -> dict[tuple, str]:
@@ -233,7 +235,9 @@ class RequirementSection(PulseSection):
         required |= {"N": N, "f0": f0 or shocks.own_frequency(), "shocks": shocks}
         survives = self.survives if self.has("survives") else SURVIVES
         closes = {name: self.given[name] for name in CLOSING if self.has(name)}
-        if closes and not self.snaps:
+        if closes and (not self.snaps or self.start == SECOND):
             key = next(iter(closes))
-            raise ValueError(f".{key}: is of a device that must trip; write snaps: true")
-        return required | {"survives": survives, "pulse": self.values()} | closes
+            need = "write snaps: true, and no start" if self.start else "write snaps: true"
+            raise ValueError(f".{key}: is of a device that must trip; {need}")
+        required |= {"survives": survives, "pulse": self.values()} | closes
+        return required | ({"start": self.start} if self.start == SECOND else {})

@@ -306,21 +306,21 @@ function threshold(row) {
 
 function verdict(k) {
   if (isAbsent(k)) return "the beam of this device springs back wherever it is pushed; nothing was simulated.";
-  const snap = `the midpoint reached the second equilibrium at t = ${round(cells.t_snap[k])} µs`;
+  const snap = `the midpoint reached the ${study.shapes[1]} equilibrium at t = ${round(cells.t_snap[k])} µs`;
   const proven = `proven at t = ${round(cells.t_settled[k])} µs`;
   const fell = "the energy fell below the saddle";
   const apart = "the beam's own energy fell below the saddle, and the mass swings too weakly to touch it again";
   const kept = cells.well[k] ? `; it was ${side(k).join(" ")}` : "";
   const open = `${kept}; what follows is open${study.bins ? `: ${left(cells.energy_at_end[k])}` : ""}`;
   // After the pulse the energy only falls: if it is above the saddle after the proof, so it was then.
-  const why = () => (cells.energy_at_proof[k] > 1 ? apart : fell);
+  const why = cells.energy_at_proof?.[k] > 1 ? apart : fell;
   const doubt = cells.elsewhere[k] ? " With another step it ended elsewhere." : "";
   return {
     unsnapped: `no snap within ${study.horizon} µs after the pulse${open}.`,
-    never: `no snap, ${proven}: after the pulse nothing adds to the energy, and it is below the saddle.`,
+    never: `no snap, ${proven}: after the pulse nothing adds to the energy, and ${why === fell ? "it is below the saddle" : why}.`,
     snapped: `${snap}${open}.`,
-    latched: `${snap}; that it stays is ${proven}${study.bins ? `: ${why()}` : ""}.`,
-    returned: `${snap}; that it is back in the first shape for ever is ${proven}: ${fell}.`,
+    latched: `${snap}; that it stays is ${proven}${study.bins ? `: ${why}` : ""}.`,
+    returned: `${snap}; that it is back in the ${study.shapes[0]} shape for ever is ${proven}: ${why}.`,
     failed: "the run blew up or its energy ledger did not close; nothing is claimed of this cell.",
   }[outcome(k).name] + doubt + withAnotherStep(k);
 }

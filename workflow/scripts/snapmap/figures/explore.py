@@ -21,9 +21,11 @@ from ..device import CLAMP, STOPS, STRENGTH, VALUES
 from ..motion.envelopes import ENERGY_REACH, thin
 from ..quantities import QUANTITIES, Quantity
 from ..solver.outcome import OUTCOMES, WHOLE_SWING
+from ..solver.settings import STARTS
 from . import scales, states, style
 
 HERE = Path(__file__).parent
+MIXED = "some guided, some free to tilt"
 STRUCK = {
     "": "is struck by a mass when the frame is shaken by one pulse of acceleration",
     "alone": "is shaken with its frame by one pulse of acceleration",
@@ -94,6 +96,7 @@ def page(cube: xr.Dataset, traces: xr.Dataset | None, found: xr.Dataset, horizon
         "y": y,
         "start": _opening(cells, x, y),
         "horizon": float(horizon),
+        "shapes": STARTS[::-1] if style.starts(document) else STARTS,
         "devices": {name: list(_rows(device)) for name, device in devices.items()},
         "vibrations": {
             name: _vibration(device, cells.C.values) for name, device in devices.items()
@@ -126,7 +129,7 @@ def page(cube: xr.Dataset, traces: xr.Dataset | None, found: xr.Dataset, horizon
         **MOVES[traces is not None],
         thinned=f"Shown are {thinned} of the cube. " if kept else "",
         model=html.escape(document["model"]["name"]),
-        guide=", ".join(style.guides(document)) or "some guided, some free to tilt",
+        guide=", ".join([*(style.guides(document) or [MIXED]), *style.starts(document)]),
         version=html.escape(cube.attrs["code_version"]),
     )
 

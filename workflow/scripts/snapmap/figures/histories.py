@@ -47,19 +47,22 @@ def draw_history(axes: Sequence[Axes], history: xr.Dataset) -> Sequence[Axes]:
             ax.axvline(snap, color=AID, linestyle=":")
     if not math.isnan(snap):
         dot = {"linestyle": "", "marker": "o", "color": "black", "markeredgecolor": "white"}
-        positions.plot(snap, second, **dot, label=f"snap at {snap:.4g} ms")
+        at = history.attrs.get("first_equilibrium", second)
+        positions.plot(snap, at, **dot, label=f"snap at {snap:.4g} ms")
     positions.figure.align_ylabels(axes)
     style.legend(positions.figure, positions.get_legend_handles_labels()[0], _caption(history), 5)
     return axes
 
 
 def snap_time(history: xr.Dataset) -> float:
-    """First arrival of the midpoint at the second equilibrium, us; NaN if not seen."""
-    arrived = np.flatnonzero(history.w_mid <= history.second_equilibrium)
+    """First arrival of the midpoint at the shape in which it did not start, us; NaN if not seen."""
+    first, second = history.attrs.get("first_equilibrium"), history.second_equilibrium
+    w, target = (history.w_mid, second) if first is None else (-history.w_mid, -first)
+    arrived = np.flatnonzero(w <= target)
     if arrived.size == 0:
         return math.nan
-    last = history.isel(time=[arrived[0], arrived[0] - 1])
-    return float(np.interp(history.second_equilibrium, last.w_mid, last.time))
+    last = [arrived[0], arrived[0] - 1]
+    return float(np.interp(target, w[last], history.time[last]))
 
 
 def _caption(history):

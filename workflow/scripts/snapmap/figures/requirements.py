@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from ..solver.settings import SECOND
 from ..tolerances.statistics import left_out, percents
 from . import style
 from .curves import each_line
@@ -62,6 +63,7 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
 
 def _name(row):
     where = f"{row['device']}, " if row["device"] else ""
+    where += "from the second shape, " if row["start"] == SECOND else ""
     return f"{_required(row['requirement'], row['must_snap'])}\n{where}{value_text('C', row['C'])}"
 
 

@@ -1,5 +1,6 @@
 """What maps and the page show of each cell: whether it snaps, when, and where its beam ends."""
 
+import json
 from typing import NamedTuple
 
 import numpy as np
@@ -8,6 +9,7 @@ from matplotlib import colormaps
 from matplotlib.colors import ListedColormap
 
 from ..solver.outcome import WHOLE_SWING, ended_elsewhere
+from . import style
 
 
 class State(NamedTuple):
@@ -54,7 +56,8 @@ def end_states(cells: xr.Dataset) -> xr.DataArray:
     """
     is_one_of = _outcomes(cells)
     proven = is_one_of["never"] | is_one_of["returned"] | is_one_of["latched"]
-    tripped = (cells.well == 2) | ((cells.well == 0) & cells.t_snap.notnull())
+    starts = style.starts(json.loads(cells.attrs.get("config", "{}")))
+    tripped = (cells.well == 2) | ((cells.well == 0) & (cells.t_snap.notnull() ^ bool(starts)))
     crossing = (cells.well != 0) & ~(cells.well_share >= WHOLE_SWING)
     rest = xr.where(proven, REST_PROVEN, REST_SEEN)
     found = xr.where(tripped, xr.where(proven, TRIPPED_PROVEN, TRIPPED_SEEN), rest)

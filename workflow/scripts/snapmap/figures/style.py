@@ -22,6 +22,7 @@ from matplotlib.transforms import Bbox
 from ..io.atomic import replacing
 from ..pulse import VERSED_SINE
 from ..shocks import MAKERS
+from ..solver.settings import FIRST
 
 COLUMN, PAGE = 56, 130
 """Signs in a line over one column, and over two."""
@@ -140,7 +141,7 @@ def save(figure: Figure, stem: str | Path, attributes: Mapping[str, str]) -> Non
 
 
 def case(attributes: Mapping[str, str], width: int = PAGE) -> str:
-    """Pulse, guide, model and time followed, from a dataset's attributes; empty without them.
+    """Pulse, guide, start, model and time followed, from a dataset's attributes; else empty.
 
     width: most signs in a line; COLUMN below one column
     """
@@ -152,7 +153,7 @@ def case(attributes: Mapping[str, str], width: int = PAGE) -> str:
     shape = pulse.get("file", pulse.get("shape", made))
     words = [literal(shape)] if isinstance(shape, str) else []
     words += ["along −z"] if pulse.get("direction") == "-z" else []
-    words += [*guides(config), f"model {config['model']['name']}"]
+    words += [*guides(config), *starts(config), f"model {config['model']['name']}"]
     horizon = config.get("sweep", {}).get("horizon", "").replace("us", "µs")
     words += [f"followed {horizon}"] if horizon else []
     return textwrap.fill(", ".join(words), width)
@@ -161,6 +162,12 @@ def case(attributes: Mapping[str, str], width: int = PAGE) -> str:
 def literal(text: str) -> str:
     """A user's text, drawn as it is: a dollar begins no formula."""
     return text.replace("$", r"\$")
+
+
+def starts(config: Mapping) -> list[str]:
+    """That the runs of a config start in the second shape, in words; none if they do not."""
+    start = config.get("sweep", {}).get("start", FIRST)
+    return [] if start == FIRST else ["starts in the second shape"]
 
 
 def guides(config: Mapping) -> list[str]:

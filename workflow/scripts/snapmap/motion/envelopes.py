@@ -73,7 +73,7 @@ def trace(study: Study, cube: xr.Dataset, earlier: xr.Dataset | None = None) -> 
     new = ~known & (device_of >= 0)
     decided = np.stack([level, cube.halvings.values.ravel()])
     for at, part in deciders(levels, device_of, decided, np.flatnonzero(new)):
-        followed = part, cells.take(at), window[at], bins, settings.threads
+        followed = part, cells.take(at), window[at], bins, settings
         motion, length, stress[at] = _follow(*followed)
         values[..., at], bin_length[at] = _shown(motion, length, window[at]), length
     y = values[2] - values[2, 0]
@@ -108,7 +108,7 @@ def _window(device, cube, cells, settings):
     return np.where(np.isnan(settled), ended, settled + swing)
 
 
-def _follow(model, cells, window, bins, threads):
+def _follow(model, cells, window, bins, settings):
     """Values, (variables, bins, cells), lengths of the bins, us, and the largest stress, MPa.
 
     window: time followed, us
@@ -129,7 +129,7 @@ def _follow(model, cells, window, bins, threads):
     def follow(these):
         of, own = cells.device[these], None if rows is None else rows[these]
         w_range, instants, stress[these] = simd_loop.trace(
-            model, cells.take(these), dt[these], width[these], bins, own
+            model, cells.take(these), dt[these], width[these], bins, own, settings.start
         )
         # Half way through the step in which it bounces the mass is beyond a stop.
         np.clip(instants[0], -device.stop_toward[of], device.stop_away[of], instants[0])
@@ -138,7 +138,7 @@ def _follow(model, cells, window, bins, threads):
             values[3:, :, these] = instants[1:] / barrier[these]
         count(these.size)
 
-    with ThreadPoolExecutor(threads) as pool:
+    with ThreadPoolExecutor(settings.threads) as pool:
         list(pool.map(follow, np.split(order, range(LANES, order.size, LANES))))
     return values, width * dt, stress
 

@@ -21,7 +21,7 @@ from ..solver.adaptive import choose_model
 from ..solver.cells import to_cells
 from ..solver.closures import follow_closures
 from ..solver.outcome import REPEATED_STEP, t_snap_error, work_error
-from ..solver.settings import MOVE
+from ..solver.settings import FIRST, MOVE
 from ..study import Study, study_of
 
 SAMPLES = 4000
@@ -45,7 +45,7 @@ def simulate(
     N: multiples of g; f0: Hz, or None for a recorded shock's own; C: uN us/um
     model: name, or the config's model section; of `auto` the finest level
     options: horizon (us after the pulse), until and energy_tolerance of the sweep whose step is
-        taken; pulse and direction, a single one; and those of the model
+        taken; start; pulse and direction, a single one; and those of the model
     Attributes: work_error, t_snap_error and blow, as in a cube; toward_max, away_max (of the mass
     from rest, um), contact_force_max (uN), stress_max and stress_max_to_snap (MPa), the largest of
     all steps; with device.contact_at that, and what the beam does there, as in a cube.
@@ -55,7 +55,7 @@ def simulate(
     >>> bool(run.w_mid.min() < device.beam.second_equilibrium)
     True
     """
-    study, _ = study_of(device, model, options, ("horizon", "energy_tolerance", "until"))
+    study, _ = study_of(device, model, options, ("horizon", "energy_tolerance", "until", "start"))
     f0 = study.shocks.own_frequency() if f0 is None else f0
     return history_of(study, N, f0, C)
 
@@ -68,13 +68,15 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     built, cells, t_snap = _cell(study, N, f0, C)
     blow = blow_at(cells.pulses, cells.pulse, t_snap * cells.f0).item()
     dt, values, extremes = _record(built, cells, settings, SAMPLES)
-    closing = _closing(built, cells) if device.has_electrode else {}
+    closing = _closing(built, cells, settings) if device.has_electrode else {}
     document = {
         **device_sections(device),
         **study.shocks.section(),
         "model": dict(study.model),
         "histories": [{"N": N, "f0": f"{f0!r} Hz", "C": f"{C!r} uN*us/um"}],
     }
+    starts = settings.start != FIRST
+    document |= {"sweep": {"start": settings.start}} if starts else {}
     rest = built.barrier.first + device.gap
     stops = {"stop_toward": rest - device.stop_toward, "stop_away": rest + device.stop_away}
     return dress(
@@ -89,6 +91,7 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
         gravity=device.gravity,
         time_step=dt,
         **extremes._asdict(),
+        **({"first_equilibrium": built.barrier.first} if starts else {}),
         **{key: place for key, place in stops.items() if math.isfinite(place)},
         **({"blow": blow} if cells.pulses[0].blows.size else {}),
         **closing,
@@ -101,7 +104,7 @@ class Extremes(NamedTuple):
 
     toward_max, away_max: of the mass from rest, toward the beam and away from it, um
     contact_force_max: between mass and beam, uN; an indicator, see docs/pulses.md
-    stress_max, stress_max_to_snap: tensile, in the beam, MPa; the latter until w(L/2) is at w2
+    stress_max, stress_max_to_snap: tensile, in the beam, MPa; the latter until it snaps
     """
 
     toward_max: float
@@ -122,11 +125,14 @@ def extremes_of(study: Study, N: float, f0: float, C: float, step: float = 1.0) 
 
 def closing_of(study: Study, N: float, f0: float, C: float) -> dict[str, float]:
     """Follow one cell as `follow_closures` does; nothing without an electrode, which it places."""
-    return _closing(*_cell(study, N, f0, C)[:2]) if study.device.has_electrode else {}
+    if not study.device.has_electrode:
+        return {}
+    built, cells, _ = _cell(study, N, f0, C)
+    return _closing(built, cells, study.settings)
 
 
-def _closing(built, cells):
-    found = follow_closures(built, cells, cells.t_end).items()
+def _closing(built, cells, settings):
+    found = follow_closures(built, cells, cells.t_end, settings).items()
     return {"contact_at": built.device.contact_at} | {key: one.item() for key, one in found}
 
 
@@ -149,7 +155,10 @@ def _record(built, cells, settings, samples):
     steps = int(np.ceil(t_end / dt))
     stride = 2 ** max(0, math.floor(math.log2(max(1, steps / samples))))
     shock, device, first = cells.pulses[0], built.device, built.barrier.first
-    form, motions = built.loop().record(built, shock, amplitude, per_us, damping, dt, steps)
+    at, start = (amplitude, per_us, damping, dt, steps), settings.start
+    form, motions = built.loop().record(built, shock, *at, start)
+    side = 1 if start == FIRST else -1
+    target = built.snap_target(start) + side * first
     stress, rest = stress_of(device.beam, built.basis, form.shapes), first + device.gap
     largest, to_snap, snapped = np.array([0.0, 0.0, 0.0, -np.inf]), -np.inf, False
     kept, done, last = [], 0, np.empty((2, 0))
@@ -159,8 +168,8 @@ def _record(built, cells, settings, samples):
         of_window = -y.min(), y.max(), values["contact_force"].max(), values["stress"].max()
         largest = np.maximum(largest, of_window)
         if not snapped:
-            path = np.append(last, [values["w_mid"], values["stress"]], axis=1)
-            most, snapped = _stress_to(built.barrier.second, *path)
+            path = np.append(last, [side * values["w_mid"], values["stress"]], axis=1)
+            most, snapped = _stress_to(target, *path)
             to_snap, last = np.maximum(to_snap, most), path[:, -1:]
         values |= {"time": motion.time, "dissipated_energy": motion.lost, "pulse_work": motion.work}
         kept.append({key: column[-done % stride :: stride] for key, column in values.items()})
@@ -177,10 +186,10 @@ def _record(built, cells, settings, samples):
     return dt, values, extremes
 
 
-def _stress_to(second, w, stress):
-    """The largest stress until w(L/2) is at `second`, and whether it comes there."""
-    for i in np.flatnonzero(w <= second)[:1]:
-        share = (w[i - 1] - second) / (w[i - 1] - w[i])
+def _stress_to(target, w, stress):
+    """The largest stress until w falls to the target, and whether it does."""
+    for i in np.flatnonzero(w <= target)[:1]:
+        share = (w[i - 1] - target) / (w[i - 1] - w[i])
         there = stress[i - 1] + share * (stress[i] - stress[i - 1])
         return np.append(stress[:i], there).max(), True
     return stress.max(), False

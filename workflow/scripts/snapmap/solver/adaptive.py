@@ -10,7 +10,7 @@ from ..beam.equilibria import static_threshold
 from ..device import Device
 from .cells import Cells, Observations
 from .models import Follows, build_model, check_options
-from .settings import Settings
+from .settings import FIRST, Settings
 
 RUNGS = (3, 5, 11)
 """Cosines of the levels: odd ones, as even ones do not move the midpoint."""
@@ -114,9 +114,12 @@ def _levels(device, model) -> Adaptive:
     return build_adaptive(device, **options)
 
 
-def choose_survey(device: Device, model: Mapping) -> Survey:
-    """Build what finds the thresholds of a model, given by its name and options, for a batch."""
-    static = np.asarray(static_threshold(device))
+def choose_survey(device: Device, model: Mapping, start: str = FIRST) -> Survey:
+    """Build what finds the thresholds of a model, given by its name and options, for a batch.
+
+    start: as in `Settings`
+    """
+    static = np.asarray(static_threshold(device, back=start != FIRST))
     if model["name"] != "auto":
         decides, levels = build_model(device, **model), build_adaptive(device)
         return Survey(levels.base, decides, levels.check, levels.top, static)

@@ -12,31 +12,40 @@ the work is at most the largest |X| times all ups and downs of a, and so
     H <= 2 c (ups and downs of a)^2.
 
 A snap takes H at least to the saddle, and to what bending alone asks for the displacement of the
-midpoint.
+midpoint. From the second shape the first bound holds for H above that shape, the least in its well;
+for the second the mass holds X as said, and the beam, up to the saddle, by bending from the first.
 """
 
 import numpy as np
 
+from ..device import Value
 from ..numerics.linalg import dot
 from .cells import Rows
 from .models import Follows
+from .settings import FIRST
 
 
-def least_amplitudes(model: Follows, rows: Rows) -> np.ndarray:
+def least_amplitudes(model: Follows, rows: Rows, start: str = FIRST) -> np.ndarray:
     """Bound the N that can snap, multiples of g, (rows,): below, the energy does not suffice.
 
-    model: of a batch
+    model: of a batch; start: as in `Settings`
     """
     bounds = np.empty((2, len(model.device)))
     for mine, part in model.split(np.arange(bounds.shape[1])):
         device, modal, barrier = part.device, part.modal, part.barrier
         displacement = barrier.first - barrier.second
         soft = dot(modal.midpoint, modal.midpoint / modal.stiffness) + modal.residual
-        energy = np.maximum(barrier.energy, displacement * displacement / (2 * soft))
         sag = device.mass * device.mass / device.spring
-        sag = sag + dot(modal.load, modal.load / modal.stiffness)
+        of_beam = dot(modal.load, modal.load / modal.stiffness)
+        if start == FIRST:
+            energy: Value = np.maximum(barrier.energy, displacement * displacement / (2 * soft))
+            swing = np.sqrt(energy / (2 * (sag + of_beam)))
+        else:
+            energy = barrier.energy - part.second.energy
+            reach = np.sqrt(2 * energy * sag) + np.sqrt(2 * barrier.energy * of_beam)
+            swing = energy / (reach + abs(dot(modal.load, part.second.modes)))
         pushed = np.where(device.force, dot(modal.load, modal.load), device.beam.weight)
-        least = np.sqrt(2 * energy / (device.mass + pushed)), np.sqrt(energy / (2 * sag))
+        least = np.sqrt(2 * energy / (device.mass + pushed)), swing
         bounds[:, mine] = np.array(least)[:, mine]
     # The least integral of |a|, um/us, and ups and downs of a, um/us^2.
     speed, swing = bounds[:, rows.device]

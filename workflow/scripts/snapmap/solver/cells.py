@@ -61,10 +61,11 @@ class Rows(NamedTuple):
 class Observations(NamedTuple):
     """What was observed of each cell; arrays of the shape of the cells.
 
-    t_snap: first arrival of the midpoint at w2 after the pulse's start, us; NaN if not seen
+    t_snap: first arrival of the midpoint at the shape in which it did not start, after the pulse's
+        start, us; NaN if not seen
     t_settled: when the beam was seen to be settled in a well for ever, us; NaN if it was not
-    well: the side of the saddle at the end of the run, 1 or 2; 0 if it ended at its snap, or in
-        the pulse
+    well: the side of the saddle at the end of the run, 1 that of the start, 2 the other; 0 if it
+        ended at its snap, or in the pulse
     energy_error: residual of the energy ledger over the gross work of the pulse, not finite after
         a blow-up
     well_share: share of the mass's last swing spent on that side; 1 if settled, NaN for well 0

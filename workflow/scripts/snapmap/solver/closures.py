@@ -7,12 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..numerics.linalg import dot
 from . import simd_loop
 from .cells import Cells, Observations
 from .kernel.rows import LANES
 from .models import Follows, Model, deciders
 from .outcome import REPEATED_STEP
-from .settings import MOVE, Settings
+from .settings import FIRST, MOVE, Settings
 
 APART = 4.0
 """Errors over the difference with another step; 1/(1 - 0.75^2) = 2.3 at second order, and more."""
@@ -67,18 +68,22 @@ def passages(w: np.ndarray, level: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 # ASSUME: the electrode is an observer: it neither stops the beam nor holds it, so that bounces are
 # those of the ringing beam.
 def follow_closures(
-    model: Model, cells: Cells, window: np.ndarray, threads: int = 1
+    model: Model, cells: Cells, window: np.ndarray, settings: Settings
 ) -> dict[str, np.ndarray]:
     """Follow cells, (cells,), in the steps that motions need, each for its window, us.
 
     Returns CLOSING up to t_end; errors are APART times by how much another step differs.
     """
     steps = model, model.with_step(REPEATED_STEP)
-    found, again = (_follow(each, cells, window, threads) for each in steps)
+    found, again = (_follow(each, cells, window, settings) for each in steps)
     return dict(zip(CLOSING, [*found, *(APART * abs(again - found))], strict=True))
 
 
-def _follow(model, cells, window, threads):
+def _follow(model, cells, window, settings):
+    start = settings.start
+    at_start = np.broadcast_to(dot(model.modal.midpoint, model.rest(start)), len(model.device))[
+        cells.device
+    ]
     dt, size = model.steps.of(cells, MOVE), len(model.device)
     ways = np.broadcast_to(model.device.contact_at - model.barrier.first, size)[cells.device]
     steps = np.ceil(window / dt).astype(np.int64) + 1
@@ -86,9 +91,9 @@ def _follow(model, cells, window, threads):
 
     def follow(these):
         level, instants = ways[these], [[] for _ in these]
-        last = np.zeros((1, these.size))  # at rest, half a step before the start
+        last = at_start[these][np.newaxis]  # half a step before the start
         group = cells.take(these), dt[these], steps[these].max()
-        for first, w in simd_loop.midpoints(model, *group):
+        for first, w in simd_loop.midpoints(model, *group, start):
             w = np.concatenate([last, w])
             for column, place in zip(*passages(w, level), strict=True):
                 instants[column].append(float((first + place - 0.5) * dt[these[column]]))
@@ -96,11 +101,13 @@ def _follow(model, cells, window, threads):
         for i, cell in enumerate(these):
             # Its lane may have run on beside a longer one.
             own = [instant for instant in instants[i] if instant < window[cell]]
-            found[:, cell] = closures_of(own, bool(level[i] >= 0), float(cells.t_end[cell]))
+            found[:, cell] = closures_of(
+                own, bool(level[i] >= at_start[cell]), float(cells.t_end[cell])
+            )
 
     # Lanes run together to the end of the longest: those of one call should be of one length.
     order = np.argsort(-steps, kind="stable")
-    with ThreadPoolExecutor(threads) as pool:
+    with ThreadPoolExecutor(settings.threads) as pool:
         list(pool.map(follow, np.split(order, range(LANES, order.size, LANES))))
     return found
 
@@ -121,9 +128,9 @@ def closures_again(
     for at, part in deciders(model.levels, flat.device, decided, np.flatnonzero(which)):
         saddle = np.broadcast_to(part.barrier.first + part.barrier.midpoint, size)[flat.device[at]]
         # What is proven to stay on this side of the saddle reaches nothing beyond it.
-        over = (seen.well[at] == 1) & (place[at] < saddle)
+        over = (seen.well[at] == 1) & (place[at] < saddle) & (settings.start == FIRST)
         window = np.fmin(np.where(over, seen.t_settled[at], np.inf), flat.t_end[at])
-        found = follow_closures(part, flat.take(at), window, settings.threads)
+        found = follow_closures(part, flat.take(at), window, settings)
         for key, values in found.items():
             made[key][at] = values
     return {key: values.reshape(shape) for key, values in made.items()}

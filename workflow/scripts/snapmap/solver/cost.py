@@ -44,7 +44,7 @@ def steps_and_seconds(
     """
     dt, seconds = np.empty((2, *cells.f0.shape))
     for mine, part in built.split(cells.device):
-        dt[mine] = part.steps.of(cells.take(mine), settings.question)
+        dt[mine] = part.time_steps(cells.take(mine), settings)
         nanoseconds = 80 if plain else 1 + part.modes**2 / 20
         seconds[mine] = nanoseconds * 1e-9 * cells.t_end[mine] / dt[mine]
     return dt, seconds

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import cached_property
 from importlib import import_module
 from types import ModuleType
 from typing import NamedTuple, Protocol
@@ -13,12 +14,12 @@ from ..arguments import require_model
 from ..beam.basis import Basis
 from ..beam.cosines import buckling_shapes, symmetric_cosines
 from ..beam.elements import hermite_elements
-from ..beam.equilibria import Barrier, find_barrier
+from ..beam.equilibria import Barrier, Rest, find_barrier, second_shape
 from ..beam.modal import ModalBeam, contact_stiffness, pulse_load, reduce_to_modes
-from ..device import Device
+from ..device import Device, Value
 from ..io.counting import count
 from .cells import Cells, Observations, no_observations
-from .settings import MOVE, Settings
+from .settings import FIRST, MOVE, SECOND, Settings
 from .steps import Steps, explicit_steps, steps_of
 
 BUNCH = 8192
@@ -79,6 +80,28 @@ class Model:
         """Number of modes kept."""
         return self.modal.load.shape[-1]
 
+    @cached_property
+    def second(self) -> Rest:
+        """The second shape of its form; ValueError if one of the beams cannot rest there."""
+        rest = second_shape(self.device.beam, self.basis, self.modes)
+        if not np.isfinite(rest.energy).all():
+            raise ValueError("start: second, and a beam that is free to tilt does not stay there")
+        return rest
+
+    def rest(self, start: str) -> np.ndarray:
+        """The modes in the shape in which a run starts, (..., k), as `ModalBeam` has them."""
+        return self.second.modes if start == SECOND else np.zeros(self.modal.load.shape)
+
+    def snap_target(self, start: str) -> Value:
+        """Where w(L/2), of a run from the second shape -w(L/2), snaps, from the first shape, um."""
+        first, second = self.barrier.first, self.barrier.second
+        return second - first if start == FIRST else 0.0 * first
+
+    def time_steps(self, cells: Cells, settings: Settings) -> np.ndarray:
+        """Of each cell, us, in the cells' shape; no mass rests on a beam in its second shape."""
+        met = ~np.atleast_1d(self.device.is_alone)[cells.device]
+        return self.steps.of(cells, settings.question, met & (settings.start == SECOND))
+
     def loop(self) -> ModuleType:
         """Its time loop, imported when a run begins: a plan needs no compiler."""
         loop = "plain_loop" if self.name == "reference" else "simd_loop"
@@ -112,7 +135,7 @@ class Model:
         flat = cells.flat()
         seen = no_observations(flat.f0.shape)
         longest = self.steps.factor * self.steps.longest[MOVE][flat.device]
-        left = np.flatnonzero(self.steps.of(flat, settings.question) >= SMALLEST * longest)
+        left = np.flatnonzero(self.time_steps(flat, settings) >= SMALLEST * longest)
         if settings.until == "settled" and self.name != "reference":
             first = self.follow_once(flat.take(left), settings._replace(until="pulse"))
             seen.replace(left, first)
@@ -130,7 +153,7 @@ class Model:
     def follow_once(self, cells: Cells, settings: Settings) -> Observations:
         """Follow every cell, (cells,), in steps of the rule, whatever its ledger then says."""
         seen = no_observations(cells.f0.shape)
-        dt = self.steps.of(cells, settings.question)
+        dt = self.time_steps(cells, settings)
         # Lanes run side by side: those of one call should take about as many steps.
         order = np.argsort(-cells.t_end / dt, kind="stable")
 

@@ -37,7 +37,8 @@ def label(
 ) -> np.ndarray:
     """Outcome of each cell as an index into OUTCOMES, int8; the arguments are `Observations`.
 
-    Proven for ever: `never` left well 1, `latched` in well 2, `returned` to well 1 after a snap.
+    Proven for ever: `never` left the well of its start, 1, `latched` in the other, 2, `returned` to
+    1 after a snap.
     Open at the horizon: `unsnapped`, `snapped`. A run whose ledger does not close within the
     tolerance has `failed`, whatever else it seems to show.
     """

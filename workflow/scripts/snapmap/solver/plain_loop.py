@@ -11,6 +11,7 @@ from ..numerics import pieces as curve
 from ..numerics.kernels import compiled, fma
 from ..numerics.linalg import apply, solve_all
 from .cells import Form, Motion
+from .settings import FIRST, SECOND
 
 
 class System(NamedTuple):
@@ -23,6 +24,7 @@ class System(NamedTuple):
     gap: z0, between mass and midpoint at rest, um
     beam_damping: rate alpha of the force -alpha Mb du/dt on the beam, 1/us
     stop_toward, stop_away: travel of the mass up to a stop, um; restitution: of both
+    start: (n,), at which a run begins, from the first shape; side: 1, or -1 from the second shape
     """
 
     inertia: np.ndarray
@@ -41,10 +43,15 @@ class System(NamedTuple):
     stop_toward: Value
     stop_away: Value
     restitution: Value
+    start: np.ndarray
+    side: float
 
 
-def nodal_system(device: Device, basis: Basis) -> System:
-    """Collect what the loop needs of a device (penalty contact) and its beam's basis."""
+def nodal_system(device: Device, basis: Basis, start: np.ndarray | None = None) -> System:
+    """Collect what the loop needs of a device (penalty contact) and its beam's basis.
+
+    start: the second shape, (n,), if a run begins there
+    """
     scaled = settled(basis, device.beam).scaled_to(device.beam)
     return System(
         inertia=scaled.mass,
@@ -63,6 +70,8 @@ def nodal_system(device: Device, basis: Basis) -> System:
         stop_toward=device.stop_toward,
         stop_away=device.stop_away,
         restitution=device.restitution,
+        start=np.zeros(scaled.load.size) if start is None else start,
+        side=1.0 if start is None else -1.0,
     )
 
 
@@ -157,7 +166,7 @@ def meet_stops(system, w_mid, a, y_before, y, dt):
 
 @compiled
 def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
-    """March one cell by central differences until w(L/2) reaches `target` or `steps` are done.
+    """March one cell by central differences until side w(L/2) is at `target` or `steps` are done.
 
     With u = q - q0 and y the displacement of the mass, from rest, at t = n dt:
 
@@ -166,7 +175,7 @@ def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
         M (y+ - 2 y + y-)/dt^2 + C (y+ - y-)/(2 dt) = -M a - K y + P
 
     pulse: pieces, and what they begin and end with, as in `numerics.pieces`, over x = f0 t
-    amplitude: N g, um/us^2; f0: 1/us; damping: C, uN us/um; target: w(L/2) from rest, um
+    amplitude: N g, um/us^2; f0: 1/us; damping: C, uN us/um; target: from rest, um
     history: (samples, 2 n + 4), modified in place: u, du/dt, y, dy/dt, work of the pulse and
         energy lost to damping (pJ), at as many of the first instants as it holds
     Returns (t_snap, energy_error, pulse_work): us, NaN if the target is not reached; the energy
@@ -174,7 +183,8 @@ def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
     pulse, NaN if the run ended before it.
     """
     n = system.load.size
-    u, u_before, u_after, velocity = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
+    u, u_before, u_after = system.start.copy(), system.start.copy(), np.zeros(n)
+    velocity = np.zeros(n)
     bending_u, geometric_u = np.zeros(n), np.zeros(n)
     force, acceleration = np.zeros(n), np.zeros(n)
     y, y_before = 0.0, 0.0
@@ -184,6 +194,9 @@ def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
     t_snap, residual, pulse_work = np.nan, 0.0, np.nan
     pieces, ends = pulse
     k, a = 0, 0.0
+    begun = total_energy(
+        system, u, velocity, y, 0.0, beam_stresses(system, u, bending_u, geometric_u)
+    )
 
     for step in range(steps):
         if y < -system.stop_toward or y > system.stop_away:
@@ -222,18 +235,26 @@ def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
             history[step, 2 * n :] = y, y_velocity, work, lost
 
         w_after = dot(system.midpoint, u_after)
-        if w_after <= target or step == steps - 1 or not np.isfinite(w_after):
+        snapped = system.side * w_after <= target
+        if snapped or step == steps - 1 or not np.isfinite(w_after):
             energy = total_energy(system, u, velocity, y, y_velocity, compression)
-            residual = energy + lost - work
+            residual = energy + lost - work - begun
             if step + 1 >= curve.lasts(ends[1], f0 * dt):
                 pulse_work = work + power * dt / 2
-            if w_after <= target:
-                t_snap = (step + (w_mid - target) / (w_mid - w_after)) * dt
+            if snapped:
+                ahead = system.side * w_mid - target
+                t_snap = (step + ahead / (system.side * (w_mid - w_after))) * dt
             break
         u_before, u, u_after = u, u_after, u_before
         y_before, y = y, y_after
     error = abs(residual) / gross_work if gross_work > 0 else abs(residual)
     return t_snap, error, pulse_work
+
+
+def starting(model, start):
+    """The system of a model of one device whose runs begin in a shape."""
+    nodes = apply(model.modal.shapes, model.rest(start)) if start == SECOND else None
+    return nodal_system(model.device, model.basis, nodes)
 
 
 def march(model, cells, dt, settings):
@@ -245,9 +266,9 @@ def march(model, cells, dt, settings):
     observed = np.empty((3, cells.f0.size))
     for which in np.unique(cells.device):
         picked = model.pick(which)
-        system = nodal_system(picked.device, picked.basis)
+        system = starting(picked, settings.start)
         no_history = np.empty((0, 2 * system.load.size + 4))
-        target = picked.barrier.second - picked.barrier.first
+        target = picked.snap_target(settings.start)
         for i in np.flatnonzero(cells.device == which):
             steps = int(np.ceil(cells.t_end[i] / dt[i]))
             curve = cells.pulses[cells.pulse[i]].curve
@@ -258,9 +279,9 @@ def march(model, cells, dt, settings):
     return t_snap, nothing, np.zeros(t_snap.size, np.int8), energy_error, nothing, pulse_work
 
 
-def record(model, pulse, amplitude, f0, damping, dt, steps):
+def record(model, pulse, amplitude, f0, damping, dt, steps, start=FIRST):
     """Follow one cell at every step; model: of one device; returns Form and one Motion."""
-    system, n = nodal_system(model.device, model.basis), model.basis.load.size
+    system, n = starting(model, start), model.basis.load.size
     kept = np.zeros((steps, 2 * n + 4))
     follow(system, pulse.curve, amplitude, f0, damping, -np.inf, dt, steps, kept)
     time = np.arange(steps) * dt

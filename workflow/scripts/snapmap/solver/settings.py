@@ -11,6 +11,8 @@ QUESTION = {"settled": STAY, "snap": SNAP, "edge": EDGE, "pulse": SNAP, "moved":
 Beside UNTIL, within the solver: "edge" is "snap" in the steps that a threshold needs, "pulse" ends
 a run with its pulse or its snap, and "moved" is "settled" in the steps that the motion needs.
 """
+FIRST, SECOND = STARTS = ("first", "second")
+"""The shape in which the beam rests at the start of a run; a snap is its arrival at the other."""
 THRESHOLD_TOLERANCE = 1e-4
 """How closely thresholds in N are refined by default, relative."""
 
@@ -23,6 +25,7 @@ class Settings(NamedTuple):
     repeat: whether each cell is run again with another step, to see if its outcome is reproduced
     energy_tolerance: a run is believed if its energy ledger closes within this share of the
         pulse's gross work
+    start: the one of STARTS in which the beam rests at first
     """
 
     horizon: float = 1500.0
@@ -30,6 +33,7 @@ class Settings(NamedTuple):
     repeat: bool = True
     energy_tolerance: float = 1e-3
     threads: int = 1
+    start: str = FIRST
 
     @property
     def question(self) -> str:
@@ -37,5 +41,6 @@ class Settings(NamedTuple):
         return QUESTION[self.until]
 
     def without_threads(self) -> dict:
-        """All but the threads, on which no result depends."""
-        return {key: value for key, value in self._asdict().items() if key != "threads"}
+        """All but the threads, on which no result depends, and the start if it is the usual one."""
+        usual = "threads", *(["start"] if self.start == FIRST else [])
+        return {key: value for key, value in self._asdict().items() if key not in usual}

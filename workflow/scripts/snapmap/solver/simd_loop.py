@@ -12,7 +12,10 @@ from .kernel.lanes import Facts, Task, follow_all, load
 from .kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
 from .kernel.rows import LANES
 from .kernel.trace import keep_block, keep_midpoints, trace_all
+from .settings import FIRST, SECOND
 
+SIDE = {FIRST: 1.0, SECOND: -1.0}
+"""By which w is multiplied, so that the midpoint of every run begins above its target."""
 WINDOW = 64 * BLOCK
 """Steps of a record that are in memory at once."""
 
@@ -25,14 +28,15 @@ def march(model, cells, dt, settings):
     n_cells = cells.f0.size
     t_snap, t_settled, *others = (np.empty(n_cells) for _ in range(5))
     facts = Facts(t_snap, t_settled, np.empty(n_cells, np.int8), *others)
-    devices, pulses = coefficients(model, snap_target(model)), table(cells.pulses)
+    start, pulses = settings.start, table(cells.pulses)
+    devices = coefficients(model, model.snap_target(start), start)
     ends = settings.until in ("snap", "edge", "pulse"), settings.until == "pulse"
     task = Task(devices, pulses, *cells[:-1], dt, *ends, settings.energy_tolerance, facts)
     follow_all(*empty_lanes(model), task)
     return facts
 
 
-def trace(model, cells, dt, width, bins, stress=None):
+def trace(model, cells, dt, width, bins, stress=None, start=FIRST):
     """Follow up to LANES cells, each through `bins` bins of its own width.
 
     dt: us, width: steps in a bin; (cells,)
@@ -45,19 +49,19 @@ def trace(model, cells, dt, width, bins, stress=None):
     k = model.modes
     rows = np.empty((0, 1, k + 2)) if stress is None else stress.copy()
     rows[:, :-1, k] /= (dt * dt)[: len(rows), np.newaxis]
-    devices = coefficients(model, -np.inf)[cells.device]
+    devices = coefficients(model, -np.inf, start)[cells.device]
     loads = *cells[1:5], width
     trace_all(*empty_lanes(model), devices, dt, table(cells.pulses), loads, rows, kept)
     return kept
 
 
-def midpoints(model, cells, dt, steps):
+def midpoints(model, cells, dt, steps, start=FIRST):
     """Follow up to LANES cells; the first step and w(L/2) from rest of one WINDOW after another.
 
     dt: us, (cells,); steps: of all; w: half way through each step, um, (steps, cells)
     """
     lanes, state, pulses = empty_lanes(model), no_pulse(), table(cells.pulses)
-    rows = coefficients(model, -np.inf)
+    rows = coefficients(model, -np.inf, start)
     for l in range(dt.size):
         _, pulse, amplitude, f0, damping, _ = (column[l] for column in cells[:-1])
         load(*lanes, l, rows[cells.device[l]], damping, amplitude, dt[l])
@@ -83,13 +87,13 @@ def stress_rows(model):
     return tables
 
 
-def record(model, pulse, amplitude, f0, damping, dt, steps):
+def record(model, pulse, amplitude, f0, damping, dt, steps, start=FIRST):
     """Follow one cell as `follow_all` does, bit for bit, and show every step of it.
 
     model: of one device; dt: us; returns Form, and Motion of one WINDOW after another
     """
     modal, lanes, pulses, state = model.modal, empty_lanes(model), table([pulse]), no_pulse()
-    load(*lanes, 0, coefficients(model, -np.inf)[0], damping, amplitude, dt)
+    load(*lanes, 0, coefficients(model, -np.inf, start)[0], damping, amplitude, dt)
     begin_pulse(lanes[0], 0, state, pulses, 0, f0 * dt)
     shrink = lanes[0][::LANES][R.VECTORS + R.U * model.modes :][: model.modes].copy()
     own_inertia = np.diag(1 / (shrink * shrink) - dt * dt * modal.stiffness / 4)
@@ -129,32 +133,29 @@ def _pairs(model, lanes, pulses, pulse_state, steps):
         yield first, before.T, after.T
 
 
-def coefficients(model, target):
+def coefficients(model, target, start=FIRST):
     """A row for each device, in the order of the rows of X, with forces times dt^2.
 
-    model: a `Model`; target: w(L/2) from rest at which a run counts as snapped, um; -inf for never
+    model: a `Model`; start: as in `Settings`
+    target: where a run counts as snapped, as from `Model.snap_target`; -inf for never
     """
     device, modal, barrier = model.device, model.modal, model.barrier
+    side, n, k = SIDE[start], len(device), model.modes
     numbers = [
         *(modal.axial, modal.residual, contact_stiffness(device, modal.residual), device.mass),
-        *(device.spring, target, barrier.energy, barrier.midpoint, device.gap),
-        *(device.beam.damping, device.stop_toward, device.stop_away, device.restitution),
+        *(device.spring, target, barrier.energy, side * barrier.midpoint, device.gap),
+        *(device.beam.damping, device.stop_toward, device.stop_away, device.restitution, side),
     ]
     vectors = modal.stiffness, *modal[2:5]
-    n, k = len(device), model.modes
     columns = [np.broadcast_to(number, n)[:, np.newaxis] for number in numbers]
     columns += [np.reshape(vector, (n, k)) for vector in vectors]
-    return np.concatenate([*columns, np.reshape(modal.geometric, (n, k * k))], axis=1)
+    columns += [np.reshape(modal.geometric, (n, k * k)), np.reshape(model.rest(start), (n, k))]
+    return np.concatenate(columns, axis=1)
 
 
 def empty_lanes(model):
     """X and shape, as the kernels of a model take them."""
     return work_array(model.modes), (0,) * model.modes
-
-
-def snap_target(model):
-    """Where the midpoint snaps, from where it rests, um."""
-    return model.barrier.second - model.barrier.first
 
 
 def work_array(modes):

@@ -92,8 +92,11 @@ class Steps:
     striking: float = 1.0
     factor: float = 1.0
 
-    def of(self, cells: Cells, question: str) -> np.ndarray:
-        """Time step of each cell, us, in the cells' shape."""
+    def of(self, cells: Cells, question: str, away: np.ndarray | bool = False) -> np.ndarray:
+        """Time step of each cell, us, in the cells' shape.
+
+        away: whether its mass starts apart from the beam, whatever the gap
+        """
         swings = np.array([pulse.swings for pulse in cells.pulses])[cells.pulse]
         swing = 1 / (swings * cells.f0)
         resolved, shortest = swing / self.per_swing, self.shortest[cells.device]
@@ -108,7 +111,7 @@ class Steps:
             fast = np.where(smooth, 1 / (1 + calm**2), 1.0)
             corners = np.where(smooth, 1.0, self.cornered)
             pressed = corners * longest / (1 + fast * self.chatter[cells.device])
-            apart = self.apart[cells.device]
+            apart = self.apart[cells.device] | away
             bounces = 1 + self.chatter[cells.device] ** 2 / CHATTER
             lands = (LANDING / FAST * calm) ** 2
             lands = np.clip(lands * lands * lands, self.striking, 1 / bounces)

@@ -34,7 +34,7 @@ def sweep(
     device: one, or several by name, as an axis
     N: multiples of g; f0: Hz, above 0, or None for a recorded shock's own; C: uN us/um, from 0
     model: name, or the config's model section
-    options: horizon (us), until, repeat, energy_tolerance, threads, as in `Settings`; pulse;
+    options: horizon (us), start, until, repeat, energy_tolerance, threads, as in `Settings`; pulse;
         direction; skip: whether a device without a second stable shape is marked `absent`, not
         refused; those of the model; and values of the device, internal units, as axes in front of
         C, f0 and N

@@ -10,7 +10,7 @@ from ..solver.cells import Rows, rows_of
 from ..solver.closures import CLOSING, closures_again
 from ..solver.models import Follows
 from ..solver.outcome import ABSENT, FAILED, REPEATED_STEP, label, t_snap_error, work_error
-from ..solver.settings import Settings
+from ..solver.settings import FIRST, Settings
 
 TIMES = "t_snap", "t_settled", "t_snap_error"
 SHARES = "well_share", "energy_error", "pulse_work", "work_error"
@@ -67,7 +67,8 @@ def _variables(seen, settings):
     }
     if settings.until == "settled":
         failed = variables["outcome"] == FAILED
-        variables["well"] = np.where(failed, 0, seen.well).astype(np.int8)
+        well = seen.well if settings.start == FIRST else np.where(seen.well, 3 - seen.well, 0)
+        variables["well"] = np.where(failed, 0, well).astype(np.int8)
         variables["well_share"] = np.where(failed, np.nan, seen.well_share).astype(np.float32)
     return {key: values for key, values in variables.items() if values is not None}
 

@@ -8,7 +8,7 @@ from ..solver.adaptive import Survey
 from ..solver.bounds import least_amplitudes
 from ..solver.cells import Rows
 from ..solver.search import SCAN_STEP, Ask, Edges, amplitudes, asker, first_snap, refine, scan
-from ..solver.settings import THRESHOLD_TOLERANCE, Settings
+from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Settings
 from .bars import Seen, error_bars
 from .reuse import joined
 from .transitions import (
@@ -108,7 +108,7 @@ def survey(
     open, and clean ones that are left open by more than the models' tolerance, are taken by finer
     models.
     """
-    bound = least_amplitudes(models.decides, rows)
+    bound = least_amplitudes(models.decides, rows, settings.start)
     thresholds = _survey(models, rows, settings, tolerance, highest, bound)
     lost = np.flatnonzero(thresholds.status == NOT_FOLLOWED)
     if lost.size:
@@ -136,7 +136,7 @@ def _taken(thresholds, which, again):
 
 def lowest(models: Survey, rows: Rows, settings: Settings, tolerance: float) -> np.ndarray:
     """Find N_first, (rows,), in stretches of FINEST_STEP and without a bar; NaN for none."""
-    bound = least_amplitudes(models.decides, rows)
+    bound = least_amplitudes(models.decides, rows, settings.start)
     # No island above the first counts.
     changes = _changes(models, rows, settings, tolerance, 0.0, bound, closest=FINEST_STEP)
     return stretches(changes.edges, changes.open_end)[0]
@@ -166,7 +166,7 @@ def _changes(models, rows, settings, tolerance, highest, bound, lowest=None, clo
     ask, label = asker(decides, rows, settings), asker(scans, rows, settings, until="snap")
     speed = pace(scans.device, rows)
     slow = speed < SLOW
-    wide = wide_scan(scans.device, models.static, rows, slow)
+    wide = wide_scan(scans.device, models.static, rows, bound, settings.start, slow)
     rough, quiet = first_seen(label, wide, bound)
     whole = _whole_window(rough, lowest, highest, slow)
     step = np.where(speed >= RINGS, closest, FINE_STEP)
@@ -225,21 +225,25 @@ def pace(device, rows):
     return 2e-6 * np.pi * rows.f0 * steepest * (1 / own + C / spring)
 
 
-def wide_scan(device, static, rows, slow=False) -> np.ndarray:
+def wide_scan(device, static, rows, bound, start=FIRST, slow=False) -> np.ndarray:
     """Amplitudes, (rows, n), from below any threshold to far above, also of short pulses.
 
-    static: threshold of slow pulses, (devices,); slow: whether a row's pulse is one, (rows,)
+    static: threshold of slow pulses, (devices,); bound: below which nothing can snap, (rows,)
+    start: as in `Settings`; slow: whether a row's pulse is one, (rows,)
     """
+    ahead = [pulse if start == FIRST else pulse.reversed() for pulse in rows.pulses]
     columns = static, device.own_frequency, device.mass
     static, own, mass = (column[rows.device] for column in columns)
-    facts = [
-        (p.variation, max(abs(p.impact), LEAST_AREA * p.swing), p.highest) for p in rows.pulses
-    ]
+    facts = [(p.variation, max(abs(p.impact), LEAST_AREA * p.swing), p.highest) for p in ahead]
     variation, area, highest = (column[rows.pulse] for column in np.array(facts).T)
     # A pulse amplifies no more than it varies; a short one must bring a velocity, against damping.
     fast = 1e-6 * np.pi * rows.f0 / (own * area)
     damped = np.divide(rows.C, 2 * own * mass, out=np.zeros(mass.shape), where=mass > 0)
     low = np.where(slow, static / SLOW_REACH, static / (1.5 * np.fmax(variation, 2)))
+    if start != FIRST:
+        # A mass that flies from afar may strike with the energy of a far weaker shock.
+        flies = ~device.is_alone[rows.device] & ~np.asarray(slow)
+        low = np.where(flies, np.minimum(low, SLACK * bound), low)
     # What mostly pulls must do so far more strongly.
     static = static / np.fmax(highest, LEAST_PUSH)
     high = np.where(slow, SLOW_REACH * static, 5 * static * (1 + fast) * (1 + damped))

@@ -13,8 +13,8 @@ from ..quantities import plain
 from ..solver.adaptive import choose_model
 from ..solver.cells import to_rows
 from ..solver.outcome import FAILED, OUTCOMES, label
-from ..solver.settings import THRESHOLD_TOLERANCE
-from ..study import Study
+from ..solver.settings import FIRST, THRESHOLD_TOLERANCE
+from ..study import Study, of_requirement
 from .surface import thresholds_of
 
 MET, VIOLATED, UNCLEAR = "met", "failed", "unclear"
@@ -29,6 +29,7 @@ class Verdict(NamedTuple):
     scale, scale_first: N and N_first as factors of the record; NaN unless it is one
     margin, margin_error: N_first and its bar over N; NaN where nothing snaps
     outcome: of the shock as simulated; verdict: MET, VIOLATED, or UNCLEAR within the bar
+    start: as in `Settings`
     """
 
     requirement: str
@@ -48,6 +49,7 @@ class Verdict(NamedTuple):
     verdict: str
     scale: float
     scale_first: float
+    start: str = FIRST
 
 
 class Survival(NamedTuple):
@@ -72,14 +74,14 @@ def check(
 ) -> list[Verdict]:
     """Simulate each required shock with its own pulse and find the threshold of that pulse.
 
-    study: whose pulse is of no account
-    requirements: name, shocks (of one shape and direction), N, f0 (Hz) and snaps of each
+    study: whose pulse and start are of no account
+    requirements: name, shocks (of one shape and direction), N, f0 (Hz), snaps and start of each
     C: uN us/um; tolerance: of the thresholds in N, relative
     """
     return [
         verdict
         for asked, name, one in each_device(study, requirements)
-        for verdict in _verdicts(replace(one, shocks=asked["shocks"]), name, asked, C, tolerance)
+        for verdict in _verdicts(one, name, asked, C, tolerance)
     ]
 
 
@@ -90,7 +92,8 @@ def each_device(
     several = isinstance(study.device, Mapping)
     for asked in requirements:
         for name, device in study.devices().items():
-            yield asked, name if several else "", replace(study, device=device)
+            one = of_requirement(study, asked)
+            yield asked, name if several else "", replace(one, device=device)
 
 
 def _verdicts(study, name, asked, C, tolerance):
@@ -111,7 +114,7 @@ def _verdicts(study, name, asked, C, tolerance):
         yield Verdict(
             *(asked["name"], name, shocks.pulse.name, shocks.direction),
             *(N, f0, 1e3 / f0, damping, asked["snaps"], OUTCOMES[outcome]),
-            *(first, error, first / N, error / N, verdict, N * over, first * over),
+            *(first, error, first / N, error / N, verdict, N * over, first * over, settings.start),
         )
 
 

@@ -16,7 +16,7 @@ from ..quantities import plain
 from ..solver.adaptive import choose_survey
 from ..solver.bounds import least_amplitudes
 from ..solver.cells import rows_of
-from ..solver.settings import THRESHOLD_TOLERANCE
+from ..solver.settings import FIRST, THRESHOLD_TOLERANCE
 from ..study import THRESHOLD_SETTINGS, Study, study_of
 from .cost import tell_cost
 from .islands import (
@@ -75,7 +75,7 @@ def threshold(
     tolerance: of the refinement in N, relative
     highest: largest N of the search for islands; by default twice the threshold
     earlier: thresholds of the same study and code on other axes, whose searched rows are taken
-    options: horizon (us after the pulse), energy_tolerance, threads; pulse; direction; skip:
+    options: horizon (us after the pulse), start, energy_tolerance, threads; pulse; direction; skip:
         whether a device without a second stable shape is no error; those of the model; and values
         of the device, internal units, as axes in front of C and f0
     Variables: those of `islands.Thresholds`, (..., C, f0), with N_latched; the limits of slow and
@@ -112,7 +112,7 @@ def thresholds_of(
     document = study.document(THRESHOLD_SETTINGS)
     document["sweep"]["threshold_tolerance"] = tolerance
     made_by = recipe(document, grid.pulses, highest)
-    models, rows = choose_survey(grid.device, study.model), rows_of(grid)
+    models, rows = choose_survey(grid.device, study.model, settings.start), rows_of(grid)
     found, known = recall(earlier, grid, made_by)
     there, parts = rows.device >= 0, []
     if not known.all():
@@ -228,7 +228,7 @@ def _verify(models, rows, settings, tolerance, highest, expected):
     error = (expected.bar + tolerance) * N_first + abs(N_first - expected.N)
     return {
         "status": none + np.int8(FOUND),
-        "N_bound": least_amplitudes(models.decides, rows),
+        "N_bound": least_amplitudes(models.decides, rows, settings.start),
         "N_looked": expected.N * OVER[-1],
         "N_first": N_first,
         "N_error": error,
@@ -287,7 +287,8 @@ def _limits(grid, models, settings, tolerance, highest):
         ..., np.newaxis
     ]
     impact = np.array([pulse.impact for pulse in grid.pulses])
-    presses = np.array([one.highest for one in grid.pulses])
+    ahead = [one if settings.start == FIRST else one.reversed() for one in grid.pulses]
+    presses = np.array([one.highest for one in ahead])
     static = spread(models.static) / np.where(presses > 0, presses, np.nan).reshape(sizes)
     jumps = np.flatnonzero([any(one.ends) for one in grid.pulses])
     if jumps.size:

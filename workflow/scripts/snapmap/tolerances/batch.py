@@ -20,7 +20,7 @@ from ..solver.models import Follows, build_model
 from ..solver.outcome import LATCHED, label
 from ..solver.search import asker
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
-from ..study import Study
+from ..study import Study, of_requirement
 from ..thresholds.islands import survey
 from .regression import nominal_thresholds, thresholds_of_samples
 from .samples import SHOCK_FACTORS, nominal_value
@@ -109,7 +109,7 @@ class Batch:
             warnings.simplefilter("ignore")  # how far the mass of each flies
             for k, i, j in product(*map(range, stress.shape)):
                 required, factor = requirements[k], {key: a[i] for key, a in self.factors.items()}
-                own = replace(study, device=self.model.device.pick(i), shocks=required["shocks"])
+                own = replace(of_requirement(study, required), device=self.model.device.pick(i))
                 shock = required["N"] * factor["N"], required["f0"] / factor["duration"]
                 stress[k, i, j] = extremes_of(own, *shock, C[j] * factor["C"]).stress_max
         return stress
@@ -172,7 +172,7 @@ def thresholds_at(
         devices = batch_of([study.device]).pick(np.zeros_like(places)).vary(made)
         shock = (np.broadcast_to(a, size)[there] for a in (f0, C, pulse))
         rows = to_rows(places, *shock, study.shocks.pulses)
-        models = choose_survey(devices, study.model)
+        models = choose_survey(devices, study.model, study.settings.start)
         seen = survey(models, rows, study.settings, THRESHOLD_TOLERANCE)
         first[:, there] = seen.N_first, seen.N_error
     return *first, there

@@ -14,7 +14,7 @@ from ..io.counting import counting
 from ..io.variables import dress
 from ..numerics.portable import geometric
 from ..solver.cells import to_rows
-from ..study import THRESHOLD_SETTINGS, Study, study_of, with_shocks
+from ..study import THRESHOLD_SETTINGS, Study, of_requirement, study_of, with_shocks
 from .batch import Batch, choose_builder
 from .samples import SHOCK_FACTORS, Plan, Tolerances
 from .sensitivity import crossed, indices
@@ -171,8 +171,9 @@ def _requirements(batch, study, requirements, C, tolerance):
     first, meets = [], []
     for required in requirements:
         rows = to_rows(0, required["f0"], C, 0, required["shocks"].pulses)
-        first.append(batch.thresholds(rows, study.settings, tolerance)[0])
-        snaps = batch.snaps(required["N"], rows, study.settings)
+        settings = of_requirement(study, required).settings
+        first.append(batch.thresholds(rows, settings, tolerance)[0])
+        snaps = batch.snaps(required["N"], rows, settings)
         meets.append((snaps == required["snaps"]) & batch.bistable[:, np.newaxis])
     meets, along = np.array(meets), ("requirement", "C")
     N, f0, must = ([required[key] for required in requirements] for key in ("N", "f0", "snaps"))

@@ -7,7 +7,7 @@ from ..solver.bounds import least_amplitudes
 from ..solver.cells import Rows
 from ..solver.models import Follows
 from ..solver.search import TOGETHER, asker, first_snap, near, refine, walk
-from ..solver.settings import Settings
+from ..solver.settings import SECOND, Settings
 from ..thresholds.islands import BELOW, first_seen, wide_scan
 from ..thresholds.transitions import FINE_STEP, Window
 
@@ -26,8 +26,9 @@ def nominal_thresholds(
 ) -> np.ndarray:
     """The lowest N that snaps of rows of which nothing is known, (rows,); NaN for none."""
     ask = asker(model, rows, settings)
-    wide = wide_scan(model.device, static_threshold(model.device), rows)
-    rough, _ = first_seen(ask, wide, least_amplitudes(model, rows))
+    start, bound = settings.start, least_amplitudes(model, rows, settings.start)
+    static = static_threshold(model.device, back=start == SECOND)
+    rough, _ = first_seen(ask, wide_scan(model.device, static, rows, bound, start), bound)
     N = Window(BELOW * rough, rough, np.full(rough.size, FINE_STEP)).N
     begins = np.isfinite(ask(N))
     begins[:, 1:] &= ~begins[:, :-1]

@@ -68,8 +68,8 @@ def load(work, shape, l, device, damping, amplitude, dt):
     work[l::LANES] = 0.0
     modes = len(shape)
     X, V = numbers(work), vectors(work, modes)
-    drag, square, of_modes = damping * dt / 2, dt * dt, device[R.RESTITUTION + 1 :]
-    for name in range(R.AXIAL, R.RESTITUTION + 1):
+    drag, square, of_modes = damping * dt / 2, dt * dt, device[R.SIDE + 1 :]
+    for name in range(R.AXIAL, R.SIDE + 1):
         X[name, l] = device[name]
     for name in (R.AXIAL, R.CONTACT, R.K, R.BARRIER):
         X[name, l] *= square
@@ -89,7 +89,8 @@ def load(work, shape, l, device, damping, amplitude, dt):
             element = of_modes[(R.S - R.KAPPA + i) * modes + j]
             both = V[R.U, i, l] * V[R.U, j, l]
             V[R.S + i, j, l] = both * element
-    X[R.OVERLAP, l] = 0.0 - X[R.Z0, l]
+        V[R.P, i, l] = of_modes[(R.S - R.KAPPA + modes) * modes + i] / V[R.U, i, l]
+    begin(X, V, modes, l)
     X[R.AMPLITUDE, l] = amplitude * square
     mass = X[R.M, l] + X[R.K, l] / 4
     X[R.KEEP, l] = (mass - drag) / (mass + drag)
@@ -104,6 +105,21 @@ def load(work, shape, l, device, damping, amplitude, dt):
     X[R.GAMMA, l] = gamma = b * X[R.AXIAL, l] / 2
     X[R.SOFTENING, l] = b * gamma / 2
     X[R.COMPLIANCE, l] = (b * ee + X[R.B, l]) / 2
+
+
+@inlined
+def begin(X, V, modes, l):
+    """The rest of the state of lane l, whose modes are at rest at P."""
+    w = 0.0
+    for i in range(modes):
+        u = 2 * V[R.SQ0, i, l]
+        for j in range(modes):
+            u += V[R.S + i, j, l] * V[R.P, j, l]
+        X[R.Q, l] += u * V[R.P, i, l]
+        w += V[R.E, i, l] * V[R.P, i, l]
+    X[R.OVERLAP, l] = w - X[R.Z0, l]
+    X[R.W, l] = X[R.SIDE, l] * w
+    X[R.AT_START, l] = energies(X, V, modes, l)[0]
 
 
 @inlined
@@ -146,7 +162,7 @@ def look(X, V, modes, l, cell, state, task):
     facts.well[cell], facts.well_share[cell] = 0, np.nan
     if not in_pulse and not stopped:
         share = (X[R.BEYOND, l] - X[R.BEYOND_SINCE, l]) / (steps - X[R.SINCE, l])
-        is_second = well == 2 if proven else not w > X[R.SADDLE, l]
+        is_second = well == 2 if proven else not X[R.SIDE, l] * w > X[R.SADDLE, l]
         facts.well[cell] = 2 if is_second else 1
         facts.well_share[cell] = 1.0 if proven else share if is_second else 1 - share
     return True
@@ -181,30 +197,32 @@ def energies(X, V, modes, l):
 
 @inlined
 def ledger(X, V, modes, l, drag):
-    """What `energies` returns, and energy + losses - work of the pulse.
+    """What `energies` returns, and energy + losses - work of the pulse - energy at the start.
 
     Up to the last half step; drag: C dt.
     """
     beam, mass, contact, w = energies(X, V, modes, l)
     swept = drag * X[R.SWEPT, l] + X[R.ALPHA, l] * X[R.BEAM_SWEPT, l]
     energy = beam + mass + contact + X[R.LOST, l]
-    return beam, mass, contact, w, energy + swept / 4 - X[R.WORK, l] / 2
+    return beam, mass, contact, w, energy + swept / 4 - X[R.WORK, l] / 2 - X[R.AT_START, l]
 
 
 @inlined
 def proven_well(X, l, kept, margin):
-    """The well (1 or 2) that the beam can never leave without a shock, or 0 if that is open.
+    """The well that the beam can never leave without a shock, or 0 if that is open.
 
-    Energy only falls after the pulse. 1 or 2: all of it is below the barrier. 2: the beam's alone
-    is, and the mass on its spring cannot swing as low as the beam can rise, the saddle.
+    1 is the one in which it started, 2 the other. Energy only falls after the pulse. Either: all of
+    it is below the barrier. That below the saddle: the beam's alone is, and the mass on its spring
+    cannot swing as low as the beam can rise, the saddle.
     """
     beam, mass, contact, w = kept
-    barrier, saddle = X[R.BARRIER, l], X[R.SADDLE, l]
+    barrier, side = X[R.BARRIER, l], X[R.SIDE, l]
+    saddle, well = side * X[R.SADDLE, l], 1 if side * w > X[R.SADDLE, l] else 2
     if beam + mass + contact + margin < barrier:
-        return 1 if w > saddle else 2
+        return well
     lowest_mass = -np.sqrt(2 * (mass + margin) / X[R.K, l])
     if beam + margin < barrier and w < saddle < lowest_mass + X[R.Z0, l]:
-        return 2
+        return well
     return 0
 
 

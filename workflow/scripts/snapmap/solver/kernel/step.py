@@ -138,14 +138,16 @@ def switch_contacts(X):
 def meet(X, l):
     """q and x at the next half step, w = e.p - c P; returns 2 gamma r.
 
-    w is latched, with the value before, at the first instant at or below the target.
+    w, of a run from the second shape -w, is latched, with the value before, at the first instant at
+    or below the target.
     """
     force, b = X[R.FORCE, l], X[R.BEAM_B, l]
     r = fma(-X[R.EU, l] * (b / 2), force, X[R.Q_FREE, l])
     r *= X[R.INVERSE, l]
     X[R.Q, l] = fma(2.0, r, -X[R.Q, l])
     X[R.OVERLAP, l] = fma(-X[R.BETA, l], force, X[R.OVERLAP_FREE, l])
-    w, w_last = fma(-X[R.RESIDUAL, l], force, X[R.EP, l]), X[R.W, l]
+    w = X[R.SIDE, l] * fma(-X[R.RESIDUAL, l], force, X[R.EP, l])
+    w_last = X[R.W, l]
     above = w_last > X[R.TARGET, l]
     X[R.W_BEFORE, l] = w_last if above else X[R.W_BEFORE, l]
     X[R.W, l] = w if above else w_last

@@ -1,0 +1,172 @@
+"""Runs that start in the second shape: exact facts, other integrators, what is proven and told."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+from scipy.integrate import solve_ivp
+
+import snapmap
+from snapmap.beam.equilibria import reset_force, static_threshold
+from snapmap.config.study import load_config
+from snapmap.device import ALONE, batch
+from snapmap.shocks import make_shocks
+from snapmap.solver.bounds import least_amplitudes
+from snapmap.solver.cells import to_rows
+from snapmap.solver.models import build_model
+from snapmap.solver.search import lowest_snap
+from snapmap.solver.settings import Settings
+from snapmap.study import Study
+from snapmap.thresholds.requirements import check
+from studies.rivals import compile_rate
+
+BACK = {"start": "second", "direction": "-z"}
+CHEAP = {"model": "cosines", "modes": 3}
+
+
+def alone(device, force=0.0, **beam):
+    return replace(device, **ALONE, force=force, beam=replace(device.beam, **beam))
+
+
+def test_a_buckled_straight_beam_is_its_own_mirror_image(handout):
+    """Both shapes are alike: back along -z is there along +z, to the rise of 1e-8 that it has."""
+    device = alone(handout, rise=0.0, residual_stress=-60.0, damping=2e-2)
+    asked = {"N": np.linspace(0.0, 1.5e5, 16), "f0": [2e4], "C": [0.0], "horizon": 300.0, **CHEAP}
+    there, back = (snapmap.sweep(device, **asked, **each) for each in ({}, BACK))
+    assert len(np.unique(there.outcome)) > 2
+    np.testing.assert_array_equal(back.outcome, there.outcome)
+    np.testing.assert_array_equal(back.well, 3 - there.well)
+    np.testing.assert_allclose(back.t_snap, there.t_snap, rtol=1e-6)
+    np.testing.assert_allclose(back.pulse_work, there.pulse_work, rtol=1e-5, atol=1e-9)
+
+
+def test_the_reset_force_is_the_closed_form(handout):
+    """docs/theory.md, statics: the least root of a quadratic; the bar tells how far it is off."""
+    n, beam = np.arange(3, 4001, 2), handout.beam
+    curve = np.sum(1 / (n**2 * (n**2 - 4.0) ** 2))
+    Q = beam.rise / beam.thickness
+    least = min(np.roots([1 / 9 + curve, -2 / 9, 1 / 9 - 1 + 16 / (3 * Q * Q)]))
+    exact = -least * 2 * np.pi**4 * beam.stiffness_unit * beam.rise
+    force, error = reset_force(beam)
+    assert 0 < error < 1e-6 * force
+    assert force == pytest.approx(exact, abs=2 * error)
+    for made in ({"residual_stress": -20.0}, {"shape": "arc", "residual_stress": -150.0}):
+        device = alone(handout, 1.0, **made)
+        assert static_threshold(device, back=True) == pytest.approx(
+            -snapmap.statics(device).least_force, rel=1e-5
+        )
+
+
+@pytest.mark.parametrize("force", [0.0, 1.0])
+def test_slow_pulses_tend_to_the_static_one(handout, force):
+    device = alone(handout, force, damping=4e-3, free=1.0, imperfection=0.05, residual_stress=-60.0)
+    static, model = static_threshold(device, back=True), build_model(device, "cosines", modes=3)
+    rows = to_rows(0, 500.0, 0.0, pulses=make_shocks(direction="-z").pulses)
+    settings = Settings(0.0, "snap", start="second")
+    found = lowest_snap(model, rows, (0.8 * static, 1.2 * static), settings, 1e-4).item()
+    assert found == pytest.approx(static, rel=2e-3)
+
+
+def test_the_models_and_scipy_agree(handout):
+    """With its mass, by the beam's own inertia: -z from the second shape."""
+    model = build_model(handout, "cosines", modes=3).with_step(0.25)
+    rate, w = compile_rate(handout, model.modal)
+    given = {"N": 5.5e4, "f0": 2e4, "C": 25.0}
+    snap = {"atol": 1e-9, "rtol": 1e-9, "events": lambda t, x, *_: w(x)}
+    start = np.append(model.second.modes, np.zeros(5))
+    load = -given["N"] * handout.gravity, 2e-2, given["C"]
+    exact = solve_ivp(rate, (0, 50), start, "DOP853", args=load, **snap).t_events[0][0]
+    cells = to_rows(0, 2e4, 25.0).cells(handout, -given["N"], 0.0)
+    found = model.follow(cells, Settings(0.0, "snap", start="second"))
+    assert found.t_snap.item() == pytest.approx(exact, rel=1e-5)
+    asked = {key: [value] for key, value in given.items()} | {"until": "snap"} | BACK
+    fast, slow = (snapmap.sweep(handout, **asked, model=name) for name in ("handout", "reference"))
+    assert slow.t_snap.item() == pytest.approx(fast.t_snap.item(), rel=1e-3)
+
+
+@pytest.mark.parametrize("model", ["reference", "handout", "cosines"])
+def test_without_a_shock_it_stays(handout, model):
+    run = snapmap.simulate(handout, 0.0, 2e4, 25.0, model=model, horizon=100.0, start="second")
+    assert abs(run.w_mid - handout.beam.second_equilibrium).max() < 1e-3
+    assert np.ptp(run.w_mid.values) < 1e-9
+    if model != "reference":
+        cube = snapmap.sweep(handout, [0.0], [2e4], [25.0], model=model, start="second")
+        assert (cube.outcome.item(), cube.well.item()) == (1, 2)
+
+
+def test_the_ledger_closes_from_the_energy_of_the_second_shape(handout):
+    device = replace(handout, stop_away=30.0, beam=replace(handout.beam, damping=4e-4))
+    run = snapmap.simulate(device, 6e4, 2e4, 25.0, **CHEAP, **BACK)
+    parts = ("kinetic", "spring", "bending", "axial", "contact", "dissipated")
+    kept = sum(run[f"{part}_energy"] for part in parts) - run.pulse_work
+    depth = build_model(device, "cosines", modes=3).second.energy
+    assert depth == pytest.approx(385.96, abs=0.01)
+    assert abs(kept - depth).max() < 1e-9 * run.pulse_work.max()
+    assert run.w_mid.max() > run.first_equilibrium == device.beam.rise
+    # An electrode that the second shape touches opens as the beam leaves, and is closed till then.
+    run = snapmap.simulate(replace(device, contact_at=-7.0), 6e4, 2e4, 25.0, **CHEAP, **BACK)
+    leaves = np.interp(
+        -7.0, *(run[key][: np.argmax(run.w_mid.values)] for key in ("w_mid", "time"))
+    )
+    assert run.t_closed == 0 and run.closed_for == pytest.approx(leaves, abs=0.01)
+
+
+def test_what_is_proven_holds_for_longer_runs(handout):
+    """Wells swapped: `never` stays in the second shape, `latched` in the first."""
+    device = replace(handout, stop_away=6.0, beam=replace(handout.beam, damping=4e-3))
+    asked = {"N": np.geomspace(1e3, 1.5e5, 16), "f0": [3e3, 2e4], "C": [25.0, 500.0]}
+    asked |= CHEAP | {"start": "second", "direction": "both"}
+    cube, longer = (snapmap.sweep(device, **asked, horizon=h) for h in (3e3, 6e3))
+    never, latched, returned = (cube.outcome == code for code in (1, 3, 4))
+    assert never.any() and latched.any()
+    proven = (never | latched | returned).values
+    np.testing.assert_array_equal(longer.outcome.values[proven], cube.outcome.values[proven])
+    assert (cube.well == 2).where(never | returned, True).all()
+    assert (cube.well == 1).where(latched, True).all()
+
+
+def test_nothing_snaps_below_the_bound_and_the_start_is_told(handout):
+    device = replace(alone(handout, 1.0), beam=replace(handout.beam, damping=4e-3))
+    found = snapmap.threshold(device, [2e4, 2e5], [0.0], **CHEAP, **BACK)
+    assert (found.N_bound < found.N_first).all()
+    assert found.N_static.item() == pytest.approx(reset_force(device.beam)[0], rel=1e-6)
+    there = snapmap.threshold(device, [2e4], [0.0], **CHEAP, direction="-z")
+    assert json.loads(found.attrs["config"])["sweep"]["start"] == "second"
+    assert "start" not in json.loads(there.attrs["config"])["sweep"]
+    assert there.attrs["recipe"] != found.attrs["recipe"]
+    shock = {"shocks": make_shocks(direction="-z"), "f0": 2e4, "snaps": True, "N": 45.0}
+    study = Study(device=device, model={"name": "cosines", "modes": 3})
+    asked = [{"name": name, "start": name, **shock} for name in ("first", "second")]
+    assert [one.verdict for one in check(study, asked, [0.0])] == ["failed", "met"]
+
+
+def test_the_energy_above_the_second_shape_is_within_both_bounds(handout):
+    """solver/bounds.py: while the beam is in that well; of a pulse of area 1/2 and variation 2."""
+    for device in (handout, alone(handout)):
+        run = snapmap.simulate(device, 4e4, 2e4, 0.0, **CHEAP, **BACK, horizon=0.0)
+        assert run.w_mid.max() < run.second_equilibrium + 6  # before the saddle
+        gained, peak = run.pulse_work.max().item(), 4e4 * device.gravity
+        speed, weight = peak / (2 * 2e-2), device.mass + device.beam.weight
+        assert 0 < gained < weight / 2 * speed**2
+        model = build_model(batch([device]), "cosines", modes=3)
+        depth = (model.barrier.energy - model.second.energy).item()
+        fast, slow = least_amplitudes(model, to_rows(0, [2e4, 1.0], 0.0), "second")
+        assert fast == pytest.approx(np.sqrt(2 * depth / weight) * 4e-2 / device.gravity, rel=1e-6)
+        assert 0 < slow < static_threshold(device, back=True)
+
+
+def test_the_config_of_the_recipe_says_where_runs_start(root):
+    page = (root / "docs" / "recipes.md").read_text(encoding="utf-8").split("brings it back?")[1]
+    asked = yaml.safe_load(page.split("```")[1].removeprefix("yaml"))
+    whole = yaml.safe_load((root / "config" / "sensor.yaml").read_text(encoding="utf-8"))
+    whole |= {"requirements": asked["requirements"], "sweep": whole["sweep"] | asked["sweep"]}
+    study = load_config(whole)
+    assert study.settings.start == study.of_thresholds().settings.start == "second"
+    assert [one["start"] for one in study.requirements] == ["second", "second"]
+    del whole["requirements"][0]["start"]
+    assert "start" not in load_config(whole).requirements[0]
+    whole["sweep"]["start"] = "third"
+    with pytest.raises(ValueError, match="start: 'third' is not"):
+        load_config(whole)
