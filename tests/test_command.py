@@ -2,11 +2,12 @@
 
 import re
 import sys
+from pathlib import Path
 
 import pytest
 
 import snapmap
-from snapmap.command import _costs, main
+from snapmap.command import START, _costs, main
 from snapmap.config.doubts import descriptions, doubts
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import read_document
@@ -57,12 +58,40 @@ def test_check_says_what_else_it_costs(config):
     assert "tolerances" not in _costs(load_config(document))
 
 
+def test_check_says_what_vibration_calibration_and_histories_cost(config, tmp_path, monkeypatch):
+    """In proportion to the spectra and the histories, and to the points over the ranges."""
+    monkeypatch.chdir(tmp_path)
+    Path("shots.csv").write_text("N,duration (ms),tripped\n800,1,no\n900,1,no\n1000,1,yes\n")
+    document = read_document(config)
+    ranges = {"thickness": ["1.5 um", "1.7 um"], "rise": ["7.9 um", "8.1 um"]}
+    psd = [["100 Hz", "4 g^2/Hz"], ["2000 Hz", "4 g^2/Hz"]]
+    costs = []
+    for count in (1, 2):
+        names = [f"road {i}" for i in range(count)]
+        shaken = {"psd": psd, "duration": "0.1 s", "snaps": False}
+        document["requirements"] = [{"name": name, **shaken} for name in names]
+        cells = [{"N": 900 + i, "f0": "1 kHz", "C": "5 uN*us/um"} for i in range(count)]
+        unknowns = dict(list(ranges.items())[:count])
+        calibration = {"shots": "shots.csv", "unknowns": unknowns, "C": "5 uN*us/um"}
+        document |= {"histories": cells, "calibration": calibration}
+        costs.append(_costs(load_config(document)))
+    one, two = costs
+    assert one["vibration"] > 0 and two["vibration"] == pytest.approx(2 * one["vibration"])
+    assert two["histories"] - one["histories"] == START
+    assert two["calibration"] / one["calibration"] == pytest.approx((64 + 17**2) / (64 + 33))
+
+
 def test_run_is_snakemake_with_the_workflow(root, config, monkeypatch):
     asked = []
     monkeypatch.setattr("snakemake.cli.main", asked.extend)
     assert main(["run", str(config), "--cores", "2"]) == 0
     files = ["--snakefile", str(root / "Snakefile"), "--configfile", str(config)]
     assert asked == [*files, "--cores", "2"]
+    asked.clear()
+    assert main(["run", str(config), "-n", "results/cube.nc"]) == 0
+    assert asked == [*files, "--cores", "all", "-n", "results/cube.nc"]
+    with pytest.raises(SystemExit):
+        main(["check", str(config), "-n"])
 
 
 def test_run_refuses_what_snakemake_would_evaluate(config, monkeypatch, capsys):

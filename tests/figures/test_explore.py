@@ -364,6 +364,7 @@ def test_without_traces_the_page_says_how_to_get_them(browser, cube, tmp_path):
     view = View(browser, tmp_path / "page.html")
     assert shows(view, cube.isel(C=view.place()[0]), "f0", "N")
     assert not view.page.is_visible("#history") and "traces: true" in view.text("main")
+    assert view.page.is_hidden(".of-stops >> nth=0") and view.page.is_hidden(".of-gap >> nth=0")
     view.click(1, 2)
     assert not view.page.is_visible("#history") and "undefined" not in view.text("#verdict")
     assert view.complaints == []

@@ -12,7 +12,7 @@ from matplotlib.patches import PathPatch
 from small_results import TINY, legend_words, make_cells, make_found, visible
 
 import snapmap
-from snapmap.figures import maps, plane, style
+from snapmap.figures import curves, maps, plane, style
 from snapmap.figures import states as S
 from snapmap.io.tables import Point, read_points
 from snapmap.sweeps.cube import summary, with_summary
@@ -257,6 +257,20 @@ def test_maps_side_by_side_are_alike_and_share_one_legend(number):
     assert [title.split()[2] for title in titles] == [f"{25 + C}" for C in range(number)]
     (legend,) = there[0].figure.legends
     assert f"({7 * number} cells)" in legend.get_texts()[1].get_text()
+
+
+def test_panels_have_one_key_for_their_limits_and_what_they_share_stands_below():
+    found = make_found().isel(C=0, drop=True)
+    panels = [
+        (TINY.assign_coords(C=25.0, thickness=t), found.assign(N_static=1000.0 + t)) for t in (1, 2)
+    ]
+    drawn = maps.draw_maps(style.double_column(height=9), panels, "f0", "N")
+    (legend,) = drawn[0, 0].figure.legends
+    labels = [text.get_text() for text in legend.get_texts()]
+    assert [label for label in labels if label.startswith(curves.LONG)] == [curves.LONG]
+    assert "$C$ = 25" in legend.get_title().get_text().replace("\xa0", " ")
+    titles = [ax.get_title(loc="left").replace("\xa0", " ") for ax in drawn.flat]
+    assert titles == ["thickness 1 µm", "thickness 2 µm"]
 
 
 def test_shocks_and_points_have_numbers_and_names_as_they_are():

@@ -8,11 +8,11 @@ import pytest
 import snapmap
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.search import amplitudes, asker, near, refine, walk
+from snapmap.solver.search import amplitudes, asker, near, refine, scan, walk
 from snapmap.solver.settings import Settings
 from snapmap.thresholds.bars import _distance
 from snapmap.thresholds.islands import NARROW, _closer_window, _decide, _whole_window, first_seen
-from snapmap.thresholds.transitions import stretches
+from snapmap.thresholds.transitions import BESIDE, CLOSEST_STEP, Window, stretches
 
 
 def told(snapped):
@@ -70,8 +70,13 @@ def surveyed(coarse, fine, highest=None):
     slow = np.zeros(2, bool)
     rough, _ = first_seen(asking(coarse), wide, np.full(2, 0.01))
     whole = _whole_window(rough, None, highest, slow)
-    window, ragged = _closer_window(asking(coarse), whole, ~slow)
-    edges, open_end, *_ = _decide(asking(fine), window, whole, ragged)
+    window, ragged = _closer_window(asking(coarse), whole)
+
+    def closely(low, high):
+        close = Window(low / BESIDE, high * BESIDE, np.full(low.size, CLOSEST_STEP))
+        return scan(asking(fine), close.N)
+
+    edges, open_end, *_ = _decide(asking(fine), closely, window, whole, ragged, ~slow)
     row, *ends, rising = edges
     low, high = refine(lambda N: asking(fine)(N, row), *ends, 1e-6, rising)
     edges = edges._replace(low=low, high=high)

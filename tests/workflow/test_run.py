@@ -101,6 +101,18 @@ def test_passes_on_folder_arguments_input_output_path_and_status(clone, tmp_path
     assert out.decode() == f"{clone.folder}/.venv\n"
 
 
+def test_a_linked_venv_is_used_if_whole_and_never_cleared(clone, tmp_path):
+    clone.run("true")
+    other = tmp_path / "other"
+    shutil.copytree(clone.folder, other, ignore=shutil.ignore_patterns(".venv"))
+    (other / ".venv").symlink_to(clone.folder / ".venv")
+    assert subprocess.run([other / "run", "true"], env=clone.environment).returncode == 0
+    (other / "requirements.lock").write_text("# another\n")
+    done = subprocess.run([other / "run", "true"], env=clone.environment, capture_output=True)
+    assert done.returncode == 1 and b"is a link" in done.stderr
+    assert len(clone.venvs_made()) == 1
+
+
 def test_installs_once_and_again_after_the_lock_or_the_path_changes(clone, tmp_path):
     first, second = clone.run("true"), clone.run("true")
     venv = str(clone.folder / ".venv")

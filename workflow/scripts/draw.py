@@ -1,5 +1,6 @@
 """What the rules of figures run, each a function named like its rule: reads, draws, saves."""
 
+import gc
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
@@ -121,7 +122,7 @@ def _along(found, view):
 
 
 def _draw_map(draw, view, folder, *data, **shown):
-    with _figure(f"{folder}/{view['name']}", data[0], height=5, columns=1) as figure:
+    with _figure(f"{folder}/{view['name']}", data[0], height=3.6, columns=1) as figure:
         draw(figure.subplots(), *data, view["x"], view["y"], **shown)
         style.fit(figure, maps.RATIO)
 
@@ -212,4 +213,6 @@ def draw_page(cube_path, threshold_path, horizon, path, traces_path=""):
 
 
 if __name__ == "__main__":
+    gc.freeze()  # what was imported stays
+    gc.set_threshold(200_000)  # a figure and its fonts are many objects, and hardly any is garbage
     run_rule(globals()[snakemake.rule], snakemake)

@@ -30,7 +30,12 @@ def main(words: Sequence[str] | None = None) -> int:
         verb.add_argument("config", type=Path)
         verb.set_defaults(do=do)
     verb.add_argument("--cores", default="all", help="by default all")
-    given = vars(parser.parse_args(words))
+    known, others = parser.parse_known_args(words)
+    given = vars(known)
+    if known.do is run:
+        given["others"] = others  # Snakemake's: -n, targets
+    elif others:
+        parser.error(f"unrecognized arguments: {' '.join(others)}")
     try:
         given.pop("do")(**given)
     except (ImportError, OSError, ValueError) as fault:
@@ -108,18 +113,73 @@ def _costs(study):
             rows = to_rows(0, f0, C[:, np.newaxis], pulse, study.grid.pulses)
             every = scatter.samples + scatter.power * (1 + len(scatter.scatters))
             costs["tolerances"] += samples(rows, every)
+    if study.vibrations:
+        costs["vibration"] = _shaken(study)
+    if study.calibration:
+        costs["calibration"] = _calibrated(study)
+    if study.histories:
+        costs["histories"] = START * (len(study.histories) - 1)
     costs |= dict.fromkeys(["data sheet"] * bool(study.all_required), 0.0)
     return costs | {"figures": PER_FIGURE * len(products(study).stems)}
 
 
-def run(config: Path, cores: str) -> None:
-    """Run the workflow in the current folder, and exit as Snakemake does; ValueError, one line."""
+def _shaken(study):
+    """Core time in which records of every vibration are followed at all levels, s, about."""
+    from .device import batch
+    from .solver.adaptive import choose_survey
+    from .solver.cells import to_rows
+    from .spectra.psd import Spectrum
+    from .spectra.vibration import RECORDS, SEED, STEP
+    from .thresholds.cost import PER_RECORD, run_seconds
+
+    seconds, settings = 0.0, study.settings._replace(horizon=0.0)
+    for device in study.devices().values():
+        model = choose_survey(batch([device]), study.model).decides.with_step(STEP)
+        for required in study.vibrations:
+            length = Spectrum(required["psd"]).record_length(required["duration"])
+            pulse, _ = Spectrum(required["psd"]).record(length, [SEED, 0])
+            rows = to_rows(0, 1 / length, study.axes["C"], 0, (pulse,))
+            seconds += PER_RECORD * RECORDS * float(run_seconds(model, rows, settings).sum())
+    return seconds
+
+
+def _calibrated(study):
+    """Core time in which thresholds over the ranges of a calibration are found, s, about."""
+    from .calibration.surface import CHECKED, POINTS
+    from .device import batch
+    from .solver.adaptive import choose_survey
+    from .solver.cells import to_rows
+    from .thresholds.cost import PER_SAMPLE, run_seconds
+
+    shots, _, unknowns, C = study.calibration
+    groups, size = shots.groups, len(unknowns)
+    pulses = tuple(group.pulse for group in groups)
+    C = sum(unknowns["C"]) / 2 if C is None else C
+    rows = to_rows(0, [group.f0 for group in groups], C, range(len(pulses)), pulses)
+    model = choose_survey(batch([study.device]), study.model).decides
+    points = CHECKED + POINTS[size] ** size
+    return PER_SAMPLE * points * float(run_seconds(model, rows, study.settings).sum())
+
+
+def run(config: Path, cores: str, others: Sequence[str] = ()) -> None:
+    """Run the workflow in the current folder, and exit as Snakemake does; ValueError, one line.
+
+    others: options and targets of Snakemake's, such as -n
+    """
     with needing("snapmap run"):
         from snakemake.cli import main as snakemake
 
         from .config.yaml_file import read_document
     read_document(config)  # Snakemake would evaluate what is behind __use_yte__, not refuse it
-    asked = ["--snakefile", PIPELINE / "Snakefile", "--configfile", config, "--cores", cores]
+    asked = [
+        "--snakefile",
+        PIPELINE / "Snakefile",
+        "--configfile",
+        config,
+        "--cores",
+        cores,
+        *others,
+    ]
     snakemake([str(word) for word in asked])
 
 

@@ -122,7 +122,7 @@ def page(cube: xr.Dataset, traces: xr.Dataset | None, found: xr.Dataset, horizon
         plotly=get_plotlyjs(),
         ends=", or where it ends" if "well" in cells else "",
         drawing=_text("device.svg"),
-        drawn=kind,
+        drawn=" ".join([kind, *_lacking(devices, dims)]),
         struck=STRUCK[kind],
         data=json.dumps(data, allow_nan=False).replace("</", "<\\/"),
         code=_text("explore.js"),
@@ -187,6 +187,13 @@ def _kind_of(devices):
     alone = all(one.get("mass") == "none" for one in devices.values())
     pushed = alone and all("force" in one for one in devices.values())
     return "alone pushed" if pushed else "alone" if alone else ""
+
+
+def _lacking(devices, dims):
+    """Classes of the drawing by what no device has, nor an axis."""
+    named = {*dims}.union(*devices.values())
+    parts = {"stops": {"stops", *STOPS.values()}, "gap": {"gap"}}
+    return [f"without-{part}" for part, names in parts.items() if not names & named]
 
 
 def _rows(values: Mapping):

@@ -13,7 +13,7 @@ from ..axes import axis_behind
 from ..checks import show
 from ..io.tables import Point
 from . import plane, states, style
-from .curves import draw_band, draw_impulsive, draw_static
+from .curves import LONG, draw_band, draw_impulsive, draw_static
 from .scales import place_text, scale_of, tick
 
 RATIO = 0.72
@@ -134,7 +134,7 @@ def draw_maps(
     figure.set_figheight(3 * (1 - (-len(panels) // columns)))
     axes = figure.subplots(-(-len(panels) // columns), columns, squeeze=False)
     first, *others = cells = [cells for cells, _ in panels]
-    alone = [key for key in first.coords if first[key].ndim == 0 and key != "C"]
+    alone = [key for key in first.coords if first[key].ndim == 0]
     shared = [key for key in alone if others and all(one[key] == first[key] for one in others)]
     for place, ax in enumerate(axes.flat):
         if place >= len(panels):
@@ -154,7 +154,12 @@ def draw_maps(
                 top.remove()
     words = place_text(first.drop_vars({*first.coords} - {*shared}), style.PAGE)
     words = "\n".join(filter(None, [words, style.case(first.attrs)]))
-    style.legend(figure, _keys(cells, axes.flat[: len(panels)], ends), words)
+    keys = _keys(cells, axes.flat[: len(panels)], ends)
+    limits = [key for key in keys if key.get_label().startswith(LONG)]
+    if limits[1:]:  # each panel has another, which one key stands for
+        limits[0].set_label(LONG)
+        keys = [key for key in keys if key not in limits[1:]]
+    style.legend(figure, keys, words)
     style.fit(figure, RATIO)
     return axes
 

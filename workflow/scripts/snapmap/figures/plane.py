@@ -24,7 +24,7 @@ BREAKS = {"hatch": "." * 5, "edgecolor": "#7a2d00", "label": "the beam breaks"}
 LUMA, DARK = (0.299, 0.587, 0.114), 0.4
 """Shares of red, green and blue in how light a colour is, and below what a hatch is light."""
 RESOLVED, VECTORS = 700, 20_000
-"""Most cells drawn along an axis, finer than print; and most drawn as vectors."""
+"""Most cells drawn along an axis, finer than print; and most hatched as vectors."""
 PART = 1_000_000
 """Cells looked at together, as far as memory goes."""
 
@@ -89,9 +89,8 @@ def fill_states(ax: Axes, found: xr.DataArray, states: Sequence[State], x: Scale
 def fill_field(ax: Axes, field: xr.DataArray, x: Scale, y: Scale, **look) -> QuadMesh:
     """Fill each cell with the colour of its value; nothing where it is NaN."""
     values = np.ma.masked_invalid(field.transpose(y.key, x.key).values)
-    # A stroke of its own colour: viewers show the paper between cells that merely touch.
-    edges = {"edgecolors": "face", "linewidth": 0.2, "antialiased": True}
-    return ax.pcolormesh(x.edges, y.edges, values, rasterized=field.size > VECTORS, **edges, **look)
+    # No vectors: a viewer shows the paper between those that merely touch.
+    return ax.pcolormesh(x.edges, y.edges, values, rasterized=True, **look)
 
 
 def hatch(ax: Axes, chosen: xr.DataArray, x: Scale, y: Scale, look: dict) -> None:

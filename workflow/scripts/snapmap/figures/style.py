@@ -113,10 +113,9 @@ def legend(
 def fit(figure: Figure, ratio: float) -> None:
     """Make a figure so high that its axes, all alike, are `ratio` times as high as wide."""
     rows = figure.axes[0].get_subplotspec().get_gridspec().nrows
-    for _ in range(2):  # as what stands beside them grows with them, a little
-        figure.get_layout_engine().execute(figure)
-        width, height = figure.axes[0].get_position().size * figure.get_size_inches()
-        figure.set_figheight(figure.get_figheight() + rows * (ratio * width - height))
+    figure.get_layout_engine().execute(figure)
+    width, height = figure.axes[0].get_position().size * figure.get_size_inches()
+    figure.set_figheight(figure.get_figheight() + rows * (ratio * width - height))
 
 
 def save(figure: Figure, stem: str | Path, attributes: Mapping[str, str]) -> None:

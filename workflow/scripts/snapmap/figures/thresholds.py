@@ -82,7 +82,8 @@ def _draw_gap(ax, found, scale, colour):
 def _title(found, width):
     """What every curve has in common, in lines of so many signs."""
     symbols = [f"$C$ in {scales.WORDS['C'][1]}"] * ("C" in found.dims)
-    if found.velocity_change.notnull().any():
+    v = found.velocity_change
+    if v.ndim < 2 and v.notnull().any():  # as it stands in the keys
         symbols.append("$\\Delta v$: velocity change, limit of short pulses")
     words = [style.case(found.attrs, width), scales.place_text(found, width), "; ".join(symbols)]
     return "\n".join(filter(None, words))

@@ -70,6 +70,8 @@ class Observations(NamedTuple):
         a blow-up
     well_share: share of the mass's last swing spent on that side; 1 if settled, NaN for well 0
     pulse_work: of all of the pulse on mass and beam, pJ; NaN if the run ended before it or failed
+    lowest: of w(L/2), of a run from the second shape of -w(L/2), um, from the first; NaN if the
+        model does not tell
     halvings: how often the model's step was halved for these observations
     level: of several that a model has, the one that decided the cell, 0 for the cheapest
     agreed: 0 where two of them disagree on whether the cell snaps, else 1
@@ -81,23 +83,24 @@ class Observations(NamedTuple):
     energy_error: np.ndarray
     well_share: np.ndarray
     pulse_work: np.ndarray
+    lowest: np.ndarray
     halvings: np.ndarray
     level: np.ndarray | None = None
     agreed: np.ndarray | None = None
 
     def shaped(self, shape: tuple[int, ...]) -> "Observations":
         """The same in another shape."""
-        return Observations(*(column.reshape(shape) for column in self[:7]))
+        return Observations(*(column.reshape(shape) for column in self[:8]))
 
     def replace(self, which: np.ndarray, others: "Observations") -> None:
         """Set what was observed of the given cells, in place."""
-        for column, part in zip(self[:7], others[:7], strict=True):
+        for column, part in zip(self[:8], others[:8], strict=True):
             column[which] = part
 
 
 def no_observations(shape: tuple[int, ...]) -> Observations:
     """Room for observations of so many cells: nothing was seen, and no ledger closes."""
-    nothing = np.nan, np.nan, np.int8(0), np.inf, np.nan, np.nan, np.int8(0)
+    nothing = np.nan, np.nan, np.int8(0), np.inf, np.nan, np.nan, np.nan, np.int8(0)
     return Observations(*(np.full(shape, value) for value in nothing))
 
 

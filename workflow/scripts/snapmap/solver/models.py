@@ -161,7 +161,7 @@ class Model:
             share = order[first :: settings.threads]
             for at in np.split(share, range(BUNCH, share.size, BUNCH)):
                 facts = self.loop().march(self, cells.take(at), dt[at], settings)
-                for column, part in zip(seen[:6], facts, strict=True):
+                for column, part in zip(seen[:7], facts, strict=True):
                     column[at] = part
                 count(at.size)
 

@@ -276,7 +276,15 @@ def march(model, cells, dt, settings):
             observed[:, i] = follow(system, *load, target, dt[i], steps, no_history)
     t_snap, energy_error, pulse_work = observed
     nothing = np.full(t_snap.size, np.nan)
-    return t_snap, nothing, np.zeros(t_snap.size, np.int8), energy_error, nothing, pulse_work
+    return (
+        t_snap,
+        nothing,
+        np.zeros(t_snap.size, np.int8),
+        energy_error,
+        nothing,
+        pulse_work,
+        nothing,
+    )
 
 
 def record(model, pulse, amplitude, f0, damping, dt, steps, start=FIRST):

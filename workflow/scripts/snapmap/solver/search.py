@@ -22,6 +22,13 @@ Label = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """A bool of rows, by number (n,), at places of a grid, (n, m)."""
 
 
+class Approach(NamedTuple):
+    """How near cells come to a snap: t_snap, as `Ask` has it, and the `lowest` w(L/2)."""
+
+    t_snap: np.ndarray
+    lowest: np.ndarray
+
+
 class Edges(NamedTuple):
     """Changes between what snaps and what does not along N; each lies between low and high.
 
@@ -32,6 +39,15 @@ class Edges(NamedTuple):
     low: np.ndarray
     high: np.ndarray
     rising: np.ndarray
+
+    def take(self, which: np.ndarray) -> "Edges":
+        """Those chosen."""
+        return Edges(*(column[which] for column in self))
+
+
+def joined(*edges: Edges) -> Edges:
+    """All edges of several."""
+    return Edges(*map(np.concatenate, zip(*edges, strict=True)))
 
 
 def lowest_snap(
@@ -61,18 +77,25 @@ def asker(model: Follows, rows: Rows, settings: Settings, until: str = "edge") -
     until: "edge" or "snap", as in `settings.QUESTION`
     It gives -inf where no run of a cell can be believed.
     """
+    observe = observer(model, rows, settings, until)
+    return lambda N: observe(N).t_snap
+
+
+def observer(
+    model: Follows, rows: Rows, settings: Settings, until: str = "edge"
+) -> Callable[[np.ndarray], Approach]:
+    """Make a function of N, (rows, n), that tells how near their cells come to a snap."""
     settings = settings._replace(until=until, repeat=False)
 
-    def ask(N):
+    def observe(N):
         given = np.isfinite(N)
-        cells = rows.cells(model.device, N, settings.horizon).take(given)
-        t_snap = np.full(N.shape, np.nan)
-        seen = model.follow(cells, settings)
+        seen = model.follow(rows.cells(model.device, N, settings.horizon).take(given), settings)
         lost = np.isnan(seen.t_snap) & ~(seen.energy_error <= settings.energy_tolerance)
-        t_snap[given] = np.where(lost, -np.inf, seen.t_snap)
-        return t_snap
+        t_snap, lowest = np.full((2, *N.shape), np.nan)
+        t_snap[given], lowest[given] = np.where(lost, -np.inf, seen.t_snap), seen.lowest
+        return Approach(t_snap, lowest)
 
-    return ask
+    return observe
 
 
 def amplitudes(low: np.ndarray, high: np.ndarray, step: float | np.ndarray) -> np.ndarray:
@@ -87,11 +110,16 @@ def amplitudes(low: np.ndarray, high: np.ndarray, step: float | np.ndarray) -> n
 
 
 def scan(ask: Ask, N: np.ndarray) -> tuple[Edges, np.ndarray, np.ndarray]:
+    """Find the edges on ascending N, (rows, n), as `edges_of` does."""
+    return edges_of(N, ask(N))
+
+
+def edges_of(N: np.ndarray, t_snap: np.ndarray) -> tuple[Edges, np.ndarray, np.ndarray]:
     """Find the edges on ascending N, (rows, n), and whether the first and the last N of a row snap.
 
-    The edges of a row ascend; N may be NaN after its last.
+    t_snap: as `Ask` has it. The edges of a row ascend; N may be NaN after its last.
     """
-    snapped, known = np.isfinite(ask(N)), np.isfinite(N)
+    snapped, known = np.isfinite(t_snap), np.isfinite(N)
     row, k = np.nonzero((snapped[:, 1:] != snapped[:, :-1]) & known[:, 1:])
     last = np.maximum(np.count_nonzero(known, axis=1) - 1, 0)
     edges = Edges(row, N[row, k], N[row, k + 1], snapped[row, k + 1])

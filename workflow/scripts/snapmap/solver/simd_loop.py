@@ -26,7 +26,7 @@ def march(model, cells, dt, settings):
     model: a `Model`; cells: `Cells`, each column (cells,); dt: us, (cells,)
     """
     n_cells = cells.f0.size
-    t_snap, t_settled, *others = (np.empty(n_cells) for _ in range(5))
+    t_snap, t_settled, *others = (np.empty(n_cells) for _ in range(6))
     facts = Facts(t_snap, t_settled, np.empty(n_cells, np.int8), *others)
     start, pulses = settings.start, table(cells.pulses)
     devices = coefficients(model, model.snap_target(start), start)

@@ -6,10 +6,11 @@ import numpy as np
 
 from ..solver.adaptive import Survey
 from ..solver.cells import Rows
-from ..solver.search import Edges, asker, scan
+from ..solver.search import Edges, asker, observer, scan
 from ..solver.settings import Settings
 from ..solver.steps import stiffness_share
 from .transitions import BESIDE, CLOSEST_STEP, Window, balance, chosen, outermost
+from .witness import STEPS, falls
 
 LOOKS = 4
 """At so many distances another level must agree that a threshold lies between."""
@@ -68,8 +69,8 @@ def error_bars(
     # The better level may itself be off by as much.
     near = np.fmax(in_time, in_fine) + np.max(in_space, axis=0) + (in_space[1] if better else 0.0)
     # An island below that finer steps open belongs to the bar.
-    below = Window((1 - ISLANDS) * N_first, N_first, np.full(N_first.size, CLOSEST_STEP))
-    near = np.fmax(near, N_first - _elsewhere(ask(fine), below, ~ragged & rings)[0])
+    lowest = _lowest_below(fine, rows, settings, np.where(~ragged & rings, N_first, np.nan))
+    near = np.fmax(near, N_first - lowest)
     apart = np.isinf(near)
     ragged = ragged | apart
     window = chosen(apart, whole, window)
@@ -118,6 +119,16 @@ def _elsewhere(ask, window, ragged):
     quiet = balance(edges, ragged.size) + np.where(begins, window.low, 0.0)
     ends_quiet = np.bincount(edges.row, 2 * edges.rising - 1.0, ragged.size) + begins < 1
     return first, quiet + np.where(ends_quiet, window.high, 0.0)
+
+
+def _lowest_below(model, rows, settings, N_first):
+    """The lowest N that snaps within ISLANDS below N_first, as another level sees it, (rows,)."""
+    N = np.multiply.outer(N_first, 1 - CLOSEST_STEP * STEPS[STEPS * CLOSEST_STEP <= ISLANDS])
+    seen = observer(model, rows, settings)(N)
+    shown = np.isnan(seen.t_snap).all(axis=1) & falls(-seen.lowest).all(axis=1)
+    below = Window((1 - ISLANDS) * N_first, N_first, np.full(N_first.size, CLOSEST_STEP))
+    scanned = _elsewhere(asker(model, rows, settings), below, np.isfinite(N_first) & ~shown)[0]
+    return np.where(shown, N_first, scanned)
 
 
 def _distance(ask, N_first, tolerance):

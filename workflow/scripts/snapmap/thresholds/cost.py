@@ -12,6 +12,8 @@ SCANNED, DECIDED = 400, 50
 """Cells of a row that the scanning and the deciding level follow, about."""
 PER_SAMPLE = 36
 """Runs that find the threshold of a device as made: 12, each three times as long as told."""
+PER_RECORD = 120
+"""Runs that one record of vibration takes: 12 levels, each ten times as long as told."""
 ROUNDS, WIDTH = 26, 32
 """Refinement asks so often in turn, and fewer cells at a time take as long as WIDTH."""
 

@@ -7,13 +7,22 @@ import numpy as np
 from ..solver.adaptive import Survey
 from ..solver.bounds import least_amplitudes
 from ..solver.cells import Rows
-from ..solver.search import SCAN_STEP, Ask, Edges, amplitudes, asker, first_snap, refine, scan
+from ..solver.search import (
+    SCAN_STEP,
+    Ask,
+    Edges,
+    amplitudes,
+    asker,
+    first_snap,
+    joined,
+    refine,
+    scan,
+)
 from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Settings
 from .bars import Seen, error_bars
-from .reuse import joined
+from .reuse import joined as joined_rows
 from .transitions import (
     BESIDE,
-    CLOSEST_STEP,
     FAR_BESIDE,
     FINE_STEP,
     FINEST_STEP,
@@ -24,6 +33,7 @@ from .transitions import (
     outermost,
     stretches,
 )
+from .witness import close_edges
 
 NARROW = 0.0005
 """Relative width of a stretch between two changes down to which it counts: narrower ones, which
@@ -131,14 +141,14 @@ def survey(
 def _taken(thresholds, which, again):
     """Thresholds with those of some rows, by their indices, in the place of the others."""
     pairs = zip(again, thresholds, strict=True)
-    return Thresholds(*(joined(thresholds.status.size, which, new, old) for new, old in pairs))
+    return Thresholds(*(joined_rows(thresholds.status.size, which, new, old) for new, old in pairs))
 
 
 def lowest(models: Survey, rows: Rows, settings: Settings, tolerance: float) -> np.ndarray:
-    """Find N_first, (rows,), in stretches of FINEST_STEP and without a bar; NaN for none."""
+    """Find N_first, (rows,), without a bar; NaN for none."""
     bound = least_amplitudes(models.decides, rows, settings.start)
     # No island above the first counts.
-    changes = _changes(models, rows, settings, tolerance, 0.0, bound, closest=FINEST_STEP)
+    changes = _changes(models, rows, settings, tolerance, 0.0, bound)
     return stretches(changes.edges, changes.open_end)[0]
 
 
@@ -157,11 +167,8 @@ class _Changes(NamedTuple):
     quiet: np.ndarray
 
 
-def _changes(models, rows, settings, tolerance, highest, bound, lowest=None, closest=CLOSEST_STEP):
-    """Changes of rows; lowest: from which N islands are looked for, if not from BELOW.
-
-    closest: step of the deciding level's scan of clean rows that ring
-    """
+def _changes(models, rows, settings, tolerance, highest, bound, lowest=None):
+    """Changes of rows; lowest: from which N islands are looked for, if not from BELOW."""
     scans, decides = models.scans, models.decides
     ask, label = asker(decides, rows, settings), asker(scans, rows, settings, until="snap")
     speed = pace(scans.device, rows)
@@ -169,9 +176,12 @@ def _changes(models, rows, settings, tolerance, highest, bound, lowest=None, clo
     wide = wide_scan(scans.device, models.static, rows, bound, settings.start, slow)
     rough, quiet = first_seen(label, wide, bound)
     whole = _whole_window(rough, lowest, highest, slow)
-    step = np.where(speed >= RINGS, closest, FINE_STEP)
-    window, ragged = _closer_window(label, whole, step)
-    edges, open_end, window, ragged = _decide(ask, window, whole, ragged)
+    window, ragged = _closer_window(label, whole)
+
+    def closely(low, high):
+        return close_edges(decides, rows, settings, *refine(ask, low, high, tolerance))
+
+    edges, open_end, window, ragged = _decide(ask, closely, window, whole, ragged, speed >= RINGS)
     row, *ends, rising = edges
     of_edges = asker(decides, rows.take(row), settings)
     edges = Edges(row, *refine(of_edges, *ends, tolerance, rising), rising)
@@ -274,7 +284,7 @@ def _whole_window(rough, lowest, highest, slow):
     return Window(low, high, np.full(rough.size, FINE_STEP))
 
 
-def _closer_window(ask, whole, step):
+def _closer_window(ask, whole):
     """Where labels change along N, as the cheapest level sees it, and which rows are ragged.
 
     A row is ragged where they change more than once; so it is by every level, each in its own way.
@@ -283,17 +293,23 @@ def _closer_window(ask, whole, step):
     edges, *_ = scan(ask, whole.N)
     ends = outermost(edges.row, edges.high, n_rows)
     ragged = np.bincount(edges.row, minlength=n_rows) > 1
-    clean = around(whole, *ends, BESIDE, step)
+    clean = around(whole, *ends, BESIDE, FINE_STEP)
     return chosen(ragged, around(whole, *ends, FAR_BESIDE, FINEST_STEP), clean), ragged
 
 
-def _decide(ask, window, whole, ragged):
+def _decide(ask, closely, window, whole, ragged, rings):
     """Edges as the deciding level sees them; whether a row's highest N is quiet; what is ragged.
 
-    Rows in which it sees other than the cheapest level did are ragged too, and scanned on to
-    either side.
+    The only edge of a row that rings is looked at closely. Rows in which it sees other than the
+    cheapest level did are ragged too, and scanned on to either side.
     """
     edges, begins, ends = scan(ask, window.N)
+    alone = rings & ~ragged & ~begins & (np.bincount(edges.row, minlength=ragged.size) == 1)
+    only, sides = edges.take(alone[edges.row]), np.full((2, ragged.size), np.nan)
+    sides[:, only.row] = only.low, only.high
+    close, begins_close, ends_close = closely(*sides)
+    edges = joined(edges.take(~alone[edges.row]), close)
+    begins, ends = np.where(alone, [begins_close, ends_close], [begins, ends])
     surprising = begins | (~ends & (window.high < whole.high))
     surprising |= ~ragged & (np.bincount(edges.row, minlength=ragged.size) != 1)
     low, high = (np.where(surprising, end, np.nan) for end in (window.low, window.high))
@@ -301,8 +317,8 @@ def _decide(ask, window, whole, ragged):
     below, begins_below, _ = scan(ask, wider._replace(high=low).N)
     above, _, ends_above = scan(ask, wider._replace(low=high).N)
     begins, ends = np.where(surprising, [begins_below, ends_above], [begins, ends])
-    edges = Edges(*(np.concatenate(parts) for parts in zip(below, edges, above, strict=True)))
-    edges = Edges(*(column[~begins[edges.row]] for column in edges))
+    edges = joined(below, edges, above)
+    edges = edges.take(~begins[edges.row])
     return edges, ~ends, chosen(surprising, wider, window), ragged | surprising
 
 

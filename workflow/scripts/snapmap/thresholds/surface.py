@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from ..axes import NAMES, PULSE_AXES
+from ..axes import PULSE_AXES
 from ..device import Device
 from ..io.counting import counting
 from ..io.netcdf import recall
@@ -38,7 +38,8 @@ from .reuse import joined
 from .settling import lowest_latched
 from .transitions import FINE_STEP
 from .verified import ABOVE as OVER
-from .verified import FEWEST, Expected, at_first, changes_once, fill, first_near, surfaces
+from .verified import Expected, at_first, between, fill, first_near, surfaces
+from .witness import close_edges
 
 IMPULSE, IMPULSE_OF_BEAM = 100.0, 10.0
 """A pulse of so many times the device's own frequency, and the beam's, is as good as a jump in
@@ -217,11 +218,11 @@ def _verify(models, rows, settings, tolerance, highest, expected):
     for level, decides in enumerate(models.levels):
         which = np.flatnonzero(of_row == level)
         part, N = rows.take(which), expected.N[which]
-        N = first_near(decides, part, settings, N, rings[which], tolerance)
-        ring = np.flatnonzero(rings[which] & np.isfinite(N))
-        once = changes_once(models.decides, part.take(ring), settings, N[ring])
-        N[ring[~once]] = np.nan
-        N_first[which] = N
+        low, N = first_near(decides, part, settings, N, tolerance)
+        ends = (np.where(rings[which], end, np.nan) for end in (low, N))
+        close, begins, _ = close_edges(decides, part, settings, *ends)
+        once = ~begins & (np.bincount(close.row, minlength=N.size) == 1)
+        N_first[which] = N = np.where(once | ~rings[which], N, np.nan)
         N_pulse[which], t_snap[which] = in_pulse(decides, part, settings, N, highest, tolerance)
     top = np.inf if highest is None else highest
     none = np.zeros(rows.f0.size, np.int8)
@@ -249,18 +250,24 @@ def _verify(models, rows, settings, tolerance, highest, expected):
 def _lowest_of(grid, models, settings, tolerance, highest, omega, which):
     """N_first, (..., pulses, C), of pulses of a frequency of each device, rad/us.
 
-    Of surfaces of devices by `lowest`.
+    On surfaces of devices without a bar, and between few of them by cubics.
     """
     grid = grid._replace(axes=grid.axes | {"f0": np.ones(1)})
     rows = rows_of(grid)
     rows = rows._replace(f0=omega[rows.device] / (2 * np.pi) * 1e6)
     there, N = (rows.device >= 0) & np.isin(rows.pulse, which), np.full(rows.f0.size, np.nan)
-    asked = models, rows.take(there), settings, tolerance
-    sizes = zip(grid.axes, grid.device_of.shape, strict=False)
-    if any(size >= FEWEST and key not in NAMES for key, size in sizes):
-        N[there] = lowest(*asked)
-    else:
-        N[there] = survey(*asked, highest).N_first
+    numbers = np.where(there, np.arange(N.size), -1).reshape(grid.shape)
+    parts = surfaces(grid.axes, numbers, np.zeros(1, bool))
+    beside = _beside(there, parts)
+    N[beside] = survey(models, rows.take(beside), settings, tolerance, highest).N_first
+
+    def search(which):
+        found = np.full(which.size, np.nan)
+        found[which >= 0] = lowest(models, rows.take(which[which >= 0]), settings, tolerance)
+        return found
+
+    for part, values in parts:
+        N[part[part >= 0]] = between(part, values, search)[part >= 0]
     return N.reshape(grid.shape[:-1])
 
 

@@ -10,9 +10,8 @@ import numpy as np
 from ..axes import NAMES
 from ..solver.cells import Rows
 from ..solver.models import Follows
-from ..solver.search import asker, near, scan
+from ..solver.search import asker, near
 from ..solver.settings import Settings
-from .transitions import BESIDE, CLOSEST_STEP, Window
 
 FEWEST = 8
 """Points of an axis from which on thresholds along it are a surface."""
@@ -24,8 +23,6 @@ WITHIN = 1e-3
 """How far from where it is expected a threshold may lie, relative, and at least its tolerance."""
 BELOW, ABOVE = (0.7, 0.8, 0.87, 0.92, 0.95, 0.965), (1.005, 1.02, 1.05, 1.1, 1.2, 1.4, 1.9)
 """Where else labels must be those expected, over the threshold."""
-CLOSE = tuple(1 - 0.002 * k for k in range(10, 0, -1))
-"""And where the device rings after its pulse, so that islands may lie close below."""
 
 
 class Expected(NamedTuple):
@@ -131,6 +128,23 @@ def fill(
         look(near)
 
 
+def between(
+    rows: np.ndarray, axes: Sequence[np.ndarray], search: Callable[[np.ndarray], np.ndarray]
+) -> np.ndarray:
+    """Search the rows of surfaces that `fill` begins with, and take the others from cubics.
+
+    rows, axes: as there; search: gives N of numbers of rows, (n,)
+    Returns N, (surfaces, n_1, ..., n_d); of a surface that lacks one, all are searched.
+    """
+    N, places = np.full(rows.shape, np.nan), [_places(x, 0) for x in axes]
+    which = np.ix_(range(len(rows)), *places)
+    N[which] = search(rows[which].ravel()).reshape(N[which].shape)
+    lacks = np.isnan(N[which]).any(axis=tuple(range(1, N.ndim)))
+    N = _cubic(N, axes, places)
+    N[lacks] = search(rows[lacks].ravel()).reshape(N[lacks].shape)
+    return N
+
+
 def at_first(rows: np.ndarray, axes: Sequence[np.ndarray]) -> np.ndarray:
     """Numbers of the rows that `fill` searches whatever they are, (n,)."""
     first = rows[np.ix_(range(len(rows)), *(_places(x, 0) for x in axes))]
@@ -189,20 +203,18 @@ def first_near(
     rows: Rows,
     settings: Settings,
     expected: np.ndarray,
-    rings: np.ndarray,
     tolerance: float,
-) -> np.ndarray:
+) -> tuple[np.ndarray, np.ndarray]:
     """Find the lowest N that snaps where it is expected, (rows,); NaN where labels are others.
 
-    rings: rows in which it is looked more closely below
-    N stands on a lattice in relative steps of at most `tolerance`, wherever it was expected.
+    The place below it, which does not, comes first. N stands on a lattice in relative steps of at
+    most `tolerance`, wherever it was expected.
     """
     size = 2 ** (1 - math.frexp(tolerance)[1])
     within = max(WITHIN, tolerance)
     low, guess, high = (_place(expected * end, size) for end in (1 - within, 1.0, 1 + within))
-    close = np.where(rings[:, np.newaxis], np.multiply.outer(expected, CLOSE), np.nan)
     below, above = (np.multiply.outer(expected, shares) for shares in (BELOW, ABOVE))
-    N = np.column_stack([below, close, _amplitude(low, size), _amplitude(high, size), above])
+    N = np.column_stack([below, _amplitude(low, size), _amplitude(high, size), above])
     quiet, snapping = np.hsplit(asker(model, rows, settings)(N), [-1 - len(ABOVE)])
     holds = np.isnan(quiet).all(axis=1) & np.isfinite(snapping).all(axis=1)
     low, guess, high, rows = low[holds], guess[holds], high[holds], rows.take(holds)
@@ -213,19 +225,9 @@ def first_near(
 
     ends = np.zeros(low.size, np.int64), high - low
     place = near(label, np.arange(low.size), guess - low, size, *ends)
-    first = np.full(expected.size, np.nan)
-    first[holds] = _amplitude(low + place, size)
-    return first
-
-
-def changes_once(
-    model: Follows, rows: Rows, settings: Settings, expected: np.ndarray
-) -> np.ndarray:
-    """Whether labels change once on the scan by which rows are known to be ragged, (rows,)."""
-    step = np.full(expected.size, CLOSEST_STEP)
-    N = Window(expected / BESIDE, expected * BESIDE, step).N
-    edges, begins, _ = scan(asker(model, rows, settings), N)
-    return ~begins & (np.bincount(edges.row, minlength=expected.size) == 1)
+    ends = np.full((2, expected.size), np.nan)
+    ends[:, holds] = _amplitude(low + place - 1, size), _amplitude(low + place, size)
+    return ends[0], ends[1]
 
 
 def _place(N, size):

@@ -29,6 +29,7 @@ class Facts(NamedTuple):
     energy_error: np.ndarray
     well_share: np.ndarray
     pulse_work: np.ndarray
+    lowest: np.ndarray
 
 
 class Task(NamedTuple):
@@ -118,7 +119,7 @@ def begin(X, V, modes, l):
         X[R.Q, l] += u * V[R.P, i, l]
         w += V[R.E, i, l] * V[R.P, i, l]
     X[R.OVERLAP, l] = w - X[R.Z0, l]
-    X[R.W, l] = X[R.SIDE, l] * w
+    X[R.W, l] = X[R.LOWEST, l] = X[R.SIDE, l] * w
     X[R.AT_START, l] = energies(X, V, modes, l)[0]
 
 
@@ -159,6 +160,7 @@ def look(X, V, modes, l, cell, state, task):
     passed = X[R.COUNT, l] - 2 + (before - X[R.TARGET, l]) / (before - after)
     facts.t_snap[cell] = passed * dt if snapped else np.nan
     facts.t_settled[cell] = (steps - 1) * dt if proven and not stopped else np.nan
+    facts.lowest[cell] = X[R.LOWEST, l]
     facts.well[cell], facts.well_share[cell] = 0, np.nan
     if not in_pulse and not stopped:
         share = (X[R.BEYOND, l] - X[R.BEYOND_SINCE, l]) / (steps - X[R.SINCE, l])

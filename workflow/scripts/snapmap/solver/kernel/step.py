@@ -153,6 +153,7 @@ def meet(X, l):
     X[R.W, l] = w if above else w_last
     X[R.COUNT, l] += 1.0 if above else 0.0
     X[R.BEYOND, l] += 1.0 if w < X[R.SADDLE, l] else 0.0
+    X[R.LOWEST, l] = w if w < X[R.LOWEST, l] else X[R.LOWEST, l]
     return 2 * X[R.GAMMA, l] * r
 
 

@@ -1,0 +1,44 @@
+"""What stands beside a threshold, seen by few runs, against a scan of it all."""
+
+import numpy as np
+
+from snapmap.device import batch
+from snapmap.solver.adaptive import choose_survey
+from snapmap.solver.cells import to_rows
+from snapmap.solver.search import asker, scan
+from snapmap.solver.settings import Settings
+from snapmap.thresholds.islands import NARROW, lowest
+from snapmap.thresholds.transitions import BESIDE, CLOSEST_STEP, Window
+from snapmap.thresholds.witness import STEPS, close_edges
+
+
+def test_no_stretch_that_counts_is_missed_beside_a_threshold(handout):
+    """Of fast pulses, under which labels of some rows change back and forth."""
+    models, settings = choose_survey(batch([handout]), {"name": "auto"}), Settings()
+    f0 = np.array([[3e3], [5e3], [8e3], [11078.0], [15e3], [19734.0], [25e3]])
+    rows, asked = to_rows(0, f0, [25.0, 100.0, 200.0]), []
+    N = lowest(models, rows, settings, 1e-4)
+    counted = Counted(models.decides, asked)
+    edges, begins, _ = close_edges(counted, rows, settings, N / 1.0001, N)
+    window = Window(N / BESIDE, N * BESIDE, np.full(N.size, CLOSEST_STEP))
+    dense, dense_begins, _ = scan(asker(models.decides, rows, settings), window.N)
+    ragged = 0
+    for row in range(N.size):
+        seen, there = (np.sort(one.high[one.row == row]) for one in (edges, dense))
+        ragged += there.size > 1
+        widths = np.diff(there) / N[row]
+        assert begins[row] == dense_begins[row]
+        assert seen.size > 1 or there.size == 1 or widths.min() < NARROW
+    assert 0 < ragged < N.size / 2
+    assert sum(asked) < N.size * 2 * STEPS[-1] / 2
+
+
+class Counted:
+    """A model that counts the cells that it follows."""
+
+    def __init__(self, model, asked):
+        self.model, self.device, self.asked = model, model.device, asked
+
+    def follow(self, cells, settings):
+        self.asked.append(cells.f0.size)
+        return self.model.follow(cells, settings)
