@@ -35,7 +35,7 @@ def advance(work, shape, shocks, first, steps):
             meet_stops(work)
         take(X, shocks, step)
         for l in range(LANES):
-            touch(X, l, release(X, V, modes, l))
+            touch(X, l, release_all(X, V, modes, l, 0, modes, (0.0, 0.0, 0.0, 0.0, 0.0)))
         switch_contacts(X)
         if linked:
             meet_links(work, shape)
@@ -50,33 +50,28 @@ def take(X, shocks, step):
         X[R.A, l] = shocks[step * LANES + l]
 
 
-@inlined
-def release(X, V, modes, l):
-    """d_free = keep d + b (-kappa p - f a) and u = S p + S q0.
+def halved(loop):
+    """Cut a loop over modes in two.
 
-    Returns u.u, e.u, e.p, e.d_free and u.(d + d_free).
-    LLVM unrolls a short loop and gives up on a long one, and only what is unrolled vectorises over
-    lanes: so loops over modes are cut, here in eight, in `press` in four. Of eleven modes that
-    takes a quarter of the time.
+    LLVM unrolls a short loop and gives up on a longer one, and only what is unrolled vectorises
+    over lanes: so each mode of most models has a loop of its own. Else a step takes twice the time.
     """
-    cut_1, cut_2, cut_3 = modes // 4, modes // 2, 3 * modes // 4
-    sums = release_half(X, V, modes, l, 0, cut_1, (0.0, 0.0, 0.0, 0.0, 0.0))
-    sums = release_half(X, V, modes, l, cut_1, cut_2, sums)
-    sums = release_half(X, V, modes, l, cut_2, cut_3, sums)
-    return release_half(X, V, modes, l, cut_3, modes, sums)
 
+    @inlined
+    def both(X, V, modes, l, first, last, sums):
+        middle = (first + last) // 2
+        sums = loop(X, V, modes, l, first, middle, sums)
+        return loop(X, V, modes, l, middle, last, sums)
 
-@inlined
-def release_half(X, V, modes, l, first, last, sums):
-    """`release_modes`, its modes cut in two."""
-    middle = (first + last) // 2
-    sums = release_modes(X, V, modes, l, first, middle, sums)
-    return release_modes(X, V, modes, l, middle, last, sums)
+    return both
 
 
 @inlined
 def release_modes(X, V, modes, l, first, last, sums):
-    """The same of modes from first to last, not included; sums: so far."""
+    """d_free = keep d + b (-kappa p - f a) and u = S p + S q0 of modes first to last, not included.
+
+    sums: u.u, e.u, e.p, e.d_free and u.(d + d_free) so far
+    """
     uu, eu, ep, ef, ud = sums
     a = X[R.A, l]
     for i in range(first, last):
@@ -92,9 +87,12 @@ def release_modes(X, V, modes, l, first, last, sums):
     return uu, eu, ep, ef, ud
 
 
+release_all = halved(halved(halved(halved(halved(release_modes)))))
+
+
 @inlined
 def touch(X, l, sums):
-    """F and beta of the overlap, and P where no contact opens or closes; sums: of `release`."""
+    """F and beta of the overlap, and P where no contact opens or closes; sums: of `release_all`."""
     uu, eu, w, ef, ud = sums
     a, y, overlap = X[R.A, l], X[R.Y, l], X[R.OVERLAP, l]
     pull = fma(-X[R.M, l], a, -X[R.K, l] * y)
@@ -161,28 +159,12 @@ def meet(X, l):
 
 
 @inlined
-def press(X, V, modes, l, pull):
-    """p+ = p + d_free - 2 gamma r u - b e P,  y+ = y + dy_free + B P; pull: 2 gamma r."""
-    kick = X[R.BEAM_B, l] * X[R.FORCE, l]
-    cut_1, cut_2, cut_3 = modes // 4, modes // 2, 3 * modes // 4
-    sums = press_modes(V, modes, l, 0, cut_1, pull, kick, (0.0, X[R.BEAM_SWEPT, l]))
-    sums = press_modes(V, modes, l, cut_1, cut_2, pull, kick, sums)
-    sums = press_modes(V, modes, l, cut_2, cut_3, pull, kick, sums)
-    swept, X[R.BEAM_SWEPT, l] = press_modes(V, modes, l, cut_3, modes, pull, kick, sums)
+def press_modes(X, V, modes, l, first, last, sums):
+    """`press`, of modes first to last, not included.
 
-    before, after = X[R.DY, l], fma(X[R.B, l], X[R.FORCE, l], X[R.DY_FREE, l])
-    X[R.DY, l] = after
-    X[R.Y, l] += after
-    work = -X[R.A, l] * fma(X[R.M, l], before + after, swept)
-    X[R.WORK, l] += work
-    X[R.GROSS_WORK, l] += abs(work)
-    X[R.SWEPT, l] = fma(before + after, before + after, X[R.SWEPT, l])
-
-
-@inlined
-def press_modes(V, modes, l, first, last, pull, kick, sums):
-    """Of modes from first to last, not included; sums: f.(p+ - p-) and |p+ - p-|^2 so far."""
-    swept, squared = sums
+    sums: 2 gamma r, b P, and f.(p+ - p-) and |p+ - p-|^2 so far
+    """
+    pull, kick, swept, squared = sums
     for i in range(first, last):
         before = V[R.D, i, l]
         after = fma(-pull, V[R.U, i, l], V[R.D_FREE, i, l])
@@ -191,7 +173,25 @@ def press_modes(V, modes, l, first, last, pull, kick, sums):
         V[R.P, i, l] += after
         swept = fma(V[R.F, i, l], before + after, swept)
         squared = fma(before + after, before + after, squared)
-    return swept, squared
+    return pull, kick, swept, squared
+
+
+press_all = halved(halved(halved(halved(halved(press_modes)))))
+
+
+@inlined
+def press(X, V, modes, l, pull):
+    """p+ = p + d_free - 2 gamma r u - b e P,  y+ = y + dy_free + B P; pull: 2 gamma r."""
+    kick = X[R.BEAM_B, l] * X[R.FORCE, l]
+    sums = press_all(X, V, modes, l, 0, modes, (pull, kick, 0.0, X[R.BEAM_SWEPT, l]))
+    _, _, swept, X[R.BEAM_SWEPT, l] = sums
+    before, after = X[R.DY, l], fma(X[R.B, l], X[R.FORCE, l], X[R.DY_FREE, l])
+    X[R.DY, l] = after
+    X[R.Y, l] += after
+    work = -X[R.A, l] * fma(X[R.M, l], before + after, swept)
+    X[R.WORK, l] += work
+    X[R.GROSS_WORK, l] += abs(work)
+    X[R.SWEPT, l] = fma(before + after, before + after, X[R.SWEPT, l])
 
 
 @compiled
