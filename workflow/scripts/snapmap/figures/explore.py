@@ -32,13 +32,6 @@ STRUCK = {
     "alone pushed": "is pushed at its midpoint by one pulse of force, of which N is the peak",
 }
 """What the pulse does, by the kinds of the drawing."""
-SHOWN = {
-    "youngs_modulus": (1e-3, "GPa"),
-    "density": (1e6, "kg/m³"),
-    "mass": (1e-3, "µg"),
-    "gravity": (1e6, "m/s²"),
-}
-"""Factor and unit of what is shown in other units than the axes have."""
 WORDS = {
     "unsnapped": "no snap, end open",
     "never": "never snaps",
@@ -122,7 +115,7 @@ def page(cube: xr.Dataset, traces: xr.Dataset | None, found: xr.Dataset, horizon
         plotly=get_plotlyjs(),
         ends=", or where it ends" if "well" in cells else "",
         drawing=_text("device.svg"),
-        drawn=" ".join([kind, *_lacking(devices, dims)]),
+        drawn=" ".join([kind, *_lacking(devices, dims), *["second"] * bool(style.starts(document))]),
         struck=STRUCK[kind],
         data=json.dumps(data, allow_nan=False).replace("</", "<\\/"),
         code=_text("explore.js"),
@@ -203,12 +196,8 @@ def _rows(values: Mapping):
             yield from _rows(value)
             continue
         name = (CLAMP | STOPS | STRENGTH).get(key, key)
-        number, _, unit = str(value).partition(" ")
-        quantity, text = QUANTITIES.get(name, Quantity(name)), html.escape(str(value))
-        if quantity.kind and unit == quantity.unit:
-            factor, shown = SHOWN.get(name) or (1.0, quantity.spelt.page)
-            text = f"{float(number) * factor:.6g}\u00a0{shown}".strip()
-        yield name, _named(name), text
+        quantity = QUANTITIES.get(name, Quantity(name))
+        yield name, _named(name), html.escape(quantity.used(str(value), typeset=True))
 
 
 def _vibration(device: Mapping, C: Sequence[float]):

@@ -21,6 +21,7 @@ from matplotlib.transforms import Bbox
 
 from ..io.atomic import replacing
 from ..pulse import VERSED_SINE
+from ..quantities import plain
 from ..shocks import MAKERS
 from ..solver.settings import FIRST
 
@@ -153,8 +154,8 @@ def case(attributes: Mapping[str, str], width: int = PAGE) -> str:
     words = [literal(shape)] if isinstance(shape, str) else []
     words += ["along −z"] if pulse.get("direction") == "-z" else []
     words += [*guides(config), *starts(config), f"model {config['model']['name']}"]
-    horizon = config.get("sweep", {}).get("horizon", "").replace("us", "µs")
-    words += [f"followed {horizon}"] if horizon else []
+    if horizon := config.get("sweep", {}).get("horizon"):
+        words.append(f"followed {plain(float(horizon.removesuffix('us')) / 1e3)} ms")
     return textwrap.fill(", ".join(words), width)
 
 
