@@ -14,7 +14,7 @@ PACKAGE = Path(__file__).parent
 PIPELINE = next(path for path in (PACKAGE / "pipeline", PACKAGE.parents[2]) if path.is_dir())
 """The folder of the Snakefile: in a wheel within the package, else that of the checkout."""
 CONFIG = "config.yaml"
-START, PER_FIGURE, PER_TRACE = 2.5, 1.0, 4e-3
+START, PER_FIGURE, PER_TRACE = 2.5, 0.9, 4e-3
 """Core time of a job's start and loading, of a figure, and of a cell's motion, s; seen."""
 
 

@@ -101,7 +101,7 @@ function openMap() {
   if (X === PULSE) {
     curves.push({ ...bare, x: [null], y: [null], xaxis: "x2" }); // no axis is shown without a curve
     layout.xaxis2 = { ...layout.xaxis, ...durations(axes[X]) };
-    layout.margin = { ...PLAIN.margin, t: 76 };
+    layout.margin = { ...PLAIN.margin, t: 84 };
   }
   return Plotly.newPlot(map, curves, layout, BUTTONS);
 }
