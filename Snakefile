@@ -26,6 +26,7 @@ from snapmap.config.doubts import descriptions, doubts
 from snapmap.config.products import products
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import read_document
+from snapmap.device import VALUES
 from snapmap.study import THRESHOLD_SETTINGS
 from snapmap.sweeps.plan import make_plan
 from snapmap.sweeps.slabs import cells_in, slab_name
@@ -67,7 +68,7 @@ numbers = code_hash(*NUMBERS, scripts / "jobs.py")
 drawing = code_hash(*DRAWS, scripts / "draw.py")
 studied = code_hash(*NUMBERS, clone / "studies")
 FIGURES = "map snap time thresholds damage_boundary history_ statics requirements"
-FIGURES += " probability sensitivity yield calibration"
+FIGURES += " window probability sensitivity yield calibration"
 
 
 report: "workflow/report/study.rst"
@@ -120,6 +121,7 @@ onsuccess:
     )
     logs = ["results/logs/find_threshold.log", "results/logs/collect.log"]
     logs += ["results/logs/check_requirements.log"] * bool(study.all_required)
+    logs += ["results/logs/find_window.log"] * bool(made.window)
     logs += ["results/logs/find_tolerance.log"] * bool(study.tolerances)
     logs += ["results/logs/fit_calibration.log"] * bool(study.calibration)
     for log in filter(os.path.exists, logs):

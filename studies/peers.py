@@ -1,6 +1,6 @@
-"""Prints docs/peers.md: geometrically exact codes and closed forms with all modes, beside our own.
+"""Prints the second part of docs/validation.md: exact beams, and closed forms with all modes.
 
-./run python -m studies peers [--small] > docs/peers.md
+./run python -m studies peers [--small] >> docs/validation.md
 """
 
 from dataclasses import replace
@@ -51,22 +51,19 @@ PARABOLA_STEEP = dict(zip(CONTINUUM, (0.0767, 0.0842, 0.0220), strict=True))
 CLOSED = {5: (386.1, 318.6), 20: (396.839, 347.465)}
 """Static tilt, and energy bound of a force applied at once, in EI rise/L^3, by Q."""
 TEXT = """\
-# Other codes, and closed forms with all modes
+# Other codes
 
-What the shallow equations cost, against a geometrically exact beam and published values:
-
-    ./run python -m studies peers > docs/peers.md
-
-The exact beam is OpenSeesPy's (corotational elements, without shear), of the group `bench` of
+What the shallow equations cost, beside a geometrically exact beam and published values. The exact
+beam is OpenSeesPy's (corotational elements, without shear), of the group `bench` of
 `pyproject.toml`; its licence is free for research, education and internal use. Its numbers are
-extrapolated as $h^2$ from the finest two of three meshes, ± the relative difference to the
-coarser two. Imperfections of 1e-3 and 1e-4 of the rise lead paths that branch, and corners are
-extrapolated by the 2/3 power (Koiter).
+extrapolated as $h^2$ from the finest two of three meshes, ± the relative difference to the coarser
+two. At a branching point an imperfection of 1e-3 or 1e-4 of the rise chooses the path; values at
+such corners are extrapolated from both by the 2/3 power (Koiter).
 
 ## A measured clamped arch
 
-Chandra et al. (Comput. Mech. 55, 2015, 1041): circular, span 304.8 mm, rise 15.3955 mm, $Q$ = 25;
-N. The published example has 20 elements; the crown force grows by 1 N/s.
+The arch of Chandra et al. (Comput. Mech. 55, 2015, 1041) is circular, with span 304.8 mm, rise
+15.3955 mm and $Q$ = 25. Their example has 20 elements; the crown force, in N, grows by 1 N/s.
 
 {arch}
 
@@ -82,7 +79,8 @@ sine of f0 = {f0:g} Hz, with C = {C:g} uN us/um and the penalty contact. The tim
 
 {handout}
 
-Paths differ most near their corners; motions before the saddle, where swings are not in phase.
+Paths differ most near their corners. Motions differ most before the saddle, where the two swing out
+of phase.
 
 ## What the shallow theory costs
 
@@ -91,13 +89,14 @@ C, f0 and N scaled to the same shallow equations. Ours over theirs, less 1.
 
 {costs}
 
-The cost grows with the square of rise/span. At the steepest, forces are {forces} % and thresholds
-{thresholds} % too high times that square; above 1/20 a run reports it.
+The cost grows with the square of rise/span. In the steepest beam forces are
+{forces} % and thresholds {thresholds} % too high times that square; above 1/20 a run reports it.
 
 ## A steep arch in 3-D continuum
 
-Public tutorial (Ferrite.jl with BifurcationKit): circular, span 20, rise 2, thickness 0.5, width 2,
-E = 1000, Poisson's ratio 0.3, dead load per area; ours uniform, OpenSees' per length of the arch.
+The arch of a public tutorial (Ferrite.jl with BifurcationKit) is circular, with span 20, rise 2,
+thickness 0.5, width 2, E = 1000, Poisson's ratio 0.3, and a dead load per area. Our load is uniform
+along the span, that of OpenSees along the arch.
 
 {steep}
 

@@ -1,4 +1,4 @@
-"""Prints docs/validation.md: closed forms, published values and another code, beside our own.
+"""Prints the first part of docs/validation.md: closed forms, published values, another code.
 
 ./run python -m studies validation > docs/validation.md
 """
@@ -32,15 +32,16 @@ TOLERANCE = 1e-9
 TEXT = """\
 # Validation
 
-What can be compared with exact solutions, published values and another integrator:
+Exact solutions, published values and other codes beside ours, in two parts:
 
     ./run python -m studies validation > docs/validation.md
+    ./run python -m studies peers >> docs/validation.md
 
 **No measured device has been compared.** These tables show that the equations are solved, not that
-a device obeys them; [peers](peers.md) shows what the equations leave out. A comparison would need
-the dimensions as made; the beam's first frequency before assembly; mass and spring, or their
-frequency; gap and gas pressure; the acceleration at the die; and, at each level, how many shocks
-snapped the device and how many did not.
+a device obeys them; the [second part](#other-codes) shows what the equations leave out. A
+comparison with a device needs its dimensions as made; the beam's first frequency before assembly;
+mass and spring, or their frequency; gap and gas pressure; the acceleration at the die; and, at each
+level, how many shocks snapped the device and how many did not.
 
 ## Statics of the curved beam
 
@@ -58,8 +59,8 @@ $u_1^2+u_1+9u_3^2+25u_5^2=0$, give $F=758.7$, as ours; 740 is quoted.
 
 ## Buckling and frequencies
 
-Buckling: $\\mu=2\\pi,\\ 4\\pi$ and $\\tan\\mu/2=\\mu/2$. Frequencies of the clamped beam with
-tension $T$ are the roots of $2pq(1-\\cos p\\cosh q)+(q^2-p^2)\\sin p\\sinh q=0$ with
+Buckling loads have $\\mu=2\\pi,\\ 4\\pi$ and $\\tan\\mu/2=\\mu/2$. Frequencies of the clamped
+beam with tension $T$ are the roots of $2pq(1-\\cos p\\cosh q)+(q^2-p^2)\\sin p\\sinh q=0$ with
 $p^2,q^2=\\mp\\tfrac T2+\\sqrt{{T^2/4+\\omega^2}}$, in $EI/L^2$ and $\\sqrt{{EI/\\rho AL^4}}$.
 
 {spectra}
@@ -68,7 +69,7 @@ $p^2,q^2=\\mp\\tfrac T2+\\sqrt{{T^2/4+\\omega^2}}$, in $EI/L^2$ and $\\sqrt{{EI/
 
 {made}
 
-## The mass alone, and impacts
+## The mass alone, and elastic impacts
 
 Across a gap that is never closed, the mass is an oscillator. Impacts are elastic: the energy of
 mass, spring, contact and beam is the work of the pulse.

@@ -1,21 +1,31 @@
-"""Small results of studies, for tests of figures."""
+"""Small results of studies, for tests of figures and traces."""
 
 import json
 
 import numpy as np
 import xarray as xr
 
+import snapmap
 from snapmap.axes import COORDINATES
 from snapmap.io.variables import variables
 from snapmap.solver.outcome import OUTCOMES
+from snapmap.solver.settings import Settings
 
 CONFIG = {
     "model": {"name": "handout"},
     "sweep": {"horizon": "1.5 ms"},
     "histories": [{"N": 1000, "f0": "1500 Hz", "C": "0.025 uN*us/um"}],
 }
+AXES = {"C": [0.025, 200.0], "f0": [1000.0, 3000.0, 9000.0], "N": [800.0, 1000.0, 1300.0, 2200.0]}
+SETTINGS = Settings(horizon=300.0)
 VARIABLES = variables("cube")
 ATTRIBUTES = {"title": "A title", "code_version": "0.1.0+abc", "config": json.dumps(CONFIG)}
+
+
+def swept(device, **changes):
+    """A cube of a device, in three cosines."""
+    asked = {**AXES, "model": "cosines", "modes": 3, "horizon": SETTINGS.horizon, **changes}
+    return snapmap.sweep(device, **asked)
 
 
 def make_cells(rows, f0=None, N=None):

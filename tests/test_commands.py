@@ -21,6 +21,9 @@ ELSEWHERE = {
         "snakemake --cores 2 --configfile config/handout.yaml",
         "snakemake --directory build/tutorial --configfile config/sensor.yaml --cores 2",
     ],
+    "test_the_window_of_the_recipe_is_drawn": [
+        "snakemake results/figures/window.pdf --configfile config/arm.yaml --cores 2",
+    ],
     "test_a_finished_run_makes_a_report": [
         "snakemake --report report.zip",
         "snakemake --report report.zip --configfile sensor.yaml",

@@ -63,11 +63,11 @@ def test_no_solution_and_several_are_said(handout):
         return N_first, np.full(values.shape, 1e-4), N_first <= 1000
 
     grid = np.linspace(1.0, 3.0, 17)
-    N_first, _, met = parabola(None, grid[np.newaxis])
-    _, values, errors = _ends(parabola, grid, N_first, met, np.ones((1, 16), bool), 1000.0)
+    seen = parabola(None, grid[np.newaxis])
+    _, values, errors = _ends(parabola, grid, *seen, np.ones((1, 16), bool), 1000.0)
     np.testing.assert_allclose(values, [1.3, 2.2], atol=1e-5)
     with pytest.warns(UserWarning, match="not monotone; at 1.3, 2.2 um"):
-        design = _single("thickness", 1000.0, grid, N_first, values, errors)
+        design = _single("thickness", 1000.0, grid, seen[0], values, errors)
     assert design.value == pytest.approx(1.3)
 
 

@@ -32,7 +32,6 @@ CONTENTS = """
 :caption: Use
 Tutorial <docs/tutorial>
 docs/recipes
-docs/glossary
 Config <docs/config>
 Shocks <docs/pulses>
 Devices <docs/devices>
@@ -47,8 +46,6 @@ Theory <docs/theory>
 docs/thresholds
 Accuracy <docs/accuracy>
 docs/validation
-docs/peers
-Impacts <docs/impacts>
 Limits <docs/limits>
 ```
 ```{toctree}
@@ -61,8 +58,9 @@ SUPPORT
 CODE_OF_CONDUCT
 ```
 """
-PICTURE = re.compile(r"<!-- picture: (\S+) \| (.+) -->")
-PICTURES = Path("build/tutorial/results/figures")  # of a run of config/sensor.yaml
+PICTURES = re.compile(r"<!-- pictures: (.+) -->")
+QUESTION = re.compile(r"^\| (`.+?) \| (.+?\?)", re.M)  # of figures.md: files, and what they answer
+FOLDER = Path("build/tutorial/results/figures")  # of a run of config/sensor.yaml
 # Chromium neither stretches a fence that carries a script nor takes a font's primes for scripts.
 SCRIPTED_FENCE = re.compile(r"(?<=su[bp]>)<mo m.*?</mo>")
 PRIME = re.compile(r"<mo>(?=[′″‴⁗])")
@@ -85,13 +83,18 @@ def _formula(displayed):
 
 
 def complete(app, page, source):
-    """Give the first page the contents, and each comment that names a picture its picture."""
+    """Give the first page the contents, and each comment that names pictures these pictures."""
     if page == root_doc:
         source[0] += CONTENTS
     here = (app.srcdir / page).parent
+    rows = QUESTION.findall((app.srcdir / "docs" / "figures.md").read_text(encoding="utf-8"))
 
-    def show(asked):
-        found = sorted((app.srcdir / PICTURES).glob(f"{asked[1]}.png"))
-        return f"![{asked[2]}]({os.path.relpath(found[0], here)})" if found else ""
+    def show(name):
+        (text,) = (said for files, said in rows if f"`{name}`" in files)
+        found = sorted((app.srcdir / FOLDER).glob(f"{name}.png"))
+        return [f"![{text}]({os.path.relpath(found[0], here)})"] if found else []
 
-    source[0] = PICTURE.sub(show, source[0])
+    def shown(asked):
+        return "\n\n".join(one for name in asked[1].split() for one in show(name))
+
+    source[0] = PICTURES.sub(shown, source[0])

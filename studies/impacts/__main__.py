@@ -1,6 +1,6 @@
-"""Prints docs/impacts.md: ensembles of small systems with impacts, by everyone who can follow them.
+"""Prints README.md: ensembles of small systems with impacts, by everyone who can follow them.
 
-./run python -m studies impacts [--small] > docs/impacts.md
+./run python -m studies impacts [--small] > studies/impacts/README.md
 
 heyoka takes part if it is installed: see the group `bench` in pyproject.toml.
 """

@@ -1,13 +1,13 @@
-"""The words of docs/impacts.md."""
+"""The words of README.md."""
 
 TEXT = r"""# A benchmark: ensembles of small systems with impacts
 
 Five problems with known answers for solvers of thousands of small, stiff systems with impacts:
 
-    ./run python -m studies impacts > docs/impacts.md
+    ./run python -m studies impacts > studies/impacts/README.md
 
 heyoka is in the group `bench` of `pyproject.toml`. Another solver takes part by a function in
-`solvers.py` and a line in `contenders` of `__main__.py`, both in `studies/impacts`.
+`solvers.py` and a line in `contenders` of `__main__.py`.
 
 ## The problems
 
@@ -21,18 +21,20 @@ spaced; two ranges make a grid, its last one running fastest.
    rest.
 2. **Impact oscillator.** $x'' + x = -\sin \omega t$, from rest at 0; at $x = -0.5$ the speed is
    reversed and multiplied by $e$. 16 values of $\omega$ from 0.9 to 2.6, 16 of $e$ from 0.7 to 0.9,
-   $t_\mathrm{{end}} = 30$. Answer: sines between impacts.
+   $t_\mathrm{{end}} = 30$. The answer is sines between impacts.
 3. **Bilinear oscillator.** The same with a soft stop: $x'' + x + 100 \min(0, x + 0.5) = -\sin
-   \omega t$. 256 values of $\omega$ from 1.1 to 2.6. Answer: sines in and out of contact.
+   \omega t$. 256 values of $\omega$ from 1.1 to 2.6. The answer is sines in and out of contact.
 4. **Relief valve** (Hős and Champneys, Physica D 241, 2012; MPGOS' example): $x_1' = x_2$,
    $x_2' = -1.25 x_2 - (x_1 + 10) + x_3$, $x_3' = 20 (q - x_1 \sqrt{{x_3}})$; at $x_1 = 0$ the speed
    is reversed and multiplied by 0.8. From $(0.2, 0, 10)$, so that no valve rattles to rest. 256
-   values of $q$ from 0.2 to 7, $t_\mathrm{{end}} = 10$. Answer: SciPy's DOP853 at 1e-13.
-5. **Snap or no snap.** The handout's device in three cosines ([theory](theory.md)), with soft
-   contact and C = 0.025: 16 values of N from 600 to 2400, 16 of f0 from 300 Hz to 20 kHz by ratio.
-   The label is whether $w_\mathrm{{mid}}$ reaches the second shape within 1500 us after the pulse.
-   Answer: the plain loop at {fine:g} us. Left out are {contested} cells whose label turns with N by
-   up to 0.2 %. Of the other {cells}, {snap} snap.
+   values of $q$ from 0.2 to 7, $t_\mathrm{{end}} = 10$. The answer is that of SciPy's DOP853
+   at 1e-13.
+5. **Snap or no snap.** The handout's device in three cosines ([theory](../../docs/theory.md)), with
+   soft contact and C = 0.025: 16 values of N from 600 to 2400, 16 of f0 from 300 Hz to 20 kHz
+   by ratio. The label is whether $w_\mathrm{{mid}}$ reaches the second shape within 1500 us
+   after the pulse. The answer is that of the plain loop at {fine:g} us. Left out are
+   {contested} cells whose label turns with N by up to 0.2 %. Of the other {cells}, {snap}
+   snap.
 
 The first and the last trajectory of each:
 
@@ -50,12 +52,12 @@ longest step, if limited; the step of the plain loop; for snapmap the number of 
 its step times this. SciPy follows every ninth trajectory and every 29th cell.
 
 {table}
-SciPy: DOP853 of `solve_ivp`, begun again after each impact, its right-hand side compiled by numba.
-Plain loop: the classical Runge-Kutta method in fixed steps, compiled by numba, impacts by
-bisection. heyoka: Taylor series in batches of 8, impacts as terminal events. snapmap: its kernel,
-of second order, so weak where many digits are wanted; in the first two problems a mass before a
-stop, its beam out of reach. It has no soft stop beside the beam and no third equation
-for a valve.
+SciPy is DOP853 of `solve_ivp`, begun again after each impact, its right-hand side compiled by
+numba. The plain loop is the classical Runge-Kutta method in fixed steps, compiled by numba, with
+impacts by bisection. heyoka follows Taylor series in batches of 8, with impacts as terminal events.
+snapmap is its kernel, which is of second order and so weak where many digits are wanted; in the
+first two problems it follows a mass before a stop, with the beam out of reach. It has neither a
+soft stop without a beam nor the third equation of a valve.
 
 Left out: numbalsoda 0.3.4 (source only, needs a Fortran compiler), numbakit-ode 0.5 (methods with a
 tolerance raise a TypeError), MPGOS (needs an NVIDIA GPU), DifferentialEquations.jl (needs Julia).

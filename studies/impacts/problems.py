@@ -1,4 +1,4 @@
-"""Ensembles of small systems with impacts whose answers are known: docs/impacts.md has them."""
+"""Ensembles of small systems with impacts whose answers are known: README.md."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace

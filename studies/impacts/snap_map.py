@@ -1,4 +1,4 @@
-"""Snap or no snap, over a map of the handout's device: the fourth problem of docs/impacts.md."""
+"""Snap or no snap, over a map of the handout's device: the fifth problem of README.md."""
 
 from dataclasses import dataclass, replace
 from functools import cache

@@ -12,8 +12,7 @@ from snapmap.beam.cosines import antisymmetric_loads, buckling_shapes, symmetric
 from snapmap.beam.elements import hermite_elements
 from snapmap.beam.equilibria import find_barrier
 from snapmap.beam.modal import reduce_to_modes, settled
-from snapmap.device import batch
-from snapmap.solver.cells import to_cells, to_rows
+from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import Settings
@@ -145,26 +144,6 @@ def test_tilting_lowers_the_barrier_and_may_end_it(handout):
     assert find_barrier(free, basis).second == pytest.approx(w2, rel=1e-9)
     assert find_barrier(replace(free, thickness=2.0), basis).energy == 0
     assert find_barrier(replace(free, imperfection=2.0), basis).energy == 0
-
-
-def test_a_batch_is_each_of_its_devices(handout):
-    devices = [
-        handout,
-        vary(handout, residual_stress=-8.0),
-        vary(handout, gap=1.0),
-        vary(handout, free=1.0, imperfection=0.02),
-        vary(handout, residual_stress=12.0, gap=0.4, contact=np.inf),
-    ]
-    model = build_model(batch(devices), "cosines", modes=3)
-    N, f0 = np.linspace(800, 1300, 12), 1500.0
-    settings = Settings(300.0)
-    number = np.arange(len(devices))[:, np.newaxis]
-    mixed = model.follow(to_cells(model.device, number, N, f0, 5.0, 300.0), settings)
-    for i, device in enumerate(devices):
-        alone = build_model(device, "cosines", modes=3)
-        seen = alone.follow(to_cells(device, 0, N[np.newaxis], f0, 5.0, 300.0), settings)
-        for whole, own in zip(mixed[:6], seen[:6], strict=True):
-            np.testing.assert_array_equal(whole[[i]], own)
 
 
 def test_a_free_beam_snaps_earlier_fast_and_later_slow(handout):

@@ -11,7 +11,6 @@ from snapmap import simulate, statics, threshold
 from snapmap.beam.cosines import symmetric_cosines
 from snapmap.beam.elements import hermite_elements
 from snapmap.beam.equilibria import find_barrier
-from snapmap.beam.modal import reduce_to_modes
 from snapmap.device import Beam
 from snapmap.io.measured_shape import read_shape
 from snapmap.shape import coefficients
@@ -143,19 +142,6 @@ def test_an_arc_tends_to_a_parabola_with_the_square_of_its_steepness():
     apart = [abs(coefficients("arc", steep, []) - parabola).max() for steep in (0.02, 0.01)]
     assert apart[0] / apart[1] == pytest.approx(4, rel=1e-2)
     assert apart[1] < 1e-4
-
-
-def test_a_batch_of_shapes_is_each_by_itself(beam):
-    """The cosine among them to the last bit."""
-    names, second = np.array(["cosine", "parabola", "cosine"]), np.array([0.0, 0.05, 0.1])
-    stress = np.array([0.0, -90.0, 0.0])
-    each = {"shape": names, "cosine_2": second, "residual_stress": stress}
-    for basis in symmetric_cosines(4), hermite_elements(4):
-        whole = reduce_to_modes(replace(beam, **each, rise=np.full(3, 10.0)), basis)
-        for i in range(3):
-            alone = replace(beam, **{key: column[i] for key, column in each.items()})
-            for ours, theirs in zip(whole, reduce_to_modes(alone, basis), strict=True):
-                assert np.array_equal(np.broadcast_to(ours, (3, *np.shape(theirs)))[i], theirs)
 
 
 def test_a_shaped_beam_snaps_alike_in_elements_and_cosines(handout):

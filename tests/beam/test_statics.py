@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import snapmap
-from snapmap.beam.equilibria import static_threshold
+from snapmap.beam.equilibria import buckling_modes, static_threshold
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.search import lowest_snap
@@ -92,3 +92,25 @@ def test_slow_pulses_tend_to_the_static_threshold(handout, of_device, of_beam):
     model = build_model(device, "cosines", modes=3)
     found = lowest_snap(model, rows, reach, Settings(0.0, until="snap"), 1e-4).item()
     assert found == pytest.approx(static, rel=4e-3)
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.5, 1.5])
+def test_a_stiff_spring_lets_go_of_a_light_beam_at_its_saddle(handout, gap):
+    """There the beam rests without the mass, 4/3 rise from the first shape: M a = K (way + gap)."""
+    light = replace(handout.beam, density=1e-4 * handout.beam.density)
+    device = replace(handout, beam=light, spring=20.0, contact=np.inf, gap=gap)
+    exact = device.spring * (4 / 3 * light.rise + gap) / (device.mass * device.gravity)
+    assert static_threshold(device) == pytest.approx(exact, rel=1e-5)
+
+
+@pytest.mark.parametrize("stress", [-8.0, 0.0, 20.0])
+def test_kept_and_left_out_modes_yield_as_the_exact_beam_column_does(handout, stress):
+    """By (tan b - b)/(64 b^3), b = sqrt(N)/4, at an N half way from the rest's to the saddle's."""
+    beam = replace(handout.beam, residual_stress=stress)
+    modes, unit = buckling_modes(beam), beam.stiffness_unit
+    tension = modes.buckling[0, 0] / (unit * beam.span) - 4 * np.pi**2
+    b = np.sqrt((16 * np.pi**2 - tension) / 2) / 4
+    kept = np.sum(modes.midpoint**2 / (modes.buckling - (16 * b**2 + tension) * unit * beam.span))
+    exact = (np.tan(b) - b) / (64 * b**3) / unit
+    assert kept + modes.residual == pytest.approx(exact, rel=1e-9)
+    assert 0 < modes.residual < 1e-5 * abs(exact)

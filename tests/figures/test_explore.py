@@ -9,26 +9,17 @@ import numpy as np
 import pytest
 import xarray as xr
 from playwright.sync_api import sync_playwright
+from small_results import SETTINGS, swept
 
-import snapmap
 from snapmap.figures.explore import GREY, WORDS, page
 from snapmap.figures.states import SNAPS, end_elsewhere, end_states, snap_states
 from snapmap.io.netcdf import write
 from snapmap.motion import envelopes
-from snapmap.solver.settings import Settings
 from snapmap.study import Study
 
-MODEL = {"name": "cosines", "modes": 3}
-SETTINGS = Settings(horizon=300.0)
-AXES = {"C": [0.025, 200.0], "f0": [1000.0, 3000.0, 9000.0], "N": [800.0, 1000.0, 1300.0, 2200.0]}
 ALWAYS, BAND, FIRST, APART = 1, 2, 3, 4
 """Which curve of the map is which."""
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "chrome"))), None)
-
-
-def swept(device, **changes):
-    asked = {**AXES, "model": "cosines", "modes": 3, "horizon": SETTINGS.horizon, **changes}
-    return snapmap.sweep(device, **asked)
 
 
 @pytest.fixture(scope="module")
@@ -303,8 +294,7 @@ def view_of(browser, path, device, **asked):
 
 def shows(view, cells, x, y, states=snap_states):
     """Whether the map is that of some cells, and of the axes x and y."""
-    codes = states(cells).transpose(y, x).values.tolist()
-    return view.shown("map", "z") == codes
+    return view.shown("map", "z") == states(cells).transpose(y, x).values.tolist()
 
 
 @pytest.fixture(scope="module")
@@ -391,3 +381,17 @@ def test_a_sweep_to_the_snap_shows_where_it_snaps(browser, handout, tmp_path):
     said = [view.hover(i, j) for i, j in np.ndindex(3, 4)]
     said += [view.text("#verdict"), view.text("#classes")]
     assert not [text for text in said if "tripped" in text or "swing" in text]
+
+
+@pytest.mark.parametrize("start", ["first", "second"])
+def test_the_beam_is_drawn_in_the_shape_in_which_the_study_starts(cube, browser, tmp_path, start):
+    document = json.loads(cube.attrs["config"])
+    document["sweep"] = document.get("sweep", {}) | {"start": start}
+    path = tmp_path / "explore.html"
+    write_text(path, cube.assign_attrs(config=json.dumps(document)), None)
+    opened = browser.new_page()
+    opened.goto(path.as_uri())
+    drawn = "key => getComputedStyle(document.querySelector(`.of-${key}`)).strokeDasharray"
+    dashes = {key: opened.evaluate(drawn, key) for key in ("first", "second")}
+    opened.close()
+    assert [key for key, dash in dashes.items() if dash == "none"] == [start]

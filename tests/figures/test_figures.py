@@ -361,3 +361,23 @@ def test_snap_time_is_between_two_samples_or_not_seen():
     assert math.isnan(histories.snap_time(make_history([10, 0, -8.9])))
     grey = [np.dot(to_rgb(colour), [0.299, 0.587, 0.114]) for colour, _ in curves.LOOKS[:3]]
     assert (np.diff(grey) > 0.1).all()
+
+
+def test_a_window_ends_on_lines_where_each_requirement_begins_to_fail():
+    spring, C = np.linspace(4.0, 8.0, 5), np.linspace(20.0, 60.0, 4)
+    reserve = np.stack(np.broadcast_arrays(6.5 / spring[:, np.newaxis], C / 35))
+    over = "requirement", "spring", "C"
+    data = {key: (over, reserve) for key in ("reserve", "N_first", "stress_max")}
+    data |= {"N_error": (over, reserve / 100), "yield": (over[1:], reserve[0] / 2)}
+    data |= {"yield_bound": (("bound", *over[1:]), reserve / 2), "must_snap": (over[0], [1, 0])}
+    found = xr.Dataset(data, {"requirement": ["trip", "stay"], "spring": spring, "C": C})
+    requirements.draw_window(figure := style.double_column(4), found, "spring", "C")
+    *panels, stress, _ = figure.axes
+    assert len(panels) == 2 and stress.get_title(loc="left").startswith("largest stress")
+    lines = [line for line in stress.collections if line.get_path_effects()]
+    for line, column, end, straight in zip(lines, (0, 1), (6.5, 35.0), (0.06, 1e-9), strict=True):
+        (path,) = line.get_paths()
+        assert abs(path.vertices[:, column] - end).max() < straight
+    words = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert words == ["trip, trips", "stay, does not trip"]
+    assert "error bars up to 1.0 %" in figure.legends[0].get_title().get_text()

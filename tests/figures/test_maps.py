@@ -190,6 +190,7 @@ def test_a_plot_in_a_notebook_shows_what_snaps_or_where_it_ends():
 def test_snap_times_are_the_ends_of_all_maps():
     panels = [TINY.assign(t_snap=TINY.t_snap * factor) for factor in (3.0, np.nan, 0.5)]
     assert maps.snap_times(panels) == (50.0, 300.0)
+    assert np.isnan(maps.snap_times([])).all()
 
 
 def test_cells_are_hatched_where_the_beam_breaks_where_no_device_is_and_what_ends_elsewhere():

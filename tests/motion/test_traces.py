@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
+from small_results import AXES, SETTINGS, swept
 
 import snapmap
 from snapmap.io.netcdf import read_earlier, write
@@ -12,17 +13,10 @@ from snapmap.motion import envelopes
 from snapmap.solver.cells import to_cells
 from snapmap.solver.kernel.trace import SAMPLE
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import MOVE, Settings
+from snapmap.solver.settings import MOVE
 from snapmap.study import Study
 
 MODEL = {"name": "cosines", "modes": 3}
-SETTINGS = Settings(horizon=300.0)
-AXES = {"C": [0.025, 200.0], "f0": [1000.0, 3000.0, 9000.0], "N": [800.0, 1000.0, 1300.0, 2200.0]}
-
-
-def swept(device, **changes):
-    asked = {**AXES, "model": "cosines", "modes": 3, "horizon": SETTINGS.horizon, **changes}
-    return snapmap.sweep(device, **asked)
 
 
 @pytest.fixture(scope="module")
@@ -32,8 +26,7 @@ def cube(handout):
 
 def trace(device, cube, model, settings, earlier=None):
     """The traces of a study of one device."""
-    study = Study(device=device, model=model, settings=settings)
-    return envelopes.trace(study, cube, earlier)
+    return envelopes.trace(Study(device=device, model=model, settings=settings), cube, earlier)
 
 
 @pytest.fixture(scope="module")

@@ -40,6 +40,7 @@ def test_the_plain_loop_is_pushed_by_the_same_force(handout):
     assert oracle > 1.0 and fast == pytest.approx(oracle, rel=1e-4)
 
 
+@pytest.mark.filterwarnings("error")
 def test_static_thresholds_are_the_largest_force_and_that_of_a_mass_far_away(handout):
     assert static_threshold(alone(handout)) == static_threshold(replace(handout, gap=1e4))
     tilts = alone(handout, 1.0, free=1.0, imperfection=0.01)

@@ -11,7 +11,7 @@ from snapmap.device import batch
 from snapmap.solver.adaptive import choose_model
 from snapmap.solver.cells import to_cells
 from snapmap.solver.settings import SNAP, Settings
-from studies.random_devices import draw_device
+from studies.random_devices import draw_widest_device
 
 MODELS = {
     "handout": {"name": "handout"},
@@ -25,7 +25,7 @@ MODELS = {
 def devices():
     """Devices at random, of which some have a hard contact and some a damped beam."""
     draw = np.random.default_rng(11)
-    drawn = [draw_device(draw) for _ in range(5)]
+    drawn = [draw_widest_device(draw) for _ in range(6)]
     damped = [dataclasses.replace(one.beam, damping=4e-4 * (i % 2)) for i, one in enumerate(drawn)]
     return [dataclasses.replace(one, beam=own) for one, own in zip(drawn, damped, strict=True)]
 

@@ -26,11 +26,6 @@ def threshold(device, f0, C=0.025, horizon=300.0, low=700.0, high=1100.0, **mode
     return high
 
 
-@pytest.fixture(scope="module")
-def hard(handout):
-    return dataclasses.replace(handout, contact=np.inf)
-
-
 @pytest.mark.parametrize("mass_matrix", ["consistent", "hrz"])
 def test_the_handouts_elements_have_the_threshold_of_the_reference(handout, mass_matrix):
     """In small steps: two schemes of one equation."""
@@ -38,15 +33,6 @@ def test_the_handouts_elements_have_the_threshold_of_the_reference(handout, mass
     found = threshold(handout, 1500.0, C=25.0, model="handout", step=0.2, **asked)
     reference = threshold(handout, 1500.0, C=25.0, model="reference", step=0.4, **asked)
     assert found == pytest.approx(reference, rel=1e-5)
-
-
-@pytest.mark.long
-def test_elements_converge_to_the_cosines(handout):
-    converged = threshold(handout, 1500.0, model="cosines", modes=11, step=0.25)
-    finite = (threshold(handout, 1500.0, model="elements", elements=n, step=0.25) for n in (5, 10))
-    errors = [N / converged - 1 for N in finite]
-    assert errors[0] == pytest.approx(1.5e-3, rel=0.1)
-    assert 3.5 < np.log2(errors[0] / errors[1]) < 4.5
 
 
 def test_hard_contact_is_the_limit_of_a_rising_penalty(handout):

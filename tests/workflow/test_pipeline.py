@@ -224,3 +224,17 @@ def test_every_product_is_made_of_two_shapes_along_both_directions(clone, tmp_pa
         assert found.sizes["shape"] == found.sizes["direction"] == 2
         assert found["yield"].leaves_out == "shaking, spectrum, the closing of crash"
         assert found.share_breaking.notnull().all()
+
+
+@pytest.mark.long
+def test_the_window_of_the_recipe_is_drawn(clone, tmp_path):
+    """With fewer points and a cheaper model; on its range all requirements can be met."""
+    text = (clone / "config" / "arm.yaml").read_text(encoding="utf-8")
+    assert products(load_config(yaml.safe_load(text))).window == ("spring", "C")
+    text = text.replace("points: 8", "points: 3").replace("samples: 200", "samples: 16")
+    text = text.replace("name: auto", "name: cosines, modes: 3")
+    (config := tmp_path / "arm.yaml").write_text(text)
+    snakemake(clone, tmp_path, config, "results/figures/window.pdf")
+    with xr.open_dataset(tmp_path / "results" / "window.nc") as found:
+        best = found.reserve.min("requirement").argmax(...)
+        assert found.reserve.isel(best).min() > 1.1 and found["yield"].isel(best) > 0.9

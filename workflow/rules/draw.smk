@@ -18,6 +18,7 @@ FIGURES_OF = {
     "maps": ("3 When it snaps, where it ends", made.map_stems),
     "page": ("4 Page", ["explore"]),
     "requirements": ("5 Requirements", ["requirements"]),
+    "window": ("5 Requirements", ["window"]),
     "tolerance": ("6 Devices as made", made.batch_stems),
     "calibration": ("6 Devices as made", ["calibration"]),
     "statics": ("7 Device", [f"statics{which}" for which in made.statics]),
@@ -31,6 +32,7 @@ DRAWN = {
     "study": (OF_STUDY, every_study_has, seen),
     "page": ([], of_cells | traced, {"horizon": study.settings.horizon}),
     "requirements": ([], {"requirements": "results/requirements.csv"}, {}),
+    "window": ([], {"window": "results/window.nc"}, {"axes": list(made.window)}),
     "tolerance": ([], {"tolerance": "results/tolerance.nc"}, of_batch),
     "calibration": ([], {"calibration": "results/calibration.nc"}, {}),
 }

@@ -112,6 +112,27 @@ rule check_requirements:
         "../scripts/jobs.py"
 
 
+rule find_window:
+    output:
+        window="results/window.nc",
+    log:
+        "results/logs/find_window.log",
+    priority: 48
+    threads: 4
+    resources:
+        mem_mb=memory(2000),
+    params:
+        code=numbers,
+        inputs=in_search,
+        axes={key: axes[key] for key in axes if key in (*VALUES, "C")},
+        tolerances=tolerances,
+        requirements=required,
+    message:
+        "Find the window of the requirements"
+    script:
+        "../scripts/jobs.py"
+
+
 rule find_tolerance:
     output:
         tolerance="results/tolerance.nc",

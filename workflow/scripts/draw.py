@@ -140,6 +140,12 @@ def draw_requirements(requirements_path, stem):
         requirements.draw_margins(figure.subplots(), verdicts)
 
 
+def draw_window(window_path, axes, stem):
+    """Draw where over two axes all required shocks are met."""
+    with _open(window_path) as found, _figure(stem, found, 4) as figure:
+        requirements.draw_window(figure, found, *axes)
+
+
 def draw_calibration(calibration_path, stem):
     """Draw measured shots over the fitted threshold and its band, by shape and direction."""
     with _open(calibration_path) as found, _figure(stem, found, 3.4) as figure:

@@ -118,6 +118,14 @@ def check_requirements(study, path):
     print(f"{path}: {requirements.summary(verdicts)}; {words}")
 
 
+def find_window(study, axes, path):
+    """Find where on two axes the required shocks are met, and by which share of devices."""
+    from snapmap.window import summary, window_of
+
+    found = window_of(study.of_thresholds(), axes, study.requirements, study.tolerances)
+    _write(found, path, summary)
+
+
 def find_tolerance(study, path):
     """Find the thresholds of devices whose values scatter."""
     from snapmap.config.shocks import CLOSING

@@ -70,7 +70,10 @@ def datasheet(
         closed = [row for row in own if np.isfinite(row.get("t_closed", np.nan))]
         if closed:
             closed = table(["what", "value", "error", "under"], _closures(closed))
-            sheets += [f"The electrode, to {plain(study.settings.horizon / 1e3)} ms after a shock:\n", closed]
+            sheets += [
+                f"The electrode, to {plain(study.settings.horizon / 1e3)} ms after a shock:\n",
+                closed,
+            ]
         if batch is not None and "yield" in batch:
             words = f"Share of {batch.sizes['sample']} devices as made, with bounds at 95 %:\n"
             sheets += [words, table(["share", "C, uN*us/um", "value", "bounds"], _shares(batch))]

@@ -15,16 +15,17 @@ from .device import SIGNED, Device, batch
 from .io.counting import counting
 from .quantities import QUANTITIES, plain
 from .shocks import Shocks
-from .solver.search import refine
+from .solver.search import near
 from .study import Study, of_requirement, study_of, with_shocks
+from .thresholds.verified import FEWEST
 from .tolerances.batch import thresholds_at
 from .tolerances.dataset import tolerances_of
 from .tolerances.samples import Tolerances, nominal_value
 
 POINTS, WINDOW_POINTS = 17, 33
 """Values that are tried first, for a threshold and for a window."""
-SECTIONS, ROUNDS = 8, 3
-"""Into so many parts an interval between two of them is cut, so often."""
+PARTS = 512
+"""Of an interval between two of them, in one of which an answer lies."""
 PLACES, SAMPLES = 9, 256
 """Values in a window, and devices as made at each, of which the yield is estimated."""
 
@@ -104,7 +105,7 @@ def design(
         raise ValueError(f"{', '.join(along)}: give one value of the device along which to look")
     if required:
         tolerances = Tolerances(**given) if given else None
-        cost = f"{WINDOW_POINTS * len(goals)} thresholds, {ROUNDS * SECTIONS} for each end"
+        cost = f"{WINDOW_POINTS * len(goals)} thresholds, about three for each end"
         if tolerances:
             made = PLACES * min(tolerances.samples, SAMPLES)
             cost += f", {made * (len(goals) + 1)} devices"
@@ -115,9 +116,10 @@ def design(
     goals *= along[key].size
     look, grid = _looker(study, value, C, goals, along), np.linspace(*between, POINTS)
     with counting("design"):
-        N_first, _, met = look(np.arange(len(goals)), np.tile(grid, (len(goals), 1)))
+        surface = [along[key], grid] if _is_axis(along[key]) else [grid]
+        N_first, error, met = look(np.arange(len(goals)), np.tile(grid, (len(goals), 1)), surface)
         known = np.isfinite(N_first[:, 1:] + N_first[:, :-1])
-        ends = _ends(look, grid, N_first, met, known, N)
+        ends = _ends(look, grid, N_first, error, met, known, N)
     if key != value:
         return _line(value, key, along[key], N, *ends)
     return _single(value, N, grid, N_first, *ends[1:])
@@ -152,21 +154,29 @@ def remedy(study: Study, goal: Mapping, C: float, N_first: float) -> str:
     return " or ".join(words)
 
 
+def _is_axis(x):
+    """Whether thresholds along values are a surface's."""
+    return x.size >= FEWEST and (np.diff(x) > 0).all()
+
+
 def _looker(study, value, C, goals, along=None) -> Callable:
-    """A function of goals, by number (n,), and values, (n, m): N_first, its error, and if met."""
+    """A function of goals, by number (n,), and values, (n, m): N_first, its error, and if met.
+
+    It takes the axes of a surface that these are, of goals of one start, too, as `thresholds_at`.
+    """
     pulses = {str(i): goal["shocks"].pulses[0] for i, goal in enumerate(goals)}
     study = replace(study, shocks=Shocks(pulses))
     N, f0, snaps = (np.array([goal[key] for goal in goals]) for key in ("N", "f0", "snaps"))
     starts = np.array([goal.get("start", study.settings.start) for goal in goals])
 
-    def look(row, tried):
+    def look(row, tried, axes=()):
         i = np.repeat(row, tried.shape[1])
         values = {key: column[i] for key, column in (along or {}).items()} | {value: tried.ravel()}
         N_first, error, there = np.empty((3, i.size))
         for start in np.unique(starts[i]):
             mine, settings = starts[i] == start, study.settings._replace(start=str(start))
             own = {key: column[mine] for key, column in values.items()}
-            asked = own, f0[i[mine]], C, i[mine]
+            asked = own, f0[i[mine]], C, i[mine], axes
             N_first[mine], error[mine], there[mine] = thresholds_at(
                 replace(study, settings=settings), *asked
             )
@@ -176,38 +186,57 @@ def _looker(study, value, C, goals, along=None) -> Callable:
     return look
 
 
-def _ends(look, grid, N_first, met, where, N):
+def _ends(look, grid, N_first, error, met, where, N):
     """Refine where goals begin or end to be met: their numbers, the values, and errors; (ends,).
 
-    N_first, met: of all goals on the grid, (goals, n); where: which intervals count; N: (goals,)
+    N_first, error, met: of all goals on the grid, (goals, n)
+    where: which intervals count; N: (goals,)
     """
     row, k = np.nonzero((met[:, 1:] != met[:, :-1]) & where)
     if not row.size:
         return row, grid[k], grid[k]
-    width = grid[1] - grid[0]
-    slope = (N_first[row, k + 1] - N_first[row, k]) / width
+    N, which = np.broadcast_to(N, len(met))[row], np.arange(k.size)
+    guess = _guess(N_first[row], k, N)
+    seen = np.full((2, k.size, PARTS + 1), np.nan)
+    for end in (0, 1):
+        seen[:, which, end * PARTS] = N_first[row, k + end], error[row, k + end]
 
-    def tried(x):
-        """Values of an interval as one from 1 to 2, as `refine` takes relative widths."""
-        return grid[k, np.newaxis] + (x - 1) * width
+    def tried(which, places):
+        return grid[k[which], np.newaxis] + places * ((grid[1] - grid[0]) / PARTS)
 
-    def ask(x):
-        return np.where(look(row, tried(x))[2], 1.0, np.nan)
+    def label(which, places):
+        *there, is_met = look(row[which], tried(which, places))
+        seen[:, which[:, np.newaxis], places] = there
+        return is_met == met[row, k + 1][which, np.newaxis]
 
-    ones, fine = np.ones(k.size), float(SECTIONS) ** -ROUNDS
-    ends = refine(ask, ones, 2 * ones, fine, met[row, k + 1], SECTIONS)
-    value = tried(np.column_stack(ends))
-    first, error, _ = look(row, value)
-    (low, high), (below, beyond) = value.T, first.T
-    N = np.broadcast_to(N, len(met))[row]
+    last = np.maximum(near(label, which, guess, PARTS), 1)[:, np.newaxis]
+    ends = np.hstack([last - 1, last])
+    slope = (N_first[row, k + 1] - N_first[row, k]) / (grid[1] - grid[0])
+    (low, high), first, error = tried(which, ends).T, *seen[:, which[:, np.newaxis], ends]
+    below, beyond = first.T
     slope = np.where(np.isfinite(slope), slope, (beyond - below) / (high - low))
     with np.errstate(invalid="ignore", divide="ignore"):
         inside = low + (N - below) * (high - low) / (beyond - below)
         left_open = (error.max(axis=1) + abs(beyond - below) / 2) / abs(slope)
     # At an end beyond which nothing snaps the bar of a threshold says nothing.
     crossed = ((below < N) != (beyond < N)) & np.isfinite(inside)
-    value = np.where(crossed, inside, value.mean(axis=1))
+    value = np.where(crossed, inside, (low + high) / 2)
     return row, value, np.where(crossed, left_open, (high - low) / 2)
+
+
+def _guess(N_first, k, N):
+    """In which part of interval k of a grid N is a threshold, by a cubic; (ends,).
+
+    N_first: on the grid, (ends, n)
+    """
+    at = np.clip(k - 1, 0, N_first.shape[1] - 4)[:, np.newaxis] + np.arange(4)
+    first, place = np.take_along_axis(N_first, at, 1), 0.0
+    with np.errstate(invalid="ignore", divide="ignore"):
+        for j in range(4):
+            others = np.delete(first, j, axis=1)
+            shares = (N[:, np.newaxis] - others) / (first[:, [j]] - others)
+            place = place + (at[:, j] - k) * np.prod(shares, axis=1)
+    return np.clip(np.ceil(np.nan_to_num(PARTS * place, nan=PARTS / 2)), 1, PARTS).astype(int)
 
 
 def _single(value, N, grid, N_first, values, errors):
@@ -249,14 +278,15 @@ def _window(study, value, C, between, goals, tolerances):
     """Windows of a value, as `design` returns them."""
     look, grid = _looker(study, value, C, goals), np.linspace(*between, WINDOW_POINTS)
     names, N = [goal["name"] for goal in goals], [goal["N"] for goal in goals]
-    N_first, own = np.full((len(goals), grid.size), np.nan), np.zeros((len(goals), grid.size), bool)
+    N_first, error = np.full((2, len(goals), grid.size), np.nan)
+    own = np.zeros(N_first.shape, bool)
     met = np.ones(grid.size, bool)
     for i in range(len(goals)):
-        N_first[i], _, own[i] = look(np.array([i]), grid[np.newaxis])
+        N_first[i], error[i], own[i] = look(np.array([i]), grid[np.newaxis], [grid])
         met &= own[i]
         if not met.any():
             break
-    ends = _ends(look, grid, N_first, own, met[1:] != met[:-1], N)
+    ends = _ends(look, grid, N_first, error, own, met[1:] != met[:-1], N)
     ends = sorted((at, error, names[row]) for row, at, error in zip(*ends, strict=True))
     places = (between[0], 0.0, "between"), *ends, (between[1], 0.0, "between")
     windows = [

@@ -74,7 +74,7 @@ def static_threshold(device: Device, back: bool = False) -> float | np.ndarray:
             "spring": alike.spring,
             "stiffness": contact_stiffness(alike, modes.residual),
             "gap": alike.gap,
-            "room": alike.stop_toward - alike.gap,
+            "stop": alike.stop_toward,
             "travel": first - alike.beam.second_equilibrium,
         }
         N[mine] = [
@@ -86,14 +86,14 @@ def static_threshold(device: Device, back: bool = False) -> float | np.ndarray:
     return N / device.gravity
 
 
-def _least_without_rest(modes, mass, spring, stiffness, gap, room, travel):
-    """That acceleration of one device; room: from where it strikes the beam to its stop."""
+def _least_without_rest(modes, mass, spring, stiffness, gap, stop, travel):
+    """That acceleration of one device; stop: how far its mass may travel towards the beam."""
 
     def pressed(modes, N):
         return _shock(modes, N, mass, spring, stiffness, gap)
 
     def held(modes, N):
-        return _shock(modes, N, 0.0, np.inf, stiffness, -room)
+        return _shock(modes, N, 0.0, np.inf, stiffness, gap - stop)
 
     def is_left(a, reached):
         """Whether the midpoint is ahead of the mass by itself, once that has touched it."""
@@ -106,8 +106,8 @@ def _least_without_rest(modes, mass, spring, stiffness, gap, room, travel):
     if gap == np.inf:
         return _end_of(modes, alone, is_pulled, travel)[0]
     ends = [_end_of(modes, pressed, is_left, travel)]
-    if room < np.inf:
-        ends.append(_end_of(modes, held, lambda a, reached: reached > room, travel))
+    if stop < np.inf:
+        ends.append(_end_of(modes, held, lambda a, reached: reached > stop - gap, travel))
     own, edge, apart = np.inf, 0.0, False
     if gap > 0 or any(leaves for *_, leaves in ends):
         own, edge, _ = _end_of(modes, alone, is_pulled, travel)

@@ -11,7 +11,7 @@ from ..tolerances.samples import Plan
 STEEP = 0.05
 """Rise over span above which what is neglected raises forces by more than 1 %."""
 FORCES_TOO_HIGH, THRESHOLDS_TOO_HIGH = 565.0, 413.0
-"""By how much, in %, over the square of rise over span: docs/peers.md."""
+"""By how much, in %, over the square of rise over span: docs/validation.md."""
 SLENDER = 20.0, 5000.0
 """Span over thickness below which the same holds of shear; above no beam is made."""
 CREEPING = 10.0
@@ -45,7 +45,7 @@ def wide(plan: Plan) -> list[str]:
         share = scatter.width / (1.0 if scatter.is_share else abs(plan.nominal[key]) or math.inf)
         if share > WIDE:
             lines.append(
-                f"{key} scatters by {plain(100 * share, 3)} %: hardly meant above {WIDE:.0%}"
+                f"{key} scatters by {plain(100 * share, 3)} %: hardly meant above {100 * WIDE:g} %"
             )
     return lines
 

@@ -6,7 +6,7 @@ from ..axes import DEVICE, DIRECTION, SHAPE
 from ..device import Device
 from ..solver.settings import FIRST
 from .study import Config
-from .views import History, View, batch_places, side_by_side
+from .views import History, View, batch_places, choose_window, side_by_side
 
 
 class Products(NamedTuple):
@@ -16,6 +16,7 @@ class Products(NamedTuple):
     fields: maps of thresholds; together: maps of cells that are drawn side by side
     batches, yields: places on the axes of names of figures of devices as made, by the ending of
         their names; a yield does not depend on the study's own pulse
+    window: axes over which requirements are drawn, if two have several values
     histories: cells followed in full; statics: devices by the ending of their files' names
     traces: files of all cells' motion: of a study that asks for them, or has a strength
     map_stems, snap_stems, curve_stems, batch_stems: figures, by the rule that draws them
@@ -29,6 +30,7 @@ class Products(NamedTuple):
     together: list[View]
     batches: dict[str, dict[str, int]]
     yields: dict[str, dict[str, int]]
+    window: tuple[str, ...]
     histories: dict[str, History]
     statics: dict[str, Device]
     traces: list[str]
@@ -47,6 +49,7 @@ def products(study: Config) -> Products:
     fields = [view for view in study.maps if not view.is_of_cells]
     batches = batch_places(study.grid)
     yields = batch_places(study.grid, of=[DEVICE]) if study.requirements else {}
+    window = choose_window(study.grid) if study.requirements else ()
     several = isinstance(study.device, dict)
     statics = {f"_{name}" if several else "": one for name, one in study.devices().items()}
     histories = {cell.name: cell for cell in study.histories}
@@ -57,7 +60,7 @@ def products(study: Config) -> Products:
     made += [f"yield{ending}" for ending in yields]
     return Products(
         *(ends, times, snaps, fields, side_by_side(of_cells)),
-        *(batches, yields, histories, statics),
+        *(batches, yields, window, histories, statics),
         ["results/traces.nc"] * (study.traces or study.has_strength),
         *(maps, snap_maps, curves, made),
         [
@@ -65,6 +68,7 @@ def products(study: Config) -> Products:
             *(f"history_{name}" for name in histories),
             *(f"statics{which}" for which in statics),
             *["requirements"] * bool(study.all_required),
+            *["window"] * bool(window),
             *(made if study.tolerances else []),
             *["calibration"] * bool(study.calibration),
         ],

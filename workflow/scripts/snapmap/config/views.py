@@ -209,6 +209,12 @@ def history(cell: Mapping, device: Device | Mapping[str, Device]) -> History:
     return History(words.replace("inf", "hard"), device, cell["N"], f0, cell["C"], changes)
 
 
+def choose_window(grid: Grid) -> tuple[str, ...]:
+    """Choose the axes over which requirements are drawn: two of the device and C, or none."""
+    several = [key for key in _several(grid, without="N") if key in (DEVICE, *VALUES, "C")]
+    return tuple(several) if len(several) == 2 and DEVICE not in several else ()
+
+
 def _lines(grid, several, x):
     """Of which axis a figure of thresholds has a line for each value."""
     return next(key for key in (*_names(grid), "C", *several) if key in grid.axes and key != x)

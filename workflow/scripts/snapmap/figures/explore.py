@@ -17,7 +17,7 @@ from plotly.offline import get_plotlyjs
 from ..axes import NAMES
 from ..config.devices import read_device
 from ..described import describe
-from ..device import CLAMP, STOPS, STRENGTH, VALUES
+from ..device import CLAMP, SECTIONS, STOPS, VALUES
 from ..motion.envelopes import ENERGY_REACH, thin
 from ..quantities import QUANTITIES, Quantity
 from ..solver.outcome import OUTCOMES, WHOLE_SWING
@@ -40,6 +40,7 @@ WORDS = {
     "returned": "snaps and returns",
     "failed": "failed",
     "absent": "no second stable shape",
+    "held": "snaps, held by the link",
 }
 """Of each outcome, in the order of the codes."""
 GREY = "#999999"
@@ -90,7 +91,7 @@ def page(cube: xr.Dataset, traces: xr.Dataset | None, found: xr.Dataset, horizon
         "start": _opening(cells, x, y),
         "horizon": float(horizon),
         "shapes": STARTS[::-1] if style.starts(document) else STARTS,
-        "devices": {name: list(_rows(device)) for name, device in devices.items()},
+        "devices": {name: list(_rows(device, {})) for name, device in devices.items()},
         "vibrations": {
             name: _vibration(device, cells.C.values) for name, device in devices.items()
         },
@@ -115,7 +116,7 @@ def page(cube: xr.Dataset, traces: xr.Dataset | None, found: xr.Dataset, horizon
         plotly=get_plotlyjs(),
         ends=", or where it ends" if "well" in cells else "",
         drawing=_text("device.svg"),
-        drawn=" ".join([kind, *_lacking(devices, dims), *["second"] * bool(style.starts(document))]),
+        drawn=" ".join([kind, *_lacking(devices, dims, document)]),
         struck=STRUCK[kind],
         data=json.dumps(data, allow_nan=False).replace("</", "<\\/"),
         code=_text("explore.js"),
@@ -182,22 +183,23 @@ def _kind_of(devices):
     return "alone pushed" if pushed else "alone" if alone else ""
 
 
-def _lacking(devices, dims):
-    """Classes of the drawing by what no device has, nor an axis."""
+def _lacking(devices, dims, document):
+    """Classes of the drawing by what no device has, nor an axis, and by the second shape."""
     named = {*dims}.union(*devices.values())
     parts = {"stops": {"stops", *STOPS.values()}, "gap": {"gap"}}
-    return [f"without-{part}" for part, names in parts.items() if not names & named]
+    lacking = [f"without-{part}" for part, names in parts.items() if not names & named]
+    return lacking + ["second"] * bool(style.starts(document))
 
 
-def _rows(values: Mapping):
+def _rows(values: Mapping, names: Mapping):
     """Rows of the table of a device, of which every value has its unit: key, words and value."""
     for key, value in values.items():
         if isinstance(value, Mapping):
-            yield from _rows(value)
+            yield from _rows(value, {"clamp": CLAMP, **SECTIONS}.get(key, {}))
             continue
-        name = (CLAMP | STOPS | STRENGTH).get(key, key)
-        quantity = QUANTITIES.get(name, Quantity(name))
-        yield name, _named(name), html.escape(quantity.used(str(value), typeset=True))
+        name = names.get(key, key)
+        text = QUANTITIES.get(name, Quantity(name)).used(str(value), typeset=True)
+        yield name, _named(name), html.escape(text)
 
 
 def _vibration(device: Mapping, C: Sequence[float]):

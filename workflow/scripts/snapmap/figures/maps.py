@@ -78,9 +78,9 @@ def draw_time_map(
 
 
 def snap_times(panels: Iterable[xr.Dataset]) -> tuple[float, float]:
-    """The first and the last snap in all maps of cells, us; NaN if none snaps."""
+    """The first and the last snap in all maps of cells, us; NaN if none snaps, or there is none."""
     times = (part.t_snap for cells in panels for part in plane.parts(cells))
-    ends = [(some.min().item(), some.max().item()) for some in times]
+    ends = [(np.nan, np.nan), *((some.min().item(), some.max().item()) for some in times)]
     return np.fmin.reduce(ends)[0].item(), np.fmax.reduce(ends)[1].item()
 
 

@@ -2,18 +2,21 @@
 
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import cycle
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.figure import FigureBase
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.patheffects import withTickedStroke
 
 from ..solver.settings import SECOND
 from ..tolerances.statistics import left_out, percents
-from . import style
-from .curves import each_line
-from .scales import place_text, tick, value_text
+from . import plane, style
+from .curves import LOOKS, each_line
+from .scales import number, place_text, tick, value_text
 
 VERDICTS = {
     "met": {"color": "C0", "marker": "o"},
@@ -22,6 +25,10 @@ VERDICTS = {
 }
 BEYOND = 1.25
 """Room beyond the outermost margins, as a factor."""
+MARGINS, SHARES = (1.02, 1.05, 1.1, 1.15, 1.2, 1.5, 2), (0.5, 0.9, 0.99)
+"""Level lines of factors by which an N may change, and of shares of devices."""
+FAR = 4.0
+"""Factors beyond are drawn as this one, or one over it."""
 NAME = 24
 """Signs in a line of a requirement's name beside its shares."""
 MET, FAILS = (
@@ -126,3 +133,50 @@ def draw_yield(ax: Axes, found: xr.Dataset) -> Axes:
     ax.set_yticks(rows, [textwrap.fill(style.literal(name), NAME) for name in names])
     ax.tick_params(axis="y", which="minor", left=False)
     return ax
+
+
+def draw_window(figure: FigureBase, found: xr.Dataset, x: str, y: str) -> None:
+    """Draw over two axes where all requirements are met: margins, yield and stress, if known.
+
+    found: as from `window.window_of`
+    Lines are where a requirement begins to fail, with ticks on that side, between points linear.
+    """
+    found = found.squeeze([key for key in found.reserve.dims[1:] if key not in (x, y)])
+    reserve = np.clip(found.reserve, 1 / FAR, FAR).transpose("requirement", y, x)
+    fields = {"least factor that $N$ may change by": (reserve.min("requirement"), MARGINS)}
+    if "yield" in found:
+        fields["share of devices that meet all"] = found["yield"], SHARES
+    if "stress_max" in found:
+        fields["largest stress (MPa)"] = found.stress_max.max("requirement"), ()
+    keys = [
+        Line2D([], [], color=colour, label=_required(one.requirement.item(), one.item()))
+        for one, (colour, _) in zip(found.must_snap, cycle(LOOKS), strict=False)
+    ]
+    axes = figure.subplots(1, len(fields), squeeze=False, sharey=True)[0]
+    for ax, (title, (field, levels)) in zip(axes, fields.items(), strict=True):
+        across = plane.open_plane(ax, found, x, y)
+        ax.set_title(title)
+        ax.label_outer()
+        grid = across[0].places, across[1].places
+        if levels:
+            ax.set_facecolor(MET["color"])
+            lines = ax.contour(*grid, field.transpose(y, x), levels, colors="0.3", linewidths=0.6)
+            ax.clabel(lines, fmt=number, fontsize=6)
+        else:
+            plane.colour_bar(ax, plane.fill_field(ax, field, *across, cmap="cividis"), "")
+        for one, key in zip(reserve, keys, strict=True):
+            if levels:
+                ax.contourf(*grid, one, [0, 1], colors="white", zorder=0)
+            edge = ax.contour(*grid, one, [1], colors=key.get_color())
+            edge.set(path_effects=[withTickedStroke(angle=-90, length=0.6, spacing=6)])
+    bar = (found.N_error / found.N_first).max()
+    words = f"error bars up to {percents(bar)}, lines straight within {percents(_bend(reserve))}"
+    if "yield" in found:
+        words += f", shares within {percents(abs(found.yield_bound - found['yield']).max())}"
+    style.legend(figure, keys, f"{place_text(found)}\n{words}".strip(), 3)
+
+
+def _bend(field):
+    """How far a field may lie from straight lines between its points: by its second differences."""
+    beside = (field.diff(key, n=2) for key in field.dims[1:])
+    return sum(float(abs(one).max()) / 8 for one in beside if one.size)

@@ -15,6 +15,7 @@ from .. import __version__
 from ..device import (
     ALONE,
     CLAMP,
+    LINK,
     REFERENCE,
     RESTITUTION,
     STOPS,
@@ -95,12 +96,14 @@ def _section(device):
         others["shape"] = shape
     if clamp := _named(beam, CLAMP):
         others["clamp"] = clamp
-    stops, strength, thermal = (_named(values, names) for names in (STOPS, STRENGTH, THERMAL))
+    named = LINK, STOPS, STRENGTH, THERMAL
+    link, stops, strength, thermal = (_named(values, names) for names in named)
     values.pop("temperature")  # its values hold there
     # Stops that are an axis alone bounce as the device says.
     stopped = device.has_stops or device.restitution != RESTITUTION
     warms = len(thermal) > 1 or device.reference_temperature != REFERENCE
     written = {"stops": stops} if stopped else {}
+    written |= {"link": link} if device.has_link else {}
     if strength:
         written["strength"] = strength["scale"] if [*strength] == ["scale"] else strength
     written |= {"thermal": thermal} if warms else {}

@@ -10,13 +10,14 @@ import xarray as xr
 
 from ..axes import NAMES
 from ..beam.equilibria import Barrier
+from ..device import Device
 from ..io.counting import count
 from ..io.netcdf import recall
 from ..io.provenance import recipe
 from ..io.variables import dress
 from ..solver import simd_loop
 from ..solver.adaptive import choose_model
-from ..solver.cells import rows_of
+from ..solver.cells import Cells, rows_of
 from ..solver.kernel.rows import LANES
 from ..solver.kernel.trace import SAMPLE
 from ..solver.models import deciders
@@ -54,8 +55,7 @@ def trace(study: Study, cube: xr.Dataset, earlier: xr.Dataset | None = None) -> 
     axes = {key: cube[key].values for key in cube.outcome.dims}
     names = {key: axes.pop(key).tolist() for key in NAMES if key in axes}
     grid, settings = replace(study.part(names), skip=True).set_out(axes), study.settings
-    name = "handout" if study.model["name"] == "reference" else study.model["name"]
-    levels = choose_model(grid.device, {**study.model, "name": name}).levels
+    levels = _levels(grid.device, study.model)
     level = cube.level.values.ravel() if "level" in cube else np.zeros(cube.outcome.size, int)
     rows, N = rows_of(grid), grid.axes["N"]
     cells = rows.cells(grid.device, N, settings.horizon).flat()
@@ -82,6 +82,27 @@ def trace(study: Study, cube: xr.Dataset, earlier: xr.Dataset | None = None) -> 
         extremes = y[:, ran].min(axis=0), y[:, ran].max(axis=0)
         warn_of_travel(grid.device.pick(device_of[ran]), *extremes)
     return _as_traces(grid, cube, values, bin_length, stress, levels[0], made_by)
+
+
+def largest_stress(study: Study, device: Device, cells: Cells) -> np.ndarray:
+    """The largest tensile stress in the beam of each cell up to its end, MPa; (cells,).
+
+    device: a batch with a strength, of which the cells are
+    As of `history.extremes_of`, many cells at once.
+    """
+    finest, settings = _levels(device, study.model)[-1:], study.settings
+    halvings = finest[0].follow(cells, settings._replace(repeat=False)).halvings
+    decided, stress = np.stack([0 * halvings, halvings]), np.empty(halvings.size)
+    for at, part in deciders(finest, cells.device, decided, np.arange(halvings.size)):
+        own = cells.take(at)
+        stress[at] = _follow(part, own, own.t_end, 1, settings)[-1]
+    return stress
+
+
+def _levels(device, model):
+    """Levels that decide cells; of `reference` the same elements in their modes."""
+    name = "handout" if model["name"] == "reference" else model["name"]
+    return choose_model(device, {**model, "name": name}).levels
 
 
 def thin(cube: xr.Dataset) -> xr.Dataset:

@@ -33,12 +33,12 @@ def least_amplitudes(model: Follows, rows: Rows, start: str = FIRST) -> np.ndarr
     bounds = np.empty((2, len(model.device)))
     for mine, part in model.split(np.arange(bounds.shape[1])):
         device, modal, barrier = part.device, part.modal, part.barrier
-        displacement = barrier.first - barrier.second
+        displacement = part.snap_target(FIRST)
         soft = dot(modal.midpoint, modal.midpoint / modal.stiffness) + modal.residual
         sag = device.mass * device.mass / device.spring
         of_beam = dot(modal.load, modal.load / modal.stiffness)
         if start == FIRST:
-            energy: Value = np.maximum(barrier.energy, displacement * displacement / (2 * soft))
+            energy: Value = np.maximum(part.least_energy, displacement * displacement / (2 * soft))
             swing = np.sqrt(energy / (2 * (sag + of_beam)))
         else:
             energy = barrier.energy - part.second.energy

@@ -11,7 +11,7 @@ from ..device import Device
 from ..io.counting import counting
 from ..io.variables import dress, flags, variables
 from ..solver.adaptive import choose_model
-from ..solver.outcome import OUTCOMES, count, ended_elsewhere, shares
+from ..solver.outcome import ABSENT, OUTCOMES, count, ended_elsewhere, shares
 from ..study import FOLLOWED, study_of
 from .grid import follow_grid
 
@@ -71,7 +71,7 @@ def with_summary(cube: xr.Dataset) -> xr.Dataset:
     """
     each = sum((Counter(count(block)) for block in _blocks(cube.outcome)), Counter())
     counts = {name: each[name] for name in OUTCOMES if each[name]}
-    if "absent" in counts:
+    if counts.keys() & OUTCOMES[ABSENT:]:
         cube.outcome.attrs.update(flags(OUTCOMES))
     named = {f"cells_{name}": number for name, number in counts.items()}
     if "well_reproduced" in cube:

@@ -20,6 +20,7 @@ from ..solver.search import (
 )
 from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Settings
 from .bars import Seen, error_bars
+from .extrapolated import CLOSE, extrapolate
 from .reuse import joined as joined_rows
 from .transitions import (
     BESIDE,
@@ -70,9 +71,9 @@ class Thresholds(NamedTuple):
     status: whether there is an N_first, or why not: index into STATUS
     N_bound: below it nothing can snap, by energy
     N_looked: the highest N looked at
-    N_first: the lowest N seen to snap; below its bar, nothing wider than NARROW does within
-        BESIDE of a clean threshold of a row that rings, than FINEST_STEP near a ragged one, and
-        than FINE_STEP elsewhere
+    N_first: the lowest N seen to snap, or where `extrapolate` takes it; below its bar, nothing
+        wider than NARROW does within BESIDE of a clean threshold of a row that rings, than
+        FINEST_STEP near a ragged one, and than FINE_STEP elsewhere
     N_error: of N_first: what other levels, another step and the refinement leave open
     N_half: N_always less the lengths of the islands: as much snaps below it as does not above
     half_error: of N_half, likewise
@@ -116,7 +117,7 @@ def survey(
     others, and another step, tell what that is worth. Where the cheap one fails, or sees another
     threshold than the one that decides, that one scans too. Rows of fast pulses, unless wide
     open, and clean ones that are left open by more than the models' tolerance, are taken by finer
-    models.
+    models. Below a tolerance of CLOSE slow clean ones are extrapolated.
     """
     bound = least_amplitudes(models.decides, rows, settings.start)
     thresholds = _survey(models, rows, settings, tolerance, highest, bound)
@@ -135,7 +136,22 @@ def survey(
         thresholds = _taken(
             thresholds, np.flatnonzero(unsure), again._replace(level=again.level + 1)
         )
+    if models.judge is not None and tolerance < CLOSE:
+        thresholds = _extrapolated(models, rows, settings, thresholds)
     return thresholds
+
+
+def _extrapolated(models, rows, settings, found):
+    """Thresholds with clean ones of the first level where `extrapolate` takes them."""
+    clean = (found.ragged == 0) & (found.islands == 0) & (found.level == 0)
+    given = np.where(clean, found.N_first, np.nan)
+    N, error = extrapolate(models, rows, settings, given, found.N_error)
+    places = {
+        key: np.where(getattr(found, key) == given, N, getattr(found, key))
+        for key in ("N_first", "N_half", "N_always", "N_pulse")
+    }
+    half_error = np.where(clean, error, found.half_error)
+    return found._replace(**places, N_error=error, half_error=half_error)
 
 
 def _taken(thresholds, which, again):

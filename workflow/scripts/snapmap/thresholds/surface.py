@@ -1,6 +1,7 @@
 """The threshold surface over damping and frequency as an xarray dataset."""
 
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 import xarray as xr
@@ -13,12 +14,13 @@ from ..io.provenance import recipe
 from ..io.variables import dress, flags
 from ..pulse import blow_at
 from ..quantities import plain
-from ..solver.adaptive import choose_survey
+from ..solver.adaptive import Survey, choose_survey
 from ..solver.bounds import least_amplitudes
-from ..solver.cells import rows_of
-from ..solver.settings import FIRST, THRESHOLD_TOLERANCE
+from ..solver.cells import Rows, rows_of
+from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Settings
 from ..study import THRESHOLD_SETTINGS, Study, study_of
 from .cost import tell_cost
+from .gradients import gradients
 from .islands import (
     ABOVE,
     FINEST_STEP,
@@ -82,8 +84,9 @@ def threshold(
     Variables: those of `islands.Thresholds`, (..., C, f0), with N_latched; the limits of slow and
     short pulses, N_static, over the axes of device and pulse, and velocity_change, over these and
     C; the `area` of each pulse: its velocity change is area N g / f0; of records in known units
-    `scale_first`, a factor. Along axes of eight values and more of the device, C or f0 of slow
-    pulses, few rows are searched and others `verified`. `status` in words is
+    `scale_first`, a factor; along axes of the device and C of three values and more `dN_d<value>`,
+    per internal unit, and its error. Along axes of eight values and more of the device, C or f0 of
+    slow pulses, few rows are searched and others `verified`. `status` in words is
     `numpy.array(found.status.flag_meanings.split())[found.status]`.
 
     >>> device = snapmap.load_device("config/config.yaml")
@@ -115,6 +118,8 @@ def thresholds_of(
     made_by = recipe(document, grid.pulses, highest)
     models, rows = choose_survey(grid.device, study.model, settings.start), rows_of(grid)
     found, known = recall(earlier, grid, made_by)
+    # Slopes are of the points that there are now.
+    found = {key: column for key, column in found.items() if not key.startswith("dN_d")}
     there, parts = rows.device >= 0, []
     if not known.all():
         # A verified row is what those searched about it make of it, which may be others now.
@@ -126,7 +131,7 @@ def thresholds_of(
     first = _beside(there, parts)
     first[np.concatenate([[], *(at_first(*part) for part in parts)]).astype(int)] = True
     tell_cost(models, rows.take(first & ~known), settings)
-    found = _look(models, rows, parts, settings, tolerance, highest, known, found)
+    found = look(models, rows, parts, settings, tolerance, highest, known, found)
     new = np.flatnonzero(there & ~known)
     first = found["N_first"][new]
     top = np.where(np.isnan(first), np.nan, ABOVE * first if highest is None else highest)
@@ -146,6 +151,9 @@ def thresholds_of(
         )
         for key, values in found.items()
     }
+    clean = found["ragged"].reshape(grid.shape) == 0
+    N, bars = (np.where(clean, data[key][1], np.nan) for key in ("N_first", "N_error"))
+    data |= gradients(grid.axes, N, bars, tolerance)
     data |= _limits(grid, models, settings, tolerance, highest)
     data["status"] = *data["status"], flags(STATUS)
     data["N_first"] = *data["N_first"], {"comment": COMMENT}
@@ -153,11 +161,21 @@ def thresholds_of(
     return dress("threshold", xr.Dataset(data, grid.axes), document, **of_product)
 
 
-def _look(models, rows, parts, settings, tolerance, highest, known, whole):
-    """Thresholds of all rows by name.
+def look(
+    models: Survey,
+    rows: Rows,
+    parts: Sequence[tuple[np.ndarray, Sequence[np.ndarray]]],
+    settings: Settings,
+    tolerance: float,
+    highest: float | None = None,
+    known: np.ndarray | bool = False,
+    whole: Mapping[str, np.ndarray] = MappingProxyType({}),
+) -> dict[str, np.ndarray]:
+    """Thresholds of all rows by name, (rows, ...).
 
     parts: surfaces, as from `verified.surfaces`; known: rows that `whole` has, and need no search
     """
+    known = np.broadcast_to(known, rows.f0.shape)
 
     def add(which, new):
         nonlocal whole

@@ -4,16 +4,13 @@
 each under a shock of its own, with error bars.
 """
 
-import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
-from itertools import product
 
 import numpy as np
 
 from ..device import VALUES, Device, is_bistable
 from ..device import batch as batch_of
-from ..motion.history import extremes_of
+from ..motion.envelopes import largest_stress
 from ..solver.adaptive import TOLERANCE, choose_model, choose_survey
 from ..solver.cells import Rows, to_rows
 from ..solver.models import Follows, build_model
@@ -21,15 +18,14 @@ from ..solver.outcome import LATCHED, label
 from ..solver.search import asker
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
 from ..study import Study, of_requirement
-from ..thresholds.islands import survey
+from ..thresholds.surface import look
 from .regression import nominal_thresholds, thresholds_of_samples
 from .samples import SHOCK_FACTORS, nominal_value
 
 MOST_ROWS = 0.9
 """Share of the rows in which a level must keep the tolerance of `auto`."""
 FOLLOWED, FEWEST = 256, 32
-"""So many cells are followed for their stress, each in half a second; or those of at least so many
-samples."""
+"""So many cells are followed for their stress, or those of at least so many samples."""
 
 
 class Batch:
@@ -78,14 +74,14 @@ class Batch:
             N_first[self.bistable] = levels / self.factors["N"][:, np.newaxis]
         return N_first, nominal, ragged
 
-    def snaps(self, N: float, rows: Rows, settings: Settings) -> np.ndarray:
-        """Whether a level snaps each sample, (samples, rows)."""
+    def meets(self, required: Mapping, rows: Rows, settings: Settings) -> np.ndarray:
+        """Whether each sample meets a requirement, by its N and snaps; (samples, rows)."""
         snaps = np.zeros((self.bistable.size, rows.f0.size), bool)
         if self.size:
-            levels = np.repeat(N * self.factors["N"], rows.f0.size)
+            levels = np.repeat(required["N"] * self.factors["N"], rows.f0.size)
             t_snap = asker(self.model, self._rows(rows), settings)(levels[:, np.newaxis])
             snaps[self.bistable] = np.isfinite(t_snap).reshape(self.size, -1)
-        return snaps
+        return (snaps == required["snaps"]) & self.bistable[:, np.newaxis]
 
     def latched(self, samples: int, N: np.ndarray, rows: Rows, settings: Settings) -> np.ndarray:
         """How many of the first samples are proven to stay in the second shape, (rows, N)."""
@@ -104,15 +100,15 @@ class Batch:
         requirements: shocks, N and f0 (Hz) of each
         """
         size = min(self.size, max(FEWEST, FOLLOWED // (len(requirements) * len(C))))
-        stress = np.empty((len(requirements), size, len(C)))
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # how far the mass of each flies
-            for k, i, j in product(*map(range, stress.shape)):
-                required, factor = requirements[k], {key: a[i] for key, a in self.factors.items()}
-                own = replace(of_requirement(study, required), device=self.model.device.pick(i))
-                shock = required["N"] * factor["N"], required["f0"] / factor["duration"]
-                stress[k, i, j] = extremes_of(own, *shock, C[j] * factor["C"]).stress_max
-        return stress
+        device, stress = self.model.device.pick(np.arange(size)), []
+        N = np.repeat(self.factors["N"][:size], len(C))[:, np.newaxis]
+        for required in requirements:
+            own = of_requirement(study, required)
+            rows = self._rows(to_rows(0, required["f0"], C, 0, required["shocks"].pulses))
+            rows = rows.take(slice(N.size))
+            cells = rows.cells(device, required["N"] * N, own.settings.horizon).flat()
+            stress.append(largest_stress(own, device, cells).reshape(size, len(C)))
+        return np.array(stress)
 
     def _rows(self, rows):
         """Those of all samples, raveled from (samples, rows)."""
@@ -156,11 +152,12 @@ def choose_builder(
 
 
 def thresholds_at(
-    study: Study, values: Mapping[str, np.ndarray], f0, C, pulse=0
+    study: Study, values: Mapping[str, np.ndarray], f0, C, pulse=0, axes: Sequence[np.ndarray] = ()
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Thresholds of a study's device with other values, each (n,), and their errors, or NaN.
 
     values: by name; f0: Hz; C: uN us/um; pulse: index in the study's, each a number or (n,)
+    axes: ascending, of surfaces that the values are, raveled; of these few rows are searched
     Returns also where there is a device; (n,).
     """
     size = next(iter(values.values())).size
@@ -173,6 +170,9 @@ def thresholds_at(
         shock = (np.broadcast_to(a, size)[there] for a in (f0, C, pulse))
         rows = to_rows(places, *shock, study.shocks.pulses)
         models = choose_survey(devices, study.model, study.settings.start)
-        seen = survey(models, rows, study.settings, THRESHOLD_TOLERANCE)
-        first[:, there] = seen.N_first, seen.N_error
+        numbers = np.full(size, -1)
+        numbers[there] = places
+        parts = [(numbers.reshape(-1, *(x.size for x in axes)), axes)] if axes else []
+        seen = look(models, rows, parts, study.settings, THRESHOLD_TOLERANCE)
+        first[:, there] = seen["N_first"], seen["N_error"]
     return *first, there

@@ -96,8 +96,7 @@ def tolerances_of(
             about = {"long_name": f"{key} over its nominal value", "units": "1"}
             data[f"{key}_factor"].attrs = about
     document = study.document(THRESHOLD_SETTINGS)
-    drawn = {"samples": samples, "seed": tolerances.seed, "together": tolerances.together}
-    document["tolerances"] = {**tolerances.scatters, **drawn}
+    document["tolerances"] = tolerances.section
     return dress("tolerance", data, document, threshold_tolerance=tolerance)
 
 
@@ -173,8 +172,7 @@ def _requirements(batch, study, requirements, C, tolerance):
         rows = to_rows(0, required["f0"], C, 0, required["shocks"].pulses)
         settings = of_requirement(study, required).settings
         first.append(batch.thresholds(rows, settings, tolerance)[0])
-        snaps = batch.snaps(required["N"], rows, settings)
-        meets.append((snaps == required["snaps"]) & batch.bistable[:, np.newaxis])
+        meets.append(batch.meets(required, rows, settings))
     meets, along = np.array(meets), ("requirement", "C")
     N, f0, must = ([required[key] for required in requirements] for key in ("N", "f0", "snaps"))
     data = {

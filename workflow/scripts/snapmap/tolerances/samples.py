@@ -40,6 +40,12 @@ class Tolerances(NamedTuple):
     seed: int = 1
 
     @property
+    def section(self) -> dict:
+        """As provenance has it, in plain values."""
+        drawn = {key: getattr(self, key) for key in ("samples", "seed", "together")}
+        return {**self.scatters, **drawn}
+
+    @property
     def power(self) -> int:
         """Samples by which indices are estimated."""
         return 1 << (min(self.samples, self.index_samples or INDEX_SAMPLES).bit_length() - 1)

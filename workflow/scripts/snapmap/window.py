@@ -1,0 +1,103 @@
+"""Where on the axes of device and damper requirements are met, by how much, and the yield."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+
+from .axes import point_text
+from .beam.stress import break_probability
+from .io.variables import dress
+from .motion.envelopes import largest_stress
+from .quantities import plain
+from .solver.cells import rows_of, to_rows
+from .study import THRESHOLD_SETTINGS, Study, of_requirement
+from .thresholds.islands import NOTHING_SNAPS
+from .thresholds.surface import thresholds_of
+from .tolerances.batch import Batch, choose_builder
+from .tolerances.samples import Plan, Tolerances
+from .tolerances.statistics import wilson
+
+
+def window_of(
+    study: Study,
+    axes: Mapping[str, Sequence[float]],
+    requirements: Sequence[Mapping],
+    tolerances: Tolerances | None = None,
+) -> xr.Dataset:
+    """Find the thresholds of required shocks over axes, and how far each N is on its right side.
+
+    axes: values of the device, internal units, and C, uN us/um
+    requirements: name, shocks (of one shape and direction), N, f0 (Hz), snaps, survives of each
+    Variables: N_first and N_error, multiples of g, and reserve, a factor, (requirement, *axes); of
+    devices with a strength stress_max, MPa; with tolerances yield, (*axes), with its bounds.
+    """
+    each, thresholds = [], {}
+    for required in requirements:
+        own, f0 = of_requirement(study, required), required["f0"]
+        pulse = own.shocks.pulses[0].pieces.tobytes(), own.settings, f0
+        if pulse not in thresholds:
+            thresholds[pulse] = thresholds_of(own, {**axes, "f0": [f0]}).squeeze("f0", drop=True)
+        each.append(_of_one(own, axes, required, thresholds[pulse]))
+    names, document = [one["name"] for one in requirements], study.document(THRESHOLD_SETTINGS)
+    found = xr.concat(each, xr.Variable("requirement", names))
+    if tolerances:
+        count = _good(study, axes, requirements, tolerances)
+        found["yield"] = tuple(axes), count / tolerances.samples
+        found["yield_bound"] = ("bound", *axes), np.stack(wilson(count, tolerances.samples))
+        found = found.assign_coords(bound=["low", "high"])
+        document["tolerances"] = tolerances.section
+    return dress("window", found, document)
+
+
+def _of_one(study, axes, required, thresholds):
+    """How far one requirement is met, by the thresholds of its pulse, and the largest stress."""
+    N, survives = required["N"], required["survives"]
+    first = thresholds.N_first.where(thresholds.status != NOTHING_SNAPS, np.inf)
+    found = thresholds[["N_first", "N_error"]].drop_attrs()
+    found["reserve"] = N / first if required["snaps"] else first / N
+    found["N_required"], found["must_snap"] = N, np.int8(required["snaps"])
+    grid = study.set_out({**axes, "f0": [required["f0"]]})
+    if np.isfinite(grid.device.strength).any():
+        rows, stress = rows_of(grid), np.full(found.reserve.shape, np.nan)
+        rows = rows.take(there := rows.device >= 0)
+        cells = rows.cells(grid.device, N, study.settings.horizon).flat()
+        stress.flat[there] = most = largest_stress(study, grid.device, cells)
+        broken = break_probability(grid.device.pick(cells.device), most) > 1 - survives
+        found.reserve.values.flat[np.flatnonzero(there)[broken]] = 0.0
+        found["stress_max"] = tuple(axes), stress
+    return found
+
+
+def _good(study, axes, requirements, tolerances):
+    """How many samples of the device at each point of the axes meet all requirements."""
+    grid, settings, C = study.set_out(axes), study.settings, np.asarray(axes["C"])
+    pulses = [required["shocks"].pulses[0] for required in requirements]
+    f0 = np.array([required["f0"] for required in requirements])
+    # ASSUME: the model that suffices at both ends of C does so between them.
+    rows = to_rows(0, f0, C[[0, -1], np.newaxis], np.arange(f0.size), pulses)
+    build = choose_builder(study.device, study.model, rows, settings)
+    count = np.zeros((*grid.device_of.shape, C.size))
+    for place, number in np.ndenumerate(grid.device_of):
+        if number < 0:
+            continue
+        device = grid.device.pick(number)
+        plan = Plan(device, tolerances.scatters, tolerances.together)
+        values = plan.values(plan.points(tolerances.samples, tolerances.seed)[0])
+        batch, good = Batch(device, values, build), True
+        for required, pulse in zip(requirements, pulses, strict=True):
+            own = of_requirement(study, required).settings
+            good &= batch.meets(required, to_rows(0, required["f0"], C, 0, [pulse]), own)
+        count[place] = good.sum(axis=0)
+    return count
+
+
+def summary(found: xr.Dataset) -> str:
+    """One line: at how many points all are met, and where by the widest margin, with the yield."""
+    least = found.reserve.min("requirement")
+    at = least.fillna(0).argmax(...)
+    best, met = found.isel(at), int((least >= 1).sum())
+    where = point_text({key: best[key].item() for key in least.dims})
+    words = f"all requirements met at {met} of {least.size} points; the widest margin, a factor of "
+    words += f"{plain(least.isel(at).item(), 4)}, is at {where}"
+    return words + (f", yield {best['yield'].item():.1%}" if "yield" in found else "")
