@@ -155,7 +155,9 @@ def case(attributes: Mapping[str, str], width: int = PAGE) -> str:
     words += ["along −z"] if pulse.get("direction") == "-z" else []
     words += [*guides(config), *starts(config), f"model {config['model']['name']}"]
     if horizon := config.get("sweep", {}).get("horizon"):
-        words.append(f"followed {plain(float(horizon.removesuffix('us')) / 1e3)} ms")
+        time, _, unit = horizon.partition(" ")
+        horizon = f"{plain(float(time) / 1e3)} ms" if unit == "us" else horizon
+        words.append(f"followed {horizon}")
     return textwrap.fill(", ".join(words), width)
 
 
