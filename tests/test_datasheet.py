@@ -42,7 +42,9 @@ def row(sheet, name):
 
 def test_thresholds_and_shares_are_those_of_the_results(sheet):
     text, device, verdict, made = sheet
-    assert row(text, "beam: thickness") == [f"{device.beam.thickness!r} um"]
+    assert row(text, "beam: thickness") == [f"{device.beam.thickness:g} um"]
+    assert row(text, "beam: youngs modulus") == ["150 GPa"]
+    assert row(text, "beam: density") == ["2330 kg/m^3"]
     frequency = 1e3 * np.sqrt(device.spring / device.mass) / (2 * np.pi)
     assert row(text, "frequency of the mass")[0] == f"{frequency:.5g} kHz"
     shock, C, threshold, spread, margin, met, *strength = row(text, "drop, does not trip")

@@ -381,3 +381,17 @@ def test_a_sweep_to_the_snap_shows_where_it_snaps(browser, handout, tmp_path):
     said = [view.hover(i, j) for i, j in np.ndindex(3, 4)]
     said += [view.text("#verdict"), view.text("#classes")]
     assert not [text for text in said if "tripped" in text or "swing" in text]
+
+
+@pytest.mark.parametrize("start", ["first", "second"])
+def test_the_beam_is_drawn_in_the_shape_in_which_the_study_starts(cube, browser, tmp_path, start):
+    document = json.loads(cube.attrs["config"])
+    document["sweep"] = document.get("sweep", {}) | {"start": start}
+    path = tmp_path / "explore.html"
+    write_text(path, cube.assign_attrs(config=json.dumps(document)), None)
+    opened = browser.new_page()
+    opened.goto(path.as_uri())
+    drawn = "key => getComputedStyle(document.querySelector(`.of-${key}`)).strokeDasharray"
+    dashes = {key: opened.evaluate(drawn, key) for key in ("first", "second")}
+    opened.close()
+    assert [key for key, dash in dashes.items() if dash == "none"] == [start]

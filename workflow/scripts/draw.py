@@ -25,8 +25,8 @@ from snapmap.numerics.portable import evenly
 
 COLUMNS, MOST, LINES = 3, 12, 6
 """Panels of devices as made side by side, and in a figure, and lines; of more, evenly chosen."""
-ROW = 2.6
-"""Height of a row of these panels, in."""
+ROW, FLAT = 2.6, 1.7
+"""Height of a row of these panels, in; and of histograms."""
 
 
 def _open(path):
@@ -185,7 +185,7 @@ def _draw_panels(stem, panels, draw, attributes, shares=None):
     dampings = len({panel.C.item() for panel in panels})
     columns = dampings if dampings in (2, COLUMNS) else min(COLUMNS, len(panels))
     rows = -(-len(panels) // columns)
-    heights = [ROW * rows]
+    heights = [(ROW if shares is None else FLAT) * rows]
     if shares is not None:
         rows_above = len(list(requirements.each_share(shares))) * shares.C.size
         heights.insert(0, 0.5 + 0.17 * rows_above)

@@ -14,7 +14,7 @@ PACKAGE = Path(__file__).parent
 PIPELINE = next(path for path in (PACKAGE / "pipeline", PACKAGE.parents[2]) if path.is_dir())
 """The folder of the Snakefile: in a wheel within the package, else that of the checkout."""
 CONFIG = "config.yaml"
-START, PER_FIGURE, PER_TRACE = 2.5, 1.0, 4e-3
+START, PER_FIGURE, PER_TRACE = 2.5, 0.9, 4e-3
 """Core time of a job's start and loading, of a figure, and of a cell's motion, s; seen."""
 
 
@@ -85,7 +85,7 @@ def _costs(study):
     from .solver.adaptive import choose_survey
     from .solver.cells import rows_of, to_rows
     from .study import of_requirement
-    from .thresholds.cost import PER_SAMPLE, run_seconds, survey_seconds
+    from .thresholds.cost import PER_ROW, PER_SAMPLE, run_seconds, survey_seconds
 
     C, f0, scatter = study.axes["C"], study.axes["f0"], study.tolerances
     models = choose_survey(study.grid.device, study.model, study.settings.start)
@@ -100,7 +100,7 @@ def _costs(study):
 
         def samples(rows, count, models=models):
             seconds = run_seconds(models.decides, rows, study.settings).sum()
-            return PER_SAMPLE * count * float(seconds)
+            return (PER_ROW + PER_SAMPLE * count) * float(seconds)
 
         for required in study.requirements:
             rows = to_rows(0, required["f0"], C, pulses=required["shocks"].pulses)
@@ -113,8 +113,7 @@ def _costs(study):
             rows = to_rows(0, f0, C[:, np.newaxis], pulse, study.grid.pulses)
             every = scatter.samples + scatter.power * (1 + len(scatter.scatters))
             costs["tolerances"] += samples(rows, every)
-    if study.vibrations:
-        costs["vibration"] = _shaken(study)
+    costs |= _shaken(study)
     if study.calibration:
         costs["calibration"] = _calibrated(study)
     if study.histories:
@@ -124,23 +123,35 @@ def _costs(study):
 
 
 def _shaken(study):
-    """Core time in which records of every vibration are followed at all levels, s, about."""
+    """Core time in which records of every vibration and spectrum are followed, s, about."""
     from .device import batch
     from .solver.adaptive import choose_survey
     from .solver.cells import to_rows
+    from .spectra import srs, trips, vibration
     from .spectra.psd import Spectrum
-    from .spectra.vibration import RECORDS, SEED, STEP
     from .thresholds.cost import PER_RECORD, run_seconds
 
-    seconds, settings = 0.0, study.settings._replace(horizon=0.0)
+    costs = dict.fromkeys(["vibration"] * bool(study.vibrations), 0.0)
+    costs |= dict.fromkeys(["spectra"] * bool(study.spectra), 0.0)
     for device in study.devices().values():
-        model = choose_survey(batch([device]), study.model).decides.with_step(STEP)
+        model = choose_survey(batch([device]), study.model).decides
+
+        def records(pulse, length, model, horizon, count):
+            rows = to_rows(0, 1 / length, study.axes["C"], 0, (pulse,))
+            settings = study.settings._replace(horizon=horizon)
+            return PER_RECORD * count * float(run_seconds(model, rows, settings).sum())
+
         for required in study.vibrations:
             length = Spectrum(required["psd"]).record_length(required["duration"])
-            pulse, _ = Spectrum(required["psd"]).record(length, [SEED, 0])
-            rows = to_rows(0, 1 / length, study.axes["C"], 0, (pulse,))
-            seconds += PER_RECORD * RECORDS * float(run_seconds(model, rows, settings).sum())
-    return seconds
+            pulse, _ = Spectrum(required["psd"]).record(length, [vibration.SEED, 0])
+            finer = model.with_step(vibration.STEP)
+            costs["vibration"] += records(pulse, length, finer, 0.0, vibration.RECORDS)
+        for required in study.spectra:
+            pulse = srs.record(srs.check_points(required["srs"]), [trips.SEED, 0]).pulse
+            costs["spectra"] += records(
+                pulse, 1e-6 * pulse.duration, model, study.settings.horizon, trips.RECORDS
+            )
+    return costs
 
 
 def _calibrated(study):

@@ -9,10 +9,11 @@ import xarray as xr
 from .beam.equilibria import reset_force
 from .beam.modal import natural_frequency
 from .beam.statics import statics
+from .device import CLAMP, STOPS, STRENGTH
 from .io.markdown import DASH, table
 from .io.provenance import code_version, device_sections
 from .motion.history import extremes_of
-from .quantities import plain
+from .quantities import QUANTITIES, Quantity, plain
 from .solver.outcome import REPEATED_STEP
 from .solver.settings import SECOND
 from .study import Study, of_requirement
@@ -69,7 +70,10 @@ def datasheet(
         closed = [row for row in own if np.isfinite(row.get("t_closed", np.nan))]
         if closed:
             closed = table(["what", "value", "error", "under"], _closures(closed))
-            sheets += [f"The electrode, to {study.settings.horizon:g} us after a shock:\n", closed]
+            sheets += [
+                f"The electrode, to {plain(study.settings.horizon / 1e3)} ms after a shock:\n",
+                closed,
+            ]
         if batch is not None and "yield" in batch:
             words = f"Share of {batch.sizes['sample']} devices as made, with bounds at 95 %:\n"
             sheets += [words, table(["share", "C, uN*us/um", "value", "bounds"], _shares(batch))]
@@ -90,7 +94,9 @@ def _written(section, name=""):
         if isinstance(value, Mapping):
             yield from _written(value, f"{name}{key}: ")
         else:
-            yield [f"{name}{key}".replace("_", " "), str(value)]
+            own = (CLAMP | STOPS | STRENGTH).get(key, key)
+            text = QUANTITIES.get(own, Quantity(own)).used(str(value))
+            yield [f"{name}{key}".replace("_", " "), text]
 
 
 def _statics(device):

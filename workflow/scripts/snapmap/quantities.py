@@ -105,6 +105,14 @@ SPELT = {
     "uN*us/um": Unit("uN us um-1", "µN µs µm$^{-1}$", "µN\u00a0µs/µm"),
 }
 """By their spelling in a config."""
+USED = {
+    "youngs_modulus": (1e-3, "GPa", "GPa"),
+    "density": (1e6, "kg/m^3", "kg/m³"),
+    "mass": (1e-3, "ug", "µg"),
+    "gravity": (1e6, "m/s^2", "m/s²"),
+    **dict.fromkeys(("spring", "contact", "clamp_axial"), (1.0, "N/m", "N/m")),
+}
+"""Factor and unit, and its spelling on the page, of what is read in other units than internal."""
 
 
 class Quantity(NamedTuple):
@@ -142,6 +150,17 @@ class Quantity(NamedTuple):
     def spelt(self) -> Unit:
         """The internal unit elsewhere."""
         return SPELT[self.unit]
+
+    def used(self, text: str, typeset: bool = False) -> str:
+        """A value of a config in its internal unit as users read it; other text as it is.
+
+        typeset: as on the page
+        """
+        number, _, unit = text.partition(" ")
+        if not self.unit or unit != self.unit:
+            return text
+        factor, *spelt = USED.get(self.name) or (1.0, unit, self.spelt.page)
+        return f"{plain(factor * float(number), 9)}{chr(160) if typeset else ' '}{spelt[typeset]}"
 
     @property
     def attributes(self) -> dict[str, str]:

@@ -32,8 +32,8 @@ from .units import read, show
 
 _WITHIN = re.compile(r"(\.[A-Za-z_]\w*|\[\d+\])+: ")
 _LONGEST_KEY = 40
-_MOST_KNOWN = 16
-"""Keys that a message lists; of more the nearest."""
+_MOST_KNOWN = 20
+"""Keys that a message lists; of more the nearest half as many."""
 _FAULT = "fault"
 """Of pydantic's errors the type of those that are a line of ours."""
 
@@ -121,7 +121,7 @@ class Section(BaseModel):
 def _nearest(key, known):
     if len(known) <= _MOST_KNOWN:
         return ", ".join(known)
-    nearest = get_close_matches(str(key)[:_LONGEST_KEY], known, _MOST_KNOWN, 0)
+    nearest = get_close_matches(str(key)[:_LONGEST_KEY], known, _MOST_KNOWN // 2, 0)
     return f"{', '.join(nearest)} and {len(known) - len(nearest)} others"
 
 

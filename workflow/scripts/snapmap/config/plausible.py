@@ -45,7 +45,7 @@ def wide(plan: Plan) -> list[str]:
         share = scatter.width / (1.0 if scatter.is_share else abs(plan.nominal[key]) or math.inf)
         if share > WIDE:
             lines.append(
-                f"{key} scatters by {plain(100 * share, 3)} %: hardly meant above {WIDE:.0%}"
+                f"{key} scatters by {plain(100 * share, 3)} %: hardly meant above {100 * WIDE:g} %"
             )
     return lines
 

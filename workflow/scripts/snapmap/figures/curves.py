@@ -18,7 +18,7 @@ LOOKS = (("C0", "o"), ("C6", "s"), ("C2", "^"), ("C5", "D"), ("C3", "v"), ("C7",
 CURVES, MARKS = 6, 45
 """Most lines in one figure, and most markers and error bars on a curve."""
 LONG, SHORT = "limit of long pulses", "limit of short pulses"
-DASH, DOT = (6, 1.5), (1, 1.5)
+DASHES, DOT = {LONG: (8, 1.5), SHORT: (3, 1.5)}, (1, 1.5)
 """Limits are dashes with dots between them: one on the first line, two on the second."""
 BAND = {"color": "0.25", "alpha": 0.35, "linewidth": 0, "label": "error of the threshold"}
 ALWAYS = {"color": "black", "linewidth": 0.6, "marker": "_", "markersize": 5}
@@ -111,7 +111,7 @@ def cross(ax: Axes, x: np.ndarray, height: float, colour: str, label: str) -> No
 
 def draw_static(ax: Axes, found: xr.Dataset, x: str, colour: str = "0.4", place: int = 0) -> None:
     """Draw the limit of long pulses of one line over an axis; place: as for `limit_look`."""
-    look, static = limit_look(colour, place), found.N_static
+    look, static = limit_look(LONG, colour, place), found.N_static
     if x in static.dims:
         ax.plot(scale_of(x, found[x].values).places, static.values, label=LONG, **look)
     elif np.isfinite(static):
@@ -123,13 +123,13 @@ def draw_impulsive(ax: Axes, found: xr.Dataset, colour: str, place: int = 0) -> 
     f0 = np.geomspace(*ax.get_xlim(), 200)
     slope = (1e-6 * found.velocity_change / (found.gravity * found.area)).item()
     if np.isfinite(slope):
-        look = limit_look(colour, place) | {"label": SHORT, "scalex": False, "scaley": False}
+        look = limit_look(SHORT, colour, place) | {"label": SHORT, "scalex": False, "scaley": False}
         ax.plot(f0, f0 * slope, **look)
 
 
-def limit_look(colour: str = "0.4", place: int = 0) -> dict:
-    """How the limit of the line at a place among several is drawn; with `place` dots more."""
-    dashes = (0, DASH + DOT * (place + 1))
+def limit_look(limit: str, colour: str, place: int) -> dict:
+    """How LONG or SHORT of the line at a place among several is drawn; with `place` dots more."""
+    dashes = (0, DASHES[limit] + DOT * (place + 1))
     return {"color": colour, "linestyle": dashes, "linewidth": 0.6, "zorder": 1.5}
 
 

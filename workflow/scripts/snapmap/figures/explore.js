@@ -101,7 +101,7 @@ function openMap() {
   if (X === PULSE) {
     curves.push({ ...bare, x: [null], y: [null], xaxis: "x2" }); // no axis is shown without a curve
     layout.xaxis2 = { ...layout.xaxis, ...durations(axes[X]) };
-    layout.margin = { ...PLAIN.margin, t: 60 };
+    layout.margin = { ...PLAIN.margin, t: 84 };
   }
   return Plotly.newPlot(map, curves, layout, BUTTONS);
 }
@@ -316,7 +316,7 @@ function verdict(k) {
   const why = cells.energy_at_proof?.[k] > 1 ? apart : fell;
   const doubt = cells.elsewhere[k] ? " With another step it ended elsewhere." : "";
   return {
-    unsnapped: `no snap within ${study.horizon} µs after the pulse${open}.`,
+    unsnapped: `no snap within ${round(study.horizon / 1e3)} ms after the pulse${open}.`,
     never: `no snap, ${proven}: after the pulse nothing adds to the energy, and ${why === fell ? "it is below the saddle" : why}.`,
     snapped: `${snap}${open}.`,
     latched: `${snap}; that it stays is ${proven}${study.bins ? `: ${why}` : ""}.`,

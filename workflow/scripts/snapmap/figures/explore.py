@@ -32,13 +32,6 @@ STRUCK = {
     "alone pushed": "is pushed at its midpoint by one pulse of force, of which N is the peak",
 }
 """What the pulse does, by the kinds of the drawing."""
-SHOWN = {
-    "youngs_modulus": (1e-3, "GPa"),
-    "density": (1e6, "kg/m³"),
-    "mass": (1e-3, "µg"),
-    "gravity": (1e6, "m/s²"),
-}
-"""Factor and unit of what is shown in other units than the axes have."""
 WORDS = {
     "unsnapped": "no snap, end open",
     "never": "never snaps",
@@ -123,7 +116,7 @@ def page(cube: xr.Dataset, traces: xr.Dataset | None, found: xr.Dataset, horizon
         plotly=get_plotlyjs(),
         ends=", or where it ends" if "well" in cells else "",
         drawing=_text("device.svg"),
-        drawn=" ".join([kind, *_lacking(devices, dims)]),
+        drawn=" ".join([kind, *_lacking(devices, dims, document)]),
         struck=STRUCK[kind],
         data=json.dumps(data, allow_nan=False).replace("</", "<\\/"),
         code=_text("explore.js"),
@@ -190,11 +183,12 @@ def _kind_of(devices):
     return "alone pushed" if pushed else "alone" if alone else ""
 
 
-def _lacking(devices, dims):
-    """Classes of the drawing by what no device has, nor an axis."""
+def _lacking(devices, dims, document):
+    """Classes of the drawing by what no device has, nor an axis, and by the second shape."""
     named = {*dims}.union(*devices.values())
     parts = {"stops": {"stops", *STOPS.values()}, "gap": {"gap"}}
-    return [f"without-{part}" for part, names in parts.items() if not names & named]
+    lacking = [f"without-{part}" for part, names in parts.items() if not names & named]
+    return lacking + ["second"] * bool(style.starts(document))
 
 
 def _rows(values: Mapping, names: Mapping):
@@ -204,12 +198,8 @@ def _rows(values: Mapping, names: Mapping):
             yield from _rows(value, {"clamp": CLAMP, **SECTIONS}.get(key, {}))
             continue
         name = names.get(key, key)
-        number, _, unit = str(value).partition(" ")
-        quantity, text = QUANTITIES.get(name, Quantity(name)), html.escape(str(value))
-        if quantity.kind and unit == quantity.unit:
-            factor, shown = SHOWN.get(name) or (1.0, quantity.spelt.page)
-            text = f"{float(number) * factor:.6g}\u00a0{shown}".strip()
-        yield name, _named(name), text
+        text = QUANTITIES.get(name, Quantity(name)).used(str(value), typeset=True)
+        yield name, _named(name), html.escape(text)
 
 
 def _vibration(device: Mapping, C: Sequence[float]):

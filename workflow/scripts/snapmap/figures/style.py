@@ -21,6 +21,7 @@ from matplotlib.transforms import Bbox
 
 from ..io.atomic import replacing
 from ..pulse import VERSED_SINE
+from ..quantities import plain
 from ..shocks import MAKERS
 from ..solver.settings import FIRST
 
@@ -153,8 +154,10 @@ def case(attributes: Mapping[str, str], width: int = PAGE) -> str:
     words = [literal(shape)] if isinstance(shape, str) else []
     words += ["along −z"] if pulse.get("direction") == "-z" else []
     words += [*guides(config), *starts(config), f"model {config['model']['name']}"]
-    horizon = config.get("sweep", {}).get("horizon", "").replace("us", "µs")
-    words += [f"followed {horizon}"] if horizon else []
+    if horizon := config.get("sweep", {}).get("horizon"):
+        time, _, unit = horizon.partition(" ")
+        horizon = f"{plain(float(time) / 1e3)} ms" if unit == "us" else horizon
+        words.append(f"followed {horizon}")
     return textwrap.fill(", ".join(words), width)
 
 

@@ -103,7 +103,7 @@ def draw_damage_boundary(ax: Axes, found: xr.Dataset, lines: str = "C") -> Axes:
     for place, (one, colour, marker) in enumerate(each):
         curves.draw_curve(ax, curves.velocity_change(one).values, one, colour, marker, size=2)
         if np.isfinite(one.velocity_change):
-            look = curves.limit_look(colour, place) | {"label": curves.SHORT}
+            look = curves.limit_look(curves.SHORT, colour, place) | {"label": curves.SHORT}
             ax.axvline(one.velocity_change.item(), **look)
     _draw_statics(ax, each, "f0")
     scales.tick(ax.xaxis, *ax.get_xlim())

@@ -8,10 +8,11 @@ from ..solver.cost import steps_and_seconds, tell
 from ..solver.models import Follows
 from ..solver.settings import Settings
 
-SCANNED, DECIDED = 400, 50
-"""Cells of a row that the scanning and the deciding level follow, about."""
-PER_SAMPLE = 36
-"""Runs that find the threshold of a device as made: 12, each three times as long as told."""
+SCANNED, DECIDED = 400, 300
+"""Runs of the scanning and the deciding level that a row takes, about; those of finer levels count
+as the latter. A ragged row takes ten times as long."""
+PER_ROW, PER_SAMPLE = 1500, 12
+"""Runs of the deciding level that learn where devices as made have thresholds, and find each."""
 PER_RECORD = 120
 """Runs that one record of vibration takes: 12 levels, each ten times as long as told."""
 ROUNDS, WIDTH = 26, 32
