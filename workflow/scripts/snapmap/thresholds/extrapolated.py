@@ -18,7 +18,7 @@ SHOWN = 0.2
 """How far from 2, over 2, the ratio may be of what two lengthenings of the step, each by the root
 of 2, move: an order of two; moves of less than 3 EXACT show nothing, and matter as little."""
 LEFT = 0.25
-"""Of all that extrapolation moves, what it may leave; docs/accuracy.md."""
+"""Of all that extrapolation moves, what it may leave; docs/thresholds.md."""
 
 
 def extrapolate(

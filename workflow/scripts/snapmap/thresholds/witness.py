@@ -19,7 +19,8 @@ BETWEEN = np.setdiff1d(np.arange(STEPS[-1]), STEPS)[1:]
 """All others."""
 BESIDE_OPEN = 2
 """Intervals of STEPS on either side of one in which runs do not come nearer that are scanned too.
-So no stretch was missed in 600 rows of random devices, a third of them ragged; docs/accuracy.md."""
+So no stretch wider than 0.06 % was missed beside 414 thresholds of random devices, a third of them
+ragged; docs/thresholds.md, "Width of islands"."""
 
 
 def close_edges(
