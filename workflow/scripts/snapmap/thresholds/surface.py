@@ -40,7 +40,7 @@ from .reuse import joined
 from .settling import lowest_latched
 from .transitions import FINE_STEP
 from .verified import ABOVE as OVER
-from .verified import Expected, at_first, between, fill, first_near, surfaces
+from .verified import Expected, at_first, fill, first_near, surfaces
 from .witness import close_edges
 
 IMPULSE, IMPULSE_OF_BEAM = 100.0, 10.0
@@ -265,10 +265,10 @@ def _verify(models, rows, settings, tolerance, highest, expected):
     }
 
 
-def _lowest_of(grid, models, settings, tolerance, highest, omega, which):
+def _lowest_of(grid, models, settings, tolerance, highest, omega, which, everywhere=False):
     """N_first, (..., pulses, C), of pulses of a frequency of each device, rad/us.
 
-    On surfaces of devices without a bar, and between few of them by cubics.
+    On surfaces by `lowest`; only in the rows that are searched first, unless everywhere.
     """
     grid = grid._replace(axes=grid.axes | {"f0": np.ones(1)})
     rows = rows_of(grid)
@@ -276,16 +276,13 @@ def _lowest_of(grid, models, settings, tolerance, highest, omega, which):
     there, N = (rows.device >= 0) & np.isin(rows.pulse, which), np.full(rows.f0.size, np.nan)
     numbers = np.where(there, np.arange(N.size), -1).reshape(grid.shape)
     parts = surfaces(grid.axes, numbers, np.zeros(1, bool))
-    beside = _beside(there, parts)
+    beside, those = _beside(there, parts), there.copy()
     N[beside] = survey(models, rows.take(beside), settings, tolerance, highest).N_first
-
-    def search(which):
-        found = np.full(which.size, np.nan)
-        found[which >= 0] = lowest(models, rows.take(which[which >= 0]), settings, tolerance)
-        return found
-
-    for part, values in parts:
-        N[part[part >= 0]] = between(part, values, search)[part >= 0]
+    if not everywhere:
+        those[:] = False
+        those[np.concatenate([[], *(at_first(*part) for part in parts)]).astype(int)] = True
+    those &= ~beside
+    N[those] = lowest(models, rows.take(those), settings, tolerance)
     return N.reshape(grid.shape[:-1])
 
 
@@ -318,7 +315,7 @@ def _limits(grid, models, settings, tolerance, highest):
     jumps = np.flatnonzero([any(one.ends) for one in grid.pulses])
     if jumps.size:
         at_least = alone._replace(axes=grid.axes | {"C": grid.axes["C"][:1]})
-        slowly = _lowest_of(at_least, *asked, slow, jumps)[..., 0]
+        slowly = _lowest_of(at_least, *asked, slow, jumps, everywhere=True)[..., 0]
         static = np.where(np.isin(np.arange(presses.size), jumps).reshape(sizes), slowly, static)
     return {
         "N_static": ((*of_device, *of_pulse), static),

@@ -128,23 +128,6 @@ def fill(
         look(near)
 
 
-def between(
-    rows: np.ndarray, axes: Sequence[np.ndarray], search: Callable[[np.ndarray], np.ndarray]
-) -> np.ndarray:
-    """Search the rows of surfaces that `fill` begins with, and take the others from cubics.
-
-    rows, axes: as there; search: gives N of numbers of rows, (n,)
-    Returns N, (surfaces, n_1, ..., n_d); of a surface that lacks one, all are searched.
-    """
-    N, places = np.full(rows.shape, np.nan), [_places(x, 0) for x in axes]
-    which = np.ix_(range(len(rows)), *places)
-    N[which] = search(rows[which].ravel()).reshape(N[which].shape)
-    lacks = np.isnan(N[which]).any(axis=tuple(range(1, N.ndim)))
-    N = _cubic(N, axes, places)
-    N[lacks] = search(rows[lacks].ravel()).reshape(N[lacks].shape)
-    return N
-
-
 def at_first(rows: np.ndarray, axes: Sequence[np.ndarray]) -> np.ndarray:
     """Numbers of the rows that `fill` searches whatever they are, (n,)."""
     first = rows[np.ix_(range(len(rows)), *(_places(x, 0) for x in axes))]
