@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.optimize import brentq, minimize
+from varied import varied
 
 import snapmap
 from snapmap.beam.basis import Basis
@@ -18,11 +19,6 @@ from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import Settings
 
 STRESSES = (-40.0, -5.0, 5.0, 60.0)
-
-
-def vary(device, **values):
-    own = {key: values.pop(key) for key in [*values] if hasattr(device, key)}
-    return replace(device, beam=replace(device.beam, **values), **own)
 
 
 def one_mode_equilibria(beam):
@@ -147,7 +143,7 @@ def test_tilting_lowers_the_barrier_and_may_end_it(handout):
 
 
 def test_a_free_beam_snaps_earlier_fast_and_later_slow(handout):
-    model = build_model(vary(handout, free=1.0, imperfection=0.01), "cosines", modes=3)
+    model = build_model(varied(handout, free=1.0, imperfection=0.01), "cosines", modes=3)
     rows = to_rows(0, np.array([200.0, 1500.0]), 0.025)
     found = lowest_snap(model, rows, (600.0, 1300.0), Settings(1500.0, until="snap"), 1e-4)
     np.testing.assert_allclose(found, [1064, 848], rtol=1e-2)

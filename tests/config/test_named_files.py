@@ -14,7 +14,7 @@ from small_studies import THREE_COSINES
 
 import snapmap
 from snapmap.config.study import load_config, planned_study
-from snapmap.config.yaml_file import ConfigError, read_document
+from snapmap.config.yaml_file import read_document
 from snapmap.io.named import hold_to_plan
 from snapmap.io.netcdf import check_alike
 from snapmap.io.recorded import read_pulse
@@ -134,17 +134,6 @@ def test_a_folder_in_place_of_a_product_is_named(root, folder):
     code, output = snakemake(root, "results/cube.nc")
     assert code != 0 and "results/cube.nc: is a folder, where a file belongs; remove it" in output
     assert "Traceback" not in output
-
-
-TEXTS = (b"a: \xe9\n", b"a: 1:30:00", b"a: 010", b"a: 1:30.5", b'"__use\\x5fyte__": true')
-
-
-@pytest.mark.parametrize("text", [*TEXTS, b"a: [" + b"1234567, " * 1_000_000 + b"]"], ids=len)
-def test_odd_configs_are_one_line(tmp_path, text):
-    path = tmp_path / "odd.yaml"
-    path.write_bytes(text)
-    with pytest.raises(ConfigError, match=r"odd\.yaml: [^\n]+$"):
-        read_document(path)
 
 
 def test_plain_numbers_are_read_as_they_are(tmp_path):

@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from varied import varied
 
 import snapmap
 from snapmap.device import batch
@@ -24,10 +25,6 @@ from snapmap.solver.outcome import (
 from snapmap.solver.settings import STAY, Settings
 
 PROVEN = (NEVER, LATCHED, RETURNED)
-
-
-def with_damping(device, rate):
-    return dataclasses.replace(device, beam=dataclasses.replace(device.beam, damping=rate))
 
 
 def test_labels_say_what_was_observed():
@@ -62,7 +59,7 @@ def follow(device, cells, horizon, model, **options):
 
 def test_latched_stays_in_well_two(handout):
     """Followed on in the same steps, the midpoint of a latched beam never rises past the saddle."""
-    device = with_damping(handout, 4e-4)
+    device = varied(handout, damping=4e-4)
     found = 0
     model = build_model(device, "cosines", modes=3)
     for N, f0, C in zip(*random_cells(device, 30, 2, [25.0, 200.0]), strict=True):
