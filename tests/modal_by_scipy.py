@@ -12,11 +12,11 @@ def time_of_snap(model, pulse, N, f0, C, t_end):
     k, way = modal.load.size, {-1: device.stop_toward, 1: device.stop_away}
     contact = contact_stiffness(device, modal.residual)
     soft, link_at = 1 / device.link_stiffness + modal.residual, device.link_at - model.barrier.first
-    target = model.barrier.second - model.barrier.first
+    has_link, target = bool(device.has_link), model.barrier.second - model.barrier.first
 
     def forces(x):
         w = modal.midpoint @ x[:k]
-        pull = max(0.0, link_at - w) / soft if device.has_link else 0.0
+        pull = max(0.0, link_at - w) / soft if has_link else 0.0
         return w, contact * max(0.0, w - x[k] - device.gap), pull
 
     def rate(t, x):
@@ -37,12 +37,13 @@ def time_of_snap(model, pulse, N, f0, C, t_end):
 
     def snap(_, x):
         w, P, pull = forces(x)
-        return device.link_strength - pull if device.has_link else w - modal.residual * P - target
+        return device.link_strength - pull if has_link else w - modal.residual * P - target
 
     snap.terminal = True
     t, x = 0.0, np.zeros(2 * k + 2)
     events = [*(at_stop(side) for side in way if np.isfinite(way[side])), snap]
     while t < t_end:
+        # In longer steps a peak of the link's force that just breaks it is not seen.
         run = solve_ivp(rate, (t, t_end), x, "DOP853", events=events, rtol=1e-9, max_step=0.2)
         if run.t_events[-1].size:
             return run.t_events[-1][0]

@@ -37,14 +37,6 @@ def test_labels_say_what_was_observed():
     assert OUTCOMES[LATCHED] == "latched"
 
 
-def test_a_models_barrier_is_its_own(handout):
-    one = build_model(handout, "cosines", modes=1).barrier
-    assert one.energy == pytest.approx(1034.93, abs=0.01)
-    finite = (build_model(handout, "elements", elements=n).barrier.energy for n in (5, 10))
-    errors = [energy / 486.8049389 - 1 for energy in finite]
-    assert 3.7 < np.log2(errors[0] / errors[1]) < 4.3
-
-
 def random_cells(device, number, seed, C):
     rng = np.random.default_rng(seed)
     f0 = np.exp(rng.uniform(np.log(400), np.log(2e4), number))
