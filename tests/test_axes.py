@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import yaml
 from small_studies import TINY
+from varied import varied
 
 import snapmap
 from snapmap.config.study import load_config
@@ -22,12 +23,6 @@ MODELS = {
     "auto": {"model": "auto"},
     "reference": {"model": "reference", "elements": 2, "until": "snap"},
 }
-
-
-def varied(device, **values):
-    """A device of which some values are others."""
-    of_beam = {key: values.pop(key) for key in list(values) if hasattr(device.beam, key)}
-    return replace(device, beam=replace(device.beam, **of_beam), **values)
 
 
 def same(one, other):

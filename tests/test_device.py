@@ -14,21 +14,6 @@ BEAM = Beam(span=600.0, rise=10.0, thickness=2.0, depth=22.0, youngs_modulus=1.5
 DEVICE = Device(beam=BEAM, mass=1e4, spring=5.5, contact=40.0, gravity=9.81e-6)
 
 
-def test_section():
-    assert BEAM.area == 44.0
-    assert BEAM.inertia == pytest.approx(44 / 3, rel=1e-15)
-    assert BEAM.mass_per_length == pytest.approx(0.10252, rel=1e-15)
-    assert BEAM.bending_stiffness == pytest.approx(2.2e6, rel=1e-15)
-    assert BEAM.axial_stiffness == pytest.approx(5500.0, rel=1e-15)
-
-
-def test_second_equilibrium():
-    assert BEAM.bistability == 5.0
-    assert BEAM.second_equilibrium == pytest.approx(-9.43471, abs=1e-5)
-    beam = replace(BEAM, rise=8 / math.sqrt(3) * (1 + 1e-12))
-    assert beam.second_equilibrium == pytest.approx(-beam.rise / 2, rel=1e-5)
-
-
 @pytest.mark.parametrize(
     "ask",
     [

@@ -12,17 +12,8 @@ from snapmap.beam.cosines import antisymmetric_loads, buckling_shapes, symmetric
 from snapmap.beam.elements import hermite_elements
 from snapmap.beam.equilibria import find_barrier
 from snapmap.beam.modal import reduce_to_modes, settled
-from snapmap.solver.cells import to_rows
-from snapmap.solver.models import build_model
-from snapmap.solver.search import lowest_snap
-from snapmap.solver.settings import Settings
 
 STRESSES = (-40.0, -5.0, 5.0, 60.0)
-
-
-def vary(device, **values):
-    own = {key: values.pop(key) for key in [*values] if hasattr(device, key)}
-    return replace(device, beam=replace(device.beam, **values), **own)
 
 
 def one_mode_equilibria(beam):
@@ -144,10 +135,3 @@ def test_tilting_lowers_the_barrier_and_may_end_it(handout):
     assert find_barrier(free, basis).second == pytest.approx(w2, rel=1e-9)
     assert find_barrier(replace(free, thickness=2.0), basis).energy == 0
     assert find_barrier(replace(free, imperfection=2.0), basis).energy == 0
-
-
-def test_a_free_beam_snaps_earlier_fast_and_later_slow(handout):
-    model = build_model(vary(handout, free=1.0, imperfection=0.01), "cosines", modes=3)
-    rows = to_rows(0, np.array([200.0, 1500.0]), 0.025)
-    found = lowest_snap(model, rows, (600.0, 1300.0), Settings(1500.0, until="snap"), 1e-4)
-    np.testing.assert_allclose(found, [1064, 848], rtol=1e-2)

@@ -4,12 +4,12 @@ import copy
 import datetime
 import math
 import re
-import subprocess
 
 import pytest
 import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from small_workflow import snakemake
 
 from snapmap.config.study import load_config
 from snapmap.config.units import show
@@ -279,11 +279,9 @@ def test_the_workflow_prints_a_line_for_each_fault(root, tmp_path, text, faults)
     for old in FAULTS if faults is FAULTS else ():
         text = text.replace(f": {old}\n", f": {FAULTS[old]}\n", 1)
     (tmp_path / "bad.yaml").write_text(text)
-    command = ["snakemake", "--snakefile", root / "Snakefile", "--directory", tmp_path]
-    command += ["--configfile", tmp_path / "bad.yaml", "--cores", "1"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=600, cwd=tmp_path)
-    lines = (done.stdout + done.stderr).splitlines()
-    assert done.returncode != 0 and not any("Traceback" in line for line in lines), lines
+    code, output = snakemake(root, tmp_path, tmp_path / "bad.yaml", check=False)
+    lines = output.splitlines()
+    assert code != 0 and not any("Traceback" in line for line in lines), lines
     names = ("device.beam.span", "model.step", "sweep.horizon", "device.mass")
     for name in names if faults is FAULTS else faults:
         assert sum(name in line for line in lines) == 1, lines

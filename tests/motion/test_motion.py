@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from varied import varied
 
 import snapmap
 from snapmap.motion.history import extremes_of
@@ -40,7 +41,7 @@ def test_the_work_on_a_mass_alone_is_what_its_residual_swing_holds(handout, rati
 def test_the_largest_values_are_those_of_every_step_to_any_horizon(handout, monkeypatch):
     """Windows and what is kept do not matter; the snap ends the part before it within a step."""
     shot, model = (1100.0, 1500.0, 25.0), {"name": "cosines", "modes": 3}
-    device = dataclasses.replace(handout, beam=dataclasses.replace(handout.beam, damping=4e-3))
+    device = varied(handout, damping=4e-3)
     runs = [snapmap.simulate(device, *shot, model, horizon=one) for one in (200.0, 1500.0)]
     settings = Settings(horizon=1500.0)
     found = extremes_of(Study(device=device, model=model, settings=settings), *shot)
@@ -64,7 +65,7 @@ def test_the_largest_values_are_those_of_every_step_to_any_horizon(handout, monk
 @pytest.mark.parametrize(("model", "options"), [("cosines", {"modes": 3}), ("reference", {})])
 @pytest.mark.parametrize("N", [700.0, 1500.0])
 def test_the_work_is_the_change_of_energy_and_the_losses(handout, model, options, N):
-    device = dataclasses.replace(handout, beam=dataclasses.replace(handout.beam, damping=1e-3))
+    device = varied(handout, damping=1e-3)
     asked = {"model": model, "horizon": 100.0, "step": 0.3, **options}
     run = snapmap.simulate(device, N, 2e3, 25.0, **asked)
     gained = sum(run[f"{kind}_energy"][-1] for kind in ENERGIES)

@@ -4,33 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from varied import alone
 
 import snapmap
 from snapmap.beam.equilibria import static_threshold
-from snapmap.device import ALONE
 from snapmap.pulse import Pulse
-from snapmap.solver.cells import to_rows
-from snapmap.solver.models import build_model
-from snapmap.solver.search import lowest_snap
-from snapmap.solver.settings import Settings
 
 F0 = 20_000.0
 MODELS = "reference", "handout"
 STEP = Pulse("step", np.array([[0.0, 1.0, 0.0, 0.0, 0.0, 0.0]]))
-
-
-def alone(device, force=0.0, **beam):
-    return replace(device, **ALONE, force=force, beam=replace(device.beam, **beam))
-
-
-@pytest.mark.parametrize("force", [0.0, 1.0])
-def test_slow_pulses_tend_to_the_static_threshold(handout, force):
-    """With tilt: of a perfect guided beam under a force nothing wakes the second mode but time."""
-    device = alone(handout, force, damping=4e-3, free=1.0, imperfection=0.05)
-    static, model = static_threshold(device), build_model(device, "cosines", modes=3)
-    rows, reach = to_rows(0, 500.0, 0.0), (0.8 * static, 1.2 * static)
-    found = lowest_snap(model, rows, reach, Settings(0.0, until="snap"), 1e-4).item()
-    assert found == pytest.approx(static, rel=2e-3)
 
 
 def test_the_plain_loop_is_pushed_by_the_same_force(handout):

@@ -6,6 +6,7 @@ from math import fsum, log, pi, sqrt
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from varied import varied
 
 import snapmap
 from snapmap.motion.history import closing_of
@@ -22,7 +23,7 @@ HORIZON = 150.0
 @pytest.fixture(scope="module")
 def device(handout):
     """The handout's, its ringing damped, over an electrode."""
-    return replace(handout, beam=replace(handout.beam, damping=4e-3), contact_at=-5.0)
+    return varied(handout, damping=4e-3, contact_at=-5.0)
 
 
 def test_a_bouncing_ball_closes_in_a_geometric_series():

@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 from conserving_loop import assert_followed, inertia
+from varied import varied
 
 import snapmap
 from snapmap.pulse import make_pulse, table
@@ -19,11 +20,6 @@ from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
 
 CONTACTS = (40.0, 4000.0, np.inf)
-
-
-def changed(device, contact, beam_damping=0.0):
-    beam = dataclasses.replace(device.beam, damping=beam_damping)
-    return dataclasses.replace(device, beam=beam, contact=contact)
 
 
 def states(model, N, C, dt, steps):
@@ -50,7 +46,7 @@ def vector(found, which, modes):
 @pytest.mark.parametrize("contact", CONTACTS)
 def test_each_step_solves_the_equations_of_the_scheme(handout, contact, dt):
     """With stretch, gap and all means written out from three instants, in numpy."""
-    device, C = changed(handout, contact, 4e-4), 25.0
+    device, C = varied(handout, contact=contact, damping=4e-4), 25.0
     model = build_model(device, "cosines", modes=5)
     modal, modes = model.modal, model.modes
     found = states(model, 1500.0, C, dt, 4000)
@@ -90,27 +86,21 @@ def test_each_step_solves_the_equations_of_the_scheme(handout, contact, dt):
 
 
 DEVICES = {
-    "soft": ({}, {}),
-    "hard": ({"contact": np.inf}, {}),
-    "gap": ({"gap": 1.0, "contact": 4000.0}, {}),
-    "stops": ({"stop_toward": 4.0, "stop_away": 1.0, "restitution": 0.8}, {}),
-    "link": ({"link_at": 2.0, "link_stiffness": 100.0, "link_strength": 50.0, "gap": 0.3}, {}),
-    "damped": ({}, {"damping": 4e-3}),
-    "tilting": ({}, {"free": 1.0, "imperfection": 0.05, "residual_stress": -8.0}),
+    "soft": {},
+    "hard": {"contact": np.inf},
+    "gap": {"gap": 1.0, "contact": 4000.0},
+    "stops": {"stop_toward": 4.0, "stop_away": 1.0, "restitution": 0.8},
+    "link": {"link_at": 2.0, "link_stiffness": 100.0, "link_strength": 50.0, "gap": 0.3},
+    "damped": {"damping": 4e-3},
+    "tilting": {"free": 1.0, "imperfection": 0.05, "residual_stress": -8.0},
 }
-
-
-def made(handout, name):
-    of_device, of_beam = DEVICES[name]
-    beam = dataclasses.replace(handout.beam, **of_beam)
-    return dataclasses.replace(handout, beam=beam, **of_device)
 
 
 @pytest.mark.parametrize(("dt", "steps"), [(0.05, 1200), (0.4, 150)])
 @pytest.mark.parametrize("name", DEVICES)
 @pytest.mark.parametrize("kind", ["cosines", "elements"])
 def test_the_kernel_follows_the_plain_loop_to_rounding(handout, kind, name, dt, steps):
-    model = build_model(made(handout, name), kind, modes=3)
+    model = build_model(varied(handout, **DEVICES[name]), kind, modes=3)
     motion, _ = assert_followed(model, make_pulse("half sine"), 3000.0, 2e4, 25.0, dt, steps)
     assert np.ptp(motion.y) > 1 and np.ptp(motion.u, axis=0).all()
 
@@ -119,7 +109,7 @@ def test_the_kernel_follows_the_plain_loop_to_rounding(handout, kind, name, dt, 
 @pytest.mark.parametrize("name", DEVICES)
 def test_energy_is_conserved_to_rounding(handout, name, kind):
     """Over thousands of impacts, in steps a hundred times apart."""
-    device = made(handout, name)
+    device = varied(handout, **DEVICES[name])
     model = build_model(device, kind, modes=3)
     model = dataclasses.replace(model, barrier=model.barrier._replace(energy=0.0))
     cells = to_cells(device, 0, [880.0, 1100.0, 1500.0], 1500.0, [0.0, 0.025, 25.0], 5000.0)
@@ -145,8 +135,8 @@ def test_the_order_is_two_until_contact_opens(handout):
 
 def test_no_contact_is_too_stiff(handout):
     """The step knows nothing of contact, and a penalty without end is hard contact."""
-    hard = build_model(changed(handout, np.inf), "cosines", modes=5)
-    stiff = build_model(changed(handout, 1e12), "cosines", modes=5)
+    hard = build_model(varied(handout, contact=np.inf), "cosines", modes=5)
+    stiff = build_model(varied(handout, contact=1e12), "cosines", modes=5)
     assert hard.steps.longest == stiff.steps.longest
     cells = to_cells(handout, 0, np.linspace(700, 1900, 24), 1500.0, 25.0, 300.0)
     found = [model.follow(cells, Settings(300.0, until="snap")).t_snap for model in (hard, stiff)]

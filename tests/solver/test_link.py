@@ -1,17 +1,15 @@
 """The weak link: another integrator, the plain loop, limits, energy, statics, and the door."""
 
-import dataclasses
-
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from modal_by_scipy import time_of_snap
+from varied import alone, varied
 
 import snapmap
 from snapmap.beam.equilibria import find_barrier, shapes_of
-from snapmap.beam.modal import contact_stiffness
 from snapmap.beam.statics import statics
 from snapmap.config.devices import read_device
-from snapmap.device import ALONE, batch
+from snapmap.device import batch
 from snapmap.figures.states import HELD, REST_PROVEN, end_states
 from snapmap.io.provenance import device_sections
 from snapmap.pulse import make_pulse
@@ -27,35 +25,7 @@ SHOCK = 1500.0, 25.0
 
 def linked(device, at, stiffness, strength):
     values = {"link_at": at, "link_stiffness": stiffness, "link_strength": strength}
-    return dataclasses.replace(device, **values)
-
-
-def break_by_scipy(model, N, f0, C, t_end):
-    """When the link breaks: equations (2), (4), (5) with it, its break an event; NaN for never."""
-    device, modal = model.device, model.modal
-    k, pulse = modal.load.size, make_pulse()
-    contact = contact_stiffness(device, modal.residual)
-    soft = 1 / device.link_stiffness + modal.residual
-    at = device.link_at - model.barrier.first
-
-    def rate(t, x):
-        p, y, rates = x[:k], x[k], x[k + 1 :]
-        a = N * device.gravity * pulse.at(np.array([f0 * 1e-6 * t]))[0]
-        slope = modal.geometric @ p + modal.slope_start
-        N_axial = -modal.axial * p @ (slope + modal.slope_start)
-        w = modal.midpoint @ p
-        P, F = contact * max(0.0, w - y - device.gap), max(0.0, at - w) / soft
-        pull = N_axial * slope - modal.stiffness * p - modal.load * a - modal.midpoint * (P - F)
-        push = (P - device.spring * y - C * rates[-1]) / device.mass - a
-        return np.concatenate([rates, pull, [push]])
-
-    def breaks(_, x):
-        return modal.midpoint @ x[:k] - at + device.link_strength * soft
-
-    breaks.terminal = True
-    begin = np.zeros(2 * k + 2)
-    run = solve_ivp(rate, (0, t_end), begin, "DOP853", events=breaks, rtol=1e-9, max_step=0.2)
-    return run.t_events[0][0] if run.t_events[0].size else np.nan
+    return varied(device, **values)
 
 
 @pytest.mark.parametrize("link", [(-6.0, 200.0, 150.0), (-3.0, 2000.0, 60.0)])
@@ -64,7 +34,8 @@ def test_when_the_link_breaks_by_another_integrator(handout, link):
     N = np.array([900.0, 1100.0, 1800.0])
     cells = to_cells(handout, 0, N, *SHOCK, 0.0)
     fine = model.with_step(0.1).follow_once(cells, Settings(0.0, until="snap"))
-    theirs = [break_by_scipy(model, each, *SHOCK, 1e6 / SHOCK[0]) for each in N]
+    f0, C = 1e-6 * SHOCK[0], SHOCK[1]
+    theirs = [time_of_snap(model, make_pulse(), each, f0, C, 1 / f0) for each in N]
     assert np.isnan(theirs[0]) and np.isfinite(theirs[1:]).all()
     np.testing.assert_allclose(fine.t_snap, theirs, rtol=2e-5)
 
@@ -127,10 +98,7 @@ def test_a_bound_of_the_energy_to_break_it_lies_below_the_static_path(handout):
 def test_a_slow_push_breaks_it_at_its_strength_and_the_beams_own_force(handout):
     """A force on the midpoint of a beam alone, with damping that no ringing survives."""
     path = statics(handout).isel(branch=0)
-    pushed = dict(ALONE, force=1.0, gravity=1.0)
-    beam = dataclasses.replace(handout.beam, damping=0.5)
-    device = dataclasses.replace(handout, beam=beam, **pushed)
-    device = linked(device, 9.0, 1000.0, 30.0)
+    device = linked(alone(handout, 1.0, gravity=1.0, damping=0.5), 9.0, 1000.0, 30.0)
     static = np.interp(1.03, path.displacement[:400], path.force[:400]) + 30.0
     rows, bracket = to_rows(0, [200.0], 0.0), (np.full(1, 20.0), np.full(1, 200.0))
     errors = []

@@ -1,22 +1,21 @@
 """Runs that start in the second shape: exact facts, other integrators, what is proven and told."""
 
 import json
-from dataclasses import replace
 
 import numpy as np
 import pytest
 import yaml
 from scipy.integrate import solve_ivp
+from varied import alone, varied
 
 import snapmap
 from snapmap.beam.equilibria import reset_force, static_threshold
 from snapmap.config.study import load_config
-from snapmap.device import ALONE, batch
+from snapmap.device import batch
 from snapmap.shocks import make_shocks
 from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import Settings
 from snapmap.study import Study
 from snapmap.thresholds.requirements import check
@@ -24,10 +23,6 @@ from studies.rivals import compile_rate
 
 BACK = {"start": "second", "direction": "-z"}
 CHEAP = {"model": "cosines", "modes": 3}
-
-
-def alone(device, force=0.0, **beam):
-    return replace(device, **ALONE, force=force, beam=replace(device.beam, **beam))
 
 
 def test_a_buckled_straight_beam_is_its_own_mirror_image(handout):
@@ -59,16 +54,6 @@ def test_the_reset_force_is_the_closed_form(handout):
         )
 
 
-@pytest.mark.parametrize("force", [0.0, 1.0])
-def test_slow_pulses_tend_to_the_static_one(handout, force):
-    device = alone(handout, force, damping=4e-3, free=1.0, imperfection=0.05, residual_stress=-60.0)
-    static, model = static_threshold(device, back=True), build_model(device, "cosines", modes=3)
-    rows = to_rows(0, 500.0, 0.0, pulses=make_shocks(direction="-z").pulses)
-    settings = Settings(0.0, "snap", start="second")
-    found = lowest_snap(model, rows, (0.8 * static, 1.2 * static), settings, 1e-4).item()
-    assert found == pytest.approx(static, rel=2e-3)
-
-
 def test_the_models_and_scipy_agree(handout):
     """With its mass, by the beam's own inertia: -z from the second shape."""
     model = build_model(handout, "cosines", modes=3).with_step(0.25)
@@ -97,7 +82,7 @@ def test_without_a_shock_it_stays(handout, model):
 
 
 def test_the_ledger_closes_from_the_energy_of_the_second_shape(handout):
-    device = replace(handout, stop_away=30.0, beam=replace(handout.beam, damping=4e-4))
+    device = varied(handout, stop_away=30.0, damping=4e-4)
     run = snapmap.simulate(device, 6e4, 2e4, 25.0, **CHEAP, **BACK)
     parts = ("kinetic", "spring", "bending", "axial", "contact", "dissipated")
     kept = sum(run[f"{part}_energy"] for part in parts) - run.pulse_work
@@ -106,7 +91,7 @@ def test_the_ledger_closes_from_the_energy_of_the_second_shape(handout):
     assert abs(kept - depth).max() < 1e-9 * run.pulse_work.max()
     assert run.w_mid.max() > run.first_equilibrium == device.beam.rise
     # An electrode that the second shape touches opens as the beam leaves, and is closed till then.
-    run = snapmap.simulate(replace(device, contact_at=-7.0), 6e4, 2e4, 25.0, **CHEAP, **BACK)
+    run = snapmap.simulate(varied(device, contact_at=-7.0), 6e4, 2e4, 25.0, **CHEAP, **BACK)
     leaves = np.interp(
         -7.0, *(run[key][: np.argmax(run.w_mid.values)] for key in ("w_mid", "time"))
     )
@@ -115,7 +100,7 @@ def test_the_ledger_closes_from_the_energy_of_the_second_shape(handout):
 
 def test_what_is_proven_holds_for_longer_runs(handout):
     """Wells swapped: `never` stays in the second shape, `latched` in the first."""
-    device = replace(handout, stop_away=6.0, beam=replace(handout.beam, damping=4e-3))
+    device = varied(handout, stop_away=6.0, damping=4e-3)
     asked = {"N": np.geomspace(1e3, 1.5e5, 16), "f0": [3e3, 2e4], "C": [25.0, 500.0]}
     asked |= CHEAP | {"start": "second", "direction": "both"}
     cube, longer = (snapmap.sweep(device, **asked, horizon=h) for h in (3e3, 6e3))
@@ -128,7 +113,7 @@ def test_what_is_proven_holds_for_longer_runs(handout):
 
 
 def test_nothing_snaps_below_the_bound_and_the_start_is_told(handout):
-    device = replace(alone(handout, 1.0), beam=replace(handout.beam, damping=4e-3))
+    device = alone(handout, 1.0, damping=4e-3)
     found = snapmap.threshold(device, [2e4, 2e5], [0.0], **CHEAP, **BACK)
     assert (found.N_bound < found.N_first).all()
     assert found.N_static.item() == pytest.approx(reset_force(device.beam)[0], rel=1e-6)

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy import stats
+from varied import varied
 
 import snapmap
 from snapmap.shocks import make_shocks
@@ -14,10 +15,6 @@ from snapmap.tolerances.sensitivity import crossed, indices
 from snapmap.tolerances.statistics import count_below, moments, quantile_bounds, quantiles, wilson
 
 CHEAP = {"model": "cosines", "modes": 3, "horizon": 300.0}
-
-
-def vary(device, **values):
-    return replace(device, beam=replace(device.beam, **values))
 
 
 @pytest.mark.parametrize(
@@ -112,7 +109,7 @@ def test_thresholds_are_those_of_the_devices_one_by_one(handout):
         sample = made.isel(sample=i)
         values = {key: sample[key].item() for key in ("thickness", "youngs_modulus")}
         own = np.array(f0) / sample.duration_factor.item()
-        alone = snapmap.threshold(vary(handout, **values), own, C, **CHEAP)
+        alone = snapmap.threshold(varied(handout, **values), own, C, **CHEAP)
         off = abs(sample.N_first.values * sample.N_factor.item() / alone.N_first.values - 1)
         # Clean rows may hide an island as narrow as their bars.
         known = np.fmax(1.2e-3, (alone.N_error / alone.N_first).values)
@@ -142,7 +139,7 @@ def test_small_scatter_adds_up_as_the_linear_estimate_says(handout):
 
 
 def test_samples_without_a_second_shape_count_and_never_snap(handout):
-    thin = vary(handout, rise=5.0)
+    thin = varied(handout, rise=5.0)
     asked = {"thickness": {"uniform": "25 %"}}, [1500.0], [25.0]
     made = snapmap.tolerance(thin, *asked, samples=128, **CHEAP)
     lost = made.thickness > 5 * np.sqrt(3) / 4
@@ -176,7 +173,7 @@ def test_shares_that_meet_requirements_are_those_of_the_thresholds(handout, monk
     assert followed.sizes["sample"] == 10
     np.testing.assert_allclose(made.share_breaking.squeeze("C"), (followed > 320).mean("sample"))
     assert 0 < made.share_breaking.values[0] < 1
-    alone = vary(handout, thickness=made.thickness[0].item())
+    alone = varied(handout, thickness=made.thickness[0].item())
     run = snapmap.simulate(alone, 1000, 2000, 25, pulse="half sine", **CHEAP)
     assert run.stress_max == pytest.approx(followed.values[0, 0], rel=0.05)
     kept = snapmap.threshold(handout, [2000.0], [25.0], pulse="half sine", **CHEAP)

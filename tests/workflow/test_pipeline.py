@@ -11,6 +11,7 @@ import pytest
 import xarray as xr
 import yaml
 from small_studies import EVERY_PRODUCT, SHOTS, TINY
+from small_workflow import snakemake
 
 import snapmap
 from snapmap.config.products import products
@@ -20,16 +21,6 @@ from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
 DRAWING = {"draw_snaps", "draw_study", "draw_page"}
 RULES = {"simulate_slab", "collect", "find_threshold", "trace_cells"}
 RULES |= {"simulate_history"} | DRAWING
-
-
-def snakemake(root, folder, config, *options, check=True):
-    """Run the workflow of the clone `root` in `folder`; returns its exit code and output."""
-    command = ["snakemake", "--snakefile", root / "Snakefile", "--directory", folder]
-    command += ["--configfile", config, "--cores", "2", *options]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=600)
-    output = done.stdout + done.stderr
-    assert not check or done.returncode == 0, output
-    return done.returncode, output
 
 
 def planned_rules(output):
