@@ -54,7 +54,7 @@ def halved(loop):
     """Cut a loop over modes in two.
 
     LLVM unrolls a short loop and gives up on a longer one, and only what is unrolled vectorises
-    over lanes: so each mode of most models has a loop of its own. Else a step takes twice the time.
+    over lanes; else a step takes twice the time. More cuts than that takes cost compiling.
     """
 
     @inlined
@@ -87,7 +87,7 @@ def release_modes(X, V, modes, l, first, last, sums):
     return uu, eu, ep, ef, ud
 
 
-release_all = halved(halved(halved(halved(halved(release_modes)))))
+release_all = halved(halved(halved(release_modes)))
 
 
 @inlined
