@@ -42,7 +42,7 @@ def extrapolate(
     steps = (models.decides.with_step(factor) for factor in (1.0, np.sqrt(2.0), 2.0))
     N, longer, longest = map(exactly, steps)
     by_step, by_modes = N - longer, (exactly(models.judge) - N) * many**4 / (many**4 - few**4)
-    second_order = abs((longer - longest) / by_step - 2) <= 2 * SHOWN
+    second_order = abs(longer - longest - 2 * by_step) <= 2 * SHOWN * abs(by_step)
     shown = second_order | (abs(longer - longest) <= 3 * EXACT * N)
     shown &= np.isfinite(longest + by_modes)
     new, error = N_first.copy(), N_error.copy()
