@@ -76,7 +76,7 @@ def surveyed(coarse, fine, highest=None):
         close = Window(low / BESIDE, high * BESIDE, np.full(low.size, CLOSEST_STEP))
         return scan(asking(fine), close.N)
 
-    edges, open_end, *_ = _decide(asking(fine), closely, window, whole, ragged, ~slow)
+    edges, open_end, *_ = _decide(asking(fine), closely, window, whole, ragged)
     row, *ends, rising = edges
     low, high = refine(lambda N: asking(fine)(N, row), *ends, 1e-6, rising)
     edges = edges._replace(low=low, high=high)

@@ -10,7 +10,8 @@ from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
 from snapmap.thresholds import surface
-from snapmap.thresholds.verified import Expected, fill, first_near, surfaces
+from snapmap.thresholds.lattice import nearby
+from snapmap.thresholds.verified import Expected, fill, surfaces
 
 AXES = [linear(1.0, 3.0, 21), linear(-1.0, 1.0, 16)]
 
@@ -73,7 +74,7 @@ def test_a_threshold_near_a_guess_does_not_depend_on_it(handout):
     rows, settings = to_rows(0, 1000.0, np.full(4, 25.0)), Settings(300.0)
     known = snapmap.threshold(handout, [1000.0], [25.0], model="cosines", modes=3, horizon=300.0)
     guess = known.N_first.item() * np.array([0.9994, 1.0, 1.0006, 1.01])
-    _, N = first_near(model, rows, settings, guess, 1e-4)
+    _, N = nearby(model, rows, settings, guess, 1e-4)
     assert N[0] == N[1] == N[2] and np.isnan(N[3])
     assert N[0] == pytest.approx(known.N_first.item(), rel=1e-4)
 

@@ -18,6 +18,10 @@ LINKED_RUNGS = (5, 7, 11)
 """The same of a beam that meets a link: how it breaks hangs on how the midpoint rings."""
 REACH = 2
 """Cells along N on either side of a change of label that count as near it."""
+LOOKING_STEPS, DECIDING_STEPS, FINE_STEPS = 2.0, 0.5, 0.25
+"""Times its own, of the finest model: where it looks for changes, decides, and shows islands."""
+LOOKING_TOLERANCE = 2.5e-4
+"""Of thresholds that are only looked at, relative."""
 TOLERANCE = 1e-3
 """Error of the threshold that `auto` may make, relative, by default; that of its steps, too."""
 
@@ -83,26 +87,34 @@ class Adaptive:
 class Survey(NamedTuple):
     """Models by which thresholds are found: scans is cheap, and doubts has another opinion.
 
+    looks: where labels change, closely; decides: at which N exactly, in shorter steps or the same
     better: than the one that decides; None where that is the best
+    finest: the best, in steps that show what others miss
     static: threshold of slow pulses, about which to look, in multiples of g; (devices,)
     judge: has its say where rows are ragged, in wider steps; None if the others suffice
-    finer: takes the clean rows that this one leaves open by more than tolerance, relative; None for
-        no further look
+    finer: takes rows of fast pulses, and the clean ones that this one leaves open by more than
+        tolerance, relative; None for no further look
     """
 
     scans: Follows
+    looks: Follows
     decides: Follows
     doubts: Follows
     better: Follows | None
+    finest: Follows
     static: np.ndarray
     judge: Follows | None = None
     tolerance: float = np.inf
     finer: Optional["Survey"] = None
 
+    def rough(self, tolerance: float) -> float:
+        """How closely `looks` refines where a tolerance is asked for."""
+        return tolerance if self.looks is self.decides else max(tolerance, LOOKING_TOLERANCE)
+
     @property
-    def levels(self) -> tuple[Follows, ...]:
-        """The models that decide, by the `level` of their thresholds."""
-        return self.decides, *(self.finer.levels if self.finer else ())
+    def levels(self) -> tuple["Survey", ...]:
+        """This one and the finer ones, by the `level` of their thresholds."""
+        return self, *(self.finer.levels if self.finer else ())
 
 
 def choose_model(device: Device, model: Mapping) -> Follows | Adaptive:
@@ -124,12 +136,15 @@ def choose_survey(device: Device, model: Mapping, start: str = FIRST) -> Survey:
     static = np.asarray(static_threshold(device, back=start != FIRST))
     if model["name"] != "auto":
         decides, levels = build_model(device, **model), build_adaptive(device)
-        return Survey(levels.base, decides, levels.check, levels.top, static)
+        finest = levels.top.with_step(FINE_STEPS)
+        return Survey(levels.base, decides, decides, levels.check, levels.top, finest, static)
     levels = _levels(device, model)
     coarse, middle, fine = levels.base, levels.check, levels.top
-    finer = Survey(middle, fine.with_step(0.5), middle, None, static)
+    looks, decides, finest = map(fine.with_step, (LOOKING_STEPS, DECIDING_STEPS, FINE_STEPS))
+    finer = Survey(coarse, looks, decides, middle, None, finest, static)
     accepted = model.get("tolerance", TOLERANCE)
-    return Survey(coarse, middle, coarse, None, static, judge=fine, tolerance=accepted, finer=finer)
+    others = middle, middle, coarse, None, finest, static, fine
+    return Survey(coarse, *others, tolerance=accepted, finer=finer)
 
 
 def build_adaptive(device: Device, tolerance: float = TOLERANCE) -> Adaptive:

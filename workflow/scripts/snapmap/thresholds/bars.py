@@ -6,24 +6,22 @@ import numpy as np
 
 from ..solver.adaptive import Survey
 from ..solver.cells import Rows
-from ..solver.search import Edges, asker, observer, scan
+from ..solver.search import Edges, asker, scan
 from ..solver.settings import Settings
 from ..solver.steps import stiffness_share
 from .transitions import BESIDE, CLOSEST_STEP, Window, balance, chosen, outermost
-from .witness import STEPS, falls
+from .witness import BELOW, NEAREST, close_edges
 
 LOOKS = 4
 """At so many distances another level must agree that a threshold lies between."""
 OTHER_STEP = 2.0**0.5
 """Times the own step, of the runs by which the error of time is seen: of second order, it changes
 by itself."""
-FINE_STEPS, CHATTERS = 0.25, 0.5
-"""Times the own step, where the mass may chatter, which takes short steps to see: under a pulse
-with corners, or on a contact so near a hard one."""
-ISLANDS = 0.005
-"""How far below a clean threshold, relative, the best model looks again where a row rings."""
-JUDGED_STEP = 4.0
-"""Steps of the judge's scan of a ragged row, over those of the others."""
+CHATTERS = 0.5
+"""On a contact so near a hard one, or under a pulse with corners, the mass may chatter, which takes
+short steps to see."""
+OTHERS_STEP, JUDGED_STEP = 2.0, 4.0
+"""Steps of other models' scans of a ragged row, and of the judge's, over its own."""
 FARTHEST = 0.25
 """Relative distance up to which another level's threshold is looked for; beyond, a row is ragged.
 """
@@ -64,18 +62,23 @@ def error_bars(
     clean = np.where(ragged, np.nan, N_first)
     in_time, *in_space = (_distance(ask(other), clean, tolerance) for other in others)
     chatters = _chatters(decides.device, rows)
-    fine = (better or judge or decides).with_step(FINE_STEPS)
+    fine = models.finest
     in_fine = _distance(ask(fine), np.where(chatters, clean, np.nan), tolerance)
     # The better level may itself be off by as much.
     near = np.fmax(in_time, in_fine) + np.max(in_space, axis=0) + (in_space[1] if better else 0.0)
     # An island below that finer steps open belongs to the bar.
-    lowest = _lowest_below(fine, rows, settings, np.where(~ragged & rings, N_first, np.nan))
-    near = np.fmax(near, N_first - lowest)
+    if models.looks is decides:
+        alone = np.where(~ragged & rings, N_first, np.nan)
+        ends = (1 - tolerance) * alone, alone
+        close, *_ = close_edges(fine, rows, settings, *ends, [BELOW], NEAREST)
+        near = np.fmax(near, N_first - outermost(close.row, close.high, alone.size)[0])
     apart = np.isinf(near)
     ragged = ragged | apart
     window = chosen(apart, whole, window)
-    wider = window._replace(step=JUDGED_STEP * window.step)
-    pairs = [_elsewhere(label(other), window, ragged) for other in others]
+    wide, wider = (window._replace(step=by * window.step) for by in (OTHERS_STEP, JUDGED_STEP))
+    if models.looks is not decides:
+        others[0] = models.looks.with_step(1 / OTHER_STEP)
+    pairs = [_elsewhere(label(other), wide, ragged) for other in others]
     if judge is not None:
         pairs.append(_elsewhere(label(judge), wider, ragged))
     finest = _elsewhere(label(fine), wider, ragged & chatters)
@@ -119,16 +122,6 @@ def _elsewhere(ask, window, ragged):
     quiet = balance(edges, ragged.size) + np.where(begins, window.low, 0.0)
     ends_quiet = np.bincount(edges.row, 2 * edges.rising - 1.0, ragged.size) + begins < 1
     return first, quiet + np.where(ends_quiet, window.high, 0.0)
-
-
-def _lowest_below(model, rows, settings, N_first):
-    """The lowest N that snaps within ISLANDS below N_first, as another level sees it, (rows,)."""
-    N = np.multiply.outer(N_first, 1 - CLOSEST_STEP * STEPS[STEPS * CLOSEST_STEP <= ISLANDS])
-    seen = observer(model, rows, settings)(N)
-    shown = np.isnan(seen.t_snap).all(axis=1) & falls(-seen.lowest).all(axis=1)
-    below = Window((1 - ISLANDS) * N_first, N_first, np.full(N_first.size, CLOSEST_STEP))
-    scanned = _elsewhere(asker(model, rows, settings), below, np.isfinite(N_first) & ~shown)[0]
-    return np.where(shown, N_first, scanned)
 
 
 def _distance(ask, N_first, tolerance):

@@ -21,6 +21,7 @@ from ..solver.search import (
 from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Settings
 from .bars import Seen, error_bars
 from .extrapolated import CLOSE, extrapolate
+from .lattice import nearby
 from .reuse import joined as joined_rows
 from .transitions import (
     BESIDE,
@@ -34,7 +35,7 @@ from .transitions import (
     outermost,
     stretches,
 )
-from .witness import close_edges
+from .witness import edges_about
 
 NARROW = 0.0005
 """Relative width of a stretch between two changes down to which it counts: narrower ones, which
@@ -47,7 +48,7 @@ it snaps where no rest is left, and at every N above."""
 FAST = 0.7
 """Frequency of a pulse over the device's own from which on the finer models take its rows."""
 OPEN = 0.01
-"""A ragged row whose error bar is wider, relative, is not worth finer models."""
+"""A ragged row whose error bar is wider, relative, is not worth shorter steps."""
 RINGS = 0.25
 """From this share on, reckoned as SLOW, a device rings after the pulse: islands lie close below."""
 SLOW_REACH, SLOW_BESIDE = 2.0, 1.05
@@ -113,31 +114,41 @@ def survey(
     """Find the thresholds of rows, to a relative tolerance.
 
     highest: up to which N islands are looked for; ABOVE times the threshold if not given
-    The cheap model scans; the one that decides looks again where labels change, and refines; the
-    others, and another step, tell what that is worth. Where the cheap one fails, or sees another
-    threshold than the one that decides, that one scans too. Rows of fast pulses, unless wide
-    open, and clean ones that are left open by more than the models' tolerance, are taken by finer
-    models. Below a tolerance of CLOSE slow clean ones are extrapolated.
+    The cheap model scans; the next looks again where labels change; the one that decides refines;
+    the others, and another step, tell what that is worth. Where the cheap one fails, or sees
+    another threshold than the next, that one scans too. Rows of fast pulses, and clean ones that
+    are left open by more than the models' tolerance, are taken by finer models. Below a tolerance
+    of CLOSE slow clean ones are extrapolated.
     """
-    bound = least_amplitudes(models.decides, rows, settings.start)
-    thresholds = _survey(models, rows, settings, tolerance, highest, bound)
-    lost = np.flatnonzero(thresholds.status == NOT_FOLLOWED)
-    if lost.size:
-        finer = models._replace(scans=models.decides), rows.take(lost)
-        again = _survey(*finer, settings, tolerance, highest, bound[lost], SLACK * bound[lost])
-        thresholds = _taken(thresholds, lost, again)
-    fast = is_fast(models.decides.device, rows)
-    error = thresholds.N_error / thresholds.N_first
-    clean = thresholds.ragged == 0
-    unsure = np.where(clean, fast | (error > models.tolerance), fast & (error < OPEN))
-    unsure &= thresholds.status == FOUND
-    if models.finer is not None and unsure.any():
-        again = survey(models.finer, rows.take(unsure), settings, tolerance, highest)
-        thresholds = _taken(
-            thresholds, np.flatnonzero(unsure), again._replace(level=again.level + 1)
-        )
+    asked = settings, tolerance, highest
+    if models.finer is None:
+        return _followed(models, rows, *asked)
+    fast, thresholds = is_fast(models.decides.device, rows), None
+    slow = np.flatnonzero(~fast)
+    if slow.size or not fast.size:
+        found = _followed(models, rows.take(slow), *asked)
+        unsure = (found.ragged == 0) & (found.N_error > models.tolerance * found.N_first)
+        fast[slow[unsure]] = True
+        thresholds = _taken(fast.size, None, slow, found)
+    if fast.any():
+        found = survey(models.finer, rows.take(fast), *asked)
+        found = found._replace(level=found.level + 1)
+        thresholds = _taken(fast.size, thresholds, np.flatnonzero(fast), found)
     if models.judge is not None and tolerance < CLOSE:
         thresholds = _extrapolated(models, rows, settings, thresholds)
+    return thresholds
+
+
+def _followed(models, rows, settings, tolerance, highest):
+    """Thresholds by these models; where the cheap one fails, the one that decides scans."""
+    bound = least_amplitudes(models.decides, rows, settings.start)
+    asked = settings, tolerance, highest
+    thresholds = _survey(models, rows, *asked, bound)
+    lost = np.flatnonzero(thresholds.status == NOT_FOLLOWED)
+    if lost.size:
+        better = models._replace(scans=models.decides, looks=models.decides)
+        again = _survey(better, rows.take(lost), *asked, bound[lost], SLACK * bound[lost])
+        thresholds = _taken(bound.size, thresholds, lost, again)
     return thresholds
 
 
@@ -154,10 +165,10 @@ def _extrapolated(models, rows, settings, found):
     return found._replace(**places, N_error=error, half_error=half_error)
 
 
-def _taken(thresholds, which, again):
-    """Thresholds with those of some rows, by their indices, in the place of the others."""
-    pairs = zip(again, thresholds, strict=True)
-    return Thresholds(*(joined_rows(thresholds.status.size, which, new, old) for new, old in pairs))
+def _taken(n_rows, thresholds, which, again):
+    """Thresholds, or None, with those of some rows, by their indices, in place of the others."""
+    pairs = zip(again, thresholds or [None] * len(again), strict=True)
+    return Thresholds(*(joined_rows(n_rows, which, new, old) for new, old in pairs))
 
 
 def lowest(models: Survey, rows: Rows, settings: Settings, tolerance: float) -> np.ndarray:
@@ -185,23 +196,35 @@ class _Changes(NamedTuple):
 
 def _changes(models, rows, settings, tolerance, highest, bound, lowest=None):
     """Changes of rows; lowest: from which N islands are looked for, if not from BELOW."""
-    scans, decides = models.scans, models.decides
-    ask, label = asker(decides, rows, settings), asker(scans, rows, settings, until="snap")
+    scans = models.scans
+    ask, label = asker(models.looks, rows, settings), asker(scans, rows, settings, until="snap")
     speed = pace(scans.device, rows)
     slow = speed < SLOW
     wide = wide_scan(scans.device, models.static, rows, bound, settings.start, slow)
-    rough, quiet = first_seen(label, wide, bound)
-    whole = _whole_window(rough, lowest, highest, slow)
+    first, quiet = first_seen(label, wide, bound)
+    whole = _whole_window(first, lowest, highest, slow)
     window, ragged = _closer_window(label, whole)
 
     def closely(low, high):
-        return close_edges(decides, rows, settings, *refine(ask, low, high, tolerance))
+        return edges_about(models, rows, settings, tolerance, rings, low, high)
 
-    edges, open_end, window, ragged = _decide(ask, closely, window, whole, ragged, speed >= RINGS)
+    rings = speed >= RINGS
+    edges, open_end, window, ragged = _decide(ask, closely, window, whole, ragged)
     row, *ends, rising = edges
-    of_edges = asker(decides, rows.take(row), settings)
+    of_edges = asker(models.looks, rows.take(row), settings)
     edges = Edges(row, *refine(of_edges, *ends, tolerance, rising), rising)
     return _Changes(edges, open_end, window, whole, ragged, wide, quiet)
+
+
+def _exact(model, rows, settings, tolerance, edges, N):
+    """Edges, those that rise at N, (rows,), as another model sees them, where it does."""
+    low, high = nearby(model, rows, settings, N, tolerance)
+    falls = edges.take(~edges.rising)
+    above, _ = outermost(falls.row, falls.low, N.size)
+    seen = np.isfinite(high) & ~(high >= above)
+    new = edges.rising & (edges.high == N[edges.row]) & seen[edges.row]
+    low, high = np.where(new, [low[edges.row], high[edges.row]], edges[1:3])
+    return edges._replace(low=low, high=high)
 
 
 def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
@@ -210,31 +233,44 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
         models, rows, settings, tolerance, highest, bound, lowest
     )
     decides = models.decides
-    N_first, N_always, islands = stretches(edges, open_end)
-    N_half = np.where(np.isnan(N_always), np.nan, balance(edges, N_first.size))
-    if highest is not None:
-        N_always = np.where(N_always <= highest, N_always, np.nan)
+    N_first, N_half, *_ = _places(edges, open_end)
     seen = Seen(edges, N_first, N_half, ragged, window, whole)
     rings = pace(decides.device, rows) >= RINGS
-    if models.finer is not None:
-        rings &= ~is_fast(decides.device, rows)  # their bars, if clean, are those of finer models
     N_error, half_error, ragged = error_bars(models, rows, settings, tolerance, seen, rings)
+    if models.looks is not decides:
+        N = np.where((ragged > 0) & (N_error < OPEN * N_first), N_first, np.nan)
+        edges = _exact(decides, rows, settings, tolerance, edges, N)
+    N_before = N_first
+    N_first, N_half, N_always, islands = _places(edges, open_end)
+    if highest is not None:
+        N_always = np.where(N_always <= highest, N_always, np.nan)
+    of_pulse = in_pulse(decides, rows, settings, N_first, highest, tolerance)
+    unseen = np.flatnonzero(np.isnan(of_pulse[1]) & np.isfinite(N_first))
+    asked = settings, N_first[unseen], highest, tolerance
+    of_pulse[:, unseen] = in_pulse(models.looks, rows.take(unseen), *asked)
     none = np.where(quiet, NOTHING_SNAPS, NOT_FOLLOWED)
     return Thresholds(
         np.where(np.isnan(N_first), none, FOUND).astype(np.int8),
         bound,
         np.fmax(np.fmax.reduce(wide, axis=1), whole.high),
         N_first,
-        N_error,
+        N_error + abs(N_first - N_before),
         N_half,
         half_error,
         ragged.astype(np.int8),
         N_always,
-        *in_pulse(decides, rows, settings, N_first, highest, tolerance),
+        *of_pulse,
         np.zeros(N_first.size, np.int8),
         np.count_nonzero(np.isfinite(islands[0]), axis=1),
         *islands,
     )
+
+
+def _places(edges, open_end):
+    """N_first, N_half, N_always, and the islands' ends, as `stretches` has them."""
+    N_first, N_always, islands = stretches(edges, open_end)
+    N_half = np.where(np.isnan(N_always), np.nan, balance(edges, N_first.size))
+    return N_first, N_half, N_always, islands
 
 
 def is_fast(device, rows):
@@ -313,14 +349,14 @@ def _closer_window(ask, whole):
     return chosen(ragged, around(whole, *ends, FAR_BESIDE, FINEST_STEP), clean), ragged
 
 
-def _decide(ask, closely, window, whole, ragged, rings):
+def _decide(ask, closely, window, whole, ragged):
     """Edges as the deciding level sees them; whether a row's highest N is quiet; what is ragged.
 
-    The only edge of a row that rings is looked at closely. Rows in which it sees other than the
-    cheapest level did are ragged too, and scanned on to either side.
+    The only edge of a row is looked at closely. Rows in which it sees other than the cheapest level
+    did are ragged too, and scanned on to either side.
     """
     edges, begins, ends = scan(ask, window.N)
-    alone = rings & ~ragged & ~begins & (np.bincount(edges.row, minlength=ragged.size) == 1)
+    alone = ~ragged & ~begins & (np.bincount(edges.row, minlength=ragged.size) == 1)
     only, sides = edges.take(alone[edges.row]), np.full((2, ragged.size), np.nan)
     sides[:, only.row] = only.low, only.high
     close, begins_close, ends_close = closely(*sides)
@@ -339,7 +375,7 @@ def _decide(ask, closely, window, whole, ragged, rings):
 
 
 def in_pulse(model, rows, settings, N_first, highest, tolerance):
-    """N_pulse and t_snap at N_first."""
+    """N_pulse and t_snap at N_first, (2, rows)."""
     t_snap = asker(model, rows, settings)(N_first[:, np.newaxis])[:, 0]
     N_pulse = N_first.copy()
     late = np.flatnonzero(t_snap * rows.f0 * 1e-6 > 1)
@@ -347,4 +383,4 @@ def in_pulse(model, rows, settings, N_first, highest, tolerance):
     ask = asker(model, rows.take(late), settings._replace(horizon=0.0))
     N = amplitudes(N_first[late], high, SCAN_STEP)
     N_pulse[late] = refine(ask, *first_snap(N, np.isfinite(ask(N))), tolerance)[1]
-    return N_pulse, t_snap
+    return np.array([N_pulse, t_snap])

@@ -36,12 +36,13 @@ from .islands import (
     pace,
     survey,
 )
+from .lattice import nearby
 from .reuse import joined
 from .settling import lowest_latched
 from .transitions import FINE_STEP
 from .verified import ABOVE as OVER
-from .verified import Expected, at_first, fill, first_near, surfaces
-from .witness import close_edges
+from .verified import WITHIN, Expected, at_first, expected_labels, fill, surfaces
+from .witness import BELOW, edges_about
 
 IMPULSE, IMPULSE_OF_BEAM = 100.0, 10.0
 """A pulse of so many times the device's own frequency, and the beam's, is as good as a jump in
@@ -233,15 +234,20 @@ def _verify(models, rows, settings, tolerance, highest, expected):
     device, finest = models.decides.device, len(models.levels) - 1
     rings = pace(device, rows) >= RINGS
     of_row = np.maximum(expected.level, np.minimum(is_fast(device, rows), finest))
-    for level, decides in enumerate(models.levels):
+    for level, own in enumerate(models.levels):
         which = np.flatnonzero(of_row == level)
         part, N = rows.take(which), expected.N[which]
-        low, N = first_near(decides, part, settings, N, tolerance)
-        ends = (np.where(rings[which], end, np.nan) for end in (low, N))
-        close, begins, _ = close_edges(decides, part, settings, *ends)
+        N = np.where(expected_labels(own.looks, part, settings, N), N, np.nan)
+        ends = nearby(own.looks, part, settings, N, own.rough(tolerance))
+        about = own, part, settings, tolerance, rings[which], *ends
+        close, begins, _ = edges_about(*about, sides=[BELOW])
         once = ~begins & (np.bincount(close.row, minlength=N.size) == 1)
-        N_first[which] = N = np.where(once | ~rings[which], N, np.nan)
-        N_pulse[which], t_snap[which] = in_pulse(decides, part, settings, N, highest, tolerance)
+        close = close.take(once[close.row])
+        first = np.full(N.size, np.nan)
+        first[close.row] = close.high
+        holds = abs(first - N) <= max(WITHIN, tolerance) * N
+        N_first[which] = N = np.where(holds, first, np.nan)
+        N_pulse[which], t_snap[which] = in_pulse(own.decides, part, settings, N, highest, tolerance)
     top = np.inf if highest is None else highest
     none = np.zeros(rows.f0.size, np.int8)
     error = (expected.bar + tolerance) * N_first + abs(N_first - expected.N)

@@ -1,6 +1,5 @@
 """Thresholds as surfaces: a few rows are searched, the others verified where those expect them."""
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from itertools import product
 from typing import NamedTuple
@@ -10,7 +9,7 @@ import numpy as np
 from ..axes import NAMES
 from ..solver.cells import Rows
 from ..solver.models import Follows
-from ..solver.search import asker, near
+from ..solver.search import asker
 from ..solver.settings import Settings
 
 FEWEST = 8
@@ -181,44 +180,10 @@ def _cubic(N, axes, places):
     return np.where(lacks, 1.0, N)
 
 
-def first_near(
-    model: Follows,
-    rows: Rows,
-    settings: Settings,
-    expected: np.ndarray,
-    tolerance: float,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Find the lowest N that snaps where it is expected, (rows,); NaN where labels are others.
-
-    The place below it, which does not, comes first. N stands on a lattice in relative steps of at
-    most `tolerance`, wherever it was expected.
-    """
-    size = 2 ** (1 - math.frexp(tolerance)[1])
-    within = max(WITHIN, tolerance)
-    low, guess, high = (_place(expected * end, size) for end in (1 - within, 1.0, 1 + within))
-    below, above = (np.multiply.outer(expected, shares) for shares in (BELOW, ABOVE))
-    N = np.column_stack([below, _amplitude(low, size), _amplitude(high, size), above])
-    quiet, snapping = np.hsplit(asker(model, rows, settings)(N), [-1 - len(ABOVE)])
-    holds = np.isnan(quiet).all(axis=1) & np.isfinite(snapping).all(axis=1)
-    low, guess, high, rows = low[holds], guess[holds], high[holds], rows.take(holds)
-
-    def label(which, places):
-        N = _amplitude(low[which, np.newaxis] + places, size)
-        return np.isfinite(asker(model, rows.take(which), settings)(N))
-
-    ends = np.zeros(low.size, np.int64), high - low
-    place = near(label, np.arange(low.size), guess - low, size, *ends)
-    ends = np.full((2, expected.size), np.nan)
-    ends[:, holds] = _amplitude(low + place - 1, size), _amplitude(low + place, size)
-    return ends[0], ends[1]
-
-
-def _place(N, size):
-    """The first place not below N of a lattice with `size` even steps from 2^n to 2^(n + 1)."""
-    share, exponent = np.frexp(N)
-    return exponent * np.int64(size) + np.ceil((2 * share - 1) * size).astype(np.int64)
-
-
-def _amplitude(place, size):
-    exponent, steps = np.divmod(place, size)
-    return np.ldexp(0.5 + steps / (2 * size), exponent.astype(np.int32))
+def expected_labels(
+    model: Follows, rows: Rows, settings: Settings, expected: np.ndarray
+) -> np.ndarray:
+    """Whether labels are those expected at all amplitudes of BELOW and ABOVE, (rows,)."""
+    N = np.multiply.outer(expected, BELOW + ABOVE)
+    quiet, snapping = np.hsplit(asker(model, rows, settings)(N), [len(BELOW)])
+    return np.isnan(quiet).all(axis=1) & np.isfinite(snapping).all(axis=1)

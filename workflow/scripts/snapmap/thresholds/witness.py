@@ -5,63 +5,111 @@ it, each snaps the later, the closer N lies to it. A stretch of the other label 
 beyond its own ends: near it, too, runs come close to the saddle, and dwell there.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from ..solver.adaptive import Survey
 from ..solver.cells import Rows
 from ..solver.models import Follows
-from ..solver.search import Edges, asker, edges_of, observer
+from ..solver.search import Edges, asker, edges_of, joined, observer, refine
 from ..solver.settings import Settings
+from .lattice import nearby
 from .transitions import CLOSEST_STEP
 
 STEPS = np.array([1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 80])
 """Distances from a threshold, up to BESIDE, in CLOSEST_STEP, at which runs are looked at."""
-BETWEEN = np.setdiff1d(np.arange(STEPS[-1]), STEPS)[1:]
-"""All others."""
+NEAREST = 24
+"""Up to which of them another model must show no other below a clean threshold: 0.6 %."""
 BESIDE_OPEN = 2
 """Intervals of STEPS on either side of one in which runs do not come nearer that are scanned too.
 So no stretch wider than 0.06 % was missed beside 414 thresholds of random devices, a third of them
 ragged; docs/thresholds.md, "Width of islands"."""
+BELOW, ABOVE = -1, 1
+
+
+def edges_about(
+    models: Survey,
+    rows: Rows,
+    settings: Settings,
+    tolerance: float,
+    rings: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    sides: Sequence[int] = (BELOW, ABOVE),
+) -> tuple[Edges, np.ndarray, np.ndarray]:
+    """Find the edges close to one that looks sees, as `edges_of` has them: refined, if it is alone.
+
+    low, high: the edge, (rows,); NaN for rows that are not looked at; sides: on which it is looked
+    rings: rows in which there may be others, (rows,)
+    Where another model decides, it is that one's; rows in which it sees none near begin snapping.
+    """
+
+    def close(model, low, high, sides, farthest):
+        ends = (np.where(rings, end, np.nan) for end in (low, high))
+        edges, begins, ends = close_edges(model, rows, settings, *ends, sides, farthest)
+        others = np.flatnonzero(~rings & np.isfinite(high))
+        ends[others] = True
+        rising = np.ones(others.size, bool)
+        return joined(edges, Edges(others, low[others], high[others], rising)), begins, ends
+
+    looks, decides = models.looks, models.decides
+    low, high = refine(asker(looks, rows, settings), low, high, models.rough(tolerance))
+    edges, begins, ends = close(looks, low, high, sides, STEPS[-1])
+    if looks is decides:
+        return edges, begins, ends
+    alone = ~begins & (np.bincount(edges.row, minlength=high.size) == 1)
+    own = nearby(decides, rows, settings, np.where(alone, high, np.nan), tolerance)
+    seen = np.isfinite(own[1])
+    exact, begins_exact, _ = close(decides, *own, [BELOW], NEAREST)
+    edges = joined(edges.take(~seen[edges.row]), exact)
+    return edges, begins | begins_exact | (alone & ~seen), ends
 
 
 def close_edges(
-    model: Follows, rows: Rows, settings: Settings, low: np.ndarray, high: np.ndarray
+    model: Follows,
+    rows: Rows,
+    settings: Settings,
+    low: np.ndarray,
+    high: np.ndarray,
+    sides: Sequence[int] = (BELOW, ABOVE),
+    farthest: int = STEPS[-1],
 ) -> tuple[Edges, np.ndarray, np.ndarray]:
-    """Find the edges within BESIDE of one, as on a scan in CLOSEST_STEP, by fewer runs.
+    """Find the edges close to one, as on a scan in CLOSEST_STEP, by fewer runs.
 
     low, high: the edge, refined, (rows,); NaN for rows that are not looked at
+    sides: on which it is looked; farthest: of STEPS
     Where runs at STEPS show other labels, FINEST_STEP suffices.
     """
     observe, ask = observer(model, rows, settings), asker(model, rows, settings)
-    near, far = _about(low, high, STEPS)
-    below, above = observe(near), observe(far)
-    mixed = ~(np.isnan(below.t_snap) & np.isfinite(above.t_snap)).all(axis=1)
-    known = [near, low[:, np.newaxis], high[:, np.newaxis], far]
-    t_snap = [below.t_snap, np.full((low.size, 1), np.nan), np.zeros((low.size, 1)), above.t_snap]
-    inside = np.searchsorted(STEPS, BETWEEN) - 1
-    for nearer, N in zip((-below.lowest, above.t_snap), _about(low, high, BETWEEN), strict=True):
-        wanted = _open(nearer)[:, inside] & (~mixed[:, np.newaxis] | (BETWEEN % 4 == 0))
-        known.append(np.where(wanted, N, np.nan))
-        t_snap.append(ask(known[-1]))
+    steps = STEPS[farthest >= STEPS]
+    between = np.setdiff1d(np.arange(farthest), steps)[1:]
+    inside = np.searchsorted(steps, between) - 1
+    seen = [observe(_beside(low, high, side, steps)) for side in sides]
+    others = [np.isfinite(s.t_snap) == (side < 0) for side, s in zip(sides, seen, strict=True)]
+    mixed = np.any(np.hstack(others), axis=1)[:, np.newaxis]
+    known, t_snap = [low[:, np.newaxis], high[:, np.newaxis]], [np.full((low.size, 1), np.nan)]
+    t_snap.append(np.zeros((low.size, 1)))
+    for side, there in zip(sides, seen, strict=True):
+        nearer = -there.lowest if side < 0 else there.t_snap
+        wanted = _open(nearer)[:, inside] & (~mixed | (between % 4 == 0))
+        N = np.where(wanted, _beside(low, high, side, between), np.nan)
+        known += _beside(low, high, side, steps), N
+        t_snap += there.t_snap, ask(N)
     N, t_snap = np.hstack(known), np.hstack(t_snap)
     order = np.argsort(N, axis=1)
     return edges_of(*(np.take_along_axis(a, order, axis=1) for a in (N, t_snap)))
 
 
-def _about(low, high, steps):
-    """N so many steps below and above an edge, (rows, steps)."""
-    below, above = (1 + CLOSEST_STEP * sign * steps for sign in (-1, 1))
-    return np.multiply.outer(low, below), np.multiply.outer(high, above)
+def _beside(low, high, side, steps):
+    """N so many steps below or above an edge, (rows, steps)."""
+    return np.multiply.outer(low if side < 0 else high, 1 + CLOSEST_STEP * side * steps)
 
 
 def _open(nearer):
-    """Intervals of STEPS in which, or close to which, values do not fall outward, (rows, n)."""
-    rises = ~falls(nearer)
+    """Intervals of steps in which, or close to which, values do not fall outward, (rows, n)."""
+    with np.errstate(invalid="ignore"):
+        rises = ~(nearer[:, 1:] < nearer[:, :-1])
     padded = np.pad(rises, ((0, 0), (BESIDE_OPEN, BESIDE_OPEN)))
     shifts = range(2 * BESIDE_OPEN + 1)
     return np.any([padded[:, i : i + rises.shape[1]] for i in shifts], axis=0)
-
-
-def falls(values: np.ndarray) -> np.ndarray:
-    """Whether each value of rows lies below the one before, (rows, n - 1); NaN does not."""
-    with np.errstate(invalid="ignore"):
-        return values[:, 1:] < values[:, :-1]
