@@ -42,7 +42,7 @@ from .settling import lowest_latched
 from .transitions import FINE_STEP
 from .verified import ABOVE as OVER
 from .verified import WITHIN, Expected, at_first, expected_labels, fill, surfaces
-from .witness import BELOW, edges_about
+from .witness import edges_about
 
 IMPULSE, IMPULSE_OF_BEAM = 100.0, 10.0
 """A pulse of so many times the device's own frequency, and the beam's, is as good as a jump in
@@ -239,8 +239,7 @@ def _verify(models, rows, settings, tolerance, highest, expected):
         part, N = rows.take(which), expected.N[which]
         N = np.where(expected_labels(own.looks, part, settings, N), N, np.nan)
         ends = nearby(own.looks, part, settings, N, own.rough(tolerance))
-        about = own, part, settings, tolerance, rings[which], *ends
-        close, begins, _ = edges_about(*about, sides=[BELOW])
+        close, begins, _ = edges_about(own, part, settings, tolerance, rings[which], *ends)
         once = ~begins & (np.bincount(close.row, minlength=N.size) == 1)
         close = close.take(once[close.row])
         first = np.full(N.size, np.nan)

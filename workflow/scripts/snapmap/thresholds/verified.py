@@ -76,10 +76,9 @@ def fill(
     search, verify: of numbers of rows, (n,); verify is given what is expected there, too, and
         returns where that holds
     Which rows are searched depends on the axes, and on what searched ones are: intervals are halved
-    until all rows at the corners of one are clean, or verified, and what lies between holds. Beside
-    one that is not clean none is left verified.
+    until all rows at the corners of one are clean, or verified, and what lies between holds.
     """
-    left, done, by_others = rows >= 0, *np.zeros((2, *rows.shape), bool)
+    left, done = rows >= 0, np.zeros(rows.shape, bool)
     known = Expected(*(np.full(rows.shape, blank) for blank in (np.nan, np.nan, 0, False)))
 
     def look(which):
@@ -119,29 +118,14 @@ def fill(
             tuple(index[holds] for index in which),
             Expected(*(values[holds] for values in expected)),
         )
-        by_others[which] = holds
         left &= ~done
         halvings += 1
-    while (near := by_others & _beside(done & ~known.clean)).any():
-        by_others &= ~near
-        look(near)
 
 
 def at_first(rows: np.ndarray, axes: Sequence[np.ndarray]) -> np.ndarray:
     """Numbers of the rows that `fill` searches whatever they are, (n,)."""
     first = rows[np.ix_(range(len(rows)), *(_places(x, 0) for x in axes))]
     return first[first >= 0]
-
-
-def _beside(those):
-    """Rows of surfaces that are some of those, or next to one, along axes and across."""
-    for axis in range(1, those.ndim):
-        ahead, behind = (np.moveaxis(those, axis, 0)[part] for part in (np.s_[1:], np.s_[:-1]))
-        wider = np.moveaxis(those, axis, 0).copy()
-        wider[:-1] |= ahead
-        wider[1:] |= behind
-        those = np.moveaxis(wider, 0, axis)
-    return those
 
 
 def _places(x, halvings):

@@ -36,11 +36,10 @@ def edges_about(
     rings: np.ndarray,
     low: np.ndarray,
     high: np.ndarray,
-    sides: Sequence[int] = (BELOW, ABOVE),
 ) -> tuple[Edges, np.ndarray, np.ndarray]:
     """Find the edges close to one that looks sees, as `edges_of` has them: refined, if it is alone.
 
-    low, high: the edge, (rows,); NaN for rows that are not looked at; sides: on which it is looked
+    low, high: the edge, (rows,); NaN for rows that are not looked at
     rings: rows in which there may be others, (rows,)
     Where another model decides, it is that one's; rows in which it sees none near begin snapping.
     """
@@ -55,7 +54,7 @@ def edges_about(
 
     looks, decides = models.looks, models.decides
     low, high = refine(asker(looks, rows, settings), low, high, models.rough(tolerance))
-    edges, begins, ends = close(looks, low, high, sides, STEPS[-1])
+    edges, begins, ends = close(looks, low, high, (BELOW, ABOVE), STEPS[-1])
     if looks is decides:
         return edges, begins, ends
     alone = ~begins & (np.bincount(edges.row, minlength=high.size) == 1)
