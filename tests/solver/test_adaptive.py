@@ -36,7 +36,8 @@ def test_safe_cells_agree_with_the_top_level(handout, values, C):
     cells = own_map(device, C)
     seen = adaptive.follow(cells, SNAP)
     check, top = (
-        np.isfinite(one.follow(cells, SNAP).t_snap) for one in (adaptive.check, adaptive.top)
+        np.isfinite(one.follow(cells, SNAP._replace(until=until)).t_snap)
+        for one, until in ((adaptive.check, "snap"), (adaptive.top, "edge"))
     )
     wrong = np.isfinite(seen.t_snap) != top
     assert 0.1 < top.mean() < 0.9
@@ -44,6 +45,20 @@ def test_safe_cells_agree_with_the_top_level(handout, values, C):
     assert not wrong[seen.level == 1].any()
     assert (seen.level == 1).mean() < 0.35
     np.testing.assert_array_equal(seen.agreed == 0, (seen.level == 1) & (check != top))
+
+
+@pytest.mark.parametrize("until", ["snap", "settled"])
+def test_labels_change_where_the_threshold_is(handout, until):
+    """Of fast pulses; in the steps of other cells they change up to 0.5 % below."""
+    f0, C = [9858.0, 12617.0, 12750.0, 13167.0], [25.0]
+    found = snapmap.threshold(handout, f0=f0, C=C).squeeze("C")
+    assert not found.ragged.any()
+    for f0, N_first in zip(f0, found.N_first.values, strict=True):
+        N = N_first * (1 + 1e-3 * np.arange(-10.5, 10))
+        labels = snapmap.sweep(handout, N=N, f0=[f0], C=C, until=until, repeat=False).t_snap
+        near = np.abs(N / N_first - 1) <= labels.label_distance
+        snaps = labels.notnull().values.ravel()
+        np.testing.assert_array_equal(snaps[~near], (N > N_first)[~near])
 
 
 def test_a_tolerance_sets_the_steps(handout):
