@@ -50,15 +50,14 @@ def test_safe_cells_agree_with_the_top_level(handout, values, C):
 @pytest.mark.parametrize("until", ["snap", "settled"])
 def test_labels_change_where_the_threshold_is(handout, until):
     """Of fast pulses; in the steps of other cells they change up to 0.5 % below."""
-    f0, C = [9858.0, 12617.0, 12750.0, 13167.0], [25.0]
-    found = snapmap.threshold(handout, f0=f0, C=C).squeeze("C")
+    found = snapmap.threshold(handout, f0=[9858.0, 12617.0, 12750.0, 13167.0], C=[25.0])
     assert not found.ragged.any()
-    for f0, N_first in zip(f0, found.N_first.values, strict=True):
-        N = N_first * (1 + 1e-3 * np.arange(-10.5, 10))
-        labels = snapmap.sweep(handout, N=N, f0=[f0], C=C, until=until, repeat=False).t_snap
-        near = np.abs(N / N_first - 1) <= labels.label_distance
-        snaps = labels.notnull().values.ravel()
-        np.testing.assert_array_equal(snaps[~near], (N > N_first)[~near])
+    share = 1e-3 * np.arange(-10.5, 10)
+    for f0, first in zip(found.f0.values, found.N_first.values.ravel(), strict=True):
+        grid = {"N": first * (1 + share), "f0": [f0], "C": [25.0]}
+        labels = snapmap.sweep(handout, **grid, until=until, repeat=False).t_snap
+        far = abs(share) > labels.label_distance
+        np.testing.assert_array_equal(labels.notnull().values.ravel()[far], share[far] > 0)
 
 
 def test_a_tolerance_sets_the_steps(handout):
