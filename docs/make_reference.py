@@ -66,8 +66,8 @@ the larger of both) and of the time of snap (us) |
 `_error`: [electrode](limits.md#electrode) |
 | `level`, `agreed` | of `auto`: the level that decided, 0 or 1, and whether levels agreed |
 
-Attributes hold the config, the versions of code and packages, and the shares of proven and open
-cells.
+Attributes hold the config, the versions of code and packages, the shares of proven and open
+cells, and about how many labels can be wrong.
 
 ## What they take
 

@@ -37,10 +37,11 @@ def make_cells(rows, f0=None, N=None):
     f0 = 100.0 * 4.0 ** np.arange(outcome.shape[0]) if f0 is None else f0
     N = 1000.0 + 100 * np.arange(outcome.shape[1]) if N is None else N
     flags = {"flag_values": np.arange(len(OUTCOMES)), "flag_meanings": " ".join(OUTCOMES)}
+    near = {"label_distance": 0.01}
     snapped, tripped = np.isin(outcome, [2, 3, 4]), np.isin(outcome, [2, 3])
     variables = {
         "outcome": (("f0", "N"), outcome, VARIABLES["outcome"] | flags),
-        "t_snap": (("f0", "N"), np.where(snapped, 100.0, np.nan), VARIABLES["t_snap"]),
+        "t_snap": (("f0", "N"), np.where(snapped, 100.0, np.nan), VARIABLES["t_snap"] | near),
         "well": (("f0", "N"), np.where(tripped, 2, 1).astype(np.int8), VARIABLES["well"]),
         "well_share": (("f0", "N"), np.ones(outcome.shape, np.float32), VARIABLES["well_share"]),
     }

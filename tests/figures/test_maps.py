@@ -124,6 +124,16 @@ def test_an_end_is_elsewhere_by_its_side_alone():
     assert "1 ended elsewhere with another step" in summary(told)
 
 
+def test_labels_near_a_change_are_counted():
+    """A change between 1000 and 1100 lies within 1 % of 1000 or 1100 one time in five."""
+    cells = make_cells(["2" * 20, "0" * 20])
+    for order in (slice(None), slice(None, None, -1)):
+        told = with_summary(cells.isel(N=order))
+        assert told.attrs["labels_near_change"] == 4
+        assert "about 4 labels within 1 % of a change can be wrong" in summary(told)
+    assert "wrong" not in summary(with_summary(make_cells(["00", "00"])))
+
+
 @pytest.mark.parametrize("order", [1, -1])
 def test_cells_lie_about_their_grid_points_in_the_colours_of_their_states(order):
     cells = make_cells(["21", "03"]).isel(f0=slice(None, None, order), N=slice(None, None, order))

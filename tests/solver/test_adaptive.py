@@ -36,7 +36,8 @@ def test_safe_cells_agree_with_the_top_level(handout, values, C):
     cells = own_map(device, C)
     seen = adaptive.follow(cells, SNAP)
     check, top = (
-        np.isfinite(one.follow(cells, SNAP).t_snap) for one in (adaptive.check, adaptive.top)
+        np.isfinite(one.follow(cells, SNAP._replace(until=until)).t_snap)
+        for one, until in ((adaptive.check, "snap"), (adaptive.top, "edge"))
     )
     wrong = np.isfinite(seen.t_snap) != top
     assert 0.1 < top.mean() < 0.9
@@ -44,6 +45,19 @@ def test_safe_cells_agree_with_the_top_level(handout, values, C):
     assert not wrong[seen.level == 1].any()
     assert (seen.level == 1).mean() < 0.35
     np.testing.assert_array_equal(seen.agreed == 0, (seen.level == 1) & (check != top))
+
+
+@pytest.mark.parametrize("until", ["snap", "settled"])
+def test_labels_change_where_the_threshold_is(handout, until):
+    """Of fast pulses; in the steps of other cells they change up to 0.5 % below."""
+    found = snapmap.threshold(handout, f0=[9858.0, 12617.0, 12750.0, 13167.0], C=[25.0])
+    assert not found.ragged.any()
+    share = 1e-3 * np.arange(-10.5, 10)
+    for f0, first in zip(found.f0.values, found.N_first.values.ravel(), strict=True):
+        grid = {"N": first * (1 + share), "f0": [f0], "C": [25.0]}
+        labels = snapmap.sweep(handout, **grid, until=until, repeat=False).t_snap
+        far = abs(share) > labels.label_distance
+        np.testing.assert_array_equal(labels.notnull().values.ravel()[far], share[far] > 0)
 
 
 def test_a_tolerance_sets_the_steps(handout):

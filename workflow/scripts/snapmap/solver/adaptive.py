@@ -60,7 +60,7 @@ class Adaptive:
         """Follow rows of cells along ascending N, (rows, n), each cell by the level that suffices.
 
         A cell is safe where base sees no change of label within REACH along N and its ledger
-        closes.
+        closes; whether others snap is told in the steps of a threshold.
         """
         # Of no cells: the kernel that takes longest to compile comes first, while a job of
         # thresholds beside this one compiles base's.
@@ -76,12 +76,23 @@ class Adaptive:
             new = unsafe & (level == 0)
             if not new.any():
                 return seen._replace(level=level, agreed=agreed)
-            asked = settings._replace(until="snap")
-            check = self.check.follow(cells.take(new), asked)
-            top = self.top.follow(cells.take(new), settings)
+            near = cells.take(new)
+            check = self.check.follow(near, settings._replace(until="snap"))
+            top = self._follow_near_change(near, settings)
             level[new] = 1
             agreed[new] = np.isfinite(check.t_snap) == np.isfinite(top.t_snap)
             seen.replace(new, top)
+
+    def _follow_near_change(self, cells, settings):
+        """Follow cells, (cells,), by top; whether one snaps is told in the steps of a threshold."""
+        edge = self.top.follow(cells, settings._replace(until="edge"))
+        if settings.until != "settled":
+            return edge
+        seen = self.top.follow(cells, settings)
+        differ = np.isfinite(seen.t_snap) != np.isfinite(edge.t_snap)
+        # The steps that the motion needs are shorter than those of either.
+        seen.replace(differ, self.top.follow(cells.take(differ), settings._replace(until="moved")))
+        return seen
 
 
 class Survey(NamedTuple):

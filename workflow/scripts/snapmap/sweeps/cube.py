@@ -10,7 +10,7 @@ import xarray as xr
 from ..device import Device
 from ..io.counting import counting
 from ..io.variables import dress, flags, variables
-from ..solver.adaptive import choose_model
+from ..solver.adaptive import TOLERANCE, choose_model
 from ..solver.outcome import ABSENT, OUTCOMES, count, ended_elsewhere, shares
 from ..study import FOLLOWED, study_of
 from .grid import follow_grid
@@ -18,7 +18,9 @@ from .grid import follow_grid
 LABEL_DISTANCE = 0.01
 """Relative, from a well-posed threshold: so far a label of three cosines, the handout's elements
 or finer may be wrong, in the steps that labels take: docs/accuracy.md."""
-ELSEWHERE = "cells_ended_elsewhere"
+OVER_TOLERANCE = 2.0
+"""The same of `auto`, over its tolerance, if that is not below the default."""
+ELSEWHERE, NEAR_CHANGE = "cells_ended_elsewhere", "labels_near_change"
 
 
 def sweep(
@@ -60,14 +62,21 @@ def sweep(
 def as_cube(axes: Mapping[str, np.ndarray], values: Mapping, document: Mapping) -> xr.Dataset:
     """Make a cube of axes and the values of each variable, in their shape."""
     data = {key: (tuple(axes), values[key]) for key in variables("cube") if key in values}
-    data["t_snap"] = *data["t_snap"], {"label_distance": LABEL_DISTANCE}
+    data["t_snap"] = *data["t_snap"], {"label_distance": label_distance(document.get("model", {}))}
     return dress("cube", xr.Dataset(data, axes), document)
+
+
+def label_distance(model: Mapping) -> float:
+    """How far from a well-posed threshold a label of a model can be wrong, relative."""
+    if model.get("name") != "auto":
+        return LABEL_DISTANCE
+    return OVER_TOLERANCE * max(model.get("tolerance", TOLERANCE), TOLERANCE)
 
 
 def with_summary(cube: xr.Dataset) -> xr.Dataset:
     """Add numbers of cells as attributes, and the shares of `outcome.shares`.
 
-    Of each outcome, and of those that ended elsewhere with another step.
+    Of each outcome, of those that ended elsewhere with another step, and of labels near a change.
     """
     each = sum((Counter(count(block)) for block in _blocks(cube.outcome)), Counter())
     counts = {name: each[name] for name in OUTCOMES if each[name]}
@@ -77,7 +86,24 @@ def with_summary(cube: xr.Dataset) -> xr.Dataset:
     if "well_reproduced" in cube:
         apart = ended_elsewhere(cube.well_reproduced, cube.well_share)
         named[ELSEWHERE] = sum(int(block.sum()) for block in _blocks(apart))
+    named[NEAR_CHANGE] = round(sum(map(_near_change(cube), _blocks(cube.t_snap))))
     return cube.assign_attrs(named | shares(counts))
+
+
+def _near_change(cube):
+    """Make a function of a block of t_snap: how many cells to expect within the label distance.
+
+    The change of label is taken to lie anywhere between two N.
+    """
+    order, distance = np.argsort(cube.N.values), cube.t_snap.attrs["label_distance"]
+    N = cube.N.values[order]
+
+    def expected(t_snap):
+        snapped = np.isfinite(t_snap[..., order])
+        *_, k = np.nonzero(snapped[..., 1:] != snapped[..., :-1])
+        return float(np.sum(2 * distance * N[k] / (N[k + 1] - N[k])))
+
+    return expected
 
 
 def _blocks(variable):
@@ -94,5 +120,8 @@ def summary(cube: xr.Dataset) -> str:
     facts = [f"{math.floor(1000 * cube.attrs['share_proven']) / 10:g} % proven"]
     if ELSEWHERE in cube.attrs:
         facts.append(f"{cube.attrs[ELSEWHERE]} ended elsewhere with another step")
+    if near := cube.attrs[NEAR_CHANGE]:
+        distance = 100 * cube.t_snap.attrs["label_distance"]
+        facts.append(f"about {near} labels within {distance:g} % of a change can be wrong")
     facts += [f"{number} {name}" for name, number in counts.items() if number or name == "failed"]
     return f"{sum(counts.values())} cells: {', '.join(facts)}"
