@@ -10,7 +10,7 @@ from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.search import amplitudes, asker, near, refine, scan, walk
 from snapmap.solver.settings import Settings
-from snapmap.thresholds.bars import _distance
+from snapmap.thresholds.bars import distance as distance_to
 from snapmap.thresholds.islands import NARROW, _closer_window, _decide, _whole_window, first_seen
 from snapmap.thresholds.transitions import BESIDE, CLOSEST_STEP, Window, stretches
 
@@ -109,9 +109,9 @@ def test_what_snaps_only_below_the_highest_amplitude_is_an_island():
 def test_the_distance_to_another_level_is_bracketed():
     exact = np.array([[1.003], [0.9], [3.0]])
     N_first = np.array([1.0, 1.0, np.nan])
-    distance = _distance(lambda N: told(exact <= N), N_first, 1e-4)
+    distance = distance_to(lambda N: told(exact <= N), N_first, 1e-4)
     assert 0.003 <= distance[0] <= 0.007 and 0.1 <= distance[1] <= 0.21 and np.isnan(distance[2])
-    assert _distance(lambda N: told(N > 9), N_first[:1], 1e-4) == np.inf
+    assert distance_to(lambda N: told(N > 9), N_first[:1], 1e-4) == np.inf
 
 
 def test_thresholds_lie_within_their_error_bars(handout):

@@ -9,6 +9,8 @@ from varied import varied
 
 import snapmap
 from snapmap.shocks import make_shocks
+from snapmap.solver.cells import to_rows
+from snapmap.solver.settings import Settings
 from snapmap.tolerances import batch as batches
 from snapmap.tolerances.samples import CUT, Plan
 from snapmap.tolerances.sensitivity import crossed, indices
@@ -115,6 +117,19 @@ def test_thresholds_are_those_of_the_devices_one_by_one(handout):
         known = np.fmax(1.2e-3, (alone.N_error / alone.N_first).values)
         assert (off < known)[alone.ragged.values == 0].all()
         assert (off < 0.01).all() and (alone.ragged == 0).mean() >= 0.5
+
+
+def test_every_row_is_taken_by_a_level_that_keeps_the_tolerance(handout):
+    f0, C = [300.0, 1000.0, 2000.0, 5000.0, 12000.0], [25.0]
+    made = snapmap.tolerance(handout, {"thickness": "1 %"}, f0, C, samples=2)
+    best = snapmap.threshold(handout, f0, C, model="cosines", modes=11)
+    assert (best.ragged == 0).all()
+    off = abs(made.N_nominal / best.N_first - 1)
+    assert (off < 1e-3 + best.N_error / best.N_first).all()
+    rows = to_rows(0, f0, C, 0, make_shocks("versed sine", "+z").pulses)
+    choices = batches.choose_levels(handout, {"name": "auto"}, rows, Settings())
+    assert (np.sum([choice.rows for choice in choices], axis=0) == 1).all()
+    assert len({(choice.name, choice.step) for choice in choices}) == len(choices) > 1
 
 
 def test_small_scatter_adds_up_as_the_linear_estimate_says(handout):

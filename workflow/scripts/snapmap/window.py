@@ -14,7 +14,7 @@ from .solver.cells import rows_of, to_rows
 from .study import THRESHOLD_SETTINGS, Study, of_requirement
 from .thresholds.islands import NOTHING_SNAPS
 from .thresholds.surface import thresholds_of
-from .tolerances.batch import Batch, choose_builder
+from .tolerances.batch import Batch, choose_levels
 from .tolerances.samples import Plan, Tolerances
 from .tolerances.statistics import wilson
 
@@ -76,7 +76,7 @@ def _good(study, axes, requirements, tolerances):
     f0 = np.array([required["f0"] for required in requirements])
     # ASSUME: the model that suffices at both ends of C does so between them.
     rows = to_rows(0, f0, C[[0, -1], np.newaxis], np.arange(f0.size), pulses)
-    build = choose_builder(study.device, study.model, rows, settings)
+    choices = choose_levels(study.device, study.model, rows, settings)
     count = np.zeros((*grid.device_of.shape, C.size))
     for place, number in np.ndenumerate(grid.device_of):
         if number < 0:
@@ -84,7 +84,7 @@ def _good(study, axes, requirements, tolerances):
         device = grid.device.pick(number)
         plan = Plan(device, tolerances.scatters, tolerances.together)
         values = plan.values(plan.points(tolerances.samples, tolerances.seed)[0])
-        batch, good = Batch(device, values, build), True
+        batch, good = Batch(device, values, study.model, choices), True
         for required, pulse in zip(requirements, pulses, strict=True):
             own = of_requirement(study, required).settings
             good &= batch.meets(required, to_rows(0, required["f0"], C, 0, [pulse]), own)

@@ -10,7 +10,7 @@ from ..axes import point_text
 from ..device import batch, is_bistable
 from ..solver.cells import to_rows
 from ..study import Study
-from ..tolerances.batch import Batch, choose_builder
+from ..tolerances.batch import Batch, choose_levels
 from .shots import Group
 
 POINTS = {1: 33, 2: 17, 3: 9, 4: 6}
@@ -77,9 +77,9 @@ def _thresholds(study, groups, values, C):
     device = batch([study.device]).vary(middle).pick(0)
     f0, pulses = [group.f0 for group in groups], tuple(group.pulse for group in groups)
     rows = to_rows(0, f0, C, np.arange(len(pulses)), pulses)
-    build = choose_builder(device, study.model, rows, study.settings)
+    how = study.model, choose_levels(device, study.model, rows, study.settings)
     shares = {key: column / C if key == "C" else column for key, column in values.items()}
-    N_first, *_ = Batch(device, shares, build).thresholds(rows, study.settings, TOLERANCE)
+    N_first, *_ = Batch(device, shares, *how).thresholds(rows, study.settings, TOLERANCE)
     if not np.isfinite(N_first).all():
         where, group = np.argwhere(~np.isfinite(N_first))[0]
         raise ValueError(

@@ -163,7 +163,7 @@ class Model:
         for halvings in range(HALVINGS + 1):
             if not left.size:
                 break
-            model = self.with_step(0.5**halvings)
+            model = self.with_step(0.5**halvings) if halvings else self
             seen.replace(left, model.follow_once(flat.take(left), settings))
             seen.halvings[left] = halvings
             left = left[~(seen.energy_error[left] <= settings.energy_tolerance)]

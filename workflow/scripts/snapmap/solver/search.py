@@ -13,8 +13,8 @@ SCAN_STEP = 0.03
 """Relative distance of the amplitudes that are tried before any is refined."""
 PARTS = 4
 """Of an interval, into which each round of refinement cuts it; more cost more runs a digit."""
-TOGETHER = 8
-"""Most places of a walk that are looked at together."""
+TOGETHER, AT_ONCE = 8, 256
+"""Most places of a row that a walk looks at together, if that are no more than so many in all."""
 
 Ask = Callable[[np.ndarray], np.ndarray]
 """t_snap of N, (rows, n), us; not finite where a cell does not snap, or N is NaN."""
@@ -200,12 +200,11 @@ def walk(
     place = np.array(np.broadcast_to(start, rows.shape))
     stop = np.broadcast_to(stop, rows.shape)
     left = np.flatnonzero(place < stop)
-    together = 1
     while left.size:
+        together = np.clip(AT_ONCE // left.size, 1, TOGETHER)
         places = place[left, np.newaxis] + step * np.arange(together)
         true = label(rows[left], places)
         seen = true.any(axis=1)
         place[left] += step * np.where(seen, np.argmax(true, axis=1), together)
-        together = min(2 * together, TOGETHER)
         left = left[~seen & (place[left] < stop[left])]
     return np.minimum(place, stop)

@@ -1,5 +1,7 @@
 """The SIMD kernels, called for the cells of a model."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from ..beam.basis import PLACES
@@ -29,11 +31,17 @@ def march(model, cells, dt, settings):
     t_snap, t_settled, *others = (np.empty(n_cells) for _ in range(7))
     facts = Facts(t_snap, t_settled, np.empty(n_cells, np.int8), *others)
     start, pulses = settings.start, table(cells.pulses)
-    devices = coefficients(model, model.snap_target(start), start)
+    devices = _coefficients(model, start)
     ends = settings.until in ("snap", "edge", "pulse"), settings.until == "pulse"
     task = Task(devices, pulses, *cells[:-1], dt, *ends, settings.energy_tolerance, facts)
     follow_all(*empty_lanes(model), task)
     return facts
+
+
+@lru_cache(maxsize=1)
+def _coefficients(model, start):
+    """Of runs that may snap; one batch of devices is asked about again and again."""
+    return coefficients(model, model.snap_target(start), start)
 
 
 def trace(model, cells, dt, width, bins, stress=None, start=FIRST):

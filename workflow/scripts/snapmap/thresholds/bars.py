@@ -6,7 +6,7 @@ import numpy as np
 
 from ..solver.adaptive import Survey
 from ..solver.cells import Rows
-from ..solver.search import Edges, asker, scan
+from ..solver.search import Ask, Edges, asker, scan
 from ..solver.settings import Settings
 from ..solver.steps import stiffness_share
 from .transitions import BESIDE, CLOSEST_STEP, Window, balance, chosen, outermost
@@ -60,10 +60,10 @@ def error_bars(
 
     others = [m for m in (decides.with_step(OTHER_STEP), doubts, better) if m is not None]
     clean = np.where(ragged, np.nan, N_first)
-    in_time, *in_space = (_distance(ask(other), clean, tolerance) for other in others)
+    in_time, *in_space = (distance(ask(other), clean, tolerance) for other in others)
     chatters = _chatters(decides.device, rows)
     fine = models.finest
-    in_fine = _distance(ask(fine), np.where(chatters, clean, np.nan), tolerance)
+    in_fine = distance(ask(fine), np.where(chatters, clean, np.nan), tolerance)
     # The better level may itself be off by as much.
     near = np.fmax(in_time, in_fine) + np.max(in_space, axis=0) + (in_space[1] if better else 0.0)
     # An island below that finer steps open belongs to the bar.
@@ -124,21 +124,21 @@ def _elsewhere(ask, window, ragged):
     return first, quiet + np.where(ends_quiet, window.high, 0.0)
 
 
-def _distance(ask, N_first, tolerance):
-    """How far from N_first, at most, another level changes from quiet to snap.
+def distance(ask: Ask, N_first: np.ndarray, tolerance: float) -> np.ndarray:
+    """How far from N_first, at most, another level changes from quiet to snap, (rows,).
 
     There and at each of the next LOOKS - 1 doublings it is quiet below and snaps above: where
     labels change back and forth closely, one look is luck.
     """
-    distance = np.where(np.isnan(N_first), np.nan, np.inf)
+    found = np.where(np.isnan(N_first), np.nan, np.inf)
     reach = np.full(N_first.size, tolerance / 4)
-    while (left := np.flatnonzero(np.isinf(distance) & (reach < FARTHEST))).size:
+    while (left := np.flatnonzero(np.isinf(found) & (reach < FARTHEST))).size:
         reaches = np.minimum(np.multiply.outer(reach[left], 2.0 ** np.arange(LOOKS)), FARTHEST)
         N = np.full((N_first.size, 2 * LOOKS), np.nan)
         N[left] = N_first[left, np.newaxis] * np.hstack([1 - reaches, 1 + reaches])
         below, above = np.hsplit(np.isfinite(ask(N))[left], 2)
         differ = below | ~above
         passed = np.where(differ.any(axis=1), LOOKS - np.argmax(differ[:, ::-1], axis=1), 0)
-        distance[left[passed == 0]] = (reach * N_first)[left[passed == 0]]
+        found[left[passed == 0]] = (reach * N_first)[left[passed == 0]]
         reach[left] *= 2.0**passed
-    return distance
+    return found

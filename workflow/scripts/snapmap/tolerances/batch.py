@@ -4,28 +4,49 @@
 each under a shock of its own, with error bars.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from ..device import VALUES, Device, is_bistable
 from ..device import batch as batch_of
 from ..motion.envelopes import largest_stress
-from ..solver.adaptive import TOLERANCE, choose_model, choose_survey
+from ..solver.adaptive import TOLERANCE, Adaptive, choose_model, choose_survey
 from ..solver.cells import Rows, to_rows
-from ..solver.models import Follows, build_model
+from ..solver.models import Follows
 from ..solver.outcome import LATCHED, label
-from ..solver.search import asker
+from ..solver.search import asker, refine
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
 from ..study import Study, of_requirement
+from ..thresholds.bars import distance
 from ..thresholds.surface import look
 from .regression import nominal_thresholds, thresholds_of_samples
 from .samples import SHOCK_FACTORS, nominal_value
 
 MOST_ROWS = 0.9
 """Share of the rows in which a level must keep the tolerance of `auto`."""
+LADDER = ("base", 4.0), ("check", 4.0), ("base", 2.0), ("check", 2.0), ("check", 1.0), ("top", 1.0)
+"""Levels of `auto`, and their steps over those of a threshold, by what a run costs."""
 FOLLOWED, FEWEST = 256, 32
 """So many cells are followed for their stress, or those of at least so many samples."""
+
+
+class Choice(NamedTuple):
+    """What decides the thresholds of some rows, a mask of them, (rows,).
+
+    name: of a level of `Adaptive`, or none of the only model; step: times its own
+    """
+
+    rows: np.ndarray
+    name: str = ""
+    step: float = 1.0
+
+    def of(self, models: Follows | Adaptive) -> Follows:
+        """The level in these steps, of what `choose_model` builds."""
+        level = getattr(models, self.name) if self.name else models
+        return level.with_step(self.step)
 
 
 class Batch:
@@ -40,38 +61,54 @@ class Batch:
         self,
         device: Device,
         values: Mapping[str, np.ndarray],
-        build: Callable[[Device], Follows],
+        model: Mapping,
+        choices: Sequence[Choice],
     ):
-        """Make the devices; build: a model of a batch, as from `choose_builder`."""
+        """Take the values; choices: as from `choose_levels`, of the same model."""
         self.values, count = values, len(next(iter(values.values())))
-        made = {key: column for key, column in values.items() if key in VALUES}
-        self.bistable = is_bistable(device, made, count)
-        self.nominal, self.model = build(batch_of([device])), None
-        self.size = np.count_nonzero(self.bistable)
-        if self.size:
-            devices = self.nominal.device.pick(np.zeros(self.size, int))
-            made = {key: column[self.bistable] for key, column in made.items()}
-            self.model = build(devices.vary(made))
+        self._made = {key: column for key, column in values.items() if key in VALUES}
+        self.bistable = is_bistable(device, self._made, count)
+        self.size, self.choices = np.count_nonzero(self.bistable), choices
+        self.nominal, self._model = choose_model(batch_of([device]), model), model
         shares = {key: values.get(key, np.ones(count)) for key in SHOCK_FACTORS}
         self.factors = {key: column[self.bistable] for key, column in shares.items()}
         nominal = [nominal_value(device, key) for key in values]
         self.deviations = np.column_stack(list(values.values()))[self.bistable] - nominal
 
+    @cached_property
+    def models(self) -> Follows | Adaptive:
+        """Those of the samples that have a second shape."""
+        made = {key: column[self.bistable] for key, column in self._made.items()}
+        devices = self.nominal.device.pick(np.zeros(self.size, int))
+        return choose_model(devices.vary(made), self._model)
+
+    @property
+    def model(self) -> Follows:
+        """The last choice, in the model's own steps."""
+        return self.choices[-1]._replace(step=1.0).of(self.models)
+
     def thresholds(
-        self, rows: Rows, settings: Settings, tolerance: float
+        self, rows: Rows, settings: Settings, tolerance: float, chosen: bool = False
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The lowest N that snaps, (samples, rows), the nominal device's, and what is ragged.
 
+        chosen: whether by the choices for these rows; if not, by the last, in its own steps
         NaN where a sample has none; the latter two: (rows,).
         """
-        nominal = nominal_thresholds(self.nominal, rows, settings, tolerance / 10)
-        N_first = np.full((self.bistable.size, nominal.size), np.nan)
-        ragged = np.zeros(nominal.size, bool)
-        if self.size:
-            levels, ragged = thresholds_of_samples(
-                self.model, self._rows(rows), self.deviations, nominal, settings, tolerance
-            )
-            N_first[self.bistable] = levels / self.factors["N"][:, np.newaxis]
+        every = np.ones(rows.f0.size, bool)
+        N_first, nominal = np.full((self.bistable.size, every.size), np.nan), np.empty(every.size)
+        ragged = np.zeros(every.size, bool)
+        for choice in self.choices if chosen else [self.choices[-1]._replace(rows=every, step=1.0)]:
+            which, part = choice.rows, rows.take(choice.rows)
+            if not which.any():
+                continue
+            found = nominal_thresholds(choice.of(self.nominal), part, settings, tolerance / 10)
+            nominal[which] = found
+            if self.size:
+                given = choice.of(self.models), self._rows(part), self.deviations, found
+                levels, ragged[which] = thresholds_of_samples(*given, settings, tolerance)
+                scaled = levels / self.factors["N"][:, np.newaxis]
+                N_first[np.ix_(self.bistable, which)] = scaled
         return N_first, nominal, ragged
 
     def meets(self, required: Mapping, rows: Rows, settings: Settings) -> np.ndarray:
@@ -121,34 +158,43 @@ class Batch:
         )
 
 
-def choose_builder(
-    device: Device, model: Mapping, rows: Rows, settings: Settings
-) -> Callable[[Device], Follows]:
-    """What builds the model of a batch, given by its name and options.
+def choose_levels(device: Device, model: Mapping, rows: Rows, settings: Settings) -> list[Choice]:
+    """What decides the thresholds of rows of a model, given by its name and options.
 
-    Of `auto` it is the cheapest level whose thresholds of the nominal device in some rows are
-    within its tolerance those of the next, in MOST_ROWS of them; where twice the steps move them,
-    no level is told from another, and where they do so in all rows it is the finest.
+    Of `auto` each row takes the first of LADDER whose threshold of the nominal device is within its
+    tolerance that of the finest. The one by which MOST_ROWS have theirs is the last, and takes the
+    others, too, and those in which twice the steps move that of the finest.
     """
+    left = np.ones(rows.f0.size, bool)
     if model["name"] != "auto":
-        return lambda devices: build_model(devices, **model)
-    auto = choose_model(batch_of([device]), model)
-    accepted = model.get("tolerance", TOLERANCE)
+        return [Choice(left)]
+    auto, accepted = choose_model(batch_of([device]), model), model.get("tolerance", TOLERANCE)
+    rough = nominal_thresholds(auto.base.with_step(4.0), rows, settings, accepted)
+    finest, whole = (asker(auto.top.with_step(step), rows, settings) for step in (0.5, 1.0))
+    apart = distance(finest, rough, accepted)
+    apart[np.isinf(apart)] = np.nan
+    exact = refine(finest, rough - apart, rough + apart, accepted / 10)[1]
+    clean = distance(whole, exact, accepted) <= accepted * exact
 
-    def thresholds(level):
-        return nominal_thresholds(level, rows, settings, accepted / 10)
+    def within(share, level, which):
+        """Whether it is so near that a row of a level changes."""
+        N = np.multiply.outer(exact[which], [1 - share, 1 + share])
+        below, above = np.isfinite(asker(level, rows.take(which), settings)(N)).T
+        return ~below & above
 
+    choices = []
     # ASSUME: what suffices for the nominal device suffices for those that scatter about it.
-    name, N_first = "base", thresholds(auto.base)
-    for better in ("check", "top"):
-        finer = getattr(auto, better)
-        nearer, halved = thresholds(finer), thresholds(finer.with_step(0.5))
-        clean = abs(halved / nearer - 1) < accepted
-        near = abs(N_first / nearer - 1)[clean] < accepted
-        if near.any() and near.mean() >= MOST_ROWS:
+    for name, step in LADDER:
+        level, good = getattr(auto, name), left & clean
+        # Errors of a level and of its steps may cancel by chance, but not in half the steps too.
+        for share, factor in ((accepted, step), (2 * accepted, step / 2)):
+            good[good] = within(share, level.with_step(factor), good)
+        choices.append(Choice(good, name, step))
+        left &= ~good
+        if clean.any() and (left & clean).sum() <= (1 - MOST_ROWS) * clean.sum():
             break
-        name, N_first = better, nearer
-    return lambda devices: getattr(choose_model(devices, model), name)
+    choices[-1] = choices[-1]._replace(rows=good | left)
+    return choices
 
 
 def thresholds_at(

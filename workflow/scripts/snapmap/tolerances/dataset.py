@@ -15,7 +15,7 @@ from ..io.variables import dress
 from ..numerics.portable import geometric
 from ..solver.cells import to_rows
 from ..study import THRESHOLD_SETTINGS, Study, of_requirement, study_of, with_shocks
-from .batch import Batch, choose_builder
+from .batch import Batch, choose_levels
 from .samples import SHOCK_FACTORS, Plan, Tolerances
 from .sensitivity import crossed, indices
 from .statistics import count_below, left_out, moments, percents, quantile_bounds, quantiles, wilson
@@ -114,9 +114,9 @@ def _of_device(study, axes, tolerances, requirements, tolerance):
     points = plan.points(samples, tolerances.seed)
     partners = points[:, :power]
     every = np.concatenate([points[0], partners[1], *crossed(partners)])
-    build = choose_builder(device, study.model, rows, settings)
-    batch, beside = (Batch(device, plan.values(part), build) for part in (points[0], every))
-    N_first, nominal, ragged = beside.thresholds(rows, settings, tolerance)
+    how = study.model, choose_levels(device, study.model, rows, settings)
+    batch, beside = (Batch(device, plan.values(part), *how) for part in (points[0], every))
+    N_first, nominal, ragged = beside.thresholds(rows, settings, tolerance, chosen=True)
     first, second, mixed = np.split(N_first, [samples, samples + power])
     mixed = mixed.reshape(len(plan.names), power, -1)
     sobol = indices(first[:power], second, mixed, tolerances.seed)

@@ -75,7 +75,7 @@ def thresholds_of_samples(
         return np.minimum(np.searchsorted(lattice, np.broadcast_to(N, shape)), size - 1)
 
     numbers = np.arange(N_first.size).reshape(N_first.shape)
-    expected, lowest, done = nominal[np.newaxis], np.full(nominal.size, BELOW), 0
+    expected, above, done = nominal[np.newaxis], np.zeros(nominal.size, int), 0
     while done < len(N_first):
         block = slice(done, FIRST if done == 0 else done * (1 + GROWTH))
         if done:
@@ -86,9 +86,9 @@ def thresholds_of_samples(
         first[clean] = near(snaps, here[clean], place(expected, here.shape)[clean], size)
         if not done:
             few = slice(LOOKED_AT), known
-            ragged[known] = _are_ragged(snaps, here[few], first[few], stride)
-            back = np.broadcast_to(known & ragged, here.shape)
-        low = np.minimum(place(expected * lowest, here.shape), first)
+            ragged[known], above[known] = _look(snaps, here[few], first[few], stride)
+            back = np.broadcast_to(ragged, here.shape)
+        low = place(expected * lowest, here.shape) if done else first - above
         first[back] = _from_below(snaps, here[back], low[back], size, stride)
         N_first[block] = np.where(first > 0, lattice[first], np.nan)
         done = block.stop
@@ -97,7 +97,8 @@ def thresholds_of_samples(
 
 def _from_below(snaps, numbers, start, size, step):
     """Places where the first of labels that change back and forth snaps, (rows,)."""
-    start = start - start % step  # the same places for every sample, wherever it was expected
+    # The same places for every sample, wherever it was expected.
+    start = np.maximum(start - start % step, 0)
     first, left = np.empty_like(start), np.arange(start.size)
     while left.size:
         first[left] = walk(snaps, numbers[left], start[left], size, step)
@@ -109,18 +110,22 @@ def _from_below(snaps, numbers, start, size, step):
     return first
 
 
-def _are_ragged(snaps, numbers, first, stride):
-    """In which rows the labels of a sample change more than once; (rows,)."""
+def _look(snaps, numbers, first, stride):
+    """In which rows labels change more than once, and how far below `first` they do at most.
+
+    numbers, first: of samples, (samples, rows); both results (rows,), the latter in places
+    """
     steps = round(np.log(ABOVE / BELOW) / np.log1p(FINE_STEP))
     start = np.maximum(first - round(-np.log(BELOW) / np.log1p(FINE_STEP)) * stride, 0)
-    places = start.ravel()[:, np.newaxis] + stride * np.arange(steps)
-    snapped = snaps(numbers.ravel(), places)
-    changes = np.count_nonzero(snapped[:, 1:] & ~snapped[:, :-1], axis=1)
-    return (changes.reshape(first.shape) > 1).any(axis=0)
+    places = start[..., np.newaxis] + stride * np.arange(steps)
+    snapped = snaps(numbers.ravel(), places.reshape(-1, steps)).reshape(places.shape)
+    changes = np.count_nonzero(snapped[..., 1:] & ~snapped[..., :-1], axis=-1)
+    lowest = start + stride * np.argmax(snapped, axis=-1)
+    return (changes > 1).any(axis=0), (first - lowest).max(axis=0)
 
 
 def _expected(new, known, N_first):
-    """Thresholds expected of new samples, (new, rows), and a share of them below all, (rows,).
+    """Thresholds expected of new samples, (new, rows), and the least share of them seen, (rows,).
 
     new, known: deviations of samples, (..., values); N_first: thresholds of those known
     By least squares, of linear and, of enough samples, quadratic terms; where nothing snapped, the
@@ -140,4 +145,4 @@ def _expected(new, known, N_first):
 
     fit = np.linalg.lstsq(terms(known), apart)[0]
     left = apart - terms(known) @ fit
-    return np.exp(mean + terms(new) @ fit), np.exp(left.min(axis=0)) / (1 + 2 * FINE_STEP)
+    return np.exp(mean + terms(new) @ fit), np.exp(left.min(axis=0))

@@ -1,11 +1,13 @@
 """Which value the threshold owes its scatter to: Sobol's indices."""
 
+from functools import lru_cache
+
 import numpy as np
-from scipy.stats import bootstrap, sobol_indices
 
 RESAMPLES = 100
 """For the confidence intervals."""
-CONFIDENCE = 0.95
+ENDS = (0.025, 0.975)
+"""Shares of the resamples below the ends of an interval at 95 %."""
 FEWEST = 16
 """Samples; of fewer, nothing is said."""
 DECIMALS = 6
@@ -32,31 +34,31 @@ def indices(first: np.ndarray, second: np.ndarray, crossed: np.ndarray, seed: in
     known = np.isfinite(first) & np.isfinite(second) & np.isfinite(crossed).all(axis=0)
     for i in range(outputs):
         places = np.flatnonzero(known[:, i])
-        # The library asks for a power of 2.
-        places = places[: 1 << max(places.size.bit_length() - 1, 0)]
         if places.size < FEWEST or np.ptp(first[places, i]) == 0:
             continue
         if draws == 1:
             result[..., i] = 1.0
             continue
         values = first[places, i], second[places, i], crossed[:, places, i]
-        result[:, 0, :, i] = _both_orders(*values)
-        # The library's own bootstrap draws without a seed.
-        interval = bootstrap(
-            [np.arange(places.size)],
-            lambda which, values=values: _both_orders(*(part[..., which] for part in values)),
-            n_resamples=RESAMPLES,
-            vectorized=False,
-            confidence_level=CONFIDENCE,
-            method="percentile",
-            rng=np.random.default_rng(seed),
-        ).confidence_interval
-        result[:, 1, :, i], result[:, 2, :, i] = interval
+        every = _both_orders(*values, _weights(places.size, seed))
+        result[:, 0, :, i] = every[..., 0]
+        result[:, 1:, :, i] = np.moveaxis(np.quantile(every[..., 1:], ENDS, axis=-1), 0, 1)
     return np.round(result, DECIMALS)
 
 
-def _both_orders(first, second, crossed):
-    """First-order and total indices of one output, (2, draws)."""
-    values = {"f_A": first[np.newaxis], "f_B": second[np.newaxis], "f_AB": crossed[:, np.newaxis]}
-    of_order = sobol_indices(func=values, n=first.size)
-    return np.array([of_order.first_order, of_order.total_order])
+@lru_cache(maxsize=1)
+def _weights(size, seed):
+    """How much samples count, (size, 1 + RESAMPLES): all alike first, then as often as drawn."""
+    even = np.full(size, 1 / size)
+    drawn = np.random.default_rng(seed).multinomial(size, even, RESAMPLES)
+    return np.column_stack([even, *drawn / size])
+
+
+def _both_orders(first, second, crossed, weights):
+    """First-order and total indices, (2, draws, sets), by sets of weights of samples, (n, sets)."""
+    mean = first.mean()
+    first, second, crossed = first - mean, second - mean, crossed - mean
+    apart, middle = crossed - first, (first + second) @ weights / 2
+    variance = (first * first + second * second) @ weights / 2 - middle * middle
+    alone = (second * apart) @ weights - middle * (apart @ weights)
+    return np.array([alone, (apart * apart) @ weights / 2]) / variance
