@@ -200,11 +200,13 @@ def walk(
     place = np.array(np.broadcast_to(start, rows.shape))
     stop = np.broadcast_to(stop, rows.shape)
     left = np.flatnonzero(place < stop)
+    most = 1
     while left.size:
-        together = np.clip(AT_ONCE // left.size, 1, TOGETHER)
+        together = np.clip(AT_ONCE // left.size, 1, most)
         places = place[left, np.newaxis] + step * np.arange(together)
         true = label(rows[left], places)
         seen = true.any(axis=1)
         place[left] += step * np.where(seen, np.argmax(true, axis=1), together)
         left = left[~seen & (place[left] < stop[left])]
+        most = min(2 * most, TOGETHER)
     return np.minimum(place, stop)
