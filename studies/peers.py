@@ -12,7 +12,8 @@ from scipy.optimize import brentq
 
 from snapmap import load_device, simulate, statics, threshold
 from snapmap.beam.cosines import antisymmetric_loads
-from snapmap.beam.equilibria import buckling_modes, largest_force, push, roots
+from snapmap.beam.equilibria import buckling_modes, push, roots
+from snapmap.beam.limit_loads import largest_force
 from snapmap.beam.statics import POINTS
 from snapmap.io.markdown import DASH, table
 
@@ -268,7 +269,7 @@ def uniform(beam):
     """Loads per area at which the path of a uniform load branches and turns, MPa."""
     modes = buckling_modes(beam)
     loaded = partial(push, modes._replace(midpoint=modes.load))  # the load replaces the force
-    largest = largest_force(modes, lambda _, N: loaded(N), modes.buckling[1, 0])
+    largest = largest_force(modes, loaded, modes.buckling[1, 0])
     N = np.linspace(1.001 * modes.buckling[0, 0], largest, 20_001)
     tilt = antisymmetric_loads(1) ** 2 * beam.stiffness_unit * beam.span
     per_area = beam.mass_per_length / beam.depth

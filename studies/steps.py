@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from snapmap import load_device
-from snapmap.beam.equilibria import static_threshold
+from snapmap.beam.limit_loads import static_threshold
 from snapmap.device import batch
 from snapmap.io.markdown import number, table
 from snapmap.pulse import make_pulse

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import snapmap
-from snapmap.beam.equilibria import static_threshold
+from snapmap.beam.limit_loads import static_threshold
 from snapmap.pulse import sampled
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model

@@ -7,7 +7,8 @@ import pytest
 from varied import alone, varied
 
 import snapmap
-from snapmap.beam.equilibria import buckling_modes, static_threshold
+from snapmap.beam.equilibria import buckling_modes
+from snapmap.beam.limit_loads import static_threshold
 from snapmap.shocks import make_shocks
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model

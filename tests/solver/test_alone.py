@@ -7,7 +7,7 @@ import pytest
 from varied import alone
 
 import snapmap
-from snapmap.beam.equilibria import static_threshold
+from snapmap.beam.limit_loads import static_threshold
 from snapmap.pulse import Pulse
 
 F0 = 20_000.0

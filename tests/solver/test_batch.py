@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import snapmap
-from snapmap.beam.equilibria import static_threshold
+from snapmap.beam.limit_loads import static_threshold
 from snapmap.device import batch
 from snapmap.solver.adaptive import choose_model
 from snapmap.solver.cells import to_cells

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from varied import alone, varied
 
 import snapmap
-from snapmap.beam.equilibria import reset_force, static_threshold
+from snapmap.beam.limit_loads import reset_force, static_threshold
 from snapmap.config.study import load_config
 from snapmap.device import batch
 from snapmap.shocks import make_shocks

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from snapmap.beam.equilibria import static_threshold
+from snapmap.beam.limit_loads import static_threshold
 from snapmap.pulse import SHAPES, make_pulse
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model

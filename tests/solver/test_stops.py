@@ -8,7 +8,7 @@ from modal_by_scipy import time_of_snap
 from varied import varied
 
 import snapmap
-from snapmap.beam.equilibria import static_threshold
+from snapmap.beam.limit_loads import static_threshold
 from snapmap.pulse import make_pulse
 from snapmap.shocks import Shocks
 from snapmap.solver import simd_loop

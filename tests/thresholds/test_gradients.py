@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import snapmap
-from snapmap.beam.equilibria import static_threshold
+from snapmap.beam.limit_loads import static_threshold
 from snapmap.device import batch
 from snapmap.numerics.portable import linear
 from snapmap.solver.cells import to_rows

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import snapmap
-from snapmap.beam.equilibria import static_threshold
+from snapmap.beam.limit_loads import static_threshold
 from snapmap.device import batch
 from snapmap.pulse import make_pulse
 from snapmap.solver.bounds import least_amplitudes

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from .beam.equilibria import reset_force
+from .beam.limit_loads import reset_force
 from .beam.modal import natural_frequency
 from .beam.statics import statics
 from .device import CLAMP, STOPS, STRENGTH

@@ -1,5 +1,7 @@
 """The beam pushed slowly: force and energy over the displacement of its midpoint."""
 
+from functools import partial
+
 import numpy as np
 import xarray as xr
 
@@ -11,11 +13,11 @@ from .equilibria import (
     buckling_modes,
     displacement,
     find_barrier,
-    largest_force,
     push,
     roots,
     shapes_of,
 )
+from .limit_loads import largest_force
 from .modal import first_midpoint
 
 POINTS = 400
@@ -84,11 +86,11 @@ def statics(device: Device) -> xr.Dataset:
 def _symmetric_paths(beam, modes, tilts):
     """Branches of a beam that moves symmetrically, and displacements on one up to N = `tilts`."""
     if beam.cosines[1::2].any():
-        turn = largest_force(modes, push, modes.buckling[1, 0])
+        turn = largest_force(modes, partial(push, modes), modes.buckling[1, 0])
         return {"guided": _path(modes, turn)}, _path(modes, min(turn, tilts))[0]
     # The even shapes move no midpoint and are in no start: the second enters by bifurcation.
     odd = _every_second(modes)
-    turn = largest_force(odd, push, odd.buckling[1, 0])
+    turn = largest_force(odd, partial(push, odd), odd.buckling[1, 0])
     branches = {
         "guided": _path(odd, min(turn, modes.buckling[1, 0])),
         "unbranched": _path(odd, turn),

@@ -6,7 +6,7 @@ from typing import NamedTuple, Optional
 
 import numpy as np
 
-from ..beam.equilibria import static_threshold
+from ..beam.limit_loads import static_threshold
 from ..device import Device
 from .cells import Cells, Observations
 from .models import Follows, build_model, check_options

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..beam.equilibria import static_threshold
+from ..beam.limit_loads import static_threshold
 from ..solver.bounds import least_amplitudes
 from ..solver.cells import Rows
 from ..solver.models import Follows

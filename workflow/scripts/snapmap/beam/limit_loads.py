@@ -1,0 +1,220 @@
+"""Slow loads that leave no equilibrium: where the paths of a beam that is pushed end."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from ..device import Beam, Device, Value, batch
+from .equilibria import BucklingModes, alone, buckling_modes, displacement, push, roots, shapes_of
+from .modal import contact_stiffness, first_midpoint, pulse_load
+
+GRID, ZOOM, ZOOMS = 100, 12, 9
+"""Points of a search, and of those that follow between two of them, and how many these are."""
+BLOCK = 16
+"""Devices looked at together: what is known of them fits into a processor's own memory."""
+
+
+class _Pushed(NamedTuple):
+    """Devices under a slow pulse: facts as columns, (devices, 1).
+
+    stop: how far the mass may travel towards the beam; travel: to the second shape, um
+    """
+
+    modes: BucklingModes
+    mass: np.ndarray
+    spring: np.ndarray
+    stiffness: np.ndarray
+    gap: np.ndarray
+    stop: np.ndarray
+    travel: np.ndarray
+
+    def take(self, which):
+        modes = BucklingModes(*(column[which] for column in self.modes))
+        return _Pushed(modes, *(column[which] for column in self[1:]))
+
+
+def static_threshold(device: Device, back: bool = False) -> float | np.ndarray:
+    """Lowest N, in multiples of g, whose lasting acceleration leaves no equilibrium to rest in.
+
+    That is the first maximum on the path, or where the beam leaves the mass to snap by itself. A
+    mass on its stop holds the midpoint no farther than there, until the beam leaves it by its own
+    inertia. A beam that leaves the mass where it could still rest alone, or that the mass does not
+    reach across its gap, goes on to its own first maximum; so does one alone, of whose force on the
+    midpoint N then counts the units.
+
+    back: from the second shape, by a pull along -z, where the mass goes its own way
+    """
+    if not np.ndim(device.mass):
+        return float(np.asarray(static_threshold(batch([device]), back))[0])
+    N = np.empty(len(device))
+    for free in np.unique(device.beam.free):
+        mine = np.flatnonzero(device.beam.free == free)
+        alike = device.pick(mine) if mine.size < N.size else device
+        modes, first = buckling_modes(alike.beam), first_midpoint(shapes_of(alike.beam), alike.beam)
+        modes = modes._replace(load=pulse_load(alike, modes.load, modes.midpoint))
+        columns = (
+            *(alike.mass, alike.spring, contact_stiffness(alike, modes.residual), alike.gap),
+            *(alike.stop_toward, first - alike.beam.second_equilibrium),
+        )
+        facts = (np.broadcast_to(column, mine.size)[:, np.newaxis] for column in columns)
+        pushed = _Pushed(modes, *facts)
+        for block in np.split(np.arange(mine.size), range(BLOCK, mine.size, BLOCK)):
+            some = pushed.take(block)
+            N[mine[block]] = _least_back(some.modes) if back else _least_without_rest(some)
+    return N / device.gravity
+
+
+def _least_without_rest(devices):
+    """That acceleration, (devices,)."""
+    gap, stop = devices.gap[:, 0], devices.stop[:, 0]
+    reaches = gap < np.inf
+    ends = [
+        _ends(devices, reaches, _pressed, _is_left),
+        _ends(devices, reaches & (stop < np.inf), _held, _is_past_stop),
+    ]
+    released = (gap > 0) | np.any([leaves for *_, leaves in ends], axis=0)
+    own, edge, _ = _ends(devices, released, _alone, _is_pulled)
+    apart = (gap > 0) & (devices.mass[:, 0] * own < devices.spring[:, 0] * (edge + gap))
+    # What the mass on its spring no longer holds runs on to the stop, which may hold it.
+    least = [
+        np.where(np.where(leaves, reached < edge, apart & (a != -np.inf)), own, a)
+        for a, reached, leaves in ends
+    ]
+    return np.where(reaches, np.fmax(*least), own)
+
+
+def _pressed(devices, N):
+    """c = constant + slope a where the mass on its spring presses, as `push`."""
+    return _shock(devices, N, devices.mass, devices.spring, devices.gap)
+
+
+def _held(devices, N):
+    """The same where the mass is on its stop."""
+    return _shock(devices, N, 0.0, np.inf, devices.gap - devices.stop)
+
+
+def _alone(devices, N):
+    """The same where nothing touches the beam."""
+    return alone(devices.modes, N)
+
+
+def _is_left(devices, a, reached):
+    """Whether the midpoint is ahead of the mass by itself, once that has touched it."""
+    behind = devices.mass * a < devices.spring * (reached + devices.gap)
+    return behind & np.logical_or.accumulate(~behind, axis=-1)
+
+
+def _is_past_stop(devices, a, reached):
+    return reached > devices.stop - devices.gap
+
+
+def _is_pulled(devices, a, reached):
+    return a < 0
+
+
+def reset_force(beam: Beam) -> tuple[float, float]:
+    """Force on the midpoint of one beam that leaves no rest in its second shape, and its error, uN.
+
+    Below 0 where the beam returns by itself. The error is what half of the modes leave out.
+    """
+    modes = buckling_modes(beam)
+    modes = modes._replace(load=modes.midpoint)
+    kept = slice(len(modes.buckling) // 2)
+    half = modes._replace(**{key: getattr(modes, key)[kept] for key in modes._fields[:4]})
+    force = _least_back(modes)
+    return float(force), float(abs(force - _least_back(half)))
+
+
+def largest_force(modes: BucklingModes, loaded: Callable, limit: Value) -> np.ndarray:
+    """Largest N below the limit up to which the two roots exist, uN, (...).
+
+    loaded: gives constant and slope of c for N, as `push` does
+    """
+    low, high = np.zeros(np.shape(limit)), np.asarray(limit)
+    for points in (GRID, *[ZOOM] * ZOOMS):
+        N = low[..., np.newaxis] + np.multiply.outer((high - low) / points, np.arange(points) + 0.5)
+        exists = np.isfinite(roots(modes, N, *loaded(N))[0])
+        count = np.count_nonzero(np.logical_and.accumulate(exists, axis=-1), axis=-1)
+        low = _at(N, np.maximum(count - 1, 0))
+        high = np.where(count < points, _at(N, np.minimum(count, points - 1)), high)
+    return low
+
+
+def _shock(devices, N, mass, spring, gap):
+    """c = constant + slope a where the mass on its spring presses: e.c - (P - M a)/K - h = P/k."""
+    modes, (constant, slope) = devices.modes, push(devices.modes, N)
+    _, sag = alone(modes, N)
+    give = 1 / spring + 1 / devices.stiffness + displacement(modes, slope)
+    at_rest = -(displacement(modes, constant) + gap) / give
+    grows = (mass / spring - displacement(modes, sag)) / give
+    constant += slope * at_rest[..., np.newaxis, :]
+    return constant, sag + slope * grows[..., np.newaxis, :]
+
+
+def _ends(devices, which, loaded, is_left):
+    """The first maximum of a on each path, its end, or where the midpoint goes ahead of the mass.
+
+    which: devices that are looked at, (devices,)
+    loaded: gives constant and slope of c for devices and N; is_left: of which points of a path
+        this holds, from a and the midpoint's displacement there
+    Returns a, -inf of others, the midpoint's displacement, and whether the mass is left there.
+    """
+    a, reached, leaves = np.full(which.size, -np.inf), np.zeros(which.size), which & False
+    if which.any():
+        some = devices.take(which)
+        a[which], reached[which], leaves[which] = _end_of(some, partial(loaded, some), is_left)
+    return a, reached, leaves
+
+
+def _end_of(devices, loaded, is_left):
+    modes = devices.modes
+    largest = largest_force(modes, loaded, modes.buckling[:, 1, 0])
+    low, high = np.zeros(largest.shape), np.full(largest.shape, 2.0)
+    for points in (GRID, *[ZOOM] * ZOOMS):
+        places = np.linspace(low, high, points, axis=-1)
+        a, reached = _on_path(modes, loaded, largest, places)
+        leaves = is_left(devices, a, reached)[:, 1:]
+        ends = (np.diff(a) < 0) | leaves | (reached[:, 1:] >= devices.travel)
+        first = np.argmax(ends, axis=-1)
+        low, high = _between(places, first)
+    return _at(a, first), _at(reached, first), _at(leaves, first)
+
+
+def _least_back(modes):
+    """The pull at the first minimum of a that is met from beyond the second shape."""
+    loaded = partial(alone, modes)
+    largest = largest_force(modes, loaded, modes.buckling[..., 1, 0])
+    low, high = np.ones(largest.shape), np.full(largest.shape, 2.0)
+    for points in (GRID, *[ZOOM] * ZOOMS):
+        places = np.linspace(high, low, points, axis=-1)
+        a, _ = _on_path(modes, loaded, largest, places)
+        rises = np.diff(a, append=np.inf) > 0
+        first = np.argmax(rises, axis=-1)
+        high, low = _between(places, first)
+    return -_at(a, first)
+
+
+def _at(values, index):
+    """One of the values, (..., n), by its index, (...)."""
+    return np.take_along_axis(values, index[..., np.newaxis], -1)[..., 0]
+
+
+def _between(places, index):
+    """The neighbours of a place."""
+    last = places.shape[-1] - 1
+    return _at(places, np.maximum(index - 1, 0)), _at(places, np.minimum(index + 1, last))
+
+
+def _on_path(modes, loaded, largest, places):
+    """a and the midpoint's displacement where N grows to the largest up to place 1 and falls to 2.
+
+    At 1 itself those of the path from the first shape.
+    """
+    constant, slope = loaded(N := largest[..., np.newaxis] * (1 - (1 - places) ** 2))
+    lower, upper = roots(modes, N, constant, slope)
+    # Which root belongs to the path there changes where the loads' direction does.
+    grows = displacement(modes, slope)
+    a = np.where((grows > 0) == (places <= 1), lower, upper)
+    return a, displacement(modes, constant) + a * grows
