@@ -170,22 +170,23 @@ def near(
     """Find the first place of a grid of `size` at which labels that change once are true, (rows,).
 
     rows: their numbers, as the label takes them
-    guess: a place, from which on it is looked ever farther away, (rows,)
+    guess: a place, at which and below which it is looked first, and then ever farther away, (rows,)
     low, high: places known to be false and true; before the first and beyond the last unless given
     Returns 0 where all are true, and `size` where none is.
     """
     low = np.full(guess.size, -1) if low is None else low.copy()
     high = np.full(guess.size, size) if high is None else high.copy()
-    reach, probe = np.ones(guess.size, np.int64), np.maximum(guess - 1, 0)
+    probes, reach = np.clip(np.add.outer(guess, [-1, 0]), 0, size - 1), 1
     while (left := np.flatnonzero(high - low > 1)).size:
-        at = probe[left]
-        true = label(rows[left], at[:, np.newaxis])[:, 0]
-        low[left], high[left] = np.where(true, low[left], at), np.where(true, at, high[left])
-        below, above = low[left], high[left]
-        probe[left] = np.where(below < 0, np.maximum(above - reach[left], 0), (below + above) // 2)
-        upward = (above == size) & (below >= 0)
-        probe[left[upward]] = np.minimum(below + reach[left], size - 1)[upward]
-        reach[left] *= 2
+        at = probes[left]
+        true = label(rows[left], at)
+        high[left] = np.minimum(high[left], np.where(true, at, size).min(axis=1))
+        false = ~true & (at < high[left, np.newaxis])
+        low[left] = np.maximum(low[left], np.where(false, at, -1).max(axis=1))
+        next_probe = np.where(low < 0, np.maximum(high - reach, 0), (low + high) // 2)
+        upward = (high == size) & (low >= 0)
+        probes = np.where(upward, np.minimum(low + reach, size - 1), next_probe)[:, np.newaxis]
+        reach *= 2
     return high
 
 
