@@ -1,5 +1,7 @@
 """Above which amplitude a device stays latched."""
 
+from functools import partial
+
 import numpy as np
 
 from ..solver.cells import Rows
@@ -11,6 +13,8 @@ from ..solver.settings import Settings
 
 STEP = 0.01
 """Relative distance of the amplitudes that are followed to their end."""
+LONGER = 4.0
+"""Times its own, of steps in which the highest must latch, too: ringing beams do by chance."""
 MOST_STEPS = 2e6
 """Of a run to its end: rows of slower pulses are left out."""
 
@@ -20,6 +24,7 @@ def lowest_latched(
 ) -> np.ndarray:
     """Find the lowest N above which every cell seen latches, (rows,); NaN if the highest does not.
 
+    The highest must in LONGER steps, too.
     low, high: amplitudes from and to which cells are looked at, multiples of g, (rows,); NaN for
         none. From the highest down, as far as all latch.
     """
@@ -27,17 +32,17 @@ def lowest_latched(
     lasts = (cells.t_end / steps_and_seconds(model, cells, settings)[0])[:, 0]
     N = amplitudes(np.where(lasts <= MOST_STEPS, low, np.nan), high, STEP)
     size = np.count_nonzero(np.isfinite(N), axis=1)
-
     every = np.arange(len(N))
 
-    def leaves(which, below):
+    def leaves(by, which, below):
         """Whether cells so many places below the highest are not proven to stay, (rows, n)."""
         # Ascending, as a model may ask for its rows; the lowest once more for what is not there.
         places = np.maximum(size[which, np.newaxis] - 1 - below, 0)[:, ::-1]
         ascending = N[which[:, np.newaxis], places]
         cells = rows.take(which).cells(model.device, ascending, settings.horizon)
-        seen = model.follow(cells, settings)
+        seen = by.follow(cells, settings)
         return (label(*seen[:4], settings.energy_tolerance) != LATCHED)[:, ::-1]
 
-    down = walk(leaves, every, 0, size)
+    highest = walk(partial(leaves, model.with_step(LONGER)), every, 0, np.minimum(size, 1))
+    down = walk(partial(leaves, model), every, 0, highest * size)
     return np.where(down > 0, N[every, size - np.maximum(down, 1)], np.nan)
