@@ -13,6 +13,7 @@ from snapmap.solver.settings import Settings
 from snapmap.thresholds.bars import distance as distance_to
 from snapmap.thresholds.islands import NARROW, _closer_window, _decide, _whole_window, first_seen
 from snapmap.thresholds.transitions import BESIDE, CLOSEST_STEP, Window, stretches
+from snapmap.thresholds.witness import Close
 
 
 def told(snapped):
@@ -74,7 +75,7 @@ def surveyed(coarse, fine, highest=None):
 
     def closely(low, high):
         close = Window(low / BESIDE, high * BESIDE, np.full(low.size, CLOSEST_STEP))
-        return scan(asking(fine), close.N)
+        return Close(*scan(asking(fine), close.N), close.low, close.high)
 
     edges, open_end, *_ = _decide(asking(fine), closely, window, whole, ragged)
     row, *ends, rising = edges
@@ -97,6 +98,17 @@ def test_the_deciding_level_looks_farther_where_the_scanning_one_was_wrong():
     N_first, N_always, (start, end) = surveyed(simple, double)
     found = [N_first[0], N_always[0], start[0, 0], end[0, 0]]
     np.testing.assert_allclose(found, [1.0, 1.05, 1.0, 1.02], rtol=2e-6)
+
+
+def test_islands_that_two_looks_see_are_told_once():
+    """The edge that is looked at closely lies at an end of the window of the cheapest level."""
+    simple = np.array([[1.0, 9.0]] * 3)
+    for ends in ([0.9965, 0.998, 1.015, 1.03, 1.032], [0.975, 0.977, 0.985, 1.001, 1.0015]):
+        fine = np.reshape([*ends, 9.0], (3, 2))
+        N_first, N_always, (start, end) = surveyed(simple, fine)
+        found = [N_first[0], N_always[0], *start[0], *end[0]]
+        exact = [ends[0], ends[4], ends[0], ends[2], ends[1], ends[3]]
+        np.testing.assert_allclose(found, exact, rtol=2e-6)
 
 
 def test_what_snaps_only_below_the_highest_amplitude_is_an_island():

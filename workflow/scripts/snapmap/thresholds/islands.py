@@ -359,13 +359,15 @@ def _decide(ask, closely, window, whole, ragged):
     alone = ~ragged & ~begins & (np.bincount(edges.row, minlength=ragged.size) == 1)
     only, sides = edges.take(alone[edges.row]), np.full((2, ragged.size), np.nan)
     sides[:, only.row] = only.low, only.high
-    close, begins_close, ends_close = closely(*sides)
-    edges = joined(edges.take(~alone[edges.row]), close)
-    begins, ends = np.where(alone, [begins_close, ends_close], [begins, ends])
+    close = closely(*sides)
+    edges = joined(edges.take(~alone[edges.row]), close.edges)
+    begins, ends = np.where(alone, [close.begins, close.ends], [begins, ends])
     surprising = begins | (~ends & (window.high < whole.high))
     surprising |= ~ragged & (np.bincount(edges.row, minlength=ragged.size) != 1)
     low, high = (np.where(surprising, end, np.nan) for end in (window.low, window.high))
     wider = around(whole, low, high, FAR_BESIDE, FINEST_STEP)
+    # From where it was looked closely on, which may not be the window's ends.
+    low, high = np.where(surprising & alone, [close.low, close.high], [low, high])
     below, begins_below, _ = scan(ask, wider._replace(high=low).N)
     above, _, ends_above = scan(ask, wider._replace(low=high).N)
     begins, ends = np.where(surprising, [begins_below, ends_above], [begins, ends])

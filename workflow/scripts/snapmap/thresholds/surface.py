@@ -239,7 +239,7 @@ def _verify(models, rows, settings, tolerance, highest, expected):
         part, N = rows.take(which), expected.N[which]
         N = np.where(expected_labels(own.looks, part, settings, N), N, np.nan)
         ends = nearby(own.looks, part, settings, N, own.rough(tolerance))
-        close, begins, _ = edges_about(own, part, settings, tolerance, rings[which], *ends)
+        close, begins, *_ = edges_about(own, part, settings, tolerance, rings[which], *ends)
         once = ~begins & (np.bincount(close.row, minlength=N.size) == 1)
         close = close.take(once[close.row])
         first = np.full(N.size, np.nan)

@@ -6,6 +6,7 @@ beyond its own ends: near it, too, runs come close to the saddle, and dwell ther
 """
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,6 +29,19 @@ ragged; docs/thresholds.md, "Width of islands"."""
 BELOW, ABOVE = -1, 1
 
 
+class Close(NamedTuple):
+    """What was seen close to edges: the edges there, and the labels of the ends, as `edges_of`.
+
+    low, high: these ends, in multiples of g, (rows,); NaN where nothing was looked at
+    """
+
+    edges: Edges
+    begins: np.ndarray
+    ends: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+
+
 def edges_about(
     models: Survey,
     rows: Rows,
@@ -36,12 +50,13 @@ def edges_about(
     rings: np.ndarray,
     low: np.ndarray,
     high: np.ndarray,
-) -> tuple[Edges, np.ndarray, np.ndarray]:
-    """Find the edges close to one that looks sees, as `edges_of` has them: refined, if it is alone.
+) -> Close:
+    """Find the edges close to one that looks sees: refined, if it is alone.
 
     low, high: the edge, (rows,); NaN for rows that are not looked at
     rings: rows in which there may be others, (rows,)
-    Where another model decides, it is that one's; rows in which it sees none near begin snapping.
+    Where another model decides, it is that one's, unless that sees none near, or other labels: then
+    the row begins snapping.
     """
 
     def close(model, low, high, sides, farthest):
@@ -55,14 +70,18 @@ def edges_about(
     looks, decides = models.looks, models.decides
     low, high = refine(asker(looks, rows, settings), low, high, models.rough(tolerance))
     edges, begins, ends = close(looks, low, high, (BELOW, ABOVE), STEPS[-1])
+    reach = [
+        np.where(rings, _beside(low, high, side, STEPS[-1]), end)
+        for side, end in ((BELOW, low), (ABOVE, high))
+    ]
     if looks is decides:
-        return edges, begins, ends
+        return Close(edges, begins, ends, *reach)
     alone = ~begins & (np.bincount(edges.row, minlength=high.size) == 1)
     own = nearby(decides, rows, settings, np.where(alone, high, np.nan), tolerance)
-    seen = np.isfinite(own[1])
     exact, begins_exact, _ = close(decides, *own, [BELOW], NEAREST)
-    edges = joined(edges.take(~seen[edges.row]), exact)
-    return edges, begins | begins_exact | (alone & ~seen), ends
+    seen = np.isfinite(own[1]) & ~begins_exact
+    edges = joined(edges.take(~seen[edges.row]), exact.take(seen[exact.row]))
+    return Close(edges, begins | (alone & ~seen), ends, *reach)
 
 
 def close_edges(
