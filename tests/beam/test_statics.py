@@ -9,6 +9,7 @@ from varied import alone, varied
 import snapmap
 from snapmap.beam.equilibria import buckling_modes
 from snapmap.beam.limit_loads import static_threshold
+from snapmap.device import batch
 from snapmap.shocks import make_shocks
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
@@ -116,6 +117,14 @@ def test_a_stiff_spring_lets_go_of_a_light_beam_at_its_saddle(handout, gap):
     device = varied(handout, **values, gap=gap)
     exact = device.spring * (4 / 3 * handout.beam.rise + gap) / (device.mass * device.gravity)
     assert static_threshold(device) == pytest.approx(exact, rel=1e-5)
+
+
+def test_static_thresholds_of_a_batch_are_those_of_its_devices(handout):
+    apart = [{"gap": 1e4}, {"stop_toward": 5.0}, {"stop_toward": 3.0, "gap": 1.5}]
+    devices = [varied(handout, **values) for values in (*SLOW, *apart)] * 3
+    for back in (False, True):
+        each = [static_threshold(one, back) for one in devices]
+        np.testing.assert_array_equal(static_threshold(batch(devices), back), each)
 
 
 @pytest.mark.parametrize("stress", [-8.0, 0.0, 20.0])
