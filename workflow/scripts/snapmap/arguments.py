@@ -1,7 +1,8 @@
 """What each argument of a public function may be, in one line each.
 
-ARGUMENTS says of each name what would be right, in words with an example, and what fits; values of
-the device, N, f0 and C take their units and ranges from `quantities.py`. Options of models are
+ARGUMENTS says of each name what would be right, in words with an example, what fits, and what is
+handed on of that, so that a number of numpy's or xarray's is one of Python's from there on; values
+of the device, N, f0 and C take their units and ranges from `quantities.py`. Options of models are
 held against it whether they come from Python or from a config.
 """
 
@@ -29,15 +30,18 @@ OPTIONS = {
 
 
 class Argument(NamedTuple):
-    """need: what would be right, as it follows "is not"; fits: whether a value is."""
+    """need: what would be right, as it follows "is not"; fits: whether a value is; convert: what is
+    handed on of one that fits."""
 
     need: str
     fits: Callable[[object], bool]
+    convert: Callable[[object], object] = lambda value: value
 
-    def require(self, name: str, value: object) -> None:
-        """Raise ValueError, one line, for a value that does not fit."""
+    def take(self, name: str, value: object) -> object:
+        """Convert a value; raises ValueError, one line, for one that does not fit."""
         if not self.fits(value):
             raise ValueError(f"{name}: {show(value)} is not {self.need}")
+        return self.convert(value)
 
 
 def _number(within: str | Bounds, unit: str = "", example: str = "") -> Argument:
@@ -47,7 +51,7 @@ def _number(within: str | Bounds, unit: str = "", example: str = "") -> Argument
         array = numbers(value)
         return array is not None and array.ndim == 0 and bool(within.holds(array))
 
-    return Argument(_words("a number", within, unit, example), fits)
+    return Argument(_words("a number", within, unit, example), fits, _plain)
 
 
 def _row(within: Bounds, unit: str, example: str) -> Argument:
@@ -57,7 +61,16 @@ def _row(within: Bounds, unit: str, example: str) -> Argument:
             return False
         return np.unique(array).size == array.size
 
-    return Argument(_words("a number or several, each once,", within, unit, example), fits)
+    words = _words("a number or several, each once,", within, unit, example)
+    return Argument(words, fits, lambda value: np.atleast_1d(numbers(value)))
+
+
+def _plain(value):
+    """What is a number, or several, as Python's floats, also in a mapping; all else as it is."""
+    if isinstance(value, Mapping):
+        return {key: _plain(inner) for key, inner in value.items()}
+    array = numbers(value)
+    return value if array is None else array.tolist()
 
 
 def _words(what, within, unit, example):
@@ -70,7 +83,8 @@ def integer(low: int, high: float = math.inf) -> Argument:
     number = _number(Bounds(low, high, low_fits=True, high_fits=high < math.inf))
     return Argument(
         f"a whole {number.need.removeprefix('a ')}",
-        lambda value: number.fits(value) and isinstance(value, int | np.integer),
+        lambda value: number.fits(value) and np.asarray(value).dtype.kind in "iu",
+        lambda value: int(np.asarray(value)),
     )
 
 
@@ -82,7 +96,8 @@ def _pairs(units: str, example: str) -> Argument:
         positive = np.isfinite(pairs).all() and (pairs > 0).all()
         return bool(positive and (np.diff(pairs[:, 0]) > 0).all())
 
-    return Argument(f"two pairs or more of {units}, above 0 and ascending, such as {example}", fits)
+    words = f"two pairs or more of {units}, above 0 and ascending, such as {example}"
+    return Argument(words, fits, numbers)
 
 
 def _word(*words: str) -> Argument:
@@ -97,6 +112,12 @@ def _of_type(need: str, *types: type) -> Argument:
 def _dataset(need: str, variable: str) -> Argument:
     """By its attributes: xarray is imported by those alone who make one."""
     return Argument(need, lambda value: hasattr(value, "data_vars") and variable in value)
+
+
+def _is_flag(value):
+    return isinstance(value, bool | np.bool_) or (
+        getattr(value, "ndim", None) == 0 and np.asarray(value).dtype.kind == "b"
+    )
 
 
 def _is_pair(value):
@@ -137,7 +158,7 @@ def _mapping_of(need: str, *keys: str) -> Argument:
     def fits(value):
         return isinstance(value, Mapping) and len(value) > 0 and all(key in keys for key in value)
 
-    return Argument(f"a mapping of {need}", fits)
+    return Argument(f"a mapping of {need}", fits, _plain)
 
 
 def _are_directions(value):
@@ -147,21 +168,28 @@ def _are_directions(value):
     return named and 0 < len(value) == len({*value})
 
 
+def _is_device(value):
+    if not isinstance(value, Device):
+        return False
+    return not any(map(np.ndim, [*vars(value).values(), *vars(value.beam).values()]))
+
+
 def _are_devices(value):
     named = value.values() if isinstance(value, Mapping) and value else [value]
-    return all(isinstance(each, Device) for each in named)
+    return all(map(_is_device, named))
 
 
 def _is_requirement(value):
     return (
         isinstance(value, Mapping)
-        and {"name", "N", "f0", "snaps"} <= value.keys()
-        and isinstance(value["name"], str)
-        and POSITIVE.fits(value["N"])
-        and POSITIVE.fits(value["f0"])
-        and FLAG.fits(value["snaps"])
+        and REQUIRED.keys() <= value.keys()
+        and all(REQUIRED[key].fits(value[key]) for key in REQUIRED)
         and START.fits(value.get("start", "first"))
     )
+
+
+def _requirement(value):
+    return {**value, **{key: REQUIRED[key].convert(value[key]) for key in REQUIRED}}
 
 
 def _is_group(value):
@@ -174,10 +202,12 @@ def _of_axis(key: str, example: str) -> tuple[Bounds, str, str]:
 
 POSITIVE, ANY = _number("(0, inf)"), _number("(-inf, inf)")
 SHARE = _number("(0, 1)", "", "0.95")
-FLAG, START = _of_type("True or False", bool, np.bool_), _word("first", "second")
+FLAG, START = Argument("True or False", _is_flag, bool), _word("first", "second")
+REQUIRED = {"name": _of_type("a name", str), "N": POSITIVE, "f0": POSITIVE, "snaps": FLAG}
+"""What a requirement has."""
 THRESHOLDS = _dataset("a Dataset of thresholds, as threshold returns it", "N_first")
 PATH = Argument("the path of a file that is there", _is_path)
-DEVICE = _of_type("a Device; load_device reads one", Device)
+DEVICE = Argument("a single Device; load_device reads one", _is_device)
 SHOCK = {
     "N": (bounds_of("[0, inf)"), "multiples of g (direction -z pushes the other way)", "1000"),
     "f0": _of_axis("f0", "1500"),
@@ -235,10 +265,11 @@ ARGUMENTS = {
         "the name of a value of the device, such as thickness",
         lambda value: isinstance(value, str) and value in VALUES,
     ),
-    "between": Argument("a pair of numbers, low and high, such as (1.8, 2.2)", _is_pair),
+    "between": Argument("a pair of numbers, low and high, such as (1.8, 2.2)", _is_pair, _plain),
     "requirements": Argument(
         "a list of mappings of name, N, f0 (Hz) and snaps (True or False)",
         lambda value: _is_list(value, _is_requirement),
+        lambda value: [*map(_requirement, value)],
     ),
     "scatters": _mapping_of(
         'what can scatter to its width, such as {"thickness": "3 %"}', *VALUES, "N", "duration", "C"
@@ -289,27 +320,30 @@ ARGUMENTS = {
 """By name, or by function and name where it is another's, too."""
 
 
-def require_model(model: Mapping) -> None:
-    """Raise ValueError, one line, for a model's name or an option that cannot be."""
-    name = model.get("name")
-    _word(*OPTIONS).require("model.name", name)
+def take_model(model: Mapping) -> dict:
+    """A model's name and options, converted; ValueError, one line, for one that cannot be."""
+    name = _word(*OPTIONS).take("model.name", model.get("name"))
+    taken = {"name": name}
     for key, value in model.items():
         if key in OPTIONS[name]:
-            ARGUMENTS[f"model.{key}"].require(f"model.{key}", value)
+            taken[key] = ARGUMENTS[f"model.{key}"].take(f"model.{key}", value)
         elif key != "name":
             known = ", ".join(OPTIONS[name])
             raise ValueError(f"model.{key}: not an option of {name}; its options are {known}")
+    return taken
 
 
-def require_pulse(path: str, given: Mapping, needed: Sequence[str], others: Sequence[str] = ()):
-    """Raise ValueError, one line, unless it is a mapping of these keys to what a pulse may have."""
+def take_pulse(
+    path: str, given: Mapping, needed: Sequence[str], others: Sequence[str] = ()
+) -> dict[str, object]:
+    """Convert a mapping of these keys to what a pulse may have; else ValueError, one line."""
     if not isinstance(given, Mapping) or not {*needed} <= {*given} <= {*needed, *others}:
         more = f"; it may have {', '.join(others)}" if others else ""
         raise ValueError(f"{path}: {show(given)} is not a mapping of {', '.join(needed)}{more}")
-    for key, value in given.items():
-        ARGUMENTS[f"pulse.{key}"].require(f"{path}.{key}", value)
-    shares = {key: given[key] for key in SHARES if key in given}
-    if shares and given.get("shape") != "trapezoid":
+    taken = {key: ARGUMENTS[f"pulse.{key}"].take(f"{path}.{key}", given[key]) for key in given}
+    shares = {key: taken[key] for key in SHARES if key in taken}
+    if shares and taken.get("shape") != "trapezoid":
         raise ValueError(f"{path}.{next(iter(shares))}: is of a trapezoid alone; leave it out")
     if sum({"rise": TENTH, "fall": TENTH, **shares}.values()) > 1:
         raise ValueError(f"{path}.rise: with fall is more than the duration; write smaller shares")
+    return taken

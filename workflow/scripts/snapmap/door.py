@@ -10,7 +10,7 @@ from typing import get_args
 
 import numpy as np
 
-from .arguments import ARGUMENTS, OPTIONS, SHOCK, require_model
+from .arguments import ARGUMENTS, OPTIONS, SHOCK, take_model
 from .config.plausible import implausible, unusual, wide
 from .device import VALUES, batch
 from .tolerances.samples import Plan
@@ -41,14 +41,14 @@ def checked(function: Callable) -> Callable:
         values = _bound(function.__name__, signature, given, named)
         for line in _doubts(values):
             warnings.warn(line, stacklevel=2)
-        return function(*given, **named)
+        return function(**values)
 
     door.__module__ = __package__  # by which it is pickled
     return door
 
 
 def _bound(function, signature, given, named):
-    """All arguments of a call by name, with its options; each fits."""
+    """All arguments of a call by name, with its options, converted; each fits."""
     parameters = {key: each for key, each in signature.parameters.items() if key != "options"}
     if len(given) > len(parameters):
         raise TypeError(f"{function}: takes {len(parameters)} arguments, not {len(given)}")
@@ -57,25 +57,25 @@ def _bound(function, signature, given, named):
         raise TypeError(f"{twice[0]}: comes twice; write it once")
     values |= named
     for key, each in parameters.items():
-        argument = ARGUMENTS.get(f"{function}.{key}") or ARGUMENTS[key]
+        argument = _argument(function, key)
         if key not in values and each.default is each.empty:
             raise TypeError(f"{key}: missing; write {argument.need}")
         value = values.get(key, each.default)
         if value is not each.default and (
             value is not None or type(None) not in get_args(each.annotation)
         ):
-            argument.require(key, value)
-    options = {key: value for key, value in values.items() if key not in parameters}
+            values[key] = argument.take(key, value)
+    options = [key for key in values if key not in parameters]
     if "model" in parameters:
         model = values.get("model", parameters["model"].default)
-        model = {"name": model} if isinstance(model, str) else model
-        of_model = OPTIONS.get(model.get("name"), ())
-        require_model(model | {key: options[key] for key in options if key in of_model})
-        options = {key: value for key, value in options.items() if key not in of_model}
-    for key, value in options.items():
+        model = take_model({"name": model} if isinstance(model, str) else model)
+        of_model = [key for key in options if key in OPTIONS[model["name"]]]
+        values["model"] = take_model(model | {key: values.pop(key) for key in of_model})
+        options = [key for key in options if key not in of_model]
+    for key in options:
         if key not in TAKEN.get(function, ()):
             raise ValueError(f"{key}: is no option{_hint(function, key, parameters)}")
-        (ARGUMENTS.get(f"{function}.{key}") or ARGUMENTS[key]).require(key, value)
+        values[key] = _argument(function, key).take(key, values[key])
     if function == "sweep":
         sizes = [np.size(value) for key, value in values.items() if key in (*VALUES, *SHOCK)]
         if math.prod(sizes) > MOST_CELLS:
@@ -84,6 +84,11 @@ def _bound(function, signature, given, named):
                 f"{MOST_CELLS:.0e}; write fewer, or a config"
             )
     return values
+
+
+def _argument(function, key):
+    """What describes it."""
+    return ARGUMENTS.get(f"{function}.{key}") or ARGUMENTS[key]
 
 
 def _hint(function, key, parameters):

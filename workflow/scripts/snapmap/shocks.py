@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .arguments import require_pulse
+from .arguments import take_pulse
 from .checks import show
 from .pulse import DIRECTIONS, SHARES, VERSED_SINE, Pulse, make_pulse
 from .trains import make_drop, make_sweep, make_train
@@ -126,8 +126,7 @@ def _pulse(given):
         if [*section] == [key]:
             return make(section[key])
     section = {"shape": VERSED_SINE, **section}
-    require_pulse("pulse", section, ("shape",), SHARES)
-    return make_pulse(**section)
+    return make_pulse(**take_pulse("pulse", section, ("shape",), SHARES))
 
 
 def _written(given):

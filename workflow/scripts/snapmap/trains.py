@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .arguments import require_pulse
+from .arguments import take_pulse
 from .numerics import portable
 from .pulse import SHARES, VERSED_SINE, Pulse, make_pulse, straight
 
@@ -48,20 +48,21 @@ def make_train(items: Sequence[Mapping]) -> Pulse:
     """
     if isinstance(items, str | Mapping) or not isinstance(items, Sequence):
         raise ValueError("pulse.train: is no list of blows, waits and repeats")
-    parts = []
+    parts, taken = [], []
     for place, item in enumerate(items):
         path, keys = f"pulse.train[{place}]", [*item] if isinstance(item, Mapping) else []
         if keys in (["wait"], ["repeat"]):
-            require_pulse(path, item, keys)
+            item = take_pulse(path, item, keys)
         else:
-            require_pulse(path, item, ("duration",), ("shape", "N", *SHARES))
+            item = take_pulse(path, item, ("duration",), ("shape", "N", *SHARES))
+        taken.append(item)
         if "repeat" not in item:
             parts.append(_flat(item["wait"], 0.0) if "wait" in item else _blow(**item))
         elif len(parts) * item["repeat"] > MOST_BLOWS:
             raise ValueError(f"{path}.repeat: makes more than {MOST_BLOWS} blows and waits")
         else:
             parts *= item["repeat"]
-    return _joined("train", parts, items)
+    return _joined("train", parts, taken)
 
 
 def make_drop(drop: Mapping) -> Pulse:
@@ -72,7 +73,7 @@ def make_drop(drop: Mapping) -> Pulse:
     The blow of a fall to v changes the velocity by (1 + rebound) v; the pulse's own_N follows.
     Raises ValueError, one line.
     """
-    require_pulse("pulse.drop", drop, ("height", "duration"), ("rebound", "shape", *SHARES))
+    drop = take_pulse("pulse.drop", drop, ("height", "duration"), ("rebound", "shape", *SHARES))
     rebound, velocity = drop.get("rebound", 0.0), math.sqrt(2 * GRAVITY * drop["height"])
     blow = {key: drop[key] for key in drop if key not in ("height", "rebound")}
     own_N = (1 + rebound) * velocity / (GRAVITY * _blow(**blow).area)
@@ -93,7 +94,7 @@ def make_sweep(sweep: Mapping) -> Pulse:
     sweep: from, to (Hz), duration (us), which is rounded so that it ends with a full period
     Raises ValueError, one line.
     """
-    require_pulse("pulse.sweep", sweep, ("from", "to", "duration"))
+    sweep = take_pulse("pulse.sweep", sweep, ("from", "to", "duration"))
     start, stop, lasts = sweep["from"], sweep["to"], 1e-6 * sweep["duration"]
     if abs(stop / start - 1) < SAME:
         stop = start

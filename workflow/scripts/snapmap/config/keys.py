@@ -180,7 +180,7 @@ def argument(name: str | Argument, what="", example="", out="") -> object:
     def fit(value):
         if not taken.fits(value):
             raise ValueError(f"{show(value)} is not {': '.join(filter(None, [taken.need, what]))}")
-        return value
+        return taken.convert(value)
 
     return key(fit, taken.need, what, example, out)
 

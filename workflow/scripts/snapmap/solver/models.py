@@ -10,7 +10,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from ..arguments import require_model
+from ..arguments import take_model
 from ..beam.basis import Basis
 from ..beam.cosines import buckling_shapes, symmetric_cosines
 from ..beam.elements import hermite_elements
@@ -290,7 +290,7 @@ def _build(device, name, options, is_free):
 
 def check_options(device: Device, name: str, options: Mapping) -> None:
     """Raise ValueError, one line, for a model or an option that cannot be."""
-    require_model({"name": name, **options})
+    take_model({"name": name, **options})
     if name == "reference" and np.isinf(device.contact).any():
         raise ValueError("device.contact: hard is not for the reference model; write handout")
 

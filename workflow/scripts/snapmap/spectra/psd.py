@@ -27,8 +27,7 @@ class Spectrum:
 
     def __init__(self, points: Sequence[Sequence[float]]):
         """Take the points."""
-        ARGUMENTS["psd"].require("psd", points)
-        self.f, self.density = np.array(points, float).T
+        self.f, self.density = ARGUMENTS["psd"].take("psd", points).T
         ratios = zip(self.density[1:] / self.density[:-1], self.f[1:] / self.f[:-1], strict=True)
         self._slopes = np.array([math.log(S) / math.log(f) for S, f in ratios])
 

@@ -69,10 +69,10 @@ def frequencies(low: float, high: float) -> np.ndarray:
 
 def check_points(points: Sequence[Sequence[float]]) -> np.ndarray:
     """A spectrum's points, (points, 2); a ValueError, one line, for what cannot be."""
-    ARGUMENTS["srs"].require("srs", points)
+    points = ARGUMENTS["srs"].take("srs", points)
     if points[-1][0] > MOST_SPAN * points[0][0]:
         raise ValueError(f"srs: its frequencies span more than 1 : {MOST_SPAN}")
-    return np.array(points, float)
+    return points
 
 
 def level(points: Sequence[Sequence[float]], f: np.ndarray) -> np.ndarray:
