@@ -8,6 +8,7 @@ held against it whether they come from Python or from a config.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields
 from os import PathLike
 from os.path import exists
 from typing import NamedTuple
@@ -171,7 +172,8 @@ def _are_directions(value):
 def _is_device(value):
     if not isinstance(value, Device):
         return False
-    return not any(map(np.ndim, [*vars(value).values(), *vars(value.beam).values()]))
+    parts = (value, value.beam)
+    return not any(np.ndim(getattr(part, one.name)) for part in parts for one in fields(part))
 
 
 def _are_devices(value):
@@ -245,7 +247,9 @@ ARGUMENTS = {
     "skip": FLAG,
     "pulse": Argument(f"one of {', '.join(SHAPES)}, nor what read_pulse gives", _is_pulse),
     "pulse.shape": _word(*SHAPES),
-    "pulse.N": Argument("a number above or below 0", lambda value: ANY.fits(value) and value != 0),
+    "pulse.N": Argument(
+        "a number above or below 0", lambda value: ANY.fits(value) and value != 0, _plain
+    ),
     **{f"pulse.{key}": _number("(0, inf)", "us", "500") for key in ("duration", "wait")},
     **{f"pulse.{key}": _number("(0, inf)", "Hz", "100") for key in ("from", "to")},
     "pulse.height": _number("(0, inf)", "um", "1e6"),
