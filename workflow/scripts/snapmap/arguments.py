@@ -7,6 +7,7 @@ held against it whether they come from Python or from a config.
 """
 
 import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from os import PathLike
@@ -152,7 +153,8 @@ def _is_column(value):
 def _is_entry(value):
     if isinstance(value, str):
         return "\n" not in value
-    return value is None or isinstance(value, bool | np.bool_) or numbers(value) is not None
+    array = numbers(value)
+    return value is None or _is_flag(value) or (array is not None and array.ndim == 0)
 
 
 def _mapping_of(need: str, *keys: str) -> Argument:
@@ -306,7 +308,10 @@ ARGUMENTS = {
     "failures": integer(0),
     "cube": _dataset("a cube, as sweep and open_cube return it", "outcome"),
     "path": PATH,
-    "sha256": _of_type("the hexadecimal digits of a hash", str),
+    "sha256": Argument(
+        "the 64 hexadecimal digits of a SHA-256",
+        lambda value: isinstance(value, str) and re.fullmatch("([0-9a-f]{64})?", value) is not None,
+    ),
     "ax": Argument("Axes of matplotlib", lambda value: hasattr(value, "get_xlim")),
     "x": _of_type("the name of an axis of the cube", str),
     "y": _of_type("the name of an axis of the cube", str),

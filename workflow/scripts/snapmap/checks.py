@@ -1,5 +1,6 @@
 """Checks of a value, or of those of a batch; a complaint names the first that is wrong."""
 
+import re
 import reprlib
 from collections.abc import Mapping
 from numbers import Number
@@ -25,6 +26,14 @@ def show(value: object) -> str:
         return "a number of thousands of digits"
     text = " ".join(text.split())
     return text if len(text) <= LONGEST else f"{text[: LONGEST - 4]}...{text[-1]}"
+
+
+NAME = "letters, digits, spaces, .,:()/%+-_, the first a letter or digit"
+
+
+def is_name(text: str) -> bool:
+    """Whether it may stand in tables as it is: in CSV, in Markdown and on the page."""
+    return re.fullmatch(r"[^\W_][\w .,:()/%+-]*", text) is not None
 
 
 def numbers(value):

@@ -211,7 +211,7 @@ strength | strength | inf
 strength_modulus | quality | inf
 strength_threshold | strength | 0
 contact_at | position | -inf
-gravity | acceleration
+gravity | acceleration | | | | | | 1e-7, 1e-3
 force | force | 0
 shape | | | shape of the pulse | | shape of the pulse
 direction | | | direction of the frame; +z presses the mass down | along | direction of the shock

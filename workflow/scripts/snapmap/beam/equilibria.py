@@ -174,6 +174,15 @@ def second_shape(beam: Beam, basis: Basis, modes: int | None = None) -> Rest:
     return Rest(p, energy) if np.ndim(beam.rise) else Rest(p[0], energy.item())
 
 
+def require_rest(rest: Rest) -> None:
+    """Raise ValueError, one line, if a beam does not stay in its second shape, where it rests."""
+    if not np.isfinite(rest.energy).all():
+        raise ValueError(
+            "start: second, where a beam that is free to tilt does not stay; write first, or "
+            "guide: guided"
+        )
+
+
 def _saddle_and_second(beam, basis, modes):
     """The form of unit beams, their axial stiffness, which is which, and coordinates there."""
     beams, which = unit_beams(beam)

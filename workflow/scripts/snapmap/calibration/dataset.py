@@ -62,7 +62,7 @@ def calibrate(
     study, _ = study_of(device, model, options)
     if len(study.shocks.pulses) > 1:
         raise ValueError("pulse: several; name the shape and direction of each shot in its row")
-    check_ranges(unknowns, C)
+    check_ranges(unknowns, C, study.device)
     with counting("calibrate"):
         return calibration_of(study, shots_from(shots, study.shocks, device), unknowns, C)
 

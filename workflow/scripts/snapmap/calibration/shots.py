@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..checks import numbers, show
-from ..device import Device
+from ..device import Device, is_bistable
 from ..io.recorded import read_pulse
 from ..io.tables import shot_columns
 from ..pulse import DIRECTIONS, Pulse
@@ -126,8 +126,11 @@ def _level(row, pulse, device):
     return N
 
 
-def check_ranges(unknowns: Mapping, C: float | None) -> None:
-    """Raise ValueError, one line, for ranges of unknowns, or a C beside them, that cannot be."""
+def check_ranges(unknowns: Mapping, C: float | None, device: Device) -> None:
+    """Raise ValueError, one line, for ranges of unknowns, or a C beside them, that cannot be.
+
+    device: which has a second stable shape at their ends, too
+    """
     if not 1 <= len(unknowns) <= MOST:
         raise ValueError(f"unknowns: {len(unknowns)} of them; name 1 to {MOST}")
     for key, ends in unknowns.items():
@@ -141,3 +144,13 @@ def check_ranges(unknowns: Mapping, C: float | None) -> None:
     if ("C" in unknowns) != (C is None):
         what = "missing; write it, or its range" if C is None else "is unknown; leave it out"
         raise ValueError(f"C: {what}")
+    of_device = {key: ends for key, ends in unknowns.items() if key != "C"}
+    middle = {key: np.full(1, sum(ends) / 2) for key, ends in of_device.items()}
+    for key, ends in of_device.items():
+        for end, side, remedy in zip(ends, ("down", "up"), ("higher", "lower"), strict=True):
+            if not is_bistable(device, middle | {key: np.full(1, end)}, 1).all():
+                unit = QUANTITIES[key].unit
+                raise ValueError(
+                    f"unknowns: {key}: {side} to {end:g} {unit} it leaves no second stable shape; "
+                    f"write a {remedy} end"
+                )

@@ -67,7 +67,7 @@ def read_calibration(
         damping = float(C[0])
     if isinstance(device, Mapping):
         raise ValueError("is of one device; write device in place of devices")
-    check_ranges(unknowns, damping)
+    check_ranges(unknowns, damping, device)
     files = {section.shots: sha256_of(section.shots, *ROWS)}
     table = read_shots(section.shots, files[section.shots])
     for record in table.get("file", []):

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from ..device import VALUES, Device
+from ..device import Device
 from ..quantities import QUANTITIES, plain
 from ..tolerances.samples import Plan
 
@@ -14,6 +14,8 @@ FORCES_TOO_HIGH, THRESHOLDS_TOO_HIGH = 565.0, 413.0
 """By how much, in %, over the square of rise over span: docs/validation.md."""
 SLENDER = 20.0, 5000.0
 """Span over thickness below which the same holds of shear; above no beam is made."""
+SLAB = 0.05, 10.0
+"""Depth over thickness below which, and over span above which, no beam is made."""
 CREEPING = 10.0
 """C over that of critical damping."""
 WIDE = 0.3
@@ -25,12 +27,15 @@ FAR = 1000.0
 def unusual(device: Device) -> list[str]:
     """Lines on values beyond what is usual, of a batch of devices."""
     lines = []
-    for key in VALUES:
-        low, high = QUANTITIES[key].usual
+    for key, quantity in QUANTITIES.items():
+        (low, high), unit = quantity.usual, quantity.unit
+        if (low, high) == (-math.inf, math.inf):
+            continue
         values = np.atleast_1d(getattr(device.beam if hasattr(device.beam, key) else device, key))
-        beyond = values[(values < low) | (values > high)]
+        # Under a force gravity is of no account.
+        counts = np.equal(device.force, 0) | (key != "gravity")
+        beyond = values[((values < low) | (values > high)) & counts]
         if beyond.size:
-            unit = QUANTITIES[key].unit
             lines.append(
                 f"{key} = {plain(beyond[0])} {unit} is not from {low:g} to {high:g}, as is usual; "
                 "is its unit right?"
@@ -56,6 +61,7 @@ def implausible(device: Device, C: np.ndarray, f0: np.ndarray) -> list[str]:
     mass = np.where(device.is_alone, own, device.mass_frequency)
     steepest = np.max(beam.rise / beam.span)
     slender = beam.span / beam.thickness
+    widest, thinnest = np.max(beam.depth / beam.span), np.min(beam.depth / beam.thickness)
     critical = np.min(2 * device.mass * mass)
     damped = C[-1] / critical if critical else 0.0
     lasts = f0 * (2e-6 * np.pi)
@@ -68,6 +74,10 @@ def implausible(device: Device, C: np.ndarray, f0: np.ndarray) -> list[str]:
         "model leaves out": slender.min() < SLENDER[0],
         f"span/thickness = {plain(slender.max(), 3)}: no beam is made above {SLENDER[1]:g}; is a "
         "unit wrong?": slender.max() > SLENDER[1],
+        f"depth/span = {plain(widest, 3)}: no beam is made above {SLAB[1]:g}; is a unit "
+        "wrong?": widest > SLAB[1],
+        f"depth/thickness = {plain(thinnest, 3)}: no beam is made below {SLAB[0]:g}; is a unit "
+        "wrong?": thinnest < SLAB[0],
         f"C = {plain(C[-1])} uN*us/um is {plain(damped, 3)} times that of critical damping; is its "
         "unit right?": damped > CREEPING,
         f"f0 up to {plain(f0[-1])} Hz: all pulses last over {FAR:g} periods of beam and mass; they "

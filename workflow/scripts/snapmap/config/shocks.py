@@ -1,12 +1,12 @@
 """The section of the shock, and those of shocks that must or must not trip the device."""
 
-import re
 from collections.abc import Mapping
 from typing import Annotated
 
 from pydantic import Field
 
 from ..arguments import Argument
+from ..checks import is_name
 from ..io.named import sha256_of
 from ..io.recorded import RECORD, read_pulse
 from ..pulse import DIRECTIONS, SHAPES, SHARES, VERSED_SINE
@@ -149,7 +149,7 @@ def _points(name, what, example):
 
 def is_title(value: object) -> bool:
     """Whether it is a line that may stand in tables."""
-    return isinstance(value, str) and re.fullmatch(r"[^\W_][\w .,:()/%+-]{0,59}", value) is not None
+    return isinstance(value, str) and len(value) <= 60 and is_name(value)
 
 
 def _survival(value):
@@ -215,7 +215,7 @@ class RequirementSection(PulseSection):
         points = [list(pair) for pair in self.psd or self.srs or ()]
         try:
             if self.psd:
-                Spectrum(points)
+                Spectrum(points).require_record(1e-6 * self.duration)
             elif self.srs:
                 check_points(points)
         except ValueError as error:

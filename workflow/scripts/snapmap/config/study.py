@@ -7,11 +7,12 @@ import numpy as np
 from pydantic import ValidationError
 
 from ..axes import SHOCK_AXES, Grid, make_grid
+from ..beam.equilibria import require_rest, second_shape, shapes_of
 from ..device import VALUES
 from ..io.measured_shape import PROFILE
 from ..io.named import hold_to_plan, sha256_of
 from ..shocks import HANDOUT_SHOCK
-from ..solver.settings import THRESHOLD_TOLERANCE, Settings
+from ..solver.settings import FIRST, SECOND, THRESHOLD_TOLERANCE, Settings
 from ..study import FOLLOWED, Study
 from ..tolerances.samples import Plan, Tolerances
 from .calibration import Calibration, read_calibration
@@ -156,6 +157,11 @@ def load_config(document: Mapping) -> Config:
     requirements, vibrations, spectra = (
         [one for one in required if key in one] for key in ("shocks", "psd", "srs")
     )
+    if grid:
+        part(("sweep",), _require_start, sweep.made.start, grid.device)
+    for i, one in enumerate(required):
+        devices = Study(device=device).devices().values()
+        part(("requirements", i), _require_start, one.get("start", FIRST), *devices)
     part(("device",), _require_study, device, shocks, required, tolerances)
     if faults:
         raise ConfigError(*dict.fromkeys(faults))
@@ -207,6 +213,16 @@ def _require_study(device, shocks, required, tolerances):
             replace(own, shocks=one["shocks"])
         else:
             own.require_frame("a spectrum among the requirements")
+
+
+def _require_start(start, *devices):
+    """Whether beams stay in the shape in which they rest at first."""
+    for one in devices if start == SECOND else ():
+        if np.any(one.beam.free):
+            try:
+                require_rest(second_shape(one.beam, shapes_of(one.beam)))
+            except ValueError as error:
+                raise ValueError(f".{error}") from None
 
 
 def _damper(parts):

@@ -15,6 +15,8 @@ EDITED = "was edited after the run was planned; run again"
 @contextmanager
 def naming(path: str | Path) -> Iterator[None]:
     """Make what goes wrong with a file a ValueError of one line that names it."""
+    if not str(path).isprintable():
+        path = repr(str(path))
     try:
         yield
     except FileNotFoundError:
@@ -41,7 +43,7 @@ def read_named(path: str | Path, most: int, remedy: str, sha256: str = "") -> by
     with open(path, "rb") as file:
         content = file.read(most)
     if sha256 and hashlib.sha256(content).hexdigest() != sha256:
-        raise ValueError(EDITED)
+        raise ValueError("was edited: its SHA-256 is not the expected one")
     return content
 
 

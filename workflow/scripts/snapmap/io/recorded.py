@@ -6,6 +6,7 @@ from tempfile import NamedTemporaryFile
 
 import numpy as np
 
+from ..checks import NAME, is_name
 from ..pulse import Pulse, sampled
 from .extras import needing
 from .named import naming, read_named
@@ -39,6 +40,8 @@ def read_pulse(path: str | Path, sha256: str = "") -> Pulse:
         else:
             columns = {"time": TIMES, "acceleration": ACCELERATIONS}
             time, acceleration = read_table(content, columns, most=MOST_SAMPLES).values()
+        if not is_name(path.stem):
+            raise ValueError(f"its name stands in tables; rename it, in {NAME}")
         pulse = sampled(time, acceleration, path.stem)
         return replace(pulse, peak=abs(acceleration).max(), given={"file": str(path)})
 

@@ -14,7 +14,7 @@ from ..arguments import take_model
 from ..beam.basis import Basis
 from ..beam.cosines import buckling_shapes, symmetric_cosines
 from ..beam.elements import hermite_elements
-from ..beam.equilibria import Barrier, Rest, find_barrier, second_shape
+from ..beam.equilibria import Barrier, Rest, find_barrier, require_rest, second_shape
 from ..beam.modal import ModalBeam, contact_stiffness, pulse_load, reduce_to_modes
 from ..device import Device, Value
 from ..io.counting import count
@@ -86,8 +86,7 @@ class Model:
     def second(self) -> Rest:
         """The second shape of its form; ValueError if one of the beams cannot rest there."""
         rest = second_shape(self.device.beam, self.basis, self.modes)
-        if not np.isfinite(rest.energy).all():
-            raise ValueError("start: second, and a beam that is free to tilt does not stay there")
+        require_rest(rest)
         return rest
 
     def rest(self, start: str) -> np.ndarray:

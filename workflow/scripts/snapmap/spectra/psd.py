@@ -17,6 +17,9 @@ PER_PERIOD = 16
 """Samples in a period of the highest frequency; straight lines between them leave images of it of
 0.4 % of its amplitude, and take 1.3 %, which is given back."""
 
+MOST_SAMPLES = 2**21
+"""In a record: 100 MB; as many as one of 1 Hz to 10 kHz has."""
+
 
 class Spectrum:
     """One-sided power spectral density of the frame's acceleration, straight between its points on
@@ -53,6 +56,22 @@ class Spectrum:
     def record_length(self, duration: float) -> float:
         """Of one record of a vibration of so many s."""
         return min(duration, max(SECONDS, PERIODS / self.f[0]))
+
+    def require_record(self, duration: float) -> None:
+        """Raise ValueError, one line, for a vibration of so many s of which no record is drawn."""
+        length, (low, high) = self.record_length(duration), self.f[[0, -1]]
+        samples = PER_PERIOD * high * length
+        if samples > MOST_SAMPLES:
+            raise ValueError(
+                f"psd: a record of {length:.4g} s, from {low:g} to {high:g} Hz, has {samples:.2g} "
+                f"samples, more than {MOST_SAMPLES:.2g}; write a higher lowest frequency, or a "
+                "lower highest"
+            )
+        if math.floor(high * length) / length < low:
+            line = f"of {length:.4g} s has no sine between {low:g} and {high:g} Hz; write"
+            if length < SECONDS:
+                raise ValueError(f"duration: a record {line} a longer time")
+            raise ValueError(f"psd: a record {line} frequencies that are farther apart")
 
     def record(self, length: float, seed: Sequence[int]) -> tuple[Pulse, float]:
         """Draw a stationary Gaussian record, linear between samples; and its peak, multiples of g.

@@ -70,8 +70,10 @@ def vibration(
     reach = options.pop("reach", REACH)
     study, varied = study_of(device, model, options, ("energy_tolerance", "threads"))
     study.require_frame("random vibration")
+    spectrum = Spectrum(psd)
+    spectrum.require_record(duration)
     drawn = {"duration": duration, "records": records, "seed": seed, "reach": reach}
-    return vibration_of(study, {**varied, "C": C}, Spectrum(psd), drawn)
+    return vibration_of(study, {**varied, "C": C}, spectrum, drawn)
 
 
 def vibration_of(
