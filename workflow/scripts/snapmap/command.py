@@ -129,7 +129,7 @@ def _shaken(study):
     from .solver.cells import to_rows
     from .spectra import srs, trips, vibration
     from .spectra.psd import Spectrum
-    from .thresholds.cost import PER_RECORD, run_seconds
+    from .thresholds.cost import record_seconds
 
     costs = dict.fromkeys(["vibration"] * bool(study.vibrations), 0.0)
     costs |= dict.fromkeys(["spectra"] * bool(study.spectra), 0.0)
@@ -139,7 +139,7 @@ def _shaken(study):
         def records(pulse, length, model, horizon, count):
             rows = to_rows(0, 1 / length, study.axes["C"], 0, (pulse,))
             settings = study.settings._replace(horizon=horizon)
-            return PER_RECORD * count * float(run_seconds(model, rows, settings).sum())
+            return record_seconds(model, rows, settings, count)
 
         for required in study.vibrations:
             length = Spectrum(required["psd"]).record_length(required["duration"])
@@ -148,7 +148,7 @@ def _shaken(study):
             costs["vibration"] += records(pulse, length, finer, 0.0, vibration.RECORDS)
         for required in study.spectra:
             pulse = srs.record(srs.check_points(required["srs"]), [trips.SEED, 0]).pulse
-            costs["spectra"] += records(
+            costs["spectra"] += trips.RECORDS * srs.draw_seconds(required["srs"], pulse) + records(
                 pulse, 1e-6 * pulse.duration, model, study.settings.horizon, trips.RECORDS
             )
     return costs

@@ -32,6 +32,8 @@ from .units import read, show
 
 _WITHIN = re.compile(r"(\.[A-Za-z_]\w*|\[\d+\])+: ")
 _LONGEST_KEY = 40
+MOST_ALIKE = 3
+"""Faults of items of a list, each of which has a line."""
 _MOST_KNOWN = 20
 """Keys that a message lists; of more the nearest half as many."""
 _FAULT = "fault"
@@ -126,8 +128,26 @@ def _nearest(key, known):
 
 
 def lines_of(error: ValidationError, *at: str | int) -> list[str]:
-    """The faults of a section, which stands at a path, with the names of their keys."""
-    return [line_at((*at, *one["loc"]), one["msg"]) for one in error.errors()]
+    """The faults of a section, which stands at a path, with the names of their keys.
+
+    Of more than MOST_ALIKE in the items of a list the first is told, and how many others there are.
+    """
+    alike, lines = {}, []
+    for number, one in enumerate(error.errors()):
+        path = (*at, *one["loc"])
+        of_list = _list_of(path) if isinstance(path[-1], int) else number
+        alike.setdefault(of_list, []).append(line_at(path, one["msg"]))
+    for faults in alike.values():
+        many = len(faults) > MOST_ALIKE
+        lines += [f"{faults[0]} (and {len(faults) - 1} others of this list)"] if many else faults
+    return lines
+
+
+def _list_of(path):
+    """The path of the outermost list at its end."""
+    while path and isinstance(path[-1], int):
+        path = path[:-1]
+    return path
 
 
 def line_at(path: tuple, line: str) -> str:

@@ -36,9 +36,9 @@ def unusual(device: Device) -> list[str]:
         counts = np.equal(device.force, 0) | (key != "gravity")
         beyond = values[((values < low) | (values > high)) & counts]
         if beyond.size:
+            value, low, high = (quantity.used(f"{plain(x)} {unit}") for x in (beyond[0], low, high))
             lines.append(
-                f"{key} = {plain(beyond[0])} {unit} is not from {low:g} to {high:g}, as is usual; "
-                "is its unit right?"
+                f"{key} = {value} is not from {low} to {high}, as is usual; is its unit right?"
             )
     return lines
 

@@ -42,7 +42,7 @@ def draw_probability(ax: Axes, found: xr.Dataset) -> Axes:
                 N.values, shares.latched.values, color=LATCHED, label="share that stays snapped"
             )
         ax.set(xlabel=axis_label("N"), ylabel="share of devices that snap")
-        ax.set(xlim=N.values[[0, -1]], ylim=(0, 1))
+        ax.set(xlim=N.values[[0, -1]] if np.ptp(N.values) else N.edges[[0, -1]], ylim=(0, 1))
         return ax
     study_axis(ax, f0)
     set_scale(ax, "y", N)

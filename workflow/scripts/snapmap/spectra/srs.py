@@ -25,6 +25,8 @@ LOBES = (5, 7, 9, 11)
 """Half periods in a wavelet; odd, so that it leaves no velocity and no displacement."""
 ROUNDS = 25
 """Of corrections of a record, of which the best is taken."""
+PER_SAMPLE = 1e-8
+"""Core time that a round takes of each frequency, s, about."""
 BAND = 6.0
 """dB within which a record must meet its spectrum, as a laboratory must."""
 DIGITS = 6
@@ -120,6 +122,11 @@ def record(points: Sequence[Sequence[float]], seed: Sequence[int]) -> Record:
     peak = float(abs(a).max())
     pieces = straight(np.arange(samples) / (samples - 1), a / peak)
     return Record(Pulse("srs", pieces, 1e6 * step * (samples - 1)), peak, deviation)
+
+
+def draw_seconds(points: Sequence[Sequence[float]], pulse: Pulse) -> float:
+    """Core time in which a record like one of a spectrum is drawn, s, about."""
+    return PER_SAMPLE * ROUNDS * frequencies(points[0][0], points[-1][0]).size * len(pulse.pieces)
 
 
 @compiled

@@ -14,7 +14,8 @@ from ..solver.models import Follows
 from ..solver.search import asker
 from ..solver.settings import Settings
 from ..study import THRESHOLD_SETTINGS, Study, study_of
-from .srs import check_points, record
+from ..thresholds.cost import tell_records
+from .srs import check_points, draw_seconds, record
 
 RECORDS, SEED = 8, 1
 FACTORS = tuple(2.0 ** (n / 4) for n in range(-8, 9))
@@ -60,12 +61,16 @@ def trips_of(
 
     axes: values of the device, and C; points: as from `check_points`; drawn: records, seed
     """
-    records = [record(points, [drawn["seed"], number]) for number in range(drawn["records"])]
-    along = DIRECTIONS[study.shocks.directions[0]]
-    pulses = [(one.pulse if along > 0 else one.pulse.reversed(), one.peak) for one in records]
+    seeds = [[drawn["seed"], number] for number in range(drawn["records"])]
+    records = [record(points, seeds[0])]
     grid = study.set_out(axes)
     rows = to_rows(grid.device_of[..., np.newaxis], 1.0, grid.axes["C"])
     there, model = rows.device >= 0, choose_survey(grid.device, study.model).decides
+    asked = rows.take(there), records[0].pulse, study.settings, len(seeds)
+    tell_records("srs_test", model, *asked, len(seeds) * draw_seconds(points, records[0].pulse))
+    records += [record(points, seed) for seed in seeds[1:]]
+    along = DIRECTIONS[study.shocks.directions[0]]
+    pulses = [(one.pulse if along > 0 else one.pulse.reversed(), one.peak) for one in records]
     snaps = np.full((there.size, len(pulses), len(FACTORS)), np.nan)
     t_snap = snap_times(model, rows.take(there), pulses, FACTORS, study.settings)
     snaps[there] = np.where(np.isinf(t_snap), np.nan, np.isfinite(t_snap))

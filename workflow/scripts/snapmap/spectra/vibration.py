@@ -14,6 +14,7 @@ from ..shocks import HANDOUT_SHOCK
 from ..solver.adaptive import choose_survey
 from ..solver.cells import to_rows
 from ..study import THRESHOLD_SETTINGS, Study, study_of
+from ..thresholds.cost import tell_records
 from .psd import REACH, Spectrum
 from .trips import snap_times
 
@@ -91,7 +92,8 @@ def vibration_of(
     model = choose_survey(grid.device, study.model).decides.with_step(STEP)
     rows = to_rows(grid.device_of[..., np.newaxis], 1.0, grid.axes["C"])
     settings = study.settings._replace(horizon=0.0)
-    together = max(1, PIECES // len(spectrum.record(length, [seed, 0])[0].pieces))
+    first, _ = spectrum.record(length, [seed, 0])
+    together = max(1, PIECES // len(first.pieces))
 
     def follow(which, level):
         """How many records snap at a level, and fail, and the time, s, of rows, (3, rows)."""
@@ -106,6 +108,7 @@ def vibration_of(
         return seen
 
     there = rows.device >= 0
+    tell_records("vibration", model, rows.take(there), first, settings, records)
     ladder = _climb(follow, there, records)
     needed = -math.log1p(-reach) / T
     levels = np.array([_level(ladder, row, needed) for row in range(there.size)]) * rms

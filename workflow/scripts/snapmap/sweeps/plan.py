@@ -65,9 +65,10 @@ def make_plan(grid: Grid, model: Mapping, settings: Settings, alone: Sequence[fl
         moved = settings._replace(until="moved")
         total += float(_expected_of_each(grid, model, moved, np.array(alone))[1].max(axis=0).sum())
     if total > MOST_SECONDS:
+        longest = "horizon" if settings.horizon * axes["f0"][0] > 1e6 else "f0"
         raise ValueError(
-            f"sweep: up to {total / 3600:.2g} core hours from f0 = {axes['f0'][0]:g} Hz with "
-            f"horizon {settings.horizon:g} us and steps of {dt:.2g} us, more than "
+            f"sweep.{longest}: up to {total / 3600:.2g} core hours from f0 = {axes['f0'][0]:g} Hz "
+            f"with horizon {settings.horizon:g} us and steps of {dt:.2g} us, more than "
             f"{MOST_SECONDS / 3600:g}; write fewer points, a higher f0 or a shorter horizon"
         )
     known = np.where(grid.device_of < 0, 0, grid.device_of)

@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from ..pulse import Pulse
 from ..solver.adaptive import Survey
-from ..solver.cells import Rows
+from ..solver.cells import Rows, to_rows
 from ..solver.cost import steps_and_seconds, tell
 from ..solver.models import Follows
 from ..solver.settings import Settings
@@ -31,6 +32,30 @@ def survey_seconds(models: Survey, rows: Rows, settings: Settings) -> float:
         run_seconds(model, rows, settings) for model in (models.scans, models.decides)
     )
     return float(np.sum(SCANNED * scanned + DECIDED * decided))
+
+
+def record_seconds(model: Follows, rows: Rows, settings: Settings, records: int) -> float:
+    """Core time in which rows are followed under so many records like theirs, s, about."""
+    return PER_RECORD * records * float(run_seconds(model, rows, settings).sum())
+
+
+def tell_records(
+    what: str,
+    model: Follows,
+    rows: Rows,
+    pulse: Pulse,
+    settings: Settings,
+    records: int,
+    drawn: float = 0.0,
+) -> None:
+    """Warn of rows long followed under records like a pulse, or refuse them, as `tell_cost`.
+
+    rows: of which f0 and pulse are of no account; drawn: time in which records are, s
+    """
+    under = to_rows(rows.device, 1e6 / pulse.duration, rows.C, 0, (pulse,))
+    seconds = drawn + record_seconds(model, under, settings, records) / settings.threads
+    lasts = f"a record of {1e-6 * pulse.duration:.3g} s"
+    tell(what, seconds, lasts, "write a higher lowest frequency", stacklevel=4)
 
 
 def tell_cost(models: Survey, rows: Rows, settings: Settings):

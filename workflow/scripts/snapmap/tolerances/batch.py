@@ -21,6 +21,7 @@ from ..solver.search import asker, refine
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
 from ..study import Study, of_requirement
 from ..thresholds.bars import distance
+from ..thresholds.cost import tell_cost
 from ..thresholds.surface import look
 from .regression import nominal_thresholds, thresholds_of_samples
 from .samples import SHOCK_FACTORS, nominal_value
@@ -219,6 +220,7 @@ def thresholds_at(
         numbers = np.full(size, -1)
         numbers[there] = places
         parts = [(numbers.reshape(-1, *(x.size for x in axes)), axes)] if axes else []
+        tell_cost(models, rows, study.settings)
         seen = look(models, rows, parts, study.settings, THRESHOLD_TOLERANCE)
         first[:, there] = seen["N_first"], seen["N_error"]
     return *first, there
