@@ -196,6 +196,17 @@ DROP = {"drop": {"height": "1 m", "duration": "0.5 ms"}}
 CRASH = {"name": "crash", "N": 1500, "f0": "2 kHz", "snaps": True, "closes_within": "1 ms"}
 
 
+FREE = {"device__beam__guide": "free", "device__beam__imperfection": "0.01 um"}
+RESET = {"name": "reset", "N": 1500, "f0": "2 kHz", "snaps": True, "start": "second"}
+
+
+def shaken(lowest, duration):
+    """A vibration up to 2 kHz."""
+    density = "0.1 g^2/Hz"
+    psd = [[lowest, density], ["2 kHz", density]]
+    return {"name": "shaken", "psd": psd, "duration": duration, "snaps": False}
+
+
 @pytest.mark.parametrize(
     ("key", "values"),
     [
@@ -210,7 +221,7 @@ CRASH = {"name": "crash", "N": 1500, "f0": "2 kHz", "snaps": True, "closes_withi
         *(("histories", {"histories": {}}), ("histories[0]", {"histories": [3]})),
         ("sweep.duration", {"sweep__duration": ["1 ms"]}),
         ("histories[0].f0", {"histories": [{"N": 1, "C": "1 kg/s"}]}),
-        *(("marks", {"marks": name}) for name in ("none.csv", "../points.csv", "/etc/passwd", "")),
+        *(("marks", {"marks": name}) for name in ("none.csv", "/etc/passwd", "")),
         ("device.gap", {**ALONE, "device__gap": "1 um"}),
         ("sweep.C", {**ALONE, "sweep__C": ["1 kg/s"]}),
         ("sweep", {**ALONE, "sweep__spring": ["1 N/m"]}),
@@ -221,6 +232,10 @@ CRASH = {"name": "crash", "N": 1500, "f0": "2 kHz", "snaps": True, "closes_withi
         ("device.contact_at", {"requirements": [CRASH]}),
         ("device.contact_at", {"device__contact_at": "10 um"}),
         ("requirements[0].closes_within", {"requirements": [CRASH | {"snaps": False}]}),
+        ("requirements[0].psd", {"requirements": [shaken("0.01 Hz", "100 h")]}),
+        ("requirements[0].duration", {"requirements": [shaken("20 Hz", "1e-9 s")]}),
+        ("sweep.start", {**FREE, "sweep__start": "second"}),
+        ("requirements[0].start", {**FREE, "requirements": [RESET]}),
         ("pulse.form", {"pulse": {"shape": "half sine", "form": 1}}),
         ("devices['a b']", {"devices": {"a b": DEFAULT["device"]}, "device": MISSING}),
     ],
@@ -239,6 +254,36 @@ def test_all_faults_are_reported_at_once_wherever_they_are():
     assert keys == {key.replace("__", ".") for key in values} | {
         *("sweep.C[1]", "sweep.C[2]", "requirements[0].N", "[1]", "['a\\nb']")
     }
+
+
+def test_like_faults_of_a_list_are_told_once_with_their_number():
+    many = [f"{degrees} degC" for degrees in range(50)] + [*range(1950)]
+    line = only_fault(changed(sweep__temperature=many))
+    assert line.startswith("sweep.temperature[50]: 0 has no unit; write a temperature")
+    assert line.endswith(" (and 1949 others of this list)")
+
+
+def test_a_file_outside_the_folder_of_the_study_is_refused(tmp_path, monkeypatch):
+    (tmp_path / "points.csv").write_text("N,f0\n1000,2000\n", encoding="utf-8")
+    (tmp_path / "study").mkdir()
+    monkeypatch.chdir(tmp_path / "study")
+    for name in ("../points.csv", "sub/../../points.csv", str(tmp_path / "points.csv")):
+        assert "lies outside the study's folder" in only_fault(changed(marks=name))
+
+
+def test_ranges_of_unknowns_leave_a_second_shape(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shots = "N,f0,tripped\n900,1000,no\n1000,1000,yes\n1100,1000,yes\n"
+    (tmp_path / "shots.csv").write_text(shots, encoding="utf-8")
+    for ends, side in ((["1.7 um", "4.4 um"], "up to 4.4 um"), (["1.7 um", "4.3 um"], "")):
+        section = {"shots": "shots.csv", "unknowns": {"thickness": ends}, "C": "25 kg/s"}
+        document = changed(calibration=section)
+        if side:
+            line = only_fault(document)
+            assert line.startswith(f"calibration: unknowns: thickness: {side} it leaves no second")
+            assert line.endswith("write a lower end")
+        else:
+            assert load_config(document).calibration.unknowns == {"thickness": [1.7, 4.3]}
 
 
 @pytest.mark.parametrize("document", [None, 3, "device", [], [DEFAULT]])

@@ -26,6 +26,28 @@ def test_rms_is_the_integral_of_straight_lines_on_logarithmic_scales():
     assert falling.rms == pytest.approx(math.sqrt(10 * math.log(10)))
 
 
+def test_a_record_has_ten_periods_of_the_lowest_frequency_or_all_that_there_is():
+    low, flat = Spectrum([(0.5, 0.04), (2000.0, 0.04)]), Spectrum(FLAT)
+    assert (low.record_length(60.0), low.record_length(5.0)) == (20.0, 5.0)
+    assert (flat.record_length(60.0), flat.record_length(0.25)) == (1.0, 0.25)
+
+
+def test_a_record_of_no_sine_or_of_too_many_samples_is_refused():
+    Spectrum([(1.0, 0.04), (10_000.0, 0.04)]).require_record(3600.0)
+    for points, duration, key in (
+        ([(0.01, 0.04), (2000.0, 0.04)], 3600.0, "psd"),
+        ([(20.0, 0.04), (2e6, 0.04)], 3600.0, "psd"),
+        ([(1000.2, 0.04), (1000.8, 0.04)], 3600.0, "psd"),
+        (FLAT, 5e-324, "duration"),
+        (FLAT, 4e-4, "duration"),
+    ):
+        with pytest.raises(ValueError, match=f"^{key}: a record of .*; write "):
+            Spectrum(points).require_record(duration)
+    Spectrum(FLAT).require_record(5e-4)
+    drawn, peak = Spectrum(FLAT).record(5e-4, [1, 0])
+    assert np.isfinite(drawn.pieces).all() and peak > 0
+
+
 def test_an_oscillator_answers_as_miles_and_rice_say():
     f, Q, S = 500.0, 20.0, 0.04
     a, step = samples(Spectrum(FLAT), 20.0)

@@ -135,8 +135,10 @@ def lines_of(error: ValidationError, *at: str | int) -> list[str]:
     alike, lines = {}, []
     for number, one in enumerate(error.errors()):
         path = (*at, *one["loc"])
-        of_list = _list_of(path) if isinstance(path[-1], int) else number
-        alike.setdefault(of_list, []).append(line_at(path, one["msg"]))
+        of_list = _list_of(path)
+        alike.setdefault(number if of_list == path else of_list, []).append(
+            line_at(path, one["msg"])
+        )
     for faults in alike.values():
         many = len(faults) > MOST_ALIKE
         lines += [f"{faults[0]} (and {len(faults) - 1} others of this list)"] if many else faults

@@ -147,7 +147,7 @@ def _of_device(study, axes, tolerances, requirements, tolerance):
         known = first[np.isfinite(first)]
         ends = (known.min(), known.max()) if known.size else (1.0, 2.0)
         N = np.append(geometric(*ends, AMPLITUDES)[:-1], ends[1])  # to its last digit
-    N, along = np.sort(np.atleast_1d(np.asarray(N, float))), (*groups, "N")
+    N, along = np.unique(np.asarray(N, float)), (*groups, "N")
     data |= _share("probability", count_below(first, N), samples, along)
     if device.beam.damping > 0:
         size = min(samples, max(FEWEST_FOLLOWED, FOLLOWED_CELLS // (nominal.size * N.size)))
