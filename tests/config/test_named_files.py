@@ -14,7 +14,7 @@ from small_workflow import snakemake
 
 import snapmap
 from snapmap.config.study import load_config, planned_study
-from snapmap.config.yaml_file import read_document
+from snapmap.config.yaml_file import ConfigError, read_document
 from snapmap.io.named import hold_to_plan
 from snapmap.io.netcdf import check_alike
 from snapmap.io.recorded import read_pulse
@@ -76,14 +76,28 @@ def test_an_edit_since_the_plan_is_refused(folder, monkeypatch):
     assert planned_study(yaml.safe_load(STUDY), threads=2).settings.threads == 2
     write_record(folder / "shock.csv", 3)
     (folder / "points.csv").write_text("N,f0\n1000,2001\n", encoding="utf-8")
-    for read in (
-        lambda: read_pulse(study.pulse["file"], study.pulse["sha256"]),
-        lambda: planned_study(yaml.safe_load(STUDY), threads=1),
-    ):
-        with pytest.raises(ValueError, match=r"^shock\.csv: was edited after the run was planned"):
-            read()
-    with pytest.raises(ValueError, match=r"^points\.csv: was edited after the run was planned"):
+    with pytest.raises(ValueError, match=r"^shock\.csv: was edited after the run was planned"):
+        planned_study(yaml.safe_load(STUDY), threads=1)
+    with pytest.raises(ValueError, match=r"^shock\.csv: was edited: its SHA-256 is not the exp"):
+        read_pulse(study.pulse["file"], study.pulse["sha256"])
+    with pytest.raises(ValueError, match=r"^points\.csv: was edited: its SHA-256 is not the exp"):
         read_points(*study.own_points)
+
+
+HOSTILE = "=1+1", "@SUM(A1)", "a|b", "<img src=x onerror=alert(1)>", "a\nb", "-1", "`a`", "a,b;c"
+
+
+def test_a_record_has_a_name_that_may_stand_in_tables(folder):
+    for name in ("Prüfung 3, 2026-11-23 (kanal_1.2)", "x" * 200):
+        assert read_pulse(write_record(folder / f"{name}.csv", 1)).name == name
+    for name in HOSTILE:
+        write_record(folder / f"{name}.csv", 1)
+        required = {"name": "r", "file": f"{name}.csv", "N": 1000, "snaps": True}
+        document = yaml.safe_load(STUDY) | {"requirements": [required]}
+        with pytest.raises(ConfigError) as caught:
+            load_config(document)
+        (line,) = str(caught.value).splitlines()
+        assert line.startswith("requirements[0]: ") and "rename it, in letters, digits" in line
 
 
 @pytest.mark.parametrize(
