@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import root
 from varied import alone, varied
 
 import snapmap
@@ -138,3 +139,52 @@ def test_kept_and_left_out_modes_yield_as_the_exact_beam_column_does(handout, st
     exact = (np.tan(b) - b) / (64 * b**3) / unit
     assert kept + modes.residual == pytest.approx(exact, rel=1e-9)
     assert 0 < modes.residual < 1e-5 * abs(exact)
+
+
+def forces_held(beam, ways):
+    """Forces that hold the midpoint of a guided beam so far from its first shape, uN, by Newton.
+
+    Each follows from the one before, in amplitudes of (1 - cos(2 n pi x/L))/2, n up to 40.
+    """
+    n, made = np.arange(1, 41), np.zeros(40)
+    made[:2] = beam.rise, beam.rise * beam.cosine_2
+    square = (2 * np.pi * n / beam.span) ** 2
+    slope = beam.span / 8 * square
+    bending, at_middle = beam.bending_stiffness * square * slope, n % 2
+
+    def residual(unknown, way):
+        a, force = unknown[:-1], unknown[-1]
+        stretch = (slope @ a**2 - slope @ made**2) / (2 * beam.span)
+        pull = beam.youngs_modulus * beam.area * stretch * slope
+        loads = bending * (a - made) + pull * a + force * at_middle
+        change = np.diag(bending + pull)
+        change += beam.youngs_modulus * beam.area / beam.span * np.outer(slope * a, slope * a)
+        border = np.append(at_middle, 0)[np.newaxis]
+        jacobian = np.block([[change, border[:, :-1].T], [border]])
+        return np.append(loads, at_middle @ a - beam.rise + way), jacobian
+
+    forces, unknown = [], np.append(made, 0.0)
+    for way in ways:
+        solved = root(residual, unknown, (way,), jac=True, tol=1e-12)
+        assert solved.success
+        unknown = solved.x
+        forces.append(unknown[-1])
+    return np.array(forces)
+
+
+@pytest.mark.parametrize("cosine_2", [0.005, 0.02, 0.05, 0.08, 0.1])
+def test_a_guided_beam_with_a_second_cosine_is_as_stiff_as_its_energy_says(handout, cosine_2):
+    device = varied(handout, cosine_2=cosine_2, contact_at=-5.0)
+    path, ways = snapmap.statics(device), np.linspace(0, 20, 401)
+    forces = forces_held(device.beam, ways)
+    guided = path.sel(branch="guided")
+    found = np.interp(ways, guided.displacement, guided.force)
+    np.testing.assert_allclose(found, forces, atol=0.05)
+    extremes = path.largest_force, path.least_force
+    assert extremes == pytest.approx((forces.max(), forces.min()), abs=0.01)
+    assert path.hold_force == pytest.approx(max(0.0, -forces[300]), abs=5e-3)
+
+
+def test_a_force_that_is_not_known_does_not_hold_nothing(handout, monkeypatch):
+    monkeypatch.setattr("snapmap.beam.statics.largest_force", lambda *_: np.array(np.nan))
+    assert np.isnan(snapmap.statics(replace(handout, contact_at=-5.0)).hold_force)

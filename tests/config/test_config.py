@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from snapmap.config.devices import load_device, read_device
 from snapmap.config.doubts import descriptions, doubts
+from snapmap.config.products import products
 from snapmap.config.study import load_config
 from snapmap.config.units import read, show
 from snapmap.config.yaml_file import ConfigError, read_document
@@ -85,6 +86,7 @@ def test_a_beam_alone(pushed):
     assert read_device(section) == study.device
     assert "no mass" in descriptions(study)[0]
     assert sum("uN of force on the midpoint" in line for line in doubts(study)) == bool(pushed)
+    assert ("damage_boundary" in products(study).stems) != bool(pushed)
 
 
 def test_load_device_looks_at_the_device_only(tmp_path):

@@ -13,12 +13,13 @@ from matplotlib.collections import FillBetweenPolyCollection, LineCollection
 from matplotlib.colors import to_rgb
 from matplotlib.patches import Polygon
 from PIL import Image
-from small_results import ATTRIBUTES, CONFIG, F0, legend_words, make_found, visible
+from small_results import ATTRIBUTES, CONFIG, F0, TINY, legend_words, make_found, visible
 
 from snapmap.figures import (
     calibration,
     curves,
     histories,
+    maps,
     requirements,
     scales,
     statics,
@@ -247,6 +248,23 @@ def test_thresholds_approach_both_limits():
         assert N * 1e-5 / (2e-6 * f0) == pytest.approx(np.full(f0.size, v))
     found = make_found().assign(velocity_change=("C", [np.nan, np.nan]))
     assert not limits(drawn(thresholds.draw_thresholds, found), curves.SHORT)
+
+
+def test_figures_of_a_pushed_beam_count_its_force_and_no_velocity_change():
+    device = {"device": {"beam": {}, "mass": "none", "force": "2.0 uN"}}
+    found = make_found().assign(velocity_change=("C", [np.nan, np.nan]))
+    found.attrs["config"] = json.dumps(CONFIG | device)
+    ax = drawn(thresholds.draw_thresholds, found)
+    assert ax.get_ylabel() == "pulse amplitude $N$ (multiples of 2 µN)"
+    legend = ax.figure.legends[0]
+    words = [legend.get_title().get_text(), *legend_words(ax)]
+    assert not [text for text in words if "Delta v" in text]
+    two = {"a": device["device"], "b": device["device"] | {"force": "3.0 uN"}}
+    attributes = {"config": json.dumps({"devices": two})}
+    assert style.multiples(attributes) == "multiples of each force"
+    cells = TINY.assign_attrs(config=found.attrs["config"])
+    assert drawn(maps.draw_map, cells, found.isel(C=0)).get_ylabel().endswith("of 2 µN)")
+    assert drawn(maps.draw_map, TINY, None).get_ylabel().endswith("of $g$)")
 
 
 def test_damage_boundary_is_over_the_velocity_change_between_its_limits():

@@ -10,7 +10,7 @@ import snapmap
 from snapmap.motion.history import extremes_of
 from snapmap.solver.cells import to_cells
 from snapmap.solver.models import build_model
-from snapmap.solver.outcome import REPEATED_STEP
+from snapmap.solver.outcome import OUTCOMES, REPEATED_STEP
 from snapmap.solver.settings import Settings
 from snapmap.study import Study
 
@@ -85,6 +85,29 @@ def test_the_work_converges_with_order_two(handout, contact, modes):
     works = [work_of(model.with_step(2.0**-k), [500.0, 700.0], 3e3, 25.0) for k in range(3)]
     first, second = abs(np.diff(works, axis=0))
     np.testing.assert_allclose(np.log2(first / second), 2, atol=0.2)
+
+
+def test_a_history_says_whether_and_when_the_handouts_shock_snaps_as_a_sweep_does(handout):
+    shot = {"N": 1000.0, "f0": 1500.0, "C": 0.025}
+    run = snapmap.simulate(handout, **shot, model="reference")
+    cube = snapmap.sweep(handout, *([value] for value in shot.values()), model="reference")
+    assert run.t_snap == cube.t_snap.item() == pytest.approx(434.8857, abs=5e-5)
+    assert run.outcome == OUTCOMES[cube.outcome.item()] == "snapped"
+
+
+def test_a_history_has_the_outcome_of_a_sweep_that_starts_where_it_does(handout):
+    device, f0, C = varied(handout, stop_away=30.0, damping=4e-3), 2e4, 25.0
+    asked = {"model": "cosines", "modes": 3}
+    words = []
+    runs = (700.0, "first", "+z"), (6e3, "first", "+z"), (6e4, "second", "-z")
+    for N, start, direction in runs:
+        asked |= {"start": start, "direction": direction}
+        cube = snapmap.sweep(device, [N], [f0], [C], **asked)
+        run = snapmap.simulate(device, N, f0, C, **asked)
+        np.testing.assert_array_equal(run.t_snap, cube.t_snap.item())
+        assert run.outcome == OUTCOMES[cube.outcome.item()]
+        words.append(run.outcome)
+    assert words == ["never", "latched", "returned"]
 
 
 @pytest.fixture(scope="module")

@@ -80,3 +80,9 @@ def test_auto_by_name_records_how_it_decided(handout):
     assert (cube.level == 0).sum() > 30 and cube.agreed.all()
     shuffled = snapmap.sweep(handout, **(cell | {"N": N[::-1]}), model="auto")
     np.testing.assert_array_equal(shuffled.t_snap.values[..., ::-1], cube.t_snap.values)
+
+
+def test_a_history_says_of_a_cell_what_a_sweep_of_it_alone_says(handout):
+    run = snapmap.simulate(handout, 1000.0, 1500.0, 0.025, horizon=100.0)
+    cube = snapmap.sweep(handout, [1000.0], [1500.0], [0.025], horizon=100.0)
+    assert run.t_snap == cube.t_snap.item() and run.outcome == "snapped"

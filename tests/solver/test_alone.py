@@ -61,6 +61,13 @@ def test_nothing_depends_on_the_mass(handout):
     np.testing.assert_allclose(first.t_snap[0], slow.t_snap[0], rtol=1e-2)
 
 
+def test_a_force_changes_no_velocity(handout):
+    asked = {"f0": [F0], "C": [0.0], "model": "cosines", "modes": 3, "horizon": 100.0}
+    shaken, pushed = (snapmap.threshold(alone(handout, force), **asked) for force in (0.0, 1.0))
+    assert shaken.velocity_change > 0 and pushed.velocity_change.isnull()
+    assert pushed.N_first.notnull()
+
+
 def test_a_history_has_the_beam_alone(handout):
     run = snapmap.simulate(alone(handout, 1.0), 60.0, F0, 0.0, model="cosines", modes=3)
     assert run.z_mass.isnull().all() and run.midpoint_force.max() == pytest.approx(60.0, rel=1e-4)

@@ -2,7 +2,7 @@ plots = {
     key: views(getattr(made, key))
     for key in ("snaps", "times", "ends", "together", "fields")
 }
-plots |= {"curves": views(study.curves), "boundary": views([study.boundary])}
+plots |= {"curves": views(study.curves), "boundary": views(study.boundary)}
 of_cells = {"cube": "results/cube.nc", "threshold": "results/threshold.nc"}
 traced = {"traces": path for path in made.traces}
 of_stress = of_cells | (traced if study.has_strength else {})

@@ -218,7 +218,7 @@ direction | | | direction of the frame; +z presses the mass down | along | direc
 C | damper | | damping coefficient of the mass | $C$ | damping of the mass $C$
 f0 | frequency | | frequency of the pulse | $f_0$ | pulse frequency $f_0$
 duration | pulse | | | pulse duration $1/f_0$
-N | number | | amplitude of the pulse, multiples of g | $N$ | pulse amplitude $N$ (multiples of $g$)
+N | number | | amplitude of the pulse, multiples of g | $N$ | pulse amplitude $N$
 """
 QUANTITIES = {quantity.name: quantity for quantity in map(_quantity, _LINES.splitlines())}
 """By their names, in the order in which figures name them; the fields of each by its line."""

@@ -137,7 +137,7 @@ def largest_force(modes: BucklingModes, loaded: Callable, limit: Value) -> np.nd
         N = low[..., np.newaxis] + np.multiply.outer((high - low) / points, np.arange(points) + 0.5)
         exists = np.isfinite(roots(modes, N, *loaded(N))[0])
         count = np.count_nonzero(np.logical_and.accumulate(exists, axis=-1), axis=-1)
-        low = _at(N, np.maximum(count - 1, 0))
+        low = np.where(count > 0, _at(N, np.maximum(count - 1, 0)), low)
         high = np.where(count < points, _at(N, np.minimum(count, points - 1)), high)
     return low
 

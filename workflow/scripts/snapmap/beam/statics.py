@@ -68,7 +68,8 @@ def statics(device: Device) -> xr.Dataset:
     electrode = {}
     if device.has_electrode:
         held = np.interp(first - device.contact_at, w, -force)
-        electrode = {"contact_at": device.contact_at, "hold_force": max(0.0, float(held))}
+        # What is not known is not 0.
+        electrode = {"contact_at": device.contact_at, "hold_force": float(np.maximum(held, 0.0))}
     return dress(
         "statics",
         xr.Dataset(data, {"branch": list(branches)}),

@@ -45,10 +45,7 @@ def doubts(study: Study) -> list[str]:
     for name, one in study.devices().items():
         own = [tilting(one.beam), stopped(one)]
         if one.force:
-            own += [
-                f"N counts {one.force:g} uN of force on the midpoint, wherever multiples of g are "
-                "named"
-            ]
+            own += [f"N counts {one.force:g} uN of force on the midpoint, also where g is named"]
         slopes = one.modulus_slope, one.expansion_mismatch, one.damper_exponent
         if "temperature" in axes and not any(slopes):
             own += ["temperature: changes nothing without device.thermal; write its values there"]

@@ -55,7 +55,7 @@ def products(study: Config) -> Products:
     histories = {cell.name: cell for cell in study.histories}
     maps = [*_names(times), *_names(ends), *["maps"] * bool(ends)]
     snap_maps = [*_names(snaps), *["snap_maps"] * bool(snaps), *_names(fields)]
-    curves = [*_names(study.curves), study.boundary.name]
+    curves = [*_names(study.curves), *_names(study.boundary)]
     made = [f"{stem}{ending}" for stem in ("probability", "sensitivity") for ending in batches]
     made += [f"yield{ending}" for ending in yields]
     return Products(

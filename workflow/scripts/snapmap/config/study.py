@@ -67,7 +67,7 @@ class Config(Study):
     traces: bool
     maps: tuple[View, ...]
     curves: tuple[View, ...]
-    boundary: View
+    boundary: tuple[View, ...]
     own_points: tuple[str, str] | tuple[()]
     left_out: str
     measured: dict[tuple[str, str], str]

@@ -179,10 +179,12 @@ def _each_C(grid, lines):
     return [{"C": place} for place in chosen] if lines in NAMES else [{}]
 
 
-def choose_boundary(grid: Grid, nominal: Device) -> View:
-    """Choose the lines of the damage boundary, thresholds over f0."""
+def choose_boundary(grid: Grid, nominal: Device) -> tuple[View, ...]:
+    """Choose the lines of the damage boundary, thresholds over f0; none where a force pushes."""
+    if np.any(grid.device.force):
+        return ()
     view = _view(grid, nominal, "thresholds", "f0", _lines(grid, [], "f0"), {})
-    return view._replace(name="damage_boundary")
+    return (view._replace(name="damage_boundary"),)
 
 
 def history(cell: Mapping, device: Device | Mapping[str, Device]) -> History:

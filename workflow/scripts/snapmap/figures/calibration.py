@@ -49,7 +49,7 @@ def draw_shots(ax: Axes, found: xr.Dataset) -> Axes:
     study_axis(ax, scale_of("f0", f0))
     ax.set_xlim(min(f0[0], found.f0.min() / WIDEST), max(f0[-1], found.f0.max() * WIDEST))
     ends = found.N.values.min() / WIDEST, found.N.values.max() * WIDEST
-    ax.set(yscale="log", ylim=ends, ylabel=axis_label("N"))
+    ax.set(yscale="log", ylim=ends, ylabel=axis_label("N", found.attrs))
     tick(ax.yaxis, *ends)
     ax.fill_between(f0, low / wide, high * wide, **SCATTERS)
     ax.fill_between(f0, low, high, **SURE)

@@ -145,10 +145,11 @@ def _axis(cells, key):
     """An axis as the page's code knows it: where its values stand, and their texts."""
     quantity, scale = QUANTITIES[key], scales.scale_of(key, cells[key].values)
     every = -(-scale.values.size // scales.SEVERAL)
+    label = scales.axis_label(key, cells.attrs) if key == "N" else quantity.label or quantity.words
     lead = f"{quantity.words} ".lstrip() if key in NAMES else f"{_typeset(quantity.words)} = "
     return {
         "name": key,
-        "label": _typeset(quantity.label or quantity.words),
+        "label": _typeset(label),
         "unit": quantity.spelt.page,
         "lead": lead,
         "values": scale.places.tolist(),

@@ -63,8 +63,8 @@ def parts(cells: xr.Dataset) -> Iterator[xr.Dataset]:
 def open_plane(ax: Axes, cells: xr.Dataset, x: str, y: str) -> tuple[Scale, Scale]:
     """Scale and name both axes for cells in ascending order; returns the scales."""
     scales = scale_of(x, cells[x].values), scale_of(y, cells[y].values)
-    study_axis(ax, scales[0])
-    set_scale(ax, "y", scales[1])
+    study_axis(ax, scales[0], cells.attrs)
+    set_scale(ax, "y", scales[1], cells.attrs)
     return scales
 
 

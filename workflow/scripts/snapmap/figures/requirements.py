@@ -93,7 +93,8 @@ def draw_requirement(ax: Axes, found: xr.Dataset) -> Axes:
     ax.axvline(N, color="black", linewidth=0.8, label="required $N$")
     where = ", ".join(filter(None, [place_text(found), f"met by {percents(found.share_meeting)}"]))
     ax.set_title(f"{_required(found.requirement.item(), must)}\n{where}")
-    ax.set(xlim=(low, high), xlabel="threshold $N$ (multiples of $g$)", ylabel="devices")
+    label = f"threshold $N$ ({style.multiples(found.attrs)})"
+    ax.set(xlim=(low, high), xlabel=label, ylabel="devices")
     ax.locator_params(axis="y", integer=True)
     tick(ax.xaxis, low, high, is_log=False)
     return ax

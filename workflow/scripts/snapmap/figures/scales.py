@@ -2,6 +2,8 @@
 
 import math
 import textwrap
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +14,10 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 
 from ..axes import COORDINATES, DURATION, axis_behind
 from ..quantities import QUANTITIES, plain
+from . import style
 
+NONE = MappingProxyType({})
+"""No attributes."""
 WORDS = {
     key: (quantity.words, "ms" if key == DURATION else quantity.spelt.figures)
     for key, quantity in QUANTITIES.items()
@@ -82,12 +87,15 @@ def _is_geometric(values):
     return ratios.std() / ratios.mean() < differences.std() / differences.mean()
 
 
-def set_scale(ax: Axes, which: str, scale: Scale) -> None:
-    """Scale, name and tick one axis, "x" or "y"; a single value alone is ticked."""
+def set_scale(ax: Axes, which: str, scale: Scale, attributes: Mapping[str, str] = NONE) -> None:
+    """Scale, name and tick one axis, "x" or "y"; a single value alone is ticked.
+
+    attributes: as for `axis_label`
+    """
     axis = getattr(ax, f"{which}axis")
     ends = scale.places if scale.places.size >= MANY else scale.edges
     ax.set(**{f"{which}scale": "log" if scale.is_log else "linear", f"{which}lim": ends[[0, -1]]})
-    axis.set_label_text(axis_label(scale.key))
+    axis.set_label_text(axis_label(scale.key, attributes))
     if scale.is_counted or scale.values.size == 1:
         tick_values(axis, scale.places, scale.values)
     else:
@@ -119,16 +127,20 @@ def tick(
     axis.set_minor_formatter("")
 
 
-def axis_label(key: str) -> str:
-    """What is written along an axis: its quantity, and the unit in brackets."""
+def axis_label(key: str, attributes: Mapping[str, str] = NONE) -> str:
+    """What is written along an axis: its quantity, and the unit in brackets.
+
+    attributes: of the dataset; its config says what N counts
+    """
     words, unit = WORDS[key]
+    unit = style.multiples(attributes) if key == "N" else unit
     label = QUANTITIES[key].label or words
     return f"{label} ({unit})" if unit else label
 
 
-def study_axis(ax: Axes, scale: Scale) -> None:
+def study_axis(ax: Axes, scale: Scale, attributes: Mapping[str, str] = NONE) -> None:
     """Make x an axis of the study; above a frequency (Hz) stands the duration of the pulse."""
-    set_scale(ax, "x", scale)
+    set_scale(ax, "x", scale, attributes)
     if scale.key != "f0":
         return
     top = ax.secondary_xaxis("top", functions=(_reciprocal, _reciprocal))

@@ -174,7 +174,23 @@ def starts(config: Mapping) -> list[str]:
 
 def guides(config: Mapping) -> list[str]:
     """Whether the beams of a config are guided or free, in words; none if they differ."""
-    devices = config.get("devices", {"": config["device"]} if "device" in config else {})
-    free = {device["beam"].get("guide") == "free" for device in devices.values()}
+    free = {device["beam"].get("guide") == "free" for device in _devices(config)}
     words = {False: "guided beam", True: "beam free to tilt"}
     return [words[free.pop()]] if len(free) == 1 else []
+
+
+def multiples(attributes: Mapping[str, str]) -> str:
+    """What N counts, by the config among a dataset's attributes: g, or a force on the midpoint."""
+    devices = _devices(json.loads(attributes.get("config", "{}")))
+    forces = {device["force"] for device in devices if "force" in device}
+    if not forces:
+        return "multiples of $g$"
+    size = plain(float(forces.pop().partition(" ")[0]))
+    return "multiples of each force" if forces else f"multiples of {size} µN"
+
+
+def _devices(config):
+    """The sections of a config's devices."""
+    if "devices" in config:
+        return list(config["devices"].values())
+    return [config["device"]] if "device" in config else []

@@ -43,7 +43,7 @@ def draw_thresholds(ax: Axes, found: xr.Dataset, x: str = "f0", lines: str = "C"
 
 def _draw_lines(ax, lines, x):
     """Draw thresholds over x, each with a colour and a marker, with their gaps and limits."""
-    ax.set(yscale="log", ylabel=scales.axis_label("N"))
+    ax.set(yscale="log", ylabel=scales.axis_label("N", lines[0][0].attrs))
     for place, (found, colour, marker) in enumerate(lines):
         scale = scales.scale_of(x, found[x].values)
         _draw_gap(ax, found, scale, colour)
@@ -169,7 +169,8 @@ def draw_threshold_map(ax: Axes, found: xr.Dataset, x: str, y: str) -> Axes:
         middle, most = (scales.number(error, 2) for error in (np.median(known), known.max()))
         words.append(f"error bars: median {middle} %, largest {most} %")
     style.legend(ax, keys, "\n".join(filter(None, words)), 2)
-    plane.colour_bar(ax, field, "threshold: lowest $N$ that snaps (multiples of $g$)")
+    counted = style.multiples(found.attrs)
+    plane.colour_bar(ax, field, f"threshold: lowest $N$ that snaps ({counted})")
     return ax
 
 

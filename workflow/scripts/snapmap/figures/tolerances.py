@@ -41,11 +41,11 @@ def draw_probability(ax: Axes, found: xr.Dataset) -> Axes:
             ax.plot(
                 N.values, shares.latched.values, color=LATCHED, label="share that stays snapped"
             )
-        ax.set(xlabel=axis_label("N"), ylabel="share of devices that snap")
+        ax.set(xlabel=axis_label("N", found.attrs), ylabel="share of devices that snap")
         ax.set(xlim=N.values[[0, -1]] if np.ptp(N.values) else N.edges[[0, -1]], ylim=(0, 1))
         return ax
     study_axis(ax, f0)
-    set_scale(ax, "y", N)
+    set_scale(ax, "y", N, found.attrs)
     ax.pcolormesh(f0.edges, N.edges, found.probability.transpose("N", "f0").values, **FIELD)
     for share, dashes in LINES.items():
         line = found.N_quantile.sel(quantile=share).values

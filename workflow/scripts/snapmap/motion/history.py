@@ -17,10 +17,10 @@ from ..io.variables import dress
 from ..numerics.linalg import dot, multiply
 from ..pulse import blow_at
 from ..quantities import plain
-from ..solver.adaptive import choose_model
+from ..solver.adaptive import Adaptive, choose_model
 from ..solver.cells import to_cells
 from ..solver.closures import follow_closures
-from ..solver.outcome import REPEATED_STEP, t_snap_error, work_error
+from ..solver.outcome import OUTCOMES, REPEATED_STEP, label, t_snap_error, work_error
 from ..solver.settings import FIRST, MOVE
 from ..study import Study, study_of
 
@@ -46,14 +46,15 @@ def simulate(
     model: name, or the config's model section; of `auto` the finest level
     options: horizon (us after the pulse), until and energy_tolerance of the sweep whose step is
         taken; start; pulse and direction, a single one; and those of the model
-    Attributes: work_error, t_snap_error and blow, as in a cube; toward_max, away_max (of the mass
+    Attributes: outcome (a word) and t_snap (us, NaN if it does not snap), those of a sweep of this
+    cell alone; work_error, t_snap_error and blow, as in a cube; toward_max, away_max (of the mass
     from rest, um), contact_force_max (uN), stress_max and stress_max_to_snap (MPa), the largest of
     all steps; with device.contact_at that, and what the beam does there, as in a cube.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> run = snapmap.simulate(device, 1100, 1500, 25, model="cosines", horizon=0)
-    >>> bool(run.w_mid.min() < device.beam.second_equilibrium)
-    True
+    >>> run.outcome, round(run.t_snap)
+    ('snapped', 365)
     """
     study, _ = study_of(device, model, options, ("horizon", "energy_tolerance", "until", "start"))
     f0 = study.shocks.own_frequency() if f0 is None else f0
@@ -65,8 +66,10 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     if study.shocks.axes:
         raise ValueError("pulse: several; a history is of one shape in one direction")
     device, settings = study.device, study.settings._replace(repeat=False)
-    built, cells, t_snap = _cell(study, N, f0, C)
-    blow = blow_at(cells.pulses, cells.pulse, t_snap * cells.f0).item()
+    built, cells, seen = _cell(study, N, f0, C)
+    blow = blow_at(cells.pulses, cells.pulse, seen.t_snap * cells.f0).item()
+    linked = device.has_link and settings.start == FIRST
+    outcome = label(*seen[:4], settings.energy_tolerance, linked).item()
     dt, values, extremes = _record(built, cells, settings, SAMPLES)
     closing = _closing(built, cells, settings) if device.has_electrode else {}
     document = {
@@ -90,6 +93,8 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
         barrier=built.barrier.energy,
         gravity=device.gravity,
         time_step=dt,
+        outcome=OUTCOMES[outcome],
+        t_snap=seen.t_snap.item(),
         **extremes._asdict(),
         **({"first_equilibrium": built.barrier.first} if starts else {}),
         **{key: place for key, place in stops.items() if math.isfinite(place)},
@@ -137,12 +142,12 @@ def _closing(built, cells, settings):
 
 
 def _cell(study, N, f0, C):
-    """The model at the step that a sweep takes for a cell, the cell, and when it then snaps, us."""
+    """The model at the step that a sweep takes for a cell, the cell, and what the sweep sees."""
     at = [0], [N], [f0], [C], study.settings.horizon, 0, study.shocks.pulses
-    cells = to_cells(study.device, *at)
-    built = choose_model(study.device, study.model).levels[-1]
-    seen = built.follow(cells, study.settings._replace(repeat=False))
-    return built.with_step(0.5 ** seen.halvings.item()), cells, seen.t_snap
+    cells, model = to_cells(study.device, *at), choose_model(study.device, study.model)
+    follow = model.follow_by_top if isinstance(model, Adaptive) else model.follow
+    seen = follow(cells, study.settings._replace(repeat=False))
+    return model.levels[-1].with_step(0.5 ** seen.halvings.item()), cells, seen
 
 
 def _record(built, cells, settings, samples):

@@ -78,13 +78,16 @@ class Adaptive:
                 return seen._replace(level=level, agreed=agreed)
             near = cells.take(new)
             check = self.check.follow(near, settings._replace(until="snap"))
-            top = self._follow_near_change(near, settings)
+            top = self.follow_by_top(near, settings)
             level[new] = 1
             agreed[new] = np.isfinite(check.t_snap) == np.isfinite(top.t_snap)
             seen.replace(new, top)
 
-    def _follow_near_change(self, cells, settings):
-        """Follow cells, (cells,), by top; whether one snaps is told in the steps of a threshold."""
+    def follow_by_top(self, cells: Cells, settings: Settings) -> Observations:
+        """Follow cells, (cells,), near a change of label.
+
+        Whether one snaps is told in the steps of a threshold.
+        """
         edge = self.top.follow(cells, settings._replace(until="edge"))
         if settings.until != "settled":
             return edge

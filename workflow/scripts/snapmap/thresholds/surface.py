@@ -307,7 +307,8 @@ def _limits(grid, models, settings, tolerance, highest):
         return values.reshape(there.shape + (1,) * len(sizes))
 
     area = np.array([pulse.area for pulse in alone.pulses])
-    pushes = np.flatnonzero(abs(area) > NO_AREA)
+    # A force shakes no frame.
+    pushes = np.flatnonzero((abs(area) > NO_AREA) & np.all(device.force == 0))
     asked = models, settings, tolerance, highest
     change = _lowest_of(alone, *asked, fast, pushes)
     change *= (spread(device.gravity * (2 * np.pi / fast)) * abs(area).reshape(sizes))[
