@@ -159,7 +159,7 @@ def _is_requirement(value):
         and isinstance(value["name"], str)
         and POSITIVE.fits(value["N"])
         and POSITIVE.fits(value["f0"])
-        and FLAG.fits(value["snaps"])
+        and (FLAG.fits(value["snaps"]) or value["snaps"] == "any")
         and START.fits(value.get("start", "first"))
     )
 
@@ -224,7 +224,7 @@ ARGUMENTS = {
     "pulse.repeat": integer(1),
     "direction": Argument("+z, -z, both, or a list of these", _are_directions),
     **dict.fromkeys(
-        (f"{name}.direction" for name in ("simulate", "srs_test", "design", "calibrate")),
+        (f"{name}.direction" for name in ("simulate", "srs_test", "calibrate")),
         _word("+z", "-z"),
     ),
     "tolerance": _number("[1e-9, 0.01]", "", "1e-4"),
@@ -237,7 +237,7 @@ ARGUMENTS = {
     ),
     "between": Argument("a pair of numbers, low and high, such as (1.8, 2.2)", _is_pair),
     "requirements": Argument(
-        "a list of mappings of name, N, f0 (Hz) and snaps (True or False)",
+        'a list of mappings of name, N, f0 (Hz) and snaps (True, False, or "any")',
         lambda value: _is_list(value, _is_requirement),
     ),
     "scatters": _mapping_of(
