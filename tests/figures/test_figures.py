@@ -131,7 +131,7 @@ def test_margins_of_requirements_are_the_data_with_their_bars():
     assert [text.xy[1] for text in ax.texts] == [1, 2]  # no threshold; breaks
     assert legend_words(ax)[:2] == ["met", "failed"]
     names = [label.get_text() for label in ax.get_yticklabels()]
-    assert names[0].startswith("drop, trips\nhalf sine −z, temperature −40 °C, ")
+    assert names[0].startswith("drop, trips\nhalf sine −z, −40 °C, ")
     any_way = verdicts[0] | {"must_snap": "any", "margin": 1.1}
     verdicts += [verdicts[2] | {"margin": 1.2, "verdict": "met"}, any_way | {"requirement": "hit"}]
     ax = drawn(requirements.draw_margins, verdicts)

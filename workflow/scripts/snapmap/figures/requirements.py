@@ -47,7 +47,7 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
     verdicts: rows of requirements.csv
     A row is of a requirement on a device at one C; of several shocks or temperatures it is the
     worst, which its name tells, and the others are dots. Shaded is where it is met: above one if
-    the shock must not trip, below if it must, everywhere if it may trip or not.
+    the shock must not trip, below if it must; all of what may trip or not and is met.
     """
     groups = corners(verdicts)
     known = [row["margin"] for row in verdicts if row["margin"] == row["margin"]]
@@ -55,7 +55,8 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
     ax.set(xscale="log", xlim=(low, high), ylim=(len(groups) - 0.5, -0.5))
     for place, (row, *others) in enumerate(groups):
         margin, note = row["margin"], {"va": "center", "fontsize": 6}
-        ends = {True: (low, 1), False: (1, high)}.get(row["must_snap"], (low, high))
+        whole = (low, high if row["verdict"] == "met" else low)
+        ends = {True: (low, 1), False: (1, high)}.get(row["must_snap"], whole)
         ax.fill_betweenx([place - 0.45, place + 0.45], *ends, **MET)
         ax.plot([one["margin"] for one in others], [place] * len(others), **OTHER)
         if margin == margin:
@@ -63,7 +64,7 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
         else:
             ax.annotate("snaps at no $N$ seen ", (high, place), ha="right", **note)
         if row["break_probability"] > 1 - row["must_survive"]:
-            beside = margin if margin == margin else low
+            beside = np.fmax.reduce([low, *(one["margin"] for one in (row, *others))])
             ax.annotate("   the beam breaks", (beside, place), **note)
     ax.axvline(1, color="black", linewidth=0.6)
     ax.set_yticks(range(len(groups)), [_name(row) for row, *_ in groups])
@@ -82,7 +83,7 @@ def _name(row):
     shock = f"{row['shape']} {row['direction'].replace('-', '−')}"
     start = "from the second shape" if row["start"] == SECOND else ""
     where = [row["device"], start, shock]
-    where += [value_text("temperature", row["temperature"]), value_text("C", row["C"])]
+    where += [f"{number(row['temperature'])} °C", value_text("C", row["C"])]
     return f"{_required(row['requirement'], row['must_snap'])}\n{', '.join(filter(None, where))}"
 
 
