@@ -47,17 +47,20 @@ def test_thresholds_and_shares_are_those_of_the_results(sheet):
     assert row(text, "beam: density") == ["2330 kg/m^3"]
     frequency = 1e3 * np.sqrt(device.spring / device.mass) / (2 * np.pi)
     assert row(text, "frequency of the mass")[0] == f"{frequency:.5g} kHz"
-    shock, C, threshold, spread, margin, met, *strength = row(text, "drop, does not trip")
-    assert (shock, C, met) == ("half sine +z, 1 ms", "25", "met")
+    shock, degrees, C, threshold, spread, margin, met, *strength = row(text, "drop, does not trip")
+    assert (shock, degrees, C, met) == ("half sine +z, 1 ms", "20", "25", "met")
     value, error = map(float, threshold.split(" ± "))
     assert value == pytest.approx(verdict["N_first"], rel=1e-4)
     assert error == pytest.approx(verdict["N_error"], rel=0.1)
     assert margin.startswith(f"{verdict['N_first'] / 500.0:.4g}")
-    share = float(spread.split()[1])
+    share, uncertain = float(spread.split()[1]), float(spread.split()[4])
     assert share == pytest.approx(2.2 * 2.5, rel=0.5)  # 2.2 % of the threshold per % of thickness
+    assert uncertain == pytest.approx(share / np.sqrt(2 * 32), rel=0.1)
     assert float(strength[0]) == pytest.approx(900 / verdict["stress_max"], rel=1e-2)
     assert row(text, "meet all")[1] == f"{100 * made['yield'].item():.1f} %"
-    assert row(text, "travel of the mass towards")[2] == "drop, C = 25"
-    assert row(text, "first closure") == ["2 us", "6 us", "drop, C = 25"]
-    assert row(text, "openings") == ["4", "8", "drop, C = 25"]
+    where = "drop, half sine +z, C = 25, 20 degC"
+    assert row(text, "travel of the mass towards")[2] == where
+    assert row(text, "first closure") == ["2 us", "6 us", where]
+    assert row(text, "openings") == ["4", "8", where]
+    assert "at rest at 20 degC" in text and "32 devices as made, at 20 degC" in text
     assert row(text, "force on the electrode at -5 um") == ["10.723 uN"]

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 import snapmap
-from snapmap.sizing import _ends, _single, remedy
-from snapmap.study import Study
+from snapmap.shocks import make_shocks
+from snapmap.sizing import _ends, _single, _single_shocks, remedy
+from snapmap.study import Study, with_shocks
 from snapmap.tolerances.batch import thresholds_at
 
 CHEAP = {"model": "cosines", "modes": 3, "horizon": 300.0}
@@ -33,16 +34,18 @@ def test_each_remedy_brings_the_threshold_to_its_side(handout, N, snaps):
     study = Study(device=handout, model={"name": "cosines", "modes": 3})
     goal = {"N": N, "f0": 1000.0, "snaps": snaps, "shocks": study.shocks}
     first = snapmap.threshold(handout, [1000.0], [25.0], **CHEAP).N_first.item()
-    words = remedy(study, goal, 25.0, first)
-    changes = re.findall(r"a (mass|spring|beam) (\d+)% (\w+)", words)
-    assert {name for name, *_ in changes} >= {"mass", "beam"}
-    for name, percent, word in changes:
-        key = {"beam": "thickness"}.get(name, name)
+    changes = remedy(study, goal, 25.0, first)
+    assert {key for _, key, _ in changes} >= {"mass", "thickness"}
+    for words, key, number in changes:
+        name, percent, word = re.fullmatch(r"a (mass|spring|beam) (\d+)% (\w+)", words).groups()
+        assert {"beam": "thickness"}.get(name, name) == key
         sign = 1 if word in ("heavier", "stiffer", "thicker") else -1
         value = {"thickness": handout.beam.thickness}.get(key) or getattr(handout, key)
-        other = {key: np.array([value * (1 + sign * float(percent) / 100)])}
-        first = thresholds_at(study, other, 1000.0, 25.0)[0]
-        assert (first <= N) == snaps
+        said = value * (1 + sign * float(percent) / 100)
+        assert number == pytest.approx(said, abs=0.005 * value)
+        for other in (number, said):
+            first = thresholds_at(study, {key: np.array([other])}, 1000.0, 25.0)[0]
+            assert (first <= N) == snaps
 
 
 def test_along_another_value_the_answer_is_a_line(handout):
@@ -84,3 +87,27 @@ def test_the_window_in_which_all_requirements_are_met(handout):
         error = alone.error + found[f"{end}_error"].item()
         assert abs(found[end].item() - alone.value) <= error
     assert (found.low_from.item(), found.high_from.item()) == ("stay", "trip")
+
+
+def test_requirements_have_the_shocks_of_the_study_unless_they_name_theirs(handout):
+    asked = {"name": "drop", "N": 900.0, "f0": 1000.0, "snaps": False}
+    shocks = make_shocks(["half sine", "sawtooth"], "-z")
+    required = with_shocks(asked, shocks)
+    assert [one.pulse.name for one in required["shocks"].each()] == ["half sine", "sawtooth"]
+    assert required["shocks"].directions == ("-z",)
+    back = with_shocks(asked | {"pulse": "trapezoid", "direction": "both"}, shocks)["shocks"]
+    assert [(one.pulse.name, one.direction) for one in back.each()] == [
+        ("trapezoid", "+z"),
+        ("trapezoid", "-z"),
+    ]
+    assert [one["name"] for one in _single_shocks([required])] == [
+        "drop, half sine -z",
+        "drop, sawtooth -z",
+    ]
+    record = {"train": [{"duration": 300.0}, {"wait": 900.0}, {"repeat": 2}]}
+    within = {"C": 25.0, "between": (1.8, 2.5), "requirements": [asked]} | CHEAP
+    with pytest.raises(ValueError, match="requirements: drop: pulse: missing, as that of"):
+        snapmap.design(handout, "thickness", pulse=record, **within)
+    within["requirements"] = [asked | {"snaps": "any"}]
+    with pytest.raises(ValueError, match="requirements: drop: snaps: any has no threshold"):
+        snapmap.design(handout, "thickness", **within)

@@ -61,3 +61,25 @@ def test_where_the_beam_breaks_a_requirement_fails(study, found):
     brittle = replace(study, device=replace(study.device, strength=limit))
     reserve = window_of(brittle, AXES, NEEDS).reserve
     np.testing.assert_array_equal(reserve, found.reserve.where(found.stress_max < limit, 0))
+    # With a strength that scatters it fails where more than one in ten breaks.
+    modulus, share = 8.0, 0.9
+    scale = limit / (-np.log(share)) ** (1 / modulus)
+    device = replace(study.device, strength=scale, strength_modulus=modulus)
+    needs = [NEEDS[0] | {"survives": share}, NEEDS[1] | {"snaps": "any", "survives": share}]
+    trip, any_way = window_of(replace(study, device=device), AXES, needs).reserve
+    unbroken = found.stress_max < limit
+    assert 0 < unbroken.mean() < 1
+    np.testing.assert_array_equal(trip, found.reserve[0].where(unbroken[0], 0))
+    np.testing.assert_array_equal(any_way, np.where(unbroken[1], np.inf, 0))
+
+
+def test_under_several_shocks_the_worst_counts(study):
+    axes, shapes = {"thickness": [2.0, 2.2], "C": [25.0]}, ["half sine", "versed sine"]
+    alone = [window_of(study, axes, [NEEDS[1] | {"shocks": make_shocks(one)}]) for one in shapes]
+    both = window_of(study, axes, [NEEDS[1] | {"shocks": make_shocks(shapes)}])
+    least = np.minimum(alone[0].reserve, alone[1].reserve)
+    np.testing.assert_array_equal(both.reserve, least)
+    np.testing.assert_array_equal(both.N_first, least * 1100)
+    np.testing.assert_array_equal(
+        both.stress_max, np.maximum(alone[0].stress_max, alone[1].stress_max)
+    )

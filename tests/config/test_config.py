@@ -196,6 +196,8 @@ def test_durations_stand_for_frequencies():
 
 
 DROP = {"drop": {"height": "1 m", "duration": "0.5 ms"}}
+BLOW = {"name": "blow", "N": 1500, "f0": "2 kHz", "snaps": True}
+OTHER = BLOW | {"name": "other", "shape": "trapezoid"}
 CRASH = {"name": "crash", "N": 1500, "f0": "2 kHz", "snaps": True, "closes_within": "1 ms"}
 
 
@@ -239,6 +241,10 @@ def shaken(lowest, duration):
         ("requirements[0].duration", {"requirements": [shaken("20 Hz", "1e-9 s")]}),
         ("sweep.start", {**FREE, "sweep__start": "second"}),
         ("requirements[0].start", {**FREE, "requirements": [RESET]}),
+        ("requirements[0].shape", {"pulse": DROP, "requirements": [BLOW]}),
+        ("requirements[0].rise", {"requirements": [BLOW | {"rise": "20 %"}]}),
+        ("requirements[0].snaps", {"requirements": [BLOW | {"snaps": "any", "survives": False}]}),
+        ("device.strength", {"requirements": [BLOW | {"snaps": "any"}]}),
         ("pulse.form", {"pulse": {"shape": "half sine", "form": 1}}),
         ("devices['a b']", {"devices": {"a b": DEFAULT["device"]}, "device": MISSING}),
     ],
@@ -246,6 +252,27 @@ def shaken(lowest, duration):
 def test_a_fault_between_keys_is_one_line_that_names_one(key, values):
     """Faults of single values: test_bad_configs.py."""
     assert only_fault(changed(**values)).startswith(f"{key}: ")
+
+
+def required_under(pulse, **keys):
+    """Shapes and directions under which a requirement of a study with a pulse counts."""
+    (required,) = load_config(changed(pulse=pulse, requirements=[BLOW | keys])).requirements
+    return [(one.pulse.name, one.direction) for one in required["shocks"].each()]
+
+
+def test_a_requirement_without_shape_or_direction_has_those_of_the_study():
+    both = {"shape": ["half sine", "sawtooth"], "direction": "both"}
+    each = [(shape, to) for shape in both["shape"] for to in ("+z", "-z")]
+    assert required_under(both) == each
+    assert required_under(both, shape="trapezoid", direction="-z") == [("trapezoid", "-z")]
+    assert required_under(both, direction="-z") == each[1::2]
+    assert required_under({"direction": "-z"}) == [("versed sine", "-z")]
+    assert required_under(DROP, shape="half sine", direction="both") == each[:2]
+    shares = {"shape": "trapezoid", "rise": "20 %"}
+    study = load_config(changed(pulse=shares, requirements=[BLOW | {"fall": "30 %"}, OTHER]))
+    pulses = [one["shocks"].pulse for one in study.requirements]
+    assert [one.given.get("rise") for one in pulses] == [0.2, None]
+    assert pulses[0].given["fall"] == 0.3
 
 
 def test_all_faults_are_reported_at_once_wherever_they_are():

@@ -72,8 +72,9 @@ def test_the_installed_package_has_all_its_files(root):
 def test_names_of_verdicts_stay_text_and_numbers_are_numbers(tmp_path):
     path = tmp_path / "requirements.csv"
     head = "requirement,device,margin,must_snap,verdict,must_survive\n"
-    path.write_text(f"{head}nan,12,nan,True,met,0.999\nb,,0.5,False,failed,nan\n")
-    first, second = read_verdicts(path)
+    path.write_text(f"{head}nan,12,nan,True,met,0.999\nb,,0.5,False,failed,nan\nc,,1,any,met,1\n")
+    first, second, third = read_verdicts(path)
+    assert third["must_snap"] == "any"
     assert (first["requirement"], first["device"], second["device"]) == ("nan", "12", "")
     assert first["margin"] != first["margin"] and second["margin"] == 0.5
     assert (first["must_snap"], second["must_snap"], first["verdict"]) == (True, False, "met")

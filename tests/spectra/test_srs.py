@@ -68,6 +68,9 @@ def test_a_spectrum_is_held_against_the_factors_at_which_its_records_snap(handou
         assert row.margin == row.N_first and (row.N, row.shape) == (1.0, "spectrum")
     assert [row.verdict for row in rows[2:]] == ["met", "failed", "failed", "met"]
     assert [row.outcome for row in rows[2:]] == ["unsnapped"] * 2 + ["snapped"] * 2
+    both = check_spectra(study, [asked[0] | {"direction": "both"}], [25.0], [20.0], records=2)
+    assert [(row.direction, row.temperature) for row in both] == [("+z", 20.0), ("-z", 20.0)]
+    assert both[0] == rows[0]
 
 
 def test_ends_leave_out_what_fails():

@@ -11,8 +11,10 @@ import snapmap
 from snapmap.shocks import make_shocks
 from snapmap.solver.cells import to_rows
 from snapmap.solver.settings import Settings
+from snapmap.study import Study
 from snapmap.tolerances import batch as batches
-from snapmap.tolerances.samples import CUT, Plan
+from snapmap.tolerances.dataset import tolerances_of
+from snapmap.tolerances.samples import CUT, Plan, Tolerances
 from snapmap.tolerances.sensitivity import crossed, indices
 from snapmap.tolerances.statistics import count_below, moments, quantile_bounds, quantiles, wilson
 
@@ -194,3 +196,39 @@ def test_shares_that_meet_requirements_are_those_of_the_thresholds(handout, monk
     kept = snapmap.threshold(handout, [2000.0], [25.0], pulse="half sine", **CHEAP)
     at_mean = np.interp(made.thickness.mean(), *np.sort([made.thickness, first]))
     assert at_mean == pytest.approx(kept.N_first.item(), rel=5e-3)
+
+
+def test_a_requirement_is_met_under_all_its_shocks_at_all_temperatures(handout):
+    device = replace(handout, modulus_slope=-1e-3, strength=1e6)
+    study = Study(
+        device=device, model={"name": "cosines", "modes": 3}, settings=Settings(horizon=300.0)
+    )
+    made = Tolerances({"thickness": 0.05}, samples=32, index_samples=2)
+    both, degrees = make_shocks(["half sine", "versed sine"]), [-40.0, 120.0]
+    common = {"N": 1000.0, "f0": 1500.0}
+    needs = [
+        common | {"name": "trips", "snaps": True, "shocks": both},
+        common | {"name": "rests", "snaps": False, "shocks": both},
+        common | {"name": "survives", "snaps": "any", "shocks": both},
+    ]
+    axes = {"C": [25.0], "f0": [1500.0]}
+    found = tolerances_of(study, axes | {"temperature": degrees}, made, needs)
+    corners = [
+        tolerances_of(
+            replace(study, device=device.at(T)),
+            axes,
+            made,
+            [required | {"shocks": shocks} for required in needs[:2]],
+        ).N_first_required.squeeze("C")
+        for T in degrees
+        for shocks in both.each()
+    ]
+    most, least = (end.reduce([one.values for one in corners]) for end in (np.maximum, np.minimum))
+    trips, rests, _ = found.N_first_required.squeeze("C").values
+    np.testing.assert_allclose(trips, most[0], rtol=2e-3)  # steps of the search
+    np.testing.assert_allclose(rests, least[1], rtol=2e-3)
+    shares = (most[0] <= 1000).mean(), (least[1] > 1000).mean(), 1.0
+    np.testing.assert_allclose(found.share_meeting.squeeze("C"), shares, atol=1 / 32)
+    assert min(shares) > 0 and found.must_snap.values.tolist() == [1, 0, 2]
+    stress = found.stress_max.squeeze("C").values
+    np.testing.assert_array_equal(stress[0], stress[1])

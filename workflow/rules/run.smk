@@ -104,7 +104,7 @@ rule check_requirements:
         code=numbers,
         inputs=in_search,
         requirements=required + study.vibrations + study.spectra,
-        C=axes["C"],
+        axes={key: axes[key] for key in ("C", "temperature") if key in axes},
         tolerance=study.threshold_tolerance,
     message:
         "Check the required shocks"
@@ -145,7 +145,7 @@ rule find_tolerance:
     params:
         code=numbers,
         inputs=in_search,
-        axes=[axes[key] for key in ("C", "f0", "N")],
+        axes={key: axes[key] for key in ("C", "f0", "N", "temperature") if key in axes},
         tolerances=tolerances,
         requirements=required,
         left_out=[one["name"] for one in study.vibrations + study.spectra],

@@ -22,6 +22,7 @@ from snapmap.io.job_log import run_rule
 from snapmap.io.netcdf import check_alike
 from snapmap.io.tables import read_points, read_verdicts
 from snapmap.numerics.portable import evenly
+from snapmap.thresholds.corners import corners
 
 COLUMNS, MOST, LINES = 3, 12, 6
 """Panels of devices as made side by side, and in a figure, and lines; of more, evenly chosen."""
@@ -136,7 +137,7 @@ def draw_requirements(requirements_path, stem):
     """Draw the margin of each required shock, a row for each device and C."""
     verdicts = read_verdicts(requirements_path)
     about = xr.Dataset(attrs={"title": "Margins of required shocks"})
-    with _figure(stem, about, 1.2 + 0.32 * len(verdicts)) as figure:
+    with _figure(stem, about, 1.2 + 0.32 * len(corners(verdicts))) as figure:
         requirements.draw_margins(figure.subplots(), verdicts)
 
 

@@ -75,39 +75,26 @@ def simulate_history(study, cell, path):
 
 
 def check_requirements(study, path):
-    """Simulate the required shocks; write a row for each device and C, with what it does."""
+    """Judge what is required; write a row for each device, corner and C, with what it does."""
     import csv
-    from itertools import chain, product, zip_longest
+    from itertools import chain, zip_longest
     from math import nan
 
-    from snapmap.motion.history import Extremes, closing_of, extremes_of
-    from snapmap.sizing import remedy
+    from snapmap.motion.history import Extremes
     from snapmap.spectra.verdicts import check_spectra, check_vibrations
-    from snapmap.study import of_requirement
     from snapmap.thresholds import requirements
+    from snapmap.verdicts import hint, verdicts_of
 
-    C, study = study.axes["C"].tolist(), study.of_thresholds()
-    verdicts = requirements.check(study, study.requirements, C, study.threshold_tolerance)
-    beside = []
-    cases = product(study.requirements, study.devices().values(), C)
-    for place, (required, device, damping) in enumerate(cases):
-        shaken = replace(of_requirement(study, required), device=device)
-        shot = required["N"], required["f0"], damping
-        moved = extremes_of(shaken, *shot)
-        verdicts[place], survival = requirements.judge(
-            verdicts[place], device, moved.stress_max, required["survives"]
-        )
-        closing = closing_of(shaken, *shot)
-        verdicts[place], margins = requirements.judge_closing(verdicts[place], required, closing)
-        beside.append(moved._asdict() | survival._asdict() | closing | margins)
-    verdicts += check_vibrations(study, study.vibrations, C)
-    verdicts += check_spectra(study, study.spectra, C)
-    one, words = requirements.worst(verdicts)
-    for required in study.requirements:
-        if one.requirement == required["name"] and one.must_snap != (one.N_first <= one.N):
-            device = study.devices()[one.device] if one.device else study.device
-            changes = remedy(replace(study, device=device), required, one.C, one.N_first)
-            words += f"; it does so with {changes}, all else as it is" * bool(changes)
+    C, study, temperatures = study.axes["C"].tolist(), study.of_thresholds(), study.temperatures
+    how = temperatures, study.threshold_tolerance
+    judged = verdicts_of(study, study.requirements, C, *how)
+    verdicts, beside = [one for one, _ in judged], [others for _, others in judged]
+    verdicts += check_vibrations(study, study.vibrations, C, temperatures)
+    verdicts += check_spectra(study, study.spectra, C, temperatures)
+    worst, words = requirements.worst(verdicts)
+    words = [requirements.summary(verdicts), words]
+    if worst:
+        words.append(hint(study, study.requirements, verdicts, worst, *how))
     always = requirements.Verdict, Extremes, requirements.Survival
     columns = dict.fromkeys(chain(*(one._fields for one in always), *beside))
     with open(path, "w", newline="", encoding="utf-8") as file:
@@ -115,7 +102,7 @@ def check_requirements(study, path):
         rows.writeheader()
         for verdict, others in zip_longest(verdicts, beside, fillvalue={}):
             rows.writerow(verdict._asdict() | others)
-    print(f"{path}: {requirements.summary(verdicts)}; {words}")
+    print(f"{path}: {'; '.join(filter(None, words))}")
 
 
 def find_window(study, axes, path):
@@ -128,10 +115,11 @@ def find_window(study, axes, path):
 
 def find_tolerance(study, path):
     """Find the thresholds of devices whose values scatter."""
-    from snapmap.config.shocks import CLOSING
+    from snapmap.study import CLOSING
     from snapmap.tolerances.dataset import summary, tolerances_of
 
-    axes = {key: study.axes[key] for key in ("C", "f0", "N")}
+    named = "C", "f0", "N", "temperature"
+    axes = {key: study.axes[key] for key in named if key in study.axes}
     made = tolerances_of(study.of_thresholds(), axes, study.tolerances, study.requirements)
     left_out = [required["name"] for required in study.vibrations + study.spectra]
     closing = [one["name"] for one in study.requirements if any(key in one for key in CLOSING)]

@@ -207,7 +207,12 @@ def _of_axis(key: str, example: str) -> tuple[Bounds, str, str]:
 POSITIVE, ANY = _number("(0, inf)"), _number("(-inf, inf)")
 SHARE = _number("(0, 1)", "", "0.95")
 FLAG, START = Argument("True or False", _is_flag, bool), _word("first", "second")
-REQUIRED = {"name": _of_type("a name", str), "N": POSITIVE, "f0": POSITIVE, "snaps": FLAG}
+TRIPS = Argument(
+    'True, False, or "any"',
+    lambda value: FLAG.fits(value) or value == "any",
+    lambda value: value if value == "any" else bool(value),
+)
+REQUIRED = {"name": _of_type("a name", str), "N": POSITIVE, "f0": POSITIVE, "snaps": TRIPS}
 """What a requirement has."""
 THRESHOLDS = _dataset("a Dataset of thresholds, as threshold returns it", "N_first")
 PATH = Argument("the path of a file that is there", _is_path)
@@ -260,7 +265,7 @@ ARGUMENTS = {
     "pulse.repeat": integer(1),
     "direction": Argument("+z, -z, both, or a list of these", _are_directions),
     **dict.fromkeys(
-        (f"{name}.direction" for name in ("simulate", "srs_test", "design", "calibrate")),
+        (f"{name}.direction" for name in ("simulate", "srs_test", "calibrate")),
         _word("+z", "-z"),
     ),
     "tolerance": _number("[1e-9, 0.01]", "", "1e-4"),
@@ -273,7 +278,7 @@ ARGUMENTS = {
     ),
     "between": Argument("a pair of numbers, low and high, such as (1.8, 2.2)", _is_pair, _plain),
     "requirements": Argument(
-        "a list of mappings of name, N, f0 (Hz) and snaps (True or False)",
+        'a list of mappings of name, N, f0 (Hz) and snaps (True, False, or "any")',
         lambda value: _is_list(value, _is_requirement),
         lambda value: [*map(_requirement, value)],
     ),

@@ -97,17 +97,20 @@ def _costs(study):
     costs |= dict.fromkeys(["tolerances"] * bool(scatter), 0.0)
     for device in study.devices().values():
         models = choose_survey(batch([device]), study.model)
+        corners = len(study.temperatures) or 1
 
         def samples(rows, count, models=models):
             seconds = run_seconds(models.decides, rows, study.settings).sum()
             return (PER_ROW + PER_SAMPLE * count) * float(seconds)
 
         for required in study.requirements:
-            rows = to_rows(0, required["f0"], C, pulses=required["shocks"].pulses)
+            pulses = required["shocks"].pulses
+            pulse = np.arange(len(pulses))[:, np.newaxis]
+            rows = to_rows(0, required["f0"], C, pulse, pulses)
             settings = of_requirement(study, required).settings
-            costs["requirements"] += survey_seconds(models, rows, settings)
+            costs["requirements"] += corners * survey_seconds(models, rows, settings)
             if scatter:
-                costs["tolerances"] += samples(rows, scatter.samples)
+                costs["tolerances"] += corners * samples(rows, scatter.samples)
         if scatter:
             pulse = np.arange(len(study.grid.pulses))[:, np.newaxis, np.newaxis]
             rows = to_rows(0, f0, C[:, np.newaxis], pulse, study.grid.pulses)
@@ -125,6 +128,7 @@ def _costs(study):
 def _shaken(study):
     """Core time in which records of every vibration and spectrum are followed, s, about."""
     from .device import batch
+    from .shocks import make_shocks
     from .solver.adaptive import choose_survey
     from .solver.cells import to_rows
     from .spectra import srs, trips, vibration
@@ -139,7 +143,7 @@ def _shaken(study):
         def records(pulse, length, model, horizon, count):
             rows = to_rows(0, 1 / length, study.axes["C"], 0, (pulse,))
             settings = study.settings._replace(horizon=horizon)
-            return record_seconds(model, rows, settings, count)
+            return record_seconds(model, rows, settings, count) * (len(study.temperatures) or 1)
 
         for required in study.vibrations:
             length = Spectrum(required["psd"]).record_length(required["duration"])
@@ -148,8 +152,10 @@ def _shaken(study):
             costs["vibration"] += records(pulse, length, finer, 0.0, vibration.RECORDS)
         for required in study.spectra:
             pulse = srs.record(srs.check_points(required["srs"]), [trips.SEED, 0]).pulse
-            costs["spectra"] += trips.RECORDS * srs.draw_seconds(required["srs"], pulse) + records(
-                pulse, 1e-6 * pulse.duration, model, study.settings.horizon, trips.RECORDS
+            count = trips.RECORDS * len(make_shocks(direction=required["direction"]).pulses)
+            length, horizon = 1e-6 * pulse.duration, study.settings.horizon
+            costs["spectra"] += count * srs.draw_seconds(required["srs"], pulse) + records(
+                pulse, length, model, horizon, count
             )
     return costs
 

@@ -16,7 +16,8 @@ from .motion.history import extremes_of
 from .quantities import QUANTITIES, Quantity, plain
 from .solver.outcome import REPEATED_STEP
 from .solver.settings import SECOND
-from .study import Study, of_requirement
+from .study import Study, at_corner
+from .thresholds.corners import corner_text, corners, must_text
 from .thresholds.requirements import LEVELS
 from .tolerances.statistics import left_out, percents
 
@@ -56,13 +57,16 @@ def datasheet(
         batch = made.sel(device=name) if made is not None and several else made
         head = " of ".join(filter(None, ["# Data sheet", title, name if several else ""]))
         sheets += [f"{head}\n", table(["device", "value"], _device(study, device))]
-        sheets += [table(["at rest, exact to the digits shown", "value"], _statics(device))]
+        at_rest = f"at rest at {plain(device.temperature)} degC, exact to the digits shown"
+        sheets += [table([at_rest, "value"], _statics(device))]
         unit = f"{plain(device.gravity * 1e6)} m/s^2"
         unit = f"{device.force:g} uN on the midpoint" if device.force else unit
-        head = ["requirement", "shock", "C, uN*us/um", "threshold", "of devices as made", "margin"]
-        head += ["verdict", "strength over stress", "breaks"]
-        rows = table(head, (_verdict(row, batch) for row in own))
-        sheets += [f"Thresholds in multiples of {unit}, and over the required level:\n", rows]
+        head = ["requirement", "shock", "at, degC", "C, uN*us/um", "threshold"]
+        head += ["of devices as made", "margin", "verdict", "strength over stress", "breaks"]
+        rows = table(head, (_verdict(corner, batch) for corner, *_ in corners(own)))
+        words = f"Thresholds in multiples of {unit}, and over the required level"
+        words += "; of several shocks or temperatures the worst:\n"
+        sheets += [words, rows]
         if requirements:
             largest = _largest(replace(study, device=device), requirements, own)
             largest = table(["what", "value", "error", "under"], largest)
@@ -75,7 +79,10 @@ def datasheet(
                 closed,
             ]
         if batch is not None and "yield" in batch:
-            words = f"Share of {batch.sizes['sample']} devices as made, with bounds at 95 %:\n"
+            degrees = [row["temperature"] for row in own]
+            ends = dict.fromkeys([plain(min(degrees)), plain(max(degrees))])
+            words = f"Share of {batch.sizes['sample']} devices as made, at {' to '.join(ends)} degC"
+            words += ", with bounds at 95 %:\n"
             sheets += [words, table(["share", "C, uN*us/um", "value", "bounds"], _shares(batch))]
     return "\n".join(sheets)
 
@@ -117,7 +124,6 @@ def _statics(device):
 
 def _verdict(row, made):
     """A row of requirements.csv, with how far thresholds of devices as made scatter."""
-    must = "trips" if row["must_snap"] else "does not trip"
     shock = f"{row['shape']} {row['direction']}"
     shock += f", {plain(row['duration'])} ms" if np.isfinite(row["duration"]) else ""
     shock += ", from the second shape" if row["start"] == SECOND else ""
@@ -138,8 +144,9 @@ def _verdict(row, made):
     ends = [f"{plain(value, 3)}" if np.isfinite(value) else DASH for value in broken]
     ends = ends if np.isfinite(broken[0]) else [DASH, DASH]
     return [
-        f"{name}, {must}",
+        must_text(name, row["must_snap"]),
         shock,
+        plain(row["temperature"]),
         f"{row['C']:g}",
         threshold,
         spread,
@@ -154,7 +161,7 @@ def _closures(rows):
     for row in rows:
         for key, (words, unit) in CLOSURES.items():
             value, error = plain(row[key]), plain(row[f"{key}_error"], 1)
-            yield [words, value + unit, error + unit, f"{row['requirement']}, C = {row['C']:g}"]
+            yield [words, value + unit, error + unit, f"{row['requirement']}, {corner_text(row)}"]
 
 
 def _largest(study, requirements, verdicts):
@@ -166,10 +173,10 @@ def _largest(study, requirements, verdicts):
             continue
         worst = max(shocks, key=lambda row, key=key: row[key])
         shock = required[worst["requirement"]]
-        under = of_requirement(study, shock)
+        under = at_corner(study, shock, worst)
         again = extremes_of(under, shock["N"], shock["f0"], worst["C"], step=REPEATED_STEP)
         value, other = worst[key], getattr(again, key)
-        where = f"{worst['requirement']}, C = {worst['C']:g}"
+        where = f"{worst['requirement']}, {corner_text(worst)}"
         yield [words, f"{plain(value)} {unit}", f"{plain(abs(value - other), 1)} {unit}", where]
 
 

@@ -187,6 +187,10 @@ class Device:
         device.require_shapes()
         return device
 
+    def at(self, temperature: float) -> "Device":
+        """A single device at another temperature, degC; ValueError if it has no second shape."""
+        return batch([self]).vary({"temperature": np.array([temperature])}).pick(0)
+
     def warmed(self, values: Mapping[str, np.ndarray]) -> Mapping[str, np.ndarray]:
         """Values for `vary`, with the modulus and the stress at the temperature among them.
 

@@ -1,7 +1,7 @@
 """The shocks of a study: its pulses and their directions, as Python or a config gives them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -54,6 +54,14 @@ class Shocks:
             for pulse in self.shapes.values()
             for direction in self.directions
         )
+
+    def each(self) -> list["Shocks"]:
+        """Each point of its axes alone, in the order of `pulses`."""
+        return [
+            Shocks(replace(pulse, name=name), direction)
+            for name, pulse in self.shapes.items()
+            for direction in self.directions
+        ]
 
     def part(self, names: Mapping[str, Sequence[str]]) -> "Shocks":
         """Those of the given names on its axes."""

@@ -16,7 +16,7 @@ from .io.counting import counting
 from .quantities import QUANTITIES, plain
 from .shocks import Shocks
 from .solver.search import near
-from .study import Study, of_requirement, study_of, with_shocks
+from .study import ANY, Study, study_of, with_shocks
 from .thresholds.verified import FEWEST
 from .tolerances.batch import thresholds_at
 from .tolerances.dataset import tolerances_of
@@ -65,8 +65,9 @@ def design(
 
     f0: Hz; C: uN us/um; between: range of the value, internal units
     model: name, or the config's model section
-    options: requirements, mappings of name, N, f0 (Hz) and snaps, with pulse and direction, or
-        shocks; for the yield in the windows scatters, samples, seed and together, as in
+    options: requirements, mappings of name, N, f0 (Hz) and snaps, with pulse and direction, by
+        default those of the study, or shocks; each holds under all its shapes and directions; for
+        the yield in the windows scatters, samples, seed and together, as in
         `tolerance`; horizon (us), energy_tolerance, threads, pulse, direction, those of the model;
         and a further value of the device, along which the answer is a line: a dataset of value and
         error, NaN where there is none
@@ -84,9 +85,10 @@ def design(
     2.1
     """
     options = dict(options)
-    required = [with_shocks(one) for one in options.pop("requirements", ())]
+    required = options.pop("requirements", ())
     given = {key: options.pop(key) for key in Tolerances._fields if key in options}
     study, along = study_of(device, model, options)
+    required = _single_shocks(with_shocks(one, study.shocks) for one in required)
     if given and not required:
         raise ValueError(f"{next(iter(given))}: is of requirements, and there are none")
     goals = required or [{"N": N, "f0": f0, "snaps": True, "shocks": study.shocks}]
@@ -125,16 +127,34 @@ def design(
     return _single(value, N, grid, N_first, *ends[1:])
 
 
-def remedy(study: Study, goal: Mapping, C: float, N_first: float) -> str:
-    """Which change of one value brings a threshold to the right side of a required N, in words.
+def _single_shocks(requirements):
+    """Each requirement under each of its shocks; of several its name says which."""
+    singles = []
+    for required in requirements:
+        if required["snaps"] == ANY:
+            raise ValueError(f"requirements: {required['name']}: snaps: any has no threshold")
+        several = required["shocks"].each()
+        for shocks in several:
+            where = f", {shocks.pulse.name} {shocks.direction}" if len(several) > 1 else ""
+            singles.append(required | {"name": f"{required['name']}{where}", "shocks": shocks})
+    return singles
 
-    study: of one device; goal: as in `requirements`; N_first: the device's threshold
-    Each change is a root by secants of logarithms, with the threshold seen there; others are
-    left out, and where there is none the line is empty.
+
+def with_value(device: Device, value: str, number: float) -> Device:
+    """The device with another number of one of its values, by name."""
+    return batch([device]).vary({value: np.array([number])}).pick(0)
+
+
+def remedy(study: Study, goal: Mapping, C: float, N_first: float) -> list[tuple[str, str, float]]:
+    """Which changes of one value bring a threshold to the right side of a required N.
+
+    study: of one device and shock; goal: as in `requirements`; N_first: the device's threshold
+    Returns each change in words, and as a value by name with its number: a root by secants of
+    logarithms, with the threshold seen there; others are left out.
     """
     nominal = {key: nominal_value(study.device, key) for key in CHANGED}
     nominal = {key: value for key, value in nominal.items() if value > 0}
-    study, way = of_requirement(study, goal), -1 if goal["snaps"] else 1
+    way = -1 if goal["snaps"] else 1
     N, shift = np.log(goal["N"]) + way * BEYOND, np.full(len(nominal), 2 * BEYOND)
     for _ in range(STEPS):
         factors = np.exp(np.where(np.eye(shift.size), shift, 0.0))
@@ -146,12 +166,13 @@ def remedy(study: Study, goal: Mapping, C: float, N_first: float) -> str:
         with np.errstate(divide="ignore", invalid="ignore"):
             nearer = shift * (N - np.log(N_first)) / np.log(first / N_first)
         shift = np.where(met | ~np.isfinite(nearer), shift, np.clip(nearer, -MOST, MOST))
-    words = [
-        f"a {name} {abs(np.expm1(by)):.0%} {more if by > 0 else less}"
-        for (name, less, more), by, right in zip(map(CHANGED.get, nominal), shift, met, strict=True)
-        if right
-    ]
-    return " or ".join(words)
+    changes = []
+    for key, by, is_met in zip(nominal, shift, met, strict=True):
+        name, less, more = CHANGED[key]
+        words = f"a {name} {abs(np.expm1(by)):.0%} {more if by > 0 else less}"
+        if is_met:
+            changes.append((words, key, nominal[key] * float(np.exp(by))))
+    return changes
 
 
 def _is_axis(x):
@@ -310,8 +331,8 @@ def _window(study, value, C, between, goals, tolerances):
     axes, shares = {"C": [C], "f0": [goals[0]["f0"]]}, []
     inside = [np.linspace(low[0], high[0], PLACES + 2)[1:-1] for low, high in windows]
     for place in (inside := np.concatenate(inside)):
-        device = batch([study.device]).vary({value: np.array([place])}).pick(0)
-        made = tolerances_of(replace(study, device=device), axes, few, goals)
+        own = replace(study, device=with_value(study.device, value, place))
+        made = tolerances_of(own, axes, few, goals)
         shares.append(made[["yield", "yield_bound"]].squeeze("C", drop=True))
     yields = xr.concat(shares, "place").assign({value: ("place", inside, attrs)})
     best = np.flatnonzero(yields["yield"] == yields["yield"].max())

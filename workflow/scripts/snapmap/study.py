@@ -13,6 +13,12 @@ FOLLOWED = ("horizon", "energy_tolerance", "threads", "start")
 """Settings that every verb takes from Python."""
 PUSH = ("pulse", "direction")
 """What `make_shocks` takes."""
+ANY = "any"
+"""Of a required shock that may or may not snap the device."""
+SNAPS = {False: 0, True: 1, ANY: 2}
+"""What a required shock must do, as datasets have it."""
+CLOSING = "closes_within", "stays_closed"
+"""What may be required of an electrode."""
 THRESHOLD_SETTINGS = ("horizon", "energy_tolerance", "start")
 """Those on which a threshold depends."""
 
@@ -101,7 +107,32 @@ def of_requirement(study: Study, required: Mapping) -> Study:
     return replace(study, shocks=required.get("shocks", study.shocks), settings=settings)
 
 
-def with_shocks(requirement: Mapping) -> dict:
-    """A requirement with `shocks`, by default of its `pulse` and `direction`."""
-    push = {key: requirement[key] for key in PUSH if key in requirement}
-    return {"shocks": make_shocks(**push), **requirement}
+def at_corner(study: Study, required: Mapping, corner: Mapping) -> Study:
+    """The study of a requirement at a corner, by its device, temperature, shape and direction."""
+    device = study.device
+    device = device[corner["device"]] if isinstance(device, Mapping) else device
+    if corner["temperature"] != device.temperature:
+        device = device.at(corner["temperature"])
+    study = of_requirement(study, required)
+    pushed = corner["shape"], corner["direction"]
+    for shocks in study.shocks.each():
+        if (shocks.pulse.name, shocks.direction) == pushed:
+            return replace(study, device=device, shocks=shocks)
+    raise KeyError(pushed)
+
+
+def with_shocks(requirement: Mapping, shocks: Shocks) -> dict:
+    """A requirement with `shocks`: of its `pulse` and `direction`, by default the study's.
+
+    Raises ValueError, one line, if it has no pulse and that of the study lasts a time of its own.
+    """
+    if "shocks" in requirement:
+        return dict(requirement)
+    push = {"pulse": shocks.pulse, "direction": shocks.direction}
+    if "pulse" not in requirement and any(one.duration for one in shocks.shapes.values()):
+        raise ValueError(
+            f"requirements: {requirement['name']}: pulse: missing, as that of the study lasts a "
+            "time of its own; write a shape such as 'half sine'"
+        )
+    push |= {key: requirement[key] for key in PUSH if key in requirement}
+    return requirement | {"shocks": make_shocks(**push)}

@@ -81,9 +81,9 @@ def _with_shocks(view, study):
     direction = study.shocks.directions[view.at.get(DIRECTION, 0)]
     required = []
     for one in study.requirements:
-        own = one["shocks"]
-        pushed = own.pulse.given, own.direction, one.get("start", FIRST)
-        is_of_map = pushed == (shape.given, direction, study.settings.start)
+        own, start = one["shocks"], one.get("start", FIRST)
+        pushed = [(shocks.pulse.given, shocks.direction, start) for shocks in own.each()]
+        is_of_map = (shape.given, direction, study.settings.start) in pushed
         required.append((one["name"], one["f0"], one["N"], is_of_map))
     return view._replace(required_shocks=tuple(required))
 

@@ -14,7 +14,8 @@ from ..shocks import MAKERS, Shocks, make_shocks
 from ..solver.settings import FIRST, SECOND, STARTS
 from ..spectra.psd import REACH, Spectrum
 from ..spectra.srs import check_points
-from .keys import Section, argument, flag, key, many, part, path, quantity, word
+from ..study import ANY, CLOSING
+from .keys import Section, argument, key, many, part, path, quantity, word
 from .units import read, show
 from .views import frequency_of
 
@@ -26,8 +27,6 @@ LEVELS = {"psd": ("density", "g^2/Hz", "0.04"), "srs": ("level", "g", "1500")}
 """What a spectrum has at its frequencies: name, unit and an example."""
 # ASSUME: of devices whose strengths scatter all but one in a thousand must survive.
 SURVIVES = 0.999
-CLOSING = "closes_within", "stays_closed"
-"""What may be required of an electrode."""
 SHAPE = word(*SHAPES, out=f"`{VERSED_SINE}`")
 SHARE = quantity("share", "of the duration of a trapezoid", "10 %", "`10 %`")
 
@@ -69,15 +68,21 @@ def _shapes(value):
     return known and 0 < len(several) == len(set(several))
 
 
+def _several_shapes(more, out):
+    """One shape, or a list."""
+    fits = Argument(f"one of {', '.join(SHAPES)}, {more}", _shapes)
+    return argument(fits, example="half sine, [half sine, sawtooth]", out=out)
+
+
+PUSHES, PUSHED = (*DIRECTIONS, "both"), "+z presses the mass on the beam"
+"""Values of a direction, and what the first means."""
+
+
 class PulseSection(Section):
     """The shock: a shape, or a file, train, drop or sweep."""
 
     known_as = "pulse"
-    shape: argument(
-        Argument(f"one of {', '.join(SHAPES)}, or a list of these, which then is an axis", _shapes),
-        example="half sine, [half sine, sawtooth]",
-        out=f"`{VERSED_SINE}`",
-    )
+    shape: _several_shapes("or a list of these, which then is an axis", f"`{VERSED_SINE}`")
     rise: SHARE
     fall: SHARE
     file: path("a recorded shock in the study's folder, CSV or UFF", out="`shape`")
@@ -90,9 +95,7 @@ class PulseSection(Section):
     )
     drop: part(Drop, out="`shape`")
     sweep: part(SineSweep, out="`shape`")
-    direction: word(
-        *(*DIRECTIONS, "both"), what="+z presses the mass on the beam; both are an axis", out="`+z`"
-    )
+    direction: word(*PUSHES, what=f"{PUSHED}; both are an axis", out="`+z`")
 
     @classmethod
     def beside(cls, given: Mapping) -> dict[tuple, str]:
@@ -114,11 +117,15 @@ class PulseSection(Section):
 
     def make(self) -> Shocks:
         """The shocks."""
-        values = self.values()
-        if self.file:
-            pulse = read_pulse(self.file, values["sha256"])
-            return make_shocks(pulse, values.get("direction", "+z"))
-        return make_shocks(values)
+        return _shocks(self.values())
+
+
+def _shocks(values):
+    """Those of a section, by its values."""
+    if "file" in values:
+        pulse = read_pulse(values["file"], values["sha256"])
+        return make_shocks(pulse, values.get("direction", "+z"))
+    return make_shocks(values)
 
 
 def one_time(given, lasts_itself=False, at=()):
@@ -157,13 +164,20 @@ def _survival(value):
 
 
 class RequirementSection(PulseSection):
-    """A shock or spectrum that must, or must not, trip the device."""
+    """A shock or spectrum that must, or must not, trip the device.
+
+    It counts at each temperature of the sweep. Shape and direction that it leaves out are those of
+    `pulse`; of several shapes or directions it counts under each.
+    """
 
     name: argument(
         Argument("a name of its own: letters, digits, spaces, .,:()/%+-_, at most 60", is_title)
     )
     N: quantity("number", "above 0", out="required, but of a drop or with `psd`, `srs`")
-    snaps: flag("whether the device must trip")
+    snaps: argument(
+        Argument("true, false or any", lambda value: isinstance(value, bool) or value == ANY),
+        "whether the device must trip; any: it may, or not",
+    )
     survives: key(
         _survival,
         "true, false or a share: whether the beam must not break",
@@ -176,7 +190,7 @@ class RequirementSection(PulseSection):
     stays_closed: quantity("pulse", "until it opens again", out="any time")
     f0: quantity("frequency", out="required, or `duration`, or a shock with its own")
     duration: quantity("pulse", "instead of f0", out="`f0`")
-    shape: SHAPE
+    shape: _several_shapes("or a list of these, all of which count", "those of `pulse`")
     psd: _points(
         "psd",
         "random vibration",
@@ -193,7 +207,7 @@ class RequirementSection(PulseSection):
         "1 %",
         f"`{100 * REACH:g} %`",
     )
-    direction: word(*DIRECTIONS, what="+z presses the mass on the beam", out="`+z`")
+    direction: word(*PUSHES, what=PUSHED, out="that of `pulse`")
     start: word(*STARTS, what="the shape in which the beam rests at first", out=f"`{FIRST}`")
 
     @classmethod
@@ -209,35 +223,74 @@ class RequirementSection(PulseSection):
             faults["duration",] = "missing; write a time such as '3 min'"
         return faults
 
-    def make(self) -> dict:
-        """What is required: name, snaps and `shocks` with N and f0, or `psd`, or `srs`."""
-        required = {"name": self.name, "snaps": self.snaps}
-        points = [list(pair) for pair in self.psd or self.srs or ()]
+    def make(self) -> None:
+        """Nothing by itself; ValueError for what cannot be in any study."""
+        if self.has("N") and not self.N > 0:
+            line = f".N: {self.N:g} is not above 0; a direction of -z pushes the other way"
+            raise ValueError(line)
         try:
             if self.psd:
-                Spectrum(points).require_record(1e-6 * self.duration)
+                Spectrum(self.points).require_record(1e-6 * self.duration)
             elif self.srs:
-                check_points(points)
+                check_points(self.points)
         except ValueError as error:
             raise ValueError(f".{error}") from None
+        closing = [key for key in CLOSING if self.has(key)]
+        if closing and (self.snaps is False or self.start == SECOND):
+            more = ", and no start" if self.start else ""
+            need = f"write snaps: true or any{more}"
+            raise ValueError(f".{closing[0]}: is of a device that must trip; {need}")
+        if self.snaps == ANY and (self.points or not (self.least_share or closing)):
+            need = "" if self.points else ", or survives, closes_within or stays_closed"
+            raise ValueError(f".snaps: any leaves nothing to check; write true or false{need}")
+
+    @property
+    def points(self) -> list[list[float]]:
+        """Pairs of its spectrum, if it is one."""
+        return [list(pair) for pair in self.psd or self.srs or ()]
+
+    @property
+    def least_share(self) -> float:
+        """The least probability with which the beam must not break; 0 if it may."""
+        return self.survives if self.has("survives") else SURVIVES
+
+    def under(self, pulse: PulseSection | None) -> dict:
+        """What is required: name, snaps and `shocks` with N and f0, or `psd`, or `srs`.
+
+        pulse: the study's, whose shape and direction hold unless it has its own
+        """
+        required = {"name": self.name, "snaps": self.snaps}
+        direction = self.direction or (pulse and pulse.direction) or "+z"
         if self.psd:
             over = {"duration": 1e-6 * self.duration, "probability": self.probability or REACH}
-            return required | {"psd": points} | over
+            return required | {"psd": self.points} | over
         if self.srs:
-            return required | {"srs": points, "direction": self.direction or "+z"}
-        shocks = super().make()
-        N = self.N if self.has("N") else shocks.pulse.own_N
+            return required | {"srs": self.points, "direction": direction}
+        values = self.values()
+        if not self.has("shape", *TIMED):
+            values = self._inherited(pulse) | values
+        values["direction"] = direction
+        try:
+            shocks = _shocks(values)
+        except ValueError as error:
+            raise ValueError(str(error).removeprefix("pulse")) from None
+        own_N = [one.own_N for one in shocks.shapes.values()]
+        N = self.N if self.has("N") else own_N[0]
         if N is None:
             raise ValueError(f".N: missing; write {self.needs()['N']}")
-        if not N > 0:
-            raise ValueError(f".N: {N:g} is not above 0; a direction of -z pushes the other way")
         f0 = frequency_of(self.duration) if self.duration else self.f0
         required |= {"N": N, "f0": f0 or shocks.own_frequency(), "shocks": shocks}
-        survives = self.survives if self.has("survives") else SURVIVES
         closes = {name: self.given[name] for name in CLOSING if self.has(name)}
-        if closes and (not self.snaps or self.start == SECOND):
-            key = next(iter(closes))
-            need = "write snaps: true, and no start" if self.start else "write snaps: true"
-            raise ValueError(f".{key}: is of a device that must trip; {need}")
-        required |= {"survives": survives, "pulse": self.values()} | closes
+        required |= {"survives": self.least_share, "pulse": values} | closes
         return required | ({"start": self.start} if self.start == SECOND else {})
+
+    @staticmethod
+    def _inherited(pulse):
+        """Shape and shares of the study's pulse, in internal units."""
+        values = pulse.values() if pulse else {}
+        if timed := next((name for name in TIMED if name in values), None):
+            raise ValueError(
+                f".shape: missing, as the study's pulse is a {timed} that lasts a time of its own; "
+                f"write a shape such as half sine, or its {timed}"
+            )
+        return values

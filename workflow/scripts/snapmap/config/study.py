@@ -12,14 +12,18 @@ from ..device import VALUES
 from ..io.measured_shape import PROFILE
 from ..io.named import hold_to_plan, sha256_of
 from ..shocks import HANDOUT_SHOCK
+<<<<<<< HEAD
 from ..solver.settings import FIRST, SECOND, THRESHOLD_TOLERANCE, Settings
 from ..study import FOLLOWED, Study
+=======
+from ..solver.settings import THRESHOLD_TOLERANCE, Settings
+from ..study import ANY, CLOSING, FOLLOWED, Study
+>>>>>>> verdicts
 from ..tolerances.samples import Plan, Tolerances
 from .calibration import Calibration, read_calibration
 from .devices import nominal
 from .keys import line_at, lines_of
 from .models import Document
-from .shocks import CLOSING
 from .views import (
     History,
     View,
@@ -77,6 +81,11 @@ class Config(Study):
     def axes(self) -> dict[str, np.ndarray]:
         """Values by name, in the order of all products."""
         return self.grid.axes
+
+    @property
+    def temperatures(self) -> list[float]:
+        """Those at which requirements must be met, degC; none if that is each device's own."""
+        return self.axes["temperature"].tolist() if "temperature" in self.axes else []
 
     @property
     def all_required(self) -> list[dict]:
@@ -153,16 +162,22 @@ def load_config(document: Mapping) -> Config:
     if grid:
         maps = each("maps", lambda v: (v.x, v.y, read_places(v.given, grid.axes)))
         curves = each("thresholds", lambda v: (v.x, v.lines, read_places(v.given, grid.axes)))
-    required = [section.made for section in parts.requirements or ()]
+    required = each("requirements", lambda one: one.under(parts.pulse)) or []
+    required = [one for one in required if one]
     requirements, vibrations, spectra = (
         [one for one in required if key in one] for key in ("shocks", "psd", "srs")
     )
+<<<<<<< HEAD
     if grid:
         part(("sweep",), _require_start, sweep.made.start, grid.device)
     for i, one in enumerate(required):
         devices = Study(device=device).devices().values()
         part(("requirements", i), _require_start, one.get("start", FIRST), *devices)
     part(("device",), _require_study, device, shocks, required, tolerances)
+=======
+    temperatures = grid.axes.get("temperature", ()) if grid else ()
+    part(("device",), _require_study, device, shocks, required, tolerances, temperatures)
+>>>>>>> verdicts
     if faults:
         raise ConfigError(*dict.fromkeys(faults))
     chosen, left_out = choose_maps(grid, nominal(device), maps)
@@ -196,19 +211,25 @@ def load_config(document: Mapping) -> Config:
     )
 
 
-def _require_study(device, shocks, required, tolerances):
+def _require_study(device, shocks, required, tolerances, temperatures):
     """What is found of the device itself, whatever the axes make of it; forces shake no frame."""
     own = Study(device=device, shocks=shocks)
     electrodes = {bool(one.has_electrode) for one in own.devices().values()}
     if len(electrodes) > 1:
         raise ValueError(".contact_at: only some devices have one; write it for all or none")
-    if required or tolerances:
+    if tolerances:
         own.set_out({})
+    if required:
+        own.set_out({"temperature": temperatures} if len(temperatures) else {})
+    unbreakable = any(np.isinf(one.strength) for one in own.devices().values())
     for one in required:
         closing = next((key for key in CLOSING if key in one), None)
         if closing and electrodes == {False}:
             need = "write the place of the electrode, such as '-5 um'"
             raise ValueError(f".contact_at: missing, for {closing}; {need}")
+        if one["snaps"] == ANY and not closing and unbreakable:
+            need = "write one such as '1.2 GPa', or closes_within in the requirement"
+            raise ValueError(f".strength: missing, for snaps: any of {one['name']}; {need}")
         if "shocks" in one:
             replace(own, shocks=one["shocks"])
         else:

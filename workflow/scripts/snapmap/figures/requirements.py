@@ -13,6 +13,8 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withTickedStroke
 
 from ..solver.settings import SECOND
+from ..study import ANY, SNAPS
+from ..thresholds.corners import corners, must_text
 from ..tolerances.statistics import left_out, percents
 from . import plane, style
 from .curves import LOOKS, each_line
@@ -23,6 +25,8 @@ VERDICTS = {
     "unclear": {"color": "0.5", "marker": "s"},
     "failed": {"color": "#d55e00", "marker": "X"},
 }
+OTHER = {"color": "0.4", "marker": ".", "linestyle": "", "markersize": 3}
+"""Corners that are not the worst."""
 BEYOND = 1.25
 """Room beyond the outermost margins, as a factor."""
 MARGINS, SHARES = (1.02, 1.05, 1.1, 1.15, 1.2, 1.5, 2), (0.5, 0.9, 0.99)
@@ -41,41 +45,50 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
     """Draw the threshold over the required N of each verdict, with its bar; logarithmic.
 
     verdicts: rows of requirements.csv
-    Shaded is where a requirement is met: above one if the shock must not trip, below if it must.
+    A row is of a requirement on a device at one C; of several shocks or temperatures it is the
+    worst, which its name tells, and the others are dots. Shaded is where it is met: above one if
+    the shock must not trip, below if it must; all of what may trip or not and is met.
     """
+    groups = corners(verdicts)
     known = [row["margin"] for row in verdicts if row["margin"] == row["margin"]]
     low, high = min([*known, 0.8]) / BEYOND, max([*known, 1.25]) * BEYOND
-    ax.set(xscale="log", xlim=(low, high), ylim=(len(verdicts) - 0.5, -0.5))
-    for place, row in enumerate(verdicts):
+    ax.set(xscale="log", xlim=(low, high), ylim=(len(groups) - 0.5, -0.5))
+    for place, (row, *others) in enumerate(groups):
         margin, note = row["margin"], {"va": "center", "fontsize": 6}
-        ends = (low, 1) if row["must_snap"] else (1, high)
+        whole = (low, high if row["verdict"] == "met" else low)
+        ends = {True: (low, 1), False: (1, high)}.get(row["must_snap"], whole)
         ax.fill_betweenx([place - 0.45, place + 0.45], *ends, **MET)
+        ax.plot([one["margin"] for one in others], [place] * len(others), **OTHER)
         if margin == margin:
             ax.errorbar(margin, place, xerr=row["margin_error"], **VERDICTS[row["verdict"]])
         else:
             ax.annotate("snaps at no $N$ seen ", (high, place), ha="right", **note)
         if row["break_probability"] > 1 - row["must_survive"]:
-            beside = margin if margin == margin else low
+            beside = np.fmax.reduce([low, *(one["margin"] for one in (row, *others))])
             ax.annotate("   the beam breaks", (beside, place), **note)
     ax.axvline(1, color="black", linewidth=0.6)
-    ax.set_yticks(range(len(verdicts)), [_name(row) for row in verdicts])
+    ax.set_yticks(range(len(groups)), [_name(row) for row, *_ in groups])
     ax.tick_params(axis="y", which="minor", left=False)
     ax.set_xlabel("margin: threshold over required $N$")
     tick(ax.xaxis, low, high)
-    there = [kind for kind in VERDICTS if any(row["verdict"] == kind for row in verdicts)]
+    there = [kind for kind in VERDICTS if any(row["verdict"] == kind for row, *_ in groups)]
     keys = [Line2D([], [], linestyle="", **VERDICTS[kind], label=kind) for kind in there]
+    if len(groups) < len(verdicts):
+        keys.append(Line2D([], [], **OTHER, label="under another shock, at another temperature"))
     style.legend(ax, [*keys, Patch(**MET, label="where the requirement is met")])
     return ax
 
 
 def _name(row):
-    where = f"{row['device']}, " if row["device"] else ""
-    where += "from the second shape, " if row["start"] == SECOND else ""
-    return f"{_required(row['requirement'], row['must_snap'])}\n{where}{value_text('C', row['C'])}"
+    shock = f"{row['shape']} {row['direction'].replace('-', '−')}"
+    start = "from the second shape" if row["start"] == SECOND else ""
+    where = [row["device"], start, shock]
+    where += [f"{number(row['temperature'])} °C", value_text("C", row["C"])]
+    return f"{_required(row['requirement'], row['must_snap'])}\n{', '.join(filter(None, where))}"
 
 
 def _required(name, must_snap):
-    return f"{style.literal(name)}, {'trips' if must_snap else 'does not trip'}"
+    return must_text(style.literal(name), must_snap)
 
 
 def draw_requirement(ax: Axes, found: xr.Dataset) -> Axes:
@@ -83,12 +96,14 @@ def draw_requirement(ax: Axes, found: xr.Dataset) -> Axes:
 
     found: of one requirement and C; shaded is where it fails
     """
-    N_first, N, must = found.N_first_required.values, found.N_required.item(), bool(found.must_snap)
+    N_first, N = found.N_first_required.values, found.N_required.item()
+    must = found.must_snap.item()
     known = N_first[np.isfinite(N_first)]
     ends = np.array([*known, N])
     room = 0.05 * np.ptp(ends) or 0.05 * N
     low, high = max(ends.min() - room, 0), ends.max() + room
-    ax.axvspan(*((N, high) if must else (low, N)), **FAILS)
+    if must != SNAPS[ANY]:
+        ax.axvspan(*((N, high) if must else (low, N)), **FAILS)
     ax.hist(known, bins="sqrt", color="#0072b2", alpha=0.8)
     ax.axvline(N, color="black", linewidth=0.8, label="required $N$")
     where = ", ".join(filter(None, [place_text(found), f"met by {percents(found.share_meeting)}"]))

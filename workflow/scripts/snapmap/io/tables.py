@@ -122,13 +122,21 @@ def _entry(key, row, value):
     return number
 
 
+TRUTHS = {"True": True, "False": False}
+
+
 def read_verdicts(path: str | Path) -> list[dict]:
-    """Read the rows of requirements.csv: names stay text, were they 12 or nan."""
+    """Read the rows of requirements.csv: names stay text, were they 12 or nan.
+
+    `must_snap` is True, False or `any`.
+    """
     import pandas  # imported late: most runs read no table
 
     text = {"dtype": str, "keep_default_na": False}
-    names = pandas.read_csv(path, usecols=["requirement", "device"], **text)
-    return pandas.read_csv(path).assign(**names).to_dict("records")
+    words = pandas.read_csv(path, usecols=["requirement", "device", "must_snap"], **text)
+    must_snap = words.must_snap.map(lambda word: TRUTHS.get(word, word))
+    rows = pandas.read_csv(path).assign(**words.assign(must_snap=must_snap))
+    return rows.to_dict("records")
 
 
 def read_table(

@@ -2,30 +2,33 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from ..beam.stress import break_probability
-from ..device import Device, batch
+from ..device import Device
 from ..quantities import plain
 from ..solver.adaptive import choose_model
-from ..solver.cells import to_rows
+from ..solver.cells import rows_of
 from ..solver.outcome import FAILED, OUTCOMES, label
 from ..solver.settings import FIRST, THRESHOLD_TOLERANCE
-from ..study import Study, of_requirement
+from ..study import ANY, Study, of_requirement
+from .corners import MET, UNCLEAR, VIOLATED, beyond, corner_text
 from .surface import thresholds_of
 
-MET, VIOLATED, UNCLEAR = "met", "failed", "unclear"
 LEVELS = {"random": " g rms", "spectrum": " times it"}
 """Units of thresholds of what is no single shock."""
+SEARCHED = "N_first", "N_error", "N_always", "ragged"
+"""What a search along N tells of a row."""
 
 
 class Verdict(NamedTuple):
-    """One requirement on one device at one damping.
+    """One requirement on one device at one damping, at one temperature, under one shock.
 
-    N, N_first, N_error: multiples of g; f0: Hz; duration: ms; C: uN us/um
+    N, N_first, N_error: multiples of g; f0: Hz; duration: ms; C: uN us/um; temperature: degC
+    must_snap: true, false, or ANY
     scale, scale_first: N and N_first as factors of the record; NaN unless it is one
     margin, margin_error: N_first and its bar over N; NaN where nothing snaps
     outcome: of the shock as simulated; verdict: MET, VIOLATED, or UNCLEAR within the bar
@@ -40,7 +43,8 @@ class Verdict(NamedTuple):
     f0: float
     duration: float
     C: float
-    must_snap: bool
+    temperature: float
+    must_snap: bool | str
     outcome: str
     N_first: float
     N_error: float
@@ -71,51 +75,75 @@ def check(
     requirements: Sequence[Mapping],
     C: Sequence[float],
     tolerance: float = THRESHOLD_TOLERANCE,
+    temperatures: Sequence[float] = (),
 ) -> list[Verdict]:
     """Simulate each required shock with its own pulse and find the threshold of that pulse.
 
     study: whose pulse and start are of no account
-    requirements: name, shocks (of one shape and direction), N, f0 (Hz), snaps and start of each
+    requirements: name, shocks, N, f0 (Hz), snaps and start of each
     C: uN us/um; tolerance: of the thresholds in N, relative
+    temperatures: degC, at each of which there are verdicts; none: the devices' own
+    Of shocks of several shapes or directions there are verdicts under each.
     """
     return [
         verdict
-        for asked, name, one in each_device(study, requirements)
-        for verdict in _verdicts(one, name, asked, C, tolerance)
+        for required, name, one in each_device(study, requirements, temperatures)
+        for verdict in _verdicts(one, name, required, C, tolerance)
     ]
 
 
 def each_device(
-    study: Study, requirements: Sequence[Mapping]
+    study: Study, requirements: Sequence[Mapping], temperatures: Sequence[float] = ()
 ) -> Iterator[tuple[Mapping, str, Study]]:
-    """Each requirement with the name and the study of each device; a single one has no name."""
+    """Each requirement with the name and the study of each device at each temperature.
+
+    A single device has no name; without temperatures each is at its own.
+    """
     several = isinstance(study.device, Mapping)
-    for asked in requirements:
+    for required in requirements:
         for name, device in study.devices().items():
-            one = of_requirement(study, asked)
-            yield asked, name if several else "", replace(one, device=device)
+            for one in [device.at(degrees) for degrees in temperatures] or [device]:
+                shaken = replace(of_requirement(study, required), device=one)
+                yield required, name if several else "", shaken
 
 
-def _verdicts(study, name, asked, C, tolerance):
-    N, f0, shocks, settings = asked["N"], asked["f0"], study.shocks, study.settings
-    found = thresholds_of(study, {"C": C, "f0": [f0]}, tolerance).squeeze("f0")
-    device = batch([study.device])
-    rows = to_rows(0, f0, C, pulses=shocks.pulses)
-    cells = rows.cells(device, N, settings.horizon)
-    seen = choose_model(device, study.model).follow(cells, settings)
-    linked = device.has_link & (settings.start == FIRST)
+def _verdicts(study, name, required, C, tolerance):
+    N, f0, settings = required["N"], required["f0"], study.settings
+    axes, must = {"C": C, "f0": [f0]}, required["snaps"]
+    found, grid = thresholds_of(study, axes, tolerance), study.set_out(axes)
+    cells = rows_of(grid).cells(grid.device, N, settings.horizon)
+    seen = choose_model(grid.device, study.model).follow(cells, settings)
+    linked = study.device.has_link & (settings.start == FIRST)
     outcomes = label(*seen[:4], settings.energy_tolerance, linked)[:, 0]
-    for i, (damping, outcome) in enumerate(zip(C, outcomes, strict=True)):
-        row, snapped = found.isel(C=i), bool(np.isfinite(seen.t_snap[i, 0]))
-        first, error = row.N_first.item(), row.N_error.item()
+    columns = {key: found[key].values.ravel() for key in SEARCHED}
+    for i, (shocks, damping) in enumerate(product(study.shocks.each(), C)):
+        row = {key: column[i].item() for key, column in columns.items()}
+        first, error = row["N_first"], row["N_error"]
         over = study.device.gravity / shocks.pulse.peak
-        verdict = UNCLEAR if outcome == FAILED or _is_close(row, N) else MET
-        if verdict == MET and snapped != asked["snaps"]:
+        is_close = must != ANY and _is_close(**row, N=N)
+        verdict = UNCLEAR if outcomes[i] == FAILED or is_close else MET
+        if verdict == MET and must not in (ANY, bool(np.isfinite(seen.t_snap[i, 0]))):
             verdict = VIOLATED
         yield Verdict(
-            *(asked["name"], name, shocks.pulse.name, shocks.direction),
-            *(N, f0, 1e3 / f0, damping, asked["snaps"], OUTCOMES[outcome]),
-            *(first, error, first / N, error / N, verdict, N * over, first * over, settings.start),
+            requirement=required["name"],
+            device=name,
+            shape=shocks.pulse.name,
+            direction=shocks.direction,
+            N=N,
+            f0=f0,
+            duration=1e3 / f0,
+            C=damping,
+            temperature=float(study.device.temperature),
+            must_snap=must,
+            outcome=OUTCOMES[outcomes[i]],
+            N_first=first,
+            N_error=error,
+            margin=first / N,
+            margin_error=error / N,
+            verdict=verdict,
+            scale=N * over,
+            scale_first=first * over,
+            start=settings.start,
         )
 
 
@@ -160,30 +188,31 @@ def _kept(slack, error, verdict):
     return MET if slack > error else VIOLATED if slack < -error else UNCLEAR
 
 
-def _is_close(row: xr.Dataset, N: float) -> bool:
+def _is_close(N_first: float, N_error: float, N_always: float, ragged: int, N: float) -> bool:
     """Whether N lies within the bar about the first snap, or up to that of a ragged row's last."""
-    first, error = row.N_first.item(), row.N_error.item()
-    last = np.fmax(first, row.N_always.item()) if row.ragged else first
-    return first - error <= N <= last + error
+    last = np.fmax(N_first, N_always) if ragged else N_first
+    return bool(N_first - N_error <= N <= last + N_error)
 
 
-def worst(verdicts: Sequence[Verdict]) -> tuple[Verdict, str]:
-    """The verdict whose threshold is furthest on the wrong side, or nearest to it; and in words."""
+def worst(verdicts: Sequence[Verdict]) -> tuple[Verdict | None, str]:
+    """The verdict whose threshold is furthest on the wrong side, or nearest to it; and in words.
 
-    def beyond(one):
-        """The margin on the wrong side, as a logarithm."""
-        size = np.inf if np.isnan(one.margin) else np.log(one.margin)
-        return size if one.must_snap else -size
+    Requirements that say nothing about a trip have none.
+    """
+    tripping = [one for one in verdicts if one.must_snap != ANY]
+    if not tripping:
+        return None, ""
 
     def level(N):
         return f"{plain(N)}{LEVELS[one.shape]}" if one.shape in LEVELS else f"N = {plain(N)}"
 
-    one = max(verdicts, key=beyond)
-    where = ", ".join(filter(None, [one.requirement, one.device, f"C = {plain(one.C)}"]))
+    one = max(tripping, key=lambda each: beyond(each.margin, each.must_snap))
+    where = ", ".join(filter(None, [one.requirement, one.device, corner_text(one._asdict())]))
     if np.isnan(one.margin):
         return one, f"{where}: nothing snaps"
     side = "not sensitive enough" if one.must_snap else "too sensitive"
-    words = f"{where}: {side}, " if beyond(one) > 0 else f"nearest is {where}: "
+    is_wrong = beyond(one.margin, one.must_snap) > 0
+    words = f"{where}: {side}, " if is_wrong else f"nearest is {where}: "
     need = "must" if one.must_snap else "must not"
     return one, f"{words}trips at {level(one.N_first)}, {need} at {level(one.N)}"
 

@@ -19,7 +19,7 @@ from ..solver.models import Follows
 from ..solver.outcome import LATCHED, label
 from ..solver.search import asker, refine
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
-from ..study import Study, of_requirement
+from ..study import ANY, Study, of_requirement
 from ..thresholds.bars import distance
 from ..thresholds.cost import tell_cost
 from ..thresholds.surface import look
@@ -114,6 +114,8 @@ class Batch:
 
     def meets(self, required: Mapping, rows: Rows, settings: Settings) -> np.ndarray:
         """Whether each sample meets a requirement, by its N and snaps; (samples, rows)."""
+        if required["snaps"] == ANY:
+            return np.repeat(self.bistable[:, np.newaxis], rows.f0.size, axis=1)
         snaps = np.zeros((self.bistable.size, rows.f0.size), bool)
         if self.size:
             levels = np.repeat(required["N"] * self.factors["N"], rows.f0.size)

@@ -14,7 +14,7 @@ from ..io.counting import counting
 from ..io.variables import dress
 from ..numerics.portable import geometric
 from ..solver.cells import to_rows
-from ..study import THRESHOLD_SETTINGS, Study, of_requirement, study_of, with_shocks
+from ..study import SNAPS, THRESHOLD_SETTINGS, Study, of_requirement, study_of, with_shocks
 from .batch import Batch, choose_levels
 from .samples import SHOCK_FACTORS, Plan, Tolerances
 from .sensitivity import crossed, indices
@@ -50,8 +50,9 @@ def tolerance(
     model: name, or the config's model section; of `auto` the cheapest level within its tolerance,
         0.1 % by default, for the nominal device
     tolerance: of the refinement of each threshold, relative
-    options: samples, index_samples, seed, together; requirements: name, shocks (of one shape and
-        direction), N, f0 (Hz), snaps and survives (whether the beam must not break) of each;
+    options: samples, index_samples, seed, together; requirements: name, N, f0 (Hz), snaps (True,
+        False or "any"), survives (whether the beam must not break), and pulse and direction, by
+        default those of the study, or shocks, of each, which holds under all of these;
         horizon (us), energy_tolerance, threads, pulse, direction, and those of the model
     Raises ValueError, one line, for an invalid argument.
 
@@ -61,8 +62,9 @@ def tolerance(
     0.1
     """
     given = {key: options.pop(key) for key in Tolerances._fields if key in options}
-    requirements = [with_shocks(required) for required in options.pop("requirements", ())]
+    requirements = options.pop("requirements", ())
     study, _ = study_of(device, model, options)
+    requirements = [with_shocks(required, study.shocks) for required in requirements]
     axes = {"C": C, "f0": [study.shocks.own_frequency()] if f0 is None else f0}
     axes |= {} if N is None else {"N": N}
     with counting("tolerance"):
@@ -78,7 +80,8 @@ def tolerances_of(
 ) -> xr.Dataset:
     """Find the thresholds of a study's devices as made, as `tolerance` returns them.
 
-    axes: C, f0 and, unless it is to be chosen, N
+    axes: C, f0 and, unless it is to be chosen, N; and temperatures, degC, at each of which
+        requirements must be met; by default the device's own
     """
     samples, most = tolerances.samples, tolerances.index_samples
     if (most or 0) > samples:
@@ -155,7 +158,13 @@ def _of_device(study, axes, tolerances, requirements, tolerance):
         data |= _share("latched", count, size, along)
     if requirements:
         named["requirement"] = [required["name"] for required in requirements]
-        data |= _requirements(batch, study, requirements, C, tolerance)
+        batches, values = [batch], batch.values
+        if "temperature" in axes:
+            batches = [
+                Batch(device.at(degrees), values | {"temperature": np.full(samples, degrees)}, *how)
+                for degrees in axes["temperature"]
+            ]
+        data |= _requirements(batches, study, requirements, C, tolerance)
     return xr.Dataset(data, groups | {"N": N} | named)
 
 
@@ -165,16 +174,26 @@ def _share(name, count, size, dims):
     return {name: (dims, count / size), f"{name}_bound": bounds}
 
 
-def _requirements(batch, study, requirements, C, tolerance):
-    """Thresholds of the required pulses, and the shares that meet each requirement, and all."""
+def _requirements(batches, study, requirements, C, tolerance):
+    """Thresholds of the required pulses, and the shares that meet each requirement, and all.
+
+    batches: the same samples at each temperature; a requirement holds at all of them, under all its
+        shocks, and its threshold is that on the worst side
+    """
     first, meets = [], []
     for required in requirements:
-        rows = to_rows(0, required["f0"], C, 0, required["shocks"].pulses)
-        settings = of_requirement(study, required).settings
-        first.append(batch.thresholds(rows, settings, tolerance)[0])
-        meets.append(batch.meets(required, rows, settings))
+        settings, levels, good = of_requirement(study, required).settings, [], []
+        for batch, shocks in product(batches, required["shocks"].each()):
+            rows = to_rows(0, required["f0"], C, 0, shocks.pulses)
+            levels.append(batch.thresholds(rows, settings, tolerance)[0])
+            good.append(batch.meets(required, rows, settings))
+        # NaN, where nothing snaps, stands for more than any N.
+        worst = np.maximum if SNAPS[required["snaps"]] == SNAPS[True] else np.fmin
+        first.append(worst.reduce(levels))
+        meets.append(np.all(good, axis=0))
     meets, along = np.array(meets), ("requirement", "C")
-    N, f0, must = ([required[key] for required in requirements] for key in ("N", "f0", "snaps"))
+    N, f0 = ([required[key] for required in requirements] for key in ("N", "f0"))
+    must = [SNAPS[required["snaps"]] for required in requirements]
     data = {
         "N_first_required": (("requirement", "sample", "C"), np.array(first)),
         "N_required": ("requirement", np.array(N, float)),
@@ -183,19 +202,35 @@ def _requirements(batch, study, requirements, C, tolerance):
     }
     data |= _share("share_meeting", meets.sum(axis=1), meets.shape[1], along)
     good = meets.all(axis=0).astype(float)
-    if study.device.strength < np.inf and batch.size:
-        stress = batch.stresses(study, requirements, C)
-        followed = np.flatnonzero(batch.bistable)[: stress.shape[1]]
-        largest = np.full(meets.shape, np.nan)
-        largest[:, followed] = stress
+    if study.device.strength < np.inf and all(batch.size for batch in batches):
+        largest = np.maximum.reduce([_stresses(batch, study, requirements, C) for batch in batches])
+        followed = np.flatnonzero(np.isfinite(largest).all(axis=(0, 2)))
+        stress = largest[:, followed]
         data["stress_max"] = ("requirement", "sample", "C"), largest
         broken = break_probability(study.device, stress).sum(axis=1)
         data |= _share("share_breaking", broken, followed.size, along)
-        must = [bool(required.get("survives", True)) for required in requirements]
-        worst = stress[must].max(axis=0, initial=0.0)
-        good[followed] *= 1 - break_probability(study.device, worst)
-        good = good[: followed[-1] + 1]
+        survives = [bool(required.get("survives", True)) for required in requirements]
+        most = stress[survives].max(axis=0, initial=0.0)
+        good[followed] *= 1 - break_probability(study.device, most)
+        good = good[: followed.max(initial=-1) + 1]
     return data | _share("yield", good.sum(axis=0), len(good), ("C",))
+
+
+def _stresses(batch, study, requirements, C):
+    """The largest under the shocks of each requirement, (requirements, samples, C), MPa, or NaN."""
+    singles = [
+        required | {"shocks": shocks}
+        for required in requirements
+        for shocks in required["shocks"].each()
+    ]
+    stress = batch.stresses(study, singles, C)
+    largest = np.full((len(requirements), batch.bistable.size, len(C)), np.nan)
+    followed = np.flatnonzero(batch.bistable)[: stress.shape[1]]
+    begin = 0
+    for row, required in zip(largest, requirements, strict=True):
+        end = begin + len(required["shocks"].pulses)
+        row[followed], begin = stress[begin:end].max(axis=0), end
+    return largest
 
 
 def summary(made: xr.Dataset) -> str:
