@@ -72,7 +72,7 @@ class Section(BaseModel):
     @classmethod
     def what(cls) -> str:
         """What would be right in its place."""
-        words = cls.__doc__.partition("\n")[0].rstrip(".")
+        words = (cls.__doc__ or cls.__name__).partition("\n")[0].rstrip(".")  # none with -OO
         return f"a mapping: {words[0].lower()}{words[1:]}"
 
     @classmethod

@@ -9,7 +9,7 @@ from .atomic import replacing
 
 LIST = "made.txt"
 """In the folder of results: under HEAD a path a line, as Snakemake has it."""
-HEAD = "# What runs have made here: what a later config does not ask for is removed. Nothing else is."
+HEAD = "# What runs have made here: of this, and no more, goes what a config no longer asks for."
 SHOWN = 4
 """Most files that a line names."""
 
@@ -33,7 +33,7 @@ def remove_others(folder: str, kept: Collection[str]) -> list[str]:
     if listed - {*kept, *left}:
         _write(folder, (listed & {*kept}).union(left))
     removed = [name for name in others if name not in left]
-    lines = {"removed, as the config asks for it no longer": removed}
+    lines = {"removed, as the config no longer asks for them": removed}
     lines |= {"of an older config, and cannot be removed": left}
     return [f"{_names(files)}: {words}" for words, files in lines.items() if files]
 
