@@ -77,32 +77,6 @@ TOLD += ["find_tolerance", "fit_calibration"]
 jobs = {}  # of the run, by their numbers
 
 
-def list_products(jobid):
-    """Slabs stay, as a grid may grow again, and studies, which no config asks for."""
-    if jobs[jobid].rule.name not in ("simulate_slab", *STUDIES):
-        list_made("results", map(str, jobs[jobid].output))
-
-
-def remove_old_products():
-    """Of older configs; only a run of all results knows what is one."""
-    asked = {str(path) for job in workflow.dag.jobs for path in job.output}
-    if asked.issuperset(results):
-        for line in remove_others("results", asked):
-            print(line, file=sys.stderr)
-
-
-def tidy_when_idle():
-    with suppress(BlockingIOError):  # another run is at work
-        if not workflow.dryrun:
-            hold(".snakemake/running")
-            remove_old_products()
-
-
-progress = Progress({name: cells_in(slabs[name]) for name in new}, list_products)
-if workflow.is_main_process:
-    logger.addHandler(Idle(tidy_when_idle))
-
-
 report: "workflow/report/study.rst"
 
 
@@ -157,6 +131,13 @@ onsuccess:
 
 
 include: "workflow/rules/common.smk"
+
+
+progress = Progress({name: cells_in(slabs[name]) for name in new}, list_products)
+if workflow.is_main_process:
+    logger.addHandler(Idle(tidy_when_idle))
+
+
 include: "workflow/rules/run.smk"
 include: "workflow/rules/draw.smk"
 include: "workflow/rules/studies.smk"
