@@ -1,6 +1,7 @@
 import json
 import os
 import sys
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,10 +17,11 @@ clone = Path(workflow.current_basedir.get_path_or_uri(secret_free=True))
 scripts = clone / "workflow" / "scripts"
 sys.path.insert(0, str(scripts))  # before what PYTHONPATH names
 os.environ.update(PYTHONDONTWRITEBYTECODE="1")  # jobs inherit it
-from snapmap.io.atomic import hold, refuse_folders, remove_leftovers, remove_others
+from snapmap.io.atomic import hold, refuse_folders, remove_leftovers
 from snapmap.io.job_log import SHELL_PREFIX
+from snapmap.io.made import list_made, remove_others
 from snapmap.io.named import hold_to_plan
-from snapmap.io.progress import Progress, hush
+from snapmap.io.progress import Idle, Progress, hush
 from snapmap.io.provenance import DRAWS, NUMBERS, code_hash, device_sections
 from snapmap.config.devices import nominal
 from snapmap.config.doubts import descriptions, doubts
@@ -38,8 +40,8 @@ if not workflow.overwrite_configfiles:
     configfile: default if default.exists() else clone / default
 
 
-if workflow.cores == 0:
-    sys.exit("--cores 0: no job would ever start; write 1 or more")
+if workflow.cores < 1:
+    sys.exit(f"--cores {workflow.cores}: no job would ever start; write 1 or more")
 if not os.access(".", os.W_OK):
     sys.exit(f"{os.getcwd()}: cannot be written to; run in a folder of your own")
 try:
@@ -62,13 +64,17 @@ slabs = dict(zip(names, plan.slabs))
 requests = dict(zip(names, plan.requests))
 made = products(study)
 new = [name for name in names if not os.path.exists(f"results/slabs/{name}.nc")]
-progress = Progress({name: cells_in(slabs[name]) for name in new})
 # Parameters of the rules: what was made by other code is made again.
 numbers = code_hash(*NUMBERS, scripts / "jobs.py")
 drawing = code_hash(*DRAWS, scripts / "draw.py")
 studied = code_hash(*NUMBERS, clone / "studies")
-FIGURES = "map snap time thresholds damage_boundary history_ statics requirements"
-FIGURES += " window probability sensitivity yield calibration"
+results = ["results/cube.nc", "results/explore.html"]
+results += expand("results/figures/{stem}.{kind}", stem=made.stems, kind=["pdf", "png"])
+if study.all_required:
+    results += ["results/requirements.csv", "results/datasheet.md"]
+TOLD = ["find_threshold", "collect", "check_requirements", "find_window"]
+TOLD += ["find_tolerance", "fit_calibration"]
+jobs = {}  # of the run, by their numbers
 
 
 report: "workflow/report/study.rst"
@@ -103,6 +109,7 @@ onstart:
     for handler in logger.handlers:
         if handler.name == "DefaultStreamHandler":
             hush(handler)
+    jobs.update({workflow.dag.jobid(job): job for job in workflow.dag.jobs})
     logger.addHandler(progress)
     progress.begin()
 
@@ -113,26 +120,24 @@ onerror:
 
 onsuccess:
     progress.close()
-    figures = [f"{stem}*" for stem in FIGURES.split()]
-    remove_others("results/figures", figures, made.stems)
-    remove_others("results/histories", ["*"], made.histories)
-    remove_others(
-        "results", ["statics_*"], [f"statics{which}" for which in made.statics]
-    )
-    logs = ["results/logs/find_threshold.log", "results/logs/collect.log"]
-    logs += ["results/logs/check_requirements.log"] * bool(study.all_required)
-    logs += ["results/logs/find_window.log"] * bool(made.window)
-    logs += ["results/logs/find_tolerance.log"] * bool(study.tolerances)
-    logs += ["results/logs/fit_calibration.log"] * bool(study.calibration)
-    for log in filter(os.path.exists, logs):
+    remove_old_products()
+    logs = {job.rule.name: job.log[0] for job in jobs.values() if job.log}
+    for log in [logs[rule] for rule in TOLD if rule in logs]:
         # The last line is the summary; warnings were printed as they came.
         summary = Path(log).read_text(encoding="utf-8").splitlines()[-1:]
         print(*summary, file=sys.stderr)
-    if os.path.exists("results/explore.html"):
+    if "draw_page" in logs:
         print("results/explore.html: open it in a browser", file=sys.stderr)
 
 
 include: "workflow/rules/common.smk"
+
+
+progress = Progress({name: cells_in(slabs[name]) for name in new}, list_products)
+if workflow.is_main_process:
+    logger.addHandler(Idle(tidy_when_idle))
+
+
 include: "workflow/rules/run.smk"
 include: "workflow/rules/draw.smk"
 include: "workflow/rules/studies.smk"
@@ -140,9 +145,4 @@ include: "workflow/rules/studies.smk"
 
 rule all:
     input:
-        "results/cube.nc",
-        "results/explore.html",
-        expand("results/figures/{stem}.{kind}", stem=made.stems, kind=["pdf", "png"]),
-        ["results/requirements.csv", "results/datasheet.md"]
-        if study.all_required
-        else [],
+        results,

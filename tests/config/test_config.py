@@ -2,6 +2,8 @@
 
 import copy
 import math
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -344,3 +346,14 @@ def test_a_file_that_holds_no_device_is_one_line_that_names_it(tmp_path, text):
         load_device(path)
     (line,) = str(caught.value).splitlines()
     assert line.startswith("device: " if text in TEXTS[:2] else f"{path}: ")
+
+
+def test_a_python_without_docstrings_reads_a_config():
+    script = "from snapmap.config.study import load_config; "
+    script += "from snapmap.config.devices import load_device; "
+    script += "print(load_device('config/config.yaml').beam.span)\n"
+    script += "try: load_config({'device': 3})\n"
+    script += "except ValueError as error: print(error)"
+    run = [sys.executable, "-OO", "-c", script]
+    done = subprocess.run(run, cwd=ROOT, capture_output=True, text=True)
+    assert done.stdout.splitlines()[:2] == ["600.0", "device: 3 is not a mapping"], done.stderr

@@ -2,6 +2,7 @@
 
 import re
 
+from snapmap.io import provenance
 from snapmap.io.provenance import DRAWS, NUMBERS, code_hash
 
 
@@ -28,3 +29,10 @@ def test_an_edit_a_name_and_another_file_change_the_hash(tmp_path):
     assert len(set(made)) == 3 and made[2] == made[3]
     (tmp_path / "a.py").rename(tmp_path / "c.py")
     assert code_hash(tmp_path) not in made
+
+
+def test_another_users_clone_keeps_its_commit(root, monkeypatch):
+    commit = provenance._commit()
+    assert bool(commit) == (root / ".git").exists()
+    monkeypatch.setenv("GIT_TEST_ASSUME_DIFFERENT_OWNER", "1")
+    assert provenance._commit() == commit

@@ -7,10 +7,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from snakemake.common import NOTHING_TO_BE_DONE_MSG
 
 from snapmap.io.counting import count, counting
 from snapmap.io.job_log import count_path
-from snapmap.io.progress import Progress, hush
+from snapmap.io.progress import Idle, Progress, hush
 
 
 class Terminal(io.StringIO):
@@ -43,7 +44,7 @@ def tell(progress):
 
 @pytest.fixture
 def progress():
-    made = Progress({"a": 30, "b": 90})
+    made = Progress({"a": 30, "b": 90}, [].append)
     yield made
     made.close()
 
@@ -78,7 +79,18 @@ def test_a_log_has_each_stage_once(progress, monkeypatch):
     progress.begin()
     tell(progress)
     assert sys.stderr.getvalue() == "Simulate the cells\nFind the thresholds\n"
-    assert progress.logs == ["results/logs/simulate_slab.log"]
+    assert progress.ended.__self__ == [1]
+
+
+def test_where_nothing_is_to_be_run_a_function_is_called():
+    called = []
+    idle = Idle(lambda: called.append(1))
+    idle.emit(record(None))
+    assert not called
+    words = record(None)
+    words.msg = NOTHING_TO_BE_DONE_MSG
+    idle.emit(words)
+    assert called == [1]
 
 
 def test_faults_are_not_hushed():

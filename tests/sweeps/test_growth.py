@@ -111,18 +111,24 @@ def test_every_cell_is_in_one_slab_that_is_no_longer_than_a_job(N, f0):
 
 
 @pytest.mark.parametrize(
-    ("grown", "model"), [("both", "cosines"), ("shrunk", "cosines"), ("f0", "auto")]
+    ("grown", "model"),
+    [("both", "cosines"), ("shrunk", "cosines"), ("f0", "auto"), ("N", "auto")],
 )
 def test_only_new_cells_are_followed(tmp_path, monkeypatch, grown, model):
-    """The cube of a grid that grew is that of one sweep; refined, extended and thinned out."""
+    """The cube of a grid that grew is that of one sweep; refined, extended and thinned out.
+
+    By `auto` a cell depends on its neighbours along N.
+    """
     some = {"f0": WHOLE["f0"][4::2], "N": WHOLE["N"][:12:2], "C": [25.0]}
-    first = {"f0": WHOLE | {"f0": some["f0"]}, "both": some, "shrunk": WHOLE}
+    first = {"f0": WHOLE | {"f0": some["f0"]}, "N": WHOLE | {"N": some["N"]}}
+    first |= {"both": some, "shrunk": WHOLE}
     old, new = first[grown], some if grown == "shrunk" else WHOLE
     write_all(study(**old, model=model), tmp_path)
     followed = follow_counted(monkeypatch)
     whole = study(**new, model=model)
     paths, _ = write_all(whole, tmp_path)
     kept = len(set(old["f0"]) & set(new["f0"])) * len(set(old["N"]) & set(new["N"]))
+    kept *= grown != "N"
     assert sum(followed) == len(new["f0"]) * len(new["N"]) - kept
     options = {"modes": 3} if model == "cosines" else {}
     in_one = sweep(whole.device, **new, model=model, horizon=200.0, until="snap", **options)

@@ -18,6 +18,7 @@ from small_studies import THREE_COSINES
 
 import snapmap
 from snapmap.config.study import load_config
+from snapmap.numerics.kernels import compiled
 from snapmap.sweeps.collect import collect_slabs
 from snapmap.sweeps.plan import make_plan
 from snapmap.sweeps.slabs import slab_name
@@ -345,6 +346,23 @@ def test_a_kernel_is_never_of_another_source(root, tmp_path, variable):
         run = subprocess.run(command, env=os.environ | path, capture_output=True, text=True)
         assert run.stdout.split() == [str(2 * factor), str(hits), *users.split()], run.stderr
     assert len({path.parent for path in tmp_path.rglob("*.nbi")}) == 2
+
+
+def test_a_damaged_kernel_is_compiled_anew_and_kept(tmp_path, monkeypatch):
+    monkeypatch.setattr("numba.core.config.CACHE_DIR", str(tmp_path))
+    assert compiled(_size)((0, 0)) == 2
+    for path in [*tmp_path.rglob("*.nbi"), *tmp_path.rglob("*.nbc")]:
+        whole = path.read_bytes()
+        flips = (
+            whole[:at] + bytes([whole[at] ^ 255]) + whole[at + 1 :]
+            for at in range(0, len(whole), len(whole) // 5)
+        )
+        for damaged in (*flips, whole[: len(whole) // 2], b""):
+            path.write_bytes(damaged)
+            for hits in (0, 1):
+                kernel = compiled(_size)
+                assert kernel((0, 0)) == 2
+                assert sum(kernel.stats.cache_hits.values()) == hits
 
 
 def test_what_is_compiled_is_told_once(tmp_path, monkeypatch, recwarn):

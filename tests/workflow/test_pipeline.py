@@ -16,6 +16,7 @@ from small_workflow import snakemake
 import snapmap
 from snapmap.config.products import products
 from snapmap.config.study import load_config
+from snapmap.io.made import HEAD, LIST
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
 
 DRAWING = {"draw_snaps", "draw_study", "draw_page"}
@@ -120,6 +121,51 @@ def test_every_figure_is_there(finished):
     assert figures == figures_of(TINY, 0.5, 30)
 
 
+def test_all_that_is_made_is_listed(finished):
+    """But for slabs, which serve a grid that grows."""
+    folder = finished[0]
+    head, *listed = (folder / "results" / LIST).read_text().splitlines()
+    made = {path.relative_to(folder).as_posix() for path in (folder / "results").rglob("*.*")}
+    apart = ("results/slabs/", "results/logs/", f"results/{LIST}")
+    assert head == HEAD and listed == sorted(one for one in made if not one.startswith(apart))
+
+
+def test_of_an_older_config_only_what_was_made_leaves(clone, finished, tmp_path):
+    """Where there is nothing else to do, too; a run of one product leaves all, and says so little.
+
+    As if an older config had asked for a window and a data sheet.
+    """
+    folder = tmp_path / "study"
+    shutil.copytree(finished[0], folder)
+    results, config = folder / "results", finished[1]
+    before = {path for path in results.rglob("*") if path.is_file()}
+    old = [f"results/{name}" for name in ("datasheet.md", "figures/window.pdf", "window.nc")]
+    mine = [results / name for name in ("figures/window_1.pdf", "tolerance.nc", "histories/a.csv")]
+    for path in (*(folder / name for name in old), *mine, results / "logs" / "find_window.log"):
+        path.write_text("an old line")
+    with open(results / LIST, "a") as file:
+        file.write("".join(f"{name}\n" for name in old))
+    _, output = snakemake(clone, folder, config, "results/cube.nc", "--forcerun", "collect")
+    assert all((folder / name).exists() for name in old)
+    assert "results/cube.nc: 32 cells" in output and "Nothing to be done" not in output
+    assert "results/threshold.nc" not in output and "explore" not in output
+    assert "an old line" not in output
+    snakemake(clone, folder, config, "--dry-run")
+    assert all((folder / name).exists() for name in old)
+    _, output = snakemake(clone, folder, config)
+    assert f"{', '.join(old)}: removed, as the config no longer asks for them" in output
+    after = {path for path in results.rglob("*") if path.is_file()}
+    assert "Nothing to be done" in output
+    assert after == before | {*mine, results / "logs" / "find_window.log"}
+
+
+@pytest.mark.parametrize("cores", ["0", "-1"])
+def test_no_core_is_refused_at_the_door(clone, tmp_path, finished, cores):
+    code, output = snakemake(clone, tmp_path, finished[1], "--cores", cores, check=False)
+    assert code != 0 and f"--cores {cores}: no job would ever start" in output
+    assert "Traceback" not in output and not (tmp_path / "results").exists()
+
+
 @contextmanager
 def edited(path, text):
     """Add text to a file for a while."""
@@ -186,7 +232,7 @@ def test_what_left_the_config_leaves_the_figures(clone, finished, tmp_path):
     """What is left is as found before: nothing is simulated or looked for again."""
     folder = tmp_path / "study"
     shutil.copytree(finished[0], folder)
-    mine = folder / "results" / "figures" / "mine.pdf"
+    mine = folder / "results" / "figures" / "map_mine.pdf"
     mine.write_text("A figure of the user's.")
     smaller = folder / "mine.yaml"
     smaller.write_text(TINY.replace("C: [0.5 uN*us/um, 30 uN*us/um]", "C: [30 uN*us/um]"))

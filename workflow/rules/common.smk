@@ -17,3 +17,24 @@ def own_points(wildcards):
 
 def views(several):
     return [view._asdict() for view in several]
+
+
+def list_products(jobid):
+    """Slabs stay, as a grid may grow again, and studies, which no config asks for."""
+    if jobs[jobid].rule.name not in ("simulate_slab", *STUDIES):
+        list_made("results", map(str, jobs[jobid].output))
+
+
+def remove_old_products():
+    """Of older configs; only a run of all results knows what is one."""
+    asked = {str(path) for job in workflow.dag.jobs for path in job.output}
+    if asked.issuperset(results):
+        for line in remove_others("results", asked):
+            print(line, file=sys.stderr)
+
+
+def tidy_when_idle():
+    with suppress(OSError):  # another run is at work, or it is another user's folder
+        if not workflow.dryrun:
+            hold(".snakemake/running")
+            remove_old_products()

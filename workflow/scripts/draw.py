@@ -19,7 +19,7 @@ from snapmap.figures import (
 )
 from snapmap.io.atomic import replacing
 from snapmap.io.job_log import run_rule
-from snapmap.io.netcdf import check_alike
+from snapmap.io.netcdf import check_alike, open_whole
 from snapmap.io.tables import read_points, read_verdicts
 from snapmap.numerics.portable import evenly
 from snapmap.thresholds.corners import corners
@@ -28,10 +28,6 @@ COLUMNS, MOST, LINES = 3, 12, 6
 """Panels of devices as made side by side, and in a figure, and lines; of more, evenly chosen."""
 ROW, FLAT = 2.6, 1.7
 """Height of a row of these panels, in; and of histograms."""
-
-
-def _open(path):
-    return xr.open_dataset(path, engine="netcdf4")
 
 
 @contextmanager
@@ -50,9 +46,9 @@ def draw_snaps(cube_path, threshold_path, views, own_points, folder, traces_path
     """
     own_points = read_points(*own_points) if own_points else ()
     with (
-        _open(cube_path) as cube,
-        _open(threshold_path) as found,
-        _open(traces_path) if traces_path else nullcontext() as traces,
+        open_whole(cube_path) as cube,
+        open_whole(threshold_path) as found,
+        open_whole(traces_path) if traces_path else nullcontext() as traces,
     ):
         check_alike(cube, found, threshold_path)
         stressed = cube
@@ -83,7 +79,7 @@ def draw_study(
     own_points: path and SHA-256 of a user's own points, or nothing
     """
     own_points = read_points(*own_points) if own_points else ()
-    with _open(cube_path) as cube, _open(threshold_path) as found:
+    with open_whole(cube_path) as cube, open_whole(threshold_path) as found:
         check_alike(cube, found, threshold_path)
         _draw_times_and_ends(cube, views, own_points, folder)
         for view in views["curves"]:
@@ -95,11 +91,12 @@ def draw_study(
                 lines = found.isel(view["at"])
                 thresholds.draw_damage_boundary(figure.subplots(), lines, view["y"])
     for path in statics_paths:
-        with _open(path) as found, _figure(f"{folder}/{Path(path).stem}", found, 3.6, 1) as figure:
+        stem = f"{folder}/{Path(path).stem}"
+        with open_whole(path) as found, _figure(stem, found, 3.6, columns=1) as figure:
             statics.draw_statics(figure, found)
     for path in history_paths:
         stem = f"{folder}/history_{Path(path).stem}"
-        with _open(path) as history, _figure(stem, history, 4.2) as figure:
+        with open_whole(path) as history, _figure(stem, history, 4.2) as figure:
             axes = figure.subplots(3, sharex=True, height_ratios=[2, 1, 1])
             histories.draw_history(axes, history)
 
@@ -143,13 +140,13 @@ def draw_requirements(requirements_path, stem):
 
 def draw_window(window_path, axes, stem):
     """Draw where over two axes all required shocks are met."""
-    with _open(window_path) as found, _figure(stem, found, 4) as figure:
+    with open_whole(window_path) as found, _figure(stem, found, 4) as figure:
         requirements.draw_window(figure, found, *axes)
 
 
 def draw_calibration(calibration_path, stem):
     """Draw measured shots over the fitted threshold and its band, by shape and direction."""
-    with _open(calibration_path) as found, _figure(stem, found, 3.4) as figure:
+    with open_whole(calibration_path) as found, _figure(stem, found, 3.4) as figure:
         panels = calibration.panels(found)
         axes = figure.subplots(1, len(panels), squeeze=False)[0]
         for ax, panel in zip(axes, panels, strict=True):
@@ -162,7 +159,7 @@ def draw_tolerance(tolerance_path, places, yields, folder):
 
     places, yields: on the axes of names, by the ending of the figures' names
     """
-    with _open(tolerance_path) as found:
+    with open_whole(tolerance_path) as found:
         for ending, at in places.items():
             here = found.isel(at)
             panels = [here.isel(C=i) for i in evenly(here.C.size, MOST)]
@@ -208,9 +205,9 @@ def draw_page(cube_path, threshold_path, horizon, path, traces_path=""):
     from snapmap.figures.explore import page  # brings Plotly
 
     with (
-        _open(cube_path) as cube,
-        _open(threshold_path) as found,
-        _open(traces_path) if traces_path else nullcontext() as traces,
+        open_whole(cube_path) as cube,
+        open_whole(threshold_path) as found,
+        open_whole(traces_path) if traces_path else nullcontext() as traces,
         replacing(path) as temporary,
     ):
         check_alike(cube, found, threshold_path)

@@ -56,10 +56,10 @@ def trace_cells(study, cube_path, path):
 
     Cells that stand in the file already, of the same study and code, are not followed again.
     """
-    from snapmap.io.netcdf import read_earlier
+    from snapmap.io.netcdf import open_whole, read_earlier
     from snapmap.motion.envelopes import trace
 
-    with _open(cube_path) as cube:
+    with open_whole(cube_path) as cube:
         traces = trace(study, cube, read_earlier(path))
         shares = f"{traces.bin_length.size} of {cube.outcome.size} cells"
     _write(traces, path, lambda _: f"{shares} in {traces.sizes['bin']} time bins each")
@@ -97,7 +97,7 @@ def check_requirements(study, path):
         words.append(hint(study, study.requirements, verdicts, worst, *how))
     always = requirements.Verdict, Extremes, requirements.Survival
     columns = dict.fromkeys(chain(*(one._fields for one in always), *beside))
-    with open(path, "w", newline="", encoding="utf-8") as file:
+    with replacing(path) as part, open(part, "w", newline="", encoding="utf-8") as file:
         rows = csv.DictWriter(file, columns, restval=nan)
         rows.writeheader()
         for verdict, others in zip_longest(verdicts, beside, fillvalue={}):
@@ -143,18 +143,13 @@ def write_datasheet(study, requirements_path, path, tolerance_path=()):
     from contextlib import nullcontext
 
     from snapmap.datasheet import datasheet
+    from snapmap.io.netcdf import open_whole
     from snapmap.io.tables import read_verdicts
 
     verdicts, required = read_verdicts(requirements_path), study.requirements
-    with _open(tolerance_path) if tolerance_path else nullcontext() as made:
+    with open_whole(tolerance_path) if tolerance_path else nullcontext() as made:
         text = datasheet(study.of_thresholds(), verdicts, required, made, study.title)
     _write_text(text, path)
-
-
-def _open(path):
-    import xarray as xr
-
-    return xr.open_dataset(path, engine="netcdf4")
 
 
 def _write(dataset, path, summary=None):

@@ -74,8 +74,8 @@ class Section(BaseModel):
     @classmethod
     def what(cls) -> str:
         """What would be right in its place."""
-        words = cls.__doc__.partition("\n")[0].rstrip(".")
-        return f"a mapping: {words[0].lower()}{words[1:]}"
+        words = (cls.__doc__ or "").partition("\n")[0].rstrip(".")  # python -OO has none
+        return f"a mapping: {words[:1].lower()}{words[1:]}".removesuffix(": ")
 
     @classmethod
     def needs(cls) -> dict[str, str]:

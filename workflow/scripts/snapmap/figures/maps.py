@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from ..axes import axis_behind
 from ..checks import show
 from ..io.tables import Point
+from ..sweeps.cube import outcome_names, require_cube
 from . import plane, states, style
 from .curves import LONG, draw_band, draw_impulsive, draw_static
 from .scales import place_text, scale_of, tick
@@ -104,6 +105,7 @@ def plot_outcome(
     >>> ax.get_title().splitlines()[0][:8]
     '$C$ = 25'
     """
+    cube = cube.assign(outcome=require_cube(cube))
     for name, key in (("x", x), ("y", y)):
         if axis_behind(key) not in cube.outcome.dims:
             raise ValueError(f"{name}: {show(key)} is no axis of the cube")
@@ -111,7 +113,7 @@ def plot_outcome(
     if many:
         raise ValueError(f"cube: has several {many[0]}; choose one, as cube.isel({many[0]}=0)")
     cells = cube.squeeze([key for key in cube.outcome.dims if key not in (x, y)])
-    cells = cells.assign(outcome=cells.outcome_code) if "outcome_code" in cells else cells
+    outcome_names(cells.outcome.values)
     if ends and "well" not in cells:
         raise ValueError("cube: its runs end at the snap; where beams end is not known")
     return draw_map(ax or style.notebook_axes(), cells, found, x, y, ends=ends)

@@ -153,7 +153,8 @@ def case(attributes: Mapping[str, str], width: int = PAGE) -> str:
     shape = pulse.get("file", pulse.get("shape", made))
     words = [literal(shape)] if isinstance(shape, str) else []
     words += ["along −z"] if pulse.get("direction") == "-z" else []
-    words += [*guides(config), *starts(config), f"model {config['model']['name']}"]
+    words += [*guides(config), *starts(config)]
+    words += [f"model {config['model']['name']}"] if "model" in config else []  # slabs say nothing
     if horizon := config.get("sweep", {}).get("horizon"):
         time, _, unit = horizon.partition(" ")
         horizon = f"{plain(float(time) / 1e3)} ms" if unit == "us" else horizon

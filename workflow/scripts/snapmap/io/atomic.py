@@ -80,11 +80,3 @@ def remove_leftovers(folder: str | Path) -> None:
     """Remove the temporary files of killed jobs below `folder`."""
     for part in Path(folder).rglob("*.part"):
         part.unlink(missing_ok=True)
-
-
-def remove_others(folder: str | Path, patterns: Sequence[str], kept: Sequence[str]) -> None:
-    """Remove the files of a folder that match a pattern, unless they are kept, by their stems."""
-    for pattern in patterns:
-        for path in Path(folder).glob(pattern):
-            if path.stem not in kept:
-                path.unlink(missing_ok=True)

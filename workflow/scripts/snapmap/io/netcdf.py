@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from ..axes import Grid, shared_points
-from .atomic import replacing, seal
+from .atomic import is_whole, replacing, seal
 
 ENCODING = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
 DIGITS = {"quantize_mode", "significant_digits"}
@@ -33,11 +33,22 @@ def write(dataset: xr.Dataset, path: str | Path) -> None:
         seal(temporary)
 
 
+def open_whole(path: str | Path, **options) -> xr.Dataset:
+    """Open what `write` wrote; raises ValueError, one line, if it is not as it was then.
+
+    options: as for `xarray.open_dataset`
+    """
+    if not is_whole(path):
+        raise ValueError(f"{path}: is damaged; remove it and run again")
+    return xr.open_dataset(path, engine="netcdf4", **options)
+
+
 def read_earlier(path: str | Path) -> xr.Dataset | None:
-    """Read what an earlier run wrote, as packed as it is; nothing if it cannot be read."""
+    """Read what an earlier run wrote, as packed as it is; nothing if it is not there or damaged."""
     try:
-        return xr.load_dataset(path, engine="netcdf4", mask_and_scale=False)
-    except (OSError, RuntimeError, ValueError):
+        with open_whole(path, mask_and_scale=False) as dataset:
+            return dataset.load()
+    except (OSError, ValueError):
         return None
 
 

@@ -4,7 +4,7 @@ import logging
 import signal
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from threading import Event, Thread
 
@@ -21,21 +21,22 @@ WRAPPED = (
 )
 """How faults begin that say nothing which the log of a job, shown beside them, does not."""
 AGAIN = "Trying to restart job"
+NOTHING = "Nothing to be done"
 STOPPING = "Terminating processes on user request"
 STOPPED = "interrupted: what is whole is kept, and the same command goes on"
 LOOK = "{n_fmt} of {total_fmt} cells, {percentage:.0f} %, {remaining} left for them{postfix}"
 
 
 class Progress(logging.Handler):
-    """Listens to what Snakemake logs, and says it in brief.
+    """Listens to what Snakemake logs, and says it in brief."""
 
-    logs: paths of the logs of the jobs that have ended well
-    """
+    def __init__(self, cells: Mapping[str, int], ended: Callable[[int], None]):
+        """Take the number of cells of each slab that is to be simulated, by its name.
 
-    def __init__(self, cells: Mapping[str, int]):
-        """Take the number of cells of each slab that is to be simulated, by its name."""
+        ended: is called with the number of each job that has ended well
+        """
         super().__init__(logging.INFO)
-        self.cells, self.jobs, self.stages, self.logs, self.done = cells, {}, [], [], ""
+        self.cells, self.ended, self.jobs, self.stages, self.done = cells, ended, {}, [], ""
         self.line, self.closed = tqdm(disable=True), Event()
 
     def begin(self) -> None:
@@ -58,7 +59,7 @@ class Progress(logging.Handler):
                 print(record.rule_msg, file=sys.stderr)
         elif event == "job_finished" and record.job_id in self.jobs:
             job = self.jobs.pop(record.job_id)
-            self.logs += job.log
+            self.ended(record.job_id)
             if job.rule_name == CELLS:
                 self.line.update(self.cells.get(job.wildcards["slab"], 0))
         elif event == "progress":
@@ -79,6 +80,20 @@ class Progress(logging.Handler):
     def _tick(self):
         while not self.closed.wait(1.0):
             self._name_stages()
+
+
+class Idle(logging.Handler):
+    """Calls a function where Snakemake has nothing to run, as it then calls no hook."""
+
+    def __init__(self, function: Callable[[], None]):
+        """Take the function."""
+        super().__init__(logging.INFO)
+        self.function = function
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Wait for the words of Snakemake."""
+        if record.getMessage().startswith(NOTHING):
+            self.function()
 
 
 def _stage(job):

@@ -141,7 +141,10 @@ def code_hash(*paths: Path) -> str:
 
 
 def _commit():
-    command = ["git", "-C", str(_PACKAGE), "describe", "--always", "--dirty=.dirty", "--abbrev=7"]
+    # Named, not looked for: git would refuse another user's clone, and take a folder around it.
+    clone = _PACKAGE.parents[2]
+    command = ["git", f"--git-dir={clone}/.git", f"--work-tree={clone}"]
+    command += ["describe", "--always", "--dirty=.dirty", "--abbrev=7"]
     try:
         run = subprocess.run(command, capture_output=True, text=True, timeout=10, check=True)
     except (OSError, subprocess.SubprocessError):

@@ -7,7 +7,7 @@ import fcntl
 import hashlib
 import warnings
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 
@@ -100,7 +100,41 @@ def _hash(room):
     return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:12]
 
 
-_save = caching.IndexDataCacheFile.save
+SEAL = b"SHA-256 of all bytes before: "
+"""And the 32 bytes of it end a file of numba's cache: LLVM ends the process over a damaged one."""
+_save, _open = caching.IndexDataCacheFile.save, caching.IndexDataCacheFile._open_for_write
+_load = caching.IndexDataCacheFile._load_index, caching.IndexDataCacheFile._load_data
+
+
+@contextmanager
+def _open_sealed(file, path):
+    with _open(file, path) as part:
+        yield part
+        part.flush()
+        part.write(SEAL + hashlib.sha256(Path(part.name).read_bytes()).digest())
+
+
+def _load_index(file):
+    """Read which kernels are kept; none where that is damaged."""
+    with suppress(Exception):  # a damaged pickle may raise any
+        _require_whole(file._index_path)
+        return _load[0](file)
+    return {}
+
+
+def _load_data(file, name):
+    """Read a kernel; raises OSError for one that is damaged: numba then compiles it anew."""
+    try:
+        _require_whole(file._data_path(name))
+        return _load[1](file, name)
+    except Exception as fault:
+        raise OSError(str(fault)) from fault
+
+
+def _require_whole(path):
+    data, mark, digest = Path(path).read_bytes().rpartition(SEAL)
+    if mark and hashlib.sha256(data).digest() != digest:
+        raise OSError(f"{path}: is damaged")
 
 
 def _save_alone(file, key, data):
@@ -115,6 +149,9 @@ def _save_alone(file, key, data):
 
 
 caching.IndexDataCacheFile.save = _save_alone
+caching.IndexDataCacheFile._open_for_write = _open_sealed
+caching.IndexDataCacheFile._load_index = _load_index
+caching.IndexDataCacheFile._load_data = _load_data
 
 
 class Reporter(event.Listener):

@@ -10,7 +10,7 @@ import xarray as xr
 from ..axes import NAMES
 from ..io.atomic import is_whole
 from ..solver.outcome import OUTCOMES
-from .cube import as_cube, with_summary
+from .cube import as_cube, outcome_names, require_cube, with_summary
 from .slabs import open_slab
 
 BLOCK_CELLS = 10**6
@@ -92,11 +92,10 @@ def open_cube(path: str | Path) -> xr.Dataset:
             raise ValueError(f"{path}: is damaged; take another copy, or remove it and run again")
         else:
             cube = xr.open_dataset(path, engine="netcdf4")
-        codes = cube.outcome
     except (OSError, RuntimeError, AttributeError):
         raise ValueError(f"{path}: is no cube; `results/cube.nc` is one") from None
-    names = np.array(OUTCOMES)
-    lazy = {"dask": "parallelized", "output_dtypes": [names.dtype]}
-    words = xr.apply_ufunc(lambda codes: names[codes.astype(int)], codes, **lazy)
+    codes = require_cube(cube, str(path))
+    lazy = {"dask": "parallelized", "output_dtypes": [np.array(OUTCOMES).dtype]}
+    words = xr.apply_ufunc(outcome_names, codes, kwargs={"name": str(path)}, **lazy)
     words.attrs = {"long_name": codes.attrs["long_name"]}
     return cube.assign(outcome=words, outcome_code=codes)

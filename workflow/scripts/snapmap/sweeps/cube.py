@@ -1,5 +1,6 @@
 """The cube as an xarray dataset: what it looks like, built here."""
 
+import json
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -7,6 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
+from ..axes import NAMES
 from ..device import Device
 from ..io.counting import counting
 from ..io.variables import dress, flags, variables
@@ -64,6 +66,38 @@ def as_cube(axes: Mapping[str, np.ndarray], values: Mapping, document: Mapping) 
     data = {key: (tuple(axes), values[key]) for key in variables("cube") if key in values}
     data["t_snap"] = *data["t_snap"], {"label_distance": label_distance(document.get("model", {}))}
     return dress("cube", xr.Dataset(data, axes), document)
+
+
+def require_cube(cube: xr.Dataset, name: str = "cube") -> xr.DataArray:
+    """Return the codes of the outcomes of a cube; ValueError, one line, for what is none any more.
+
+    name: by which the line names it
+    """
+    codes = cube.get("outcome_code", cube.get("outcome"))
+    if codes is None or codes.dtype.kind not in "iuf":
+        raise ValueError(f"{name}: is no cube; it has no codes of outcomes")
+    if missing := {"long_name", "flag_meanings"} - codes.attrs.keys():
+        raise ValueError(f"{name}: {codes.name} has lost its attribute {min(missing)}; keep them")
+    for key in (key for key in codes.dims if key not in NAMES):
+        if cube[key].dtype.kind not in "iuf" or cube[key].isnull().any():
+            raise ValueError(f"{name}: {key} has values that are no numbers; it is an axis of them")
+    try:
+        is_config = isinstance(json.loads(cube.attrs.get("config", "{}")), dict)
+    except (TypeError, ValueError):
+        is_config = False
+    if not is_config:
+        raise ValueError(
+            f"{name}: its attribute config is no JSON of a config; keep it, or drop it"
+        )
+    return codes
+
+
+def outcome_names(codes: np.ndarray, name: str = "cube") -> np.ndarray:
+    """Put a name for each code of an outcome; ValueError, one line, for a code of none."""
+    if wrong := sorted({*np.unique(codes).tolist()} - {*range(len(OUTCOMES))}):
+        last = len(OUTCOMES) - 1
+        raise ValueError(f"{name}: {wrong[0]} is no code of an outcome; these are 0 to {last}")
+    return np.array(OUTCOMES)[codes.astype(int)]
 
 
 def label_distance(model: Mapping) -> float:

@@ -1,0 +1,64 @@
+"""The list of the files that runs have made, by which results of older configs are removed."""
+
+import os
+from collections.abc import Collection, Iterable
+from contextlib import suppress
+from pathlib import Path
+
+from .atomic import replacing
+
+LIST = "made.txt"
+"""In the folder of results: under HEAD a path a line, as Snakemake has it."""
+HEAD = "# What runs have made here: of this, and no more, goes what a config no longer asks for."
+SHOWN = 4
+"""Most files that a line names."""
+
+
+def list_made(folder: str, files: Iterable[str]) -> None:
+    """Add files below a folder, which a job has made, to its list."""
+    _write(folder, {*_read(folder), *files})
+
+
+def remove_others(folder: str, kept: Collection[str]) -> list[str]:
+    """Remove the files that the list of a folder names, unless they are kept.
+
+    Nothing else is touched. Returns lines that say what was removed, and what cannot be.
+    """
+    listed = _read(folder)
+    others = [name for name in sorted(listed) if name not in kept and os.path.lexists(name)]
+    for name in others:
+        with suppress(OSError):
+            Path(name).unlink()
+    left = [name for name in others if os.path.lexists(name)]
+    if listed - {*kept, *left}:
+        _write(folder, (listed & {*kept}).union(left))
+    removed = [name for name in others if name not in left]
+    lines = {"removed, as the config no longer asks for them": removed}
+    lines |= {"of an older config, and cannot be removed": left}
+    return [f"{_names(files)}: {words}" for words, files in lines.items() if files]
+
+
+def _read(folder):
+    try:
+        text = Path(folder, LIST).read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return set()
+    head, *names = text.splitlines() or [""]
+    return {name for name in names if head == HEAD and _is_below(folder, name)}
+
+
+def _write(folder, names):
+    # What a full disk keeps off the list only stays longer.
+    with suppress(OSError), replacing(Path(folder, LIST)) as temporary:
+        text = "\n".join([HEAD, *sorted(names), ""])
+        Path(temporary).write_text(text, encoding="utf-8")
+
+
+def _is_below(folder, name):
+    path = Path(name)
+    return path.parts[:1] == (folder,) and ".." not in path.parts and path != Path(folder, LIST)
+
+
+def _names(files):
+    others = [f"{len(files) - SHOWN} others"] * (len(files) > SHOWN)
+    return ", ".join([*files[:SHOWN], *others])
