@@ -209,8 +209,8 @@ SHARE = _number("(0, 1)", "", "0.95")
 FLAG, START = Argument("True or False", _is_flag, bool), _word("first", "second")
 TRIPS = Argument(
     'True, False, or "any"',
-    lambda value: FLAG.fits(value) or value == "any",
-    lambda value: value if value == "any" else bool(value),
+    lambda value: FLAG.fits(value) or (isinstance(value, str) and value == "any"),
+    lambda value: value if isinstance(value, str) else bool(value),
 )
 REQUIRED = {"name": _of_type("a name", str), "N": POSITIVE, "f0": POSITIVE, "snaps": TRIPS}
 """What a requirement has."""

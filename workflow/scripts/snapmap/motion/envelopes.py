@@ -22,7 +22,6 @@ from ..solver.kernel.rows import LANES
 from ..solver.kernel.trace import SAMPLE
 from ..solver.models import deciders
 from ..solver.outcome import FAILED
-from ..solver.settings import MOVE
 from ..study import Study
 from .history import warn_of_travel
 
@@ -138,7 +137,7 @@ def _follow(model, cells, window, bins, settings):
     device = model.device
     gap = np.where(device.is_alone, np.nan, device.gap)
     origin = np.stack([first, first, first + gap[cells.device]])
-    dt = model.steps.of(cells, MOVE)
+    dt = model.time_steps(cells, settings._replace(until="moved"))
     width = SAMPLE * np.ceil(window / (bins * SAMPLE * dt)).astype(np.int64)
     values, stress = np.empty((len(BANDS), bins, width.size)), np.full(width.size, np.nan)
     rows = None

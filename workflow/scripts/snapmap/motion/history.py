@@ -21,7 +21,7 @@ from ..solver.adaptive import Adaptive, choose_model
 from ..solver.cells import to_cells
 from ..solver.closures import follow_closures
 from ..solver.outcome import OUTCOMES, REPEATED_STEP, label, t_snap_error, work_error
-from ..solver.settings import FIRST, MOVE
+from ..solver.settings import FIRST
 from ..study import Study, study_of
 
 SAMPLES = 4000
@@ -155,7 +155,7 @@ def _record(built, cells, settings, samples):
 
     samples: instants that are kept or more, every one of a power of two of steps
     """
-    dt = built.steps.of(cells, MOVE).item()
+    dt = built.time_steps(cells, settings._replace(until="moved")).item()
     amplitude, per_us, damping, t_end = (column.item() for column in cells[2:6])
     steps = int(np.ceil(t_end / dt))
     stride = 2 ** max(0, math.floor(math.log2(max(1, steps / samples))))

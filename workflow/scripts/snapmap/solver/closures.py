@@ -13,7 +13,7 @@ from .cells import Cells, Observations
 from .kernel.rows import LANES
 from .models import Follows, Model, deciders
 from .outcome import REPEATED_STEP
-from .settings import FIRST, MOVE, Settings
+from .settings import FIRST, Settings
 
 APART = 4.0
 """Errors over the difference with another step; 1/(1 - 0.75^2) = 2.3 at second order, and more."""
@@ -84,7 +84,7 @@ def _follow(model, cells, window, settings):
     at_start = np.broadcast_to(dot(model.modal.midpoint, model.rest(start)), len(model.device))[
         cells.device
     ]
-    dt, size = model.steps.of(cells, MOVE), len(model.device)
+    dt, size = model.time_steps(cells, settings._replace(until="moved")), len(model.device)
     ways = np.broadcast_to(model.device.contact_at - model.barrier.first, size)[cells.device]
     steps = np.ceil(window / dt).astype(np.int64) + 1
     found = np.empty((len(Closures._fields), dt.size))

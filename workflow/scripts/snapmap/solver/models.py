@@ -20,7 +20,7 @@ from ..device import Device, Value
 from ..io.counting import count
 from .cells import Cells, Observations, no_observations
 from .settings import FIRST, MOVE, SECOND, Settings
-from .steps import Steps, explicit_steps, steps_of
+from .steps import Steps, explicit_steps, largest_speed, steps_of
 
 BUNCH = 8192
 """Cells after which it is reported how many are done; the last lanes of a call run half empty."""
@@ -104,8 +104,8 @@ class Model:
 
     def time_steps(self, cells: Cells, settings: Settings) -> np.ndarray:
         """Of each cell, us, in the cells' shape; no mass rests on a beam in its second shape."""
-        met = ~np.atleast_1d(self.device.is_alone)[cells.device]
-        return self.steps.of(cells, settings.question, met & (settings.start == SECOND))
+        speed = largest_speed(self.device, cells) if settings.start == SECOND else 0.0
+        return self.steps.of(cells, settings.question, speed)
 
     @property
     def least_energy(self) -> Value:

@@ -19,7 +19,7 @@ TENSION_REACH = 1.25
 FEWEST = 16
 """Steps in each swing of any pulse: its sum is then exact to 1e-4."""
 MORE = 1.5
-"""No factor makes the steps of the shortest pulses longer than so many times."""
+"""No factor makes the steps of the shortest pulses and fastest blows longer than so many times."""
 # ASSUME: the steps are chosen by measurement, see docs/accuracy.md.
 PER_SWING = 500
 """Steps in each swing of a pulse that is slow for the device."""
@@ -51,6 +51,9 @@ LINKED = 0.25
 LANDING = 0.03
 """Frequency of a pulse that presses, over the device's own, below which the mass lands so softly
 across a gap that it does not matter; above, steps fall to STRIKING with the sixth power."""
+TURN = 2.0
+"""Radians a step that the fastest mode turns by the tension in which a mass that flies stretches
+the beam; in longer steps energy is kept and goes to the wrong modes."""
 STIFF = 90.0
 """Stiffness of a contact over the clamped beam's, 192 EI/L^3, that counts as half a hard one."""
 CHATTER = CORNERED / STRIKING - 1
@@ -59,7 +62,7 @@ contact, pressed by a pulse with corners or by a smooth one that is not slow: it
 FAST = 0.1
 """Frequency of a smooth pulse, over the device's own, from which on the mass chatters under it."""
 
-PARTS = "shortest", "blows", "apart", "returns", "chatter", "calms", "most"
+PARTS = "shortest", "blows", "apart", "returns", "chatter", "calms", "most", "tightening"
 """Of the rule that each device has its own of."""
 
 
@@ -75,6 +78,8 @@ class Steps:
     chatter: by how much more steps a mass asks that chatters on its contact, (devices,)
     calms: us, (devices,): swings of smooth pulses below which it does
     most: steps in each swing of a smooth pulse that are enough for SNAP and EDGE, (devices,)
+    tightening: 1/(um us), (devices,): square of the frequency of the fastest mode by the tension of
+        a strike, over the speed of the mass
     per_swing: steps in each swing of a pulse
     cornered: times the longest for these, of pulses with corners
     striking: the same, where the mass strikes with a run-up
@@ -89,15 +94,16 @@ class Steps:
     chatter: np.ndarray
     calms: np.ndarray
     most: np.ndarray
+    tightening: np.ndarray
     per_swing: float
     cornered: float = 1.0
     striking: float = 1.0
     factor: float = 1.0
 
-    def of(self, cells: Cells, question: str, away: np.ndarray | bool = False) -> np.ndarray:
+    def of(self, cells: Cells, question: str, speed: np.ndarray | float = 0.0) -> np.ndarray:
         """Time step of each cell, us, in the cells' shape.
 
-        away: whether its mass starts apart from the beam, whatever the gap
+        speed: of a mass that starts apart from the beam, whatever the gap, um/us; 0 of others
         """
         swings = np.array([pulse.swings for pulse in cells.pulses])[cells.pulse]
         swing = 1 / (swings * cells.f0)
@@ -113,7 +119,7 @@ class Steps:
             fast = np.where(smooth, 1 / (1 + calm**2), 1.0)
             corners = np.where(smooth, 1.0, self.cornered)
             pressed = corners * longest / (1 + fast * self.chatter[cells.device])
-            apart = self.apart[cells.device] | away
+            apart = self.apart[cells.device] | (speed > 0)
             bounces = 1 + self.chatter[cells.device] ** 2 / CHATTER
             lands = (LANDING / FAST * calm) ** 2
             lands = np.clip(lands * lands * lands, self.striking, 1 / bounces)
@@ -122,8 +128,10 @@ class Steps:
             slow = np.where(rests, swing / self.most[cells.device], 0.0)
             longest = np.maximum(np.minimum(run_up * longest, pressed), slow)
         step = np.minimum(longest, np.maximum(resolved, shortest))
-        fewest = min(self.factor, MORE) * swing / FEWEST
-        return np.minimum(self.factor * step, fewest)
+        factor = min(self.factor, MORE)
+        step = np.minimum(self.factor * step, factor * swing / FEWEST)
+        turn = step * np.sqrt(self.tightening[cells.device] * speed)
+        return step / np.maximum(turn / (factor * TURN), 1.0)
 
     def times(self, factor: float) -> "Steps":
         """The same rule with every step multiplied by `factor`, but for very short pulses."""
@@ -141,7 +149,8 @@ def fixed(dt: np.ndarray) -> Steps:
     """The rule that has one step for each device, us, (devices,), but for very short pulses."""
     none = np.zeros(dt.shape)
     never, endless = none.astype(bool), none + np.inf
-    return Steps(dict.fromkeys(QUESTIONS, dt), dt, dt, never, never, none, dt, endless, FEWEST)
+    of_devices = dt, dt, never, never, none, dt, endless, none
+    return Steps(dict.fromkeys(QUESTIONS, dt), *of_devices, FEWEST)
 
 
 def stiffness_share(device: Device) -> Value:
@@ -157,6 +166,27 @@ def most_steps(device: Device) -> Value:
     spring = np.maximum(device.spring / (HOLDS * 192 * beam.stiffness_unit), 1.0)
     most = MOST * np.sqrt(np.sqrt(mass)) * spring * spring * spring
     return np.where(device.is_alone, MOST_ALONE, most)
+
+
+def strike_tightening(device: Device, modal: ModalBeam) -> Value:
+    """Square of the frequency of the fastest mode over the speed of a mass that strikes, 1/(um us).
+
+    By tension alone, that of a beam whose stretch has taken the energy of the mass: T = axial Q,
+    axial Q^2/4 = M v^2/2. The kernel turns a mode by itself as it should, not by tension.
+    """
+    return np.sqrt(2 * device.mass * modal.axial) * modal.geometric[..., -1, -1]
+
+
+def largest_speed(device: Device, cells: Cells) -> np.ndarray:
+    """Most that a pulse can move a mass on its spring without damping, um/us, in the cells' shape.
+
+    No more than by all of its area, nor by all of its ups and downs; 0 where there is no mass.
+    """
+    facts = np.array([(pulse.gross_area, pulse.variation) for pulse in cells.pulses])
+    gross, ups_and_downs = facts.T[:, cells.pulse]
+    swing = ups_and_downs / np.atleast_1d(device.mass_frequency)[cells.device]
+    speed = abs(cells.amplitude) * np.minimum(gross / cells.f0, swing)
+    return np.where(np.atleast_1d(device.is_alone)[cells.device], 0.0, speed)
 
 
 def explicit_steps(device: Device, modal: ModalBeam, step: float | None) -> Steps:
@@ -180,7 +210,8 @@ def steps_of(device: Device, modal: ModalBeam, step: float | None) -> Steps:
     chatter = np.broadcast_to(CHATTER * stiffness_share(device), period.shape)
     calms = np.broadcast_to(2 * np.pi / (FAST * device.own_frequency), period.shape)
     most = np.broadcast_to(most_steps(device), period.shape)
-    of_devices = SHORTEST * period, BLOWS * period, apart, returns, chatter, calms, most
+    tightening = np.broadcast_to(strike_tightening(device, modal), period.shape)
+    of_devices = SHORTEST * period, BLOWS * period, apart, returns, chatter, calms, most, tightening
     return Steps(longest, *of_devices, PER_SWING, CORNERED, STRIKING)
 
 
