@@ -84,7 +84,7 @@ def _good(study, axes, requirements, tolerances):
         device = grid.device.pick(number)
         plan = Plan(device, tolerances.scatters, tolerances.together)
         values = plan.values(plan.points(tolerances.samples, tolerances.seed)[0])
-        batch, good = Batch(device, values, study.model, choices), True
+        batch, good = Batch(device, values, study.model, choices, settings.start), True
         for required, pulse in zip(requirements, pulses, strict=True):
             own = of_requirement(study, required).settings
             good &= batch.meets(required, to_rows(0, required["f0"], C, 0, [pulse]), own)

@@ -140,7 +140,7 @@ def _cell(study, N, f0, C):
     """The model at the step that a sweep takes for a cell, the cell, and when it then snaps, us."""
     at = [0], [N], [f0], [C], study.settings.horizon, 0, study.shocks.pulses
     cells = to_cells(study.device, *at)
-    built = choose_model(study.device, study.model).levels[-1]
+    built = choose_model(study.device, study.model, study.settings.start).levels[-1]
     seen = built.follow(cells, study.settings._replace(repeat=False))
     return built.with_step(0.5 ** seen.halvings.item()), cells, seen.t_snap
 

@@ -9,13 +9,14 @@ import numpy as np
 from ..beam.limit_loads import static_threshold
 from ..device import Device
 from .cells import Cells, Observations
-from .models import Follows, build_model, check_options
+from .models import Follows, build_model, check_options, mixed
 from .settings import FIRST, Settings
 
 RUNGS = (3, 5, 11)
 """Cosines of the levels: odd ones, as even ones do not move the midpoint."""
-LINKED_RUNGS = (5, 7, 11)
-"""The same of a beam that meets a link: how it breaks hangs on how the midpoint rings."""
+FINER_RUNGS = (5, 7, 11)
+"""The same where three are blind: how a link breaks hangs on how the midpoint rings, the way back
+on where the beam is struck, and they lack the cosines 4 and 5 of a shape as made."""
 REACH = 2
 """Cells along N on either side of a change of label that count as near it."""
 LOOKING_STEPS, DECIDING_STEPS, FINE_STEPS = 2.0, 0.5, 0.25
@@ -128,15 +129,20 @@ class Survey(NamedTuple):
         return self, *(self.finer.levels if self.finer else ())
 
 
-def choose_model(device: Device, model: Mapping) -> Follows | Adaptive:
-    """Build a model, given by its name and options, for a device or a batch."""
-    return _levels(device, model) if model["name"] == "auto" else build_model(device, **model)
+def choose_model(device: Device, model: Mapping, start: str = FIRST) -> Follows | Adaptive:
+    """Build a model, given by its name and options, for a device or a batch.
+
+    start: as in `Settings`
+    """
+    if model["name"] == "auto":
+        return _levels(device, model, start)
+    return build_model(device, **model)
 
 
-def _levels(device, model) -> Adaptive:
+def _levels(device, model, start) -> Adaptive:
     options = {key: value for key, value in model.items() if key != "name"}
     check_options(device, "auto", options)
-    return build_adaptive(device, **options)
+    return build_adaptive(device, start=start, **options)
 
 
 def choose_survey(device: Device, model: Mapping, start: str = FIRST) -> Survey:
@@ -146,10 +152,10 @@ def choose_survey(device: Device, model: Mapping, start: str = FIRST) -> Survey:
     """
     static = np.asarray(static_threshold(device, back=start != FIRST))
     if model["name"] != "auto":
-        decides, levels = build_model(device, **model), build_adaptive(device)
+        decides, levels = build_model(device, **model), build_adaptive(device, start=start)
         finest = levels.top.with_step(FINE_STEPS)
         return Survey(levels.base, decides, decides, levels.check, levels.top, finest, static)
-    levels = _levels(device, model)
+    levels = _levels(device, model, start)
     coarse, middle, fine = levels.base, levels.check, levels.top
     looks, decides, finest = map(fine.with_step, (LOOKING_STEPS, DECIDING_STEPS, FINE_STEPS))
     finer = Survey(coarse, looks, decides, middle, None, finest, static)
@@ -158,10 +164,22 @@ def choose_survey(device: Device, model: Mapping, start: str = FIRST) -> Survey:
     return Survey(coarse, *others, tolerance=accepted, finer=finer)
 
 
-def build_adaptive(device: Device, tolerance: float = TOLERANCE) -> Adaptive:
-    """Build the levels, with steps for a tolerance of the threshold, relative."""
-    rungs = LINKED_RUNGS if np.any(device.has_link) else RUNGS
-    levels = (build_model(device, "cosines", modes=modes) for modes in rungs)
+def build_adaptive(device: Device, tolerance: float = TOLERANCE, start: str = FIRST) -> Adaptive:
+    """Build the levels, with steps for a tolerance of the threshold, relative.
+
+    start: as in `Settings`
+    """
+    beam = device.beam
+    uneven = np.not_equal(beam.cosine_4, 0) | np.not_equal(beam.cosine_5, 0)
+    finer = device.has_link | uneven | (start != FIRST)
+
+    def level(rungs):
+        def build(is_finer):
+            return build_model(device, "cosines", modes=rungs[int(is_finer)])
+
+        return mixed(build, finer if rungs[0] != rungs[1] else False)
+
+    levels = map(level, zip(RUNGS, FINER_RUNGS, strict=True))
     # The scheme is of second order.
     return Adaptive(*levels).with_step(np.sqrt(tolerance / TOLERANCE))
 

@@ -102,7 +102,7 @@ def _verdicts(study, name, asked, C, tolerance):
     device = batch([study.device])
     rows = to_rows(0, f0, C, pulses=shocks.pulses)
     cells = rows.cells(device, N, settings.horizon)
-    seen = choose_model(device, study.model).follow(cells, settings)
+    seen = choose_model(device, study.model, settings.start).follow(cells, settings)
     linked = device.has_link & (settings.start == FIRST)
     outcomes = label(*seen[:4], settings.energy_tolerance, linked)[:, 0]
     for i, (damping, outcome) in enumerate(zip(C, outcomes, strict=True)):
