@@ -253,7 +253,7 @@ class Mixed(NamedTuple):
 
 
 def mixed(build: Callable[[bool], Follows], other: np.ndarray | bool) -> Follows:
-    """Build the models that devices of a batch need, of those that are others and those that are not.
+    """Build the models that the devices of a batch need: of those that are others, and not.
 
     build: makes either for all devices; other: which are, (devices,), or of a single one
     """
