@@ -103,7 +103,7 @@ def _good(study, axes, requirements, tolerances):
         device = grid.device.pick(number)
         plan = Plan(device, tolerances.scatters, tolerances.together)
         values = plan.values(plan.points(tolerances.samples, tolerances.seed)[0])
-        batch, good = Batch(device, values, study.model, choices), True
+        batch, good = Batch(device, values, study.model, choices, settings.start), True
         for required in requirements:
             own = of_requirement(study, required).settings
             for pulse in required["shocks"].pulses:

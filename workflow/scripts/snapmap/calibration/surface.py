@@ -77,9 +77,10 @@ def _thresholds(study, groups, values, C):
     device = batch([study.device]).vary(middle).pick(0)
     f0, pulses = [group.f0 for group in groups], tuple(group.pulse for group in groups)
     rows = to_rows(0, f0, C, np.arange(len(pulses)), pulses)
-    how = study.model, choose_levels(device, study.model, rows, study.settings)
+    settings = study.settings
+    how = study.model, choose_levels(device, study.model, rows, settings), settings.start
     shares = {key: column / C if key == "C" else column for key, column in values.items()}
-    N_first, *_ = Batch(device, shares, *how).thresholds(rows, study.settings, TOLERANCE)
+    N_first, *_ = Batch(device, shares, *how).thresholds(rows, settings, TOLERANCE)
     if not np.isfinite(N_first).all():
         where, group = np.argwhere(~np.isfinite(N_first))[0]
         raise ValueError(

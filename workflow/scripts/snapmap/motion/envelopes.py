@@ -54,7 +54,7 @@ def trace(study: Study, cube: xr.Dataset, earlier: xr.Dataset | None = None) -> 
     axes = {key: cube[key].values for key in cube.outcome.dims}
     names = {key: axes.pop(key).tolist() for key in NAMES if key in axes}
     grid, settings = replace(study.part(names), skip=True).set_out(axes), study.settings
-    levels = _levels(grid.device, study.model)
+    levels = _levels(grid.device, study)
     level = cube.level.values.ravel() if "level" in cube else np.zeros(cube.outcome.size, int)
     rows, N = rows_of(grid), grid.axes["N"]
     cells = rows.cells(grid.device, N, settings.horizon).flat()
@@ -89,7 +89,7 @@ def largest_stress(study: Study, device: Device, cells: Cells) -> np.ndarray:
     device: a batch with a strength, of which the cells are
     As of `history.extremes_of`, many cells at once.
     """
-    finest, settings = _levels(device, study.model)[-1:], study.settings
+    finest, settings = _levels(device, study)[-1:], study.settings
     halvings = finest[0].follow(cells, settings._replace(repeat=False)).halvings
     decided, stress = np.stack([0 * halvings, halvings]), np.empty(halvings.size)
     for at, part in deciders(finest, cells.device, decided, np.arange(halvings.size)):
@@ -98,10 +98,10 @@ def largest_stress(study: Study, device: Device, cells: Cells) -> np.ndarray:
     return stress
 
 
-def _levels(device, model):
+def _levels(device, study):
     """Levels that decide cells; of `reference` the same elements in their modes."""
-    name = "handout" if model["name"] == "reference" else model["name"]
-    return choose_model(device, {**model, "name": name}).levels
+    name = "handout" if study.model["name"] == "reference" else study.model["name"]
+    return choose_model(device, {**study.model, "name": name}, study.settings.start).levels
 
 
 def thin(cube: xr.Dataset) -> xr.Dataset:

@@ -144,7 +144,8 @@ def _closing(built, cells, settings):
 def _cell(study, N, f0, C):
     """The model at the step that a sweep takes for a cell, the cell, and what the sweep sees."""
     at = [0], [N], [f0], [C], study.settings.horizon, 0, study.shocks.pulses
-    cells, model = to_cells(study.device, *at), choose_model(study.device, study.model)
+    cells = to_cells(study.device, *at)
+    model = choose_model(study.device, study.model, study.settings.start)
     follow = model.follow_by_top if isinstance(model, Adaptive) else model.follow
     seen = follow(cells, study.settings._replace(repeat=False))
     return model.levels[-1].with_step(0.5 ** seen.halvings.item()), cells, seen

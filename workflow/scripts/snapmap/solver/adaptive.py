@@ -9,15 +9,21 @@ import numpy as np
 from ..beam.limit_loads import static_threshold
 from ..device import Device
 from .cells import Cells, Observations
-from .models import Follows, build_model, check_options
+from .models import Follows, build_model, check_options, mixed
 from .settings import FIRST, Settings
 
 RUNGS = (3, 5, 11)
 """Cosines of the levels: odd ones, as even ones do not move the midpoint."""
-LINKED_RUNGS = (5, 7, 11)
-"""The same of a beam that meets a link: how it breaks hangs on how the midpoint rings."""
+FINER_RUNGS = (5, 7, 11)
+"""The same where three are blind: how a link breaks hangs on how the midpoint rings, the way back
+on where the beam is struck, and they lack the cosines 4 and 5 of a shape as made."""
 REACH = 2
-"""Cells along N on either side of a change of label that count as near it."""
+"""Cells along N on either side of a change of label that are near it, however far apart."""
+BESIDE, FAR_BESIDE = 1.02, 1.03
+"""How far around a change of label finer levels look, in clean and ragged rows: in the latter at
+every cell, in the former at REACH, and at twice, four times as many cells and so on."""
+DISPUTED, AGREED, UNCOMPARED = range(3)
+"""Whether two levels say the same of a cell."""
 LOOKING_STEPS, DECIDING_STEPS, FINE_STEPS = 2.0, 0.5, 0.25
 """Times its own, of the finest model: where it looks for changes, decides, and shows islands."""
 LOOKING_TOLERANCE = 2.5e-4
@@ -59,8 +65,9 @@ class Adaptive:
     def follow(self, cells: Cells, settings: Settings) -> Observations:
         """Follow rows of cells along ascending N, (rows, n), each cell by the level that suffices.
 
-        A cell is safe where base sees no change of label within REACH along N and its ledger
-        closes; whether others snap is told in the steps of a threshold.
+        A cell is safe where base sees no change of label near it along N and its ledger closes.
+        Near a change top decides, in ragged rows until it agrees with base for a stretch. Whether
+        these cells snap is told in the steps of a threshold.
         """
         # Of no cells: the kernel that takes longest to compile comes first, while a job of
         # thresholds beside this one compiles base's.
@@ -68,11 +75,13 @@ class Adaptive:
         for _, model in self.top.split(none.device):
             model.follow_once(none, settings)
         seen = self.base.follow(cells, settings)
-        level, agreed = np.zeros(cells.f0.shape, np.int8), np.ones(cells.f0.shape, np.int8)
+        by_base = np.isfinite(seen.t_snap)
+        level = np.zeros(cells.f0.shape, np.int8)
+        agreed = np.full(cells.f0.shape, UNCOMPARED, np.int8)
         unsafe = ~(seen.energy_error <= settings.energy_tolerance)
         unsafe[:, [0, -1]] = True  # what lies beyond the ends is unknown
         while True:
-            unsafe |= _near_change(np.isfinite(seen.t_snap))
+            unsafe |= _near_changes(cells.amplitude, by_base, np.isfinite(seen.t_snap))
             new = unsafe & (level == 0)
             if not new.any():
                 return seen._replace(level=level, agreed=agreed)
@@ -80,7 +89,8 @@ class Adaptive:
             check = self.check.follow(near, settings._replace(until="snap"))
             top = self.follow_by_top(near, settings)
             level[new] = 1
-            agreed[new] = np.isfinite(check.t_snap) == np.isfinite(top.t_snap)
+            same = np.isfinite(check.t_snap) == np.isfinite(top.t_snap)
+            agreed[new] = np.where(same, AGREED, DISPUTED)
             seen.replace(new, top)
 
     def follow_by_top(self, cells: Cells, settings: Settings) -> Observations:
@@ -131,15 +141,20 @@ class Survey(NamedTuple):
         return self, *(self.finer.levels if self.finer else ())
 
 
-def choose_model(device: Device, model: Mapping) -> Follows | Adaptive:
-    """Build a model, given by its name and options, for a device or a batch."""
-    return _levels(device, model) if model["name"] == "auto" else build_model(device, **model)
+def choose_model(device: Device, model: Mapping, start: str = FIRST) -> Follows | Adaptive:
+    """Build a model, given by its name and options, for a device or a batch.
+
+    start: as in `Settings`
+    """
+    if model["name"] == "auto":
+        return _levels(device, model, start)
+    return build_model(device, **model)
 
 
-def _levels(device, model) -> Adaptive:
+def _levels(device, model, start) -> Adaptive:
     options = {key: value for key, value in model.items() if key != "name"}
     check_options(device, "auto", options)
-    return build_adaptive(device, **options)
+    return build_adaptive(device, start=start, **options)
 
 
 def choose_survey(device: Device, model: Mapping, start: str = FIRST) -> Survey:
@@ -149,10 +164,10 @@ def choose_survey(device: Device, model: Mapping, start: str = FIRST) -> Survey:
     """
     static = np.asarray(static_threshold(device, back=start != FIRST))
     if model["name"] != "auto":
-        decides, levels = build_model(device, **model), build_adaptive(device)
+        decides, levels = build_model(device, **model), build_adaptive(device, start=start)
         finest = levels.top.with_step(FINE_STEPS)
         return Survey(levels.base, decides, decides, levels.check, levels.top, finest, static)
-    levels = _levels(device, model)
+    levels = _levels(device, model, start)
     coarse, middle, fine = levels.base, levels.check, levels.top
     looks, decides, finest = map(fine.with_step, (LOOKING_STEPS, DECIDING_STEPS, FINE_STEPS))
     finer = Survey(coarse, looks, decides, middle, None, finest, static)
@@ -161,19 +176,67 @@ def choose_survey(device: Device, model: Mapping, start: str = FIRST) -> Survey:
     return Survey(coarse, *others, tolerance=accepted, finer=finer)
 
 
-def build_adaptive(device: Device, tolerance: float = TOLERANCE) -> Adaptive:
-    """Build the levels, with steps for a tolerance of the threshold, relative."""
-    rungs = LINKED_RUNGS if np.any(device.has_link) else RUNGS
-    levels = (build_model(device, "cosines", modes=modes) for modes in rungs)
+def build_adaptive(device: Device, tolerance: float = TOLERANCE, start: str = FIRST) -> Adaptive:
+    """Build the levels, with steps for a tolerance of the threshold, relative.
+
+    start: as in `Settings`
+    """
+    beam = device.beam
+    uneven = np.not_equal(beam.cosine_4, 0) | np.not_equal(beam.cosine_5, 0)
+    finer = device.has_link | uneven | (start != FIRST)
+
+    def level(rungs):
+        def build(is_finer):
+            return build_model(device, "cosines", modes=rungs[int(is_finer)])
+
+        return mixed(build, finer if rungs[0] != rungs[1] else False)
+
+    levels = map(level, zip(RUNGS, FINER_RUNGS, strict=True))
     # The scheme is of second order.
     return Adaptive(*levels).with_step(np.sqrt(tolerance / TOLERANCE))
 
 
-def _near_change(snapped):
-    """Cells within REACH of a change of label along N; (rows, n)."""
-    near = np.zeros(snapped.shape, bool)
-    for shift in range(1, min(REACH, snapped.shape[1] - 1) + 1):
-        differ = snapped[:, shift:] != snapped[:, :-shift]
-        near[:, shift:] |= differ
-        near[:, :-shift] |= differ
+def _near_changes(N, by_base, snapped):
+    """Cells near a change of label along N, of those that base saw or of those known; (rows, n).
+
+    N: ascending, in any unit
+    """
+    change, change_of_base = (labels[:, 1:] != labels[:, :-1] for labels in (snapped, by_base))
+    ragged = (change.sum(axis=1) > 1) | (change_of_base.sum(axis=1) > 1)
+    ragged |= _are_apart(N, by_base != snapped)
+    near = _beside(N, change) | _beside(N, change_of_base)
+    near[ragged] |= _around(N[ragged], (change | change_of_base)[ragged])
+    return near
+
+
+def _are_apart(N, differ):
+    """Whether cells of a row differ that are farther apart than BESIDE, (rows,)."""
+    rows, size = np.arange(len(N)), N.shape[1]
+    first, last = np.argmax(differ, axis=1), size - 1 - np.argmax(differ[:, ::-1], axis=1)
+    return differ.any(axis=1) & (N[rows, last] > BESIDE * N[rows, first])
+
+
+def _beside(N, change):
+    """Cells within REACH of changes, (rows, n - 1), and some more within BESIDE; (rows, n)."""
+    near, size, distance = np.zeros(N.shape, bool), N.shape[1], 1
+    while distance < size:
+        below, above = change[:, distance - 1 :], change[:, : size - distance]
+        if distance > REACH:
+            below = below & (N[:, :-distance] * BESIDE >= N[:, distance - 1 : -1])
+            above = above & (N[:, distance:] <= N[:, 1 : size - distance + 1] * BESIDE)
+            if not (below.any() or above.any()):
+                break
+        near[:, :-distance] |= below
+        near[:, distance:] |= above
+        distance *= 2
+    return near
+
+
+def _around(N, change):
+    """All cells within FAR_BESIDE of changes, (rows, n - 1); (rows, n)."""
+    near = np.zeros(N.shape, bool)
+    above = np.where(change, N[:, 1:] * FAR_BESIDE, -np.inf)
+    below = np.where(change, N[:, :-1] / FAR_BESIDE, np.inf)[:, ::-1]
+    near[:, 1:] = N[:, 1:] <= np.maximum.accumulate(above, axis=1)
+    near[:, :-1] |= N[:, :-1] >= np.minimum.accumulate(below, axis=1)[:, ::-1]
     return near

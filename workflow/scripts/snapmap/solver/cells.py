@@ -75,7 +75,8 @@ class Observations(NamedTuple):
         model does not tell
     halvings: how often the model's step was halved for these observations
     level: of several that a model has, the one that decided the cell, 0 for the cheapest
-    agreed: 0 where two of them disagree on whether the cell snaps, else 1
+    agreed: 0 where two of them disagree on whether the cell snaps, 1 where they agree, 2 where
+        but one looked
     """
 
     t_snap: np.ndarray

@@ -1,9 +1,9 @@
 """Models of a device or a batch, by name; and the one thing that they do: to follow cells."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from importlib import import_module
 from types import ModuleType
 from typing import NamedTuple, Protocol
@@ -207,36 +207,41 @@ def deciders(
             yield alike[mine], part
 
 
-class GuidedOrFree(NamedTuple):
-    """A batch in which beams are guided or free to tilt: models of all devices as either."""
+class Mixed(NamedTuple):
+    """A batch in which some devices take another model: both models are of all devices.
 
-    guided: Model
-    free: Model
+    other: which take the second, (devices,)
+    """
+
+    first: Follows
+    second: Follows
+    other: np.ndarray
 
     @property
     def device(self) -> Device:
         """The batch."""
-        return self.free.device
+        return self.first.device
 
     @property
-    def levels(self) -> tuple["GuidedOrFree"]:
+    def levels(self) -> tuple["Mixed"]:
         """Itself alone."""
         return (self,)
 
     def split(self, device: np.ndarray) -> list[tuple[np.ndarray, Model]]:
-        """Guided ones and free ones."""
-        is_free = np.asarray(self.device.beam.free)[device] != 0
-        return [(~is_free, self.guided), (is_free, self.free)]
+        """Those of the first, and of the second."""
+        other = self.other[device]
+        sides = (~other, self.first), (other, self.second)
+        return [(mine & part, model) for mine, side in sides for part, model in side.split(device)]
 
-    def with_step(self, factor: float) -> "GuidedOrFree":
+    def with_step(self, factor: float) -> "Mixed":
         """The same models with every step multiplied by `factor`."""
-        return GuidedOrFree(*(model.with_step(factor) for model in self))
+        return Mixed(*(model.with_step(factor) for model in self[:2]), self.other)
 
     def pick(self, which: int | np.ndarray) -> Follows:
         """The model of one device, or those of several."""
         if np.ndim(which) == 0:
-            return self[int(np.asarray(self.device.beam.free)[which])].pick(which)
-        return GuidedOrFree(*(model.pick(which) for model in self))
+            return self[int(self.other[which])].pick(which)
+        return Mixed(*(model.pick(which) for model in self[:2]), self.other[which])
 
     def follow(self, cells: Cells, settings: Settings) -> Observations:
         """Follow every cell by the model of its device."""
@@ -244,6 +249,17 @@ class GuidedOrFree(NamedTuple):
         for mine, model in self.split(cells.device):
             seen.replace(mine, model.follow(cells.take(mine), settings))
         return seen
+
+
+def mixed(build: Callable[[bool], Follows], other: np.ndarray | bool) -> Follows:
+    """Build the models that the devices of a batch need: of those that are others, and not.
+
+    build: makes either for all devices; other: which are, (devices,), or of a single one
+    """
+    kinds = np.unique(other)
+    if kinds.size == 1:
+        return build(bool(kinds[0]))
+    return Mixed(build(False), build(True), np.asarray(other))
 
 
 def build_model(device: Device, name: str = "handout", **options) -> Follows:
@@ -255,9 +271,7 @@ def build_model(device: Device, name: str = "handout", **options) -> Follows:
     """
     check_options(device, name, options)
     device.require_shapes()
-    free = np.unique(device.beam.free)
-    models = [_build(device, name, options, tilts) for tilts in free != 0]
-    return models[0] if free.size == 1 else GuidedOrFree(*models)
+    return mixed(partial(_build, device, name, options), np.not_equal(device.beam.free, 0))
 
 
 def _build(device, name, options, is_free):

@@ -57,7 +57,8 @@ def sweep(
     f0 = [study.shocks.own_frequency()] if f0 is None else f0
     grid = study.set_out({**varied, "C": C, "f0": f0, "N": N})
     with counting("sweep"):
-        values = follow_grid(choose_model(grid.device, study.model), grid, study.settings)
+        built = choose_model(grid.device, study.model, study.settings.start)
+        values = follow_grid(built, grid, study.settings)
     return with_summary(as_cube(grid.axes, values, study.document()))
 
 

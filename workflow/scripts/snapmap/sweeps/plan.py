@@ -129,7 +129,7 @@ def _halved(run, bits, share):
 
 def _expected_of_each(grid, model, settings, f0):
     """Shortest step, us, and the time of one cell of each device and f0, s; mean over pulses."""
-    built = choose_model(grid.device, model).levels[0]
+    built = choose_model(grid.device, model, settings.start).levels[0]
     device, pulse = np.arange(len(grid.device)), np.arange(len(grid.pulses))[:, np.newaxis]
     at = device[:, np.newaxis, np.newaxis], 0.0, f0, 0.0, settings.horizon, pulse, grid.pulses
     cells = to_cells(grid.device, *at)

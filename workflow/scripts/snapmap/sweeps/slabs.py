@@ -121,7 +121,8 @@ def _follow_unknown(grid, model, settings, variables, known):
     """Follow what is not known, rows with the same gaps at once, and set it in the variables."""
     if known.all():
         return
-    built, rows, N = choose_model(grid.device, model), rows_of(grid), grid.axes["N"]
+    built = choose_model(grid.device, model, settings.start)
+    rows, N = rows_of(grid), grid.axes["N"]
     unknown = ~known.reshape(-1, N.size)
     patterns, pattern_of = np.unique(unknown, axis=0, return_inverse=True)
     for number in np.flatnonzero(patterns.any(axis=1)):

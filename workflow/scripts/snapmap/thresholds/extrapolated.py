@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..solver.adaptive import RUNGS, Survey
+from ..solver.adaptive import Survey
 from ..solver.cells import Rows
 from ..solver.search import asker, refine
 from ..solver.settings import Settings
@@ -29,7 +29,7 @@ def extrapolate(
     Of step h, N = N0 + a h^2, by three steps of five cosines; of M cosines, N = N0 + b/M^4.
     Returns N and its error; those given where that is not shown.
     """
-    device, (few, many) = models.decides.device, RUNGS[1:]
+    device = models.decides.device
     swings, smooth = np.array([(one.swings, one.is_smooth) for one in rows.pulses])[rows.pulse].T
     slow = 2e-6 * np.pi * rows.f0 * swings <= SLOWEST * device.own_frequency[rows.device]
     which = np.flatnonzero(slow & (smooth > 0) & np.isfinite(N_first))
@@ -39,6 +39,7 @@ def extrapolate(
         ends = N_first[which] - bar, N_first[which] + bar
         return refine(asker(model, part, settings), *ends, EXACT)[1]
 
+    few, many = (_modes(model, part.device) for model in (models.decides, models.judge))
     steps = (models.decides.with_step(factor) for factor in (1.0, np.sqrt(2.0), 2.0))
     N, longer, longest = map(exactly, steps)
     by_step, by_modes = N - longer, (exactly(models.judge) - N) * many**4 / (many**4 - few**4)
@@ -50,3 +51,11 @@ def extrapolate(
     left = LEFT * (abs(by_step) + abs(by_modes)) + 4 * EXACT * N
     error[which[shown]] = left[shown]
     return new, error
+
+
+def _modes(model, device):
+    """How many modes each device of the batch has."""
+    modes = np.empty(device.size)
+    for mine, part in model.split(device):
+        modes[mine] = part.modes
+    return modes

@@ -112,7 +112,8 @@ def _verdicts(study, name, required, C, tolerance):
     axes, must = {"C": C, "f0": [f0]}, required["snaps"]
     found, grid = thresholds_of(study, axes, tolerance), study.set_out(axes)
     cells = rows_of(grid).cells(grid.device, N, settings.horizon)
-    seen = choose_model(grid.device, study.model).follow(cells, settings)
+    model = choose_model(grid.device, study.model, settings.start)
+    seen = model.follow(cells, settings)
     linked = study.device.has_link & (settings.start == FIRST)
     outcomes = label(*seen[:4], settings.energy_tolerance, linked)[:, 0]
     columns = {key: found[key].values.ravel() for key in SEARCHED}

@@ -64,13 +64,15 @@ class Batch:
         values: Mapping[str, np.ndarray],
         model: Mapping,
         choices: Sequence[Choice],
+        start: str,
     ):
-        """Take the values; choices: as from `choose_levels`, of the same model."""
+        """Take the values; choices: as from `choose_levels`, of the same model and start."""
         self.values, count = values, len(next(iter(values.values())))
         self._made = {key: column for key, column in values.items() if key in VALUES}
         self.bistable = is_bistable(device, self._made, count)
         self.size, self.choices = np.count_nonzero(self.bistable), choices
-        self.nominal, self._model = choose_model(batch_of([device]), model), model
+        self._asked = model, start
+        self.nominal = choose_model(batch_of([device]), *self._asked)
         shares = {key: values.get(key, np.ones(count)) for key in SHOCK_FACTORS}
         self.factors = {key: column[self.bistable] for key, column in shares.items()}
         nominal = [nominal_value(device, key) for key in values]
@@ -81,7 +83,7 @@ class Batch:
         """Those of the samples that have a second shape."""
         made = {key: column[self.bistable] for key, column in self._made.items()}
         devices = self.nominal.device.pick(np.zeros(self.size, int))
-        return choose_model(devices.vary(made), self._model)
+        return choose_model(devices.vary(made), *self._asked)
 
     @property
     def model(self) -> Follows:
@@ -171,7 +173,8 @@ def choose_levels(device: Device, model: Mapping, rows: Rows, settings: Settings
     left = np.ones(rows.f0.size, bool)
     if model["name"] != "auto":
         return [Choice(left)]
-    auto, accepted = choose_model(batch_of([device]), model), model.get("tolerance", TOLERANCE)
+    auto = choose_model(batch_of([device]), model, settings.start)
+    accepted = model.get("tolerance", TOLERANCE)
     rough = nominal_thresholds(auto.base.with_step(4.0), rows, settings, accepted)
     finest, whole = (asker(auto.top.with_step(step), rows, settings) for step in (0.5, 1.0))
     apart = distance(finest, rough, accepted)

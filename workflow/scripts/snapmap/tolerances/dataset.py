@@ -117,7 +117,8 @@ def _of_device(study, axes, tolerances, requirements, tolerance):
     points = plan.points(samples, tolerances.seed)
     partners = points[:, :power]
     every = np.concatenate([points[0], partners[1], *crossed(partners)])
-    how = study.model, choose_levels(device, study.model, rows, settings)
+    choices = choose_levels(device, study.model, rows, settings)
+    how = study.model, choices, settings.start
     batch, beside = (Batch(device, plan.values(part), *how) for part in (points[0], every))
     N_first, nominal, ragged = beside.thresholds(rows, settings, tolerance, chosen=True)
     first, second, mixed = np.split(N_first, [samples, samples + power])
