@@ -12,13 +12,8 @@ from ..device import VALUES
 from ..io.measured_shape import PROFILE
 from ..io.named import hold_to_plan, sha256_of
 from ..shocks import HANDOUT_SHOCK
-<<<<<<< HEAD
 from ..solver.settings import FIRST, SECOND, THRESHOLD_TOLERANCE, Settings
-from ..study import FOLLOWED, Study
-=======
-from ..solver.settings import THRESHOLD_TOLERANCE, Settings
 from ..study import ANY, CLOSING, FOLLOWED, Study
->>>>>>> verdicts
 from ..tolerances.samples import Plan, Tolerances
 from .calibration import Calibration, read_calibration
 from .devices import nominal
@@ -167,17 +162,13 @@ def load_config(document: Mapping) -> Config:
     requirements, vibrations, spectra = (
         [one for one in required if key in one] for key in ("shocks", "psd", "srs")
     )
-<<<<<<< HEAD
     if grid:
         part(("sweep",), _require_start, sweep.made.start, grid.device)
     for i, one in enumerate(required):
         devices = Study(device=device).devices().values()
         part(("requirements", i), _require_start, one.get("start", FIRST), *devices)
-    part(("device",), _require_study, device, shocks, required, tolerances)
-=======
     temperatures = grid.axes.get("temperature", ()) if grid else ()
     part(("device",), _require_study, device, shocks, required, tolerances, temperatures)
->>>>>>> verdicts
     if faults:
         raise ConfigError(*dict.fromkeys(faults))
     chosen, left_out = choose_maps(grid, nominal(device), maps)
