@@ -9,7 +9,6 @@ takes part always, heyoka if it is installed (group `bench` of pyproject.toml).
 from collections.abc import Iterator, Sequence
 from datetime import date
 from functools import partial
-from importlib.util import find_spec
 from typing import NamedTuple
 
 import numpy as np
@@ -27,7 +26,7 @@ from snapmap.solver.search import refine
 from snapmap.solver.settings import Settings
 
 from .common import command_device, cpu_seconds, few, is_small, machine, results
-from .rivals import TOLERANCE, Follow, by_heyoka, by_scipy
+from .scipy_solver import TOLERANCE, Follow, by_scipy
 
 SPEEDS = {"slow": (0.02, 0.1), "fast": (0.5, 6.0)}
 """Frequencies of pulses over the device's own."""
@@ -55,12 +54,11 @@ STRIDE, FEWER = 6, 30
 """Of the posed rows, every so many-th is followed by those who are slow, and by SciPy, which takes
 seconds for a cell of a fast pulse and half a minute for one of a slow pulse: it is left out there.
 """
-TOLERANCES = 1e-4, 1e-6, 1e-8
 ROUNDS = 3
 SETTINGS = Settings(until="edge", repeat=False)
 LOOKS = {"auto": ("C5", "o"), "3 cosines": ("C0", "^"), "5 cosines": ("C1", "s")}
 LOOKS |= {"11 cosines": ("C2", "D"), HANDOUT: ("C6", "v"), PLAIN: ("0.4", "P")}
-LOOKS |= {"SciPy DOP853": ("0.4", "X"), "heyoka, 8 lanes": ("0.4", "*")}
+LOOKS |= {"SciPy DOP853": ("0.4", "X")}
 
 
 class Posed(NamedTuple):
@@ -149,9 +147,6 @@ def entries(device: Device) -> Iterator[Entry]:
     plain = by_model(build_model(device, "reference"))
     yield Entry(PLAIN, "0.8 of its limit", plain, plain, STRIDE)
     modal = build_model(device, "handout").modal
-    for tolerance in few(TOLERANCES) if find_spec("heyoka") else ():
-        follow = flattened(by_heyoka(device, modal, 8, tolerance))
-        yield Entry("heyoka, 8 lanes", f"{tolerance:g}", follow, follow, STRIDE)
     follow = flattened(by_scipy(device, modal, "DOP853"))
     yield Entry("SciPy DOP853", f"{TOLERANCE:g}", follow, follow, FEWER, ("fast",))
 

@@ -11,7 +11,6 @@ import subprocess
 import sys
 from dataclasses import replace
 from functools import partial
-from importlib.util import find_spec
 from tempfile import TemporaryDirectory
 from time import perf_counter
 
@@ -24,7 +23,7 @@ from snapmap.solver.models import Model, build_model
 from snapmap.solver.settings import Settings
 
 from .common import ROOT, command_device, few, machine, take_turns, versions
-from .rivals import Follow, by_heyoka, by_scipy
+from .scipy_solver import Follow, by_scipy
 
 SETTINGS = Settings(1500.0, until="snap", repeat=False)
 SIDE, FEWEST, DAMPING, ROUNDS = 16, 4, 0.025, 5
@@ -45,7 +44,7 @@ HEAD = ["", "cells", "cells/s", "to the plain loop", "same labels", "with proofs
 
 def main() -> None:
     device = command_device()
-    print(f"{machine()}; {versions('numpy', 'numba', 'scipy', 'heyoka')}; one thread.\n")
+    print(f"{machine()}; {versions('numpy', 'numba', 'scipy')}; one thread.\n")
     print(table(HEAD, by_everyone(device)))
     print(table(["cells, 5 cosines", "cells/s, 1 thread", "2 threads", "gain"], by_threads(device)))
     print(table(["first threshold in a new process", "s"], starts()))
@@ -75,8 +74,6 @@ def by_everyone(device: Device) -> list[list[str]]:
     modal = models[HANDOUT].modal
     tasks = {name: partial(by_model(without_proofs(one)), cells) for name, one in models.items()}
     tasks |= {(name, "proven"): partial(by_model(one), cells) for name, one in models.items()}
-    if find_spec("heyoka"):
-        tasks["heyoka, 8 lanes"] = partial(by_heyoka(device, modal, 8), cells)
     take_turns(tasks, 1)  # compiles
     runs = take_turns(tasks, few(ROUNDS))
     scipy = {"SciPy DOP853": partial(by_scipy(device, modal, "DOP853"), cells.take(FEW))}

@@ -1,6 +1,6 @@
 """Prints the first part of docs/validation.md: closed forms, published values, another code.
 
-./run python -m studies validation > docs/validation.md
+./run python -m studies validation
 """
 
 from dataclasses import replace
@@ -32,10 +32,10 @@ TOLERANCE = 1e-9
 TEXT = """\
 # Validation
 
-Exact solutions, published values and other codes beside ours, in two parts:
+Exact solutions, published values and other codes beside ours. This command prints the first part;
+the second was measured once, by a study that the tag `before-cut` keeps:
 
-    ./run python -m studies validation > docs/validation.md
-    ./run python -m studies peers >> docs/validation.md
+    ./run python -m studies validation
 
 **No measured device has been compared.** These tables show that the equations are solved, not that
 a device obeys them; the [second part](#other-codes) shows what the equations leave out. A

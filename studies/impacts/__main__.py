@@ -1,15 +1,12 @@
 """Prints README.md: ensembles of small systems with impacts, by everyone who can follow them.
 
 ./run python -m studies impacts [--small] > studies/impacts/README.md
-
-heyoka takes part if it is installed: see the group `bench` in pyproject.toml.
 """
 
 import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from importlib.util import find_spec
 from statistics import median
 from time import process_time
 from typing import NamedTuple
@@ -62,7 +59,7 @@ def main():
         checks += answers(problem)
     the_map = snaps.make_map(device)
     rows += measure(the_map, map_contenders())
-    facts = {"machine": machine(), "versions": versions("numpy", "numba", "scipy", "heyoka")}
+    facts = {"machine": machine(), "versions": versions("numpy", "numba", "scipy")}
     cells, snap = the_map.exact.size, int(the_map.exact.sum())
     counts = {"cells": cells, "snap": snap, "contested": few(SIDE, FEWEST) ** 2 - cells}
     found = {"table": table(HEAD, rows), "answers": table(CHECKS, checks)}
@@ -85,8 +82,6 @@ def contenders(problem, device) -> dict[str, Contender]:
         SCIPY: Contender(solvers.by_scipy, LONGEST, SOME),
         PLAIN_LOOP: Contender(solvers.by_plain_loop, PLAIN),
     }
-    if find_spec("heyoka"):
-        found["heyoka"] = Contender(solvers.by_heyoka, TOLERANCES)
     if problem.name in (BALL, RIGID):
         found[OURS] = Contender(kernel, STEPS)
     return found
@@ -98,8 +93,6 @@ def map_contenders() -> dict[str, Contender]:
         SCIPY: Contender(snaps.map_by_scipy, TOLERANCES[:3], FEWER),
         PLAIN_LOOP: Contender(snaps.map_by_plain_loop, MAP_STEPS),
     }
-    if find_spec("heyoka"):
-        found["heyoka"] = Contender(snaps.map_by_heyoka, TOLERANCES[1:])
     found[OURS] = Contender(snaps.map_by_kernel, FACTORS)
     found[f"{OURS}, with proofs"] = Contender(snaps.map_by_proofs, FACTORS)
     return found

@@ -6,7 +6,7 @@ Five problems with known answers for solvers of thousands of small, stiff system
 
     ./run python -m studies impacts > studies/impacts/README.md
 
-heyoka is in the group `bench` of `pyproject.toml`. Another solver takes part by a function in
+Another solver takes part by a function in
 `solvers.py` and a line in `contenders` of `__main__.py`.
 
 ## The problems
@@ -54,7 +54,7 @@ its step times this. SciPy follows every ninth trajectory and every 29th cell.
 {table}
 SciPy is DOP853 of `solve_ivp`, begun again after each impact, its right-hand side compiled by
 numba. The plain loop is the classical Runge-Kutta method in fixed steps, compiled by numba, with
-impacts by bisection. heyoka follows Taylor series in batches of 8, with impacts as terminal events.
+impacts by bisection.
 snapmap is its kernel, which is of second order and so weak where many digits are wanted; in the
 first two problems it follows a mass before a stop, with the beam out of reach. It has neither a
 soft stop without a beam nor the third equation of a valve.

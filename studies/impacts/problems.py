@@ -32,7 +32,7 @@ VALVE_DAMPING, PRELOAD, FLOW, VALVE_RESTITUTION = 1.25, 10.0, 20.0, 0.8
 class Problem:
     """Trajectories x' = rate(t, x, q), reset wherever guard(x, q) falls through 0.
 
-    rate: made by a module with sin and sqrt: numpy, heyoka or jax.numpy
+    rate: made by a module with sin and sqrt: numpy or jax.numpy
     reset: gives x and q as they go on
     start: (n, dimension); q: (n, parameters); t_end, exact: (n,), x[0] at t_end
     allowed: share of all that may be wrong by each of BOUNDS: some all but graze

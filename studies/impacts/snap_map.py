@@ -9,10 +9,10 @@ from snapmap.device import Device
 from snapmap.solver.cells import Cells
 from snapmap.solver.models import Model, build_model
 
-from ..rivals import by_heyoka, by_scipy, compile_rate, snap_target
+from ..scipy_solver import by_scipy, compile_rate, snap_target
 from ..speed import by_model, map_cells, without_proofs
 from .problems import Problem
-from .solvers import WIDTH, Solve, plain_loop
+from .solvers import Solve, plain_loop
 
 SNAP = "snap or no snap"
 FINE = 0.1
@@ -55,13 +55,6 @@ def map_by_scipy(snaps: SnapMap) -> Solve:
     """`solve_ivp`, in two legs, pulse and rest, the snap an event."""
     of = snaps.model.device, snaps.model.modal, "DOP853"
     follow = cache(lambda tolerance: by_scipy(*of, tolerance))
-    return lambda tolerance: np.isfinite(follow(tolerance)(snaps.cells))
-
-
-def map_by_heyoka(snaps: SnapMap) -> Solve:
-    """Contact and snap as events; a lane that falls free is filled again."""
-    of = snaps.model.device, snaps.model.modal, WIDTH
-    follow = cache(lambda tolerance: by_heyoka(*of, tolerance))
     return lambda tolerance: np.isfinite(follow(tolerance)(snaps.cells))
 
 

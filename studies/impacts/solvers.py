@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 from numba import njit
@@ -20,8 +19,6 @@ from .problems import BALL, WAY, Problem
 
 BISECTIONS = 50
 """By which the plain loop finds an impact."""
-WIDTH = 8
-"""Lanes of heyoka."""
 ALONE = {"gap": 1e4, "contact": 1.0}
 """Of a mass that never meets the beam."""
 LOOSE = 1e-16
@@ -122,61 +119,6 @@ def plain_loop(problem: Problem) -> Callable:
         return found
 
     return follow_all
-
-
-def by_heyoka(problem: Problem) -> Solve:
-    """heyoka's batch mode, impacts as terminal events that go on."""
-    import heyoka as hy
-
-    hy.set_logger_level_critical()  # it warns on the standard output of events it may have missed
-    x = hy.make_vars(*(f"x{i}" for i in range(problem.start.shape[1])))
-    q = [hy.par[i] for i in range(problem.q.shape[1])]
-    rates = [
-        hy.expression(d) if isinstance(d, float) else d for d in problem.rate(hy)(hy.time, x, q)
-    ]
-
-    values = np.empty((len(q), WIDTH))
-
-    def used(integrator):
-        return integrator.pars.shape[0]  # the last parameters may be of the resets alone
-
-    def meet(integrator, sign, lane):
-        x, values[:, lane] = problem.reset(integrator.state[:, lane], values[:, lane])
-        integrator.state[:, lane], integrator.pars[:, lane] = x, values[: used(integrator), lane]
-        return bool(abs(integrator.state[1, lane]) >= problem.rest)
-
-    @cache
-    def integrator_of(tolerance):
-        falling = {"direction": hy.event_direction.negative, "callback": meet}
-        return hy.taylor_adaptive_batch(
-            list(zip(x, rates, strict=True)),
-            np.zeros((len(x), WIDTH)),
-            tol=tolerance,
-            t_events=[hy.t_event_batch(problem.guard(x, q), **falling)],
-        )
-
-    def solve(tolerance):
-        integrator, found = integrator_of(tolerance), []
-        for first in range(0, problem.t_end.size, WIDTH):
-            # The last batch is filled up with its last trajectory.
-            some = np.minimum(np.arange(first, first + WIDTH), problem.t_end.size - 1)
-            integrator.state[:], values[:] = problem.start[some].T, problem.q[some].T
-            integrator.pars[:] = values[: used(integrator)]
-            integrator.set_time(0.0)
-            integrator.reset_cooldowns()
-            ends = problem.t_end[some].copy()
-            while (integrator.time < ends).any():
-                integrator.propagate_until(ends)
-                ends = np.minimum(ends, np.where(_stopped(integrator), integrator.time, ends))
-            found.append(integrator.state[0].copy())
-        return np.concatenate(found)[: problem.t_end.size]
-
-    return solve
-
-
-def _stopped(integrator):
-    """Lanes whose event ended the call."""
-    return np.array([-1000 < int(outcome) < 0 for outcome, *_ in integrator.propagate_res])
 
 
 def by_kernel(problem: Problem, device: Device) -> Solve:

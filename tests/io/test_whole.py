@@ -11,9 +11,8 @@ import xarray as xr
 import yaml
 from small_studies import TINY
 
-from snapmap.axes import Grid
 from snapmap.config.study import load_config
-from snapmap.io.netcdf import open_whole, read_earlier, recall, write
+from snapmap.io.netcdf import open_whole, write
 
 
 @pytest.fixture
@@ -23,9 +22,10 @@ def product(tmp_path):
     return path
 
 
-def test_a_flipped_or_cut_file_is_named_or_taken_as_absent(product):
+def test_a_flipped_or_cut_file_is_named(product):
     whole = product.read_bytes()
-    assert read_earlier(product).equals(open_whole(product))
+    with open_whole(product) as opened:
+        assert opened.N_first.values.tolist() == list(range(40))
     flips = (
         whole[:at] + bytes([whole[at] ^ 1]) + whole[at + 1 :] for at in range(0, len(whole), 61)
     )
@@ -34,9 +34,6 @@ def test_a_flipped_or_cut_file_is_named_or_taken_as_absent(product):
         with pytest.raises(ValueError) as refusal:
             open_whole(product)
         assert str(refusal.value) == f"{product}: is damaged; remove it and run again"
-        assert read_earlier(product) is None
-    product.unlink()
-    assert read_earlier(product) is None
 
 
 READERS = [draw.draw_snaps, draw.draw_study, draw.draw_page, draw.draw_window]
@@ -52,15 +49,6 @@ def test_every_job_names_a_damaged_product(product, tmp_path, reader):
     with pytest.raises(ValueError, match=r"^/.*product\.nc: is damaged"):
         reader(**given)
     assert [*tmp_path.iterdir()] == [product]
-
-
-def test_of_another_recipe_nothing_is_recalled(product):
-    grid = Grid({"f0": np.arange(40.0)}, None, None, ())
-    earlier = read_earlier(product).assign_attrs(recipe="of a device")
-    held, known = recall(earlier, grid, "of a device")
-    assert known.all() and held["N_first"].tolist() == grid.axes["f0"].tolist()
-    held, known = recall(earlier, grid, "of another")
-    assert held == {} and known.shape == (40,) and not known.any()
 
 
 def test_verdicts_on_a_full_disk_are_named(tmp_path, monkeypatch):

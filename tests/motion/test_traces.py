@@ -8,7 +8,6 @@ import xarray as xr
 from small_results import AXES, SETTINGS, swept
 
 import snapmap
-from snapmap.io.netcdf import read_earlier, write
 from snapmap.motion import envelopes
 from snapmap.solver.cells import to_cells
 from snapmap.solver.kernel.trace import SAMPLE
@@ -24,9 +23,9 @@ def cube(handout):
     return swept(handout)
 
 
-def trace(device, cube, model, settings, earlier=None):
+def trace(device, cube, model, settings):
     """The traces of a study of one device."""
-    return envelopes.trace(Study(device=device, model=model, settings=settings), cube, earlier)
+    return envelopes.trace(Study(device=device, model=model, settings=settings), cube)
 
 
 @pytest.fixture(scope="module")
@@ -107,22 +106,3 @@ def test_devices_are_traced_as_each_alone(handout):
         for key in ("second_equilibrium", "bin_length", *envelopes.BANDS):
             np.testing.assert_array_equal(there[key], alone[key])
     assert whole.sel(thickness=4.4).energy.isnull().all()
-
-
-def test_traces_that_grow_are_those_followed_at_once(handout, cube, traced, tmp_path, monkeypatch):
-    """As files: what is kept of a number does not hang on how often it was written."""
-    part = trace(handout, cube.isel(f0=[0, 2], C=[1]), MODEL, SETTINGS)
-    write(part, tmp_path / "part.nc")
-    write(traced, tmp_path / "whole.nc")
-    follow, followed = envelopes._follow, []
-
-    def counted(model, cells, *asked):
-        followed.append(cells.f0.size)
-        return follow(model, cells, *asked)
-
-    monkeypatch.setattr(envelopes, "_follow", counted)
-    grown = trace(handout, cube, MODEL, SETTINGS, earlier=read_earlier(tmp_path / "part.nc"))
-    assert sum(followed) == cube.outcome.size - 8
-    write(grown, tmp_path / "grown.nc")
-    one, other = (xr.load_dataset(tmp_path / f"{name}.nc") for name in ("grown", "whole"))
-    xr.testing.assert_identical(one, other)

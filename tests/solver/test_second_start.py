@@ -19,7 +19,7 @@ from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
 from snapmap.study import Study
 from snapmap.thresholds.requirements import check
-from studies.rivals import compile_rate
+from studies.scipy_solver import compile_rate
 
 BACK = {"start": "second", "direction": "-z"}
 CHEAP = {"model": "cosines", "modes": 3}
@@ -120,7 +120,6 @@ def test_nothing_snaps_below_the_bound_and_the_start_is_told(handout):
     there = snapmap.threshold(device, [2e4], [0.0], **CHEAP, direction="-z")
     assert json.loads(found.attrs["config"])["sweep"]["start"] == "second"
     assert "start" not in json.loads(there.attrs["config"])["sweep"]
-    assert there.attrs["recipe"] != found.attrs["recipe"]
     shock = {"shocks": make_shocks(direction="-z"), "f0": 2e4, "snaps": True, "N": 45.0}
     study = Study(device=device, model={"name": "cosines", "modes": 3})
     asked = [{"name": name, "start": name, **shock} for name in ("first", "second")]

@@ -4,15 +4,12 @@ import itertools
 
 import numpy as np
 import pytest
-import xarray as xr
 import yaml
 from hypothesis import given, reject, settings
 from hypothesis import strategies as st
 from small_studies import THREE_COSINES
 
-import snapmap
 from snapmap.config.study import load_config
-from snapmap.io.netcdf import read_earlier, write
 from snapmap.solver.cells import to_cells
 from snapmap.solver.cost import steps_and_seconds
 from snapmap.solver.models import build_model
@@ -22,7 +19,6 @@ from snapmap.sweeps.cube import sweep
 from snapmap.sweeps.grid import follow_rows
 from snapmap.sweeps.plan import make_plan
 from snapmap.sweeps.slabs import slab_name, write_slab
-from snapmap.thresholds import surface
 
 STUDY = THREE_COSINES + "sweep: {horizon: 200 us, until: snap}"
 
@@ -153,33 +149,3 @@ def test_slabs_of_other_code_and_broken_ones_are_not_used(tmp_path, monkeypatch)
     followed.clear()
     written = write_all(new, tmp_path, "one")[1]
     assert sum(followed) == written > 0
-
-
-def test_thresholds_that_grow_are_those_found_at_once(handout, monkeypatch, tmp_path):
-    """Only new rows are looked for; islands of rows that are gone leave no trace."""
-    asked = {"model": "cosines", "modes": 3, "horizon": 300.0, "tolerance": 1e-3}
-    small = {"f0": [8e3, 500.0], "C": [25.0]}
-    large = {"f0": [500.0, 2e3, 8e3], "C": [0.025, 25.0]}
-    fresh = snapmap.threshold(handout, **large, **asked)
-    write(snapmap.threshold(handout, **small, **asked), tmp_path / "small.nc")
-    looked = []
-    monkeypatch.setattr(surface, "survey", counting(surface.survey, looked))
-    grown = snapmap.threshold(
-        handout, **large, **asked, earlier=read_earlier(tmp_path / "small.nc")
-    )
-    assert looked[0] == 4
-    xr.testing.assert_identical(grown, fresh)
-    again = snapmap.threshold(handout, **small, **asked, earlier=fresh)
-    xr.testing.assert_identical(again, snapmap.threshold(handout, **small, **asked))
-    other = snapmap.threshold(handout, **small, **asked | {"horizon": 200.0}, earlier=fresh)
-    assert other.recipe != fresh.recipe
-
-
-def counting(survey, looked):
-    """The search, which notes of how many rows it was asked."""
-
-    def counted(models, rows, *asked):
-        looked.append(rows.f0.size)
-        return survey(models, rows, *asked)
-
-    return counted

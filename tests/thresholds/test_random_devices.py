@@ -34,12 +34,11 @@ def test_a_beam_snaps_by_its_own_inertia(handout, change, f0):
 def test_ragged_rows_have_a_band_and_finite_bars(handout):
     found = snapmap.threshold(handout, [1500.0, 5800.0, 9000.0], [0.025], threads=2).squeeze("C")
     assert found.ragged.values.tolist() == [0, 1, 1]
-    assert np.isfinite(found.N_error).all() and np.isfinite(found.half_error).all()
-    assert (found.N_first <= found.N_half).all() and (found.N_half <= found.N_always).all()
-    assert found.N_half[0] == found.N_first[0] and found.N_half[1] > found.N_first[1]
-    islands = (found.island_to - found.island_from).sum("island")
-    apart = abs(found.N_always - islands - found.N_half)
-    assert (apart <= 1e-4 * found.islands * found.N_always).all()
+    assert np.isfinite(found.N_error).all()
+    assert (found.N_first <= found.N_always).all()
+    assert found.N_always[0] == found.N_first[0] and found.N_always[1] > found.N_first[1]
+    lengths = (found.island_to - found.island_from).sum("island")
+    assert (lengths <= found.N_always - found.N_first).all()
 
 
 def test_errors_lie_within_their_bars(monkeypatch):

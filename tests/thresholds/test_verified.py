@@ -76,7 +76,7 @@ def test_a_threshold_near_a_guess_does_not_depend_on_it(handout):
 
 
 def test_verified_thresholds_are_those_of_a_search(handout, monkeypatch):
-    """Each by itself is searched; bytes depend on neither blocks nor rows known before."""
+    """Each by itself is searched; bytes do not depend on blocks."""
     asked = {"f0": [700.0, 9e3], "C": [25.0], "model": "cosines", "modes": 3, "horizon": 300.0}
     thickness = linear(1.9, 2.1, 9)
     whole = snapmap.threshold(handout, **asked, thickness=thickness)
@@ -85,7 +85,5 @@ def test_verified_thresholds_are_those_of_a_search(handout, monkeypatch):
     for one, other in ((whole.isel(thickness=slice(None, None, 2)), half), (half, whole)):
         apart = abs(one.N_first - other.N_first.sel(thickness=one.thickness[:5:2]))
         assert (apart <= one.N_error).all()
-    again = snapmap.threshold(handout, **asked, thickness=thickness, earlier=half)
-    xr.testing.assert_identical(again, whole)
     monkeypatch.setattr(surface, "ROWS", 1)
     xr.testing.assert_identical(snapmap.threshold(handout, **asked, thickness=thickness), whole)

@@ -51,7 +51,7 @@ rule collect:
 
 rule find_threshold:
     output:
-        threshold=update("results/threshold.nc"),
+        threshold="results/threshold.nc",
         table="results/thresholds.csv",
         statics=[f"results/statics{which}.nc" for which in made.statics],
     log:
@@ -76,7 +76,7 @@ rule trace_cells:
     input:
         cube="results/cube.nc",
     output:
-        traces=update("results/traces.nc"),
+        traces="results/traces.nc",
     log:
         "results/logs/trace_cells.log",
     priority: 65

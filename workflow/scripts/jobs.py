@@ -31,19 +31,14 @@ def collect(study, slab_paths, path):
 
 
 def find_threshold(study, path, table_path, statics_paths):
-    """Find the thresholds and write them, also as a table; and those of a slow push, the statics.
-
-    Rows that stand in the file already, of the same study and code, are not found again.
-    """
+    """Find the thresholds and write them, also as a table, and the statics of each device."""
     from snapmap.beam.statics import statics
-    from snapmap.io.netcdf import read_earlier
     from snapmap.thresholds.rows import tidy
     from snapmap.thresholds.surface import summary, thresholds_of
 
     axes = {key: values for key, values in study.axes.items() if key not in (*NAMES, "N")}
     highest, tolerance = float(study.axes["N"][-1]), study.threshold_tolerance
-    earlier = read_earlier(path)
-    thresholds = thresholds_of(study.of_thresholds(), axes, tolerance, highest, earlier=earlier)
+    thresholds = thresholds_of(study.of_thresholds(), axes, tolerance, highest)
     for device, statics_path in zip(study.devices().values(), statics_paths, strict=True):
         _write(statics(device), statics_path)
     with replacing(table_path) as temporary:
@@ -52,15 +47,12 @@ def find_threshold(study, path, table_path, statics_paths):
 
 
 def trace_cells(study, cube_path, path):
-    """Read a cube, follow its cells again and write their motion in brief.
-
-    Cells that stand in the file already, of the same study and code, are not followed again.
-    """
-    from snapmap.io.netcdf import open_whole, read_earlier
+    """Read a cube, follow its cells again and write their motion in brief."""
+    from snapmap.io.netcdf import open_whole
     from snapmap.motion.envelopes import trace
 
     with open_whole(cube_path) as cube:
-        traces = trace(study, cube, read_earlier(path))
+        traces = trace(study, cube)
         shares = f"{traces.bin_length.size} of {cube.outcome.size} cells"
     _write(traces, path, lambda _: f"{shares} in {traces.sizes['bin']} time bins each")
 

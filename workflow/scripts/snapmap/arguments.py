@@ -271,7 +271,6 @@ ARGUMENTS = {
     "tolerance": _number("[1e-9, 0.01]", "", "1e-4"),
     "tolerance.tolerance": _number("[1e-5, 0.01]", "", "1e-3"),
     "highest": _number("(0, inf)", "multiples of g", "2000"),
-    "earlier": THRESHOLDS,
     "value": Argument(
         "the name of a value of the device, such as thickness",
         lambda value: isinstance(value, str) and value in VALUES,

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from ..axes import Grid, shared_points
 from .atomic import is_whole, replacing, seal
 
 ENCODING = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
@@ -41,44 +40,6 @@ def open_whole(path: str | Path, **options) -> xr.Dataset:
     if not is_whole(path):
         raise ValueError(f"{path}: is damaged; remove it and run again")
     return xr.open_dataset(path, engine="netcdf4", **options)
-
-
-def read_earlier(path: str | Path) -> xr.Dataset | None:
-    """Read what an earlier run wrote, as packed as it is; nothing if it is not there or damaged."""
-    try:
-        with open_whole(path, mask_and_scale=False) as dataset:
-            return dataset.load()
-    except (OSError, ValueError):
-        return None
-
-
-def recall(
-    earlier: xr.Dataset | None, grid: Grid, recipe: str
-) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """Take from an earlier product what it holds of the points of a grid.
-
-    recipe: its attribute; nothing is taken of another
-    Returns its variables, (points, ...), with NaN or 0 where a point is not known, and which are,
-    (points,).
-    """
-    known, dims = np.zeros(grid.shape, bool), tuple(grid.axes)
-    if earlier is None or earlier.attrs.get("recipe") != recipe:
-        return {}, known.ravel()
-    place, there = shared_points(grid.axes, earlier)
-    known[np.ix_(*place)] = True
-    variables = {}
-    for key, variable in earlier.isel(dict(zip(dims, there, strict=True))).items():
-        if set(dims) <= set(variable.dims):
-            held = variable.transpose(*dims, ...).values
-            full = blank(grid.shape + held.shape[len(dims) :], held.dtype)
-            full[np.ix_(*place)] = held
-            variables[key] = full.reshape(known.size, *held.shape[len(dims) :])
-    return variables, known.ravel()
-
-
-def blank(shape: tuple[int, ...], dtype: np.dtype) -> np.ndarray:
-    """An array in which nothing is known: NaN, or 0 where a type has none."""
-    return np.full(shape, np.nan if dtype.kind == "f" else 0, dtype)
 
 
 def check_alike(cube: xr.Dataset, other: xr.Dataset, path: str | Path) -> None:

@@ -5,7 +5,7 @@ import json
 import math
 import platform
 import subprocess
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -23,7 +23,6 @@ from ..device import (
     THERMAL,
     Device,
 )
-from ..pulse import Pulse
 from ..quantities import QUANTITIES
 from ..shape import COSINE
 
@@ -61,21 +60,6 @@ def _with_version(package):
 
 def _packages():
     return " ".join(filter(None, map(_with_version, PACKAGES)))
-
-
-def recipe(document: Mapping, pulses: Sequence[Pulse], *others: float | None) -> str:
-    """Hash all that a product depends on beside its axes, 12 hex digits.
-
-    document: as from `Study.document`; others: further numbers
-    """
-    pushed = [hashlib.sha256(one.pieces.tobytes()).hexdigest() for one in pulses]
-    whole = json.dumps([document, pushed, others, _numbers()], sort_keys=True)
-    return hashlib.sha256(whole.encode()).hexdigest()[:12]
-
-
-@cache
-def _numbers():
-    return code_hash(*NUMBERS)
 
 
 def device_sections(device: Device | Mapping[str, Device]) -> dict:

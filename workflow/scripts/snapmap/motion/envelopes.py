@@ -12,8 +12,6 @@ from ..axes import NAMES
 from ..beam.equilibria import Barrier
 from ..device import Device
 from ..io.counting import count
-from ..io.netcdf import recall
-from ..io.provenance import recipe
 from ..io.variables import dress
 from ..solver import simd_loop
 from ..solver.adaptive import choose_model
@@ -41,13 +39,11 @@ MOST = 1e30
 """Of what a failed run blew up to, all that is kept."""
 
 
-def trace(study: Study, cube: xr.Dataset, earlier: xr.Dataset | None = None) -> xr.Dataset:
+def trace(study: Study, cube: xr.Dataset) -> xr.Dataset:
     """Follow the cells of a study's cube again, at its steps, and keep their motion.
 
     A cell of `auto` is followed by the level that decided it, and a cell of `reference` by the same
     elements in their modes.
-    earlier: traces of the same study on other axes, from which cells are taken that the same code
-        followed
     Returns BANDS, (bin, *axes), and the length of the bins, (*axes); NaN where there is no device.
     """
     cube = thin(cube.sortby([key for key in cube.outcome.dims if key not in NAMES]))
@@ -61,17 +57,10 @@ def trace(study: Study, cube: xr.Dataset, earlier: xr.Dataset | None = None) -> 
     device_of, size = cells.device, cells.device.size
     window = _window(grid.device, cube, cells, settings)
     bins = next((n for n in BINS if n * len(BANDS) * size <= BYTES), BINS[-1])
-    made_by = recipe(json.loads(cube.attrs["config"]), grid.pulses, bins)
-    held, known = recall(earlier, grid, made_by)
     values = np.full((len(BANDS), bins, size), np.nan, np.float32)
     bin_length, stress = np.zeros(size, np.float32), np.full(size, np.nan, np.float32)
-    if held:
-        values[:] = [held[key].T for key in BANDS]
-        bin_length[known] = held["bin_length"][known]
-        stress[:] = held.get("stress_max", stress)
-    new = ~known & (device_of >= 0)
     decided = np.stack([level, cube.halvings.values.ravel()])
-    for at, part in deciders(levels, device_of, decided, np.flatnonzero(new)):
+    for at, part in deciders(levels, device_of, decided, np.flatnonzero(device_of >= 0)):
         followed = part, cells.take(at), window[at], bins, settings
         motion, length, stress[at] = _follow(*followed)
         values[..., at], bin_length[at] = _shown(motion, length, window[at]), length
@@ -80,7 +69,7 @@ def trace(study: Study, cube: xr.Dataset, earlier: xr.Dataset | None = None) -> 
     if ran.any():
         extremes = y[:, ran].min(axis=0), y[:, ran].max(axis=0)
         warn_of_travel(grid.device.pick(device_of[ran]), *extremes)
-    return _as_traces(grid, cube, values, bin_length, stress, levels[0], made_by)
+    return _as_traces(grid, cube, values, bin_length, stress, levels[0])
 
 
 def largest_stress(study: Study, device: Device, cells: Cells) -> np.ndarray:
@@ -174,7 +163,7 @@ def _shown(values, bin_length, window):
     return np.where(np.isfinite(values), values, np.nan)
 
 
-def _as_traces(grid, cube, values, bin_length, stress, model, made_by):
+def _as_traces(grid, cube, values, bin_length, stress, model):
     dims, device, number = cube.outcome.dims, grid.device, np.maximum(grid.device_of, 0)
     barrier = np.empty((len(Barrier._fields), len(device)))
     for mine, part in model.split(np.arange(len(device))):
@@ -203,4 +192,4 @@ def _as_traces(grid, cube, values, bin_length, stress, model, made_by):
     axes = {key: cube[key].values for key in dims}
     comment = "bin n, from 0, begins n bin lengths after the start of the pulse"
     document = json.loads(cube.attrs["config"])
-    return dress("traces", xr.Dataset(data, axes), document, comment=comment, recipe=made_by)
+    return dress("traces", xr.Dataset(data, axes), document, comment=comment)

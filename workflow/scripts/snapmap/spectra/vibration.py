@@ -8,7 +8,6 @@ import numpy as np
 import xarray as xr
 
 from ..device import Device
-from ..io.provenance import recipe
 from ..io.variables import dress
 from ..shocks import HANDOUT_SHOCK
 from ..solver.adaptive import choose_survey
@@ -120,7 +119,7 @@ def vibration_of(
         key: (tuple(grid.axes), np.where(there, values, np.nan).reshape(grid.shape))
         for key, values in data.items()
     }
-    about = {"rms": rms, "record_length": length, "recipe": recipe(document, ()), **drawn}
+    about = {"rms": rms, "record_length": length, **drawn}
     return dress("vibration", xr.Dataset(columns, grid.axes), document, **about)
 
 

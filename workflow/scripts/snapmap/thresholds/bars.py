@@ -9,7 +9,7 @@ from ..solver.cells import Rows
 from ..solver.search import Ask, Edges, asker, scan
 from ..solver.settings import Settings
 from ..solver.steps import stiffness_share
-from .transitions import BESIDE, CLOSEST_STEP, Window, balance, chosen, outermost
+from .transitions import BESIDE, CLOSEST_STEP, Window, chosen, outermost
 from .witness import BELOW, NEAREST, close_edges
 
 LOOKS = 4
@@ -35,7 +35,6 @@ class Seen(NamedTuple):
 
     edges: Edges
     N_first: np.ndarray
-    N_half: np.ndarray
     ragged: np.ndarray
     window: Window
     whole: Window
@@ -43,13 +42,13 @@ class Seen(NamedTuple):
 
 def error_bars(
     models: Survey, rows: Rows, settings: Settings, tolerance: float, seen: Seen, rings: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Compare the deciding level with others: errors of N_first and N_half, and what is ragged.
+) -> tuple[np.ndarray, np.ndarray]:
+    """Compare the deciding level with others: errors of N_first, and what is ragged.
 
     rings: rows in which the device rings after its pulse
     """
     decides, doubts, better, judge = models.decides, models.doubts, models.better, models.judge
-    edges, N_first, N_half, ragged, window, whole = seen
+    edges, N_first, ragged, window, whole = seen
 
     def ask(model):
         return asker(model, rows, settings)
@@ -78,20 +77,15 @@ def error_bars(
     wide, wider = (window._replace(step=by * window.step) for by in (OTHERS_STEP, JUDGED_STEP))
     if models.looks is not decides:
         others[0] = models.looks.with_step(1 / OTHER_STEP)
-    pairs = [_elsewhere(label(other), wide, ragged) for other in others]
+    firsts = [_elsewhere(label(other), wide, ragged) for other in others]
     if judge is not None:
-        pairs.append(_elsewhere(label(judge), wider, ragged))
+        firsts.append(_elsewhere(label(judge), wider, ragged))
     finest = _elsewhere(label(fine), wider, ragged & chatters)
-    pairs.append(
-        [np.where(chatters, *pair) for pair in zip(finest, (N_first, N_half), strict=True)]
-    )
-    firsts, halves = zip(*pairs, strict=True)
+    firsts.append(np.where(chatters, finest, N_first))
     far = np.fmax(_spread(edges, N_first), np.max(abs(N_first - np.array(firsts)), axis=0))
-    half_far = np.max(abs(N_half - np.array(halves)), axis=0)
     closest = np.where(rings, CLOSEST_STEP, 0.0)
     open_by = np.where(ragged, window.step, closest) + tolerance
-    error, half_error = np.where(ragged, [far, half_far], near)
-    return error + open_by * N_first, half_error + open_by * N_half, ragged
+    return np.where(ragged, far, near) + open_by * N_first, ragged
 
 
 def _chatters(device, rows):
@@ -111,17 +105,14 @@ def _spread(edges, N_first):
 
 
 def _elsewhere(ask, window, ragged):
-    """N_first and N_half of ragged rows as another level sees them on the same scan.
+    """N_first of ragged rows as another level sees it on the same scan.
 
-    The end of the window beyond which they lie stands for what is not in it.
+    The end of the window beyond which it lies stands for what is not in it.
     """
     N = window._replace(low=np.where(ragged, window.low, np.nan)).N
     edges, begins, _ = scan(ask, N)
     first, _ = outermost(edges.row[edges.rising], edges.high[edges.rising], ragged.size)
-    first = np.where(begins, window.low, np.where(np.isnan(first), window.high, first))
-    quiet = balance(edges, ragged.size) + np.where(begins, window.low, 0.0)
-    ends_quiet = np.bincount(edges.row, 2 * edges.rising - 1.0, ragged.size) + begins < 1
-    return first, quiet + np.where(ends_quiet, window.high, 0.0)
+    return np.where(begins, window.low, np.where(np.isnan(first), window.high, first))
 
 
 def distance(ask: Ask, N_first: np.ndarray, tolerance: float) -> np.ndarray:

@@ -20,9 +20,7 @@ from ..solver.search import (
 )
 from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Settings
 from .bars import Seen, error_bars
-from .extrapolated import CLOSE, extrapolate
 from .lattice import nearby
-from .reuse import joined as joined_rows
 from .transitions import (
     BESIDE,
     FAR_BESIDE,
@@ -30,7 +28,6 @@ from .transitions import (
     FINEST_STEP,
     Window,
     around,
-    balance,
     chosen,
     outermost,
     stretches,
@@ -72,15 +69,12 @@ class Thresholds(NamedTuple):
     status: whether there is an N_first, or why not: index into STATUS
     N_bound: below it nothing can snap, by energy
     N_looked: the highest N looked at
-    N_first: the lowest N seen to snap, or where `extrapolate` takes it; below its bar, nothing
+    N_first: the lowest N seen to snap; below its bar, nothing
         wider than NARROW does within BESIDE of a clean threshold of a row that rings, than
         FINEST_STEP near a ragged one, and than FINE_STEP elsewhere
     N_error: of N_first: what other levels, another step and the refinement leave open
-    N_half: N_always less the lengths of the islands: as much snaps below it as does not above
-    half_error: of N_half, likewise
     ragged: 1 where labels change back and forth, or levels differ by far, else 0
     N_always: the lowest above which every N looked at snaps: from here on snapping is the rule
-    N_pulse: the lowest N that snaps while the pulse lasts
     t_snap: at N_first, us after the pulse's start
     level: of the models that decided: 1 of fast pulses, or where the first left too much open
     islands: number of separate stretches of N below N_always that snap
@@ -92,11 +86,8 @@ class Thresholds(NamedTuple):
     N_looked: np.ndarray
     N_first: np.ndarray
     N_error: np.ndarray
-    N_half: np.ndarray
-    half_error: np.ndarray
     ragged: np.ndarray
     N_always: np.ndarray
-    N_pulse: np.ndarray
     t_snap: np.ndarray
     level: np.ndarray
     islands: np.ndarray
@@ -117,8 +108,7 @@ def survey(
     The cheap model scans; the next looks again where labels change; the one that decides refines;
     the others, and another step, tell what that is worth. Where the cheap one fails, or sees
     another threshold than the next, that one scans too. Rows of fast pulses, and clean ones that
-    are left open by more than the models' tolerance, are taken by finer models. Below a tolerance
-    of CLOSE slow clean ones are extrapolated.
+    are left open by more than the models' tolerance, are taken by finer models.
     """
     asked = settings, tolerance, highest
     if models.finer is None:
@@ -134,8 +124,6 @@ def survey(
         found = survey(models.finer, rows.take(fast), *asked)
         found = found._replace(level=found.level + 1)
         thresholds = _taken(fast.size, thresholds, np.flatnonzero(fast), found)
-    if models.judge is not None and tolerance < CLOSE:
-        thresholds = _extrapolated(models, rows, settings, thresholds)
     return thresholds
 
 
@@ -152,23 +140,27 @@ def _followed(models, rows, settings, tolerance, highest):
     return thresholds
 
 
-def _extrapolated(models, rows, settings, found):
-    """Thresholds with clean ones of the first level where `extrapolate` takes them."""
-    clean = (found.ragged == 0) & (found.islands == 0) & (found.level == 0)
-    given = np.where(clean, found.N_first, np.nan)
-    N, error = extrapolate(models, rows, settings, given, found.N_error)
-    places = {
-        key: np.where(getattr(found, key) == given, N, getattr(found, key))
-        for key in ("N_first", "N_half", "N_always", "N_pulse")
-    }
-    half_error = np.where(clean, error, found.half_error)
-    return found._replace(**places, N_error=error, half_error=half_error)
-
-
 def _taken(n_rows, thresholds, which, again):
     """Thresholds, or None, with those of some rows, by their indices, in place of the others."""
     pairs = zip(again, thresholds or [None] * len(again), strict=True)
-    return Thresholds(*(joined_rows(n_rows, which, new, old) for new, old in pairs))
+    return Thresholds(*(with_rows(n_rows, which, new, old) for new, old in pairs))
+
+
+def with_rows(
+    n_rows: int, which: np.ndarray, new: np.ndarray, others: np.ndarray | None
+) -> np.ndarray:
+    """New values of some rows of a variable beside those of the others, which may be missing.
+
+    which: indices of the new, (new,); others: (n_rows, ...); either may have fewer islands
+    """
+    widest = max((part.shape[1:] for part in (new, others) if part is not None), key=np.prod)
+    blank = np.nan if new.dtype.kind == "f" else 0
+    values = np.full((n_rows, *widest), blank, new.dtype)
+    if others is not None:
+        values[(slice(None), *map(slice, others.shape[1:]))] = others
+    values[which] = blank
+    values[(which, *map(slice, new.shape[1:]))] = new
+    return values
 
 
 def lowest(models: Survey, rows: Rows, settings: Settings, tolerance: float) -> np.ndarray:
@@ -233,21 +225,20 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
         models, rows, settings, tolerance, highest, bound, lowest
     )
     decides = models.decides
-    N_first, N_half, *_ = _places(edges, open_end)
-    seen = Seen(edges, N_first, N_half, ragged, window, whole)
+    N_first, *_ = stretches(edges, open_end)
+    seen = Seen(edges, N_first, ragged, window, whole)
     rings = pace(decides.device, rows) >= RINGS
-    N_error, half_error, ragged = error_bars(models, rows, settings, tolerance, seen, rings)
+    N_error, ragged = error_bars(models, rows, settings, tolerance, seen, rings)
     if models.looks is not decides:
         N = np.where((ragged > 0) & (N_error < OPEN * N_first), N_first, np.nan)
         edges = _exact(decides, rows, settings, tolerance, edges, N)
     N_before = N_first
-    N_first, N_half, N_always, islands = _places(edges, open_end)
+    N_first, N_always, islands = stretches(edges, open_end)
     if highest is not None:
         N_always = np.where(N_always <= highest, N_always, np.nan)
-    of_pulse = in_pulse(decides, rows, settings, N_first, highest, tolerance)
-    unseen = np.flatnonzero(np.isnan(of_pulse[1]) & np.isfinite(N_first))
-    asked = settings, N_first[unseen], highest, tolerance
-    of_pulse[:, unseen] = in_pulse(models.looks, rows.take(unseen), *asked)
+    t_snap = snap_times(decides, rows, settings, N_first)
+    unseen = np.flatnonzero(np.isnan(t_snap) & np.isfinite(N_first))
+    t_snap[unseen] = snap_times(models.looks, rows.take(unseen), settings, N_first[unseen])
     none = np.where(quiet, NOTHING_SNAPS, NOT_FOLLOWED)
     return Thresholds(
         np.where(np.isnan(N_first), none, FOUND).astype(np.int8),
@@ -255,22 +246,13 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
         np.fmax(np.fmax.reduce(wide, axis=1), whole.high),
         N_first,
         N_error + abs(N_first - N_before),
-        N_half,
-        half_error,
         ragged.astype(np.int8),
         N_always,
-        *of_pulse,
+        t_snap,
         np.zeros(N_first.size, np.int8),
         np.count_nonzero(np.isfinite(islands[0]), axis=1),
         *islands,
     )
-
-
-def _places(edges, open_end):
-    """N_first, N_half, N_always, and the islands' ends, as `stretches` has them."""
-    N_first, N_always, islands = stretches(edges, open_end)
-    N_half = np.where(np.isnan(N_always), np.nan, balance(edges, N_first.size))
-    return N_first, N_half, N_always, islands
 
 
 def is_fast(device, rows):
@@ -376,13 +358,6 @@ def _decide(ask, closely, window, whole, ragged):
     return edges, ~ends, chosen(surprising, wider, window), ragged | surprising
 
 
-def in_pulse(model, rows, settings, N_first, highest, tolerance):
-    """N_pulse and t_snap at N_first, (2, rows)."""
-    t_snap = asker(model, rows, settings)(N_first[:, np.newaxis])[:, 0]
-    N_pulse = N_first.copy()
-    late = np.flatnonzero(t_snap * rows.f0 * 1e-6 > 1)
-    high = N_first[late] * ABOVE if highest is None else np.fmax(highest, N_first[late])
-    ask = asker(model, rows.take(late), settings._replace(horizon=0.0))
-    N = amplitudes(N_first[late], high, SCAN_STEP)
-    N_pulse[late] = refine(ask, *first_snap(N, np.isfinite(ask(N))), tolerance)[1]
-    return np.array([N_pulse, t_snap])
+def snap_times(model, rows, settings, N):
+    """When each row snaps at an N, us after the pulse's start, (rows,); NaN where it does not."""
+    return asker(model, rows, settings)(N[:, np.newaxis])[:, 0]

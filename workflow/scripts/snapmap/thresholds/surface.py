@@ -1,7 +1,7 @@
 """The threshold surface over damping and frequency as an xarray dataset."""
 
+import warnings
 from collections.abc import Mapping, Sequence
-from types import MappingProxyType
 
 import numpy as np
 import xarray as xr
@@ -9,8 +9,6 @@ import xarray as xr
 from ..axes import PULSE_AXES
 from ..device import Device
 from ..io.counting import counting
-from ..io.netcdf import recall
-from ..io.provenance import recipe
 from ..io.variables import dress, flags
 from ..pulse import blow_at
 from ..quantities import plain
@@ -30,14 +28,14 @@ from .islands import (
     NOTHING_SNAPS,
     RINGS,
     STATUS,
-    in_pulse,
     is_fast,
     lowest,
     pace,
+    snap_times,
     survey,
+    with_rows,
 )
 from .lattice import nearby
-from .reuse import joined
 from .settling import lowest_latched
 from .transitions import FINE_STEP
 from .verified import ABOVE as OVER
@@ -68,7 +66,6 @@ def threshold(
     model: str | Mapping = "auto",
     tolerance: float = THRESHOLD_TOLERANCE,
     highest: float | None = None,
-    earlier: xr.Dataset | None = None,
     **options,
 ) -> xr.Dataset:
     """Find where snapping begins over C (uN us/um) and f0 (Hz), with error bars.
@@ -78,7 +75,6 @@ def threshold(
     model: name, or the config's model section
     tolerance: of the refinement in N, relative
     highest: largest N of the search for islands; by default twice the threshold
-    earlier: thresholds of the same study and code on other axes, whose searched rows are taken
     options: horizon (us after the pulse), start, energy_tolerance, threads; pulse; direction; skip:
         whether a device without a second stable shape is no error; those of the model; and values
         of the device, internal units, as axes in front of C and f0
@@ -98,7 +94,7 @@ def threshold(
     study, varied = study_of(device, model, options)
     axes = {**varied, "C": C, "f0": [study.shocks.own_frequency()] if f0 is None else f0}
     with counting("threshold"):
-        return thresholds_of(study, axes, tolerance, highest, earlier)
+        return thresholds_of(study, axes, tolerance, highest)
 
 
 def thresholds_of(
@@ -106,39 +102,32 @@ def thresholds_of(
     axes: Mapping[str, Sequence[float]],
     tolerance: float = THRESHOLD_TOLERANCE,
     highest: float | None = None,
-    earlier: xr.Dataset | None = None,
 ) -> xr.Dataset:
     """Find the thresholds of a study, as `threshold` returns them.
 
-    axes: values of the device, C and f0, by name; tolerance, highest, earlier: as there
+    axes: values of the device, C and f0, by name; tolerance, highest: as there
     """
     settings = study.settings
     grid = study.set_out(axes)
     document = study.document(THRESHOLD_SETTINGS)
     document["sweep"]["threshold_tolerance"] = tolerance
-    made_by = recipe(document, grid.pulses, highest)
     models, rows = choose_survey(grid.device, study.model, settings.start), rows_of(grid)
-    found, known = recall(earlier, grid, made_by)
-    # Slopes are of the points that there are now.
-    found = {key: column for key, column in found.items() if not key.startswith("dN_d")}
-    there, parts = rows.device >= 0, []
-    if not known.all():
-        # A verified row is what those searched about it make of it, which may be others now.
-        known &= found.get("verified", 1) == 0
-        rings = there & (pace(grid.device, rows) >= RINGS)
-        slow = ~rings.reshape(-1, grid.axes["f0"].size).any(axis=0)
-        numbers = np.where(there, np.arange(there.size), -1)
-        parts = surfaces(grid.axes, numbers.reshape(grid.shape), slow)
+    there = rows.device >= 0
+    rings = there & (pace(grid.device, rows) >= RINGS)
+    slow = ~rings.reshape(-1, grid.axes["f0"].size).any(axis=0)
+    numbers = np.where(there, np.arange(there.size), -1)
+    parts = surfaces(grid.axes, numbers.reshape(grid.shape), slow)
     first = _beside(there, parts)
     first[np.concatenate([[], *(at_first(*part) for part in parts)]).astype(int)] = True
-    tell_cost(models, rows.take(first & ~known), settings)
-    found = look(models, rows, parts, settings, tolerance, highest, known, found)
-    new = np.flatnonzero(there & ~known)
-    first = found["N_first"][new]
+    tell_cost(models, rows.take(first), settings)
+    found = look(models, rows, parts, settings, tolerance, highest)
+    which = np.flatnonzero(there)
+    first = found["N_first"][which]
     top = np.where(np.isnan(first), np.nan, ABOVE * first if highest is None else highest)
     low = np.where(first <= top, first, np.nan)
-    latched = lowest_latched(models.decides, rows.take(new), low, top, settings)
-    found["N_latched"] = joined(there.size, new, latched, found.get("N_latched"))
+    warn_of_bars(found["N_first"], found["N_error"], tolerance)
+    found["N_latched"] = np.full(there.size, np.nan)
+    found["N_latched"][which] = lowest_latched(models.decides, rows.take(which), low, top, settings)
     peak = np.array([pulse.peak for pulse in rows.pulses])
     if np.isfinite(peak).any():
         found["scale_first"] = (
@@ -158,8 +147,24 @@ def thresholds_of(
     data |= _limits(grid, models, settings, tolerance, highest)
     data["status"] = *data["status"], flags(STATUS)
     data["N_first"] = *data["N_first"], {"comment": COMMENT}
-    of_product = {"gravity": float(grid.device.gravity[0]), "recipe": made_by}
-    return dress("threshold", xr.Dataset(data, grid.axes), document, **of_product)
+    gravity = float(grid.device.gravity[0])
+    return dress("threshold", xr.Dataset(data, grid.axes), document, gravity=gravity)
+
+
+def warn_of_bars(N: np.ndarray, error: np.ndarray, tolerance: float) -> None:
+    """Warn, in one line, that bars stay wider than a tolerance below the default.
+
+    N, error: multiples of g, (rows,), NaN where there is no threshold
+    """
+    bars = (error / N)[np.isfinite(N)]
+    wider = bars[bars > 2 * tolerance]
+    if tolerance < THRESHOLD_TOLERANCE and wider.size:
+        warnings.warn(
+            f"tolerance: {tolerance:g} bounds the refinement alone; with the errors of model and "
+            f"step N_error is wider in {wider.size} of {bars.size} rows, {np.median(wider):.1g} of "
+            "N in the median",
+            stacklevel=2,
+        )
 
 
 def look(
@@ -169,24 +174,19 @@ def look(
     settings: Settings,
     tolerance: float,
     highest: float | None = None,
-    known: np.ndarray | bool = False,
-    whole: Mapping[str, np.ndarray] = MappingProxyType({}),
 ) -> dict[str, np.ndarray]:
     """Thresholds of all rows by name, (rows, ...).
 
-    parts: surfaces, as from `verified.surfaces`; known: rows that `whole` has, and need no search
+    parts: surfaces, as from `verified.surfaces`
     """
-    known = np.broadcast_to(known, rows.f0.shape)
+    whole = {}
 
     def add(which, new):
-        nonlocal whole
-        whole = {
-            key: joined(rows.f0.size, which, new.get(key), whole.get(key)) for key in new | whole
-        }
+        for key, values in new.items():
+            whole[key] = with_rows(rows.f0.size, which, values, whole.get(key))
 
     def search(which):
-        new = which[~known[which]]
-        for block in _blocks(new) if new.size or not whole else []:
+        for block in _blocks(which) if which.size or not whole else []:
             add(block, _search(models, rows.take(block), settings, tolerance, highest))
         N, bar, level, *unclean = (
             whole[key][which] for key in ("N_first", "N_error", "level", "ragged", "islands")
@@ -230,7 +230,7 @@ def _search(models, rows, settings, tolerance, highest):
 
 def _verify(models, rows, settings, tolerance, highest, expected):
     """Thresholds of rows where they are expected, by name; N_first is NaN where they are not."""
-    N_first, N_pulse, t_snap = np.full((3, rows.f0.size), np.nan)
+    N_first, t_snap = np.full((2, rows.f0.size), np.nan)
     device, finest = models.decides.device, len(models.levels) - 1
     rings = pace(device, rows) >= RINGS
     of_row = np.maximum(expected.level, np.minimum(is_fast(device, rows), finest))
@@ -246,7 +246,7 @@ def _verify(models, rows, settings, tolerance, highest, expected):
         first[close.row] = close.high
         holds = abs(first - N) <= max(WITHIN, tolerance) * N
         N_first[which] = N = np.where(holds, first, np.nan)
-        N_pulse[which], t_snap[which] = in_pulse(own.decides, part, settings, N, highest, tolerance)
+        t_snap[which] = snap_times(own.decides, part, settings, N)
     top = np.inf if highest is None else highest
     none = np.zeros(rows.f0.size, np.int8)
     error = (expected.bar + tolerance) * N_first + abs(N_first - expected.N)
@@ -256,11 +256,8 @@ def _verify(models, rows, settings, tolerance, highest, expected):
         "N_looked": expected.N * OVER[-1],
         "N_first": N_first,
         "N_error": error,
-        "N_half": N_first,
-        "half_error": error,
         "ragged": none,
         "N_always": np.where(N_first <= top, N_first, np.nan),
-        "N_pulse": N_pulse,
         "t_snap": t_snap,
         "level": of_row.astype(np.int8),
         "islands": none.astype(int),

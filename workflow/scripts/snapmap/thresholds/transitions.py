@@ -72,11 +72,3 @@ def stretches(edges: Edges, open_end: np.ndarray) -> tuple[np.ndarray, np.ndarra
         islands[0, i, : to.size] = np.sort(starts[row == i])[: to.size]
         islands[1, i, : to.size] = to
     return N_first, np.where(open_end, np.nan, N_always), islands
-
-
-def balance(edges: Edges, n_rows: int) -> np.ndarray:
-    """Sum of the rising less that of the falling edges, (n_rows,).
-
-    Of a row that begins quiet and ends snapping: where as much snaps below as does not above.
-    """
-    return np.bincount(edges.row, np.where(edges.rising, edges.high, -edges.high), n_rows)
