@@ -261,14 +261,6 @@ ARGUMENTS = {
     "unknowns": _mapping_of(
         'values of the device, or C, to ranges, such as {"thickness": (1.7, 2.3)}', *VALUES, "C"
     ),
-    "prior": Argument(
-        "a mean and a standard deviation above 0, nor what tolerance returns",
-        lambda value: hasattr(value, "data_vars") or _is_pair(value),
-    ),
-    "method": _word("neyer", "up-and-down"),
-    "confidence": SHARE,
-    "reliability": SHARE,
-    "failures": integer(0),
     "cube": _dataset("a cube, as sweep and open_cube return it", "outcome"),
     "path": PATH,
     "sha256": _of_type("the hexadecimal digits of a hash", str),

@@ -59,7 +59,7 @@ def shots_from(table: str | Path | Mapping, shocks: Shocks, device: Device) -> S
     shocks: of one shape and direction, where the table names none; device: whose gravity N counts
     """
     columns = shot_columns(table)
-    tripped = columns.get("tripped", np.empty(0, bool))
+    tripped = columns["tripped"]
     if tripped.size < FEWEST:
         raise ValueError(f"shots: {tripped.size} are too few; give {FEWEST} or more")
     if tripped.all() or not tripped.any():
