@@ -29,7 +29,7 @@ ANSWERS = {
     **dict.fromkeys(("no", "false", "0", 0), False),
 }
 """What a shot did, also as a number."""
-SHOTS = {"tripped": ANSWERS, **dict.fromkeys(("direction", "shape", "file", "unit"))}
+SHOTS = {"tripped": ANSWERS, **dict.fromkeys(("direction", "shape", "file"))}
 _UNIT = re.compile(r"[(\[]([^)\]]+)[)\]]")
 
 
@@ -69,7 +69,7 @@ def read_shots(path: str | Path, sha256: str = "") -> dict[str, np.ndarray]:
     """Read shots from CSV, columns by name; raises ValueError, one line.
 
     The header names the columns: N; f0 (Hz, kHz) or duration (us, ms, s); tripped (yes or no);
-    and, if wanted, direction, shape, file and unit. An empty number is NaN.
+    and, if wanted, direction, shape and file. An empty number is NaN.
     sha256: of the file as it was planned, hex digits; nothing where anything goes
     """
     with naming(path):
