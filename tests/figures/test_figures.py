@@ -350,10 +350,6 @@ def test_yields_and_requirements_are_drawn_as_they_are():
     found = make_batch(np.array([1500.0])).isel(C=0)
     ax = drawn(tolerances.draw_probability, found)
     np.testing.assert_allclose(ax.lines[0].get_ydata(), found.probability.squeeze())
-    comment = {"comment": "where the threshold is 1500 g"}
-    values = {"thickness": ("rise", [2.5, 2.4], comment), "error": ("rise", [0.01, 0.02])}
-    ax = drawn(thresholds.draw_design, xr.Dataset(values, {"rise": [9.0, 10.0]}))
-    np.testing.assert_allclose(ax.lines[0].get_xydata(), [[9.0, 2.5], [10.0, 2.4]])
 
 
 def test_snap_time_is_between_two_samples_or_not_seen():

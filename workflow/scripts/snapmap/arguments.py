@@ -232,8 +232,8 @@ ARGUMENTS = {
     "highest": _number("(0, inf)", "multiples of g", "2000"),
     "earlier": THRESHOLDS,
     "value": Argument(
-        "the name of a value of the device, such as thickness",
-        lambda value: isinstance(value, str) and value in VALUES,
+        "C, nor the name of a value of the device, such as thickness",
+        lambda value: isinstance(value, str) and (value == "C" or value in VALUES),
     ),
     "between": Argument("a pair of numbers, low and high, such as (1.8, 2.2)", _is_pair),
     "requirements": Argument(

@@ -173,20 +173,6 @@ def draw_threshold_map(ax: Axes, found: xr.Dataset, x: str, y: str) -> Axes:
     return ax
 
 
-def draw_design(ax: Axes, found: xr.Dataset) -> Axes:
-    """Draw the line along which a threshold is what was asked for, over two values of the device.
-
-    found: as `sizing.value.design` gives it along an axis, with error bars
-    """
-    (x,) = found.error.dims
-    y = next(key for key in found.data_vars if key not in ("error", "solutions"))
-    scale = scales.scale_of(x, found[x].values)
-    scales.set_scale(ax, "x", scale)
-    ax.errorbar(scale.places, found[y].values, found.error.values, marker="o", elinewidth=0.6)
-    ax.set(ylabel=scales.axis_label(y), title=found[y].attrs["comment"])
-    return ax
-
-
 def plot_thresholds(studies: Mapping[str, xr.Dataset], ax: Axes | None = None) -> Axes:
     """Draw the thresholds of several studies over f0 in one figure, each under its name.
 
