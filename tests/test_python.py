@@ -60,12 +60,10 @@ def right_calls(handout, root):
     pairs = [(500, 700), (2000, 1500)]
     return {
         "calibrate": {"shots": SHOTS, "unknowns": {"thickness": (1.7, 2.3)}, **at, "C": 25.0},
-        "describe": {"device": handout, "C": [25.0]},
         "design": {"value": "thickness", **SINGLE, "between": (1.8, 2.2), **at},
         "load_device": {"path": root / "config/config.yaml"},
         "open_cube": {"path": root / "no.nc"},
         "plot_outcome": {"cube": cube, "ax": None, "x": "f0", "y": "N", "ends": False},
-        "plot_thresholds": {"studies": {"a": found}, "ax": None},
         "read_pulse": {"path": root / "config/half_sine.csv", "sha256": ""},
         "simulate": {**SINGLE, **at},
         "srs_test": {"srs": pairs, "records": 1, "seed": 1, **no_f0},

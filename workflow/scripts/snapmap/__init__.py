@@ -8,12 +8,10 @@ __version__ = "0.3.0"
 
 _HOME = {
     "calibrate": "calibration.dataset",
-    "describe": "described",
     "design": "sizing",
     "load_device": "config.devices",
     "open_cube": "sweeps.collect",
     "plot_outcome": "figures.maps",
-    "plot_thresholds": "figures.thresholds",
     "read_pulse": "io.recorded",
     "simulate": "motion.history",
     "srs_test": "spectra.trips",
@@ -25,12 +23,10 @@ _HOME = {
 }
 __all__ = [
     "calibrate",
-    "describe",
     "design",
     "load_device",
     "open_cube",
     "plot_outcome",
-    "plot_thresholds",
     "read_pulse",
     "simulate",
     "srs_test",

@@ -188,7 +188,7 @@ SINGLE = {key: _number(*words) for key, words in SHOCK.items()}
 ARGUMENTS = {
     "device": Argument("a Device, or several by name; load_device reads one", _are_devices),
     **dict.fromkeys(
-        (f"{name}.device" for name in ("describe", "statics", "calibrate", "design", "simulate")),
+        (f"{name}.device" for name in ("statics", "calibrate", "design", "simulate")),
         DEVICE,
     ),
     **{key: _row(within, unit, f"[{text}]") for key, (within, unit, text) in SHOCK.items()},
@@ -269,14 +269,6 @@ ARGUMENTS = {
     "y": _of_type("the name of an axis of the cube", str),
     "found": THRESHOLDS,
     "ends": FLAG,
-    "studies": Argument(
-        "a mapping of names to thresholds, as threshold returns them",
-        lambda value: (
-            isinstance(value, Mapping)
-            and len(value) > 0
-            and all(isinstance(k, str) and THRESHOLDS.fits(value[k]) for k in value)
-        ),
-    ),
 }
 """By name, or by function and name where it is another's, too."""
 
