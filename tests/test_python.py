@@ -36,7 +36,6 @@ RIGHT = {
     "residual_stress": (-1.0, [-1.0]),
     "link_at": (-1.0, [-1.0], np.inf),
     "sha256": ("",),
-    "shots": ((), {}),
     "requirements": ([], ()),
     "together": ([], (), [[]]),
     "C": ((),),
@@ -64,15 +63,11 @@ def right_calls(handout, root):
     pairs = [(500, 700), (2000, 1500)]
     return {
         "calibrate": {"shots": SHOTS, "unknowns": {"thickness": (1.7, 2.3)}, **at, "C": 25.0},
-        "describe": {"device": handout, "C": [25.0]},
         "design": {"value": "thickness", **SINGLE, "between": (1.8, 2.2), **at},
         "load_device": {"path": root / "config/config.yaml"},
         "open_cube": {"path": root / "no.nc"},
-        "plan_shots": {"prior": (1000, 50), "shots": (), "method": "neyer", "confidence": 0.9},
         "plot_outcome": {"cube": cube, "ax": None, "x": "f0", "y": "N", "ends": False},
-        "plot_thresholds": {"studies": {"a": found}, "ax": None},
         "read_pulse": {"path": root / "config/half_sine.csv", "sha256": ""},
-        "shots_needed": {"reliability": 0.9, "confidence": 0.9, "failures": 0},
         "simulate": {**SINGLE, **at},
         "srs_test": {"srs": pairs, "records": 1, "seed": 1, **no_f0},
         "statics": {"device": handout},

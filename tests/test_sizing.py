@@ -48,13 +48,16 @@ def test_each_remedy_brings_the_threshold_to_its_side(handout, N, snaps):
             assert (first <= N) == snaps
 
 
-def test_along_another_value_the_answer_is_a_line(handout):
-    rise = [6.0, 10.0]
-    asked = {"N": 1100, "between": (2.0, 2.2), "rise": rise}
-    line = snapmap.design(handout, "thickness", **asked, **SHOCK, **CHEAP)
-    assert line.thickness.dims == ("rise",) and line.thickness[0].isnull()
-    alone = snapmap.design(handout, "thickness", N=1100, between=(2.0, 2.2), **SHOCK, **CHEAP)
-    assert line.thickness[1].item() == pytest.approx(alone.value, abs=2 * alone.error)
+def test_the_damper_that_puts_the_threshold_where_it_is_wanted(handout):
+    shock = {"N": 1000, "f0": 1000.0, **CHEAP}
+    found = snapmap.design(handout, "C", between=(10.0, 400.0), **shock)
+    C = [found.value - 10, found.value, found.value + 10]
+    told = snapmap.threshold(handout, [1000.0], C, **CHEAP).squeeze()
+    assert told.N_first[1].item() == pytest.approx(1000, rel=2e-4)
+    slope = (told.N_first[2] - told.N_first[0]).item() / 20
+    assert found.error == pytest.approx(told.N_error[1].item() / slope, rel=0.5)
+    with pytest.raises(ValueError, match=r"^C: is the value that is sought; leave it out$"):
+        snapmap.design(handout, "C", between=(10.0, 400.0), C=25.0, **shock)
 
 
 def test_no_solution_and_several_are_said(handout):
@@ -74,16 +77,23 @@ def test_no_solution_and_several_are_said(handout):
     assert design.value == pytest.approx(1.3)
 
 
-def test_the_window_in_which_all_requirements_are_met(handout):
-    asked = {"f0": 1500.0, "pulse": "versed sine"}
-    must, must_not = (
-        asked | {"name": "trip", "N": 1300.0, "snaps": True},
-        asked | {"name": "stay", "N": 1100.0, "snaps": False},
-    )
-    within = {"C": 25.0, "between": (1.8, 2.5)} | CHEAP
-    found = snapmap.design(handout, "thickness", requirements=[must, must_not], **within)
-    for end, N in (("low", 1100.0), ("high", 1300.0)):
-        alone = snapmap.design(handout, "thickness", N=N, f0=1500.0, **within)
+def require(name, N, snaps):
+    shock = {"N": N, "f0": 1500.0, "pulse": "versed sine"}
+    return shock | {"name": name, "snaps": snaps}
+
+
+@pytest.mark.parametrize(
+    ("value", "stays", "trips", "shock"),
+    [
+        ("thickness", 1100.0, 1300.0, {"between": (1.8, 2.5), "C": 25.0}),
+        ("C", 1010.0, 1060.0, {"between": (5.0, 400.0)}),
+    ],
+)
+def test_the_window_in_which_all_requirements_are_met(handout, value, stays, trips, shock):
+    needs, shock = [require("trip", trips, True), require("stay", stays, False)], shock | CHEAP
+    found = snapmap.design(handout, value, requirements=needs, **shock)
+    for end, N in (("low", stays), ("high", trips)):
+        alone = snapmap.design(handout, value, N=N, f0=1500.0, **shock)
         error = alone.error + found[f"{end}_error"].item()
         assert abs(found[end].item() - alone.value) <= error
     assert (found.low_from.item(), found.high_from.item()) == ("stay", "trip")
@@ -111,3 +121,19 @@ def test_requirements_have_the_shocks_of_the_study_unless_they_name_theirs(hando
     within["requirements"] = [asked | {"snaps": "any"}]
     with pytest.raises(ValueError, match="requirements: drop: snaps: any has no threshold"):
         snapmap.design(handout, "thickness", **within)
+
+
+def test_a_contradiction_says_where_each_requirement_is_met(handout):
+    needs = [require("trip", 1100.0, True), require("stay", 1300.0, False)]
+    needs.append(require("never", 9e5, False))
+    with pytest.warns(UserWarning) as warned:
+        found = snapmap.design(
+            handout, "thickness", requirements=needs, between=(1.8, 2.5), C=25.0, **CHEAP
+        )
+    assert found.sizes["window"] == 0
+    trip, stay = (found.tried.values[row] for row in found.met.values[:2].astype(bool))
+    assert str(warned[0].message) == (
+        "thickness: none from 1.8 to 2.5 um meets all requirements, at most 1 of 3 at 1.8 um: "
+        f"trip is met from 1.8 to {trip.max():.4g}, stay is met from {stay.min():.4g} to 2.5, "
+        "never is met nowhere"
+    )

@@ -17,6 +17,7 @@ from snapmap.config.devices import read_device
 from snapmap.config.doubts import doubts
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError
+from snapmap.described import vibrations
 from snapmap.pulse import make_pulse
 from snapmap.solver.models import build_model
 from snapmap.solver.plain_loop import follow, nodal_system
@@ -132,6 +133,12 @@ def test_a_quality_factor_stands_for_the_damping():
     )
     again = load_config(spelled)
     assert again.document() == study.document() and again.axes["C"] == study.axes["C"]
+
+
+def test_quality_factors_are_told_as_they_were_written():
+    study = load_config(DOCUMENT)
+    (beam, _, of_beam), (mass, _, of_mass) = vibrations(study.device, study.axes["C"])
+    assert (beam, of_beam, mass) == ("beam", "60", "mass") and of_mass.startswith("94 at C = ")
 
 
 def test_axes_and_tolerances_leave_the_damping_as_it_is():

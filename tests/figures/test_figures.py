@@ -341,24 +341,6 @@ def test_statics_are_the_data_and_mark_wells_saddle_and_peaks():
     assert line(energy, "saddle").get_ydata().tolist() == [490.0]
 
 
-def test_studies_are_compared_by_name_where_all_have_the_C():
-    def compared(**studies):
-        ax = thresholds.plot_thresholds(studies, style.double_column(height=3.4).subplots())
-        return ax, [points for points in curves_of(ax) if points[0][0] == 100]
-
-    theirs = make_found(C=[200.0]).isel(f0=[0, 2])
-    ax, curves = compared(mine=make_found(C=[25.0]), theirs=theirs)
-    assert legend_words(ax)[:2] == ["mine", "theirs"]
-    assert [[100.0, 1000.0], [1000.0, 1100.0]] in curves and len(curves) > 1
-    _, curves = compared(mine=make_found(C=[25.0, 200.0]), theirs=make_found(C=[1.0, 25.0]))
-    assert [points[0] for points in curves] == [[100.0, 1000.0], [100.0, 1001.0]]
-    for studies in ({"mine": make_found(C=[1.0]).expand_dims("gap")}, {}):
-        with pytest.raises(ValueError, match=r"choose one|studies: none"):
-            compared(**studies)
-    with pytest.raises(ValueError, match="no value of C is in all of them"):
-        compared(mine=make_found(C=[1.0, 25.0]), theirs=make_found(C=[200.0]))
-
-
 def test_thresholds_have_bars_gaps_and_islands():
     ax = drawn(thresholds.draw_thresholds, make_found(C=[25.0]))
     (gap,) = artists(ax, FillBetweenPolyCollection)
@@ -378,10 +360,6 @@ def test_yields_and_requirements_are_drawn_as_they_are():
     found = make_batch(np.array([1500.0])).isel(C=0)
     ax = drawn(tolerances.draw_probability, found)
     np.testing.assert_allclose(ax.lines[0].get_ydata(), found.probability.squeeze())
-    comment = {"comment": "where the threshold is 1500 g"}
-    values = {"thickness": ("rise", [2.5, 2.4], comment), "error": ("rise", [0.01, 0.02])}
-    ax = drawn(thresholds.draw_design, xr.Dataset(values, {"rise": [9.0, 10.0]}))
-    np.testing.assert_allclose(ax.lines[0].get_xydata(), [[9.0, 2.5], [10.0, 2.4]])
 
 
 def test_snap_time_is_between_two_samples_or_not_seen():

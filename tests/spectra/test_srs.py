@@ -5,9 +5,8 @@ import pytest
 from pyyeti import srs as reference
 
 import snapmap
-from snapmap.pulse import make_pulse
 from snapmap.solver.settings import Settings
-from snapmap.spectra.srs import BAND, check_points, frequencies, level, pulse_response, record
+from snapmap.spectra.srs import BAND, check_points, frequencies, level, record, response
 from snapmap.spectra.trips import FACTORS, ends
 from snapmap.spectra.verdicts import check_spectra
 from snapmap.study import Study
@@ -23,10 +22,10 @@ def samples(drawn):
 
 def test_the_spectrum_of_a_half_sine_is_that_of_another_code():
     f = np.array([200.0, 1600.0, 20_000.0])
-    x = np.linspace(0, 1, 4001)
+    half_sine = np.sin(np.pi * np.linspace(0, 1, 4001))
     how = {"ic": "zero", "time": "total", "parallel": "no"}
-    expected = reference.srs(np.sin(np.pi * x), 8e6, f, 10, **how)
-    found = pulse_response(make_pulse("half sine"), 500.0, f)
+    expected = reference.srs(half_sine, 8e6, f, 10, **how)
+    found = response(half_sine, 1 / 8e6, f)
     np.testing.assert_allclose(found, expected, rtol=1e-3)
     assert found[2] == pytest.approx(1, abs=0.05)  # slow for it: as on the frame
 

@@ -8,15 +8,11 @@ __version__ = "0.3.0"
 
 _HOME = {
     "calibrate": "calibration.dataset",
-    "describe": "described",
     "design": "sizing",
     "load_device": "config.devices",
     "open_cube": "sweeps.collect",
-    "plan_shots": "calibration.planning",
     "plot_outcome": "figures.maps",
-    "plot_thresholds": "figures.thresholds",
     "read_pulse": "io.recorded",
-    "shots_needed": "calibration.planning",
     "simulate": "motion.history",
     "srs_test": "spectra.trips",
     "statics": "beam.statics",
@@ -27,15 +23,11 @@ _HOME = {
 }
 __all__ = [
     "calibrate",
-    "describe",
     "design",
     "load_device",
     "open_cube",
-    "plan_shots",
     "plot_outcome",
-    "plot_thresholds",
     "read_pulse",
-    "shots_needed",
     "simulate",
     "srs_test",
     "statics",

@@ -227,7 +227,7 @@ SINGLE = {key: _number(*words) for key, words in SHOCK.items()}
 ARGUMENTS = {
     "device": Argument("a Device, or several by name; load_device reads one", _are_devices),
     **dict.fromkeys(
-        (f"{name}.device" for name in ("describe", "statics", "calibrate", "design", "simulate")),
+        (f"{name}.device" for name in ("statics", "calibrate", "design", "simulate")),
         DEVICE,
     ),
     **{key: _row(within, unit, f"[{text}]") for key, (within, unit, text) in SHOCK.items()},
@@ -272,8 +272,8 @@ ARGUMENTS = {
     "tolerance.tolerance": _number("[1e-5, 0.01]", "", "1e-3"),
     "highest": _number("(0, inf)", "multiples of g", "2000"),
     "value": Argument(
-        "the name of a value of the device, such as thickness",
-        lambda value: isinstance(value, str) and value in VALUES,
+        "C, nor the name of a value of the device, such as thickness",
+        lambda value: isinstance(value, str) and (value == "C" or value in VALUES),
     ),
     "between": Argument("a pair of numbers, low and high, such as (1.8, 2.2)", _is_pair, _plain),
     "requirements": Argument(
@@ -302,14 +302,6 @@ ARGUMENTS = {
     "unknowns": _mapping_of(
         'values of the device, or C, to ranges, such as {"thickness": (1.7, 2.3)}', *VALUES, "C"
     ),
-    "prior": Argument(
-        "a mean and a standard deviation above 0, nor what tolerance returns",
-        lambda value: hasattr(value, "data_vars") or _is_pair(value),
-    ),
-    "method": _word("neyer", "up-and-down"),
-    "confidence": SHARE,
-    "reliability": SHARE,
-    "failures": integer(0),
     "cube": _dataset("a cube, as sweep and open_cube return it", "outcome"),
     "path": PATH,
     "sha256": Argument(
@@ -321,14 +313,6 @@ ARGUMENTS = {
     "y": _of_type("the name of an axis of the cube", str),
     "found": THRESHOLDS,
     "ends": FLAG,
-    "studies": Argument(
-        "a mapping of names to thresholds, as threshold returns them",
-        lambda value: (
-            isinstance(value, Mapping)
-            and len(value) > 0
-            and all(isinstance(k, str) and THRESHOLDS.fits(value[k]) for k in value)
-        ),
-    ),
 }
 """By name, or by function and name where it is another's, too."""
 

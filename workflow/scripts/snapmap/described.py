@@ -1,4 +1,4 @@
-"""How a device vibrates and a recorded shock excites it, in a line."""
+"""How beam and mass of a device vibrate, each by itself, in words."""
 
 from collections.abc import Sequence
 
@@ -6,45 +6,27 @@ import numpy as np
 
 from .beam.modal import natural_frequency
 from .device import Device
-from .pulse import Pulse
 from .quantities import plain
-from .spectra.srs import pulse_response
 
 
-def describe(device: Device, C: Sequence[float] = ()) -> str:
-    """One line on how beam and mass vibrate, each by itself: frequencies and quality factors.
+def vibrations(device: Device, C: Sequence[float]) -> list[list[str]]:
+    """Of the beam and of the mass, if there is one: name, frequency and quality factor.
 
-    device: a single one; C: of the mass, uN us/um, from 0
-
-    >>> snapmap.describe(snapmap.load_device("config/damped.yaml"))
-    'beam 157.8 kHz, quality factor 247.8; mass 3.733 kHz'
+    device: a single one; C: of the mass, uN us/um
     """
-    own = _own(device)
-    beam, mass = (f"{plain(1e3 * omega / (2 * np.pi))} kHz" for omega in own)
-    words = f"beam {beam}, quality factor {_quality(own[0], device.beam.damping)}; "
-    words += "no mass" if device.is_alone else f"mass {mass}"
-    if device.is_alone or not np.size(C):
-        return words
-    ends = dict.fromkeys((np.min(C), np.max(C)))
-    rates = (f"{_quality(own[1], end / device.mass)} at C = {plain(end)}" for end in ends)
-    critical = 2 * device.mass * own[1]
-    return f"{words}, quality factor {' to '.join(rates)} uN*us/um (critical: {plain(critical)})"
+    omega, damping = natural_frequency(device.beam), device.beam.damping
+    rows = [["beam", _frequency(omega), _quality(omega, damping)]]
+    if not device.is_alone:
+        omega, mass = float(device.mass_frequency), device.mass
+        ends = dict.fromkeys((np.min(C), np.max(C)))
+        rates = (f"{_quality(omega, end / mass)} at C = {plain(end)}" for end in ends)
+        words = f"{' to '.join(rates)} uN*us/um (critical: {plain(2 * mass * omega)})"
+        rows.append(["mass", _frequency(omega), words])
+    return rows
 
 
-def excited(device: Device, pulse: Pulse) -> str:
-    """One line on the shock response spectrum of a pulse at the device's own frequencies."""
-    own = _own(device)[: 1 if device.is_alone else 2]
-    response = pulse_response(pulse, pulse.duration, np.array(own) / (2e-6 * np.pi))
-    each = [
-        f"{plain(a, 3)} at the {of}'s" for a, of in zip(response, ("beam", "mass"), strict=False)
-    ]
-    each[-1] += " frequency"
-    return f"shock response (quality factor 10) over its peak {', '.join(each[::-1])}"
-
-
-def _own(device):
-    """Frequencies of beam and mass, rad/us."""
-    return natural_frequency(device.beam), float(device.mass_frequency)
+def _frequency(omega):
+    return f"{plain(1e3 * omega / (2 * np.pi))} kHz"
 
 
 def _quality(omega, rate):

@@ -21,7 +21,7 @@ RUN = ("horizon", "energy_tolerance", "threads")
 MADE = ("samples", "index_samples", "seed", "together", "requirements")
 TAKEN = {
     "calibrate": (*RUN, "pulse", "direction"),
-    "design": (*RUN, *MADE, "start", "scatters", "pulse", "direction", *VALUES),
+    "design": (*RUN, "requirements", "start", "pulse", "direction"),
     "simulate": ("horizon", "energy_tolerance", "until", "start", "pulse", "direction"),
     "srs_test": (*RUN, "direction", "skip", *VALUES),
     "sweep": (*RUN, "start", "until", "repeat", "pulse", "direction", "skip", *VALUES),

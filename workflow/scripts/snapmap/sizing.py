@@ -11,23 +11,19 @@ import xarray as xr
 
 from .arguments import ARGUMENTS
 from .axes import COORDINATES
-from .device import SIGNED, Device, batch
+from .device import SIGNED, Device
 from .io.counting import counting
 from .quantities import QUANTITIES, plain
 from .shocks import Shocks
 from .solver.search import near
 from .study import ANY, Study, study_of, with_shocks
-from .thresholds.verified import FEWEST
 from .tolerances.batch import thresholds_at
-from .tolerances.dataset import tolerances_of
-from .tolerances.samples import Tolerances, nominal_value
+from .tolerances.samples import nominal_value
 
 POINTS, WINDOW_POINTS = 17, 33
 """Values that are tried first, for a threshold and for a window."""
 PARTS = 512
 """Of an interval between two of them, in one of which an answer lies."""
-PLACES, SAMPLES = 9, 256
-"""Values in a window, and devices as made at each, of which the yield is estimated."""
 
 CHANGED = {
     "mass": ("mass", "lighter", "heavier"),
@@ -59,24 +55,21 @@ def design(
     model: str | Mapping = "auto",
     **options,
 ) -> Design | xr.Dataset:
-    """Find the value of a device, by its name, for which N (multiples of g) is its threshold.
+    """Find the value of a device, or C, for which N (multiples of g) is the threshold.
 
     Or, with requirements in place of N and f0, the windows of the value in which all are met.
 
-    f0: Hz; C: uN us/um; between: range of the value, internal units
+    value: its name, such as "thickness", or "C"
+    f0: Hz; C: uN us/um, unless it is the value; between: range of the value, internal units
     model: name, or the config's model section
     options: requirements, mappings of name, N, f0 (Hz) and snaps, with pulse and direction, by
-        default those of the study, or shocks; each holds under all its shapes and directions; for
-        the yield in the windows scatters, samples, seed and together, as in
-        `tolerance`; horizon (us), energy_tolerance, threads, pulse, direction, those of the model;
-        and a further value of the device, along which the answer is a line: a dataset of value and
-        error, NaN where there is none
+        default those of the study, or shocks; each holds under all its shapes and directions;
+        horizon (us), energy_tolerance, start, threads, pulse, direction, those of the model
     Windows have, over `window`: low and high, their errors, and low_from and high_from, the
-    requirement that ends it, or "between"; over `place`, with scatters: the value and its `yield`,
-    with bounds at 95 %, and the attribute best, the value of the largest; over `requirement` and
-    the values `tried`: whether it is `met`. Warns where several values are right, and returns the
-    lowest; and where there is no window, with the requirements that exclude it. Raises ValueError,
-    one line, where no value is right, or for an invalid argument.
+    requirement that ends it, or "between"; over `requirement` and the values `tried`: whether it is
+    `met`. Warns where several values are right, and returns the lowest; and where there is no
+    window, with where each requirement is met. Raises ValueError, one line, where no value is
+    right, or for an invalid argument.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> shock = {"N": 1100, "f0": 1500, "C": 25, "model": "cosines", "horizon": 0}
@@ -86,45 +79,30 @@ def design(
     """
     options = dict(options)
     required = options.pop("requirements", ())
-    given = {key: options.pop(key) for key in Tolerances._fields if key in options}
-    study, along = study_of(device, model, options)
+    study, _ = study_of(device, model, options)
     required = _single_shocks(with_shocks(one, study.shocks) for one in required)
-    if given and not required:
-        raise ValueError(f"{next(iter(given))}: is of requirements, and there are none")
     goals = required or [{"N": N, "f0": f0, "snaps": True, "shocks": study.shocks}]
-    shock = {**goals[0], "C": C, "between": between}
-    for key in ("N", "f0", "C", "between"):
-        if shock[key] is None:
+    shock = {key: goals[0][key] for key in ("N", "f0")} | {"C": C, "between": between}
+    if value == "C" and shock.pop("C") is not None:
+        raise ValueError("C: is the value that is sought; leave it out")
+    for key, argument in shock.items():
+        if argument is None:
             raise ValueError(f"{key}: missing; write {ARGUMENTS[key].need}")
     if any(len(goal["shocks"].pulses) > 1 for goal in goals):
         raise ValueError("pulse: several; give one shape and one direction")
     (low, high), least = between, -np.inf if value in SIGNED else 0.0
     if not least <= low < high:
         raise ValueError(f"between: {low:g}, {high:g} are not two ascending values from {least:g}")
-    if along and required:
-        raise ValueError(f"{next(iter(along))}: is no option beside requirements; vary the device")
-    if value in along or len(along) > 1:
-        raise ValueError(f"{', '.join(along)}: give one value of the device along which to look")
-    if required:
-        tolerances = Tolerances(**given) if given else None
-        cost = f"{WINDOW_POINTS * len(goals)} thresholds, about three for each end"
-        if tolerances:
-            made = PLACES * min(tolerances.samples, SAMPLES)
-            cost += f", {made * (len(goals) + 1)} devices"
-        with counting(f"design, {cost}"):
-            return _window(study, value, C, between, goals, tolerances)
-    key, values = next(iter(along.items()), (value, 0.0))
-    along = {key: np.atleast_1d(np.asarray(values, float))}
-    goals *= along[key].size
-    look, grid = _looker(study, value, C, goals, along), np.linspace(*between, POINTS)
+    look = _looker(study, value, C, goals)
+    grid = np.linspace(*between, WINDOW_POINTS if required else POINTS)
     with counting("design"):
-        surface = [along[key], grid] if _is_axis(along[key]) else [grid]
-        N_first, error, met = look(np.arange(len(goals)), np.tile(grid, (len(goals), 1)), surface)
+        seen = look(np.arange(len(goals)), np.tile(grid, (len(goals), 1)), [grid])
+        if required:
+            return _windows(look, value, grid, goals, *seen)
+        N_first, error, met = seen
         known = np.isfinite(N_first[:, 1:] + N_first[:, :-1])
-        ends = _ends(look, grid, N_first, error, met, known, N)
-    if key != value:
-        return _line(value, key, along[key], N, *ends)
-    return _single(value, N, grid, N_first, *ends[1:])
+        _, values, errors = _ends(look, grid, N_first, error, met, known, N)
+    return _single(value, N, grid, N_first, values, errors)
 
 
 def _single_shocks(requirements):
@@ -180,10 +158,10 @@ def _is_axis(x):
     return x.size >= FEWEST and (np.diff(x) > 0).all()
 
 
-def _looker(study, value, C, goals, along=None) -> Callable:
+def _looker(study, value, C, goals) -> Callable:
     """A function of goals, by number (n,), and values, (n, m): N_first, its error, and if met.
 
-    It takes the axes of a surface that these are, of goals of one start, too, as `thresholds_at`.
+    It takes the axes of a surface that these are, too, as `thresholds_at`.
     """
     pulses = {str(i): goal["shocks"].pulses[0] for i, goal in enumerate(goals)}
     study = replace(study, shocks=Shocks(pulses))
@@ -192,14 +170,13 @@ def _looker(study, value, C, goals, along=None) -> Callable:
 
     def look(row, tried, axes=()):
         i = np.repeat(row, tried.shape[1])
-        values = {key: column[i] for key, column in (along or {}).items()} | {value: tried.ravel()}
         N_first, error, there = np.empty((3, i.size))
         for start in np.unique(starts[i]):
             mine, settings = starts[i] == start, study.settings._replace(start=str(start))
-            own = {key: column[mine] for key, column in values.items()}
-            asked = own, f0[i[mine]], C, i[mine], axes
+            values = {value: tried.ravel()[mine]}
+            shock = f0[i[mine]], values.pop("C", C), i[mine]
             N_first[mine], error[mine], there[mine] = thresholds_at(
-                replace(study, settings=settings), *asked
+                replace(study, settings=settings), values, *shock, axes
             )
         met = ((N_first <= N[i]) == snaps[i]) & (there > 0)
         return [column.reshape(tried.shape) for column in (N_first, error, met)]
@@ -275,83 +252,38 @@ def _single(value, N, grid, N_first, values, errors):
     return Design(float(values[0]), float(errors[0]))
 
 
-def _line(value, key, places, N, row, values, errors):
-    """The lowest value at each place, with the number of all."""
-    count = np.bincount(row, minlength=places.size)
-    lowest = np.full((2, places.size), np.nan)
-    row, first = np.unique(row, return_index=True)
-    lowest[:, row] = values[first], errors[first]
-    if (count > 1).any():
-        where = ", ".join(f"{at:.5g}" for at in places[count > 1])
-        place = f"{key} = {where} {QUANTITIES[key].unit}"
-        warnings.warn(f"{value}: not the only one at {place}; the lowest is given", stacklevel=3)
-    attrs, comment = COORDINATES[value], {"comment": f"where the threshold is {N:g} g"}
-    error = {"long_name": f"error of the {attrs['long_name']}"}
-    data = {
-        value: (key, lowest[0], attrs | comment),
-        "error": (key, lowest[1], attrs | error),
-        "solutions": (key, count, {"long_name": "number of values found", "units": "1"}),
-    }
-    return xr.Dataset(data, {key: (key, places, COORDINATES[key])})
-
-
-def _window(study, value, C, between, goals, tolerances):
-    """Windows of a value, as `design` returns them."""
-    look, grid = _looker(study, value, C, goals), np.linspace(*between, WINDOW_POINTS)
-    names, N = [goal["name"] for goal in goals], [goal["N"] for goal in goals]
-    N_first, error = np.full((2, len(goals), grid.size), np.nan)
-    own = np.zeros(N_first.shape, bool)
-    met = np.ones(grid.size, bool)
-    for i in range(len(goals)):
-        N_first[i], error[i], own[i] = look(np.array([i]), grid[np.newaxis], [grid])
-        met &= own[i]
-        if not met.any():
-            break
-    ends = _ends(look, grid, N_first, error, own, met[1:] != met[:-1], N)
+def _windows(look, value, grid, goals, N_first, error, met):
+    """Windows of a value, as `design` returns them; N_first, error, met: (goals, n)."""
+    names, N, all_met = [goal["name"] for goal in goals], [goal["N"] for goal in goals], met.all(0)
+    ends = _ends(look, grid, N_first, error, met, all_met[1:] != all_met[:-1], N)
     ends = sorted((at, error, names[row]) for row, at, error in zip(*ends, strict=True))
-    places = (between[0], 0.0, "between"), *ends, (between[1], 0.0, "between")
+    places = (grid[0], 0.0, "between"), *ends, (grid[-1], 0.0, "between")
     windows = [
-        pair for pair in pairwise(places) if met[(grid >= pair[0][0]) & (grid <= pair[1][0])].any()
+        pair
+        for pair in pairwise(places)
+        if all_met[(grid >= pair[0][0]) & (grid <= pair[1][0])].any()
     ]
+    if not windows:
+        warnings.warn(_contradiction(value, grid, names, met), stacklevel=3)
     attrs = COORDINATES[value]
     data = {
         f"{side}{key}": ("window", [pair[j][k] for pair in windows], attrs if k < 2 else {})
         for j, side in enumerate(("low", "high"))
         for k, key in enumerate(("", "_error", "_from"))
     }
-    data["met"] = (("requirement", "tried"), own[: i + 1])
-    design = xr.Dataset(data, {"requirement": names[: i + 1], "tried": ("tried", grid, attrs)})
-    if not windows:
-        design.attrs["comment"] = _why_none(value, grid, goals[: i + 1], own, N_first[i])
-        warnings.warn(design.attrs["comment"], stacklevel=3)
-    if not (windows and tolerances):
-        return design
-    # The share of devices as made that meet all, at places within the windows.
-    few = tolerances._replace(samples=min(tolerances.samples, SAMPLES), index_samples=2)
-    axes, shares = {"C": [C], "f0": [goals[0]["f0"]]}, []
-    inside = [np.linspace(low[0], high[0], PLACES + 2)[1:-1] for low, high in windows]
-    for place in (inside := np.concatenate(inside)):
-        own = replace(study, device=with_value(study.device, value, place))
-        made = tolerances_of(own, axes, few, goals)
-        shares.append(made[["yield", "yield_bound"]].squeeze("C", drop=True))
-    yields = xr.concat(shares, "place").assign({value: ("place", inside, attrs)})
-    best = np.flatnonzero(yields["yield"] == yields["yield"].max())
-    design = design.merge(yields)
-    design.attrs["best"] = float(inside[best[best.size // 2]])
-    return design
+    data["met"] = ("requirement", "tried"), met
+    return xr.Dataset(data, {"requirement": names, "tried": ("tried", grid, attrs)})
 
 
-def _why_none(value, grid, goals, own, N_first):
-    """Which requirements leave no value: the last that was tried, alone or with those before."""
-    unit, last = QUANTITIES[value].unit, goals[-1]
-    none = f"{value}: none from {grid[0]:g} to {grid[-1]:g} {unit} meets all requirements"
-    if not own[len(goals) - 1].any():
-        seen = N_first[np.isfinite(N_first)]
-        runs = f"run from {plain(seen.min())} to {plain(seen.max())}" if seen.size else "are none"
-        must = f"it must {'trip' if last['snaps'] else 'not trip'} at {last['N']:g}"
-        return f"{none}; {last['name']} fails at each: {must}, thresholds {runs}"
+def _contradiction(value, grid, names, met):
+    """Where each requirement is met, and where most are; met: (requirements, n)."""
+    unit, count = QUANTITIES[value].unit, met.sum(axis=0)
     each = [
-        f"{goal['name']} is met from {plain(grid[met].min())} to {plain(grid[met].max())}"
-        for goal, met in zip(goals, own, strict=False)
+        f"{name} is met from {plain(grid[row].min())} to {plain(grid[row].max())}"
+        if row.any()
+        else f"{name} is met nowhere"
+        for name, row in zip(names, met, strict=True)
     ]
-    return f"{none}, as these contradict: {', '.join(each)}"
+    most = f"{count.max()} of {len(names)} at {plain(grid[np.argmax(count)])} {unit}"
+    ends = f"{grid[0]:g} to {grid[-1]:g} {unit}"
+    return f"{value}: none from {ends} meets all requirements, at most {most}: {', '.join(each)}"

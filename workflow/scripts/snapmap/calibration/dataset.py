@@ -39,18 +39,17 @@ def calibrate(
     """Estimate the values of a device from its shots, tripped or not, by maximum likelihood.
 
     shots: a CSV file, or columns of one length: `N` (multiples of g), `duration` (us) or `f0` (Hz),
-        `tripped` (true or false); optional `direction` (+z, -z), `shape`, `file` (a record in place
-        of shape, whose peak N is) and `unit` (a specimen's name)
+        `tripped` (true or false); optional `direction` (+z, -z), `shape` and `file` (a record in
+        place of shape, whose peak N is)
     unknowns: ranges by name, internal units, of values of the device, or C
     C: uN us/um, unless it is unknown; model: name, or the config's model section
     options: horizon (us), energy_tolerance, threads; pulse and direction of shots that name none;
         and those of the model
     A shot trips with probability Phi(ln(N / N_first) / spread). Over `unknown`: estimate, to six
-    digits; low and high, its profile interval at 95 %; open_low and open_high, where the range ends
-    it; correlation, also over `unknown_2`. Over `bound`: spread, relative, and unit_share, the
-    share of its variance between units. Over `shot`: threshold, probability, deviance residual.
-    Attributes: untold, what the shots leave undetermined; model_error, relative, of interpolated
-    thresholds. Raises ValueError, one line, for invalid shots or ranges.
+    digits; low and high, its profile interval at 95 % within the range; correlation, also over
+    `unknown_2`. Over `bound`: spread, relative. Over `shot`: threshold, probability, deviance
+    residual. Attribute: model_error, relative, of interpolated thresholds. Raises ValueError, one
+    line, for invalid shots or ranges.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> shots = {"N": [800, 900, 950, 1000, 1050, 1200], "tripped": [0, 0, 0, 1, 1, 1]}
@@ -99,13 +98,10 @@ def fit(shots: Shots, surface: Surface) -> xr.Dataset:
         key: ("unknown", _rounded(surface.values(place)), unit)
         for key, place in {"estimate": profile.best, "low": low, "high": high}.items()
     }
-    for key, ends in {"open_low": low, "open_high": high}.items():
-        at_end = ((ends == 0.0) | (ends == 1.0)).astype(np.int8)
-        data[key] = ("unknown", at_end)
     spreads = _spreads(likelihood, surface, low, high, freedom)
-    data |= {key: ("bound", _rounded(values)) for key, values in spreads.items()}
-    spread = spreads["spread"][0]
-    covariance, slopes, little = information_at(profile.best, surface, likelihood, spread)
+    data["spread"] = "bound", _rounded(spreads)
+    spread = spreads[0]
+    covariance, slopes = information_at(profile.best, surface, likelihood, spread)
     scale = np.sqrt(np.diag(covariance))
     data["correlation"] = (
         ("unknown", "unknown_2"),
@@ -121,7 +117,6 @@ def fit(shots: Shots, surface: Surface) -> xr.Dataset:
         "f0": shots.f0,
         "direction": np.array([shots.groups[i].direction for i in group]),
         "shape": np.array([shots.groups[i].shape for i in group]),
-        "unit": shots.unit,
         "tripped": shots.tripped.astype(np.int8),
         "threshold": _rounded(np.exp(logs)[group]),
         "threshold_low": _rounded(np.exp(logs - half)[group]),
@@ -131,18 +126,11 @@ def fit(shots: Shots, surface: Surface) -> xr.Dataset:
     }
     data |= {key: ("shot", values) for key, values in columns.items()}
     named = {"unknown": names, "unknown_2": names, "bound": ["estimate", "low", "high"]}
-    lines = [
-        " ".join(f"{x:+.2f} {name}" for x, name in zip(axis, names, strict=True) if abs(x) >= 0.095)
-        for axis in little
-    ]
-    words = f"beyond the ranges the shots say little of {'; of '.join(lines)} (in ranges)"
-    return xr.Dataset(data, named).assign_attrs(
-        untold=words if lines else "", model_error=float(_rounded(surface.error.max()))
-    )
+    return xr.Dataset(data, named, {"model_error": float(_rounded(surface.error.max()))})
 
 
 def _spreads(likelihood, surface, low, high, freedom):
-    """Mean, low and high of the spread and, where units come again, of their share.
+    """Mean, low and high of the spread.
 
     low, high: of the unknowns' intervals, as shares of their ranges
     """
@@ -152,15 +140,8 @@ def _spreads(likelihood, surface, low, high, freedom):
     mesh = np.meshgrid(*np.linspace(low, high, size).T, indexing="ij")
     logs = likelihood.of(surface.at(np.stack(mesh, axis=-1).reshape(-1, len(low))))
     likely = np.exp(logs - logs.max()).sum(axis=0)
-    weighed, shares = likely * SPREADS[:, np.newaxis], likelihood.shares
-    mean = np.average(SPREADS, weights=weighed.sum(axis=1))
-    ends = np.exp(_ends(np.log(SPREADS), likely.sum(axis=1), freedom))
-    spreads = {"spread": np.array([mean, *ends])}
-    if shares.size > 1:
-        of_units = weighed.sum(axis=0)
-        mean = np.average(shares, weights=of_units)
-        spreads["unit_share"] = np.array([mean, *_ends(shares, of_units, freedom)])
-    return spreads
+    mean = np.average(SPREADS, weights=likely * SPREADS)
+    return np.array([mean, *np.exp(_ends(np.log(SPREADS), likely, freedom))])
 
 
 def _ends(x, likelihood, freedom):
@@ -173,20 +154,17 @@ def _ends(x, likelihood, freedom):
 
 
 def summary(fitted: xr.Dataset) -> str:
-    """One line: each value with its interval, the spread, what is not told apart."""
+    """One line: each value with its interval, and the spread."""
     words = [f"{fitted.sizes['shot']} shots"]
     for key in fitted.unknown.values:
-        own = fitted.sel(unknown=key)
-        ends = [
-            f"{plain(own[end].item())}{' (its range ends)' * own[f'open_{end}'].item()}"
-            for end in ("low", "high")
-        ]
-        words.append(f"{key} {plain(own.estimate.item())} ({' to '.join(ends)})")
+        fit_of = fitted.sel(unknown=key)
+        value, low, high = (plain(fit_of[name].item()) for name in ("estimate", "low", "high"))
+        words.append(f"{key} {value} ({low} to {high})")
     spread = fitted.spread.values * 100
     words.append(
         f"spread {plain(spread[0], 2)} % ({plain(spread[1], 2)} to {plain(spread[2], 2)} %)"
     )
-    return ", ".join([*words, *[fitted.untold] * bool(fitted.untold)])
+    return ", ".join(words)
 
 
 def _rounded(values):

@@ -12,12 +12,7 @@ from .shots import Shots
 from .surface import Surface
 
 SPREADS = geometric(0.003, 0.5, 16)
-"""Relative standard deviations of a threshold, from shot to shot and unit to unit."""
-SHARES = np.array([0.0, 0.3, 0.6, 0.8, 0.95])
-"""Of the spread's variance that is between units, where some unit is shot more than once."""
-DEVIATIONS = np.linspace(-4.0, 4.0, 25)
-"""Of a unit from the mean of units."""
-ALONE = np.zeros(1)
+"""Relative standard deviations of a threshold, from shot to shot."""
 CHUNK = 2_000_000
 """Numbers that are held at a time."""
 CONFIDENCE = 0.95
@@ -29,49 +24,34 @@ STEP = 0.02
 """Of a derivative, as a share of the range."""
 FLAT = 12.0
 """One over the variance of a place in its range, of which nothing is known but the range."""
-UNRESOLVED = 0.5
-"""Of the standard deviation within the range: what is left of it where shots tell little."""
 
 
 class Likelihood:
-    """Likelihood of shots: P(trip) = Phi((ln N - ln N_first - unit)/spread).
+    """Likelihood of shots: P(trip) = Phi((ln N - ln N_first)/spread).
 
-    # ASSUME: thresholds scatter lognormally, by the same share at every group of shots.
+    # ASSUME: thresholds scatter lognormally, independently, by the same share at every group.
     """
 
     def __init__(self, shots: Shots, error: np.ndarray):
-        """Sort shots by their units; error: of thresholds, relative, (groups,)."""
-        order = np.argsort(shots.unit, kind="stable")
-        self.group = shots.group[order]
-        self.log_N = np.log(shots.N[order])
-        self.sign = np.where(shots.tripped[order], 1.0, -1.0)
+        """Take shots; error: of thresholds, relative, (groups,)."""
+        self.group, self.log_N = shots.group, np.log(shots.N)
+        self.sign = np.where(shots.tripped, 1.0, -1.0)
         self.error = error[self.group]
-        unit = shots.unit[order]
-        self.begins = np.flatnonzero(np.r_[True, unit[1:] != unit[:-1]])
-        repeats = self.begins.size < unit.size
-        self.shares = SHARES if repeats else ALONE
-        self.deviations = DEVIATIONS if repeats else ALONE
 
     def of(self, logs: np.ndarray) -> np.ndarray:
-        """Logarithm of the likelihood of thresholds ln N, (n, groups): (n, spreads, shares)."""
-        spread, share = SPREADS[:, None, None, None], self.shares[:, None, None]
-        unit = spread * np.sqrt(share) * self.deviations[:, None]
-        within = np.sqrt(spread**2 * (1 - share) + self.error**2)
-        weights, likely = -0.5 * self.deviations[:, None] ** 2, []
-        weights -= logsumexp(weights)
-        for part in np.array_split(logs, -(-len(logs) * (unit + within).size // CHUNK)):
-            apart = (self.log_N - part[:, self.group])[:, None, None, None]
-            each = log_ndtr(self.sign * (apart - unit) / within)
-            units = np.add.reduceat(each, self.begins, axis=-1) + weights
-            likely.append(logsumexp(units, axis=-2).sum(axis=-1))
+        """Logarithm of the likelihood of thresholds ln N, (n, groups): (n, spreads)."""
+        scale, likely = np.sqrt(SPREADS[:, None] ** 2 + self.error**2), []
+        for part in np.array_split(logs, -(-len(logs) * scale.size // CHUNK)):
+            apart = (self.log_N - part[:, self.group])[:, None]
+            likely.append(log_ndtr(self.sign * apart / scale).sum(axis=-1))
         return np.concatenate(likely)
 
     def integrated(self, logs: np.ndarray) -> np.ndarray:
-        """The same, (n,), over all spreads, each as likely as another, and over all shares.
+        """The same, (n,), over all spreads, each as likely as another.
 
         Shots that are parted by a gap have no likeliest spread but 0; the integral has a maximum.
         """
-        return logsumexp(self.of(logs) + np.log(SPREADS)[:, None], axis=(1, 2))
+        return logsumexp(self.of(logs) + np.log(SPREADS), axis=1)
 
 
 def reach(freedom: int) -> float:
@@ -145,12 +125,11 @@ class Profile:
 
 def information_at(
     place: np.ndarray, surface: Surface, likelihood: Likelihood, spread: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+) -> tuple[np.ndarray, np.ndarray]:
     """Fisher's information of shots at a place, shares of the ranges, at a relative spread.
 
-    Returns the covariance of the unknowns, ranges being known; the slopes of ln N, (groups,
-    unknowns); and the directions, each of length 1, (n, unknowns), of which the shots tell little:
-    the ranges say nearly as much.
+    Returns the covariance of the unknowns, ranges being known, and the slopes of ln N, (groups,
+    unknowns).
     """
     steps = STEP * np.eye(place.size)
     above, below = (np.clip(place + side * steps, 0.0, 1.0) for side in (1, -1))
@@ -161,7 +140,4 @@ def information_at(
     weight = np.exp(-z * z - log_ndtr(z) - log_ndtr(-z)) / (2 * np.pi * spread * spread)
     each = slopes[likelihood.group]
     information = np.einsum("i,ij,ik->jk", weight, each, each) + FLAT * np.eye(place.size)
-    values, vectors = np.linalg.eigh(information)
-    vectors *= np.sign(vectors[np.argmax(abs(vectors), axis=0), np.arange(place.size)])
-    little = np.sqrt(FLAT / values[::-1]) > UNRESOLVED
-    return (vectors / values) @ vectors.T, slopes, vectors.T[::-1][little]
+    return np.linalg.inv(information), slopes

@@ -38,13 +38,12 @@ class Group(NamedTuple):
 class Shots(NamedTuple):
     """Shots of a campaign, arrays (shots,).
 
-    N: multiples of g; tripped: bools; group: index into groups; unit: number of the specimen
+    N: multiples of g; tripped: bools; group: index into groups
     """
 
     N: np.ndarray
     tripped: np.ndarray
     group: np.ndarray
-    unit: np.ndarray
     groups: tuple[Group, ...]
 
     @property
@@ -59,7 +58,7 @@ def shots_from(table: str | Path | Mapping, shocks: Shocks, device: Device) -> S
     shocks: of one shape and direction, where the table names none; device: whose gravity N counts
     """
     columns = shot_columns(table)
-    tripped = columns.get("tripped", np.empty(0, bool))
+    tripped = columns["tripped"]
     if tripped.size < FEWEST:
         raise ValueError(f"shots: {tripped.size} are too few; give {FEWEST} or more")
     if tripped.all() or not tripped.any():
@@ -75,8 +74,7 @@ def shots_from(table: str | Path | Mapping, shocks: Shocks, device: Device) -> S
         except ValueError as error:
             raise ValueError(f"shots, row {i + 1}: {error}") from None
     N, group = np.array(N), np.array([list(known).index(key) for key in keys])
-    unit = np.unique(columns.get("unit", np.arange(N.size)).astype(str), return_inverse=True)[1]
-    shots = Shots(N, tripped, group, unit, tuple(known.values()))
+    shots = Shots(N, tripped, group, tuple(known.values()))
     against = []
     for number in range(len(known)):
         trips, others = (N[(group == number) & (tripped == is_so)] for is_so in (True, False))

@@ -34,7 +34,7 @@ class CalibrationSection(Section):
 
     shots: path(
         "a CSV table in the study's folder: N, f0 (Hz) or duration (ms), tripped (yes, no) and, "
-        "optionally, direction, shape, file (a record), unit (a specimen)",
+        "optionally, direction, shape, file (a record)",
         "shots.csv",
     )
     unknowns: part(UnknownsSection)

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..beam.cosines import buckling_shapes
 from ..beam.equilibria import find_barrier, least_travel
-from ..described import describe, excited
+from ..described import vibrations
 from ..device import Beam, Device
 from ..io.tables import read_points
 from ..study import Study
@@ -18,20 +18,18 @@ TILTING = 8
 
 
 def descriptions(study: Study) -> list[str]:
-    """Lines on each device, whatever the axes change, and on how a record excites it.
-
-    study: a `Config`
-    """
-    C, lines = study.axes["C"], list(study.measured.values())
-    records = [one for one in study.shocks.shapes.values() if one.duration and not one.blows.size]
+    """Lines on each device, whatever the axes change; study: a `Config`."""
+    lines = list(study.measured.values())
     for name, one in study.devices().items():
-        beam = one.beam
+        beam, words = one.beam, []
+        for part, frequency, quality in vibrations(one, study.axes["C"]):
+            words.append(f"{part} {frequency}, quality factor {quality}")
+        words += ["no mass"] * one.is_alone
         lines.append(
             f"{name}: rise/thickness {beam.rise / beam.thickness:.4g}, rise/span "
             f"{beam.rise / beam.span:.3g}, span/thickness {beam.span / beam.thickness:.4g}; "
-            f"{describe(one, C)}"
+            f"{'; '.join(words)}"
         )
-        lines += [f"{name}, {pulse.name}: {excited(one, pulse)}" for pulse in records]
     return lines
 
 

@@ -16,7 +16,7 @@ from plotly.offline import get_plotlyjs
 
 from ..axes import NAMES
 from ..config.devices import read_device
-from ..described import describe
+from ..described import vibrations
 from ..device import CLAMP, SECTIONS, STOPS, VALUES
 from ..motion.envelopes import ENERGY_REACH, thin
 from ..quantities import QUANTITIES, Quantity
@@ -205,9 +205,10 @@ def _rows(values: Mapping, names: Mapping):
 
 def _vibration(device: Mapping, C: Sequence[float]):
     """Rows of what rings by itself, beam and mass: its name, frequency and quality factor."""
-    words = html.escape(describe(read_device(device), C).replace("uN*us/um", "µN µs/µm"))
-    parts = [part.partition(" ") for part in words.split("; ") if part != "no mass"]
-    return [[name, *text.split(", quality factor ")] for name, _, text in parts]
+    return [
+        [html.escape(text.replace("uN*us/um", "µN µs/µm")) for text in row]
+        for row in vibrations(read_device(device), C)
+    ]
 
 
 def _named(key):

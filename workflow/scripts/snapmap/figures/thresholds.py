@@ -1,7 +1,5 @@
 """The lowest N that snaps: over one axis or two, of several studies, as damage boundary."""
 
-from collections.abc import Mapping
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -172,66 +170,3 @@ def draw_threshold_map(ax: Axes, found: xr.Dataset, x: str, y: str) -> Axes:
     counted = style.multiples(found.attrs)
     plane.colour_bar(ax, field, f"threshold: lowest $N$ that snaps ({counted})")
     return ax
-
-
-def draw_design(ax: Axes, found: xr.Dataset) -> Axes:
-    """Draw the line along which a threshold is what was asked for, over two values of the device.
-
-    found: as `sizing.value.design` gives it along an axis, with error bars
-    """
-    (x,) = found.error.dims
-    y = next(key for key in found.data_vars if key not in ("error", "solutions"))
-    scale = scales.scale_of(x, found[x].values)
-    scales.set_scale(ax, "x", scale)
-    ax.errorbar(scale.places, found[y].values, found.error.values, marker="o", elinewidth=0.6)
-    ax.set(ylabel=scales.axis_label(y), title=found[y].attrs["comment"])
-    return ax
-
-
-def plot_thresholds(studies: Mapping[str, xr.Dataset], ax: Axes | None = None) -> Axes:
-    """Draw the thresholds of several studies over f0 in one figure, each under its name.
-
-    studies: thresholds over C and f0 by name, as from `threshold` or threshold.nc; of several
-        values of C those that all studies have
-
-    >>> device = snapmap.load_device("config/config.yaml")
-    >>> cheap = {"model": "cosines", "modes": 3, "horizon": 300.0}
-    >>> few = snapmap.threshold(device, [1000.0, 3000.0], [25.0], **cheap)
-    >>> hard = snapmap.threshold(device, [1000.0, 3000.0], [25.0], pulse="half sine", **cheap)
-    >>> ax = snapmap.plot_thresholds({"versed sine": few, "half sine": hard})
-    >>> [text.get_text() for text in ax.figure.legends[0].get_texts()][:2]
-    ['versed sine', 'half sine']
-    """
-    C = _shared_C(studies)
-    ax = ax or style.notebook_axes()
-    f0 = np.concatenate([found.f0.values for found in studies.values()])
-    scales.study_axis(ax, scales.scale_of("f0", np.unique(f0)))
-    lines, keys = [], []
-    for name, found in studies.items():
-        found = found.sortby("f0") if found.C.ndim else found.expand_dims("C").sortby("f0")
-        for value in C or found.C.values:
-            colour, marker = curves.LOOKS[len(lines) % len(curves.LOOKS)]
-            lines.append((found.sel(C=value, method="nearest"), colour, marker))
-            words = f", {scales.value_text('C', value)}" if len(C) > 1 else ""
-            keys.append(Line2D([], [], color=colour, marker=marker, label=name + words))
-    _draw_lines(ax, lines, "f0")
-    style.legend(ax, [*keys, *style.labelled([ax])], ncols=2)
-    return ax
-
-
-def _shared_C(studies):
-    """The values of C that all studies have, to nine digits; none where each has but one."""
-    if not studies:
-        raise ValueError("studies: none; give thresholds by name")
-    for name, found in studies.items():
-        if several := [key for key in found.N_first.dims if key not in ("C", "f0")]:
-            key = several[0]
-            raise ValueError(f"{name}: is over {key}, too; choose one, as found.isel({key}=0)")
-    if all(found.C.size == 1 for found in studies.values()):
-        return []
-    values = [
-        {float(f"{C:.9g}") for C in np.atleast_1d(found.C.values)} for found in studies.values()
-    ]
-    if not (shared := set.intersection(*values)):
-        raise ValueError("studies: no value of C is in all of them; choose one of each")
-    return sorted(shared)

@@ -29,7 +29,7 @@ ANSWERS = {
     **dict.fromkeys(("no", "false", "0", 0), False),
 }
 """What a shot did, also as a number."""
-SHOTS = {"tripped": ANSWERS, **dict.fromkeys(("direction", "shape", "file", "unit"))}
+SHOTS = {"tripped": ANSWERS, **dict.fromkeys(("direction", "shape", "file"))}
 _UNIT = re.compile(r"[(\[]([^)\]]+)[)\]]")
 
 
@@ -69,7 +69,7 @@ def read_shots(path: str | Path, sha256: str = "") -> dict[str, np.ndarray]:
     """Read shots from CSV, columns by name; raises ValueError, one line.
 
     The header names the columns: N; f0 (Hz, kHz) or duration (us, ms, s); tripped (yes or no);
-    and, if wanted, direction, shape, file and unit. An empty number is NaN.
+    and, if wanted, direction, shape and file. An empty number is NaN.
     sha256: of the file as it was planned, hex digits; nothing where anything goes
     """
     with naming(path):
@@ -81,7 +81,7 @@ def shot_columns(shots: str | Path | Mapping[str, Sequence]) -> dict[str, np.nda
     """Columns of shots from a file, or as they are given; ValueError, one line, if they cannot be.
 
     N, f0 (Hz) and duration (us) are above 0, or NaN; tripped are bools, the others text. N may be
-    missing beside file; without a column there is no shot.
+    missing beside file.
     """
     table = read_shots(shots) if isinstance(shots, str | Path) else shots
     columns = {str(key): np.asarray(table[key]).ravel() for key in table}
@@ -90,7 +90,7 @@ def shot_columns(shots: str | Path | Mapping[str, Sequence]) -> dict[str, np.nda
         if key not in SHOCKS | SHOTS:
             raise ValueError(f"shots: column {key!r} is unknown; {known}")
     for key in ("tripped",) if "file" in columns else ("N", "tripped"):
-        if columns and key not in columns:
+        if key not in columns:
             raise ValueError(f"shots: column {key} is missing; {known}")
     sizes = {key: values.size for key, values in columns.items()}
     if len(set(sizes.values())) > 1:

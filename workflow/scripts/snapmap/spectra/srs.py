@@ -16,8 +16,6 @@ Q = 10.0
 PER_OCTAVE = 6
 PER_PERIOD = 16
 """Samples in a period of the highest frequency; the largest is missed by 2 % at most."""
-LEAST_SAMPLES = 1000
-"""In a pulse whose spectrum is taken."""
 MOST_SPAN = 10_000
 """Highest over lowest frequency of a spectrum, as a record must have periods of both."""
 # ASSUME: a shock of a spectrum is a sum of wavelets, each beginning within its own length.
@@ -54,12 +52,6 @@ def response(acceleration: np.ndarray, step: float, f: np.ndarray) -> np.ndarray
         answer = lfilter(b, (1.0, -2 * cosine, decay**2), np.append(acceleration, after))
         largest[place] = abs(answer).max()
     return largest
-
-
-def pulse_response(pulse: Pulse, lasts: float, f: Sequence[float]) -> np.ndarray:
-    """The response spectrum of a pulse that lasts so many us, over its peak; f: Hz."""
-    steps = math.ceil(max(LEAST_SAMPLES, 1e-6 * lasts * PER_PERIOD * np.max(f)))
-    return response(pulse.at(np.linspace(0, 1, steps + 1)), 1e-6 * lasts / steps, f)
 
 
 def frequencies(low: float, high: float) -> np.ndarray:

@@ -18,7 +18,6 @@ from ..solver.cells import Rows, rows_of
 from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Settings
 from ..study import THRESHOLD_SETTINGS, Study, study_of
 from .cost import tell_cost
-from .gradients import gradients
 from .islands import (
     ABOVE,
     FINEST_STEP,
@@ -81,9 +80,8 @@ def threshold(
     Variables: those of `islands.Thresholds`, (..., C, f0), with N_latched; the limits of slow and
     short pulses, N_static, over the axes of device and pulse, and velocity_change, over these and
     C; the `area` of each pulse: its velocity change is area N g / f0; of records in known units
-    `scale_first`, a factor; along axes of the device and C of three values and more `dN_d<value>`,
-    per internal unit, and its error. Along axes of eight values and more of the device, C or f0 of
-    slow pulses, few rows are searched and others `verified`. `status` in words is
+    `scale_first`, a factor. Along axes of eight values and more of the device, C or f0 of slow
+    pulses, few rows are searched and others `verified`. `status` in words is
     `numpy.array(found.status.flag_meanings.split())[found.status]`.
 
     >>> device = snapmap.load_device("config/config.yaml")
@@ -141,9 +139,6 @@ def thresholds_of(
         )
         for key, values in found.items()
     }
-    clean = found["ragged"].reshape(grid.shape) == 0
-    N, bars = (np.where(clean, data[key][1], np.nan) for key in ("N_first", "N_error"))
-    data |= gradients(grid.axes, N, bars, tolerance)
     data |= _limits(grid, models, settings, tolerance, highest)
     data["status"] = *data["status"], flags(STATUS)
     data["N_first"] = *data["N_first"], {"comment": COMMENT}

@@ -209,10 +209,10 @@ def thresholds_at(
     """Thresholds of a study's device with other values, each (n,), and their errors, or NaN.
 
     values: by name; f0: Hz; C: uN us/um; pulse: index in the study's, each a number or (n,)
-    axes: ascending, of surfaces that the values are, raveled; of these few rows are searched
+    axes: ascending, of surfaces that values or C are, raveled; of these few rows are searched
     Returns also where there is a device; (n,).
     """
-    size = next(iter(values.values())).size
+    size = np.broadcast(f0, C, *values.values()).size
     there = is_bistable(study.device, values, size)
     first = np.full((2, size), np.nan)
     if there.any():
