@@ -55,7 +55,6 @@ def test_the_example_of_each_function_is_true(root, monkeypatch, name):
 def right_calls(handout, root):
     """A right call of each function."""
     cube = snapmap.sweep(handout, [900.0, 1000.0], [1500.0], [25.0], until="snap", **CHEAP)
-    found = snapmap.threshold(handout, [1500.0], [25.0], **CHEAP)
     at = {"device": handout, **CHEAP}
     several = {**at, **CELL}
     no_N = {key: several[key] for key in several if key != "N"}

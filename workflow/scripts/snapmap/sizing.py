@@ -11,7 +11,7 @@ import xarray as xr
 
 from .arguments import ARGUMENTS
 from .axes import COORDINATES
-from .device import SIGNED, Device
+from .device import SIGNED, Device, batch
 from .io.counting import counting
 from .quantities import QUANTITIES, plain
 from .shocks import Shocks
@@ -151,11 +151,6 @@ def remedy(study: Study, goal: Mapping, C: float, N_first: float) -> list[tuple[
         if is_met:
             changes.append((words, key, nominal[key] * float(np.exp(by))))
     return changes
-
-
-def _is_axis(x):
-    """Whether thresholds along values are a surface's."""
-    return x.size >= FEWEST and (np.diff(x) > 0).all()
 
 
 def _looker(study, value, C, goals) -> Callable:
