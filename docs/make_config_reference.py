@@ -68,7 +68,6 @@ SECTIONS = {
     "device.beam.shape": devices.ShapeSection,
     "device.beam.clamp": devices.ClampSection,
     "device.stops": devices.StopsSection,
-    "device.link": devices.LinkSection,
     "device.thermal": devices.ThermalSection,
     "device.strength": devices.StrengthSection,
     "model": models.ModelSection,

@@ -31,7 +31,6 @@ RIGHT = {
     **{key: (np.inf,) for key in ("contact", "clamp_axial", "stop_toward", "stop_away")},
     **{f"cosine_{n}": (-1.0, [-1.0]) for n in range(2, 6)},
     "residual_stress": (-1.0, [-1.0]),
-    "link_at": (-1.0, [-1.0], np.inf),
     "sha256": ("",),
     "shots": ((), {}),
     "requirements": ([], ()),

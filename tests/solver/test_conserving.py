@@ -90,7 +90,6 @@ DEVICES = {
     "hard": {"contact": np.inf},
     "gap": {"gap": 1.0, "contact": 4000.0},
     "stops": {"stop_toward": 4.0, "stop_away": 1.0, "restitution": 0.8},
-    "link": {"link_at": 2.0, "link_stiffness": 100.0, "link_strength": 50.0, "gap": 0.3},
     "damped": {"damping": 4e-3},
     "tilting": {"free": 1.0, "imperfection": 0.05, "residual_stress": -8.0},
 }

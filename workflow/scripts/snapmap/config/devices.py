@@ -12,7 +12,6 @@ from ..curved_beam import COSINES
 from ..device import (
     ALONE,
     CLAMP,
-    LINK,
     REFERENCE,
     RESTITUTION,
     STOPS,
@@ -152,23 +151,6 @@ class StopsSection(Section):
     )
 
 
-class LinkSection(Section):
-    """A weak link on the beam's way, which breaks: then the device has tripped."""
-
-    at: quantity("position", "w(L/2) where the beam meets it", "-3 um")
-    stiffness: quantity("stiffness", "up to its strength", "200 N/m")
-    strength: quantity("force", "at which it breaks", "50 uN", "`energy`")
-    energy: quantity("energy", "that it takes to break", out="`strength`")
-
-    def make(self) -> dict[str, float]:
-        """The device's values."""
-        if self.has("strength") == self.has("energy"):
-            raise ValueError("write one of strength and energy")
-        strength = self.strength or float(np.sqrt(2 * self.stiffness * self.energy))
-        values = self.given | {"strength": strength}
-        return {name: values[key] for key, name in LINK.items()}
-
-
 class ThermalSection(Section):
     """How modulus, stress and C depend on the temperature."""
 
@@ -209,7 +191,6 @@ class DeviceSection(Section):
     )
     gap: quantity("distance", "between mass and midpoint at rest", "1 um", "`0 um`")
     stops: part(StopsSection, out="the mass travels freely")
-    link: part(LinkSection, out="nothing breaks")
     thermal: part(ThermalSection, out="they do not")
     strength: either(
         StrengthSection,
@@ -251,7 +232,7 @@ class DeviceSection(Section):
 
     def make(self) -> Device:
         """The device at its reference: its temperature is an axis."""
-        apart = "beam", "stops", "link", "strength", "thermal", "quality_factor"
+        apart = "beam", "stops", "strength", "thermal", "quality_factor"
         values = {name: value for name, value in self.given.items() if name not in apart}
         thermal = _by_name(self.thermal, THERMAL)
         if "reference_temperature" in thermal:
@@ -260,7 +241,6 @@ class DeviceSection(Section):
         strength = {"strength": self.strength} if self.strength else {}
         values |= ALONE if self.mass == 0 else {}
         values |= _by_name(self.stops, STOPS) | thermal
-        values |= self.link.made if self.link else {}
         values |= _by_name(self.strength, STRENGTH) if weibull else strength
         return Device(**{"gravity": 1.0, "beam": self.beam.made, **values})
 

@@ -15,7 +15,6 @@ from .. import __version__
 from ..device import (
     ALONE,
     CLAMP,
-    LINK,
     REFERENCE,
     RESTITUTION,
     STOPS,
@@ -96,14 +95,12 @@ def _section(device):
         others["shape"] = shape
     if clamp := _named(beam, CLAMP):
         others["clamp"] = clamp
-    named = LINK, STOPS, STRENGTH, THERMAL
-    link, stops, strength, thermal = (_named(values, names) for names in named)
+    stops, strength, thermal = (_named(values, names) for names in (STOPS, STRENGTH, THERMAL))
     values.pop("temperature")  # its values hold there
     # Stops that are an axis alone bounce as the device says.
     stopped = device.has_stops or device.restitution != RESTITUTION
     warms = len(thermal) > 1 or device.reference_temperature != REFERENCE
     written = {"stops": stops} if stopped else {}
-    written |= {"link": link} if device.has_link else {}
     if strength:
         written["strength"] = strength["scale"] if [*strength] == ["scale"] else strength
     written |= {"thermal": thermal} if warms else {}

@@ -14,8 +14,6 @@ from .settings import FIRST, Settings
 
 RUNGS = (3, 5, 11)
 """Cosines of the levels: odd ones, as even ones do not move the midpoint."""
-LINKED_RUNGS = (5, 7, 11)
-"""The same of a beam that meets a link: how it breaks hangs on how the midpoint rings."""
 REACH = 2
 """Cells along N on either side of a change of label that count as near it."""
 LOOKING_STEPS, DECIDING_STEPS, FINE_STEPS = 2.0, 0.5, 0.25
@@ -160,8 +158,7 @@ def choose_survey(device: Device, model: Mapping, start: str = FIRST) -> Survey:
 
 def build_adaptive(device: Device, tolerance: float = TOLERANCE) -> Adaptive:
     """Build the levels, with steps for a tolerance of the threshold, relative."""
-    rungs = LINKED_RUNGS if np.any(device.has_link) else RUNGS
-    levels = (build_model(device, "cosines", modes=modes) for modes in rungs)
+    levels = (build_model(device, "cosines", modes=modes) for modes in RUNGS)
     # The scheme is of second order.
     return Adaptive(*levels).with_step(np.sqrt(tolerance / TOLERANCE))
 

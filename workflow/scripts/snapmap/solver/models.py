@@ -26,8 +26,6 @@ BUNCH = 8192
 """Cells after which it is reported how many are done; the last lanes of a call run half empty."""
 HALVINGS = 4
 """How often a cell whose energy ledger does not close is followed again with half the step."""
-PLATEAU = 64 * np.pi**2
-"""Most that a midpoint softens on its way, over EI/L^3."""
 SMALLEST = 2.0**-8
 """Over the longest step that motions take: a pulse that needs a shorter one is not followed."""
 
@@ -95,31 +93,14 @@ class Model:
         return self.second.modes if start == SECOND else np.zeros(self.modal.load.shape)
 
     def snap_target(self, start: str) -> Value:
-        """Where w(L/2), of a run from the second shape -w(L/2), snaps, from the first shape, um.
-
-        On the way to the second shape a device with a link snaps as that breaks.
-        """
-        first, second = self.barrier.first, self.barrier.second
-        second = np.where(self.device.has_link, self.device.link_breaks_at, second)[()]
-        return second - first if start == FIRST else 0.0 * first
+        """Where w(L/2), of a run from the second shape -w(L/2), snaps, from the first shape, um."""
+        first = self.barrier.first
+        return self.barrier.second - first if start == FIRST else 0.0 * first
 
     def time_steps(self, cells: Cells, settings: Settings) -> np.ndarray:
         """Of each cell, us, in the cells' shape; no mass rests on a beam in its second shape."""
         met = ~np.atleast_1d(self.device.is_alone)[cells.device]
         return self.steps.of(cells, settings.question, met & (settings.start == SECOND))
-
-    @property
-    def least_energy(self) -> Value:
-        """Energy above that at rest below which a beam in its first shape cannot trip, pJ.
-
-        That of the saddle; a link that breaks before it may need less, docs/theory.md.
-        """
-        device, barrier = self.device, self.barrier
-        before = np.maximum(0.0, self.snap_target(FIRST) - barrier.midpoint)
-        needed = -PLATEAU * device.beam.stiffness_unit * before * before / 2
-        needed = needed + np.square(device.link_strength) / (2 * device.link_stiffness)
-        lower = np.where(device.has_link & (before > 0), np.minimum(needed, 0.0), 0.0)
-        return (barrier.energy + lower)[()]
 
     def loop(self) -> ModuleType:
         """Its time loop, imported when a run begins: a plan needs no compiler."""
@@ -180,7 +161,7 @@ class Model:
             share = order[first :: settings.threads]
             for at in np.split(share, range(BUNCH, share.size, BUNCH)):
                 facts = self.loop().march(self, cells.take(at), dt[at], settings)
-                for column, part in zip(seen[:8], facts, strict=True):
+                for column, part in zip(seen[:7], facts, strict=True):
                     column[at] = part
                 count(at.size)
 
@@ -255,7 +236,7 @@ def build_model(device: Device, name: str = "handout", **options) -> Follows:
     step: fraction of the limit of linear stability, above 0 and up to 1
     """
     check_options(device, name, options)
-    device.require_shapes()
+    device.beam.require_second_shape()
     free = np.unique(device.beam.free)
     models = [_build(device, name, options, tilts) for tilts in free != 0]
     return models[0] if free.size == 1 else GuidedOrFree(*models)

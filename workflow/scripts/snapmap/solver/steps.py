@@ -46,8 +46,6 @@ CORNERED = 0.4
 STRIKING = 0.05
 """The same, where the mass strikes with a run-up: across a gap, after a pulse that pulls, back from
 a stop, or in a train of blows."""
-LINKED = 0.25
-"""Times all but the fewest, of a beam that meets a link."""
 LANDING = 0.03
 """Frequency of a pulse that presses, over the device's own, below which the mass lands so softly
 across a gap that it does not matter; above, steps fall to STRIKING with the sixth power."""
@@ -71,7 +69,7 @@ class Steps:
     shortest: us, (devices,): so long a step resolves the device, however short the pulse
     blows: us, (devices,): swings up to which blows decide
     apart: whether the mass rests apart from the beam, (devices,)
-    returns: whether it comes back from a stop, or meets a link, (devices,)
+    returns: whether it comes back from a stop, (devices,)
     chatter: by how much more steps a mass asks that chatters on its contact, (devices,)
     calms: us, (devices,): swings of smooth pulses below which it does
     most: steps in each swing of a smooth pulse that are enough for SNAP and EDGE, (devices,)
@@ -172,11 +170,10 @@ def steps_of(device: Device, modal: ModalBeam, step: float | None) -> Steps:
     """
     if step is not None:
         return fixed(np.atleast_1d(step * bending_limit(device, modal)))
-    period = np.atleast_1d(np.where(device.has_link, LINKED, 1.0) / arch_frequency(modal))
+    period = np.atleast_1d(1 / arch_frequency(modal))
     longest = {question: turn * period for question, turn in LONGEST.items()}
     has_gap = np.greater(device.gap, 0) & np.isfinite(device.gap)
-    returns = device.has_stops | device.has_link
-    apart, returns = (np.broadcast_to(one, period.shape) for one in (has_gap, returns))
+    apart, returns = (np.broadcast_to(one, period.shape) for one in (has_gap, device.has_stops))
     chatter = np.broadcast_to(CHATTER * stiffness_share(device), period.shape)
     calms = np.broadcast_to(2 * np.pi / (FAST * device.own_frequency), period.shape)
     most = np.broadcast_to(most_steps(device), period.shape)

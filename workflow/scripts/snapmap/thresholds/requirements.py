@@ -103,8 +103,7 @@ def _verdicts(study, name, asked, C, tolerance):
     rows = to_rows(0, f0, C, pulses=shocks.pulses)
     cells = rows.cells(device, N, settings.horizon)
     seen = choose_model(device, study.model).follow(cells, settings)
-    linked = device.has_link & (settings.start == FIRST)
-    outcomes = label(*seen[:4], settings.energy_tolerance, linked)[:, 0]
+    outcomes = label(*seen[:4], settings.energy_tolerance)[:, 0]
     for i, (damping, outcome) in enumerate(zip(C, outcomes, strict=True)):
         row, snapped = found.isel(C=i), bool(np.isfinite(seen.t_snap[i, 0]))
         first, error = row.N_first.item(), row.N_error.item()
