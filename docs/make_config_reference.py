@@ -74,7 +74,6 @@ SECTIONS = {
     "pulse": shocks.PulseSection,
     "each of pulse.train": shocks.Blow,
     "pulse.drop": shocks.Drop,
-    "pulse.sweep": shocks.SineSweep,
     "sweep": models.SweepSection,
     "an axis given as a range": Range,
     "tolerances": models.TolerancesSection,

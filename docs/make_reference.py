@@ -49,7 +49,7 @@ first, and both shapes change places here.
 | `t_snap`, `t_settled` | times of the snap and of the proof; us after the pulse's start, NaN if \
 there is none; attribute `label_distance`: how far from a threshold, relative, a label can be \
 wrong ([accuracy](accuracy.md)) |
-| `blow` | of a train, drop or sweep: number of the blow that snaps, from 1; else 0 |
+| `blow` | of a train or drop: number of the blow that snaps, from 1; else 0 |
 | `well`, `well_share` | side of the saddle on which the beam ends, and share of the mass's last \
 swing there: 1 where proven; 0 and NaN of `reference`; not with `until: snap` |
 | `energy_error` | residual of the energy ledger over the gross work of the pulse |

@@ -97,7 +97,6 @@ NESTED = {
     "pulse": [
         {"train": [{"duration": 100.0}, {"wait": 5.0}, {"repeat": 2}]},
         {"drop": {"height": 1e5, "duration": 500.0, "rebound": 0.5, "shape": "half sine"}},
-        {"sweep": {"from": 100.0, "to": 200.0, "duration": 1e5}},
     ],
     "shots": [{**SHOTS, "direction": ["+z"] * 4, "shape": ["half sine"] * 4}],
     "unknowns": [{"thickness": (1.7, 2.3)}],

@@ -217,7 +217,6 @@ ARGUMENTS = {
     "pulse.shape": _word(*SHAPES),
     "pulse.N": Argument("a number above or below 0", lambda value: ANY.fits(value) and value != 0),
     **{f"pulse.{key}": _number("(0, inf)", "us", "500") for key in ("duration", "wait")},
-    **{f"pulse.{key}": _number("(0, inf)", "Hz", "100") for key in ("from", "to")},
     "pulse.height": _number("(0, inf)", "um", "1e6"),
     "pulse.rebound": _number("[0, 0.99]", "", "0.5"),
     **dict.fromkeys(("pulse.rise", "pulse.fall"), SHARE),

@@ -2,9 +2,6 @@
 
 import re
 from collections.abc import Mapping
-from typing import Annotated
-
-from pydantic import Field
 
 from ..arguments import Argument
 from ..io.named import sha256_of
@@ -55,14 +52,6 @@ class Drop(Section):
     rebound: quantity("number", "velocity after over before a blow, 0 to 0.99", "0.3", "`0`")
 
 
-class SineSweep(Section):
-    """A sine of logarithmically swept frequency."""
-
-    start: Annotated[quantity("frequency", example="20 Hz"), Field(alias="from")]
-    stop: Annotated[quantity("frequency", example="2 kHz"), Field(alias="to")]
-    duration: quantity("pulse", example="10 s")
-
-
 def _shapes(value):
     several = value if isinstance(value, list | tuple) else [value]
     known = all(isinstance(one, str) and one in SHAPES for one in several)
@@ -70,7 +59,7 @@ def _shapes(value):
 
 
 class PulseSection(Section):
-    """The shock: a shape, or a file, train, drop or sweep."""
+    """The shock: a shape, or a file, train or drop."""
 
     known_as = "pulse"
     shape: argument(
@@ -89,7 +78,6 @@ class PulseSection(Section):
         least=1,
     )
     drop: part(Drop, out="`shape`")
-    sweep: part(SineSweep, out="`shape`")
     direction: word(
         *(*DIRECTIONS, "both"), what="+z presses the mass on the beam; both are an axis", out="`+z`"
     )
@@ -106,7 +94,7 @@ class PulseSection(Section):
     def values(self) -> dict:
         """What it says, in internal units, with the SHA-256 of a file."""
         names = [*PulseSection.model_fields]
-        values = self.model_dump(include=names, exclude_unset=True, by_alias=True)
+        values = self.model_dump(include=names, exclude_unset=True)
         try:
             return values | ({"sha256": sha256_of(self.file, *RECORD)} if self.file else {})
         except ValueError as error:
