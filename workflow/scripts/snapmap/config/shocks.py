@@ -69,7 +69,7 @@ class PulseSection(Section):
     )
     rise: SHARE
     fall: SHARE
-    file: path("a recorded shock in the study's folder, CSV or UFF", out="`shape`")
+    file: path("a recorded shock in the study's folder, CSV", out="`shape`")
     train: many(
         Blow,
         "a list of blows {shape, N, duration, rise, fall}, {wait: a time} and {repeat: a number}",
