@@ -5,7 +5,7 @@ import sys
 
 NAMES = (
     *("accuracy", "stability", "steps", "coverage", "motion", "tolerances"),
-    *("validation", "peers", "speed", "impacts"),
+    *("validation", "speed", "impacts"),
 )
 
 

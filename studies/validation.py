@@ -32,10 +32,11 @@ TOLERANCE = 1e-9
 TEXT = """\
 # Validation
 
-Exact solutions, published values and other codes beside ours, in two parts:
+Exact solutions, published values and other codes beside ours, in two parts. The first is what
 
-    ./run python -m studies validation > docs/validation.md
-    ./run python -m studies peers >> docs/validation.md
+    ./run python -m studies validation
+
+prints; the second was measured once, at commit 4eee65c, by `studies/peers.py` of that commit.
 
 **No measured device has been compared.** These tables show that the equations are solved, not that
 a device obeys them; the [second part](#other-codes) shows what the equations leave out. A

@@ -47,7 +47,7 @@ def test_the_reset_force_is_the_closed_form(handout):
     force, error = reset_force(beam)
     assert 0 < error < 1e-6 * force
     assert force == pytest.approx(exact, abs=2 * error)
-    for made in ({"residual_stress": -20.0}, {"shape": "arc", "residual_stress": -150.0}):
+    for made in ({"residual_stress": -20.0}, {"cosine_2": 0.2, "residual_stress": -150.0}):
         device = alone(handout, 1.0, **made)
         assert static_threshold(device, back=True) == pytest.approx(
             -snapmap.statics(device).least_force, rel=1e-5

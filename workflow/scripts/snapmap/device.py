@@ -182,8 +182,7 @@ class Device:
 
 
 _NAMES = (*BEAM_VALUES, *(field.name for field in fields(Device)))
-# The axis `shape` is the pulse's.
-_NUMBERS = [key for key in _NAMES if key in QUANTITIES and key != "shape"]
+_NUMBERS = [key for key in _NAMES if key in QUANTITIES]
 VALUES = tuple(key for key in _NUMBERS if QUANTITIES[key].long_name)
 """Names of the values that tell one device from another."""
 SIGNED = tuple(key for key in VALUES if QUANTITIES[key].range.low < 0)
@@ -195,8 +194,7 @@ def batch(devices: Sequence[Device]) -> Device:
     """Make a batch of single devices."""
     rows = [{**asdict(device.beam), **asdict(device)} for device in devices]
     del rows[0]["beam"]
-    types = {"shape": str}
-    columns = {key: np.array([row[key] for row in rows], types.get(key, float)) for key in rows[0]}
+    columns = {key: np.array([row[key] for row in rows], float) for key in rows[0]}
     return _from_values(columns, np.asarray)
 
 

@@ -23,8 +23,6 @@ from ..device import (
 )
 from ..io.measured_shape import read_shape
 from ..quantities import QUANTITIES
-from ..shape import COSINE
-from ..shape import SHAPES as AS_MADE
 from .keys import Section, either, lines_of, many, part, path, quantity, word
 from .yaml_file import ConfigError, read_document
 
@@ -66,13 +64,7 @@ class BeamSection(Section):
     known_as = "device.beam"
     span: quantity("length", "clamp to clamp")
     rise: quantity("distance", "of the midpoint, as made; 0 is straight", "10 um")
-    shape: either(
-        ShapeSection,
-        word(*AS_MADE),
-        f"one of {', '.join(AS_MADE)}, or a mapping of cosines or file",
-        example="arc, {cosines: [1, 0.1]}, {file: shape.csv}",
-        out=f"`{COSINE}`",
-    )
+    shape: part(ShapeSection, out="a cosine")
     clamp: part(ClampSection, out="rigid")
     thickness: quantity("length", "in the direction of motion", "2 um")
     depth: quantity("length", "out of the plane of motion", "22 um")
@@ -119,8 +111,8 @@ class BeamSection(Section):
 
     def _of_shape(self, free):
         """The values that the shape sets."""
-        if not isinstance(self.shape, ShapeSection):
-            return {"shape": self.shape} if self.shape else {}
+        if not self.shape:
+            return {}
         terms, tilt = self.shape.cosines, {}
         if file := self.shape.file:
             measured = read_shape(file)

@@ -24,7 +24,6 @@ from ..device import (
 )
 from ..pulse import Pulse
 from ..quantities import QUANTITIES
-from ..shape import COSINE
 
 KEYWORDS = "bistable beam, snap-through, MEMS, shock sensor"
 PACKAGES = ("numpy", "numba", "xarray", "netCDF4", "dask", "matplotlib", "snakemake")
@@ -91,8 +90,6 @@ def _section(device):
     for key in (*(ALONE if alone else ()), *(["gravity"] if device.force else [])):
         del values[key]
     others = {"guide": "free"} if beam.pop("free") else {}
-    if (shape := str(beam.pop("shape"))) != COSINE:
-        others["shape"] = shape
     if clamp := _named(beam, CLAMP):
         others["clamp"] = clamp
     stops, strength, thermal = (_named(values, names) for names in (STOPS, STRENGTH, THERMAL))
