@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
+from varied import in_steps
 
 import snapmap
 from snapmap.beam.limit_loads import static_threshold
@@ -101,7 +102,8 @@ def test_gradients_of_random_devices_lie_within_their_errors():
         found = snapmap.threshold(device, [f0], [C], thickness=x, **CHEAP).squeeze()
         beside = np.concatenate([0.998 * x, 1.002 * x])
         devices = batch([device]).pick(np.zeros(10, int)).vary({"thickness": beside})
-        fine, N = build_model(devices, "cosines", modes=5, step=0.5), np.tile(found.N_first, 2)
+        fine = in_steps(build_model(devices, "cosines", modes=5), 0.5)
+        N = np.tile(found.N_first, 2)
         rows, ends = to_rows(np.arange(10), f0, C), (0.97 * N, 1.03 * N)
         low, high = lowest_snap(fine, rows, ends, Settings(300.0), 1e-6).reshape(2, 5)
         slope, error = found.dN_dthickness.values, found.dN_dthickness_error.values

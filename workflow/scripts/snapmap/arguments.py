@@ -18,11 +18,11 @@ from .device import VALUES, Device
 from .pulse import DIRECTIONS, SHAPES, SHARES, TENTH, Pulse
 from .quantities import QUANTITIES, Bounds, bounds_of
 
-OF_ELEMENTS = ("elements", "mass_matrix", "step", "modes")
+OF_ELEMENTS = ("elements", "modes")
 OPTIONS = {
-    "reference": OF_ELEMENTS[:3],
+    "reference": ("elements",),
     **dict.fromkeys(("handout", "elements"), OF_ELEMENTS),
-    "cosines": ("cosines", "modes", "step"),
+    "cosines": ("cosines", "modes"),
     "auto": ("tolerance",),
 }
 """Of each model."""
@@ -204,8 +204,6 @@ ARGUMENTS = {
     "model.elements": integer(1, 100),
     "model.cosines": integer(1, 100),
     "model.modes": integer(1, 200),
-    "model.step": _number("[1e-6, 1]", "", "0.8"),
-    "model.mass_matrix": _word("consistent", "hrz"),
     "horizon": _number("[0, inf)", "us", "1500"),
     "energy_tolerance": _number("(0, 1)", "", "1e-3"),
     "threads": integer(1, 1024),

@@ -231,9 +231,8 @@ class GuidedOrFree(NamedTuple):
 def build_model(device: Device, name: str = "handout", **options) -> Follows:
     """Discretise the beams of a device or a batch; a ValueError names an option that cannot be.
 
-    elements (of the half beam), mass_matrix ("consistent", "hrz"), cosines, modes (kept); of a beam
-        that is free to tilt as many antisymmetric ones beside them
-    step: fraction of the limit of linear stability, above 0 and up to 1
+    elements (of the half beam), cosines, modes (kept); of a beam that is free to tilt as many
+        antisymmetric ones beside them
     """
     check_options(device, name, options)
     device.beam.require_second_shape()
@@ -248,8 +247,7 @@ def _build(device, name, options, is_free):
         basis_of = buckling_shapes if is_free else symmetric_cosines
         basis = basis_of(options.get("cosines", options.get("modes", 5)))
     else:
-        given = {key: options[key] for key in ("elements", "mass_matrix") if key in options}
-        basis = hermite_elements(**given, **{"free": True} if is_free else {})
+        basis = hermite_elements(options.get("elements", 5), bool(is_free))
     modes, most = options.get("modes"), basis.load.size // (1 + is_free)
     if modes is None:
         modes = basis.load.size if name == "cosines" else _modes_of_elements(device, basis, name)
@@ -264,8 +262,8 @@ def _build(device, name, options, is_free):
             f"device.contact: hard needs a residual flexibility, and the {name} model leaves none "
             f"with {modes} of {basis.load.size} modes; write fewer modes, or a contact in N/m"
         )
-    barrier, step = find_barrier(device.beam, basis, modes), options.get("step")
-    steps = (explicit_steps if name == "reference" else steps_of)(device, modal, step)
+    barrier = find_barrier(device.beam, basis, modes)
+    steps = (explicit_steps if name == "reference" else steps_of)(device, modal)
     return Model(name, device, basis, modal, barrier, steps)
 
 

@@ -157,19 +157,13 @@ def most_steps(device: Device) -> Value:
     return np.where(device.is_alone, MOST_ALONE, most)
 
 
-def explicit_steps(device: Device, modal: ModalBeam, step: float | None) -> Steps:
-    """The rule of central differences; step: over their limit, by default OF_LIMIT."""
-    return fixed(np.atleast_1d((step or OF_LIMIT) * stability_limit(device, modal)))
+def explicit_steps(device: Device, modal: ModalBeam) -> Steps:
+    """The rule of central differences."""
+    return fixed(np.atleast_1d(OF_LIMIT * stability_limit(device, modal)))
 
 
-def steps_of(device: Device, modal: ModalBeam, step: float | None) -> Steps:
-    """The rule of a device or a batch.
-
-    step: over the limit of linear bending, the same for all questions; by default as long as the
-        question needs
-    """
-    if step is not None:
-        return fixed(np.atleast_1d(step * bending_limit(device, modal)))
+def steps_of(device: Device, modal: ModalBeam) -> Steps:
+    """The rule of a device or a batch."""
     period = np.atleast_1d(1 / arch_frequency(modal))
     longest = {question: turn * period for question, turn in LONGEST.items()}
     has_gap = np.greater(device.gap, 0) & np.isfinite(device.gap)
@@ -179,14 +173,6 @@ def steps_of(device: Device, modal: ModalBeam, step: float | None) -> Steps:
     most = np.broadcast_to(most_steps(device), period.shape)
     of_devices = SHORTEST * period, BLOWS * period, apart, returns, chatter, calms, most
     return Steps(longest, *of_devices, PER_SWING, CORNERED, STRIKING)
-
-
-def bending_limit(device: Device, modal: ModalBeam) -> Value:
-    """2/omega_max, us, of linear bending and of the mass on its spring.
-
-    The kernel has no limit; there it is a measure by which `step` counts.
-    """
-    return _with_mass(device, 2 / np.sqrt(modal.stiffness[..., -1]))
 
 
 def stability_limit(device: Device, modal: ModalBeam) -> Value:
@@ -202,18 +188,14 @@ def stability_limit(device: Device, modal: ModalBeam) -> Value:
     tangent += _column(2 * modal.axial) * outer(slope, slope)
     contact = contact_stiffness(device, modal.residual)
     tangent += _column(contact) * outer(modal.midpoint, modal.midpoint)
-    return _with_mass(device, 2 / np.sqrt(eigenvalues(tangent)[..., -1]))
+    of_beam, of_mass = 2 / np.sqrt(eigenvalues(tangent)[..., -1]), 2 / device.mass_frequency
+    return np.where(device.is_alone, of_beam, np.minimum(of_beam, of_mass))[()]
 
 
 def arch_frequency(modal: ModalBeam) -> Value:
     """About how fast the arch swings with its axial stiffness, 1/us: kappa_1 + EA/L |S q0|^2."""
     arch = 2 * modal.axial * dot(modal.slope_start, modal.slope_start)
     return np.sqrt(modal.stiffness[..., 0] + arch)
-
-
-def _with_mass(device, of_beam):
-    of_mass = 2 / device.mass_frequency
-    return np.where(device.is_alone, of_beam, np.minimum(of_beam, of_mass))[()]
 
 
 def _column(values):
