@@ -46,8 +46,8 @@ devices:
 """
 
 MODELS = {
-    "handout": "Hermite elements on the half beam, all modes (hard contact: three quarters)",
-    "elements": "the same with few modes",
+    "elements": "Hermite elements on the half beam, as the handout's; by default all modes (hard "
+    "contact: three quarters)",
     "cosines": "symmetric cosines",
     "auto": "for each cell the cheapest sufficient number of cosines",
     "reference": "the handout's central differences as a plain loop: slow",

@@ -18,7 +18,7 @@ from snapmap.sweeps.slabs import slab_name, write_slab
 
 SHOCK = {"N": [700.0, 900.0, 1100.0, 1300.0], "f0": [900.0, 4000.0], "C": [0.5, 30.0]}
 MODELS = {
-    "handout": {"model": "handout", "elements": 3},
+    "elements": {"model": "elements", "elements": 3},
     "cosines": {"model": "cosines", "modes": 3},
     "auto": {"model": "auto"},
     "reference": {"model": "reference", "elements": 2, "until": "snap"},

@@ -25,7 +25,7 @@ device:
   spring: 5.5 N/m
   contact: 40 N/m
   gravity: 9.81 m/s^2
-model: {name: handout, elements: 5}
+model: {name: elements, elements: 5}
 sweep:
   N: {from: 600, to: 2400, points: 7}
   f0: {from: 100 Hz, to: 30 kHz, points: 5, spacing: log}

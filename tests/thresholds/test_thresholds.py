@@ -154,9 +154,9 @@ def test_narrow_islands_below_a_threshold_are_seen(handout):
 
 
 def test_a_threshold_is_where_the_sweep_changes(handout):
-    found = snapmap.threshold(handout, f0=[1500.0], C=[0.025], model="handout", horizon=300.0)
+    found = snapmap.threshold(handout, f0=[1500.0], C=[0.025], model="elements", horizon=300.0)
     N = float(found.N_first.squeeze())
     assert pytest.approx(984.73, abs=0.1) == N
-    asked = {"f0": [1500.0], "C": [0.025], "horizon": 300.0, "model": "handout"}
+    asked = {"f0": [1500.0], "C": [0.025], "horizon": 300.0, "model": "elements"}
     cube = snapmap.sweep(handout, N=[0.9997 * N, 1.0001 * N], until="snap", **asked)
     assert np.isfinite(cube.t_snap.values).ravel().tolist() == [False, True]

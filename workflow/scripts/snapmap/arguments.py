@@ -18,10 +18,9 @@ from .device import VALUES, Device
 from .pulse import DIRECTIONS, SHAPES, SHARES, TENTH, Pulse
 from .quantities import QUANTITIES, Bounds, bounds_of
 
-OF_ELEMENTS = ("elements", "modes")
 OPTIONS = {
     "reference": ("elements",),
-    **dict.fromkeys(("handout", "elements"), OF_ELEMENTS),
+    "elements": ("elements", "modes"),
     "cosines": ("cosines", "modes"),
     "auto": ("tolerance",),
 }

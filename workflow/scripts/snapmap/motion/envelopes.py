@@ -101,7 +101,7 @@ def largest_stress(study: Study, device: Device, cells: Cells) -> np.ndarray:
 
 def _levels(device, model):
     """Levels that decide cells; of `reference` the same elements in their modes."""
-    name = "handout" if model["name"] == "reference" else model["name"]
+    name = "elements" if model["name"] == "reference" else model["name"]
     return choose_model(device, {**model, "name": name}).levels
 
 

@@ -228,7 +228,7 @@ class GuidedOrFree(NamedTuple):
         return seen
 
 
-def build_model(device: Device, name: str = "handout", **options) -> Follows:
+def build_model(device: Device, name: str = "elements", **options) -> Follows:
     """Discretise the beams of a device or a batch; a ValueError names an option that cannot be.
 
     elements (of the half beam), cosines, modes (kept); of a beam that is free to tilt as many
@@ -271,7 +271,7 @@ def check_options(device: Device, name: str, options: Mapping) -> None:
     """Raise ValueError, one line, for a model or an option that cannot be."""
     require_model({"name": name, **options})
     if name == "reference" and np.isinf(device.contact).any():
-        raise ValueError("device.contact: hard is not for the reference model; write handout")
+        raise ValueError("device.contact: hard is not for the reference model; write elements")
 
 
 def _modes_of_elements(device, basis, name):
