@@ -32,15 +32,14 @@ docstrings, by
 
 Its dimensions are the axes of the device, in the order of the config, `shape` and `direction` if
 there are several, then C, f0 and N. Each slice is, bit for bit, what that device gives alone. A
-cell *snaps* when the midpoint first reaches the second equilibrium, or when a `link` breaks; with
-`start: second` it is the first, both shapes change places here, and the link is broken.
+cell *snaps* when the midpoint first reaches the second equilibrium; with `start: second` it is the
+first, and both shapes change places here.
 
 | `outcome` | means | known by |
 |---|---|---|
 | `never` | did not snap and never will | energy: less than the barrier is left |
 | `latched` | snapped and stays in the second shape | energy of all, or of the beam alone |
 | `returned` | snapped and stays in the first shape | energy |
-| `held` | beyond the saddle at the horizon, the [link](recipes.md#a-weak-link) whole | simulation |
 | `unsnapped`, `snapped` | so at the horizon; what follows is open | simulation |
 | `failed` | the run diverged, or its energy ledger did not close | the ledger |
 | `absent` | no second stable shape (`not_bistable: skip`) | Q = rise/thickness |
@@ -50,11 +49,9 @@ cell *snaps* when the midpoint first reaches the second equilibrium, or when a `
 | `t_snap`, `t_settled` | times of the snap and of the proof; us after the pulse's start, NaN if \
 there is none; attribute `label_distance`: how far from a threshold, relative, a label can be \
 wrong ([accuracy](accuracy.md)) |
-| `blow` | of a train, drop or sweep: number of the blow that snaps, from 1; else 0 |
+| `blow` | of a train or drop: number of the blow that snaps, from 1; else 0 |
 | `well`, `well_share` | side of the saddle on which the beam ends, and share of the mass's last \
 swing there: 1 where proven; 0 and NaN of `reference`; not with `until: snap` |
-| `energy_left` | with a `link`: kinetic energy of the beam as it breaks, pJ \
-([recipe](recipes.md#a-weak-link)) |
 | `energy_error` | residual of the energy ledger over the gross work of the pulse |
 | `pulse_work` | work of the whole pulse on mass and beam, pJ; NaN where the run ended before |
 | `halvings` | how often the step was halved until the ledger closed |

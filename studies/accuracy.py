@@ -38,7 +38,7 @@ MODELS = {
     "3 cosines": {"name": "cosines", "modes": 3},
     "5 cosines": {"name": "cosines", "modes": 5},
     "11 cosines": {"name": "cosines", "modes": 11},
-    "5 elements": {"name": "handout"},
+    "5 elements": {"name": "elements"},
 }
 HANDOUT, PLAIN = "5 elements", "plain loop, 5 elements"
 REFERENCE, COARSER = 16, 12
@@ -146,7 +146,7 @@ def entries(device: Device) -> Iterator[Entry]:
             yield Entry(name, f"{factor:g}", follow, follow)
     plain = by_model(build_model(device, "reference"))
     yield Entry(PLAIN, "0.8 of its limit", plain, plain, STRIDE)
-    modal = build_model(device, "handout").modal
+    modal = build_model(device, "elements").modal
     follow = flattened(by_scipy(device, modal, "DOP853"))
     yield Entry("SciPy DOP853", f"{TOLERANCE:g}", follow, follow, FEWER, ("fast",))
 

@@ -60,6 +60,11 @@ def stepped(model: Model, dt: float) -> Model:
     return replace(model, steps=fixed(np.array([dt])))
 
 
+def bending_limit(model: Model) -> float:
+    """2/omega_max, us, of linear bending and of the mass on its spring, of one device."""
+    return float(min(2 / np.sqrt(model.modal.stiffness[-1]), 2 / model.device.mass_frequency))
+
+
 class Run(NamedTuple):
     """A task's result, and the time that it took, s."""
 

@@ -37,7 +37,7 @@ KEYS = "N_first", "N_error", "status", "ragged"
 
 MODELS = {
     "auto": {"model": "auto"},
-    "handout": {"model": "handout"},
+    "5 elements": {"model": "elements"},
     "5 cosines": {"model": "cosines", "modes": 5},
 }
 JUDGES = (

@@ -25,7 +25,7 @@ MODELS = {
     "3 cosines": {"name": "cosines", "modes": 3},
     "5 cosines": {"name": "cosines", "modes": 5},
     "7 cosines": {"name": "cosines", "modes": 7},
-    "5 elements": {"name": "handout"},
+    "5 elements": {"name": "elements"},
 }
 FINEST, FINE, OTHER = "7 cosines", 0.002, 0.003
 """What models are held against: which of them, its step, us, and one to hold that against."""

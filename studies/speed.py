@@ -28,8 +28,8 @@ from .scipy_solver import Follow, by_scipy
 SETTINGS = Settings(1500.0, until="snap", repeat=False)
 SIDE, FEWEST, DAMPING, ROUNDS = 16, 4, 0.025, 5
 N_RANGE, F0_RANGE = (600.0, 2400.0), (300.0, 20e3)
-PLAIN, HANDOUT = "reference (plain loop)", "handout (9 modes)"
-MODELS = {PLAIN: {"name": "reference"}, HANDOUT: {"name": "handout"}}
+PLAIN, HANDOUT = "reference (plain loop)", "5 elements (9 modes)"
+MODELS = {PLAIN: {"name": "reference"}, HANDOUT: {"name": "elements"}}
 MODELS |= {f"cosines, {n} modes": {"name": "cosines", "modes": n} for n in (3, 5, 11)}
 FEW = slice(4, None, 29)
 """Cells for SciPy: nine, strewn over the map."""

@@ -22,7 +22,7 @@ from snapmap.solver.models import build_model
 from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import Settings
 
-from .common import ROOT, few
+from .common import ROOT, bending_limit, few, stepped
 
 HEAD = ["what", "source", "theirs", "ours", "difference"]
 LARGE_Q = 300.0
@@ -235,7 +235,7 @@ def thresholds(device):
         near = _own(model)
         theirs = brentq(lambda N, m=model: _other(m, N), 0.995 * near, 1.005 * near, xtol=1e-6)
         yield row(f"{name}, as shipped", "DOP853", theirs, near, 8)
-        fine = build_model(one, "cosines", modes=3, step=0.05)
+        fine = stepped(model, 0.05 * bending_limit(model))
         yield row(f"{name}, small steps", "DOP853", theirs, _own(fine), 8)
 
 

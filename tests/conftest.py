@@ -1,6 +1,7 @@
 from pathlib import Path
 
 import pytest
+from varied import share_of_limit
 
 from snapmap.config.devices import load_device
 
@@ -17,6 +18,17 @@ def workflow_text():
     """The text of the workflow: the Snakefile and all that it includes."""
     paths = [ROOT / "Snakefile", *sorted((ROOT / "workflow" / "rules").glob("*.smk"))]
     return "\n".join(path.read_text(encoding="utf-8") for path in paths)
+
+
+@pytest.fixture
+def fix_step(monkeypatch):
+    """Give all models that are built one step, a share of their limit, as `in_steps` does."""
+
+    def fix(share):
+        monkeypatch.setattr("snapmap.solver.models.steps_of", share_of_limit(share))
+        monkeypatch.setattr("snapmap.solver.steps.OF_LIMIT", share)
+
+    return fix
 
 
 @pytest.fixture(scope="session")

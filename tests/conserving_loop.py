@@ -4,7 +4,6 @@ The kernel is held against it to rounding.
 """
 
 import numpy as np
-from scipy.optimize import brentq
 
 from snapmap.numerics import pieces as curve
 from snapmap.solver.cells import Motion
@@ -18,8 +17,6 @@ def follow(model, pulse, amplitude, f0, C, dt, steps):
     p_old = p = np.zeros(kappa.size)
     y_old = y = q = work = lost = a = 0.0
     x, motion, w = -device.gap, [], []
-    soft, link_at = 1 / device.link_stiffness + c, device.link_at - model.barrier.first
-    travel, link = device.link_strength * soft, device.has_link / soft
     for n in range(steps):
         way = device.stop_away if y > y_old else device.stop_toward
         if abs(y) > way and y * (y - y_old) > 0:
@@ -44,21 +41,18 @@ def follow(model, pulse, amplitude, f0, C, dt, steps):
         r_free, r_give = (q + u @ free + p @ Sq0) / (2 * t), u @ B / (2 * t)
         ahead, give = e @ (p + free - A * r_free) / 2, e @ (B - A * r_give) / 2
         F, beta = ahead - (y + y_free) / 2 - device.gap, give + D / 2
-        before = link_at - e @ (p_old + p) / 2
-        met = meet_link((x, F, beta, k, give), before, link_at - ahead, link, travel)
-        x_new, P, pull, breaks = met
-        r = r_free - r_give * (P - pull)
-        p_new, y_new = free - A * r - B * (P - pull), y_free + D * P
-        if breaks:
-            lost, link = lost + link * travel**2 / 2, 0.0
+        x_new = overlap(x, F, k * beta / 2)
+        P = (F - x_new) / beta
+        r = r_free - r_give * P
+        p_new, y_new = free - A * r - B * P, y_free + D * P
 
         q, x = 2 * r - q, x_new
         work -= a / 2 * (f @ (p_new - p_old) + M * (y_new - y_old))
         lost += (alpha * G @ (p_new - p_old) ** 2 + C * (y_new - y_old) ** 2) / (4 * dt)
-        w.append(e @ p - c * (P - pull))
+        w.append(e @ p - c * P)
         p_old, p, y_old, y = p, p_new, y, y_new
         half = (p_old + p) / 2, (p - p_old) / dt, (y_old + y) / 2, (y - y_old) / dt
-        motion.append(((n + 0.5) * dt, *half, q, work, lost, link))
+        motion.append(((n + 0.5) * dt, *half, q, work, lost))
     return Motion(*map(np.array, zip(*motion, strict=True))), np.array(w)
 
 
@@ -85,29 +79,6 @@ def overlap(m, F, h):
     if m > 0:
         return (F + m - np.sqrt((F - m) ** 2 + 4 * h * m**2)) / 2
     return (F + m + np.sqrt((F - m) ** 2 - 4 * h * F * m)) / (2 + 2 * h)
-
-
-def meet_link(contact, before, ahead, link, travel):
-    """x at the next half step, P, the link's force, and whether it breaks.
-
-    before, ahead: its compression at the last half step, and at the next one without P and itself
-    """
-    x, F, beta, k, give = contact
-
-    def forces(s):
-        stored = [np.clip(each, 0.0, travel) ** 2 for each in (before, s)]
-        pull = 0.0 if s == before else link / 2 * (stored[1] - stored[0]) / (s - before)
-        x_new = overlap(x, F + give * pull, k * beta / 2)
-        return x_new, (F + give * pull - x_new) / beta, pull
-
-    def too_far(s):
-        _, P, pull = forces(s)
-        return s - ahead - give * (P - pull)
-
-    if not link:
-        return *forces(before), False
-    breaks = too_far(travel) <= 0
-    return *forces(brentq(too_far, travel, 1e3 if breaks else -1e3, xtol=1e-14)), breaks
 
 
 def bounce(device, k, a, s, m, d, x):

@@ -1,4 +1,4 @@
-"""Equations (2), (4) and (5) in modes, with stops and a weak link, by SciPy."""
+"""Equations (2), (4) and (5) in modes, with stops, by SciPy."""
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -7,24 +7,22 @@ from snapmap.beam.modal import contact_stiffness
 
 
 def time_of_snap(model, pulse, N, f0, C, t_end):
-    """When the link breaks, or a beam without one snaps, an event, as are stops; NaN: never."""
+    """When the beam snaps, an event, as are stops; NaN: never."""
     device, modal = model.device, model.modal
     k, way = modal.load.size, {-1: device.stop_toward, 1: device.stop_away}
     contact = contact_stiffness(device, modal.residual)
-    soft, link_at = 1 / device.link_stiffness + modal.residual, device.link_at - model.barrier.first
-    has_link, target = bool(device.has_link), model.barrier.second - model.barrier.first
+    target = model.barrier.second - model.barrier.first
 
     def forces(x):
         w = modal.midpoint @ x[:k]
-        pull = max(0.0, link_at - w) / soft if has_link else 0.0
-        return w, contact * max(0.0, w - x[k] - device.gap), pull
+        return w, contact * max(0.0, w - x[k] - device.gap)
 
     def rate(t, x):
-        (_, P, pull), p, y, rates = forces(x), x[:k], x[k], x[k + 1 :]
+        (_, P), p, y, rates = forces(x), x[:k], x[k], x[k + 1 :]
         a = N * device.gravity * pulse.at(np.array([f0 * t]))[0]
         slope = modal.geometric @ p + modal.slope_start
         axial = -modal.axial * p @ (slope + modal.slope_start)
-        force = axial * slope - modal.stiffness * p - modal.load * a - modal.midpoint * (P - pull)
+        force = axial * slope - modal.stiffness * p - modal.load * a - modal.midpoint * P
         own = (P - device.spring * y - C * rates[-1]) / device.mass - a
         return np.concatenate([rates, force, [own]])
 
@@ -36,14 +34,13 @@ def time_of_snap(model, pulse, N, f0, C, t_end):
         return event
 
     def snap(_, x):
-        w, P, pull = forces(x)
-        return device.link_strength - pull if has_link else w - modal.residual * P - target
+        w, P = forces(x)
+        return w - modal.residual * P - target
 
     snap.terminal = True
     t, x = 0.0, np.zeros(2 * k + 2)
     events = [*(at_stop(side) for side in way if np.isfinite(way[side])), snap]
     while t < t_end:
-        # In longer steps a peak of the link's force that just breaks it is not seen.
         run = solve_ivp(rate, (t, t_end), x, "DOP853", events=events, rtol=1e-9, max_step=0.2)
         if run.t_events[-1].size:
             return run.t_events[-1][0]

@@ -12,7 +12,7 @@ from snapmap.solver.outcome import OUTCOMES
 from snapmap.solver.settings import Settings
 
 CONFIG = {
-    "model": {"name": "handout"},
+    "model": {"name": "elements"},
     "sweep": {"horizon": "1.5 ms"},
     "histories": [{"N": 1000, "f0": "1500 Hz", "C": "0.025 uN*us/um"}],
 }

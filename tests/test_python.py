@@ -34,7 +34,6 @@ RIGHT = {
     **{key: (np.inf,) for key in ("contact", "clamp_axial", "stop_toward", "stop_away")},
     **{f"cosine_{n}": (-1.0, [-1.0]) for n in range(2, 6)},
     "residual_stress": (-1.0, [-1.0]),
-    "link_at": (-1.0, [-1.0], np.inf),
     "sha256": ("",),
     "requirements": ([], ()),
     "together": ([], (), [[]]),
@@ -95,7 +94,6 @@ NESTED = {
     "pulse": [
         {"train": [{"duration": 100.0}, {"wait": 5.0}, {"repeat": 2}]},
         {"drop": {"height": 1e5, "duration": 500.0, "rebound": 0.5, "shape": "half sine"}},
-        {"sweep": {"from": 100.0, "to": 200.0, "duration": 1e5}},
     ],
     "shots": [{**SHOTS, "direction": ["+z"] * 4, "shape": ["half sine"] * 4}],
     "unknowns": [{"thickness": (1.7, 2.3)}],

@@ -1,4 +1,4 @@
-"""Trains of blows, drops with rebound and sine sweeps, against closed forms and single blows."""
+"""Trains of blows and drops with rebound, against closed forms and single blows."""
 
 import math
 
@@ -8,10 +8,9 @@ from conserving_loop import assert_followed
 from varied import varied
 
 import snapmap
-from snapmap.numerics import portable
 from snapmap.pulse import blow_at, make_pulse
 from snapmap.solver.models import build_model
-from snapmap.trains import GRAVITY, make_drop, make_sweep, make_train
+from snapmap.trains import GRAVITY, make_drop, make_train
 
 BLOW = {"shape": "half sine", "duration": 500.0}
 
@@ -65,22 +64,6 @@ def test_a_drop_changes_the_velocity_as_its_height_and_rebound_say(shape, reboun
     assert one * pulse.area * pulse.duration == pytest.approx(velocity * back[-1] * rebound)
     flights = np.diff(pulse.blows * pulse.duration) - lasts
     np.testing.assert_allclose(flights, 2 * back[1:] * velocity / GRAVITY, rtol=1e-3)
-
-
-@pytest.mark.parametrize("stop", [2000.0, 2.0, 20.0])
-def test_a_sweep_goes_through_as_many_octaves_in_each_second(stop):
-    """Half a turn of its phase, the integral of 20 Hz (stop / 20 Hz)^(t / T), in each blow."""
-    pulse = make_sweep({"from": 20.0, "to": stop, "duration": 2e6})
-    lasts, log = 1e-6 * pulse.duration, math.log(stop / 20.0)
-    begins = np.append(pulse.blows, 1.0)
-    turns = 20 * lasts * (np.expm1(log * begins) / log if log else begins)
-    np.testing.assert_allclose(turns, np.arange(begins.size) / 2, atol=1e-8)
-    assert lasts == pytest.approx(2, rel=0.03)
-    assert pulse.swing == pytest.approx(np.diff(begins).min())
-    tops = (begins[1:] + begins[:-1]) / 2
-    assert (np.sign(pulse.at(tops)) == np.resize([1, -1], tops.size)).all()
-    assert abs(pulse.pieces[:, 1]).max() == 1 and pulse.ends == (0.0, 0.0)
-    np.testing.assert_allclose(portable.logarithm(begins[1:]), np.log(begins[1:]), atol=1e-15)
 
 
 @pytest.mark.parametrize(("apart", "share"), [(1.0, 1.0), (0.5, 0.0), (1.25, 0.5**0.5)])

@@ -2,7 +2,10 @@
 
 from dataclasses import replace
 
+import numpy as np
+
 from snapmap.device import ALONE
+from snapmap.solver.steps import fixed
 
 
 def varied(device, **values):
@@ -14,3 +17,19 @@ def varied(device, **values):
 def alone(device, force=0.0, **values):
     """Its beam alone, shaken, or pushed by a force."""
     return varied(device, **ALONE, force=force, **values)
+
+
+def share_of_limit(share):
+    """The rule of one step for all questions: a share of 2/omega_max of linear bending."""
+
+    def rule(device, modal):
+        of_beam = 2 / np.sqrt(modal.stiffness[..., -1])
+        limit = np.where(device.is_alone, of_beam, np.minimum(of_beam, 2 / device.mass_frequency))
+        return fixed(np.atleast_1d(share * limit))
+
+    return rule
+
+
+def in_steps(model, share):
+    """The model in such steps."""
+    return replace(model, steps=share_of_limit(share)(model.device, model.modal))

@@ -57,10 +57,9 @@ CASES = (
 )
 MODELS = {
     **{f"{n} cosines": {"name": "cosines", "modes": n} for n in (1, 2, 3, 5, 8, 12)},
-    "1 element": {"name": "handout", "elements": 1},
-    "5 elements": {"name": "handout", "elements": 5},
-    "5 elements, HRZ": {"name": "handout", "elements": 5, "mass_matrix": "hrz"},
-    "20 elements": {"name": "handout", "elements": 20},
+    "1 element": {"name": "elements", "elements": 1},
+    "5 elements": {"name": "elements", "elements": 5},
+    "20 elements": {"name": "elements", "elements": 20},
     "20 elements, 4 modes": {"name": "elements", "elements": 20, "modes": 4},
     "reference": {"name": "reference"},
 }

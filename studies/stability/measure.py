@@ -16,9 +16,9 @@ from snapmap.solver.models import build_model
 from snapmap.solver.outcome import FAILED, label
 from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import Settings
-from snapmap.solver.steps import bending_limit, stability_limit
+from snapmap.solver.steps import stability_limit
 
-from ..common import stepped
+from ..common import bending_limit, stepped
 from .cases import APART, CASES, MODELS, Case, changed
 from .verdicts import LEFT_OUT, NO_RUNS, REFUSED, VERDICTS, Runs, judge, snap_shift
 
@@ -105,8 +105,8 @@ def measure_pair(
         model = build_model(device, **options)
     except ValueError:
         return _blank(steps, REFUSED)
-    limit_of = stability_limit if model.name == "reference" else bending_limit
-    limit = limit_of(device, model.modal)
+    is_plain = model.name == "reference"
+    limit = stability_limit(device, model.modal) if is_plain else bending_limit(model)
     default = _default_step(device, model, case)
     values = _blank(steps, LEFT_OUT) | {"limit": limit, "default_step": default / limit}
     search = [FINE_STEPS[0] * limit] * 4 * case.of_threshold  # a dozen runs, over at the snap

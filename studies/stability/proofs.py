@@ -20,7 +20,7 @@ N, F0 = np.linspace(600, 2400, 26), np.geomspace(100, 3e4, 16)
 MODELS = {
     "3 cosines": {"name": "cosines", "modes": 3},
     "5 cosines": {"name": "cosines", "modes": 5},
-    "5 elements": {"name": "handout"},
+    "5 elements": {"name": "elements"},
 }
 DAMPINGS = (0.025, 25.0)
 SETTINGS = Settings(threads=2)

@@ -15,7 +15,6 @@ BASES = {
     "1 cosine": (symmetric_cosines(1), None),
     "3 cosines": (symmetric_cosines(3), None),
     "3 elements": (hermite_elements(3), None),
-    "5 elements, lumped": (hermite_elements(5, "hrz"), None),
     "5 elements, 7 modes": (hermite_elements(5), 7),
     "20 elements, 4 modes": (hermite_elements(20), 4),
     "8 cosines, 4 modes": (symmetric_cosines(8), 4),

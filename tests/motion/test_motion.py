@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from varied import varied
+from varied import in_steps, varied
 
 import snapmap
 from snapmap.motion.history import extremes_of
@@ -64,9 +64,10 @@ def test_the_largest_values_are_those_of_every_step_to_any_horizon(handout, monk
 
 @pytest.mark.parametrize(("model", "options"), [("cosines", {"modes": 3}), ("reference", {})])
 @pytest.mark.parametrize("N", [700.0, 1500.0])
-def test_the_work_is_the_change_of_energy_and_the_losses(handout, model, options, N):
+def test_the_work_is_the_change_of_energy_and_the_losses(handout, fix_step, model, options, N):
     device = varied(handout, damping=1e-3)
-    asked = {"model": model, "horizon": 100.0, "step": 0.3, **options}
+    fix_step(0.3)
+    asked = {"model": model, "horizon": 100.0, **options}
     run = snapmap.simulate(device, N, 2e3, 25.0, **asked)
     gained = sum(run[f"{kind}_energy"][-1] for kind in ENERGIES)
     assert float(run.pulse_work[-1]) == pytest.approx(float(gained), rel=2e-3)
@@ -81,7 +82,7 @@ def test_the_work_is_the_change_of_energy_and_the_losses(handout, model, options
 def test_the_work_converges_with_order_two(handout, contact, modes):
     """Cells that never snap, where the motion is smooth."""
     device = dataclasses.replace(handout, contact=contact)
-    model = build_model(device, "cosines", modes=modes, step=0.2)
+    model = in_steps(build_model(device, "cosines", modes=modes), 0.2)
     works = [work_of(model.with_step(2.0**-k), [500.0, 700.0], 3e3, 25.0) for k in range(3)]
     first, second = abs(np.diff(works, axis=0))
     np.testing.assert_allclose(np.log2(first / second), 2, atol=0.2)

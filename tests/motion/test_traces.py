@@ -75,11 +75,11 @@ def test_traces_are_the_history(handout, traced, monkeypatch, N, f0, C):
     assert (cell.beam_energy <= cell.energy).all()
 
 
-def test_traces_are_the_sweeps_runs(handout):
+def test_traces_are_the_sweeps_runs(handout, fix_step):
     """They snap when the cube says, with one step for all that is asked."""
-    N, f0, step = np.linspace(600, 2400, 12), np.geomspace(100, 3e4, 12), {"step": 0.5}
-    cube = swept(handout, N=N, f0=f0, **step)
-    traced = trace(handout, cube, MODEL | step, SETTINGS)
+    fix_step(0.5)
+    cube = swept(handout, N=np.linspace(600, 2400, 12), f0=np.geomspace(100, 3e4, 12))
+    traced = trace(handout, cube, MODEL, SETTINGS)
     snapped, w_2 = cube.t_snap.notnull(), handout.beam.second_equilibrium
     assert ((traced.w_low <= w_2).any("bin") == snapped).all()
     bin_of_snap = np.floor(cube.t_snap / traced.bin_length)

@@ -11,7 +11,7 @@ from snapmap.beam.limit_loads import static_threshold
 from snapmap.pulse import Pulse
 
 F0 = 20_000.0
-MODELS = "reference", "handout"
+MODELS = "reference", "elements"
 STEP = Pulse("step", np.array([[0.0, 1.0, 0.0, 0.0, 0.0, 0.0]]))
 
 

@@ -14,7 +14,7 @@ from snapmap.solver.settings import SNAP, Settings
 from studies.random_devices import draw_widest_device
 
 MODELS = {
-    "handout": {"name": "handout"},
+    "all modes": {"name": "elements"},
     "elements": {"name": "elements", "elements": 10, "modes": 5},
     "cosines": {"name": "cosines", "modes": 3},
     "auto": {"name": "auto"},
@@ -32,7 +32,7 @@ def devices():
 
 @pytest.mark.parametrize("name", MODELS)
 def test_a_batch_is_each_of_its_devices(devices, name):
-    if name == "handout":  # its modes depend on the contact
+    if name == "all modes":  # its modes depend on the contact
         devices = [device for device in devices if np.isfinite(device.contact)]
     together, settings = choose_model(batch(devices), MODELS[name]), Settings(horizon=200.0)
     shares = np.linspace(0.7, 2.0, 14)

@@ -30,7 +30,7 @@ def sweep(model, **options):
 
 products = {
     "cosines": lambda: sweep("cosines", modes=3),
-    "handout": lambda: sweep("handout", elements=2),
+    "elements": lambda: sweep("elements", elements=2),
     "reference": lambda: sweep("reference", elements=2),
     "history": lambda: snapmap.simulate(device, 2200.0, 1000.0, 0.025, model="cosines", modes=3),
     "quality": lambda: snapmap.simulate(ringing, 900.0, 2e4, 2.5, model="cosines", modes=3),

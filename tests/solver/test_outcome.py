@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from varied import varied
+from varied import in_steps, varied
 
 import snapmap
 from snapmap.device import batch
@@ -43,8 +43,8 @@ def random_cells(device, number, seed, C):
     return rng.uniform(700, 1500, number), f0, rng.choice(C, number)
 
 
-def follow(device, cells, horizon, model, **options):
-    built = build_model(device, model, **options)
+def follow(device, cells, horizon, step):
+    built = in_steps(build_model(device, "cosines", modes=3), step)
     seen = built.follow(to_cells(device, 0, *cells, horizon), Settings(horizon))
     return seen, label(*seen[:4], Settings().energy_tolerance)
 
@@ -75,14 +75,13 @@ def test_latched_stays_in_well_two(handout):
 def test_no_proof_from_a_run_whose_energy_error_exceeds_its_margin(handout, contact):
     """On purpose: the roughest steps. What is proven must be what a fine step shows."""
     device = dataclasses.replace(handout, contact=contact)
-    name, options = "cosines", {"modes": 3}
     cells = random_cells(device, 100, 3, [0.025, 25.0])
     shares = np.array([[0.98], [1.0], [1.02]])
-    fine, _ = follow(device, (shares * cells[0], *cells[1:]), 3000.0, name, **options, step=0.1)
+    fine, _ = follow(device, (shares * cells[0], *cells[1:]), 3000.0, 0.1)
     nearby = np.isnan(fine.t_snap)
     away = (nearby[0] == nearby[1]) & (nearby[1] == nearby[2])
     for step in (0.8, 1.0):
-        seen, outcome = follow(device, cells, 3000.0, name, **options, step=step)
+        seen, outcome = follow(device, cells, 3000.0, step)
         proven = np.isin(outcome, PROVEN)
         assert (seen.energy_error[proven] <= Settings().energy_tolerance).all()
         never = (outcome == NEVER) & away
@@ -94,7 +93,7 @@ def test_no_proof_below_the_energy_that_a_run_keeps(handout):
     N, shares = [600.0, 750.0, 850.0, 870.0, 880.0], [*(1 - np.geomspace(1e-7, 1e-2, 11)), 2.0]
 
     def follow_under(energy, device, which, N):
-        built = build_model(device, "handout", step=1.0)
+        built = in_steps(build_model(device, "elements"), 1.0)
         built = dataclasses.replace(built, barrier=built.barrier._replace(energy=energy))
         cells = to_cells(device, which, N, 3000.0, 0.0, 3000.0)
         return built.follow_once(cells, Settings(3000.0))

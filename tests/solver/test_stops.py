@@ -86,7 +86,7 @@ def test_the_energy_is_known_to_rounding(handout, C):
     assert abs(run.dissipated_energy).max() < 1e-12 * run.pulse_work.max()
 
 
-@pytest.mark.parametrize("model", ["handout", "cosines", "reference"])
+@pytest.mark.parametrize("model", ["elements", "cosines", "reference"])
 def test_stops_out_of_reach_change_no_bit(handout, model):
     far = varied(handout, stop_toward=1e3, stop_away=1e3)
     free, held = (snapmap.simulate(one, 1300.0, 3000.0, 25.0, model) for one in (handout, far))

@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from varied import in_steps
 
 import snapmap
 from snapmap.solver.cells import to_rows
@@ -23,7 +24,7 @@ def test_a_beam_snaps_by_its_own_inertia(handout, change, f0):
     device = dataclasses.replace(handout, **change)
     found = snapmap.threshold(device, [f0], [0.025], threads=2)
     N, bar = found.N_first.item(), found.N_error.item()
-    fine = build_model(device, "elements", elements=20, modes=9, step=0.3)
+    fine = in_steps(build_model(device, "elements", elements=20, modes=9), 0.3)
     rows = to_rows(0, f0, 0.025)
     settings = Settings(1500.0, threads=2)
     truth = lowest_snap(fine, rows, (0.97 * N, 1.03 * N), settings, 1e-5, 0.002)[0]
@@ -44,7 +45,7 @@ def test_ragged_rows_have_a_band_and_finite_bars(handout):
 def test_errors_lie_within_their_bars(monkeypatch):
     """On two devices drawn at random, against two independent discretisations."""
     judges = [{"name": "cosines", "modes": 11}, {"name": "elements", "elements": 20, "modes": 9}]
-    monkeypatch.setattr(coverage, "JUDGES", [{**one, "step": 0.4} for one in judges])
+    monkeypatch.setattr(coverage, "JUDGES", judges)
     draw = np.random.default_rng(5)
     over, asked = [], 0
     for _ in range(2):

@@ -126,13 +126,14 @@ def test_the_distance_to_another_level_is_bracketed():
     assert distance_to(lambda N: told(N > 9), N_first[:1], 1e-4) == np.inf
 
 
-def test_thresholds_lie_within_their_error_bars(handout):
+def test_thresholds_lie_within_their_error_bars(handout, fix_step):
     """On two devices: `auto` against a converged model, and the error bar against the truth."""
     stiff = dataclasses.replace(handout, mass=5e3, spring=8.0, contact=np.inf)
-    for device in (handout, stiff):
-        rows = {"f0": [400.0, 1500.0], "C": [25.0], "horizon": 300.0}
-        found = snapmap.threshold(device, **rows)
-        fine = snapmap.threshold(device, **rows, model="cosines", modes=11, step=0.15)
+    rows = {"f0": [400.0, 1500.0], "C": [25.0], "horizon": 300.0}
+    usual = [snapmap.threshold(device, **rows) for device in (handout, stiff)]
+    fix_step(0.15)
+    for device, found in zip((handout, stiff), usual, strict=True):
+        fine = snapmap.threshold(device, **rows, model="cosines", modes=11)
         error = abs(found.N_first - fine.N_first)
         assert (error <= found.N_error + fine.N_error).all()
         assert (error <= 5e-4 * fine.N_first).all()
@@ -153,10 +154,10 @@ def test_narrow_islands_below_a_threshold_are_seen(handout):
 
 
 def test_a_threshold_is_where_the_sweep_changes(handout):
-    found = snapmap.threshold(handout, f0=[1500.0], C=[0.025], model="handout", horizon=300.0)
+    found = snapmap.threshold(handout, f0=[1500.0], C=[0.025], model="elements", horizon=300.0)
     N = float(found.N_first.squeeze())
     assert pytest.approx(984.73, abs=0.1) == N
-    asked = {"f0": [1500.0], "C": [0.025], "horizon": 300.0, "model": "handout"}
+    asked = {"f0": [1500.0], "C": [0.025], "horizon": 300.0, "model": "elements"}
     cube = snapmap.sweep(handout, N=[0.9997 * N, 1.0001 * N], until="snap", **asked)
     assert np.isfinite(cube.t_snap.values).ravel().tolist() == [False, True]
 

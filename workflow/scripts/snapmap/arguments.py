@@ -21,11 +21,10 @@ from .device import VALUES, Device
 from .pulse import DIRECTIONS, SHAPES, SHARES, TENTH, Pulse
 from .quantities import QUANTITIES, Bounds, bounds_of
 
-OF_ELEMENTS = ("elements", "mass_matrix", "step", "modes")
 OPTIONS = {
-    "reference": OF_ELEMENTS[:3],
-    **dict.fromkeys(("handout", "elements"), OF_ELEMENTS),
-    "cosines": ("cosines", "modes", "step"),
+    "reference": ("elements",),
+    "elements": ("elements", "modes"),
+    "cosines": ("cosines", "modes"),
     "auto": ("tolerance",),
 }
 """Of each model."""
@@ -243,8 +242,6 @@ ARGUMENTS = {
     "model.elements": integer(1, 100),
     "model.cosines": integer(1, 100),
     "model.modes": integer(1, 200),
-    "model.step": _number("[1e-6, 1]", "", "0.8"),
-    "model.mass_matrix": _word("consistent", "hrz"),
     "horizon": _number("[0, inf)", "us", "1500"),
     "energy_tolerance": _number("(0, 1)", "", "1e-3"),
     "threads": integer(1, 1024),
@@ -258,7 +255,6 @@ ARGUMENTS = {
         "a number above or below 0", lambda value: ANY.fits(value) and value != 0, _plain
     ),
     **{f"pulse.{key}": _number("(0, inf)", "us", "500") for key in ("duration", "wait")},
-    **{f"pulse.{key}": _number("(0, inf)", "Hz", "100") for key in ("from", "to")},
     "pulse.height": _number("(0, inf)", "um", "1e6"),
     "pulse.rebound": _number("[0, 0.99]", "", "0.5"),
     **dict.fromkeys(("pulse.rise", "pulse.fall"), SHARE),

@@ -14,8 +14,6 @@ from .checks import numbers, require, require_quantity, show
 from .quantities import QUANTITIES, bounds_of
 from .shape import (
     BISTABILITY_LIMIT,
-    COSINE,
-    SHAPES,
     TERMS,
     TILT,
     Value,
@@ -39,8 +37,9 @@ class Beam:
     residual_stress: along the axis as made, before the beam bends to relieve it
     imperfection: largest displacement in the first antisymmetric shape
     free: whether it may tilt, 1 or 0: a guided beam moves symmetrically
-    clamp_axial: math.inf is rigid; shape: as made, "cosine", "arc" (a circle's) or "parabola"
-    cosine_2, ..., cosine_5: (1 - cos(2 n pi x/L))/2 in it, over the rise, which stays as it is
+    clamp_axial: math.inf is rigid
+    cosine_2, ..., cosine_5: (1 - cos(2 n pi x/L))/2 in the shape as made, over the rise, which
+        stays as it is
     """
 
     span: Value
@@ -54,7 +53,6 @@ class Beam:
     imperfection: Value = 0.0
     free: Value = 0.0
     clamp_axial: Value = math.inf
-    shape: str | np.ndarray = COSINE
     cosine_2: Value = 0.0
     cosine_3: Value = 0.0
     cosine_4: Value = 0.0
@@ -62,7 +60,7 @@ class Beam:
 
     def __post_init__(self):
         for name in BEAM_VALUES:
-            if name in QUANTITIES and name != "shape":
+            if name in QUANTITIES:
                 key = "clamp.axial" if name == "clamp_axial" else name
                 within = bounds_of("[0, inf)") if name == "rise" else None
                 require_quantity(f"device.beam.{key}", name, getattr(self, name), within)
@@ -74,8 +72,6 @@ class Beam:
         free, tilt = numbers(self.free), self.imperfection
         known = np.isin(np.nan if free is None else free, (0.0, 1.0))
         yield known, "free: {} is not 1, which may tilt, or 0", show(self.free)
-        known = np.isin(self.shape, SHAPES)
-        yield known, f"shape: {{}} is not one of {', '.join(SHAPES)}", self.shape
         guided, perfect = np.equal(free, 0), np.equal(tilt, 0)
         lacks = "imperfection: {:g}; a free beam without one never tilts, write 0.01 um"
         yield guided | ~perfect, lacks, tilt
@@ -155,14 +151,13 @@ class Beam:
     @property
     def cosines(self) -> np.ndarray:
         """The shape as made, as `shape.coefficients` gives it, (..., TERMS)."""
-        added = [getattr(self, name) for name in COSINES]
-        return coefficients(self.shape, self.made_rise / self.span, added)
+        return coefficients([getattr(self, name) for name in COSINES])
 
     @property
     def is_cosine(self) -> np.ndarray:
         """Whether the shape as made is the first cosine alone, an array."""
         plain = [np.equal(getattr(self, name), 0) for name in COSINES]
-        return np.logical_and.reduce(np.broadcast_arrays(np.equal(self.shape, COSINE), *plain))
+        return np.logical_and.reduce(np.broadcast_arrays(*plain))
 
     @cached_property
     def at_rest(self) -> Equilibria:

@@ -20,8 +20,6 @@ CLAMP = {"axial": "clamp_axial"}
 """Values of the beam by their keys in the config's section `clamp`."""
 STOPS = {"toward": "stop_toward", "away": "stop_away", "restitution": "restitution"}
 """Likewise of the device in its section `stops`."""
-LINK = {"at": "link_at", "stiffness": "link_stiffness", "strength": "link_strength"}
-"""Likewise in its section `link`."""
 THERMAL = {
     "reference": "reference_temperature",
     "modulus": "modulus_slope",
@@ -39,7 +37,7 @@ STRENGTH = {
     "threshold": "strength_threshold",
 }
 """Likewise in its section `strength`."""
-SECTIONS = {"stops": STOPS, "link": LINK, "thermal": THERMAL, "strength": STRENGTH}
+SECTIONS = {"stops": STOPS, "thermal": THERMAL, "strength": STRENGTH}
 ALONE = {"mass": 0.0, "spring": 1.0, "contact": 1.0, "gap": math.inf}
 """Values of a device whose beam no mass ever meets; its spring and contact are of no account."""
 OF_MASS = *ALONE, *STOPS.values()
@@ -56,8 +54,6 @@ class Device:
     gravity: the unit of the shock's amplitude N
     force: the unit of N of a downward force on the midpoint of a beam alone; 0 if the frame shakes
     stop_toward, stop_away: from rest to a rigid stop; math.inf for none
-    link_at: w(L/2) where the beam meets its weak link, math.inf for nowhere; link_strength: 0
-        for none
     temperature: at which the other values hold; `vary` takes it to others
     reference_temperature: at which they were given
     modulus_slope: change of Young's modulus over itself, 1/K
@@ -78,9 +74,6 @@ class Device:
     stop_toward: Value = math.inf
     stop_away: Value = math.inf
     restitution: Value = RESTITUTION
-    link_at: Value = math.inf
-    link_stiffness: Value = 1.0
-    link_strength: Value = 0.0
     temperature: Value = REFERENCE
     reference_temperature: Value = REFERENCE
     modulus_slope: Value = 0.0
@@ -136,26 +129,6 @@ class Device:
         return np.isfinite(self.stop_toward) | np.isfinite(self.stop_away)
 
     @property
-    def has_link(self) -> bool | np.ndarray:
-        """Whether the beam meets a link that holds it up to its strength."""
-        return np.greater(self.link_strength, 0)
-
-    @property
-    def link_breaks_at(self) -> Value:
-        """w(L/2) where the link breaks, um."""
-        return self.link_at - np.divide(self.link_strength, self.link_stiffness)
-
-    def require_shapes(self) -> None:
-        """Raise ValueError if a beam has no second stable shape, or a link is not on its way."""
-        self.beam.require_second_shape()
-        if np.any(self.has_link):
-            first, second = self.beam.height, self.beam.second_equilibrium
-            on_way = np.less(self.link_at, first) & np.greater(self.link_at, second)
-            line = "device.link.at: {:g} um is not between the second shape, {:.6g} um, and the "
-            ends = self.link_at, second, first
-            require(on_way | ~self.has_link, f"{line}first, {{:.6g}} um", *ends)
-
-    @property
     def has_electrode(self) -> bool | np.ndarray:
         """Whether the beam meets one on its way."""
         return np.isfinite(self.contact_at)
@@ -184,7 +157,7 @@ class Device:
         """
         own = asdict(self)
         device = _from_values({**own.pop("beam"), **own, **self.warmed(values)}, np.asarray)
-        device.require_shapes()
+        device.beam.require_second_shape()
         return device
 
     def at(self, temperature: float) -> "Device":
@@ -213,8 +186,7 @@ class Device:
 
 
 _NAMES = (*BEAM_VALUES, *(field.name for field in fields(Device)))
-# The axis `shape` is the pulse's.
-_NUMBERS = [key for key in _NAMES if key in QUANTITIES and key != "shape"]
+_NUMBERS = [key for key in _NAMES if key in QUANTITIES]
 VALUES = tuple(key for key in _NUMBERS if QUANTITIES[key].long_name)
 """Names of the values that tell one device from another."""
 SIGNED = tuple(key for key in VALUES if QUANTITIES[key].range.low < 0)
@@ -226,8 +198,7 @@ def batch(devices: Sequence[Device]) -> Device:
     """Make a batch of single devices."""
     rows = [{**asdict(device.beam), **asdict(device)} for device in devices]
     del rows[0]["beam"]
-    types = {"shape": str}
-    columns = {key: np.array([row[key] for row in rows], types.get(key, float)) for key in rows[0]}
+    columns = {key: np.array([row[key] for row in rows], float) for key in rows[0]}
     return _from_values(columns, np.asarray)
 
 

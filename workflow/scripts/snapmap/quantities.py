@@ -67,7 +67,6 @@ KINDS = {
     "contact": Dimension("a stiffness", "uN/um", "'40 N/m', or the word hard", "(0, inf]"),
     "acceleration": Dimension("an acceleration", "um/us^2", "'9.81 m/s^2'"),
     "force": Dimension("a force", "uN", "'1 uN'"),
-    "energy": Dimension("an energy", "pJ", "'2 pJ'"),
     "frequency": Dimension("a frequency", "Hz", "'1500 Hz'"),
     "damper": Dimension("a damper constant", "uN*us/um", "'25 uN*us/um'", "[0, inf)"),
     "temperature": Dimension("a temperature", "degC", "'85 degC'", "(-273.15, inf)"),
@@ -199,9 +198,6 @@ gap | distance | 0 | gap between mass and beam at rest | gap
 stop_toward | length | inf | travel to the stop towards the beam | stop towards the beam
 stop_away | length | inf | travel to the stop away from the beam | stop away from the beam
 restitution | restitution | nan | share of speed that a stop leaves it | restitution of the stops
-link_at | position | inf | midpoint of the beam where it meets the link | place of the link
-link_stiffness | stiffness | nan | stiffness of the link | stiffness of the link
-link_strength | force | 0 | force at which the link breaks | strength of the link
 temperature | temperature | 20 | temperature of the device | temperature
 reference_temperature | temperature | nan
 modulus_slope | expansion | 0

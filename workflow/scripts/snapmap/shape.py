@@ -6,16 +6,14 @@ on what clamps allow, by the slopes; w0 itself need not meet them.
 
 import math
 from collections.abc import Sequence
-from functools import cache
 
 import numpy as np
 
-from .numerics.linalg import dot, multiply
+from .numerics.linalg import dot
 from .numerics.portable import sine
 
-TERMS = 40
-"""Cosines in which a shape is held: second shapes of arcs are then right to 2e-5 (at Q = 5)."""
-COSINE, ARC, PARABOLA = SHAPES = "cosine", "arc", "parabola"
+TERMS = 5
+"""Cosines in which a shape is held."""
 BISTABILITY_LIMIT = 4 / math.sqrt(3)
 """Q of a cosine without stress above which there is a second shape."""
 TILT = (8.986818915818128 / (2 * math.pi)) ** 2
@@ -32,23 +30,11 @@ _SQUARE = 1.0 * _N * _N
 Value = float | np.ndarray
 
 
-def coefficients(shape: str | np.ndarray, steepness: Value, cosines: Sequence[Value]) -> np.ndarray:
-    """The a_n of beams, (..., TERMS); the midpoint stays at 1, whatever the cosines add.
-
-    shape: of SHAPES; steepness: rise over span; cosines: a_2, a_3, ... that are added
-    """
-    shape, steepness, *cosines = np.broadcast_arrays(shape, steepness, *cosines)
-    # Parabola: 8 / (pi n)^2, from 4 x (1 - x).
-    a = np.broadcast_to(8 / (np.pi * np.pi * _SQUARE), (*shape.shape, TERMS)).copy()
-    a[shape == COSINE] = _N == 1
-    arcs = shape == ARC
-    if arcs.any():
-        a[arcs] = _arc(steepness[arcs])
-    for n, added in enumerate(cosines, start=2):
-        a[..., n - 1] += added
-        if n % 2:
-            a[..., 0] -= added
-    return a
+def coefficients(cosines: Sequence[Value]) -> np.ndarray:
+    """The a_n of beams, (..., TERMS), the midpoint at 1; cosines: a_2, a_3, ..., (TERMS - 1,)."""
+    others = np.stack(np.broadcast_arrays(*cosines), axis=-1)
+    first = 1.0 - others[..., 1] - others[..., 3]
+    return np.concatenate([first[..., np.newaxis], others], axis=-1)
 
 
 def slope_products(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -64,19 +50,6 @@ def slope_products(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarra
     weights = width * np.tile(WEIGHTS / panels, panels)
     sines = [[sine(n * turn) for n in _N.tolist()] for turn in x.ravel().tolist()]
     return x, weights, 2 * np.pi * _N * np.reshape(sines, (*x.shape, TERMS))
-
-
-_rule = cache(lambda: slope_products(np.array([0.0, 0.5])))
-
-
-def _arc(steepness):
-    """Of the circle through clamps and midpoint: w0' = -y / sqrt(R^2 - y^2), y = x - 1/2."""
-    (x,), (weights,), (slopes,) = _rule()
-    radius = (0.25 + steepness * steepness) / (2 * steepness)
-    y = 0.5 - x
-    slope = y / np.sqrt(radius[:, np.newaxis] ** 2 - y * y) / steepness[:, np.newaxis]
-    # Twice the half; phi_n' phi_n' integrates to 2 pi^2 n^2, and a_n counts phi_n / 2.
-    return 2 * multiply(slope * weights, slopes) / (np.pi * np.pi * _SQUARE)
 
 
 def modes_of(Q: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -8,12 +8,12 @@ import numpy as np
 from .arguments import take_pulse
 from .checks import show
 from .pulse import DIRECTIONS, SHARES, VERSED_SINE, Pulse, make_pulse
-from .trains import make_drop, make_sweep, make_train
+from .trains import make_drop, make_train
 
-MAKERS = {"train": make_train, "drop": make_drop, "sweep": make_sweep}
+MAKERS = {"train": make_train, "drop": make_drop}
 SECTION = {"shape", *SHARES, *MAKERS, "direction"}
 """Keys of the section `pulse` of a config, but for a file."""
-UNITS = {"duration": "us", "wait": "us", "height": "um", "from": "Hz", "to": "Hz"}
+UNITS = {"duration": "us", "wait": "us", "height": "um"}
 """Of its values."""
 
 

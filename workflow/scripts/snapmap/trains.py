@@ -1,5 +1,4 @@
-"""Trains of blows, drops with rebound, sine sweeps: pulses made of several, of a duration of their
-own."""
+"""Trains of blows, drops with rebound: pulses made of several, of a duration of their own."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -8,8 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .arguments import take_pulse
-from .numerics import portable
-from .pulse import SHARES, VERSED_SINE, Pulse, make_pulse, straight
+from .pulse import SHARES, VERSED_SINE, Pulse, make_pulse
 
 # ASSUME: a blow that ends with a jump falls to rest within this share of its duration, straight.
 JOIN = 0.01
@@ -18,11 +16,6 @@ GRAVITY = 9.80665e-6
 # ASSUME: a rebound below this share of the first impact's velocity is none.
 LEAST_REBOUND = 0.05
 MOST_BLOWS = 100_000
-SAME = 1e-8
-"""A relative difference of a sweep's ends up to which it is a sine: its rounding is as large."""
-PER_PERIOD = 32
-"""Samples in each period of a sweep, straight between."""
-MOST_SAMPLES = 2_000_000
 
 
 class Part(NamedTuple):
@@ -86,45 +79,6 @@ def make_drop(drop: Mapping) -> Pulse:
         parts += [_flat(2 * share * velocity / GRAVITY, level), _blow(**blow, N=share)]
     note = f"is that from its height at N = {own_N:.5g}; at another N all of it is scaled"
     return _joined("drop", parts, drop, own_N=own_N, notes=(note,))
-
-
-def make_sweep(sweep: Mapping) -> Pulse:
-    """Make a sine whose logarithm of frequency goes straight over time; half a period is a blow.
-
-    sweep: from, to (Hz), duration (us), which is rounded so that it ends with a full period
-    Raises ValueError, one line.
-    """
-    sweep = take_pulse("pulse.sweep", sweep, ("from", "to", "duration"))
-    start, stop, lasts = sweep["from"], sweep["to"], 1e-6 * sweep["duration"]
-    if abs(stop / start - 1) < SAME:
-        stop = start
-    rise = float(portable.logarithm(stop / start))
-    periods = max(1, round(lasts * ((stop - start) / rise if rise else start)))
-    samples = PER_PERIOD * periods
-    if samples > MOST_SAMPLES:
-        raise ValueError(
-            f"pulse.sweep: {periods} periods need {samples:.2g} samples, more than "
-            f"{MOST_SAMPLES:.0e}; write a shorter duration, or lower frequencies"
-        )
-    turns = np.arange(samples + 1) / PER_PERIOD
-    slope = (stop - start) / periods  # of the frequency over turns
-    time = portable.logarithm(1 + turns * slope / start) / slope if slope else turns / start
-    wave = [portable.sine(turn / PER_PERIOD) for turn in range(PER_PERIOD)]
-    values = np.append(np.tile(wave, periods), 0.0)
-    half = PER_PERIOD // 2
-    x, ends = time / time[-1], time[::half]
-    slowest = slice(half + 1) if start <= stop else slice(-half - 1, None)
-    half_swing = time[slowest] - time[slowest][0]
-    alone = straight(half_swing / half_swing[-1], values[slowest])
-    return Pulse(
-        "sweep",
-        straight(x, values),
-        1e6 * float(time[-1]),
-        given={"sweep": sweep},
-        blows=x[:-1:half],
-        swing=float(np.diff(ends).min() / time[-1]),
-        strongest=Pulse("half swing", alone, 1e6 * half_swing[-1]),
-    )
 
 
 def _blow(duration, shape=VERSED_SINE, N=1.0, **shares):

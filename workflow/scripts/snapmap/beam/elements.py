@@ -18,20 +18,16 @@ SYMMETRIC, ANTISYMMETRIC = -1, -2
 
 
 @cache
-def hermite_elements(
-    elements: int = 5, mass_matrix: str = "consistent", free: bool = False
-) -> Basis:
+def hermite_elements(elements: int = 5, free: bool = False) -> Basis:
     """Assemble `elements` uniform Hermite elements of the half beam: 2 elements - 1 unknowns.
 
     Unknowns are (W, Phi) at each node but those fixed: W = Phi = 0 at the clamp, Phi = 0 at L/2;
     Phi = dw/d(x/L).
-    mass_matrix: "consistent" or "hrz" (diagonal, Hinton, Rock & Zienkiewicz 1976)
     free: whether the half beam's antisymmetric motions, W = 0 at L/2, are appended; both together
         are those of the whole beam of twice as many elements
     """
     h, none = 1 / (2 * elements), np.zeros(2 * elements - 1)
-    hrz = h * np.diag([1 / 2, h * h / 78, 1 / 2, h * h / 78])
-    parts = _integrals(2, h), _integrals(1, h), hrz if mass_matrix == "hrz" else _integrals(0, h)
+    parts = [_integrals(order, h) for order in (2, 1, 0)]
     bending, geometric, mass = (_assemble(elements, part, SYMMETRIC) for part in parts)
     load, start, tilt = _assemble(elements, _load(h), SYMMETRIC), _interpolate_start(elements), none
     midpoint, curvature = none.copy(), _curvature(elements, SYMMETRIC)

@@ -12,7 +12,6 @@ from ..curved_beam import COSINES
 from ..device import (
     ALONE,
     CLAMP,
-    LINK,
     REFERENCE,
     RESTITUTION,
     STOPS,
@@ -24,8 +23,6 @@ from ..device import (
 )
 from ..io.measured_shape import read_shape
 from ..quantities import QUANTITIES
-from ..shape import COSINE
-from ..shape import SHAPES as AS_MADE
 from .keys import Section, either, lines_of, many, part, path, quantity, word
 from .yaml_file import ConfigError, read_document
 
@@ -67,13 +64,7 @@ class BeamSection(Section):
     known_as = "device.beam"
     span: quantity("length", "clamp to clamp")
     rise: quantity("distance", "of the midpoint, as made; 0 is straight", "10 um")
-    shape: either(
-        ShapeSection,
-        word(*AS_MADE),
-        f"one of {', '.join(AS_MADE)}, or a mapping of cosines or file",
-        example="arc, {cosines: [1, 0.1]}, {file: shape.csv}",
-        out=f"`{COSINE}`",
-    )
+    shape: part(ShapeSection, out="a cosine")
     clamp: part(ClampSection, out="rigid")
     thickness: quantity("length", "in the direction of motion", "2 um")
     depth: quantity("length", "out of the plane of motion", "22 um")
@@ -120,8 +111,8 @@ class BeamSection(Section):
 
     def _of_shape(self, free):
         """The values that the shape sets."""
-        if not isinstance(self.shape, ShapeSection):
-            return {"shape": self.shape} if self.shape else {}
+        if not self.shape:
+            return {}
         terms, tilt = self.shape.cosines, {}
         if file := self.shape.file:
             measured = read_shape(file)
@@ -150,23 +141,6 @@ class StopsSection(Section):
     restitution: quantity(
         "restitution", "share of the speed kept at a stop", "0.7", f"`{RESTITUTION:g}`"
     )
-
-
-class LinkSection(Section):
-    """A weak link on the beam's way, which breaks: then the device has tripped."""
-
-    at: quantity("position", "w(L/2) where the beam meets it", "-3 um")
-    stiffness: quantity("stiffness", "up to its strength", "200 N/m")
-    strength: quantity("force", "at which it breaks", "50 uN", "`energy`")
-    energy: quantity("energy", "that it takes to break", out="`strength`")
-
-    def make(self) -> dict[str, float]:
-        """The device's values."""
-        if self.has("strength") == self.has("energy"):
-            raise ValueError("write one of strength and energy")
-        strength = self.strength or float(np.sqrt(2 * self.stiffness * self.energy))
-        values = self.given | {"strength": strength}
-        return {name: values[key] for key, name in LINK.items()}
 
 
 class ThermalSection(Section):
@@ -209,7 +183,6 @@ class DeviceSection(Section):
     )
     gap: quantity("distance", "between mass and midpoint at rest", "1 um", "`0 um`")
     stops: part(StopsSection, out="the mass travels freely")
-    link: part(LinkSection, out="nothing breaks")
     thermal: part(ThermalSection, out="they do not")
     strength: either(
         StrengthSection,
@@ -251,7 +224,7 @@ class DeviceSection(Section):
 
     def make(self) -> Device:
         """The device at its reference: its temperature is an axis."""
-        apart = "beam", "stops", "link", "strength", "thermal", "quality_factor"
+        apart = "beam", "stops", "strength", "thermal", "quality_factor"
         values = {name: value for name, value in self.given.items() if name not in apart}
         thermal = _by_name(self.thermal, THERMAL)
         if "reference_temperature" in thermal:
@@ -260,7 +233,6 @@ class DeviceSection(Section):
         strength = {"strength": self.strength} if self.strength else {}
         values |= ALONE if self.mass == 0 else {}
         values |= _by_name(self.stops, STOPS) | thermal
-        values |= self.link.made if self.link else {}
         values |= _by_name(self.strength, STRENGTH) if weibull else strength
         return Device(**{"gravity": 1.0, "beam": self.beam.made, **values})
 

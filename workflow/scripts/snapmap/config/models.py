@@ -35,14 +35,8 @@ class ModelSection(Section):
         "that are kept",
         out="`5` cosines; elements: all, with hard contact three quarters",
     )
-    mass_matrix: argument("model.mass_matrix", out="`consistent`")
     tolerance: quantity(
         "share", "largest error of thresholds of auto", out=f"`{100 * TOLERANCE:g} %`"
-    )
-    step: argument(
-        "model.step",
-        "a fixed one, over the stability limit of central differences in linear bending",
-        out="as needed; of `reference` `0.8`",
     )
 
 

@@ -1,9 +1,6 @@
 """The section of the shock, and those of shocks that must or must not trip the device."""
 
 from collections.abc import Mapping
-from typing import Annotated
-
-from pydantic import Field
 
 from ..arguments import Argument
 from ..checks import is_name
@@ -54,14 +51,6 @@ class Drop(Section):
     rebound: quantity("number", "velocity after over before a blow, 0 to 0.99", "0.3", "`0`")
 
 
-class SineSweep(Section):
-    """A sine of logarithmically swept frequency."""
-
-    start: Annotated[quantity("frequency", example="20 Hz"), Field(alias="from")]
-    stop: Annotated[quantity("frequency", example="2 kHz"), Field(alias="to")]
-    duration: quantity("pulse", example="10 s")
-
-
 def _shapes(value):
     several = value if isinstance(value, list | tuple) else [value]
     known = all(isinstance(one, str) and one in SHAPES for one in several)
@@ -79,13 +68,13 @@ PUSHES, PUSHED = (*DIRECTIONS, "both"), "+z presses the mass on the beam"
 
 
 class PulseSection(Section):
-    """The shock: a shape, or a file, train, drop or sweep."""
+    """The shock: a shape, or a file, train or drop."""
 
     known_as = "pulse"
     shape: _several_shapes("or a list of these, which then is an axis", f"`{VERSED_SINE}`")
     rise: SHARE
     fall: SHARE
-    file: path("a recorded shock in the study's folder, CSV or UFF", out="`shape`")
+    file: path("a recorded shock in the study's folder, CSV", out="`shape`")
     train: many(
         Blow,
         "a list of blows {shape, N, duration, rise, fall}, {wait: a time} and {repeat: a number}",
@@ -94,7 +83,6 @@ class PulseSection(Section):
         least=1,
     )
     drop: part(Drop, out="`shape`")
-    sweep: part(SineSweep, out="`shape`")
     direction: word(*PUSHES, what=f"{PUSHED}; both are an axis", out="`+z`")
 
     @classmethod
@@ -109,7 +97,7 @@ class PulseSection(Section):
     def values(self) -> dict:
         """What it says, in internal units, with the SHA-256 of a file."""
         names = [*PulseSection.model_fields]
-        values = self.model_dump(include=names, exclude_unset=True, by_alias=True)
+        values = self.model_dump(include=names, exclude_unset=True)
         try:
             return values | ({"sha256": sha256_of(self.file, *RECORD)} if self.file else {})
         except ValueError as error:

@@ -40,7 +40,6 @@ WORDS = {
     "returned": "snaps and returns",
     "failed": "failed",
     "absent": "no second stable shape",
-    "held": "snaps, held by the link",
 }
 """Of each outcome, in the order of the codes."""
 GREY = "#999999"

@@ -28,14 +28,13 @@ STATES = (
     State("tripped_proven", "tripped for good, proven", "#ad4a00"),
     State("failed", "failed", "#000000"),
     State("absent", "no second stable shape", "#ffffff"),
-    State("held", "snapped when last seen, held by the link", "#3a1452"),
 )
 """Colours answer whether the beam is tripped at the end, their strength how that is known.
 
 Steps of lightness tell them apart in grey, hue and lightness to the colour-blind.
 """
 REST_PROVEN, REST_SEEN, CROSSING, TRIPPED_SEEN, TRIPPED_PROVEN = range(5)
-FAILED, ABSENT, HELD = range(5, len(STATES))
+FAILED, ABSENT = range(5, len(STATES))
 
 SNAPS = (
     State("waiting", "does not snap", "#d3dde5"),
@@ -64,8 +63,6 @@ def end_states(cells: xr.Dataset) -> xr.DataArray:
     rest = xr.where(proven, REST_PROVEN, REST_SEEN)
     found = xr.where(tripped, xr.where(proven, TRIPPED_PROVEN, TRIPPED_SEEN), rest)
     found = xr.where(crossing & ~proven, CROSSING, found)
-    if "held" in is_one_of:
-        found = xr.where(is_one_of["held"] & ~crossing, HELD, found)
     return _without_runs(found, is_one_of, FAILED, ABSENT)
 
 

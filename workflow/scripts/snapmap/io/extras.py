@@ -9,7 +9,6 @@ EXTRAS = {
     "plotly": "page",
     "psutil": "workflow",
     "pydantic": "config",
-    "pyuff": "records",
     "snakemake": "workflow",
     "tqdm": "workflow",
     "yaml": "config",

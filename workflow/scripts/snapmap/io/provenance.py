@@ -15,7 +15,6 @@ from .. import __version__
 from ..device import (
     ALONE,
     CLAMP,
-    LINK,
     REFERENCE,
     RESTITUTION,
     STOPS,
@@ -24,7 +23,6 @@ from ..device import (
     Device,
 )
 from ..quantities import QUANTITIES
-from ..shape import COSINE
 
 KEYWORDS = "bistable beam, snap-through, MEMS, shock sensor"
 PACKAGES = ("numpy", "numba", "xarray", "netCDF4", "dask", "matplotlib", "snakemake")
@@ -76,18 +74,14 @@ def _section(device):
     for key in (*(ALONE if alone else ()), *(["gravity"] if device.force else [])):
         del values[key]
     others = {"guide": "free"} if beam.pop("free") else {}
-    if (shape := str(beam.pop("shape"))) != COSINE:
-        others["shape"] = shape
     if clamp := _named(beam, CLAMP):
         others["clamp"] = clamp
-    named = LINK, STOPS, STRENGTH, THERMAL
-    link, stops, strength, thermal = (_named(values, names) for names in named)
+    stops, strength, thermal = (_named(values, names) for names in (STOPS, STRENGTH, THERMAL))
     values.pop("temperature")  # its values hold there
     # Stops that are an axis alone bounce as the device says.
     stopped = device.has_stops or device.restitution != RESTITUTION
     warms = len(thermal) > 1 or device.reference_temperature != REFERENCE
     written = {"stops": stops} if stopped else {}
-    written |= {"link": link} if device.has_link else {}
     if strength:
         written["strength"] = strength["scale"] if [*strength] == ["scale"] else strength
     written |= {"thermal": thermal} if warms else {}

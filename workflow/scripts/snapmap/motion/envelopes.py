@@ -89,7 +89,7 @@ def largest_stress(study: Study, device: Device, cells: Cells) -> np.ndarray:
 
 def _levels(device, study):
     """Levels that decide cells; of `reference` the same elements in their modes."""
-    name = "handout" if study.model["name"] == "reference" else study.model["name"]
+    name = "elements" if study.model["name"] == "reference" else study.model["name"]
     return choose_model(device, {**study.model, "name": name}, study.settings.start).levels
 
 

@@ -68,8 +68,7 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     device, settings = study.device, study.settings._replace(repeat=False)
     built, cells, seen = _cell(study, N, f0, C)
     blow = blow_at(cells.pulses, cells.pulse, seen.t_snap * cells.f0).item()
-    linked = device.has_link and settings.start == FIRST
-    outcome = label(*seen[:4], settings.energy_tolerance, linked).item()
+    outcome = label(*seen[:4], settings.energy_tolerance).item()
     dt, values, extremes = _record(built, cells, settings, SAMPLES)
     closing = _closing(built, cells, settings) if device.has_electrode else {}
     document = {
@@ -219,26 +218,21 @@ def _observe(device, first, form, stress, motion):
     stiffness = contact_stiffness(device, form.residual)
     overlap = dot(motion.u, form.midpoint) - motion.y - device.gap
     contact = stiffness * np.maximum(0.0, overlap)
-    link_at = device.link_at - first if device.has_link else -math.inf
-    pull = motion.link * np.maximum(0.0, link_at - dot(motion.u, form.midpoint))
-    whole = np.where(motion.link > 0, motion.link, 1.0)
-    of_link = {"link_force": pull, "link_energy": pull**2 / (2 * whole)}
     axial_force = -device.beam.axial_stiffness * motion.stretch
     rest = math.nan if device.is_alone else first + device.gap
     kinetic = dot(velocity, multiply(velocity, form.inertia)) / 2
     return {
-        "w_mid": first + dot(motion.u, form.midpoint) - form.residual * (contact - pull),
+        "w_mid": first + dot(motion.u, form.midpoint) - form.residual * contact,
         # Half way through the step in which it bounces the mass is beyond a stop.
         "z_mass": rest + np.clip(motion.y, -device.stop_toward, device.stop_away),
         "contact_force": contact,
         "axial_force": axial_force,
-        "stress": stress.largest(motion.u, contact - pull, axial_force),
+        "stress": stress.largest(motion.u, contact, axial_force),
         "kinetic_energy": kinetic + device.mass * motion.y_velocity**2 / 2,
         "spring_energy": device.spring * motion.y**2 / 2,
         "bending_energy": dot(motion.u, multiply(motion.u, form.bending)) / 2,
         "axial_energy": axial_force**2 / (4 * device.beam.axial_stiffness),
         "contact_energy": contact**2 / (2 * stiffness),
-        **(of_link if device.has_link else {}),
     }
 
 

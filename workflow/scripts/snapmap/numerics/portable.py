@@ -1,4 +1,4 @@
-"""Sine, logarithm, evenly spaced values: the same on every machine, whatever its libraries."""
+"""Sine, evenly spaced values: the same on every machine, whatever its libraries."""
 
 from decimal import Context, Decimal
 from math import copysign, factorial, pi
@@ -7,7 +7,6 @@ import numpy as np
 
 SERIES = tuple((-1) ** n / factorial(2 * n + 1) for n in range(11, -1, -1))
 """Of the sine, highest power first; up to a right angle the next term is below 1e-20."""
-LN2 = 0.6931471805599453
 _EXACT = Context(prec=40, traps=[])
 
 
@@ -26,18 +25,6 @@ def sine_of_rest(rest: float) -> float:
     for coefficient in SERIES:
         total = total * square + coefficient
     return angle * total
-
-
-def logarithm(x: np.ndarray) -> np.ndarray:
-    """ln x within a few units in the last place; x > 0."""
-    share, power = np.frexp(x)
-    low = share < 0.7
-    share, power = np.where(low, 2 * share, share), power - low
-    z = (share - 1) / (share + 1)
-    square, total = z * z, 0.0
-    for n in range(12, -1, -1):
-        total = total * square + 1 / (2 * n + 1)
-    return power * LN2 + 2 * z * total
 
 
 def linear(start: float, stop: float, points: int) -> np.ndarray:

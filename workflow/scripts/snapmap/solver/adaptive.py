@@ -15,8 +15,8 @@ from .settings import FIRST, Settings
 RUNGS = (3, 5, 11)
 """Cosines of the levels: odd ones, as even ones do not move the midpoint."""
 FINER_RUNGS = (5, 7, 11)
-"""The same where three are blind: how a link breaks hangs on how the midpoint rings, the way back
-on where the beam is struck, and they lack the cosines 4 and 5 of a shape as made."""
+"""The same where three are blind: the way back hangs on where the beam is struck, and they lack
+the cosines 4 and 5 of a shape as made."""
 REACH = 2
 """Cells along N on either side of a change of label that are near it, however far apart."""
 BESIDE, FAR_BESIDE = 1.02, 1.03
@@ -183,7 +183,7 @@ def build_adaptive(device: Device, tolerance: float = TOLERANCE, start: str = FI
     """
     beam = device.beam
     uneven = np.not_equal(beam.cosine_4, 0) | np.not_equal(beam.cosine_5, 0)
-    finer = device.has_link | uneven | (start != FIRST)
+    finer = uneven | (start != FIRST)
 
     def level(rungs):
         def build(is_finer):

@@ -38,7 +38,7 @@ def least_amplitudes(model: Follows, rows: Rows, start: str = FIRST) -> np.ndarr
         sag = device.mass * device.mass / device.spring
         of_beam = dot(modal.load, modal.load / modal.stiffness)
         if start == FIRST:
-            energy: Value = np.maximum(part.least_energy, displacement * displacement / (2 * soft))
+            energy: Value = np.maximum(barrier.energy, displacement * displacement / (2 * soft))
             swing = np.sqrt(energy / (2 * (sag + of_beam)))
         else:
             energy = barrier.energy - part.second.energy

@@ -61,8 +61,8 @@ class Rows(NamedTuple):
 class Observations(NamedTuple):
     """What was observed of each cell; arrays of the shape of the cells.
 
-    t_snap: first arrival of the midpoint at the shape in which it did not start, or when a link
-        breaks, after the pulse's start, us; NaN if not seen
+    t_snap: first arrival of the midpoint at the shape in which it did not start, after the pulse's
+        start, us; NaN if not seen
     t_settled: when the beam was seen to be settled in a well for ever, us; NaN if it was not
     well: the side of the saddle at the end of the run, 1 that of the start, 2 the other; 0 if it
         ended at its snap, or in the pulse
@@ -70,7 +70,6 @@ class Observations(NamedTuple):
         a blow-up
     well_share: share of the mass's last swing spent on that side; 1 if settled, NaN for well 0
     pulse_work: of all of the pulse on mass and beam, pJ; NaN if the run ended before it or failed
-    energy_left: kinetic energy of the beam as its link breaks, pJ; NaN if none was seen to
     lowest: of w(L/2), of a run from the second shape of -w(L/2), um, from the first; NaN if the
         model does not tell
     halvings: how often the model's step was halved for these observations
@@ -85,7 +84,6 @@ class Observations(NamedTuple):
     energy_error: np.ndarray
     well_share: np.ndarray
     pulse_work: np.ndarray
-    energy_left: np.ndarray
     lowest: np.ndarray
     halvings: np.ndarray
     level: np.ndarray | None = None
@@ -93,17 +91,17 @@ class Observations(NamedTuple):
 
     def shaped(self, shape: tuple[int, ...]) -> "Observations":
         """The same in another shape."""
-        return Observations(*(column.reshape(shape) for column in self[:9]))
+        return Observations(*(column.reshape(shape) for column in self[:8]))
 
     def replace(self, which: np.ndarray, others: "Observations") -> None:
         """Set what was observed of the given cells, in place."""
-        for column, part in zip(self[:9], others[:9], strict=True):
+        for column, part in zip(self[:8], others[:8], strict=True):
             column[which] = part
 
 
 def no_observations(shape: tuple[int, ...]) -> Observations:
     """Room for observations of so many cells: nothing was seen, and no ledger closes."""
-    nothing = np.nan, np.nan, np.int8(0), np.inf, np.nan, np.nan, np.nan, np.nan, np.int8(0)
+    nothing = np.nan, np.nan, np.int8(0), np.inf, np.nan, np.nan, np.nan, np.int8(0)
     return Observations(*(np.full(shape, value) for value in nothing))
 
 
@@ -150,7 +148,6 @@ class Motion(NamedTuple):
     u, u_velocity: (samples, n); the others (samples,)
     stretch: u.G u + 2 u.G q0, um
     work of the pulse, energy lost to damping: pJ
-    link: its stiffness, of the modes left out, too; 0 where there is none, uN/um
     """
 
     time: np.ndarray
@@ -161,7 +158,6 @@ class Motion(NamedTuple):
     stretch: np.ndarray
     work: np.ndarray
     lost: np.ndarray
-    link: np.ndarray
 
 
 class Form(NamedTuple):

@@ -26,8 +26,6 @@ BUNCH = 8192
 """Cells after which it is reported how many are done; the last lanes of a call run half empty."""
 HALVINGS = 4
 """How often a cell whose energy ledger does not close is followed again with half the step."""
-PLATEAU = 64 * np.pi**2
-"""Most that a midpoint softens on its way, over EI/L^3."""
 SMALLEST = 2.0**-8
 """Over the longest step that motions take: a pulse that needs a shorter one is not followed."""
 
@@ -94,31 +92,14 @@ class Model:
         return self.second.modes if start == SECOND else np.zeros(self.modal.load.shape)
 
     def snap_target(self, start: str) -> Value:
-        """Where w(L/2), of a run from the second shape -w(L/2), snaps, from the first shape, um.
-
-        On the way to the second shape a device with a link snaps as that breaks.
-        """
-        first, second = self.barrier.first, self.barrier.second
-        second = np.where(self.device.has_link, self.device.link_breaks_at, second)[()]
-        return second - first if start == FIRST else 0.0 * first
+        """Where w(L/2), of a run from the second shape -w(L/2), snaps, from the first shape, um."""
+        first = self.barrier.first
+        return self.barrier.second - first if start == FIRST else 0.0 * first
 
     def time_steps(self, cells: Cells, settings: Settings) -> np.ndarray:
         """Of each cell, us, in the cells' shape; no mass rests on a beam in its second shape."""
         speed = largest_speed(self.device, cells) if settings.start == SECOND else 0.0
         return self.steps.of(cells, settings.question, speed)
-
-    @property
-    def least_energy(self) -> Value:
-        """Energy above that at rest below which a beam in its first shape cannot trip, pJ.
-
-        That of the saddle; a link that breaks before it may need less, docs/theory.md.
-        """
-        device, barrier = self.device, self.barrier
-        before = np.maximum(0.0, self.snap_target(FIRST) - barrier.midpoint)
-        needed = -PLATEAU * device.beam.stiffness_unit * before * before / 2
-        needed = needed + np.square(device.link_strength) / (2 * device.link_stiffness)
-        lower = np.where(device.has_link & (before > 0), np.minimum(needed, 0.0), 0.0)
-        return (barrier.energy + lower)[()]
 
     def loop(self) -> ModuleType:
         """Its time loop, imported when a run begins: a plan needs no compiler."""
@@ -179,7 +160,7 @@ class Model:
             share = order[first :: settings.threads]
             for at in np.split(share, range(BUNCH, share.size, BUNCH)):
                 facts = self.loop().march(self, cells.take(at), dt[at], settings)
-                for column, part in zip(seen[:8], facts, strict=True):
+                for column, part in zip(seen[:7], facts, strict=True):
                     column[at] = part
                 count(at.size)
 
@@ -262,15 +243,14 @@ def mixed(build: Callable[[bool], Follows], other: np.ndarray | bool) -> Follows
     return Mixed(build(False), build(True), np.asarray(other))
 
 
-def build_model(device: Device, name: str = "handout", **options) -> Follows:
+def build_model(device: Device, name: str = "elements", **options) -> Follows:
     """Discretise the beams of a device or a batch; a ValueError names an option that cannot be.
 
-    elements (of the half beam), mass_matrix ("consistent", "hrz"), cosines, modes (kept); of a beam
-        that is free to tilt as many antisymmetric ones beside them
-    step: fraction of the limit of linear stability, above 0 and up to 1
+    elements (of the half beam), cosines, modes (kept); of a beam that is free to tilt as many
+        antisymmetric ones beside them
     """
     check_options(device, name, options)
-    device.require_shapes()
+    device.beam.require_second_shape()
     return mixed(partial(_build, device, name, options), np.not_equal(device.beam.free, 0))
 
 
@@ -280,8 +260,7 @@ def _build(device, name, options, is_free):
         basis_of = buckling_shapes if is_free else symmetric_cosines
         basis = basis_of(options.get("cosines", options.get("modes", 5)))
     else:
-        given = {key: options[key] for key in ("elements", "mass_matrix") if key in options}
-        basis = hermite_elements(**given, **{"free": True} if is_free else {})
+        basis = hermite_elements(options.get("elements", 5), bool(is_free))
     modes, most = options.get("modes"), basis.load.size // (1 + is_free)
     if modes is None:
         modes = basis.load.size if name == "cosines" else _modes_of_elements(device, basis, name)
@@ -296,8 +275,8 @@ def _build(device, name, options, is_free):
             f"device.contact: hard needs a residual flexibility, and the {name} model leaves none "
             f"with {modes} of {basis.load.size} modes; write fewer modes, or a contact in N/m"
         )
-    barrier, step = find_barrier(device.beam, basis, modes), options.get("step")
-    steps = (explicit_steps if name == "reference" else steps_of)(device, modal, step)
+    barrier = find_barrier(device.beam, basis, modes)
+    steps = (explicit_steps if name == "reference" else steps_of)(device, modal)
     return Model(name, device, basis, modal, barrier, steps)
 
 
@@ -305,7 +284,7 @@ def check_options(device: Device, name: str, options: Mapping) -> None:
     """Raise ValueError, one line, for a model or an option that cannot be."""
     take_model({"name": name, **options})
     if name == "reference" and np.isinf(device.contact).any():
-        raise ValueError("device.contact: hard is not for the reference model; write handout")
+        raise ValueError("device.contact: hard is not for the reference model; write elements")
 
 
 def _modes_of_elements(device, basis, name):

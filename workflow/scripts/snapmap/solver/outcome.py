@@ -9,10 +9,7 @@ from .cells import Observations
 
 
 class Outcome(IntEnum):
-    """What became of a cell; `ABSENT` is one whose device has no second stable shape.
-
-    A device with a link snaps as that breaks; of `HELD` it is whole, the beam beyond the saddle.
-    """
+    """What became of a cell; `ABSENT` is one whose device has no second stable shape."""
 
     UNSNAPPED = 0
     NEVER = 1
@@ -21,10 +18,9 @@ class Outcome(IntEnum):
     RETURNED = 4
     FAILED = 5
     ABSENT = 6
-    HELD = 7
 
 
-UNSNAPPED, NEVER, SNAPPED, LATCHED, RETURNED, FAILED, ABSENT, HELD = Outcome
+UNSNAPPED, NEVER, SNAPPED, LATCHED, RETURNED, FAILED, ABSENT = Outcome
 OUTCOMES = tuple(outcome.name.lower() for outcome in Outcome)
 REPEATED_STEP = 0.75
 """The second run of a cell takes this fraction of the first one's step."""
@@ -38,19 +34,17 @@ def label(
     well: np.ndarray,
     energy_error: np.ndarray,
     tolerance: float,
-    linked: np.ndarray | bool = False,
 ) -> np.ndarray:
     """Outcome of each cell as an index into OUTCOMES, int8; the arguments are `Observations`.
 
     Proven for ever: `never` left the well of its start, 1, `latched` in the other, 2, `returned` to
-    1 after a snap. Open at the horizon: `unsnapped`, `snapped`, and of those that are linked
-    `held`, beyond the saddle with their link whole. A run whose ledger does not close within the
-    tolerance has `failed`, whatever else it seems to show.
+    1 after a snap. Open at the horizon: `unsnapped`, `snapped`. A run whose ledger does not close
+    within the tolerance has `failed`, whatever else it seems to show.
     """
     snapped, settled = ~np.isnan(t_snap), ~np.isnan(t_settled)
     outcome = np.select(
-        [~(energy_error <= tolerance), snapped & settled, snapped, settled, linked & (well == 2)],
-        [FAILED, np.where(well == 2, LATCHED, RETURNED), SNAPPED, NEVER, HELD],
+        [~(energy_error <= tolerance), snapped & settled, snapped, settled],
+        [FAILED, np.where(well == 2, LATCHED, RETURNED), SNAPPED, NEVER],
         UNSNAPPED,
     )
     return outcome.astype(np.int8)
@@ -78,7 +72,7 @@ def shares(counts: Mapping[str, int]) -> dict[str, float]:
     total = max(1, sum(counts.values()) - counts.get("absent", 0))
     groups = {
         "proven": ("never", "latched", "returned"),
-        "open": ("unsnapped", "snapped", "held"),
+        "open": ("unsnapped", "snapped"),
         "failed": ("failed",),
     }
     return {

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..beam.basis import Basis
-from ..beam.modal import first_midpoint, pulse_load, settled
+from ..beam.modal import pulse_load, settled
 from ..device import Device, Value
 from ..numerics import pieces as curve
 from ..numerics.kernels import compiled, fma
@@ -24,8 +24,6 @@ class System(NamedTuple):
     gap: z0, between mass and midpoint at rest, um
     beam_damping: rate alpha of the force -alpha Mb du/dt on the beam, 1/us
     stop_toward, stop_away: travel of the mass up to a stop, um; restitution: of both
-    link_at: w(L/2) from rest where the beam meets it; link_stiffness: 0 for none; link_travel: to
-        its strength, um
     start: (n,), at which a run begins, from the first shape; side: 1, or -1 from the second shape
     """
 
@@ -45,9 +43,6 @@ class System(NamedTuple):
     stop_toward: Value
     stop_away: Value
     restitution: Value
-    link_at: Value
-    link_stiffness: Value
-    link_travel: Value
     start: np.ndarray
     side: float
 
@@ -75,9 +70,6 @@ def nodal_system(device: Device, basis: Basis, start: np.ndarray | None = None) 
         stop_toward=device.stop_toward,
         stop_away=device.stop_away,
         restitution=device.restitution,
-        link_at=(device.link_at - first_midpoint(basis, device.beam)).item(),
-        link_stiffness=device.link_stiffness * float(device.has_link and start is None),
-        link_travel=device.link_strength / device.link_stiffness,
         start=np.zeros(scaled.load.size) if start is None else start,
         side=1.0 if start is None else -1.0,
     )
@@ -173,36 +165,22 @@ def meet_stops(system, w_mid, a, y_before, y, dt):
 
 
 @compiled
-def link_pull(system, before, s):
-    """The link's force, uN, and whether it breaks; before, s: its compression at two instants.
-
-    As it breaks it takes what is left of the energy up to its strength.
-    """
-    stiffness, travel = system.link_stiffness, system.link_travel
-    if s < travel:
-        return stiffness * max(0.0, s), False
-    left = travel * travel - max(0.0, before) * s
-    return stiffness * left / (2 * (s - before)), True
-
-
-@compiled
 def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
     """March one cell by central differences until side w(L/2) is at `target` or `steps` are done.
 
     With u = q - q0 and y the displacement of the mass, from rest, at t = n dt:
 
         N = -EA/2L (2 u.G q0 + u.G u),  P = lambda <u(L/2) - y - z0>+
-        F = k <s>+, s = w_link - u(L/2), until the link breaks;  R = P - F
-        Mb (u+ - 2 u + u-)/dt^2 + alpha Mb (u+ - u-)/(2 dt) = -Kb u + N (G u + G q0) - f a - e R
+        Mb (u+ - 2 u + u-)/dt^2 + alpha Mb (u+ - u-)/(2 dt) = -Kb u + N (G u + G q0) - f a - e P
         M (y+ - 2 y + y-)/dt^2 + C (y+ - y-)/(2 dt) = -M a - K y + P
 
     pulse: pieces, and what they begin and end with, as in `numerics.pieces`, over x = f0 t
     amplitude: N g, um/us^2; f0: 1/us; damping: C, uN us/um; target: from rest, um
     history: (samples, 2 n + 4), modified in place: u, du/dt, y, dy/dt, work of the pulse and
         energy lost (pJ), at as many of the first instants as it holds
-    Returns (t_snap, energy_error, pulse_work, energy_left): us, NaN if the target is not reached;
-    the energy ledger's residual over the gross work of the pulse, not finite after a blow-up; pJ,
-    of the whole pulse, NaN if the run ended before it; pJ, kinetic, of the beam as its link breaks.
+    Returns (t_snap, energy_error, pulse_work): us, NaN if the target is not reached; the energy
+    ledger's residual over the gross work of the pulse, not finite after a blow-up; pJ, of the whole
+    pulse, NaN if the run ended before it.
     """
     n = system.load.size
     u, u_before, u_after = system.start.copy(), system.start.copy(), np.zeros(n)
@@ -213,8 +191,7 @@ def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
     inertia, drag = system.mass / dt**2, damping / (2 * dt)
     beam_drag = system.beam_damping * dt / 2
     power, work, gross_work, loss, lost = 0.0, 0.0, 0.0, 0.0, 0.0
-    t_snap, residual, pulse_work, left = np.nan, 0.0, np.nan, np.nan
-    stiffness, s, pull = system.link_stiffness, system.link_at, 0.0
+    t_snap, residual, pulse_work = np.nan, 0.0, np.nan
     pieces, ends = pulse
     k, a = 0, 0.0
     begun = total_energy(
@@ -231,17 +208,10 @@ def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
         a = amplitude * curve.sample(pieces, k, ends, x, f0 * dt)
         w_mid = dot(system.midpoint, u)
         contact = system.penalty * max(0.0, w_mid - y - system.gap)
-        s_before, s, stored = s, system.link_at - w_mid, 0.0
-        if stiffness > 0:
-            pull, breaks = link_pull(system, s_before, s)
-            stored = stiffness * min(max(0.0, s), system.link_travel) ** 2 / 2
-            if breaks:
-                stiffness, lost, stored = 0.0, lost + stored, 0.0
-        net, pull = contact - pull, 0.0
         compression = beam_stresses(system, u, bending_u, geometric_u)
         for i in range(n):
             force[i] = compression * (geometric_u[i] + system.slope_start[i]) - bending_u[i]
-            force[i] -= system.load[i] * a + system.midpoint[i] * net
+            force[i] -= system.load[i] * a + system.midpoint[i] * contact
         multiply(system.inverse_inertia, force, acceleration)
         for i in range(n):
             u_after[i] = 2 * u[i] - (1 - beam_drag) * u_before[i] + dt**2 * acceleration[i]
@@ -268,19 +238,17 @@ def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
         snapped = system.side * w_after <= target
         if snapped or step == steps - 1 or not np.isfinite(w_after):
             energy = total_energy(system, u, velocity, y, y_velocity, compression)
-            residual = energy + stored + lost - work - begun
+            residual = energy + lost - work - begun
             if step + 1 >= curve.lasts(ends[1], f0 * dt):
                 pulse_work = work + power * dt / 2
             if snapped:
                 ahead = system.side * w_mid - target
                 t_snap = (step + ahead / (system.side * (w_mid - w_after))) * dt
-                multiply(system.inertia, (u_after - u) / dt, force)
-                left = dot((u_after - u) / dt, force) / 2 if system.link_stiffness > 0 else np.nan
             break
         u_before, u, u_after = u, u_after, u_before
         y_before, y = y, y_after
     error = abs(residual) / gross_work if gross_work > 0 else abs(residual)
-    return t_snap, error, pulse_work, left
+    return t_snap, error, pulse_work
 
 
 def starting(model, start):
@@ -295,7 +263,7 @@ def march(model, cells, dt, settings):
     model: a `Model`; cells: `Cells`, each column (cells,); dt: us, (cells,)
     Returns what the SIMD kernel does; no well is known
     """
-    observed = np.empty((4, cells.f0.size))
+    observed = np.empty((3, cells.f0.size))
     for which in np.unique(cells.device):
         picked = model.pick(which)
         system = starting(picked, settings.start)
@@ -306,9 +274,9 @@ def march(model, cells, dt, settings):
             curve = cells.pulses[cells.pulse[i]].curve
             load = curve, cells.amplitude[i], cells.f0[i], cells.damping[i]
             observed[:, i] = follow(system, *load, target, dt[i], steps, no_history)
-    t_snap, energy_error, *works = observed
+    t_snap, energy_error, pulse_work = observed
     no_well, unknown = np.zeros(t_snap.size, np.int8), np.full(t_snap.size, np.nan)
-    return t_snap, unknown, no_well, energy_error, unknown, *works, unknown
+    return t_snap, unknown, no_well, energy_error, unknown, pulse_work, unknown
 
 
 def record(model, pulse, amplitude, f0, damping, dt, steps, start=FIRST):
@@ -321,8 +289,5 @@ def record(model, pulse, amplitude, f0, damping, dt, steps, start=FIRST):
     form = Form(system.inertia, *shape, residual=0.0, shapes=np.eye(n))
     u = kept[:, :n]
     rest = kept[:, 2 * n :].T
-    farthest = np.maximum.accumulate(system.link_at - apply(u, system.midpoint))
-    link = system.link_stiffness * (farthest < system.link_travel)
-    stretch = form.stretch(u)
-    motion = Motion(time, u, kept[:, n : 2 * n], rest[0], rest[1], stretch, *rest[2:], link)
+    motion = Motion(time, u, kept[:, n : 2 * n], rest[0], rest[1], form.stretch(u), *rest[2:])
     return form, [motion]

@@ -28,7 +28,7 @@ def march(model, cells, dt, settings):
     model: a `Model`; cells: `Cells`, each column (cells,); dt: us, (cells,)
     """
     n_cells = cells.f0.size
-    t_snap, t_settled, *others = (np.empty(n_cells) for _ in range(7))
+    t_snap, t_settled, *others = (np.empty(n_cells) for _ in range(6))
     facts = Facts(t_snap, t_settled, np.empty(n_cells, np.int8), *others)
     start, pulses = settings.start, table(cells.pulses)
     devices = _coefficients(model, start)
@@ -125,7 +125,6 @@ def _motion(model, damping, dt, shrink, first, before, after):
         stretch=after[R.Q - R.STATE],
         work=after[R.WORK - R.STATE] / (2 * dt**2),
         lost=lost / (4 * dt) + after[R.LOST - R.STATE] / dt**2,
-        link=after[R.LINK - R.STATE] / dt**2,
     )
 
 
@@ -150,20 +149,10 @@ def coefficients(model, target, start=FIRST):
     """
     device, modal, barrier = model.device, model.modal, model.barrier
     side, n, k = SIDE[start], len(device), model.modes
-    # ASSUME: the modes left out give under the link by themselves, as under the mass.
-    soft = 1 / np.asarray(device.link_stiffness) + modal.residual
-    linked = device.has_link & (start == FIRST)
     numbers = [
         *(modal.axial, modal.residual, contact_stiffness(device, modal.residual), device.mass),
-        *(device.spring, np.where(linked, -np.inf, target)),
-        *(
-            np.where(linked, model.least_energy, barrier.energy),
-            side * barrier.midpoint,
-            device.gap,
-        ),
+        *(device.spring, target, barrier.energy, side * barrier.midpoint, device.gap),
         *(device.beam.damping, device.stop_toward, device.stop_away, device.restitution, side),
-        np.where(linked, device.link_at - barrier.first, 0.0),
-        *(device.link_strength * soft, np.where(linked, 1 / soft, 0.0)),
     ]
     vectors = modal.stiffness, *modal[2:5]
     columns = [np.broadcast_to(number, n)[:, np.newaxis] for number in numbers]

@@ -46,8 +46,6 @@ CORNERED = 0.4
 STRIKING = 0.05
 """The same, where the mass strikes with a run-up: across a gap, after a pulse that pulls, back from
 a stop, or in a train of blows."""
-LINKED = 0.25
-"""Times all but the fewest, of a beam that meets a link."""
 LANDING = 0.03
 """Frequency of a pulse that presses, over the device's own, below which the mass lands so softly
 across a gap that it does not matter; above, steps fall to STRIKING with the sixth power."""
@@ -74,7 +72,7 @@ class Steps:
     shortest: us, (devices,): so long a step resolves the device, however short the pulse
     blows: us, (devices,): swings up to which blows decide
     apart: whether the mass rests apart from the beam, (devices,)
-    returns: whether it comes back from a stop, or meets a link, (devices,)
+    returns: whether it comes back from a stop, (devices,)
     chatter: by how much more steps a mass asks that chatters on its contact, (devices,)
     calms: us, (devices,): swings of smooth pulses below which it does
     most: steps in each swing of a smooth pulse that are enough for SNAP and EDGE, (devices,)
@@ -189,38 +187,23 @@ def largest_speed(device: Device, cells: Cells) -> np.ndarray:
     return np.where(np.atleast_1d(device.is_alone)[cells.device], 0.0, speed)
 
 
-def explicit_steps(device: Device, modal: ModalBeam, step: float | None) -> Steps:
-    """The rule of central differences; step: over their limit, by default OF_LIMIT."""
-    return fixed(np.atleast_1d((step or OF_LIMIT) * stability_limit(device, modal)))
+def explicit_steps(device: Device, modal: ModalBeam) -> Steps:
+    """The rule of central differences."""
+    return fixed(np.atleast_1d(OF_LIMIT * stability_limit(device, modal)))
 
 
-def steps_of(device: Device, modal: ModalBeam, step: float | None) -> Steps:
-    """The rule of a device or a batch.
-
-    step: over the limit of linear bending, the same for all questions; by default as long as the
-        question needs
-    """
-    if step is not None:
-        return fixed(np.atleast_1d(step * bending_limit(device, modal)))
-    period = np.atleast_1d(np.where(device.has_link, LINKED, 1.0) / arch_frequency(modal))
+def steps_of(device: Device, modal: ModalBeam) -> Steps:
+    """The rule of a device or a batch."""
+    period = np.atleast_1d(1 / arch_frequency(modal))
     longest = {question: turn * period for question, turn in LONGEST.items()}
     has_gap = np.greater(device.gap, 0) & np.isfinite(device.gap)
-    returns = device.has_stops | device.has_link
-    apart, returns = (np.broadcast_to(one, period.shape) for one in (has_gap, returns))
+    apart, returns = (np.broadcast_to(one, period.shape) for one in (has_gap, device.has_stops))
     chatter = np.broadcast_to(CHATTER * stiffness_share(device), period.shape)
     calms = np.broadcast_to(2 * np.pi / (FAST * device.own_frequency), period.shape)
     most = np.broadcast_to(most_steps(device), period.shape)
     tightening = np.broadcast_to(strike_tightening(device, modal), period.shape)
     of_devices = SHORTEST * period, BLOWS * period, apart, returns, chatter, calms, most, tightening
     return Steps(longest, *of_devices, PER_SWING, CORNERED, STRIKING)
-
-
-def bending_limit(device: Device, modal: ModalBeam) -> Value:
-    """2/omega_max, us, of linear bending and of the mass on its spring.
-
-    The kernel has no limit; there it is a measure by which `step` counts.
-    """
-    return _with_mass(device, 2 / np.sqrt(modal.stiffness[..., -1]))
 
 
 def stability_limit(device: Device, modal: ModalBeam) -> Value:
@@ -236,18 +219,14 @@ def stability_limit(device: Device, modal: ModalBeam) -> Value:
     tangent += _column(2 * modal.axial) * outer(slope, slope)
     contact = contact_stiffness(device, modal.residual)
     tangent += _column(contact) * outer(modal.midpoint, modal.midpoint)
-    return _with_mass(device, 2 / np.sqrt(eigenvalues(tangent)[..., -1]))
+    of_beam, of_mass = 2 / np.sqrt(eigenvalues(tangent)[..., -1]), 2 / device.mass_frequency
+    return np.where(device.is_alone, of_beam, np.minimum(of_beam, of_mass))[()]
 
 
 def arch_frequency(modal: ModalBeam) -> Value:
     """About how fast the arch swings with its axial stiffness, 1/us: kappa_1 + EA/L |S q0|^2."""
     arch = 2 * modal.axial * dot(modal.slope_start, modal.slope_start)
     return np.sqrt(modal.stiffness[..., 0] + arch)
-
-
-def _with_mass(device, of_beam):
-    of_mass = 2 / device.mass_frequency
-    return np.where(device.is_alone, of_beam, np.minimum(of_beam, of_mass))[()]
 
 
 def _column(values):

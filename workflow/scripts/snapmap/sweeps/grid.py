@@ -13,7 +13,7 @@ from ..solver.outcome import ABSENT, FAILED, REPEATED_STEP, label, t_snap_error,
 from ..solver.settings import FIRST, Settings
 
 TIMES = "t_snap", "t_settled", "t_snap_error"
-SHARES = "well_share", "energy_error", "pulse_work", "work_error", "energy_left"
+SHARES = "well_share", "energy_error", "pulse_work", "work_error"
 UNKNOWN = dict.fromkeys((*TIMES, *SHARES, *CLOSING), np.nan)
 KNOWN = dict.fromkeys(("agreed", "reproduced", "well_reproduced"), 1)
 NONE = dict.fromkeys(("well", "halvings", "level", "blow"), 0)
@@ -38,12 +38,10 @@ def follow_rows(
     order = np.argsort(N, kind="stable")
     cells = rows.take(there).cells(model.device, N[order], settings.horizon)
     seen = model.follow(cells, settings)
-    has_link = model.device.has_link & (settings.start == FIRST)
-    linked = np.broadcast_to(has_link, len(model.device))[cells.device]
-    variables = _variables(seen, settings, linked)
+    variables = _variables(seen, settings)
     if settings.repeat:
         again = model.with_step(REPEATED_STEP).follow(cells, settings)
-        variables |= _repeated(variables, _variables(again, settings, linked))
+        variables |= _repeated(variables, _variables(again, settings))
         for compare in (work_error, t_snap_error):
             variables[compare.__name__] = compare(seen, again).astype(np.float32)
     if np.any(model.device.has_electrode):
@@ -56,9 +54,9 @@ def follow_rows(
     return variables
 
 
-def _variables(seen, settings, linked):
+def _variables(seen, settings):
     variables = {
-        "outcome": label(*seen[:4], settings.energy_tolerance, linked),
+        "outcome": label(*seen[:4], settings.energy_tolerance),
         "t_snap": seen.t_snap,
         "t_settled": seen.t_settled,
         "energy_error": seen.energy_error,
@@ -67,8 +65,6 @@ def _variables(seen, settings, linked):
         "level": seen.level,
         "agreed": seen.agreed,
     }
-    if linked.any():
-        variables["energy_left"] = seen.energy_left.astype(np.float32)
     if settings.until == "settled":
         failed = variables["outcome"] == FAILED
         well = seen.well if settings.start == FIRST else np.where(seen.well, 3 - seen.well, 0)

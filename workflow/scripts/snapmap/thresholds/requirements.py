@@ -114,8 +114,7 @@ def _verdicts(study, name, required, C, tolerance):
     cells = rows_of(grid).cells(grid.device, N, settings.horizon)
     model = choose_model(grid.device, study.model, settings.start)
     seen = model.follow(cells, settings)
-    linked = study.device.has_link & (settings.start == FIRST)
-    outcomes = label(*seen[:4], settings.energy_tolerance, linked)[:, 0]
+    outcomes = label(*seen[:4], settings.energy_tolerance)[:, 0]
     columns = {key: found[key].values.ravel() for key in SEARCHED}
     for i, (shocks, damping) in enumerate(product(study.shocks.each(), C)):
         row = {key: column[i].item() for key, column in columns.items()}

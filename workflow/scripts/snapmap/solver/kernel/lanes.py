@@ -29,7 +29,6 @@ class Facts(NamedTuple):
     energy_error: np.ndarray
     well_share: np.ndarray
     pulse_work: np.ndarray
-    energy_left: np.ndarray
     lowest: np.ndarray
 
 
@@ -70,12 +69,11 @@ def load(work, shape, l, device, damping, amplitude, dt):
     work[l::LANES] = 0.0
     modes = len(shape)
     X, V = numbers(work), vectors(work, modes)
-    drag, square, of_modes = damping * dt / 2, dt * dt, device[R.LINK_STIFFNESS + 1 :]
-    for name in range(R.AXIAL, R.LINK_STIFFNESS + 1):
+    drag, square, of_modes = damping * dt / 2, dt * dt, device[R.SIDE + 1 :]
+    for name in range(R.AXIAL, R.SIDE + 1):
         X[name, l] = device[name]
-    for name in (R.AXIAL, R.CONTACT, R.K, R.BARRIER, R.LINK_STIFFNESS):
+    for name in (R.AXIAL, R.CONTACT, R.K, R.BARRIER):
         X[name, l] *= square
-    X[R.LINK, l] = X[R.LINK_STIFFNESS, l]
     X[R.RESIDUAL, l] /= square
     X[R.ALPHA, l] *= dt
     for i in range(modes):
@@ -153,7 +151,6 @@ def look(X, V, modes, l, cell, state, task):
     if not ended and well == 0:
         return False
 
-    linked = X[R.LINK_STIFFNESS, l] > 0.0
     # Not above: a reference to each of the arrays takes 7 % of a run.
     facts, proven = task.facts, well != 0
     facts.energy_error[cell] = abs(residual) * scale
@@ -162,7 +159,6 @@ def look(X, V, modes, l, cell, state, task):
     before, after = X[R.W_BEFORE, l], X[R.W, l]
     passed = X[R.COUNT, l] - 2 + (before - X[R.TARGET, l]) / (before - after)
     facts.t_snap[cell] = passed * dt if snapped else np.nan
-    facts.energy_left[cell] = X[R.LEFT, l] / dt**2 if snapped and linked else np.nan
     facts.t_settled[cell] = (steps - 1) * dt if proven and not stopped else np.nan
     facts.lowest[cell] = X[R.LOWEST, l]
     facts.well[cell], facts.well_share[cell] = 0, np.nan
@@ -186,7 +182,7 @@ def half_step_midpoint(V, modes, l):
 
 @inlined
 def energies(X, V, modes, l):
-    """What `advance` conserves, of the beam, the mass, contact and link; and w.
+    """What `advance` conserves, of the beam, the mass and contact; and w.
 
     At the last half step: products of two instants stand for squares.
     """
@@ -199,8 +195,7 @@ def energies(X, V, modes, l):
     mass = X[R.M, l] * d * d / 2 + X[R.K, l] * middle * middle / 2
     w = half_step_midpoint(V, modes, l)
     contact = X[R.CONTACT, l] * max(0.0, X[R.OVERLAP, l]) ** 2 / 2
-    link = X[R.LINK, l] * max(0.0, X[R.LINK_AT, l] - w) ** 2 / 2
-    return beam, mass, contact + link, w
+    return beam, mass, contact, w
 
 
 @inlined

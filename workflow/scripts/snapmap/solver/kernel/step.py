@@ -7,7 +7,6 @@ import numpy as np
 
 from ...numerics.kernels import compiled, fma, inlined, widen_vectors
 from . import rows as R
-from .link import has_links, meet_links
 from .rows import LANES, numbers, vectors
 
 
@@ -29,7 +28,7 @@ def advance(work, shape, shocks, first, steps):
     widen_vectors()
     modes = len(shape)
     X, V = numbers(work), vectors(work, modes)
-    stopped, linked = has_stops(work), has_links(work)
+    stopped = has_stops(work)
     for step in range(first, first + steps):
         if stopped and crossed(work):
             meet_stops(work)
@@ -37,8 +36,6 @@ def advance(work, shape, shocks, first, steps):
         for l in range(LANES):
             touch(X, l, release_all(X, V, modes, l, 0, modes, (0.0, 0.0, 0.0, 0.0, 0.0)))
         switch_contacts(X)
-        if linked:
-            meet_links(work, shape)
         for l in range(LANES):
             press(X, V, modes, l, meet(X, l))
 

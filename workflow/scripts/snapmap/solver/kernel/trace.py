@@ -145,7 +145,7 @@ def widen(X, V, modes, low, high):
 @inlined
 def seen_midpoint(X, V, modes, l):
     """w(L/2) from rest of lane l half way through the step, um."""
-    return half_step_midpoint(V, modes, l) - X[R.RESIDUAL, l] * pressed(X, V, modes, l)
+    return half_step_midpoint(V, modes, l) - X[R.RESIDUAL, l] * pressed(X, l)
 
 
 @inlined
@@ -156,7 +156,7 @@ def largest_stress(X, V, modes, l, rows):
     stretch and at rest
     """
     places = len(rows) - 1
-    stretch, contact = X[R.Q, l], pressed(X, V, modes, l)
+    stretch, contact = X[R.Q, l], pressed(X, l)
     most = 0.0
     for place in range(places):
         bent = rows[place, modes + 1] - rows[place, modes] * contact
@@ -168,11 +168,10 @@ def largest_stress(X, V, modes, l, rows):
 
 
 @inlined
-def pressed(X, V, modes, l):
-    """The contact force less the link's at the last half step, times dt^2."""
-    overlap, s = X[R.OVERLAP, l], X[R.LINK_AT, l] - half_step_midpoint(V, modes, l)
-    contact = X[R.CONTACT, l] * (overlap if overlap > 0.0 else 0.0)
-    return contact - X[R.LINK, l] * (s if s > 0.0 else 0.0)
+def pressed(X, l):
+    """The contact force at the last half step, times dt^2."""
+    overlap = X[R.OVERLAP, l]
+    return X[R.CONTACT, l] * (overlap if overlap > 0.0 else 0.0)
 
 
 @inlined
