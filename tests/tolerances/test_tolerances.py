@@ -1,5 +1,6 @@
 """Devices as made: samples, thresholds, probability, sensitivity and yield."""
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +9,8 @@ from scipy import stats
 from varied import varied
 
 import snapmap
+from snapmap.figures.style import single_column
+from snapmap.figures.tolerances import draw_probability
 from snapmap.shocks import make_shocks
 from snapmap.solver.cells import to_rows
 from snapmap.solver.settings import Settings
@@ -164,6 +167,15 @@ def test_samples_without_a_second_shape_count_and_never_snap(handout):
     assert 0.1 < lost.mean() < 0.5
     assert made.N_first.squeeze().isnull().where(lost, False).sum() == lost.sum()
     assert made.probability.max() == pytest.approx(1 - lost.mean().item())
+
+
+def test_devices_with_one_threshold_have_a_probability_at_it_alone(handout):
+    made = snapmap.tolerance(handout, {"thickness": 1e-15}, [1500.0], [25.0], samples=4, **CHEAP)
+    assert made.N.size == 1 and made.N.item() == made.N_first[0].item()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        ax = draw_probability(single_column(3.0).subplots(), made.isel(C=0))
+    assert ax.get_xlim()[0] < made.N.item() < ax.get_xlim()[1]
 
 
 def test_shares_that_meet_requirements_are_those_of_the_thresholds(handout, monkeypatch):

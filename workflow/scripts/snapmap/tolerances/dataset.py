@@ -150,7 +150,8 @@ def _of_device(study, axes, tolerances, requirements, tolerance):
     if (N := axes.get("N")) is None:
         known = first[np.isfinite(first)]
         ends = (known.min(), known.max()) if known.size else (1.0, 2.0)
-        N = np.append(geometric(*ends, AMPLITUDES)[:-1], ends[1])  # to its last digit
+        below = geometric(*ends, AMPLITUDES)[:-1] if ends[0] < ends[1] else []
+        N = np.append(below, ends[1])  # to its last digit
     N, along = np.unique(np.asarray(N, float)), (*groups, "N")
     data |= _share("probability", count_below(first, N), samples, along)
     if device.beam.damping > 0:
