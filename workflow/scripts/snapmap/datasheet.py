@@ -19,7 +19,7 @@ from .solver.settings import SECOND
 from .study import Study, at_corner
 from .thresholds.corners import corner_text, corners, must_text
 from .thresholds.requirements import LEVELS
-from .tolerances.statistics import scope, percents
+from .tolerances.statistics import percents, scope
 
 UNITS = {
     "toward_max": ("travel of the mass towards the beam", "um"),

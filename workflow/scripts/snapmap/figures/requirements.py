@@ -15,7 +15,7 @@ from matplotlib.patheffects import withTickedStroke
 from ..solver.settings import SECOND
 from ..study import ANY, SNAPS
 from ..thresholds.corners import corners, must_text
-from ..tolerances.statistics import scope, percents
+from ..tolerances.statistics import percents, scope
 from . import plane, style
 from .curves import LOOKS, each_line
 from .scales import number, place_text, tick, value_text

@@ -19,7 +19,7 @@ from ..study import SNAPS, THRESHOLD_SETTINGS, Study, of_requirement, study_of, 
 from .batch import Batch, choose_levels
 from .samples import SHOCK_FACTORS, Plan, Tolerances
 from .sensitivity import crossed, indices
-from .statistics import count_below, scope, moments, percents, quantile_bounds, quantiles, wilson
+from .statistics import count_below, moments, percents, quantile_bounds, quantiles, scope, wilson
 
 QUANTILES = (0.001, 0.01, 0.1, 0.5, 0.9, 0.99, 0.999)
 AMPLITUDES = 101
@@ -103,7 +103,8 @@ def tolerances_of(
     document["tolerances"] = tolerances.section
     made = dress("tolerance", data, document, threshold_tolerance=tolerance)
     if requirements:
-        degrees = axes.get("temperature") or [one.temperature for one in study.devices().values()]
+        own = [one.temperature for one in study.devices().values()]
+        degrees = axes.get("temperature", own)
         ends = dict.fromkeys([plain(min(degrees)), plain(max(degrees))])
         made["yield"].attrs["temperatures"] = f"{' to '.join(ends)} degC"
     return made
