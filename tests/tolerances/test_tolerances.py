@@ -216,7 +216,7 @@ def test_a_requirement_is_met_under_all_its_shocks_at_all_temperatures(handout):
         device=device, model={"name": "cosines", "modes": 3}, settings=Settings(horizon=300.0)
     )
     made = Tolerances({"thickness": 0.05}, samples=32, index_samples=2)
-    both, degrees = make_shocks(["half sine", "versed sine"]), [-40.0, 120.0]
+    both, degrees = make_shocks(["half sine", "versed sine"]), np.array([-40.0, 120.0])
     common = {"N": 1000.0, "f0": 1500.0}
     needs = [
         common | {"name": "trips", "snaps": True, "shocks": both},
@@ -241,6 +241,7 @@ def test_a_requirement_is_met_under_all_its_shocks_at_all_temperatures(handout):
     np.testing.assert_allclose(rests, least[1], rtol=2e-3)
     shares = (most[0] <= 1000).mean(), (least[1] > 1000).mean(), 1.0
     np.testing.assert_allclose(found.share_meeting.squeeze("C"), shares, atol=1 / 32)
+    assert found["yield"].temperatures == "-40 to 120 degC"
     assert min(shares) > 0 and found.must_snap.values.tolist() == [1, 0, 2]
     stress = found.stress_max.squeeze("C").values
     np.testing.assert_array_equal(stress[0], stress[1])

@@ -15,7 +15,7 @@ from matplotlib.patheffects import withTickedStroke
 from ..solver.settings import SECOND
 from ..study import ANY, SNAPS
 from ..thresholds.corners import corners, must_text
-from ..tolerances.statistics import left_out, percents
+from ..tolerances.statistics import percents, scope
 from . import plane, style
 from .curves import LOOKS, each_line
 from .scales import number, place_text, tick, value_text
@@ -102,12 +102,14 @@ def draw_requirement(ax: Axes, found: xr.Dataset) -> Axes:
     ends = np.array([*known, N])
     room = 0.05 * np.ptp(ends) or 0.05 * N
     low, high = max(ends.min() - room, 0), ends.max() + room
+    where = [place_text(found)]
     if must != SNAPS[ANY]:
+        where.append(f"met by {percents(found.share_meeting)}")
         ax.axvspan(*((N, high) if must else (low, N)), **FAILS)
     ax.hist(known, bins="sqrt", color="#0072b2", alpha=0.8)
     ax.axvline(N, color="black", linewidth=0.8, label="required $N$")
-    where = ", ".join(filter(None, [place_text(found), f"met by {percents(found.share_meeting)}"]))
-    ax.set_title(f"{_required(found.requirement.item(), must)}\n{where}")
+    words = ", ".join(filter(None, where))
+    ax.set_title(f"{_required(found.requirement.item(), must)}\n{words}")
     label = f"threshold $N$ ({style.multiples(found.attrs)})"
     ax.set(xlim=(low, high), xlabel=label, ylabel="devices")
     ax.locator_params(axis="y", integer=True)
@@ -119,11 +121,12 @@ def each_share(found: xr.Dataset) -> Iterator[tuple[str, xr.DataArray, xr.DataAr
     """Name, share and bounds of each requirement, of beams that it leaves unbroken, and of all."""
     for name in found.requirement.values.tolist():
         one = found.sel(requirement=name)
-        yield name, one.share_meeting, one.share_meeting_bound
+        if one.must_snap != SNAPS[ANY]:
+            yield name, one.share_meeting, one.share_meeting_bound
         if "share_breaking" in found:
             bounds = 1 - one.share_breaking_bound.isel(bound=slice(None, None, -1))
             yield f"{name}, unbroken", 1 - one.share_breaking, bounds
-    yield f"all together{left_out(found['yield'])}", found["yield"], found.yield_bound
+    yield f"all together{scope(found['yield'])}", found["yield"], found.yield_bound
 
 
 def draw_yield(ax: Axes, found: xr.Dataset) -> Axes:
