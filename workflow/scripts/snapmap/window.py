@@ -52,8 +52,7 @@ def window_of(
         found = found.assign_coords(bound=["low", "high"])
         document["tolerances"] = tolerances.section
     temperatures = {"temperatures": axes[TEMPERATURE]} if _varies(axes) else {}
-    off = _off_between(found.reserve.values) if found.reserve.ndim == 3 else np.nan
-    found["reserve"].attrs["off_between_points"] = off
+    found["reserve"].attrs["off_between_points"] = _off_between(found.reserve.values)
     return dress("window", found, document, **temperatures)
 
 
@@ -65,7 +64,7 @@ def _varies(axes):
 def _off_between(reserve):
     """How far reserves may lie from straight lines between points, by their second differences."""
     reserve = np.clip(reserve, 1 / FAR, FAR)
-    beside = (np.diff(reserve, n=2, axis=axis) for axis in (1, 2))
+    beside = (np.diff(reserve, n=2, axis=axis) for axis in range(1, reserve.ndim))
     return float(sum(np.nanmax(abs(one), initial=0) / 8 for one in beside))
 
 
@@ -127,7 +126,7 @@ def summary(found: xr.Dataset, units: Units) -> str:
 
     found: over two axes of several values; units: of these
     """
-    found = found.squeeze()
+    found = found.squeeze([key for key in found.reserve.dims[1:] if found.sizes[key] == 1])
     axes, reserve = found.reserve.dims[1:], found.reserve.values
     met, least = least_reserve(reserve) >= 1, least_reserve(reserves_between(reserve))
     words = f"all requirements met at {met.sum()} of {met.size} points"

@@ -176,7 +176,7 @@ def draw_window(figure: FigureBase, found: xr.Dataset, x: str, y: str, units: Un
                 edge.set(path_effects=BEGINS_TO_FAIL)
     places = np.meshgrid(*(scale.places for scale in across))
     points = axes[0].plot(*map(np.ravel, places), **POINTS)
-    style.legend(figure, [*_window_keys(found, reserve, least), *points], _about(found), 3)
+    style.legend(figure, [*_window_keys(found, reserve, least), *points], _about(found, reserve), 3)
 
 
 def _open_window(ax, found, x, y, units):
@@ -226,8 +226,8 @@ def _window_keys(found, reserve, least):
         yield Patch(facecolor="white", **plane.ABSENT, label="no device, or not known")
 
 
-def _about(found):
-    """What a window holds for, and how sure it is."""
+def _about(found, reserve):
+    """What a window holds for, which requirements never end it, and how sure it is."""
     bar, off = (found.N_error / found.N_first).max(), found.reserve.attrs["off_between_points"]
     sure = f"error bars up to {percents(bar)}, between points up to {percents(off)} more"
     if "yield" in found:
@@ -236,5 +236,9 @@ def _about(found):
     if "temperatures" in found.attrs:
         low, *_, high = np.sort(found.attrs["temperatures"])
         words.append(f"at each temperature from {number(low)} to {number(high)} °C")
+    everywhere = {"met": (reserve >= 1).all(axis=(1, 2)), "failed": (reserve < 1).all(axis=(1, 2))}
+    for word, which in everywhere.items():
+        if names := ", ".join(found.requirement.values[which]):
+            words.append(style.literal(f"{word} everywhere: {names}"))
     words.append(f"ticks: where a requirement fails; {sure}")
-    return "\n".join(filter(None, words))
+    return "\n".join(textwrap.fill(line, style.PAGE) for line in words if line)
