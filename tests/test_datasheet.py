@@ -57,10 +57,11 @@ def test_thresholds_and_shares_are_those_of_the_results(sheet):
     assert share == pytest.approx(2.2 * 2.5, rel=0.5)  # 2.2 % of the threshold per % of thickness
     assert uncertain == pytest.approx(share / np.sqrt(2 * 32), rel=0.1)
     assert float(strength[0]) == pytest.approx(900 / verdict["stress_max"], rel=1e-2)
+    assert "| meet all, at 20 degC |" in text
     assert row(text, "meet all")[1] == f"{100 * made['yield'].item():.1f} %"
     where = "drop, half sine +z, C = 25, 20 degC"
     assert row(text, "travel of the mass towards")[2] == where
     assert row(text, "first closure") == ["2 us", "6 us", where]
     assert row(text, "openings") == ["4", "8", where]
-    assert "at rest at 20 degC" in text and "32 devices as made, at 20 degC" in text
+    assert "at rest at 20 degC" in text
     assert row(text, "force on the electrode at -5 um") == ["10.723 uN"]

@@ -192,6 +192,10 @@ def test_what_takes_long_is_told_before_it_begins(handout, monkeypatch):
         snapmap.vibration(handout, psd, 0.01, **shaken)
     with pytest.warns(UserWarning, match=r"^thresholds: about .*; f0 = 1500 Hz takes longest"):
         snapmap.design(handout, "thickness", **SINGLE, between=(2.0, 2.2), **CHEAP)
+    with pytest.warns(UserWarning, match=r"^simulate: about .*; f0 = 1500 Hz takes longest"):
+        snapmap.simulate(handout, **SINGLE, **CHEAP)
+    with pytest.raises(ValueError, match=r"^simulate: .*; write a higher f0 or a shorter horizon"):
+        snapmap.simulate(handout, **SINGLE, **CHEAP | {"horizon": 1e300})
     monkeypatch.setattr("snapmap.solver.cost.MOST_SECONDS", 0.0)
     with pytest.raises(ValueError, match=r"^vibration: .*; write a higher lowest frequency"):
         snapmap.vibration(handout, psd, 0.01, **shaken)

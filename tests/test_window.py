@@ -1,11 +1,14 @@
 """Where over two axes required shocks are met."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import snapmap
+from snapmap.between import PARTS, between, least_reserve
 from snapmap.motion.history import extremes_of
 from snapmap.shocks import make_shocks
 from snapmap.solver.settings import Settings
@@ -40,7 +43,8 @@ def test_a_window_ends_where_a_design_does(handout, found):
         along = reserve.sel(requirement=name).sortby(reserve.sel(requirement=name))
         assert np.interp(1.0, along, along.thickness) == pytest.approx(end.item(), abs=2e-3)
     met = int((found.reserve.min("requirement") >= 1).sum())
-    assert f"met at {met} of 12 points" in summary(found)
+    line = summary(found, {"thickness": ("mm", 1e3), "C": ("uN*us/um", 1.0)})
+    assert f"met at {met} of 12 points" in line and " mm, C = " in line
 
 
 def test_its_yields_and_stresses_are_those_of_one_device(handout, study, found):
@@ -83,3 +87,51 @@ def test_under_several_shocks_the_worst_counts(study):
     np.testing.assert_array_equal(
         both.stress_max, np.maximum(alone[0].stress_max, alone[1].stress_max)
     )
+
+
+def test_a_line_says_what_lies_between_points():
+    """Of x < 2.5 and y > 10.5, of x from 1 to 3 and y from 10 to 12: three quarters each way."""
+    x, y = np.array([1.0, 2.0, 3.0]), np.array([10.0, 12.0])
+    reserve = np.stack(np.broadcast_arrays((1 + (2.5 - x) / 10)[:, np.newaxis], 1 + (y - 10.5)))
+    over = ("requirement", "mass", "C")
+    data = {"reserve": (over, reserve), "yield": (over[1:], np.array([[0.5, 0.9]] * 3))}
+    found = xr.Dataset(data, {"requirement": ["a", "b"], "mass": x, "C": y})
+    line = summary(found, {"mass": ("mg", 2.0)})
+    assert line.startswith("all requirements met at 2 of 6 points, ")
+    assert pytest.approx(float(re.search(r"on ([0-9.]+)% of", line)[1]) / 100, abs=0.03) == 0.75**2
+    assert line.endswith("a factor of 1.15, is at mass = 0.5 mg, C = 10.75 uN*us/um, yield 65.0%")
+    # From x = 1.4 to 1.6 of 1 to 3.
+    column = np.repeat([[1 + (1.6 - x) / 10], [1 + (x - 1.4) / 10]], 2, axis=1)
+    line = summary(found.assign(reserve=(over, column.swapaxes(1, 2))), {})
+    assert line.startswith("all requirements met at 0 of 6 points, ")
+    assert pytest.approx(float(re.search(r"on ([0-9.]+)% of", line)[1]) / 100, abs=0.03) == 0.1
+
+
+def test_no_design_chooses_a_temperature(handout):
+    """Each requirement is met at both temperatures, or not at all; so is the yield."""
+    device = replace(handout, modulus_slope=-2e-3)
+    model = {"name": "cosines", "modes": 3}
+    study = Study(device=device, model=model, settings=Settings(horizon=300.0))
+    design = {"thickness": np.array([2.0, 2.1, 2.2]), "C": [25.0]}
+    drawn = Tolerances(SCATTERS, samples=16)
+    apart = [
+        window_of(study, {"temperature": [at], **design}, NEEDS, drawn) for at in (-20.0, 60.0)
+    ]
+    both = window_of(study, {"temperature": [-20.0, 60.0], **design}, NEEDS, drawn)
+    assert both.reserve.dims == ("requirement", "thickness", "C")
+    each = np.stack([one.reserve.squeeze("temperature") for one in apart])
+    np.testing.assert_array_equal(both.reserve, each.min(axis=0))
+    hot = np.argmin(each, axis=0)
+    np.testing.assert_array_equal(both.temperature, np.where(hot, 60.0, -20.0))
+    shares = np.stack([one["yield"].squeeze("temperature") for one in apart])
+    assert (both["yield"] <= shares.min(axis=0)).all() and len(np.unique(hot)) == 2
+    assert both.attrs["temperatures"] == [-20.0, 60.0]
+
+
+def test_what_is_not_known_is_neither_met_nor_failed():
+    reserve = np.array([[[1.2, np.nan], [1.1, np.nan]], [[1.3, 1.1], [0.9, 0.8]]])
+    least = least_reserve(reserve)
+    np.testing.assert_array_equal(least, [[1.2, np.nan], [0.9, 0.8]])
+    fine = between(np.array([1.0, np.nan, 3.0, 4.0]), 1)
+    assert fine[0] == 1 and fine[2 * PARTS] == 3 and fine[-1] == 4
+    assert np.isnan(fine[1 : 2 * PARTS]).all() and np.isfinite(fine[2 * PARTS :]).all()

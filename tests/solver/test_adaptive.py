@@ -60,6 +60,27 @@ def test_labels_change_where_the_threshold_is(handout, until):
         np.testing.assert_array_equal(labels.notnull().values.ravel()[far], share[far] > 0)
 
 
+THIN = {"span": 185.255, "rise": 1.915, "thickness": 0.3642, "depth": 10.63, "damping": 0.0063}
+THIN |= {"youngs_modulus": 121.9e3, "residual_stress": -2.965, "mass": 735.0, "spring": 0.688}
+
+
+@pytest.mark.parametrize(
+    ("values", "N", "f0", "C", "levels", "few", "many"),
+    [
+        # An independent code sees 1 to 4 of 40 cells snap; in longer steps 39 did.
+        ({"damping": 4e-3}, np.linspace(25e3, 64e3, 40), 8e3, 25.0, (3, 5, 11), 0, 4),
+        # It sees 73 to 76; 1 did. Three cosines are not enough here.
+        (THIN | {"contact": 56.9}, np.linspace(15e4, 3e5, 76), 5e4, 139.7, (5, 11), 70, 76),
+    ],
+)
+def test_every_level_follows_a_mass_that_strikes_fast(handout, values, N, f0, C, levels, few, many):
+    """On the way back, where tension turns the fastest modes."""
+    device, cells = varied(handout, **values), {"N": N, "f0": [f0], "C": [C], "pulse": "half sine"}
+    cells |= {"start": "second", "until": "snap", "horizon": 616.0}
+    for model in ("auto", *({"name": "cosines", "modes": modes} for modes in levels)):
+        assert few <= snapmap.sweep(device, **cells, model=model).t_snap.notnull().sum() <= many
+
+
 def test_a_tolerance_sets_the_steps(handout):
     """Of second order: a hundredth of the error, a tenth of the step."""
     cells = to_cells(handout, 0, 900.0, [[1500.0]], 25.0, 300.0)

@@ -4,18 +4,30 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from varied import alone
 
 from snapmap.beam.limit_loads import static_threshold
 from snapmap.pulse import SHAPES, make_pulse
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.search import lowest_snap
-from snapmap.solver.settings import EDGE, MOVE, SNAP, STAY, Settings
-from snapmap.solver.steps import FAST, FEWEST, HOLDS, Steps, arch_frequency, most_steps
+from snapmap.solver.settings import EDGE, MOVE, QUESTIONS, SNAP, STAY, Settings
+from snapmap.solver.steps import (
+    FAST,
+    FEWEST,
+    HOLDS,
+    MORE,
+    TURN,
+    Steps,
+    arch_frequency,
+    largest_speed,
+    most_steps,
+    strike_tightening,
+)
 
 LONGEST = {SNAP: 3.0, EDGE: 3.0, STAY: 0.2, MOVE: 0.1}
 LIMITS = {"shortest": 0.05, "blows": 100.0, "apart": False, "returns": False, "chatter": 0.0}
-LIMITS |= {"calms": 1e3, "most": np.inf}
+LIMITS |= {"calms": 1e3, "most": np.inf, "tightening": 0.04}
 STEPS, LIMITS = ({key: np.array([one]) for key, one in part.items()} for part in (LONGEST, LIMITS))
 RULE = Steps(STEPS, **LIMITS, per_swing=500)
 VERSED_SINE = (make_pulse(),)
@@ -95,6 +107,47 @@ def test_the_arch_is_stiffer_than_its_bending_by_its_rise(handout):
     modal = build_model(handout, "cosines", modes=1).modal
     ratio = arch_frequency(modal) ** 2 / modal.stiffness[0]
     assert ratio == pytest.approx(1 + 1.5 * handout.beam.bistability**2, rel=1e-12)
+
+
+@pytest.mark.parametrize("question", QUESTIONS)
+def test_the_tension_of_a_strike_turns_the_fastest_mode_a_few_radians_a_step(handout, question):
+    cells = to_cells(handout, [0], 900.0, 10.0, 25.0, 300.0)
+    for speed in (1e4, 1e6):
+        turn = [
+            RULE.times(factor).of(cells, question, speed).item() * np.sqrt(0.04 * speed)
+            for factor in (0.5, 1.0, 4.0)
+        ]
+        assert turn == pytest.approx([TURN / 2, TURN, MORE * TURN], rel=1e-12)
+    slow = RULE.of(cells, question, 1e-3).item()
+    assert slow == RULE.of(cells, question).item() == LONGEST[question]
+
+
+def test_a_strike_tightens_a_single_cosine_by_the_closed_form(handout):
+    """T = v sqrt(EA M/L) and omega^2 = T (2 pi/L)^2 / (3 rho A)."""
+    modal, beam = build_model(handout, "cosines", modes=1).modal, handout.beam
+    area = beam.thickness * beam.depth
+    tension = np.sqrt(beam.youngs_modulus * area * handout.mass / beam.span)
+    expected = tension * (2 * np.pi / beam.span) ** 2 / (3 * beam.density * area)
+    assert strike_tightening(handout, modal) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("f0", [300.0, 4e3, 5e4])
+def test_no_mass_on_its_spring_flies_faster(handout, f0):
+    """By the answer to a half sine, which is near the bound where the pulse is short."""
+    cells = to_cells(handout, 0, [-800.0], f0, 0.0, 0.0, 0, (make_pulse("half sine"),))
+    bound, own = largest_speed(handout, cells).item(), handout.mass_frequency
+    turn, rate = np.linspace(0.0, np.pi, 2001), np.pi * f0 * 1e-6
+    per_us = 800.0 * handout.gravity * rate / (rate**2 - own**2)
+    during = per_us * (np.cos(turn * own / rate) - np.cos(turn))
+    after = 2 * per_us * np.cos(np.pi * own / rate / 2)
+    share = max(abs(during).max(), abs(after)) / bound
+    assert share <= 1 + 1e-12
+    assert share > 0.99 or f0 < 5e4
+
+
+def test_a_beam_without_a_mass_is_struck_by_none(handout):
+    cells = to_cells(alone(handout), 0, [[800.0]], 1e3, 0.0, 0.0)
+    assert largest_speed(alone(handout), cells) == 0.0
 
 
 def threshold(model, f0, C, pulse, tolerance):

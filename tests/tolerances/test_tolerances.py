@@ -1,5 +1,6 @@
 """Devices as made: samples, thresholds, probability, sensitivity and yield."""
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +9,8 @@ from scipy import stats
 from varied import varied
 
 import snapmap
+from snapmap.figures.style import single_column
+from snapmap.figures.tolerances import draw_probability
 from snapmap.shocks import make_shocks
 from snapmap.solver.cells import to_rows
 from snapmap.solver.settings import Settings
@@ -166,6 +169,15 @@ def test_samples_without_a_second_shape_count_and_never_snap(handout):
     assert made.probability.max() == pytest.approx(1 - lost.mean().item())
 
 
+def test_devices_with_one_threshold_have_a_probability_at_it_alone(handout):
+    made = snapmap.tolerance(handout, {"thickness": 1e-15}, [1500.0], [25.0], samples=4, **CHEAP)
+    assert made.N.size == 1 and made.N.item() == made.N_first[0].item()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        ax = draw_probability(single_column(3.0).subplots(), made.isel(C=0))
+    assert ax.get_xlim()[0] < made.N.item() < ax.get_xlim()[1]
+
+
 def test_shares_that_meet_requirements_are_those_of_the_thresholds(handout, monkeypatch):
     monkeypatch.setattr(batches, "FEWEST", 10)
     monkeypatch.setattr(batches, "FOLLOWED", 0)
@@ -204,7 +216,7 @@ def test_a_requirement_is_met_under_all_its_shocks_at_all_temperatures(handout):
         device=device, model={"name": "cosines", "modes": 3}, settings=Settings(horizon=300.0)
     )
     made = Tolerances({"thickness": 0.05}, samples=32, index_samples=2)
-    both, degrees = make_shocks(["half sine", "versed sine"]), [-40.0, 120.0]
+    both, degrees = make_shocks(["half sine", "versed sine"]), np.array([-40.0, 120.0])
     common = {"N": 1000.0, "f0": 1500.0}
     needs = [
         common | {"name": "trips", "snaps": True, "shocks": both},
@@ -229,6 +241,7 @@ def test_a_requirement_is_met_under_all_its_shocks_at_all_temperatures(handout):
     np.testing.assert_allclose(rests, least[1], rtol=2e-3)
     shares = (most[0] <= 1000).mean(), (least[1] > 1000).mean(), 1.0
     np.testing.assert_allclose(found.share_meeting.squeeze("C"), shares, atol=1 / 32)
+    assert found["yield"].temperatures == "-40 to 120 degC"
     assert min(shares) > 0 and found.must_snap.values.tolist() == [1, 0, 2]
     stress = found.stress_max.squeeze("C").values
     np.testing.assert_array_equal(stress[0], stress[1])

@@ -10,6 +10,7 @@ every_study_has = of_cells | {
     "statics": [f"results/statics{which}.nc" for which in made.statics],
     "history": [f"results/histories/{cell}.nc" for cell in made.histories],
 }
+window = {key: study.units[key] for key in made.window}
 of_batch = {"places": made.batches, "yields": made.yields}
 # By their caption: the part of the report, and figures.
 FIGURES_OF = {
@@ -32,7 +33,7 @@ DRAWN = {
     "study": (OF_STUDY, every_study_has, seen),
     "page": ([], of_cells | traced, {"horizon": study.settings.horizon}),
     "requirements": ([], {"requirements": "results/requirements.csv"}, {}),
-    "window": ([], {"window": "results/window.nc"}, {"axes": list(made.window)}),
+    "window": ([], {"window": "results/window.nc"}, {"axes": window}),
     "tolerance": ([], {"tolerance": "results/tolerance.nc"}, of_batch),
     "calibration": ([], {"calibration": "results/calibration.nc"}, {}),
 }

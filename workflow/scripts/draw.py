@@ -139,9 +139,9 @@ def draw_requirements(requirements_path, stem):
 
 
 def draw_window(window_path, axes, stem):
-    """Draw where over two axes all required shocks are met."""
+    """Draw where over two axes, named with their units, all required shocks are met."""
     with open_whole(window_path) as found, _figure(stem, found, 4) as figure:
-        requirements.draw_window(figure, found, *axes)
+        requirements.draw_window(figure, found, *axes, axes)
 
 
 def draw_calibration(calibration_path, stem):

@@ -102,7 +102,7 @@ def find_window(study, axes, path):
     from snapmap.window import summary, window_of
 
     found = window_of(study.of_thresholds(), axes, study.requirements, study.tolerances)
-    _write(found, path, summary)
+    _write(found, path, lambda made: summary(made, study.units))
 
 
 def find_tolerance(study, path):

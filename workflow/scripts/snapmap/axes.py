@@ -27,6 +27,11 @@ NAMES = (DEVICE, *PULSE_AXES)
 DURATION = "duration"
 """f0 by another name, where figures are drawn over it; 1e3/f0, ms."""
 
+TEMPERATURE = "temperature"
+"""An axis of the device that no design chooses."""
+Units = Mapping[str, tuple[str, float]]
+"""Units in which a config writes axes: their spelling, and how many internal ones each is."""
+
 MOST_DEVICES = 100_000
 """More points on the device's axes are taken for a slip."""
 

@@ -19,7 +19,7 @@ from .solver.settings import SECOND
 from .study import Study, at_corner
 from .thresholds.corners import corner_text, corners, must_text
 from .thresholds.requirements import LEVELS
-from .tolerances.statistics import left_out, percents
+from .tolerances.statistics import percents, scope
 
 UNITS = {
     "toward_max": ("travel of the mass towards the beam", "um"),
@@ -71,7 +71,7 @@ def datasheet(
             largest = _largest(replace(study, device=device), requirements, own)
             largest = table(["what", "value", "error", "under"], largest)
             sheets += ["Largest under these shocks:\n", largest]
-        closed = [row for row in own if np.isfinite(row.get("t_closed", np.nan))]
+        closed = [row for row, *_ in corners(own) if np.isfinite(row.get("t_closed", np.nan))]
         if closed:
             closed = table(["what", "value", "error", "under"], _closures(closed))
             sheets += [
@@ -79,10 +79,7 @@ def datasheet(
                 closed,
             ]
         if batch is not None and "yield" in batch:
-            degrees = [row["temperature"] for row in own]
-            ends = dict.fromkeys([plain(min(degrees)), plain(max(degrees))])
-            words = f"Share of {batch.sizes['sample']} devices as made, at {' to '.join(ends)} degC"
-            words += ", with bounds at 95 %:\n"
+            words = f"Share of {batch.sizes['sample']} devices as made, with bounds at 95 %:\n"
             sheets += [words, table(["share", "C, uN*us/um", "value", "bounds"], _shares(batch))]
     return "\n".join(sheets)
 
@@ -182,7 +179,7 @@ def _largest(study, requirements, verdicts):
 
 def _shares(made):
     """Of devices as made that meet all, and that break, at each C."""
-    words = {"yield": f"meet all{left_out(made['yield'])}", "share_breaking": "break under"}
+    words = {"yield": f"meet all{scope(made['yield'])}", "share_breaking": "break under"}
     for key in filter(made.data_vars.__contains__, words):
         for place in np.ndindex(made[key].shape):
             at = made[[key, f"{key}_bound"]].isel(dict(zip(made[key].dims, place, strict=True)))

@@ -6,11 +6,12 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from .axes import point_text
+from .axes import TEMPERATURE, Units
 from .beam.stress import break_probability
+from .between import FAR, between, least_reserve, reserves_between
 from .io.variables import dress
 from .motion.envelopes import largest_stress
-from .quantities import plain
+from .quantities import QUANTITIES, plain
 from .solver.cells import rows_of, to_rows
 from .study import ANY, SNAPS, THRESHOLD_SETTINGS, Study, of_requirement
 from .thresholds.islands import NOTHING_SNAPS
@@ -28,11 +29,13 @@ def window_of(
 ) -> xr.Dataset:
     """Find the thresholds of required shocks over axes, and how far each N is on its right side.
 
-    axes: values of the device, internal units, and C, uN us/um
+    axes: values of the device, internal units, and C, uN us/um; of several temperatures, which no
+        design chooses, each requirement has the one that leaves it least
     requirements: name, shocks, N, f0 (Hz), snaps, survives of each, which holds under all its
         shocks: the variables are those of the worst
     Variables: N_first and N_error, multiples of g, and reserve, a factor, (requirement, *axes); of
-    devices with a strength stress_max, MPa; with tolerances yield, (*axes), with its bounds.
+    devices with a strength stress_max, MPa; with tolerances yield, (*axes), with its bounds, of
+    those that meet all at each temperature.
     """
     each, thresholds = [], {}
     for required in requirements:
@@ -45,15 +48,30 @@ def window_of(
                 thresholds[pulse] = seen.squeeze("f0", drop=True)
             under.append(_of_one(shaken, axes, required, thresholds[pulse]))
         each.append(_worst(under))
+    design = each[0].reserve.dims
     names, document = [one["name"] for one in requirements], study.document(THRESHOLD_SETTINGS)
     found = xr.concat(each, xr.Variable("requirement", names))
     if tolerances:
         count = _good(study, axes, requirements, tolerances)
-        found["yield"] = tuple(axes), count / tolerances.samples
-        found["yield_bound"] = ("bound", *axes), np.stack(wilson(count, tolerances.samples))
+        found["yield"] = design, count / tolerances.samples
+        found["yield_bound"] = ("bound", *design), np.stack(wilson(count, tolerances.samples))
         found = found.assign_coords(bound=["low", "high"])
         document["tolerances"] = tolerances.section
-    return dress("window", found, document)
+    temperatures = {"temperatures": axes[TEMPERATURE]} if _varies(axes) else {}
+    found["reserve"].attrs["off_between_points"] = _off_between(found.reserve.values)
+    return dress("window", found, document, **temperatures)
+
+
+def _varies(axes):
+    """Whether there are several temperatures."""
+    return len(axes.get(TEMPERATURE, ())) > 1
+
+
+def _off_between(reserve):
+    """How far reserves may lie from straight lines between points, by their second differences."""
+    reserve = np.clip(reserve, 1 / FAR, FAR)
+    beside = (np.diff(reserve, n=2, axis=axis) for axis in range(1, reserve.ndim))
+    return float(sum(np.nanmax(abs(one), initial=0) / 8 for one in beside))
 
 
 def _worst(under):
@@ -85,7 +103,17 @@ def _of_one(study, axes, required, thresholds):
         broken = break_probability(grid.device.pick(cells.device), most) > 1 - survives
         found.reserve.values.flat[np.flatnonzero(there)[broken]] = 0.0
         found["stress_max"] = tuple(axes), stress
-    return found
+    return _at_worst_temperature(found) if _varies(axes) else found
+
+
+def _at_worst_temperature(found):
+    """What is left of each requirement where its reserve is least, and the largest stress."""
+    # What is not known is neither met nor failed.
+    worst = found.reserve.fillna(1.0).argmin(TEMPERATURE)
+    there = found.isel({TEMPERATURE: worst}).reset_coords(TEMPERATURE)
+    if "stress_max" in found:
+        there["stress_max"] = found.stress_max.max(TEMPERATURE)
+    return there
 
 
 def _good(study, axes, requirements, tolerances):
@@ -96,28 +124,43 @@ def _good(study, axes, requirements, tolerances):
     # ASSUME: the model that suffices at both ends of C does so between them.
     rows = to_rows(0, f0, C[[0, -1], np.newaxis], np.arange(f0.size), pulses)
     choices = choose_levels(study.device, study.model, rows, settings)
-    count = np.zeros((*grid.device_of.shape, C.size))
+    good = np.zeros((*grid.device_of.shape, C.size, tolerances.samples), bool)
     for place, number in np.ndenumerate(grid.device_of):
         if number < 0:
             continue
         device = grid.device.pick(number)
         plan = Plan(device, tolerances.scatters, tolerances.together)
         values = plan.values(plan.points(tolerances.samples, tolerances.seed)[0])
-        batch, good = Batch(device, values, study.model, choices, settings.start), True
+        batch, good[place] = Batch(device, values, study.model, choices, settings.start), True
         for required in requirements:
             own = of_requirement(study, required).settings
             for pulse in required["shocks"].pulses:
-                good &= batch.meets(required, to_rows(0, required["f0"], C, 0, [pulse]), own)
-        count[place] = good.sum(axis=0)
-    return count
+                rows = to_rows(0, required["f0"], C, 0, [pulse])
+                good[place] &= batch.meets(required, rows, own).T
+    if _varies(axes):
+        good = good.all(axis=list(axes).index(TEMPERATURE))
+    return good.sum(axis=-1)
 
 
-def summary(found: xr.Dataset) -> str:
-    """One line: at how many points all are met, and where by the widest margin, with the yield."""
-    least = found.reserve.min("requirement")
-    at = least.fillna(0).argmax(...)
-    best, met = found.isel(at), int((least >= 1).sum())
-    where = point_text({key: best[key].item() for key in least.dims})
-    words = f"all requirements met at {met} of {least.size} points; the widest margin, a factor of "
-    words += f"{plain(least.isel(at).item(), 4)}, is at {where}"
-    return words + (f", yield {best['yield'].item():.1%}" if "yield" in found else "")
+def summary(found: xr.Dataset, units: Units) -> str:
+    """One line: where all are met, at points and between them, and by which margin, with the yield.
+
+    found: over two axes of several values; units: of these
+    """
+    found = found.squeeze([key for key in found.reserve.dims[1:] if found.sizes[key] == 1])
+    axes, reserve = found.reserve.dims[1:], found.reserve.values
+    met, least = least_reserve(reserve) >= 1, least_reserve(reserves_between(reserve))
+    words = f"all requirements met at {met.sum()} of {met.size} points"
+    if not np.isfinite(least).any():
+        return f"{words}; nothing else is known"
+    share = np.mean(least >= 1)
+    words += f", with what lies between them on {share:.1%} of the plane; the widest margin, "
+    best = np.unravel_index(np.nanargmax(least), least.shape)
+    where = []
+    for key, place in zip(axes, best, strict=True):
+        unit, size = units.get(key, (QUANTITIES[key].unit, 1.0))
+        value = between(found[key].values, 1)[place]
+        where.append(f"{key} = {plain(value / size, 6)} {unit}".strip())
+    words += f"a factor of {plain(least[best], 4)}, is at {', '.join(where)}"
+    there = between(found["yield"].values)[best] if "yield" in found else np.nan
+    return words + f", yield {there:.1%}" * bool(np.isfinite(there))

@@ -6,11 +6,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pydantic import ValidationError
 
-from ..axes import SHOCK_AXES, Grid, make_grid
+from ..axes import SHOCK_AXES, TEMPERATURE, Grid, Units, make_grid
 from ..beam.equilibria import require_rest, second_shape, shapes_of
 from ..device import VALUES
 from ..io.measured_shape import PROFILE
 from ..io.named import hold_to_plan, sha256_of
+from ..quantities import QUANTITIES
 from ..shocks import HANDOUT_SHOCK
 from ..solver.settings import FIRST, SECOND, THRESHOLD_TOLERANCE, Settings
 from ..study import ANY, CLOSING, FOLLOWED, Study
@@ -19,6 +20,7 @@ from .calibration import Calibration, read_calibration
 from .devices import nominal
 from .keys import line_at, lines_of
 from .models import Document
+from .units import unit_of
 from .views import (
     History,
     View,
@@ -33,6 +35,8 @@ from .yaml_file import ConfigError
 
 AXES = *VALUES, *SHOCK_AXES
 """Keys of the section sweep that are axes, but for the duration, which is f0 by another name."""
+DESIGN = *(key for key in VALUES if key != TEMPERATURE), "C"
+"""Those that a design chooses."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -52,6 +56,7 @@ class Config(Study):
     left_out: one line on what is not drawn, or nothing
     measured: lines on shapes of beams that were read from files, by device and path
     title: of the data sheet
+    units: in which the axes of device and C are written
     """
 
     grid: Grid
@@ -71,6 +76,7 @@ class Config(Study):
     left_out: str
     measured: dict[tuple[str, str], str]
     title: str
+    units: Units
 
     @property
     def axes(self) -> dict[str, np.ndarray]:
@@ -199,7 +205,14 @@ def load_config(document: Mapping) -> Config:
             if one.beam.measured
         },
         title=parts.title or "",
+        units={key: _unit(key, document["sweep"][key]) for key in DESIGN if sweep.has(key)},
     )
+
+
+def _unit(key, written):
+    """The unit of the first value of an axis."""
+    first = written["from"] if isinstance(written, Mapping) else written[0]
+    return unit_of(first, QUANTITIES[key].kind)
 
 
 def _require_study(device, shocks, required, tolerances, temperatures):

@@ -64,6 +64,12 @@ def _is_plain(value):
     return is_number or _matches(_PLAIN, value)
 
 
+def unit_of(value: object, kind: str) -> tuple[str, float]:
+    """The unit of a value that `read` takes, as it is spelt, and how many internal ones it is."""
+    target, match = KINDS[kind].unit, _matches(_QUANTITY, value)
+    return (unit := match[2].strip(), float(_factor(unit, target))) if match else (target, 1.0)
+
+
 def _matches(pattern, value):
     if isinstance(value, str) and len(value) <= _LONGEST:
         return pattern.fullmatch(value.strip())

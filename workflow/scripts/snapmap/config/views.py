@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..axes import DEVICE, DURATION, NAMES, PULSE_AXES, Grid, axis_behind
+from ..axes import DEVICE, DURATION, NAMES, PULSE_AXES, TEMPERATURE, Grid, axis_behind
 from ..device import VALUES, Device, batch
 from ..numerics.portable import evenly
 from ..quantities import QUANTITIES
@@ -212,8 +212,12 @@ def history(cell: Mapping, device: Device | Mapping[str, Device]) -> History:
 
 
 def choose_window(grid: Grid) -> tuple[str, ...]:
-    """Choose the axes over which requirements are drawn: two of the device and C, or none."""
+    """Choose the axes over which requirements are drawn: two of the device and C, or none.
+
+    No design chooses a temperature.
+    """
     several = [key for key in _several(grid, without="N") if key in (DEVICE, *VALUES, "C")]
+    several = [key for key in several if key != TEMPERATURE]
     return tuple(several) if len(several) == 2 and DEVICE not in several else ()
 
 

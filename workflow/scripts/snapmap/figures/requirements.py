@@ -12,13 +12,15 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withTickedStroke
 
+from ..axes import Units
+from ..between import FAR, between, least_reserve, reserves_between
 from ..solver.settings import SECOND
 from ..study import ANY, SNAPS
 from ..thresholds.corners import corners, must_text
-from ..tolerances.statistics import left_out, percents
+from ..tolerances.statistics import percents, scope
 from . import plane, style
 from .curves import LOOKS, each_line
-from .scales import number, place_text, tick, value_text
+from .scales import NONE, axis_label, number, place_text, tick, value_text
 
 VERDICTS = {
     "met": {"color": "C0", "marker": "o"},
@@ -29,10 +31,13 @@ OTHER = {"color": "0.4", "marker": ".", "linestyle": "", "markersize": 3}
 """Corners that are not the worst."""
 BEYOND = 1.25
 """Room beyond the outermost margins, as a factor."""
+MEETING = {"color": "#a9cfe8", "linewidth": 0, "label": "all requirements are met"}
+FAILING = {"color": "#fdebdc", "linewidth": 0, "label": "a requirement fails"}
+BEGINS_TO_FAIL = [withTickedStroke(angle=-90, length=0.6, spacing=6)]
+POINTS = {"color": "0.3", "linestyle": "", "marker": ".", "markersize": 1.5, "clip_on": False}
+POINTS["label"] = "points that were computed"
 MARGINS, SHARES = (1.02, 1.05, 1.1, 1.15, 1.2, 1.5, 2), (0.5, 0.9, 0.99)
 """Level lines of factors by which an N may change, and of shares of devices."""
-FAR = 4.0
-"""Factors beyond are drawn as this one, or one over it."""
 NAME = 24
 """Signs in a line of a requirement's name beside its shares."""
 MET, FAILS = (
@@ -102,12 +107,14 @@ def draw_requirement(ax: Axes, found: xr.Dataset) -> Axes:
     ends = np.array([*known, N])
     room = 0.05 * np.ptp(ends) or 0.05 * N
     low, high = max(ends.min() - room, 0), ends.max() + room
+    where = [place_text(found)]
     if must != SNAPS[ANY]:
+        where.append(f"met by {percents(found.share_meeting)}")
         ax.axvspan(*((N, high) if must else (low, N)), **FAILS)
     ax.hist(known, bins="sqrt", color="#0072b2", alpha=0.8)
     ax.axvline(N, color="black", linewidth=0.8, label="required $N$")
-    where = ", ".join(filter(None, [place_text(found), f"met by {percents(found.share_meeting)}"]))
-    ax.set_title(f"{_required(found.requirement.item(), must)}\n{where}")
+    words = ", ".join(filter(None, where))
+    ax.set_title(f"{_required(found.requirement.item(), must)}\n{words}")
     label = f"threshold $N$ ({style.multiples(found.attrs)})"
     ax.set(xlim=(low, high), xlabel=label, ylabel="devices")
     ax.locator_params(axis="y", integer=True)
@@ -119,11 +126,12 @@ def each_share(found: xr.Dataset) -> Iterator[tuple[str, xr.DataArray, xr.DataAr
     """Name, share and bounds of each requirement, of beams that it leaves unbroken, and of all."""
     for name in found.requirement.values.tolist():
         one = found.sel(requirement=name)
-        yield name, one.share_meeting, one.share_meeting_bound
+        if one.must_snap != SNAPS[ANY]:
+            yield name, one.share_meeting, one.share_meeting_bound
         if "share_breaking" in found:
             bounds = 1 - one.share_breaking_bound.isel(bound=slice(None, None, -1))
             yield f"{name}, unbroken", 1 - one.share_breaking, bounds
-    yield f"all together{left_out(found['yield'])}", found["yield"], found.yield_bound
+    yield f"all together{scope(found['yield'])}", found["yield"], found.yield_bound
 
 
 def draw_yield(ax: Axes, found: xr.Dataset) -> Axes:
@@ -151,48 +159,104 @@ def draw_yield(ax: Axes, found: xr.Dataset) -> Axes:
     return ax
 
 
-def draw_window(figure: FigureBase, found: xr.Dataset, x: str, y: str) -> None:
+def draw_window(figure: FigureBase, found: xr.Dataset, x: str, y: str, units: Units = NONE) -> None:
     """Draw over two axes where all requirements are met: margins, yield and stress, if known.
 
-    found: as from `window.window_of`
-    Lines are where a requirement begins to fail, with ticks on that side, between points linear.
+    found: as from `window.window_of`; units: in which the axes are drawn, if not internal ones
+    Lines are where a requirement begins to fail, with ticks on that side. Between points all is
+    straight along either axis.
     """
     found = found.squeeze([key for key in found.reserve.dims[1:] if key not in (x, y)])
-    reserve = np.clip(found.reserve, 1 / FAR, FAR).transpose("requirement", y, x)
-    fields = {"least factor that $N$ may change by": (reserve.min("requirement"), MARGINS)}
+    found = found.transpose("requirement", ..., y, x)
+    sizes = {key: size for key, (_, size) in units.items()}
+    found = found.assign_coords({key: found[key].values / sizes[key] for key in sizes})
+    reserve = reserves_between(found.reserve.values)
+    least = least_reserve(reserve)
+    fields = {"least factor that $N$ may change by": (least, MARGINS)}
     if "yield" in found:
-        fields["share of devices that meet all"] = found["yield"], SHARES
+        fields["share of devices that meet all"] = between(found["yield"].values), SHARES
     if "stress_max" in found:
         fields["largest stress (MPa)"] = found.stress_max.max("requirement"), ()
-    keys = [
-        Line2D([], [], color=colour, label=_required(one.requirement.item(), one.item()))
-        for one, (colour, _) in zip(found.must_snap, cycle(LOOKS), strict=False)
-    ]
     axes = figure.subplots(1, len(fields), squeeze=False, sharey=True)[0]
     for ax, (title, (field, levels)) in zip(axes, fields.items(), strict=True):
-        across = plane.open_plane(ax, found, x, y)
+        across = _open_window(ax, found, x, y, units)
         ax.set_title(title)
         ax.label_outer()
-        grid = across[0].places, across[1].places
+        grid = [between(scale.places, 1) for scale in across]
         if levels:
-            ax.set_facecolor(MET["color"])
-            lines = ax.contour(*grid, field.transpose(y, x), levels, colors="0.3", linewidths=0.6)
-            ax.clabel(lines, fmt=number, fontsize=6)
+            _fill_window(ax, grid, least)
+            for lines in _level_lines(ax, grid, field, levels, colors="0.3", linewidths=0.6):
+                ax.clabel(lines, fmt=number, fontsize=6)
         else:
             plane.colour_bar(ax, plane.fill_field(ax, field, *across, cmap="cividis"), "")
-        for one, key in zip(reserve, keys, strict=True):
-            if levels:
-                ax.contourf(*grid, one, [0, 1], colors="white", zorder=0)
-            edge = ax.contour(*grid, one, [1], colors=key.get_color())
-            edge.set(path_effects=[withTickedStroke(angle=-90, length=0.6, spacing=6)])
-    bar = (found.N_error / found.N_first).max()
-    words = f"error bars up to {percents(bar)}, lines straight within {percents(_bend(reserve))}"
+        for one, (colour, _) in zip(reserve, cycle(LOOKS), strict=False):
+            for edge in _level_lines(ax, grid, one, [1], colors=colour):
+                edge.set(path_effects=BEGINS_TO_FAIL)
+    places = np.meshgrid(*(scale.places for scale in across))
+    points = axes[0].plot(*map(np.ravel, places), **POINTS)
+    style.legend(figure, [*_window_keys(found, reserve, least), *points], _about(found, reserve), 3)
+
+
+def _open_window(ax, found, x, y, units):
+    """As `plane.open_plane`, in other units, up to the outermost points."""
+    across = plane.open_plane(ax, found, x, y)
+    for which, scale in zip("xy", across, strict=True):
+        unit, _ = units.get(scale.key, ("", 1.0))
+        ends = scale.places[[0, -1]]
+        ax.set(**{f"{which}lim": ends, f"{which}label": axis_label(scale.key, unit=unit)})
+        if not scale.is_counted:
+            tick(getattr(ax, f"{which}axis"), *ends, scale.is_log)
+    return across
+
+
+def _fill_window(ax, grid, least):
+    """Fill what is met and what is not; what is neither stays hatched."""
+    if np.isnan(least).any():
+        ax.patch.set(**plane.ABSENT)
+    ax.contourf(*grid, least, [0, 1, FAR], colors=[FAILING["color"], MEETING["color"]])
+
+
+def _level_lines(ax, grid, field, levels, **look):
+    """Contours at those levels that a field has, if it has any."""
+    low, high = _ends(field)
+    if within := [level for level in levels if low < level < high]:
+        yield ax.contour(*grid, field, within, **look)
+
+
+def _ends(field):
+    """The least and the largest that is known."""
+    return np.nanmin(field, initial=np.inf), np.nanmax(field, initial=-np.inf)
+
+
+def _window_keys(found, reserve, least):
+    """Keys of what a window shows: of requirements that begin to fail in it, and of colours."""
+    known = least[np.isfinite(least)]
+    for one, must, (colour, _) in zip(reserve, found.must_snap, cycle(LOOKS), strict=False):
+        low, high = _ends(one)
+        if low < 1 < high:
+            label = _required(must.requirement.item(), must.item())
+            yield Line2D([], [], color=colour, path_effects=BEGINS_TO_FAIL, label=label)
+    if (known >= 1).any():
+        yield Patch(**MEETING)
+    if (known < 1).any():
+        yield Patch(**FAILING)
+    if known.size < least.size:
+        yield Patch(facecolor="white", **plane.ABSENT, label="no device, or not known")
+
+
+def _about(found, reserve):
+    """What a window holds for, which requirements never end it, and how sure it is."""
+    bar, off = (found.N_error / found.N_first).max(), found.reserve.attrs["off_between_points"]
+    sure = f"error bars up to {percents(bar)}, between points up to {percents(off)} more"
     if "yield" in found:
-        words += f", shares within {percents(abs(found.yield_bound - found['yield']).max())}"
-    style.legend(figure, keys, f"{place_text(found)}\n{words}".strip(), 3)
-
-
-def _bend(field):
-    """How far a field may lie from straight lines between its points: by its second differences."""
-    beside = (field.diff(key, n=2) for key in field.dims[1:])
-    return sum(float(abs(one).max()) / 8 for one in beside if one.size)
+        sure += f", shares within {percents(abs(found.yield_bound - found['yield']).max())}"
+    words = [place_text(found)]
+    if "temperatures" in found.attrs:
+        low, *_, high = np.sort(found.attrs["temperatures"])
+        words.append(f"at each temperature from {number(low)} to {number(high)} °C")
+    everywhere = {"met": (reserve >= 1).all(axis=(1, 2)), "failed": (reserve < 1).all(axis=(1, 2))}
+    for word, which in everywhere.items():
+        if names := ", ".join(found.requirement.values[which]):
+            words.append(style.literal(f"{word} everywhere: {names}"))
+    words.append(f"ticks: where a requirement fails; {sure}")
+    return "\n".join(textwrap.fill(line, style.PAGE) for line in words if line)

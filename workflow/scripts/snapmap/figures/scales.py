@@ -1,6 +1,7 @@
 """How the axes of a study are named, spaced and ticked in figures."""
 
 import math
+import re
 import textwrap
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -13,7 +14,7 @@ from matplotlib.axis import Axis
 from matplotlib.ticker import LogLocator, MaxNLocator
 
 from ..axes import COORDINATES, DURATION, axis_behind
-from ..quantities import QUANTITIES, plain
+from ..quantities import QUANTITIES, SPELT, plain
 from . import style
 
 NONE = MappingProxyType({})
@@ -127,15 +128,24 @@ def tick(
     axis.set_minor_formatter("")
 
 
-def axis_label(key: str, attributes: Mapping[str, str] = NONE) -> str:
+def axis_label(key: str, attributes: Mapping[str, str] = NONE, unit: str = "") -> str:
     """What is written along an axis: its quantity, and the unit in brackets.
 
     attributes: of the dataset; its config says what N counts
+    unit: as a config spells it, if not the internal one
     """
-    words, unit = WORDS[key]
-    unit = style.multiples(attributes) if key == "N" else unit
+    words, internal = WORDS[key]
+    unit = typeset(unit) or (style.multiples(attributes) if key == "N" else internal)
     label = QUANTITIES[key].label or words
     return f"{label} ({unit})" if unit else label
+
+
+def typeset(unit: str) -> str:
+    """A unit of a config as it stands in figures."""
+    if unit in SPELT:
+        return SPELT[unit].figures
+    powers = re.sub(r" *(?:\^|\*\*) *(-?\d)", r"$^{\1}$", unit)
+    return re.sub(r"\bu(?=\w)", "µ", re.sub(r" *\* *", " ", powers))
 
 
 def study_axis(ax: Axes, scale: Scale, attributes: Mapping[str, str] = NONE) -> None:

@@ -20,12 +20,17 @@ from ..quantities import plain
 from ..solver.adaptive import Adaptive, choose_model
 from ..solver.cells import to_cells
 from ..solver.closures import follow_closures
+from ..solver.cost import steps_and_seconds, tell
 from ..solver.outcome import OUTCOMES, REPEATED_STEP, label, t_snap_error, work_error
 from ..solver.settings import FIRST
 from ..study import Study, study_of
 
 SAMPLES = 4000
 """A history keeps this many instants, up to twice as many, or all that there are."""
+
+RECORDED = 700.0
+"""Times as long as a run of a sweep takes one that shows every step."""
+CURE = "write a higher f0 or a shorter horizon"
 
 # ASSUME: a device leaves its mass a few times the rise of its beam, which a snap takes it twice.
 FARTHEST = 5.0
@@ -145,6 +150,9 @@ def _cell(study, N, f0, C):
     at = [0], [N], [f0], [C], study.settings.horizon, 0, study.shocks.pulses
     cells = to_cells(study.device, *at)
     model = choose_model(study.device, study.model, study.settings.start)
+    moved = study.settings._replace(until="moved")
+    seconds = steps_and_seconds(model.levels[-1], cells, moved)[1].item()
+    tell("simulate", RECORDED * seconds, f"f0 = {f0:g} Hz", CURE, stacklevel=5)
     follow = model.follow_by_top if isinstance(model, Adaptive) else model.follow
     seen = follow(cells, study.settings._replace(repeat=False))
     return model.levels[-1].with_step(0.5 ** seen.halvings.item()), cells, seen

@@ -19,11 +19,13 @@ def corners(rows: Iterable[Mapping]) -> list[list[Mapping]]:
 
 
 def _badness(row):
-    """By the verdict, then the margin on the wrong side; what may break counts by its strength."""
+    """By the verdict, then the margin on the wrong side, or the least of strength and electrode."""
     severity = (MET, UNCLEAR, VIOLATED).index(row["verdict"])
     if row["must_snap"] == ANY:
-        reserve = row.get("strength_margin", np.nan)
-        return severity, -np.inf if np.isnan(reserve) else -np.log(reserve)
+        asked = ["strength_margin"] if row["must_survive"] > 0 else []
+        asked += ["closes_margin", "stays_margin"]
+        reserve = np.fmin.reduce([row.get(key, np.nan) for key in asked])
+        return severity, -np.inf if np.isnan(reserve) else -reserve
     return severity, beyond(row["margin"], row["must_snap"])
 
 

@@ -12,6 +12,9 @@ from ..solver.settings import Settings
 SCANNED, DECIDED = 400, 300
 """Runs of the scanning and the deciding level that a row takes, about; those of finer levels count
 as the latter. A ragged row takes ten times as long."""
+BLOWS, SWINGS = 10, 30
+"""Times as many of a row under a drop or a train of blows, and under a swept sine: seen 6 to 13,
+and 22 to 36, as their labels change back and forth."""
 PER_ROW, PER_SAMPLE = 1500, 12
 """Runs of the deciding level that learn where devices as made have thresholds, and find each."""
 PER_RECORD = 120
@@ -31,7 +34,15 @@ def survey_seconds(models: Survey, rows: Rows, settings: Settings) -> float:
     scanned, decided = (
         run_seconds(model, rows, settings) for model in (models.scans, models.decides)
     )
-    return float(np.sum(SCANNED * scanned + DECIDED * decided))
+    times = np.array([_times(pulse) for pulse in rows.pulses])[rows.pulse]
+    return float(np.sum(times * (SCANNED * scanned + DECIDED * decided)))
+
+
+def _times(pulse):
+    """How many times as long as another a pulse takes."""
+    if not pulse.blows.size:
+        return 1
+    return SWINGS if "sweep" in pulse.given else BLOWS
 
 
 def record_seconds(model: Follows, rows: Rows, settings: Settings, records: int) -> float:

@@ -13,12 +13,13 @@ from ..device import Device
 from ..io.counting import counting
 from ..io.variables import dress
 from ..numerics.portable import geometric
+from ..quantities import plain
 from ..solver.cells import to_rows
 from ..study import SNAPS, THRESHOLD_SETTINGS, Study, of_requirement, study_of, with_shocks
 from .batch import Batch, choose_levels
 from .samples import SHOCK_FACTORS, Plan, Tolerances
 from .sensitivity import crossed, indices
-from .statistics import count_below, left_out, moments, percents, quantile_bounds, quantiles, wilson
+from .statistics import count_below, moments, percents, quantile_bounds, quantiles, scope, wilson
 
 QUANTILES = (0.001, 0.01, 0.1, 0.5, 0.9, 0.99, 0.999)
 AMPLITUDES = 101
@@ -80,7 +81,7 @@ def tolerances_of(
 ) -> xr.Dataset:
     """Find the thresholds of a study's devices as made, as `tolerance` returns them.
 
-    axes: C, f0 and, unless it is to be chosen, N; and temperatures, degC, at each of which
+    axes: C, f0 and, unless it is to be chosen, N; and temperature, degC, at each point of which
         requirements must be met; by default the device's own
     """
     samples, most = tolerances.samples, tolerances.index_samples
@@ -100,7 +101,13 @@ def tolerances_of(
             data[f"{key}_factor"].attrs = about
     document = study.document(THRESHOLD_SETTINGS)
     document["tolerances"] = tolerances.section
-    return dress("tolerance", data, document, threshold_tolerance=tolerance)
+    made = dress("tolerance", data, document, threshold_tolerance=tolerance)
+    if requirements:
+        own = [one.temperature for one in study.devices().values()]
+        degrees = axes.get("temperature", own)
+        ends = dict.fromkeys([plain(min(degrees)), plain(max(degrees))])
+        made["yield"].attrs["temperatures"] = f"{' to '.join(ends)} degC"
+    return made
 
 
 def _of_device(study, axes, tolerances, requirements, tolerance):
@@ -150,7 +157,8 @@ def _of_device(study, axes, tolerances, requirements, tolerance):
     if (N := axes.get("N")) is None:
         known = first[np.isfinite(first)]
         ends = (known.min(), known.max()) if known.size else (1.0, 2.0)
-        N = np.append(geometric(*ends, AMPLITUDES)[:-1], ends[1])  # to its last digit
+        below = geometric(*ends, AMPLITUDES)[:-1] if ends[0] < ends[1] else []
+        N = np.append(below, ends[1])  # to its last digit
     N, along = np.unique(np.asarray(N, float)), (*groups, "N")
     data |= _share("probability", count_below(first, N), samples, along)
     if device.beam.damping > 0:
@@ -256,5 +264,5 @@ def summary(made: xr.Dataset) -> str:
     words += [f"most by {key}" + f" ({', '.join(at)})" * several for key, at in most.items()]
     for key, word in (("yield", "yield"), ("share_breaking", "break")):
         if key in made:
-            words.append(f"{word} {percents(*made[key].values.ravel())}{left_out(made[key])}")
+            words.append(f"{word} {percents(*made[key].values.ravel())}{scope(made[key])}")
     return ", ".join(words)

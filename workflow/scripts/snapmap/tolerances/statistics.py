@@ -14,9 +14,12 @@ def percents(*shares: float) -> str:
     return f"{' to '.join(ends)} %"
 
 
-def left_out(share) -> str:
-    """Which requirements a yield, a DataArray, does not count, in words."""
-    return f", without {share.leaves_out}" if "leaves_out" in share.attrs else ""
+def scope(share) -> str:
+    """At which temperatures a yield, a DataArray, counts, and what it does not count, in words."""
+    words = {"temperatures": "at", "leaves_out": "without"}
+    return "".join(
+        f", {word} {share.attrs[key]}" for key, word in words.items() if key in share.attrs
+    )
 
 
 def wilson(count: np.ndarray, samples: int) -> tuple[np.ndarray, np.ndarray]:
