@@ -11,10 +11,6 @@ from ..solver.settings import Settings
 SCANNED, DECIDED = 400, 300
 """Runs of the scanning and the deciding level that a row takes, about; those of finer levels count
 as the latter. A ragged row takes ten times as long."""
-PER_ROW, PER_SAMPLE = 1500, 12
-"""Runs of the deciding level that learn where devices as made have thresholds, and find each."""
-PER_RECORD = 120
-"""Runs that one record of vibration takes: 12 levels, each ten times as long as told."""
 ROUNDS, WIDTH = 26, 32
 """Refinement asks so often in turn, and fewer cells at a time take as long as WIDTH."""
 
