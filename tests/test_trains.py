@@ -114,7 +114,7 @@ def test_the_kernel_follows_the_plain_loop_through_a_train(handout):
 def test_a_train_is_told_to_take_longer_than_a_shock_of_its_duration(handout):
     models, settings = choose_survey(batch([handout]), {"name": "cosines"}), Settings()
     train = make_train([{"duration": 500.0}, {"wait": 500.0}, {"repeat": 4}])
-    sweep = make_sweep({"from": 500.0, "to": 2000.0, "duration": 4000.0})
+    other = make_train([{"duration": 300.0}, {"wait": 900.0}, {"repeat": 2}])
 
     def told(*pulses):
         rows = to_rows(0, 250.0, 25.0, range(len(pulses)), pulses)
@@ -124,5 +124,5 @@ def test_a_train_is_told_to_take_longer_than_a_shock_of_its_duration(handout):
         """Told of a record of the same samples."""
         return told(replace(pulse, blows=np.empty(0), strongest=None))
 
-    assert told(train) > 5 * alike(train) and told(sweep) > 15 * alike(sweep)
-    assert told(train, sweep) == pytest.approx(told(train) + told(sweep))
+    assert told(train) > 5 * alike(train)
+    assert told(train, other) == pytest.approx(told(train) + told(other))

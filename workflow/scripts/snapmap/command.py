@@ -14,8 +14,8 @@ PACKAGE = Path(__file__).parent
 PIPELINE = next(path for path in (PACKAGE / "pipeline", PACKAGE.parents[2]) if path.is_dir())
 """The folder of the Snakefile: in a wheel within the package, else that of the checkout."""
 CONFIG = "config.yaml"
-START, PER_FIGURE, PER_TRACE = 2.5, 0.9, 4e-3
-"""Core time of a job's start and loading, of a figure, and of a cell's motion, s; seen."""
+START = 2.5
+"""Core time of a job's start and loading, s; seen."""
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -76,106 +76,20 @@ def check(config: Path) -> None:
 
 
 def _costs(study):
-    """Core time of each job beside those of the cells, but for its start, s, about."""
-    import numpy as np
-
-    from .config.products import products
-    from .device import batch
-    from .motion.envelopes import CELLS
+    """Core time of the searches for thresholds, but for the start of their jobs, s, about."""
     from .solver.adaptive import choose_survey
-    from .solver.cells import rows_of, to_rows
-    from .study import of_requirement
-    from .thresholds.cost import PER_ROW, PER_SAMPLE, run_seconds, survey_seconds
+    from .solver.cells import rows_of
+    from .thresholds.cost import survey_seconds
+    from .tolerances.cost import made_seconds
 
-    C, f0, scatter = study.axes["C"], study.axes["f0"], study.tolerances
+    study = study.of_thresholds()
     models = choose_survey(study.grid.device, study.model, study.settings.start)
     rows = rows_of(study.grid)
     costs = {"thresholds": survey_seconds(models, rows.take(rows.device >= 0), study.settings)}
-    if study.traces or study.has_strength:
-        costs["traces"] = PER_TRACE * min(CELLS, prod(study.grid.shape))
-    costs |= dict.fromkeys(["requirements"] * bool(study.requirements), 0.0)
-    costs |= dict.fromkeys(["tolerances"] * bool(scatter), 0.0)
-    for device in study.devices().values():
-        models = choose_survey(batch([device]), study.model)
-        corners = len(study.temperatures) or 1
-
-        def samples(rows, count, models=models):
-            seconds = run_seconds(models.decides, rows, study.settings).sum()
-            return (PER_ROW + PER_SAMPLE * count) * float(seconds)
-
-        for required in study.requirements:
-            pulses = required["shocks"].pulses
-            pulse = np.arange(len(pulses))[:, np.newaxis]
-            rows = to_rows(0, required["f0"], C, pulse, pulses)
-            settings = of_requirement(study, required).settings
-            costs["requirements"] += corners * survey_seconds(models, rows, settings)
-            if scatter:
-                costs["tolerances"] += corners * samples(rows, scatter.samples)
-        if scatter:
-            pulse = np.arange(len(study.grid.pulses))[:, np.newaxis, np.newaxis]
-            rows = to_rows(0, f0, C[:, np.newaxis], pulse, study.grid.pulses)
-            every = scatter.samples + scatter.power * (1 + len(scatter.scatters))
-            costs["tolerances"] += samples(rows, every)
-    costs |= _shaken(study)
-    if study.calibration:
-        costs["calibration"] = _calibrated(study)
-    if study.histories:
-        costs["histories"] = START * (len(study.histories) - 1)
-    costs |= dict.fromkeys(["data sheet"] * bool(study.all_required), 0.0)
-    return costs | {"figures": PER_FIGURE * len(products(study).stems)}
-
-
-def _shaken(study):
-    """Core time in which records of every vibration and spectrum are followed, s, about."""
-    from .device import batch
-    from .shocks import make_shocks
-    from .solver.adaptive import choose_survey
-    from .solver.cells import to_rows
-    from .spectra import srs, trips, vibration
-    from .spectra.psd import Spectrum
-    from .thresholds.cost import record_seconds
-
-    costs = dict.fromkeys(["vibration"] * bool(study.vibrations), 0.0)
-    costs |= dict.fromkeys(["spectra"] * bool(study.spectra), 0.0)
-    for device in study.devices().values():
-        model = choose_survey(batch([device]), study.model).decides
-
-        def records(pulse, length, model, horizon, count):
-            rows = to_rows(0, 1 / length, study.axes["C"], 0, (pulse,))
-            settings = study.settings._replace(horizon=horizon)
-            return record_seconds(model, rows, settings, count) * (len(study.temperatures) or 1)
-
-        for required in study.vibrations:
-            length = Spectrum(required["psd"]).record_length(required["duration"])
-            pulse, _ = Spectrum(required["psd"]).record(length, [vibration.SEED, 0])
-            finer = model.with_step(vibration.STEP)
-            costs["vibration"] += records(pulse, length, finer, 0.0, vibration.RECORDS)
-        for required in study.spectra:
-            pulse = srs.record(srs.check_points(required["srs"]), [trips.SEED, 0]).pulse
-            count = trips.RECORDS * len(make_shocks(direction=required["direction"]).pulses)
-            length, horizon = 1e-6 * pulse.duration, study.settings.horizon
-            costs["spectra"] += count * srs.draw_seconds(required["srs"], pulse) + records(
-                pulse, length, model, horizon, count
-            )
+    if study.tolerances:
+        devices = study.axes, study.tolerances, study.requirements
+        costs["tolerances"] = made_seconds(study, *devices)
     return costs
-
-
-def _calibrated(study):
-    """Core time in which thresholds over the ranges of a calibration are found, s, about."""
-    from .calibration.surface import CHECKED, POINTS
-    from .device import batch
-    from .solver.adaptive import choose_survey
-    from .solver.cells import to_rows
-    from .thresholds.cost import PER_SAMPLE, run_seconds
-
-    shots, _, unknowns, C = study.calibration
-    groups, size = shots.groups, len(unknowns)
-    pulses = tuple(group.pulse for group in groups)
-    C = sum(unknowns["C"]) / 2 if C is None else C
-    rows = to_rows(0, [group.f0 for group in groups], C, range(len(pulses)), pulses)
-    model = choose_survey(batch([study.device]), study.model).decides
-    points = CHECKED + POINTS[size] ** size
-    return PER_SAMPLE * points * float(run_seconds(model, rows, study.settings).sum())
 
 
 def run(config: Path, cores: str, others: Sequence[str] = ()) -> None:

@@ -24,7 +24,8 @@ def descriptions(study: Study) -> list[str]:
         beam, words = one.beam, []
         for part, frequency, quality in vibrations(one, study.axes["C"]):
             words.append(f"{part} {frequency}, quality factor {quality}")
-        words += ["no mass"] * one.is_alone
+        if one.is_alone:
+            words.append("no mass")
         lines.append(
             f"{name}: rise/thickness {beam.rise / beam.thickness:.4g}, rise/span "
             f"{beam.rise / beam.span:.3g}, span/thickness {beam.span / beam.thickness:.4g}; "

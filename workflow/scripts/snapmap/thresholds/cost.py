@@ -12,11 +12,9 @@ from ..solver.settings import Settings
 SCANNED, DECIDED = 400, 300
 """Runs of the scanning and the deciding level that a row takes, about; those of finer levels count
 as the latter. A ragged row takes ten times as long."""
-BLOWS, SWINGS = 10, 30
-"""Times as many of a row under a drop or a train of blows, and under a swept sine: seen 6 to 13,
-and 22 to 36, as their labels change back and forth."""
-PER_ROW, PER_SAMPLE = 1500, 12
-"""Runs of the deciding level that learn where devices as made have thresholds, and find each."""
+OF_BLOWS = 10
+"""Times as many of a row under a drop or a train of blows: seen 6 to 13, as its labels change back
+and forth."""
 PER_RECORD = 120
 """Runs that one record of vibration takes: 12 levels, each ten times as long as told."""
 ROUNDS, WIDTH = 26, 32
@@ -34,15 +32,8 @@ def survey_seconds(models: Survey, rows: Rows, settings: Settings) -> float:
     scanned, decided = (
         run_seconds(model, rows, settings) for model in (models.scans, models.decides)
     )
-    times = np.array([_times(pulse) for pulse in rows.pulses])[rows.pulse]
+    times = np.array([OF_BLOWS if pulse.blows.size else 1 for pulse in rows.pulses])[rows.pulse]
     return float(np.sum(times * (SCANNED * scanned + DECIDED * decided)))
-
-
-def _times(pulse):
-    """How many times as long as another a pulse takes."""
-    if not pulse.blows.size:
-        return 1
-    return SWINGS if "sweep" in pulse.given else BLOWS
 
 
 def record_seconds(model: Follows, rows: Rows, settings: Settings, records: int) -> float:

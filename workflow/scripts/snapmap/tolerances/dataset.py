@@ -24,8 +24,6 @@ from .statistics import count_below, moments, percents, quantile_bounds, quantil
 QUANTILES = (0.001, 0.01, 0.1, 0.5, 0.9, 0.99, 0.999)
 AMPLITUDES = 101
 """Values of N, by default from the lowest to the highest threshold."""
-FOLLOWED_CELLS, FEWEST_FOLLOWED = 1_000_000, 64
-"""So many cells are followed to their end, or at least those of so many samples."""
 
 BOUND = ("low", "high")
 
@@ -162,7 +160,7 @@ def _of_device(study, axes, tolerances, requirements, tolerance):
     N, along = np.unique(np.asarray(N, float)), (*groups, "N")
     data |= _share("probability", count_below(first, N), samples, along)
     if device.beam.damping > 0:
-        size = min(samples, max(FEWEST_FOLLOWED, FOLLOWED_CELLS // (nominal.size * N.size)))
+        size = tolerances.followed(nominal.size * N.size)
         count = batch.latched(size, N, rows, settings).reshape(*shape, N.size)
         data |= _share("latched", count, size, along)
     if requirements:

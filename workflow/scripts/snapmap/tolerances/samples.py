@@ -16,6 +16,8 @@ SHOCK_FACTORS = ("N", "duration", "C")
 DISTRIBUTIONS = ("normal", "uniform", "lognormal", "truncated")
 INDEX_SAMPLES = 1024
 """Of those by which Sobol indices are estimated, by default."""
+FOLLOWED_CELLS, FEWEST_FOLLOWED = 1_000_000, 64
+"""So many cells are followed to their end, or at least those of so many samples."""
 CUT = 2.0
 """Standard deviations at which a truncated normal distribution ends."""
 DIGITS = 7
@@ -49,6 +51,10 @@ class Tolerances(NamedTuple):
     def power(self) -> int:
         """Samples by which indices are estimated."""
         return 1 << (min(self.samples, self.index_samples or INDEX_SAMPLES).bit_length() - 1)
+
+    def followed(self, cells: int) -> int:
+        """Samples whose cells, so many of each, are followed to their end."""
+        return min(self.samples, max(FEWEST_FOLLOWED, FOLLOWED_CELLS // cells))
 
 
 class Scatter(NamedTuple):
