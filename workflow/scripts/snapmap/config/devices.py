@@ -33,7 +33,7 @@ LEAST_TILT = 1e-6
 
 
 class ShapeSection(Section):
-    """The shape of the beam as made: one of two."""
+    """The shape of the beam as made, {cosines: [...]} or {file: ...}."""
 
     cosines: many(
         quantity("part"),
