@@ -7,9 +7,9 @@ import xarray as xr
 
 from .axes import TEMPERATURE, Units
 from .beam.stress import break_probability
-from .between import FAR, between, least_reserve, reserves_between
 from .io.variables import dress
 from .motion.envelopes import largest_stress
+from .numerics.between import FAR, between, least_reserve, reserves_between
 from .quantities import QUANTITIES, plain
 from .solver.cells import rows_of, to_rows
 from .study import THRESHOLD_SETTINGS, Study, of_requirement
