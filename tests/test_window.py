@@ -104,6 +104,7 @@ def test_no_design_chooses_a_temperature(handout):
     shares = np.stack([one["yield"].squeeze("temperature") for one in apart])
     assert (both["yield"] <= shares.min(axis=0)).all() and len(np.unique(hot)) == 2
     assert both.attrs["temperatures"] == [-20.0, 60.0]
+    assert both.reserve.long_name.startswith("factor by which") and both.temperature.units == "degC"
 
 
 def test_what_is_not_known_is_neither_met_nor_failed():

@@ -71,8 +71,9 @@ def _off_between(reserve):
 def _of_one(study, axes, required, thresholds):
     """How far one requirement is met, by the thresholds of its pulse, and the largest stress."""
     N, survives = required["N"], required["survives"]
+    thresholds = thresholds.drop_attrs()
     first = thresholds.N_first.where(thresholds.status != NOTHING_SNAPS, np.inf)
-    found = thresholds[["N_first", "N_error"]].drop_attrs()
+    found = thresholds[["N_first", "N_error"]]
     found["reserve"] = N / first if required["snaps"] else first / N
     found["N_required"], found["must_snap"] = N, np.int8(required["snaps"])
     grid = study.set_out({**axes, "f0": [required["f0"]]})
