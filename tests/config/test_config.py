@@ -72,6 +72,18 @@ def test_axes_ascend(axis, values):
     assert np.array_equal(load_config(changed(sweep__N=axis)).axes["N"], values)
 
 
+def test_no_window_is_over_temperature_and_axes_keep_the_units_they_are_written_in():
+    shock = {"name": "drop", "shape": "half sine", "N": 1000, "duration": "1 ms", "snaps": False}
+    axes = {"sweep__mass": {"from": "0.01 mg", "to": "0.02 mg", "points": 3}}
+    axes |= {"sweep__temperature": ["-40 degC", "125 degC"], "sweep__C": ["1 mN*s/m", "2 mN*s/m"]}
+    study = load_config(changed(**axes, requirements=[shock], histories=MISSING))
+    assert products(study).window == ("mass", "C")
+    assert study.units == {"mass": ("mg", 1e6), "C": ("mN*s/m", 1e3)}
+    axes["sweep__contact"] = ["hard", "40 N/m"]
+    study = load_config(changed(**axes, requirements=[shock], histories=MISSING))
+    assert study.units["contact"] == ("uN/um", 1.0)
+
+
 ALONE = dict.fromkeys(("device__spring", "device__contact", "sweep__C", "histories"), MISSING)
 ALONE["device__mass"] = "none"
 PUSHED = {"device__gravity": MISSING, "device__force": "2 uN"}
