@@ -22,7 +22,6 @@ from snapmap.device import Beam, Device
 from snapmap.io.provenance import device_sections
 from snapmap.quantities import KINDS
 from snapmap.solver.settings import Settings
-from snapmap.sweeps.plan import make_plan
 
 ROOT = Path(__file__).parents[2]
 DEFAULT = read_document(ROOT / "config/handout.yaml")
@@ -313,14 +312,6 @@ def test_a_file_outside_the_folder_of_the_study_is_refused(tmp_path, monkeypatch
     monkeypatch.chdir(tmp_path / "study")
     for name in ("../points.csv", "sub/../../points.csv", str(tmp_path / "points.csv")):
         assert "lies outside the study's folder" in only_fault(changed(marks=name))
-
-
-def test_a_run_of_too_many_core_hours_is_refused_by_its_key():
-    long = {"sweep__f0": ["0.01 Hz"], "pulse": {"shape": "sawtooth"}, "sweep__repeat": True}
-    for key, values in (("horizon", {"sweep__horizon": "1e6 s"}), ("f0", {**long})):
-        study = load_config(changed(**values, sweep__N={"from": 600, "to": 2400, "points": 90_000}))
-        with pytest.raises(ValueError, match=rf"^sweep\.{key}: up to .* core hours from f0 = "):
-            make_plan(study.grid, study.model, study.settings)
 
 
 def test_ranges_of_unknowns_leave_a_second_shape(tmp_path, monkeypatch):
