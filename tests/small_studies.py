@@ -36,6 +36,7 @@ sweep:
 requirements:
   - {name: crash, shape: half sine, N: 2000, f0: 1 kHz, snaps: true, closes_within: 1 ms}
   - {name: drop, shape: half sine, N: 300, f0: 2 kHz, direction: -z, snaps: false}
+  - {name: setback, N: 5000, f0: 5 kHz, snaps: any}
   - {name: shaking, psd: [[100 Hz, 0.1 g^2/Hz], [2 kHz, 0.1 g^2/Hz]], duration: 10 ms, snaps: false}
   - {name: spectrum, srs: [[500 Hz, 200 g], [5 kHz, 200 g]], snaps: false}
 tolerances: {thickness: 0.05 um, N: 2 %, samples: 8}

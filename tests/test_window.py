@@ -8,8 +8,8 @@ import pytest
 import xarray as xr
 
 import snapmap
-from snapmap.between import PARTS, between, least_reserve
 from snapmap.motion.history import extremes_of
+from snapmap.numerics.between import PARTS, between, least_reserve
 from snapmap.shocks import make_shocks
 from snapmap.solver.settings import Settings
 from snapmap.study import Study
@@ -126,6 +126,7 @@ def test_no_design_chooses_a_temperature(handout):
     shares = np.stack([one["yield"].squeeze("temperature") for one in apart])
     assert (both["yield"] <= shares.min(axis=0)).all() and len(np.unique(hot)) == 2
     assert both.attrs["temperatures"] == [-20.0, 60.0]
+    assert both.reserve.long_name.startswith("factor by which") and both.temperature.units == "degC"
 
 
 def test_what_is_not_known_is_neither_met_nor_failed():

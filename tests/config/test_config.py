@@ -22,7 +22,6 @@ from snapmap.device import Beam, Device
 from snapmap.io.provenance import device_sections
 from snapmap.quantities import KINDS
 from snapmap.solver.settings import Settings
-from snapmap.sweeps.plan import make_plan
 
 ROOT = Path(__file__).parents[2]
 DEFAULT = read_document(ROOT / "config/handout.yaml")
@@ -70,6 +69,18 @@ def only_fault(document):
 )
 def test_axes_ascend(axis, values):
     assert np.array_equal(load_config(changed(sweep__N=axis)).axes["N"], values)
+
+
+def test_no_window_is_over_temperature_and_axes_keep_the_units_they_are_written_in():
+    shock = {"name": "drop", "shape": "half sine", "N": 1000, "duration": "1 ms", "snaps": False}
+    axes = {"sweep__mass": {"from": "0.01 mg", "to": "0.02 mg", "points": 3}}
+    axes |= {"sweep__temperature": ["-40 degC", "125 degC"], "sweep__C": ["1 mN*s/m", "2 mN*s/m"]}
+    study = load_config(changed(**axes, requirements=[shock], histories=MISSING))
+    assert products(study).window == ("mass", "C")
+    assert study.units == {"mass": ("mg", 1e6), "C": ("mN*s/m", 1e3)}
+    axes["sweep__contact"] = ["hard", "40 N/m"]
+    study = load_config(changed(**axes, requirements=[shock], histories=MISSING))
+    assert study.units["contact"] == ("uN/um", 1.0)
 
 
 ALONE = dict.fromkeys(("device__spring", "device__contact", "sweep__C", "histories"), MISSING)
@@ -301,14 +312,6 @@ def test_a_file_outside_the_folder_of_the_study_is_refused(tmp_path, monkeypatch
     monkeypatch.chdir(tmp_path / "study")
     for name in ("../points.csv", "sub/../../points.csv", str(tmp_path / "points.csv")):
         assert "lies outside the study's folder" in only_fault(changed(marks=name))
-
-
-def test_a_run_of_too_many_core_hours_is_refused_by_its_key():
-    long = {"sweep__f0": ["0.01 Hz"], "pulse": {"shape": "sawtooth"}, "sweep__repeat": True}
-    for key, values in (("horizon", {"sweep__horizon": "1e6 s"}), ("f0", {**long})):
-        study = load_config(changed(**values, sweep__N={"from": 600, "to": 2400, "points": 90_000}))
-        with pytest.raises(ValueError, match=rf"^sweep\.{key}: up to .* core hours from f0 = "):
-            make_plan(study.grid, study.model, study.settings)
 
 
 def test_ranges_of_unknowns_leave_a_second_shape(tmp_path, monkeypatch):

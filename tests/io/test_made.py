@@ -54,7 +54,7 @@ def test_without_a_list_nothing_leaves(results):
 @pytest.mark.parametrize(
     "text",
     [
-        "results/cube.nc\nmine.txt",  # not a list of ours
+        "a list of the users\nresults/cube.nc\nmine.txt",
         f"{HEAD}\nmine.txt\nresults/../mine.txt\n{{}}/mine.txt\nresults\nresults/{LIST}\n\0",
         b"\xff\xfe",
     ],

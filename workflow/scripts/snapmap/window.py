@@ -8,9 +8,9 @@ import xarray as xr
 
 from .axes import TEMPERATURE, Units
 from .beam.stress import break_probability
-from .between import FAR, between, least_reserve, reserves_between
 from .io.variables import dress
 from .motion.envelopes import largest_stress
+from .numerics.between import FAR, between, least_reserve, reserves_between
 from .quantities import QUANTITIES, plain
 from .solver.cells import rows_of, to_rows
 from .study import ANY, SNAPS, THRESHOLD_SETTINGS, Study, of_requirement
@@ -88,8 +88,9 @@ def _worst(under):
 def _of_one(study, axes, required, thresholds):
     """How far one requirement is met, by the thresholds of its pulse, and the largest stress."""
     N, survives = required["N"], required["survives"]
+    thresholds = thresholds.drop_attrs()
     first = thresholds.N_first.where(thresholds.status != NOTHING_SNAPS, np.inf)
-    found = thresholds[["N_first", "N_error"]].drop_attrs()
+    found = thresholds[["N_first", "N_error"]]
     found["reserve"] = N / first if required["snaps"] else first / N
     if required["snaps"] == ANY:
         found["reserve"] = xr.full_like(first, np.inf).where(first.notnull())

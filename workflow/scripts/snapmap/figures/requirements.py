@@ -13,7 +13,7 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withTickedStroke
 
 from ..axes import Units
-from ..between import FAR, between, least_reserve, reserves_between
+from ..numerics.between import FAR, between, least_reserve, reserves_between
 from ..solver.settings import SECOND
 from ..study import ANY, SNAPS
 from ..thresholds.corners import corners, must_text

@@ -61,13 +61,16 @@ def make_plan(grid: Grid, model: Mapping, settings: Settings, alone: Sequence[fl
         raise ValueError(f"sweep.C: {axes['C'].size} values; write {need}")
     dt, seconds = _expected_of_each(grid, model, settings, axes["f0"])
     total = float(seconds.sum() * axes["N"].size * axes["C"].size * len(grid.pulses))
+    beside, lowest = 0.0, axes["f0"][0]
     if len(alone):
         moved = settings._replace(until="moved")
-        total += float(_expected_of_each(grid, model, moved, np.array(alone))[1].max(axis=0).sum())
-    if total > MOST_SECONDS:
-        longest = "horizon" if settings.horizon * axes["f0"][0] > 1e6 else "f0"
+        beside = _expected_of_each(grid, model, moved, np.array(alone))[1].max(axis=0).sum()
+    if total + beside > MOST_SECONDS:
+        key = "sweep.horizon" if settings.horizon * lowest > 1e6 else "sweep.f0"
+        if beside > total:
+            key, lowest = "histories", min(alone)
         raise ValueError(
-            f"sweep.{longest}: up to {total / 3600:.2g} core hours from f0 = {axes['f0'][0]:g} Hz "
+            f"{key}: up to {(total + beside) / 3600:.2g} core hours from f0 = {lowest:g} Hz "
             f"with horizon {settings.horizon:g} us and steps of {dt:.2g} us, more than "
             f"{MOST_SECONDS / 3600:g}; write fewer points, a higher f0 or a shorter horizon"
         )
@@ -86,7 +89,7 @@ def make_plan(grid: Grid, model: Mapping, settings: Settings, alone: Sequence[fl
         cells = cells_in(values)
         minutes = START_MINUTES + CAUTION * float(cost[np.ix_(*rows)].sum()) * N.size / 60
         requests.append(Request(int(START_MB + CELL_MB * cells), math.ceil(minutes)))
-    return Plan(tuple(slabs), tuple(requests), total)
+    return Plan(tuple(slabs), tuple(requests), total + float(beside))
 
 
 def _runs(axes, cost, keeps_N):

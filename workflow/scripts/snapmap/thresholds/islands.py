@@ -17,10 +17,10 @@ from ..solver.search import (
     joined,
     refine,
     scan,
+    walk,
 )
 from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Settings
-from .bars import Seen, error_bars
-from .lattice import nearby
+from .bars import OTHERS_STEP, Seen, error_bars
 from .transitions import (
     BESIDE,
     FAR_BESIDE,
@@ -44,8 +44,6 @@ SLOW = 0.05
 it snaps where no rest is left, and at every N above."""
 FAST = 0.7
 """Frequency of a pulse over the device's own from which on the finer models take its rows."""
-OPEN = 0.01
-"""A ragged row whose error bar is wider, relative, is not worth shorter steps."""
 RINGS = 0.25
 """From this share on, reckoned as SLOW, a device rings after the pulse: islands lie close below."""
 SLOW_REACH, SLOW_BESIDE = 2.0, 1.05
@@ -208,15 +206,34 @@ def _changes(models, rows, settings, tolerance, highest, bound, lowest=None):
     return _Changes(edges, open_end, window, whole, ragged, wide, quiet)
 
 
-def _exact(model, rows, settings, tolerance, edges, N):
-    """Edges, those that rise at N, (rows,), as another model sees them, where it does."""
-    low, high = nearby(model, rows, settings, N, tolerance)
-    falls = edges.take(~edges.rising)
-    above, _ = outermost(falls.row, falls.low, N.size)
-    seen = np.isfinite(high) & ~(high >= above)
-    new = edges.rising & (edges.high == N[edges.row]) & seen[edges.row]
-    low, high = np.where(new, [low[edges.row], high[edges.row]], edges[1:3])
-    return edges._replace(low=low, high=high)
+def _decided(model, rows, settings, tolerance, seen, which):
+    """Edges of rows, some by their numbers with the first as another model sees it.
+
+    That one looks from BESIDE below, in OTHERS_STEP times the scan's steps, up to where it snaps;
+    from there to the next edge that falls.
+    """
+    edges, window, N_first = seen
+    low = np.maximum(window.low, N_first / BESIDE)
+    N = window._replace(low=low, step=OTHERS_STEP * window.step).N[which]
+    size = np.count_nonzero(np.isfinite(N), axis=1)
+    every = np.arange(which.size)
+
+    def label(numbers, places):
+        there = N[numbers[:, np.newaxis], np.minimum(places, N.shape[1] - 1)]
+        return np.isfinite(asker(model, rows.take(which[numbers]), settings)(there))
+
+    place = walk(label, every, 0, size)
+    known = (place > 0) & (place < size)
+    which, place, every = which[known], place[known], every[known]
+    ends = N[every, place - 1], N[every, place]
+    low, high = refine(asker(model, rows.take(which), settings), *ends, tolerance)
+    first = np.full(N_first.size, -np.inf)
+    first[which] = high
+    above = edges.take(edges.high > first[edges.row])
+    falls = above.take(~above.rising)
+    next_fall, _ = outermost(falls.row, falls.low, N_first.size)
+    within = above.rising & ~(above.high >= next_fall[above.row]) & np.isin(above.row, which)
+    return joined(above.take(~within), Edges(which, low, high, np.ones(which.size, bool)))
 
 
 def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
@@ -226,14 +243,17 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
     )
     decides = models.decides
     N_first, *_ = stretches(edges, open_end)
+    N_before = N_first
+    if models.looks is not decides:
+        which = np.flatnonzero(ragged & np.isfinite(N_first))
+        before = edges, window, N_first
+        edges = _decided(decides, rows, settings, tolerance, before, which)
+        N_first, *_ = stretches(edges, open_end)
     seen = Seen(edges, N_first, ragged, window, whole)
     rings = pace(decides.device, rows) >= RINGS
     N_error, ragged = error_bars(models, rows, settings, tolerance, seen, rings)
-    if models.looks is not decides:
-        N = np.where((ragged > 0) & (N_error < OPEN * N_first), N_first, np.nan)
-        edges = _exact(decides, rows, settings, tolerance, edges, N)
-    N_before = N_first
-    N_first, N_always, islands = stretches(edges, open_end)
+    N_error = np.fmax(N_error, abs(N_first - N_before))
+    *_, N_always, islands = stretches(edges, open_end)
     if highest is not None:
         N_always = np.where(N_always <= highest, N_always, np.nan)
     t_snap = snap_times(decides, rows, settings, N_first)
@@ -245,7 +265,7 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
         bound,
         np.fmax(np.fmax.reduce(wide, axis=1), whole.high),
         N_first,
-        N_error + abs(N_first - N_before),
+        N_error,
         ragged.astype(np.int8),
         N_always,
         t_snap,
