@@ -68,7 +68,9 @@ def hint(
         except ValueError:  # it has no second shape at one of the temperatures
             continue
         failing = dict.fromkeys(one.requirement for one, _ in judged if one.verdict == VIOLATED)
-        broken = [name for name in failing if name == wrong.requirement or name not in fails]
+        if wrong.requirement in failing:  # at another corner, or by strength or electrode
+            continue
+        broken = [name for name in failing if name not in fails]
         if broken:
             words += f" (then {' and '.join(broken)} {'fails' if len(broken) == 1 else 'fail'})"
         changes.append(words)
