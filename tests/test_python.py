@@ -181,6 +181,13 @@ def test_a_function_can_be_sent_to_other_processes():
     assert pickle.loads(pickle.dumps(snapmap.sweep)) is snapmap.sweep
 
 
+def test_a_map_has_two_axes(right_calls):
+    cube = right_calls["plot_outcome"]["cube"]
+    for x, y in (("N", "N"), ("f0", "duration")):
+        with pytest.raises(ValueError, match=f"^x: '{x}' is y, too"):
+            snapmap.plot_outcome(cube, x=x, y=y)
+
+
 def test_what_takes_long_is_told_before_it_begins(handout, monkeypatch):
     monkeypatch.setattr("snapmap.solver.cost.WORTH_SAYING", 0.0)
     shaken = {"C": [25.0], "records": 1, **CHEAP}

@@ -109,6 +109,8 @@ def plot_outcome(
     for name, key in (("x", x), ("y", y)):
         if axis_behind(key) not in cube.outcome.dims:
             raise ValueError(f"{name}: {show(key)} is no axis of the cube")
+    if axis_behind(x) == axis_behind(y):
+        raise ValueError(f"x: {show(x)} is y, too; write another axis of the cube")
     many = [key for key in cube.outcome.dims if key not in (x, y) and cube.sizes[key] > 1]
     if many:
         raise ValueError(f"cube: has several {many[0]}; choose one, as cube.isel({many[0]}=0)")
