@@ -72,7 +72,8 @@ class Thresholds(NamedTuple):
     N_looked: the highest N looked at
     N_first: the lowest N seen to snap, or where `extrapolate` takes it; below its bar, nothing
         wider than NARROW does within BESIDE of a clean threshold of a row that rings, than
-        FINEST_STEP near a ragged one, and than FINE_STEP elsewhere
+        FINEST_STEP near a ragged one, OTHERS_STEP times that under fast pulses, and than FINE_STEP
+        elsewhere
     N_error: of N_first: what other levels, another step and the refinement leave open
     N_half: N_always less the lengths of the islands: as much snaps below it as does not above
     half_error: of N_half, likewise
@@ -114,7 +115,8 @@ def survey(
     highest: up to which N islands are looked for; ABOVE times the threshold if not given
     The cheap model scans; the next looks again where labels change; the one that decides refines;
     the others, and another step, tell what that is worth. Where the cheap one fails, or sees
-    another threshold than the next, that one scans too. Rows of fast pulses, and clean ones that
+    another threshold than the next, that one scans too. Ragged rows that were looked at in long
+    steps begin where they do in the steps of maps. Rows of fast pulses, and clean ones that
     are left open by more than the models' tolerance, are taken by finer models. Below a tolerance
     of CLOSE slow clean ones are extrapolated.
     """
