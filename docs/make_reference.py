@@ -61,7 +61,8 @@ the same side |
 the larger of both) and of the time of snap (us) |
 | `t_closed`, `closed_for`, `openings`, `closed_share` | with `contact_at`, each with its \
 `_error`: [electrode](limits.md#electrode) |
-| `level`, `agreed` | of `auto`: the level that decided, 0 or 1, and whether levels agreed |
+| `level`, `agreed` | of `auto`: the level that decided, 0 or 1, and whether levels \
+disagreed, 0, agreed, 1, or but one looked, 2 |
 
 Attributes hold the config, the versions of code and packages, the shares of proven and open
 cells, and about how many labels can be wrong.

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..solver.adaptive import Survey
+from ..solver.adaptive import DECIDING_STEPS, Survey
 from ..solver.bounds import least_amplitudes
 from ..solver.cells import Rows
 from ..solver.search import (
@@ -69,7 +69,8 @@ class Thresholds(NamedTuple):
     N_looked: the highest N looked at
     N_first: the lowest N seen to snap; below its bar, nothing
         wider than NARROW does within BESIDE of a clean threshold of a row that rings, than
-        FINEST_STEP near a ragged one, and than FINE_STEP elsewhere
+        FINEST_STEP near a ragged one, OTHERS_STEP times that under fast pulses, and than FINE_STEP
+        elsewhere
     N_error: of N_first: what other levels, another step and the refinement leave open
     ragged: 1 where labels change back and forth, or levels differ by far, else 0
     N_always: the lowest above which every N looked at snaps: from here on snapping is the rule
@@ -105,7 +106,8 @@ def survey(
     highest: up to which N islands are looked for; ABOVE times the threshold if not given
     The cheap model scans; the next looks again where labels change; the one that decides refines;
     the others, and another step, tell what that is worth. Where the cheap one fails, or sees
-    another threshold than the next, that one scans too. Rows of fast pulses, and clean ones that
+    another threshold than the next, that one scans too. Ragged rows that were looked at in long
+    steps begin where they do in the steps of maps. Rows of fast pulses, and clean ones that
     are left open by more than the models' tolerance, are taken by finer models.
     """
     asked = settings, tolerance, highest
@@ -206,7 +208,7 @@ def _changes(models, rows, settings, tolerance, highest, bound, lowest=None):
     return _Changes(edges, open_end, window, whole, ragged, wide, quiet)
 
 
-def _decided(model, rows, settings, tolerance, seen, which):
+def _first_decided(model, rows, settings, tolerance, seen, which):
     """Edges of rows, some by their numbers with the first as another model sees it.
 
     That one looks from BESIDE below, in OTHERS_STEP times the scan's steps, up to where it snaps;
@@ -242,12 +244,13 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
         models, rows, settings, tolerance, highest, bound, lowest
     )
     decides = models.decides
+    of_maps = decides.with_step(1 / DECIDING_STEPS)
     N_first, *_ = stretches(edges, open_end)
     N_before = N_first
     if models.looks is not decides:
         which = np.flatnonzero(ragged & np.isfinite(N_first))
         before = edges, window, N_first
-        edges = _decided(decides, rows, settings, tolerance, before, which)
+        edges = _first_decided(of_maps, rows, settings, tolerance, before, which)
         N_first, *_ = stretches(edges, open_end)
     seen = Seen(edges, N_first, ragged, window, whole)
     rings = pace(decides.device, rows) >= RINGS
@@ -257,8 +260,9 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
     if highest is not None:
         N_always = np.where(N_always <= highest, N_always, np.nan)
     t_snap = snap_times(decides, rows, settings, N_first)
-    unseen = np.flatnonzero(np.isnan(t_snap) & np.isfinite(N_first))
-    t_snap[unseen] = snap_times(models.looks, rows.take(unseen), settings, N_first[unseen])
+    for model in (of_maps, models.looks):
+        unseen = np.flatnonzero(np.isnan(t_snap) & np.isfinite(N_first))
+        t_snap[unseen] = snap_times(model, rows.take(unseen), settings, N_first[unseen])
     none = np.where(quiet, NOTHING_SNAPS, NOT_FOLLOWED)
     return Thresholds(
         np.where(np.isnan(N_first), none, FOUND).astype(np.int8),

@@ -1,0 +1,78 @@
+"""Islands that cheap levels do not see: maps and thresholds against eleven cosines."""
+
+import numpy as np
+import pytest
+
+import snapmap
+from snapmap.device import Beam, Device, batch
+from snapmap.pulse import make_pulse
+from snapmap.solver.adaptive import UNCOMPARED, _near_changes, build_adaptive
+from snapmap.solver.cells import to_rows
+from snapmap.solver.models import build_model
+from snapmap.solver.search import asker
+from snapmap.solver.settings import Settings
+
+COSINES = {"cosine_2": 0.0747, "cosine_3": 0.01195, "cosine_4": -0.0062, "cosine_5": -0.0213}
+THIN = Beam(185.255, 1.915, 0.3642, 10.63, 121.9e3, 2.33e-3, 0.0063, -2.965, **COSINES)
+STOPS = {"stop_toward": 1.778, "stop_away": 3.515, "restitution": 0.22}
+MEASURED = Device(THIN, 735.0, 0.688, 56.9, 9.81e-6, **STOPS)
+TILTS = Beam(480.0, 9.0, 1.5, 15.0, 165e3, 2.33e-3, imperfection=0.01, free=1.0)
+TILTED = Device(TILTS, 6000.0, 2.0, 120.0, 9.81e-6)
+BACK = {"start": "second", "pulse": make_pulse("half sine"), "horizon": 616.0}
+THERE = {"start": "first", "pulse": make_pulse(), "horizon": 1500.0}
+
+
+@pytest.mark.parametrize(
+    ("device", "f0", "C", "how", "N"),
+    [
+        (MEASURED, 5e4, 139.7, BACK, np.linspace(185e3, 285e3, 21)),
+        (TILTED, 9e3, 25.0, THERE, np.linspace(1041.0, 1131.0, 46)),
+    ],
+)
+def test_maps_and_thresholds_have_the_islands_of_eleven_cosines(device, f0, C, how, N):
+    rows = to_rows(0, f0, C, 0, [how["pulse"]])
+    settings = Settings(how["horizon"], start=how["start"])
+    eleven = build_model(batch([device]), "cosines", modes=11)
+    labels = [
+        np.isfinite(asker(eleven.with_step(step), rows, settings)(N[np.newaxis])[0])
+        for step in (1.0, 0.5)
+    ]
+    sure = labels[0] == labels[1]
+    changes = np.count_nonzero(np.diff(labels[0]))
+    assert changes >= 3 and sure.mean() > 0.6
+    cube = snapmap.sweep(device, N, [f0], [C], until="snap", **how).squeeze()
+    np.testing.assert_array_equal(cube.t_snap.notnull()[sure], labels[0][sure])
+    assert ((cube.agreed == UNCOMPARED) == (cube.level == 0)).all()
+
+    found = snapmap.threshold(device, [f0], [C], **how).squeeze()
+    finer = np.geomspace(0.97, 1.02, 60) * found.N_first.item()
+    snapped = np.isfinite(asker(eleven.with_step(0.5), rows, settings)(finer[np.newaxis])[0])
+    first = finer[np.argmax(snapped)]
+    assert found.ragged and not snapped[0] and snapped.any()
+    assert abs(found.N_first - first) <= found.N_error < 0.02 * first
+
+
+def test_a_device_alone_has_the_levels_that_it_has_among_others(handout):
+    """Five cosines label the device with a fourth cosine, three the other, in one batch."""
+    uneven = batch([handout]).vary({"cosine_4": np.array([0.02])}).pick(0)
+    both = build_adaptive(batch([handout, uneven]))
+    modes = [
+        [one.split(np.array([i])) for one in (both.base, both.check, both.top)] for i in (0, 1)
+    ]
+    assert [[m.modes for parts in one for mine, m in parts if mine.any()] for one in modes] == [
+        [3, 5, 11],
+        [5, 7, 11],
+    ]
+    assert both.pick(0).base.modes == 3 and both.pick(1).base.modes == 5
+
+
+def test_finer_levels_look_near_changes_and_far_around_them_in_ragged_rows():
+    N = np.linspace(1000.0, 1100.0, 101)
+    base = np.stack([N >= 1050, N >= 1050])
+    known = base.copy()
+    clean = _near_changes(np.stack([N, N]), base, known)
+    assert N[clean[0]].tolist() == [1034, 1042, 1046, 1048, 1049, 1050, 1051, 1053, 1057, 1065]
+    known[1, N == 1046] = True
+    ragged = _near_changes(np.stack([N, N]), base, known)[1]
+    assert N[ragged][0] <= 1046 / 1.029 and N[ragged][-1] >= 1050 * 1.029
+    assert (np.diff(np.flatnonzero(ragged)) == 1).all()
