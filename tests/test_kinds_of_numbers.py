@@ -112,9 +112,8 @@ def test_numbers_of_pulses_are_plain():
     whole, part = np.int64(2), np.float32(0.5)
     train = [{"duration": whole, "N": part}, {"wait": xr.DataArray(5)}, {"repeat": whole}]
     drop = {"height": np.array(1e6), "duration": np.int64(500), "rebound": part}
-    sweep = {"from": whole, "to": np.float64(8.0), "duration": np.int64(10**6)}
     trapezoid = {"shape": "trapezoid", "rise": part, "fall": np.float64(0.25)}
-    for pulse in ({"train": train}, {"drop": drop}, {"sweep": sweep}, trapezoid):
+    for pulse in ({"train": train}, {"drop": drop}, trapezoid):
         section = make_shocks(pulse).section()
         assert json.loads(json.dumps(section)) == section
         assert "np." not in str(section)

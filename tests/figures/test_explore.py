@@ -30,7 +30,7 @@ def cube(handout):
 def trace(device, cube, settings=SETTINGS):
     """The traces of a study of one device."""
     model = json.loads(cube.attrs["config"])["model"]
-    return envelopes.trace(Study(device=device, model=model, settings=settings), cube, None)
+    return envelopes.trace(Study(device=device, model=model, settings=settings), cube)
 
 
 @pytest.fixture(scope="module")
@@ -360,7 +360,7 @@ def test_where_f0_has_one_value_the_longest_other_takes_its_place(browser, hando
 
 
 def test_without_traces_the_page_says_how_to_get_them(browser, cube, tmp_path):
-    write_text(tmp_path / "page.html", cube, None)
+    write_text(tmp_path / "page.html", cube)
     view = View(browser, tmp_path / "page.html")
     assert shows(view, cube.isel(C=view.place()[0]), "f0", "N")
     assert not view.page.is_visible("#history") and "traces: true" in view.text("main")
