@@ -17,19 +17,19 @@ clone = Path(workflow.current_basedir.get_path_or_uri(secret_free=True))
 scripts = clone / "workflow" / "scripts"
 sys.path.insert(0, str(scripts))  # before what PYTHONPATH names
 os.environ.update(PYTHONDONTWRITEBYTECODE="1")  # jobs inherit it
-from snapmap.io.atomic import hold, refuse_folders, remove_leftovers
-from snapmap.io.job_log import SHELL_PREFIX
-from snapmap.io.made import list_made, remove_others
-from snapmap.io.named import hold_to_plan
-from snapmap.io.progress import Idle, Progress, hush
-from snapmap.io.provenance import DRAWS, NUMBERS, code_hash, device_sections
+from snapmap.files.atomic import hold, refuse_folders, remove_leftovers
+from snapmap.workflow.job_log import SHELL_PREFIX
+from snapmap.files.made import list_made, remove_others
+from snapmap.files.named import hold_to_plan
+from snapmap.workflow.progress import Idle, Progress, hush
+from snapmap.study.provenance import DRAWS, NUMBERS, code_hash, device_sections
 from snapmap.config.devices import nominal
 from snapmap.config.doubts import descriptions, doubts
-from snapmap.config.products import products
+from snapmap.workflow.products import products
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import read_document
-from snapmap.device import VALUES
-from snapmap.study import THRESHOLD_SETTINGS
+from snapmap.device.device import VALUES
+from snapmap.study.study import THRESHOLD_SETTINGS
 from snapmap.sweeps.plan import make_plan
 from snapmap.sweeps.slabs import cells_in, slab_name
 

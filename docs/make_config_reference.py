@@ -8,11 +8,17 @@ from pathlib import Path
 
 import yaml
 
-from snapmap.arguments import OPTIONS
-from snapmap.config import calibration, devices, models, shocks, units
+from snapmap.applications.calibration import section as calibration
+from snapmap.config import (
+    devices,
+    models,
+    shocks,
+    units,
+)
 from snapmap.config.keys import Range
 from snapmap.config.study import load_config
-from snapmap.device import VALUES
+from snapmap.device.device import VALUES
+from snapmap.solver.options import OPTIONS
 from snapmap.sweeps import plan
 
 HERE = Path(__file__).parent

@@ -11,10 +11,10 @@ from itertools import groupby
 from pathlib import Path
 
 import snapmap
-from snapmap.device import Beam, Device
-from snapmap.io.variables import variables
-from snapmap.quantities import QUANTITIES
+from snapmap.device.device import Beam, Device
+from snapmap.device.quantities import QUANTITIES
 from snapmap.solver.settings import Settings
+from snapmap.study.variables import variables
 
 PAGE = """\
 # The functions, one by one

@@ -16,14 +16,19 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from snapmap import threshold
-from snapmap.device import Device
+from snapmap.device.device import Device
 from snapmap.figures import style
-from snapmap.io.markdown import DASH, number, ratio, table
+from snapmap.files.text import (
+    DASH,
+    number,
+    ratio,
+    table,
+)
 from snapmap.solver.adaptive import build_adaptive
 from snapmap.solver.cells import Cells, to_cells
 from snapmap.solver.models import Model, build_model
-from snapmap.solver.search import refine
 from snapmap.solver.settings import Settings
+from snapmap.thresholds.search import refine
 
 from .common import command_device, cpu_seconds, few, is_small, machine, results
 from .scipy_solver import TOLERANCE, Follow, by_scipy

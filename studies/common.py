@@ -18,7 +18,7 @@ import numpy as np
 
 from snapmap import load_device
 from snapmap.config.devices import read_device
-from snapmap.device import Device
+from snapmap.device.device import Device
 from snapmap.solver.models import Model
 from snapmap.solver.steps import fixed
 

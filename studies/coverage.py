@@ -12,14 +12,19 @@ from time import perf_counter
 import numpy as np
 
 from snapmap import threshold
-from snapmap.device import Device
-from snapmap.io.markdown import number, table
-from snapmap.shocks import HANDOUT_SHOCK, Shocks
+from snapmap.device.device import Device
+from snapmap.files.text import number, table
+from snapmap.pulse.shocks import HANDOUT_SHOCK, Shocks
 from snapmap.solver.cells import Rows, to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import Settings
-from snapmap.thresholds.islands import FOUND, NARROW, NOT_FOLLOWED, NOTHING_SNAPS
+from snapmap.thresholds.islands import (
+    FOUND,
+    NARROW,
+    NOT_FOLLOWED,
+    NOTHING_SNAPS,
+)
+from snapmap.thresholds.search import lowest_snap
 
 from .common import SMALL, Run, few
 from .random_devices import (

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from snapmap import load_device
-from snapmap.io.markdown import number, table
+from snapmap.files.text import number, table
 from snapmap.solver.cells import to_cells
 from snapmap.solver.kernel.trace import SAMPLE
 from snapmap.solver.models import build_model

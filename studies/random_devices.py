@@ -5,9 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from snapmap.device import Beam, Device
-from snapmap.pulse import DIRECTIONS, SHAPES, make_pulse, sampled
-from snapmap.shocks import Shocks
+from snapmap.device.device import Beam, Device
+from snapmap.pulse.pulse import (
+    DIRECTIONS,
+    SHAPES,
+    make_pulse,
+    sampled,
+)
+from snapmap.pulse.shocks import Shocks
 
 PULSES, DAMPINGS = 4, (0.01, 0.6)
 """Frequencies of each device, and its dampings over sqrt(K M)."""

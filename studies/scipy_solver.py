@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 from snapmap.beam.modal import ModalBeam, contact_stiffness
-from snapmap.device import Device
+from snapmap.device.device import Device
 from snapmap.solver.cells import Cells
 
 Follow = Callable[[Cells], np.ndarray]

@@ -10,17 +10,22 @@ import numpy as np
 
 from snapmap import load_device
 from snapmap.beam.limit_loads import static_threshold
-from snapmap.device import batch
-from snapmap.io.markdown import number, table
-from snapmap.pulse import make_pulse
-from snapmap.shocks import Shocks
+from snapmap.device.device import batch
+from snapmap.files.text import number, table
+from snapmap.pulse.pulse import make_pulse
+from snapmap.pulse.shocks import Shocks
 from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.search import asker, refine
-from snapmap.solver.settings import EDGE, SNAP, STAY, Settings
+from snapmap.solver.settings import (
+    EDGE,
+    SNAP,
+    STAY,
+    Settings,
+)
 from snapmap.solver.steps import LONGEST
 from snapmap.thresholds.islands import first_seen, wide_scan
+from snapmap.thresholds.search import asker, refine
 
 from .common import ROOT, few
 from .random_devices import (

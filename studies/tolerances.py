@@ -4,8 +4,8 @@
 """
 
 from snapmap import load_device
-from snapmap.io.markdown import table
-from snapmap.tolerances.dataset import tolerance
+from snapmap.applications.tolerances.dataset import tolerance
+from snapmap.files.text import table
 
 from .common import ROOT, few
 

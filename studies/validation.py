@@ -9,18 +9,29 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from snapmap import load_device, simulate, statics, sweep
+from snapmap import (
+    load_device,
+    simulate,
+    statics,
+    sweep,
+)
 from snapmap.beam.cosines import buckling_shapes, symmetric_cosines
 from snapmap.beam.elements import hermite_elements
-from snapmap.beam.equilibria import BucklingModes, displacement, find_barrier, push, roots
+from snapmap.beam.equilibria import (
+    BucklingModes,
+    displacement,
+    find_barrier,
+    push,
+    roots,
+)
 from snapmap.beam.modal import buckling, contact_stiffness
-from snapmap.io.markdown import table
+from snapmap.files.text import table
 from snapmap.numerics.linalg import apply, eigh
-from snapmap.pulse import make_pulse
+from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import Settings
+from snapmap.thresholds.search import lowest_snap
 
 from .common import ROOT, bending_limit, few, stepped
 

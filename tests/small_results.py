@@ -6,10 +6,10 @@ import numpy as np
 import xarray as xr
 
 import snapmap
-from snapmap.axes import COORDINATES
-from snapmap.io.variables import variables
 from snapmap.solver.outcome import OUTCOMES
 from snapmap.solver.settings import Settings
+from snapmap.study.axes import COORDINATES
+from snapmap.study.variables import variables
 
 CONFIG = {
     "model": {"name": "elements"},

@@ -52,9 +52,9 @@ ELSEWHERE = {
     "test_the_config_reference_is_what_the_models_say": ["python docs/make_config_reference.py"],
     "test_the_types_of_beam_and_solver_fit": ["mypy"],
     "test_check_says_what_a_config_describes_doubts_and_costs": [
-        "python -m snapmap.command check config.yaml"
+        "python -m snapmap.workflow.command check config.yaml"
     ],
-    "test_versions_in_one_paste": ["python -m snapmap.io.provenance"],
+    "test_versions_in_one_paste": ["python -m snapmap.study.provenance"],
     "test_every_command_is_run_by_a_test": ["ruff check", "ruff format"],
 }
 """What runs each command that is no study, in small."""
@@ -103,6 +103,6 @@ def test_a_study_runs_in_small(monkeypatch, capsys, tmp_path, root, study):
 
 
 def test_versions_in_one_paste(root):
-    command = [sys.executable, "-m", "snapmap.io.provenance"]
+    command = [sys.executable, "-m", "snapmap.study.provenance"]
     said = subprocess.check_output(command, cwd=root / "workflow" / "scripts", text=True)
     assert re.match(r"snapmap \d\S+ sources \w+, Python .*\nnumpy \d", said)

@@ -14,9 +14,9 @@ from small_studies import SHOTS
 
 import snapmap
 from snapmap.config.study import load_config
-from snapmap.io.netcdf import write
-from snapmap.io.tables import read_verdicts
-from snapmap.tolerances.statistics import percents
+from snapmap.files.tables import read_verdicts
+from snapmap.numerics.statistics import percents
+from snapmap.study.netcdf import write
 
 IN_PYTHON = "recipes", "devices", "tutorial", "figures"
 """Pages whose numbers are those of the Python in them."""

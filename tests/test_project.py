@@ -11,7 +11,7 @@ import pytest
 import yaml
 
 import snapmap
-from snapmap.io.extras import EXTRAS
+from snapmap.files.extras import EXTRAS
 
 
 def test_the_config_reference_is_what_the_models_say(root):

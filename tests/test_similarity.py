@@ -7,11 +7,11 @@ import pytest
 
 import snapmap
 from snapmap.beam.limit_loads import static_threshold
-from snapmap.pulse import sampled
+from snapmap.pulse.pulse import sampled
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import Settings
+from snapmap.thresholds.search import lowest_snap
 
 
 def scaled(device, length, mass, time):

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from snapmap.device import ALONE
+from snapmap.device.device import ALONE
 from snapmap.solver.steps import fixed
 
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from snapmap.io.markdown import DASH, rate, table
+from snapmap.files.text import DASH, rate, table
 
 from ..common import command_device, few, machine, take_turns, versions
 from ..speed import FEWEST, SIDE

@@ -5,7 +5,7 @@ from functools import cache
 
 import numpy as np
 
-from snapmap.device import Device
+from snapmap.device.device import Device
 from snapmap.solver.cells import Cells
 from snapmap.solver.models import Model, build_model
 

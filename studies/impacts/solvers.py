@@ -7,8 +7,8 @@ import numpy as np
 from numba import njit
 from scipy.integrate import solve_ivp
 
-from snapmap.device import Device, batch
-from snapmap.pulse import Pulse
+from snapmap.device.device import Device, batch
+from snapmap.pulse.pulse import Pulse
 from snapmap.solver import simd_loop
 from snapmap.solver.cells import Cells
 from snapmap.solver.kernel.rows import LANES

@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from snapmap.device import Device
-from snapmap.shape import BISTABILITY_LIMIT
+from snapmap.device.device import Device
+from snapmap.device.shape import BISTABILITY_LIMIT
 from snapmap.solver.kernel.rows import LANES
 
 APART = 1e-9

@@ -8,15 +8,15 @@ from itertools import product
 import numpy as np
 import xarray as xr
 
-from snapmap.device import Device
-from snapmap.io.variables import flags, variables
+from snapmap.device.device import Device
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import FAILED, label
-from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import Settings
 from snapmap.solver.steps import stability_limit
+from snapmap.study.variables import flags, variables
+from snapmap.thresholds.search import lowest_snap
 
 from ..common import bending_limit, stepped
 from .cases import APART, CASES, MODELS, Case, changed

@@ -5,8 +5,8 @@ from itertools import product
 
 import numpy as np
 
-from snapmap.device import Device
-from snapmap.io.markdown import table
+from snapmap.device.device import Device
+from snapmap.files.text import table
 from snapmap.solver.cells import to_cells
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.kernel.trace import SAMPLE

@@ -4,8 +4,16 @@ from itertools import product
 
 import numpy as np
 
-from snapmap.io.markdown import table
-from snapmap.solver.outcome import FAILED, LATCHED, NEVER, OUTCOMES, RETURNED, SNAPPED, UNSNAPPED
+from snapmap.files.text import table
+from snapmap.solver.outcome import (
+    FAILED,
+    LATCHED,
+    NEVER,
+    OUTCOMES,
+    RETURNED,
+    SNAPPED,
+    UNSNAPPED,
+)
 
 from .verdicts import CAUGHT, LEFT_OUT, REFUSED, SENSITIVE, SHIFTED, UNSEEN, VERDICTS
 

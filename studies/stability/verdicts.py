@@ -5,7 +5,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
+from snapmap.solver.outcome import (
+    FAILED,
+    LATCHED,
+    NEVER,
+    RETURNED,
+    SNAPPED,
+)
 
 
 class Verdict(IntEnum):

@@ -14,7 +14,7 @@ from small_workflow import snakemake
 from snapmap.config.study import load_config
 from snapmap.config.units import show
 from snapmap.config.yaml_file import ConfigError
-from snapmap.quantities import KINDS, bounds_of
+from snapmap.device.quantities import KINDS, bounds_of
 from snapmap.sweeps.plan import make_plan
 
 DEFAULT = yaml.safe_load("""

@@ -14,14 +14,14 @@ from hypothesis import strategies as st
 
 from snapmap.config.devices import load_device, read_device
 from snapmap.config.doubts import descriptions, doubts
-from snapmap.config.products import products
 from snapmap.config.study import load_config
 from snapmap.config.units import read, show
 from snapmap.config.yaml_file import ConfigError, read_document
-from snapmap.device import Beam, Device
-from snapmap.io.provenance import device_sections
-from snapmap.quantities import KINDS
+from snapmap.device.device import Beam, Device
+from snapmap.device.quantities import KINDS
 from snapmap.solver.settings import Settings
+from snapmap.study.provenance import device_sections
+from snapmap.workflow.products import products
 
 ROOT = Path(__file__).parents[2]
 DEFAULT = read_document(ROOT / "config/handout.yaml")

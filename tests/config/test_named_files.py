@@ -15,10 +15,10 @@ from small_workflow import snakemake
 import snapmap
 from snapmap.config.study import load_config, planned_study
 from snapmap.config.yaml_file import ConfigError, read_document
-from snapmap.io.named import hold_to_plan
-from snapmap.io.netcdf import check_alike
-from snapmap.io.recorded import read_pulse
-from snapmap.io.tables import read_points
+from snapmap.files.named import hold_to_plan
+from snapmap.files.tables import read_points
+from snapmap.pulse.recorded import read_pulse
+from snapmap.study.netcdf import check_alike
 
 STUDY = (
     THREE_COSINES

@@ -16,17 +16,17 @@ from matplotlib.patches import Polygon
 from PIL import Image
 from small_results import ATTRIBUTES, CONFIG, F0, TINY, legend_words, make_found, visible
 
+from snapmap.applications.calibration import figure as calibration
+from snapmap.applications.histories import figure as histories
+from snapmap.applications.requirements import figure as requirements
+from snapmap.applications.statics import figure as statics
+from snapmap.applications.tolerances import figure as tolerances
 from snapmap.figures import (
-    calibration,
     curves,
-    histories,
     maps,
-    requirements,
     scales,
-    statics,
     style,
     thresholds,
-    tolerances,
 )
 
 

@@ -8,7 +8,7 @@ from varied import alone
 
 import snapmap
 from snapmap.beam.limit_loads import static_threshold
-from snapmap.pulse import Pulse
+from snapmap.pulse.pulse import Pulse
 
 F0 = 20_000.0
 MODELS = "reference", "elements"

@@ -7,7 +7,7 @@ import pytest
 
 import snapmap
 from snapmap.beam.limit_loads import static_threshold
-from snapmap.device import batch
+from snapmap.device.device import batch
 from snapmap.solver.adaptive import choose_model
 from snapmap.solver.cells import to_cells
 from snapmap.solver.settings import SNAP, Settings

@@ -8,12 +8,17 @@ from conserving_loop import assert_followed, inertia
 from varied import varied
 
 import snapmap
-from snapmap.pulse import make_pulse, table
+from snapmap.pulse.pulse import make_pulse, table
 from snapmap.solver import simd_loop
 from snapmap.solver.cells import to_cells
 from snapmap.solver.kernel import rows as R
 from snapmap.solver.kernel.lanes import load
-from snapmap.solver.kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
+from snapmap.solver.kernel.pulse import (
+    BLOCK,
+    begin_pulse,
+    no_pulse,
+    set_out,
+)
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.kernel.step import advance
 from snapmap.solver.models import build_model

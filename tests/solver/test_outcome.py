@@ -7,8 +7,8 @@ import pytest
 from varied import in_steps, varied
 
 import snapmap
-from snapmap.device import batch
-from snapmap.pulse import make_pulse
+from snapmap.device.device import batch
+from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.cells import to_cells
 from snapmap.solver.kernel.pulse import BLOCK
 from snapmap.solver.models import build_model

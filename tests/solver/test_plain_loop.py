@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from snapmap.beam.elements import hermite_elements
-from snapmap.pulse import make_pulse
+from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.plain_loop import follow, nodal_system
 
 G = 9.81e-6

@@ -9,16 +9,16 @@ from scipy.integrate import solve_ivp
 from varied import alone, varied
 
 import snapmap
+from snapmap.applications.requirements.check import check
 from snapmap.beam.limit_loads import reset_force, static_threshold
 from snapmap.config.study import load_config
-from snapmap.device import batch
-from snapmap.shocks import make_shocks
+from snapmap.device.device import batch
+from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
-from snapmap.study import Study
-from snapmap.thresholds.requirements import check
+from snapmap.study.study import Study
 from studies.scipy_solver import compile_rate
 
 BACK = {"start": "second", "direction": "-z"}

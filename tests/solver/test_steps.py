@@ -7,11 +7,17 @@ import pytest
 from varied import alone
 
 from snapmap.beam.limit_loads import static_threshold
-from snapmap.pulse import SHAPES, make_pulse
+from snapmap.pulse.pulse import SHAPES, make_pulse
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.search import lowest_snap
-from snapmap.solver.settings import EDGE, MOVE, QUESTIONS, SNAP, STAY, Settings
+from snapmap.solver.settings import (
+    EDGE,
+    MOVE,
+    QUESTIONS,
+    SNAP,
+    STAY,
+    Settings,
+)
 from snapmap.solver.steps import (
     FAST,
     FEWEST,
@@ -24,6 +30,7 @@ from snapmap.solver.steps import (
     most_steps,
     strike_tightening,
 )
+from snapmap.thresholds.search import lowest_snap
 
 LONGEST = {SNAP: 3.0, EDGE: 3.0, STAY: 0.2, MOVE: 0.1}
 LIMITS = {"shortest": 0.05, "blows": 100.0, "apart": False, "returns": False, "chatter": 0.0}

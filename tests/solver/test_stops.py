@@ -9,8 +9,8 @@ from varied import varied
 
 import snapmap
 from snapmap.beam.limit_loads import static_threshold
-from snapmap.pulse import make_pulse
-from snapmap.shocks import Shocks
+from snapmap.pulse.pulse import make_pulse
+from snapmap.pulse.shocks import Shocks
 from snapmap.solver import simd_loop
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.kernel import rows as R
@@ -18,8 +18,8 @@ from snapmap.solver.kernel.lanes import load
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.kernel.step import advance, rebound
 from snapmap.solver.models import build_model
-from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import Settings
+from snapmap.thresholds.search import lowest_snap
 
 ALONE = {"gap": 1e4}
 """The beam is far beyond the mass's stop."""

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from snapmap.io.atomic import seal
+from snapmap.files.atomic import seal
 from snapmap.solver.outcome import LATCHED, NEVER
 
 pytestmark = pytest.mark.long

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 import snapmap
-from snapmap.device import Beam, Device, batch
-from snapmap.pulse import make_pulse
+from snapmap.device.device import Beam, Device, batch
+from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.adaptive import UNCOMPARED, _near_changes, build_adaptive
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.search import asker
 from snapmap.solver.settings import Settings
+from snapmap.thresholds.search import asker
 
 COSINES = {"cosine_2": 0.0747, "cosine_3": 0.01195, "cosine_4": -0.0062, "cosine_5": -0.0213}
 THIN = Beam(185.255, 1.915, 0.3642, 10.63, 121.9e3, 2.33e-3, 0.0063, -2.965, **COSINES)

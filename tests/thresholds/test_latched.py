@@ -5,7 +5,7 @@ import pytest
 from varied import varied
 
 import snapmap
-from snapmap.device import batch
+from snapmap.device.device import batch
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import LATCHED, label
@@ -26,7 +26,7 @@ def test_what_latches_from_a_shock_on_does_so_in_longer_steps_too(ringing):
     given = np.isfinite(lowest)
     assert given.any() and not given.all()
     model, settings = build_model(batch([ringing]), "cosines"), Settings(1500.0)
-    rows = to_rows(0, np.tile(F0, 2), np.repeat(C, 3), 0, snapmap.shocks.HANDOUT_SHOCK.pulses)
+    rows = to_rows(0, np.tile(F0, 2), np.repeat(C, 3), 0, snapmap.pulse.shocks.HANDOUT_SHOCK.pulses)
     N = np.column_stack([lowest, highest])[given]
     for factor in (1.0, LONGER):
         cells = rows.take(given).cells(model.device, N, 1500.0)

@@ -9,8 +9,8 @@ from varied import in_steps
 import snapmap
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.search import lowest_snap
 from snapmap.solver.settings import Settings
+from snapmap.thresholds.search import lowest_snap
 from studies import coverage
 from studies.coverage import ask, judge, ratios
 from studies.random_devices import draw_device, draw_shocks

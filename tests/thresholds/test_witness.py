@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from snapmap.device import batch
+from snapmap.device.device import batch
 from snapmap.solver.adaptive import choose_survey
 from snapmap.solver.cells import to_rows
-from snapmap.solver.search import asker, scan
 from snapmap.solver.settings import Settings
 from snapmap.thresholds.islands import NARROW, lowest
+from snapmap.thresholds.search import asker, scan
 from snapmap.thresholds.transitions import BESIDE, CLOSEST_STEP, Window
 from snapmap.thresholds.witness import STEPS, close_edges
 

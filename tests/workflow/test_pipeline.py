@@ -14,10 +14,16 @@ from small_studies import EVERY_PRODUCT, SHOTS, TINY
 from small_workflow import snakemake
 
 import snapmap
-from snapmap.config.products import products
 from snapmap.config.study import load_config
-from snapmap.io.made import HEAD, LIST
-from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
+from snapmap.files.made import HEAD, LIST
+from snapmap.solver.outcome import (
+    FAILED,
+    LATCHED,
+    NEVER,
+    RETURNED,
+    SNAPPED,
+)
+from snapmap.workflow.products import products
 
 DRAWING = {"draw_snaps", "draw_study", "draw_page"}
 RULES = {"simulate_slab", "collect", "find_threshold", "trace_cells"}

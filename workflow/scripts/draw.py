@@ -6,23 +6,23 @@ from pathlib import Path
 
 import xarray as xr
 
+from snapmap.applications.calibration import figure as calibration
+from snapmap.applications.histories import figure as histories
+from snapmap.applications.requirements import figure as requirements
+from snapmap.applications.requirements.corners import corners
+from snapmap.applications.statics import figure as statics
+from snapmap.applications.tolerances import figure as tolerances
 from snapmap.figures import (
-    calibration,
-    histories,
     maps,
-    requirements,
     scales,
-    statics,
     style,
     thresholds,
-    tolerances,
 )
-from snapmap.io.atomic import replacing
-from snapmap.io.job_log import run_rule
-from snapmap.io.netcdf import check_alike, open_whole
-from snapmap.io.tables import read_points, read_verdicts
+from snapmap.files.atomic import replacing
+from snapmap.files.tables import read_points, read_verdicts
 from snapmap.numerics.portable import evenly
-from snapmap.thresholds.corners import corners
+from snapmap.study.netcdf import check_alike, open_whole
+from snapmap.workflow.job_log import run_rule
 
 COLUMNS, MOST, LINES = 3, 12, 6
 """Panels of devices as made side by side, and in a figure, and lines; of more, evenly chosen."""
@@ -202,7 +202,7 @@ def _draw_panels(stem, panels, draw, attributes, shares=None):
 
 def draw_page(cube_path, threshold_path, horizon, path, traces_path=""):
     """Write the page to explore a cube; horizon: us."""
-    from snapmap.figures.explore import page  # brings Plotly
+    from snapmap.applications.page.figure import page  # brings Plotly
 
     with (
         open_whole(cube_path) as cube,

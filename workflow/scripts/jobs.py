@@ -7,11 +7,11 @@ Imports stand in the functions: a job of cells does without xarray.
 from dataclasses import replace
 from pathlib import Path
 
-from snapmap.axes import NAMES
-from snapmap.config.products import products
 from snapmap.config.study import planned_study
-from snapmap.io.atomic import replacing
-from snapmap.io.job_log import run_rule
+from snapmap.files.atomic import replacing
+from snapmap.study.axes import NAMES
+from snapmap.workflow.job_log import run_rule
+from snapmap.workflow.products import products
 
 
 def simulate_slab(study, axes, path, code):
@@ -32,7 +32,7 @@ def collect(study, slab_paths, path):
 
 def find_threshold(study, path, table_path, statics_paths):
     """Find the thresholds and write them, also as a table, and the statics of each device."""
-    from snapmap.beam.statics import statics
+    from snapmap.applications.statics.statics import statics
     from snapmap.thresholds.rows import tidy
     from snapmap.thresholds.surface import summary, thresholds_of
 
@@ -48,8 +48,8 @@ def find_threshold(study, path, table_path, statics_paths):
 
 def trace_cells(study, cube_path, path):
     """Read a cube, follow its cells again and write their motion in brief."""
-    from snapmap.io.netcdf import open_whole
-    from snapmap.motion.envelopes import trace
+    from snapmap.applications.page.traces import trace
+    from snapmap.study.netcdf import open_whole
 
     with open_whole(cube_path) as cube:
         traces = trace(study, cube)
@@ -59,7 +59,7 @@ def trace_cells(study, cube_path, path):
 
 def simulate_history(study, cell, path):
     """Follow one cell, by its name, beyond its snap, under the first pulse of a study."""
-    from snapmap.motion.history import history_of
+    from snapmap.applications.histories.history import history_of
 
     history = products(study).histories[cell]
     study = replace(study, device=history.device, shocks=study.shocks.first())
@@ -72,10 +72,10 @@ def check_requirements(study, path):
     from itertools import chain, zip_longest
     from math import nan
 
-    from snapmap.motion.history import Extremes
-    from snapmap.spectra.verdicts import check_spectra, check_vibrations
-    from snapmap.thresholds import requirements
-    from snapmap.verdicts import hint, verdicts_of
+    from snapmap.applications.histories.history import Extremes
+    from snapmap.applications.requirements import check as requirements
+    from snapmap.applications.requirements.verdicts import hint, verdicts_of
+    from snapmap.applications.spectra.verdicts import check_spectra, check_vibrations
 
     C, study, temperatures = study.axes["C"].tolist(), study.of_thresholds(), study.temperatures
     how = temperatures, study.threshold_tolerance
@@ -99,7 +99,7 @@ def check_requirements(study, path):
 
 def find_window(study, axes, path):
     """Find where on two axes the required shocks are met, and by which share of devices."""
-    from snapmap.window import summary, window_of
+    from snapmap.applications.window.window import summary, window_of
 
     found = window_of(study.of_thresholds(), axes, study.requirements, study.tolerances)
     _write(found, path, lambda made: summary(made, study.units))
@@ -107,8 +107,8 @@ def find_window(study, axes, path):
 
 def find_tolerance(study, path):
     """Find the thresholds of devices whose values scatter."""
-    from snapmap.study import CLOSING
-    from snapmap.tolerances.dataset import summary, tolerances_of
+    from snapmap.applications.tolerances.dataset import summary, tolerances_of
+    from snapmap.study.study import CLOSING
 
     named = "C", "f0", "N", "temperature"
     axes = {key: study.axes[key] for key in named if key in study.axes}
@@ -123,7 +123,7 @@ def find_tolerance(study, path):
 
 def fit_calibration(study, path):
     """Fit the unknowns of a study's calibration to its measured shots."""
-    from snapmap.calibration.dataset import calibration_of, summary
+    from snapmap.applications.calibration.dataset import calibration_of, summary
 
     shots, _, unknowns, C = study.calibration
     of_shots = replace(study.of_thresholds(), shocks=study.shocks.first())
@@ -134,9 +134,9 @@ def write_datasheet(study, requirements_path, path, tolerance_path=()):
     """Write verdicts, what is known of devices as made, and the device itself as a data sheet."""
     from contextlib import nullcontext
 
-    from snapmap.datasheet import datasheet
-    from snapmap.io.netcdf import open_whole
-    from snapmap.io.tables import read_verdicts
+    from snapmap.applications.datasheet.datasheet import datasheet
+    from snapmap.files.tables import read_verdicts
+    from snapmap.study.netcdf import open_whole
 
     verdicts, required = read_verdicts(requirements_path), study.requirements
     with open_whole(tolerance_path) if tolerance_path else nullcontext() as made:
@@ -145,7 +145,7 @@ def write_datasheet(study, requirements_path, path, tolerance_path=()):
 
 
 def _write(dataset, path, summary=None):
-    from snapmap.io.netcdf import write
+    from snapmap.study.netcdf import write
 
     write(dataset, path)
     if summary:

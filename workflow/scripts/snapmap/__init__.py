@@ -2,24 +2,24 @@
 
 from importlib import import_module
 
-from .io.extras import needing
+from .files.extras import needing
 
 __version__ = "0.3.0"
 
 _HOME = {
-    "calibrate": "calibration.dataset",
-    "design": "sizing",
+    "calibrate": "applications.calibration.dataset",
+    "design": "applications.design.design",
     "load_device": "config.devices",
     "open_cube": "sweeps.collect",
     "plot_outcome": "figures.maps",
-    "read_pulse": "io.recorded",
-    "simulate": "motion.history",
-    "srs_test": "spectra.trips",
-    "statics": "beam.statics",
+    "read_pulse": "pulse.recorded",
+    "simulate": "applications.histories.history",
+    "srs_test": "applications.spectra.trips",
+    "statics": "applications.statics.statics",
     "sweep": "sweeps.cube",
     "threshold": "thresholds.surface",
-    "tolerance": "tolerances.dataset",
-    "vibration": "spectra.vibration",
+    "tolerance": "applications.tolerances.dataset",
+    "vibration": "applications.spectra.vibration",
 }
 __all__ = [
     "calibrate",
@@ -46,7 +46,7 @@ def __getattr__(name):
     # Imported on first use: a solver job must not pay for xarray.
     if name in _HOME:
         with needing(f"{__name__}.{name}"):
-            from .door import checked
+            from .public import checked
 
             function = getattr(import_module(f".{_HOME[name]}", __name__), name)
         return globals().setdefault(name, checked(function))

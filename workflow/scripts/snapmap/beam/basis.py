@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..device import Beam
+from ..device.device import Beam
 
 PLACES = 5
 """Where curvature is taken: 0, L/4, L/2, 3L/4 and L."""

@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arch import equilibria
-from ..device import Beam, Device, Value
+from ..device.arch import equilibria
+from ..device.device import Beam, Device, Value
 from ..numerics.linalg import apply, dot, eigh
 from .basis import Basis
 from .cosines import buckling_shapes, symmetric_cosines

@@ -12,9 +12,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arch import equilibria
-from ..device import Beam, Device, Value
-from ..numerics.linalg import apply, dot, eigh, multiply, outer, solve
+from ..device.arch import equilibria
+from ..device.device import Beam, Device, Value
+from ..numerics.linalg import (
+    apply,
+    dot,
+    eigh,
+    multiply,
+    outer,
+    solve,
+)
 from .basis import Basis
 from .elements import hermite_elements
 

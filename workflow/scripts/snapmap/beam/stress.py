@@ -8,8 +8,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..device import Beam, Device, Value
-from ..numerics.linalg import apply, multiply, outer, solve
+from ..device.device import Beam, Device, Value
+from ..numerics.linalg import (
+    apply,
+    multiply,
+    outer,
+    solve,
+)
 from .basis import Basis
 from .modal import at_rest, halfway, unit_beams
 

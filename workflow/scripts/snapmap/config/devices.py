@@ -8,8 +8,8 @@ import numpy as np
 from pydantic import PrivateAttr, ValidationError, create_model
 
 from ..beam.modal import damped
-from ..curved_beam import COSINES
-from ..device import (
+from ..device.curved_beam import COSINES
+from ..device.device import (
     ALONE,
     CLAMP,
     REFERENCE,
@@ -21,9 +21,18 @@ from ..device import (
     Beam,
     Device,
 )
-from ..io.measured_shape import read_shape
-from ..quantities import QUANTITIES
-from .keys import Section, either, lines_of, many, part, path, quantity, word
+from ..device.measured_shape import read_shape
+from ..device.quantities import QUANTITIES
+from .keys import (
+    Section,
+    either,
+    lines_of,
+    many,
+    part,
+    path,
+    quantity,
+    word,
+)
 from .yaml_file import ConfigError, read_document
 
 AS_MEASURED = 0.1

@@ -6,11 +6,11 @@ import numpy as np
 
 from ..beam.cosines import buckling_shapes
 from ..beam.equilibria import find_barrier, least_travel
-from ..described import vibrations
-from ..device import Beam, Device
-from ..io.tables import read_points
-from ..study import Study
-from ..tolerances.samples import Plan
+from ..beam.vibrations import vibrations
+from ..device.device import Beam, Device
+from ..device.samples import Plan
+from ..files.tables import read_points
+from ..study.study import Study
 from .plausible import implausible, wide
 
 TILTING = 8

@@ -25,9 +25,10 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from ..arguments import ARGUMENTS, Argument, integer
+from ..arguments import ARGUMENTS
+from ..device.argument import Argument, integer
+from ..device.quantities import KINDS, bounds_of
 from ..numerics.portable import geometric, linear
-from ..quantities import KINDS, bounds_of
 from .units import read, show
 
 _WITHIN = re.compile(r"(\.[A-Za-z_]\w*|\[\d+\])+: ")

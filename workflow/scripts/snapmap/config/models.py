@@ -4,20 +4,49 @@ import re
 from collections.abc import Mapping
 from typing import Annotated
 
-from ..arguments import OPTIONS, Argument
-from ..axes import COORDINATES, axis_behind
-from ..device import Device
-from ..io.named import sha256_of
-from ..io.tables import ROWS, read_points
-from ..quantities import QUANTITIES
+from ..applications.calibration.section import CalibrationSection
+from ..device.argument import Argument
+from ..device.device import Device
+from ..device.quantities import QUANTITIES
+from ..device.samples import DISTRIBUTIONS as SPREADS
+from ..device.samples import (
+    INDEX_SAMPLES,
+    OF_DEVICE,
+    SHOCK_FACTORS,
+    Tolerances,
+)
+from ..files.named import sha256_of
+from ..files.tables import ROWS, read_points
 from ..solver.adaptive import TOLERANCE
-from ..solver.settings import FIRST, STARTS, THRESHOLD_TOLERANCE, Settings
-from ..tolerances.samples import DISTRIBUTIONS as SPREADS
-from ..tolerances.samples import INDEX_SAMPLES, OF_DEVICE, SHOCK_FACTORS, Tolerances
-from .calibration import CalibrationSection
+from ..solver.options import OPTIONS
+from ..solver.settings import (
+    FIRST,
+    STARTS,
+    THRESHOLD_TOLERANCE,
+    Settings,
+)
+from ..study.axes import COORDINATES, axis_behind
 from .devices import DeviceSection, of_device
-from .keys import Section, argument, axis, flag, key, many, part, path, quantity, word, words
-from .shocks import TIMED, PulseSection, RequirementSection, is_title, one_time
+from .keys import (
+    Section,
+    argument,
+    axis,
+    flag,
+    key,
+    many,
+    part,
+    path,
+    quantity,
+    word,
+    words,
+)
+from .shocks import (
+    TIMED,
+    PulseSection,
+    RequirementSection,
+    is_title,
+    one_time,
+)
 from .units import read, show
 from .views import MOST_MAPS
 

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from ..device import Device
-from ..quantities import QUANTITIES, plain
-from ..tolerances.samples import Plan
+from ..device.device import Device
+from ..device.quantities import QUANTITIES, plain
+from ..device.samples import Plan
 
 STEEP = 0.05
 """Rise over span above which what is neglected raises forces by more than 1 %."""

@@ -2,17 +2,31 @@
 
 from collections.abc import Mapping
 
-from ..arguments import Argument
-from ..checks import is_name
-from ..io.named import sha256_of
-from ..io.recorded import RECORD, read_pulse
-from ..pulse import DIRECTIONS, SHAPES, SHARES, VERSED_SINE
-from ..shocks import MAKERS, Shocks, make_shocks
+from ..applications.spectra.psd import REACH, Spectrum
+from ..applications.spectra.srs import check_points
+from ..device.argument import Argument
+from ..files.named import sha256_of
+from ..files.text import is_name
+from ..pulse.pulse import (
+    DIRECTIONS,
+    SHAPES,
+    SHARES,
+    VERSED_SINE,
+)
+from ..pulse.recorded import RECORD, read_pulse
+from ..pulse.shocks import MAKERS, Shocks, make_shocks
 from ..solver.settings import FIRST, SECOND, STARTS
-from ..spectra.psd import REACH, Spectrum
-from ..spectra.srs import check_points
-from ..study import ANY, CLOSING
-from .keys import Section, argument, key, many, part, path, quantity, word
+from ..study.study import ANY, CLOSING
+from .keys import (
+    Section,
+    argument,
+    key,
+    many,
+    part,
+    path,
+    quantity,
+    word,
+)
 from .units import read, show
 from .views import frequency_of
 

@@ -6,17 +6,33 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pydantic import ValidationError
 
-from ..axes import SHOCK_AXES, TEMPERATURE, Grid, Units, make_grid
+from ..applications.calibration.section import Calibration, read_calibration
 from ..beam.equilibria import require_rest, second_shape, shapes_of
-from ..device import VALUES
-from ..io.measured_shape import PROFILE
-from ..io.named import hold_to_plan, sha256_of
-from ..quantities import QUANTITIES
-from ..shocks import HANDOUT_SHOCK
-from ..solver.settings import FIRST, SECOND, THRESHOLD_TOLERANCE, Settings
-from ..study import ANY, CLOSING, FOLLOWED, Study
-from ..tolerances.samples import Plan, Tolerances
-from .calibration import Calibration, read_calibration
+from ..device.device import VALUES
+from ..device.measured_shape import PROFILE
+from ..device.quantities import QUANTITIES
+from ..device.samples import Plan, Tolerances
+from ..files.named import hold_to_plan, sha256_of
+from ..pulse.shocks import HANDOUT_SHOCK
+from ..solver.settings import (
+    FIRST,
+    SECOND,
+    THRESHOLD_TOLERANCE,
+    Settings,
+)
+from ..study.axes import (
+    SHOCK_AXES,
+    TEMPERATURE,
+    Grid,
+    Units,
+    make_grid,
+)
+from ..study.study import (
+    ANY,
+    CLOSING,
+    FOLLOWED,
+    Study,
+)
 from .devices import nominal
 from .keys import line_at, lines_of
 from .models import Document

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from decimal import Context, Decimal
 from functools import cache
 
-from ..io.extras import needing
-from ..quantities import KINDS, bounds_of
+from ..device.quantities import KINDS, bounds_of
+from ..files.extras import needing
 
 LEAST, MOST = 1e-15, 1e15
 """In internal units: no device has values beyond, and they would overflow further on."""

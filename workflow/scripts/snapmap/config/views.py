@@ -6,10 +6,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..axes import DEVICE, DURATION, NAMES, PULSE_AXES, TEMPERATURE, Grid, axis_behind
-from ..device import VALUES, Device, batch
+from ..device.device import VALUES, Device, batch
+from ..device.quantities import QUANTITIES
 from ..numerics.portable import evenly
-from ..quantities import QUANTITIES
+from ..study.axes import (
+    DEVICE,
+    DURATION,
+    NAMES,
+    PULSE_AXES,
+    TEMPERATURE,
+    Grid,
+    axis_behind,
+)
 from .units import read, show
 
 MOST_DAMPINGS = 6

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import yaml
 
-from ..io.named import naming, read_named
+from ..files.named import naming, read_named
 from .units import show
 
 CONFIG = 300_000, "write axes as from, to, points"

@@ -9,8 +9,8 @@ from matplotlib.lines import Line2D
 from matplotlib.markers import CARETUPBASE
 from matplotlib.patheffects import withStroke
 
+from ..device.quantities import plain
 from ..numerics.portable import evenly
-from ..quantities import plain
 from .scales import scale_of, value_text
 
 LOOKS = (("C0", "o"), ("C6", "s"), ("C2", "^"), ("C5", "D"), ("C3", "v"), ("C7", "P"), ("C1", "X"))

@@ -11,9 +11,15 @@ from matplotlib.colors import BoundaryNorm, ListedColormap, to_rgb
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 
-from ..io.tables import Point
+from ..files.tables import Point
 from . import style
-from .scales import Scale, scale_of, set_scale, study_axis, value_text
+from .scales import (
+    Scale,
+    scale_of,
+    set_scale,
+    study_axis,
+    value_text,
+)
 from .states import State
 
 ABSENT = {"hatch": "x" * 3, "edgecolor": "0.6"}

@@ -13,8 +13,8 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.ticker import LogLocator, MaxNLocator
 
-from ..axes import COORDINATES, DURATION, axis_behind
-from ..quantities import QUANTITIES, SPELT, plain
+from ..device.quantities import QUANTITIES, SPELT, plain
+from ..study.axes import COORDINATES, DURATION, axis_behind
 from . import style
 
 NONE = MappingProxyType({})

@@ -19,10 +19,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.transforms import Bbox
 
-from ..io.atomic import replacing
-from ..pulse import VERSED_SINE
-from ..quantities import plain
-from ..shocks import MAKERS
+from ..device.quantities import plain
+from ..files.atomic import replacing
+from ..pulse.pulse import VERSED_SINE
+from ..pulse.shocks import MAKERS
 from ..solver.settings import FIRST
 
 COLUMN, PAGE = 56, 130

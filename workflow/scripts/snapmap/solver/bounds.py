@@ -18,7 +18,7 @@ for the second the mass holds X as said, and the beam, up to the saddle, by bend
 
 import numpy as np
 
-from ..device import Value
+from ..device.device import Value
 from ..numerics.linalg import dot
 from .cells import Rows
 from .models import Follows

@@ -4,10 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..axes import Grid
-from ..device import Device
+from ..device.device import Device
 from ..numerics.linalg import dot, multiply
-from ..pulse import Pulse, make_pulse
+from ..pulse.pulse import Pulse, make_pulse
 
 HANDOUT_PULSES = (make_pulse(),)
 
@@ -103,14 +102,6 @@ def no_observations(shape: tuple[int, ...]) -> Observations:
     """Room for observations of so many cells: nothing was seen, and no ledger closes."""
     nothing = np.nan, np.nan, np.int8(0), np.inf, np.nan, np.nan, np.nan, np.int8(0)
     return Observations(*(np.full(shape, value) for value in nothing))
-
-
-def rows_of(grid: Grid) -> Rows:
-    """All points but those along N; -1 for the device where there is none."""
-    C, f0 = grid.axes["C"], grid.axes["f0"]
-    device, pulse = grid.device_of, np.arange(len(grid.pulses))
-    device, pulse = np.expand_dims(device, (-3, -2, -1)), np.expand_dims(pulse, (-2, -1))
-    return to_rows(device, f0, C[:, np.newaxis], pulse, grid.pulses)
 
 
 def to_rows(device, f0, C, pulse=0, pulses=HANDOUT_PULSES) -> Rows:

@@ -4,7 +4,7 @@ import warnings
 
 import numpy as np
 
-from ..quantities import plain
+from ..device.quantities import plain
 from .cells import Cells
 from .models import Follows
 from .settings import Settings

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..beam.basis import Basis
 from ..beam.modal import pulse_load, settled
-from ..device import Device, Value
+from ..device.device import Device, Value
 from ..numerics import pieces as curve
 from ..numerics.kernels import compiled, fma
 from ..numerics.linalg import apply, solve_all

@@ -7,11 +7,21 @@ import numpy as np
 from ..beam.basis import PLACES
 from ..beam.modal import contact_stiffness
 from ..beam.stress import stress_of
-from ..pulse import table
+from ..pulse.pulse import table
 from .cells import Form, Motion
 from .kernel import rows as R
-from .kernel.lanes import Facts, Task, follow_all, load
-from .kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
+from .kernel.lanes import (
+    Facts,
+    Task,
+    follow_all,
+    load,
+)
+from .kernel.pulse import (
+    BLOCK,
+    begin_pulse,
+    no_pulse,
+    set_out,
+)
 from .kernel.rows import LANES
 from .kernel.trace import keep_block, keep_midpoints, trace_all
 from .settings import FIRST, SECOND

@@ -7,10 +7,15 @@ import netCDF4
 import numpy as np
 import xarray as xr
 
-from ..axes import NAMES
-from ..io.atomic import is_whole
+from ..files.atomic import is_whole
 from ..solver.outcome import OUTCOMES
-from .cube import as_cube, outcome_names, require_cube, with_summary
+from ..study.axes import NAMES
+from .cube import (
+    as_cube,
+    outcome_names,
+    require_cube,
+    with_summary,
+)
 from .slabs import open_slab
 
 BLOCK_CELLS = 10**6

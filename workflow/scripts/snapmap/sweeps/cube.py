@@ -8,13 +8,19 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from ..axes import NAMES
-from ..device import Device
-from ..io.counting import counting
-from ..io.variables import dress, flags, variables
+from ..device.device import Device
+from ..files.counting import counting
 from ..solver.adaptive import TOLERANCE, choose_model
-from ..solver.outcome import ABSENT, OUTCOMES, count, ended_elsewhere, shares
-from ..study import FOLLOWED, study_of
+from ..solver.outcome import (
+    ABSENT,
+    OUTCOMES,
+    count,
+    ended_elsewhere,
+    shares,
+)
+from ..study.axes import NAMES
+from ..study.study import FOLLOWED, study_of
+from ..study.variables import dress, flags, variables
 from .grid import follow_grid
 
 LABEL_DISTANCE = 0.01

@@ -4,13 +4,20 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..axes import Grid
-from ..pulse import blow_at
-from ..solver.cells import Rows, rows_of
+from ..pulse.pulse import blow_at
+from ..solver.cells import Rows
 from ..solver.closures import CLOSING, closures_again
 from ..solver.models import Follows
-from ..solver.outcome import ABSENT, FAILED, REPEATED_STEP, label, t_snap_error, work_error
+from ..solver.outcome import (
+    ABSENT,
+    FAILED,
+    REPEATED_STEP,
+    label,
+    t_snap_error,
+    work_error,
+)
 from ..solver.settings import FIRST, Settings
+from ..study.axes import Grid, rows_of
 
 TIMES = "t_snap", "t_settled", "t_snap_error"
 SHARES = "well_share", "energy_error", "pulse_work", "work_error"

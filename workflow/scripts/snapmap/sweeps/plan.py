@@ -7,12 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..axes import DEVICE, Grid
 from ..solver.adaptive import choose_model
 from ..solver.cells import to_cells
 from ..solver.cost import MOST_SECONDS, steps_and_seconds
 from ..solver.outcome import REPEATED_STEP
 from ..solver.settings import Settings
+from ..study.axes import DEVICE, Grid
 from .slabs import SINGLE, Slab, cells_in
 
 JOB_SECONDS = 30

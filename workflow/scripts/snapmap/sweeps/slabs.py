@@ -12,12 +12,19 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 
-from ..axes import DEVICE, DIRECTION, NAMES, SHAPE, shared_points
-from ..io.atomic import is_whole, replacing, seal
+from ..files.atomic import is_whole, replacing, seal
 from ..solver.adaptive import choose_model
 from ..solver.outcome import count
-from ..study import Study
-from .grid import follow_rows, rows_of
+from ..study.axes import (
+    DEVICE,
+    DIRECTION,
+    NAMES,
+    SHAPE,
+    rows_of,
+    shared_points,
+)
+from ..study.study import Study
+from .grid import follow_rows
 
 SINGLE = (DEVICE, SHAPE, DIRECTION, "C")
 """Axes of which a slab has one value, but for all C of a study that is over at once: what else it

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..pulse import Pulse
+from ..pulse.pulse import Pulse
 from ..solver.adaptive import Survey
 from ..solver.cells import Rows, to_rows
 from ..solver.cost import steps_and_seconds, tell

@@ -7,7 +7,9 @@ import numpy as np
 from ..solver.adaptive import DECIDING_STEPS, Survey
 from ..solver.bounds import least_amplitudes
 from ..solver.cells import Rows
-from ..solver.search import (
+from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Settings
+from .bars import OTHERS_STEP, Seen, error_bars
+from .search import (
     SCAN_STEP,
     Ask,
     Edges,
@@ -19,8 +21,6 @@ from ..solver.search import (
     scan,
     walk,
 )
-from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Settings
-from .bars import OTHERS_STEP, Seen, error_bars
 from .transitions import (
     BESIDE,
     FAR_BESIDE,

@@ -6,8 +6,8 @@ import numpy as np
 
 from ..solver.cells import Rows
 from ..solver.models import Follows
-from ..solver.search import asker, near
 from ..solver.settings import Settings
+from .search import asker, near
 
 MOVES = 0.004
 """Relative distance within which another step is expected to have the same threshold."""

@@ -8,8 +8,8 @@ from ..solver.cells import Rows
 from ..solver.cost import steps_and_seconds
 from ..solver.models import Follows
 from ..solver.outcome import LATCHED, label
-from ..solver.search import amplitudes, walk
 from ..solver.settings import Settings
+from .search import amplitudes, walk
 
 STEP = 0.01
 """Relative distance of the amplitudes that are followed to their end."""

@@ -6,17 +6,17 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from ..axes import PULSE_AXES
-from ..device import Device
-from ..io.counting import counting
-from ..io.variables import dress, flags
-from ..pulse import blow_at
-from ..quantities import plain
+from ..device.device import Device
+from ..device.quantities import plain
+from ..files.counting import counting
+from ..pulse.pulse import blow_at
 from ..solver.adaptive import Survey, choose_survey
 from ..solver.bounds import least_amplitudes
-from ..solver.cells import Rows, rows_of
+from ..solver.cells import Rows
 from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Settings
-from ..study import THRESHOLD_SETTINGS, Study, study_of
+from ..study.axes import PULSE_AXES, rows_of
+from ..study.study import THRESHOLD_SETTINGS, Study, study_of
+from ..study.variables import dress, flags
 from .cost import tell_cost
 from .islands import (
     ABOVE,
@@ -38,7 +38,14 @@ from .lattice import nearby
 from .settling import lowest_latched
 from .transitions import FINE_STEP
 from .verified import ABOVE as OVER
-from .verified import WITHIN, Expected, at_first, expected_labels, fill, surfaces
+from .verified import (
+    WITHIN,
+    Expected,
+    at_first,
+    expected_labels,
+    fill,
+    surfaces,
+)
 from .witness import edges_about
 
 IMPULSE, IMPULSE_OF_BEAM = 100.0, 10.0

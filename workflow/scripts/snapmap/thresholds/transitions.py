@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..solver.search import Edges, amplitudes
+from .search import Edges, amplitudes
 
 FINE_STEP = 0.005
 """Relative distance of the amplitudes between which islands are looked for."""

@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..axes import NAMES
 from ..solver.cells import Rows
 from ..solver.models import Follows
-from ..solver.search import asker
 from ..solver.settings import Settings
+from ..study.axes import NAMES
+from .search import asker
 
 FEWEST = 8
 """Points of an axis from which on thresholds along it are a surface."""

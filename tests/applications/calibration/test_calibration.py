@@ -1,0 +1,73 @@
+"""A device read off its shots."""
+
+import numpy as np
+import pytest
+
+import snapmap
+from snapmap.applications.calibration.dataset import fit, summary
+from snapmap.applications.calibration.shots import shots_from
+from snapmap.applications.calibration.surface import Surface
+from snapmap.pulse.shocks import HANDOUT_SHOCK
+
+CHEAP = {"model": "cosines", "modes": 3, "horizon": 300.0, "C": 25.0}
+RANGE = {"thickness": (1.8, 2.2)}
+LEVELS = [850.0, 900.0, 940.0, 960.0, 1000.0, 1100.0]
+SHOTS = {"N": LEVELS, "duration": [1000.0] * 6, "tripped": [0, 0, 0, 1, 1, 1]}
+
+
+def straight(slopes, size=33):
+    """Thresholds whose logarithms are linear over the unknowns, from -0.3 to 0.3 about 1000 g."""
+    axes = np.meshgrid(*[np.linspace(-0.3, 0.3, size)] * slopes.shape[1], indexing="ij")
+    logs = np.log(1000.0) + np.stack(axes, axis=-1) @ slopes.T
+    names = ("thickness", "rise")[: slopes.shape[1]]
+    return Surface(dict.fromkeys(names, (-0.3, 0.3)), logs)
+
+
+def made_up(draw, surface, truth, spread, size=30):
+    """Shots at a device of known values."""
+    duration = np.where(np.arange(size) % 2, 500.0, 1000.0)
+    logs = surface.at((np.array(truth) + 0.3) / 0.6)[0][np.arange(size) % surface.logs.shape[-1]]
+    N = 1000.0 * np.exp(draw.uniform(-0.25, 0.25, size))
+    apart = spread * draw.standard_normal(size)
+    table = {"N": N, "duration": duration, "tripped": np.log(N) - logs > apart}
+    return shots_from(table, HANDOUT_SHOCK, None)
+
+
+def test_intervals_cover_the_truth_of_made_up_campaigns():
+    """Of ten that cover in 95 of 100 at least eight do, but for one in a hundred sets of them."""
+    draw, surface = np.random.default_rng(1), straight(np.array([[1.0], [1.0]]))
+    covered = 0
+    for truth in np.linspace(-0.1, 0.1, 10):
+        one = fit(made_up(draw, surface, [truth], 0.03), surface)
+        covered += one.low.item() <= truth <= one.high.item()
+        assert one.low < one.estimate < one.high and one.high - one.low < 0.2
+    assert covered >= 8
+
+
+def test_what_is_not_told_apart_keeps_its_ranges():
+    """Thresholds depend on the sum alone: the difference of both is known from the ranges."""
+    draw, surface = np.random.default_rng(2), straight(np.ones((2, 2)), size=17)
+    found = fit(made_up(draw, surface, [0.0, 0.0], 0.03), surface)
+    assert (found.low == -0.3).all() and (found.high == 0.3).all()
+    assert found.correlation.values[0, 1] < -0.9
+    assert "(-0.3 to 0.3)" in summary(found)
+
+
+def test_residuals_are_those_of_the_fitted_probability():
+    draw, surface = np.random.default_rng(3), straight(np.array([[1.0], [1.0]]))
+    one = fit(made_up(draw, surface, [0.0], 0.05), surface)
+    p = np.where(one.tripped, one.probability, 1 - one.probability)
+    np.testing.assert_allclose(one.residual**2, -2 * np.log(p), rtol=1e-4, atol=1e-4)
+    assert (np.sign(one.residual) == np.where(one.tripped, 1, -1))[p < 0.99].all()
+    assert 0.01 < one.spread[0] < 0.2
+
+
+def test_shots_of_the_solver_itself_are_read_off(handout):
+    found = snapmap.calibrate(handout, SHOTS, RANGE, **CHEAP)
+    own = snapmap.threshold(
+        handout, [1000.0], model="cosines", modes=3, horizon=300.0, C=[25.0], thickness=[1.9, 2.0]
+    ).N_first.values.ravel()
+    expected = 1.9 + 0.1 * (950.0 - own[0]) / (own[1] - own[0])
+    assert found.estimate.item() == pytest.approx(expected, abs=0.005)
+    assert found.low < found.estimate < found.high and found.model_error < 2e-3
+    assert found.threshold.values == pytest.approx(950.0, abs=5.0)

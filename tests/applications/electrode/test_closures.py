@@ -1,0 +1,167 @@
+"""What an electrode sees: closed forms, and an integration of the handout's equations apart."""
+
+from dataclasses import replace
+from math import fsum, log, pi, sqrt
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from varied import varied
+
+import snapmap
+from snapmap.applications.histories.history import closing_of
+from snapmap.applications.requirements.check import Verdict, judge_closing
+from snapmap.solver.closures import (
+    CLOSING,
+    Closures,
+    closures_of,
+    passages,
+)
+from snapmap.solver.settings import Settings
+from snapmap.study.study import Study
+
+MODEL = {"name": "cosines", "modes": 3}
+CELLS = [(1000.0, 1500.0), (1100.0, 1500.0), (1500.0, 3000.0), (1800.0, 9000.0)]
+HORIZON = 150.0
+
+
+@pytest.fixture(scope="module")
+def device(handout):
+    """The handout's, its ringing damped, over an electrode."""
+    return varied(handout, damping=4e-3, contact_at=-5.0)
+
+
+def test_a_bouncing_ball_closes_in_a_geometric_series():
+    """Dropped from h, it is up to `level` around each impact, for sqrt(v^2 - 2 g level) apart."""
+    g, h, e, level, end = 2.0, 9.0, 0.7, 0.1, 30.0
+    speeds = sqrt(2 * g * h) * e ** np.arange(60)  # at the impacts
+    impacts = np.cumsum([sqrt(2 * h / g), *(2 * speeds[1:] / g)])
+    time = np.arange(0, end, 1e-3)
+    n = np.searchsorted(impacts, time, side="right")
+    since = time - np.append(0.0, impacts)[n]
+    flown = np.where(n == 0, h, np.append(0.0, speeds)[n] * e * since) - g * since**2 / 2
+    _, places = passages(np.maximum(0.0, flown)[:, np.newaxis], np.array([level]))
+    openings = int(log(level / h) / (2 * log(e)))  # e^2n h > level
+    under = [(v - sqrt(v * v - 2 * g * level)) / g for v in speeds[: openings + 1]]
+    above = fsum(2 * v / g - 2 * t for v, t in zip(speeds[1:], under[1:], strict=False))
+    first = impacts[0] - under[0]
+    expected = first, under[0] + under[1], openings, 1 - above / (end - first)
+    assert closures_of(1e-3 * places, False, end) == pytest.approx(expected, abs=1e-5)
+
+
+def test_a_damped_swing_passes_zero_at_its_quarter_turns_with_order_two():
+    errors = []
+    for step in (0.02, 0.01, 0.005):
+        time = step * (np.arange(round(3 / step)) + 0.3)
+        w = np.exp(-0.8 * time) * np.cos(2 * pi * time)
+        instants = step * (passages(w[:, np.newaxis], np.zeros(1))[1] + 0.3)
+        errors.append(abs(instants - (0.25 + 0.5 * np.arange(6))).max())
+    np.testing.assert_allclose(np.log2(np.divide(errors[:-1], errors[1:])), 2, atol=0.5)
+    expected = Closures(0.25, 0.5, 3, 1.5 / 2.75)
+    assert closures_of(instants, False, 3.0) == pytest.approx(expected, abs=1e-4)
+    assert closures_of([0.5, 2.0], True, 3.0) == (0.0, 0.5, 1, 0.5)
+    assert closures_of([], True, 3.0) == (0.0, 3.0, 0, 1.0)
+    assert np.isnan(closures_of([], False, 3.0)).all()
+
+
+def integrated(device, N, f0, C):
+    """Instants at which w(L/2) passes the electrode: (2), (4) in cosines, by DOP853."""
+    beam, n = device.beam, np.array([1, 2, 3])
+    L, share = beam.span, 2 * n * pi / beam.span
+    density, axial = beam.density * beam.thickness * beam.depth, 150e3 * beam.thickness * beam.depth
+    EI = axial * beam.thickness**2 / 12
+    bending, geometric = EI * L / 2 * share**4, L / 2 * share**2
+    inverse = np.linalg.inv(density * L * (np.ones((3, 3)) + np.eye(3) / 2))
+    start, middle = np.array([beam.rise / 2, 0, 0]), np.array([2, 0, 2])
+    odd = np.arange(5, 2001, 2)  # left out: their flexibility at twice the first load, N_1
+    left_out = (4 / (bending[0] * odd**2 * (odd**2 - 2.0))).sum()
+    stiffness = 1 / (1 / device.contact + left_out)
+
+    def force(state):
+        return stiffness * max(0.0, middle @ state[:3] - state[3])
+
+    def electrode(t, state):
+        return middle @ state[:3] - left_out * force(state) - device.contact_at
+
+    def rate(t, state):
+        c, z, v, z_rate = state[:3], state[3], state[4:7], state[7]
+        a = N * device.gravity / 2 * (1 - np.cos(2 * pi * f0 * t)) if t < 1 / f0 else 0.0
+        squeeze = axial / (2 * L) * (geometric @ (start**2 - c**2))
+        push = -bending * (c - start) + squeeze * geometric * c - density * L * a
+        beams = inverse @ (push - middle * force(state)) - beam.damping * v
+        own = (force(state) - C * z_rate - device.spring * (z - beam.rise)) / device.mass - a
+        return np.concatenate([v, [z_rate], beams, [own]])
+
+    span, options = (0, 1 / f0 + HORIZON), {"method": "DOP853", "rtol": 1e-9, "atol": 1e-9}
+    state = np.concatenate([start, [beam.rise], np.zeros(4)])
+    run = solve_ivp(rate, span, state, events=electrode, max_step=2.0, **options)
+    return closures_of(run.t_events[0].tolist(), False, span[1])
+
+
+@pytest.mark.parametrize(("N", "f0"), CELLS)
+def test_closures_are_those_of_the_handouts_equations(device, N, f0):
+    study = Study(device=device, model=MODEL, settings=Settings(horizon=HORIZON))
+    found = closing_of(study, N, f0, 25.0)
+    expected = integrated(device, N, f0 * 1e-6, 25.0)
+    for key in ("t_closed", "closed_for", "openings"):
+        assert abs(found[key] - getattr(expected, key)) <= found[f"{key}_error"], key
+    assert found["t_closed_error"] < 0.1
+    # The share's own error may cancel: it cannot exceed that of its instants over the time.
+    instants = found["t_closed_error"] + found["closed_for_error"]
+    assert abs(found["closed_share"] - expected.closed_share) <= instants / HORIZON
+
+
+def test_a_cube_has_what_histories_have_and_else_nothing_new(device, handout):
+    asked = {"f0": [1500.0], "C": [25.0], "model": MODEL, "horizon": HORIZON}
+    bare = replace(device, contact_at=-np.inf)
+    cube, other = (snapmap.sweep(one, [700.0, 1000.0, 1100.0], **asked) for one in (device, bare))
+    alone = snapmap.sweep(device, [1000.0], **asked)
+    assert all(cube[key].sel(N=1000.0).item() == alone[key].item() for key in CLOSING)
+    assert {*cube} - {*other} == {*CLOSING}
+    assert all((cube[key].values == other[key].values).all() for key in ("outcome", "well"))
+    assert (cube.t_closed[..., 1:] < cube.t_snap[..., 1:]).all() and np.isnan(cube.t_closed[..., 0])
+    run = snapmap.simulate(device, 1000.0, 1500.0, 25.0, model=MODEL, horizon=HORIZON)
+    assert all(alone[key].item() == np.float32(run.attrs[key]) for key in CLOSING)
+    fallen = slice(0, int(run.w_mid.values.argmin()) + 1)
+    first = np.interp(5.0, -run.w_mid.values[fallen], run.time.values[fallen])
+    assert run.t_closed == pytest.approx(first, abs=0.01)
+
+
+def test_an_electrode_is_held_by_the_straight_line_of_the_statics(device):
+    """At N = 4 N_1 the flexibility of all odd modes adds up: F = 8 EI/(pi^2 L^3) (2 pi)^4/2 w."""
+    beam = device.beam
+    EI = 150e3 * beam.depth * beam.thickness**3 / 12
+    slope = 8 / pi**2 * EI / 2 * (2 * pi) ** 4 / beam.span**3
+    for at in (-4.0, -5.0, -6.0):
+        held = snapmap.statics(replace(device, contact_at=at)).hold_force
+        assert held == pytest.approx(slope * (-beam.rise / 3 - at), rel=1e-7)
+    second = snapmap.statics(replace(device, contact_at=beam.second_equilibrium)).hold_force
+    assert second == pytest.approx(0, abs=1e-3)
+    for at in (0.0, -9.6):
+        assert snapmap.statics(replace(device, contact_at=at)).hold_force == 0
+    with pytest.raises(ValueError, match=r"device\.contact_at: 12 um is not below the midpoint"):
+        replace(device, contact_at=12.0)
+
+
+@pytest.mark.parametrize(
+    ("required", "changes", "verdict"),
+    [
+        ({"closes_within": 101.1}, {}, "met"),
+        ({"closes_within": 100.5}, {}, "unclear"),
+        ({"closes_within": 98.9}, {}, "failed"),
+        ({"stays_closed": 48.0}, {}, "met"),
+        ({"stays_closed": 53.0}, {}, "failed"),
+        ({"stays_closed": 53.0}, {"openings": 0}, "unclear"),
+        ({"closes_within": 98.9, "stays_closed": 48.0}, {}, "failed"),
+        ({"closes_within": 500.0}, {"t_closed": np.nan, "t_closed_error": np.nan}, "failed"),
+        ({"closes_within": 500.0}, {"t_closed_error": np.nan}, "unclear"),
+        ({}, {"t_closed": np.nan}, "met"),
+    ],
+)
+def test_a_requirement_of_the_electrode_is_met_beyond_its_error(required, changes, verdict):
+    closing = {"t_closed": 100.0, "t_closed_error": 1.0, "closed_for": 50.0}
+    closing |= {"closed_for_error": 1.0, "openings": 2.0} | changes
+    blank = Verdict(**dict.fromkeys(Verdict._fields) | {"verdict": "met"})
+    found, margins = judge_closing(blank, required, closing)
+    assert found.verdict == verdict and len(margins) == len(required)
+    assert judge_closing(blank._replace(verdict="failed"), required, closing)[0].verdict == "failed"

@@ -1,0 +1,132 @@
+"""The work of the pulse: what it is, and by how much it differs with another step."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from varied import in_steps, varied
+
+import snapmap
+from snapmap.applications.histories.history import extremes_of
+from snapmap.solver.cells import to_cells
+from snapmap.solver.models import build_model
+from snapmap.solver.outcome import OUTCOMES, REPEATED_STEP
+from snapmap.solver.settings import Settings
+from snapmap.study.study import Study
+
+SETTINGS = Settings(horizon=300.0)
+ENERGIES = ("kinetic", "spring", "bending", "axial", "contact", "dissipated")
+
+
+def work_of(model, N, f0, C, settings=SETTINGS):
+    cells = to_cells(model.device, 0, np.atleast_1d(N), f0, C, settings.horizon)
+    return model.follow_once(cells, settings).pulse_work
+
+
+@pytest.mark.parametrize("ratio", [0.3, 1.0, 1.6, 2.0])
+def test_the_work_on_a_mass_alone_is_what_its_residual_swing_holds(handout, ratio):
+    """Undamped, and too far from the beam to touch it: K/2 of the amplitude squared.
+
+    After a versed sine of `ratio` of its periods a mass on a spring swings by
+    N g/omega^2 sin(pi ratio)/(1 - ratio^2), and at ratio 1 by pi/2 of N g/omega^2.
+    """
+    omega, device = handout.own_frequency, dataclasses.replace(handout, gap=1e3)
+    f0, shock = omega / (2 * np.pi * ratio), 50 * handout.gravity / omega**2
+    swing = shock * (np.pi / 2 if ratio == 1 else np.sin(np.pi * ratio) / (1 - ratio**2))
+    found = work_of(build_model(device, "cosines", modes=3), 50.0, f0 * 1e6, 0.0)
+    # The pulse also moves the beam, which weighs less by a factor of 160, by a thousandth of that.
+    assert found == pytest.approx(device.spring * swing**2 / 2, rel=1e-4, abs=1e-4)
+
+
+def test_the_largest_values_are_those_of_every_step_to_any_horizon(handout, monkeypatch):
+    """Windows and what is kept do not matter; the snap ends the part before it within a step."""
+    shot, model = (1100.0, 1500.0, 25.0), {"name": "cosines", "modes": 3}
+    device = varied(handout, damping=4e-3)
+    runs = [snapmap.simulate(device, *shot, model, horizon=one) for one in (200.0, 1500.0)]
+    settings = Settings(horizon=1500.0)
+    found = extremes_of(Study(device=device, model=model, settings=settings), *shot)
+    assert found._asdict() == {key: runs[1].attrs[key] for key in found._fields}
+    for key in found._fields:
+        assert runs[0].attrs[key] <= runs[1].attrs[key]
+    assert runs[0].stress_max_to_snap == runs[1].stress_max_to_snap
+    monkeypatch.setattr("snapmap.applications.histories.history.SAMPLES", 10**9)
+    run = snapmap.simulate(device, *shot, model, horizon=200.0)
+    moved = run.z_mass.values - device.beam.rise
+    ways = max(0, -moved.min()), max(0, moved.max())
+    assert (run.toward_max, run.away_max) == pytest.approx(ways, rel=1e-12)
+    assert run.contact_force_max == run.contact_force.max() and run.stress_max == run.stress.max()
+    after = np.flatnonzero(run.w_mid <= run.second_equilibrium)[0]
+    part = run.isel(time=slice(after - 1, after + 1))
+    at_snap = np.interp(-run.second_equilibrium, -part.w_mid, part.stress)
+    expected = max(run.stress.values[:after].max(), at_snap)
+    assert run.stress_max_to_snap == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize(("model", "options"), [("cosines", {"modes": 3}), ("reference", {})])
+@pytest.mark.parametrize("N", [700.0, 1500.0])
+def test_the_work_is_the_change_of_energy_and_the_losses(handout, fix_step, model, options, N):
+    device = varied(handout, damping=1e-3)
+    fix_step(0.3)
+    asked = {"model": model, "horizon": 100.0, **options}
+    run = snapmap.simulate(device, N, 2e3, 25.0, **asked)
+    gained = sum(run[f"{kind}_energy"][-1] for kind in ENERGIES)
+    assert float(run.pulse_work[-1]) == pytest.approx(float(gained), rel=2e-3)
+    cube = snapmap.sweep(device, [N], [2e3], [25.0], **asked)
+    if model == "reference" and N > 1000:
+        assert np.isnan(cube.pulse_work)  # its run ends at the snap, within the pulse
+    else:
+        assert cube.pulse_work.item() == pytest.approx(float(run.pulse_work[-1]), rel=1e-6)
+
+
+@pytest.mark.parametrize(("contact", "modes"), [(40.0, 3), (40.0, 5), (np.inf, 3)])
+def test_the_work_converges_with_order_two(handout, contact, modes):
+    """Cells that never snap, where the motion is smooth."""
+    device = dataclasses.replace(handout, contact=contact)
+    model = in_steps(build_model(device, "cosines", modes=modes), 0.2)
+    works = [work_of(model.with_step(2.0**-k), [500.0, 700.0], 3e3, 25.0) for k in range(3)]
+    first, second = abs(np.diff(works, axis=0))
+    np.testing.assert_allclose(np.log2(first / second), 2, atol=0.2)
+
+
+def test_a_history_says_whether_and_when_the_handouts_shock_snaps_as_a_sweep_does(handout):
+    shot = {"N": 1000.0, "f0": 1500.0, "C": 0.025}
+    run = snapmap.simulate(handout, **shot, model="reference")
+    cube = snapmap.sweep(handout, *([value] for value in shot.values()), model="reference")
+    assert run.t_snap == cube.t_snap.item() == pytest.approx(434.8857, abs=5e-5)
+    assert run.outcome == OUTCOMES[cube.outcome.item()] == "snapped"
+
+
+def test_a_history_has_the_outcome_of_a_sweep_that_starts_where_it_does(handout):
+    device, f0, C = varied(handout, stop_away=30.0, damping=4e-3), 2e4, 25.0
+    asked = {"model": "cosines", "modes": 3}
+    words = []
+    runs = (700.0, "first", "+z"), (6e3, "first", "+z"), (5e4, "second", "-z")
+    for N, start, direction in runs:
+        asked |= {"start": start, "direction": direction}
+        cube = snapmap.sweep(device, [N], [f0], [C], **asked)
+        run = snapmap.simulate(device, N, f0, C, **asked)
+        np.testing.assert_array_equal(run.t_snap, cube.t_snap.item())
+        assert run.outcome == OUTCOMES[cube.outcome.item()]
+        words.append(run.outcome)
+    assert words == ["never", "latched", "returned"]
+
+
+@pytest.fixture(scope="module")
+def cube(handout):
+    asked = {"model": "cosines", "modes": 3, "horizon": 300.0}
+    return snapmap.sweep(handout, [0.0, 700.0, 1400.0], [1500.0, 6e3], [25.0], **asked)
+
+
+def test_a_cube_says_by_how_much_another_step_differs(handout, cube):
+    model = build_model(handout, "cosines", modes=3)
+    f0, N = (values.ravel() for values in np.meshgrid(cube.f0, cube.N, indexing="ij"))
+    cells = to_cells(handout, 0, N, f0, 25.0, 300.0)
+    seen, again = (one.follow(cells, SETTINGS) for one in (model, model.with_step(REPEATED_STEP)))
+    works, times = np.array([(run.pulse_work, run.t_snap) for run in (seen, again)]).swapaxes(0, 1)
+    np.testing.assert_array_equal(cube.pulse_work.values.ravel(), np.float32(works[0]))
+    apart = np.float32(abs(works[1] - works[0])[N > 0] / works.max(axis=0)[N > 0])
+    np.testing.assert_array_equal(cube.work_error.values.ravel()[N > 0], apart)
+    np.testing.assert_array_equal(
+        cube.t_snap_error.values.ravel(), np.float32(abs(times[1] - times[0]))
+    )
+    assert (cube.t_snap_error.isnull() == cube.t_snap.isnull()).all()

@@ -1,0 +1,402 @@
+"""What the page holds of a study, and the page in a browser."""
+
+import json
+import re
+import shutil
+
+import draw
+import numpy as np
+import pytest
+import xarray as xr
+from playwright.sync_api import sync_playwright
+from small_results import SETTINGS, swept
+
+from snapmap.applications.page import traces as envelopes
+from snapmap.applications.page.figure import GREY, WORDS, page
+from snapmap.figures.states import (
+    SNAPS,
+    end_elsewhere,
+    end_states,
+    snap_states,
+)
+from snapmap.study.netcdf import write
+from snapmap.study.study import Study
+
+ALWAYS, BAND, FIRST, APART = 1, 2, 3, 4
+"""Which curve of the map is which."""
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "chrome"))), None)
+
+
+@pytest.fixture(scope="module")
+def cube(handout):
+    return swept(handout)
+
+
+def trace(device, cube, settings=SETTINGS):
+    """The traces of a study of one device."""
+    model = json.loads(cube.attrs["config"])["model"]
+    return envelopes.trace(Study(device=device, model=model, settings=settings), cube)
+
+
+@pytest.fixture(scope="module")
+def traced(handout, cube):
+    return trace(handout, cube)
+
+
+def edges_of(cube):
+    """Thresholds of a cube, read off its grid: what the page needs of threshold.nc."""
+    first = cube.N.where(cube.t_snap.notnull()).min("N")
+    variables = {"N_first": first, "N_error": 0 * first + 20, "N_always": first + 50}
+    return xr.Dataset(variables, attrs=cube.attrs)
+
+
+def write_text(path, cube, traces):
+    path.write_text(page(cube, traces, edges_of(cube), SETTINGS.horizon), encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def page_file(cube, traced, tmp_path_factory):
+    """The page of the small cube, written by the rule's own function."""
+    folder = tmp_path_factory.mktemp("a page")
+    paths = [folder / f"{name}.nc" for name in ("cube", "threshold", "traces")]
+    for dataset, path in zip((cube, edges_of(cube), traced), paths, strict=True):
+        write(dataset, path)
+    draw.draw_page(*paths[:2], SETTINGS.horizon, folder / "explore.html", paths[2])
+    assert sorted(folder.iterdir()) == sorted([*paths, folder / "explore.html"])
+    return folder / "explore.html"
+
+
+@pytest.fixture(scope="module")
+def browser():
+    if CHROMIUM is None:
+        pytest.skip("no Chromium is installed")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield browser
+        browser.close()
+
+
+class View:
+    """A page in a browser, what it asked for and what it complained of."""
+
+    def __init__(self, browser, path, **kind):
+        self.page, self.requests, self.complaints = browser.new_page(**kind), [], []
+        self.page.on("request", lambda request: self.requests.append(request.url))
+        self.page.on("console", lambda message: self.complaints.append(message.text))
+        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.page.goto(path.as_uri())
+        self.wait("document.getElementById('verdict').textContent")
+
+    def wait(self, condition):
+        """Wait until it holds; Playwright's own way to wait is a script that the page forbids."""
+        for _ in range(500):
+            if self.page.evaluate(condition):
+                return
+            self.page.wait_for_timeout(20)
+        raise AssertionError(condition)
+
+    def text(self, selector):
+        text = self.page.text_content(selector)
+        return text.replace("\u200b", "").replace("\xa0", " ")
+
+    def shown(self, figure, key, curve=0):
+        """What a curve of a figure shows, as plain lists."""
+        return self.page.evaluate(
+            f"JSON.parse(JSON.stringify(document.getElementById('{figure}').data[{curve}].{key}))"
+        )
+
+    def point_at(self, i, j):
+        """Where in the window the cell of the i-th x and the j-th y is drawn."""
+        return self.page.evaluate(
+            """([i, j]) => {
+                const { xaxis, yaxis } = map._fullLayout;
+                const box = map.querySelector(".nsewdrag").getBoundingClientRect();
+                const [x, y] = [axes[X].values[i], axes[Y].values[j]];
+                return [box.x + xaxis.d2p(x), box.y + yaxis.d2p(y)];
+            }""",
+            [i, j],
+        )
+
+    def hover(self, i, j):
+        self.page.mouse.move(0, 0)
+        self.page.wait_for_selector("#map .hovertext", state="detached")
+        self.page.mouse.move(*self.point_at(i, j))
+        self.page.wait_for_selector("#map .hovertext")
+        return self.text("#map .hovertext")
+
+    def click(self, i, j):
+        self.hover(i, j)
+        self.page.mouse.click(*self.point_at(i, j))
+        self.wait_for(i, j)
+
+    def wait_for(self, i, j):
+        """Wait until the cell of the i-th x and the j-th y is the chosen one."""
+        self.wait(f"at[X] === {i} && at[Y] === {j}")
+
+    def slide(self, index, key="C"):
+        self.page.fill(f"#at-{key}", str(index))
+
+    def choose(self, words):
+        self.page.check(f"#views label:has-text('{words}') input")
+
+    def sliders(self):
+        """The label and the value of each slider."""
+        rows = "[...document.querySelectorAll('#sliders input')].map((slider) => ["
+        rows += "slider.labels[0].textContent, slider.nextElementSibling.textContent])"
+        return [[text.replace("\xa0", " ") for text in row] for row in self.page.evaluate(rows)]
+
+    def place(self):
+        """Where the chosen cell is on each axis."""
+        return self.page.evaluate("at")
+
+
+@pytest.fixture(scope="module")
+def view(browser, page_file):
+    return View(browser, page_file)
+
+
+def codes_of(cube, c):
+    return snap_states(cube.isel(C=c)).transpose("N", "f0").values.tolist()
+
+
+def test_the_page_is_alone_and_sends_the_study_nowhere(browser, page_file):
+    view = View(browser, page_file)
+    view.click(0, 3)
+    view.slide(1)
+    assert view.requests == [page_file.as_uri()]
+    buttons = view.page.query_selector_all(".modebar-btn")
+    titles = [button.get_attribute("data-title") for button in buttons]
+    assert len(titles) > 4 and not [title for title in titles if re.search("hare|loud|dit", title)]
+    for button in buttons:
+        button.evaluate("button => button.click()")
+    view.page.set_viewport_size({"width": 420, "height": 800})
+    view.wait("document.documentElement.scrollWidth <= 420")
+    assert not [url for url in view.requests if not url.startswith(("file:", "blob:", "data:"))]
+    assert view.complaints == []
+    asked = "fetch('https://example.org/').then(() => 'sent', () => 'refused')"
+    assert view.page.evaluate(asked) == "refused"
+    assert any("Content Security Policy" in complaint for complaint in view.complaints)
+
+
+def test_the_slider_changes_map_classes_and_thresholds(view, cube):
+    """N_always, the band of the error about N_first, once there and back, and N_first."""
+    found = edges_of(cube)
+    assert codes_of(cube, 0) != codes_of(cube, 1)
+    for c, words in enumerate(("0.025 µN µs/µm", "200 µN µs/µm")):
+        view.slide(c)
+        assert view.shown("map", "z") == codes_of(cube, c)
+        assert view.sliders() == [["damping of the mass C", words]]
+        assert f"C = {words}" in view.text("#cell")
+        counts = np.bincount(np.ravel(codes_of(cube, c)), minlength=len(SNAPS))
+        for state, count in zip(SNAPS, counts, strict=True):
+            assert (f"{state.words} ({count})" in view.text("#classes")) == (count > 0)
+        row = found.isel(C=c)
+        for curve, N in ((FIRST, row.N_first), (ALWAYS, row.N_always)):
+            assert view.shown("map", "x", curve) == cube.f0.values.tolist()
+            assert view.shown("map", "y", curve) == pytest.approx(N.values.tolist())
+        band = [*(row.N_first + 20).values, *(row.N_first - 20).values[::-1]]
+        assert view.shown("map", "y", BAND) == pytest.approx([*band, None])
+        view.click(1, 0)
+        first, always = row.N_first.values[1], row.N_always.values[1]
+        assert f"{first:g} ± 20; above {always:g} all snap" in view.text("#edge")
+
+
+def test_a_switch_shows_when_cells_snap_and_where_they_end(view, cube):
+    """Lines are those of snapping, hatches those of ends; each time is a colour of its own."""
+    view.slide(0)
+    cells = cube.isel(C=0).transpose("N", "f0")
+    view.choose("time")
+    shown = np.array(view.shown("map", "z"))
+    times = cells.t_snap.values
+    snaps = np.isfinite(times)
+    assert (shown[~snaps] == 0).all() and (abs(shown[snaps] - 1) < 0.5).all()
+    assert (np.argsort(shown[snaps]) == np.argsort(times[snaps])).all()
+    first, last = (f"{end / 1e3:.4g} ms" for end in (cube.t_snap.min(), cube.t_snap.max()))
+    said = view.text("#classes")
+    assert f"{first} {last}, first snap ({snaps.sum()})" in said and "no snap seen" in said
+    view.choose("where it ends")
+    assert view.shown("map", "z") == end_states(cells).values.tolist()
+    assert len(view.shown("map", "x", curve=APART)) == end_elsewhere(cells).sum() > 0
+    assert view.shown("map", "y", FIRST) == []
+    view.choose("snaps")
+    assert view.shown("map", "z") == codes_of(cube, 0) and view.shown("map", "y", FIRST) != []
+
+
+def test_a_click_shows_the_history_of_that_cell(view, traced):
+    """Each curve to half a step of its own range, of which there are 254."""
+    view.slide(0)
+    for i, j in ((0, 3), (2, 0)):
+        view.click(i, j)
+        cell = traced.isel(C=0, f0=i, N=j)
+        for curve, key in enumerate(("w_low", "w_high", "z_mass", "energy", "beam_energy")):
+            half = 0.501 * float(cell[key].max() - cell[key].min()) / 254
+            shown = view.shown("history", "y", curve)
+            assert shown == pytest.approx(cell[key].values.tolist(), abs=half)
+        starts = float(cell.bin_length) / 1e3 * np.arange(cell.sizes["bin"])
+        assert view.shown("history", "x", 2) == pytest.approx(starts.tolist())
+        assert view.text("#cell").startswith(f"N = {cell.N:g}, f0 = {cell.f0:g} Hz")
+
+
+def test_keys_and_buttons_move_the_choice(view):
+    view.click(1, 1)
+    view.page.focus("#keys")
+    for key, cell in (("Right", (2, 1)), ("Right", (2, 1)), ("Up", (2, 2)), ("Left", (1, 2))):
+        view.page.keyboard.press(f"Arrow{key}")
+        view.wait_for(*cell)
+    for name, cell in (("next f0", (2, 2)), ("previous N", (2, 1)), ("previous f0", (1, 1))):
+        view.page.click(f"button[aria-label='{name}']")
+        view.wait_for(*cell)
+
+
+PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
+
+
+@pytest.fixture(scope="module")
+def phone(browser, page_file):
+    view = View(browser, page_file, **PHONE)
+    yield view
+    assert view.complaints == []
+
+
+def test_a_phone_shows_all_in_one_column_and_a_finger_chooses_and_scrolls(phone):
+    assert phone.page.evaluate("document.documentElement.scrollWidth") == 390
+    boxes = [phone.page.query_selector(f"#{name}").bounding_box() for name in ("map", "history")]
+    assert boxes[0]["y"] + boxes[0]["height"] <= boxes[1]["y"]
+    assert all(box["width"] > 330 and box["x"] + box["width"] <= 390 for box in boxes)
+    for control in phone.page.query_selector_all("#views label, #sliders input, #steps button"):
+        assert control.bounding_box()["height"] >= 44
+    phone.page.touchscreen.tap(*phone.point_at(2, 3))
+    phone.wait_for(2, 3)
+    phone.page.tap("button[aria-label='previous f0']")
+    phone.wait_for(1, 3)
+    x, y = phone.point_at(1, 1)
+    before = phone.page.evaluate("map.layout.yaxis.range")
+    touch = phone.page.context.new_cdp_session(phone.page)
+    for kind, far in (("touchStart", 0), *(("touchMove", far) for far in range(10, 210, 10))):
+        points = [{"x": x, "y": y - far}]
+        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    touch.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    phone.wait("window.scrollY > 100")
+    assert phone.page.evaluate("map.layout.yaxis.range") == before
+
+
+def test_text_from_a_config_is_text(cube, traced):
+    document = json.loads(cube.attrs["config"])
+    document["model"]["name"] = "<b>bold</b>"
+    document["devices"] = {"<b>bold</b>": document.pop("device")}
+    named = cube.assign_attrs(config=json.dumps(document))
+    text = page(named, traced, edges_of(cube), SETTINGS.horizon)
+    assert text.count("&lt;b&gt;bold") == 3 and "<b>bold</b>" not in text
+
+
+def view_of(browser, path, device, **asked):
+    """The cube of a device, or of several, and its page in a browser."""
+    cube = swept(device, **asked)
+    settings = SETTINGS._replace(until=asked.get("until", SETTINGS.until))
+    write_text(path, cube, trace(device, cube, settings))
+    return cube, View(browser, path)
+
+
+def shows(view, cells, x, y, states=snap_states):
+    """Whether the map is that of some cells, and of the axes x and y."""
+    return view.shown("map", "z") == states(cells).transpose(y, x).values.tolist()
+
+
+@pytest.fixture(scope="module")
+def of_devices(browser, handout, tmp_path_factory):
+    """Two axes of the device, one of which has points without a second stable shape."""
+    path = tmp_path_factory.mktemp("devices") / "explore.html"
+    axes = {"C": [25.0], "thickness": [1.8, 2.0, 4.4], "spring": [4.0, 7.0]}
+    return view_of(browser, path, handout, **axes, skip=True)
+
+
+def test_each_further_axis_of_several_values_has_a_slider(of_devices):
+    """And each device its own second shape."""
+    cube, view = of_devices
+    view.choose("where it ends")
+    maps, levels = set(), []
+    for t, s in np.ndindex(3, 2):
+        view.slide(t, "thickness")
+        view.slide(s, "spring")
+        cells = cube.isel(thickness=t, spring=s, C=0)
+        assert shows(view, cells, "f0", "N", end_states)
+        maps.add(end_states(cells).values.tobytes())
+        values = [f"{cells.thickness:g} µm", f"{cells.spring:g} N/m"]
+        assert view.sliders() == [["thickness", values[0]], ["spring", values[1]]]
+        if t < 2:
+            levels.append(view.page.evaluate("motion.layout.shapes[0].y0"))
+    assert len(maps) == 5, "the maps of some devices are alike"
+    ratio = 4 / np.sqrt(3) * cube.thickness.values[:2] / 10
+    second = -5 * (1 + np.sqrt(1 - ratio**2))
+    assert levels == pytest.approx(second.repeat(2).tolist(), rel=1e-6)
+    view.choose("snaps")
+    assert view.complaints == []
+
+
+def test_a_cell_without_a_device_says_so_and_shows_no_curves(of_devices):
+    _, view = of_devices
+    view.slide(2, "thickness")
+    view.click(1, 2)
+    words = WORDS["absent"]
+    assert view.text("#verdict").startswith(f"{words}: ")
+    assert view.text("#classes") == f"{words} (12)"
+    assert not view.page.is_visible("#history")
+    colours = view.shown("map", "colorscale")
+    assert colours[-1][1] == GREY
+    hovered = view.hover(0, 0)
+    assert words in hovered and "snap =" not in hovered and "no snap" not in hovered
+    view.slide(0, "thickness")
+    assert view.page.is_visible("#history") and view.shown("history", "y", 2)[0] is not None
+    assert view.complaints == []
+
+
+def test_where_f0_has_one_value_the_longest_other_takes_its_place(browser, handout, tmp_path):
+    axes = {"thickness": [1.8, 1.9, 2.0, 2.2], "spring": [4.0, 7.0], "f0": [1500.0], "C": [25.0]}
+    cube, view = view_of(browser, tmp_path / "page.html", handout, **axes)
+    for s, words in enumerate(("4 N/m", "7 N/m")):
+        view.slide(s, "spring")
+        assert view.sliders() == [["spring", words]]
+        assert shows(view, cube.isel(spring=s, f0=0, C=0), "thickness", "N")
+    view.click(2, 1)
+    assert view.place() == [2, 1, 0, 0, 1]
+    assert view.page.evaluate("motion.layout.shapes[2].x0") == pytest.approx(1e3 / 1500)
+    assert view.shown("map", "y", FIRST) != [] and not view.page.evaluate("'xaxis2' in map.layout")
+    assert "thickness (µm)" in view.page.evaluate("map.layout.xaxis.title.text")
+
+
+def test_without_traces_the_page_says_how_to_get_them(browser, cube, tmp_path):
+    write_text(tmp_path / "page.html", cube)
+    view = View(browser, tmp_path / "page.html")
+    assert shows(view, cube.isel(C=view.place()[0]), "f0", "N")
+    assert not view.page.is_visible("#history") and "traces: true" in view.text("main")
+    assert view.page.is_hidden(".of-stops >> nth=0") and view.page.is_hidden(".of-gap >> nth=0")
+    view.click(1, 2)
+    assert not view.page.is_visible("#history") and "undefined" not in view.text("#verdict")
+    assert view.complaints == []
+
+
+def test_a_sweep_to_the_snap_shows_where_it_snaps(browser, handout, tmp_path):
+    """Nothing is known of what follows, and nothing said."""
+    cube, view = view_of(browser, tmp_path / "page.html", handout, C=[25.0], until="snap")
+    assert "well" not in cube
+    snaps = cube.t_snap.notnull().isel(C=0)
+    assert view.shown("map", "z") == snaps.astype(int).transpose("N", "f0").values.tolist()
+    for state, count in zip(SNAPS, ((~snaps).sum(), snaps.sum()), strict=False):
+        assert f"{state.words} ({int(count)})" in view.text("#classes")
+    said = [view.hover(i, j) for i, j in np.ndindex(3, 4)]
+    said += [view.text("#verdict"), view.text("#classes")]
+    assert not [text for text in said if "tripped" in text or "swing" in text]
+
+
+@pytest.mark.parametrize("start", ["first", "second"])
+def test_the_beam_is_drawn_in_the_shape_in_which_the_study_starts(cube, browser, tmp_path, start):
+    document = json.loads(cube.attrs["config"])
+    document["sweep"] = document.get("sweep", {}) | {"start": start}
+    path = tmp_path / "explore.html"
+    write_text(path, cube.assign_attrs(config=json.dumps(document)), None)
+    opened = browser.new_page()
+    opened.goto(path.as_uri())
+    drawn = "key => getComputedStyle(document.querySelector(`.of-${key}`)).strokeDasharray"
+    dashes = {key: opened.evaluate(drawn, key) for key in ("first", "second")}
+    opened.close()
+    assert [key for key, dash in dashes.items() if dash == "none"] == [start]

@@ -1,0 +1,32 @@
+"""Required shocks judged by all that is known, and what a change of the device would do."""
+
+import re
+
+import snapmap
+from snapmap.applications.requirements.check import worst
+from snapmap.applications.requirements.verdicts import hint, verdicts_of
+from snapmap.pulse.shocks import make_shocks
+from snapmap.solver.settings import Settings
+from snapmap.study.study import Study
+
+SHOCK = {"f0": 1000.0, "shocks": make_shocks(), "survives": 0.999}
+
+
+def test_a_hint_names_the_requirement_that_then_fails(handout):
+    """What must trip just above a threshold that is to rise by a third contradicts that."""
+    model = {"name": "cosines", "modes": 3}
+    study = Study(device=handout, model=model, settings=Settings(horizon=300.0))
+    found = snapmap.threshold(handout, [1000.0], [25.0], model, horizon=300.0)
+    first = found.N_first.item()
+    handling = SHOCK | {"name": "handling", "N": 1.3 * first, "snaps": False}
+    needs = [handling, SHOCK | {"name": "launch", "N": 1.05 * first, "snaps": True}]
+    verdicts = [verdict for verdict, _ in verdicts_of(study, needs, [25.0])]
+    assert [one.verdict for one in verdicts] == ["failed", "met"]
+    wrong, _ = worst(verdicts)
+    words = hint(study, needs, verdicts, wrong)
+    assert re.fullmatch(r"it does so with .*a beam \d+% thicker.*, all else as it is", words)
+    changes = re.findall(r"a (?:mass|spring|beam) \d+% \w+", words)
+    assert len(changes) > 1 and words.count(" (then launch fails)") == len(changes)
+    alone = hint(study, [handling], verdicts[:1], wrong)
+    assert "then" not in alone and all(change in alone for change in changes)
+    assert hint(study, needs, verdicts, verdicts[1]) == ""

@@ -1,0 +1,192 @@
+"""The static path against closed forms, and the static threshold against slow pulses."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import root
+from varied import alone, varied
+
+import snapmap
+from snapmap.beam.equilibria import buckling_modes
+from snapmap.beam.limit_loads import static_threshold
+from snapmap.device.device import batch
+from snapmap.pulse.shocks import make_shocks
+from snapmap.solver.cells import to_rows
+from snapmap.solver.models import build_model
+from snapmap.solver.settings import Settings
+from snapmap.thresholds.search import lowest_snap
+
+
+@pytest.fixture(scope="module")
+def path(handout):
+    return snapmap.statics(handout)
+
+
+def test_the_path_has_the_exact_wells_and_saddle(path, handout):
+    """F = 0 in both shapes and at the saddle w_s = -rise/3, with the exact energies."""
+    guided = path.sel(branch="guided")
+    way, force, energy = (guided[key].values for key in ("displacement", "force", "energy"))
+    crossing = np.flatnonzero(np.diff(np.sign(force[1:]))) + 1
+    w2 = handout.beam.second_equilibrium
+    np.testing.assert_allclose(way[crossing], [40 / 3, 10 - w2], rtol=5e-3)
+    np.testing.assert_allclose(energy[crossing], [486.805, 385.962], rtol=1e-4)
+    assert path.saddle == pytest.approx(-10 / 3) and path.barrier == pytest.approx(
+        486.805, rel=1e-5
+    )
+    assert way[0] == force[0] == energy[0] == 0
+
+
+def test_the_path_has_the_exact_forces(path, handout):
+    """Top and bottom, and the stiffness 192 EI/L^3 of the start and that of the straight part."""
+    assert path.largest_force == pytest.approx(70.67, abs=0.01)
+    assert path.least_force == pytest.approx(-32.54, abs=0.01)
+    guided = path.sel(branch="guided")
+    way, force = guided.displacement.values, guided.force.values
+    assert way[np.argmax(force)] == pytest.approx(2.349, abs=2e-3)
+    assert way[np.argmin(np.where(way < 19, force, 0))] == pytest.approx(18.39, abs=0.01)
+    straight = np.polyfit(way[410:790], force[410:790], 1)
+    assert straight[0] == pytest.approx(-6.434, abs=1e-3)
+    np.testing.assert_allclose(np.polyval(straight, way[410:790]), force[410:790], atol=1e-9)
+
+
+def free(device, Q, imperfection):
+    return varied(device, free=1.0, thickness=device.beam.rise / Q, imperfection=imperfection)
+
+
+CLOSED = {5: (386.1, 2.5225), 6: (389.665, -1.0424), 12: (395.596, -6.9736), 20: (396.839, -8.2164)}
+
+
+@pytest.mark.parametrize("Q", CLOSED)
+def test_a_free_beam_tilts_at_the_closed_form(handout, Q):
+    """At N = 80.76 EI/L^2 the symmetric part of all modes alone bears the force: a quadratic."""
+    device = free(handout, Q, 1e-9)
+    found = snapmap.statics(device)
+    unit = device.beam.stiffness_unit * device.beam.rise
+    forces = found.largest_force / unit, found.least_force / unit
+    assert forces == pytest.approx(CLOSED[Q], abs=1e-3)
+    assert (found.barrier > 0) == (forces[1] < 0)
+    assert found.force.sel(branch="guided").max() > found.largest_force
+
+
+def test_the_energy_is_the_work_of_the_force(path, handout):
+    both = [path.sel(branch=branch) for branch in path.branch.values]
+    for one in (*both, snapmap.statics(free(handout, 6, 0.03)).sel(branch="tilted")):
+        steps = np.diff(one.displacement.values)
+        force = one.force.values
+        work = np.append(0, np.cumsum((force[1:] + force[:-1]) / 2 * steps))
+        np.testing.assert_allclose(one.energy, work, atol=0.05)
+
+
+PUSHED = {"damping": 4e-3, "free": 1.0, "imperfection": 0.05}
+"""With tilt: of a perfect guided beam under a force nothing wakes the second mode but time."""
+SLOW = [
+    *({"spring": 2.0, "contact": np.inf}, {"spring": 20.0}, {"mass": 0.6}),
+    *({"gap": 1.5, "residual_stress": 20.0}, {"free": 1.0, "imperfection": 0.05}),
+]
+
+
+def lowest_slow(device, f0, C, direction="+z", start="first"):
+    """The threshold of a slow pulse over the static one."""
+    static = static_threshold(device, back=start == "second")
+    rows, reach = to_rows(0, f0, C, 0, make_shocks("versed sine", direction).pulses), (0.8, 1.2)
+    model, reach = build_model(device, "cosines", modes=3), tuple(static * np.array(reach))
+    return lowest_snap(model, rows, reach, Settings(0.0, "snap", start=start), 1e-4).item() / static
+
+
+@pytest.mark.parametrize("values", SLOW)
+def test_slow_pulses_tend_to_the_static_threshold(handout, values):
+    """A soft spring lets go at the top of the path, a stiff one where the beam leaves the mass."""
+    device = varied(handout, **values)
+    f0 = device.own_frequency / (2 * np.pi * 80) * 1e6
+    assert lowest_slow(device, f0, 400.0) == pytest.approx(1, rel=4e-3)
+
+
+@pytest.mark.parametrize("force", [0.0, 1.0])
+def test_slow_pulses_on_a_beam_alone_tend_to_the_static_thresholds(handout, force):
+    """There and back."""
+    device = alone(handout, force, **PUSHED)
+    assert lowest_slow(device, 500.0, 0.0) == pytest.approx(1, rel=2e-3)
+    device = varied(device, residual_stress=-60.0)
+    assert lowest_slow(device, 500.0, 0.0, "-z", "second") == pytest.approx(1, rel=2e-3)
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.5, 1.5])
+def test_a_stiff_spring_lets_go_of_a_light_beam_at_its_saddle(handout, gap):
+    """There the beam rests without the mass, 4/3 rise from the first shape: M a = K (way + gap)."""
+    values = {"density": 1e-4 * handout.beam.density, "spring": 20.0, "contact": np.inf}
+    device = varied(handout, **values, gap=gap)
+    exact = device.spring * (4 / 3 * handout.beam.rise + gap) / (device.mass * device.gravity)
+    assert static_threshold(device) == pytest.approx(exact, rel=1e-5)
+
+
+def test_static_thresholds_of_a_batch_are_those_of_its_devices(handout):
+    apart = [{"gap": 1e4}, {"stop_toward": 5.0}, {"stop_toward": 3.0, "gap": 1.5}]
+    devices = [varied(handout, **values) for values in (*SLOW, *apart)] * 3
+    for back in (False, True):
+        each = [static_threshold(one, back) for one in devices]
+        np.testing.assert_array_equal(static_threshold(batch(devices), back), each)
+
+
+@pytest.mark.parametrize("stress", [-8.0, 0.0, 20.0])
+def test_kept_and_left_out_modes_yield_as_the_exact_beam_column_does(handout, stress):
+    """By (tan b - b)/(64 b^3), b = sqrt(N)/4, at an N half way from the rest's to the saddle's."""
+    beam = replace(handout.beam, residual_stress=stress)
+    modes, unit = buckling_modes(beam), beam.stiffness_unit
+    tension = modes.buckling[0, 0] / (unit * beam.span) - 4 * np.pi**2
+    b = np.sqrt((16 * np.pi**2 - tension) / 2) / 4
+    kept = np.sum(modes.midpoint**2 / (modes.buckling - (16 * b**2 + tension) * unit * beam.span))
+    exact = (np.tan(b) - b) / (64 * b**3) / unit
+    assert kept + modes.residual == pytest.approx(exact, rel=1e-9)
+    assert 0 < modes.residual < 1e-5 * abs(exact)
+
+
+def forces_held(beam, ways):
+    """Forces that hold the midpoint of a guided beam so far from its first shape, uN, by Newton.
+
+    Each follows from the one before, in amplitudes of (1 - cos(2 n pi x/L))/2, n up to 40.
+    """
+    n, made = np.arange(1, 41), np.zeros(40)
+    made[:2] = beam.rise, beam.rise * beam.cosine_2
+    square = (2 * np.pi * n / beam.span) ** 2
+    slope = beam.span / 8 * square
+    bending, at_middle = beam.bending_stiffness * square * slope, n % 2
+
+    def residual(unknown, way):
+        a, force = unknown[:-1], unknown[-1]
+        stretch = (slope @ a**2 - slope @ made**2) / (2 * beam.span)
+        pull = beam.youngs_modulus * beam.area * stretch * slope
+        loads = bending * (a - made) + pull * a + force * at_middle
+        change = np.diag(bending + pull)
+        change += beam.youngs_modulus * beam.area / beam.span * np.outer(slope * a, slope * a)
+        border = np.append(at_middle, 0)[np.newaxis]
+        jacobian = np.block([[change, border[:, :-1].T], [border]])
+        return np.append(loads, at_middle @ a - beam.rise + way), jacobian
+
+    forces, unknown = [], np.append(made, 0.0)
+    for way in ways:
+        solved = root(residual, unknown, (way,), jac=True, tol=1e-12)
+        assert solved.success
+        unknown = solved.x
+        forces.append(unknown[-1])
+    return np.array(forces)
+
+
+@pytest.mark.parametrize("cosine_2", [0.005, 0.02, 0.05, 0.08, 0.1])
+def test_a_guided_beam_with_a_second_cosine_is_as_stiff_as_its_energy_says(handout, cosine_2):
+    device = varied(handout, cosine_2=cosine_2, contact_at=-5.0)
+    path, ways = snapmap.statics(device), np.linspace(0, 20, 401)
+    forces = forces_held(device.beam, ways)
+    guided = path.sel(branch="guided")
+    found = np.interp(ways, guided.displacement, guided.force)
+    np.testing.assert_allclose(found, forces, atol=0.05)
+    extremes = path.largest_force, path.least_force
+    assert extremes == pytest.approx((forces.max(), forces.min()), abs=0.01)
+    assert path.hold_force == pytest.approx(max(0.0, -forces[300]), abs=5e-3)
+
+
+def test_a_force_that_is_not_known_does_not_hold_nothing(handout, monkeypatch):
+    monkeypatch.setattr(
+        "snapmap.applications.statics.statics.largest_force", lambda *_: np.array(np.nan)
+    )
+    assert np.isnan(snapmap.statics(replace(handout, contact_at=-5.0)).hold_force)

@@ -1,0 +1,253 @@
+"""Devices as made: samples, thresholds, probability, sensitivity and yield."""
+
+import warnings
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import stats
+from varied import varied
+
+import snapmap
+from snapmap.applications.tolerances.dataset import tolerances_of
+from snapmap.applications.tolerances.figure import draw_probability
+from snapmap.applications.tolerances.sensitivity import crossed, indices
+from snapmap.device.samples import CUT, Plan, Tolerances
+from snapmap.figures.style import single_column
+from snapmap.numerics.statistics import (
+    count_below,
+    moments,
+    quantile_bounds,
+    quantiles,
+    wilson,
+)
+from snapmap.pulse.shocks import make_shocks
+from snapmap.solver.cells import to_rows
+from snapmap.solver.settings import Settings
+from snapmap.study.study import Study
+from snapmap.thresholds import population as batches
+
+CHEAP = {"model": "cosines", "modes": 3, "horizon": 300.0}
+
+
+@pytest.mark.parametrize(
+    ("given", "mean", "std"),
+    [
+        (0.05, 2.0, 0.05),
+        ("5 %", 2.0, 0.1),
+        ({"normal": "5 %"}, 2.0, 0.1),
+        ({"uniform": 0.3}, 2.0, 0.3 / np.sqrt(3)),
+        ({"lognormal": "30 %"}, 2.0, 0.6),
+        ({"truncated": 0.1}, 2.0, 0.1 * stats.truncnorm.std(-CUT, CUT)),
+    ],
+)
+def test_samples_have_the_moments_of_their_distribution(handout, given, mean, std):
+    plan = Plan(handout, {"thickness": given})
+    values = plan.values(plan.points(4096, seed=3)[0])["thickness"]
+    assert values.mean() == pytest.approx(mean, rel=2e-3)
+    assert values.std() == pytest.approx(std, rel=2e-2)
+
+
+def test_samples_are_seeded_grow_and_move_together(handout):
+    scatters = {"thickness": 0.05, "rise": "2 %", "depth": {"uniform": 0.1}}
+    plan = Plan(handout, scatters, together=[["thickness", "depth"]])
+    assert plan.names == ["thickness+depth", "rise"]
+    few, many = plan.points(100, 7), plan.points(1000, 7)
+    np.testing.assert_array_equal(few, many[:, :100])
+    assert (plan.points(100, 8) != few).all()
+    values = plan.values(many[0])
+    assert stats.spearmanr(values["thickness"], values["depth"])[0] == pytest.approx(1)
+    assert abs(stats.spearmanr(values["thickness"], values["rise"])[0]) < 0.05
+    assert abs(stats.spearmanr(many[0, :, 0], many[1, :, 0])[0]) < 0.05
+
+
+def test_indices_are_those_of_ishigamis_function():
+    points = Plan(None, {"N": "1 %", "C": "1 %", "duration": "1 %"}).points(4096, seed=1)
+
+    def ishigami(u):
+        x1, x2, x3 = np.moveaxis(np.pi * (2 * u - 1), -1, 0)
+        return (np.sin(x1) + 7 * np.sin(x2) ** 2 + 0.1 * x3**4 * np.sin(x1))[..., np.newaxis]
+
+    mixed = ishigami(crossed(points))
+    # Ishigami and Homma (1990): variances of the parts, with a = 7 and b = 0.1.
+    both, lone = 0.5 * (1 + np.pi**4 / 50) ** 2, 49 / 8
+    whole = both + lone + np.pi**8 * (1 / 18 - 1 / 50) / 100
+    rest = whole - both - lone
+    exact = np.array([[both, lone, 0], [both + rest, lone, rest]]) / whole
+    found = indices(ishigami(points[0]), ishigami(points[1]), mixed, seed=5)[..., 0]
+    np.testing.assert_allclose(found[:, 0], exact, atol=0.01)
+    assert (found[:, 1] <= exact).all() and (exact <= found[:, 2]).all()
+    gone = ishigami(points[0])
+    gone[[3, 70, 500]] = np.nan
+    again = indices(gone, ishigami(points[1]), mixed, seed=5)[..., 0]
+    np.testing.assert_allclose(again[:, 0], exact, atol=0.03)
+
+
+@pytest.mark.parametrize("samples", [8, 100, 5000])
+def test_bounds_of_a_share_are_wilsons(samples):
+    for count in (0, 1, samples // 3, samples):
+        known = stats.binomtest(count, samples).proportion_ci(method="wilson")
+        np.testing.assert_allclose(wilson(count, samples), known, rtol=1e-9, atol=1e-12)
+
+
+def test_statistics_count_what_never_snaps():
+    N_first = np.array([[3.0], [1.0], [np.nan], [2.0]])
+    assert count_below(N_first, np.array([0.5, 1, 2.5, 9])).tolist() == [[0, 1, 2, 3]]
+    assert quantiles(N_first, [0.25, 0.5, 0.75])[:, 0].tolist() == [1, 2, 3]
+    assert np.isnan(quantiles(N_first, [0.9])).all()
+    mean, std = moments(N_first)
+    assert (mean, std) == (2.0, 1.0)
+
+
+def test_bounds_of_a_quantile_are_order_statistics():
+    shares, N_first = [0.001, 0.05, 0.5, 0.95, 0.999], np.arange(1.0, 2996.0)[:, np.newaxis]
+    low, high = quantile_bounds(N_first, shares)[..., 0]
+    # 2995 samples are the fewest that bound these two, and 59 these.
+    assert (low[0], high[-1]) == (1, 2995)
+    assert np.isnan(quantile_bounds(N_first[:2994], shares)[[0, 1], [0, -1], 0]).all()
+    assert quantile_bounds(N_first[:59], shares)[[0, 1], [1, 3], 0].tolist() == [1, 59]
+    assert np.isnan(quantile_bounds(N_first[:58], shares)[[0, 1], [1, 3], 0]).all()
+    # At 95 % each: of so many samples at least `low` lie below the median, and so on.
+    assert stats.binom.sf(low[2] - 1, 2995, 0.5) >= 0.95 > stats.binom.sf(low[2], 2995, 0.5)
+    assert stats.binom.cdf(high[2] - 1, 2995, 0.5) >= 0.95 > stats.binom.cdf(high[2] - 2, 2995, 0.5)
+    assert (low[1:-1] < quantiles(N_first, shares)[1:-1, 0]).all()
+
+
+def test_thresholds_are_those_of_the_devices_one_by_one(handout):
+    scatters = {"thickness": "5 %", "youngs_modulus": "5 %", "duration": "3 %", "N": "2 %"}
+    f0, C = [400.0, 1500.0, 4000.0], [25.0, 200.0]
+    made = snapmap.tolerance(handout, scatters, f0, C, samples=100, seed=2, threads=2, **CHEAP)
+    assert made.N_first.notnull().all() and (made.bistable == 1).all()
+    for i in (0, 17, 80, 99):
+        sample = made.isel(sample=i)
+        values = {key: sample[key].item() for key in ("thickness", "youngs_modulus")}
+        own = np.array(f0) / sample.duration_factor.item()
+        alone = snapmap.threshold(varied(handout, **values), own, C, **CHEAP)
+        off = abs(sample.N_first.values * sample.N_factor.item() / alone.N_first.values - 1)
+        # Clean rows may hide an island as narrow as their bars.
+        known = np.fmax(1.2e-3, (alone.N_error / alone.N_first).values)
+        assert (off < known)[alone.ragged.values == 0].all()
+        assert (off < 0.01).all() and (alone.ragged == 0).mean() >= 0.5
+
+
+def test_every_row_is_taken_by_a_level_that_keeps_the_tolerance(handout):
+    f0, C = [300.0, 1000.0, 2000.0, 5000.0, 12000.0], [25.0]
+    made = snapmap.tolerance(handout, {"thickness": "1 %"}, f0, C, samples=2)
+    best = snapmap.threshold(handout, f0, C, model="cosines", modes=11)
+    assert (best.ragged == 0).all()
+    off = abs(made.N_nominal / best.N_first - 1)
+    assert (off < 1e-3 + best.N_error / best.N_first).all()
+    rows = to_rows(0, f0, C, 0, make_shocks("versed sine", "+z").pulses)
+    choices = batches.choose_levels(handout, {"name": "auto"}, rows, Settings())
+    assert (np.sum([choice.rows for choice in choices], axis=0) == 1).all()
+    assert len({(choice.name, choice.step) for choice in choices}) == len(choices) > 1
+
+
+def test_small_scatter_adds_up_as_the_linear_estimate_says(handout):
+    """Standard deviations and indices from the slopes, as docs/limits.md lists them."""
+    scatters, f0 = {"thickness": "1 %", "youngs_modulus": "1 %", "rise": "1 %"}, [1500.0]
+    how = {"samples": 1024, "tolerance": 1e-4, "threads": 2}
+    made = snapmap.tolerance(handout, scatters, f0, [0.025], **how, **CHEAP)
+    slopes = []
+    for key in scatters:
+        value = getattr(handout.beam, key)
+        ends = {key: [0.99 * value, 1.01 * value]}
+        N = snapmap.threshold(handout, f0, [0.025], tolerance=1e-6, **ends, **CHEAP).N_first
+        slopes.append(float(np.log(N[1] / N[0]).item()) / np.log(1.01 / 0.99))
+    linear = np.array(slopes) * 0.01
+    spread = float((made.N_std / made.N_nominal).item())
+    assert spread == pytest.approx(np.sqrt(np.sum(linear**2)), rel=0.02)
+    share = linear**2 / np.sum(linear**2)
+    np.testing.assert_allclose(made.sensitivity.sel(order="first").squeeze(), share, atol=0.02)
+    np.testing.assert_allclose(made.sensitivity.sel(order="total").squeeze(), share, atol=0.02)
+    low, high = made.sensitivity_bound.sel(order="first").squeeze().transpose("bound", "value")
+    assert (low <= share).all() and (share <= high).all()
+
+
+def test_samples_without_a_second_shape_count_and_never_snap(handout):
+    thin = varied(handout, rise=5.0)
+    asked = {"thickness": {"uniform": "25 %"}}, [1500.0], [25.0]
+    made = snapmap.tolerance(thin, *asked, samples=128, **CHEAP)
+    lost = made.thickness > 5 * np.sqrt(3) / 4
+    np.testing.assert_array_equal(made.bistable == 0, lost)
+    assert 0.1 < lost.mean() < 0.5
+    assert made.N_first.squeeze().isnull().where(lost, False).sum() == lost.sum()
+    assert made.probability.max() == pytest.approx(1 - lost.mean().item())
+
+
+def test_devices_with_one_threshold_have_a_probability_at_it_alone(handout):
+    made = snapmap.tolerance(handout, {"thickness": 1e-15}, [1500.0], [25.0], samples=4, **CHEAP)
+    assert made.N.size == 1 and made.N.item() == made.N_first[0].item()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        ax = draw_probability(single_column(3.0).subplots(), made.isel(C=0))
+    assert ax.get_xlim()[0] < made.N.item() < ax.get_xlim()[1]
+
+
+def test_shares_that_meet_requirements_are_those_of_the_thresholds(handout, monkeypatch):
+    monkeypatch.setattr(batches, "FEWEST", 10)
+    monkeypatch.setattr(batches, "FOLLOWED", 0)
+    shocks = make_shocks("half sine", "+z")
+    asked = [
+        {"name": "trips", "shocks": shocks, "N": 1000.0, "f0": 2000.0, "snaps": True},
+        {"name": "rests", "shocks": shocks, "N": 850.0, "f0": 1000.0, "snaps": False},
+    ]
+    brittle = replace(handout, strength=320.0)
+    made = snapmap.tolerance(
+        brittle, {"thickness": "5 %"}, [1500.0], [25.0], samples=100, requirements=asked, **CHEAP
+    )
+    first, rests = made.N_first_required.squeeze("C").values
+    trips, quiet = first <= 1000 * 1.001, ~(rests <= 850)  # each the upper end of its step
+    share = made.share_meeting.squeeze("C").values
+    np.testing.assert_allclose(share, [trips.mean(), quiet.mean()], atol=0.011)
+    followed = made.stress_max.squeeze("C").dropna("sample")
+    good = (trips & quiet)[:10] & (followed <= 320).all("requirement").values
+    assert 0 < good.sum() < (trips & quiet)[:10].sum()
+    assert made["yield"].item() == pytest.approx(good.mean())
+    assert made.yield_bound.values[0] < made["yield"].item() < made.yield_bound.values[1]
+    assert followed.sizes["sample"] == 10
+    np.testing.assert_allclose(made.share_breaking.squeeze("C"), (followed > 320).mean("sample"))
+    assert 0 < made.share_breaking.values[0] < 1
+    alone = varied(handout, thickness=made.thickness[0].item())
+    run = snapmap.simulate(alone, 1000, 2000, 25, pulse="half sine", **CHEAP)
+    assert run.stress_max == pytest.approx(followed.values[0, 0], rel=0.05)
+    kept = snapmap.threshold(handout, [2000.0], [25.0], pulse="half sine", **CHEAP)
+    at_mean = np.interp(made.thickness.mean(), *np.sort([made.thickness, first]))
+    assert at_mean == pytest.approx(kept.N_first.item(), rel=5e-3)
+
+
+def test_a_requirement_is_met_under_all_its_shocks_at_all_temperatures(handout):
+    device = replace(handout, modulus_slope=-1e-3, strength=1e6)
+    study = Study(
+        device=device, model={"name": "cosines", "modes": 3}, settings=Settings(horizon=300.0)
+    )
+    made = Tolerances({"thickness": 0.05}, samples=32, index_samples=2)
+    both, degrees = make_shocks(["half sine", "versed sine"]), np.array([-40.0, 120.0])
+    common = {"N": 1000.0, "f0": 1500.0}
+    needs = [
+        common | {"name": "trips", "snaps": True, "shocks": both},
+        common | {"name": "rests", "snaps": False, "shocks": both},
+        common | {"name": "survives", "snaps": "any", "shocks": both},
+    ]
+    axes = {"C": [25.0], "f0": [1500.0]}
+    found = tolerances_of(study, axes | {"temperature": degrees}, made, needs)
+    corners = [
+        tolerances_of(
+            replace(study, device=device.at(T)),
+            axes,
+            made,
+            [required | {"shocks": shocks} for required in needs[:2]],
+        ).N_first_required.squeeze("C")
+        for T in degrees
+        for shocks in both.each()
+    ]
+    most, least = (end.reduce([one.values for one in corners]) for end in (np.maximum, np.minimum))
+    trips, rests, _ = found.N_first_required.squeeze("C").values
+    np.testing.assert_allclose(trips, most[0], rtol=2e-3)  # steps of the search
+    np.testing.assert_allclose(rests, least[1], rtol=2e-3)
+    shares = (most[0] <= 1000).mean(), (least[1] > 1000).mean(), 1.0
+    np.testing.assert_allclose(found.share_meeting.squeeze("C"), shares, atol=1 / 32)
+    assert found["yield"].temperatures == "-40 to 120 degC"
+    assert min(shares) > 0 and found.must_snap.values.tolist() == [1, 0, 2]
+    stress = found.stress_max.squeeze("C").values
+    np.testing.assert_array_equal(stress[0], stress[1])

@@ -1,0 +1,89 @@
+"""The list of what runs have made: nothing leaves that is not on it."""
+
+from pathlib import Path
+
+import pytest
+
+from snapmap.files.made import (
+    HEAD,
+    LIST,
+    list_made,
+    remove_others,
+)
+
+
+@pytest.fixture(autouse=True)
+def results(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    folder = Path("results")
+    (folder / "figures").mkdir(parents=True)
+    return folder
+
+
+def make(*names):
+    for name in names:
+        Path(name).write_text("made")
+    list_made("results", names)
+
+
+def test_what_is_made_and_not_kept_leaves_and_nothing_else(results):
+    make("results/cube.nc", "results/figures/map.png")
+    make("results/window.nc", "results/figures/window.png")
+    users = [results / "figures" / "window_final.png", results / "measured.csv"]
+    for path in users:
+        path.write_text("mine")
+    kept = {"results/cube.nc", "results/figures/map.png", "results/figures/new.png"}
+    left = "results/figures/window.png, results/window.nc"
+    said = [f"{left}: removed, as the config no longer asks for them"]
+    assert remove_others("results", kept) == said
+    assert not any(Path(name).exists() for name in left.split(", "))
+    assert all(path.read_text() == "mine" for path in users)
+    (results / "window.nc").write_text("mine")  # it was the pipeline's, and is so no longer
+    assert remove_others("results", kept) == []
+    assert (results / "window.nc").read_text() == "mine"
+    assert (results / LIST).read_text().split("\n")[1:] == [*sorted(kept)[:2], ""]
+
+
+def test_many_are_named_in_one_line():
+    make(*(f"results/figures/map_{number}.png" for number in range(9)))
+    (line,) = remove_others("results", ())
+    assert line.count("results/") == 4 and ", 5 others: removed" in line
+
+
+def test_without_a_list_nothing_leaves(results):
+    (results / "cube.nc").write_text("of an older version")
+    assert remove_others("results", ()) == []
+    assert (results / "cube.nc").exists() and not (results / LIST).exists()
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a list of the users\nresults/cube.nc\nmine.txt",
+        f"{HEAD}\nmine.txt\nresults/../mine.txt\n{{}}/mine.txt\nresults\nresults/{LIST}\n\0",
+        b"\xff\xfe",
+    ],
+)
+def test_a_foreign_list_removes_nothing(results, tmp_path, text):
+    for path in (results / "cube.nc", Path("mine.txt")):
+        path.write_text("mine")
+    data = text if isinstance(text, bytes) else text.replace("{}", str(tmp_path)).encode()
+    (results / LIST).write_bytes(data)
+    remove_others("results", ())
+    assert (results / "cube.nc").exists() and Path("mine.txt").exists()
+
+
+def test_what_cannot_be_removed_is_named_and_stays_listed(results):
+    make("results/window.nc")
+    (results / "window.nc").unlink()
+    (results / "window.nc").mkdir()
+    for _ in range(2):
+        assert remove_others("results", ()) == [
+            "results/window.nc: of an older config, and cannot be removed"
+        ]
+
+
+def test_a_list_that_cannot_be_written_ends_no_run(results):
+    (results / LIST).mkdir()
+    make("results/cube.nc")
+    assert remove_others("results", ()) == [] and (results / "cube.nc").exists()

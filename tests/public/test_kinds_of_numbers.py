@@ -1,0 +1,135 @@
+"""Numbers of numpy's and xarray's in calls: each is one of Python's behind the door."""
+
+import inspect
+import itertools
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import snapmap
+from snapmap.public import TAKEN, checked
+from snapmap.pulse.shocks import make_shocks
+from snapmap.solver.options import OPTIONS
+
+WHOLE = (np.int64, np.int32, lambda number: np.array(int(number)))
+KINDS = (*WHOLE, np.float32, np.float64, np.array, xr.DataArray)
+SEVERAL = (np.array, xr.DataArray, tuple, lambda row: [np.float32(one) for one in row])
+CHEAP = {"model": "cosines", "modes": 3, "horizon": 0.0}
+RIGHT = {
+    **{"samples": 8, "index_samples": 8, "seed": 3, "records": 2, "threads": 1, "elements": 3},
+    **{"cosines": 3, "modes": 3, "step": 0.5, "horizon": 64.0, "duration": 2.0, "highest": 2000.0},
+    **{"energy_tolerance": 0.25, "reach": 0.5, "confidence": 0.5, "reliability": 0.5},
+    **{"failures": 1, "between": [1.75, 2.25], "psd": [[20.0, 0.5], [2000.0, 0.5]]},
+    **{"srs": [[500.0, 700.0], [2000.0, 1500.0]], "N": 1000.0, "f0": 1500.0, "C": 25.0},
+    "unknowns": {"thickness": [1.75, 2.25], "C": [1.0, 32.0]},
+    "scatters": {"thickness": 0.125, "rise": {"uniform": 0.5}, "depth": "5 %"},
+    "requirements": [{"name": "a", "N": 500.0, "f0": 1500.0, "snaps": True}],
+    **{"restitution": 0.5, "tolerance": 2.0**-7},
+    **dict.fromkeys(("contact_at", "residual_stress"), -8.0),
+}
+"""Values that a float of 32 bits holds, too."""
+NO_NUMBERS = {
+    *("ax", "cube", "direction", "earlier", "ends", "found", "mass_matrix", "method", "model"),
+    *("device", "path", "prior", "pulse", "repeat", "sha256", "shots", "skip", "start"),
+    *("studies", "together", "until", "value", "x", "y"),
+}
+
+
+def arguments_of(name):
+    """What a function takes, with its options and those of its models."""
+    named = [
+        key for key in inspect.signature(getattr(snapmap, name)).parameters if key != "options"
+    ]
+    of_models = itertools.chain(*OPTIONS.values()) if "model" in named else ()
+    return dict.fromkeys((*named, *TAKEN.get(name, ()), *of_models))
+
+
+def model_of(key):
+    return next((name for name, options in OPTIONS.items() if key in options), "auto")
+
+
+def taken(name, key, value):
+    """What the function is called with in place of a value."""
+    signature = inspect.signature(getattr(snapmap, name).__wrapped__)
+    is_of_model = key not in (*signature.parameters, *TAKEN.get(name, ()))
+
+    def double(**named):
+        return named["model"] if is_of_model else named
+
+    parameters = [
+        each.replace(default=None) if each.default is each.empty and key != "options" else each
+        for key, each in signature.parameters.items()
+    ]
+    double.__name__, double.__signature__ = name, signature.replace(parameters=parameters)
+    model = {"model": model_of(key)} if is_of_model else {}
+    return checked(double)(**model, **{key: value})[key]
+
+
+def converted(value, kind):
+    """The value with each of its numbers as another kind."""
+    if isinstance(value, dict):
+        return {key: converted(inner, kind) for key, inner in value.items()}
+    if isinstance(value, list):
+        return [converted(inner, kind) for inner in value]
+    return value if isinstance(value, str | bool) else kind(value)
+
+
+def kinds_of(value):
+    """A right value in other kinds of number."""
+    if isinstance(value, dict) or (isinstance(value, list) and isinstance(value[0], dict)):
+        yield from (converted(value, kind) for kind in (np.float32, np.float64, xr.DataArray))
+        return
+    if isinstance(value, list):
+        yield from (kind(value) for kind in SEVERAL)
+        return
+    for kind in WHOLE if isinstance(value, int) else KINDS:
+        if float(kind(value)) == value:
+            yield kind(value)
+
+
+@pytest.mark.parametrize("name", snapmap.__all__)
+def test_each_numeric_argument_of_each_function_takes_each_kind(name):
+    for key in arguments_of(name).keys() - NO_NUMBERS:
+        right = RIGHT.get(key, 2.0)
+        for value in kinds_of(right):
+            behind = taken(name, key, value)
+            if isinstance(behind, np.ndarray):
+                assert behind.dtype == float and type(behind) is np.ndarray
+                behind = behind.tolist() if np.ndim(right) else behind.item()
+            assert json.loads(json.dumps(behind)) == right, (key, value)
+            assert type(behind) is type(right), (key, value)
+
+
+def test_a_row_is_an_array_of_floats():
+    for kind in SEVERAL:
+        behind = taken("sweep", "f0", kind([500.0, 1500.0]))
+        assert behind.dtype == float and behind.tolist() == [500.0, 1500.0]
+
+
+def test_numbers_of_pulses_are_plain():
+    whole, part = np.int64(2), np.float32(0.5)
+    train = [{"duration": whole, "N": part}, {"wait": xr.DataArray(5)}, {"repeat": whole}]
+    drop = {"height": np.array(1e6), "duration": np.int64(500), "rebound": part}
+    trapezoid = {"shape": "trapezoid", "rise": part, "fall": np.float64(0.25)}
+    for pulse in ({"train": train}, {"drop": drop}, trapezoid):
+        section = make_shocks(pulse).section()
+        assert json.loads(json.dumps(section)) == section
+        assert "np." not in str(section)
+
+
+@pytest.mark.parametrize("kind", [np.float64, np.float32, np.int64, np.array, xr.DataArray])
+def test_calls_give_the_same_by_numbers_of_each_kind(handout, kind):
+    shock = {"N": 1000, "f0": 1500, "C": 25}
+    named = {key: kind(value) for key, value in shock.items()}
+    options = {"model": "cosines", "modes": np.int64(3), "horizon": kind(0)}
+    run = snapmap.simulate(handout, **named, **options)
+    assert run.identical(snapmap.simulate(handout, **shock, **CHEAP))
+    cube = snapmap.sweep(
+        handout, **named, until="snap", energy_tolerance=np.float32(0.25), **options
+    )
+    same = snapmap.sweep(handout, **shock, until="snap", energy_tolerance=0.25, **CHEAP)
+    assert cube.identical(same)
+    for made in (run, cube):
+        assert "np." not in made.attrs["config"] and json.loads(made.attrs["config"])

@@ -1,0 +1,213 @@
+"""The functions of the package: what there is, and what a wrong call says."""
+
+import doctest
+import inspect
+import itertools
+import pickle
+import random
+import warnings
+
+import numpy as np
+import pytest
+
+import snapmap
+from snapmap.device.device import Beam, Device, batch
+from snapmap.public import TAKEN
+from snapmap.solver.options import OPTIONS
+
+CELL = {"N": [1000.0], "f0": [1500.0], "C": [25.0]}
+SINGLE = {"N": 1000.0, "f0": 1500.0, "C": 25.0}
+CHEAP = {"model": "cosines", "modes": 3, "horizon": 0.0}
+DEVICE = Device(Beam(600.0, 10.0, 2.0, 22.0, 150e3, 2.33e-3), 1e4, 5.5, 40.0, 9.81e-6)
+SHOTS = {"N": [800, 900, 950, 1000], "tripped": [0, 0, 1, 1], "duration": [1000.0] * 4}
+PLENTY = 10**400
+WRONG = (
+    *(None, "abc", "1500 Hz", "", b"abc", "a\nb", np.nan, np.inf, -np.inf, -1.0, 0.5j, PLENTY),
+    *([], (), {}, [[]], [[1.0], [2.0, 3.0]], [[[1.0]]], ["abc"], [None], [np.nan], [-1.0]),
+    *({"name": []}, [[1.0]], [memoryview(b"a")], batch([DEVICE, DEVICE])),
+    *({"abc": 1}, {1: [2]}, {"N": "abc"}, {1.0, 2.0}, object(), object, len, range(0), ...),
+    *(np.ones(100_000), np.array(["abc"]), np.array(None), np.zeros((2, 3, 4)), "abc" * 10_000),
+)
+"""Right for no argument but those of `RIGHT`."""
+RIGHT = {
+    "temperature": (-1.0, [-1.0]),
+    **{key: (np.inf,) for key in ("contact", "clamp_axial", "stop_toward", "stop_away")},
+    **{f"cosine_{n}": (-1.0, [-1.0]) for n in range(2, 6)},
+    "residual_stress": (-1.0, [-1.0]),
+    "sha256": ("",),
+    "requirements": ([], ()),
+    "together": ([], (), [[]]),
+    "C": ((),),
+}
+
+
+@pytest.mark.parametrize("name", snapmap.__all__)
+def test_the_example_of_each_function_is_true(root, monkeypatch, name):
+    monkeypatch.chdir(root)
+    function = getattr(snapmap, name)
+    (example,) = doctest.DocTestFinder().find(function, name, globs={"snapmap": snapmap})
+    assert example.examples
+    assert doctest.DocTestRunner().run(example).failed == 0
+
+
+@pytest.fixture(scope="module")
+def right_calls(handout, root):
+    """A right call of each function."""
+    cube = snapmap.sweep(handout, [900.0, 1000.0], [1500.0], [25.0], until="snap", **CHEAP)
+    at = {"device": handout, **CHEAP}
+    several = {**at, **CELL}
+    no_N = {key: several[key] for key in several if key != "N"}
+    no_f0 = {key: no_N[key] for key in no_N if key not in ("f0", "horizon")}
+    pairs = [(500, 700), (2000, 1500)]
+    return {
+        "calibrate": {"shots": SHOTS, "unknowns": {"thickness": (1.7, 2.3)}, **at, "C": 25.0},
+        "design": {"value": "thickness", **SINGLE, "between": (1.8, 2.2), **at},
+        "load_device": {"path": root / "config/config.yaml"},
+        "open_cube": {"path": root / "no.nc"},
+        "plot_outcome": {"cube": cube, "ax": None, "x": "f0", "y": "N", "ends": False},
+        "read_pulse": {"path": root / "config/half_sine.csv", "sha256": ""},
+        "simulate": {**SINGLE, **at},
+        "srs_test": {"srs": pairs, "records": 1, "seed": 1, **no_f0},
+        "statics": {"device": handout},
+        "sweep": several,
+        "threshold": {**no_N, "tolerance": 1e-3, "highest": 2000.0},
+        "tolerance": {"scatters": {"thickness": "5 %"}, **several, "tolerance": 1e-3, "samples": 8},
+        "vibration": {"psd": pairs, "duration": 0.01, "records": 1, "seed": 1, **no_f0},
+    }
+
+
+def wrong_calls(right_calls):
+    """Each function with each argument and option, one at a time, as each of WRONG."""
+    for name, right in right_calls.items():
+        parameters = inspect.signature(getattr(snapmap, name)).parameters
+        options = (*TAKEN.get(name, ()), *(OPTIONS["cosines"] if "model" in right else ()))
+        for key, value in itertools.product((*right, *options), WRONG):
+            allows_none = value is None and "None" in str(
+                getattr(parameters.get(key), "annotation", "")
+            )
+            alike = (type(one) is type(value) and one == value for one in RIGHT.get(key, ()))
+            if not allows_none and not any(alike):
+                yield name, right, key, value
+
+
+NESTED = {
+    "pulse": [
+        {"train": [{"duration": 100.0}, {"wait": 5.0}, {"repeat": 2}]},
+        {"drop": {"height": 1e5, "duration": 500.0, "rebound": 0.5, "shape": "half sine"}},
+    ],
+    "shots": [{**SHOTS, "direction": ["+z"] * 4, "shape": ["half sine"] * 4}],
+    "unknowns": [{"thickness": (1.7, 2.3)}],
+    "scatters": [{"thickness": "5 %"}, {"thickness": {"uniform": "5 %"}}],
+    "requirements": [[{"name": "drop", "N": 500.0, "f0": 1500.0, "snaps": False}]],
+}
+"""Right values of which a part can be wrong."""
+
+
+def wrong_parts(value):
+    """The value, each of its parts, however deep, as each of WRONG."""
+    yield from WRONG
+    places = range(len(value)) if isinstance(value, list) else ()
+    for key in value if isinstance(value, dict) else places:
+        for part in wrong_parts(value[key]):
+            changed = value.copy()
+            changed[key] = part
+            yield changed
+
+
+def nested_wrong_calls(right_calls):
+    """Each function with each part of its arguments that have some as each of WRONG."""
+    for name, right in right_calls.items():
+        parameters = inspect.signature(getattr(snapmap, name)).parameters
+        for key, values in NESTED.items():
+            if key in parameters or key in TAKEN.get(name, ()):
+                for value in itertools.chain.from_iterable(map(wrong_parts, values)):
+                    if not any(value is one for one in WRONG):
+                        yield name, right, key, value
+
+
+def fault_of(name, given, key):
+    """What is wrong with the complaint about a wrong argument, or nothing."""
+    try:
+        getattr(snapmap, name)(**given)
+    except (ValueError, TypeError) as fault:
+        text = str(fault)
+        named = text.startswith((key, f"model.{key}", "tolerances.", str(given[key])))
+        return "" if named and "\n" not in text and len(text) < 200 else text
+    except Exception as fault:
+        return repr(fault)[:200]
+    return "passes"
+
+
+@pytest.mark.parametrize("calls", [1000, pytest.param(100_000, marks=pytest.mark.long)])
+def test_a_wrong_argument_is_one_line_that_names_it(right_calls, calls):
+    every = [*wrong_calls(right_calls), *nested_wrong_calls(right_calls)]
+    drawn = random.Random(1).sample(every, min(calls, len(every)))
+    faults = {}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        for name, right, key, value in drawn:
+            if fault := fault_of(name, {**right, key: value}, key):
+                faults[name, key, repr(value)[:30]] = fault
+    # A few of these are right in their place, as is a cell of shots that is empty.
+    unclear = {call: fault for call, fault in faults.items() if fault != "passes"}
+    assert len(unclear) <= 0.001 * len(drawn), unclear
+    assert len(faults) <= 0.01 * len(drawn), faults
+
+
+def test_a_misspelt_option_is_named_with_the_right(right_calls):
+    rng = random.Random(2)
+    for name, right in right_calls.items():
+        for option in TAKEN.get(name, ()):
+            at = rng.randrange(1, len(option))
+            wrong = option[:at] + option[at + 1 :]
+            with pytest.raises(ValueError, match=rf"^{wrong}: is no option; did you mean "):
+                getattr(snapmap, name)(**right, **{wrong: 1})
+
+
+def test_what_is_missing_or_there_twice_is_named(right_calls):
+    for name, right in right_calls.items():
+        function = getattr(snapmap, name)
+        parameters = inspect.signature(function).parameters
+        needed = [key for key, one in parameters.items() if one.default is one.empty]
+        for key in {*needed} - {"options"}:
+            with pytest.raises(TypeError, match=f"^{key}: missing; write "):
+                function(**{other: right[other] for other in right if other != key})
+        first = next(iter(parameters))
+        with pytest.raises(TypeError, match=f"^{first}: comes twice"):
+            function(right[first], **right)
+
+
+def test_a_function_can_be_sent_to_other_processes():
+    assert pickle.loads(pickle.dumps(snapmap.sweep)) is snapmap.sweep
+
+
+def test_a_map_has_two_axes(right_calls):
+    cube = right_calls["plot_outcome"]["cube"]
+    for x, y in (("N", "N"), ("f0", "duration")):
+        with pytest.raises(ValueError, match=f"^x: '{x}' is y, too"):
+            snapmap.plot_outcome(cube, x=x, y=y)
+
+
+def test_what_takes_long_is_told_before_it_begins(handout, monkeypatch):
+    monkeypatch.setattr("snapmap.solver.cost.WORTH_SAYING", 0.0)
+    shaken = {"C": [25.0], "records": 1, **CHEAP}
+    psd, srs = [(200, 4.0), (2000, 4.0)], [(500, 700), (2000, 1500)]
+    with pytest.warns(UserWarning, match=r"^srs_test: about .*; a record of .* takes longest"):
+        snapmap.srs_test(handout, srs, **shaken)
+    shaken.pop("horizon")
+    with pytest.warns(UserWarning, match=r"^vibration: about .*; a record of .* takes longest"):
+        snapmap.vibration(handout, psd, 0.01, **shaken)
+    with pytest.warns(UserWarning, match=r"^thresholds: about .*; f0 = 1500 Hz takes longest"):
+        snapmap.design(handout, "thickness", **SINGLE, between=(2.0, 2.2), **CHEAP)
+    with pytest.warns(UserWarning, match=r"^simulate: about .*; f0 = 1500 Hz takes longest"):
+        snapmap.simulate(handout, **SINGLE, **CHEAP)
+    with pytest.raises(ValueError, match=r"^simulate: .*; write a higher f0 or a shorter horizon"):
+        snapmap.simulate(handout, **SINGLE, **CHEAP | {"horizon": 1e300})
+    monkeypatch.setattr("snapmap.solver.cost.MOST_SECONDS", 0.0)
+    with pytest.raises(ValueError, match=r"^vibration: .*; write a higher lowest frequency"):
+        snapmap.vibration(handout, psd, 0.01, **shaken)
+
+
+def test_more_cells_than_a_call_can_hold_are_refused(handout):
+    with pytest.raises(ValueError, match=r"^N: 1e\+11 "):
+        snapmap.sweep(handout, np.arange(1e5), np.arange(1.0, 1e4 + 1), np.arange(100.0))

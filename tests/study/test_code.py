@@ -1,0 +1,38 @@
+"""The hash of the code is of two parts: what makes numbers, and what draws."""
+
+import re
+
+from snapmap.study import provenance
+from snapmap.study.provenance import DRAWS, NUMBERS, code_hash
+
+
+def test_every_rule_names_the_code_that_it_runs(workflow_text):
+    rules = re.split(r"^ *rule\b", workflow_text, flags=re.M)[1:]
+    ran = [re.search(r"scripts/(\w+)\.py|-m (studies)", rule) for rule in rules]
+    named = [re.search(r"code=(\w+)", rule) for rule in rules]
+    pairs = {(one[1] or one[2], code[1]) for one, code in zip(ran, named, strict=True) if one}
+    assert pairs == {("jobs", "numbers"), ("studies", "studied"), ("draw", "drawing")}
+
+
+def test_the_parts_are_the_package_without_its_command():
+    names = {path.name for path in (*NUMBERS, *DRAWS)}
+    assert {"solver", "quantities.py", "figures"} <= names and "command.py" not in names
+    assert not {"figures", "pipeline"} & {path.name for path in NUMBERS}
+
+
+def test_an_edit_a_name_and_another_file_change_the_hash(tmp_path):
+    (tmp_path / "inner").mkdir()
+    made = []
+    for name, text in (("a.py", "1"), ("a.py", "2"), ("inner/b.js", "2"), ("notes.txt", "3")):
+        (tmp_path / name).write_text(text)
+        made.append(code_hash(tmp_path))
+    assert len(set(made)) == 3 and made[2] == made[3]
+    (tmp_path / "a.py").rename(tmp_path / "c.py")
+    assert code_hash(tmp_path) not in made
+
+
+def test_another_users_clone_keeps_its_commit(root, monkeypatch):
+    commit = provenance._commit()
+    assert bool(commit) == (root / ".git").exists()
+    monkeypatch.setenv("GIT_TEST_ASSUME_DIFFERENT_OWNER", "1")
+    assert provenance._commit() == commit

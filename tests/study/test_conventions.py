@@ -1,0 +1,68 @@
+"""The files keep the CF conventions, as the checker of the community sees them."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+from compliance_checker.runner import CheckSuite, ComplianceChecker
+
+import snapmap
+from snapmap.solver.outcome import ABSENT, OUTCOMES
+from snapmap.study.netcdf import write
+
+pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of the checker itself
+MODEL = {"model": "cosines", "modes": 3}
+# The checker takes what is called time for a date; the time of a history is a duration.
+DURATION = "Coordinate variable 'time' should have standard_name='time', found: 'None'"
+
+
+@pytest.fixture(scope="module")
+def files(handout, tmp_path_factory):
+    """A cube, a history and thresholds as files."""
+    folder = tmp_path_factory.mktemp("files")
+    made = {
+        "cube": snapmap.sweep(handout, [900.0, 1100.0], [1500.0, 3e3], [0.025], **MODEL),
+        "history": snapmap.simulate(handout, 1000.0, 1500.0, 0.025, horizon=100.0, **MODEL),
+        "threshold": snapmap.threshold(handout, [1500.0], [0.025], horizon=300.0, **MODEL),
+    }
+    for name, dataset in made.items():
+        write(dataset, folder / f"{name}.nc")
+    return folder
+
+
+def complaints(path, checker):
+    """Faults of high and medium priority found in a file."""
+    CheckSuite.load_all_available_checkers()
+    report = path.with_suffix(".json")
+    options = {"output_filename": str(report), "output_format": "json"}
+    ComplianceChecker.run_checker(str(path), [checker], 0, "normal", **options)
+    found = json.loads(report.read_text())
+    found = found.get(checker, found)
+    return {
+        (check["name"], message)
+        for priority in ("high_priorities", "medium_priorities")
+        for check in found[priority]
+        for message in check["msgs"]
+    }
+
+
+@pytest.mark.parametrize("name", ["cube", "history", "threshold"])
+def test_files_keep_the_conventions_and_say_what_they_are(files, name):
+    messages = {message for _, message in complaints(files / f"{name}.nc", "cf:1.11")}
+    assert messages <= ({DURATION} if name == "history" else set())
+    missing = {message.split()[0] for _, message in complaints(files / f"{name}.nc", "acdd")}
+    assert not missing & {"title", "summary", "keywords", "Conventions", "source", "history"}
+
+
+def test_a_cube_is_decoded_as_it_was_written(handout, files):
+    with xr.open_dataset(files / "cube.nc") as cube:
+        assert cube.outcome.dtype == np.int8
+        assert cube.outcome.attrs["flag_values"].dtype == np.int8
+        assert cube.outcome.attrs["flag_meanings"].split() == list(OUTCOMES[:ABSENT])
+        units = {key: cube[key].attrs["units"] for key in cube.coords}
+        assert units == {"C": "uN us um-1", "f0": "Hz", "N": "1"}
+        for key in ("t_snap", "t_settled"):
+            assert cube[key].attrs["units"] == "us" and cube[key].dtype == np.float64
+        direct = snapmap.sweep(handout, cube.N, cube.f0, cube.C, **MODEL)
+        xr.testing.assert_equal(cube, direct)

@@ -1,0 +1,63 @@
+"""Products that are not as they were written: refused by name, by whoever opens them."""
+
+import inspect
+import os
+
+import draw
+import jobs
+import numpy as np
+import pytest
+import xarray as xr
+import yaml
+from small_studies import TINY
+
+from snapmap.config.study import load_config
+from snapmap.study.netcdf import open_whole, write
+
+
+@pytest.fixture
+def product(tmp_path):
+    path = tmp_path / "product.nc"
+    write(xr.Dataset({"N_first": ("f0", np.arange(40.0))}, {"f0": np.arange(40.0)}), path)
+    return path
+
+
+def test_a_flipped_or_cut_file_is_named(product):
+    whole = product.read_bytes()
+    with open_whole(product) as opened:
+        assert opened.N_first.values.tolist() == list(range(40))
+    flips = (
+        whole[:at] + bytes([whole[at] ^ 1]) + whole[at + 1 :] for at in range(0, len(whole), 61)
+    )
+    for damaged in (*flips, whole[:-1], whole[: len(whole) // 2], b""):
+        product.write_bytes(damaged)
+        with pytest.raises(ValueError) as refusal:
+            open_whole(product)
+        assert str(refusal.value) == f"{product}: is damaged; remove it and run again"
+
+
+READERS = [draw.draw_snaps, draw.draw_study, draw.draw_page, draw.draw_window]
+READERS += [draw.draw_calibration, draw.draw_tolerance, jobs.trace_cells]
+
+
+@pytest.mark.parametrize("reader", READERS)
+def test_every_job_names_a_damaged_product(product, tmp_path, reader):
+    product.write_bytes(product.read_bytes()[:-500])
+    names = inspect.signature(reader).parameters
+    given = {name: product if name.endswith("_path") else () for name in names}
+    given |= {name: tmp_path / "made" for name in ("path", "stem", "folder") if name in names}
+    with pytest.raises(ValueError, match=r"^/.*product\.nc: is damaged"):
+        reader(**given)
+    assert [*tmp_path.iterdir()] == [product]
+
+
+def test_verdicts_on_a_full_disk_are_named(tmp_path, monkeypatch):
+    text = TINY + "requirements: [{name: crash, N: 2000, f0: 2 kHz, snaps: true}]"
+
+    def replace(*_):
+        raise OSError(28, os.strerror(28))
+
+    monkeypatch.setattr(os, "replace", replace)
+    with pytest.raises(OSError, match=r"requirements\.csv: not written, .* MB are free there"):
+        jobs.check_requirements(load_config(yaml.safe_load(text)), tmp_path / "requirements.csv")
+    assert not [*tmp_path.iterdir()]

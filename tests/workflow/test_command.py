@@ -1,0 +1,90 @@
+"""The command `snapmap`, and what a package without its extras says."""
+
+import re
+import sys
+
+import numpy as np
+import pytest
+
+import snapmap
+from snapmap.config.doubts import descriptions, doubts
+from snapmap.config.study import load_config
+from snapmap.config.yaml_file import read_document
+from snapmap.workflow.command import _costs, main
+
+
+@pytest.fixture
+def config(tmp_path):
+    assert main(["init", str(tmp_path / "study")]) == 0
+    return tmp_path / "study" / "config.yaml"
+
+
+def test_init_writes_the_config_that_there_is_and_nothing_over_another(root, config, capsys):
+    text = config.read_text(encoding="utf-8")
+    assert text == (root / "config" / "sensor.yaml").read_text(encoding="utf-8")
+    config.write_text("mine")
+    assert main(["init", str(config.parent)]) == 1
+    assert capsys.readouterr().err.startswith(f"{config}: is there already")
+    assert config.read_text() == "mine"
+    config.unlink()
+    config.symlink_to("elsewhere.yaml")
+    assert main(["init", str(config.parent)]) == 1
+    assert not (config.parent / "elsewhere.yaml").exists()
+
+
+def test_check_says_what_a_config_describes_doubts_and_costs(config, capsys):
+    capsys.readouterr()
+    assert main(["check", str(config)]) == 0
+    told = capsys.readouterr().out.splitlines()
+    study = load_config(read_document(config))
+    assert told[:-2] == [*descriptions(study), *doubts(study)]
+    assert told[-2].startswith("1938 cells (C 2, f0 17, N 57) in ")
+    for what in ("cells", *_costs(study)):
+        assert re.search(rf"[:,] {what} [0-9.]+ (s|min|h)", told[-1])
+
+
+def test_check_says_what_devices_as_made_cost(config):
+    """In equal steps of the samples; a damped beam has cells that are followed to their end."""
+    document = read_document(config)
+    costs = []
+    for samples in (2000, 4000, 6000):
+        document["tolerances"] = {"thickness": "1 %", "samples": samples, "index_samples": 2}
+        costs.append(_costs(load_config(document)))
+        assert set(costs[-1]) == {"thresholds", "tolerances"}
+    steps = np.diff([cost["tolerances"] for cost in costs])
+    assert steps[0] > 0 and steps[1] == pytest.approx(steps[0])
+    del document["device"]["beam"]["damping"]
+    damped, undamped = costs[-1], _costs(load_config(document))
+    assert undamped["tolerances"] < damped["tolerances"]
+    del document["tolerances"]
+    assert set(_costs(load_config(document))) == {"thresholds"}
+
+
+def test_run_is_snakemake_with_the_workflow(root, config, monkeypatch):
+    asked = []
+    monkeypatch.setattr("snakemake.cli.main", asked.extend)
+    assert main(["run", str(config), "--cores", "2"]) == 0
+    files = ["--snakefile", str(root / "Snakefile"), "--configfile", str(config)]
+    assert asked == [*files, "--cores", "2"]
+    asked.clear()
+    assert main(["run", str(config), "-n", "results/cube.nc"]) == 0
+    assert asked == [*files, "--cores", "all", "-n", "results/cube.nc"]
+    with pytest.raises(SystemExit):
+        main(["check", str(config), "-n"])
+
+
+def test_run_refuses_what_snakemake_would_evaluate(config, monkeypatch, capsys):
+    monkeypatch.setattr("snakemake.cli.main", pytest.fail)
+    config.write_text("__use_yte__: true\n")
+    assert main(["run", str(config)]) == 1
+    assert "__use_yte__" in capsys.readouterr().err
+
+
+def test_a_missing_package_is_one_line(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pydantic", None)
+    monkeypatch.delattr(snapmap, "load_device", raising=False)
+    for name in [name for name in sys.modules if name.startswith("snapmap.config")]:
+        monkeypatch.delitem(sys.modules, name)
+    said = r"snapmap\.load_device needs pydantic: pip install 'snapmap\[config\]'"
+    with pytest.raises(ImportError, match=f"^{said}$"):
+        snapmap.load_device()

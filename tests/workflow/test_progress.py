@@ -1,0 +1,104 @@
+"""What a run tells while it is at work."""
+
+import io
+import logging
+import re
+import sys
+from pathlib import Path
+
+import pytest
+from snakemake.common import NOTHING_TO_BE_DONE_MSG
+
+from snapmap.files.counting import count, counting
+from snapmap.workflow.job_log import count_path
+from snapmap.workflow.progress import Idle, Progress, hush
+
+
+class Terminal(io.StringIO):
+    """A stream that says it is a terminal."""
+
+    def isatty(self):
+        return True
+
+
+def record(event, level=logging.INFO, **facts):
+    made = logging.makeLogRecord({"msg": "said", "levelno": level, "event": event})
+    made.__dict__.update(facts)
+    return made
+
+
+def job(number, rule, message, **wildcards):
+    facts = {"jobid": number, "rule_name": rule, "rule_msg": message, "wildcards": wildcards}
+    return record("job_info", **facts, log=[f"results/logs/{rule}.log"])
+
+
+def tell(progress):
+    """Let two slabs begin, one end, and the threshold begin."""
+    progress.emit(job(1, "simulate_slab", "Simulate the cells", slab="a"))
+    progress.emit(job(2, "simulate_slab", "Simulate the cells", slab="b"))
+    progress.emit(record("job_finished", job_id=1))
+    progress.emit(job(3, "find_threshold", "Find the thresholds"))
+    progress.emit(record("progress", done=1, total=3))
+    progress.emit(record("shellcmd"))
+
+
+@pytest.fixture
+def progress():
+    made = Progress({"a": 30, "b": 90}, [].append)
+    yield made
+    made.close()
+
+
+def test_a_terminal_has_one_line_with_cells_and_jobs_at_work(progress, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "stderr", Terminal())
+    Path("results/logs").mkdir(parents=True)
+    count_path("results/logs/find_threshold.log").write_text("\r100 cells\r700 cells ")
+    progress.begin()
+    tell(progress)
+    last = re.split(r"[\r\n]+", sys.stderr.getvalue())[-1]
+    parts = "30 of 120 cells, 25 %", "left", "1 of 3 jobs", "Find the thresholds, 700 cells"
+    assert all(part in last for part in parts) and "\n" not in sys.stderr.getvalue()
+
+
+def test_cells_are_counted_for_who_waits():
+    shown = io.StringIO()
+    with counting("sweep", file=shown, disable=False, delay=0, mininterval=0, miniters=1):
+        count(3)
+        count(4)
+    count(5)
+    assert re.findall(r"sweep: (\d+) cells", shown.getvalue()) == ["0", "3", "7"]
+    silent = io.StringIO()
+    with counting("sweep", file=silent):
+        count(3)
+    assert not silent.getvalue()
+
+
+def test_a_log_has_each_stage_once(progress, monkeypatch):
+    monkeypatch.setattr(sys, "stderr", io.StringIO())
+    progress.begin()
+    tell(progress)
+    assert sys.stderr.getvalue() == "Simulate the cells\nFind the thresholds\n"
+    assert progress.ended.__self__ == [1]
+
+
+def test_where_nothing_is_to_be_run_a_function_is_called():
+    called = []
+    idle = Idle(lambda: called.append(1))
+    idle.emit(record(None))
+    assert not called
+    words = record(None)
+    words.msg = NOTHING_TO_BE_DONE_MSG
+    idle.emit(words)
+    assert called == [1]
+
+
+def test_faults_are_not_hushed():
+    handler = logging.StreamHandler(io.StringIO())
+    hush(handler)
+    assert not handler.filter(record("job_info")) and not handler.filter(record("progress"))
+    assert not handler.filter(record(None))
+    assert handler.filter(record("job_error", logging.ERROR))
+    wrapped = record("error", logging.ERROR)
+    wrapped.msg = 'RuleException:\nCalledProcessError in file "sweep.smk", line 43:\nCommand'
+    assert not handler.filter(wrapped)

@@ -1,0 +1,1 @@
+"""The applications, each a folder with all that is its own."""

@@ -1,0 +1,1 @@
+"""Values of a device estimated from measured shots.  Imports: core alone."""

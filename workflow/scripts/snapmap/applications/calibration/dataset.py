@@ -1,0 +1,179 @@
+"""A device read off its shots, as an xarray dataset: estimates, intervals, residuals."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from scipy.interpolate import PchipInterpolator
+from scipy.special import log_ndtr
+
+from ...device.device import Device
+from ...device.quantities import plain
+from ...files.counting import counting
+from ...study.axes import COORDINATES
+from ...study.study import THRESHOLD_SETTINGS, Study, study_of
+from ...study.variables import dress
+from .likelihood import (
+    SPREADS,
+    Likelihood,
+    Profile,
+    information_at,
+    reach,
+)
+from .shots import Shots, check_ranges, shots_from
+from .surface import Surface, surface_of
+
+DIGITS = 6
+"""Of what is fitted; the library's own last digits are not those of every machine."""
+INSIDE = 300
+"""Places within the intervals over which the likelihood of spreads is summed, about."""
+FINE, LEAST_LOG = 2001, -100.0
+"""Places between values of a likelihood, and its least logarithm, as 0 has none."""
+NEAR = 2.0
+"""Times a threshold: campaigns with no shot as near tell nothing of a device."""
+
+
+def calibrate(
+    device: Device,
+    shots: str | Path | Mapping[str, Sequence],
+    unknowns: Mapping[str, tuple[float, float]],
+    C: float | None = None,
+    model: str | Mapping = "auto",
+    **options,
+) -> xr.Dataset:
+    """Estimate the values of a device from its shots, tripped or not, by maximum likelihood.
+
+    shots: a CSV file, or columns of one length: `N` (multiples of g), `duration` (us) or `f0` (Hz),
+        `tripped` (true or false); optional `direction` (+z, -z), `shape` and `file` (a record in
+        place of shape, whose peak N is)
+    unknowns: ranges by name, internal units, of values of the device, or C
+    C: uN us/um, unless it is unknown; model: name, or the config's model section
+    options: horizon (us), energy_tolerance, threads; pulse and direction of shots that name none;
+        and those of the model
+    A shot trips with probability Phi(ln(N / N_first) / spread). Over `unknown`: estimate, to six
+    digits; low and high, its profile interval at 95 % within the range; correlation, also over
+    `unknown_2`. Over `bound`: spread, relative. Over `shot`: threshold, probability, deviance
+    residual. Attribute: model_error, relative, of interpolated thresholds. Raises ValueError, one
+    line, for invalid shots or ranges.
+
+    >>> device = snapmap.load_device("config/config.yaml")
+    >>> shots = {"N": [800, 900, 950, 1000, 1050, 1200], "tripped": [0, 0, 0, 1, 1, 1]}
+    >>> shots["duration"] = [1000.0] * 6
+    >>> fitted = snapmap.calibrate(device, shots, {"thickness": (1.7, 2.3)}, C=25.0)
+    >>> round(fitted.estimate.item(), 1)
+    2.0
+    """
+    study, _ = study_of(device, model, options)
+    if len(study.shocks.pulses) > 1:
+        raise ValueError("pulse: several; name the shape and direction of each shot in its row")
+    check_ranges(unknowns, C, study.device)
+    with counting("calibrate"):
+        return calibration_of(study, shots_from(shots, study.shocks, device), unknowns, C)
+
+
+def calibration_of(study: Study, shots: Shots, unknowns: Mapping, C: float | None) -> xr.Dataset:
+    """Find the values of a study's device from its shots, as `calibrate` returns them."""
+    surface = surface_of(study, shots.groups, unknowns, C)
+    corners = surface.logs.reshape(-1, len(shots.groups))
+    low, high = (end[shots.group] for end in (corners.min(axis=0), corners.max(axis=0)))
+    log_N = np.log(shots.N)
+    if (np.maximum(low - log_N, log_N - high) > np.log(NEAR)).all():
+        raise ValueError(
+            f"shots: N from {plain(shots.N.min())} to {plain(shots.N.max())}, where the ranges "
+            f"lead to thresholds from {plain(np.exp(low.min()))} to {plain(np.exp(high.max()))}; "
+            "is N in multiples of g?"
+        )
+    ranges = {key: [float(end) for end in ends] for key, ends in unknowns.items()}
+    section = {"unknowns": ranges} | ({} if C is None else {"C": float(C)})
+    document = study.document(THRESHOLD_SETTINGS) | {"calibration": section}
+    return dress("calibration", fit(shots, surface), document)
+
+
+def fit(shots: Shots, surface: Surface) -> xr.Dataset:
+    """Fit shots to thresholds over the ranges of unknowns."""
+    likelihood = Likelihood(shots, surface.error)
+    nodes = likelihood.integrated(surface.logs.reshape(-1, len(shots.groups)))
+    profile = Profile(
+        lambda u: likelihood.integrated(surface.at(u)), nodes.reshape(surface.logs.shape[:-1])
+    )
+    names, freedom = list(surface.unknowns), shots.N.size - len(surface.unknowns) - 1
+    low, high = np.array([profile.interval(k, freedom) for k in range(len(names))]).T
+    unit = {"comment": ", ".join(f"{key}: {COORDINATES[key]['units']}" for key in names)}
+    data = {
+        key: ("unknown", _rounded(surface.values(place)), unit)
+        for key, place in {"estimate": profile.best, "low": low, "high": high}.items()
+    }
+    spreads = _spreads(likelihood, surface, low, high, freedom)
+    data["spread"] = "bound", _rounded(spreads)
+    spread = spreads[0]
+    covariance, slopes = information_at(profile.best, surface, likelihood, spread)
+    scale = np.sqrt(np.diag(covariance))
+    data["correlation"] = (
+        ("unknown", "unknown_2"),
+        _rounded(covariance / np.outer(scale, scale)),
+    )
+    logs, group = surface.at(profile.best[None])[0], shots.group
+    variance = np.einsum("ij,jk,ik->i", slopes, covariance, slopes)
+    half = reach(freedom) * np.sqrt(variance)
+    z = (np.log(shots.N) - logs[group]) / np.sqrt(spread**2 + surface.error**2)[group]
+    sign = np.where(shots.tripped, 1.0, -1.0)
+    columns = {
+        "N": shots.N,
+        "f0": shots.f0,
+        "direction": np.array([shots.groups[i].direction for i in group]),
+        "shape": np.array([shots.groups[i].shape for i in group]),
+        "tripped": shots.tripped.astype(np.int8),
+        "threshold": _rounded(np.exp(logs)[group]),
+        "threshold_low": _rounded(np.exp(logs - half)[group]),
+        "threshold_high": _rounded(np.exp(logs + half)[group]),
+        "probability": _rounded(np.exp(log_ndtr(z))),
+        "residual": _rounded(sign * np.sqrt(-2 * log_ndtr(sign * z))),
+    }
+    data |= {key: ("shot", values) for key, values in columns.items()}
+    named = {"unknown": names, "unknown_2": names, "bound": ["estimate", "low", "high"]}
+    return xr.Dataset(data, named, {"model_error": float(_rounded(surface.error.max()))})
+
+
+def _spreads(likelihood, surface, low, high, freedom):
+    """Mean, low and high of the spread.
+
+    low, high: of the unknowns' intervals, as shares of their ranges
+    """
+    half = (high - low) / 2
+    low, high = np.clip([low - half, high + half], 0.0, 1.0)
+    size = round(INSIDE ** (1 / len(low)))
+    mesh = np.meshgrid(*np.linspace(low, high, size).T, indexing="ij")
+    logs = likelihood.of(surface.at(np.stack(mesh, axis=-1).reshape(-1, len(low))))
+    likely = np.exp(logs - logs.max()).sum(axis=0)
+    mean = np.average(SPREADS, weights=likely * SPREADS)
+    return np.array([mean, *np.exp(_ends(np.log(SPREADS), likely, freedom))])
+
+
+def _ends(x, likelihood, freedom):
+    """The ends of what 95 % ask for, between values of a likelihood."""
+    fine = np.linspace(x[0], x[-1], FINE)
+    with np.errstate(divide="ignore"):
+        logs = np.maximum(np.log(likelihood / likelihood.max()), LEAST_LOG)
+    log = PchipInterpolator(x, logs)(fine)
+    return fine[log >= log.max() - reach(freedom) ** 2 / 2][[0, -1]]
+
+
+def summary(fitted: xr.Dataset) -> str:
+    """One line: each value with its interval, and the spread."""
+    words = [f"{fitted.sizes['shot']} shots"]
+    for key in fitted.unknown.values:
+        fit_of = fitted.sel(unknown=key)
+        value, low, high = (plain(fit_of[name].item()) for name in ("estimate", "low", "high"))
+        words.append(f"{key} {value} ({low} to {high})")
+    spread = fitted.spread.values * 100
+    words.append(
+        f"spread {plain(spread[0], 2)} % ({plain(spread[1], 2)} to {plain(spread[2], 2)} %)"
+    )
+    return ", ".join(words)
+
+
+def _rounded(values):
+    """To so many digits."""
+    values = np.asarray(values, float)
+    return np.vectorize(lambda x: float(f"{x:.{DIGITS}g}"))(values) if values.size else values

@@ -1,0 +1,78 @@
+"""Measured shots over the threshold that was fitted to them."""
+
+import textwrap
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+
+from ...device.quantities import QUANTITIES
+from ...figures.plane import POINT, TRIPPED
+from ...figures.scales import (
+    axis_label,
+    number,
+    scale_of,
+    study_axis,
+    tick,
+)
+from ...figures.style import PAGE, literal
+from ...numerics.statistics import DEVIATIONS
+
+THRESHOLD = {"color": "#d55e00", "linewidth": 1.0, "label": "fitted threshold"}
+SURE = {"color": "#d55e00", "alpha": 0.35, "linewidth": 0, "label": "its 95 % interval"}
+SCATTERS = {"color": "0.88", "linewidth": 0, "label": "where 95 % of the thresholds lie"}
+SIDES = {False: ("did not trip (left of its frequency)", -1), True: ("tripped (right of it)", 1)}
+ASIDE, WIDEST = 1.01, 1.2
+"""Factors: of f0 by which shots of one kind stand apart, and of room beyond the outermost."""
+
+
+def panels(found: xr.Dataset) -> list[xr.Dataset]:
+    """The shots of each shape and direction."""
+    pairs = zip(found["shape"].values, found.direction.values, strict=True)
+    names = np.array(
+        [f"{shape} along {direction}".replace("-z", "−z") for shape, direction in pairs]
+    )
+    return [
+        found.isel(shot=np.flatnonzero(names == name)).assign_attrs(found.attrs | {"panel": name})
+        for name in dict.fromkeys(names.tolist())
+    ]
+
+
+def draw_shots(ax: Axes, found: xr.Dataset) -> Axes:
+    """Draw shots of one shape and direction over f0 and N, filled where the device tripped.
+
+    The line is the fitted threshold, with its interval at 95 %, and about it the band within which
+    95 % of the shots of one level change sides.
+    """
+    ax.set_title(literal(found.attrs["panel"]))
+    f0, first = np.unique(found.f0.values, return_index=True)
+    middle, low, high = (
+        found[key].values[first] for key in ("threshold", "threshold_low", "threshold_high")
+    )
+    if f0.size == 1:
+        f0, (middle, low, high) = f0 * [1 / WIDEST, WIDEST], np.tile([middle, low, high], 2)
+    wide = np.exp(DEVIATIONS * found.spread.sel(bound="estimate").item())
+    study_axis(ax, scale_of("f0", f0))
+    ax.set_xlim(min(f0[0], found.f0.min() / WIDEST), max(f0[-1], found.f0.max() * WIDEST))
+    ends = found.N.values.min() / WIDEST, found.N.values.max() * WIDEST
+    ax.set(yscale="log", ylim=ends, ylabel=axis_label("N", found.attrs))
+    tick(ax.yaxis, *ends)
+    ax.fill_between(f0, low / wide, high * wide, **SCATTERS)
+    ax.fill_between(f0, low, high, **SURE)
+    ax.plot(f0, middle, **THRESHOLD)
+    for tripped, (label, side) in SIDES.items():
+        some = found.isel(shot=np.flatnonzero(found.tripped.values == tripped))
+        look = POINT | {"markersize": 3, "markerfacecolor": TRIPPED[tripped]}
+        ax.plot(some.f0 * ASIDE**side, some.N, label=label, **look)
+    return ax
+
+
+def calibration_text(found: xr.Dataset) -> str:
+    """The values that were fitted, with their intervals, in words."""
+    words = []
+    for name in found.unknown.values:
+        one, quantity = found.sel(unknown=name), QUANTITIES[name]
+        middle, low, high = (number(one[key].item()) for key in ("estimate", "low", "high"))
+        words.append(f"{quantity.words} {middle} {quantity.spelt.figures} ({low} to {high})")
+    spread = number(100 * found.spread.sel(bound="estimate").item(), 2)
+    return textwrap.fill(", ".join([*words, f"spread {spread} %"]), PAGE)

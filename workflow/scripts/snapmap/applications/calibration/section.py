@@ -1,0 +1,84 @@
+"""The section `calibration`: measured shots, and what is read off them."""
+
+from collections.abc import Mapping
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from ...config.devices import of_device
+from ...config.keys import (
+    Section,
+    inside,
+    part,
+    path,
+    quantity,
+    words,
+)
+from ...device.device import Device
+from ...device.quantities import KINDS
+from ...files.named import sha256_of
+from ...files.tables import ROWS, read_shots
+from ...pulse.recorded import RECORD
+from ...pulse.shocks import Shocks
+from .shots import Shots, check_ranges, shots_from
+
+
+def _span(name, kind, example=""):
+    """Where an unknown is looked for."""
+    pair = tuple[quantity(kind), quantity(kind)]
+    need = f"a pair of values: its range, each {KINDS[kind].name}"
+    return Annotated[pair, words(need, "", example, "it is known")]
+
+
+class UnknownsSection(of_device(_span)):
+    """One to four values of the device, or C, with the range of each."""
+
+    C: _span("C", "damper", "[1 uN*us/um, 100 uN*us/um]")
+
+
+class CalibrationSection(Section):
+    """Values estimated from measured shots."""
+
+    shots: path(
+        "a CSV table in the study's folder: N, f0 (Hz) or duration (ms), tripped (yes, no) and, "
+        "optionally, direction, shape, file (a record)",
+        "shots.csv",
+    )
+    unknowns: part(UnknownsSection)
+    C: quantity("damper", "of the shots", out="unknown, or the one of `sweep`")
+
+
+class Calibration(NamedTuple):
+    """What is asked of measured shots.
+
+    files: SHA-256 of the table of shots and of recorded shocks that it names, by path
+    unknowns: ranges by name, internal units; C: uN us/um, unless it is unknown
+    """
+
+    shots: Shots
+    files: dict[str, str]
+    unknowns: dict[str, list[float]]
+    C: float | None
+
+
+def read_calibration(
+    section: CalibrationSection, device: Device | Mapping, shocks: Shocks, C: np.ndarray
+) -> Calibration:
+    """Take the section; ValueError, one line, for what cannot be.
+
+    shocks: of shots that name none, their first; C: of the sweep, taken if it is one value
+    """
+    unknowns = {key: list(ends) for key, ends in section.unknowns.given.items()}
+    damping = section.C
+    if damping is None and "C" not in unknowns and C.size == 1:
+        damping = float(C[0])
+    if isinstance(device, Mapping):
+        raise ValueError("is of one device; write device in place of devices")
+    check_ranges(unknowns, damping, device)
+    files = {section.shots: sha256_of(section.shots, *ROWS)}
+    table = read_shots(section.shots, files[section.shots])
+    for record in table.get("file", []):
+        if record and record not in files:
+            files[inside(record)] = sha256_of(record, *RECORD)
+    shots = shots_from(table, shocks.first(), device)
+    return Calibration(shots, files, unknowns, damping)

@@ -1,0 +1,155 @@
+"""A table of shots: what the device was given, and whether it tripped."""
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ...device.checks import numbers
+from ...device.device import Device, is_bistable
+from ...device.quantities import QUANTITIES
+from ...files.tables import shot_columns
+from ...files.text import show
+from ...pulse.pulse import DIRECTIONS, Pulse
+from ...pulse.recorded import read_pulse
+from ...pulse.shocks import Shocks, make_shocks
+
+FEWEST = 3
+MOST = 4
+"""Unknowns: the grid of thresholds grows with the power of their number."""
+MANY = 2
+"""So many of either outcome at a shock contradict each other if all that trip lie below."""
+
+
+class Group(NamedTuple):
+    """Shots that differ in their level alone; f0: Hz; pulse: along their direction."""
+
+    shape: str
+    direction: str
+    f0: float
+    pulse: Pulse
+
+    def __str__(self):
+        """Where its threshold is looked for, in words."""
+        return f"{self.shape} along {self.direction}, f0 = {self.f0:.6g} Hz"
+
+
+class Shots(NamedTuple):
+    """Shots of a campaign, arrays (shots,).
+
+    N: multiples of g; tripped: bools; group: index into groups
+    """
+
+    N: np.ndarray
+    tripped: np.ndarray
+    group: np.ndarray
+    groups: tuple[Group, ...]
+
+    @property
+    def f0(self) -> np.ndarray:
+        """Frequency of each, Hz."""
+        return np.array([self.groups[i].f0 for i in self.group])
+
+
+def shots_from(table: str | Path | Mapping, shocks: Shocks, device: Device) -> Shots:
+    """Take a table of shots as `calibrate` does; raises ValueError, one line.
+
+    shocks: of one shape and direction, where the table names none; device: whose gravity N counts
+    """
+    columns = shot_columns(table)
+    tripped = columns["tripped"]
+    if tripped.size < FEWEST:
+        raise ValueError(f"shots: {tripped.size} are too few; give {FEWEST} or more")
+    if tripped.all() or not tripped.any():
+        what = "all trip" if tripped.all() else "none trips"
+        raise ValueError(f"shots: {what} of {tripped.size}; a threshold needs both")
+    known, keys, N = {}, [], []
+    for i in range(tripped.size):
+        row = {key: values[i] for key, values in columns.items()}
+        row = {key: value for key, value in row.items() if value == value and value != ""}
+        try:
+            keys.append(_group(row, shocks, known))
+            N.append(_level(row, known[keys[-1]].pulse, device))
+        except ValueError as error:
+            raise ValueError(f"shots, row {i + 1}: {error}") from None
+    N, group = np.array(N), np.array([list(known).index(key) for key in keys])
+    shots = Shots(N, tripped, group, tuple(known.values()))
+    against = []
+    for number in range(len(known)):
+        trips, others = (N[(group == number) & (tripped == is_so)] for is_so in (True, False))
+        if trips.size and others.size and trips.max() < others.min():
+            against.append((min(trips.size, others.size) >= MANY, shots.groups[number]))
+    wrong = [group for surely, group in against if surely or len(against) == len(known)]
+    if wrong:
+        raise ValueError(
+            f"shots: they contradict each other, {wrong[0]}: all that trip lie below all that do "
+            "not; is tripped the wrong way round?"
+        )
+    return shots
+
+
+def _group(row, shocks, known):
+    """The key in `known`, groups by what tells their shocks apart, of that of a row."""
+    if "file" in row and "shape" in row:
+        raise ValueError("shape stands beside file; write one of them")
+    direction = row.get("direction", shocks.direction)
+    if direction not in DIRECTIONS:
+        raise ValueError(f"direction: {show(direction)} is not one of {', '.join(DIRECTIONS)}")
+    named = row.get("file", row.get("shape", ""))
+    given = {key: row[key] for key in ("f0", "duration") if key in row}
+    key = named, direction, *given.items()
+    if key in known:
+        return key
+    pulse = shocks.pulse
+    if "file" in row:
+        pulse = read_pulse(named)
+    elif named:
+        pulse = make_shocks(named).pulse
+    if len(given) > 1 or not (given or pulse.duration):
+        what = "both are there" if given else "missing"
+        raise ValueError(f"f0 or duration: {what}; write f0 in Hz, or duration in us")
+    f0 = given.get("f0") or 1e6 / given.get("duration", pulse.duration)
+    pushed = pulse if direction == "+z" else pulse.reversed()
+    known[key] = Group(named or pulse.name, direction, f0, pushed)
+    return key
+
+
+def _level(row, pulse, device):
+    if pulse.is_of_frame and device.force:
+        raise ValueError("file: shakes the frame; write gravity in place of device.force")
+    N = row.get("N") or pulse.own_N or pulse.peak / device.gravity
+    if math.isnan(N):
+        raise ValueError("N: missing; write a multiple of g")
+    return N
+
+
+def check_ranges(unknowns: Mapping, C: float | None, device: Device) -> None:
+    """Raise ValueError, one line, for ranges of unknowns, or a C beside them, that cannot be.
+
+    device: which has a second stable shape at their ends, too
+    """
+    if not 1 <= len(unknowns) <= MOST:
+        raise ValueError(f"unknowns: {len(unknowns)} of them; name 1 to {MOST}")
+    for key, ends in unknowns.items():
+        pair, within = numbers(ends), QUANTITIES[key].range
+        if pair is None or pair.shape != (2,):
+            raise ValueError(f"unknowns: {key}: {show(ends)} is no pair of low and high")
+        low, high = pair
+        if not (within.holds(pair).all() and -math.inf < low < high < math.inf):
+            need = f" {within}".rstrip()
+            raise ValueError(f"unknowns: {key}: {low:g} to {high:g} is no ascending range{need}")
+    if ("C" in unknowns) != (C is None):
+        what = "missing; write it, or its range" if C is None else "is unknown; leave it out"
+        raise ValueError(f"C: {what}")
+    of_device = {key: ends for key, ends in unknowns.items() if key != "C"}
+    middle = {key: np.full(1, sum(ends) / 2) for key, ends in of_device.items()}
+    for key, ends in of_device.items():
+        for end, side, remedy in zip(ends, ("down", "up"), ("higher", "lower"), strict=True):
+            if not is_bistable(device, middle | {key: np.full(1, end)}, 1).all():
+                unit = QUANTITIES[key].unit
+                raise ValueError(
+                    f"unknowns: {key}: {side} to {end:g} {unit} it leaves no second stable shape; "
+                    f"write a {remedy} end"
+                )

@@ -1,0 +1,94 @@
+"""Thresholds of a device over ranges of its unknown values: a grid of them, and between."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from scipy.interpolate import RegularGridInterpolator
+from scipy.stats import qmc
+
+from ...device.device import batch, is_bistable
+from ...solver.cells import to_rows
+from ...study.axes import point_text
+from ...study.study import Study
+from ...thresholds.population import Batch, choose_levels
+from .shots import Group
+
+POINTS = {1: 33, 2: 17, 3: 9, 4: 6}
+"""Values of each unknown on the grid, by how many unknowns there are."""
+CHECKED = 64
+"""Points within the ranges at which what stands between the grid's is held against the solver;
+a power of two."""
+TOLERANCE = 2e-4
+"""Of each threshold, relative."""
+
+
+class Surface:
+    """Logarithms of thresholds, ln N, over the unknowns, each from 0 to 1 of its range.
+
+    unknowns: ranges by name, internal units; logs: at the points of the grid, (..., groups)
+    at: a function of shares of the ranges, (..., unknowns), to what stands between them
+    error: of that, (groups,), root mean square
+    """
+
+    def __init__(self, unknowns: Mapping, logs: np.ndarray):
+        """Take logs of thresholds over an even grid."""
+        self.unknowns, self.logs = dict(unknowns), logs
+        axes = [np.linspace(0.0, 1.0, size) for size in logs.shape[:-1]]
+        self.at, self.error = RegularGridInterpolator(axes, logs), np.zeros(logs.shape[-1])
+
+    def values(self, u: np.ndarray) -> np.ndarray:
+        """Values of the unknowns, internal units, at shares of their ranges."""
+        low, high = np.array(list(self.unknowns.values()), float).T
+        return low + np.asarray(u) * (high - low)
+
+
+def surface_of(
+    study: Study, groups: Sequence[Group], unknowns: Mapping, C: float | None
+) -> Surface:
+    """Find the thresholds of a study's device over ranges of its unknowns, of all groups at once.
+
+    C: uN us/um, unless it is unknown
+    Raises ValueError, one line, where there is no second stable shape, or no threshold.
+    """
+    size = POINTS[len(unknowns)]
+    check = qmc.Sobol(len(unknowns), scramble=False).random_base2(CHECKED.bit_length() - 1)
+    steps = np.meshgrid(*[np.linspace(0.0, 1.0, size)] * len(unknowns), indexing="ij")
+    grid = np.stack(steps, axis=-1).reshape(-1, len(unknowns))
+    low, high = np.array(list(unknowns.values()), float).T
+    # Those that lie all over the ranges come first: they tell where to look for the others.
+    points = low + np.concatenate([check, grid]) * (high - low)
+    logs = np.log(_thresholds(study, groups, dict(zip(unknowns, points.T, strict=True)), C))
+    surface = Surface(unknowns, logs[CHECKED:].reshape(*steps[0].shape, len(groups)))
+    apart = surface.at(check) - logs[:CHECKED]
+    surface.error = np.sqrt((apart * apart).mean(axis=0)) + TOLERANCE
+    return surface
+
+
+def _thresholds(study, groups, values, C):
+    """N_first, (points, groups), at values of the unknowns by name, (points,)."""
+    made = {key: column for key, column in values.items() if key != "C"}
+    there = is_bistable(study.device, made, len(next(iter(values.values()))))
+    if not there.all():
+        place = _place(made, np.argmin(there))
+        raise ValueError(f"unknowns: no second stable shape at {place}; write a narrower range")
+    # The middle of the ranges stands for the nominal device.
+    middle = {key: np.array([(c.min() + c.max()) / 2]) for key, c in values.items()}
+    C = middle.pop("C", C)
+    device = batch([study.device]).vary(middle).pick(0)
+    f0, pulses = [group.f0 for group in groups], tuple(group.pulse for group in groups)
+    rows = to_rows(0, f0, C, np.arange(len(pulses)), pulses)
+    settings = study.settings
+    how = study.model, choose_levels(device, study.model, rows, settings), settings.start
+    shares = {key: column / C if key == "C" else column for key, column in values.items()}
+    N_first, *_ = Batch(device, shares, *how).thresholds(rows, settings, TOLERANCE)
+    if not np.isfinite(N_first).all():
+        where, group = np.argwhere(~np.isfinite(N_first))[0]
+        raise ValueError(
+            f"shots: outside the model's reach, no threshold of {groups[group]} at "
+            f"{_place(values, where)}; leave such shots out, or write narrower ranges"
+        )
+    return N_first
+
+
+def _place(values, where):
+    return point_text({key: column[where] for key, column in values.items()})

@@ -1,0 +1,1 @@
+"""A study as a data sheet.  Imports: requirements, statics."""

@@ -1,0 +1,188 @@
+"""What a sensor's data sheet says of a device, each value with its error; as text with units."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+import xarray as xr
+
+from ...beam.limit_loads import reset_force
+from ...beam.modal import natural_frequency
+from ...device.device import CLAMP, STOPS, STRENGTH
+from ...device.quantities import QUANTITIES, Quantity, plain
+from ...files.text import DASH, table
+from ...numerics.statistics import percents, scope
+from ...solver.outcome import REPEATED_STEP
+from ...solver.settings import SECOND
+from ...study.provenance import code_version, device_sections
+from ...study.study import Study, at_corner
+from ..histories.history import extremes_of
+from ..requirements.check import LEVELS
+from ..requirements.corners import corner_text, corners, must_text
+from ..statics.statics import statics
+
+UNITS = {
+    "toward_max": ("travel of the mass towards the beam", "um"),
+    "away_max": ("travel of the mass away from the beam", "um"),
+    "contact_force_max": ("force between mass and beam, an indicator", "uN"),
+    "stress_max": ("tensile stress in the beam", "MPa"),
+}
+"""Of `Extremes`, as a data sheet names them."""
+
+CLOSURES = {
+    "t_closed": ("first closure", " us"),
+    "closed_for": ("then closed, to the end if it never opens", " us"),
+    "openings": ("openings", ""),
+    "closed_share": ("share of the time since then closed", ""),
+}
+"""Likewise of `Closures`."""
+
+
+def datasheet(
+    study: Study,
+    verdicts: Sequence[Mapping],
+    requirements: Sequence[Mapping] = (),
+    made: xr.Dataset | None = None,
+    title: str = "",
+) -> str:
+    """Write the data sheets of a study's devices, in Markdown.
+
+    verdicts: rows of requirements.csv, of which the thresholds are; requirements: name, shocks, N
+        and f0 (Hz) of those by a pulse
+    made: what `tolerances_of` returns of these requirements, if values scatter
+    """
+    several, sheets = isinstance(study.device, Mapping), []
+    for name, device in study.devices().items():
+        own = [row for row in verdicts if not several or row["device"] == name]
+        batch = made.sel(device=name) if made is not None and several else made
+        head = " of ".join(filter(None, ["# Data sheet", title, name if several else ""]))
+        sheets += [f"{head}\n", table(["device", "value"], _device(study, device))]
+        at_rest = f"at rest at {plain(device.temperature)} degC, exact to the digits shown"
+        sheets += [table([at_rest, "value"], _statics(device))]
+        unit = f"{plain(device.gravity * 1e6)} m/s^2"
+        unit = f"{device.force:g} uN on the midpoint" if device.force else unit
+        head = ["requirement", "shock", "at, degC", "C, uN*us/um", "threshold"]
+        head += ["of devices as made", "margin", "verdict", "strength over stress", "breaks"]
+        rows = table(head, (_verdict(corner, batch) for corner, *_ in corners(own)))
+        words = f"Thresholds in multiples of {unit}, and over the required level"
+        words += "; of several shocks or temperatures the worst:\n"
+        sheets += [words, rows]
+        if requirements:
+            largest = _largest(replace(study, device=device), requirements, own)
+            largest = table(["what", "value", "error", "under"], largest)
+            sheets += ["Largest under these shocks:\n", largest]
+        closed = [row for row, *_ in corners(own) if np.isfinite(row.get("t_closed", np.nan))]
+        if closed:
+            closed = table(["what", "value", "error", "under"], _closures(closed))
+            sheets += [
+                f"The electrode, to {plain(study.settings.horizon / 1e3)} ms after a shock:\n",
+                closed,
+            ]
+        if batch is not None and "yield" in batch:
+            words = f"Share of {batch.sizes['sample']} devices as made, with bounds at 95 %:\n"
+            sheets += [words, table(["share", "C, uN*us/um", "value", "bounds"], _shares(batch))]
+    return "\n".join(sheets)
+
+
+def _device(study, device):
+    """What it is: model, support, dimensions."""
+    options = ", ".join(f"{key} {value}" for key, value in study.model.items() if key != "name")
+    yield ["made by", f"snapmap {code_version()}"]
+    yield ["model", " ".join(filter(None, [study.model["name"], options]))]
+    yield ["support", "free to tilt" if device.beam.free else "guided: the beam cannot tilt"]
+    yield from _written(device_sections(device)["device"])
+
+
+def _written(section, name=""):
+    for key, value in section.items():
+        if isinstance(value, Mapping):
+            yield from _written(value, f"{name}{key}: ")
+        else:
+            own = (CLAMP | STOPS | STRENGTH).get(key, key)
+            text = QUANTITIES.get(own, Quantity(own)).used(str(value))
+            yield [f"{name}{key}".replace("_", " "), text]
+
+
+def _statics(device):
+    path, beam = statics(device), device.beam
+    force, error = reset_force(beam)
+    resets = f"{force:.5g} ± {plain(error, 1)} uN" if force > 0 else "none: it returns by itself"
+    yield ["force that snaps the beam", f"{path.largest_force:.5g} uN"]
+    yield ["force that resets it", resets]
+    travel = f"{beam.height - beam.second_equilibrium:.5g} um" if beam.is_bistable else DASH
+    yield ["travel of the midpoint to the second shape", travel]
+    if device.has_electrode:
+        yield [f"force on the electrode at {device.contact_at:g} um", f"{path.hold_force:.5g} uN"]
+    yield ["first frequency of the beam", f"{1e3 * natural_frequency(beam) / (2 * np.pi):.5g} kHz"]
+    if not device.is_alone:
+        own = f"{1e3 * device.mass_frequency / (2 * np.pi):.5g} kHz"
+        yield ["frequency of the mass on its spring", own]
+
+
+def _verdict(row, made):
+    """A row of requirements.csv, with how far thresholds of devices as made scatter."""
+    shock = f"{row['shape']} {row['direction']}"
+    shock += f", {plain(row['duration'])} ms" if np.isfinite(row["duration"]) else ""
+    shock += ", from the second shape" if row["start"] == SECOND else ""
+    name, spread = row["requirement"], DASH
+    if made is not None and name in made.get("requirement", ()):
+        first = made.N_first_required.sel(requirement=name).sel(C=row["C"], method="nearest")
+        share = (first.std(ddof=1) / first.mean()).item()
+        if share > 0:  # with the error of a standard deviation of normal numbers
+            error = share / np.sqrt(2 * first.count().item())
+            spread = f"± {plain(100 * share, 2)} % (± {plain(100 * error, 1)} %)"
+    threshold, margin = "nothing snaps", DASH
+    if np.isfinite(row["N_first"]):
+        threshold = (
+            f"{row['N_first']:.5g} ± {plain(row['N_error'], 2)}{LEVELS.get(row['shape'], '')}"
+        )
+        margin = f"{plain(row['margin'])} ± {plain(row['margin_error'], 1)}"
+    broken = row["strength_margin"], row["break_probability"]
+    ends = [f"{plain(value, 3)}" if np.isfinite(value) else DASH for value in broken]
+    ends = ends if np.isfinite(broken[0]) else [DASH, DASH]
+    return [
+        must_text(name, row["must_snap"]),
+        shock,
+        plain(row["temperature"]),
+        f"{row['C']:g}",
+        threshold,
+        spread,
+        margin,
+        row["verdict"],
+        *ends,
+    ]
+
+
+def _closures(rows):
+    """Of the electrode under required shocks, with its error."""
+    for row in rows:
+        for key, (words, unit) in CLOSURES.items():
+            value, error = plain(row[key]), plain(row[f"{key}_error"], 1)
+            yield [words, value + unit, error + unit, f"{row['requirement']}, {corner_text(row)}"]
+
+
+def _largest(study, requirements, verdicts):
+    """What is largest under all required shocks, and its error: the difference to another step."""
+    required = {one["name"]: one for one in requirements}
+    shocks = [row for row in verdicts if row["requirement"] in required]
+    for key, (words, unit) in UNITS.items():
+        if not np.isfinite([row[key] for row in shocks]).any():
+            continue
+        worst = max(shocks, key=lambda row, key=key: row[key])
+        shock = required[worst["requirement"]]
+        under = at_corner(study, shock, worst)
+        again = extremes_of(under, shock["N"], shock["f0"], worst["C"], step=REPEATED_STEP)
+        value, other = worst[key], getattr(again, key)
+        where = f"{worst['requirement']}, {corner_text(worst)}"
+        yield [words, f"{plain(value)} {unit}", f"{plain(abs(value - other), 1)} {unit}", where]
+
+
+def _shares(made):
+    """Of devices as made that meet all, and that break, at each C."""
+    words = {"yield": f"meet all{scope(made['yield'])}", "share_breaking": "break under"}
+    for key in filter(made.data_vars.__contains__, words):
+        for place in np.ndindex(made[key].shape):
+            at = made[[key, f"{key}_bound"]].isel(dict(zip(made[key].dims, place, strict=True)))
+            under = [at.requirement.item()] if "requirement" in at.coords else []
+            bounds = percents(*at[f"{key}_bound"].values)
+            yield [" ".join([words[key], *under]), f"{at.C.item():g}", percents(at[key]), bounds]

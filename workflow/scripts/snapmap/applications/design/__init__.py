@@ -1,0 +1,1 @@
+"""The value of a device that gives a threshold or meets requirements.  Imports: tolerances."""

@@ -1,0 +1,289 @@
+"""Which values a device should have: for a threshold, or to meet requirements."""
+
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from ...arguments import ARGUMENTS
+from ...device.device import SIGNED, Device, batch
+from ...device.quantities import QUANTITIES, plain
+from ...device.samples import nominal_value
+from ...files.counting import counting
+from ...pulse.shocks import Shocks
+from ...study.axes import COORDINATES
+from ...study.study import (
+    ANY,
+    Study,
+    study_of,
+    with_shocks,
+)
+from ...thresholds.population import thresholds_at
+from ...thresholds.search import near
+
+POINTS, WINDOW_POINTS = 17, 33
+"""Values that are tried first, for a threshold and for a window."""
+PARTS = 512
+"""Of an interval between two of them, in one of which an answer lies."""
+
+CHANGED = {
+    "mass": ("mass", "lighter", "heavier"),
+    "spring": ("spring", "softer", "stiffer"),
+    "thickness": ("beam", "thinner", "thicker"),
+}
+"""Values of which one is changed for a threshold that is on the wrong side, and words for it."""
+BEYOND, MOST, STEPS = 0.05, 2.0, 4
+"""So far beyond the required N, and at most by such a factor, in so many steps; logarithms."""
+
+
+class Design(NamedTuple):
+    """A value for which the threshold is the given one.
+
+    value, error: internal units; error: what the error bar of the threshold leaves open
+    """
+
+    value: float
+    error: float
+
+
+def design(
+    device: Device,
+    value: str,
+    N: float | None = None,
+    f0: float | None = None,
+    C: float | None = None,
+    between: tuple[float, float] | None = None,
+    model: str | Mapping = "auto",
+    **options,
+) -> Design | xr.Dataset:
+    """Find the value of a device, or C, for which N (multiples of g) is the threshold.
+
+    Or, with requirements in place of N and f0, the windows of the value in which all are met.
+
+    value: its name, such as "thickness", or "C"
+    f0: Hz; C: uN us/um, unless it is the value; between: range of the value, internal units
+    model: name, or the config's model section
+    options: requirements, mappings of name, N, f0 (Hz) and snaps, with pulse and direction, by
+        default those of the study, or shocks; each holds under all its shapes and directions;
+        horizon (us), energy_tolerance, start, threads, pulse, direction, those of the model
+    Windows have, over `window`: low and high, their errors, and low_from and high_from, the
+    requirement that ends it, or "between"; over `requirement` and the values `tried`: whether it is
+    `met`. Warns where several values are right, and returns the lowest; and where there is no
+    window, with where each requirement is met. Raises ValueError, one line, where no value is
+    right, or for an invalid argument.
+
+    >>> device = snapmap.load_device("config/config.yaml")
+    >>> shock = {"N": 1100, "f0": 1500, "C": 25, "model": "cosines", "horizon": 0}
+    >>> made = snapmap.design(device, "thickness", between=(2.0, 2.2), **shock)
+    >>> round(made.value, 1)
+    2.1
+    """
+    options = dict(options)
+    required = options.pop("requirements", ())
+    study, _ = study_of(device, model, options)
+    required = _single_shocks(with_shocks(one, study.shocks) for one in required)
+    goals = required or [{"N": N, "f0": f0, "snaps": True, "shocks": study.shocks}]
+    shock = {key: goals[0][key] for key in ("N", "f0")} | {"C": C, "between": between}
+    if value == "C" and shock.pop("C") is not None:
+        raise ValueError("C: is the value that is sought; leave it out")
+    for key, argument in shock.items():
+        if argument is None:
+            raise ValueError(f"{key}: missing; write {ARGUMENTS[key].need}")
+    if any(len(goal["shocks"].pulses) > 1 for goal in goals):
+        raise ValueError("pulse: several; give one shape and one direction")
+    (low, high), least = between, -np.inf if value in SIGNED else 0.0
+    if not least <= low < high:
+        raise ValueError(f"between: {low:g}, {high:g} are not two ascending values from {least:g}")
+    look = _looker(study, value, C, goals)
+    grid = np.linspace(*between, WINDOW_POINTS if required else POINTS)
+    with counting("design"):
+        seen = look(np.arange(len(goals)), np.tile(grid, (len(goals), 1)), [grid])
+        if required:
+            return _windows(look, value, grid, goals, *seen)
+        N_first, error, met = seen
+        known = np.isfinite(N_first[:, 1:] + N_first[:, :-1])
+        _, values, errors = _ends(look, grid, N_first, error, met, known, N)
+    return _single(value, N, grid, N_first, values, errors)
+
+
+def _single_shocks(requirements):
+    """Each requirement under each of its shocks; of several its name says which."""
+    singles = []
+    for required in requirements:
+        if required["snaps"] == ANY:
+            raise ValueError(f"requirements: {required['name']}: snaps: any has no threshold")
+        several = required["shocks"].each()
+        for shocks in several:
+            where = f", {shocks.pulse.name} {shocks.direction}" if len(several) > 1 else ""
+            singles.append(required | {"name": f"{required['name']}{where}", "shocks": shocks})
+    return singles
+
+
+def with_value(device: Device, value: str, number: float) -> Device:
+    """The device with another number of one of its values, by name."""
+    return batch([device]).vary({value: np.array([number])}).pick(0)
+
+
+def remedy(study: Study, goal: Mapping, C: float, N_first: float) -> list[tuple[str, str, float]]:
+    """Which changes of one value bring a threshold to the right side of a required N.
+
+    study: of one device and shock; goal: as in `requirements`; N_first: the device's threshold
+    Returns each change in words, and as a value by name with its number: a root by secants of
+    logarithms, with the threshold seen there; others are left out.
+    """
+    nominal = {key: nominal_value(study.device, key) for key in CHANGED}
+    nominal = {key: value for key, value in nominal.items() if value > 0}
+    way = -1 if goal["snaps"] else 1
+    N, shift = np.log(goal["N"]) + way * BEYOND, np.full(len(nominal), 2 * BEYOND)
+    for _ in range(STEPS):
+        factors = np.exp(np.where(np.eye(shift.size), shift, 0.0))
+        values = {key: nominal[key] * row for key, row in zip(nominal, factors, strict=True)}
+        first, error, _ = thresholds_at(study, values, goal["f0"], C)
+        met = way * (first - goal["N"]) > error
+        if met.all():
+            break
+        with np.errstate(divide="ignore", invalid="ignore"):
+            nearer = shift * (N - np.log(N_first)) / np.log(first / N_first)
+        shift = np.where(met | ~np.isfinite(nearer), shift, np.clip(nearer, -MOST, MOST))
+    changes = []
+    for key, by, is_met in zip(nominal, shift, met, strict=True):
+        name, less, more = CHANGED[key]
+        words = f"a {name} {abs(np.expm1(by)):.0%} {more if by > 0 else less}"
+        if is_met:
+            changes.append((words, key, nominal[key] * float(np.exp(by))))
+    return changes
+
+
+def _looker(study, value, C, goals) -> Callable:
+    """A function of goals, by number (n,), and values, (n, m): N_first, its error, and if met.
+
+    It takes the axes of a surface that these are, too, as `thresholds_at`.
+    """
+    pulses = {str(i): goal["shocks"].pulses[0] for i, goal in enumerate(goals)}
+    study = replace(study, shocks=Shocks(pulses))
+    N, f0, snaps = (np.array([goal[key] for goal in goals]) for key in ("N", "f0", "snaps"))
+    starts = np.array([goal.get("start", study.settings.start) for goal in goals])
+
+    def look(row, tried, axes=()):
+        i = np.repeat(row, tried.shape[1])
+        N_first, error, there = np.empty((3, i.size))
+        for start in np.unique(starts[i]):
+            mine, settings = starts[i] == start, study.settings._replace(start=str(start))
+            values = {value: tried.ravel()[mine]}
+            shock = f0[i[mine]], values.pop("C", C), i[mine]
+            N_first[mine], error[mine], there[mine] = thresholds_at(
+                replace(study, settings=settings), values, *shock, axes
+            )
+        met = ((N_first <= N[i]) == snaps[i]) & (there > 0)
+        return [column.reshape(tried.shape) for column in (N_first, error, met)]
+
+    return look
+
+
+def _ends(look, grid, N_first, error, met, where, N):
+    """Refine where goals begin or end to be met: their numbers, the values, and errors; (ends,).
+
+    N_first, error, met: of all goals on the grid, (goals, n)
+    where: which intervals count; N: (goals,)
+    """
+    row, k = np.nonzero((met[:, 1:] != met[:, :-1]) & where)
+    if not row.size:
+        return row, grid[k], grid[k]
+    N, which = np.broadcast_to(N, len(met))[row], np.arange(k.size)
+    guess = _guess(N_first[row], k, N)
+    seen = np.full((2, k.size, PARTS + 1), np.nan)
+    for end in (0, 1):
+        seen[:, which, end * PARTS] = N_first[row, k + end], error[row, k + end]
+
+    def tried(which, places):
+        return grid[k[which], np.newaxis] + places * ((grid[1] - grid[0]) / PARTS)
+
+    def label(which, places):
+        *there, is_met = look(row[which], tried(which, places))
+        seen[:, which[:, np.newaxis], places] = there
+        return is_met == met[row, k + 1][which, np.newaxis]
+
+    last = np.maximum(near(label, which, guess, PARTS), 1)[:, np.newaxis]
+    ends = np.hstack([last - 1, last])
+    slope = (N_first[row, k + 1] - N_first[row, k]) / (grid[1] - grid[0])
+    (low, high), first, error = tried(which, ends).T, *seen[:, which[:, np.newaxis], ends]
+    below, beyond = first.T
+    slope = np.where(np.isfinite(slope), slope, (beyond - below) / (high - low))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        inside = low + (N - below) * (high - low) / (beyond - below)
+        left_open = (error.max(axis=1) + abs(beyond - below) / 2) / abs(slope)
+    # At an end beyond which nothing snaps the bar of a threshold says nothing.
+    crossed = ((below < N) != (beyond < N)) & np.isfinite(inside)
+    value = np.where(crossed, inside, (low + high) / 2)
+    return row, value, np.where(crossed, left_open, (high - low) / 2)
+
+
+def _guess(N_first, k, N):
+    """In which part of interval k of a grid N is a threshold, by a cubic; (ends,).
+
+    N_first: on the grid, (ends, n)
+    """
+    at = np.clip(k - 1, 0, N_first.shape[1] - 4)[:, np.newaxis] + np.arange(4)
+    first, place = np.take_along_axis(N_first, at, 1), 0.0
+    with np.errstate(invalid="ignore", divide="ignore"):
+        for j in range(4):
+            others = np.delete(first, j, axis=1)
+            shares = (N[:, np.newaxis] - others) / (first[:, [j]] - others)
+            place = place + (at[:, j] - k) * np.prod(shares, axis=1)
+    return np.clip(np.ceil(np.nan_to_num(PARTS * place, nan=PARTS / 2)), 1, PARTS).astype(int)
+
+
+def _single(value, N, grid, N_first, values, errors):
+    unit, known = QUANTITIES[value].unit, N_first[np.isfinite(N_first)]
+    ends = f"from {grid[0]:g} to {grid[-1]:g} {unit}"
+    if not values.size:
+        runs = f"runs from {known.min():.5g} to {known.max():.5g}" if known.size else "is not there"
+        raise ValueError(f"{value}: no value {ends} has its threshold at N = {N:g}; it {runs}")
+    if values.size > 1:
+        several = ", ".join(f"{at:.5g}" for at in values)
+        warnings.warn(
+            f"{value}: thresholds {ends} are not monotone; at {several} {unit} they are {N:g}",
+            stacklevel=3,
+        )
+    return Design(float(values[0]), float(errors[0]))
+
+
+def _windows(look, value, grid, goals, N_first, error, met):
+    """Windows of a value, as `design` returns them; N_first, error, met: (goals, n)."""
+    names, N, all_met = [goal["name"] for goal in goals], [goal["N"] for goal in goals], met.all(0)
+    ends = _ends(look, grid, N_first, error, met, all_met[1:] != all_met[:-1], N)
+    ends = sorted((at, error, names[row]) for row, at, error in zip(*ends, strict=True))
+    places = (grid[0], 0.0, "between"), *ends, (grid[-1], 0.0, "between")
+    windows = [
+        pair
+        for pair in pairwise(places)
+        if all_met[(grid >= pair[0][0]) & (grid <= pair[1][0])].any()
+    ]
+    if not windows:
+        warnings.warn(_contradiction(value, grid, names, met), stacklevel=3)
+    attrs = COORDINATES[value]
+    data = {
+        f"{side}{key}": ("window", [pair[j][k] for pair in windows], attrs if k < 2 else {})
+        for j, side in enumerate(("low", "high"))
+        for k, key in enumerate(("", "_error", "_from"))
+    }
+    data["met"] = ("requirement", "tried"), met
+    return xr.Dataset(data, {"requirement": names, "tried": ("tried", grid, attrs)})
+
+
+def _contradiction(value, grid, names, met):
+    """Where each requirement is met, and where most are; met: (requirements, n)."""
+    unit, count = QUANTITIES[value].unit, met.sum(axis=0)
+    each = [
+        f"{name} is met from {plain(grid[row].min())} to {plain(grid[row].max())}"
+        if row.any()
+        else f"{name} is met nowhere"
+        for name, row in zip(names, met, strict=True)
+    ]
+    most = f"{count.max()} of {len(names)} at {plain(grid[np.argmax(count)])} {unit}"
+    ends = f"{grid[0]:g} to {grid[-1]:g} {unit}"
+    return f"{value}: none from {ends} meets all requirements, at most {most}: {', '.join(each)}"

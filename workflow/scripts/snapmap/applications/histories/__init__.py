@@ -1,0 +1,1 @@
+"""The motion of single cells in full.  Imports: core alone."""

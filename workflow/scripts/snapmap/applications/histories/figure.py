@@ -1,0 +1,76 @@
+"""The time history of one cell: deflection and mass, contact force, acceleration of the frame."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+
+from ...figures import style
+from ...figures.scales import number, value_text
+
+BEAM, MASS, AID = "C5", "black", "0.3"
+FINE = 0.5  # pt, for what oscillates fast
+
+
+def draw_history(axes: Sequence[Axes], history: xr.Dataset) -> Sequence[Axes]:
+    """Draw w(L/2) and z_M, the contact force and the pulse on three axes over time in ms."""
+    positions, force, shock = axes
+    time, second = history.time / 1e3, history.second_equilibrium
+    beam = {"color": BEAM, "linewidth": FINE, "label": "midpoint of the beam $w(L/2)$"}
+    positions.plot(time, history.w_mid, **beam)
+    if history.z_mass.notnull().any():
+        positions.plot(time, history.z_mass, color=MASS, label="mass $z_M$")
+    look = {"color": AID, "linestyle": "--", "label": "second shape at rest $w_2$"}
+    positions.axhline(second, **look)
+    if "contact_at" in history.attrs:
+        look = {"color": BEAM, "linestyle": ":", "label": "electrode"}
+        positions.axhline(history.contact_at, **look)
+    stops = [history.attrs[key] for key in ("stop_toward", "stop_away") if key in history.attrs]
+    for stop, label in zip(stops, ["stop of the mass", None], strict=False):
+        positions.axhline(stop, color=MASS, linestyle="-.", linewidth=FINE, label=label)
+    positions.set_ylabel("position (µm)")
+    force.plot(time, history.contact_force, color=MASS, linewidth=FINE)
+    force.set_ylabel("contact force (µN)")
+    if "midpoint_force" in history:
+        shock.plot(time, history.midpoint_force, color=MASS)
+        shock.set_ylabel("force on the\nmidpoint (µN)")
+    else:
+        shock.plot(time, history.acceleration / history.gravity, color=MASS)
+        shock.set_ylabel("acceleration\n(multiples of $g$)")
+    shock.set_xlabel("time after the start of the pulse (ms)")
+    snap = snap_time(history) / 1e3
+    for ax in axes:
+        ax.margins(x=0)
+        if not math.isnan(snap):
+            ax.axvline(snap, color=AID, linestyle=":")
+    if not math.isnan(snap):
+        dot = {"linestyle": "", "marker": "o", "color": "black", "markeredgecolor": "white"}
+        at = history.attrs.get("first_equilibrium", second)
+        positions.plot(snap, at, **dot, label=f"snap at {snap:.4g} ms")
+    positions.figure.align_ylabels(axes)
+    style.legend(positions.figure, positions.get_legend_handles_labels()[0], _caption(history), 5)
+    return axes
+
+
+def snap_time(history: xr.Dataset) -> float:
+    """First arrival of the midpoint at the shape in which it did not start, us; NaN if not seen."""
+    first, second = history.attrs.get("first_equilibrium"), history.second_equilibrium
+    w, target = (history.w_mid, second) if first is None else (-history.w_mid, -first)
+    arrived = np.flatnonzero(w <= target)
+    if arrived.size == 0:
+        return math.nan
+    last = [arrived[0], arrived[0] - 1]
+    return float(np.interp(target, w[last], history.time[last]))
+
+
+def _caption(history):
+    """The shock and the model, and how far a run with another step goes apart, if that is known."""
+    shock = (value_text(key, history.attrs[key]) for key in ("N", "f0", "C"))
+    words = ", ".join(filter(None, [*shock, style.case(history.attrs, style.PAGE)]))
+    work, snap = (history.attrs.get(key, math.nan) for key in ("work_error", "t_snap_error"))
+    if math.isnan(work):
+        return words
+    words += f"\nwith another step the work of the pulse differs by {number(100 * work, 2)} %"
+    return words + ("" if math.isnan(snap) else f", the time of snap by {number(snap, 2)} µs")

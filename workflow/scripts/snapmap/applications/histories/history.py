@@ -1,0 +1,268 @@
+"""One cell in full: motion, contact force and every energy over time."""
+
+import math
+import warnings
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from ...beam.modal import contact_stiffness
+from ...beam.stress import stress_of
+from ...device.device import Device, Value
+from ...device.quantities import plain
+from ...numerics.linalg import dot, multiply
+from ...pulse.pulse import blow_at
+from ...solver.adaptive import Adaptive, choose_model
+from ...solver.cells import to_cells
+from ...solver.closures import follow_closures
+from ...solver.cost import steps_and_seconds, tell
+from ...solver.outcome import (
+    OUTCOMES,
+    REPEATED_STEP,
+    label,
+    t_snap_error,
+    work_error,
+)
+from ...solver.settings import FIRST
+from ...study.provenance import device_sections
+from ...study.study import Study, study_of
+from ...study.variables import dress
+
+SAMPLES = 4000
+"""A history keeps this many instants, up to twice as many, or all that there are."""
+
+RECORDED = 700.0
+"""Times as long as a run of a sweep takes one that shows every step."""
+CURE = "write a higher f0 or a shorter horizon"
+
+# ASSUME: a device leaves its mass a few times the rise of its beam, which a snap takes it twice.
+FARTHEST = 5.0
+"""Over the rise: of a mass that no stop holds, a travel from rest that a run remarks upon."""
+
+
+def simulate(
+    device: Device,
+    N: float,
+    f0: float | None,
+    C: float,
+    model: str | Mapping = "auto",
+    **options,
+) -> xr.Dataset:
+    """Follow one cell to the horizon, beyond its snap, and return its history over time.
+
+    N: multiples of g; f0: Hz, or None for a recorded shock's own; C: uN us/um
+    model: name, or the config's model section; of `auto` the finest level
+    options: horizon (us after the pulse), until and energy_tolerance of the sweep whose step is
+        taken; start; pulse and direction, a single one; and those of the model
+    Attributes: outcome (a word) and t_snap (us, NaN if it does not snap), those of a sweep of this
+    cell alone; work_error, t_snap_error and blow, as in a cube; toward_max, away_max (of the mass
+    from rest, um), contact_force_max (uN), stress_max and stress_max_to_snap (MPa), the largest of
+    all steps; with device.contact_at that, and what the beam does there, as in a cube.
+
+    >>> device = snapmap.load_device("config/config.yaml")
+    >>> run = snapmap.simulate(device, 1100, 1500, 25, model="cosines", horizon=0)
+    >>> run.outcome, round(run.t_snap)
+    ('snapped', 365)
+    """
+    study, _ = study_of(device, model, options, ("horizon", "energy_tolerance", "until", "start"))
+    f0 = study.shocks.own_frequency() if f0 is None else f0
+    return history_of(study, N, f0, C)
+
+
+def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
+    """Follow one cell of a study of one device and pulse, as `simulate` does."""
+    if study.shocks.axes:
+        raise ValueError("pulse: several; a history is of one shape in one direction")
+    device, settings = study.device, study.settings._replace(repeat=False)
+    built, cells, seen = _cell(study, N, f0, C)
+    blow = blow_at(cells.pulses, cells.pulse, seen.t_snap * cells.f0).item()
+    outcome = label(*seen[:4], settings.energy_tolerance).item()
+    dt, values, extremes = _record(built, cells, settings, SAMPLES)
+    closing = _closing(built, cells, settings) if device.has_electrode else {}
+    document = {
+        **device_sections(device),
+        **study.shocks.section(),
+        "model": dict(study.model),
+        "histories": [{"N": N, "f0": f"{f0!r} Hz", "C": f"{C!r} uN*us/um"}],
+    }
+    starts = settings.start != FIRST
+    document |= {"sweep": {"start": settings.start}} if starts else {}
+    rest = built.barrier.first + device.gap
+    stops = {"stop_toward": rest - device.stop_toward, "stop_away": rest + device.stop_away}
+    return dress(
+        "history",
+        xr.Dataset({key: ("time", column) for key, column in values.items()}),
+        document,
+        N=N,
+        f0=f0,
+        C=C,
+        second_equilibrium=built.barrier.second,
+        barrier=built.barrier.energy,
+        gravity=device.gravity,
+        time_step=dt,
+        outcome=OUTCOMES[outcome],
+        t_snap=seen.t_snap.item(),
+        **extremes._asdict(),
+        **({"first_equilibrium": built.barrier.first} if starts else {}),
+        **{key: place for key, place in stops.items() if math.isfinite(place)},
+        **({"blow": blow} if cells.pulses[0].blows.size else {}),
+        **closing,
+        **_differences(built, cells, settings),
+    )
+
+
+class Extremes(NamedTuple):
+    """What a device meets under one shock, at any step up to the horizon.
+
+    toward_max, away_max: of the mass from rest, toward the beam and away from it, um
+    contact_force_max: between mass and beam, uN; an indicator, see docs/pulses.md
+    stress_max, stress_max_to_snap: tensile, in the beam, MPa; the latter until it snaps
+    """
+
+    toward_max: float
+    away_max: float
+    contact_force_max: float
+    stress_max: float
+    stress_max_to_snap: float
+
+
+def extremes_of(study: Study, N: float, f0: float, C: float, step: float = 1.0) -> Extremes:
+    """Follow one cell of a study of one device and pulse for what is largest in its motion.
+
+    step: over the one that the motion needs
+    """
+    built, cells, _ = _cell(study, N, f0, C)
+    return _record(built.with_step(step), cells, study.settings, samples=1)[-1]
+
+
+def closing_of(study: Study, N: float, f0: float, C: float) -> dict[str, float]:
+    """Follow one cell as `follow_closures` does; nothing without an electrode, which it places."""
+    if not study.device.has_electrode:
+        return {}
+    built, cells, _ = _cell(study, N, f0, C)
+    return _closing(built, cells, study.settings)
+
+
+def _closing(built, cells, settings):
+    found = follow_closures(built, cells, cells.t_end, settings).items()
+    return {"contact_at": built.device.contact_at} | {key: one.item() for key, one in found}
+
+
+def _cell(study, N, f0, C):
+    """The model at the step that a sweep takes for a cell, the cell, and what the sweep sees."""
+    at = [0], [N], [f0], [C], study.settings.horizon, 0, study.shocks.pulses
+    cells = to_cells(study.device, *at)
+    model = choose_model(study.device, study.model, study.settings.start)
+    moved = study.settings._replace(until="moved")
+    seconds = steps_and_seconds(model.levels[-1], cells, moved)[1].item()
+    tell("simulate", RECORDED * seconds, f"f0 = {f0:g} Hz", CURE, stacklevel=5)
+    follow = model.follow_by_top if isinstance(model, Adaptive) else model.follow
+    seen = follow(cells, study.settings._replace(repeat=False))
+    return model.levels[-1].with_step(0.5 ** seen.halvings.item()), cells, seen
+
+
+def _record(built, cells, settings, samples):
+    """The time step, us, the values of a cell, and its extremes.
+
+    samples: instants that are kept or more, every one of a power of two of steps
+    """
+    dt = built.time_steps(cells, settings._replace(until="moved")).item()
+    amplitude, per_us, damping, t_end = (column.item() for column in cells[2:6])
+    steps = int(np.ceil(t_end / dt))
+    stride = 2 ** max(0, math.floor(math.log2(max(1, steps / samples))))
+    shock, device, first = cells.pulses[0], built.device, built.barrier.first
+    at, start = (amplitude, per_us, damping, dt, steps), settings.start
+    form, motions = built.loop().record(built, shock, *at, start)
+    side = 1 if start == FIRST else -1
+    target = built.snap_target(start) + side * first
+    stress, rest = stress_of(device.beam, built.basis, form.shapes), first + device.gap
+    largest, to_snap, snapped = np.array([0.0, 0.0, 0.0, -np.inf]), -np.inf, False
+    kept, done, last = [], 0, np.empty((2, 0))
+    for motion in motions:
+        values = _observe(device, first, form, stress, motion)
+        y = values["z_mass"] - rest
+        of_window = -y.min(), y.max(), values["contact_force"].max(), values["stress"].max()
+        largest = np.maximum(largest, of_window)
+        if not snapped:
+            path = np.append(last, [side * values["w_mid"], values["stress"]], axis=1)
+            most, snapped = _stress_to(target, *path)
+            to_snap, last = np.maximum(to_snap, most), path[:, -1:]
+        values |= {"time": motion.time, "dissipated_energy": motion.lost, "pulse_work": motion.work}
+        kept.append({key: column[-done % stride :: stride] for key, column in values.items()})
+        done += motion.time.size
+    extremes = Extremes(*largest.tolist(), float(to_snap))
+    warn_of_travel(device, -extremes.toward_max, extremes.away_max)
+    values = {key: np.concatenate([part[key] for part in kept]) for key in kept[0]}
+    shaken = amplitude * shock.at(per_us * values["time"])
+    values |= (
+        {"midpoint_force": shaken / device.gravity * device.force}
+        if device.force
+        else {"acceleration": shaken}
+    )
+    return dt, values, extremes
+
+
+def _stress_to(target, w, stress):
+    """The largest stress until w falls to the target, and whether it does."""
+    for i in np.flatnonzero(w <= target)[:1]:
+        share = (w[i - 1] - target) / (w[i - 1] - w[i])
+        there = stress[i - 1] + share * (stress[i] - stress[i - 1])
+        return np.append(stress[:i], there).max(), True
+    return stress.max(), False
+
+
+def _differences(model, cells, settings):
+    """By how much the pulse's work and the time of snap, us, differ with another step."""
+    settings = settings._replace(until="moved")
+    # No snap ends a run of the model `reference` before its pulse is over.
+    onward = replace(model, barrier=model.barrier._replace(second=-np.inf))
+    differences = {}
+    for compare, own in ((work_error, onward), (t_snap_error, model)):
+        runs = (each.follow_once(cells, settings) for each in (own, own.with_step(REPEATED_STEP)))
+        differences[compare.__name__] = compare(*runs).item()
+    return differences
+
+
+def _observe(device, first, form, stress, motion):
+    """Deflections, forces and energies from the coordinates; first: w(L/2) at rest, um."""
+    velocity = motion.u_velocity
+    stiffness = contact_stiffness(device, form.residual)
+    overlap = dot(motion.u, form.midpoint) - motion.y - device.gap
+    contact = stiffness * np.maximum(0.0, overlap)
+    axial_force = -device.beam.axial_stiffness * motion.stretch
+    rest = math.nan if device.is_alone else first + device.gap
+    kinetic = dot(velocity, multiply(velocity, form.inertia)) / 2
+    return {
+        "w_mid": first + dot(motion.u, form.midpoint) - form.residual * contact,
+        # Half way through the step in which it bounces the mass is beyond a stop.
+        "z_mass": rest + np.clip(motion.y, -device.stop_toward, device.stop_away),
+        "contact_force": contact,
+        "axial_force": axial_force,
+        "stress": stress.largest(motion.u, contact, axial_force),
+        "kinetic_energy": kinetic + device.mass * motion.y_velocity**2 / 2,
+        "spring_energy": device.spring * motion.y**2 / 2,
+        "bending_energy": dot(motion.u, multiply(motion.u, form.bending)) / 2,
+        "axial_energy": axial_force**2 / (4 * device.beam.axial_stiffness),
+        "contact_energy": contact**2 / (2 * stiffness),
+    }
+
+
+def warn_of_travel(device: Device, lowest: Value, highest: Value) -> None:
+    """Warn, in one line, if a mass without a stop on that side goes beyond FARTHEST times the rise.
+
+    device: one, or as many as there are runs; lowest, highest: of the mass from rest, um
+    """
+    toward = np.where(np.isinf(device.stop_toward), -np.asarray(lowest), 0.0)
+    away = np.where(np.isinf(device.stop_away), highest, 0.0)
+    travel = np.fmax(toward, away)
+    beyond = np.atleast_1d(travel / device.beam.height > FARTHEST)
+    if beyond.any():
+        runs = f" in {beyond.sum()} of {beyond.size} runs" if beyond.size > 1 else ""
+        warnings.warn(
+            f"the mass travels up to {plain(np.nanmax(travel))} um from rest{runs}, more than "
+            f"{FARTHEST:g} times the rise; if it meets the frame before, write device.stops",
+            stacklevel=3,
+        )

@@ -1,0 +1,327 @@
+"""The page to explore a cube: maps over two of its axes, and behind each cell its history."""
+
+import base64
+import html
+import json
+import re
+import zlib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from string import Template
+
+import numpy as np
+import xarray as xr
+from matplotlib.colors import to_hex
+from plotly.offline import get_plotlyjs
+
+from ...beam.vibrations import vibrations
+from ...config.devices import read_device
+from ...device.device import (
+    CLAMP,
+    SECTIONS,
+    STOPS,
+    VALUES,
+)
+from ...device.quantities import QUANTITIES, Quantity
+from ...figures import scales, states, style
+from ...solver.outcome import OUTCOMES, WHOLE_SWING
+from ...solver.settings import STARTS
+from ...study.axes import NAMES
+from .traces import ENERGY_REACH, thin
+
+HERE = Path(__file__).parent
+MIXED = "some guided, some free to tilt"
+STRUCK = {
+    "": "is struck by a mass when the frame is shaken by one pulse of acceleration",
+    "alone": "is shaken with its frame by one pulse of acceleration",
+    "alone pushed": "is pushed at its midpoint by one pulse of force, of which N is the peak",
+}
+"""What the pulse does, by the kinds of the drawing."""
+WORDS = {
+    "unsnapped": "no snap, end open",
+    "never": "never snaps",
+    "snapped": "snaps, end open",
+    "latched": "snaps and stays",
+    "returned": "snaps and returns",
+    "failed": "failed",
+    "absent": "no second stable shape",
+}
+"""Of each outcome, in the order of the codes."""
+GREY = "#999999"
+"""Of what is absent, in place of the white that maps in print hatch."""
+RAMP = [to_hex(colour) for colour in states.TIME_COLOURS(np.linspace(0, 1, 9))]
+"""Colours of snap times, from the first to the last."""
+TRACED = ("w_low", "w_high", "z_mass", "energy", "beam_energy")
+MOVES = {
+    True: {
+        "choose": "Choose a cell to see how it moved, and whether its energy still suffices to "
+        "cross the saddle between the two shapes.",
+        "untraced": "",
+        "bands": "The band of w(L/2) spans its least and greatest value in each time bin; energies "
+        "above four times the saddle's are drawn as four times. ",
+    },
+    False: {
+        "choose": "Choose a cell to read how it ended.",
+        "untraced": "To see here how each cell moves, write <code>traces: true</code> into the "
+        "config and run it again.",
+        "bands": "",
+    },
+}
+"""What the page says with traces, and without."""
+EDGES = ("N_first", "N_error", "N_always")
+STEPS, MISSING = 254, 255
+"""Codes of motion over each cell's own range, and that of what is not known."""
+
+
+def page(cube: xr.Dataset, traces: xr.Dataset | None, found: xr.Dataset, horizon: float) -> str:
+    """Write a cube, its traces and its thresholds as one HTML page that needs nothing else.
+
+    traces: unpacked, if there are any; where they are thinned, so is the map
+    found: thresholds at least at the points of the cube
+    horizon: time for which the cells were followed after the pulse, us
+    """
+    dims = cube.outcome.dims
+    cells = thin(cube) if traces is None else cube.sel({key: traces[key] for key in dims})
+    found = found.sel({key: cells[key] for key in dims[:-1]})
+    document = json.loads(cube.attrs["config"])
+    devices = document.get("devices", {"": document.get("device", {})})
+    devices = {html.escape(name): device for name, device in devices.items()}
+    x, y = _plane(cells)
+    kind = _kind_of(devices)
+    data = {
+        "axes": [_axis(cells, key) for key in dims],
+        "x": x,
+        "y": y,
+        "start": _opening(cells, x, y),
+        "horizon": float(horizon),
+        "shapes": STARTS[::-1] if style.starts(document) else STARTS,
+        "devices": {name: list(_rows(device, {})) for name, device in devices.items()},
+        "vibrations": {
+            name: _vibration(device, cells.C.values) for name, device in devices.items()
+        },
+        "varied": [(key, _named(key)) for key in dims if key in VALUES],
+        "views": _views(cells),
+        "wide": states.WIDE,
+        "outcomes": [{"name": name, "words": WORDS[name]} for name in OUTCOMES],
+        "whole": WHOLE_SWING,
+        "bins": 0 if traces is None else traces.sizes["bin"],
+        "missing": MISSING,
+        "reach": ENERGY_REACH,
+        "traced": TRACED,
+        "arrays": {key: _pack(each) for key, each in _arrays(cells, traces, found).items()},
+    }
+    kept = [
+        f"{cells.sizes[key]} of {cube.sizes[key]} {key}"
+        for key in dims
+        if cells.sizes[key] < cube.sizes[key]
+    ]
+    thinned = " and ".join(filter(None, [", ".join(kept[:-1]), *kept[-1:]]))
+    return Template(_text("explore.html")).substitute(
+        plotly=get_plotlyjs(),
+        ends=", or where it ends" if "well" in cells else "",
+        drawing=_text("device.svg"),
+        drawn=" ".join([kind, *_lacking(devices, dims, document)]),
+        struck=STRUCK[kind],
+        data=json.dumps(data, allow_nan=False).replace("</", "<\\/"),
+        code=_text("explore.js"),
+        **MOVES[traces is not None],
+        thinned=f"Shown are {thinned} of the cube. " if kept else "",
+        model=html.escape(document["model"]["name"]),
+        guide=", ".join([*(style.guides(document) or [MIXED]), *style.starts(document)]),
+        version=html.escape(cube.attrs["code_version"]),
+    )
+
+
+def _text(name):
+    return (HERE / name).read_text(encoding="utf-8")
+
+
+def _plane(cells):
+    """Names of the axes to the right and upward: f0 and N, or else the longest others."""
+    several = [key for key in cells.outcome.dims if cells.sizes[key] > 1]
+    longest = sorted(several, key=cells.sizes.get, reverse=True)
+    x = next((key for key in ("f0", *longest) if key in several and key != "N"), "f0")
+    y = next((key for key in ("N", *longest) if key in several and key != x), "N")
+    return x, y
+
+
+def _axis(cells, key):
+    """An axis as the page's code knows it: where its values stand, and their texts."""
+    quantity, scale = QUANTITIES[key], scales.scale_of(key, cells[key].values)
+    every = -(-scale.values.size // scales.SEVERAL)
+    label = scales.axis_label(key, cells.attrs) if key == "N" else quantity.label or quantity.words
+    lead = f"{quantity.words} ".lstrip() if key in NAMES else f"{_typeset(quantity.words)} = "
+    return {
+        "name": key,
+        "label": _typeset(label),
+        "unit": quantity.spelt.page,
+        "lead": lead,
+        "values": scale.places.tolist(),
+        "edges": scale.edges.tolist(),
+        "texts": [_say(value, quantity.spelt.page) for value in scale.values.tolist()],
+        "type": "log" if scale.is_log else "linear",
+        # What is no number is ticked by name, and so is a single value.
+        "ticked": every if scale.is_counted or scale.values.size == 1 else 0,
+        "bare": [_say(value) for value in scale.values.tolist()],
+    }
+
+
+def _say(value, unit=""):
+    """Four digits and a unit, or a name, as HTML."""
+    if isinstance(value, str) or np.isinf(value):
+        return html.escape(scales.number(value))
+    digits = {"precision": 4, "fractional": False, "trim": "-"}
+    tiny = 0 < abs(value) < 1e-4
+    text = f"{value:.4g}" if tiny else np.format_float_positional(value, **digits)
+    return f"{text}\u00a0{unit}" if unit else text
+
+
+def _typeset(text):
+    """Formulas, in dollars, as HTML."""
+    return re.sub(r"_(\w)", r"<sub>\1</sub>", text.replace("$", ""))
+
+
+def _kind_of(devices):
+    """Whether all devices are a beam alone, and pushed at the midpoint; a key of STRUCK."""
+    alone = all(one.get("mass") == "none" for one in devices.values())
+    pushed = alone and all("force" in one for one in devices.values())
+    return "alone pushed" if pushed else "alone" if alone else ""
+
+
+def _lacking(devices, dims, document):
+    """Classes of the drawing by what no device has, nor an axis, and by the second shape."""
+    named = {*dims}.union(*devices.values())
+    parts = {"stops": {"stops", *STOPS.values()}, "gap": {"gap"}}
+    lacking = [f"without-{part}" for part, names in parts.items() if not names & named]
+    return lacking + ["second"] * bool(style.starts(document))
+
+
+def _rows(values: Mapping, names: Mapping):
+    """Rows of the table of a device, of which every value has its unit: key, words and value."""
+    for key, value in values.items():
+        if isinstance(value, Mapping):
+            yield from _rows(value, {"clamp": CLAMP, **SECTIONS}.get(key, {}))
+            continue
+        name = names.get(key, key)
+        text = QUANTITIES.get(name, Quantity(name)).used(str(value), typeset=True)
+        yield name, _named(name), html.escape(text)
+
+
+def _vibration(device: Mapping, C: Sequence[float]):
+    """Rows of what rings by itself, beam and mass: its name, frequency and quality factor."""
+    return [
+        [html.escape(text.replace("uN*us/um", "µN µs/µm")) for text in row]
+        for row in vibrations(read_device(device), C)
+    ]
+
+
+def _named(key):
+    """What a value of the device is called, with its symbol, as HTML."""
+    quantity = QUANTITIES.get(key, Quantity(key))
+    text = html.escape(quantity.words or key.replace("_", " "))
+    return f"{text} <i>{quantity.symbol}</i>" if quantity.symbol else text
+
+
+def _views(cells):
+    """What the map can show: whether cells snap, when, and where they end if that is known.
+
+    Of each its name and words; states, and the array that has their codes; and a colour scale for
+    plotly, with RAMP in place of `snaps` on the map of times.
+    """
+    times = (states.WAITING, *states.SNAPS[1:])
+    shown = [("snap", "snaps", "snap", states.SNAPS), ("time", "time", "snap", times)]
+    shown += [("end", "where it ends", "end", states.STATES)] * ("well" in cells)
+    made = []
+    for name, words, code, (*known, absent) in shown:
+        known = [*known, absent._replace(colour=GREY)]
+        colours = [[state.colour] * 2 for state in known]
+        view = {"name": name, "words": words, "code": code}
+        if name == "time":
+            colours[1] = view["ramp"] = RAMP
+        view["scale"] = [
+            ((place + share) / len(colours), colour)
+            for place, ramp in enumerate(colours)
+            for share, colour in zip(np.linspace(0, 1, len(ramp)).tolist(), ramp, strict=True)
+        ]
+        made.append(view | {"states": [state._asdict() for state in known]})
+    return made
+
+
+def _opening(cells, x, y):
+    """Place on each axis of the cell to begin with: near the middle of x and y, at the threshold.
+
+    One that snaps just above one that does not, and ends alike with another step, if there is any.
+    """
+    dims, snaps = cells.outcome.dims, np.isfinite(cells.t_snap.values)
+    known = ~np.isin(cells.outcome.values, (OUTCOMES.index("failed"), OUTCOMES.index("absent")))
+    along = np.moveaxis(known & ~snaps, dims.index(y), 0)
+    below = np.moveaxis(np.concatenate([np.zeros_like(along[:1]), along[:-1]]), 0, dims.index(y))
+    first, sure = snaps & below, ~states.end_elsewhere(cells).values
+    choice = next(some for some in (first & sure, first, known, ~known) if some.any())
+    places, size = np.argwhere(choice), np.array(choice.shape)
+    off = ((places - (size - 1) / 2) / size) ** 2
+    drawn = np.isin(dims, (x, y))
+    nearest = np.lexsort([off[:, drawn].sum(axis=1), off[:, ~drawn].sum(axis=1)])[0]
+    return places[nearest].tolist()
+
+
+def _arrays(cells, traces, found):
+    """All that differs from cell to cell: arrays (*axes), (*axes, bin) or (*axes but N)."""
+    dims = cells.outcome.dims
+    unknown = xr.full_like(cells.t_snap, np.nan)
+    columns = {
+        "snap": states.snap_states(cells),
+        **({"end": states.end_states(cells)} if "well" in cells else {}),
+        "outcome": cells.outcome,
+        "elsewhere": states.end_elsewhere(cells),
+        "well": cells.get("well", xr.zeros_like(cells.outcome)),
+        "t_snap": cells.t_snap,
+        "t_settled": cells.t_settled,
+        "share": cells.get("well_share", xr.ones_like(cells.t_snap)),
+        "work_error": cells.get("work_error", unknown),
+        "t_snap_error": cells.get("t_snap_error", unknown),
+        **{key: found[key].transpose(*dims[:-1]) for key in EDGES},
+    }
+    if traces is not None:
+        energy = traces.energy.transpose(*dims, "bin")
+        proof = np.ceil(cells.t_settled / traces.bin_length).transpose(*dims).fillna(0)
+        columns |= {
+            # Unrounded, as the page says of both on which side of the saddle's they are.
+            "energy_at_proof": energy.isel(bin=proof.clip(0, energy.bin.size - 1).astype(int)),
+            "energy_at_end": energy.isel(bin=-1),
+            "bin_length": traces.bin_length.transpose(*dims),
+            "second": traces.second_equilibrium.broadcast_like(cells.outcome).transpose(*dims),
+        }
+    arrays = {key: column.values for key, column in columns.items()}
+    if traces is None:
+        return arrays
+    failed = cells.outcome.values == OUTCOMES.index("failed")
+    for key in TRACED:
+        arrays |= _scaled(key, traces[key].transpose(*dims, "bin").values, failed)
+    return arrays
+
+
+def _scaled(key, values, failed):
+    """Motion in codes over each cell's own range, as differences, which are packed smaller.
+
+    values: (*axes, bin), of what has failed as far as others go; the scale and the offset, (*axes),
+    undo it
+    """
+    others = values[~failed]
+    if np.isfinite(others).any():
+        values = np.clip(values, np.nanmin(others), np.nanmax(others))
+    seen = np.isfinite(values)
+    low = np.where(seen, values, np.inf).min(axis=-1, keepdims=True)
+    high = np.where(seen, values, -np.inf).max(axis=-1, keepdims=True)
+    low, high = (np.where(np.isfinite(end), end, 0.0) for end in (low, high))
+    scale = np.where(high > low, (high - low) / STEPS, 1.0)
+    codes = np.where(seen, np.rint((values - low) / scale), MISSING).astype(np.uint8)
+    steps = np.diff(codes, axis=-1, prepend=np.uint8(0))
+    return {key: steps, f"{key}_scale": scale[..., 0], f"{key}_offset": low[..., 0]}
+
+
+def _pack(values):
+    """Codes in a byte each, numbers in four."""
+    number = np.float32 if values.dtype.kind == "f" else np.uint8
+    packed = zlib.compress(np.ascontiguousarray(values, number).tobytes(), level=6)
+    return {"kind": number.__name__, "bytes": base64.b64encode(packed).decode()}

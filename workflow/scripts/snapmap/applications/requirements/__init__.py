@@ -1,0 +1,1 @@
+"""Shocks that must or must not trip a device.  Imports: core alone."""

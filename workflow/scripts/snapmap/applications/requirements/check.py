@@ -1,0 +1,234 @@
+"""Shocks that must or must not trip a device, each held against its own threshold."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+
+from ...beam.stress import break_probability
+from ...device.device import Device
+from ...device.quantities import plain
+from ...solver.adaptive import choose_model
+from ...solver.outcome import FAILED, OUTCOMES, label
+from ...solver.settings import FIRST, THRESHOLD_TOLERANCE
+from ...study.axes import rows_of
+from ...study.study import ANY, Study, of_requirement
+from ...thresholds.surface import thresholds_of
+from .corners import (
+    MET,
+    UNCLEAR,
+    VIOLATED,
+    beyond,
+    corner_text,
+)
+
+LEVELS = {"random": " g rms", "spectrum": " times it"}
+"""Units of thresholds of what is no single shock."""
+SEARCHED = "N_first", "N_error", "N_always", "ragged"
+"""What a search along N tells of a row."""
+
+
+class Verdict(NamedTuple):
+    """One requirement on one device at one damping, at one temperature, under one shock.
+
+    N, N_first, N_error: multiples of g; f0: Hz; duration: ms; C: uN us/um; temperature: degC
+    must_snap: true, false, or ANY
+    scale, scale_first: N and N_first as factors of the record; NaN unless it is one
+    margin, margin_error: N_first and its bar over N; NaN where nothing snaps
+    outcome: of the shock as simulated; verdict: MET, VIOLATED, or UNCLEAR within the bar
+    start: as in `Settings`
+    """
+
+    requirement: str
+    device: str
+    shape: str
+    direction: str
+    N: float
+    f0: float
+    duration: float
+    C: float
+    temperature: float
+    must_snap: bool | str
+    outcome: str
+    N_first: float
+    N_error: float
+    margin: float
+    margin_error: float
+    verdict: str
+    scale: float
+    scale_first: float
+    start: str = FIRST
+
+
+class Survival(NamedTuple):
+    """What a required shock leaves of the beam.
+
+    must_survive: the least probability with which it must not break; 0 if it may
+    strength_margin: strength over the largest stress; of a Weibull distribution that of which 63 %
+        break; NaN if it never does
+    break_probability: under that stress; 0 or 1 if the strength is a number
+    """
+
+    must_survive: float
+    strength_margin: float
+    break_probability: float
+
+
+def check(
+    study: Study,
+    requirements: Sequence[Mapping],
+    C: Sequence[float],
+    tolerance: float = THRESHOLD_TOLERANCE,
+    temperatures: Sequence[float] = (),
+) -> list[Verdict]:
+    """Simulate each required shock with its own pulse and find the threshold of that pulse.
+
+    study: whose pulse and start are of no account
+    requirements: name, shocks, N, f0 (Hz), snaps and start of each
+    C: uN us/um; tolerance: of the thresholds in N, relative
+    temperatures: degC, at each of which there are verdicts; none: the devices' own
+    Of shocks of several shapes or directions there are verdicts under each.
+    """
+    return [
+        verdict
+        for required, name, one in each_device(study, requirements, temperatures)
+        for verdict in _verdicts(one, name, required, C, tolerance)
+    ]
+
+
+def each_device(
+    study: Study, requirements: Sequence[Mapping], temperatures: Sequence[float] = ()
+) -> Iterator[tuple[Mapping, str, Study]]:
+    """Each requirement with the name and the study of each device at each temperature.
+
+    A single device has no name; without temperatures each is at its own.
+    """
+    several = isinstance(study.device, Mapping)
+    for required in requirements:
+        for name, device in study.devices().items():
+            for one in [device.at(degrees) for degrees in temperatures] or [device]:
+                shaken = replace(of_requirement(study, required), device=one)
+                yield required, name if several else "", shaken
+
+
+def _verdicts(study, name, required, C, tolerance):
+    N, f0, settings = required["N"], required["f0"], study.settings
+    axes, must = {"C": C, "f0": [f0]}, required["snaps"]
+    found, grid = thresholds_of(study, axes, tolerance), study.set_out(axes)
+    cells = rows_of(grid).cells(grid.device, N, settings.horizon)
+    model = choose_model(grid.device, study.model, settings.start)
+    seen = model.follow(cells, settings)
+    outcomes = label(*seen[:4], settings.energy_tolerance)[:, 0]
+    columns = {key: found[key].values.ravel() for key in SEARCHED}
+    for i, (shocks, damping) in enumerate(product(study.shocks.each(), C)):
+        row = {key: column[i].item() for key, column in columns.items()}
+        first, error = row["N_first"], row["N_error"]
+        over = study.device.gravity / shocks.pulse.peak
+        is_close = must != ANY and _is_close(**row, N=N)
+        verdict = UNCLEAR if outcomes[i] == FAILED or is_close else MET
+        if verdict == MET and must not in (ANY, bool(np.isfinite(seen.t_snap[i, 0]))):
+            verdict = VIOLATED
+        yield Verdict(
+            requirement=required["name"],
+            device=name,
+            shape=shocks.pulse.name,
+            direction=shocks.direction,
+            N=N,
+            f0=f0,
+            duration=1e3 / f0,
+            C=damping,
+            temperature=float(study.device.temperature),
+            must_snap=must,
+            outcome=OUTCOMES[outcomes[i]],
+            N_first=first,
+            N_error=error,
+            margin=first / N,
+            margin_error=error / N,
+            verdict=verdict,
+            scale=N * over,
+            scale_first=first * over,
+            start=settings.start,
+        )
+
+
+def judge(
+    verdict: Verdict, device: Device, stress: float, must_survive: float
+) -> tuple[Verdict, Survival]:
+    """The verdict once the largest stress of the shock is known, MPa, and what it is based on."""
+    strength = device.strength_threshold + device.strength
+    margin = strength / stress if stress > 0 and strength < np.inf else np.nan
+    breaks = break_probability(device, stress).item()
+    if breaks > 1 - must_survive:
+        verdict = verdict._replace(verdict=VIOLATED)
+    return verdict, Survival(must_survive, margin, breaks)
+
+
+def judge_closing(
+    verdict: Verdict, required: Mapping, closing: Mapping[str, float]
+) -> tuple[Verdict, dict[str, float]]:
+    """The verdict once it is known what an electrode sees, and its margins.
+
+    required: with closes_within and stays_closed, us, if they are; closing: as from `closing_of`
+    Margins: closes_within over t_closed, closed_for over stays_closed; NaN if it never closes.
+    """
+    found, margins = [verdict.verdict], {}
+    if limit := required.get("closes_within"):
+        closed = closing["t_closed"]
+        found += [_kept(limit - closed, closing["t_closed_error"], verdict)]
+        margins["closes_margin"] = limit / closed
+    if limit := required.get("stays_closed"):
+        closed = closing["closed_for"]
+        kept = _kept(closed - limit, closing["closed_for_error"], verdict)
+        # What is closed to the end of the run may stay closed beyond.
+        found += [UNCLEAR if kept == VIOLATED and closing["openings"] == 0 else kept]
+        margins["stays_margin"] = closed / limit
+    return verdict._replace(verdict=max(found, key=(MET, UNCLEAR, VIOLATED).index)), margins
+
+
+def _kept(slack, error, verdict):
+    """How a requirement stands by so much, with its error; NaN where it never closes."""
+    if np.isnan(slack):
+        return UNCLEAR if verdict.verdict == UNCLEAR else VIOLATED
+    return MET if slack > error else VIOLATED if slack < -error else UNCLEAR
+
+
+def _is_close(N_first: float, N_error: float, N_always: float, ragged: int, N: float) -> bool:
+    """Whether N lies within the bar about the first snap, or up to that of a ragged row's last."""
+    last = np.fmax(N_first, N_always) if ragged else N_first
+    return bool(N_first - N_error <= N <= last + N_error)
+
+
+def worst(verdicts: Sequence[Verdict]) -> tuple[Verdict | None, str]:
+    """The verdict whose threshold is furthest on the wrong side, or nearest to it; and in words.
+
+    Requirements that say nothing about a trip have none.
+    """
+    tripping = [one for one in verdicts if one.must_snap != ANY]
+    if not tripping:
+        return None, ""
+
+    def level(N):
+        return f"{plain(N)}{LEVELS[one.shape]}" if one.shape in LEVELS else f"N = {plain(N)}"
+
+    one = max(tripping, key=lambda each: beyond(each.margin, each.must_snap))
+    where = ", ".join(filter(None, [one.requirement, one.device, corner_text(one._asdict())]))
+    if np.isnan(one.margin):
+        return one, f"{where}: nothing snaps"
+    side = "not sensitive enough" if one.must_snap else "too sensitive"
+    is_wrong = beyond(one.margin, one.must_snap) > 0
+    words = f"{where}: {side}, " if is_wrong else f"nearest is {where}: "
+    need = "must" if one.must_snap else "must not"
+    return one, f"{words}trips at {level(one.N_first)}, {need} at {level(one.N)}"
+
+
+def summary(verdicts: Sequence[Verdict]) -> str:
+    """One line: how many requirements are met everywhere, and the names of those that are not."""
+    worst = {one.requirement: MET for one in verdicts}
+    for kind in (UNCLEAR, VIOLATED):
+        worst |= {one.requirement: kind for one in verdicts if one.verdict == kind}
+    names = {kind: [key for key in worst if worst[key] == kind] for kind in (VIOLATED, UNCLEAR)}
+    told = [f"{len(worst) - sum(map(len, names.values()))} of {len(worst)} requirements met"]
+    told += [f"{kind}: {', '.join(keys)}" for kind, keys in names.items() if keys]
+    return "; ".join(told)

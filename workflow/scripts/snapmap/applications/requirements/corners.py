@@ -1,0 +1,47 @@
+"""Rows of verdicts by what they are of: their corners, the worst first, and these in words."""
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from ...device.quantities import plain
+from ...study.study import ANY
+
+MET, VIOLATED, UNCLEAR = "met", "failed", "unclear"
+
+
+def corners(rows: Iterable[Mapping]) -> list[list[Mapping]]:
+    """Rows of verdicts by requirement, device and C: of each the corners, the worst first."""
+    groups = {}
+    for row in rows:
+        groups.setdefault((row["requirement"], row["device"], row["C"]), []).append(row)
+    return [sorted(group, key=_badness, reverse=True) for group in groups.values()]
+
+
+def _badness(row):
+    """By the verdict, then the margin on the wrong side, or the least of strength and electrode."""
+    severity = (MET, UNCLEAR, VIOLATED).index(row["verdict"])
+    if row["must_snap"] == ANY:
+        asked = ["strength_margin"] if row["must_survive"] > 0 else []
+        asked += ["closes_margin", "stays_margin"]
+        reserve = np.fmin.reduce([row.get(key, np.nan) for key in asked])
+        return severity, -np.inf if np.isnan(reserve) else -reserve
+    return severity, beyond(row["margin"], row["must_snap"])
+
+
+def beyond(margin: float, must_snap: bool) -> float:
+    """A margin on the wrong side, above 0, or on the right one, as a logarithm."""
+    size = np.inf if np.isnan(margin) else np.log(margin)
+    return size if must_snap else -size
+
+
+def corner_text(row: Mapping) -> str:
+    """The corner of a verdict in words, with its C: a shock, and a temperature."""
+    shock = f"{row['shape']} {row['direction']}"
+    return f"{shock}, C = {plain(row['C'])}, {plain(row['temperature'])} degC"
+
+
+def must_text(name: str, must_snap: bool | int | str) -> str:
+    """A requirement by its name and what the device must do, as rows and datasets have it."""
+    need = {0: "does not trip", 1: "trips"}.get(must_snap, "trips or not")
+    return f"{name}, {need}"

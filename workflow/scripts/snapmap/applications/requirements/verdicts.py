@@ -1,0 +1,82 @@
+"""Required shocks judged by all that is known: thresholds, the beam's strength, an electrode."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from ...solver.settings import THRESHOLD_TOLERANCE
+from ...study.study import Study, at_corner
+from ..design.design import remedy, with_value
+from ..histories.history import closing_of, extremes_of
+from .check import (
+    Verdict,
+    check,
+    judge,
+    judge_closing,
+)
+from .corners import VIOLATED, beyond
+
+
+def verdicts_of(
+    study: Study,
+    requirements: Sequence[Mapping],
+    C: Sequence[float],
+    temperatures: Sequence[float] = (),
+    tolerance: float = THRESHOLD_TOLERANCE,
+) -> list[tuple[Verdict, dict]]:
+    """Judge required shocks, each on each device at each temperature and C under each shock.
+
+    requirements, temperatures, tolerance: as in `check`, with survives, closes_within and
+        stays_closed
+    Returns each verdict with what stands beside it in requirements.csv.
+    """
+    by_name, judged = {required["name"]: required for required in requirements}, []
+    for verdict in check(study, requirements, C, tolerance, temperatures):
+        required = by_name[verdict.requirement]
+        shaken = at_corner(study, required, verdict._asdict())
+        shot = verdict.N, verdict.f0, verdict.C
+        moved, closing = extremes_of(shaken, *shot), closing_of(shaken, *shot)
+        must_survive = required["survives"]
+        verdict, survival = judge(verdict, shaken.device, moved.stress_max, must_survive)
+        verdict, margins = judge_closing(verdict, required, closing)
+        judged.append((verdict, moved._asdict() | survival._asdict() | closing | margins))
+    return judged
+
+
+def hint(
+    study: Study,
+    requirements: Sequence[Mapping],
+    verdicts: Sequence[Verdict],
+    wrong: Verdict,
+    temperatures: Sequence[float] = (),
+    tolerance: float = THRESHOLD_TOLERANCE,
+) -> str:
+    """Which changes of one value bring a verdict to the right side, and what fails by each.
+
+    verdicts: of all requirements; wrong: the one whose threshold is to move
+    Empty where it is on the right side, is no single shock, or no change was seen to help.
+    """
+    goals = [required for required in requirements if required["name"] == wrong.requirement]
+    if not goals or beyond(wrong.margin, wrong.must_snap) <= 0:
+        return ""
+    shaken = at_corner(study, goals[0], wrong._asdict())
+    device = study.device[wrong.device] if wrong.device else study.device
+    fails = {
+        one.requirement
+        for one in verdicts
+        if one.verdict == VIOLATED and (one.device, one.C) == (wrong.device, wrong.C)
+    }
+    changes = []
+    for words, key, value in remedy(shaken, goals[0], wrong.C, wrong.N_first):
+        try:
+            changed = replace(study, device=with_value(device, key, value))
+            judged = verdicts_of(changed, requirements, [wrong.C], temperatures, tolerance)
+        except ValueError:  # it has no second shape at one of the temperatures
+            continue
+        failing = dict.fromkeys(one.requirement for one, _ in judged if one.verdict == VIOLATED)
+        if wrong.requirement in failing:  # at another corner, or by strength or electrode
+            continue
+        broken = [name for name in failing if name not in fails]
+        if broken:
+            words += f" (then {' and '.join(broken)} {'fails' if len(broken) == 1 else 'fail'})"
+        changes.append(words)
+    return f"it does so with {' or '.join(changes)}, all else as it is" if changes else ""

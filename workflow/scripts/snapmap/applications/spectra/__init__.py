@@ -1,0 +1,1 @@
+"""Random vibration and shock response spectra.  Imports: requirements."""

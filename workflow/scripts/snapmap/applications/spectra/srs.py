@@ -1,0 +1,132 @@
+"""Shock response spectra, and seeded records that meet one."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ...arguments import ARGUMENTS
+from ...numerics import portable
+from ...numerics.kernels import compiled, sine
+from ...pulse.pulse import Pulse, straight
+
+Q = 10.0
+"""Quality factor of the oscillators whose largest answers a spectrum holds, as is customary."""
+PER_OCTAVE = 6
+PER_PERIOD = 16
+"""Samples in a period of the highest frequency; the largest is missed by 2 % at most."""
+MOST_SPAN = 10_000
+"""Highest over lowest frequency of a spectrum, as a record must have periods of both."""
+# ASSUME: a shock of a spectrum is a sum of wavelets, each beginning within its own length.
+LOBES = (5, 7, 9, 11)
+"""Half periods in a wavelet; odd, so that it leaves no velocity and no displacement."""
+ROUNDS = 25
+"""Of corrections of a record, of which the best is taken."""
+PER_SAMPLE = 1e-8
+"""Core time that a round takes of each frequency, s, about."""
+BAND = 6.0
+"""dB within which a record must meet its spectrum, as a laboratory must."""
+DIGITS = 6
+"""Of the amplitudes that are kept: the same on every machine."""
+
+
+def response(acceleration: np.ndarray, step: float, f: np.ndarray) -> np.ndarray:
+    """Largest absolute acceleration of oscillators of Q = 10 on a frame, in the frame's unit.
+
+    acceleration: from rest, linear between samples, (samples,), which 0 follow; step: between them,
+        s; f: Hz, (frequencies,)
+    By the ramp-invariant recursion of Smallwood, to a period of each oscillator after the end.
+    """
+    from scipy.signal import lfilter  # half a second, for which nobody else has to wait
+
+    largest = np.empty(len(f))
+    for place, own in enumerate(f):
+        turned = 2 * np.pi * own * step
+        decay = math.exp(-turned / (2 * Q))
+        phase = turned * math.sqrt(1 - 1 / (4 * Q * Q))
+        cosine, swung = decay * math.cos(phase), decay * math.sin(phase)
+        mean = swung / phase
+        b = 1 - mean, 2 * (mean - cosine), decay**2 - mean
+        after = np.zeros(math.ceil(1 / (own * step)))
+        answer = lfilter(b, (1.0, -2 * cosine, decay**2), np.append(acceleration, after))
+        largest[place] = abs(answer).max()
+    return largest
+
+
+def frequencies(low: float, high: float) -> np.ndarray:
+    """Sixth octaves from low on, Hz, and high."""
+    octaves = math.ceil(math.log2(high / low))
+    f = portable.geometric(low, low * 2.0**octaves, PER_OCTAVE * octaves + 1)
+    return np.append(f[f < high * (1 - 1e-9)], high)
+
+
+def check_points(points: Sequence[Sequence[float]]) -> np.ndarray:
+    """A spectrum's points, (points, 2); a ValueError, one line, for what cannot be."""
+    points = ARGUMENTS["srs"].take("srs", points)
+    if points[-1][0] > MOST_SPAN * points[0][0]:
+        raise ValueError(f"srs: its frequencies span more than 1 : {MOST_SPAN}")
+    return points
+
+
+def level(points: Sequence[Sequence[float]], f: np.ndarray) -> np.ndarray:
+    """A spectrum at frequencies, straight between its points on logarithmic scales."""
+    known, values = np.log(np.array(points, float).T)
+    return np.exp(np.interp(np.log(f), known, values))
+
+
+class Record(NamedTuple):
+    """A record that meets a spectrum.
+
+    pulse: with its own duration; peak: multiples of g
+    deviation: of its spectrum from the one that was asked for, dB, (frequencies,)
+    """
+
+    pulse: Pulse
+    peak: float
+    deviation: np.ndarray
+
+
+def record(points: Sequence[Sequence[float]], seed: Sequence[int]) -> Record:
+    """Draw a record whose response spectrum is near one; wavelets, their amplitudes corrected.
+
+    points: as from `check_points`; seed: of the wavelets' lengths, signs and begins
+    Raises ValueError, one line, where it is not met within BAND.
+    """
+    f = frequencies(points[0][0], points[-1][0])
+    target, draw = level(points, f), np.random.default_rng(seed)
+    lobes, sign = draw.choice(LOBES, f.size), draw.choice([-1.0, 1.0], f.size)
+    lasts = lobes / (2 * f)
+    begin = draw.random(f.size) * lasts
+    step = 1 / (PER_PERIOD * f[-1])
+    samples = 1 + math.ceil((begin + lasts).max() / step)
+    amplitude, best = sign * target / Q, None
+    for _ in range(ROUNDS):
+        amplitude = np.array([float(f"{a:.{DIGITS}g}") for a in amplitude])
+        a = _sum(amplitude, f * step, begin / step, lasts / step, samples)
+        deviation = 20 * np.log10(response(a, step, f) / target)
+        if best is None or abs(deviation).max() < abs(best[1]).max():
+            best = a, deviation
+        amplitude = amplitude * 10 ** (-deviation / 20)
+    a, deviation = best
+    if not abs(deviation).max() < BAND:
+        raise ValueError(f"srs: no record meets it within {BAND:g} dB; write a smoother spectrum")
+    peak = float(abs(a).max())
+    pieces = straight(np.arange(samples) / (samples - 1), a / peak)
+    return Record(Pulse("srs", pieces, 1e6 * step * (samples - 1)), peak, deviation)
+
+
+def draw_seconds(points: Sequence[Sequence[float]], pulse: Pulse) -> float:
+    """Core time in which a record like one of a spectrum is drawn, s, about."""
+    return PER_SAMPLE * ROUNDS * frequencies(points[0][0], points[-1][0]).size * len(pulse.pieces)
+
+
+@compiled
+def _sum(amplitude, f, begin, lasts, samples):
+    """The sum of wavelets, (samples,); f, begin, lasts: in samples."""
+    total = np.zeros(samples)
+    for i in range(f.size):
+        for k in range(int(begin[i]) + 1, min(samples, int(begin[i] + lasts[i]) + 1)):
+            s = k - begin[i]
+            total[k] += amplitude[i] * sine(s / (2 * lasts[i])) * sine(f[i] * s)
+    return total

@@ -1,0 +1,129 @@
+"""Which of the records that meet a shock response spectrum trip a device, and at which level."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+
+from ...device.device import Device
+from ...pulse.pulse import DIRECTIONS, Pulse
+from ...solver.adaptive import choose_survey
+from ...solver.cells import Rows, to_rows
+from ...solver.models import Follows
+from ...solver.settings import Settings
+from ...study.study import THRESHOLD_SETTINGS, Study, study_of
+from ...study.variables import dress
+from ...thresholds.cost import tell_records
+from ...thresholds.search import asker
+from .srs import check_points, draw_seconds, record
+
+RECORDS, SEED = 8, 1
+FACTORS = tuple(2.0 ** (n / 4) for n in range(-8, 9))
+"""Of the spectrum, at which its records are followed: from 12 dB below to 12 dB above."""
+
+
+def srs_test(
+    device: Device | Mapping[str, Device],
+    srs: Sequence[Sequence[float]],
+    C: Sequence[float],
+    records: int = RECORDS,
+    seed: int = SEED,
+    model: str | Mapping = "auto",
+    **options,
+) -> xr.Dataset:
+    """Follow a device under records that meet a shock response spectrum of Q = 10.
+
+    device: one, or several by name, as an axis
+    srs: pairs of frequency (Hz) and level (multiples of g), ascending, joined by straight lines on
+        logarithmic scales
+    C: uN us/um; records: how many are drawn, of wavelets at sixth octaves; seed: of their draw
+    options: direction, a single one; horizon (us), energy_tolerance, threads; values of the device,
+        as axes; and those of the model
+    Variables: snaps, 1 or 0, NaN where a run fails, (..., C, record, factor); over `record` the
+    peak, multiples of g, the duration, us, and the largest deviation from the spectrum, dB.
+
+    >>> device = snapmap.load_device("config/config.yaml")
+    >>> shaken = {"srs": [(500, 700), (2000, 1500)], "records": 2, "model": "cosines", "horizon": 0}
+    >>> snaps = snapmap.srs_test(device, C=[25], **shaken).snaps
+    >>> snaps.sel(factor=[0.25, 4]).mean("record").squeeze().values.tolist()
+    [0.0, 1.0]
+    """
+    points = check_points(srs)
+    study, varied = study_of(device, model, options)
+    study.require_frame("a shock response spectrum")
+    return trips_of(study, {**varied, "C": C}, points, {"records": records, "seed": seed})
+
+
+def trips_of(
+    study: Study, axes: Mapping[str, Sequence[float]], points: np.ndarray, drawn: Mapping
+) -> xr.Dataset:
+    """Follow a study's devices under records of a spectrum, as `srs_test` returns it.
+
+    axes: values of the device, and C; points: as from `check_points`; drawn: records, seed
+    """
+    seeds = [[drawn["seed"], number] for number in range(drawn["records"])]
+    records = [record(points, seeds[0])]
+    grid = study.set_out(axes)
+    rows = to_rows(grid.device_of[..., np.newaxis], 1.0, grid.axes["C"])
+    there, model = rows.device >= 0, choose_survey(grid.device, study.model).decides
+    asked = rows.take(there), records[0].pulse, study.settings, len(seeds)
+    tell_records("srs_test", model, *asked, len(seeds) * draw_seconds(points, records[0].pulse))
+    records += [record(points, seed) for seed in seeds[1:]]
+    along = DIRECTIONS[study.shocks.directions[0]]
+    pulses = [(one.pulse if along > 0 else one.pulse.reversed(), one.peak) for one in records]
+    snaps = np.full((there.size, len(pulses), len(FACTORS)), np.nan)
+    t_snap = snap_times(model, rows.take(there), pulses, FACTORS, study.settings)
+    snaps[there] = np.where(np.isinf(t_snap), np.nan, np.isfinite(t_snap))
+    snaps = snaps.reshape(*grid.shape, len(pulses), len(FACTORS))
+    data = {
+        "peak": ("record", [one.peak for one in records]),
+        "duration": ("record", [one.pulse.duration for one in records]),
+        "deviation": ("record", [abs(one.deviation).max() for one in records]),
+        "snaps": ((*grid.axes, "record", "factor"), snaps),
+    }
+    document = study.document(THRESHOLD_SETTINGS) | {"srs": points.tolist(), **drawn}
+    return dress("spectrum", xr.Dataset(data, grid.axes | {"factor": list(FACTORS)}), document)
+
+
+def snap_times(
+    model: Follows,
+    rows: Rows,
+    records: Sequence[tuple[Pulse, float]],
+    levels: Sequence[float],
+    settings: Settings,
+) -> np.ndarray:
+    """When records at levels snap rows, us, (rows, records, levels); NaN if not, -inf if unknown.
+
+    rows: of which f0 and pulse are of no account; records: pulses with their peaks, multiples of g;
+    levels: over those
+    """
+    pulses, peaks = zip(*records, strict=True)
+    device, C = rows.device[:, np.newaxis], rows.C[:, np.newaxis]
+    f0 = [1e6 / one.duration for one in pulses]
+    cells = to_rows(device, f0, C, np.arange(len(pulses)), pulses)
+    ask = asker(model, cells, settings, until="snap")
+    t_snap = ask(np.multiply.outer(np.array(peaks)[cells.pulse], levels))
+    return t_snap.reshape(rows.C.size, len(pulses), len(levels))
+
+
+def ends(snaps: np.ndarray) -> tuple[float, float, float, float]:
+    """Factors up to which no run snaps, from which one does, up to which one stays, from which all
+    snap; 0 or inf where there is none.
+
+    snaps: 1, 0 or NaN, (runs, factors)
+    """
+    factors, stays = np.array(FACTORS), snaps == 0
+    none = np.logical_and.accumulate(stays.all(axis=0))
+    every = np.logical_and.accumulate((snaps == 1).all(axis=0)[::-1])[::-1]
+    first = factors[(snaps == 1).any(axis=0)].min(initial=np.inf)
+    last = factors[stays.any(axis=0)].max(initial=0)
+    return factors[none].max(initial=0), first, last, factors[every].min(initial=np.inf)
+
+
+def summary(tested: xr.Dataset) -> str:
+    """One line: the share of records that snaps, below which factor none and from which all do."""
+    quiet, _, _, sure = ends(tested.snaps.transpose(..., "factor").values.reshape(-1, len(FACTORS)))
+    words = [f"{tested.snaps.sel(factor=1.0).mean().item():.0%} of the runs snap"]
+    words += [f"none up to {quiet:.2g} times it"] if quiet else []
+    words += [f"all from {sure:.2g} times it"] if sure < np.inf else []
+    return ", ".join(words)

@@ -1,0 +1,105 @@
+"""Spectra that must or must not trip a device, held against what it stands."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...pulse.shocks import make_shocks
+from ...study.study import Study
+from ..requirements.check import Verdict, each_device
+from ..requirements.corners import MET, UNCLEAR, VIOLATED
+from .psd import Spectrum
+from .srs import check_points
+from .trips import FACTORS, ends, trips_of
+from .trips import RECORDS as SHOCKS
+from .vibration import RECORDS, SEED, vibration_of
+
+
+def check_vibrations(
+    study: Study,
+    vibrations: Sequence[Mapping],
+    C: Sequence[float],
+    temperatures: Sequence[float] = (),
+) -> list[Verdict]:
+    """Find the level at which each vibration trips a study's devices as likely as it may.
+
+    vibrations: name, psd, duration (s), snaps and probability of each; C: uN us/um
+    temperatures: degC; none: the devices' own
+    N, N_first and N_error of a verdict are levels in g rms, with the wider half of the bounds.
+    """
+    verdicts = []
+    for required, name, own in each_device(study, vibrations, temperatures):
+        chance, T = required["probability"], required["duration"]
+        reach = 1 - chance if required["snaps"] else chance
+        drawn = {"records": RECORDS, "seed": SEED, "reach": reach, "duration": T}
+        shaken = vibration_of(own, {"C": C}, Spectrum(required["psd"]), drawn)
+        shock = {"shape": "random", "direction": "both", "N": shaken.rms, "duration": 1e3 * T}
+        keys = "snaps", "level_low", "level_high", "level"
+        columns = (shaken[key].values.tolist() for key in keys)
+        for damping, snaps, low, high, level in zip(C, *columns, strict=True):
+            error = max(high - level, level - low) if np.isfinite(level) else np.nan
+            place = {"device": name, "C": damping, "temperature": own.device.temperature}
+            seen = snaps > 0, low, high, level, error
+            verdicts.append(_verdict(required, shock | place, *seen))
+    return verdicts
+
+
+def check_spectra(
+    study: Study,
+    spectra: Sequence[Mapping],
+    C: Sequence[float],
+    temperatures: Sequence[float] = (),
+    records: int = SHOCKS,
+) -> list[Verdict]:
+    """Find the factor of each spectrum from which a record of it snaps a study's devices.
+
+    spectra: name, srs (pairs of Hz and multiples of g), direction, or several, and snaps of each;
+        where it must snap, the factor is that from which all records do
+    C: uN us/um; temperatures: degC; none: the devices' own
+    N, N_first and N_error of a verdict are factors of the spectrum, with half the step about it.
+    """
+    verdicts, drawn = [], {"records": records, "seed": SEED}
+    for required, name, shaken in each_device(study, spectra, temperatures):
+        for shocks in make_shocks(direction=required["direction"]).each():
+            verdicts += _of_spectrum(replace(shaken, shocks=shocks), required, name, C, drawn)
+    return verdicts
+
+
+def _of_spectrum(study, required, name, C, drawn):
+    """Verdicts of one spectrum on one device in one direction, a row for each C."""
+    must = required["snaps"]
+    try:
+        tested = trips_of(study, {"C": C}, check_points(required["srs"]), drawn)
+    except ValueError as error:  # a spectrum that no record meets is seen only here
+        raise ValueError(f"{required['name']}: {error}") from None
+    shock = {"shape": "spectrum", "direction": study.shocks.direction, "N": 1.0, "duration": np.nan}
+    for damping, snaps in zip(C, tested.snaps.values, strict=True):
+        low, high = ends(snaps)[2:] if must else ends(snaps)[:2]
+        middle, half = (high + low) / 2, (high - low) / 2
+        given = snaps[:, FACTORS.index(1.0)] == 1
+        level = (middle, half) if high < np.inf else (np.nan, np.nan)
+        seen = given.all() if must else given.any(), low, high, *level
+        place = {"device": name, "C": damping, "temperature": study.device.temperature}
+        yield _verdict(required, shock | place, *seen)
+
+
+def _verdict(required, place, snapped, low, high, level, error):
+    """place: of a verdict, shock and corner; low, high: between which the level lies."""
+    N, must, verdict = place["N"], required["snaps"], UNCLEAR
+    if low > N or high < N:
+        verdict = MET if (high < N) == must else VIOLATED
+    return Verdict(
+        **place,
+        requirement=required["name"],
+        f0=np.nan,
+        must_snap=must,
+        outcome="snapped" if snapped else "unsnapped",
+        N_first=level,
+        N_error=error,
+        margin=level / N,
+        margin_error=error / N,
+        verdict=verdict,
+        scale=np.nan,
+        scale_first=np.nan,
+    )

@@ -1,0 +1,221 @@
+"""How likely random vibration trips a device, and at which level it does."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+import xarray as xr
+
+from ...device.device import Device
+from ...pulse.shocks import HANDOUT_SHOCK
+from ...solver.adaptive import choose_survey
+from ...solver.cells import to_rows
+from ...study.study import THRESHOLD_SETTINGS, Study, study_of
+from ...study.variables import dress
+from ...thresholds.cost import tell_records
+from .psd import REACH, Spectrum
+from .trips import snap_times
+
+RECORDS, SEED = 16, 1
+"""Records by default, and the seed of their phases."""
+RUNG = 2**0.25
+"""Between levels that are tried."""
+STRIDE, FARTHEST = 4, 60
+"""Rungs between levels at first; and how far from the given one is tried."""
+RUNGS = 4
+"""Rungs from the lowest that snaps on to which a rate is fitted: far above it Rice's law ends."""
+STEP = 4.0
+"""Over the time steps of a threshold: what a record needs, as docs/pulses.md says."""
+PIECES = 2_000_000
+"""Of records that are followed at a time; 96 MB."""
+NORMAL = 1.959964
+"""Standard deviations within which a normal number is at 95 %."""
+ENOUGH = 1e-12
+
+
+def vibration(
+    device: Device | Mapping[str, Device],
+    psd: Sequence[Sequence[float]],
+    duration: float,
+    C: Sequence[float],
+    records: int = RECORDS,
+    seed: int = SEED,
+    model: str | Mapping = "auto",
+    **options,
+) -> xr.Dataset:
+    """Find the rate at which stationary Gaussian vibration snaps a device, and the level it bears.
+
+    device: one, or several by name, as an axis
+    psd: pairs of frequency (Hz) and one-sided density (g^2/Hz), joined by straight lines on
+        logarithmic scales
+    duration: s; C: uN us/um
+    records: how many are followed from rest, each a second long, or ten periods of the lowest
+        frequency, or the duration if that is shorter
+    seed: of their phases
+    options: reach, the probability within the duration at `level`, 0.01 by default;
+        energy_tolerance, threads; values of the device, as axes; those of the model; `auto` takes
+        five cosines
+    Variables, (..., C), levels in g rms: rate and probability at the given level, with Poisson's
+    bounds; level by Rice's law fitted to all levels, with the bounds of the fit, inf where the runs
+    do not determine it. Attributes: rms, of the given spectrum, duration, reach, record_length.
+
+    >>> device = snapmap.load_device("config/config.yaml")
+    >>> shaken = {"psd": [(20, 4.0), (2000, 4.0)], "duration": 0.1, "model": "cosines"}
+    >>> rates = snapmap.vibration(device, C=[25], records=2, reach=0.5, **shaken)
+    >>> round(rates.rms), rates.snaps.values.tolist()
+    (89, [0.0])
+    """
+    options = dict(options)
+    reach = options.pop("reach", REACH)
+    study, varied = study_of(device, model, options, ("energy_tolerance", "threads"))
+    study.require_frame("random vibration")
+    spectrum = Spectrum(psd)
+    spectrum.require_record(duration)
+    drawn = {"duration": duration, "records": records, "seed": seed, "reach": reach}
+    return vibration_of(study, {**varied, "C": C}, spectrum, drawn)
+
+
+def vibration_of(
+    study: Study, axes: Mapping[str, Sequence[float]], spectrum: Spectrum, drawn: Mapping
+) -> xr.Dataset:
+    """Find the rate and the level of a study's devices, as `vibration` returns them.
+
+    study: whose pulse is of no account
+    axes: values of the device, and C; drawn: duration, records, seed and reach
+    """
+    study = replace(study, shocks=HANDOUT_SHOCK)
+    grid = study.set_out(axes)
+    T, records, seed, reach = (drawn[key] for key in ("duration", "records", "seed", "reach"))
+    length, rms = spectrum.record_length(T), spectrum.rms
+    model = choose_survey(grid.device, study.model).decides.with_step(STEP)
+    rows = to_rows(grid.device_of[..., np.newaxis], 1.0, grid.axes["C"])
+    settings = study.settings._replace(horizon=0.0)
+    first, _ = spectrum.record(length, [seed, 0])
+    together = max(1, PIECES // len(first.pieces))
+
+    def follow(which, level):
+        """How many records snap at a level, and fail, and the time, s, of rows, (3, rows)."""
+        seen = np.zeros((3, which.size))
+        for begin in range(0, records, together):
+            numbers = range(begin, min(begin + together, records))
+            pulses = [spectrum.record(length, [seed, number]) for number in numbers]
+            t_snap = snap_times(model, rows.take(which), pulses, [level], settings)[..., 0]
+            failed, snapped = np.isinf(t_snap), np.isfinite(t_snap)
+            time = np.where(snapped, t_snap * 1e-6, np.where(failed, 0.0, length))
+            seen += [column.sum(axis=1) for column in (snapped, failed, time)]
+        return seen
+
+    there = rows.device >= 0
+    tell_records("vibration", model, rows.take(there), first, settings, records)
+    ladder = _climb(follow, there, records)
+    needed = -math.log1p(-reach) / T
+    levels = np.array([_level(ladder, row, needed) for row in range(there.size)]) * rms
+    data = _rates(ladder[0], T)
+    data |= dict(zip(("level", "level_low", "level_high"), levels.T, strict=True))
+    section = {"psd": [spectrum.f.tolist(), spectrum.density.tolist()], **drawn}
+    document = study.document(THRESHOLD_SETTINGS) | {"vibration": section}
+    columns = {
+        key: (tuple(grid.axes), np.where(there, values, np.nan).reshape(grid.shape))
+        for key, values in data.items()
+    }
+    about = {"rms": rms, "record_length": length, **drawn}
+    return dress("vibration", xr.Dataset(columns, grid.axes), document, **about)
+
+
+def _climb(follow: Callable, there: np.ndarray, records: int) -> dict[int, np.ndarray]:
+    """What is seen at rungs about the given level, 0: by STRIDE from none that snaps to all.
+
+    follow: of indices of rows and a level: snaps, failed, time; there: rows that have a device
+    A rung holds NaN for rows at which it was not looked.
+    """
+    ladder = {}
+
+    def look(rung, which):
+        seen = ladder.setdefault(rung, np.full((3, there.size), np.nan))
+        which = which[np.isnan(seen[0, which])]
+        if which.size:
+            seen[:, which] = follow(which, RUNG**rung)
+        return seen
+
+    every = np.flatnonzero(there)
+    all_snap, none_snaps = np.full((2, there.size), 0)
+    for last, side in ((all_snap, 1), (none_snaps, -1)):
+        rung, left = 0, every
+        while left.size and abs(rung) <= FARTHEST:
+            snaps, failed, _ = look(rung, left)[:, left]
+            stays = snaps + failed < records if side > 0 else snaps > 0
+            last[left], left, rung = rung, left[stays], rung + side * STRIDE
+    for rung in range(none_snaps[every].min(initial=0), all_snap[every].max(initial=0)):
+        low = np.array([_last_quiet(ladder, row) for row in every], int)
+        look(rung, every[(low < rung) & (rung < all_snap[every])])
+    return ladder
+
+
+def _seen(ladder, row):
+    """Snaps and time by rung of a row, ascending, where a run did not fail."""
+    return {rung: ladder[rung][::2, row] for rung in sorted(ladder) if ladder[rung][2, row] > 0}
+
+
+def _last_quiet(ladder, row):
+    """The highest rung seen so far below which no record snaps, or the lowest; 0 if all fail."""
+    seen = _seen(ladder, row)
+    first = next((rung for rung, (snaps, _) in seen.items() if snaps > 0), math.inf)
+    return max((rung for rung in seen if rung < first), default=min(seen, default=0))
+
+
+def _level(ladder: Mapping[int, np.ndarray], row: int, needed: float) -> tuple[float, float, float]:
+    """Level over the given one at which the rate is `needed`, 1/s, and its bounds."""
+    seen = _seen(ladder, row)
+    first = next((rung for rung, (snaps, _) in seen.items() if snaps > 0), None)
+    if first is None:
+        return (np.inf,) * 3 if seen else (np.nan,) * 3
+    near = [(RUNG ** (-2 * rung), *seen[rung]) for rung in seen if rung < first + RUNGS]
+    a, b, variance = fit_rates(*zip(*near, strict=True))
+    if not b > 0:
+        return np.nan, np.nan, np.nan
+    reached = (a - math.log(needed)) / b
+    spread = math.sqrt(variance(reached)) / b
+    bounds = reached, reached + NORMAL * spread, reached - NORMAL * spread
+    return tuple(end**-0.5 if end > 0 else np.inf for end in bounds)
+
+
+def fit_rates(x: Sequence[float], counts: Sequence[float], times: Sequence[float]):
+    """Fit Rice's law ln(rate) = a - b x, x one over the square of the level, to counts in times.
+
+    By greatest likelihood of Poisson's distribution. Returns a, b, and a function of x that gives
+    the variance of a - b x; that grows with what the law leaves unexplained.
+    """
+    a, b = math.log(sum(counts) / sum(times)), 0.0
+    for _ in range(100):
+        expected = [t * math.exp(min(a - b * one, 700.0)) for one, t in zip(x, times, strict=True)]
+        s0, s1, s2 = (sum(m * one**k for one, m in zip(x, expected, strict=True)) for k in range(3))
+        g0 = sum(n - m for n, m in zip(counts, expected, strict=True))
+        g1 = sum((n - m) * one for n, m, one in zip(counts, expected, x, strict=True))
+        det = s0 * s2 - s1 * s1
+        if not det > ENOUGH * s0 * s2:
+            return a, 0.0, lambda one: np.inf
+        da, db = (s2 * g0 - s1 * g1) / det, (s1 * g0 - s0 * g1) / det
+        a, b = a + da, b + db
+        if abs(da) + abs(db) < 1e-9 * (1 + abs(a) + abs(b)):
+            break
+    residual = sum((n - m) ** 2 / m for n, m in zip(counts, expected, strict=True) if m > 0)
+    scatter = max(1.0, residual / max(1, len(x) - 2))
+    return a, b, lambda one: scatter * (s2 - 2 * s1 * one + s0 * one * one) / det
+
+
+def _rates(seen: np.ndarray, T: float) -> dict[str, np.ndarray]:
+    """Rate and probability within T, s, with bounds by Poisson's distribution."""
+    from scipy.special import chdtri  # half a second, for which nobody else has to wait
+
+    n, failed, time = seen
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rates = {
+            "rate": n / time,
+            "rate_low": np.where(n > 0, chdtri(2 * n, 0.975) / (2 * time), 0.0),
+            "rate_high": chdtri(2 * n + 2, 0.025) / (2 * time),
+        }
+    chances = {
+        key.replace("rate", "probability"): -np.expm1(-rate * T) for key, rate in rates.items()
+    }
+    return {"snaps": n, "simulated": time, "failed": failed} | rates | chances

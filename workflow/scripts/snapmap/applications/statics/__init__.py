@@ -1,0 +1,1 @@
+"""Force over displacement of a beam that is pushed slowly.  Imports: core alone."""

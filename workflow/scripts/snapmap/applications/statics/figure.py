@@ -1,0 +1,75 @@
+"""The beam pushed slowly from its first shape to the second: force and energy."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ...device.quantities import plain
+from ...figures import style
+
+TAKEN = {"color": "C5", "linewidth": 1.2, "label": "path of the beam"}
+GUIDED = {"color": "C2", "linestyle": ":", "label": "path of a guided beam"}
+UNBRANCHED = {
+    "color": "C6",
+    "linestyle": "--",
+    "label": "with its second mode held back (no real beam)",
+}
+STABLE = {"color": "black", "marker": "o", "markersize": 4, "linestyle": "", "zorder": 3}
+UNSTABLE = STABLE | {"markerfacecolor": "white"}
+PEAK = {"color": "0.4", "linewidth": 0.5, "linestyle": ":", "zorder": 0}
+NOTE = {"textcoords": "offset points", "fontsize": 6}
+
+
+def draw_statics(figure: Figure, statics: xr.Dataset) -> None:
+    """Draw force and energy over the displacement, one above the other, with their legend."""
+    force, energy = figure.subplots(2, sharex=True, height_ratios=[3, 2])
+    draw_force_displacement(force, statics)
+    draw_energy(energy, statics)
+    force.label_outer()
+    style.legend(figure, style.labelled([force]), ncols=2)
+
+
+def draw_force_displacement(ax: Axes, statics: xr.Dataset) -> Axes:
+    """Draw the force (uN) over the displacement of the midpoint (um), its peak and its trough."""
+    _draw_branches(ax, statics, statics.force, np.zeros(3))
+    ax.axhline(0, color="0.6", linewidth=0.5, zorder=0)
+    largest = statics.largest_force, r"F_\mathrm{max}", 1, (-3, 2), {"ha": "right", "va": "bottom"}
+    least = statics.least_force, r"F_\mathrm{min}", 0, (3, -3), {"ha": "left", "va": "top"}
+    for force, symbol, end, offset, side in (largest, least):
+        ax.axhline(force, **PEAK)
+        words = f"${symbol}$ = {plain(force)} µN".replace("-", "−")
+        ax.annotate(words, (end, force), offset, ("axes fraction", "data"), **side, **NOTE)
+    ax.margins(y=0.12)
+    ax.set_ylabel("force on the midpoint (µN)")
+    return ax
+
+
+def draw_energy(ax: Axes, statics: xr.Dataset) -> Axes:
+    """Draw the energy of the beam (pJ) over the displacement of the midpoint (um), and the barrier.
+
+    statics: as for `draw_force_displacement`
+    """
+    taken = statics.isel(branch=0).sortby("displacement")
+    second = np.interp(statics.rise - statics.second_equilibrium, taken.displacement, taken.energy)
+    _draw_branches(ax, statics, statics.energy, [0, statics.barrier, second])
+    ax.set_ylabel("energy of the beam (pJ)")
+    if statics.barrier:
+        at, words = statics.rise - statics.saddle, f"barrier {plain(statics.barrier)} pJ"
+        ax.annotate(words, (at, statics.barrier), (8, -7), ha="right", va="top", **NOTE)
+    return ax
+
+
+def _draw_branches(ax, statics, values, heights):
+    """Draw each path, and mark the first shape, the saddle and the second shape at heights."""
+    displacement = statics.displacement
+    looks = {"unbranched": UNBRANCHED, "guided": GUIDED, displacement.branch.item(0): TAKEN}
+    for branch, look in looks.items():
+        if branch in displacement.branch:
+            ax.plot(displacement.sel(branch=branch), values.sel(branch=branch), **look)
+    ax.set_xlabel("displacement of the midpoint, downward (µm)")
+    places = 0, statics.rise - statics.saddle, statics.rise - statics.second_equilibrium
+    stable = slice(0, None, 2) if statics.barrier else slice(1)
+    ax.plot(places[stable], heights[stable], **STABLE, label="stable shape")
+    if statics.barrier:
+        ax.plot(places[1], heights[1], **UNSTABLE, label="saddle")

@@ -1,0 +1,148 @@
+"""The beam pushed slowly: force and energy over the displacement of its midpoint."""
+
+from functools import partial
+
+import numpy as np
+import xarray as xr
+
+from ...beam.equilibria import (
+    BucklingModes,
+    buckling_modes,
+    displacement,
+    find_barrier,
+    push,
+    roots,
+    shapes_of,
+)
+from ...beam.limit_loads import largest_force
+from ...beam.modal import first_midpoint
+from ...device.device import Device
+from ...study.provenance import device_sections
+from ...study.variables import dress
+
+POINTS = 400
+"""On each of the parts of a path."""
+PATH = "displacement", "force", "energy"
+LEAST_LOG = -32.0
+"""Of x in `_tilted`: no imperfection is so small that N comes nearer to the load."""
+
+
+def statics(device: Device) -> xr.Dataset:
+    """Push the midpoint of one device's beam slowly from the first shape to the second and beyond.
+
+    Returns displacement (um), force (uN) and energy (pJ) over (branch, point). Branches:
+
+    - `guided`: of a beam that moves symmetrically; it leaves `unbranched` where the axial force
+      reaches the second buckling load, and is straight from there to where they meet again (Vangbo,
+      1998)
+    - `unbranched`: without the second mode; no beam follows it
+    - `tilted`: of a beam that is free to tilt, with its imperfection
+
+    Attributes, of the path that the beam takes: `largest_force` and `least_force` between the
+    shapes (uN; the least is above 0 where the beam returns by itself), w(L/2) of the shapes and the
+    saddle, `rise`, `second_equilibrium`, `saddle` (um), and the saddle's energy, `barrier` (pJ; 0
+    without a second stable shape); with device.contact_at that, and `hold_force` (uN), with which
+    the beam rests on an electrode there: 0 where it does not.
+
+    >>> path = snapmap.statics(snapmap.load_device("config/config.yaml"))
+    >>> round(path.largest_force, 2), round(path.least_force, 2)
+    (70.67, -32.54)
+    """
+    modes, shapes = buckling_modes(device.beam), shapes_of(device.beam)
+    barrier = find_barrier(device.beam, shapes)
+    first = first_midpoint(shapes, device.beam).item()
+    # Symmetric shapes and others alternate.
+    symmetric = _every_second(modes) if device.beam.free else modes
+    branches, w = _symmetric_paths(device.beam, symmetric, modes.buckling[1, 0])
+    if device.beam.free:
+        # With an imperfection the path bends sharply at the corners of this.
+        first, last = w[POINTS], w[2 * POINTS - 1]
+        share = (1 - np.cos(np.linspace(0, np.pi, POINTS))) / 2
+        w = np.concatenate([w[:POINTS], first + (last - first) * share, w[2 * POINTS :]])
+        branches = {"tilted": (w, *_tilted(modes, w)), **branches}
+    data = {
+        key: (("branch", "point"), np.stack(arrays))
+        for key, *arrays in zip(PATH, *branches.values(), strict=True)
+    }
+    w, force = (data[key][1][0] for key in PATH[:2])
+    electrode = {}
+    if device.has_electrode:
+        held = np.interp(first - device.contact_at, w, -force)
+        # What is not known is not 0.
+        electrode = {"contact_at": device.contact_at, "hold_force": float(np.maximum(held, 0.0))}
+    return dress(
+        "statics",
+        xr.Dataset(data, {"branch": list(branches)}),
+        device_sections(device),
+        rise=first,
+        second_equilibrium=barrier.second,
+        saddle=first + barrier.midpoint,
+        barrier=barrier.energy,
+        largest_force=float(force[: 2 * POINTS].max()),
+        least_force=float(force[POINTS:].min()),
+        **electrode,
+    )
+
+
+def _symmetric_paths(beam, modes, tilts):
+    """Branches of a beam that moves symmetrically, and displacements on one up to N = `tilts`."""
+    if beam.cosines[1::2].any():
+        turn = largest_force(modes, partial(push, modes), modes.buckling[1, 0])
+        return {"guided": _path(modes, turn)}, _path(modes, min(turn, tilts))[0]
+    # The even shapes move no midpoint and are in no start: the second enters by bifurcation.
+    odd = _every_second(modes)
+    turn = largest_force(odd, partial(push, odd), odd.buckling[1, 0])
+    branches = {
+        "guided": _path(odd, min(turn, modes.buckling[1, 0])),
+        "unbranched": _path(odd, turn),
+    }
+    return branches, _path(odd, min(turn, tilts))[0]
+
+
+def _every_second(modes):
+    return BucklingModes(*(column[::2] for column in modes[:4]), *modes[4:])
+
+
+def _tilted(modes, w):
+    """Force and energy of a free beam whose midpoint is held at displacements, um.
+
+    Below the first load that tilts it the held beam is stable at one N alone; x = 1 - N/N_tilt.
+    """
+    from scipy.optimize.elementwise import find_root  # half a second, for which nobody else waits
+
+    def held(log_x, w):
+        N = modes.buckling[1, 0] * -np.expm1(log_x)
+        constant, slope = push(modes, N)
+        give = displacement(modes, slope) + modes.residual
+        force = (w - displacement(modes, constant)) / give
+        return N, force, constant + slope * force
+
+    def over(log_x, w):
+        N, _, c = held(log_x, w)
+        return N + modes.axial * np.sum(c * (c + 2 * modes.start), axis=0)
+
+    bracket = np.full(w.size, LEAST_LOG), np.full(w.size, np.log(2))
+    N, force, c = held(find_root(over, bracket, args=(w,)).x, w)
+    return force, _energy(modes, N, c, 0.0, force)
+
+
+def _energy(modes, N, c, free, force):
+    """free: the square of the amplitude that a mode takes at its own load N."""
+    bent = np.sum(modes.buckling * c**2, axis=0) + N * free + modes.residual * force**2
+    return bent / 2 + N**2 / (4 * modes.axial)
+
+
+def _path(modes, turn):
+    """Displacement, force and energy: N from 0 to `turn`, straight there, and back to 0."""
+    N = turn * (1 - np.linspace(1, 0, POINTS) ** 2)
+    lower, upper = roots(modes, N, *push(modes, N))
+    # Crossing the first buckling load, the two roots change places.
+    there, back = np.where(modes.buckling[0] > N, [lower, upper], [upper, lower])
+    straight = np.linspace(there[-1], back[-1], POINTS)
+    force = np.concatenate([there, straight, back[::-1]])
+    N = np.concatenate([N, np.full(POINTS, turn), N[::-1]])
+    constant, slope = push(modes, N)
+    c = constant + slope * force
+    # At `turn` the stretch that the odd modes leave open is the second mode's.
+    free = np.maximum(0.0, -N / modes.axial - np.sum(c * (c + 2 * modes.start), axis=0))
+    return displacement(modes, c) + modes.residual * force, force, _energy(modes, N, c, free, force)

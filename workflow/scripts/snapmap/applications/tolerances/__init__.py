@@ -1,0 +1,1 @@
+"""Devices as made: values that scatter.  Imports: requirements."""

@@ -1,0 +1,46 @@
+"""How long devices as made will take."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ...device.device import batch
+from ...device.samples import Tolerances
+from ...solver.adaptive import choose_survey
+from ...solver.cells import to_rows
+from ...solver.cost import steps_and_seconds
+from ...study.study import Study, of_requirement
+from ...thresholds.cost import run_seconds
+
+PER_ROW, PER_SAMPLE = 3000, 3
+"""Runs that show where devices as made have thresholds, and runs that find each, about."""
+
+
+def made_seconds(
+    study: Study,
+    axes: Mapping[str, np.ndarray],
+    tolerances: Tolerances,
+    requirements: Sequence[Mapping] = (),
+) -> float:
+    """Core time in which `tolerances_of` finds the devices as made, s, about."""
+    pulse = np.arange(len(study.shocks.pulses))[:, np.newaxis, np.newaxis]
+    rows = to_rows(0, axes["f0"], axes["C"][:, np.newaxis], pulse, study.shocks.pulses)
+    every = tolerances.samples + tolerances.power * (1 + len(tolerances.scatters))
+    seconds = 0.0
+    for device in study.devices().values():
+        model = choose_survey(batch([device]), study.model).decides
+        seconds += _of_rows(model, rows, study.settings, every)
+        if device.beam.damping > 0:
+            cells = rows.cells(model.device, axes["N"], study.settings.horizon)
+            _, to_end = steps_and_seconds(model, cells, study.settings)
+            seconds += tolerances.followed(to_end.size) * float(to_end.sum())
+        for required in requirements:
+            shock = to_rows(0, required["f0"], axes["C"], 0, required["shocks"].pulses)
+            settings = of_requirement(study, required).settings
+            seconds += _of_rows(model, shock, settings, tolerances.samples)
+    return seconds
+
+
+def _of_rows(model, rows, settings, samples):
+    runs = PER_ROW + PER_SAMPLE * samples
+    return runs * float(run_seconds(model, rows, settings).sum())

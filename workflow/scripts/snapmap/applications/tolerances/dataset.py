@@ -1,0 +1,281 @@
+"""Thresholds of devices as made, as an xarray dataset: probability, sensitivity and yield."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+import xarray as xr
+
+from ...beam.stress import break_probability
+from ...device.device import Device
+from ...device.quantities import plain
+from ...device.samples import SHOCK_FACTORS, Plan, Tolerances
+from ...files.counting import counting
+from ...numerics.portable import geometric
+from ...numerics.statistics import (
+    count_below,
+    moments,
+    percents,
+    quantile_bounds,
+    quantiles,
+    scope,
+    wilson,
+)
+from ...solver.cells import to_rows
+from ...study.axes import COORDINATES, NAMES
+from ...study.study import (
+    SNAPS,
+    THRESHOLD_SETTINGS,
+    Study,
+    of_requirement,
+    study_of,
+    with_shocks,
+)
+from ...study.variables import dress
+from ...thresholds.population import Batch, choose_levels
+from .sensitivity import crossed, indices
+
+QUANTILES = (0.001, 0.01, 0.1, 0.5, 0.9, 0.99, 0.999)
+AMPLITUDES = 101
+"""Values of N, by default from the lowest to the highest threshold."""
+
+BOUND = ("low", "high")
+
+
+def tolerance(
+    device: Device | Mapping[str, Device],
+    scatters: Mapping[str, float | str | Mapping],
+    f0: Sequence[float] | None,
+    C: Sequence[float],
+    N: Sequence[float] | None = None,
+    model: str | Mapping = "auto",
+    tolerance: float = 1e-3,
+    **options,
+) -> xr.Dataset:
+    """Find the thresholds, over C (uN us/um) and f0 (Hz), of devices whose values scatter.
+
+    device: the nominal one, or several by name, as an axis
+    scatters: of each value the standard deviation, in internal units or as a share such as "5 %",
+        or {kind: width}; kind is uniform (half width), lognormal, or truncated (at two standard
+        deviations). N, duration and C scatter from shock to shock, in shares
+    f0: None for a recorded shock's own
+    N: multiples of g at which the probability is given; by default the range of the thresholds
+    model: name, or the config's model section; of `auto` the cheapest level within its tolerance,
+        0.1 % by default, for the nominal device
+    tolerance: of the refinement of each threshold, relative
+    options: samples, index_samples, seed, together; requirements: name, N, f0 (Hz), snaps (True,
+        False or "any"), survives (whether the beam must not break), and pulse and direction, by
+        default those of the study, or shocks, of each, which holds under all of these;
+        horizon (us), energy_tolerance, threads, pulse, direction, and those of the model
+    Raises ValueError, one line, for an invalid argument.
+
+    >>> device = snapmap.load_device("config/config.yaml")
+    >>> made = snapmap.tolerance(device, {"thickness": "5 %"}, [1500], [25], samples=64)
+    >>> round((made.N_std / made.N_mean).item(), 2)
+    0.1
+    """
+    given = {key: options.pop(key) for key in Tolerances._fields if key in options}
+    requirements = options.pop("requirements", ())
+    study, _ = study_of(device, model, options)
+    requirements = [with_shocks(required, study.shocks) for required in requirements]
+    axes = {"C": C, "f0": [study.shocks.own_frequency()] if f0 is None else f0}
+    axes |= {} if N is None else {"N": N}
+    with counting("tolerance"):
+        return tolerances_of(study, axes, Tolerances(scatters, **given), requirements, tolerance)
+
+
+def tolerances_of(
+    study: Study,
+    axes: Mapping[str, Sequence[float]],
+    tolerances: Tolerances,
+    requirements: Sequence[Mapping] = (),
+    tolerance: float = 1e-3,
+) -> xr.Dataset:
+    """Find the thresholds of a study's devices as made, as `tolerance` returns them.
+
+    axes: C, f0 and, unless it is to be chosen, N; and temperature, degC, at each point of which
+        requirements must be met; by default the device's own
+    """
+    samples, most = tolerances.samples, tolerances.index_samples
+    if (most or 0) > samples:
+        raise ValueError(f"index_samples: {most} is more than samples, {samples}")
+    parts = []
+    for device in study.devices().values():
+        own = replace(study, device=device)
+        parts.append(_of_device(own, axes, tolerances, requirements, tolerance))
+    data = parts[0]
+    if isinstance(study.device, Mapping):
+        names = xr.Variable("device", list(study.device), COORDINATES["device"])
+        data = xr.concat(parts, names, join="outer")
+    for key in SHOCK_FACTORS:
+        if f"{key}_factor" in data:
+            about = {"long_name": f"{key} over its nominal value", "units": "1"}
+            data[f"{key}_factor"].attrs = about
+    document = study.document(THRESHOLD_SETTINGS)
+    document["tolerances"] = tolerances.section
+    made = dress("tolerance", data, document, threshold_tolerance=tolerance)
+    if requirements:
+        own = [one.temperature for one in study.devices().values()]
+        degrees = axes.get("temperature", own)
+        ends = dict.fromkeys([plain(min(degrees)), plain(max(degrees))])
+        made["yield"].attrs["temperatures"] = f"{' to '.join(ends)} degC"
+    return made
+
+
+def _of_device(study, axes, tolerances, requirements, tolerance):
+    """The dataset of one device, without attributes."""
+    settings, samples, device = study.settings, tolerances.samples, study.device
+    C, f0 = (np.atleast_1d(np.asarray(axes[key], float)) for key in ("C", "f0"))
+    groups = study.shocks.axes | {"C": C, "f0": f0}
+    shape = [values.size for values in groups.values()]
+    pulses = study.shocks.pulses
+    pulse = np.arange(len(pulses))[:, np.newaxis, np.newaxis]
+    rows = to_rows(0, f0, C[:, np.newaxis], pulse, pulses)
+    power = tolerances.power
+    plan = Plan(device, tolerances.scatters, tolerances.together)
+    points = plan.points(samples, tolerances.seed)
+    partners = points[:, :power]
+    every = np.concatenate([points[0], partners[1], *crossed(partners)])
+    choices = choose_levels(device, study.model, rows, settings)
+    how = study.model, choices, settings.start
+    batch, beside = (Batch(device, plan.values(part), *how) for part in (points[0], every))
+    N_first, nominal, ragged = beside.thresholds(rows, settings, tolerance, chosen=True)
+    first, second, mixed = np.split(N_first, [samples, samples + power])
+    mixed = mixed.reshape(len(plan.names), power, -1)
+    sobol = indices(first[:power], second, mixed, tolerances.seed)
+    sobol = sobol.reshape(2, 3, -1, *shape)
+    first = first.reshape(-1, *shape)
+    mean, std = moments(first)
+    made = {
+        f"{key}_factor" if key in SHOCK_FACTORS else key: batch.values[key] for key in plan.nominal
+    }
+    data = {key: ("sample", column) for key, column in made.items()} | {
+        "bistable": ("sample", batch.bistable.astype(np.int8)),
+        "N_first": (("sample", *groups), first),
+        "N_nominal": (tuple(groups), nominal.reshape(shape)),
+        "N_mean": (tuple(groups), mean),
+        "N_std": (tuple(groups), std),
+        "N_quantile": (("quantile", *groups), quantiles(first, QUANTILES)),
+        "N_quantile_bound": (("bound", "quantile", *groups), quantile_bounds(first, QUANTILES)),
+        "ragged": (tuple(groups), ragged.reshape(shape).astype(np.int8)),
+        "sensitivity": (("order", "value", *groups), sobol[:, 0]),
+        "sensitivity_bound": (
+            ("bound", "order", "value", *groups),
+            np.moveaxis(sobol[:, 1:], 1, 0),
+        ),
+    }
+    named = {"quantile": list(QUANTILES), "bound": list(BOUND)}
+    named |= {"order": ["first", "total"], "value": plan.names}
+    if (N := axes.get("N")) is None:
+        known = first[np.isfinite(first)]
+        ends = (known.min(), known.max()) if known.size else (1.0, 2.0)
+        below = geometric(*ends, AMPLITUDES)[:-1] if ends[0] < ends[1] else []
+        N = np.append(below, ends[1])  # to its last digit
+    N, along = np.unique(np.asarray(N, float)), (*groups, "N")
+    data |= _share("probability", count_below(first, N), samples, along)
+    if device.beam.damping > 0:
+        size = tolerances.followed(nominal.size * N.size)
+        count = batch.latched(size, N, rows, settings).reshape(*shape, N.size)
+        data |= _share("latched", count, size, along)
+    if requirements:
+        named["requirement"] = [required["name"] for required in requirements]
+        batches, values = [batch], batch.values
+        if "temperature" in axes:
+            batches = [
+                Batch(device.at(degrees), values | {"temperature": np.full(samples, degrees)}, *how)
+                for degrees in axes["temperature"]
+            ]
+        data |= _requirements(batches, study, requirements, C, tolerance)
+    return xr.Dataset(data, groups | {"N": N} | named)
+
+
+def _share(name, count, size, dims):
+    """A share of samples with its bounds."""
+    bounds = ("bound", *dims), np.stack(wilson(count, size))
+    return {name: (dims, count / size), f"{name}_bound": bounds}
+
+
+def _requirements(batches, study, requirements, C, tolerance):
+    """Thresholds of the required pulses, and the shares that meet each requirement, and all.
+
+    batches: the same samples at each temperature; a requirement holds at all of them, under all its
+        shocks, and its threshold is that on the worst side
+    """
+    first, meets = [], []
+    for required in requirements:
+        settings, levels, good = of_requirement(study, required).settings, [], []
+        for batch, shocks in product(batches, required["shocks"].each()):
+            rows = to_rows(0, required["f0"], C, 0, shocks.pulses)
+            levels.append(batch.thresholds(rows, settings, tolerance)[0])
+            good.append(batch.meets(required, rows, settings))
+        # NaN, where nothing snaps, stands for more than any N.
+        worst = np.maximum if SNAPS[required["snaps"]] == SNAPS[True] else np.fmin
+        first.append(worst.reduce(levels))
+        meets.append(np.all(good, axis=0))
+    meets, along = np.array(meets), ("requirement", "C")
+    N, f0 = ([required[key] for required in requirements] for key in ("N", "f0"))
+    must = [SNAPS[required["snaps"]] for required in requirements]
+    data = {
+        "N_first_required": (("requirement", "sample", "C"), np.array(first)),
+        "N_required": ("requirement", np.array(N, float)),
+        "f0_required": ("requirement", np.array(f0, float)),
+        "must_snap": ("requirement", np.array(must, np.int8)),
+    }
+    data |= _share("share_meeting", meets.sum(axis=1), meets.shape[1], along)
+    good = meets.all(axis=0).astype(float)
+    if study.device.strength < np.inf and all(batch.size for batch in batches):
+        largest = np.maximum.reduce([_stresses(batch, study, requirements, C) for batch in batches])
+        followed = np.flatnonzero(np.isfinite(largest).all(axis=(0, 2)))
+        stress = largest[:, followed]
+        data["stress_max"] = ("requirement", "sample", "C"), largest
+        broken = break_probability(study.device, stress).sum(axis=1)
+        data |= _share("share_breaking", broken, followed.size, along)
+        survives = [bool(required.get("survives", True)) for required in requirements]
+        most = stress[survives].max(axis=0, initial=0.0)
+        good[followed] *= 1 - break_probability(study.device, most)
+        good = good[: followed.max(initial=-1) + 1]
+    return data | _share("yield", good.sum(axis=0), len(good), ("C",))
+
+
+def _stresses(batch, study, requirements, C):
+    """The largest under the shocks of each requirement, (requirements, samples, C), MPa, or NaN."""
+    singles = [
+        required | {"shocks": shocks}
+        for required in requirements
+        for shocks in required["shocks"].each()
+    ]
+    stress = batch.stresses(study, singles, C)
+    largest = np.full((len(requirements), batch.bistable.size, len(C)), np.nan)
+    followed = np.flatnonzero(batch.bistable)[: stress.shape[1]]
+    begin = 0
+    for row, required in zip(largest, requirements, strict=True):
+        end = begin + len(required["shocks"].pulses)
+        row[followed], begin = stress[begin:end].max(axis=0), end
+    return largest
+
+
+def summary(made: xr.Dataset) -> str:
+    """One line: how many samples there are, how far thresholds scatter, what owes it, the yield."""
+    size, missing = made.bistable.size, int((made.bistable == 0).sum())
+    spread = (made.N_std / made.N_mean).values
+    spread = spread[np.isfinite(spread)]
+    words = [f"{size} samples", f"{missing} without a second stable shape"]
+    if spread.size:
+        words.append(f"thresholds scatter by {spread.min():.2g} to {spread.max():.2g}, relative")
+    # What thresholds owe most of their variance to; where that differs, of each named pulse.
+    total = made.sensitivity.sel(order="total")
+    named = [dim for dim in NAMES if dim in total.dims]
+    total = total.mean([dim for dim in total.dims if dim not in ("value", *named)])
+    most = {}
+    for place in product(*(range(total.sizes[dim]) for dim in named)):
+        own = total.isel(dict(zip(named, place, strict=True)))
+        if own.notnull().any():
+            names = " ".join(str(own[dim].item()) for dim in named)
+            most.setdefault(own.idxmax().item(), []).append(names)
+    several = len(most) > 1
+    words += [f"most by {key}" + f" ({', '.join(at)})" * several for key, at in most.items()]
+    for key, word in (("yield", "yield"), ("share_breaking", "break")):
+        if key in made:
+            words.append(f"{word} {percents(*made[key].values.ravel())}{scope(made[key])}")
+    return ", ".join(words)

@@ -1,0 +1,1 @@
+"""Where on two axes required shocks are met.  Imports: requirements."""

@@ -1,0 +1,179 @@
+"""Where on the axes of device and damper requirements are met, by how much, and the yield."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+import xarray as xr
+
+from ...beam.stress import break_probability
+from ...device.quantities import QUANTITIES, plain
+from ...device.samples import Plan, Tolerances
+from ...numerics.between import (
+    FAR,
+    between,
+    least_reserve,
+    reserves_between,
+)
+from ...numerics.statistics import wilson
+from ...solver.cells import to_rows
+from ...solver.motion import largest_stress
+from ...study.axes import TEMPERATURE, Units, rows_of
+from ...study.study import (
+    ANY,
+    SNAPS,
+    THRESHOLD_SETTINGS,
+    Study,
+    of_requirement,
+)
+from ...study.variables import dress
+from ...thresholds.islands import NOTHING_SNAPS
+from ...thresholds.population import Batch, choose_levels
+from ...thresholds.surface import thresholds_of
+
+
+def window_of(
+    study: Study,
+    axes: Mapping[str, Sequence[float]],
+    requirements: Sequence[Mapping],
+    tolerances: Tolerances | None = None,
+) -> xr.Dataset:
+    """Find the thresholds of required shocks over axes, and how far each N is on its right side.
+
+    axes: values of the device, internal units, and C, uN us/um; of several temperatures, which no
+        design chooses, each requirement has the one that leaves it least
+    requirements: name, shocks, N, f0 (Hz), snaps, survives of each, which holds under all its
+        shocks: the variables are those of the worst
+    Variables: N_first and N_error, multiples of g, and reserve, a factor, (requirement, *axes); of
+    devices with a strength stress_max, MPa; with tolerances yield, (*axes), with its bounds, of
+    those that meet all at each temperature.
+    """
+    each, thresholds = [], {}
+    for required in requirements:
+        own, f0, under = of_requirement(study, required), required["f0"], []
+        for shocks in own.shocks.each():
+            shaken = replace(own, shocks=shocks)
+            pulse = shocks.pulses[0].pieces.tobytes(), own.settings, f0
+            if pulse not in thresholds:
+                seen = thresholds_of(shaken, {**axes, "f0": [f0]})
+                thresholds[pulse] = seen.squeeze("f0", drop=True)
+            under.append(_of_one(shaken, axes, required, thresholds[pulse]))
+        each.append(_worst(under))
+    design = each[0].reserve.dims
+    names, document = [one["name"] for one in requirements], study.document(THRESHOLD_SETTINGS)
+    found = xr.concat(each, xr.Variable("requirement", names))
+    if tolerances:
+        count = _good(study, axes, requirements, tolerances)
+        found["yield"] = design, count / tolerances.samples
+        found["yield_bound"] = ("bound", *design), np.stack(wilson(count, tolerances.samples))
+        found = found.assign_coords(bound=["low", "high"])
+        document["tolerances"] = tolerances.section
+    temperatures = {"temperatures": axes[TEMPERATURE]} if _varies(axes) else {}
+    found["reserve"].attrs["off_between_points"] = _off_between(found.reserve.values)
+    return dress("window", found, document, **temperatures)
+
+
+def _varies(axes):
+    """Whether there are several temperatures."""
+    return len(axes.get(TEMPERATURE, ())) > 1
+
+
+def _off_between(reserve):
+    """How far reserves may lie from straight lines between points, by their second differences."""
+    reserve = np.clip(reserve, 1 / FAR, FAR)
+    beside = (np.diff(reserve, n=2, axis=axis) for axis in range(1, reserve.ndim))
+    return float(sum(np.nanmax(abs(one), initial=0) / 8 for one in beside))
+
+
+def _worst(under):
+    """Of one requirement under several shocks that of the least reserve, and the largest stress."""
+    if len(under) == 1:
+        return under[0]
+    every = xr.concat(under, "shock")
+    worst = every.isel(shock=every.reserve.fillna(np.inf).argmin("shock"))
+    if "stress_max" in every:
+        worst["stress_max"] = every.stress_max.max("shock")
+    return worst
+
+
+def _of_one(study, axes, required, thresholds):
+    """How far one requirement is met, by the thresholds of its pulse, and the largest stress."""
+    N, survives = required["N"], required["survives"]
+    thresholds = thresholds.drop_attrs()
+    first = thresholds.N_first.where(thresholds.status != NOTHING_SNAPS, np.inf)
+    found = thresholds[["N_first", "N_error"]]
+    found["reserve"] = N / first if required["snaps"] else first / N
+    if required["snaps"] == ANY:
+        found["reserve"] = xr.full_like(first, np.inf).where(first.notnull())
+    found["N_required"], found["must_snap"] = N, np.int8(SNAPS[required["snaps"]])
+    grid = study.set_out({**axes, "f0": [required["f0"]]})
+    if np.isfinite(grid.device.strength).any():
+        rows, stress = rows_of(grid), np.full(found.reserve.shape, np.nan)
+        rows = rows.take(there := rows.device >= 0)
+        cells = rows.cells(grid.device, N, study.settings.horizon).flat()
+        followed = grid.device, study.model, cells, study.settings
+        stress.flat[there] = most = largest_stress(*followed)
+        broken = break_probability(grid.device.pick(cells.device), most) > 1 - survives
+        found.reserve.values.flat[np.flatnonzero(there)[broken]] = 0.0
+        found["stress_max"] = tuple(axes), stress
+    return _at_worst_temperature(found) if _varies(axes) else found
+
+
+def _at_worst_temperature(found):
+    """What is left of each requirement where its reserve is least, and the largest stress."""
+    # What is not known is neither met nor failed.
+    worst = found.reserve.fillna(1.0).argmin(TEMPERATURE)
+    there = found.isel({TEMPERATURE: worst}).reset_coords(TEMPERATURE)
+    if "stress_max" in found:
+        there["stress_max"] = found.stress_max.max(TEMPERATURE)
+    return there
+
+
+def _good(study, axes, requirements, tolerances):
+    """How many samples of the device at each point of the axes meet all requirements."""
+    grid, settings, C = study.set_out(axes), study.settings, np.asarray(axes["C"])
+    pulses = [pulse for required in requirements for pulse in required["shocks"].pulses]
+    f0 = np.array([one["f0"] for one in requirements for _ in one["shocks"].pulses])
+    # ASSUME: the model that suffices at both ends of C does so between them.
+    rows = to_rows(0, f0, C[[0, -1], np.newaxis], np.arange(f0.size), pulses)
+    choices = choose_levels(study.device, study.model, rows, settings)
+    good = np.zeros((*grid.device_of.shape, C.size, tolerances.samples), bool)
+    for place, number in np.ndenumerate(grid.device_of):
+        if number < 0:
+            continue
+        device = grid.device.pick(number)
+        plan = Plan(device, tolerances.scatters, tolerances.together)
+        values = plan.values(plan.points(tolerances.samples, tolerances.seed)[0])
+        batch, good[place] = Batch(device, values, study.model, choices, settings.start), True
+        for required in requirements:
+            own = of_requirement(study, required).settings
+            for pulse in required["shocks"].pulses:
+                rows = to_rows(0, required["f0"], C, 0, [pulse])
+                good[place] &= batch.meets(required, rows, own).T
+    if _varies(axes):
+        good = good.all(axis=list(axes).index(TEMPERATURE))
+    return good.sum(axis=-1)
+
+
+def summary(found: xr.Dataset, units: Units) -> str:
+    """One line: where all are met, at points and between them, and by which margin, with the yield.
+
+    found: over two axes of several values; units: of these
+    """
+    found = found.squeeze([key for key in found.reserve.dims[1:] if found.sizes[key] == 1])
+    axes, reserve = found.reserve.dims[1:], found.reserve.values
+    met, least = least_reserve(reserve) >= 1, least_reserve(reserves_between(reserve))
+    words = f"all requirements met at {met.sum()} of {met.size} points"
+    if not np.isfinite(least).any():
+        return f"{words}; nothing else is known"
+    share = np.mean(least >= 1)
+    words += f", with what lies between them on {share:.1%} of the plane; the widest margin, "
+    best = np.unravel_index(np.nanargmax(least), least.shape)
+    where = []
+    for key, place in zip(axes, best, strict=True):
+        unit, size = units.get(key, (QUANTITIES[key].unit, 1.0))
+        value = between(found[key].values, 1)[place]
+        where.append(f"{key} = {plain(value / size, 6)} {unit}".strip())
+    words += f"a factor of {plain(least[best], 4)}, is at {', '.join(where)}"
+    there = between(found["yield"].values)[best] if "yield" in found else np.nan
+    return words + f", yield {there:.1%}" * bool(np.isfinite(there))

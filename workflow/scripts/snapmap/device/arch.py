@@ -1,0 +1,116 @@
+"""Where an arch is at rest: two stable shapes and the pass between them, by one stretch equation.
+
+In buckling modes v_j (kappa v_j = N_j S v_j, v_j.S v_j = 1), with s_j = v_j.S q0 of the shape as
+made, a beam under the axial force N is at rest where each coordinate is s_j N_j / (N_j - N). The
+stretch that this takes must add up to N itself,
+
+    h(N) = N - N0 - axial sum s_j^2 (1 - (N_j / (N_j - N))^2) = 0,
+
+N0 the residual compression and axial = EA/2L. h is convex between the loads. Below N_1 its root is
+the first shape; between N_1 and N_2 the lower root is the second shape, the higher the pass.
+Without any of the second mode in the shape as made, its coordinate is free at N = N_2, the pass if
+there is no root below. A root is sought as its distance d from a load, N = N_p (1 - d), which keeps
+all digits, by Newton's method from the load, where h > 0: it never oversteps.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..numerics.linalg import dot
+
+NEWTON_STEPS, BISECTIONS, FAR = 200, 60, 1e6
+"""At most; to the lowest point of h; and a load beyond all others, over the first."""
+
+
+class Equilibria(NamedTuple):
+    """Equilibria of arches, by the growth N_j / (N_j - N) of each coordinate, (n, modes).
+
+    first, second: the two stable shapes, NaN of a second one that there is not
+    saddle: coordinates of the lowest pass out of either, in those of s; NaN likewise
+    N_first, N_second: axial force in the two shapes, (n,)
+    """
+
+    first: np.ndarray
+    second: np.ndarray
+    saddle: np.ndarray
+    N_first: np.ndarray
+    N_second: np.ndarray
+
+
+def equilibria(
+    loads: np.ndarray, s: np.ndarray, axial: np.ndarray, residual: np.ndarray
+) -> Equilibria:
+    """Find the equilibria of arches.
+
+    loads: N_j, ascending, and s: s_j, (n, modes); axial, residual: EA/2L and N0, (n,)
+    """
+    modes = loads.shape[1]
+    if modes == 1:
+        # A single mode has a pass of its own, wherever a second load would be.
+        loads, s = np.append(loads, FAR * loads, axis=1), np.append(s, 0 * s, axis=1)
+    arch = loads, s, axial, residual
+    apart = loads[:, 1] / loads[:, 0]
+    first = _root(*arch, 0, 1, np.full(apart.shape, np.inf))
+    second = -_root(*arch, 0, -1, apart - 1)
+    saddle = _root(*arch, 1, 1, 1 - 1 / apart)
+    free = np.sqrt(np.maximum(-_stretch(*arch, 1, saddle)[0], 0) / axial)
+    with np.errstate(invalid="ignore"):
+        q = s * _growth(loads, 1, saddle)
+    q[:, 1] = np.where(saddle == 0, free, q[:, 1])
+    second = np.where(np.isnan(saddle), np.nan, second)
+    q[np.isnan(second)] = np.nan
+    growth = _growth(loads, 0, first), _growth(loads, 0, second), q
+    forces = loads[:, 0] * (1 - first), loads[:, 0] * (1 - second)
+    return Equilibria(*(part[:, :modes] for part in growth), *forces)
+
+
+def least_residual(loads: np.ndarray, s: np.ndarray, axial: np.ndarray) -> np.ndarray:
+    """Residual compression N0 above which there is a second shape, (n,): the least of h + N0."""
+    low, high = np.zeros(axial.shape), 1 - loads[:, 0] / loads[:, 1]
+    for _ in range(BISECTIONS):
+        middle = (low + high) / 2
+        falls = _stretch(loads, s, axial, 0.0, 1, middle)[1] < 0
+        low, high = np.where(falls, middle, low), np.where(falls, high, middle)
+    return _stretch(loads, s, axial, 0.0, 1, low)[0]
+
+
+def _growth(loads, p, d):
+    """N_j / (N_j - N) at N = N_p (1 - d), (n, modes)."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        growth = loads / (loads - (loads[:, p] * (1 - d))[:, np.newaxis])
+        growth[:, p] = 1 / d
+    return growth
+
+
+def _stretch(loads, s, axial, residual, p, d):
+    """h at N = N_p (1 - d), and its derivative with d; (n,)."""
+    growth, ones = _growth(loads, p, d), np.ones_like(s)
+    with np.errstate(invalid="ignore", over="ignore"):
+        give = np.where(s == 0, 0.0, s * s * (1 - growth * growth))
+        steep = np.where(s == 0, 0.0, s * s * growth * growth * growth / loads)
+    N = loads[:, p] * (1 - d)
+    slope = -loads[:, p] * (1 + 2 * axial * dot(steep, ones))
+    return N - residual - axial * dot(give, ones), slope
+
+
+def _root(loads, s, axial, residual, p, side, limit):
+    """The root next to the load p, as its distance from it, (n,); NaN if none is below `limit`.
+
+    side: 1 for N < N_p, -1 for N > N_p
+    """
+    square = axial * s[:, p] * s[:, p]
+    most = abs(residual) + axial * dot(s, s)
+    d, left = np.sqrt(square / (square + most)), np.arange(len(s))
+    for _ in range(NEWTON_STEPS):
+        at = loads[left], s[left], axial[left], residual[left], p, side * d[left]
+        h, slope = _stretch(*at)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            step = np.where(h > 0, np.where(side * slope < 0, -side * h / slope, np.inf), 0.0)
+        nearer = d[left] + step
+        moves = nearer > d[left]
+        d[left] = np.where(nearer < limit[left], nearer, np.nan)
+        left = left[moves & (nearer < limit[left])]
+        if not left.size:
+            break
+    return d

@@ -1,0 +1,228 @@
+"""The beam, in internal units: um, ng, us, so uN, MPa and pJ.
+
+Each value is a number or, of a batch of devices, an array, (devices,).
+"""
+
+import math
+from dataclasses import dataclass, fields
+from functools import cached_property
+
+import numpy as np
+
+from ..files.text import show
+from .arch import Equilibria, equilibria, least_residual
+from .checks import numbers, require, require_quantity
+from .quantities import QUANTITIES, bounds_of
+from .shape import (
+    BISTABILITY_LIMIT,
+    TERMS,
+    TILT,
+    Value,
+    coefficients,
+    midpoint,
+    modes_of,
+)
+
+THINNEST = 1e6
+"""Most of rise over thickness: beyond, the digits of a float no longer hold bending and stretch."""
+FLAT = 1e-8
+"""Rise of a straight beam, over that to which it buckles: so its first shape is one of two."""
+
+
+@dataclass(frozen=True)
+class Beam:
+    """Clamped beam; values and units as in QUANTITIES; one that cannot be raises ValueError.
+
+    rise: 0 is a straight beam, which compression must buckle
+    damping: drag on the beam over its momentum; swings decay at half of it
+    residual_stress: along the axis as made, before the beam bends to relieve it
+    imperfection: largest displacement in the first antisymmetric shape
+    free: whether it may tilt, 1 or 0: a guided beam moves symmetrically
+    clamp_axial: math.inf is rigid
+    cosine_2, ..., cosine_5: (1 - cos(2 n pi x/L))/2 in the shape as made, over the rise, which
+        stays as it is
+    """
+
+    span: Value
+    rise: Value
+    thickness: Value
+    depth: Value
+    youngs_modulus: Value
+    density: Value
+    damping: Value = 0.0
+    residual_stress: Value = 0.0
+    imperfection: Value = 0.0
+    free: Value = 0.0
+    clamp_axial: Value = math.inf
+    cosine_2: Value = 0.0
+    cosine_3: Value = 0.0
+    cosine_4: Value = 0.0
+    cosine_5: Value = 0.0
+
+    def __post_init__(self):
+        for name in BEAM_VALUES:
+            if name in QUANTITIES:
+                key = "clamp.axial" if name == "clamp_axial" else name
+                within = bounds_of("[0, inf)") if name == "rise" else None
+                require_quantity(f"device.beam.{key}", name, getattr(self, name), within)
+        for holds, words, *values in self._rules():
+            require(holds, f"device.beam.{words}", *values)
+
+    def _rules(self):
+        """What must hold beside the ranges of values, a complaint, and what it quotes."""
+        free, tilt = numbers(self.free), self.imperfection
+        known = np.isin(np.nan if free is None else free, (0.0, 1.0))
+        yield known, "free: {} is not 1, which may tilt, or 0", show(self.free)
+        guided, perfect = np.equal(free, 0), np.equal(tilt, 0)
+        lacks = "imperfection: {:g}; a free beam without one never tilts, write 0.01 um"
+        yield guided | ~perfect, lacks, tilt
+        yield perfect | ~guided, "imperfection: {:g} um is of a free beam; write guide: free", tilt
+        steep = "imperfection: {:g} um is more than a tenth of the span"
+        yield np.less_equal(tilt, np.divide(self.span, 10)), steep, tilt
+        Q = np.divide(self.rise, self.thickness)
+        thin = "thickness: {:g} um gives Q = rise/thickness = {:.6g}; write one that gives Q up to "
+        yield np.less_equal(Q, THINNEST), f"{thin}{THINNEST:g}", self.thickness, Q
+
+    def require_second_shape(self) -> None:
+        """Raise ValueError if the beam, or one of them, has no second stable shape to snap to."""
+        if not np.all(self.is_bistable):
+            require(
+                self.is_bistable,
+                "device.beam: rise/thickness = {:g} um/{:g} um = {:.6g} and a stress of {:g} MPa "
+                "leave no second stable shape; it needs a stress below {:.5g} MPa, or of a cosine "
+                "without stress rise/thickness of more than {:.3f}",
+                *(self.rise, self.thickness, np.divide(self.rise, self.thickness)),
+                *(self.residual_stress, self.most_stress, BISTABILITY_LIMIT / np.sqrt(self.held)),
+            )
+
+    @property
+    def area(self) -> Value:
+        """A = depth thickness, um^2."""
+        return self.depth * self.thickness
+
+    @property
+    def inertia(self) -> Value:
+        """I = depth thickness^3 / 12, um^4."""
+        return self.area * self.thickness * self.thickness / 12
+
+    @property
+    def mass_per_length(self) -> Value:
+        """rho A, ng/um."""
+        return self.density * self.area
+
+    @property
+    def bending_stiffness(self) -> Value:
+        """E I, uN um^2."""
+        return self.youngs_modulus * self.inertia
+
+    @property
+    def axial_stiffness(self) -> Value:
+        """E A / (2 span), uN/um, less what the clamps give: force per integral of w'^2."""
+        return self.youngs_modulus * self.area / (2 * self.span) * self.held
+
+    @property
+    def held(self) -> Value:
+        """Share of the beam's axial stiffness that clamps which give leave it, up to 1."""
+        return 1 / (1 + 2 * self.youngs_modulus * self.area / (self.clamp_axial * self.span))
+
+    @property
+    def weight(self) -> Value:
+        """rho A span, the beam's mass, ng."""
+        return self.mass_per_length * self.span
+
+    @property
+    def stiffness_unit(self) -> Value:
+        """E I / span^3, uN/um."""
+        return self.bending_stiffness / (self.span * self.span * self.span)
+
+    @property
+    def made_rise(self) -> Value:
+        """The rise, um; of a straight beam next to none: the length in which forms are held."""
+        if np.all(self.rise):
+            return self.rise
+        beyond = np.maximum(self.compression - 1, FLAT)
+        buckled = self.thickness * np.sqrt(4 / 3 * beyond / self.held)
+        return np.where(np.equal(self.rise, 0), FLAT * buckled, self.rise)[()]
+
+    @property
+    def bistability(self) -> Value:
+        """Q = rise / thickness, of clamps that give times the root of what they leave."""
+        return self.made_rise / self.thickness * np.sqrt(self.held)
+
+    @property
+    def cosines(self) -> np.ndarray:
+        """The shape as made, as `shape.coefficients` gives it, (..., TERMS)."""
+        return coefficients([getattr(self, name) for name in COSINES])
+
+    @property
+    def is_cosine(self) -> np.ndarray:
+        """Whether the shape as made is the first cosine alone, an array."""
+        plain = [np.equal(getattr(self, name), 0) for name in COSINES]
+        return np.logical_and.reduce(np.broadcast_arrays(*plain))
+
+    @cached_property
+    def at_rest(self) -> Equilibria:
+        """Its equilibria if it is guided, in the rise and the first buckling load, as in `arch`."""
+        shape, arch, compression = self._arch
+        parts = equilibria(*arch, compression)
+        return Equilibria(*(part.reshape(shape + part.shape[1:]) for part in parts))
+
+    @property
+    def _arch(self):
+        """Shape of the batch, loads, s and EA/2L as `modes_of` has them, and the compression."""
+        Q, compression, _ = np.broadcast_arrays(self.bistability, self.compression, self.is_cosine)
+        a = np.broadcast_to(self.cosines, (*Q.shape, TERMS))
+        return Q.shape, modes_of(Q.ravel(), a.reshape(-1, TERMS)), compression.ravel()
+
+    @property
+    def is_bistable(self) -> bool | np.ndarray:
+        """Whether it has a second stable shape, if it is guided."""
+        return np.isfinite(self.at_rest.N_second)[()]
+
+    @property
+    def bending_frequency(self) -> Value:
+        """The first of a straight clamped beam, (4.7300/L)^2 sqrt(EI / rho A), rad/us."""
+        root = 4.730040744862704 / self.span
+        return root * root * np.sqrt(self.bending_stiffness / self.mass_per_length)
+
+    @property
+    def buckling_stress(self) -> Value:
+        """Compression at which the flat beam buckles, 4 pi^2 EI / (A span^2), MPa."""
+        root = math.pi * self.thickness / self.span
+        return self.youngs_modulus * root * root / 3
+
+    @property
+    def compression(self) -> Value:
+        """Residual stress over that of buckling, compression positive, less what clamps give."""
+        return -np.divide(self.residual_stress, self.buckling_stress) * self.held
+
+    @property
+    def most_stress(self) -> Value:
+        """Residual stress, MPa, above which there is no second stable shape."""
+        shape, arch, _ = self._arch
+        return -least_residual(*arch).reshape(shape)[()] * self.buckling_stress / self.held
+
+    @property
+    def height(self) -> Value:
+        """Midpoint of the first stable shape, um: the rise, unless there is residual stress."""
+        share = midpoint(self.cosines, self.at_rest.first)
+        return np.where(np.equal(self.residual_stress, 0), self.rise, self.made_rise * share)[()]
+
+    @property
+    def second_equilibrium(self) -> Value:
+        """Midpoint of the second stable shape of a guided beam, um; NaN if it has none.
+
+        Of a cosine without residual stress w2 = -rise (1 + sqrt(1 - 16 / (3 Q^2))) / 2.
+        """
+        return self.made_rise * midpoint(self.cosines, self.at_rest.second)
+
+    @property
+    def stays_if_free(self) -> bool | np.ndarray:
+        """Whether the second shape of a perfect beam is stable against tilting."""
+        return self.at_rest.N_second < TILT
+
+
+BEAM_VALUES = tuple(field.name for field in fields(Beam))
+SIZES = BEAM_VALUES[:6]
+COSINES = tuple(key for key in BEAM_VALUES if key.startswith("cosine_"))
+"""What may be added to the shape, in order."""

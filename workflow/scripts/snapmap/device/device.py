@@ -1,0 +1,216 @@
+"""A device: the beam, the mass and its spring, in internal units: um, ng, us, so uN, MPa and pJ.
+
+Each value is a number or, of a batch of devices, an array, (devices,).
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+
+import numpy as np
+
+from ..files.text import show
+from .checks import numbers, require, require_quantity
+from .curved_beam import BEAM_VALUES, Beam
+from .quantities import QUANTITIES
+from .shape import Value
+
+# ASSUME: silicon that meets silicon; a config says its own.
+RESTITUTION = 0.5
+CLAMP = {"axial": "clamp_axial"}
+"""Values of the beam by their keys in the config's section `clamp`."""
+STOPS = {"toward": "stop_toward", "away": "stop_away", "restitution": "restitution"}
+"""Likewise of the device in its section `stops`."""
+THERMAL = {
+    "reference": "reference_temperature",
+    "modulus": "modulus_slope",
+    "mismatch": "expansion_mismatch",
+    "damping": "damper_exponent",
+}
+"""Likewise in its section `thermal`."""
+REFERENCE = 20.0
+"""Temperature, degC, at which the values of a device hold unless it says another."""
+ZERO = 273.15
+"""K, of 0 degC."""
+STRENGTH = {
+    "scale": "strength",
+    "modulus": "strength_modulus",
+    "threshold": "strength_threshold",
+}
+"""Likewise in its section `strength`."""
+SECTIONS = {"stops": STOPS, "thermal": THERMAL, "strength": STRENGTH}
+ALONE = {"mass": 0.0, "spring": 1.0, "contact": 1.0, "gap": math.inf}
+"""Values of a device whose beam no mass ever meets; its spring and contact are of no account."""
+OF_MASS = *ALONE, *STOPS.values()
+"""Values that a beam alone has no use for."""
+
+
+@dataclass(frozen=True)
+class Device:
+    """Beam, and a mass on a spring that strikes it; a value that cannot be raises ValueError.
+
+    Values and units as in QUANTITIES.
+
+    mass: 0 with a gap of math.inf for a beam alone; contact: math.inf is a hard one
+    gravity: the unit of the shock's amplitude N
+    force: the unit of N of a downward force on the midpoint of a beam alone; 0 if the frame shakes
+    stop_toward, stop_away: from rest to a rigid stop; math.inf for none
+    temperature: at which the other values hold; `vary` takes it to others
+    reference_temperature: at which they were given
+    modulus_slope: change of Young's modulus over itself, 1/K
+    expansion_mismatch: thermal expansion of the beam less that of what it is clamped to, 1/K
+    damper_exponent: C grows with the absolute temperature to this power
+    strength: tensile stress at which the beam breaks, math.inf for never; or the scale of a
+        Weibull distribution of it, with strength_modulus and strength_threshold
+    contact_at: w(L/2) up to which the beam touches an electrode; -math.inf for none
+    """
+
+    beam: Beam
+    mass: Value
+    spring: Value
+    contact: Value
+    gravity: Value
+    gap: Value = 0.0
+    force: Value = 0.0
+    stop_toward: Value = math.inf
+    stop_away: Value = math.inf
+    restitution: Value = RESTITUTION
+    temperature: Value = REFERENCE
+    reference_temperature: Value = REFERENCE
+    modulus_slope: Value = 0.0
+    expansion_mismatch: Value = 0.0
+    damper_exponent: Value = 0.0
+    strength: Value = math.inf
+    strength_modulus: Value = math.inf
+    strength_threshold: Value = 0.0
+    contact_at: Value = -math.inf
+
+    def __post_init__(self):
+        if not isinstance(self.beam, Beam):
+            raise ValueError(f"device.beam: {show(self.beam)} is not a Beam")
+        known = numbers(self.mass) is not None and numbers(self.gap) is not None
+        alone = known and np.equal(self.mass, 0) & self.is_alone
+        keys = {names[key]: f"{at}.{key}" for at, names in SECTIONS.items() for key in names}
+        for name in (field.name for field in fields(self) if field.name != "beam"):
+            value = getattr(self, name)
+            if name in ALONE and np.any(alone):
+                value = np.where(alone, 1.0, value)
+            require_quantity(f"device.{keys.get(name, name)}", name, value)
+        pushed = "device.force: {:g} uN is of a beam alone; write mass: none"
+        require(alone | np.equal(self.force, 0), pushed, self.force)
+        stopped = "device.stops: are of a mass, and there is none; leave them out"
+        require(~(alone & self.has_stops), stopped)
+        if np.any(self.has_electrode):
+            closed = "device.contact_at: {:g} um is not below the midpoint at rest, {:g} um"
+            rest = self.beam.height
+            require(np.less(self.contact_at, rest), closed, self.contact_at, rest)
+
+    @property
+    def own_frequency(self) -> Value:
+        """The lower of the mass's own, sqrt(spring / mass), and the beam's first, rad/us.
+
+        A light mass, or one on a stiff spring, rests on a beam that snaps by its own inertia.
+        """
+        return np.minimum(self.mass_frequency, self.beam.bending_frequency)
+
+    @property
+    def mass_frequency(self) -> Value:
+        """The mass's own, sqrt(spring / mass), rad/us; inf without a mass."""
+        with np.errstate(divide="ignore"):
+            return np.sqrt(np.divide(self.spring, self.mass))
+
+    @property
+    def is_alone(self) -> bool | np.ndarray:
+        """Whether no mass ever meets the beam."""
+        return np.isinf(self.gap)
+
+    @property
+    def has_stops(self) -> bool | np.ndarray:
+        """Whether the mass meets a stop on either side."""
+        return np.isfinite(self.stop_toward) | np.isfinite(self.stop_away)
+
+    @property
+    def has_electrode(self) -> bool | np.ndarray:
+        """Whether the beam meets one on its way."""
+        return np.isfinite(self.contact_at)
+
+    @property
+    def damper_factor(self) -> Value:
+        """C at the device's temperature over that at the reference."""
+        if not np.any(self.damper_exponent):
+            return np.ones(np.shape(self.temperature))[()]
+        ratio = np.add(self.temperature, ZERO) / np.add(self.reference_temperature, ZERO)
+        return np.vectorize(float.__pow__)(ratio, self.damper_exponent)[()]
+
+    def __len__(self) -> int:
+        """Number of devices in a batch; 1 for a single device."""
+        return int(np.size(self.mass))
+
+    def pick(self, which: int | np.ndarray) -> "Device":
+        """One device of a batch, or a batch of some: indices, or a mask, (devices,)."""
+        values = asdict(self)
+        return _from_values({**values.pop("beam"), **values}, lambda value: value[which])
+
+    def vary(self, values: Mapping[str, np.ndarray]) -> "Device":
+        """The same devices but for some values, each (devices,), by their names in VALUES.
+
+        Where the temperature is among them, the others are those at the reference.
+        """
+        own = asdict(self)
+        device = _from_values({**own.pop("beam"), **own, **self.warmed(values)}, np.asarray)
+        device.beam.require_second_shape()
+        return device
+
+    def at(self, temperature: float) -> "Device":
+        """A single device at another temperature, degC; ValueError if it has no second shape."""
+        return batch([self]).vary({"temperature": np.array([temperature])}).pick(0)
+
+    def warmed(self, values: Mapping[str, np.ndarray]) -> Mapping[str, np.ndarray]:
+        """Values for `vary`, with the modulus and the stress at the temperature among them.
+
+        E = E0 (1 + slope dT),  stress = stress0 - E0 mismatch dT
+        """
+        if "temperature" not in values:
+            return values
+        # ASSUME: all else stays as it is: expansion moves sizes by some 1e-4.
+        here = self.temperature - self.reference_temperature
+        there = values["temperature"] - self.reference_temperature
+        own = self.beam.youngs_modulus / (1 + self.modulus_slope * here)
+        relaxed = self.beam.residual_stress + own * self.expansion_mismatch * here
+        modulus = values.get("youngs_modulus", own)
+        stress = values.get("residual_stress", relaxed)
+        return {
+            **values,
+            "youngs_modulus": modulus * (1 + self.modulus_slope * there),
+            "residual_stress": stress - modulus * self.expansion_mismatch * there,
+        }
+
+
+_NAMES = (*BEAM_VALUES, *(field.name for field in fields(Device)))
+_NUMBERS = [key for key in _NAMES if key in QUANTITIES]
+VALUES = tuple(key for key in _NUMBERS if QUANTITIES[key].long_name)
+"""Names of the values that tell one device from another."""
+SIGNED = tuple(key for key in VALUES if QUANTITIES[key].range.low < 0)
+FROM_ZERO = tuple(key for key in VALUES if QUANTITIES[key].range.low_fits and key not in SIGNED)
+"""Those that may be negative, or zero; all others are positive."""
+
+
+def batch(devices: Sequence[Device]) -> Device:
+    """Make a batch of single devices."""
+    rows = [{**asdict(device.beam), **asdict(device)} for device in devices]
+    del rows[0]["beam"]
+    columns = {key: np.array([row[key] for row in rows], float) for key in rows[0]}
+    return _from_values(columns, np.asarray)
+
+
+def is_bistable(device: Device, values: Mapping[str, np.ndarray], size: int) -> np.ndarray:
+    """Whether the beam with other values, each (size,), has a second stable shape; (size,)."""
+    values = asdict(device.beam) | device.warmed(values)
+    beam = Beam(**{key: values[key] for key in BEAM_VALUES})
+    return np.broadcast_to(beam.is_bistable, (size,))
+
+
+def _from_values(values, convert):
+    beam = {key: convert(values[key]) for key in BEAM_VALUES}
+    rest = {key: convert(value) for key, value in values.items() if key not in beam}
+    return Device(beam=Beam(**beam), **rest)

@@ -1,0 +1,196 @@
+"""Values of a device and of its shocks as they scatter: distributions, and samples of them."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..files.text import show
+from .checks import numbers
+from .device import (
+    FROM_ZERO,
+    OF_MASS,
+    SIGNED,
+    VALUES,
+    Device,
+)
+
+OF_DEVICE = tuple(key for key in VALUES if key != "temperature")
+"""Values of the device that scatter: it is as warm as it is."""
+SHOCK_FACTORS = ("N", "duration", "C")
+"""Values of the shock and of the damper that scatter, too, as shares: they have no nominal ones."""
+DISTRIBUTIONS = ("normal", "uniform", "lognormal", "truncated")
+INDEX_SAMPLES = 1024
+"""Of those by which Sobol indices are estimated, by default."""
+FOLLOWED_CELLS, FEWEST_FOLLOWED = 1_000_000, 64
+"""So many cells are followed to their end, or at least those of so many samples."""
+CUT = 2.0
+"""Standard deviations at which a truncated normal distribution ends."""
+DIGITS = 7
+"""Decimals of a deviation over its width: no library's last digit shows in a sample."""
+
+
+class Tolerances(NamedTuple):
+    """What is requested of devices as made.
+
+    scatters: of each value the standard deviation, as `snapmap.tolerance` takes it
+    together: groups of values that one draw moves
+    samples: number of devices
+    index_samples: of those by which Sobol indices are estimated, cut down to a power of two, each
+        with a partner and one more for each scatter; by default as many as are affordable
+    seed: of the draws
+    """
+
+    scatters: Mapping[str, float | str | Mapping]
+    together: Sequence[Sequence[str]] = ()
+    samples: int = 1000
+    index_samples: int | None = None
+    seed: int = 1
+
+    @property
+    def section(self) -> dict:
+        """As provenance has it, in plain values."""
+        drawn = {key: getattr(self, key) for key in ("samples", "seed", "together")}
+        return {**self.scatters, **drawn}
+
+    @property
+    def power(self) -> int:
+        """Samples by which indices are estimated."""
+        return 1 << (min(self.samples, self.index_samples or INDEX_SAMPLES).bit_length() - 1)
+
+    def followed(self, cells: int) -> int:
+        """Samples whose cells, so many of each, are followed to their end."""
+        return min(self.samples, max(FEWEST_FOLLOWED, FOLLOWED_CELLS // cells))
+
+
+class Scatter(NamedTuple):
+    """How one value scatters about its nominal one.
+
+    distribution: one of DISTRIBUTIONS
+    width: standard deviation, half width of `uniform`, or that of the normal distribution before it
+        is `truncated`
+    is_share: whether the width is a share of the nominal value
+    """
+
+    distribution: str
+    width: float
+    is_share: bool
+
+    def values(self, nominal: float, u: np.ndarray) -> np.ndarray:
+        """Values at cumulative probabilities u, from 0 to 1, any shape."""
+        from scipy import stats  # half a second, for which no config that is read has to wait
+
+        if self.distribution == "lognormal":
+            share = self.width if self.is_share else self.width / nominal
+            spread = math.sqrt(math.log1p(share**2))
+            # Its mean is the nominal value, and its standard deviation the width.
+            return nominal * np.round(np.exp(spread * stats.norm.ppf(u) - spread**2 / 2), DIGITS)
+        deviation = {
+            "normal": stats.norm.ppf,
+            "uniform": lambda u: 2 * u - 1,
+            "truncated": lambda u: stats.truncnorm.ppf(u, -CUT, CUT),
+        }[self.distribution](u)
+        width = self.width * abs(nominal) if self.is_share else self.width
+        return nominal + width * np.round(deviation, DIGITS)
+
+
+class Plan:
+    """What scatters, by which draws, about which nominal values.
+
+    scatters: by the names of the values; factors: for each draw the values that it moves
+    """
+
+    def __init__(self, device, scatters: Mapping, together: Sequence[Sequence[str]] = ()):
+        """Take scatters as `snapmap.tolerance` does; ValueError, one line, for what cannot be."""
+        self.scatters = {key: _scatter(key, given) for key, given in scatters.items()}
+        if not self.scatters:
+            raise ValueError("tolerances: name a value that scatters, such as thickness")
+        self.nominal = {}
+        for key, scatter in self.scatters.items():
+            if key in OF_MASS and device.is_alone:
+                raise ValueError(f"tolerances.{key}: is of the mass, and there is none")
+            nominal = self.nominal[key] = nominal_value(device, key)
+            if math.isinf(nominal):
+                what = "a hard contact" if key == "contact" else "what is not there"
+                raise ValueError(f"tolerances.{key}: {what} does not scatter")
+            if scatter.distribution == "lognormal" and not nominal > 0:
+                raise ValueError(f"tolerances.{key}: lognormal needs a nominal value above 0")
+            if scatter.is_share and nominal == 0:
+                raise ValueError(f"tolerances.{key}: a share of 0 is no scatter; write a width")
+        group_of = {}
+        for group in together:
+            for key in group:
+                if key not in scatters:
+                    raise ValueError(f"tolerances.together: {key} does not scatter")
+                if key in group_of:
+                    raise ValueError(f"tolerances.together: {key} comes twice")
+                group_of[key] = tuple(name for name in scatters if name in group)
+        self.factors = tuple(dict.fromkeys(group_of.get(key, (key,)) for key in scatters))
+
+    @property
+    def names(self) -> list[str]:
+        """A name for each draw: of the values that it moves, joined by +."""
+        return ["+".join(keys) for keys in self.factors]
+
+    def points(self, samples: int, seed: int) -> np.ndarray:
+        """Cumulative probabilities, (2, samples, draws): two sets that know nothing of each other.
+
+        By a scrambled Sobol sequence; the first of more samples are the same.
+        """
+        from scipy.stats import qmc
+
+        draws = len(self.factors)
+        power = max(1, math.ceil(math.log2(samples)))
+        points = qmc.Sobol(2 * draws, seed=seed, bits=32).random_base2(power)[:samples]
+        middle = np.clip(points, 0.5**33, 1 - 0.5**33)
+        return np.moveaxis(middle.reshape(samples, 2, draws), 1, 0)
+
+    def values(self, points: np.ndarray) -> dict[str, np.ndarray]:
+        """Values by name, (samples,), at cumulative probabilities, (samples, draws).
+
+        Raises ValueError, one line, for a value that cannot be.
+        """
+        values = {
+            key: self.scatters[key].values(self.nominal[key], u)
+            for keys, u in zip(self.factors, points.T, strict=True)
+            for key in keys
+        }
+        for key, column in values.items():
+            least = 0.0 if key in FROM_ZERO else np.finfo(float).tiny
+            if key not in SIGNED and (wrong := column[~(column >= least)]).size:
+                raise ValueError(
+                    f"tolerances.{key}: {wrong[0]:.4g} is drawn and cannot be; write truncated or "
+                    f"lognormal, or a smaller scatter about {self.nominal[key]:g}"
+                )
+        return values
+
+
+def nominal_value(device: Device, key: str) -> float:
+    """The nominal value; 1 for those of the shock, which are factors."""
+    if key in SHOCK_FACTORS:
+        return 1.0
+    return float(getattr(device.beam if hasattr(device.beam, key) else device, key))
+
+
+def _scatter(key, given):
+    """Take a width, as a number or a share as text, or a mapping of one of DISTRIBUTIONS to it."""
+    name = f"tolerances.{key}"
+    if key not in (*OF_DEVICE, *SHOCK_FACTORS):
+        known = ", ".join((*OF_DEVICE, *SHOCK_FACTORS))
+        raise ValueError(f"{name}: is no value that scatters; these are {known}")
+    distribution, width = "normal", given
+    if isinstance(given, Mapping):
+        if len(given) != 1 or next(iter(given)) not in DISTRIBUTIONS:
+            raise ValueError(f"{name}: write one of {', '.join(DISTRIBUTIONS)} with its width")
+        ((distribution, width),) = given.items()
+    is_share = isinstance(width, str) and width.strip().endswith("%")
+    try:
+        number = float(width.strip()[:-1]) / 100 if is_share else float(numbers(width))
+    except (TypeError, ValueError):
+        number = math.nan
+    if not 0 < number < math.inf:
+        raise ValueError(f"{name}: {show(width)} is no number above 0, nor a share such as '5 %'")
+    if key in SHOCK_FACTORS and not is_share:
+        raise ValueError(f"{name}: {show(width)} is no share; write one such as '5 %'")
+    return Scatter(distribution, number, is_share)

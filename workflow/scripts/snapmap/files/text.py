@@ -1,0 +1,59 @@
+"""Text that stands in messages and tables as it is: values in one line, names, Markdown."""
+
+import re
+import reprlib
+from collections.abc import Iterable, Sequence
+from numbers import Number
+from os import PathLike
+
+import numpy as np
+
+LONGEST = 60
+"""Characters of a value in a message."""
+
+
+def show(value: object) -> str:
+    """Quote a value in one short line."""
+    value = str(value) if isinstance(value, PathLike) else value
+    if not isinstance(value, str | bytes | Number | list | tuple | dict | None):
+        name = type(value).__name__
+        return f"{'an' if name[0] in 'aeiouAEIOU' else 'a'} {name}"
+    try:
+        text = reprlib.repr(value.item() if isinstance(value, np.generic) else value)
+    except ValueError:  # an int of more than 4300 digits
+        return "a number of thousands of digits"
+    text = " ".join(text.split())
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 4]}...{text[-1]}"
+
+
+NAME = "letters, digits, spaces, .,:()/%+-_, the first a letter or digit"
+
+
+def is_name(text: str) -> bool:
+    """Whether it may stand in tables as it is: in CSV, in Markdown and on the page."""
+    return re.fullmatch(r"[^\W_][\w .,:()/%+-]*", text) is not None
+
+
+DASH = "–"
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A Markdown table, all columns but the first aligned to the right; short rows are filled."""
+    rule = [":--"] + ["--:"] * (len(head) - 1)
+    filled = [[*row, *[DASH] * (len(head) - len(row))] for row in rows]
+    return "".join(f"| {' | '.join(cells)} |\n" for cells in (head, rule, *filled))
+
+
+def number(value: float) -> str:
+    """Three significant digits, thousands apart: 5 140, 0.61."""
+    return f"{float(f'{value:.3g}'):,}".removesuffix(".0").replace(",", " ")
+
+
+def rate(count: int, seconds: float) -> str:
+    """How many in a second."""
+    return number(count / seconds)
+
+
+def ratio(value: float) -> str:
+    """Times as much, or the inverse of it: 12.3, 1/420."""
+    return number(value) if value >= 1 else f"1/{number(1 / value)}"

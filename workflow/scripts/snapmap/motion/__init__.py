@@ -1,1 +1,0 @@
-"""How a cell moves: one in full, all of them in brief."""

@@ -1,0 +1,1 @@
+"""By which shock: pieces of a pulse, trains of blows, records, and the directions of a study."""

@@ -1,0 +1,38 @@
+"""Recorded shocks: files of acceleration over time, read, checked and made pulses."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from ..files.named import naming, read_named
+from ..files.tables import read_table
+from ..files.text import NAME, is_name
+from .pulse import Pulse, sampled
+
+MOST_SAMPLES = 1_000_000
+RECORD = 200_000_000, f"write at most {MOST_SAMPLES} samples"
+"""Longer records are refused: a shock is over sooner, or is sampled far finer than it needs."""
+TIMES = {"s": 1e6, "ms": 1e3, "us": 1.0, "µs": 1.0, "μs": 1.0}
+ACCELERATIONS = {"g": 9.80665e-6, "m/s^2": 1e-6, "m/s2": 1e-6, "m/s²": 1e-6, "m/s**2": 1e-6}
+"""Units by the words for them, in us and um/us^2."""
+
+
+def read_pulse(path: str | Path, sha256: str = "") -> Pulse:
+    """Read a recorded shock; N scales its largest acceleration, and it keeps its own duration.
+
+    path: CSV of two columns, time (s, ms or us) and acceleration (g or m/s^2), whose header names
+        the units, as in `time (ms),acceleration (g)`
+    sha256: expected hash of the file, hex digits; empty for any
+    Between samples the acceleration is linear. Raises ValueError, one line, naming file and fault.
+
+    >>> snapmap.read_pulse("config/half_sine.csv").duration
+    500.0
+    """
+    path = Path(path)
+    with naming(path):
+        content = read_named(path, *RECORD, sha256)
+        columns = {"time": TIMES, "acceleration": ACCELERATIONS}
+        time, acceleration = read_table(content, columns, most=MOST_SAMPLES).values()
+        if not is_name(path.stem):
+            raise ValueError(f"its name stands in tables; rename it, in {NAME}")
+        pulse = sampled(time, acceleration, path.stem)
+        return replace(pulse, peak=abs(acceleration).max(), given={"file": str(path)})

@@ -1,0 +1,154 @@
+"""The shocks of a study: its pulses and their directions, as Python or a config gives them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..files.text import show
+from .options import take_pulse
+from .pulse import (
+    DIRECTIONS,
+    SHARES,
+    VERSED_SINE,
+    Pulse,
+    make_pulse,
+)
+from .trains import make_drop, make_train
+
+MAKERS = {"train": make_train, "drop": make_drop}
+SECTION = {"shape", *SHARES, *MAKERS, "direction"}
+"""Keys of the section `pulse` of a config, but for a file."""
+UNITS = {"duration": "us", "wait": "us", "height": "um"}
+"""Of its values."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shocks:
+    """The pulses of a study.
+
+    pulse: one, or several by name, which then are an axis
+    direction: one of DIRECTIONS, or several, which then are an axis
+    """
+
+    pulse: Pulse | Mapping[str, Pulse] = field(default_factory=make_pulse)
+    direction: str | tuple[str, ...] = "+z"
+
+    @property
+    def shapes(self) -> dict[str, Pulse]:
+        """All by name."""
+        several = isinstance(self.pulse, Mapping)
+        return dict(self.pulse) if several else {self.pulse.name: self.pulse}
+
+    @property
+    def directions(self) -> tuple[str, ...]:
+        """All directions."""
+        return (self.direction,) if isinstance(self.direction, str) else self.direction
+
+    @property
+    def axes(self) -> dict[str, np.ndarray]:
+        """Names on its axes, `shape` and `direction`."""
+        named = {"shape": self.pulse, "direction": self.direction}
+        several = {key: names for key, names in named.items() if isinstance(names, Mapping | tuple)}
+        return {key: np.array([*names]) for key, names in several.items()}
+
+    @property
+    def pulses(self) -> tuple[Pulse, ...]:
+        """One for each point of its axes, in order."""
+        return tuple(
+            pulse if DIRECTIONS[direction] > 0 else pulse.reversed()
+            for pulse in self.shapes.values()
+            for direction in self.directions
+        )
+
+    def each(self) -> list["Shocks"]:
+        """Each point of its axes alone, in the order of `pulses`."""
+        return [
+            Shocks(replace(pulse, name=name), direction)
+            for name, pulse in self.shapes.items()
+            for direction in self.directions
+        ]
+
+    def part(self, names: Mapping[str, Sequence[str]]) -> "Shocks":
+        """Those of the given names on its axes."""
+        shapes = {name: self.pulse[name] for name in names.get("shape", ())}
+        return Shocks(shapes or self.pulse, tuple(names.get("direction", ())) or self.direction)
+
+    def first(self) -> "Shocks":
+        """The first shape in the first direction."""
+        return Shocks(next(iter(self.shapes.values())), self.directions[0])
+
+    def own_frequency(self) -> float:
+        """Hz, of recorded shocks that last equally long; else a ValueError, one line."""
+        durations = {pulse.duration for pulse in self.shapes.values()}
+        if durations == {None} or len(durations) > 1:
+            raise ValueError("f0: missing; write frequencies (1/time), or duration")
+        return 1e6 / durations.pop()
+
+    def section(self) -> dict:
+        """The section `pulse` of a config, with units; empty for the handout's."""
+        several = isinstance(self.pulse, Mapping)
+        section = {"shape": [*self.shapes]} if several else _written(self.pulse.given)
+        section = {} if section == {"shape": VERSED_SINE} else section
+        if self.direction != "+z":
+            both = self.directions == tuple(DIRECTIONS)
+            section["direction"] = "both" if both else self.direction
+        return {"pulse": section} if section else {}
+
+
+HANDOUT_SHOCK = Shocks()
+"""A versed sine along +z."""
+
+
+def make_shocks(pulse=VERSED_SINE, direction="+z") -> Shocks:
+    """Make what `pulse` and `direction` mean in Python and in a config; ValueError, one line.
+
+    pulse: a shape by name; a `Pulse`, as `read_pulse` gives it; a mapping as the section `pulse` of
+        a config, in internal units, such as {"train": ...}; or several of these, in a list or by
+        names of their own, which then are an axis
+    direction: "+z", "-z", several, or "both"
+    """
+    if isinstance(pulse, Mapping) and pulse.keys() <= SECTION:
+        pulse = dict(pulse)
+        direction = pulse.pop("direction", direction)
+        if isinstance(names := pulse.get("shape"), list | tuple):
+            # Shares are the trapezoid's; without one they are refused at the first.
+            of = "trapezoid" if "trapezoid" in names else names[0]
+            pulse = [pulse | {"shape": name} if name == of else name for name in names]
+    direction = tuple(DIRECTIONS) if direction == "both" else direction
+    direction = direction if isinstance(direction, str) else tuple(direction)
+    if isinstance(pulse, list | tuple):
+        pulses = [_pulse(given) for given in pulse]
+        pulse = {pulse.name: pulse for pulse in pulses}
+        if len(pulse) < len(pulses):
+            raise ValueError("pulse: a shape comes twice; write each once, or give them names")
+    elif isinstance(pulse, Mapping) and pulse.keys() - SECTION:
+        pulse = {str(name): _pulse(given) for name, given in pulse.items()}
+    else:
+        pulse = _pulse(pulse)
+    return Shocks(pulse, direction)
+
+
+def _pulse(given):
+    """One pulse."""
+    if isinstance(given, Pulse):
+        return given
+    section = {"shape": given} if isinstance(given, str) else given
+    if not isinstance(section, Mapping):
+        raise ValueError(f"pulse: {show(given)} is no shape, nor a pulse; `read_pulse` reads one")
+    for key, make in MAKERS.items():
+        if [*section] == [key]:
+            return make(section[key])
+    section = {"shape": VERSED_SINE, **section}
+    return make_pulse(**take_pulse("pulse", section, ("shape",), SHARES))
+
+
+def _written(given):
+    """What a pulse is made of, with units."""
+    if isinstance(given, list | tuple):
+        return [*map(_written, given)]
+    if not isinstance(given, Mapping):
+        return given
+    written = {key: _written(value) for key, value in given.items()}
+    written |= {key: f"{given[key]:.15g} {unit}" for key, unit in UNITS.items() if key in given}
+    return written | {key: f"{100 * given[key]:.15g} %" for key in SHARES if key in given}

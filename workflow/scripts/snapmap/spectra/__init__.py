@@ -1,1 +1,0 @@
-"""Shocks known by a spectrum: random vibration, and shock response spectra."""

@@ -1,0 +1,1 @@
+"""A study: its axes, its devices under its shocks, and what its products say of themselves."""

@@ -1,0 +1,158 @@
+"""The axes of a study: their names, their order, and the devices that stand on them.
+
+An axis is a list of points; a point of N, f0, C or a value of the device sets that one, a point of
+`device` sets all. Whatever has cells has its axes in this order: those of the device as the study
+names them, then the pulse's shape and direction, C, f0 and N, along which thresholds are sought.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..device.device import (
+    OF_MASS,
+    Device,
+    batch,
+    is_bistable,
+)
+from ..device.quantities import QUANTITIES
+from ..pulse.pulse import Pulse
+from ..pulse.shocks import HANDOUT_SHOCK, Shocks
+from ..solver.cells import Rows, to_rows
+
+SHOCK_AXES = ("C", "f0", "N")
+DEVICE = "device"
+"""The axis of devices that have names."""
+SHAPE, DIRECTION = "shape", "direction"
+"""Those of the pulse's shape, by name, and of the direction in which the frame is pushed."""
+PULSE_AXES = (SHAPE, DIRECTION)
+NAMES = (DEVICE, *PULSE_AXES)
+"""Axes whose points have names, and no order but the one they were given in."""
+DURATION = "duration"
+"""f0 by another name, where figures are drawn over it; 1e3/f0, ms."""
+
+TEMPERATURE = "temperature"
+"""An axis of the device that no design chooses."""
+Units = Mapping[str, tuple[str, float]]
+"""Units in which a config writes axes: their spelling, and how many internal ones each is."""
+
+MOST_DEVICES = 100_000
+"""More points on the device's axes are taken for a slip."""
+
+COORDINATES = {
+    key: quantity.attributes for key, quantity in QUANTITIES.items() if quantity.long_name
+}
+"""The attributes of all that can be an axis."""
+
+
+class Grid(NamedTuple):
+    """All points of a study's axes.
+
+    axes: values by name, in order; internal units, f0 in Hz, names for those in NAMES
+    device: a batch of the devices that can be
+    device_of: index in it for each point of the device's axes, -1 where none can be; an array of
+        their shape, () if there are none
+    pulses: one for each point of the pulse's axes, in order
+    """
+
+    axes: dict[str, np.ndarray]
+    device: Device
+    device_of: np.ndarray
+    pulses: tuple[Pulse, ...]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of points on each axis."""
+        return tuple(values.size for values in self.axes.values())
+
+
+def make_grid(
+    device: Device | Mapping[str, Device],
+    axes: Mapping[str, Sequence],
+    skip: bool = False,
+    shocks: Shocks = HANDOUT_SHOCK,
+) -> Grid:
+    """Set out the points of axes; raises ValueError, one line, naming a point that cannot be.
+
+    device: the nominal one, or several by name, which then are an axis in front
+    axes: values by name, those of the device first
+    skip: whether a point that has no second stable shape is left out instead
+    """
+    points = {key: np.atleast_1d(np.asarray(values, float)) for key, values in axes.items()}
+    if (points.get("N", np.zeros(1)) < 0).any():
+        raise ValueError(f"N: {points['N'].min():g} is below 0; direction -z pushes the other way")
+    named = device if isinstance(device, Mapping) else {}
+    for each in named.values() if named else [device]:
+        idle = [key for key in points if key in OF_MASS and np.all(each.is_alone)]
+        if idle:
+            raise ValueError(f"{idle[0]}: is of the mass, and there is none; leave it out")
+    if len({each.gravity for each in named.values()}) > 1:
+        raise ValueError("devices: gravity differs; write one, as N counts multiples of it")
+    varied = [key for key in points if key not in SHOCK_AXES]
+    shape = (*[len(named)] * bool(named), *(points[key].size for key in varied))
+    if math.prod(shape) > MOST_DEVICES:
+        size = f"{math.prod(shape):.3g} points of the device's axes"
+        raise ValueError(f"{size}, more than {MOST_DEVICES}; write fewer")
+    places = np.indices(shape).reshape(len(shape), math.prod(shape))
+    nominal = batch(list(named.values()) if named else [device])
+    nominal = nominal.pick(places[0] if named else np.zeros(places.shape[1], int))
+    columns = zip(varied, places[bool(named) :], strict=True)
+    values = {key: points[key][place] for key, place in columns}
+    stays = is_bistable(nominal, values, len(nominal)) if skip else np.ones(len(nominal), bool)
+    values = {key: column[stays] for key, column in values.items()}
+    names = {DEVICE: np.array(list(named))} if named else {}
+    at = {key: column[places[0][stays]] for key, column in names.items()} | values
+    # Where no point has a device, the nominal one says which models there are.
+    devices = _vary(nominal.pick(stays), values, at) if stays.any() else nominal.pick([0])
+    device_of = np.where(stays, np.cumsum(stays) - 1, -1).reshape(shape)
+    values = {key: points[key] for key in varied} | shocks.axes
+    values |= {key: points[key] for key in SHOCK_AXES if key in points}
+    return Grid(names | values, devices, device_of, shocks.pulses)
+
+
+def rows_of(grid: Grid) -> Rows:
+    """All points but those along N; -1 for the device where there is none."""
+    C, f0 = grid.axes["C"], grid.axes["f0"]
+    device, pulse = grid.device_of, np.arange(len(grid.pulses))
+    device, pulse = np.expand_dims(device, (-3, -2, -1)), np.expand_dims(pulse, (-2, -1))
+    return to_rows(device, f0, C[:, np.newaxis], pulse, grid.pulses)
+
+
+def _vary(nominal, values, at):
+    """Set the values; a ValueError names the first point that cannot be, `at` values of axes."""
+    try:
+        return nominal.vary(values)
+    except ValueError:
+        for i in range(len(nominal) if at else 0):
+            try:
+                nominal.pick([i]).vary({key: column[[i]] for key, column in values.items()})
+            except ValueError as error:
+                point = point_text({key: column[i] for key, column in at.items()})
+                raise ValueError(f"{point}: {error}") from None
+        raise
+
+
+def point_text(point: Mapping[str, float | str]) -> str:
+    """Write where a point is on its axes, with units, for messages."""
+    return ", ".join(
+        f"{key} = {value}"
+        if key in NAMES
+        else f"{key} = {value:.6g} {'g' if key == 'N' else QUANTITIES[key].unit}"
+        for key, value in point.items()
+    )
+
+
+def axis_behind(name: str) -> str:
+    """The axis of a study that stands behind the name of a figure's axis."""
+    return "f0" if name == DURATION else name
+
+
+def shared_points(ours: Mapping[str, np.ndarray], theirs: Mapping) -> tuple[tuple, tuple]:
+    """Where equal values stand on two sets of axes: indices into ours and into theirs, by axis."""
+    pairs = [
+        np.intersect1d(ours[key], theirs[key], assume_unique=True, return_indices=True)[1:]
+        for key in ours
+    ]
+    return tuple(zip(*pairs, strict=True))

@@ -1,0 +1,67 @@
+"""Datasets as files."""
+
+import json
+from contextlib import nullcontext
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from ..files.atomic import is_whole, replacing, seal
+
+ENCODING = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
+DIGITS = {"quantize_mode", "significant_digits"}
+"""What says how many digits of a variable are kept, where not all are."""
+
+
+def write(dataset: xr.Dataset, path: str | Path) -> None:
+    """Write a dataset compressed and with checksums, under a temporary name until it is whole."""
+    with replacing(path) as temporary, _in_this_thread(dataset):
+        axes = dataset.drop_vars(dataset.data_vars)
+        no_fill = {key: {"_FillValue": None} for key in axes.coords}  # CF has none on an axis
+        axes.to_netcdf(temporary, engine="netcdf4", encoding=no_fill)
+        # One by one: together, dask would write their blocks in an order of its own every time.
+        for key, variable in dataset.data_vars.items():
+            kept = DIGITS & variable.encoding.keys()
+            encoding = ENCODING | {digits: variable.encoding[digits] for digits in kept}
+            if variable.chunks:  # each block is compressed once
+                encoding["chunksizes"] = [size[0] for size in variable.chunks]
+            dataset[[key]].to_netcdf(
+                temporary, mode="a", engine="netcdf4", encoding={key: encoding}
+            )
+        seal(temporary)
+
+
+def open_whole(path: str | Path, **options) -> xr.Dataset:
+    """Open what `write` wrote; raises ValueError, one line, if it is not as it was then.
+
+    options: as for `xarray.open_dataset`
+    """
+    if not is_whole(path):
+        raise ValueError(f"{path}: is damaged; remove it and run again")
+    return xr.open_dataset(path, engine="netcdf4", **options)
+
+
+def check_alike(cube: xr.Dataset, other: xr.Dataset, path: str | Path) -> None:
+    """Raise ValueError, one line, unless another product is of the same study as a cube.
+
+    path: of the other product, whose axes hold more than the cube's, or fewer
+    """
+    ours, theirs = (json.loads(product.attrs.get("config", "{}")) for product in (cube, other))
+    parts = [(ours.get(key), theirs.get(key)) for key in ("device", "devices", "pulse", "model")]
+    if theirs:
+        both = ours["sweep"].keys() & theirs["sweep"].keys()
+        parts += [(ours["sweep"][key], theirs["sweep"][key]) for key in both]
+    axes = [(cube[key].values, other[key].values) for key in {*cube.dims} & {*other.dims}]
+    overlap = all(np.isin(*pair).all() or np.isin(*pair[::-1]).all() for pair in axes)
+    if not (theirs and overlap and all(mine == its for mine, its in parts)):
+        raise ValueError(f"{path}: is of another study; remove it and run again")
+
+
+def _in_this_thread(dataset):
+    """Where dask must work on a lazy dataset, as netCDF4 is not safe in threads."""
+    if not dataset.chunks:
+        return nullcontext()
+    import dask  # imported late: only the workflow has lazy ones
+
+    return dask.config.set(scheduler="synchronous")

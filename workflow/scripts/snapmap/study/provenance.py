@@ -1,0 +1,152 @@
+"""What made a file: the code's version and the packages', the same on every host."""
+
+import hashlib
+import json
+import math
+import platform
+import subprocess
+from collections.abc import Mapping
+from dataclasses import asdict
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from .. import __version__
+from ..device.device import (
+    ALONE,
+    CLAMP,
+    REFERENCE,
+    RESTITUTION,
+    STOPS,
+    STRENGTH,
+    THERMAL,
+    Device,
+)
+from ..device.quantities import QUANTITIES
+
+KEYWORDS = "bistable beam, snap-through, MEMS, shock sensor"
+PACKAGES = ("numpy", "numba", "xarray", "netCDF4", "dask", "matplotlib", "snakemake")
+_PACKAGE = Path(__file__).parents[1]
+_CODE = ".csv", ".html", ".js", ".mplstyle", ".py", ".svg"
+
+
+def _draws(path):
+    """Whether a file of the package draws, and makes no numbers."""
+    parts = path.relative_to(_PACKAGE).parts
+    room, name = parts[0], parts[-1]
+    return room == "figures" or (
+        room == "applications" and (name == "figure.py" or path.suffix not in (".py", ".csv"))
+    )
+
+
+_FILES = [
+    path
+    for path in _PACKAGE.rglob("*")
+    if path.suffix in _CODE
+    and "pipeline" not in path.relative_to(_PACKAGE).parts
+    and path != _PACKAGE / "workflow" / "command.py"
+]
+DRAWS = [path for path in _FILES if _draws(path)]
+NUMBERS = [path for path in _FILES if not _draws(path)]
+"""The code in two parts: what draws, and what makes the numbers."""
+
+
+def provenance(document: Mapping) -> dict[str, str]:
+    """Attributes of every product: what was asked for, the code's version and the packages'."""
+    code = code_version()
+    return {
+        "source": "numerical simulation",
+        "history": f"computed by snapmap {code}",  # no date: the same input gives the same file
+        "keywords": KEYWORDS,
+        "config": json.dumps(document),
+        "code_version": code,
+        "packages": _packages(),
+        "python": platform.python_version(),
+    }
+
+
+def _with_version(package):
+    """Its name and version, or nothing where it is not installed: not all use all."""
+    try:
+        return f"{package} {version(package)}"
+    except PackageNotFoundError:
+        return ""
+
+
+def _packages():
+    return " ".join(filter(None, map(_with_version, PACKAGES)))
+
+
+def device_sections(device: Device | Mapping[str, Device]) -> dict:
+    """The sections `device` or `devices` of a config, with units."""
+    if isinstance(device, Mapping):
+        return {"devices": {name: _section(one) for name, one in device.items()}}
+    return {"device": _section(device)}
+
+
+def _section(device):
+    values = asdict(device)
+    beam = values.pop("beam")
+    alone = {"mass": "none"} if device.is_alone else {}
+    for key in (*(ALONE if alone else ()), *(["gravity"] if device.force else [])):
+        del values[key]
+    others = {"guide": "free"} if beam.pop("free") else {}
+    if clamp := _named(beam, CLAMP):
+        others["clamp"] = clamp
+    stops, strength, thermal = (_named(values, names) for names in (STOPS, STRENGTH, THERMAL))
+    values.pop("temperature")  # its values hold there
+    # Stops that are an axis alone bounce as the device says.
+    stopped = device.has_stops or device.restitution != RESTITUTION
+    warms = len(thermal) > 1 or device.reference_temperature != REFERENCE
+    written = {"stops": stops} if stopped else {}
+    if strength:
+        written["strength"] = strength["scale"] if [*strength] == ["scale"] else strength
+    written |= {"thermal": thermal} if warms else {}
+    return {"beam": _with_units(beam) | others, **alone, **_with_units(values), **written}
+
+
+def _named(values, names):
+    """A section of a device of its own, taken out of the values."""
+    section = _with_units({name: values.pop(name) for name in names.values()})
+    return {key: section[name] for key, name in names.items() if name in section}
+
+
+def _with_units(values):
+    return {
+        key: "hard" if value == math.inf else f"{float(value)!r} {QUANTITIES[key].unit}".strip()
+        for key, value in values.items()
+        if value != QUANTITIES[key].left_out
+    }
+
+
+@cache
+def code_version() -> str:
+    """Such as `0.3.0+1a2b3c4.dirty sources 5d6e7f8a9b0c`; without git only the sources' hash."""
+    commit = _commit()
+    return f"{__version__}{'+' + commit if commit else ''} sources {code_hash(*NUMBERS, *DRAWS)}"
+
+
+def code_hash(*paths: Path) -> str:
+    """First 12 hex digits of the SHA-256 over files of code and its data, and all below folders."""
+    files = {file for path in paths for file in (path, *path.rglob("*")) if file.suffix in _CODE}
+    digest = hashlib.sha256()
+    for file in sorted(files):
+        digest.update(file.name.encode() + b"\0" + file.read_bytes())
+    return digest.hexdigest()[:12]
+
+
+def _commit():
+    # Named, not looked for: git would refuse another user's clone, and take a folder around it.
+    clone = _PACKAGE.parents[2]
+    command = ["git", f"--git-dir={clone}/.git", f"--work-tree={clone}"]
+    command += ["describe", "--always", "--dirty=.dirty", "--abbrev=7"]
+    try:
+        run = subprocess.run(command, capture_output=True, text=True, timeout=10, check=True)
+    except (OSError, subprocess.SubprocessError):
+        return ""
+    return run.stdout.strip()
+
+
+if __name__ == "__main__":  # for a report of a fault
+    print(f"snapmap {code_version()}, Python {platform.python_version()}, {platform.platform()}")
+    print(_packages())

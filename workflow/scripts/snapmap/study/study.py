@@ -1,0 +1,138 @@
+"""A study: devices under shocks, a model of them, and how each cell is followed."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from ..device.device import VALUES, Device
+from ..pulse.shocks import HANDOUT_SHOCK, Shocks, make_shocks
+from ..solver.settings import FIRST, Settings
+from .axes import DEVICE, Grid, make_grid
+from .provenance import device_sections
+
+FOLLOWED = ("horizon", "energy_tolerance", "threads", "start")
+"""Settings that every verb takes from Python."""
+PUSH = ("pulse", "direction")
+"""What `make_shocks` takes."""
+ANY = "any"
+"""Of a required shock that may or may not snap the device."""
+SNAPS = {False: 0, True: 1, ANY: 2}
+"""What a required shock must do, as datasets have it."""
+CLOSING = "closes_within", "stays_closed"
+"""What may be required of an electrode."""
+THRESHOLD_SETTINGS = ("horizon", "energy_tolerance", "start")
+"""Those on which a threshold depends."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Study:
+    """What every verb takes: from a config or, by `study_of`, from Python.
+
+    device: the nominal one, or several by name, which then are an axis
+    shocks: shapes and directions of the pulse; several are axes
+    model: name and options, as in the config
+    settings: how each cell is followed
+    skip: whether a device without a second stable shape is left out, not refused
+    """
+
+    device: Device | Mapping[str, Device]
+    shocks: Shocks = HANDOUT_SHOCK
+    model: Mapping = field(default_factory=lambda: {"name": "auto"})
+    settings: Settings = field(default_factory=Settings)
+    skip: bool = False
+
+    def __post_init__(self):
+        """Raise ValueError for shocks that are no force."""
+        for pulse in self.shocks.shapes.values():
+            if pulse.is_of_frame:
+                self.require_frame(f"the shock {pulse.name!r}")
+
+    def devices(self) -> dict[str, Device]:
+        """Its devices by name; one alone is called `device`."""
+        return self.device if isinstance(self.device, Mapping) else {"device": self.device}
+
+    def require_frame(self, what: str) -> None:
+        """Raise ValueError if pulses are forces on the midpoint, where `what` shakes the frame."""
+        if any(device.force for device in self.devices().values()):
+            raise ValueError(f"device.force: {what} shakes the frame; write gravity in its place")
+
+    def set_out(self, axes: Mapping[str, Sequence]) -> Grid:
+        """The points of axes; ValueError, one line, for one that cannot be."""
+        return make_grid(self.device, axes, self.skip, self.shocks)
+
+    def part(self, names: Mapping[str, Sequence[str]]) -> "Study":
+        """The same of the given names on its axes of devices, shapes and directions."""
+        device = self.device
+        if DEVICE in names:
+            device = {name: device[name] for name in names[DEVICE]}
+        return replace(self, device=device, shocks=self.shocks.part(names))
+
+    def document(self, keys: Sequence[str] = ()) -> dict:
+        """The sections of a config but for its axes, of which products are made: one spelling.
+
+        keys: of the settings on which they depend; all of them by default
+        """
+        settings = self.settings.without_threads()
+        settings |= {"horizon": f"{settings['horizon']:.15g} us"}
+        sections = device_sections(self.device) | self.shocks.section()
+        sweep = {key: settings[key] for key in keys or settings if key in settings}
+        return sections | {"model": dict(self.model), "sweep": sweep}
+
+
+def study_of(
+    device: Device | Mapping[str, Device],
+    model: str | Mapping,
+    options: Mapping,
+    taken: Sequence[str] = FOLLOWED,
+) -> tuple[Study, dict[str, Sequence]]:
+    """Make a study of a verb's keywords; raises ValueError, one line.
+
+    model: name, or the config's model section as a mapping
+    options: those `taken`, as in `Settings`; pulse and direction, as `make_shocks` takes them;
+        skip; values of the device, which are axes; and options of the model
+    Returns the study, and the device's axes by name.
+    """
+    options = dict(options)
+    shocks = make_shocks(**{key: options.pop(key) for key in PUSH if key in options})
+    settings = Settings(**{key: options.pop(key) for key in taken if key in options})
+    skip = options.pop("skip", False)
+    axes = {key: options.pop(key) for key in [*options] if key in VALUES}
+    named = {"name": model} if isinstance(model, str) else dict(model)
+    model = named | options
+    return Study(device=device, shocks=shocks, model=model, settings=settings, skip=skip), axes
+
+
+def of_requirement(study: Study, required: Mapping) -> Study:
+    """The study of a requirement's shock and start, which is the first shape unless it says so."""
+    settings = study.settings._replace(start=required.get("start", FIRST))
+    return replace(study, shocks=required.get("shocks", study.shocks), settings=settings)
+
+
+def at_corner(study: Study, required: Mapping, corner: Mapping) -> Study:
+    """The study of a requirement at a corner, by its device, temperature, shape and direction."""
+    device = study.device
+    device = device[corner["device"]] if isinstance(device, Mapping) else device
+    if corner["temperature"] != device.temperature:
+        device = device.at(corner["temperature"])
+    study = of_requirement(study, required)
+    pushed = corner["shape"], corner["direction"]
+    for shocks in study.shocks.each():
+        if (shocks.pulse.name, shocks.direction) == pushed:
+            return replace(study, device=device, shocks=shocks)
+    raise KeyError(pushed)
+
+
+def with_shocks(requirement: Mapping, shocks: Shocks) -> dict:
+    """A requirement with `shocks`: of its `pulse` and `direction`, by default the study's.
+
+    Raises ValueError, one line, if it has no pulse and that of the study lasts a time of its own.
+    """
+    if "shocks" in requirement:
+        return dict(requirement)
+    push = {"pulse": shocks.pulse, "direction": shocks.direction}
+    if "pulse" not in requirement and any(one.duration for one in shocks.shapes.values()):
+        raise ValueError(
+            f"requirements: {requirement['name']}: pulse: missing, as that of the study lasts a "
+            "time of its own; write a shape such as 'half sine'"
+        )
+    push |= {key: requirement[key] for key in PUSH if key in requirement}
+    return requirement | {"shocks": make_shocks(**push)}

@@ -1,0 +1,49 @@
+"""What the files of results say of themselves and, by variables.csv, of each variable."""
+
+import csv
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from .axes import COORDINATES
+from .provenance import provenance
+
+
+def dress(product: str, dataset: xr.Dataset, document: Mapping, **attributes) -> xr.Dataset:
+    """Give a dataset the CF attributes of a product and of its variables, and where it is from.
+
+    document: the config; attributes: others of the product. What a variable says already stays.
+    """
+    about = variables(product)
+    head = about.pop("")
+    for key, variable in dataset.variables.items():
+        variable.attrs = about.get(key, COORDINATES.get(key, {})) | variable.attrs
+    return dataset.assign_attrs(
+        Conventions="CF-1.11, ACDD-1.3",
+        title=head["long_name"],
+        summary=head["comment"],
+        **attributes,
+        **provenance(document),
+    )
+
+
+def variables(product: str) -> dict[str, dict]:
+    """CF attributes of each variable of a product, by name; title and summary of itself as ""."""
+    with open(Path(__file__).with_suffix(".csv"), encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader(file) if row.pop("product") == product]
+    return {row.pop("name"): _attributes(**row) for row in rows}
+
+
+def flags(words: Sequence[str]) -> dict:
+    """CF attributes of a variable that counts words, from 0."""
+    return {
+        "flag_values": np.arange(len(words), dtype=np.int8),
+        "flag_meanings": " ".join(words),
+    }
+
+
+def _attributes(flag_meanings, **texts):
+    given = {key: text for key, text in texts.items() if text}
+    return given | (flags(flag_meanings.split()) if flag_meanings else {})

@@ -1,0 +1,237 @@
+"""Devices that differ in some values: the table of them, and where they trip.
+
+`Batch.thresholds` is for devices that are alike, under the same shocks; `thresholds_at` for any,
+each under a shock of its own, with error bars.
+"""
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from ..device.device import VALUES, Device, is_bistable
+from ..device.device import batch as batch_of
+from ..device.samples import SHOCK_FACTORS, nominal_value
+from ..solver.adaptive import (
+    TOLERANCE,
+    Adaptive,
+    choose_model,
+    choose_survey,
+)
+from ..solver.cells import Rows, to_rows
+from ..solver.models import Follows
+from ..solver.motion import largest_stress
+from ..solver.outcome import LATCHED, label
+from ..solver.settings import THRESHOLD_TOLERANCE, Settings
+from ..study.study import ANY, Study, of_requirement
+from .bars import distance
+from .cost import tell_cost
+from .regression import nominal_thresholds, thresholds_of_samples
+from .search import asker, refine
+from .surface import look
+
+MOST_ROWS = 0.9
+"""Share of the rows in which a level must keep the tolerance of `auto`."""
+LADDER = ("base", 4.0), ("check", 4.0), ("base", 2.0), ("check", 2.0), ("check", 1.0), ("top", 1.0)
+"""Levels of `auto`, and their steps over those of a threshold, by what a run costs."""
+FOLLOWED, FEWEST = 256, 32
+"""So many cells are followed for their stress, or those of at least so many samples."""
+
+
+class Choice(NamedTuple):
+    """What decides the thresholds of some rows, a mask of them, (rows,).
+
+    name: of a level of `Adaptive`, or none of the only model; step: times its own
+    """
+
+    rows: np.ndarray
+    name: str = ""
+    step: float = 1.0
+
+    def of(self, models: Follows | Adaptive) -> Follows:
+        """The level in these steps, of what `choose_model` builds."""
+        level = getattr(models, self.name) if self.name else models
+        return level.with_step(self.step)
+
+
+class Batch:
+    """Samples of one device, each with its own values, and shocks that differ with them.
+
+    values: by name, (samples,); those of SHOCK_FACTORS as shares of the shocks'
+    bistable: which have a second shape; size: how many
+    Rows are those of the nominal device; each sample's have its own duration and C.
+    """
+
+    def __init__(
+        self,
+        device: Device,
+        values: Mapping[str, np.ndarray],
+        model: Mapping,
+        choices: Sequence[Choice],
+        start: str,
+    ):
+        """Take the values; choices: as from `choose_levels`, of the same model and start."""
+        self.values, count = values, len(next(iter(values.values())))
+        self._made = {key: column for key, column in values.items() if key in VALUES}
+        self.bistable = is_bistable(device, self._made, count)
+        self.size, self.choices = np.count_nonzero(self.bistable), choices
+        self._asked = model, start
+        self.nominal = choose_model(batch_of([device]), *self._asked)
+        shares = {key: values.get(key, np.ones(count)) for key in SHOCK_FACTORS}
+        self.factors = {key: column[self.bistable] for key, column in shares.items()}
+        nominal = [nominal_value(device, key) for key in values]
+        self.deviations = np.column_stack(list(values.values()))[self.bistable] - nominal
+
+    @cached_property
+    def models(self) -> Follows | Adaptive:
+        """Those of the samples that have a second shape."""
+        made = {key: column[self.bistable] for key, column in self._made.items()}
+        devices = self.nominal.device.pick(np.zeros(self.size, int))
+        return choose_model(devices.vary(made), *self._asked)
+
+    @property
+    def model(self) -> Follows:
+        """The last choice, in the model's own steps."""
+        return self.choices[-1]._replace(step=1.0).of(self.models)
+
+    def thresholds(
+        self, rows: Rows, settings: Settings, tolerance: float, chosen: bool = False
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The lowest N that snaps, (samples, rows), the nominal device's, and what is ragged.
+
+        chosen: whether by the choices for these rows; if not, by the last, in its own steps
+        NaN where a sample has none; the latter two: (rows,).
+        """
+        every = np.ones(rows.f0.size, bool)
+        N_first, nominal = np.full((self.bistable.size, every.size), np.nan), np.empty(every.size)
+        ragged = np.zeros(every.size, bool)
+        for choice in self.choices if chosen else [self.choices[-1]._replace(rows=every, step=1.0)]:
+            which, part = choice.rows, rows.take(choice.rows)
+            if not which.any():
+                continue
+            found = nominal_thresholds(choice.of(self.nominal), part, settings, tolerance / 10)
+            nominal[which] = found
+            if self.size:
+                given = choice.of(self.models), self._rows(part), self.deviations, found
+                levels, ragged[which] = thresholds_of_samples(*given, settings, tolerance)
+                scaled = levels / self.factors["N"][:, np.newaxis]
+                N_first[np.ix_(self.bistable, which)] = scaled
+        return N_first, nominal, ragged
+
+    def meets(self, required: Mapping, rows: Rows, settings: Settings) -> np.ndarray:
+        """Whether each sample meets a requirement, by its N and snaps; (samples, rows)."""
+        if required["snaps"] == ANY:
+            return np.repeat(self.bistable[:, np.newaxis], rows.f0.size, axis=1)
+        snaps = np.zeros((self.bistable.size, rows.f0.size), bool)
+        if self.size:
+            levels = np.repeat(required["N"] * self.factors["N"], rows.f0.size)
+            t_snap = asker(self.model, self._rows(rows), settings)(levels[:, np.newaxis])
+            snaps[self.bistable] = np.isfinite(t_snap).reshape(self.size, -1)
+        return (snaps == required["snaps"]) & self.bistable[:, np.newaxis]
+
+    def latched(self, samples: int, N: np.ndarray, rows: Rows, settings: Settings) -> np.ndarray:
+        """How many of the first samples are proven to stay in the second shape, (rows, N)."""
+        count, own = np.zeros((rows.f0.size, N.size), np.int64), self._rows(rows)
+        for i in range(np.count_nonzero(self.bistable[:samples])):
+            mine = own.take(slice(i * len(count), (i + 1) * len(count)))
+            levels = N * self.factors["N"][i]
+            cells = mine.cells(self.model.device, levels, settings.horizon)
+            seen = self.model.follow(cells, settings)
+            count += label(*seen[:4], settings.energy_tolerance) == LATCHED
+        return count
+
+    def stresses(self, study: Study, requirements: Sequence[Mapping], C: np.ndarray) -> np.ndarray:
+        """Largest stress in the first samples with a second shape, (requirements, samples, C), MPa.
+
+        requirements: shocks, N and f0 (Hz) of each
+        """
+        size = min(self.size, max(FEWEST, FOLLOWED // (len(requirements) * len(C))))
+        device, stress = self.model.device.pick(np.arange(size)), []
+        N = np.repeat(self.factors["N"][:size], len(C))[:, np.newaxis]
+        for required in requirements:
+            own = of_requirement(study, required)
+            rows = self._rows(to_rows(0, required["f0"], C, 0, required["shocks"].pulses))
+            rows = rows.take(slice(N.size))
+            cells = rows.cells(device, required["N"] * N, own.settings.horizon).flat()
+            largest = largest_stress(device, own.model, cells, own.settings)
+            stress.append(largest.reshape(size, len(C)))
+        return np.array(stress)
+
+    def _rows(self, rows):
+        """Those of all samples, raveled from (samples, rows)."""
+        duration, damping = (self.factors[key][:, np.newaxis] for key in ("duration", "C"))
+        return rows._replace(
+            device=np.repeat(np.arange(self.size), rows.f0.size),
+            f0=np.ravel(rows.f0 / duration),
+            C=np.ravel(rows.C * damping),
+            pulse=np.tile(rows.pulse, self.size),
+        )
+
+
+def choose_levels(device: Device, model: Mapping, rows: Rows, settings: Settings) -> list[Choice]:
+    """What decides the thresholds of rows of a model, given by its name and options.
+
+    Of `auto` each row takes the first of LADDER whose threshold of the nominal device is within its
+    tolerance that of the finest. The one by which MOST_ROWS have theirs is the last, and takes the
+    others, too, and those in which twice the steps move that of the finest.
+    """
+    left = np.ones(rows.f0.size, bool)
+    if model["name"] != "auto":
+        return [Choice(left)]
+    auto = choose_model(batch_of([device]), model, settings.start)
+    accepted = model.get("tolerance", TOLERANCE)
+    rough = nominal_thresholds(auto.base.with_step(4.0), rows, settings, accepted)
+    finest, whole = (asker(auto.top.with_step(step), rows, settings) for step in (0.5, 1.0))
+    apart = distance(finest, rough, accepted)
+    apart[np.isinf(apart)] = np.nan
+    exact = refine(finest, rough - apart, rough + apart, accepted / 10)[1]
+    clean = distance(whole, exact, accepted) <= accepted * exact
+
+    def within(share, level, which):
+        """Whether it is so near that a row of a level changes."""
+        N = np.multiply.outer(exact[which], [1 - share, 1 + share])
+        below, above = np.isfinite(asker(level, rows.take(which), settings)(N)).T
+        return ~below & above
+
+    choices = []
+    # ASSUME: what suffices for the nominal device suffices for those that scatter about it.
+    for name, step in LADDER:
+        level, good = getattr(auto, name), left & clean
+        # Errors of a level and of its steps may cancel by chance, but not in half the steps too.
+        for share, factor in ((accepted, step), (2 * accepted, step / 2)):
+            good[good] = within(share, level.with_step(factor), good)
+        choices.append(Choice(good, name, step))
+        left &= ~good
+        if clean.any() and (left & clean).sum() <= (1 - MOST_ROWS) * clean.sum():
+            break
+    choices[-1] = choices[-1]._replace(rows=good | left)
+    return choices
+
+
+def thresholds_at(
+    study: Study, values: Mapping[str, np.ndarray], f0, C, pulse=0, axes: Sequence[np.ndarray] = ()
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Thresholds of a study's device with other values, each (n,), and their errors, or NaN.
+
+    values: by name; f0: Hz; C: uN us/um; pulse: index in the study's, each a number or (n,)
+    axes: ascending, of surfaces that values or C are, raveled; of these few rows are searched
+    Returns also where there is a device; (n,).
+    """
+    size = np.broadcast(f0, C, *values.values()).size
+    there = is_bistable(study.device, values, size)
+    first = np.full((2, size), np.nan)
+    if there.any():
+        places = np.arange(there.sum())
+        made = {key: column[there] for key, column in values.items()}
+        devices = batch_of([study.device]).pick(np.zeros_like(places)).vary(made)
+        shock = (np.broadcast_to(a, size)[there] for a in (f0, C, pulse))
+        rows = to_rows(places, *shock, study.shocks.pulses)
+        models = choose_survey(devices, study.model, study.settings.start)
+        numbers = np.full(size, -1)
+        numbers[there] = places
+        parts = [(numbers.reshape(-1, *(x.size for x in axes)), axes)] if axes else []
+        tell_cost(models, rows, study.settings)
+        seen = look(models, rows, parts, study.settings, THRESHOLD_TOLERANCE)
+        first[:, there] = seen["N_first"], seen["N_error"]
+    return *first, there

@@ -1,0 +1,213 @@
+"""Where labels change along N: scanned, looked for near a guess, and refined, by any model."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from ..solver.cells import Rows
+from ..solver.models import Follows
+from ..solver.settings import THRESHOLD_TOLERANCE, Settings
+
+SCAN_STEP = 0.03
+"""Relative distance of the amplitudes that are tried before any is refined."""
+PARTS = 4
+"""Of an interval, into which each round of refinement cuts it; more cost more runs a digit."""
+TOGETHER, AT_ONCE = 8, 256
+"""Most places of a row that a walk looks at together, if that are no more than so many in all."""
+
+Ask = Callable[[np.ndarray], np.ndarray]
+"""t_snap of N, (rows, n), us; not finite where a cell does not snap, or N is NaN."""
+Label = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""A bool of rows, by number (n,), at places of a grid, (n, m)."""
+
+
+class Approach(NamedTuple):
+    """How near cells come to a snap: t_snap, as `Ask` has it, and the `lowest` w(L/2)."""
+
+    t_snap: np.ndarray
+    lowest: np.ndarray
+
+
+class Edges(NamedTuple):
+    """Changes between what snaps and what does not along N; each lies between low and high.
+
+    row: which row; rising: whether it is high that snaps
+    """
+
+    row: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    rising: np.ndarray
+
+    def take(self, which: np.ndarray) -> "Edges":
+        """Those chosen."""
+        return Edges(*(column[which] for column in self))
+
+
+def joined(*edges: Edges) -> Edges:
+    """All edges of several."""
+    return Edges(*map(np.concatenate, zip(*edges, strict=True)))
+
+
+def lowest_snap(
+    model: Follows,
+    rows: Rows,
+    bracket: tuple[np.ndarray, np.ndarray],
+    settings: Settings,
+    tolerance: float = THRESHOLD_TOLERANCE,
+    step: float = SCAN_STEP,
+) -> np.ndarray:
+    """Find the lowest N that snaps, (rows,).
+
+    bracket: multiples of g between which to look, numbers or (rows,)
+    step: relative distance of the amplitudes that are tried first
+    tolerance: of N, relative; the result is the upper end of an interval that narrow
+    NaN where nothing in the bracket snaps, or its lower end does.
+    """
+    ask = asker(model, rows, settings)
+    low, high = (np.broadcast_to(end, rows.f0.shape) for end in bracket)
+    N = amplitudes(low, high, step)
+    return refine(ask, *first_snap(N, np.isfinite(ask(N))), tolerance)[1]
+
+
+def asker(model: Follows, rows: Rows, settings: Settings, until: str = "edge") -> Ask:
+    """Make a function that tells when the cells of rows snap.
+
+    until: "edge" or "snap", as in `settings.QUESTION`
+    It gives -inf where no run of a cell can be believed.
+    """
+    observe = observer(model, rows, settings, until)
+    return lambda N: observe(N).t_snap
+
+
+def observer(
+    model: Follows, rows: Rows, settings: Settings, until: str = "edge"
+) -> Callable[[np.ndarray], Approach]:
+    """Make a function of N, (rows, n), that tells how near their cells come to a snap."""
+    settings = settings._replace(until=until, repeat=False)
+
+    def observe(N):
+        given = np.isfinite(N)
+        seen = model.follow(rows.cells(model.device, N, settings.horizon).take(given), settings)
+        lost = np.isnan(seen.t_snap) & ~(seen.energy_error <= settings.energy_tolerance)
+        t_snap, lowest = np.full((2, *N.shape), np.nan)
+        t_snap[given], lowest[given] = np.where(lost, -np.inf, seen.t_snap), seen.lowest
+        return Approach(t_snap, lowest)
+
+    return observe
+
+
+def amplitudes(low: np.ndarray, high: np.ndarray, step: float | np.ndarray) -> np.ndarray:
+    """Amplitudes from low to high in relative steps, each (rows,): (rows, n), NaN beyond high."""
+    factor = np.broadcast_to(1 + np.asarray(step), low.shape)
+    count = 2 + int(np.nanmax(np.log(high / low) / np.log(factor), initial=0.0))
+    # Products, not powers: the library's exponential rounds by the processor.
+    N = np.multiply.accumulate(np.column_stack([low, *[factor] * (count - 1)]), axis=1)
+    N = np.minimum(N, high[:, np.newaxis])
+    N[:, 1:][N[:, 1:] == N[:, :-1]] = np.nan
+    return N
+
+
+def scan(ask: Ask, N: np.ndarray) -> tuple[Edges, np.ndarray, np.ndarray]:
+    """Find the edges on ascending N, (rows, n), as `edges_of` does."""
+    return edges_of(N, ask(N))
+
+
+def edges_of(N: np.ndarray, t_snap: np.ndarray) -> tuple[Edges, np.ndarray, np.ndarray]:
+    """Find the edges on ascending N, (rows, n), and whether the first and the last N of a row snap.
+
+    t_snap: as `Ask` has it. The edges of a row ascend; N may be NaN after its last.
+    """
+    snapped, known = np.isfinite(t_snap), np.isfinite(N)
+    row, k = np.nonzero((snapped[:, 1:] != snapped[:, :-1]) & known[:, 1:])
+    last = np.maximum(np.count_nonzero(known, axis=1) - 1, 0)
+    edges = Edges(row, N[row, k], N[row, k + 1], snapped[row, k + 1])
+    return edges, snapped[:, 0], snapped[np.arange(len(N)), last]
+
+
+def first_snap(N: np.ndarray, snapped: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Ends of the interval below the first of ascending N, (rows, n), that snaps; NaN if none."""
+    first = np.argmax(snapped, axis=1)
+    rows = np.arange(len(N))
+    inside = snapped[rows, first] & (first > 0)
+    low, high = (np.where(inside, N[rows, end], np.nan) for end in (first - 1, first))
+    return low, high
+
+
+def refine(
+    ask: Ask,
+    low: np.ndarray,
+    high: np.ndarray,
+    tolerance: float,
+    rising: np.ndarray | bool = True,
+    parts: int = PARTS,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Narrow intervals, (rows,), between what snaps and what does not, to a relative tolerance.
+
+    rising: whether it is `high` that snaps, (rows,)
+    parts: into which each round cuts an interval
+    """
+    low, high = np.array(low), np.array(high)
+    rising = np.broadcast_to(rising, low.shape)[:, np.newaxis]
+    while (wide := np.flatnonzero(high / low > 1 + tolerance)).size:
+        N = np.full((low.size, parts + 1), np.nan)
+        N[wide] = np.linspace(low[wide], high[wide], parts + 1, axis=1)
+        as_high = (np.isfinite(ask(N[:, 1:-1])) == rising)[wide]
+        ends = np.zeros((wide.size, 1), bool)
+        low[wide], high[wide] = first_snap(N[wide], np.hstack([ends, as_high, ~ends]))
+    return low, high
+
+
+def near(
+    label: Label,
+    rows: np.ndarray,
+    guess: np.ndarray,
+    size: int,
+    low: np.ndarray | None = None,
+    high: np.ndarray | None = None,
+) -> np.ndarray:
+    """Find the first place of a grid of `size` at which labels that change once are true, (rows,).
+
+    rows: their numbers, as the label takes them
+    guess: a place, at which and below which it is looked first, and then ever farther away, (rows,)
+    low, high: places known to be false and true; before the first and beyond the last unless given
+    Returns 0 where all are true, and `size` where none is.
+    """
+    low = np.full(guess.size, -1) if low is None else low.copy()
+    high = np.full(guess.size, size) if high is None else high.copy()
+    probes, reach = np.clip(np.add.outer(guess, [-1, 0]), 0, size - 1), 1
+    while (left := np.flatnonzero(high - low > 1)).size:
+        at = probes[left]
+        true = label(rows[left], at)
+        high[left] = np.minimum(high[left], np.where(true, at, size).min(axis=1))
+        false = ~true & (at < high[left, np.newaxis])
+        low[left] = np.maximum(low[left], np.where(false, at, -1).max(axis=1))
+        next_probe = np.where(low < 0, np.maximum(high - reach, 0), (low + high) // 2)
+        upward = (high == size) & (low >= 0)
+        probes = np.where(upward, np.minimum(low + reach, size - 1), next_probe)[:, np.newaxis]
+        reach *= 2
+    return high
+
+
+def walk(
+    label: Label, rows: np.ndarray, start: np.ndarray | int, stop: np.ndarray | int, step: int = 1
+) -> np.ndarray:
+    """Find the first place, from `start` on in steps, at which a label is true, (rows,).
+
+    rows: as for `near`
+    stop: where to end, which stands where no label is; a few places beyond are looked at, too
+    """
+    place = np.array(np.broadcast_to(start, rows.shape))
+    stop = np.broadcast_to(stop, rows.shape)
+    left = np.flatnonzero(place < stop)
+    most = 1
+    while left.size:
+        together = np.clip(AT_ONCE // left.size, 1, most)
+        places = place[left, np.newaxis] + step * np.arange(together)
+        true = label(rows[left], places)
+        seen = true.any(axis=1)
+        place[left] += step * np.where(seen, np.argmax(true, axis=1), together)
+        left = left[~seen & (place[left] < stop[left])]
+        most = min(2 * most, TOGETHER)
+    return np.minimum(place, stop)

@@ -1,1 +1,0 @@
-"""Devices as made: values that scatter, and what that does to thresholds."""

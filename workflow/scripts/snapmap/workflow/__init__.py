@@ -1,0 +1,1 @@
+"""The command, and what jobs and terminal say while a study is made."""

@@ -1,0 +1,118 @@
+"""The command `snapmap`: a config to begin with, what it would cost, and its run."""
+
+import shutil
+import sys
+from argparse import ArgumentParser
+from collections.abc import Sequence
+from math import prod
+from pathlib import Path
+
+from ..files.extras import needing
+from ..files.named import naming
+
+PACKAGE = Path(__file__).parents[1]
+PIPELINE = next(path for path in (PACKAGE / "pipeline", PACKAGE.parents[2]) if path.is_dir())
+"""The folder of the Snakefile: in a wheel within the package, else that of the checkout."""
+CONFIG = "config.yaml"
+START = 2.5
+"""Core time of a job's start and loading, s; seen."""
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run the command with its arguments, the process's by default; returns its exit status."""
+    parser = ArgumentParser("snapmap", description="Snap maps of a bistable beam under shock.")
+    verbs = parser.add_subparsers(required=True, metavar="init, check or run")
+    verb = verbs.add_parser("init", help="write a config with comments, to begin with")
+    verb.add_argument("folder", nargs="?", default=".", type=Path)
+    verb.set_defaults(do=init)
+    for do, what in (check, "name faults, cost and doubts of a config"), (run, "make its results"):
+        verb = verbs.add_parser(do.__name__, help=what)
+        verb.add_argument("config", type=Path)
+        verb.set_defaults(do=do)
+    verb.add_argument("--cores", default="all", help="by default all")
+    known, others = parser.parse_known_args(words)
+    given = vars(known)
+    if known.do is run:
+        given["others"] = others  # Snakemake's: -n, targets
+    elif others:
+        parser.error(f"unrecognized arguments: {' '.join(others)}")
+    try:
+        given.pop("do")(**given)
+    except (ImportError, OSError, ValueError) as fault:
+        print(fault, file=sys.stderr)
+        return 1
+    return 0
+
+
+def init(folder: Path) -> None:
+    """Write the config of a sensor, with comments, into a folder; ValueError if one is there."""
+    path = folder / CONFIG
+    with naming(path):
+        if path.exists() or path.is_symlink():
+            raise ValueError("is there already; name another folder")
+        folder.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(PIPELINE / "config" / "sensor.yaml", path)
+    print(f"{path}: write your device there, then: snapmap check {path}")
+
+
+def check(config: Path) -> None:
+    """Print what a config describes, its doubts and its cost; raises ValueError, a line a fault."""
+    with needing("snapmap check"):
+        from ..config.doubts import descriptions, doubts
+        from ..config.study import load_config
+        from ..config.yaml_file import read_document
+    from ..solver.cost import spoken
+    from ..sweeps.plan import SEEN, make_plan
+
+    study = load_config(read_document(config))
+    plan = make_plan(study.grid, study.model, study.settings, [h.f0 for h in study.histories])
+    for line in filter(None, [*descriptions(study), study.left_out, *doubts(study)]):
+        print(line)
+    sizes = ", ".join(f"{key} {values.size}" for key, values in study.axes.items())
+    costs = {"cells": " to ".join(spoken(times * plan.seconds) for times in SEEN)}
+    costs |= {what: spoken(START + seconds) for what, seconds in _costs(study).items()}
+    print(f"{prod(study.grid.shape)} cells ({sizes}) in {len(plan.slabs)} jobs of one core")
+    print(f"core time, about: {', '.join(f'{what} {time}' for what, time in costs.items())}")
+
+
+def _costs(study):
+    """Core time of the searches for thresholds, but for the start of their jobs, s, about."""
+    from ..applications.tolerances.cost import made_seconds
+    from ..solver.adaptive import choose_survey
+    from ..study.axes import rows_of
+    from ..thresholds.cost import survey_seconds
+
+    study = study.of_thresholds()
+    models = choose_survey(study.grid.device, study.model, study.settings.start)
+    rows = rows_of(study.grid)
+    costs = {"thresholds": survey_seconds(models, rows.take(rows.device >= 0), study.settings)}
+    if study.tolerances:
+        devices = study.axes, study.tolerances, study.requirements
+        costs["tolerances"] = made_seconds(study, *devices)
+    return costs
+
+
+def run(config: Path, cores: str, others: Sequence[str] = ()) -> None:
+    """Run the workflow in the current folder, and exit as Snakemake does; ValueError, one line.
+
+    others: options and targets of Snakemake's, such as -n
+    """
+    with needing("snapmap run"):
+        from snakemake.cli import main as snakemake
+
+        from ..config.yaml_file import read_document
+    read_document(config)  # Snakemake would evaluate what is behind __use_yte__, not refuse it
+    asked = [
+        "--snakefile",
+        PIPELINE / "Snakefile",
+        "--configfile",
+        config,
+        "--cores",
+        cores,
+        *others,
+    ]
+    snakemake([str(word) for word in asked])
+
+
+if __name__ == "__main__":
+    sys.exit(main())
