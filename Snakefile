@@ -23,9 +23,10 @@ from snapmap.files.made import list_made, remove_others
 from snapmap.files.named import hold_to_plan
 from snapmap.workflow.progress import Idle, Progress, hush
 from snapmap.study.provenance import DRAWS, NUMBERS, code_hash, device_sections
+from snapmap.applications import attached, gather
 from snapmap.config.devices import nominal
 from snapmap.config.doubts import descriptions, doubts
-from snapmap.workflow.products import products
+from snapmap.workflow.products import choose_views
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import read_document
 from snapmap.device.device import VALUES
@@ -50,9 +51,7 @@ try:
     refuse_folders("results", [".nc", ".csv", ".md", ".html", ".pdf", ".png"])
     study = load_config(config)
     hold_to_plan(study.files(), workflow.is_main_process)
-    plan = make_plan(
-        study.grid, study.model, study.settings, [h.f0 for h in study.histories]
-    )
+    plan = make_plan(study.grid, study.model, study.settings, gather("alone", study))
     doubted = doubts(study)
 except ValueError as error:
     sys.exit(str(error))  # Snakemake would put its own words before and after
@@ -62,18 +61,13 @@ shell.prefix(SHELL_PREFIX)
 names = [slab_name(study, slab) for slab in plan.slabs]
 slabs = dict(zip(names, plan.slabs))
 requests = dict(zip(names, plan.requests))
-made = products(study)
+made = choose_views(study)
 new = [name for name in names if not os.path.exists(f"results/slabs/{name}.nc")]
 # Parameters of the rules: what was made by other code is made again.
 numbers = code_hash(*NUMBERS, scripts / "jobs.py")
 drawing = code_hash(*DRAWS, scripts / "draw.py")
 studied = code_hash(*NUMBERS, clone / "studies")
-results = ["results/cube.nc", "results/explore.html"]
-results += expand("results/figures/{stem}.{kind}", stem=made.stems, kind=["pdf", "png"])
-if study.all_required:
-    results += ["results/requirements.csv", "results/datasheet.md"]
-TOLD = ["find_threshold", "collect", "check_requirements", "find_window"]
-TOLD += ["find_tolerance", "fit_calibration"]
+TOLD = ["find_threshold", "collect"]
 jobs = {}  # of the run, by their numbers
 
 
@@ -138,6 +132,7 @@ if workflow.is_main_process:
     logger.addHandler(Idle(tidy_when_idle))
 
 
+include: "workflow/rules/applications.smk"
 include: "workflow/rules/run.smk"
 include: "workflow/rules/draw.smk"
 include: "workflow/rules/studies.smk"

@@ -2,40 +2,21 @@
 
 from importlib import import_module
 
+from .applications import public_names
 from .files.extras import needing
 
 __version__ = "0.3.0"
 
 _HOME = {
-    "calibrate": "applications.calibration.dataset",
-    "design": "applications.design.design",
     "load_device": "config.devices",
     "open_cube": "sweeps.collect",
     "plot_outcome": "figures.maps",
     "read_pulse": "pulse.recorded",
-    "simulate": "applications.histories.history",
-    "srs_test": "applications.spectra.trips",
-    "statics": "applications.statics.statics",
     "sweep": "sweeps.cube",
     "threshold": "thresholds.surface",
-    "tolerance": "applications.tolerances.dataset",
-    "vibration": "applications.spectra.vibration",
+    **public_names(),
 }
-__all__ = [
-    "calibrate",
-    "design",
-    "load_device",
-    "open_cube",
-    "plot_outcome",
-    "read_pulse",
-    "simulate",
-    "srs_test",
-    "statics",
-    "sweep",
-    "threshold",
-    "tolerance",
-    "vibration",
-]
+__all__ = sorted(_HOME)
 
 
 def __dir__():

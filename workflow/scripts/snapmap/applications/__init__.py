@@ -1,1 +1,72 @@
-"""The applications, each a folder with all that is its own."""
+"""The applications: each folder of FOLDERS holds all that is its own, and its line attaches it.
+
+The core imports none of them.  An application may import the core, `config`, `figures`, and the
+applications that its first docstring line names after "Imports:".  The `__init__.py` of its folder
+is its contract, a module of which every name may be missing:
+
+    public          functions for Python by name, each with the module of the folder that has it
+    section()       the field of its key in a config
+    key             that key, if it is not the name of the folder
+    request(section, study, document)   what a study asks of it; ValueError, one line
+    files(study)    SHA-256 of the files that its section names, by path
+    doubts(study)   lines on what is hardly meant
+    marks(study)    shocks that maps of cells show: name, f0 (Hz), N, and how each may push
+    alone(study)    f0 (Hz) of cells that it follows beside the grid
+    outputs(study)  files that it makes, by name; none where nothing is asked
+    inputs(study)   results that it reads, by name
+    params(study)   plain values on which its product depends, beside device, pulse and model
+    rule, message   of its job; threads, megabytes, priority: what the job may have
+    run(study, ...) makes the product; takes NAME_path of its inputs and outputs, as rules do
+    cost(study)     core time of the job, s, where that is worth telling
+    quick           whether it is made beside the thresholds, and drawn with them: a job's start
+                    takes longer
+    figures(study)  arguments of `draw` by the stem of a figure
+    drawn_from(study)   files that `draw` reads, by name; by default its outputs
+    draw(figures, folder, ...)   draws them; takes NAME_path of these files
+    caption, part   of its figures in the report: a file of the folder, and a heading
+
+A key, a product, a figure or a public function of an application is gone once its line is gone.
+"""
+
+from importlib import import_module
+from types import ModuleType
+
+FOLDERS = (
+    "statics",
+    "histories",
+    "requirements",
+    "spectra",
+    "window",
+    "tolerances",
+    "calibration",
+    "design",
+    "datasheet",
+    "boundary",
+    "page",
+)
+
+
+def attached() -> dict[str, ModuleType]:
+    """The applications by the names of their folders."""
+    return {folder: import_module(f"{__name__}.{folder}") for folder in FOLDERS}
+
+
+def key_of(folder: str, application: ModuleType) -> str:
+    """The key of an application in a config."""
+    return getattr(application, "key", folder)
+
+
+def gather(part: str, *arguments: object) -> dict[str, object]:
+    """What each application that has a part gives for it, by its folder; nothing is left out."""
+    having = {name: one for name, one in attached().items() if hasattr(one, part)}
+    made = {name: getattr(one, part)(*arguments) for name, one in having.items()}
+    return {name: value for name, value in made.items() if value}
+
+
+def public_names() -> dict[str, str]:
+    """Modules by the names of the public functions that they have."""
+    return {
+        name: f"applications.{folder}.{module}"
+        for folder, one in attached().items()
+        for name, module in getattr(one, "public", {}).items()
+    }

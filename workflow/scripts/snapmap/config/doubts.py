@@ -4,14 +4,14 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ..applications import gather
 from ..beam.cosines import buckling_shapes
 from ..beam.equilibria import find_barrier, least_travel
 from ..beam.vibrations import vibrations
 from ..device.device import Beam, Device
-from ..device.samples import Plan
 from ..files.tables import read_points
 from ..study.study import Study
-from .plausible import implausible, wide
+from .plausible import implausible
 
 TILTING = 8
 """Shapes of each kind by which it is told whether a free beam has a second one."""
@@ -39,7 +39,7 @@ def doubts(study: Study) -> list[str]:
 
     study: a `Config`
     """
-    axes, scatter, (first, *_) = study.axes, study.tolerances, study.devices().values()
+    axes, (first, *_) = study.axes, study.devices().values()
     lines = implausible(study.grid.device, axes["C"], axes["f0"])
     for name, one in study.devices().items():
         own = [tilting(one.beam), stopped(one)]
@@ -54,9 +54,7 @@ def doubts(study: Study) -> list[str]:
         lines += pulse.doubts(float(slowest), float(shortest))
     if study.own_points:
         lines += outside(study.own_points[0], axes)
-    for one in study.devices().values() if scatter else ():
-        lines += wide(Plan(one, scatter.scatters, scatter.together))
-    return lines
+    return lines + [line for told in gather("doubts", study).values() for line in told]
 
 
 def tilting(beam: Beam) -> str:

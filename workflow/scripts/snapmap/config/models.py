@@ -4,17 +4,12 @@ import re
 from collections.abc import Mapping
 from typing import Annotated
 
-from ..applications.calibration.section import CalibrationSection
+from pydantic import create_model
+
+from ..applications import attached, key_of
 from ..device.argument import Argument
 from ..device.device import Device
 from ..device.quantities import QUANTITIES
-from ..device.samples import DISTRIBUTIONS as SPREADS
-from ..device.samples import (
-    INDEX_SAMPLES,
-    OF_DEVICE,
-    SHOCK_FACTORS,
-    Tolerances,
-)
 from ..files.named import sha256_of
 from ..files.tables import ROWS, read_points
 from ..solver.adaptive import TOLERANCE
@@ -32,7 +27,6 @@ from .keys import (
     argument,
     axis,
     flag,
-    key,
     many,
     part,
     path,
@@ -43,14 +37,11 @@ from .keys import (
 from .shocks import (
     TIMED,
     PulseSection,
-    RequirementSection,
     is_title,
     one_time,
 )
-from .units import read, show
+from .units import show
 from .views import MOST_MAPS
-
-_DRAWN = Tolerances._field_defaults
 
 
 class ModelSection(Section):
@@ -112,89 +103,6 @@ class SweepSection(_Axes):
         return Settings(**{"repeat": self.until in (None, "settled"), **given})
 
 
-def _scatter(name, kind, example=""):
-    """A width, or a mapping of its kind to one; a share stays text."""
-
-    def width(given):
-        if isinstance(given, str) and given.strip().endswith("%"):
-            return f"{100 * read(given, 'share'):.12g} %"
-        if name in SHOCK_FACTORS:
-            raise ValueError(f"{show(given)} is no share; write one such as '5 %'")
-        try:
-            return read(given, kind)
-        except ValueError as error:
-            share = f", or a share such as '{given} %'" if isinstance(given, int | float) else ""
-            raise ValueError(f"{error}{share}") from None
-
-    def convert(given):
-        if not isinstance(given, Mapping):
-            return width(given)
-        if len(given) != 1 or next(iter(given)) not in SPREADS:
-            raise ValueError(f"{show(given)} is not of one of {', '.join(SPREADS)}, with its width")
-        return {spread: width(value) for spread, value in given.items()}
-
-    value = "" if name in SHOCK_FACTORS else " or a value"
-    need = f"a standard deviation, as a share{value}, or a mapping of its kind to such a width"
-    return key(convert, need, example=example, out="no scatter")
-
-
-class TolerancesSection(of_device(_scatter, OF_DEVICE)):
-    """What scatters between devices, or between shocks.
-
-    Kinds are normal, uniform (half the width), lognormal, and truncated at two standard deviations.
-    """
-
-    C: _scatter("C", "", "10 %")
-    N: _scatter("N", "", "2 %")
-    duration: _scatter("duration", "", "{uniform: 5 %}")
-    together: argument(
-        "together",
-        "each varies by one draw",
-        example="[[thickness, depth]]",
-        out="each value by itself",
-    )
-    samples: argument("samples", "devices that are drawn", out=f"`{_DRAWN['samples']}`")
-    index_samples: argument(
-        "index_samples",
-        "for the Sobol indices; rounded down to a power of two",
-        out=f"`{INDEX_SAMPLES}`, or `samples` if fewer",
-    )
-    seed: argument("seed", "of the draws", out=f"`{_DRAWN['seed']}`")
-
-    def make(self) -> Tolerances:
-        """What scatters."""
-        options = {name: self.given[name] for name in Tolerances._fields if self.has(name)}
-        scatters = {name: width for name, width in self.given.items() if name not in options}
-        made = Tolerances(scatters, **options)
-        if (made.index_samples or 0) > made.samples:
-            most = f"is more than samples, {made.samples}"
-            raise ValueError(f".index_samples: {made.index_samples} {most}")
-        return made
-
-
-_Values = of_device(
-    lambda _, kind: quantity(kind, "in place of the device's", out="the device's own")
-)
-
-
-class CellSection(_Values):
-    """A cell whose time history is drawn."""
-
-    N: quantity("number")
-    f0: quantity("frequency", out="required, or `duration`")
-    duration: quantity("pulse", "instead of f0", out="`f0`")
-    C: quantity("damper")
-    device: argument(
-        Argument("the name of one of the devices", lambda name: isinstance(name, str)),
-        out="the first",
-    )
-
-    @classmethod
-    def beside(cls, given: Mapping) -> dict[tuple, str]:
-        """One of f0 and duration is there."""
-        return one_time(given)
-
-
 AXES = [name for name in QUANTITIES if axis_behind(name) in COORDINATES]
 
 
@@ -235,7 +143,7 @@ def _own_points(file):
     return file, sha256
 
 
-class Document(Section):
+class _Core(Section):
     """Device (or devices), model and sweep; the others are optional."""
 
     title: argument(
@@ -251,12 +159,7 @@ class Document(Section):
     ]
     model: part(ModelSection)
     pulse: part(PulseSection, out="a versed sine along +z")
-    requirements: many(RequirementSection, "a list of shocks", out="none")
     sweep: part(SweepSection)
-    tolerances: part(TolerancesSection, out="no scatter")
-    calibration: part(CalibrationSection, out="none")
-    histories: many(CellSection, "a list of cells {N, f0 or duration, C}", out="none")
-    traces: flag("whether all cells are followed again, to show how each moves", out="`false`")
     maps: many(
         MapSection,
         "a list of maps {x, y, at} to draw",
@@ -296,10 +199,7 @@ class Document(Section):
         return faults
 
     def make(self) -> Device | dict[str, Device]:
-        """The device, or several by name; names of requirements that come twice."""
-        names = [one.name for one in self.requirements or ()]
-        if twice := next((name for name in names if names.count(name) > 1), None):
-            raise ValueError(f".requirements: {show(twice)} comes twice; write another")
+        """The device, or several by name."""
         if self.device:
             return self.device.made
         return {name: section.made for name, section in self.devices.items()}
@@ -307,6 +207,15 @@ class Document(Section):
     def devices_by_name(self) -> dict[str, DeviceSection]:
         """Their sections; one alone is called `device`."""
         return self.devices or {"device": self.device}
+
+
+Document = create_model(
+    "Document",
+    __base__=_Core,
+    __doc__=_Core.__doc__,
+    **{key_of(*one): one[1].section() for one in attached().items() if hasattr(one[1], "section")},
+)
+"""The whole config: sections of the core and of all applications."""
 
 
 def _dampers(given, sweep, several):

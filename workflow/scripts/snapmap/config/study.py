@@ -6,16 +6,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pydantic import ValidationError
 
-from ..applications.calibration.section import Calibration, read_calibration
+from ..applications import attached, gather, key_of
 from ..beam.equilibria import require_rest, second_shape, shapes_of
-from ..device.device import VALUES
+from ..device.device import VALUES, Device
 from ..device.measured_shape import PROFILE
 from ..device.quantities import QUANTITIES
-from ..device.samples import Plan, Tolerances
 from ..files.named import hold_to_plan, sha256_of
 from ..pulse.shocks import HANDOUT_SHOCK
 from ..solver.settings import (
-    FIRST,
     SECOND,
     THRESHOLD_TOLERANCE,
     Settings,
@@ -28,8 +26,6 @@ from ..study.axes import (
     make_grid,
 )
 from ..study.study import (
-    ANY,
-    CLOSING,
     FOLLOWED,
     Study,
 )
@@ -38,13 +34,10 @@ from .keys import line_at, lines_of
 from .models import Document
 from .units import unit_of
 from .views import (
-    History,
     View,
-    choose_boundary,
     choose_curves,
     choose_maps,
     frequency_of,
-    history,
     read_places,
 )
 from .yaml_file import ConfigError
@@ -61,13 +54,9 @@ class Config(Study):
 
     grid: all axes, each ascending
     pulse: its section, in internal units, with the SHA-256 of a record
-    requirements: shocks that must or must not trip the device, as `thresholds.requirements.check`
-        takes them, with their `pulse`; vibrations, spectra: likewise, as `spectra.verdicts` does
-    tolerances: what scatters from device to device, or nothing
-    calibration: measured shots, and what is read off them, or nothing
+    requests: what is asked of each application, by its folder; false for nothing
     threshold_tolerance: of the thresholds in N, relative
-    histories, traces: cells followed in full, and whether all are followed for the page
-    maps, curves, boundary: what is drawn of cells, thresholds, and the damage boundary
+    maps, curves: what is drawn of cells and thresholds
     own_points: path and SHA-256 of a user's own points on the maps, or nothing
     left_out: one line on what is not drawn, or nothing
     measured: lines on shapes of beams that were read from files, by device and path
@@ -77,17 +66,10 @@ class Config(Study):
 
     grid: Grid
     pulse: dict
-    requirements: list[dict]
-    vibrations: list[dict]
-    spectra: list[dict]
-    tolerances: Tolerances | None
-    calibration: Calibration | None
+    requests: dict[str, object]
     threshold_tolerance: float
-    histories: tuple[History, ...]
-    traces: bool
     maps: tuple[View, ...]
     curves: tuple[View, ...]
-    boundary: tuple[View, ...]
     own_points: tuple[str, str] | tuple[()]
     left_out: str
     measured: dict[tuple[str, str], str]
@@ -103,11 +85,6 @@ class Config(Study):
     def temperatures(self) -> list[float]:
         """Those at which requirements must be met, degC; none if that is each device's own."""
         return self.axes["temperature"].tolist() if "temperature" in self.axes else []
-
-    @property
-    def all_required(self) -> list[dict]:
-        """What must or must not trip the device: shocks, vibrations, spectra."""
-        return self.requirements + self.vibrations + self.spectra
 
     def inputs(self, *keys: str) -> dict:
         """What its products depend on beside axes, in plain values: Snakemake compares them.
@@ -128,12 +105,13 @@ class Config(Study):
 
     def files(self) -> dict[str, str]:
         """SHA-256 of each file that the config names, as it was read, by path."""
-        pulses = [self.pulse, *(required["pulse"] for required in self.requirements)]
-        own = dict([self.own_points] if self.own_points else [])
-        shots = self.calibration.files if self.calibration else {}
-        recorded = {one["file"]: one["sha256"] for one in pulses if "file" in one}
+        recorded = {self.pulse["file"]: self.pulse["sha256"]} if "file" in self.pulse else {}
         shapes = {path: sha256_of(path, *PROFILE) for _, path in self.measured}
-        return recorded | shapes | own | shots
+        points = dict([self.own_points] if self.own_points else [])
+        files = recorded | shapes | points
+        for of_application in gather("files", self).values():
+            files |= of_application
+        return files
 
 
 def planned_study(document: Mapping, threads: int) -> Config:
@@ -163,38 +141,21 @@ def load_config(document: Mapping) -> Config:
     shocks = parts.pulse.made if parts.pulse else HANDOUT_SHOCK
     C = part(("devices",), _damper, parts)
     grid = None if faults else part(("sweep",), _grid, parts, shocks, C)
-    tolerances = parts.tolerances.made if parts.tolerances else None
-    for one in parts.devices_by_name().values() if tolerances else ():
-        part(("tolerances",), Plan, one.made, tolerances.scatters, tolerances.together)
 
     def each(name, make):
         sections = getattr(parts, name)
         return sections and [part((name, i), make, one) for i, one in enumerate(sections)]
 
-    cells = each("histories", lambda cell: history(cell.given, device))
-    calibration, maps, curves = None, None, None
-    if grid and parts.calibration:
-        given = parts.calibration, device, shocks, grid.axes["C"]
-        calibration = part(("calibration",), read_calibration, *given)
+    maps, curves = None, None
     if grid:
         maps = each("maps", lambda v: (v.x, v.y, read_places(v.given, grid.axes)))
         curves = each("thresholds", lambda v: (v.x, v.lines, read_places(v.given, grid.axes)))
-    required = each("requirements", lambda one: one.under(parts.pulse)) or []
-    required = [one for one in required if one]
-    requirements, vibrations, spectra = (
-        [one for one in required if key in one] for key in ("shocks", "psd", "srs")
-    )
-    if grid:
-        part(("sweep",), _require_start, sweep.made.start, grid.device)
-    for i, one in enumerate(required):
-        devices = Study(device=device).devices().values()
-        part(("requirements", i), _require_start, one.get("start", FIRST), *devices)
-    temperatures = grid.axes.get("temperature", ()) if grid else ()
-    part(("device",), _require_study, device, shocks, required, tolerances, temperatures)
+        part(("sweep",), require_start, sweep.made.start, grid.device)
+    part(("device",), _require_electrodes, device)
     if faults:
         raise ConfigError(*dict.fromkeys(faults))
     chosen, left_out = choose_maps(grid, nominal(device), maps)
-    return Config(
+    study = Config(
         device=device,
         model=parts.model.given,
         grid=grid,
@@ -202,17 +163,10 @@ def load_config(document: Mapping) -> Config:
         settings=sweep.made,
         shocks=shocks,
         pulse=parts.pulse.values() if parts.pulse else {},
-        requirements=requirements,
-        vibrations=vibrations,
-        spectra=spectra,
-        tolerances=tolerances,
-        calibration=calibration,
+        requests={},
         threshold_tolerance=sweep.threshold_tolerance or THRESHOLD_TOLERANCE,
-        histories=tuple(cells or ()),
-        traces=bool(parts.traces),
         maps=chosen,
         curves=choose_curves(grid, nominal(device), curves),
-        boundary=choose_boundary(grid, nominal(device)),
         own_points=parts.marks or (),
         left_out=left_out,
         measured={
@@ -223,6 +177,14 @@ def load_config(document: Mapping) -> Config:
         title=parts.title or "",
         units={key: _unit(key, document["sweep"][key]) for key in DESIGN if sweep.has(key)},
     )
+    for name, application in attached().items():
+        if hasattr(application, "request"):
+            key = key_of(name, application)
+            given = getattr(parts, key, None), study, parts
+            study.requests[name] = part((key,), application.request, *given)
+    if faults:
+        raise ConfigError(*dict.fromkeys(faults))
+    return study
 
 
 def _unit(key, written):
@@ -231,33 +193,14 @@ def _unit(key, written):
     return unit_of(first, QUANTITIES[key].kind)
 
 
-def _require_study(device, shocks, required, tolerances, temperatures):
-    """What is found of the device itself, whatever the axes make of it; forces shake no frame."""
-    own = Study(device=device, shocks=shocks)
-    electrodes = {bool(one.has_electrode) for one in own.devices().values()}
-    if len(electrodes) > 1:
+def _require_electrodes(device):
+    """All devices have an electrode, or none."""
+    if len({bool(one.has_electrode) for one in Study(device=device).devices().values()}) > 1:
         raise ValueError(".contact_at: only some devices have one; write it for all or none")
-    if tolerances:
-        own.set_out({})
-    if required:
-        own.set_out({"temperature": temperatures} if len(temperatures) else {})
-    unbreakable = any(np.isinf(one.strength) for one in own.devices().values())
-    for one in required:
-        closing = next((key for key in CLOSING if key in one), None)
-        if closing and electrodes == {False}:
-            need = "write the place of the electrode, such as '-5 um'"
-            raise ValueError(f".contact_at: missing, for {closing}; {need}")
-        if one["snaps"] == ANY and not closing and unbreakable:
-            need = "write one such as '1.2 GPa', or closes_within in the requirement"
-            raise ValueError(f".strength: missing, for snaps: any of {one['name']}; {need}")
-        if "shocks" in one:
-            replace(own, shocks=one["shocks"])
-        else:
-            own.require_frame("a spectrum among the requirements")
 
 
-def _require_start(start, *devices):
-    """Whether beams stay in the shape in which they rest at first."""
+def require_start(start: str, *devices: Device) -> None:
+    """Raise ValueError unless beams stay in the shape in which they rest at first."""
     for one in devices if start == SECOND else ():
         if np.any(one.beam.free):
             try:

@@ -6,15 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..device.device import VALUES, Device, batch
+from ..device.device import VALUES, Device
 from ..device.quantities import QUANTITIES
 from ..numerics.portable import evenly
 from ..study.axes import (
-    DEVICE,
     DURATION,
     NAMES,
     PULSE_AXES,
-    TEMPERATURE,
     Grid,
     axis_behind,
 )
@@ -49,27 +47,6 @@ class View(NamedTuple):
     def called(self, stem: str) -> "View":
         """The same view of a map under a name that begins with another word than `map`."""
         return self._replace(name=f"{stem}{self.name.removeprefix('map')}")
-
-
-class History(NamedTuple):
-    """A cell whose time history is drawn.
-
-    name: of its files
-    device: the study's, with what the cell changes; N: multiples of g; f0: Hz; C: uN us/um
-    changes: the values of the device that are not the nominal ones, and its name if it has one
-    """
-
-    name: str
-    device: Device
-    N: float
-    f0: float
-    C: float
-    changes: dict[str, float | str]
-
-    @property
-    def shock(self) -> dict[str, float]:
-        """N, f0 and C."""
-        return {"N": self.N, "f0": self.f0, "C": self.C}
 
 
 def frequency_of(duration: float) -> float:
@@ -193,40 +170,6 @@ def choose_boundary(grid: Grid, nominal: Device) -> tuple[View, ...]:
         return ()
     view = _view(grid, nominal, "thresholds", "f0", _lines(grid, [], "f0"), {})
     return (view._replace(name="damage_boundary"),)
-
-
-def history(cell: Mapping, device: Device | Mapping[str, Device]) -> History:
-    """A cell of a study; ValueError, one line, for one that cannot be.
-
-    cell: N, f0 or duration, C, its device's name and other values of it, in internal units
-    """
-    name, changes = cell.get(DEVICE), {key: cell[key] for key in cell if key in VALUES}
-    if isinstance(device, Mapping):
-        name = next(iter(device)) if name is None else name
-        if name not in device:
-            known = ", ".join(device)
-            raise ValueError(f"no device is called {show(name)}; known are {known}")
-        device = device[name]
-    elif name is not None:
-        raise ValueError("device is for studies of several devices; leave it out")
-    if changes:
-        device = batch([device]).vary({k: np.array([v]) for k, v in changes.items()}).pick(0)
-    if name is not None:
-        changes = {DEVICE: name} | changes
-    f0 = frequency_of(cell["duration"]) if "duration" in cell else cell["f0"]
-    parts = {"N": cell["N"], "f": f0, "C": cell["C"], **changes}
-    words = "_".join(v if k == DEVICE else f"{k}{v:.15g}" for k, v in parts.items())
-    return History(words.replace("inf", "hard"), device, cell["N"], f0, cell["C"], changes)
-
-
-def choose_window(grid: Grid) -> tuple[str, ...]:
-    """Choose the axes over which requirements are drawn: two of the device and C, or none.
-
-    No design chooses a temperature.
-    """
-    several = [key for key in _several(grid, without="N") if key in (DEVICE, *VALUES, "C")]
-    several = [key for key in several if key != TEMPERATURE]
-    return tuple(several) if len(several) == 2 and DEVICE not in several else ()
 
 
 def _lines(grid, several, x):

@@ -2,8 +2,8 @@
 
 import json
 import textwrap
-from collections.abc import Iterable, Mapping
-from contextlib import AbstractContextManager
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
 from copy import copy
 from pathlib import Path
 
@@ -117,6 +117,20 @@ def fit(figure: Figure, ratio: float) -> None:
     figure.get_layout_engine().execute(figure)
     width, height = figure.axes[0].get_position().size * figure.get_size_inches()
     figure.set_figheight(figure.get_figheight() + rows * (ratio * width - height))
+
+
+@contextmanager
+def saved(
+    stem: str, attributes: Mapping[str, str], height: float, columns: int = 2
+) -> Iterator[Figure]:
+    """Give an empty figure, as wide as so many columns of a page, which is saved at the end.
+
+    stem: the path without its ending; attributes: of the dataset drawn; height: in
+    """
+    with paper():
+        figure = double_column(height) if columns == 2 else single_column(height)
+        yield figure
+        save(figure, stem, attributes)
 
 
 def save(figure: Figure, stem: str | Path, attributes: Mapping[str, str]) -> None:

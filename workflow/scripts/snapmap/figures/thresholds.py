@@ -18,10 +18,6 @@ DOUBTFUL = 0.01
 BOUND = {"color": "0.4", "linewidth": 0.6, "linestyle": ":", "zorder": 1.5}
 BOUND["label"] = "below it nothing snaps, by energy"
 STAYS = curves.STAYS | {"label": "above it every $N$ seen stays snapped"}
-DURATION = {"color": "0.6", "linewidth": 0.5, "linestyle": ":", "zorder": 1}
-SHADE = {"color": "0.9", "linewidth": 0, "zorder": 0}
-FAR = 1e9
-"""Beyond the edges of any axes, as a factor."""
 
 
 def draw_thresholds(ax: Axes, found: xr.Dataset, x: str = "f0", lines: str = "C") -> Axes:
@@ -40,7 +36,7 @@ def draw_thresholds(ax: Axes, found: xr.Dataset, x: str = "f0", lines: str = "C"
     if found.islands.any():
         keys.append(Patch(color="0.5", alpha=0.3, linewidth=0, label="some $N$ here do not snap"))
         keys.append(Line2D([], [], color="0.5", linewidth=2.2, label="island of $N$ that snap"))
-    style.legend(ax, keys, _title(found, style.PAGE))
+    style.legend(ax, keys, title(found, style.PAGE))
     return ax
 
 
@@ -54,13 +50,13 @@ def _draw_lines(ax, lines, x):
         curves.mark_missing(ax, scale.places, found, colour, place)
         if found.N_latched.notnull().any():
             ax.plot(scale.places, found.N_latched.values, color=colour, **STAYS)
-    _draw_statics(ax, lines, x)
+    draw_statics(ax, lines, x)
     scales.tick(ax.yaxis, *ax.get_ylim())
     for place, (found, colour, _) in enumerate(lines if x == "f0" else ()):
         curves.draw_impulsive(ax, found, colour, place)
 
 
-def _draw_statics(ax, lines, x):
+def draw_statics(ax, lines, x):
     """Draw the limit of long pulses of every line, in grey what all have in common."""
     if len({found.N_static.values.tobytes() for found, *_ in lines}) == 1:
         curves.draw_static(ax, lines[0][0], x)
@@ -82,7 +78,7 @@ def _draw_gap(ax, found, scale, colour):
     ax.vlines(places, low.ravel(), high.ravel(), color=colour, linewidth=2.2, alpha=0.5)
 
 
-def _title(found, width):
+def title(found, width):
     """What every curve has in common, in lines of so many signs."""
     symbols = [f"$C$ in {scales.WORDS['C'][1]}"] * ("C" in found.dims)
     v = found.velocity_change
@@ -90,62 +86,6 @@ def _title(found, width):
         symbols.append("$\\Delta v$: velocity change, limit of short pulses")
     words = [style.case(found.attrs, width), scales.place_text(found, width), "; ".join(symbols)]
     return "\n".join(filter(None, words))
-
-
-def draw_damage_boundary(ax: Axes, found: xr.Dataset, lines: str = "C") -> Axes:
-    """Draw N_first over the velocity change (m/s) for each line, and what snaps of the first one.
-
-    found: thresholds over f0 and the axis `lines`; of many lines some are drawn
-    Along dotted lines the duration of the pulse is constant; shaded is what lies above the first
-    curve, of the durations that it has.
-    """
-    found = curves.some_lines(found, "f0", lines)
-    ax.set(xscale="log", xlabel="velocity change of the pulse (m/s)")
-    ax.set(yscale="log", ylabel="peak acceleration $N$ (multiples of $g$)")
-    each = list(curves.each_line(found, lines))
-    for place, (one, colour, marker) in enumerate(each):
-        curves.draw_curve(ax, curves.velocity_change(one).values, one, colour, marker, size=2)
-        if np.isfinite(one.velocity_change):
-            look = curves.limit_look(curves.SHORT, colour, place) | {"label": curves.SHORT}
-            ax.axvline(one.velocity_change.item(), **look)
-    _draw_statics(ax, each, "f0")
-    scales.tick(ax.xaxis, *ax.get_xlim())
-    scales.tick(ax.yaxis, *ax.get_ylim())
-    plane.freeze(ax)
-    first = found.isel({lines: 0})
-    _draw_region(ax, first)
-    _draw_durations(ax, first)
-    name = scales.value_text(lines, first[lines].item(), with_unit=lines != "C")
-    shaded = Patch(**SHADE, label=f"snaps, {name}")
-    keys = [*curves.line_keys(found, lines), *style.labelled([ax]), shaded]
-    style.legend(ax, keys, _title(found, style.COLUMN), 2)
-    return ax
-
-
-def _draw_region(ax, found):
-    """Shade what snaps at the durations of a curve; where it has a hole, the shade has one."""
-    found = found.sortby("f0", ascending=False)
-    N, v = found.N_first.values, curves.velocity_change(found).values
-    known = np.flatnonzero(np.isfinite(N))
-    for run in np.split(known, np.flatnonzero(np.diff(known) > 1) + 1):
-        if run.size > 1:
-            ends = run[[0, -1]]
-            corners = [np.stack([v, N])[:, run], FAR * np.stack([v, N])[:, ends[::-1]]]
-            ax.fill(*np.concatenate(corners, axis=1), **SHADE)
-
-
-def _draw_durations(ax, found):
-    """Draw lines of constant pulse duration, one a decade, named where they leave the axes."""
-    first, last = np.log10(found.f0.values[[0, -1]])
-    (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
-    for f0 in 10.0 ** np.arange(np.ceil(first), np.floor(last) + 1):
-        v = found.gravity * found.area.item() / (1e-6 * f0)
-        ax.plot([v / FAR, v * FAR], [1 / FAR, FAR], **DURATION)
-        note = {"fontsize": 6, "color": "0.4", "textcoords": "offset points"}
-        if left < v * high < right:
-            ax.annotate(f"{1e3 / f0:g} ms", (v * high, high), (0, 2), ha="center", **note)
-        elif low < right / v < high:
-            ax.annotate(f"{1e3 / f0:g} ms", (right, right / v), (2, 0), va="center", **note)
 
 
 def draw_threshold_map(ax: Axes, found: xr.Dataset, x: str, y: str) -> Axes:
@@ -166,7 +106,7 @@ def draw_threshold_map(ax: Axes, found: xr.Dataset, x: str, y: str) -> Axes:
     crosses = {"linestyle": "", "marker": "x", "markersize": 3, "color": "#d55e00"}
     crosses["label"] = f"error bar above {100 * DOUBTFUL:g} %"
     keys = ax.plot(across[0].places[i], across[1].places[j], **crosses) if i.size else []
-    ax.set_title(scales.place_text(found))
+    ax.settitle(scales.place_text(found))
     words, known = [style.case(found.attrs, style.COLUMN)], 100 * relative[np.isfinite(relative)]
     if known.size:
         middle, most = (scales.number(error, 2) for error in (np.median(known), known.max()))

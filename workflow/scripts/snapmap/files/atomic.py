@@ -31,6 +31,12 @@ def replacing(path: str | Path) -> Iterator[str]:
         Path(part).unlink(missing_ok=True)
 
 
+def write_text(text: str, path: str | Path) -> None:
+    """Write a text, whole or not at all."""
+    with replacing(path) as part:
+        Path(part).write_text(text, encoding="utf-8")
+
+
 def seal(path: str | Path) -> None:
     """End a file with a hash of it: HDF5's own checksums are of the data alone."""
     with open(path, "r+b") as file:

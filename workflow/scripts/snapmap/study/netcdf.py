@@ -1,6 +1,7 @@
 """Datasets as files."""
 
 import json
+from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
 
@@ -30,6 +31,14 @@ def write(dataset: xr.Dataset, path: str | Path) -> None:
                 temporary, mode="a", engine="netcdf4", encoding={key: encoding}
             )
         seal(temporary)
+
+
+def write_product(
+    dataset: xr.Dataset, path: str | Path, summary: Callable[[xr.Dataset], str]
+) -> None:
+    """Write a dataset, and print its summary in a line."""
+    write(dataset, path)
+    print(f"{path}: {summary(dataset)}")
 
 
 def open_whole(path: str | Path, **options) -> xr.Dataset:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from itertools import product
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -46,10 +47,16 @@ class Plan(NamedTuple):
     seconds: float
 
 
-def make_plan(grid: Grid, model: Mapping, settings: Settings, alone: Sequence[float] = ()) -> Plan:
+def make_plan(
+    grid: Grid,
+    model: Mapping,
+    settings: Settings,
+    alone: Mapping[str, Sequence[float]] = MappingProxyType({}),
+) -> Plan:
     """Cut a grid into slabs that are regular, along boundaries that no other value moves.
 
-    model: name and options; alone: f0 (Hz) of cells that are followed beside the grid
+    model: name and options; alone: f0 (Hz) of cells that are followed beside the grid, by the key
+        of the config that names them
     Raises ValueError, one line, for a model that cannot be built and a grid beyond all reason.
     """
     axes, cells = grid.axes, math.prod(map(float, grid.shape))
@@ -62,13 +69,15 @@ def make_plan(grid: Grid, model: Mapping, settings: Settings, alone: Sequence[fl
     dt, seconds = _expected_of_each(grid, model, settings, axes["f0"])
     total = float(seconds.sum() * axes["N"].size * axes["C"].size * len(grid.pulses))
     beside, lowest = 0.0, axes["f0"][0]
-    if len(alone):
-        moved = settings._replace(until="moved")
-        beside = _expected_of_each(grid, model, moved, np.array(alone))[1].max(axis=0).sum()
+    moved = settings._replace(until="moved")
+    for f0 in alone.values():
+        beside += _expected_of_each(grid, model, moved, np.array(f0))[1].max(axis=0).sum()
     if total + beside > MOST_SECONDS:
         key = "sweep.horizon" if settings.horizon * lowest > 1e6 else "sweep.f0"
         if beside > total:
-            key, lowest = "histories", min(alone)
+            key, lowest = min(
+                ((key, min(f0)) for key, f0 in alone.items()), key=lambda pair: pair[1]
+            )
         raise ValueError(
             f"{key}: up to {(total + beside) / 3600:.2g} core hours from f0 = {lowest:g} Hz "
             f"with horizon {settings.horizon:g} us and steps of {dt:.2g} us, more than "

@@ -58,6 +58,7 @@ def init(folder: Path) -> None:
 def check(config: Path) -> None:
     """Print what a config describes, its doubts and its cost; raises ValueError, a line a fault."""
     with needing("snapmap check"):
+        from ..applications import gather
         from ..config.doubts import descriptions, doubts
         from ..config.study import load_config
         from ..config.yaml_file import read_document
@@ -65,7 +66,7 @@ def check(config: Path) -> None:
     from ..sweeps.plan import SEEN, make_plan
 
     study = load_config(read_document(config))
-    plan = make_plan(study.grid, study.model, study.settings, [h.f0 for h in study.histories])
+    plan = make_plan(study.grid, study.model, study.settings, gather("alone", study))
     for line in filter(None, [*descriptions(study), study.left_out, *doubts(study)]):
         print(line)
     sizes = ", ".join(f"{key} {values.size}" for key, values in study.axes.items())
@@ -76,8 +77,8 @@ def check(config: Path) -> None:
 
 
 def _costs(study):
-    """Core time of the searches for thresholds, but for the start of their jobs, s, about."""
-    from ..applications.tolerances.cost import made_seconds
+    """Core time of thresholds and of applications, but for the start of their jobs, s, about."""
+    from ..applications import gather
     from ..solver.adaptive import choose_survey
     from ..study.axes import rows_of
     from ..thresholds.cost import survey_seconds
@@ -85,11 +86,8 @@ def _costs(study):
     study = study.of_thresholds()
     models = choose_survey(study.grid.device, study.model, study.settings.start)
     rows = rows_of(study.grid)
-    costs = {"thresholds": survey_seconds(models, rows.take(rows.device >= 0), study.settings)}
-    if study.tolerances:
-        devices = study.axes, study.tolerances, study.requirements
-        costs["tolerances"] = made_seconds(study, *devices)
-    return costs
+    seconds = survey_seconds(models, rows.take(rows.device >= 0), study.settings)
+    return {"thresholds": seconds, **gather("cost", study)}
 
 
 def run(config: Path, cores: str, others: Sequence[str] = ()) -> None:

@@ -5,6 +5,7 @@ import textwrap
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.figure import FigureBase
 
 from ...device.quantities import QUANTITIES
 from ...figures.plane import POINT, TRIPPED
@@ -15,7 +16,7 @@ from ...figures.scales import (
     study_axis,
     tick,
 )
-from ...figures.style import PAGE, literal
+from ...figures.style import PAGE, labelled, legend, literal
 from ...numerics.statistics import DEVIATIONS
 
 THRESHOLD = {"color": "#d55e00", "linewidth": 1.0, "label": "fitted threshold"}
@@ -24,6 +25,15 @@ SCATTERS = {"color": "0.88", "linewidth": 0, "label": "where 95 % of the thresho
 SIDES = {False: ("did not trip (left of its frequency)", -1), True: ("tripped (right of it)", 1)}
 ASIDE, WIDEST = 1.01, 1.2
 """Factors: of f0 by which shots of one kind stand apart, and of room beyond the outermost."""
+
+
+def draw_calibration(figure: FigureBase, found: xr.Dataset) -> None:
+    """Draw shots over the fitted threshold and its band, a panel for each shape and direction."""
+    parts = panels(found)
+    axes = figure.subplots(1, len(parts), squeeze=False)[0]
+    for ax, part in zip(axes, parts, strict=True):
+        draw_shots(ax, part)
+    legend(figure, labelled(axes), calibration_text(found), 5)
 
 
 def panels(found: xr.Dataset) -> list[xr.Dataset]:

@@ -1,1 +1,3 @@
-"""The value of a device that gives a threshold or meets requirements.  Imports: tolerances."""
+"""The value of a device that gives a threshold or meets requirements.  Imports: core alone."""
+
+public = {"design": "design"}

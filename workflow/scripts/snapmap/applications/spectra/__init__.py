@@ -1,1 +1,10 @@
 """Random vibration and shock response spectra.  Imports: requirements."""
+
+public = {"vibration": "vibration", "srs_test": "trips"}
+
+
+def kinds():
+    """Kinds of requirements, by the key that each alone has."""
+    from .sections import SpectrumSection, VibrationSection
+
+    return {"psd": VibrationSection, "srs": SpectrumSection}

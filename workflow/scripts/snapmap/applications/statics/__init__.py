@@ -1,1 +1,47 @@
 """Force over displacement of a beam that is pushed slowly.  Imports: core alone."""
+
+public = {"statics": "statics"}
+quick = True
+part, caption = "7 Device", "statics"
+
+
+def outputs(study):
+    """A file for each device, of several with its name."""
+    several = len(study.devices()) > 1 or isinstance(study.device, dict)
+    names = [f"_{name}" if several else "" for name in study.devices()]
+    return {"statics": [f"results/statics{name}.nc" for name in names]}
+
+
+def params(study):
+    """Nothing beside the devices."""
+    return {}
+
+
+def run(study, statics_paths):
+    """Write the statics of each device."""
+    from ...study.netcdf import write
+    from .statics import statics
+
+    for device, path in zip(study.devices().values(), statics_paths, strict=True):
+        write(statics(device), path)
+
+
+def figures(study):
+    """A figure for each device."""
+    from pathlib import Path
+
+    return {Path(path).stem: {} for path in outputs(study)["statics"]}
+
+
+def draw(figures, folder, statics_paths):
+    """Draw force and energy over displacement, a figure for each device."""
+    from ...figures import style
+    from ...study.netcdf import open_whole
+    from .figure import draw_statics
+
+    for stem, path in zip(figures, statics_paths, strict=True):
+        with (
+            open_whole(path) as dataset,
+            style.saved(f"{folder}/{stem}", dataset.attrs, 3.6, columns=1) as figure,
+        ):
+            draw_statics(figure, dataset)

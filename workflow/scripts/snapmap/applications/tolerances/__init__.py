@@ -1,1 +1,98 @@
 """Devices as made: values that scatter.  Imports: requirements."""
+
+from ..requirements import left_out, plain_shocks, shocks_of
+
+public = {"tolerance": "dataset"}
+rule, message = "find_tolerance", "Find the thresholds of devices as made"
+part, caption, threads, megabytes, priority = "6 Devices as made", "tolerance", 4, 4000, 45
+AXES = "C", "f0", "N", "temperature"
+
+
+def section():
+    """What scatters."""
+    from ...config.keys import part
+    from .sections import TolerancesSection
+
+    return part(TolerancesSection, out="no scatter")
+
+
+def request(section, study, document):
+    """What scatters, which every device can have."""
+    from ...device.samples import Plan
+
+    if not section:
+        return None
+    for device in study.devices().values():
+        Plan(device, section.made.scatters, section.made.together)
+    study.set_out({})
+    return section.made
+
+
+def doubts(study):
+    """Lines on scatters that are hardly meant."""
+    from ...config.plausible import wide
+    from ...device.samples import Plan
+
+    plan = study.requests["tolerances"]
+    devices = study.devices().values() if plan else ()
+    return [line for one in devices for line in wide(Plan(one, plan.scatters, plan.together))]
+
+
+def cost(study):
+    """Core time in which they are found, s, about."""
+    from .forecast import made_seconds
+
+    plan = study.requests["tolerances"]
+    return made_seconds(study, study.axes, plan, shocks_of(study)) if plan else 0.0
+
+
+def outputs(study):
+    """Thresholds, probabilities and the yield."""
+    return {"tolerance": "results/tolerance.nc"} if study.requests["tolerances"] else {}
+
+
+def params(study):
+    """Axes, what scatters, required shocks, and what the yield leaves out."""
+    return {
+        "axes": [study.axes[key].tolist() for key in AXES if key in study.axes],
+        "tolerances": study.requests["tolerances"]._asdict(),
+        "requirements": plain_shocks(study),
+        "left_out": left_out(study),
+    }
+
+
+def run(study, path):
+    """Find the thresholds of devices whose values scatter."""
+    from ...study.netcdf import write_product
+    from .dataset import summary, tolerances_of
+
+    axes = {key: study.axes[key] for key in AXES if key in study.axes}
+    plan, requirements = study.requests["tolerances"], shocks_of(study)
+    dataset = tolerances_of(study.of_thresholds(), axes, plan, requirements)
+    if requirements and left_out(study):
+        dataset["yield"].attrs["leaves_out"] = ", ".join(left_out(study))
+    write_product(dataset, path, summary)
+
+
+def figures(study):
+    """Probability and sensitivity for each shape and direction, and the yield of each device."""
+    from ...config.views import batch_places
+    from ...study.axes import DEVICE
+
+    stems = {}
+    for ending, at in batch_places(study.grid).items():
+        stems |= {f"{name}{ending}": {"at": at} for name in ("probability", "sensitivity")}
+    if shocks_of(study):
+        yields = batch_places(study.grid, of=[DEVICE])
+        stems |= {f"yield{ending}": {"at": at} for ending, at in yields.items()}
+    return stems
+
+
+def draw(figures, folder, tolerance_path):
+    """Draw how probably devices snap, on what that depends, and the yield."""
+    from ...study.netcdf import open_whole
+    from .figure import draw_stem
+
+    with open_whole(tolerance_path) as dataset:
+        for stem, where in figures.items():
+            draw_stem(f"{folder}/{stem}", dataset.isel(where["at"]), dataset.attrs)

@@ -1,13 +1,15 @@
 """Devices as made: how probably one snaps, and which value that depends on."""
 
-from collections.abc import Mapping
+import textwrap
+from collections.abc import Iterator, Mapping
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
 from ...figures import style
-from ...figures.curves import LOOKS, STAYS, cross
+from ...figures.curves import LOOKS, STAYS, cross, each_line
 from ...figures.scales import (
     WORDS,
     axis_label,
@@ -15,7 +17,13 @@ from ...figures.scales import (
     scale_of,
     set_scale,
     study_axis,
+    tick,
+    value_text,
 )
+from ...numerics.portable import evenly
+from ...numerics.statistics import percents, scope
+from ...study.study import ANY, SNAPS
+from ..requirements.figure import required_text
 
 LINES = {0.01: ":", 0.1: "--", 0.5: "-", 0.9: "--", 0.99: ":"}
 """Of the shares of devices that snap."""
@@ -29,6 +37,52 @@ FIELD = {"cmap": "Greys", "vmin": 0, "vmax": 3, "edgecolors": "face", "rasterize
 """Of shares; the darkest grey is one that lines are read on."""
 FIRST = {"linestyle": ":", "markerfacecolor": "white", "markeredgewidth": 0.5, "markersize": 2.5}
 """Of indices of first order, beside the solid ones of all."""
+NAME = 24
+"""Signs in a line of a requirement's name beside its shares."""
+FAILS = {"color": "0.9", "linewidth": 0, "label": "the requirement fails"}
+COLUMNS, MOST, LINES = 3, 12, 6
+"""Panels of devices as made side by side, and in a figure, and lines; of more, evenly chosen."""
+ROW, FLAT = 2.6, 1.7
+"""Height of a row of these panels, in; and of histograms."""
+
+
+def draw_stem(stem: str, found: xr.Dataset, attributes: Mapping[str, str]) -> None:
+    """Draw probability, sensitivity or yield, by how the name of the file begins, and save it."""
+    name = Path(stem).name
+    if not name.startswith("yield"):
+        draw = draw_probability if name.startswith("probability") else draw_sensitivity
+        panels = [found.isel(C=i) for i in evenly(found.C.size, MOST)]
+        _draw_panels(stem, panels, draw, attributes)
+        return
+    found = found.isel(C=evenly(found.C.size, LINES))
+    panels = [
+        found.isel(requirement=i, C=j)
+        for i in evenly(found.requirement.size, MOST)
+        for j in evenly(found.C.size, MOST // min(MOST, found.requirement.size))
+    ]
+    _draw_panels(stem, panels, draw_requirement, attributes, found)
+
+
+def _draw_panels(stem, panels, draw, attributes, shares=None):
+    """Panels under one legend; above them the shares that meet requirements, if these are given."""
+    dampings = len({panel.C.item() for panel in panels})
+    columns = dampings if dampings in (2, COLUMNS) else min(COLUMNS, len(panels))
+    rows = -(-len(panels) // columns)
+    heights = [(ROW if shares is None else FLAT) * rows]
+    if shares is not None:
+        rows_above = len(list(each_share(shares))) * shares.C.size
+        heights.insert(0, 0.5 + 0.17 * rows_above)
+    with style.saved(stem, attributes, 0.9 + sum(heights)) as figure:
+        *above, lower = figure.subfigures(len(heights), height_ratios=heights, squeeze=False).flat
+        axes = lower.subplots(rows, columns, squeeze=False).flat
+        for ax, panel in zip(axes, panels, strict=False):
+            draw(ax, panel)
+        for ax in axes[len(panels) :]:
+            ax.remove()
+        if above:
+            draw_yield(above[0].subplots(), shares)
+        words = batch_text(panels[0], attributes)
+        style.legend(figure, style.labelled(figure.axes), words)
 
 
 def draw_probability(ax: Axes, found: xr.Dataset) -> Axes:
@@ -99,3 +153,66 @@ def batch_text(found: xr.Dataset, attributes: Mapping[str, str]) -> str:
     missing = int((found.bistable == 0).sum())
     lost = f", {missing} of them without a second stable shape" if missing else ""
     return f"{found.bistable.size} devices{lost}; {style.case(attributes)}"
+
+
+def draw_requirement(ax: Axes, found: xr.Dataset) -> Axes:
+    """Draw the thresholds of the devices under one required pulse, and what meets it.
+
+    found: of one requirement and C; shaded is where it fails
+    """
+    N_first, N = found.N_first_required.values, found.N_required.item()
+    must = found.must_snap.item()
+    known = N_first[np.isfinite(N_first)]
+    ends = np.array([*known, N])
+    room = 0.05 * np.ptp(ends) or 0.05 * N
+    low, high = max(ends.min() - room, 0), ends.max() + room
+    where = [place_text(found)]
+    if must != SNAPS[ANY]:
+        where.append(f"met by {percents(found.share_meeting)}")
+        ax.axvspan(*((N, high) if must else (low, N)), **FAILS)
+    ax.hist(known, bins="sqrt", color="#0072b2", alpha=0.8)
+    ax.axvline(N, color="black", linewidth=0.8, label="required $N$")
+    words = ", ".join(filter(None, where))
+    ax.set_title(f"{required_text(found.requirement.item(), must)}\n{words}")
+    label = f"threshold $N$ ({style.multiples(found.attrs)})"
+    ax.set(xlim=(low, high), xlabel=label, ylabel="devices")
+    ax.locator_params(axis="y", integer=True)
+    tick(ax.xaxis, low, high, is_log=False)
+    return ax
+
+
+def each_share(found: xr.Dataset) -> Iterator[tuple[str, xr.DataArray, xr.DataArray]]:
+    """Name, share and bounds of each requirement, of beams that it leaves unbroken, and of all."""
+    for name in found.requirement.values.tolist():
+        one = found.sel(requirement=name)
+        if one.must_snap != SNAPS[ANY]:
+            yield name, one.share_meeting, one.share_meeting_bound
+        if "share_breaking" in found:
+            bounds = 1 - one.share_breaking_bound.isel(bound=slice(None, None, -1))
+            yield f"{name}, unbroken", 1 - one.share_breaking, bounds
+    yield f"all together{scope(found['yield'])}", found["yield"], found.yield_bound
+
+
+def draw_yield(ax: Axes, found: xr.Dataset) -> Axes:
+    """Draw the shares of devices that meet each requirement, and all of them, with their bounds.
+
+    found: over requirements and C
+    """
+    names, shares, bounds = zip(*each_share(found), strict=True)
+    shares = np.stack(shares)
+    bounds = np.stack([one.transpose("bound", "C") for one in bounds], axis=1)
+    rows = np.arange(len(names))
+    for i, (one, colour, marker) in enumerate(each_line(found, "C")):
+        y = rows + 0.7 * ((i + 0.5) / found.C.size - 0.5)
+        error = abs(bounds[:, :, i] - shares[:, i])
+        look = {"color": colour, "marker": marker, "linestyle": "", "clip_on": False}
+        ax.errorbar(shares[:, i], y, xerr=error, label=value_text("C", one.C.item()), **look)
+        for at, share, ends in zip(y, shares[:, i], bounds[:, :, i].T, strict=True):
+            words = f"{percents(share)} ({percents(*ends)})"
+            place = {"xytext": (6, 0), "textcoords": "offset points", "va": "center"}
+            ax.annotate(words, (1, at), fontsize=6, **place)
+    ax.axhline(rows[-1] - 0.5, color="0.6", linewidth=0.5)
+    ax.set(xlim=(0, 1), ylim=(rows[-1] + 0.5, -0.5), xlabel="share of devices that meet it")
+    ax.set_yticks(rows, [textwrap.fill(style.literal(name), NAME) for name in names])
+    ax.tick_params(axis="y", which="minor", left=False)
+    return ax

@@ -1,0 +1,97 @@
+# A job reads the config itself. Its params are what its output depends on, as plain values:
+# Snakemake runs it again when they change.
+in_search = study.inputs(*THRESHOLD_SETTINGS)
+axes = {key: values.tolist() for key, values in study.axes.items()}
+making = gather("outputs", study)
+drawing_of = {
+    name: application.figures(study)
+    for name, application in attached().items()
+    if hasattr(application, "figures")
+    and (name in making or hasattr(application, "drawn_from"))
+}
+is_quick = {name: hasattr(one, "quick") for name, one in attached().items()}
+quick = {name: files for name, files in making.items() if is_quick[name]}
+
+
+def drawn_from(name):
+    application = attached()[name]
+    if hasattr(application, "drawn_from"):
+        return application.drawn_from(study)
+    return application.outputs(study)
+
+
+def constant(value):
+    """A function, as a path in a value may have braces."""
+    return lambda wildcards: value
+
+
+def figures_of(name):
+    """Figures of an application, as the report shows them."""
+    application = attached()[name]
+    caption = f"../report/{application.caption}.rst"
+    for stem in drawing_of[name]:
+        paths = [f"results/figures/{stem}.{ending}" for ending in ("png", "pdf")]
+        shown, *others = paths if "." not in stem else [f"results/{stem}"]
+        labels = {"figure": stem}
+        yield report(shown, caption, category=application.part, labels=labels)
+        yield from others
+
+
+for name in [name for name in making if not is_quick[name]]:
+    application = attached()[name]
+    threads_of = getattr(application, "threads", 1)
+
+    rule:
+        name:
+            application.rule
+        input:
+            **getattr(application, "inputs", lambda study: {})(study),
+        output:
+            **making[name],
+        log:
+            f"results/logs/{application.rule}.log",
+        priority: getattr(application, "priority", 45)
+        threads: threads_of(workflow.cores) if callable(threads_of) else threads_of
+        resources:
+            mem_mb=memory(getattr(application, "megabytes", 1000)),
+        params:
+            code=numbers,
+            inputs=in_search,
+            asked=constant(application.params(study)),
+        message:
+            application.message
+        script:
+            "../scripts/jobs.py"
+
+
+for place, name in enumerate(name for name in drawing_of if not is_quick[name]):
+
+    rule:
+        name:
+            f"draw_{name}"
+        input:
+            **drawn_from(name),
+        output:
+            list(figures_of(name)),
+        log:
+            f"results/logs/draw_{name}.log",
+        priority: 83 - place
+        group:
+            "figures"
+        resources:
+            runtime=10,
+        params:
+            figures=constant(drawing_of[name]),
+            code=drawing,
+        message:
+            f"Draw the {name}"
+        script:
+            "../scripts/draw.py"
+
+
+results = ["results/cube.nc"]
+results += [path for name in drawing_of for path in map(str, figures_of(name))]
+for files in making.values():
+    for paths in files.values():
+        results += [paths] if isinstance(paths, str) else paths
+TOLD += [attached()[name].rule for name in making if not is_quick[name]]

@@ -1,0 +1,70 @@
+"""Thresholds over the velocity change of the pulse, as a damage boundary."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.patches import Patch
+
+from ...figures import curves, plane, scales, style
+from ...figures.thresholds import draw_statics, title
+
+DURATION = {"color": "0.6", "linewidth": 0.5, "linestyle": ":", "zorder": 1}
+SHADE = {"color": "0.9", "linewidth": 0, "zorder": 0}
+FAR = 1e9
+"""Beyond the edges of any axes, as a factor."""
+
+
+def draw_damage_boundary(ax: Axes, found: xr.Dataset, lines: str = "C") -> Axes:
+    """Draw N_first over the velocity change (m/s) for each line, and what snaps of the first one.
+
+    found: thresholds over f0 and the axis `lines`; of many lines some are drawn
+    Along dotted lines the duration of the pulse is constant; shaded is what lies above the first
+    curve, of the durations that it has.
+    """
+    found = curves.some_lines(found, "f0", lines)
+    ax.set(xscale="log", xlabel="velocity change of the pulse (m/s)")
+    ax.set(yscale="log", ylabel="peak acceleration $N$ (multiples of $g$)")
+    each = list(curves.each_line(found, lines))
+    for place, (one, colour, marker) in enumerate(each):
+        curves.draw_curve(ax, curves.velocity_change(one).values, one, colour, marker, size=2)
+        if np.isfinite(one.velocity_change):
+            look = curves.limit_look(curves.SHORT, colour, place) | {"label": curves.SHORT}
+            ax.axvline(one.velocity_change.item(), **look)
+    draw_statics(ax, each, "f0")
+    scales.tick(ax.xaxis, *ax.get_xlim())
+    scales.tick(ax.yaxis, *ax.get_ylim())
+    plane.freeze(ax)
+    first = found.isel({lines: 0})
+    _draw_region(ax, first)
+    _draw_durations(ax, first)
+    name = scales.value_text(lines, first[lines].item(), with_unit=lines != "C")
+    shaded = Patch(**SHADE, label=f"snaps, {name}")
+    keys = [*curves.line_keys(found, lines), *style.labelled([ax]), shaded]
+    style.legend(ax, keys, title(found, style.COLUMN), 2)
+    return ax
+
+
+def _draw_region(ax, found):
+    """Shade what snaps at the durations of a curve; where it has a hole, the shade has one."""
+    found = found.sortby("f0", ascending=False)
+    N, v = found.N_first.values, curves.velocity_change(found).values
+    known = np.flatnonzero(np.isfinite(N))
+    for run in np.split(known, np.flatnonzero(np.diff(known) > 1) + 1):
+        if run.size > 1:
+            ends = run[[0, -1]]
+            corners = [np.stack([v, N])[:, run], FAR * np.stack([v, N])[:, ends[::-1]]]
+            ax.fill(*np.concatenate(corners, axis=1), **SHADE)
+
+
+def _draw_durations(ax, found):
+    """Draw lines of constant pulse duration, one a decade, named where they leave the axes."""
+    first, last = np.log10(found.f0.values[[0, -1]])
+    (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
+    for f0 in 10.0 ** np.arange(np.ceil(first), np.floor(last) + 1):
+        v = found.gravity * found.area.item() / (1e-6 * f0)
+        ax.plot([v / FAR, v * FAR], [1 / FAR, FAR], **DURATION)
+        note = {"fontsize": 6, "color": "0.4", "textcoords": "offset points"}
+        if left < v * high < right:
+            ax.annotate(f"{1e3 / f0:g} ms", (v * high, high), (0, 2), ha="center", **note)
+        elif low < right / v < high:
+            ax.annotate(f"{1e3 / f0:g} ms", (right, right / v), (2, 0), va="center", **note)

@@ -1,0 +1,95 @@
+"""The section `histories`: cells whose motion is kept in full."""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ...config.devices import of_device
+from ...config.keys import argument, line_at, quantity
+from ...config.shocks import one_time
+from ...config.units import show
+from ...config.views import frequency_of
+from ...device.argument import Argument
+from ...device.device import VALUES, Device, batch
+from ...study.axes import DEVICE
+
+_Values = of_device(
+    lambda _, kind: quantity(kind, "in place of the device's", out="the device's own")
+)
+
+
+class CellSection(_Values):
+    """A cell whose time history is drawn."""
+
+    N: quantity("number")
+    f0: quantity("frequency", out="required, or `duration`")
+    duration: quantity("pulse", "instead of f0", out="`f0`")
+    C: quantity("damper")
+    device: argument(
+        Argument("the name of one of the devices", lambda name: isinstance(name, str)),
+        out="the first",
+    )
+
+    @classmethod
+    def beside(cls, given: Mapping) -> dict[tuple, str]:
+        """One of f0 and duration is there."""
+        return one_time(given)
+
+
+class History(NamedTuple):
+    """A cell whose time history is drawn.
+
+    name: of its files
+    device: the study's, with what the cell changes; N: multiples of g; f0: Hz; C: uN us/um
+    changes: the values of the device that are not the nominal ones, and its name if it has one
+    """
+
+    name: str
+    device: Device
+    N: float
+    f0: float
+    C: float
+    changes: dict[str, float | str]
+
+    @property
+    def shock(self) -> dict[str, float]:
+        """N, f0 and C."""
+        return {"N": self.N, "f0": self.f0, "C": self.C}
+
+
+def read_cell(cell: Mapping, device: Device | Mapping[str, Device]) -> History:
+    """A cell of a study; ValueError, one line, for one that cannot be.
+
+    cell: N, f0 or duration, C, its device's name and other values of it, in internal units
+    """
+    name, changes = cell.get(DEVICE), {key: cell[key] for key in cell if key in VALUES}
+    if isinstance(device, Mapping):
+        name = next(iter(device)) if name is None else name
+        if name not in device:
+            known = ", ".join(device)
+            raise ValueError(f"no device is called {show(name)}; known are {known}")
+        device = device[name]
+    elif name is not None:
+        raise ValueError("device is for studies of several devices; leave it out")
+    if changes:
+        device = batch([device]).vary({k: np.array([v]) for k, v in changes.items()}).pick(0)
+    if name is not None:
+        changes = {DEVICE: name} | changes
+    f0 = frequency_of(cell["duration"]) if "duration" in cell else cell["f0"]
+    parts = {"N": cell["N"], "f": f0, "C": cell["C"], **changes}
+    words = "_".join(v if k == DEVICE else f"{k}{v:.15g}" for k, v in parts.items())
+    return History(words.replace("inf", "hard"), device, cell["N"], f0, cell["C"], changes)
+
+
+def read_cells(
+    sections: Sequence[CellSection], device: Device | Mapping[str, Device]
+) -> tuple[History, ...]:
+    """Take the cells of a config; ValueError, one line, for one that cannot be."""
+    cells = []
+    for place, section in enumerate(sections):
+        try:
+            cells.append(read_cell(section.given, device))
+        except ValueError as error:
+            raise ValueError(f"[{place}]{line_at((), str(error)).removeprefix('config')}") from None
+    return tuple(cells)

@@ -1,0 +1,139 @@
+"""The section `requirements`: shocks that must, or must not, trip the device."""
+
+from collections.abc import Mapping
+
+from ...config.keys import Section, argument, key, quantity, word
+from ...config.shocks import (
+    PUSHED,
+    PUSHES,
+    TIMED,
+    PulseSection,
+    is_title,
+    one_time,
+    several_shapes,
+    shocks_of,
+)
+from ...config.units import read
+from ...config.views import frequency_of
+from ...device.argument import Argument
+from ...solver.settings import FIRST, SECOND, STARTS
+from ...study.study import ANY, CLOSING
+from .required import RequiredShock
+
+# ASSUME: of devices whose strengths scatter all but one in a thousand must survive.
+SURVIVES = 0.999
+NAME = argument(
+    Argument("a name of its own: letters, digits, spaces, .,:()/%+-_, at most 60", is_title)
+)
+
+
+def snaps(*words: str) -> object:
+    """The key that says whether a device must trip: true, false, or one of some words."""
+    need, what = "true or false", "whether the device must trip"
+    if words:
+        need, what = "true, false or any", f"{what}; any: it may, or not"
+    fits = Argument(need, lambda value: isinstance(value, bool) or value in words)
+    return argument(fits, what)
+
+
+def _survival(value):
+    return SURVIVES * value if isinstance(value, bool) else read(value, "share")
+
+
+class ShockSection(PulseSection):
+    """A shock that must, or must not, trip the device.
+
+    It counts at each temperature of the sweep. Shape and direction that it leaves out are those of
+    `pulse`; of several shapes or directions it counts under each.
+    """
+
+    name: NAME
+    N: quantity("number", "above 0", out="required, but of a drop")
+    snaps: snaps(ANY)
+    survives: key(
+        _survival,
+        "true, false or a share: whether the beam must not break",
+        example="99.99 %",
+        out=f"`true`, that is `{100 * SURVIVES:g} %`",
+    )
+    closes_within: quantity(
+        "pulse", "from its start until the beam is at contact_at", out="any time"
+    )
+    stays_closed: quantity("pulse", "until it opens again", out="any time")
+    f0: quantity("frequency", out="required, or `duration`, or a shock with its own")
+    duration: quantity("pulse", "instead of f0", out="`f0`")
+    shape: several_shapes("or a list of these, all of which count", "those of `pulse`")
+    direction: word(*PUSHES, what=PUSHED, out="that of `pulse`")
+    start: word(*STARTS, what="the shape in which the beam rests at first", out=f"`{FIRST}`")
+
+    @classmethod
+    def beside(cls, given: Mapping) -> dict[tuple, str]:
+        """Name what is there too much, or lacks."""
+        return super().beside(given) | one_time(given, any(name in given for name in TIMED))
+
+    def make(self) -> None:
+        """Nothing by itself; ValueError for what cannot be in any study."""
+        if self.has("N") and not self.N > 0:
+            line = f".N: {self.N:g} is not above 0; a direction of -z pushes the other way"
+            raise ValueError(line)
+        closing = [key for key in CLOSING if self.has(key)]
+        if closing and (self.snaps is False or self.start == SECOND):
+            more = ", and no start" if self.start else ""
+            need = f"write snaps: true or any{more}"
+            raise ValueError(f".{closing[0]}: is of a device that must trip; {need}")
+        if self.snaps == ANY and not (self.least_share or closing):
+            need = "true or false, or survives, closes_within or stays_closed"
+            raise ValueError(f".snaps: any leaves nothing to check; write {need}")
+
+    @property
+    def least_share(self) -> float:
+        """The least probability with which the beam must not break; 0 if it may."""
+        return self.survives if self.has("survives") else SURVIVES
+
+    def under(self, pulse: PulseSection | None) -> RequiredShock:
+        """The requirement in a study.
+
+        pulse: the study's, whose shape and direction hold unless it has its own
+        """
+        values = self.values()
+        if not self.has("shape", *TIMED):
+            values = self._inherited(pulse) | values
+        values["direction"] = self.direction or (pulse and pulse.direction) or "+z"
+        try:
+            shocks = shocks_of(values)
+        except ValueError as error:
+            raise ValueError(str(error).removeprefix("pulse")) from None
+        N = self.N if self.has("N") else next(iter(shocks.shapes.values())).own_N
+        if N is None:
+            raise ValueError(f".N: missing; write {self.needs()['N']}")
+        f0 = frequency_of(self.duration) if self.duration else self.f0
+        required = {"name": self.name, "snaps": self.snaps}
+        required |= {"N": N, "f0": f0 or shocks.own_frequency(), "shocks": shocks}
+        closes = {name: self.given[name] for name in CLOSING if self.has(name)}
+        required |= {"survives": self.least_share, "pulse": values} | closes
+        if self.start == SECOND:
+            required["start"] = self.start
+        return RequiredShock(required)
+
+    @staticmethod
+    def _inherited(pulse):
+        """Shape and shares of the study's pulse, in internal units."""
+        values = pulse.values() if pulse else {}
+        if timed := next((name for name in TIMED if name in values), None):
+            raise ValueError(
+                f".shape: missing, as the study's pulse is a {timed} that lasts a time of its own; "
+                f"write a shape such as half sine, or its {timed}"
+            )
+        return values
+
+
+def requirement(kinds: Mapping[str, type[Section]]) -> object:
+    """A requirement of any kind, in a list; kinds: sections by a key that they alone have."""
+
+    def convert(value):
+        kind = ShockSection
+        if isinstance(value, Mapping):
+            kind = next((kinds[key] for key in kinds if key in value), ShockSection)
+        return kind.model_validate(value)
+
+    return key(convert, ShockSection.what())

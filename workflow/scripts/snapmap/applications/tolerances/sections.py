@@ -1,0 +1,71 @@
+"""The section `tolerances`: what scatters from device to device, or from shock to shock."""
+
+from collections.abc import Mapping
+
+from ...config.devices import of_device
+from ...config.keys import argument, key
+from ...config.units import read, show
+from ...device.samples import DISTRIBUTIONS as SPREADS
+from ...device.samples import INDEX_SAMPLES, OF_DEVICE, SHOCK_FACTORS, Tolerances
+
+_DRAWN = Tolerances._field_defaults
+
+
+def _scatter(name, kind, example=""):
+    """A width, or a mapping of its kind to one; a share stays text."""
+
+    def width(given):
+        if isinstance(given, str) and given.strip().endswith("%"):
+            return f"{100 * read(given, 'share'):.12g} %"
+        if name in SHOCK_FACTORS:
+            raise ValueError(f"{show(given)} is no share; write one such as '5 %'")
+        try:
+            return read(given, kind)
+        except ValueError as error:
+            share = f", or a share such as '{given} %'" if isinstance(given, int | float) else ""
+            raise ValueError(f"{error}{share}") from None
+
+    def convert(given):
+        if not isinstance(given, Mapping):
+            return width(given)
+        if len(given) != 1 or next(iter(given)) not in SPREADS:
+            raise ValueError(f"{show(given)} is not of one of {', '.join(SPREADS)}, with its width")
+        return {spread: width(value) for spread, value in given.items()}
+
+    value = "" if name in SHOCK_FACTORS else " or a value"
+    need = f"a standard deviation, as a share{value}, or a mapping of its kind to such a width"
+    return key(convert, need, example=example, out="no scatter")
+
+
+class TolerancesSection(of_device(_scatter, OF_DEVICE)):
+    """What scatters between devices, or between shocks.
+
+    Kinds are normal, uniform (half the width), lognormal, and truncated at two standard deviations.
+    """
+
+    C: _scatter("C", "", "10 %")
+    N: _scatter("N", "", "2 %")
+    duration: _scatter("duration", "", "{uniform: 5 %}")
+    together: argument(
+        "together",
+        "each varies by one draw",
+        example="[[thickness, depth]]",
+        out="each value by itself",
+    )
+    samples: argument("samples", "devices that are drawn", out=f"`{_DRAWN['samples']}`")
+    index_samples: argument(
+        "index_samples",
+        "for the Sobol indices; rounded down to a power of two",
+        out=f"`{INDEX_SAMPLES}`, or `samples` if fewer",
+    )
+    seed: argument("seed", "of the draws", out=f"`{_DRAWN['seed']}`")
+
+    def make(self) -> Tolerances:
+        """What scatters."""
+        options = {name: self.given[name] for name in Tolerances._fields if self.has(name)}
+        scatters = {name: width for name, width in self.given.items() if name not in options}
+        made = Tolerances(scatters, **options)
+        if (made.index_samples or 0) > made.samples:
+            most = f"is more than samples, {made.samples}"
+            raise ValueError(f".index_samples: {made.index_samples} {most}")
+        return made

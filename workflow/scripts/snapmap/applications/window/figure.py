@@ -1,0 +1,141 @@
+"""Where over two axes required shocks are met."""
+
+import textwrap
+from itertools import cycle
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import FigureBase
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.patheffects import withTickedStroke
+
+from ...figures import plane, style
+from ...figures.curves import LOOKS
+from ...figures.scales import (
+    NONE,
+    axis_label,
+    number,
+    place_text,
+    tick,
+)
+from ...numerics.between import (
+    FAR,
+    between,
+    least_reserve,
+    reserves_between,
+)
+from ...numerics.statistics import percents
+from ...study.axes import Units
+from ..requirements.figure import required_text
+
+MEETING = {"color": "#a9cfe8", "linewidth": 0, "label": "all requirements are met"}
+FAILING = {"color": "#fdebdc", "linewidth": 0, "label": "a requirement fails"}
+BEGINS_TO_FAIL = [withTickedStroke(angle=-90, length=0.6, spacing=6)]
+POINTS = {"color": "0.3", "linestyle": "", "marker": ".", "markersize": 1.5, "clip_on": False}
+POINTS["label"] = "points that were computed"
+MARGINS, SHARES = (1.02, 1.05, 1.1, 1.15, 1.2, 1.5, 2), (0.5, 0.9, 0.99)
+"""Level lines of factors by which an N may change, and of shares of devices."""
+
+
+def draw_window(figure: FigureBase, found: xr.Dataset, x: str, y: str, units: Units = NONE) -> None:
+    """Draw over two axes where all requirements are met: margins, yield and stress, if known.
+
+    found: as from `window.window_of`; units: in which the axes are drawn, if not internal ones
+    Lines are where a requirement begins to fail, with ticks on that side. Between points all is
+    straight along either axis.
+    """
+    found = found.squeeze([key for key in found.reserve.dims[1:] if key not in (x, y)])
+    found = found.transpose("requirement", ..., y, x)
+    sizes = {key: size for key, (_, size) in units.items()}
+    found = found.assign_coords({key: found[key].values / sizes[key] for key in sizes})
+    reserve = reserves_between(found.reserve.values)
+    least = least_reserve(reserve)
+    fields = {"least factor that $N$ may change by": (least, MARGINS)}
+    if "yield" in found:
+        fields["share of devices that meet all"] = between(found["yield"].values), SHARES
+    if "stress_max" in found:
+        fields["largest stress (MPa)"] = found.stress_max.max("requirement"), ()
+    axes = figure.subplots(1, len(fields), squeeze=False, sharey=True)[0]
+    for ax, (title, (field, levels)) in zip(axes, fields.items(), strict=True):
+        across = _open_window(ax, found, x, y, units)
+        ax.set_title(title)
+        ax.label_outer()
+        grid = [between(scale.places, 1) for scale in across]
+        if levels:
+            _fill_window(ax, grid, least)
+            for lines in _level_lines(ax, grid, field, levels, colors="0.3", linewidths=0.6):
+                ax.clabel(lines, fmt=number, fontsize=6)
+        else:
+            plane.colour_bar(ax, plane.fill_field(ax, field, *across, cmap="cividis"), "")
+        for one, (colour, _) in zip(reserve, cycle(LOOKS), strict=False):
+            for edge in _level_lines(ax, grid, one, [1], colors=colour):
+                edge.set(path_effects=BEGINS_TO_FAIL)
+    places = np.meshgrid(*(scale.places for scale in across))
+    points = axes[0].plot(*map(np.ravel, places), **POINTS)
+    style.legend(figure, [*_window_keys(found, reserve, least), *points], _about(found, reserve), 3)
+
+
+def _open_window(ax, found, x, y, units):
+    """As `plane.open_plane`, in other units, up to the outermost points."""
+    across = plane.open_plane(ax, found, x, y)
+    for which, scale in zip("xy", across, strict=True):
+        unit, _ = units.get(scale.key, ("", 1.0))
+        ends = scale.places[[0, -1]]
+        ax.set(**{f"{which}lim": ends, f"{which}label": axis_label(scale.key, unit=unit)})
+        if not scale.is_counted:
+            tick(getattr(ax, f"{which}axis"), *ends, scale.is_log)
+    return across
+
+
+def _fill_window(ax, grid, least):
+    """Fill what is met and what is not; what is neither stays hatched."""
+    if np.isnan(least).any():
+        ax.patch.set(**plane.ABSENT)
+    ax.contourf(*grid, least, [0, 1, FAR], colors=[FAILING["color"], MEETING["color"]])
+
+
+def _level_lines(ax, grid, field, levels, **look):
+    """Contours at those levels that a field has, if it has any."""
+    low, high = _ends(field)
+    if within := [level for level in levels if low < level < high]:
+        yield ax.contour(*grid, field, within, **look)
+
+
+def _ends(field):
+    """The least and the largest that is known."""
+    return np.nanmin(field, initial=np.inf), np.nanmax(field, initial=-np.inf)
+
+
+def _window_keys(found, reserve, least):
+    """Keys of what a window shows: of requirements that begin to fail in it, and of colours."""
+    known = least[np.isfinite(least)]
+    for one, must, (colour, _) in zip(reserve, found.must_snap, cycle(LOOKS), strict=False):
+        low, high = _ends(one)
+        if low < 1 < high:
+            label = required_text(must.requirement.item(), must.item())
+            yield Line2D([], [], color=colour, path_effects=BEGINS_TO_FAIL, label=label)
+    if (known >= 1).any():
+        yield Patch(**MEETING)
+    if (known < 1).any():
+        yield Patch(**FAILING)
+    if known.size < least.size:
+        yield Patch(facecolor="white", **plane.ABSENT, label="no device, or not known")
+
+
+def _about(found, reserve):
+    """What a window holds for, which requirements never end it, and how sure it is."""
+    bar, off = (found.N_error / found.N_first).max(), found.reserve.attrs["off_between_points"]
+    sure = f"error bars up to {percents(bar)}, between points up to {percents(off)} more"
+    if "yield" in found:
+        sure += f", shares within {percents(abs(found.yield_bound - found['yield']).max())}"
+    words = [place_text(found)]
+    if "temperatures" in found.attrs:
+        low, *_, high = np.sort(found.attrs["temperatures"])
+        words.append(f"at each temperature from {number(low)} to {number(high)} °C")
+    everywhere = {"met": (reserve >= 1).all(axis=(1, 2)), "failed": (reserve < 1).all(axis=(1, 2))}
+    for word, which in everywhere.items():
+        if names := ", ".join(found.requirement.values[which]):
+            words.append(style.literal(f"{word} everywhere: {names}"))
+    words.append(f"ticks: where a requirement fails; {sure}")
+    return "\n".join(textwrap.fill(line, style.PAGE) for line in words if line)
