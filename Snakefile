@@ -118,8 +118,8 @@ onsuccess:
     logs = {job.rule.name: job.log[0] for job in jobs.values() if job.log}
     for log in [logs[rule] for rule in TOLD if rule in logs]:
         # The last line is the summary; warnings were printed as they came.
-        summary = Path(log).read_text(encoding="utf-8").splitlines()[-1:]
-        print(*summary, file=sys.stderr)
+        if summary := Path(log).read_text(encoding="utf-8").splitlines()[-1:]:
+            print(*summary, file=sys.stderr)
     if "draw_page" in logs:
         print("results/explore.html: open it in a browser", file=sys.stderr)
 

@@ -8,13 +8,8 @@ from pathlib import Path
 
 import yaml
 
-from snapmap.applications.calibration import section as calibration
-from snapmap.config import (
-    devices,
-    models,
-    shocks,
-    units,
-)
+from snapmap.applications import gather
+from snapmap.config import devices, models, shocks, units
 from snapmap.config.keys import Range
 from snapmap.config.study import load_config
 from snapmap.device.device import VALUES
@@ -82,14 +77,11 @@ SECTIONS = {
     "pulse.drop": shocks.Drop,
     "sweep": models.SweepSection,
     "an axis given as a range": Range,
-    "tolerances": models.TolerancesSection,
-    "calibration": calibration.CalibrationSection,
-    "calibration.unknowns": calibration.UnknownsSection,
-    "each of requirements": shocks.RequirementSection,
-    "each of histories": models.CellSection,
     "each of maps": models.MapSection,
     "each of thresholds": models.LinesSection,
 }
+for sections in gather("described").values():
+    SECTIONS |= sections
 
 PAGE = """\
 # The config, key by key

@@ -18,12 +18,7 @@ from matplotlib.axes import Axes
 from snapmap import threshold
 from snapmap.device.device import Device
 from snapmap.figures import style
-from snapmap.files.text import (
-    DASH,
-    number,
-    ratio,
-    table,
-)
+from snapmap.files.text import DASH, number, ratio, table
 from snapmap.solver.adaptive import build_adaptive
 from snapmap.solver.cells import Cells, to_cells
 from snapmap.solver.models import Model, build_model

@@ -18,12 +18,7 @@ from snapmap.pulse.shocks import HANDOUT_SHOCK, Shocks
 from snapmap.solver.cells import Rows, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
-from snapmap.thresholds.islands import (
-    FOUND,
-    NARROW,
-    NOT_FOLLOWED,
-    NOTHING_SNAPS,
-)
+from snapmap.thresholds.islands import FOUND, NARROW, NOT_FOLLOWED, NOTHING_SNAPS
 from snapmap.thresholds.search import lowest_snap
 
 from .common import SMALL, Run, few

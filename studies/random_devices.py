@@ -6,12 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from snapmap.device.device import Beam, Device
-from snapmap.pulse.pulse import (
-    DIRECTIONS,
-    SHAPES,
-    make_pulse,
-    sampled,
-)
+from snapmap.pulse.pulse import DIRECTIONS, SHAPES, make_pulse, sampled
 from snapmap.pulse.shocks import Shocks
 
 PULSES, DAMPINGS = 4, (0.01, 0.6)

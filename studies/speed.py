@@ -17,13 +17,7 @@ from time import perf_counter
 import numpy as np
 
 from snapmap.device.device import Device
-from snapmap.files.text import (
-    DASH,
-    number,
-    rate,
-    ratio,
-    table,
-)
+from snapmap.files.text import DASH, number, rate, ratio, table
 from snapmap.solver.cells import Cells, to_cells
 from snapmap.solver.models import Model, build_model
 from snapmap.solver.settings import Settings

@@ -17,25 +17,13 @@ from snapmap.pulse.shocks import Shocks
 from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import (
-    EDGE,
-    SNAP,
-    STAY,
-    Settings,
-)
+from snapmap.solver.settings import EDGE, SNAP, STAY, Settings
 from snapmap.solver.steps import LONGEST
 from snapmap.thresholds.islands import first_seen, wide_scan
 from snapmap.thresholds.search import asker, refine
 
 from .common import ROOT, few
-from .random_devices import (
-    FREQUENCIES,
-    draw_any_device,
-    draw_device,
-    draw_pulse,
-    draw_shocks,
-    even,
-)
+from .random_devices import FREQUENCIES, draw_any_device, draw_device, draw_pulse, draw_shocks, even
 
 SEED, DEVICES, COSINES, THREADS = 5, 24, 7, 2
 DEFAULT = "default"

@@ -9,21 +9,10 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from snapmap import (
-    load_device,
-    simulate,
-    statics,
-    sweep,
-)
+from snapmap import load_device, simulate, statics, sweep
 from snapmap.beam.cosines import buckling_shapes, symmetric_cosines
 from snapmap.beam.elements import hermite_elements
-from snapmap.beam.equilibria import (
-    BucklingModes,
-    displacement,
-    find_barrier,
-    push,
-    roots,
-)
+from snapmap.beam.equilibria import BucklingModes, displacement, find_barrier, push, roots
 from snapmap.beam.modal import buckling, contact_stiffness
 from snapmap.files.text import table
 from snapmap.numerics.linalg import apply, eigh

@@ -11,6 +11,7 @@ import pytest
 import yaml
 
 import snapmap
+from snapmap.applications import attached
 from snapmap.files.extras import EXTRAS
 
 
@@ -19,32 +20,80 @@ def test_the_config_reference_is_what_the_models_say(root):
     assert runpy.run_path(root / "docs" / "make_config_reference.py")["reference"]() == page
 
 
-@pytest.fixture(scope="module")
-def architecture(root):
-    return (root / "docs" / "architecture.md").read_text(encoding="utf-8")
+CORE = ("numerics", "files", "device", "pulse", "beam", "solver", "study", "thresholds", "sweeps")
+SHELL = ("arguments", "config", "figures", "workflow", "public")
+ABOVE = {"applications": ("config", "figures", "arguments"), "config": ("applications",)}
+"""What may be imported beside the rooms before: the list of applications holds names alone."""
+MOST_LINES = {"core": 10_500, "shell": 4_000, "application": 900}
+
+
+def rooms_of(path, package):
+    """The room of a file: a folder or module at the top of the package, or an application."""
+    parts = path.relative_to(package).with_suffix("").parts
+    is_application = parts[0] == "applications" and len(parts) > 2
+    return "/".join(parts[:2]) if is_application else parts[0]
 
 
 def imported(path, package):
-    """The folders and modules at the top of the package that a file imports."""
+    """The rooms that a file imports, wherever in it."""
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom) and node.level:
             base = path.parents[node.level - 1]
-            targets = [node.module] if node.module else [name.name for name in node.names]
-            for target in targets:
-                yield base.joinpath(*target.split(".")).relative_to(package).parts[0]
+            modules = [node.module] if node.module else [name.name for name in node.names]
+            for module in modules:
+                target = base.joinpath(*module.split("."))
+                if target != package and package in target.parents:
+                    yield rooms_of(target / "module.py" if target.is_dir() else target, package)
 
 
-def test_imports_point_as_the_page_on_architecture_shows(root, architecture):
-    package = root / "workflow" / "scripts" / "snapmap"
-    (diagram,) = re.findall(r"```text\n(.*?)```", architecture, re.S)
-    lines = [re.findall(r"(\w+)(?:/|\.py)(?= |$)", line[:38]) for line in diagram.splitlines()]
-    level = {name: place for place, names in enumerate(lines) for name in names}
-    files = [path for path in package.rglob("*.py") if path != package / "__init__.py"]
-    top = {path: path.relative_to(package).with_suffix("").parts[0] for path in files}
-    assert set(level) == set(top.values())
-    for path, name in top.items():
-        for other in set(imported(path, package)) & set(level) - {name}:
-            assert level[other] < level[name], f"{path.relative_to(package)} imports {other}"
+@pytest.fixture(scope="module")
+def package(root):
+    return root / "workflow" / "scripts" / "snapmap"
+
+
+def test_rooms_import_those_before_them_and_the_core_no_application(package):
+    ranks = {name: rank for rank, name in enumerate((*CORE, *SHELL))}
+    for path in set(package.rglob("*.py")) - {package / "__init__.py"}:
+        room = rooms_of(path, package)
+        for other in set(imported(path, package)) - {room}:
+            where = f"{path.relative_to(package)} imports {other}"
+            if room.startswith("applications/"):
+                assert other.startswith("applications/") or other in (*CORE, *SHELL[:-1]), where
+            elif other in ABOVE.get(room, ()):
+                continue
+            else:
+                assert room in SHELL or other in CORE, where
+                assert ranks[other] < ranks[room], where
+
+
+def test_an_application_imports_those_that_its_first_line_names(package):
+    for name, application in attached().items():
+        first = application.__doc__.partition("\n")[0]
+        named = re.findall(r"\w+", first.partition("Imports:")[2].replace("core alone", ""))
+        folder = package / "applications" / name
+        rooms = {room for path in folder.rglob("*.py") for room in imported(path, package)}
+        rooms -= {f"applications/{name}", "applications"}
+        used = {room.partition("/")[2] for room in rooms if room.startswith("applications/")}
+        assert used <= {*named}, (name, used)
+
+
+def test_rooms_are_no_larger_than_one_reads(package):
+    def lines(*rooms):
+        files = [path for path in package.rglob("*.py") if rooms_of(path, package) in rooms]
+        return sum(len(path.read_text(encoding="utf-8").splitlines()) for path in files)
+
+    assert lines(*CORE) <= MOST_LINES["core"] and lines(*SHELL) <= MOST_LINES["shell"]
+    for name in attached():
+        assert lines(f"applications/{name}") <= MOST_LINES["application"], name
+
+
+def test_the_page_on_architecture_names_every_room(root, package):
+    page = (root / "docs" / "architecture.md").read_text(encoding="utf-8")
+    (tree,) = re.findall(r"```text\n(.*?)```", page, re.S)
+    words = set(re.findall(r"\w+", tree))
+    assert {*CORE, *SHELL, *attached()} <= words
+    folders = {path.name for path in package.iterdir() if (path / "__init__.py").exists()}
+    assert folders == {*CORE, *SHELL, "applications"} & folders
 
 
 @pytest.fixture(scope="module")

@@ -5,15 +5,7 @@ from itertools import product
 import numpy as np
 
 from snapmap.files.text import table
-from snapmap.solver.outcome import (
-    FAILED,
-    LATCHED,
-    NEVER,
-    OUTCOMES,
-    RETURNED,
-    SNAPPED,
-    UNSNAPPED,
-)
+from snapmap.solver.outcome import FAILED, LATCHED, NEVER, OUTCOMES, RETURNED, SNAPPED, UNSNAPPED
 
 from .verdicts import CAUGHT, LEFT_OUT, REFUSED, SENSITIVE, SHIFTED, UNSEEN, VERDICTS
 

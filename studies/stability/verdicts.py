@@ -5,13 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from snapmap.solver.outcome import (
-    FAILED,
-    LATCHED,
-    NEVER,
-    RETURNED,
-    SNAPPED,
-)
+from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
 
 
 class Verdict(IntEnum):

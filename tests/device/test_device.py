@@ -7,14 +7,7 @@ import pytest
 
 import snapmap
 from snapmap.config.devices import read_device
-from snapmap.device.device import (
-    ALONE,
-    STRENGTH,
-    THERMAL,
-    VALUES,
-    Beam,
-    Device,
-)
+from snapmap.device.device import ALONE, STRENGTH, THERMAL, VALUES, Beam, Device
 from snapmap.study.provenance import device_sections
 
 BEAM = Beam(span=600.0, rise=10.0, thickness=2.0, depth=22.0, youngs_modulus=1.5e5, density=0.00233)

@@ -21,13 +21,7 @@ from snapmap.applications.histories import figure as histories
 from snapmap.applications.requirements import figure as requirements
 from snapmap.applications.statics import figure as statics
 from snapmap.applications.tolerances import figure as tolerances
-from snapmap.figures import (
-    curves,
-    maps,
-    scales,
-    style,
-    thresholds,
-)
+from snapmap.figures import curves, maps, scales, style, thresholds
 
 
 def make_statics():

@@ -7,14 +7,7 @@ import pytest
 
 from snapmap.numerics import portable
 from snapmap.numerics.kernels import sine
-from snapmap.numerics.linalg import (
-    apply,
-    dot,
-    eigenvalues,
-    eigh,
-    multiply,
-    solve,
-)
+from snapmap.numerics.linalg import apply, dot, eigenvalues, eigh, multiply, solve
 from snapmap.numerics.portable import geometric, linear
 
 SIZES = [1, 2, 3, 8, 19]

@@ -9,19 +9,9 @@ from conserving_loop import assert_followed
 from scipy.interpolate import CubicSpline
 
 import snapmap
-from snapmap.pulse.pulse import (
-    SHAPES,
-    make_pulse,
-    sampled,
-    table,
-)
+from snapmap.pulse.pulse import SHAPES, make_pulse, sampled, table
 from snapmap.solver.kernel import rows as R
-from snapmap.solver.kernel.pulse import (
-    BLOCK,
-    begin_pulse,
-    no_pulse,
-    set_out,
-)
+from snapmap.solver.kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.models import build_model
 

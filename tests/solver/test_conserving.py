@@ -13,12 +13,7 @@ from snapmap.solver import simd_loop
 from snapmap.solver.cells import to_cells
 from snapmap.solver.kernel import rows as R
 from snapmap.solver.kernel.lanes import load
-from snapmap.solver.kernel.pulse import (
-    BLOCK,
-    begin_pulse,
-    no_pulse,
-    set_out,
-)
+from snapmap.solver.kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.kernel.step import advance
 from snapmap.solver.models import build_model

@@ -10,14 +10,7 @@ from snapmap.beam.limit_loads import static_threshold
 from snapmap.pulse.pulse import SHAPES, make_pulse
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import (
-    EDGE,
-    MOVE,
-    QUESTIONS,
-    SNAP,
-    STAY,
-    Settings,
-)
+from snapmap.solver.settings import EDGE, MOVE, QUESTIONS, SNAP, STAY, Settings
 from snapmap.solver.steps import (
     FAST,
     FEWEST,

@@ -3,14 +3,7 @@
 import numpy as np
 import pytest
 
-from snapmap.solver.outcome import (
-    FAILED,
-    LATCHED,
-    NEVER,
-    RETURNED,
-    SNAPPED,
-    UNSNAPPED,
-)
+from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED, UNSNAPPED
 from studies.stability import verdicts as V
 from studies.stability.cases import CASES, MODELS, Case
 from studies.stability.measure import measure

@@ -10,27 +10,9 @@ from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
 from snapmap.thresholds.bars import distance as distance_to
-from snapmap.thresholds.islands import (
-    NARROW,
-    _closer_window,
-    _decide,
-    _whole_window,
-    first_seen,
-)
-from snapmap.thresholds.search import (
-    amplitudes,
-    asker,
-    near,
-    refine,
-    scan,
-    walk,
-)
-from snapmap.thresholds.transitions import (
-    BESIDE,
-    CLOSEST_STEP,
-    Window,
-    stretches,
-)
+from snapmap.thresholds.islands import NARROW, _closer_window, _decide, _whole_window, first_seen
+from snapmap.thresholds.search import amplitudes, asker, near, refine, scan, walk
+from snapmap.thresholds.transitions import BESIDE, CLOSEST_STEP, Window, stretches
 from snapmap.thresholds.witness import Close
 
 

@@ -16,13 +16,7 @@ from small_workflow import snakemake
 import snapmap
 from snapmap.config.study import load_config
 from snapmap.files.made import HEAD, LIST
-from snapmap.solver.outcome import (
-    FAILED,
-    LATCHED,
-    NEVER,
-    RETURNED,
-    SNAPPED,
-)
+from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
 from snapmap.workflow.products import products
 
 DRAWING = {"draw_snaps", "draw_study", "draw_page"}

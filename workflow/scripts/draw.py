@@ -4,12 +4,7 @@ import gc
 from contextlib import nullcontext
 
 from snapmap.applications import attached
-from snapmap.figures import (
-    maps,
-    scales,
-    style,
-    thresholds,
-)
+from snapmap.figures import maps, scales, style, thresholds
 from snapmap.files.tables import read_points
 from snapmap.study.netcdf import check_alike, open_whole
 from snapmap.workflow.job_log import run_rule

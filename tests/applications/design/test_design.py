@@ -7,12 +7,7 @@ import numpy as np
 import pytest
 
 import snapmap
-from snapmap.applications.design.design import (
-    _ends,
-    _single,
-    _single_shocks,
-    remedy,
-)
+from snapmap.applications.design.design import _ends, _single, _single_shocks, remedy
 from snapmap.pulse.shocks import make_shocks
 from snapmap.study.study import Study, with_shocks
 from snapmap.thresholds.population import thresholds_at

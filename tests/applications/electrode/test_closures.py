@@ -11,12 +11,7 @@ from varied import varied
 import snapmap
 from snapmap.applications.histories.history import closing_of
 from snapmap.applications.requirements.check import Verdict, judge_closing
-from snapmap.solver.closures import (
-    CLOSING,
-    Closures,
-    closures_of,
-    passages,
-)
+from snapmap.solver.closures import CLOSING, Closures, closures_of, passages
 from snapmap.solver.settings import Settings
 from snapmap.study.study import Study
 

@@ -13,12 +13,7 @@ from small_results import SETTINGS, swept
 
 from snapmap.applications.page import traces as envelopes
 from snapmap.applications.page.figure import GREY, WORDS, page
-from snapmap.figures.states import (
-    SNAPS,
-    end_elsewhere,
-    end_states,
-    snap_states,
-)
+from snapmap.figures.states import SNAPS, end_elsewhere, end_states, snap_states
 from snapmap.study.netcdf import write
 from snapmap.study.study import Study
 

@@ -7,6 +7,7 @@ is its contract, a module of which every name may be missing:
     public          functions for Python by name, each with the module of the folder that has it
     section()       the field of its key in a config
     key             that key, if it is not the name of the folder
+    described()     sections by their headings on docs/config.md
     request(section, study, document)   what a study asks of it; ValueError, one line
     files(study)    SHA-256 of the files that its section names, by path
     doubts(study)   lines on what is hardly meant

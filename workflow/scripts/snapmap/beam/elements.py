@@ -6,14 +6,7 @@ from math import pi
 import numpy as np
 
 from ..device.shape import slope_products
-from ..numerics.linalg import (
-    apply,
-    dot,
-    multiply,
-    outer,
-    solve,
-    solve_all,
-)
+from ..numerics.linalg import apply, dot, multiply, outer, solve, solve_all
 from ..numerics.portable import sine
 from .basis import Basis, block_diagonal
 from .cosines import antisymmetric_loads

@@ -18,14 +18,7 @@ from ..device.device import Beam, Device, Value
 from ..numerics.linalg import apply, dot, eigh
 from .basis import Basis
 from .cosines import buckling_shapes, symmetric_cosines
-from .modal import (
-    at_rest,
-    buckling,
-    first_midpoint,
-    halfway,
-    unit_beams,
-    unit_form,
-)
+from .modal import at_rest, buckling, first_midpoint, halfway, unit_beams, unit_form
 
 COSINES = 40
 

@@ -6,21 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..device.device import (
-    Beam,
-    Device,
-    Value,
-    batch,
-)
-from .equilibria import (
-    BucklingModes,
-    alone,
-    buckling_modes,
-    displacement,
-    push,
-    roots,
-    shapes_of,
-)
+from ..device.device import Beam, Device, Value, batch
+from .equilibria import BucklingModes, alone, buckling_modes, displacement, push, roots, shapes_of
 from .modal import contact_stiffness, first_midpoint, pulse_load
 
 GRID, ZOOM, ZOOMS = 100, 12, 9

@@ -14,14 +14,7 @@ import numpy as np
 
 from ..device.arch import equilibria
 from ..device.device import Beam, Device, Value
-from ..numerics.linalg import (
-    apply,
-    dot,
-    eigh,
-    multiply,
-    outer,
-    solve,
-)
+from ..numerics.linalg import apply, dot, eigh, multiply, outer, solve
 from .basis import Basis
 from .elements import hermite_elements
 

@@ -9,12 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..device.device import Beam, Device, Value
-from ..numerics.linalg import (
-    apply,
-    multiply,
-    outer,
-    solve,
-)
+from ..numerics.linalg import apply, multiply, outer, solve
 from .basis import Basis
 from .modal import at_rest, halfway, unit_beams
 

@@ -23,16 +23,7 @@ from ..device.device import (
 )
 from ..device.measured_shape import read_shape
 from ..device.quantities import QUANTITIES
-from .keys import (
-    Section,
-    either,
-    lines_of,
-    many,
-    part,
-    path,
-    quantity,
-    word,
-)
+from .keys import Section, either, lines_of, many, part, path, quantity, word
 from .yaml_file import ConfigError, read_document
 
 AS_MEASURED = 0.1

@@ -14,32 +14,11 @@ from ..files.named import sha256_of
 from ..files.tables import ROWS, read_points
 from ..solver.adaptive import TOLERANCE
 from ..solver.options import OPTIONS
-from ..solver.settings import (
-    FIRST,
-    STARTS,
-    THRESHOLD_TOLERANCE,
-    Settings,
-)
+from ..solver.settings import FIRST, STARTS, THRESHOLD_TOLERANCE, Settings
 from ..study.axes import COORDINATES, axis_behind
 from .devices import DeviceSection, of_device
-from .keys import (
-    Section,
-    argument,
-    axis,
-    flag,
-    many,
-    part,
-    path,
-    quantity,
-    word,
-    words,
-)
-from .shocks import (
-    TIMED,
-    PulseSection,
-    is_title,
-    one_time,
-)
+from .keys import Section, argument, axis, flag, many, part, path, quantity, word, words
+from .shocks import TIMED, PulseSection, is_title, one_time
 from .units import show
 from .views import MOST_MAPS
 

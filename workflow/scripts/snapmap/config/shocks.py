@@ -5,23 +5,10 @@ from collections.abc import Mapping
 from ..device.argument import Argument
 from ..files.named import sha256_of
 from ..files.text import is_name
-from ..pulse.pulse import (
-    DIRECTIONS,
-    SHAPES,
-    SHARES,
-    VERSED_SINE,
-)
+from ..pulse.pulse import DIRECTIONS, SHAPES, SHARES, VERSED_SINE
 from ..pulse.recorded import RECORD, read_pulse
 from ..pulse.shocks import MAKERS, Shocks, make_shocks
-from .keys import (
-    Section,
-    argument,
-    many,
-    part,
-    path,
-    quantity,
-    word,
-)
+from .keys import Section, argument, many, part, path, quantity, word
 
 TIMED = ("file", *MAKERS)
 """Keys of shocks that are more than a shape, and last as long as they last."""

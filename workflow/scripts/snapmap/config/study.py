@@ -13,33 +13,14 @@ from ..device.measured_shape import PROFILE
 from ..device.quantities import QUANTITIES
 from ..files.named import hold_to_plan, sha256_of
 from ..pulse.shocks import HANDOUT_SHOCK
-from ..solver.settings import (
-    SECOND,
-    THRESHOLD_TOLERANCE,
-    Settings,
-)
-from ..study.axes import (
-    SHOCK_AXES,
-    TEMPERATURE,
-    Grid,
-    Units,
-    make_grid,
-)
-from ..study.study import (
-    FOLLOWED,
-    Study,
-)
+from ..solver.settings import SECOND, THRESHOLD_TOLERANCE, Settings
+from ..study.axes import SHOCK_AXES, TEMPERATURE, Grid, Units, make_grid
+from ..study.study import FOLLOWED, Study
 from .devices import nominal
 from .keys import line_at, lines_of
 from .models import Document
 from .units import unit_of
-from .views import (
-    View,
-    choose_curves,
-    choose_maps,
-    frequency_of,
-    read_places,
-)
+from .views import View, choose_curves, choose_maps, frequency_of, read_places
 from .yaml_file import ConfigError
 
 AXES = *VALUES, *SHOCK_AXES

@@ -9,13 +9,7 @@ import numpy as np
 from ..device.device import VALUES, Device
 from ..device.quantities import QUANTITIES
 from ..numerics.portable import evenly
-from ..study.axes import (
-    DURATION,
-    NAMES,
-    PULSE_AXES,
-    Grid,
-    axis_behind,
-)
+from ..study.axes import DURATION, NAMES, PULSE_AXES, Grid, axis_behind
 from .units import read, show
 
 MOST_DAMPINGS = 6

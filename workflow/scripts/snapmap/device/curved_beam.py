@@ -13,15 +13,7 @@ from ..files.text import show
 from .arch import Equilibria, equilibria, least_residual
 from .checks import numbers, require, require_quantity
 from .quantities import QUANTITIES, bounds_of
-from .shape import (
-    BISTABILITY_LIMIT,
-    TERMS,
-    TILT,
-    Value,
-    coefficients,
-    midpoint,
-    modes_of,
-)
+from .shape import BISTABILITY_LIMIT, TERMS, TILT, Value, coefficients, midpoint, modes_of
 
 THINNEST = 1e6
 """Most of rise over thickness: beyond, the digits of a float no longer hold bending and stretch."""

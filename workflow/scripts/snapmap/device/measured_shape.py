@@ -8,12 +8,7 @@ import numpy as np
 
 from ..files.named import naming, read_named
 from ..files.tables import read_table
-from ..numerics.linalg import (
-    apply,
-    dot,
-    multiply,
-    solve,
-)
+from ..numerics.linalg import apply, dot, multiply, solve
 from ..numerics.portable import sine
 from .shape import TILT
 

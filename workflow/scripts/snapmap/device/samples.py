@@ -8,13 +8,7 @@ import numpy as np
 
 from ..files.text import show
 from .checks import numbers
-from .device import (
-    FROM_ZERO,
-    OF_MASS,
-    SIGNED,
-    VALUES,
-    Device,
-)
+from .device import FROM_ZERO, OF_MASS, SIGNED, VALUES, Device
 
 OF_DEVICE = tuple(key for key in VALUES if key != "temperature")
 """Values of the device that scatter: it is as warm as it is."""

@@ -14,12 +14,7 @@ from ..files.text import show
 from ..study.axes import axis_behind
 from ..sweeps.cube import outcome_names, require_cube
 from . import plane, states, style
-from .curves import (
-    LONG,
-    draw_band,
-    draw_impulsive,
-    draw_static,
-)
+from .curves import LONG, draw_band, draw_impulsive, draw_static
 from .scales import place_text, scale_of, tick
 
 RATIO = 0.72

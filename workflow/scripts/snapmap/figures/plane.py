@@ -13,13 +13,7 @@ from matplotlib.path import Path
 
 from ..files.tables import Point
 from . import style
-from .scales import (
-    Scale,
-    scale_of,
-    set_scale,
-    study_axis,
-    value_text,
-)
+from .scales import Scale, scale_of, set_scale, study_axis, value_text
 from .states import State
 
 ABSENT = {"hatch": "x" * 3, "edgecolor": "0.6"}

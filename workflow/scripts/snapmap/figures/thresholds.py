@@ -6,12 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from . import (
-    curves,
-    plane,
-    scales,
-    style,
-)
+from . import curves, plane, scales, style
 
 DOUBTFUL = 0.01
 """Error bars above this share of the threshold are marked."""

@@ -7,13 +7,7 @@ import numpy as np
 
 from ..files.text import show
 from .options import take_pulse
-from .pulse import (
-    DIRECTIONS,
-    SHARES,
-    VERSED_SINE,
-    Pulse,
-    make_pulse,
-)
+from .pulse import DIRECTIONS, SHARES, VERSED_SINE, Pulse, make_pulse
 from .trains import make_drop, make_train
 
 MAKERS = {"train": make_train, "drop": make_drop}

@@ -7,12 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .options import take_pulse
-from .pulse import (
-    SHARES,
-    VERSED_SINE,
-    Pulse,
-    make_pulse,
-)
+from .pulse import SHARES, VERSED_SINE, Pulse, make_pulse
 
 # ASSUME: a blow that ends with a jump falls to rest within this share of its duration, straight.
 JOIN = 0.01

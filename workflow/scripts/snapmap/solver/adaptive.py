@@ -9,12 +9,7 @@ import numpy as np
 from ..beam.limit_loads import static_threshold
 from ..device.device import Device
 from .cells import Cells, Observations
-from .models import (
-    Follows,
-    build_model,
-    check_options,
-    mixed,
-)
+from .models import Follows, build_model, check_options, mixed
 from .settings import FIRST, Settings
 
 RUNGS = (3, 5, 11)

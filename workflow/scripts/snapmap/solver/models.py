@@ -13,35 +13,14 @@ import numpy as np
 from ..beam.basis import Basis
 from ..beam.cosines import buckling_shapes, symmetric_cosines
 from ..beam.elements import hermite_elements
-from ..beam.equilibria import (
-    Barrier,
-    Rest,
-    find_barrier,
-    require_rest,
-    second_shape,
-)
-from ..beam.modal import (
-    ModalBeam,
-    contact_stiffness,
-    pulse_load,
-    reduce_to_modes,
-)
+from ..beam.equilibria import Barrier, Rest, find_barrier, require_rest, second_shape
+from ..beam.modal import ModalBeam, contact_stiffness, pulse_load, reduce_to_modes
 from ..device.device import Device, Value
 from ..files.counting import count
 from .cells import Cells, Observations, no_observations
 from .options import take_model
-from .settings import (
-    FIRST,
-    MOVE,
-    SECOND,
-    Settings,
-)
-from .steps import (
-    Steps,
-    explicit_steps,
-    largest_speed,
-    steps_of,
-)
+from .settings import FIRST, MOVE, SECOND, Settings
+from .steps import Steps, explicit_steps, largest_speed, steps_of
 
 BUNCH = 8192
 """Cells after which it is reported how many are done; the last lanes of a call run half empty."""

@@ -10,18 +10,8 @@ from ..beam.stress import stress_of
 from ..pulse.pulse import table
 from .cells import Form, Motion
 from .kernel import rows as R
-from .kernel.lanes import (
-    Facts,
-    Task,
-    follow_all,
-    load,
-)
-from .kernel.pulse import (
-    BLOCK,
-    begin_pulse,
-    no_pulse,
-    set_out,
-)
+from .kernel.lanes import Facts, Task, follow_all, load
+from .kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
 from .kernel.rows import LANES
 from .kernel.trace import keep_block, keep_midpoints, trace_all
 from .settings import FIRST, SECOND

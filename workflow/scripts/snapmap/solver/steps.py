@@ -7,20 +7,9 @@ import numpy as np
 
 from ..beam.modal import ModalBeam, contact_stiffness
 from ..device.device import Device, Value
-from ..numerics.linalg import (
-    dot,
-    eigenvalues,
-    outer,
-    solve,
-)
+from ..numerics.linalg import dot, eigenvalues, outer, solve
 from .cells import Cells
-from .settings import (
-    EDGE,
-    MOVE,
-    QUESTIONS,
-    SNAP,
-    STAY,
-)
+from .settings import EDGE, MOVE, QUESTIONS, SNAP, STAY
 
 # ASSUME: chosen by measurement, see docs/accuracy.md.
 OF_LIMIT = 0.8

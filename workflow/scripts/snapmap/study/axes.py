@@ -11,12 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..device.device import (
-    OF_MASS,
-    Device,
-    batch,
-    is_bistable,
-)
+from ..device.device import OF_MASS, Device, batch, is_bistable
 from ..device.quantities import QUANTITIES
 from ..pulse.pulse import Pulse
 from ..pulse.shocks import HANDOUT_SHOCK, Shocks

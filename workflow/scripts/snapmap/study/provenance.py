@@ -12,16 +12,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from .. import __version__
-from ..device.device import (
-    ALONE,
-    CLAMP,
-    REFERENCE,
-    RESTITUTION,
-    STOPS,
-    STRENGTH,
-    THERMAL,
-    Device,
-)
+from ..device.device import ALONE, CLAMP, REFERENCE, RESTITUTION, STOPS, STRENGTH, THERMAL, Device
 from ..device.quantities import QUANTITIES
 
 KEYWORDS = "bistable beam, snap-through, MEMS, shock sensor"

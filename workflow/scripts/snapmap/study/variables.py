@@ -10,6 +10,10 @@ import xarray as xr
 from .axes import COORDINATES
 from .provenance import provenance
 
+_HERE = Path(__file__)
+TABLES = [_HERE.with_suffix(".csv"), *sorted(_HERE.parents[1].glob("applications/*/variables.csv"))]
+"""Of the core, and of each application in its folder."""
+
 
 def dress(product: str, dataset: xr.Dataset, document: Mapping, **attributes) -> xr.Dataset:
     """Give a dataset the CF attributes of a product and of its variables, and where it is from.
@@ -31,8 +35,10 @@ def dress(product: str, dataset: xr.Dataset, document: Mapping, **attributes) ->
 
 def variables(product: str) -> dict[str, dict]:
     """CF attributes of each variable of a product, by name; title and summary of itself as ""."""
-    with open(Path(__file__).with_suffix(".csv"), encoding="utf-8") as file:
-        rows = [row for row in csv.DictReader(file) if row.pop("product") == product]
+    rows = []
+    for path in TABLES:
+        with open(path, encoding="utf-8") as file:
+            rows += [row for row in csv.DictReader(file) if row.pop("product") == product]
     return {row.pop("name"): _attributes(**row) for row in rows}
 
 

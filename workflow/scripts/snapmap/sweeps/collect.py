@@ -10,12 +10,7 @@ import xarray as xr
 from ..files.atomic import is_whole
 from ..solver.outcome import OUTCOMES
 from ..study.axes import NAMES
-from .cube import (
-    as_cube,
-    outcome_names,
-    require_cube,
-    with_summary,
-)
+from .cube import as_cube, outcome_names, require_cube, with_summary
 from .slabs import open_slab
 
 BLOCK_CELLS = 10**6

@@ -11,13 +11,7 @@ import xarray as xr
 from ..device.device import Device
 from ..files.counting import counting
 from ..solver.adaptive import TOLERANCE, choose_model
-from ..solver.outcome import (
-    ABSENT,
-    OUTCOMES,
-    count,
-    ended_elsewhere,
-    shares,
-)
+from ..solver.outcome import ABSENT, OUTCOMES, count, ended_elsewhere, shares
 from ..study.axes import NAMES
 from ..study.study import FOLLOWED, study_of
 from ..study.variables import dress, flags, variables

@@ -8,14 +8,7 @@ from ..pulse.pulse import blow_at
 from ..solver.cells import Rows
 from ..solver.closures import CLOSING, closures_again
 from ..solver.models import Follows
-from ..solver.outcome import (
-    ABSENT,
-    FAILED,
-    REPEATED_STEP,
-    label,
-    t_snap_error,
-    work_error,
-)
+from ..solver.outcome import ABSENT, FAILED, REPEATED_STEP, label, t_snap_error, work_error
 from ..solver.settings import FIRST, Settings
 from ..study.axes import Grid, rows_of
 

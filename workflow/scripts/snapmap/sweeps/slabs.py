@@ -15,14 +15,7 @@ import numpy as np
 from ..files.atomic import is_whole, replacing, seal
 from ..solver.adaptive import choose_model
 from ..solver.outcome import count
-from ..study.axes import (
-    DEVICE,
-    DIRECTION,
-    NAMES,
-    SHAPE,
-    rows_of,
-    shared_points,
-)
+from ..study.axes import DEVICE, DIRECTION, NAMES, SHAPE, rows_of, shared_points
 from ..study.study import Study
 from .grid import follow_rows
 

@@ -8,19 +8,8 @@ from ..solver.adaptive import Survey
 from ..solver.cells import Rows
 from ..solver.settings import Settings
 from ..solver.steps import stiffness_share
-from .search import (
-    Ask,
-    Edges,
-    asker,
-    scan,
-)
-from .transitions import (
-    BESIDE,
-    CLOSEST_STEP,
-    Window,
-    chosen,
-    outermost,
-)
+from .search import Ask, Edges, asker, scan
+from .transitions import BESIDE, CLOSEST_STEP, Window, chosen, outermost
 from .witness import BELOW, NEAREST, close_edges
 
 LOOKS = 4

@@ -9,18 +9,7 @@ from ..solver.bounds import least_amplitudes
 from ..solver.cells import Rows
 from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Settings
 from .bars import OTHERS_STEP, Seen, error_bars
-from .search import (
-    SCAN_STEP,
-    Ask,
-    Edges,
-    amplitudes,
-    asker,
-    first_snap,
-    joined,
-    refine,
-    scan,
-    walk,
-)
+from .search import SCAN_STEP, Ask, Edges, amplitudes, asker, first_snap, joined, refine, scan, walk
 from .transitions import (
     BESIDE,
     FAR_BESIDE,

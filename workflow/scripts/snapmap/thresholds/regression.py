@@ -8,14 +8,7 @@ from ..solver.cells import Rows
 from ..solver.models import Follows
 from ..solver.settings import SECOND, Settings
 from .islands import BELOW, first_seen, wide_scan
-from .search import (
-    TOGETHER,
-    asker,
-    first_snap,
-    near,
-    refine,
-    walk,
-)
+from .search import TOGETHER, asker, first_snap, near, refine, walk
 from .transitions import FINE_STEP, Window
 
 FIRST, GROWTH = 64, 8

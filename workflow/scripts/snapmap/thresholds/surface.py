@@ -38,14 +38,7 @@ from .lattice import nearby
 from .settling import lowest_latched
 from .transitions import FINE_STEP
 from .verified import ABOVE as OVER
-from .verified import (
-    WITHIN,
-    Expected,
-    at_first,
-    expected_labels,
-    fill,
-    surfaces,
-)
+from .verified import WITHIN, Expected, at_first, expected_labels, fill, surfaces
 from .witness import edges_about
 
 IMPULSE, IMPULSE_OF_BEAM = 100.0, 10.0

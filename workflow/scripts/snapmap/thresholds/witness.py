@@ -15,14 +15,7 @@ from ..solver.cells import Rows
 from ..solver.models import Follows
 from ..solver.settings import Settings
 from .lattice import nearby
-from .search import (
-    Edges,
-    asker,
-    edges_of,
-    joined,
-    observer,
-    refine,
-)
+from .search import Edges, asker, edges_of, joined, observer, refine
 from .transitions import CLOSEST_STEP
 
 STEPS = np.array([1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 80])

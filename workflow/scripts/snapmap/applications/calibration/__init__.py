@@ -13,6 +13,13 @@ def section():
     return part(CalibrationSection, out="none")
 
 
+def described():
+    """Its sections, as docs/config.md has them."""
+    from .sections import CalibrationSection, UnknownsSection
+
+    return {"calibration": CalibrationSection, "calibration.unknowns": UnknownsSection}
+
+
 def request(section, study, document):
     """Shots, unknowns and C."""
     from .sections import read_calibration

@@ -14,13 +14,7 @@ from ...files.counting import counting
 from ...study.axes import COORDINATES
 from ...study.study import THRESHOLD_SETTINGS, Study, study_of
 from ...study.variables import dress
-from .likelihood import (
-    SPREADS,
-    Likelihood,
-    Profile,
-    information_at,
-    reach,
-)
+from .likelihood import SPREADS, Likelihood, Profile, information_at, reach
 from .shots import Shots, check_ranges, shots_from
 from .surface import Surface, surface_of
 

@@ -9,13 +9,7 @@ from matplotlib.figure import FigureBase
 
 from ...device.quantities import QUANTITIES
 from ...figures.plane import POINT, TRIPPED
-from ...figures.scales import (
-    axis_label,
-    number,
-    scale_of,
-    study_axis,
-    tick,
-)
+from ...figures.scales import axis_label, number, scale_of, study_axis, tick
 from ...figures.style import PAGE, labelled, legend, literal
 from ...numerics.statistics import DEVIATIONS
 

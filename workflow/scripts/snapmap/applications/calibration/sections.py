@@ -6,14 +6,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ...config.devices import of_device
-from ...config.keys import (
-    Section,
-    inside,
-    part,
-    path,
-    quantity,
-    words,
-)
+from ...config.keys import Section, inside, part, path, quantity, words
 from ...device.device import Device
 from ...device.quantities import KINDS
 from ...files.named import sha256_of

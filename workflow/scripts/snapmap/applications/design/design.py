@@ -16,12 +16,7 @@ from ...device.samples import nominal_value
 from ...files.counting import counting
 from ...pulse.shocks import Shocks
 from ...study.axes import COORDINATES
-from ...study.study import (
-    ANY,
-    Study,
-    study_of,
-    with_shocks,
-)
+from ...study.study import ANY, Study, study_of, with_shocks
 from ...thresholds.population import thresholds_at
 from ...thresholds.search import near
 

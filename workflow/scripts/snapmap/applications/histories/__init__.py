@@ -13,6 +13,13 @@ def section():
     return many(CellSection, "a list of cells {N, f0 or duration, C}", out="none")
 
 
+def described():
+    """Its sections, as docs/config.md has them."""
+    from .sections import CellSection
+
+    return {"each of histories": CellSection}
+
+
 def request(sections, study, document):
     """The cells, each with its device."""
     from .sections import read_cells

@@ -19,13 +19,7 @@ from ...solver.adaptive import Adaptive, choose_model
 from ...solver.cells import to_cells
 from ...solver.closures import follow_closures
 from ...solver.cost import steps_and_seconds, tell
-from ...solver.outcome import (
-    OUTCOMES,
-    REPEATED_STEP,
-    label,
-    t_snap_error,
-    work_error,
-)
+from ...solver.outcome import OUTCOMES, REPEATED_STEP, label, t_snap_error, work_error
 from ...solver.settings import FIRST
 from ...study.provenance import device_sections
 from ...study.study import Study, study_of

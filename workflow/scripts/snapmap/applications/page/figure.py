@@ -16,12 +16,7 @@ from plotly.offline import get_plotlyjs
 
 from ...beam.vibrations import vibrations
 from ...config.devices import read_device
-from ...device.device import (
-    CLAMP,
-    SECTIONS,
-    STOPS,
-    VALUES,
-)
+from ...device.device import CLAMP, SECTIONS, STOPS, VALUES
 from ...device.quantities import QUANTITIES, Quantity
 from ...figures import scales, states, style
 from ...solver.outcome import OUTCOMES, WHOLE_SWING

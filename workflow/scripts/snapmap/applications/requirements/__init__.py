@@ -14,6 +14,13 @@ def section():
     return many(requirement(kinds), "a list of shocks", out="none")
 
 
+def described():
+    """Its sections, as docs/config.md has them."""
+    from .sections import ShockSection
+
+    return {"each of requirements": ShockSection}
+
+
 def request(sections, study, document):
     """The requirements, each by a name of its own, which the study can have."""
     from .reading import read_requirements

@@ -16,13 +16,7 @@ from ...solver.settings import FIRST, THRESHOLD_TOLERANCE
 from ...study.axes import rows_of
 from ...study.study import ANY, Study, of_requirement
 from ...thresholds.surface import thresholds_of
-from .corners import (
-    MET,
-    UNCLEAR,
-    VIOLATED,
-    beyond,
-    corner_text,
-)
+from .corners import MET, UNCLEAR, VIOLATED, beyond, corner_text
 
 LEVELS = {"random": " g rms", "spectrum": " times it"}
 """Units of thresholds of what is no single shock."""

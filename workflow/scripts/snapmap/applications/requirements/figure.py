@@ -8,11 +8,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from ...figures import style
-from ...figures.scales import (
-    number,
-    tick,
-    value_text,
-)
+from ...figures.scales import number, tick, value_text
 from ...solver.settings import SECOND
 from .corners import corners, must_text
 

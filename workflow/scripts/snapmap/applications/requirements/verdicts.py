@@ -7,12 +7,7 @@ from ...solver.settings import THRESHOLD_TOLERANCE
 from ...study.study import Study, at_corner
 from ..design.design import remedy, with_value
 from ..histories.history import closing_of, extremes_of
-from .check import (
-    Verdict,
-    check,
-    judge,
-    judge_closing,
-)
+from .check import Verdict, check, judge, judge_closing
 from .corners import VIOLATED, beyond
 
 

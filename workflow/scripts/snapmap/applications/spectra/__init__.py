@@ -8,3 +8,13 @@ def kinds():
     from .sections import SpectrumSection, VibrationSection
 
     return {"psd": VibrationSection, "srs": SpectrumSection}
+
+
+def described():
+    """Its sections, as docs/config.md has them."""
+    from .sections import SpectrumSection, VibrationSection
+
+    return {
+        "each of requirements, with psd": VibrationSection,
+        "each of requirements, with srs": SpectrumSection,
+    }

@@ -16,6 +16,13 @@ def section():
     return part(TolerancesSection, out="no scatter")
 
 
+def described():
+    """Its sections, as docs/config.md has them."""
+    from .sections import TolerancesSection
+
+    return {"tolerances": TolerancesSection}
+
+
 def request(section, study, document):
     """What scatters, which every device can have."""
     from ...device.samples import Plan

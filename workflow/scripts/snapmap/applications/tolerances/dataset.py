@@ -24,14 +24,7 @@ from ...numerics.statistics import (
 )
 from ...solver.cells import to_rows
 from ...study.axes import COORDINATES, NAMES
-from ...study.study import (
-    SNAPS,
-    THRESHOLD_SETTINGS,
-    Study,
-    of_requirement,
-    study_of,
-    with_shocks,
-)
+from ...study.study import SNAPS, THRESHOLD_SETTINGS, Study, of_requirement, study_of, with_shocks
 from ...study.variables import dress
 from ...thresholds.population import Batch, choose_levels
 from .sensitivity import crossed, indices

@@ -40,7 +40,7 @@ FIRST = {"linestyle": ":", "markerfacecolor": "white", "markeredgewidth": 0.5, "
 NAME = 24
 """Signs in a line of a requirement's name beside its shares."""
 FAILS = {"color": "0.9", "linewidth": 0, "label": "the requirement fails"}
-COLUMNS, MOST, LINES = 3, 12, 6
+COLUMNS, MOST, DAMPINGS = 3, 12, 6
 """Panels of devices as made side by side, and in a figure, and lines; of more, evenly chosen."""
 ROW, FLAT = 2.6, 1.7
 """Height of a row of these panels, in; and of histograms."""
@@ -54,7 +54,7 @@ def draw_stem(stem: str, found: xr.Dataset, attributes: Mapping[str, str]) -> No
         panels = [found.isel(C=i) for i in evenly(found.C.size, MOST)]
         _draw_panels(stem, panels, draw, attributes)
         return
-    found = found.isel(C=evenly(found.C.size, LINES))
+    found = found.isel(C=evenly(found.C.size, DAMPINGS))
     panels = [
         found.isel(requirement=i, C=j)
         for i in evenly(found.requirement.size, MOST)

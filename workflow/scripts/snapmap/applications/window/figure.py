@@ -12,19 +12,8 @@ from matplotlib.patheffects import withTickedStroke
 
 from ...figures import plane, style
 from ...figures.curves import LOOKS
-from ...figures.scales import (
-    NONE,
-    axis_label,
-    number,
-    place_text,
-    tick,
-)
-from ...numerics.between import (
-    FAR,
-    between,
-    least_reserve,
-    reserves_between,
-)
+from ...figures.scales import NONE, axis_label, number, place_text, tick
+from ...numerics.between import FAR, between, least_reserve, reserves_between
 from ...numerics.statistics import percents
 from ...study.axes import Units
 from ..requirements.figure import required_text

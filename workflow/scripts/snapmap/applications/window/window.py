@@ -10,23 +10,12 @@ from ...beam.stress import break_probability
 from ...device.device import VALUES
 from ...device.quantities import QUANTITIES, plain
 from ...device.samples import Plan, Tolerances
-from ...numerics.between import (
-    FAR,
-    between,
-    least_reserve,
-    reserves_between,
-)
+from ...numerics.between import FAR, between, least_reserve, reserves_between
 from ...numerics.statistics import wilson
 from ...solver.cells import to_rows
 from ...solver.motion import largest_stress
 from ...study.axes import DEVICE, TEMPERATURE, Grid, Units, rows_of
-from ...study.study import (
-    ANY,
-    SNAPS,
-    THRESHOLD_SETTINGS,
-    Study,
-    of_requirement,
-)
+from ...study.study import ANY, SNAPS, THRESHOLD_SETTINGS, Study, of_requirement
 from ...study.variables import dress
 from ...thresholds.islands import NOTHING_SNAPS
 from ...thresholds.population import Batch, choose_levels

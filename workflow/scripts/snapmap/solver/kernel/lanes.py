@@ -4,19 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...numerics.kernels import (
-    compiled,
-    inlined,
-    sine,
-    widen_vectors,
-)
+from ...numerics.kernels import compiled, inlined, sine, widen_vectors
 from . import rows as R
-from .pulse import (
-    BLOCK,
-    begin_pulse,
-    no_pulse,
-    set_out,
-)
+from .pulse import BLOCK, begin_pulse, no_pulse, set_out
 from .rows import LANES, numbers, vectors
 from .step import advance
 

@@ -5,12 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...numerics import pieces as curve
-from ...numerics.kernels import (
-    compiled,
-    fma,
-    sine,
-    widen_vectors,
-)
+from ...numerics.kernels import compiled, fma, sine, widen_vectors
 from . import rows as R
 from .rows import LANES, numbers
 

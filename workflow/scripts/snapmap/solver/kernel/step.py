@@ -5,12 +5,7 @@ See docs/theory.md, "One step" and "Stops".
 
 import numpy as np
 
-from ...numerics.kernels import (
-    compiled,
-    fma,
-    inlined,
-    widen_vectors,
-)
+from ...numerics.kernels import compiled, fma, inlined, widen_vectors
 from . import rows as R
 from .rows import LANES, numbers, vectors
 

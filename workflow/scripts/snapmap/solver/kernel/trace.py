@@ -7,12 +7,7 @@ import numpy as np
 from ...numerics.kernels import compiled, inlined, widen_vectors
 from . import rows as R
 from .lanes import energies, half_step_midpoint, load
-from .pulse import (
-    BLOCK,
-    begin_pulse,
-    no_pulse,
-    set_out,
-)
+from .pulse import BLOCK, begin_pulse, no_pulse, set_out
 from .rows import LANES, numbers, vectors
 from .step import advance, rebound
 
