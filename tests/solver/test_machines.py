@@ -14,7 +14,7 @@ from pathlib import Path
 
 import snapmap
 from snapmap.beam.modal import damped
-from snapmap.io.netcdf import write
+from snapmap.study.netcdf import write
 from snapmap.solver.outcome import SNAPPED
 from snapmap.numerics.portable import geometric, linear
 

@@ -180,9 +180,9 @@ def edited(path, text):
 @pytest.mark.parametrize(
     ("path", "rules"),
     [
-        ("snapmap/figures/explore.js", DRAWING),
+        ("snapmap/applications/page/explore.js", DRAWING),
         ("snapmap/thresholds/islands.py", RULES),
-        ("snapmap/command.py", set()),
+        ("snapmap/workflow/command.py", set()),
         pytest.param("draw.py", DRAWING, marks=pytest.mark.long),
         pytest.param("jobs.py", RULES, marks=pytest.mark.long),
     ],

@@ -1,4 +1,4 @@
-"""Shocks that must or must not trip a device.  Imports: histories, design, electrode."""
+"""Shocks that must or must not trip a device.  Imports: histories, design."""
 
 rule, message = "check_requirements", "Check the required shocks"
 part, caption, threads, priority = "5 Requirements", "requirements", 4, 50
