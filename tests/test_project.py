@@ -42,8 +42,10 @@ def imported(path, package):
             modules = [node.module] if node.module else [name.name for name in node.names]
             for module in modules:
                 target = base.joinpath(*module.split("."))
-                if target != package and package in target.parents:
-                    yield rooms_of(target / "module.py" if target.is_dir() else target, package)
+                if target.is_dir() and target != package:
+                    yield rooms_of(target / "__init__.py", package)
+                elif target.with_suffix(".py").exists():
+                    yield rooms_of(target, package)
 
 
 @pytest.fixture(scope="module")
