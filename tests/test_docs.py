@@ -13,6 +13,7 @@ import yaml
 from small_studies import SHOTS
 
 import snapmap
+from snapmap.applications.requirements import shocks_of
 from snapmap.config.study import load_config
 from snapmap.files.tables import read_verdicts
 from snapmap.numerics.statistics import percents
@@ -43,8 +44,10 @@ def test_the_demands_of_the_recipe_are_read(root):
     device = whole["device"] | asked["device"]
     study = load_config(whole | {"device": device, "requirements": asked["requirements"]})
     assert study.device.stop_away == 8.0
-    assert [one["snaps"] for one in study.requirements] == [True, False, False, False]
-    assert study.vibrations[0]["duration"] == 180.0
+    assert [one["snaps"] for one in shocks_of(study)] == [True, False, False, False]
+    assert [
+        one.values["duration"] for one in study.requests["requirements"] if "psd" in one.values
+    ] == [180.0]
 
 
 def test_the_example_of_the_first_screen_runs(root, tmp_path, monkeypatch):

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from small_workflow import snakemake
 
+from snapmap.applications import gather
 from snapmap.config.study import load_config
 from snapmap.config.units import show
 from snapmap.config.yaml_file import ConfigError
@@ -192,7 +193,7 @@ def lines_of(document):
     """The faults of a document, each a clear single line; empty if it gives slabs."""
     try:
         study = load_config(document)
-        make_plan(study.grid, study.model, study.settings, [one.f0 for one in study.histories])
+        make_plan(study.grid, study.model, study.settings, gather("alone", study))
     except ConfigError as error:
         lines = list(error.args)
     except ValueError as error:

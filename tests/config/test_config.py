@@ -12,6 +12,7 @@ import yaml
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from snapmap.applications import boundary, requirements, window
 from snapmap.config.devices import load_device, read_device
 from snapmap.config.doubts import descriptions, doubts
 from snapmap.config.study import load_config
@@ -21,7 +22,6 @@ from snapmap.device.device import Beam, Device
 from snapmap.device.quantities import KINDS
 from snapmap.solver.settings import Settings
 from snapmap.study.provenance import device_sections
-from snapmap.workflow.products import products
 
 ROOT = Path(__file__).parents[2]
 DEFAULT = read_document(ROOT / "config/handout.yaml")
@@ -76,7 +76,7 @@ def test_no_window_is_over_temperature_and_axes_keep_the_units_they_are_written_
     axes = {"sweep__mass": {"from": "0.01 mg", "to": "0.02 mg", "points": 3}}
     axes |= {"sweep__temperature": ["-40 degC", "125 degC"], "sweep__C": ["1 mN*s/m", "2 mN*s/m"]}
     study = load_config(changed(**axes, requirements=[shock], histories=MISSING))
-    assert products(study).window == ("mass", "C")
+    assert [*window.figures(study)["window"]["axes"]] == ["mass", "C"]
     assert study.units == {"mass": ("mg", 1e6), "C": ("mN*s/m", 1e3)}
     axes["sweep__contact"] = ["hard", "40 N/m"]
     study = load_config(changed(**axes, requirements=[shock], histories=MISSING))
@@ -99,7 +99,7 @@ def test_a_beam_alone(pushed):
     assert read_device(section) == study.device
     assert "no mass" in descriptions(study)[0]
     assert sum("uN of force on the midpoint" in line for line in doubts(study)) == bool(pushed)
-    assert ("damage_boundary" in products(study).stems) != bool(pushed)
+    assert ("damage_boundary" in boundary.figures(study)) != bool(pushed)
 
 
 def test_load_device_looks_at_the_device_only(tmp_path):
@@ -150,9 +150,9 @@ def test_default_study_is_exact():
     assert (f0.size, f0[0], f0[-1]) == (41, 100.0, 30000.0)
     assert np.allclose(f0[1:] / f0[:-1], 300 ** (1 / 40), rtol=1e-13)
     assert study.settings._replace(threads=1) == Settings(1500.0, "settled", True, 1e-3)
-    (cell,) = study.histories
+    (cell,) = study.requests["histories"]
     assert cell.shock == {"N": 1000.0, "f0": 1500.0, "C": 0.025} and cell.changes == {}
-    assert cell.name == "N1000_f1500_C0.025" and study.traces and study.own_points == ()
+    assert cell.name == "N1000_f1500_C0.025" and study.requests["page"] and study.own_points == ()
 
 
 EXACT = {
@@ -202,10 +202,10 @@ def test_durations_stand_for_frequencies():
     np.testing.assert_allclose(axis("duration", log), axis("f0", same), rtol=1e-13)
     pulses = {"f0": "2 kHz"}, {"duration": "0.5 ms"}
     cells = [{"N": "1e3", "C": "0 kg/s", **one} for one in pulses]
-    for history in load_config(changed(histories=cells[:1])).histories:
+    for history in load_config(changed(histories=cells[:1])).requests["histories"]:
         assert history.shock == {"N": 1000.0, "f0": 2000.0, "C": 0.0}
-        assert load_config(changed(histories=cells[1:])).histories == (history,)
-    assert load_config(changed(histories=[])).histories == ()
+        assert load_config(changed(histories=cells[1:])).requests["histories"] == (history,)
+    assert load_config(changed(histories=[])).requests["histories"] == ()
 
 
 DROP = {"drop": {"height": "1 m", "duration": "0.5 ms"}}
@@ -269,7 +269,8 @@ def test_a_fault_between_keys_is_one_line_that_names_one(key, values):
 
 def required_under(pulse, **keys):
     """Shapes and directions under which a requirement of a study with a pulse counts."""
-    (required,) = load_config(changed(pulse=pulse, requirements=[BLOW | keys])).requirements
+    study = load_config(changed(pulse=pulse, requirements=[BLOW | keys]))
+    (required,) = requirements.shocks_of(study)
     return [(one.pulse.name, one.direction) for one in required["shocks"].each()]
 
 
@@ -283,7 +284,7 @@ def test_a_requirement_without_shape_or_direction_has_those_of_the_study():
     assert required_under(DROP, shape="half sine", direction="both") == each[:2]
     shares = {"shape": "trapezoid", "rise": "20 %"}
     study = load_config(changed(pulse=shares, requirements=[BLOW | {"fall": "30 %"}, OTHER]))
-    pulses = [one["shocks"].pulse for one in study.requirements]
+    pulses = [one["shocks"].pulse for one in requirements.shocks_of(study)]
     assert [one.given.get("rise") for one in pulses] == [0.2, None]
     assert pulses[0].given["fall"] == 0.3
 
@@ -326,7 +327,9 @@ def test_ranges_of_unknowns_leave_a_second_shape(tmp_path, monkeypatch):
             assert line.startswith(f"calibration: unknowns: thickness: {side} it leaves no second")
             assert line.endswith("write a lower end")
         else:
-            assert load_config(document).calibration.unknowns == {"thickness": [1.7, 4.3]}
+            assert load_config(document).requests["calibration"].unknowns == {
+                "thickness": [1.7, 4.3]
+            }
 
 
 @pytest.mark.parametrize("document", [None, 3, "device", [], [DEFAULT]])

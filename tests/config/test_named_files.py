@@ -13,6 +13,7 @@ from small_studies import THREE_COSINES
 from small_workflow import snakemake
 
 import snapmap
+from snapmap.applications.requirements import shocks_of
 from snapmap.config.study import load_config, planned_study
 from snapmap.config.yaml_file import ConfigError, read_document
 from snapmap.files.named import hold_to_plan
@@ -64,7 +65,7 @@ def test_a_study_knows_its_files_by_what_they_hold(folder):
     names = "shock.csv", "points.csv", "shape.csv"
     hashes = {name: hashlib.sha256((folder / name).read_bytes()).hexdigest() for name in names}
     assert study.files() == hashes
-    required = study.requirements[0]["pulse"]
+    required = shocks_of(study)[0]["pulse"]
     assert study.pulse["sha256"] == required["sha256"] == hashes["shock.csv"]
 
 

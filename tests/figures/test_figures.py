@@ -16,11 +16,13 @@ from matplotlib.patches import Polygon
 from PIL import Image
 from small_results import ATTRIBUTES, CONFIG, F0, TINY, legend_words, make_found, visible
 
+from snapmap.applications.boundary import figure as boundary
 from snapmap.applications.calibration import figure as calibration
 from snapmap.applications.histories import figure as histories
 from snapmap.applications.requirements import figure as requirements
 from snapmap.applications.statics import figure as statics
 from snapmap.applications.tolerances import figure as tolerances
+from snapmap.applications.window import figure as window
 from snapmap.figures import curves, maps, scales, style, thresholds
 
 
@@ -193,7 +195,7 @@ def test_shots_stand_on_the_side_of_their_outcome_beside_the_fit():
 
 
 def test_damage_boundary_shades_what_snaps_of_the_first_C():
-    ax = drawn(thresholds.draw_damage_boundary, make_found())
+    ax = drawn(boundary.draw_damage_boundary, make_found())
     (region,) = artists(ax, Polygon)
     snaps = region.get_path().contains_points
     assert snaps([(1.1, 2000.0), (6.0, 1100.0), (50.0, 1010.0), (51.0, 1e5)]).all()
@@ -208,7 +210,7 @@ def curves_of(ax):
     return [points for line in known if (points := visible(line))]
 
 
-@pytest.mark.parametrize("draw", [thresholds.draw_thresholds, thresholds.draw_damage_boundary])
+@pytest.mark.parametrize("draw", [thresholds.draw_thresholds, boundary.draw_damage_boundary])
 @pytest.mark.parametrize("f0", [[2], [0, 2]])
 def test_thresholds_not_found_leave_a_hole(draw, f0):
     found = make_found()
@@ -273,7 +275,7 @@ def test_figures_of_a_pushed_beam_count_its_force_and_no_velocity_change():
 
 
 def test_damage_boundary_is_over_the_velocity_change_between_its_limits():
-    ax = drawn(thresholds.draw_damage_boundary, make_found())
+    ax = drawn(boundary.draw_damage_boundary, make_found())
     # N g / (2 f0), with g = 10 m/s^2
     during, late = ax.lines[1:3]
     assert visible(during) == [pytest.approx([50.0, 1000.0]), pytest.approx([5.5, 1100.0])]
@@ -281,7 +283,7 @@ def test_damage_boundary_is_over_the_velocity_change_between_its_limits():
     assert ax.get_xscale() == ax.get_yscale() == "log"
     assert [line.get_xdata()[0] for line in limits(ax, curves.SHORT)] == [0.5, 0.6]
     assert limits(ax, curves.LONG)[0].get_ydata() == [990.0, 990.0]
-    guides = [line for line in ax.lines if line.get_color() == thresholds.DURATION["color"]]
+    guides = [line for line in ax.lines if line.get_color() == boundary.DURATION["color"]]
     v, N = guides[1].get_xydata().T
     assert len(guides) == 3 and N * 1e-5 / v == pytest.approx(np.full(2, 2e-3))
 
@@ -347,9 +349,9 @@ def test_thresholds_have_bars_gaps_and_islands():
 
 
 def test_yields_and_requirements_are_drawn_as_they_are():
-    ax = drawn(requirements.draw_yield, make_batch())
+    ax = drawn(tolerances.draw_yield, make_batch())
     assert ax.lines[0].get_xydata().tolist() == [[0.5, 0.0], [0.4, 1.0]]
-    ax = drawn(requirements.draw_requirement, make_batch().isel(C=0, requirement=0))
+    ax = drawn(tolerances.draw_requirement, make_batch().isel(C=0, requirement=0))
     assert sum(patch.get_height() for patch in ax.patches[1:]) == 3
     assert ax.patches[0].get_x() == 1050.0
     found = make_batch(np.array([1500.0])).isel(C=0)
@@ -384,14 +386,14 @@ def filled(ax):
 
 
 def test_a_window_ends_on_lines_where_each_requirement_begins_to_fail():
-    requirements.draw_window(figure := style.double_column(4), make_window(), "spring", "C")
+    window.draw_window(figure := style.double_column(4), make_window(), "spring", "C")
     *panels, stress, _ = figure.axes
     assert len(panels) == 2 and stress.get_title(loc="left").startswith("largest stress")
     lines = [line for line in stress.collections if line.get_path_effects()]
     for line, column, end, straight in zip(lines, (0, 1), (6.5, 35.0), (0.06, 1e-9), strict=True):
         (path,) = line.get_paths()
         assert abs(path.vertices[:, column] - end).max() < straight
-    met, failing = (requirements.MEETING["color"], requirements.FAILING["color"])
+    met, failing = (window.MEETING["color"], window.FAILING["color"])
     for ax in panels:
         regions = filled(ax)
         assert regions[met].contains_point((5.0, 50.0)) and regions[failing].contains_point((7, 50))
@@ -413,7 +415,7 @@ def test_a_window_has_the_units_of_the_config_and_says_its_temperatures():
     found["reserve"] = found.reserve.where((found.spring < 8) | (found.C < 60))
     found = found.drop_vars(["yield", "yield_bound", "stress_max"])
     units = {"spring": ("mN/um", 1e3), "C": ("mN*s/m", 1e3)}
-    requirements.draw_window(figure := style.double_column(4), found, "spring", "C", units)
+    window.draw_window(figure := style.double_column(4), found, "spring", "C", units)
     (ax,) = figure.axes
     assert ax.get_xlabel() == "spring (mN/µm)" and ax.get_ylabel().endswith("$C$ (mN s/m)")
     assert ax.get_xlim() == (0.004, 0.008) and ax.get_ylim() == pytest.approx((0.02, 0.06))
@@ -424,6 +426,6 @@ def test_a_window_has_the_units_of_the_config_and_says_its_temperatures():
     assert not any(path.contains_point((0.0079, 0.059)) for path in filled(ax).values())
     failing = found.assign(reserve=0 * found.reserve + 0.5)
     failing.reserve.attrs = found.reserve.attrs
-    requirements.draw_window(figure := style.double_column(4), failing, "spring", "C")
+    window.draw_window(figure := style.double_column(4), failing, "spring", "C")
     words = [text.get_text() for text in figure.legends[0].get_texts()]
     assert "a requirement fails" in words and "all requirements are met" not in words

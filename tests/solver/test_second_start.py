@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 from varied import alone, varied
 
 import snapmap
+from snapmap.applications.requirements import shocks_of
 from snapmap.applications.requirements.check import check
 from snapmap.beam.limit_loads import reset_force, static_threshold
 from snapmap.config.study import load_config
@@ -148,9 +149,9 @@ def test_the_config_of_the_recipe_says_where_runs_start(root):
     whole |= {"requirements": asked["requirements"], "sweep": whole["sweep"] | asked["sweep"]}
     study = load_config(whole)
     assert study.settings.start == study.of_thresholds().settings.start == "second"
-    assert [one["start"] for one in study.requirements] == ["second", "second"]
+    assert [one["start"] for one in shocks_of(study)] == ["second", "second"]
     del whole["requirements"][0]["start"]
-    assert "start" not in load_config(whole).requirements[0]
+    assert "start" not in shocks_of(load_config(whole))[0]
     whole["sweep"]["start"] = "third"
     with pytest.raises(ValueError, match="start: 'third' is not"):
         load_config(whole)

@@ -15,9 +15,10 @@ def test_every_rule_names_the_code_that_it_runs(workflow_text):
 
 
 def test_the_parts_are_the_package_without_its_command():
-    names = {path.name for path in (*NUMBERS, *DRAWS)}
-    assert {"solver", "quantities.py", "figures"} <= names and "command.py" not in names
-    assert not {"figures", "pipeline"} & {path.name for path in NUMBERS}
+    numbers, draws = ({path.name for path in paths} for paths in (NUMBERS, DRAWS))
+    assert {"step.py", "quantities.py", "dataset.py"} <= numbers
+    assert {"maps.py", "figure.py", "explore.js", "paper.mplstyle"} <= draws
+    assert not numbers & {"maps.py", "figure.py", "explore.js", "command.py", "Snakefile"}
 
 
 def test_an_edit_a_name_and_another_file_change_the_hash(tmp_path):

@@ -4,13 +4,13 @@ import inspect
 import os
 
 import draw
-import jobs
 import numpy as np
 import pytest
 import xarray as xr
 import yaml
 from small_studies import TINY
 
+from snapmap.applications import calibration, page, requirements, statics, tolerances, window
 from snapmap.config.study import load_config
 from snapmap.study.netcdf import open_whole, write
 
@@ -36,8 +36,8 @@ def test_a_flipped_or_cut_file_is_named(product):
         assert str(refusal.value) == f"{product}: is damaged; remove it and run again"
 
 
-READERS = [draw.draw_snaps, draw.draw_study, draw.draw_page, draw.draw_window]
-READERS += [draw.draw_calibration, draw.draw_tolerance, jobs.trace_cells]
+READERS = [draw.draw_snaps, draw.draw_study, page.draw, page.run, window.draw, calibration.draw]
+READERS += [statics.draw, tolerances.draw]
 
 
 @pytest.mark.parametrize("reader", READERS)
@@ -45,7 +45,11 @@ def test_every_job_names_a_damaged_product(product, tmp_path, reader):
     product.write_bytes(product.read_bytes()[:-500])
     names = inspect.signature(reader).parameters
     given = {name: product if name.endswith("_path") else () for name in names}
-    given |= {name: tmp_path / "made" for name in ("path", "stem", "folder") if name in names}
+    given |= {name: [product] for name in names if name.endswith("_paths")}
+    given |= {name: tmp_path / "made" for name in ("path", "folder") if name in names}
+    if "figures" in names:
+        given["figures"] = {"window": {"axes": {}}, "explore.html": {"horizon": 0}}
+        given["figures"] = {"statics": {}} if reader is statics.draw else given["figures"]
     with pytest.raises(ValueError, match=r"^/.*product\.nc: is damaged"):
         reader(**given)
     assert [*tmp_path.iterdir()] == [product]
@@ -59,5 +63,5 @@ def test_verdicts_on_a_full_disk_are_named(tmp_path, monkeypatch):
 
     monkeypatch.setattr(os, "replace", replace)
     with pytest.raises(OSError, match=r"requirements\.csv: not written, .* MB are free there"):
-        jobs.check_requirements(load_config(yaml.safe_load(text)), tmp_path / "requirements.csv")
+        requirements.run(load_config(yaml.safe_load(text)), tmp_path / "requirements.csv")
     assert not [*tmp_path.iterdir()]

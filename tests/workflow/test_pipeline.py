@@ -14,10 +14,11 @@ from small_studies import EVERY_PRODUCT, SHOTS, TINY
 from small_workflow import snakemake
 
 import snapmap
+from snapmap.applications import gather, window
 from snapmap.config.study import load_config
 from snapmap.files.made import HEAD, LIST
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
-from snapmap.workflow.products import products
+from snapmap.workflow.products import choose_views
 
 DRAWING = {"draw_snaps", "draw_study", "draw_page"}
 RULES = {"simulate_slab", "collect", "find_threshold", "trace_cells"}
@@ -109,7 +110,7 @@ def test_the_workflow_is_formatted(clone):
 
 def figures_of(config, *C):
     """Names of the figures of a tiny study over these C."""
-    (history,) = load_config(yaml.safe_load(config)).histories
+    (history,) = load_config(yaml.safe_load(config)).requests["histories"]
     stems = [f"{kind}_C{value:g}" for kind in ("map", "snap", "time") for value in C]
     stems += ["maps", "snap_maps", "thresholds", "damage_boundary", "statics"]
     stems += [f"history_{history.name}"]
@@ -251,8 +252,11 @@ def test_every_product_is_made_of_two_shapes_along_both_directions(clone, tmp_pa
     (tmp_path / "shots.csv").write_text(SHOTS)
     snakemake(clone, tmp_path, config)
     monkeypatch.chdir(tmp_path)
-    made = products(load_config(yaml.safe_load(EVERY_PRODUCT)))
-    expected = {f"{stem}.{kind}" for stem in made.stems for kind in ("pdf", "png")}
+    study = load_config(yaml.safe_load(EVERY_PRODUCT))
+    stems = [stem for several in choose_views(study).stems.values() for stem in several]
+    stems += [stem for figures in gather("figures", study).values() for stem in figures]
+    expected = {f"{stem}.{kind}" for stem in stems for kind in ("pdf", "png")}
+    expected -= {f"{stem}.{kind}" for stem in ("explore.html", "window") for kind in ("pdf", "png")}
     assert {path.name for path in (tmp_path / "results" / "figures").iterdir()} == expected
     for name in ("requirements.csv", "datasheet.md"):
         text = (tmp_path / "results" / name).read_text(encoding="utf-8")
@@ -267,7 +271,8 @@ def test_every_product_is_made_of_two_shapes_along_both_directions(clone, tmp_pa
 def test_the_window_of_the_recipe_is_drawn(clone, tmp_path):
     """With fewer points and a cheaper model; on its range all requirements can be met."""
     text = (clone / "config" / "arm.yaml").read_text(encoding="utf-8")
-    assert products(load_config(yaml.safe_load(text))).window == ("spring", "C")
+    axes = window.figures(load_config(yaml.safe_load(text)))["window"]["axes"]
+    assert [*axes] == ["spring", "C"]
     text = text.replace("points: 8", "points: 3").replace("samples: 200", "samples: 16")
     text = text.replace("name: auto", "name: cosines, modes: 3")
     (config := tmp_path / "arm.yaml").write_text(text)

@@ -4,13 +4,13 @@ import json
 import re
 import shutil
 
-import draw
 import numpy as np
 import pytest
 import xarray as xr
 from playwright.sync_api import sync_playwright
 from small_results import SETTINGS, swept
 
+from snapmap.applications import page as page_of
 from snapmap.applications.page import traces as envelopes
 from snapmap.applications.page.figure import GREY, WORDS, page
 from snapmap.figures.states import SNAPS, end_elsewhere, end_states, snap_states
@@ -56,7 +56,8 @@ def page_file(cube, traced, tmp_path_factory):
     paths = [folder / f"{name}.nc" for name in ("cube", "threshold", "traces")]
     for dataset, path in zip((cube, edges_of(cube), traced), paths, strict=True):
         write(dataset, path)
-    draw.draw_page(*paths[:2], SETTINGS.horizon, folder / "explore.html", paths[2])
+    figures = {"explore.html": {"horizon": SETTINGS.horizon}}
+    page_of.draw(figures, *paths[:2], folder / "explore.html", paths[2])
     assert sorted(folder.iterdir()) == sorted([*paths, folder / "explore.html"])
     return folder / "explore.html"
 

@@ -161,6 +161,11 @@ def line_at(path: tuple, line: str) -> str:
     return line if line.startswith((f"{name}:", f"{name}.")) else f"{name}: {line}"
 
 
+def in_list(place: int, line: str) -> str:
+    """A fault of an item of a list, of which the line may begin with the name of a key."""
+    return f"[{place}]{line}" if _WITHIN.match(line) else f"[{place}]: {line}"
+
+
 def name_of(path: tuple) -> str:
     """device.beam.span, sweep.f0[2]; the document itself is `config`."""
     name = ""

@@ -115,8 +115,7 @@ def load_config(document: Mapping) -> Config:
             return make(*given)
         except ValueError as error:
             line = str(error)
-            of_device = path == ("sweep",) and line.startswith("device")
-            return faults.append(line if of_device else line_at(path, line))
+            return faults.append(line if line.startswith("device") else line_at(path, line))
 
     device, sweep = parts.made, parts.sweep
     shocks = parts.pulse.made if parts.pulse else HANDOUT_SHOCK
@@ -132,7 +131,7 @@ def load_config(document: Mapping) -> Config:
         maps = each("maps", lambda v: (v.x, v.y, read_places(v.given, grid.axes)))
         curves = each("thresholds", lambda v: (v.x, v.lines, read_places(v.given, grid.axes)))
         part(("sweep",), require_start, sweep.made.start, grid.device)
-    part(("device",), _require_electrodes, device)
+    part(("device",), _require_study, device, shocks)
     if faults:
         raise ConfigError(*dict.fromkeys(faults))
     chosen, left_out = choose_maps(grid, nominal(device), maps)
@@ -174,9 +173,10 @@ def _unit(key, written):
     return unit_of(first, QUANTITIES[key].kind)
 
 
-def _require_electrodes(device):
-    """All devices have an electrode, or none."""
-    if len({bool(one.has_electrode) for one in Study(device=device).devices().values()}) > 1:
+def _require_study(device, shocks):
+    """All devices have an electrode, or none; forces shake no frame."""
+    devices = Study(device=device, shocks=shocks).devices().values()
+    if len({bool(one.has_electrode) for one in devices}) > 1:
         raise ValueError(".contact_at: only some devices have one; write it for all or none")
 
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...config.devices import of_device
-from ...config.keys import argument, line_at, quantity
+from ...config.keys import argument, in_list, quantity
 from ...config.shocks import one_time
 from ...config.units import show
 from ...config.views import frequency_of
@@ -91,5 +91,5 @@ def read_cells(
         try:
             cells.append(read_cell(section.given, device))
         except ValueError as error:
-            raise ValueError(f"[{place}]{line_at((), str(error)).removeprefix('config')}") from None
+            raise ValueError(in_list(place, str(error))) from None
     return tuple(cells)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from ...config.keys import in_list
 from ...config.study import Config, require_start
 from ...files.text import show
 from ...solver.settings import FIRST
@@ -24,7 +25,7 @@ def read_requirements(sections: Sequence, study: Config, pulse) -> list[Required
             for device in study.devices().values():
                 require_start(start, device)
         except ValueError as error:
-            raise ValueError(f"[{place}]{error}") from None
+            raise ValueError(in_list(place, str(error))) from None
     if required:
         at = study.temperatures
         study.set_out({"temperature": at} if at else {})

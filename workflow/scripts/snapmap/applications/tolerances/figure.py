@@ -190,7 +190,7 @@ def each_share(found: xr.Dataset) -> Iterator[tuple[str, xr.DataArray, xr.DataAr
         if "share_breaking" in found:
             bounds = 1 - one.share_breaking_bound.isel(bound=slice(None, None, -1))
             yield f"{name}, unbroken", 1 - one.share_breaking, bounds
-    yield f"all together{scope(found['yield'])}", found["yield"], found.yield_bound
+    yield "all together", found["yield"], found.yield_bound
 
 
 def draw_yield(ax: Axes, found: xr.Dataset) -> Axes:
@@ -212,7 +212,10 @@ def draw_yield(ax: Axes, found: xr.Dataset) -> Axes:
             place = {"xytext": (6, 0), "textcoords": "offset points", "va": "center"}
             ax.annotate(words, (1, at), fontsize=6, **place)
     ax.axhline(rows[-1] - 0.5, color="0.6", linewidth=0.5)
-    ax.set(xlim=(0, 1), ylim=(rows[-1] + 0.5, -0.5), xlabel="share of devices that meet it")
+    label = "share of devices that meet it"
+    if counted := scope(found["yield"]).removeprefix(", "):
+        label += f"; all together: {counted}"
+    ax.set(xlim=(0, 1), ylim=(rows[-1] + 0.5, -0.5), xlabel=textwrap.fill(label, style.COLUMN * 2))
     ax.set_yticks(rows, [textwrap.fill(style.literal(name), NAME) for name in names])
     ax.tick_params(axis="y", which="minor", left=False)
     return ax
