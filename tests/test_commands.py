@@ -41,8 +41,8 @@ ELSEWHERE = {
     ],
     "test_install_from_nothing": ["snakemake --version"],
     "test_lock_holds_only_exact_versions_and_hashes": [
-        "uv pip install --require-hashes --requirements requirements-docs.lock",
-        "uv pip install --require-hashes --requirements requirements-slurm.lock",
+        "uv pip install --require-hashes --requirements locks/requirements-docs.lock",
+        "uv pip install --require-hashes --requirements locks/requirements-slurm.lock",
     ],
     "test_the_site_is_made_without_a_warning_and_asks_no_other_host": [
         "sphinx-build -EW -c docs/site . build/site"

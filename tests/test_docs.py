@@ -117,7 +117,9 @@ def test_the_tutorial_says_what_its_study_gives(root, tmp_path):
 
 
 def test_the_site_is_made_without_a_warning_and_asks_no_other_host(root, tmp_path):
-    pytest.importorskip("furo", reason="the packages of requirements-docs.lock are not installed")
+    pytest.importorskip(
+        "furo", reason="the packages of locks/requirements-docs.lock are not installed"
+    )
     build = [sys.executable, "-m", "sphinx", "-qEW", "--keep-going", "-c", root / "docs" / "site"]
     made = subprocess.run(
         [*build, "-d", tmp_path / "read", root, tmp_path / "site"], capture_output=True, text=True

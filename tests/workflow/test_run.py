@@ -31,6 +31,8 @@ case "$1 $2" in
 esac
 """
 
+LOCK = "locks/requirements.lock"
+
 
 class Clone:
     """A copy of `run` with a lock of its own, and stand-ins for Python first on PATH."""
@@ -40,7 +42,8 @@ class Clone:
         folder.mkdir()
         self.fakes.mkdir()
         shutil.copy(ROOT / "run", folder)
-        (folder / "requirements.lock").write_text("# nothing\n")
+        (folder / "locks").mkdir()
+        (folder / LOCK).write_text("# nothing\n")
         self.fake_python(FAKE_PYTHON.replace("@fakes@", str(self.fakes)))
         path = f"{self.fakes}:{os.environ['PATH']}"
         self.environment = {"HOME": str(tmp / "home"), "TMPDIR": str(tmp), "PATH": path}
@@ -107,7 +110,7 @@ def test_a_linked_venv_is_used_if_whole_and_never_cleared(clone, tmp_path):
     shutil.copytree(clone.folder, other, ignore=shutil.ignore_patterns(".venv"))
     (other / ".venv").symlink_to(clone.folder / ".venv")
     assert subprocess.run([other / "run", "true"], env=clone.environment).returncode == 0
-    (other / "requirements.lock").write_text("# another\n")
+    (other / LOCK).write_text("# another\n")
     done = subprocess.run([other / "run", "true"], env=clone.environment, capture_output=True)
     assert done.returncode == 1 and b"is a link" in done.stderr
     assert len(clone.venvs_made()) == 1
@@ -118,7 +121,7 @@ def test_installs_once_and_again_after_the_lock_or_the_path_changes(clone, tmp_p
     venv = str(clone.folder / ".venv")
     assert len(first.stderr.splitlines()) == 1 and venv in first.stderr
     assert second.stderr == "" and clone.venvs_made() == [venv]
-    (clone.folder / "requirements.lock").write_text("# another\n")
+    (clone.folder / LOCK).write_text("# another\n")
     clone.run("true")
     assert len(clone.venvs_made()) == 2
     clone.folder = clone.folder.rename(tmp_path / "moved")
@@ -132,7 +135,7 @@ def test_no_special_sign_in_the_path_of_the_venv(tmp_path, name):
     done = clone.run("printenv", "VIRTUAL_ENV")
     assert done.stdout.startswith(f"{tmp_path}/home/.cache/snapmap/venv-")
     assert done.stdout.strip() in done.stderr
-    assert sorted(path.name for path in clone.folder.iterdir()) == ["requirements.lock", "run"]
+    assert sorted(path.name for path in clone.folder.iterdir()) == ["locks", "run"]
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root can write to every folder")
@@ -179,9 +182,9 @@ def test_a_fault_is_one_line(clone):
         assert word in one_line_of_failure(clone.run("true"))
 
 
-@pytest.mark.parametrize("lock", sorted(path.name for path in ROOT.glob("*.lock")))
+@pytest.mark.parametrize("lock", sorted(path.name for path in (ROOT / "locks").glob("*.lock")))
 def test_lock_holds_only_exact_versions_and_hashes(lock):
-    text = (ROOT / lock).read_text()
+    text = (ROOT / "locks" / lock).read_text()
     for line in text.replace("\\\n", " ").splitlines():
         assert re.fullmatch(r"[a-z0-9-]+==\S+( ; [^:]+?)?\s+(--hash=sha256:[0-9a-f]{64}\s*)+", line)
 
@@ -191,7 +194,7 @@ def test_lock_names_every_dependency():
     project, wanted = pyproject["project"], list(pyproject["dependency-groups"]["test"])
     for packages in [project["dependencies"], *project["optional-dependencies"].values()]:
         wanted += [name for name in packages if "snapmap[" not in name]
-    locked = set(re.findall(r"^[a-z0-9-]+(?===)", (ROOT / "requirements.lock").read_text(), re.M))
+    locked = set(re.findall(r"^[a-z0-9-]+(?===)", (ROOT / LOCK).read_text(), re.M))
     assert {re.match(r"[a-z0-9-]+", name)[0] for name in wanted} <= locked
 
 
@@ -200,8 +203,9 @@ def test_install_from_nothing(tmp_path):
     folder, home = tmp_path / "my clone", tmp_path / "home"
     folder.mkdir()
     home.mkdir()
-    for name in ["run", "pyproject.toml", "requirements.lock"]:
-        shutil.copy(ROOT / name, folder)
+    (folder / "locks").mkdir()
+    for name in ["run", "pyproject.toml", LOCK]:
+        shutil.copy(ROOT / name, folder / name)
     environment = os.environ | {"HOME": str(home), "XDG_CACHE_HOME": ""}
 
     def run(*command: str) -> str:

@@ -141,7 +141,7 @@ def clone(cluster, root, tmp_path_factory):
     clone = tmp_path_factory.mktemp("project") / "clone"
     ignore = shutil.ignore_patterns(".venv*", ".git", "results", ".snakemake", "__pycache__")
     shutil.copytree(root, clone, ignore=ignore)
-    lock = ["--require-hashes", "--requirements", "requirements-slurm.lock"]
+    lock = ["--require-hashes", "--requirements", "locks/requirements-slurm.lock"]
     subprocess.run([clone / "run", "uv", "pip", "install", *lock], cwd=clone, check=True)
     return clone
 
