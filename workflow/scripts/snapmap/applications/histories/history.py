@@ -113,6 +113,7 @@ class Extremes(NamedTuple):
 
     toward_max, away_max: of the mass from rest, toward the beam and away from it, um
     contact_force_max: between mass and beam, uN; an indicator, see docs/pulses.md
+    These three are NaN of a beam alone.
     stress_max, stress_max_to_snap: tensile, in the beam, MPa; the latter until it snaps
     """
 
@@ -178,7 +179,8 @@ def _record(built, cells, settings, samples):
     for motion in motions:
         values = _observe(device, first, form, stress, motion)
         y = values["z_mass"] - rest
-        of_window = -y.min(), y.max(), values["contact_force"].max(), values["stress"].max()
+        force = math.nan if device.is_alone else values["contact_force"].max()
+        of_window = -y.min(), y.max(), force, values["stress"].max()
         largest = np.maximum(largest, of_window)
         if not snapped:
             path = np.append(last, [side * values["w_mid"], values["stress"]], axis=1)
