@@ -5,6 +5,7 @@ import re
 import runpy
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -76,6 +77,9 @@ def test_the_recipes_in_python_run(root, handout, tmp_path, monkeypatch, page):
     found = snapmap.threshold(handout, cells["f0"], cells["C"])
     write(found, tmp_path / "results" / "threshold.nc")
     (tmp_path / "shots.csv").write_text(SHOTS)
+    record = {"x": np.linspace(0.0, 1e-3, 5), "data": np.array([0.0, 7.0, 9.0, 7.0, 0.0]) + 0j}
+    file = SimpleNamespace(read_sets=lambda number: record)
+    monkeypatch.setitem(sys.modules, "pyuff", SimpleNamespace(UFF=lambda path: file))
     known = {"snapmap": snapmap, "device": handout, "shots": "shots.csv"}
     runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
     for block in blocks(root / page, "python"):
@@ -86,6 +90,8 @@ def test_the_recipes_in_python_run(root, handout, tmp_path, monkeypatch, page):
         else:
             exec(block, known)
     assert not runner.failures
+    if page == "docs/recipes.md":
+        assert snapmap.read_pulse("shock.csv").duration == pytest.approx(1000.0)
 
 
 @pytest.mark.long
