@@ -379,10 +379,11 @@ def make_window():
     return xr.Dataset(data, {"requirement": ["trip", "stay", "easy"], "spring": spring, "C": C})
 
 
-def filled(ax):
-    """The colours of the regions of a window, and what lies in them."""
-    (filled,) = [one for one in ax.collections if isinstance(one, ContourSet) and one.filled]
-    return dict(zip(map(to_hex, filled.get_facecolor()), filled.get_paths(), strict=True))
+def colour_at(ax, *point):
+    """The colour in which a point of a window is filled last, if any."""
+    layers = [one for one in ax.collections if isinstance(one, ContourSet) and one.filled]
+    within = [one for one in layers if one.get_paths()[0].contains_point(point)]
+    return to_hex(within[-1].get_facecolor()[0]) if within else None
 
 
 def test_a_window_ends_on_lines_where_each_requirement_begins_to_fail():
@@ -395,10 +396,9 @@ def test_a_window_ends_on_lines_where_each_requirement_begins_to_fail():
         assert abs(path.vertices[:, column] - end).max() < straight
     met, failing = (window.MEETING["color"], window.FAILING["color"])
     for ax in panels:
-        regions = filled(ax)
-        assert regions[met].contains_point((5.0, 50.0)) and regions[failing].contains_point((7, 50))
-        assert regions[failing].contains_point((5.0, 30.0))
-        assert not regions[met].contains_point((7.0, 30.0))
+        assert colour_at(ax, 5.0, 50.0) == met
+        assert colour_at(ax, 7.0, 50.0) == colour_at(ax, 5.0, 30.0) == failing
+        assert colour_at(ax, 7.0, 30.0) == failing
     for ax in (*panels, stress):
         assert (ax.get_xlim(), ax.get_ylim()) == ((4.0, 8.0), (20.0, 60.0))
     legend = figure.legends[0]
@@ -408,6 +408,19 @@ def test_a_window_ends_on_lines_where_each_requirement_begins_to_fail():
     title = legend.get_title().get_text()
     assert "met everywhere: easy" in title and "°C" not in title
     assert "error bars up to 1.0 %, between points up to 6.0 % more" in title
+
+
+def test_a_window_reaches_the_point_where_two_lines_meet_at_a_small_angle():
+    spring, C = np.meshgrid([1.0, 2.0], [1.0, 2.0], indexing="ij")
+    after, before = spring - 0.53, 2.53 - spring + 0.05 * (C - 1.03)
+    found = make_window().isel(requirement=[0, 1], spring=[0, 1], C=[0, 1])
+    found = found.assign_coords(spring=spring[:, 0], C=C[0]).drop_vars(["yield", "yield_bound"])
+    found["reserve"] = found.reserve.copy(data=np.stack([after, before]))
+    window.draw_window(figure := style.double_column(4), found, "spring", "C")
+    for point in [(1.531, 1.3), (1.54, 1.5), (1.55, 1.9)]:
+        assert colour_at(figure.axes[0], *point) == window.MEETING["color"]
+    assert colour_at(figure.axes[0], 1.52, 1.5) == window.FAILING["color"]
+    assert colour_at(figure.axes[0], 1.56, 1.5) == window.FAILING["color"]
 
 
 def test_a_window_has_the_units_of_the_config_and_says_its_temperatures():
@@ -423,7 +436,7 @@ def test_a_window_has_the_units_of_the_config_and_says_its_temperatures():
     legend = figure.legends[0]
     assert "at each temperature from −40 to 125 °C" in legend.get_title().get_text()
     assert "no device, or not known" in [text.get_text() for text in legend.get_texts()]
-    assert not any(path.contains_point((0.0079, 0.059)) for path in filled(ax).values())
+    assert colour_at(ax, 0.0079, 0.059) is None
     failing = found.assign(reserve=0 * found.reserve + 0.5)
     failing.reserve.attrs = found.reserve.attrs
     window.draw_window(figure := style.double_column(4), failing, "spring", "C")

@@ -52,7 +52,7 @@ def draw_window(figure: FigureBase, found: xr.Dataset, x: str, y: str, units: Un
         ax.label_outer()
         grid = [between(scale.places, 1) for scale in across]
         if levels:
-            _fill_window(ax, grid, least)
+            _fill_window(ax, grid, reserve, least)
             for lines in _level_lines(ax, grid, field, levels, colors="0.3", linewidths=0.6):
                 ax.clabel(lines, fmt=number, fontsize=6)
         else:
@@ -77,11 +77,15 @@ def _open_window(ax, found, x, y, units):
     return across
 
 
-def _fill_window(ax, grid, least):
-    """Fill what is met and what is not; what is neither stays hatched."""
+def _fill_window(ax, grid, reserve, least):
+    """Fill what is met and what is not, up to the lines; what is neither stays hatched."""
     if np.isnan(least).any():
         ax.patch.set(**plane.ABSENT)
-    ax.contourf(*grid, least, [0, 1, FAR], colors=[FAILING["color"], MEETING["color"]])
+    ax.contourf(*grid, least, [0, FAR], colors=[MEETING["color"]])
+    for one in reserve:  # each by itself, as the least of two is cut off where they cross
+        ax.contourf(
+            *grid, np.where(np.isnan(least), np.nan, one), [0, 1], colors=[FAILING["color"]]
+        )
 
 
 def _level_lines(ax, grid, field, levels, **look):
