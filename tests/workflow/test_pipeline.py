@@ -20,9 +20,9 @@ from snapmap.files.made import HEAD, LIST
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
 from snapmap.workflow.products import choose_views
 
-DRAWING = {"draw_snaps", "draw_study", "draw_page"}
+DRAWING = {"draw_snaps", "draw_study", "draw_page", "draw_histories"}
 RULES = {"simulate_slab", "collect", "find_threshold", "trace_cells"}
-RULES |= {"simulate_history"} | DRAWING
+RULES |= {"simulate_histories"} | DRAWING
 
 
 def planned_rules(output):

@@ -13,30 +13,6 @@ is_quick = {name: hasattr(one, "quick") for name, one in attached().items()}
 quick = {name: files for name, files in making.items() if is_quick[name]}
 
 
-def drawn_from(name):
-    application = attached()[name]
-    if hasattr(application, "drawn_from"):
-        return application.drawn_from(study)
-    return application.outputs(study)
-
-
-def constant(value):
-    """A function, as a path in a value may have braces."""
-    return lambda wildcards: value
-
-
-def figures_of(name):
-    """Figures of an application, as the report shows them."""
-    application = attached()[name]
-    caption = f"../report/{application.caption}.rst"
-    for stem in drawing_of[name]:
-        paths = [f"results/figures/{stem}.{ending}" for ending in ("png", "pdf")]
-        shown, *others = paths if "." not in stem else [f"results/{stem}"]
-        labels = {"figure": stem}
-        yield report(shown, caption, category=application.part, labels=labels)
-        yield from others
-
-
 for name in [name for name in making if not is_quick[name]]:
     application = attached()[name]
     threads_of = getattr(application, "threads", 1)

@@ -38,3 +38,43 @@ def tidy_when_idle():
         if not workflow.dryrun:
             hold(".snakemake/running")
             remove_old_products()
+
+
+def drawn_from(name):
+    application = attached()[name]
+    if hasattr(application, "drawn_from"):
+        return application.drawn_from(study)
+    return application.outputs(study)
+
+
+def constant(value):
+    """A function, as a path in a value may have braces."""
+    return lambda wildcards: value
+
+
+def figures_of(name):
+    """Figures of an application, as the report shows them."""
+    application = attached()[name]
+    caption = f"../report/{application.caption}.rst"
+    for stem in drawing_of[name]:
+        paths = [f"results/figures/{stem}.{ending}" for ending in ("png", "pdf")]
+        shown, *others = paths if "." not in stem else [f"results/{stem}"]
+        labels = {"figure": stem}
+        yield report(shown, caption, category=application.part, labels=labels)
+        yield from others
+
+
+def figures(caption):
+    for stem in made.stems[caption]:
+        png, pdf = [f"results/figures/{stem}.{ending}" for ending in ("png", "pdf")]
+        labels = {"figure": stem}
+        yield report(
+            png, f"../report/{caption}.rst", category=PARTS[caption], labels=labels
+        )
+        yield pdf
+
+
+def paths_of(name):
+    """The files that an application is drawn from, as its function takes them."""
+    files = drawn_from(name).items()
+    return {f"{key}_{'path' if isinstance(f, str) else 'paths'}": f for key, f in files}

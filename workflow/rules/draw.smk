@@ -10,22 +10,6 @@ PARTS = {
 }
 
 
-def figures(caption):
-    for stem in made.stems[caption]:
-        png, pdf = [f"results/figures/{stem}.{ending}" for ending in ("png", "pdf")]
-        labels = {"figure": stem}
-        yield report(
-            png, f"../report/{caption}.rst", category=PARTS[caption], labels=labels
-        )
-        yield pdf
-
-
-def paths_of(name):
-    """The files that an application is drawn from, as its function takes them."""
-    files = drawn_from(name).items()
-    return {f"{key}_{'path' if isinstance(f, str) else 'paths'}": f for key, f in files}
-
-
 rule draw_snaps:
     input:
         **of_stress,

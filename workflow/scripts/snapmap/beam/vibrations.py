@@ -14,13 +14,13 @@ def vibrations(device: Device, C: Sequence[float]) -> list[list[str]]:
 
     device: a single one; C: of the mass, uN us/um
     """
-    omega, damping = natural_frequency(device.beam), device.beam.damping
+    omega, damping = float(natural_frequency(device.beam)), float(device.beam.damping)
     rows = [["beam", _frequency(omega), _quality(omega, damping)]]
     if not device.is_alone:
         omega, mass = float(device.mass_frequency), device.mass
         ends = dict.fromkeys((np.min(C), np.max(C)))
         rates = (f"{_quality(omega, end / mass)} at C = {plain(end)}" for end in ends)
-        words = f"{' to '.join(rates)} uN*us/um (critical: {plain(2 * mass * omega)})"
+        words = f"{' to '.join(rates)} uN*us/um (critical: {plain(2 * float(mass) * omega)})"
         rows.append(["mass", _frequency(omega), words])
     return rows
 

@@ -216,13 +216,13 @@ class Mixed(NamedTuple):
 
     def with_step(self, factor: float) -> "Mixed":
         """The same models with every step multiplied by `factor`."""
-        return Mixed(*(model.with_step(factor) for model in self[:2]), self.other)
+        return Mixed(self.first.with_step(factor), self.second.with_step(factor), self.other)
 
     def pick(self, which: int | np.ndarray) -> Follows:
         """The model of one device, or those of several."""
         if np.ndim(which) == 0:
-            return self[int(self.other[which])].pick(which)
-        return Mixed(*(model.pick(which) for model in self[:2]), self.other[which])
+            return (self.second if self.other[which] else self.first).pick(which)
+        return Mixed(self.first.pick(which), self.second.pick(which), self.other[which])
 
     def follow(self, cells: Cells, settings: Settings) -> Observations:
         """Follow every cell by the model of its device."""

@@ -12,7 +12,7 @@ from .adaptive import choose_model
 from .cells import Cells
 from .kernel.rows import LANES
 from .kernel.trace import SAMPLE
-from .models import Follows, deciders
+from .models import Follows, Model, deciders
 from .settings import Settings
 
 BANDS = "w_low", "w_high", "z_mass", "energy", "beam_energy"
@@ -43,14 +43,15 @@ def largest_stress(device: Device, model: Mapping, cells: Cells, settings: Setti
 
 
 def follow_motion(
-    model: Follows, cells: Cells, window: np.ndarray, bins: int, settings: Settings
+    model: Model, cells: Cells, window: np.ndarray, bins: int, settings: Settings
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Follow cells, and keep BANDS over time bins and the largest stress.
 
     model: of one step for all of them; window: time followed, us, (cells,)
     Returns values, (BANDS, bins, cells), the lengths of the bins, us, and stresses, MPa; (cells,).
     """
-    first, barrier = model.barrier.first[cells.device], model.barrier.energy[cells.device]
+    saddle = model.barrier
+    first, barrier = (np.asarray(value)[cells.device] for value in (saddle.first, saddle.energy))
     device = model.device
     gap = np.where(device.is_alone, np.nan, device.gap)
     origin = np.stack([first, first, first + gap[cells.device]])

@@ -20,10 +20,10 @@ OF_MODEL = {
 """What each option may be."""
 
 
-def take_model(model: Mapping) -> dict:
+def take_model(model: Mapping) -> dict[str, object]:
     """A model's name and options, converted; ValueError, one line, for one that cannot be."""
-    name = word(*OPTIONS).take("model.name", model.get("name"))
-    taken = {"name": name}
+    name = str(word(*OPTIONS).take("model.name", model.get("name")))
+    taken: dict[str, object] = {"name": name}
     for key, value in model.items():
         if key in OPTIONS[name]:
             taken[key] = OF_MODEL[key].take(f"model.{key}", value)
