@@ -29,9 +29,9 @@ def hermite_elements(elements: int = 5, free: bool = False) -> Basis:
     h, none = 1 / (2 * elements), np.zeros(2 * elements - 1)
     parts = [_integrals(order, h) for order in (2, 1, 0)]
     bending, geometric, mass = (_assemble(elements, part, SYMMETRIC) for part in parts)
-    load, start, tilt = _assemble(elements, _load(h), SYMMETRIC), _interpolate_start(elements), none
-    midpoint, curvature = none.copy(), _curvature(elements, SYMMETRIC)
-    midpoint[-1] = 1.0
+    load = _assemble(elements, h * np.array([1 / 2, h / 12, 1 / 2, -h / 12]), SYMMETRIC)
+    start, tilt = _interpolate_start(elements), none
+    midpoint, curvature = np.append(none[1:], 1.0), _curvature(elements, SYMMETRIC)
     project = _projection(elements, geometric, free)
     if free:
         others = (_assemble(elements, part, ANTISYMMETRIC) for part in parts)
@@ -45,7 +45,15 @@ def hermite_elements(elements: int = 5, free: bool = False) -> Basis:
         return solve(tangent, midpoint)
 
     return Basis(
-        *(mass, bending, geometric, load, midpoint, start, project, tilt, curvature),
+        mass=mass,
+        bending=bending,
+        geometric=geometric,
+        load=load,
+        midpoint=midpoint,
+        start=start,
+        project=project,
+        tilt=tilt,
+        curvature=curvature,
         flexibility=lambda axial_force: dot(midpoint, pushed(axial_force)),
         bent=lambda axial_force: apply(curvature, pushed(axial_force)),
         complete=True,
@@ -61,11 +69,6 @@ def _integrals(order, h):
     # 420 divides by all up to 7: the sums are of whole numbers.
     sums = multiply(multiply(c, 420 // (n[:, np.newaxis] + n + 1)), c.T)
     return sums * outer(sizes, sizes) / 420 * scale
-
-
-def _load(h):
-    """Integral of N_i over one element."""
-    return h * np.array([1 / 2, h / 12, 1 / 2, -h / 12])
 
 
 def _assemble(elements, part, fixed):
@@ -101,7 +104,7 @@ def _interpolate_start(elements):
 
 
 def _projection(elements, geometric, free):
-    """From the a_n of shapes to the coordinates nearest by the slopes, none antisymmetric."""
+    """Map the a_n of shapes to the coordinates nearest by the slopes, none antisymmetric."""
 
     @cache
     def cosines():
@@ -110,8 +113,8 @@ def _projection(elements, geometric, free):
         x, weights, slopes = slope_products(np.arange(elements + 1) * h)
         share = x / h - np.arange(elements)[:, np.newaxis]
         bend = 6 * share * (share - 1) / h
-        tilts = 1 + share * (3 * share - 4), share * (3 * share - 2)
-        rises = np.stack([bend, tilts[0], -bend, tilts[1]], axis=1)
+        tilt, next_tilt = 1 + share * (3 * share - 4), share * (3 * share - 2)
+        rises = np.stack([bend, tilt, -bend, next_tilt], axis=1)
         parts = multiply(rises * weights[:, np.newaxis], slopes)
         full = np.zeros((2 * elements + 2, parts.shape[-1]))
         for i in range(elements):
@@ -134,5 +137,4 @@ def _interpolate_tilt(elements):
         # sin(mu/2) = tan(mu/2) cos(mu/2), and cos(mu/2) is negative.
         half = -tangent / (1 + tangent * tangent) ** 0.5
         nodal += [sin / half - 2 * along, mu * cos / half - 2]
-    kept = np.delete(np.array(nodal), [0, 1, ANTISYMMETRIC])
-    return mu / (4 * pi) * kept
+    return mu / (4 * pi) * np.delete(np.array(nodal), [0, 1, ANTISYMMETRIC])

@@ -131,19 +131,18 @@ def find_barrier(beam: Beam, basis: Basis, modes: int | None = None) -> Barrier:
     A model that has no stable second shape has a barrier of energy 0: one too coarse, close to
     Q = 4/sqrt(3), or a beam that is free to tilt out of it.
     """
-    modal, axial, which, p, own = _saddle_and_second(beam, basis, modes)
+    modal, axial, which, p, p_second = _saddle_and_second(beam, basis, modes)
     exists = np.isfinite(p).all(axis=-1)
-    energy, along = (
-        np.where(exists, part, 0.0)[which]
-        for part in (_unit_energy(modal, axial, p), dot(modal.midpoint, p))
-    )
+    energy = np.where(exists, _unit_energy(modal, axial, p), 0.0)[which]
+    midpoint = np.where(exists, dot(modal.midpoint, p), 0.0)[which]
     first, second = first_midpoint(basis, beam), np.atleast_1d(beam.second_equilibrium)
+    rise = beam.made_rise
     if basis.tilt.any():
-        stays = first + dot(modal.midpoint, own)[which] * beam.made_rise
+        stays = first + dot(modal.midpoint, p_second)[which] * rise
         second = np.where(exists[which], stays, second)
-    unit = beam.stiffness_unit * beam.made_rise * beam.made_rise
-    columns = energy * unit, along * beam.made_rise, second, first
-    return Barrier(*(value if np.ndim(beam.rise) else value.item() for value in columns))
+    unit = beam.stiffness_unit * rise * rise
+    barrier = Barrier(energy=energy * unit, midpoint=midpoint * rise, second=second, first=first)
+    return barrier if np.ndim(beam.rise) else Barrier(*(np.asarray(v).item() for v in barrier))
 
 
 def least_travel(device: Device) -> float:
@@ -160,10 +159,10 @@ class Rest(NamedTuple):
 
 def second_shape(beam: Beam, basis: Basis, modes: int | None = None) -> Rest:
     """Find where a beam rests in its second shape, measured from the first; NaN if it has none."""
-    modal, axial, which, _, own = _saddle_and_second(beam, basis, modes)
-    energy, scale = _unit_energy(modal, axial, own)[which], beam.made_rise * np.sqrt(beam.weight)
-    p = own[which] * np.reshape(scale, (-1, 1))
-    energy = energy * (beam.stiffness_unit * beam.made_rise * beam.made_rise)
+    modal, axial, which, _, p = _saddle_and_second(beam, basis, modes)
+    rise = beam.made_rise
+    energy = _unit_energy(modal, axial, p)[which] * (beam.stiffness_unit * rise * rise)
+    p = p[which] * np.reshape(rise * np.sqrt(beam.weight), (-1, 1))
     return Rest(p, energy) if np.ndim(beam.rise) else Rest(p[0], energy.item())
 
 
@@ -177,7 +176,7 @@ def require_rest(rest: Rest) -> None:
 
 
 def _saddle_and_second(beam, basis, modes):
-    """The form of unit beams, their axial stiffness, which is which, and coordinates there."""
+    """The form of unit beams, their axial stiffness, the unit beam of each, and both places."""
     beams, which = unit_beams(beam)
     axial = 6 * beams.Q * beams.Q
     modal = unit_form(basis, modes, beams)

@@ -10,10 +10,10 @@ from ..device.device import Beam, Device, Value, batch
 from .equilibria import BucklingModes, alone, buckling_modes, displacement, push, roots, shapes_of
 from .modal import contact_stiffness, first_midpoint, pulse_load
 
-GRID, ZOOM, ZOOMS = 100, 12, 9
-"""Points of a search, and of those that follow between two of them, and how many these are."""
+POINTS = (100, *[12] * 9)
+"""Points of a search, and of each that follows between two points of the one before."""
 BLOCK = 16
-"""Devices looked at together: what is known of them fits into a processor's own memory."""
+"""Devices searched together: their data fit into a processor's cache."""
 
 
 class _Pushed(NamedTuple):
@@ -54,64 +54,58 @@ def static_threshold(device: Device, back: bool = False) -> float | np.ndarray:
         alike = device.pick(mine) if mine.size < N.size else device
         modes, first = buckling_modes(alike.beam), first_midpoint(shapes_of(alike.beam), alike.beam)
         modes = modes._replace(load=pulse_load(alike, modes.load, modes.midpoint))
-        columns = (
-            *(alike.mass, alike.spring, contact_stiffness(alike, modes.residual), alike.gap),
-            *(alike.stop_toward, first - alike.beam.second_equilibrium),
-        )
+        stiffness = contact_stiffness(alike, modes.residual)
+        travel = first - alike.beam.second_equilibrium
+        columns = alike.mass, alike.spring, stiffness, alike.gap, alike.stop_toward, travel
         facts = (np.broadcast_to(column, mine.size)[:, np.newaxis] for column in columns)
         pushed = _Pushed(modes, *facts)
         for block in np.split(np.arange(mine.size), range(BLOCK, mine.size, BLOCK)):
-            some = pushed.take(block)
-            N[mine[block]] = _least_back(some.modes) if back else _least_without_rest(some)
+            part = pushed.take(block)
+            N[mine[block]] = _least_back(part.modes) if back else _least_without_rest(part)
     return N / device.gravity
 
 
 def _least_without_rest(devices):
-    """That acceleration, (devices,)."""
-    gap, stop = devices.gap[:, 0], devices.stop[:, 0]
-    reaches = gap < np.inf
+    """Find that acceleration, um/us^2, (devices,)."""
+    gap = devices.gap[:, 0]
+    reaches, has_stop = gap < np.inf, devices.stop[:, 0] < np.inf
     ends = [
         _ends(devices, reaches, _pressed, _is_left),
-        _ends(devices, reaches & (stop < np.inf), _held, _is_past_stop),
+        _ends(devices, reaches & has_stop, _held, lambda part, a, w: w > part.stop - part.gap),
     ]
     released = (gap > 0) | np.any([leaves for *_, leaves in ends], axis=0)
-    own, edge, _ = _ends(devices, released, _alone, _is_pulled)
-    apart = (gap > 0) & (devices.mass[:, 0] * own < devices.spring[:, 0] * (edge + gap))
+    a_alone, edge, _ = _ends(
+        devices, released, lambda part, N: alone(part.modes, N), lambda part, a, w: a < 0
+    )
+    apart = (gap > 0) & (devices.mass[:, 0] * a_alone < devices.spring[:, 0] * (edge + gap))
     # What the mass on its spring no longer holds runs on to the stop, which may hold it.
     least = [
-        np.where(np.where(leaves, reached < edge, apart & (a != -np.inf)), own, a)
+        np.where(np.where(leaves, reached < edge, apart & (a != -np.inf)), a_alone, a)
         for a, reached, leaves in ends
     ]
-    return np.where(reaches, np.fmax(*least), own)
+    return np.where(reaches, np.fmax(*least), a_alone)
 
 
 def _pressed(devices, N):
-    """c = constant + slope a where the mass on its spring presses, as `push`."""
-    return _shock(devices, N, devices.mass, devices.spring, devices.gap)
+    """c = constant + slope a where the mass on its spring presses: e.c - (P - M a)/K - h = P/k."""
+    modes, (constant, slope) = devices.modes, push(devices.modes, N)
+    _, sag = alone(modes, N)
+    give = 1 / devices.spring + 1 / devices.stiffness + displacement(modes, slope)
+    at_rest = -(displacement(modes, constant) + devices.gap) / give
+    grows = (devices.mass / devices.spring - displacement(modes, sag)) / give
+    constant += slope * at_rest[..., np.newaxis, :]
+    return constant, sag + slope * grows[..., np.newaxis, :]
 
 
 def _held(devices, N):
-    """The same where the mass is on its stop."""
-    return _shock(devices, N, 0.0, np.inf, devices.gap - devices.stop)
-
-
-def _alone(devices, N):
-    """The same where nothing touches the beam."""
-    return alone(devices.modes, N)
+    """c = constant + slope a where the mass is on its stop, as a rigid wall there."""
+    return _pressed(devices._replace(mass=0.0, spring=np.inf, gap=devices.gap - devices.stop), N)
 
 
 def _is_left(devices, a, reached):
     """Whether the midpoint is ahead of the mass by itself, once that has touched it."""
     behind = devices.mass * a < devices.spring * (reached + devices.gap)
     return behind & np.logical_or.accumulate(~behind, axis=-1)
-
-
-def _is_past_stop(devices, a, reached):
-    return reached > devices.stop - devices.gap
-
-
-def _is_pulled(devices, a, reached):
-    return a < 0
 
 
 def reset_force(beam: Beam) -> tuple[float, float]:
@@ -133,7 +127,7 @@ def largest_force(modes: BucklingModes, loaded: Callable, limit: Value) -> np.nd
     loaded: gives constant and slope of c for N, as `push` does
     """
     low, high = np.zeros(np.shape(limit)), np.asarray(limit)
-    for points in (GRID, *[ZOOM] * ZOOMS):
+    for points in POINTS:
         N = low[..., np.newaxis] + np.multiply.outer((high - low) / points, np.arange(points) + 0.5)
         exists = np.isfinite(roots(modes, N, *loaded(N))[0])
         count = np.count_nonzero(np.logical_and.accumulate(exists, axis=-1), axis=-1)
@@ -142,29 +136,18 @@ def largest_force(modes: BucklingModes, loaded: Callable, limit: Value) -> np.nd
     return low
 
 
-def _shock(devices, N, mass, spring, gap):
-    """c = constant + slope a where the mass on its spring presses: e.c - (P - M a)/K - h = P/k."""
-    modes, (constant, slope) = devices.modes, push(devices.modes, N)
-    _, sag = alone(modes, N)
-    give = 1 / spring + 1 / devices.stiffness + displacement(modes, slope)
-    at_rest = -(displacement(modes, constant) + gap) / give
-    grows = (mass / spring - displacement(modes, sag)) / give
-    constant += slope * at_rest[..., np.newaxis, :]
-    return constant, sag + slope * grows[..., np.newaxis, :]
-
-
 def _ends(devices, which, loaded, is_left):
     """The first maximum of a on each path, its end, or where the midpoint goes ahead of the mass.
 
-    which: devices that are looked at, (devices,)
-    loaded: gives constant and slope of c for devices and N; is_left: of which points of a path
-        this holds, from a and the midpoint's displacement there
+    which: mask of the devices that are searched, (devices,)
+    loaded: gives constant and slope of c for devices and N; is_left: tells for which points of a
+        path this holds, from devices, a and the midpoint's displacement there
     Returns a, -inf of others, the midpoint's displacement, and whether the mass is left there.
     """
     a, reached, leaves = np.full(which.size, -np.inf), np.zeros(which.size), which & False
     if which.any():
-        some = devices.take(which)
-        a[which], reached[which], leaves[which] = _end_of(some, partial(loaded, some), is_left)
+        part = devices.take(which)
+        a[which], reached[which], leaves[which] = _end_of(part, partial(loaded, part), is_left)
     return a, reached, leaves
 
 
@@ -172,7 +155,7 @@ def _end_of(devices, loaded, is_left):
     modes = devices.modes
     largest = largest_force(modes, loaded, modes.buckling[:, 1, 0])
     low, high = np.zeros(largest.shape), np.full(largest.shape, 2.0)
-    for points in (GRID, *[ZOOM] * ZOOMS):
+    for points in POINTS:
         places = np.linspace(low, high, points, axis=-1)
         a, reached = _on_path(modes, loaded, largest, places)
         leaves = is_left(devices, a, reached)[:, 1:]
@@ -187,22 +170,21 @@ def _least_back(modes):
     loaded = partial(alone, modes)
     largest = largest_force(modes, loaded, modes.buckling[..., 1, 0])
     low, high = np.ones(largest.shape), np.full(largest.shape, 2.0)
-    for points in (GRID, *[ZOOM] * ZOOMS):
+    for points in POINTS:
         places = np.linspace(high, low, points, axis=-1)
         a, _ = _on_path(modes, loaded, largest, places)
-        rises = np.diff(a, append=np.inf) > 0
-        first = np.argmax(rises, axis=-1)
+        first = np.argmax(np.diff(a, append=np.inf) > 0, axis=-1)
         high, low = _between(places, first)
     return -_at(a, first)
 
 
 def _at(values, index):
-    """One of the values, (..., n), by its index, (...)."""
+    """Pick one of the values, (..., n), by its index, (...)."""
     return np.take_along_axis(values, index[..., np.newaxis], -1)[..., 0]
 
 
 def _between(places, index):
-    """The neighbours of a place."""
+    """Give the neighbours of a place, by its index."""
     last = places.shape[-1] - 1
     return _at(places, np.maximum(index - 1, 0)), _at(places, np.minimum(index + 1, last))
 

@@ -52,14 +52,14 @@ class UnitBeams(NamedTuple):
 
 
 def unit_beams(beam: Beam) -> tuple[UnitBeams, np.ndarray]:
-    """The different ones among a batch of beams, or of one, and which of them each is."""
+    """Give the distinct beams of a batch, or of one, and the index of each beam among them."""
     columns = [beam.bistability, beam.compression, np.divide(beam.imperfection, beam.made_rise)]
     if not beam.is_cosine.all():
         columns += np.moveaxis(beam.cosines, -1, 0).tolist()
     table = np.stack(np.broadcast_arrays(*map(np.atleast_1d, columns)))
     values, which = np.unique(table, axis=1, return_inverse=True)
     a = values[3:].T if len(values) > 3 else None
-    return UnitBeams(values[0], values[1], values[2], a), which.ravel()
+    return UnitBeams(Q=values[0], compression=values[1], imperfection=values[2], a=a), which.ravel()
 
 
 def at_rest(basis: Basis, beams: UnitBeams) -> tuple[np.ndarray, np.ndarray]:
@@ -138,17 +138,17 @@ def reduce_to_modes(beam: Beam, basis: Basis, modes: int | None = None) -> Modal
     unit = unit_form(basis, modes, beams)
     if not beams.as_made:
         which = which if np.ndim(beam.rise) else which[0]
-        unit = ModalBeam(*(np.asarray(column)[which] for column in unit))
+        unit = ModalBeam(*(np.asarray(part)[which] for part in unit))
     root = np.sqrt(beam.weight)
     return ModalBeam(
-        stiffness=_column(beam.stiffness_unit / beam.weight, 1) * unit.stiffness,
-        geometric=unit.geometric / _column(beam.span * beam.weight, 2),
-        slope_start=_column(beam.made_rise / (beam.span * root), 1) * unit.slope_start,
-        load=_column(root, 1) * unit.load,
-        midpoint=unit.midpoint / _column(root, 1),
+        stiffness=column(beam.stiffness_unit / beam.weight, 1) * unit.stiffness,
+        geometric=unit.geometric / column(beam.span * beam.weight, 2),
+        slope_start=column(beam.made_rise / (beam.span * root), 1) * unit.slope_start,
+        load=column(root, 1) * unit.load,
+        midpoint=unit.midpoint / column(root, 1),
         axial=beam.axial_stiffness,
         residual=unit.residual / beam.stiffness_unit,
-        shapes=unit.shapes / _column(root, 2),
+        shapes=unit.shapes / column(root, 2),
     )
 
 
@@ -161,7 +161,7 @@ def unit_form(basis: Basis, modes: int | None, beams: UnitBeams) -> ModalBeam:
     if beams.as_made:
         return made
     T, q = at_rest(basis, beams)
-    stiffness, shapes = eigh(basis.bending + _column(T, 2) * basis.geometric, basis.mass)
+    stiffness, shapes = eigh(basis.bending + column(T, 2) * basis.geometric, basis.mass)
     stiffness, shapes = stiffness[:, :modes], shapes[..., :modes]
     # What has no stress has the modes of all others that have none, to the last bit.
     stiffness[T == 0], shapes[T == 0] = made.stiffness, made.shapes
@@ -176,7 +176,7 @@ def unit_modes(basis: Basis, modes: int | None = None) -> ModalBeam:
 
 
 def _form(basis, stiffness, shapes, start, T):
-    """The form in modes of a basis; start: the shape at rest, in the rise; T: the tension there."""
+    """Give the form in modes; start: the shape at rest, in the rise; T: the tension there."""
     back = shapes.swapaxes(-1, -2)
     slopes = multiply(back, basis.geometric)
     geometric, midpoint = multiply(slopes, shapes), apply(back, basis.midpoint)
@@ -184,11 +184,11 @@ def _form(basis, stiffness, shapes, start, T):
     residual = 0.0 * T
     if not basis.complete or stiffness.shape[-1] < basis.load.size:
         tangent = stiffness[..., np.newaxis] * np.eye(stiffness.shape[-1])
-        tangent = tangent - _column(halfway(T) + T, 2) * geometric
+        tangent = tangent - column(halfway(T) + T, 2) * geometric
         kept = dot(midpoint, solve(tangent, midpoint))
         residual = np.maximum(0.0, basis.flexibility(halfway(T)) - kept)
-    vectors = slope_start, load, midpoint
-    return ModalBeam(stiffness, geometric, *vectors, np.ones(np.shape(T)), residual, shapes)
+    axial = np.ones(np.shape(T))
+    return ModalBeam(stiffness, geometric, slope_start, load, midpoint, axial, residual, shapes)
 
 
 def pulse_load(device: Device, load: np.ndarray, midpoint: np.ndarray) -> np.ndarray:
@@ -199,7 +199,7 @@ def pulse_load(device: Device, load: np.ndarray, midpoint: np.ndarray) -> np.nda
     if not np.any(device.force):
         return load
     # ASSUME: the modes left out do not yield to a force that is the pulse; it is far below theirs.
-    share = _column(np.divide(device.force, device.gravity), np.ndim(load) - np.ndim(device.force))
+    share = column(np.divide(device.force, device.gravity), np.ndim(load) - np.ndim(device.force))
     return np.where(share, share * midpoint, load)
 
 
@@ -218,15 +218,15 @@ def contact_stiffness(device: Device, residual: Value) -> Value:
         return 1 / (1 / np.asarray(device.contact, float) + residual)
 
 
-def _column(values, more):
-    """Values with so many more axes at the end."""
+def column(values: Value, more: int) -> np.ndarray:
+    """Append so many axes to values."""
     return np.reshape(values, (*np.shape(values), *[1] * more))
 
 
 def natural_frequency(beam: Beam) -> float:
-    """The first symmetric mode's, of one beam without damping, rad/us.
+    """Find the frequency of one beam's first symmetric mode without damping, rad/us.
 
-    Of small vibrations about the rest, under -(Kb + 2 EA/2L (G q0)(G q0)^T) u: bending, and the
+    Small vibrations about the rest are under -(Kb + 2 EA/2L (G q0)(G q0)^T) u: bending, and the
     stretch that an arch cannot bend without. A free beam's imperfection mixes the mode with the
     first antisymmetric one: of these two, the lowest of all, it is the one that a shaken frame
     moves more.

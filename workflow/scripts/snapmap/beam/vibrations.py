@@ -10,7 +10,7 @@ from .modal import natural_frequency
 
 
 def vibrations(device: Device, C: Sequence[float]) -> list[list[str]]:
-    """Of the beam and of the mass, if there is one: name, frequency and quality factor.
+    """Give name, frequency and quality factor of the beam, and of the mass if there is one.
 
     device: a single one; C: of the mass, uN us/um
     """

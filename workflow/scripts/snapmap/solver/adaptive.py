@@ -23,11 +23,11 @@ BESIDE, FAR_BESIDE = 1.02, 1.03
 """How far around a change of label finer levels look, in clean and ragged rows: in the latter at
 every cell, in the former at REACH, and at twice, four times as many cells and so on."""
 DISPUTED, AGREED, UNCOMPARED = range(3)
-"""Whether two levels say the same of a cell."""
+"""Whether two levels agree on a cell."""
 LOOKING_STEPS, DECIDING_STEPS, FINE_STEPS = 2.0, 0.5, 0.25
-"""Times its own, of the finest model: where it looks for changes, decides, and shows islands."""
+"""Steps of the finest model over its usual ones: to look for changes, to decide, to see islands."""
 LOOKING_TOLERANCE = 2.5e-4
-"""Of thresholds that are only looked at, relative."""
+"""How closely `looks` refines thresholds that another model decides, relative."""
 TOLERANCE = 1e-3
 """Error of the threshold that `auto` may make, relative, by default; that of its steps, too."""
 
@@ -46,66 +46,64 @@ class Adaptive:
 
     @property
     def device(self) -> Device:
-        """That of all three."""
+        """The device or batch of all three."""
         return self.base.device
 
     @property
     def levels(self) -> tuple[Follows, Follows]:
-        """Those that decide cells."""
+        """The two levels that decide cells."""
         return self.base, self.top
 
     def with_step(self, factor: float) -> "Adaptive":
         """The same levels with every step multiplied by `factor`."""
-        return Adaptive(*(one.with_step(factor) for one in (self.base, self.check, self.top)))
+        return Adaptive(*(level.with_step(factor) for level in (self.base, self.check, self.top)))
 
     def pick(self, which: int | np.ndarray) -> "Adaptive":
         """The same levels of one device of the batch, or of some."""
-        return Adaptive(*(one.pick(which) for one in (self.base, self.check, self.top)))
+        return Adaptive(*(level.pick(which) for level in (self.base, self.check, self.top)))
 
     def follow(self, cells: Cells, settings: Settings) -> Observations:
         """Follow rows of cells along ascending N, (rows, n), each cell by the level that suffices.
 
         A cell is safe where base sees no change of label near it along N and its ledger closes.
         Near a change top decides, in ragged rows until it agrees with base for a stretch. Whether
-        these cells snap is told in the steps of a threshold.
+        these cells snap is decided in the steps of a threshold.
         """
         # Of no cells: the kernel that takes longest to compile comes first, while a job of
         # thresholds beside this one compiles base's.
         none = cells.take(np.zeros(0, int)).flat()
         for _, model in self.top.split(none.device):
             model.follow_once(none, settings)
-        seen = self.base.follow(cells, settings)
-        by_base = np.isfinite(seen.t_snap)
+        observed = self.base.follow(cells, settings)
+        by_base = np.isfinite(observed.t_snap)
         level = np.zeros(cells.f0.shape, np.int8)
         agreed = np.full(cells.f0.shape, UNCOMPARED, np.int8)
-        unsafe = ~(seen.energy_error <= settings.energy_tolerance)
+        unsafe = ~(observed.energy_error <= settings.energy_tolerance)
         unsafe[:, [0, -1]] = True  # what lies beyond the ends is unknown
         while True:
-            unsafe |= _near_changes(cells.amplitude, by_base, np.isfinite(seen.t_snap))
+            unsafe |= _near_changes(cells.amplitude, by_base, np.isfinite(observed.t_snap))
             new = unsafe & (level == 0)
             if not new.any():
-                return seen._replace(level=level, agreed=agreed)
+                return observed._replace(level=level, agreed=agreed)
             near = cells.take(new)
             check = self.check.follow(near, settings._replace(until="snap"))
             top = self.follow_by_top(near, settings)
             level[new] = 1
             same = np.isfinite(check.t_snap) == np.isfinite(top.t_snap)
             agreed[new] = np.where(same, AGREED, DISPUTED)
-            seen.replace(new, top)
+            observed.replace(new, top)
 
     def follow_by_top(self, cells: Cells, settings: Settings) -> Observations:
-        """Follow cells, (cells,), near a change of label.
-
-        Whether one snaps is told in the steps of a threshold.
-        """
+        """Follow cells, (cells,), near a change of label, in a threshold's steps to their snaps."""
         edge = self.top.follow(cells, settings._replace(until="edge"))
         if settings.until != "settled":
             return edge
-        seen = self.top.follow(cells, settings)
-        differ = np.isfinite(seen.t_snap) != np.isfinite(edge.t_snap)
+        observed = self.top.follow(cells, settings)
+        differ = np.isfinite(observed.t_snap) != np.isfinite(edge.t_snap)
         # The steps that the motion needs are shorter than those of either.
-        seen.replace(differ, self.top.follow(cells.take(differ), settings._replace(until="moved")))
-        return seen
+        moved = self.top.follow(cells.take(differ), settings._replace(until="moved"))
+        observed.replace(differ, moved)
+        return observed
 
 
 class Survey(NamedTuple):
@@ -147,13 +145,12 @@ def choose_model(device: Device, model: Mapping, start: str = FIRST) -> Follows 
     start: as in `Settings`
     """
     if model["name"] == "auto":
-        return _levels(device, model, start)
+        return _levels(device, start, **model)
     return build_model(device, **model)
 
 
-def _levels(device, model, start) -> Adaptive:
-    options = {key: value for key, value in model.items() if key != "name"}
-    check_options(device, "auto", options)
+def _levels(device, start, name, **options) -> Adaptive:
+    check_options(device, name, options)
     return build_adaptive(device, start=start, **options)
 
 
@@ -167,13 +164,14 @@ def choose_survey(device: Device, model: Mapping, start: str = FIRST) -> Survey:
         decides, levels = build_model(device, **model), build_adaptive(device, start=start)
         finest = levels.top.with_step(FINE_STEPS)
         return Survey(levels.base, decides, decides, levels.check, levels.top, finest, static)
-    levels = _levels(device, model, start)
+    levels = _levels(device, start, **model)
     coarse, middle, fine = levels.base, levels.check, levels.top
     looks, decides, finest = map(fine.with_step, (LOOKING_STEPS, DECIDING_STEPS, FINE_STEPS))
     finer = Survey(coarse, looks, decides, middle, None, finest, static)
-    accepted = model.get("tolerance", TOLERANCE)
-    others = middle, middle, coarse, None, finest, static, fine
-    return Survey(coarse, *others, tolerance=accepted, finer=finer)
+    tolerance = model.get("tolerance", TOLERANCE)
+    return finer._replace(
+        looks=middle, decides=middle, doubts=coarse, judge=fine, tolerance=tolerance, finer=finer
+    )
 
 
 def build_adaptive(device: Device, tolerance: float = TOLERANCE, start: str = FIRST) -> Adaptive:
@@ -185,13 +183,13 @@ def build_adaptive(device: Device, tolerance: float = TOLERANCE, start: str = FI
     uneven = np.not_equal(beam.cosine_4, 0) | np.not_equal(beam.cosine_5, 0)
     finer = uneven | (start != FIRST)
 
-    def level(rungs):
+    def level(*rungs):
         def build(is_finer):
             return build_model(device, "cosines", modes=rungs[int(is_finer)])
 
         return mixed(build, finer if rungs[0] != rungs[1] else False)
 
-    levels = map(level, zip(RUNGS, FINER_RUNGS, strict=True))
+    levels = map(level, RUNGS, FINER_RUNGS)
     # The scheme is of second order.
     return Adaptive(*levels).with_step(np.sqrt(tolerance / TOLERANCE))
 

@@ -27,11 +27,11 @@ class Cells(NamedTuple):
     pulses: tuple[Pulse, ...]
 
     def take(self, which: np.ndarray) -> "Cells":
-        """Those chosen by indices or a mask."""
+        """Pick cells by indices or a mask."""
         return Cells._make([*(column[which] for column in self[:-1]), self.pulses])
 
     def flat(self) -> "Cells":
-        """The same in one dimension."""
+        """Give the same cells in one dimension."""
         return Cells._make([*map(np.ravel, self[:-1]), self.pulses])
 
 
@@ -48,11 +48,11 @@ class Rows(NamedTuple):
     pulses: tuple[Pulse, ...]
 
     def take(self, which: np.ndarray | slice) -> "Rows":
-        """Those chosen."""
+        """Pick rows by indices, a mask or a slice."""
         return Rows._make([*(column[which] for column in self[:-1]), self.pulses])
 
     def cells(self, devices: Device, N, horizon: float) -> Cells:
-        """Their cells, (rows, n), at multiples of g that broadcast so; as `to_cells`."""
+        """Give their cells, (rows, n), at multiples of g that broadcast so; as `to_cells`."""
         device, f0, C, pulse = (column[:, np.newaxis] for column in self[:-1])
         return to_cells(devices, device, N, f0, C, horizon, pulse, self.pulses)
 
@@ -74,7 +74,7 @@ class Observations(NamedTuple):
     halvings: how often the model's step was halved for these observations
     level: of several that a model has, the one that decided the cell, 0 for the cheapest
     agreed: 0 where two of them disagree on whether the cell snaps, 1 where they agree, 2 where
-        but one looked
+        only one followed it
     """
 
     t_snap: np.ndarray
@@ -93,7 +93,7 @@ class Observations(NamedTuple):
         return Observations(*(column.reshape(shape) for column in self[:8]))
 
     def replace(self, which: np.ndarray, others: "Observations") -> None:
-        """Set what was observed of the given cells, in place."""
+        """Set what was observed of some cells, by indices or a mask, in place."""
         for column, part in zip(self[:8], others[:8], strict=True):
             column[which] = part
 

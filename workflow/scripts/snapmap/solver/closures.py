@@ -1,7 +1,6 @@
 """When the midpoint of the beam touches an electrode on its way, and for how long."""
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from math import fsum, nan
 from typing import NamedTuple
 
@@ -10,7 +9,6 @@ import numpy as np
 from ..numerics.linalg import dot
 from . import simd_loop
 from .cells import Cells, Observations
-from .kernel.rows import LANES
 from .models import Follows, Model, deciders
 from .outcome import REPEATED_STEP
 from .settings import FIRST, Settings
@@ -45,13 +43,12 @@ def closures_of(instants: Sequence[float], is_closed: bool, end: float) -> Closu
     instants: when it does, ascending up to the end, us; is_closed: whether it touches at 0
     end: of the time followed, us
     """
-    turns = [0.0] * is_closed + [*instants]
+    turns = [0.0, *instants] if is_closed else [*instants]
     if not turns:
         return Closures(nan, nan, nan, nan)
-    openings = len(turns) // 2
-    turns += [end] * (len(turns) % 2)
-    closed = [opens - closes for closes, opens in zip(turns[::2], turns[1::2], strict=True)]
-    return Closures(turns[0], closed[0], openings, fsum(closed) / (end - turns[0]))
+    ends = [*turns[1::2], end]
+    closed = [opens - closes for closes, opens in zip(turns[::2], ends, strict=False)]
+    return Closures(turns[0], closed[0], len(turns) // 2, fsum(closed) / (end - turns[0]))
 
 
 def passages(w: np.ndarray, level: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -74,20 +71,18 @@ def follow_closures(
 
     Returns CLOSING up to t_end; errors are APART times by how much another step differs.
     """
-    steps = model, model.with_step(REPEATED_STEP)
-    found, again = (_follow(each, cells, window, settings) for each in steps)
-    return dict(zip(CLOSING, [*found, *(APART * abs(again - found))], strict=True))
+    closures = _follow(model, cells, window, settings)
+    again = _follow(model.with_step(REPEATED_STEP), cells, window, settings)
+    return dict(zip(CLOSING, [*closures, *(APART * abs(again - closures))], strict=True))
 
 
 def _follow(model, cells, window, settings):
-    start = settings.start
-    at_start = np.broadcast_to(dot(model.modal.midpoint, model.rest(start)), len(model.device))[
-        cells.device
-    ]
-    dt, size = model.time_steps(cells, settings._replace(until="moved")), len(model.device)
+    start, size = settings.start, len(model.device)
+    at_start = np.broadcast_to(dot(model.modal.midpoint, model.rest(start)), size)[cells.device]
+    dt = model.time_steps(cells, settings._replace(until="moved"))
     ways = np.broadcast_to(model.device.contact_at - model.barrier.first, size)[cells.device]
     steps = np.ceil(window / dt).astype(np.int64) + 1
-    found = np.empty((len(Closures._fields), dt.size))
+    closures = np.empty((len(Closures._fields), dt.size))
 
     def follow(these):
         level, instants = ways[these], [[] for _ in these]
@@ -100,37 +95,33 @@ def _follow(model, cells, window, settings):
             last = w[-1:]
         for i, cell in enumerate(these):
             # Its lane may have run on beside a longer one.
-            own = [instant for instant in instants[i] if instant < window[cell]]
-            found[:, cell] = closures_of(
-                own, bool(level[i] >= at_start[cell]), float(cells.t_end[cell])
-            )
+            within = [instant for instant in instants[i] if instant < window[cell]]
+            is_closed = bool(level[i] >= at_start[cell])
+            closures[:, cell] = closures_of(within, is_closed, float(cells.t_end[cell]))
 
-    # Lanes run together to the end of the longest: those of one call should be of one length.
-    order = np.argsort(-steps, kind="stable")
-    with ThreadPoolExecutor(settings.threads) as pool:
-        list(pool.map(follow, np.split(order, range(LANES, order.size, LANES))))
-    return found
+    simd_loop.in_lanes(follow, -steps, settings.threads)
+    return closures
 
 
 def closures_again(
-    model: Follows, cells: Cells, seen: Observations, settings: Settings
+    model: Follows, cells: Cells, observed: Observations, settings: Settings
 ) -> dict[str, np.ndarray]:
-    """Follow cells of any shape again, each as it was decided, by what was `seen` of it.
+    """Follow cells of any shape again, each as it was decided, by what was observed of it.
 
     Returns what `follow_closures` does, in that shape; NaN, too, of cells whose runs failed.
     """
     flat, size, shape = cells.flat(), len(model.device), np.shape(cells.f0)
-    level = np.zeros(shape, np.int8) if seen.level is None else seen.level
-    decided, seen = np.stack([level.ravel(), seen.halvings.ravel()]), seen.shaped((flat.f0.size,))
+    level = np.zeros(shape, np.int8) if observed.level is None else observed.level
+    decided = np.stack([level.ravel(), observed.halvings.ravel()])
+    observed = observed.shaped((flat.f0.size,))
     place = np.broadcast_to(model.device.contact_at, size)[flat.device]
-    which = (seen.energy_error <= settings.energy_tolerance) & np.isfinite(place)
+    which = (observed.energy_error <= settings.energy_tolerance) & np.isfinite(place)
     made = {key: np.full(flat.f0.size, nan, np.float32) for key in CLOSING}
     for at, part in deciders(model.levels, flat.device, decided, np.flatnonzero(which)):
         saddle = np.broadcast_to(part.barrier.first + part.barrier.midpoint, size)[flat.device[at]]
         # What is proven to stay on this side of the saddle reaches nothing beyond it.
-        over = (seen.well[at] == 1) & (place[at] < saddle) & (settings.start == FIRST)
-        window = np.fmin(np.where(over, seen.t_settled[at], np.inf), flat.t_end[at])
-        found = follow_closures(part, flat.take(at), window, settings)
-        for key, values in found.items():
+        over = (observed.well[at] == 1) & (place[at] < saddle) & (settings.start == FIRST)
+        window = np.fmin(np.where(over, observed.t_settled[at], np.inf), flat.t_end[at])
+        for key, values in follow_closures(part, flat.take(at), window, settings).items():
             made[key][at] = values
     return {key: values.reshape(shape) for key, values in made.items()}

@@ -27,7 +27,7 @@ BUNCH = 8192
 HALVINGS = 4
 """How often a cell whose energy ledger does not close is followed again with half the step."""
 SMALLEST = 2.0**-8
-"""Over the longest step that motions take: a pulse that needs a shorter one is not followed."""
+"""Over the longest step that motions take: a pulse that needs a shorter step is not followed."""
 
 
 class Follows(Protocol):
@@ -107,7 +107,7 @@ class Model:
         return import_module(f".{loop}", __package__)
 
     def split(self, device: np.ndarray) -> list[tuple[np.ndarray, "Model"]]:
-        """Itself, for all."""
+        """Give this model for all."""
         return [(np.ones(device.shape, bool), self)]
 
     def with_step(self, factor: float) -> "Model":
@@ -132,26 +132,26 @@ class Model:
         HALVINGS times; one whose pulse is too short to be followed has failed.
         """
         flat = cells.flat()
-        seen = no_observations(flat.f0.shape)
+        observed = no_observations(flat.f0.shape)
         longest = self.steps.factor * self.steps.longest[MOVE][flat.device]
         left = np.flatnonzero(self.time_steps(flat, settings) >= SMALLEST * longest)
         if settings.until == "settled" and self.name != "reference":
             first = self.follow_once(flat.take(left), settings._replace(until="pulse"))
-            seen.replace(left, first)
+            observed.replace(left, first)
             believed = first.energy_error <= settings.energy_tolerance
             left = left[np.isnan(first.t_settled) | ~believed]
         for halvings in range(HALVINGS + 1):
             if not left.size:
                 break
             model = self.with_step(0.5**halvings) if halvings else self
-            seen.replace(left, model.follow_once(flat.take(left), settings))
-            seen.halvings[left] = halvings
-            left = left[~(seen.energy_error[left] <= settings.energy_tolerance)]
-        return seen.shaped(np.shape(cells.f0))
+            observed.replace(left, model.follow_once(flat.take(left), settings))
+            observed.halvings[left] = halvings
+            left = left[~(observed.energy_error[left] <= settings.energy_tolerance)]
+        return observed.shaped(np.shape(cells.f0))
 
     def follow_once(self, cells: Cells, settings: Settings) -> Observations:
         """Follow every cell, (cells,), in steps of the rule, whatever its ledger then says."""
-        seen = no_observations(cells.f0.shape)
+        observed = no_observations(cells.f0.shape)
         dt = self.time_steps(cells, settings)
         # Lanes run side by side: those of one call should take about as many steps.
         order = np.argsort(-cells.t_end / dt, kind="stable")
@@ -160,7 +160,7 @@ class Model:
             share = order[first :: settings.threads]
             for at in np.split(share, range(BUNCH, share.size, BUNCH)):
                 facts = self.loop().march(self, cells.take(at), dt[at], settings)
-                for column, part in zip(seen[:7], facts, strict=True):
+                for column, part in zip(observed[:7], facts, strict=True):
                     column[at] = part
                 count(at.size)
 
@@ -169,10 +169,10 @@ class Model:
         else:
             with ThreadPoolExecutor(settings.threads) as pool:
                 list(pool.map(follow_share, range(settings.threads)))
-        seen.t_snap[seen.t_snap > cells.t_end] = np.nan
-        seen.t_settled[seen.t_settled > cells.t_end] = np.nan
-        seen.pulse_work[~(seen.energy_error <= settings.energy_tolerance)] = np.nan
-        return seen
+        observed.t_snap[observed.t_snap > cells.t_end] = np.nan
+        observed.t_settled[observed.t_settled > cells.t_end] = np.nan
+        observed.pulse_work[~(observed.energy_error <= settings.energy_tolerance)] = np.nan
+        return observed
 
 
 def deciders(
@@ -209,7 +209,7 @@ class Mixed(NamedTuple):
         return (self,)
 
     def split(self, device: np.ndarray) -> list[tuple[np.ndarray, Model]]:
-        """Those of the first, and of the second."""
+        """Give masks and models of the first, and of the second."""
         other = self.other[device]
         sides = (~other, self.first), (other, self.second)
         return [(mine & part, model) for mine, side in sides for part, model in side.split(device)]
@@ -226,16 +226,16 @@ class Mixed(NamedTuple):
 
     def follow(self, cells: Cells, settings: Settings) -> Observations:
         """Follow every cell by the model of its device."""
-        seen = no_observations(np.shape(cells.f0))
+        observed = no_observations(np.shape(cells.f0))
         for mine, model in self.split(cells.device):
-            seen.replace(mine, model.follow(cells.take(mine), settings))
-        return seen
+            observed.replace(mine, model.follow(cells.take(mine), settings))
+        return observed
 
 
 def mixed(build: Callable[[bool], Follows], other: np.ndarray | bool) -> Follows:
-    """Build the models that the devices of a batch need: of those that are others, and not.
+    """Build the models that the devices of a batch need, of those that are `other` and of the rest.
 
-    build: makes either for all devices; other: which are, (devices,), or of a single one
+    build: makes either model for all devices; other: mask, (devices,), or a single bool
     """
     kinds = np.unique(other)
     if kinds.size == 1:
@@ -288,7 +288,7 @@ def check_options(device: Device, name: str, options: Mapping) -> None:
 
 
 def _modes_of_elements(device, basis, name):
-    """How many modes elements keep, if the options leave it open."""
+    """Say how many modes elements keep where the options leave it open."""
     unknowns, hard = basis.load.size, np.isinf(device.contact)
     if not hard.any():
         return unknowns

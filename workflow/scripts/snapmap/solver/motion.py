@@ -1,7 +1,6 @@
 """The motion of many cells in brief: bands over time bins, and the largest stress."""
 
 from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
@@ -10,17 +9,16 @@ from ..files.counting import count
 from . import simd_loop
 from .adaptive import choose_model
 from .cells import Cells
-from .kernel.rows import LANES
 from .kernel.trace import SAMPLE
 from .models import Follows, Model, deciders
 from .settings import Settings
 
 BANDS = "w_low", "w_high", "z_mass", "energy", "beam_energy"
-"""What is kept of each time bin."""
+"""Bands that are kept of each time bin."""
 
 
 def motion_levels(device: Device, model: Mapping, settings: Settings) -> tuple[Follows, ...]:
-    """Levels that decide cells; of `reference` the same elements in their modes.
+    """Build the levels that decide cells; `reference` gives the same elements in their modes.
 
     model: as in a config
     """
@@ -61,13 +59,11 @@ def follow_motion(
     rows = None
     if np.isfinite(device.strength).any():
         rows = simd_loop.stress_rows(model)[cells.device]
-    # Lanes run together to the end of the longest: those of one call should be of one length.
-    order = np.argsort(width, kind="stable")
 
     def follow(these):
-        of, own = cells.device[these], None if rows is None else rows[these]
+        of, stress_of = cells.device[these], None if rows is None else rows[these]
         w_range, instants, stress[these] = simd_loop.trace(
-            model, cells.take(these), dt[these], width[these], bins, own, settings.start
+            model, cells.take(these), dt[these], width[these], bins, stress_of, settings.start
         )
         # Half way through the step in which it bounces the mass is beyond a stop.
         np.clip(instants[0], -device.stop_toward[of], device.stop_away[of], instants[0])
@@ -76,6 +72,5 @@ def follow_motion(
             values[3:, :, these] = instants[1:] / barrier[these]
         count(these.size)
 
-    with ThreadPoolExecutor(settings.threads) as pool:
-        list(pool.map(follow, np.split(order, range(LANES, order.size, LANES))))
+    simd_loop.in_lanes(follow, width, settings.threads)
     return values, width * dt, stress

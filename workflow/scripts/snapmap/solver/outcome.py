@@ -81,16 +81,16 @@ def shares(counts: Mapping[str, int]) -> dict[str, float]:
     }
 
 
-def work_error(seen: Observations, again: Observations) -> np.ndarray:
+def work_error(observed: Observations, again: Observations) -> np.ndarray:
     """Difference of the pulse's work over the larger of both, from 0 to 2; 0 where both are.
 
     NaN where one of them is not known.
     """
-    apart = abs(again.pulse_work - seen.pulse_work)
-    larger = np.maximum(abs(again.pulse_work), abs(seen.pulse_work))
+    apart = abs(again.pulse_work - observed.pulse_work)
+    larger = np.maximum(abs(again.pulse_work), abs(observed.pulse_work))
     return np.divide(apart, larger, out=apart, where=larger > 0)
 
 
-def t_snap_error(seen: Observations, again: Observations) -> np.ndarray:
+def t_snap_error(observed: Observations, again: Observations) -> np.ndarray:
     """Difference of the times of snap, us; NaN where one of them did not snap."""
-    return abs(again.t_snap - seen.t_snap)
+    return abs(again.t_snap - observed.t_snap)

@@ -194,9 +194,8 @@ def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
     t_snap, residual, pulse_work = np.nan, 0.0, np.nan
     pieces, ends = pulse
     k, a = 0, 0.0
-    begun = total_energy(
-        system, u, velocity, y, 0.0, beam_stresses(system, u, bending_u, geometric_u)
-    )
+    compression = beam_stresses(system, u, bending_u, geometric_u)
+    begun = total_energy(system, u, velocity, y, 0.0, compression)
 
     for step in range(steps):
         if y < -system.stop_toward or y > system.stop_away:
@@ -252,7 +251,7 @@ def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
 
 
 def starting(model, start):
-    """The system of a model of one device whose runs begin in a shape."""
+    """Give the system of a model of one device whose runs begin in the first or second shape."""
     nodes = apply(model.modal.shapes, model.rest(start)) if start == SECOND else None
     return nodal_system(model.device, model.basis, nodes)
 
@@ -282,12 +281,17 @@ def march(model, cells, dt, settings):
 def record(model, pulse, amplitude, f0, damping, dt, steps, start=FIRST):
     """Follow one cell at every step; model: of one device; returns Form and one Motion."""
     system, n = starting(model, start), model.basis.load.size
-    kept = np.zeros((steps, 2 * n + 4))
-    follow(system, pulse.curve, amplitude, f0, damping, -np.inf, dt, steps, kept)
-    time = np.arange(steps) * dt
-    shape = system.bending, system.geometric, system.slope_start, system.midpoint
-    form = Form(system.inertia, *shape, residual=0.0, shapes=np.eye(n))
-    u = kept[:, :n]
-    rest = kept[:, 2 * n :].T
-    motion = Motion(time, u, kept[:, n : 2 * n], rest[0], rest[1], form.stretch(u), *rest[2:])
-    return form, [motion]
+    history = np.zeros((steps, 2 * n + 4))
+    follow(system, pulse.curve, amplitude, f0, damping, -np.inf, dt, steps, history)
+    form = Form(
+        inertia=system.inertia,
+        bending=system.bending,
+        geometric=system.geometric,
+        slope_start=system.slope_start,
+        midpoint=system.midpoint,
+        residual=0.0,
+        shapes=np.eye(n),
+    )
+    time, u, u_velocity = np.arange(steps) * dt, history[:, :n], history[:, n : 2 * n]
+    y, y_velocity, work, lost = history[:, 2 * n :].T
+    return form, [Motion(time, u, u_velocity, y, y_velocity, form.stretch(u), work, lost)]

@@ -1,5 +1,6 @@
 """The SIMD kernels, called for the cells of a model."""
 
+from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 
 import numpy as np
@@ -12,7 +13,6 @@ from .cells import Form, Motion
 from .kernel import rows as R
 from .kernel.lanes import Facts, Task, follow_all, load
 from .kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
-from .kernel.rows import LANES
 from .kernel.trace import keep_block, keep_midpoints, trace_all
 from .settings import FIRST, SECOND
 
@@ -27,20 +27,25 @@ def march(model, cells, dt, settings):
 
     model: a `Model`; cells: `Cells`, each column (cells,); dt: us, (cells,)
     """
-    n_cells = cells.f0.size
-    t_snap, t_settled, *others = (np.empty(n_cells) for _ in range(6))
-    facts = Facts(t_snap, t_settled, np.empty(n_cells, np.int8), *others)
-    start, pulses = settings.start, table(cells.pulses)
-    devices = _coefficients(model, start)
-    ends = settings.until in ("snap", "edge", "pulse"), settings.until == "pulse"
-    task = Task(devices, pulses, *cells[:-1], dt, *ends, settings.energy_tolerance, facts)
+    kinds = (np.int8 if key == "well" else float for key in Facts._fields)
+    facts = Facts(*(np.empty(cells.f0.size, kind) for kind in kinds))
+    task = Task(
+        _coefficients(model, settings.start),
+        table(cells.pulses),
+        *cells[:-1],
+        dt=dt,
+        stop_at_snap=settings.until in ("snap", "edge", "pulse"),
+        stop_after_pulse=settings.until == "pulse",
+        tolerance=settings.energy_tolerance,
+        facts=facts,
+    )
     follow_all(*empty_lanes(model), task)
     return facts
 
 
 @lru_cache(maxsize=1)
 def _coefficients(model, start):
-    """Of runs that may snap; one batch of devices is asked about again and again."""
+    """Keep the coefficients of runs that may snap: one batch of devices is followed many times."""
     return coefficients(model, model.snap_target(start), start)
 
 
@@ -58,8 +63,8 @@ def trace(model, cells, dt, width, bins, stress=None, start=FIRST):
     rows = np.empty((0, 1, k + 2)) if stress is None else stress.copy()
     rows[:, :-1, k] /= (dt * dt)[: len(rows), np.newaxis]
     devices = coefficients(model, -np.inf, start)[cells.device]
-    loads = *cells[1:5], width
-    trace_all(*empty_lanes(model), devices, dt, table(cells.pulses), loads, rows, kept)
+    pulses, loads = table(cells.pulses), (*cells[1:5], width)
+    trace_all(*empty_lanes(model), devices, dt, pulses, loads, rows, kept)
     return kept
 
 
@@ -75,7 +80,7 @@ def midpoints(model, cells, dt, steps, start=FIRST):
         load(*lanes, l, rows[cells.device[l]], damping, amplitude, dt[l])
         begin_pulse(lanes[0], l, state, pulses, pulse, f0 * dt[l])
     for first in range(0, steps, WINDOW):
-        w = np.empty((min(WINDOW, steps - first), LANES))
+        w = np.empty((min(WINDOW, steps - first), R.LANES))
         keep_midpoints(*lanes, state, pulses, first, w)
         yield first, w[:, : dt.size]
 
@@ -103,9 +108,16 @@ def record(model, pulse, amplitude, f0, damping, dt, steps, start=FIRST):
     modal, lanes, pulses, state = model.modal, empty_lanes(model), table([pulse]), no_pulse()
     load(*lanes, 0, coefficients(model, -np.inf, start)[0], damping, amplitude, dt)
     begin_pulse(lanes[0], 0, state, pulses, 0, f0 * dt)
-    shrink = lanes[0][::LANES][R.VECTORS + R.U * model.modes :][: model.modes].copy()
-    own_inertia = np.diag(1 / (shrink * shrink) - dt * dt * modal.stiffness / 4)
-    form = Form(own_inertia, np.diag(modal.stiffness), *modal[1:3], modal.midpoint, *modal[6:])
+    shrink = lanes[0][:: R.LANES][R.VECTORS + R.U * model.modes :][: model.modes].copy()
+    form = Form(
+        inertia=np.diag(1 / (shrink * shrink) - dt * dt * modal.stiffness / 4),
+        bending=np.diag(modal.stiffness),
+        geometric=modal.geometric,
+        slope_start=modal.slope_start,
+        midpoint=modal.midpoint,
+        residual=modal.residual,
+        shapes=modal.shapes,
+    )
     windows = _pairs(model, lanes, pulses, state, steps)
     return form, (_motion(model, damping, dt, shrink, *window) for window in windows)
 
@@ -130,7 +142,7 @@ def _motion(model, damping, dt, shrink, first, before, after):
 
 def _pairs(model, lanes, pulses, pulse_state, steps):
     """The first step of each window, and the state before and after each of it, (rows, steps)."""
-    shocks, rows = np.zeros(BLOCK * LANES), R.VECTORS + R.U * model.modes - R.STATE
+    shocks, rows = np.zeros(BLOCK * R.LANES), R.VECTORS + R.U * model.modes - R.STATE
     for first in range(0, steps, WINDOW):
         before, after = np.empty((2, min(WINDOW, steps - first), rows))
         for step in range(0, len(before), BLOCK):
@@ -161,12 +173,17 @@ def coefficients(model, target, start=FIRST):
     return np.concatenate(columns, axis=1)
 
 
+def in_lanes(follow, lengths, threads):
+    """Call `follow` for LANES cells at a time, by indices in order of their lengths, (cells,)."""
+    # Lanes run together to the end of the longest: those of one call should be of one length.
+    order = np.argsort(lengths, kind="stable")
+    with ThreadPoolExecutor(threads) as pool:
+        list(pool.map(follow, np.split(order, range(R.LANES, order.size, R.LANES))))
+
+
 def empty_lanes(model):
     """X and shape, as the kernels of a model take them."""
-    return work_array(model.modes), (0,) * model.modes
-
-
-def work_array(modes):
-    """Zeros for X, from the start of a cache line, where wide vector loads are fastest."""
-    padded = np.zeros((R.VECTORS + (R.S + modes) * modes) * LANES + 8)
-    return padded[(-padded.ctypes.data // 8) % 8 :][: padded.size - 8]
+    padded = np.zeros((R.VECTORS + (R.S + model.modes) * model.modes) * R.LANES + 8)
+    # Wide vector loads are fastest from the start of a cache line.
+    X = padded[(-padded.ctypes.data // 8) % 8 :][: padded.size - 8]
+    return X, (0,) * model.modes

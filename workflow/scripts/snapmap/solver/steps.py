@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..beam.modal import ModalBeam, contact_stiffness
+from ..beam.modal import ModalBeam, column, contact_stiffness
 from ..device.device import Device, Value
 from ..numerics.linalg import dot, eigenvalues, outer, solve
 from .cells import Cells
@@ -24,12 +24,12 @@ MORE = 1.5
 PER_SWING = 500
 """Steps in each swing of a pulse that is slow for the device."""
 SHORTEST = 0.15
-"""Over the arch's frequency: no pulse needs shorter steps, unless for FEWEST."""
+"""Shortest step, in units of 1/omega of the arch; only FEWEST asks for shorter ones."""
 BLOWS = 400.0
 """Radians of the arch in each swing of a pulse up to which EDGE has the shortest steps: below,
 blows decide. Longer pulses leave it steps that grow with the square of their length."""
 LONGEST = {SNAP: 5.0, EDGE: 5.0, STAY: 0.5, MOVE: 0.12}
-"""Over the arch's frequency, by question."""
+"""Longest step, in units of 1/omega of the arch, by question."""
 MOST = 700.0
 """Steps in each swing of a smooth pulse that are enough for SNAP and EDGE, however slow: the beam
 follows it from rest to rest. So many where the mass is the beam's; they grow with its fourth
@@ -59,9 +59,6 @@ CHATTER = CORNERED / STRIKING - 1
 contact, pressed by a pulse with corners or by a smooth one that is not slow: it strikes, too."""
 FAST = 0.1
 """Frequency of a smooth pulse, over the device's own, from which on the mass chatters under it."""
-
-PARTS = "shortest", "blows", "apart", "returns", "chatter", "calms", "most", "tightening"
-"""Of the rule that each device has its own of."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +108,7 @@ class Steps:
             resolved = np.minimum(resolved, strikes * shortest)
         longest = self.longest[question][cells.device]
         if question in (SNAP, EDGE):
-            smooth, strikes = np.array([(one.is_smooth, one.strikes) for one in cells.pulses]).T
+            smooth, strikes = np.array([(p.is_smooth, p.strikes) for p in cells.pulses]).T
             smooth, strikes = smooth[cells.pulse], strikes[cells.pulse] | self.returns[cells.device]
             calm = swing / self.calms[cells.device]
             fast = np.where(smooth, 1 / (1 + calm**2), 1.0)
@@ -139,16 +136,25 @@ class Steps:
         """The rule of one device of the batch, or of some."""
         which = np.atleast_1d(which)
         longest = {question: step[which] for question, step in self.longest.items()}
-        parts = {key: getattr(self, key)[which] for key in PARTS}
-        return replace(self, longest=longest, **parts)
+        columns = {key: a[which] for key, a in vars(self).items() if isinstance(a, np.ndarray)}
+        return replace(self, longest=longest, **columns)
 
 
 def fixed(dt: np.ndarray) -> Steps:
     """The rule that has one step for each device, us, (devices,), but for very short pulses."""
-    none = np.zeros(dt.shape)
-    never, endless = none.astype(bool), none + np.inf
-    of_devices = dt, dt, never, never, none, dt, endless, none
-    return Steps(dict.fromkeys(QUESTIONS, dt), *of_devices, FEWEST)
+    none, never = np.zeros(dt.shape), np.zeros(dt.shape, bool)
+    return Steps(
+        longest=dict.fromkeys(QUESTIONS, dt),
+        shortest=dt,
+        blows=dt,
+        apart=never,
+        returns=never,
+        chatter=none,
+        calms=dt,
+        most=none + np.inf,
+        tightening=none,
+        per_swing=FEWEST,
+    )
 
 
 def stiffness_share(device: Device) -> Value:
@@ -195,15 +201,20 @@ def explicit_steps(device: Device, modal: ModalBeam) -> Steps:
 def steps_of(device: Device, modal: ModalBeam) -> Steps:
     """The rule of a device or a batch."""
     period = np.atleast_1d(1 / arch_frequency(modal))
-    longest = {question: turn * period for question, turn in LONGEST.items()}
-    has_gap = np.greater(device.gap, 0) & np.isfinite(device.gap)
-    apart, returns = (np.broadcast_to(one, period.shape) for one in (has_gap, device.has_stops))
-    chatter = np.broadcast_to(CHATTER * stiffness_share(device), period.shape)
-    calms = np.broadcast_to(2 * np.pi / (FAST * device.own_frequency), period.shape)
-    most = np.broadcast_to(most_steps(device), period.shape)
-    tightening = np.broadcast_to(strike_tightening(device, modal), period.shape)
-    of_devices = SHORTEST * period, BLOWS * period, apart, returns, chatter, calms, most, tightening
-    return Steps(longest, *of_devices, PER_SWING, CORNERED, STRIKING)
+    return Steps(
+        longest={question: turn * period for question, turn in LONGEST.items()},
+        shortest=SHORTEST * period,
+        blows=BLOWS * period,
+        apart=np.broadcast_to(np.greater(device.gap, 0) & np.isfinite(device.gap), period.shape),
+        returns=np.broadcast_to(device.has_stops, period.shape),
+        chatter=np.broadcast_to(CHATTER * stiffness_share(device), period.shape),
+        calms=np.broadcast_to(2 * np.pi / (FAST * device.own_frequency), period.shape),
+        most=np.broadcast_to(most_steps(device), period.shape),
+        tightening=np.broadcast_to(strike_tightening(device, modal), period.shape),
+        per_swing=PER_SWING,
+        cornered=CORNERED,
+        striking=STRIKING,
+    )
 
 
 def stability_limit(device: Device, modal: ModalBeam) -> Value:
@@ -215,10 +226,10 @@ def stability_limit(device: Device, modal: ModalBeam) -> Value:
     slope, identity = TENSION_REACH * modal.slope_start, np.eye(modal.load.shape[-1])
     stretch = dot(modal.slope_start, solve(modal.geometric, modal.slope_start))
     tension = modal.axial * (TENSION_REACH * TENSION_REACH - 1) * stretch
-    tangent = modal.stiffness[..., np.newaxis] * identity + _column(tension) * modal.geometric
-    tangent += _column(2 * modal.axial) * outer(slope, slope)
+    tangent = modal.stiffness[..., np.newaxis] * identity + column(tension, 2) * modal.geometric
+    tangent += column(2 * modal.axial, 2) * outer(slope, slope)
     contact = contact_stiffness(device, modal.residual)
-    tangent += _column(contact) * outer(modal.midpoint, modal.midpoint)
+    tangent += column(contact, 2) * outer(modal.midpoint, modal.midpoint)
     of_beam, of_mass = 2 / np.sqrt(eigenvalues(tangent)[..., -1]), 2 / device.mass_frequency
     return np.where(device.is_alone, of_beam, np.minimum(of_beam, of_mass))[()]
 
@@ -227,7 +238,3 @@ def arch_frequency(modal: ModalBeam) -> Value:
     """About how fast the arch swings with its axial stiffness, 1/us: kappa_1 + EA/L |S q0|^2."""
     arch = 2 * modal.axial * dot(modal.slope_start, modal.slope_start)
     return np.sqrt(modal.stiffness[..., 0] + arch)
-
-
-def _column(values):
-    return np.asarray(values)[..., np.newaxis, np.newaxis]
