@@ -10,7 +10,7 @@ from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
 from snapmap.thresholds.bars import distance as distance_to
-from snapmap.thresholds.islands import NARROW, _closer_window, _decide, _whole_window, first_seen
+from snapmap.thresholds.islands import NARROW, _closer_window, _decide, _island_limits, first_seen
 from snapmap.thresholds.search import amplitudes, asker, near, refine, scan, walk
 from snapmap.thresholds.transitions import BESIDE, CLOSEST_STEP, Window, stretches
 from snapmap.thresholds.witness import Close
@@ -70,14 +70,14 @@ def surveyed(coarse, fine, highest=None):
     wide = np.tile(np.geomspace(0.1, 8.0, 200), (2, 1))
     slow = np.zeros(2, bool)
     rough, _ = first_seen(asking(coarse), wide, np.full(2, 0.01))
-    whole = _whole_window(rough, None, highest, slow)
-    window, ragged = _closer_window(asking(coarse), whole)
+    limits = _island_limits(rough, None, highest, slow)
+    window, ragged = _closer_window(asking(coarse), limits)
 
     def closely(low, high):
         close = Window(low / BESIDE, high * BESIDE, np.full(low.size, CLOSEST_STEP))
         return Close(*scan(asking(fine), close.N), close.low, close.high)
 
-    edges, open_end, *_ = _decide(asking(fine), closely, window, whole, ragged)
+    edges, open_end, *_ = _decide(asking(fine), closely, window, limits, ragged)
     row, *ends, rising = edges
     low, high = refine(lambda N: asking(fine)(N, row), *ends, 1e-6, rising)
     edges = edges._replace(low=low, high=high)

@@ -52,7 +52,7 @@ def collect_slabs(
 
 
 def open_slabs(paths: Sequence[str | Path]) -> xr.Dataset:
-    """The lazy cube of slabs, a block for each; raises ValueError, a line for each fault."""
+    """Open slabs as a lazy cube, a block for each; raises ValueError, a line for each fault."""
     faults, cells = [], 0
     for path in paths:
         try:
@@ -63,10 +63,10 @@ def open_slabs(paths: Sequence[str | Path]) -> xr.Dataset:
     if faults:
         raise ValueError("\n".join(faults))
     netCDF4.set_chunk_cache(SLAB_CACHE)
-    joined = {"data_vars": "all", "coords": "minimal", "compat": "override", "join": "exact"}
-    joined |= {"combine": "by_coords", "combine_attrs": "drop", "decode_cf": False}
+    how = {"data_vars": "all", "coords": "minimal", "compat": "override", "join": "exact"}
+    how |= {"combine": "by_coords", "combine_attrs": "drop", "decode_cf": False}
     try:
-        cube = xr.open_mfdataset(paths, engine="netcdf4", **joined)
+        cube = xr.open_mfdataset(paths, engine="netcdf4", **how)
     except ValueError as error:
         raise ValueError(f"hole in the grid of slabs: {' '.join(str(error).split())}") from None
     if cells != cube.outcome.size:

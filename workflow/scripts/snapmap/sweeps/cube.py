@@ -102,7 +102,7 @@ def outcome_names(codes: np.ndarray, name: str = "cube") -> np.ndarray:
 
 
 def label_distance(model: Mapping) -> float:
-    """How far from a well-posed threshold a label of a model can be wrong, relative."""
+    """Tell how far from a well-posed threshold a label of a model can be wrong, relative."""
     if model.get("name") != "auto":
         return LABEL_DISTANCE
     return OVER_TOLERANCE * max(model.get("tolerance", TOLERANCE), TOLERANCE)
@@ -111,10 +111,11 @@ def label_distance(model: Mapping) -> float:
 def with_summary(cube: xr.Dataset) -> xr.Dataset:
     """Add numbers of cells as attributes, and the shares of `outcome.shares`.
 
-    Of each outcome, of those that ended elsewhere with another step, and of labels near a change.
+    Cells are counted of each outcome, where another step ended elsewhere, and with labels near a
+    change.
     """
-    each = sum((Counter(count(block)) for block in _blocks(cube.outcome)), Counter())
-    counts = {name: each[name] for name in OUTCOMES if each[name]}
+    numbers = sum((Counter(count(block)) for block in _blocks(cube.outcome)), Counter())
+    counts = {name: numbers[name] for name in OUTCOMES if numbers[name]}
     if counts.keys() & OUTCOMES[ABSENT:]:
         cube.outcome.attrs.update(flags(OUTCOMES))
     named = {f"cells_{name}": number for name, number in counts.items()}
@@ -142,14 +143,14 @@ def _near_change(cube):
 
 
 def _blocks(variable):
-    """The values of a variable, a block at a time, as a lazy cube may be larger than memory."""
+    """Take the values of a variable by blocks, as a lazy cube may be larger than memory."""
     if variable.chunks is None:
         return [variable.values]
     return (block.compute(scheduler="synchronous") for block in variable.data.blocks.ravel())
 
 
 def summary(cube: xr.Dataset) -> str:
-    """One line of what `with_summary` added: how many cells, how sure, of which outcomes."""
+    """Write in one line what `with_summary` added: how many cells, how sure, of which outcomes."""
     counts = {name: cube.attrs.get(f"cells_{name}", 0) for name in OUTCOMES}
     # Never more than it is: all but one of a thousand are 99.9 %.
     facts = [f"{math.floor(1000 * cube.attrs['share_proven']) / 10:g} % proven"]

@@ -12,12 +12,13 @@ from ..solver.outcome import ABSENT, FAILED, REPEATED_STEP, label, t_snap_error,
 from ..solver.settings import FIRST, Settings
 from ..study.axes import Grid, rows_of
 
-TIMES = "t_snap", "t_settled", "t_snap_error"
-SHARES = "well_share", "energy_error", "pulse_work", "work_error"
-UNKNOWN = dict.fromkeys((*TIMES, *SHARES, *CLOSING), np.nan)
-KNOWN = dict.fromkeys(("agreed", "reproduced", "well_reproduced"), 1)
-NONE = dict.fromkeys(("well", "halvings", "level", "blow"), 0)
-ABSENCE = {"outcome": ABSENT, **NONE, **KNOWN, **UNKNOWN}
+ABSENCE = {
+    "outcome": ABSENT,
+    **dict.fromkeys(("well", "halvings", "level", "blow"), 0),
+    **dict.fromkeys(("agreed", "reproduced", "well_reproduced"), 1),
+    **dict.fromkeys(("t_snap", "t_settled", "t_snap_error", *CLOSING), np.nan),
+    **dict.fromkeys(("well_share", "energy_error", "pulse_work", "work_error"), np.nan),
+}
 """What stands where there is no device."""
 
 
@@ -34,47 +35,42 @@ def follow_rows(
     model: Follows, rows: Rows, N: Sequence[float], settings: Settings
 ) -> dict[str, np.ndarray]:
     """Follow rows of cells, each through all N; returns each variable of a cube, (rows, N)."""
-    there, N = rows.device >= 0, np.asarray(N)
+    exists, N = rows.device >= 0, np.asarray(N)
     order = np.argsort(N, kind="stable")
-    cells = rows.take(there).cells(model.device, N[order], settings.horizon)
-    seen = model.follow(cells, settings)
-    variables = _variables(seen, settings)
+    cells = rows.take(exists).cells(model.device, N[order], settings.horizon)
+    first = model.follow(cells, settings)
+    variables = _variables(first, settings)
     if settings.repeat:
         again = model.with_step(REPEATED_STEP).follow(cells, settings)
         variables |= _repeated(variables, _variables(again, settings))
         for compare in (work_error, t_snap_error):
-            variables[compare.__name__] = compare(seen, again).astype(np.float32)
+            variables[compare.__name__] = compare(first, again).astype(np.float32)
     if np.any(model.device.has_electrode):
-        variables |= closures_again(model, cells, seen, settings)
+        variables |= closures_again(model, cells, first, settings)
     if any(pulse.blows.size for pulse in rows.pulses):
-        variables["blow"] = blow_at(rows.pulses, cells.pulse, seen.t_snap * cells.f0)
+        variables["blow"] = blow_at(rows.pulses, cells.pulse, first.t_snap * cells.f0)
     for key, values in variables.items():
-        variables[key] = np.full((there.size, N.size), ABSENCE[key], values.dtype)
-        variables[key][np.ix_(there, order)] = values
+        variables[key] = np.full((exists.size, N.size), ABSENCE[key], values.dtype)
+        variables[key][np.ix_(exists, order)] = values
     return variables
 
 
-def _variables(seen, settings):
-    variables = {
-        "outcome": label(*seen[:4], settings.energy_tolerance),
-        "t_snap": seen.t_snap,
-        "t_settled": seen.t_settled,
-        "energy_error": seen.energy_error,
-        "pulse_work": seen.pulse_work.astype(np.float32),
-        "halvings": seen.halvings,
-        "level": seen.level,
-        "agreed": seen.agreed,
-    }
+def _variables(runs, settings):
+    """Name what a run of cells says of them."""
+    names = "t_snap", "t_settled", "energy_error", "pulse_work", "halvings", "level", "agreed"
+    variables = {"outcome": label(*runs[:4], settings.energy_tolerance)}
+    variables |= {name: getattr(runs, name) for name in names}
+    variables["pulse_work"] = runs.pulse_work.astype(np.float32)
     if settings.until == "settled":
         failed = variables["outcome"] == FAILED
-        well = seen.well if settings.start == FIRST else np.where(seen.well, 3 - seen.well, 0)
+        well = runs.well if settings.start == FIRST else np.where(runs.well, 3 - runs.well, 0)
         variables["well"] = np.where(failed, 0, well).astype(np.int8)
-        variables["well_share"] = np.where(failed, np.nan, seen.well_share).astype(np.float32)
+        variables["well_share"] = np.where(failed, np.nan, runs.well_share).astype(np.float32)
     return {key: values for key, values in variables.items() if values is not None}
 
 
 def _repeated(first, again):
-    """What a run has in common with another."""
+    """Compare a run with another: variables that say what both have in common."""
     same = again["outcome"] == first["outcome"]
     variables = {"reproduced": same.astype(np.int8)}
     if "well" in first:

@@ -66,18 +66,17 @@ def make_plan(
     if axes["C"].size > MOST_SINGLE:
         need = f"at most {MOST_SINGLE}, as each gets a job"
         raise ValueError(f"sweep.C: {axes['C'].size} values; write {need}")
-    dt, seconds = _expected_of_each(grid, model, settings, axes["f0"])
+    dt, seconds = _expected(grid, model, settings, axes["f0"])
     total = float(seconds.sum() * axes["N"].size * axes["C"].size * len(grid.pulses))
     beside, lowest = 0.0, axes["f0"][0]
     moved = settings._replace(until="moved")
     for f0 in alone.values():
-        beside += _expected_of_each(grid, model, moved, np.array(f0))[1].max(axis=0).sum()
+        beside += _expected(grid, model, moved, np.array(f0))[1].max(axis=0).sum()
     if total + beside > MOST_SECONDS:
         key = "sweep.horizon" if settings.horizon * lowest > 1e6 else "sweep.f0"
         if beside > total:
-            key, lowest = min(
-                ((key, min(f0)) for key, f0 in alone.items()), key=lambda pair: pair[1]
-            )
+            key = min(alone, key=lambda key: min(alone[key]))
+            lowest = min(alone[key])
         raise ValueError(
             f"{key}: up to {(total + beside) / 3600:.2g} core hours from f0 = {lowest:g} Hz "
             f"with horizon {settings.horizon:g} us and steps of {dt:.2g} us, more than "
@@ -91,8 +90,9 @@ def make_plan(
     # Values of one copy each, as N is that of many slabs.
     parts = [[(run, tuple(axes[key][run].tolist())) for run in runs[key]] for key in axes]
     slabs, requests = [], []
-    for chosen in product(*parts):
-        places, values = (dict(zip(axes, side, strict=True)) for side in zip(*chosen, strict=True))
+    for runs_of_slab in product(*parts):
+        sides = zip(*runs_of_slab, strict=True)
+        places, values = (dict(zip(axes, side, strict=True)) for side in sides)
         slabs.append(values)
         *rows, N = (run for key, run in places.items() if key not in SINGLE)
         cells = cells_in(values)
@@ -102,9 +102,9 @@ def make_plan(
 
 
 def _runs(axes, cost, keeps_N):
-    """Places of the runs into which each axis is cut.
+    """Cut each axis into runs of places.
 
-    First f0, then others as long as the dearest slab would be beyond JOB_SECONDS or SLAB_CELLS.
+    f0 is cut first, then others as long as the dearest slab is beyond JOB_SECONDS or SLAB_CELLS.
     cost: of a cell, s, (axes of the device, f0); keeps_N: `auto` looks at neighbours along N
     """
     runs = {key: list(np.arange(axes[key].size)[:, np.newaxis]) for key in axes}
@@ -116,11 +116,11 @@ def _runs(axes, cost, keeps_N):
     for key in ("f0", *cut[:-2], "N"):
         axis, size = cut.index(key), axes[key].size
         others = tuple(other for other in range(len(cut)) if other != axis)
-        each = np.broadcast_to(left.sum(axis=others) * (left.shape[axis] / size), size)
+        share = np.broadcast_to(left.sum(axis=others) * (left.shape[axis] / size), size)
         if left.sum() <= 1 or (key == "N" and keeps_N):
             runs[key] = [np.arange(size)]
         else:
-            runs[key] = _halved(np.arange(size), axes[key].view(np.uint64), each)
+            runs[key] = _halved(np.arange(size), axes[key].view(np.uint64), share)
             left = left.max(axis=axis, keepdims=True)
     return runs
 
@@ -139,8 +139,8 @@ def _halved(run, bits, share):
     return _halved(run[~upper], bits, share) + _halved(run[upper], bits, share)
 
 
-def _expected_of_each(grid, model, settings, f0):
-    """Shortest step, us, and the time of one cell of each device and f0, s; mean over pulses."""
+def _expected(grid, model, settings, f0):
+    """Estimate the shortest step, us, and a cell's time by device and f0, s; mean over pulses."""
     built = choose_model(grid.device, model, settings.start).levels[0]
     device, pulse = np.arange(len(grid.device)), np.arange(len(grid.pulses))[:, np.newaxis]
     at = device[:, np.newaxis, np.newaxis], 0.0, f0, 0.0, settings.horizon, pulse, grid.pulses

@@ -28,7 +28,7 @@ Slab = Mapping[str, tuple]
 
 
 def cells_in(slab: Slab) -> int:
-    """Number of its cells."""
+    """Count the cells of a slab."""
     return math.prod(len(values) for values in slab.values())
 
 
@@ -104,13 +104,13 @@ def recall(
         try:
             with open_slab(other) as file:
                 theirs = {key: np.asarray(file[key][:], axes[key].dtype) for key in axes}
-                place, there = (np.ix_(*side) for side in shared_points(axes, theirs))
+                place, place_there = (np.ix_(*s) for s in shared_points(axes, theirs))
                 other_N = same_N and not np.array_equal(axes["N"], theirs["N"])
                 if file.code != code or other_N or not all(index.size for index in place):
                     continue
                 for key in set(file.variables) - set(file.dimensions):
                     empty = np.empty(known.shape, file[key].dtype)
-                    variables.setdefault(key, empty)[place] = file[key][:][there]
+                    variables.setdefault(key, empty)[place] = file[key][:][place_there]
                 known[place] = True
         except ValueError:
             continue  # a broken file: its cells are followed again, and rule collect names it

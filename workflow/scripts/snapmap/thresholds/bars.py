@@ -27,41 +27,38 @@ FARTHEST = 0.25
 """
 
 
-class Seen(NamedTuple):
-    """What the deciding level has seen of rows, (rows,).
+class Scan(NamedTuple):
+    """What the scan of the deciding level shows of rows, (rows,).
 
-    edges: refined; window: its scan; whole: where islands are looked for at all
+    edges: refined; window: its scan; limits: where islands are looked for at all
     """
 
     edges: Edges
     N_first: np.ndarray
     ragged: np.ndarray
     window: Window
-    whole: Window
+    limits: Window
 
 
 def error_bars(
-    models: Survey, rows: Rows, settings: Settings, tolerance: float, seen: Seen, rings: np.ndarray
+    models: Survey, rows: Rows, settings: Settings, tolerance: float, done: Scan, rings: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Compare the deciding level with others: errors of N_first, and what is ragged.
+    """Compare the deciding level with others: errors of N_first, and ragged rows, (rows,).
 
-    rings: rows in which the device rings after its pulse
+    rings: rows in which the device rings after its pulse, (rows,)
     """
     decides, doubts, better, judge = models.decides, models.doubts, models.better, models.judge
-    edges, N_first, ragged, window, whole = seen
+    edges, N_first, ragged, window, limits = done
 
-    def ask(model):
-        return asker(model, rows, settings)
-
-    def label(model):
-        """In the longer steps of a label, which tell where to look."""
-        return asker(model, rows, settings, until="snap")
+    def ask(model, until="edge"):
+        return asker(model, rows, settings, until)
 
     others = [m for m in (decides.with_step(OTHER_STEP), doubts, better) if m is not None]
     clean = np.where(ragged, np.nan, N_first)
     in_time, *in_space = (distance(ask(other), clean, tolerance) for other in others)
-    chatters = _chatters(decides.device, rows)
-    fine = models.finest
+    share = stiffness_share(decides.device)[rows.device]
+    smooth = np.array([pulse.is_smooth for pulse in rows.pulses])[rows.pulse]
+    chatters, fine = (share > CHATTERS) | ((share > 0) & ~smooth), models.finest
     in_fine = distance(ask(fine), np.where(chatters, clean, np.nan), tolerance)
     # The better level may itself be off by as much.
     near = np.fmax(in_time, in_fine) + np.max(in_space, axis=0) + (in_space[1] if better else 0.0)
@@ -73,14 +70,15 @@ def error_bars(
         near = np.fmax(near, N_first - outermost(close.row, close.high, alone.size)[0])
     apart = np.isinf(near)
     ragged = ragged | apart
-    window = chosen(apart, whole, window)
+    window = chosen(apart, limits, window)
     wide, wider = (window._replace(step=by * window.step) for by in (OTHERS_STEP, JUDGED_STEP))
     if models.looks is not decides:
         others[0] = models.looks.with_step(1 / OTHER_STEP)
-    firsts = [_elsewhere(label(other), wide, ragged) for other in others]
+    # The longer steps of a label tell where to look.
+    firsts = [_elsewhere(ask(other, "snap"), wide, ragged) for other in others]
     if judge is not None:
-        firsts.append(_elsewhere(label(judge), wider, ragged))
-    finest = _elsewhere(label(fine), wider, ragged & chatters)
+        firsts.append(_elsewhere(ask(judge, "snap"), wider, ragged))
+    finest = _elsewhere(ask(fine, "snap"), wider, ragged & chatters)
     firsts.append(np.where(chatters, finest, N_first))
     far = np.fmax(_spread(edges, N_first), np.max(abs(N_first - np.array(firsts)), axis=0))
     closest = np.where(rings, CLOSEST_STEP, 0.0)
@@ -88,15 +86,8 @@ def error_bars(
     return np.where(ragged, far, near) + open_by * N_first, ragged
 
 
-def _chatters(device, rows):
-    """Whether the mass of a row may chatter on its contact, (rows,)."""
-    smooth = np.array([pulse.is_smooth for pulse in rows.pulses])[rows.pulse]
-    share = stiffness_share(device)[rows.device]
-    return (share > CHATTERS) | ((share > 0) & ~smooth)
-
-
 def _spread(edges, N_first):
-    """How far above N_first the last change is that lies close to it."""
+    """How far above N_first the last change lies that is close to it, (rows,)."""
     spread = np.zeros(N_first.size)
     above = edges.high - N_first[edges.row]
     close = edges.high <= BESIDE * N_first[edges.row]
@@ -105,9 +96,9 @@ def _spread(edges, N_first):
 
 
 def _elsewhere(ask, window, ragged):
-    """N_first of ragged rows as another level sees it on the same scan.
+    """N_first of ragged rows, (rows,), as another level sees it on the same scan.
 
-    The end of the window beyond which it lies stands for what is not in it.
+    The end of the window stands for an N_first that lies beyond it.
     """
     N = window._replace(low=np.where(ragged, window.low, np.nan)).N
     edges, begins, _ = scan(ask, N)
@@ -116,20 +107,20 @@ def _elsewhere(ask, window, ragged):
 
 
 def distance(ask: Ask, N_first: np.ndarray, tolerance: float) -> np.ndarray:
-    """How far from N_first, at most, another level changes from quiet to snap, (rows,).
+    """Find how far from N_first, at most, another level changes from quiet to snap, (rows,).
 
     There and at each of the next LOOKS - 1 doublings it is quiet below and snaps above: where
-    labels change back and forth closely, one look is luck.
+    labels change back and forth closely, a single look is luck.
     """
-    found = np.where(np.isnan(N_first), np.nan, np.inf)
+    distances = np.where(np.isnan(N_first), np.nan, np.inf)
     reach = np.full(N_first.size, tolerance / 4)
-    while (left := np.flatnonzero(np.isinf(found) & (reach < FARTHEST))).size:
+    while (left := np.flatnonzero(np.isinf(distances) & (reach < FARTHEST))).size:
         reaches = np.minimum(np.multiply.outer(reach[left], 2.0 ** np.arange(LOOKS)), FARTHEST)
         N = np.full((N_first.size, 2 * LOOKS), np.nan)
         N[left] = N_first[left, np.newaxis] * np.hstack([1 - reaches, 1 + reaches])
         below, above = np.hsplit(np.isfinite(ask(N))[left], 2)
         differ = below | ~above
         passed = np.where(differ.any(axis=1), LOOKS - np.argmax(differ[:, ::-1], axis=1), 0)
-        found[left[passed == 0]] = (reach * N_first)[left[passed == 0]]
+        distances[left[passed == 0]] = (reach * N_first)[left[passed == 0]]
         reach[left] *= 2.0**passed
-    return found
+    return distances

@@ -22,22 +22,21 @@ ROUNDS, WIDTH = 26, 32
 
 
 def run_seconds(model: Follows, rows: Rows, settings: Settings) -> np.ndarray:
-    """Core time of one run of each row in the steps of a threshold, s, about; (rows,)."""
-    cells, asked = rows.cells(model.device, 0.0, settings.horizon), settings._replace(until="edge")
-    return steps_and_seconds(model, cells, asked)[1][:, 0]
+    """Estimate the core time of one run of each row in the steps of a threshold, s, (rows,)."""
+    cells = rows.cells(model.device, 0.0, settings.horizon)
+    return steps_and_seconds(model, cells, settings._replace(until="edge"))[1][:, 0]
 
 
 def survey_seconds(models: Survey, rows: Rows, settings: Settings) -> float:
-    """Core time in which all thresholds of rows are found, s, about."""
-    scanned, decided = (
-        run_seconds(model, rows, settings) for model in (models.scans, models.decides)
-    )
+    """Estimate the core time in which all thresholds of rows are found, s."""
+    scanned = run_seconds(models.scans, rows, settings)
+    decided = run_seconds(models.decides, rows, settings)
     times = np.array([OF_BLOWS if pulse.blows.size else 1 for pulse in rows.pulses])[rows.pulse]
     return float(np.sum(times * (SCANNED * scanned + DECIDED * decided)))
 
 
 def record_seconds(model: Follows, rows: Rows, settings: Settings, records: int) -> float:
-    """Core time in which rows are followed under so many records like theirs, s, about."""
+    """Estimate the core time in which rows are followed under so many records like theirs, s."""
     return PER_RECORD * records * float(run_seconds(model, rows, settings).sum())
 
 
@@ -61,12 +60,11 @@ def tell_records(
 
 
 def tell_cost(models: Survey, rows: Rows, settings: Settings):
-    """Warn of a long search before it begins, in one line; a ValueError refuses one without end."""
+    """Warn of a long search before it begins, in one line; a ValueError refuses an endless one."""
     if not rows.f0.size:
         return
     decided = run_seconds(models.decides, rows, settings)
-    seconds = (
-        survey_seconds(models, rows, settings) / settings.threads + ROUNDS * WIDTH * decided.max()
-    )
+    searched = survey_seconds(models, rows, settings) / settings.threads
+    seconds = searched + ROUNDS * WIDTH * decided.max()
     slowest = f"f0 = {rows.f0[np.argmax(decided)]:g} Hz"
     tell("thresholds", seconds, slowest, "write a higher f0 or a shorter horizon", stacklevel=3)

@@ -8,7 +8,7 @@ from ..solver.adaptive import DECIDING_STEPS, Survey
 from ..solver.bounds import least_amplitudes
 from ..solver.cells import Rows
 from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Settings
-from .bars import OTHERS_STEP, Seen, error_bars
+from .bars import OTHERS_STEP, Scan, error_bars
 from .search import SCAN_STEP, Ask, Edges, amplitudes, asker, first_snap, joined, refine, scan, walk
 from .transitions import (
     BESIDE,
@@ -26,12 +26,12 @@ from .witness import edges_about
 NARROW = 0.0005
 """Relative width of a stretch between two changes down to which it counts: narrower ones, which
 another level may not have, belong to no definition."""
-BELOW, ABOVE = 0.7, 2.0
+ISLANDS_FROM, ISLANDS_TO = 0.7, 2.0
 """Where islands are looked for, as multiples of the first that snaps."""
 SLOW = 0.05
 """A pulse that lasts 1 / SLOW times longer than the device's response moves it from rest to rest:
 it snaps where no rest is left, and at every N above."""
-FAST = 0.7
+FAST_PULSE = 0.7
 """Frequency of a pulse over the device's own from which on the finer models take its rows."""
 RINGS = 0.25
 """From this share on, reckoned as SLOW, a device rings after the pulse: islands lie close below."""
@@ -92,45 +92,45 @@ def survey(
 ) -> Thresholds:
     """Find the thresholds of rows, to a relative tolerance.
 
-    highest: up to which N islands are looked for; ABOVE times the threshold if not given
+    highest: up to which N islands are looked for; ISLANDS_TO times the threshold if not given
     The cheap model scans; the next looks again where labels change; the one that decides refines;
     the others, and another step, tell what that is worth. Where the cheap one fails, or sees
     another threshold than the next, that one scans too. Ragged rows that were looked at in long
     steps begin where they do in the steps of maps. Rows of fast pulses, and clean ones that
     are left open by more than the models' tolerance, are taken by finer models.
     """
-    asked = settings, tolerance, highest
+    options = settings, tolerance, highest
     if models.finer is None:
-        return _followed(models, rows, *asked)
+        return _followed(models, rows, *options)
     fast, thresholds = is_fast(models.decides.device, rows), None
     slow = np.flatnonzero(~fast)
     if slow.size or not fast.size:
-        found = _followed(models, rows.take(slow), *asked)
-        unsure = (found.ragged == 0) & (found.N_error > models.tolerance * found.N_first)
+        new = _followed(models, rows.take(slow), *options)
+        unsure = (new.ragged == 0) & (new.N_error > models.tolerance * new.N_first)
         fast[slow[unsure]] = True
-        thresholds = _taken(fast.size, None, slow, found)
+        thresholds = _merged(fast.size, None, slow, new)
     if fast.any():
-        found = survey(models.finer, rows.take(fast), *asked)
-        found = found._replace(level=found.level + 1)
-        thresholds = _taken(fast.size, thresholds, np.flatnonzero(fast), found)
+        new = survey(models.finer, rows.take(fast), *options)
+        new = new._replace(level=new.level + 1)
+        thresholds = _merged(fast.size, thresholds, np.flatnonzero(fast), new)
     return thresholds
 
 
 def _followed(models, rows, settings, tolerance, highest):
-    """Thresholds by these models; where the cheap one fails, the one that decides scans."""
+    """Find thresholds by these models; where the cheap one fails, the one that decides scans."""
     bound = least_amplitudes(models.decides, rows, settings.start)
-    asked = settings, tolerance, highest
-    thresholds = _survey(models, rows, *asked, bound)
+    options = settings, tolerance, highest
+    thresholds = _survey(models, rows, *options, bound)
     lost = np.flatnonzero(thresholds.status == NOT_FOLLOWED)
     if lost.size:
         better = models._replace(scans=models.decides, looks=models.decides)
-        again = _survey(better, rows.take(lost), *asked, bound[lost], SLACK * bound[lost])
-        thresholds = _taken(bound.size, thresholds, lost, again)
+        again = _survey(better, rows.take(lost), *options, bound[lost], SLACK * bound[lost])
+        thresholds = _merged(bound.size, thresholds, lost, again)
     return thresholds
 
 
-def _taken(n_rows, thresholds, which, again):
-    """Thresholds, or None, with those of some rows, by their indices, in place of the others."""
+def _merged(n_rows, thresholds, which, again):
+    """Put new thresholds of rows, by their indices, into thresholds, or into none."""
     pairs = zip(again, thresholds or [None] * len(again), strict=True)
     return Thresholds(*(with_rows(n_rows, which, new, old) for new, old in pairs))
 
@@ -138,7 +138,7 @@ def _taken(n_rows, thresholds, which, again):
 def with_rows(
     n_rows: int, which: np.ndarray, new: np.ndarray, others: np.ndarray | None
 ) -> np.ndarray:
-    """New values of some rows of a variable beside those of the others, which may be missing.
+    """Put new values of some rows of a variable beside those of the others, which may be missing.
 
     which: indices of the new, (new,); others: (n_rows, ...); either may have fewer islands
     """
@@ -161,57 +161,57 @@ def lowest(models: Survey, rows: Rows, settings: Settings, tolerance: float) -> 
 
 
 class _Changes(NamedTuple):
-    """Where labels of rows change: refined, whether the highest N is quiet, and what was seen.
+    """Where labels of rows change: refined edges, and whether the highest N is quiet.
 
+    window, limits: of the scan, and of where islands are looked for; ragged, rings: of rows
     wide: amplitudes of the first scan; quiet: rows in which nothing snaps there
     """
 
     edges: Edges
     open_end: np.ndarray
     window: Window
-    whole: Window
+    limits: Window
     ragged: np.ndarray
+    rings: np.ndarray
     wide: np.ndarray
     quiet: np.ndarray
 
 
 def _changes(models, rows, settings, tolerance, highest, bound, lowest=None):
-    """Changes of rows; lowest: from which N islands are looked for, if not from BELOW."""
-    scans = models.scans
-    ask, label = asker(models.looks, rows, settings), asker(scans, rows, settings, until="snap")
-    speed = pace(scans.device, rows)
-    slow = speed < SLOW
-    wide = wide_scan(scans.device, models.static, rows, bound, settings.start, slow)
+    """Find changes of rows; lowest: from which N islands count, if not from ISLANDS_FROM."""
+    device = models.scans.device
+    slow, rings = pace(device, rows) < SLOW, is_ringing(device, rows)
+    label = asker(models.scans, rows, settings, until="snap")
+    wide = wide_scan(device, models.static, rows, bound, settings.start, slow)
     first, quiet = first_seen(label, wide, bound)
-    whole = _whole_window(first, lowest, highest, slow)
-    window, ragged = _closer_window(label, whole)
+    limits = _island_limits(first, lowest, highest, slow)
+    window, ragged = _closer_window(label, limits)
 
     def closely(low, high):
         return edges_about(models, rows, settings, tolerance, rings, low, high)
 
-    rings = speed >= RINGS
-    edges, open_end, window, ragged = _decide(ask, closely, window, whole, ragged)
+    ask = asker(models.looks, rows, settings)
+    edges, open_end, window, ragged = _decide(ask, closely, window, limits, ragged)
     row, *ends, rising = edges
-    of_edges = asker(models.looks, rows.take(row), settings)
-    edges = Edges(row, *refine(of_edges, *ends, tolerance, rising), rising)
-    return _Changes(edges, open_end, window, whole, ragged, wide, quiet)
+    ask = asker(models.looks, rows.take(row), settings)
+    edges = Edges(row, *refine(ask, *ends, tolerance, rising), rising)
+    return _Changes(edges, open_end, window, limits, ragged, rings, wide, quiet)
 
 
-def _first_decided(model, rows, settings, tolerance, seen, which):
-    """Edges of rows, some by their numbers with the first as another model sees it.
+def _first_decided(model, rows, settings, tolerance, which, edges, window, N_first):
+    """Replace the first edges of some rows, by their numbers, by those that another model sees.
 
-    That one looks from BESIDE below, in OTHERS_STEP times the scan's steps, up to where it snaps;
-    from there to the next edge that falls.
+    It looks from BESIDE below, in OTHERS_STEP times the scan's steps, up to where it snaps; what
+    lies from there to the next edge that falls is replaced.
     """
-    edges, window, N_first = seen
     low = np.maximum(window.low, N_first / BESIDE)
     N = window._replace(low=low, step=OTHERS_STEP * window.step).N[which]
     size = np.count_nonzero(np.isfinite(N), axis=1)
     every = np.arange(which.size)
 
     def label(numbers, places):
-        there = N[numbers[:, np.newaxis], np.minimum(places, N.shape[1] - 1)]
-        return np.isfinite(asker(model, rows.take(which[numbers]), settings)(there))
+        at = N[numbers[:, np.newaxis], np.minimum(places, N.shape[1] - 1)]
+        return np.isfinite(asker(model, rows.take(which[numbers]), settings)(at))
 
     place = walk(label, every, 0, size)
     known = (place > 0) & (place < size)
@@ -228,8 +228,8 @@ def _first_decided(model, rows, settings, tolerance, seen, which):
 
 
 def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
-    """Thresholds of rows by the deciding level; lowest: as in `_changes`."""
-    edges, open_end, window, whole, ragged, wide, quiet = _changes(
+    """Find thresholds of rows by the deciding level; lowest: as in `_changes`."""
+    edges, open_end, window, limits, ragged, rings, wide, quiet = _changes(
         models, rows, settings, tolerance, highest, bound, lowest
     )
     decides = models.decides
@@ -239,11 +239,10 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
     if models.looks is not decides:
         which = np.flatnonzero(ragged & np.isfinite(N_first))
         before = edges, window, N_first
-        edges = _first_decided(of_maps, rows, settings, tolerance, before, which)
+        edges = _first_decided(of_maps, rows, settings, tolerance, which, *before)
         N_first, *_ = stretches(edges, open_end)
-    seen = Seen(edges, N_first, ragged, window, whole)
-    rings = pace(decides.device, rows) >= RINGS
-    N_error, ragged = error_bars(models, rows, settings, tolerance, seen, rings)
+    done = Scan(edges, N_first, ragged, window, limits)
+    N_error, ragged = error_bars(models, rows, settings, tolerance, done, rings)
     N_error = np.fmax(N_error, abs(N_first - N_before))
     *_, N_always, islands = stretches(edges, open_end)
     if highest is not None:
@@ -254,48 +253,54 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
         t_snap[unseen] = snap_times(model, rows.take(unseen), settings, N_first[unseen])
     none = np.where(quiet, NOTHING_SNAPS, NOT_FOLLOWED)
     return Thresholds(
-        np.where(np.isnan(N_first), none, FOUND).astype(np.int8),
-        bound,
-        np.fmax(np.fmax.reduce(wide, axis=1), whole.high),
-        N_first,
-        N_error,
-        ragged.astype(np.int8),
-        N_always,
-        t_snap,
-        np.zeros(N_first.size, np.int8),
-        np.count_nonzero(np.isfinite(islands[0]), axis=1),
-        *islands,
+        status=np.where(np.isnan(N_first), none, FOUND).astype(np.int8),
+        N_bound=bound,
+        N_looked=np.fmax(np.fmax.reduce(wide, axis=1), limits.high),
+        N_first=N_first,
+        N_error=N_error,
+        ragged=ragged.astype(np.int8),
+        N_always=N_always,
+        t_snap=t_snap,
+        level=np.zeros(N_first.size, np.int8),
+        islands=np.count_nonzero(np.isfinite(islands[0]), axis=1),
+        island_from=islands[0],
+        island_to=islands[1],
     )
 
 
 def is_fast(device, rows):
-    """Whether the beam follows a pulse by more than its first modes, (rows,)."""
+    """Tell whether the beam follows a pulse by more than its first modes, (rows,)."""
     swings = np.array([pulse.swings for pulse in rows.pulses])[rows.pulse]
-    return 2e-6 * np.pi * rows.f0 * swings > FAST * device.own_frequency[rows.device]
+    return 2e-6 * np.pi * rows.f0 * swings > FAST_PULSE * device.own_frequency[rows.device]
+
+
+def is_ringing(device, rows):
+    """Tell whether the device rings after a pulse, (rows,)."""
+    return pace(device, rows) >= RINGS
 
 
 def pace(device, rows):
-    """What the device takes to follow a pulse, over how long that lasts, (rows,)."""
-    own, spring = device.own_frequency[rows.device], device.spring[rows.device]
+    """Divide the time that the device takes to follow a pulse by the pulse's duration, (rows,)."""
+    frequency, spring = device.own_frequency[rows.device], device.spring[rows.device]
     steepest = np.array([pulse.steepest for pulse in rows.pulses])[rows.pulse]
     C = np.where(device.is_alone[rows.device], 0.0, rows.C)
-    return 2e-6 * np.pi * rows.f0 * steepest * (1 / own + C / spring)
+    return 2e-6 * np.pi * rows.f0 * steepest * (1 / frequency + C / spring)
 
 
 def wide_scan(device, static, rows, bound, start=FIRST, slow=False) -> np.ndarray:
-    """Amplitudes, (rows, n), from below any threshold to far above, also of short pulses.
+    """Space amplitudes, (rows, n), from below any threshold to far above, also of short pulses.
 
     static: threshold of slow pulses, (devices,); bound: below which nothing can snap, (rows,)
     start: as in `Settings`; slow: whether a row's pulse is one, (rows,)
     """
     ahead = [pulse if start == FIRST else pulse.reversed() for pulse in rows.pulses]
     columns = static, device.own_frequency, device.mass
-    static, own, mass = (column[rows.device] for column in columns)
+    static, frequency, mass = (column[rows.device] for column in columns)
     facts = [(p.variation, max(abs(p.impact), LEAST_AREA * p.swing), p.highest) for p in ahead]
     variation, area, highest = (column[rows.pulse] for column in np.array(facts).T)
     # A pulse amplifies no more than it varies; a short one must bring a velocity, against damping.
-    fast = 1e-6 * np.pi * rows.f0 / (own * area)
-    damped = np.divide(rows.C, 2 * own * mass, out=np.zeros(mass.shape), where=mass > 0)
+    fast = 1e-6 * np.pi * rows.f0 / (frequency * area)
+    damped = np.divide(rows.C, 2 * frequency * mass, out=np.zeros(mass.shape), where=mass > 0)
     low = np.where(slow, static / SLOW_REACH, static / (1.5 * np.fmax(variation, 2)))
     if start != FIRST:
         # A mass that flies from afar may strike with the energy of a far weaker shock.
@@ -310,7 +315,7 @@ def wide_scan(device, static, rows, bound, start=FIRST, slow=False) -> np.ndarra
 def first_seen(ask: Ask, wide: np.ndarray, bound: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Find the first of wide amplitudes, (rows, n), that snaps, and in which rows all are quiet.
 
-    bound: below which nothing can snap, (rows,); down to there it is looked where the lowest snaps
+    bound: below which nothing can snap, (rows,); where the lowest snaps, the scan goes down to it
     Returns N, (rows,), NaN for none, and bools, (rows,), false where a run failed
     """
     t_snap = ask(wide)
@@ -323,29 +328,29 @@ def first_seen(ask: Ask, wide: np.ndarray, bound: np.ndarray) -> tuple[np.ndarra
     return first, quiet
 
 
-def _whole_window(rough, lowest, highest, slow):
-    """Where islands are looked for, about the first of wide amplitudes that snaps."""
-    top = ABOVE * rough if highest is None else np.fmax(highest, FAR_BESIDE * rough)
-    low = np.where(slow, rough / SLOW_BESIDE, BELOW * rough if lowest is None else lowest)
+def _island_limits(rough, lowest, highest, slow):
+    """Limit where islands are looked for, about the first of wide amplitudes that snaps."""
+    top = ISLANDS_TO * rough if highest is None else np.fmax(highest, FAR_BESIDE * rough)
+    low = np.where(slow, rough / SLOW_BESIDE, ISLANDS_FROM * rough if lowest is None else lowest)
     high = np.where(slow, SLOW_BESIDE * rough, np.where(np.isfinite(rough), top, np.nan))
     return Window(low, high, np.full(rough.size, FINE_STEP))
 
 
-def _closer_window(ask, whole):
-    """Where labels change along N, as the cheapest level sees it, and which rows are ragged.
+def _closer_window(ask, limits):
+    """Find where labels change along N, as the cheapest level sees it, and which rows are ragged.
 
     A row is ragged where they change more than once; so it is by every level, each in its own way.
     """
-    n_rows = whole.low.size
-    edges, *_ = scan(ask, whole.N)
+    n_rows = limits.low.size
+    edges, *_ = scan(ask, limits.N)
     ends = outermost(edges.row, edges.high, n_rows)
     ragged = np.bincount(edges.row, minlength=n_rows) > 1
-    clean = around(whole, *ends, BESIDE, FINE_STEP)
-    return chosen(ragged, around(whole, *ends, FAR_BESIDE, FINEST_STEP), clean), ragged
+    clean = around(limits, *ends, BESIDE, FINE_STEP)
+    return chosen(ragged, around(limits, *ends, FAR_BESIDE, FINEST_STEP), clean), ragged
 
 
-def _decide(ask, closely, window, whole, ragged):
-    """Edges as the deciding level sees them; whether a row's highest N is quiet; what is ragged.
+def _decide(ask, closely, window, limits, ragged):
+    """Find edges as the deciding level sees them, whether the highest N is quiet, what is ragged.
 
     The only edge of a row is looked at closely. Rows in which it sees other than the cheapest level
     did are ragged too, and scanned on to either side.
@@ -357,10 +362,10 @@ def _decide(ask, closely, window, whole, ragged):
     close = closely(*sides)
     edges = joined(edges.take(~alone[edges.row]), close.edges)
     begins, ends = np.where(alone, [close.begins, close.ends], [begins, ends])
-    surprising = begins | (~ends & (window.high < whole.high))
+    surprising = begins | (~ends & (window.high < limits.high))
     surprising |= ~ragged & (np.bincount(edges.row, minlength=ragged.size) != 1)
     low, high = (np.where(surprising, end, np.nan) for end in (window.low, window.high))
-    wider = around(whole, low, high, FAR_BESIDE, FINEST_STEP)
+    wider = around(limits, low, high, FAR_BESIDE, FINEST_STEP)
     # From where it was looked closely on, which may not be the window's ends.
     low, high = np.where(surprising & alone, [close.low, close.high], [low, high])
     below, begins_below, _ = scan(ask, wider._replace(high=low).N)
@@ -372,5 +377,5 @@ def _decide(ask, closely, window, whole, ragged):
 
 
 def snap_times(model, rows, settings, N):
-    """When each row snaps at an N, us after the pulse's start, (rows,); NaN where it does not."""
+    """Find when each row snaps at an N, us after the pulse's start, (rows,); NaN for never."""
     return asker(model, rows, settings)(N[:, np.newaxis])[:, 0]

@@ -28,23 +28,23 @@ def nearby(
     most `tolerance`.
     """
     size = 2 ** (1 - math.frexp(tolerance)[1])
-    given, reach = np.flatnonzero(np.isfinite(expected)), math.ceil(2 * size * within)
-    first = _place(expected[given], size) - reach
+    known, reach = np.flatnonzero(np.isfinite(expected)), math.ceil(2 * size * within)
+    first = _place(expected[known], size) - reach
 
     def label(which, places):
         N = _amplitude(first[which, np.newaxis] + places, size)
-        return np.isfinite(asker(model, rows.take(given[which]), settings)(N))
+        return np.isfinite(asker(model, rows.take(known[which]), settings)(N))
 
-    place = near(label, np.arange(given.size), np.full(given.size, reach), 2 * reach)
-    seen = (place > 0) & (place < 2 * reach)
-    place = (first + place)[seen]
+    place = near(label, np.arange(known.size), np.full(known.size, reach), 2 * reach)
+    inside = (place > 0) & (place < 2 * reach)
+    place = (first + place)[inside]
     ends = np.full((2, expected.size), np.nan)
-    ends[:, given[seen]] = _amplitude(place - 1, size), _amplitude(place, size)
+    ends[:, known[inside]] = _amplitude(place - 1, size), _amplitude(place, size)
     return ends[0], ends[1]
 
 
 def _place(N, size):
-    """The first place not below N of a lattice with `size` even steps from 2^n to 2^(n + 1)."""
+    """Find the first place not below N of a lattice with `size` steps from 2^n to 2^(n + 1)."""
     share, exponent = np.frexp(N)
     return exponent * np.int64(size) + np.ceil((2 * share - 1) * size).astype(np.int64)
 

@@ -24,7 +24,7 @@ from .bars import distance
 from .cost import tell_cost
 from .regression import nominal_thresholds, thresholds_of_samples
 from .search import asker, refine
-from .surface import look
+from .surface import find_thresholds
 
 MOST_ROWS = 0.9
 """Share of the rows in which a level must keep the tolerance of `auto`."""
@@ -71,8 +71,8 @@ class Batch:
         self._made = {key: column for key, column in values.items() if key in VALUES}
         self.bistable = is_bistable(device, self._made, count)
         self.size, self.choices = np.count_nonzero(self.bistable), choices
-        self._asked = model, start
-        self.nominal = choose_model(batch_of([device]), *self._asked)
+        self._model = model, start
+        self.nominal = choose_model(batch_of([device]), *self._model)
         shares = {key: values.get(key, np.ones(count)) for key in SHOCK_FACTORS}
         self.factors = {key: column[self.bistable] for key, column in shares.items()}
         nominal = [nominal_value(device, key) for key in values]
@@ -83,7 +83,7 @@ class Batch:
         """Those of the samples that have a second shape."""
         made = {key: column[self.bistable] for key, column in self._made.items()}
         devices = self.nominal.device.pick(np.zeros(self.size, int))
-        return choose_model(devices.vary(made), *self._asked)
+        return choose_model(devices.vary(made), *self._model)
 
     @property
     def model(self) -> Follows:
@@ -93,7 +93,7 @@ class Batch:
     def thresholds(
         self, rows: Rows, settings: Settings, tolerance: float, chosen: bool = False
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The lowest N that snaps, (samples, rows), the nominal device's, and what is ragged.
+        """Find the lowest N that snaps, (samples, rows), the nominal device's, and what is ragged.
 
         chosen: whether by the choices for these rows; if not, by the last, in its own steps
         NaN where a sample has none; the latter two: (rows,).
@@ -105,17 +105,17 @@ class Batch:
             which, part = choice.rows, rows.take(choice.rows)
             if not which.any():
                 continue
-            found = nominal_thresholds(choice.of(self.nominal), part, settings, tolerance / 10)
-            nominal[which] = found
+            N = nominal_thresholds(choice.of(self.nominal), part, settings, tolerance / 10)
+            nominal[which] = N
             if self.size:
-                given = choice.of(self.models), self._rows(part), self.deviations, found
-                levels, ragged[which] = thresholds_of_samples(*given, settings, tolerance)
+                samples = choice.of(self.models), self._rows(part), self.deviations, N
+                levels, ragged[which] = thresholds_of_samples(*samples, settings, tolerance)
                 scaled = levels / self.factors["N"][:, np.newaxis]
                 N_first[np.ix_(self.bistable, which)] = scaled
         return N_first, nominal, ragged
 
     def meets(self, required: Mapping, rows: Rows, settings: Settings) -> np.ndarray:
-        """Whether each sample meets a requirement, by its N and snaps; (samples, rows)."""
+        """Tell whether each sample meets a requirement, by its N and snaps; (samples, rows)."""
         if required["snaps"] == ANY:
             return np.repeat(self.bistable[:, np.newaxis], rows.f0.size, axis=1)
         snaps = np.zeros((self.bistable.size, rows.f0.size), bool)
@@ -126,18 +126,18 @@ class Batch:
         return (snaps == required["snaps"]) & self.bistable[:, np.newaxis]
 
     def latched(self, samples: int, N: np.ndarray, rows: Rows, settings: Settings) -> np.ndarray:
-        """How many of the first samples are proven to stay in the second shape, (rows, N)."""
-        count, own = np.zeros((rows.f0.size, N.size), np.int64), self._rows(rows)
+        """Count the first samples that are proven to stay in the second shape, (rows, N)."""
+        count, every = np.zeros((rows.f0.size, N.size), np.int64), self._rows(rows)
         for i in range(np.count_nonzero(self.bistable[:samples])):
-            mine = own.take(slice(i * len(count), (i + 1) * len(count)))
+            part = every.take(slice(i * len(count), (i + 1) * len(count)))
             levels = N * self.factors["N"][i]
-            cells = mine.cells(self.model.device, levels, settings.horizon)
-            seen = self.model.follow(cells, settings)
-            count += label(*seen[:4], settings.energy_tolerance) == LATCHED
+            cells = part.cells(self.model.device, levels, settings.horizon)
+            runs = self.model.follow(cells, settings)
+            count += label(*runs[:4], settings.energy_tolerance) == LATCHED
         return count
 
     def stresses(self, study: Study, requirements: Sequence[Mapping], C: np.ndarray) -> np.ndarray:
-        """Largest stress in the first samples with a second shape, (requirements, samples, C), MPa.
+        """Find the largest stress, MPa, in the first bistable samples, (requirements, samples, C).
 
         requirements: shocks, N and f0 (Hz) of each
         """
@@ -145,16 +145,16 @@ class Batch:
         device, stress = self.model.device.pick(np.arange(size)), []
         N = np.repeat(self.factors["N"][:size], len(C))[:, np.newaxis]
         for required in requirements:
-            own = of_requirement(study, required)
+            part = of_requirement(study, required)
             rows = self._rows(to_rows(0, required["f0"], C, 0, required["shocks"].pulses))
             rows = rows.take(slice(N.size))
-            cells = rows.cells(device, required["N"] * N, own.settings.horizon).flat()
-            largest = largest_stress(device, own.model, cells, own.settings)
+            cells = rows.cells(device, required["N"] * N, part.settings.horizon).flat()
+            largest = largest_stress(device, part.model, cells, part.settings)
             stress.append(largest.reshape(size, len(C)))
         return np.array(stress)
 
     def _rows(self, rows):
-        """Those of all samples, raveled from (samples, rows)."""
+        """Repeat rows for all samples, raveled from (samples, rows)."""
         duration, damping = (self.factors[key][:, np.newaxis] for key in ("duration", "C"))
         return rows._replace(
             device=np.repeat(np.arange(self.size), rows.f0.size),
@@ -165,7 +165,7 @@ class Batch:
 
 
 def choose_levels(device: Device, model: Mapping, rows: Rows, settings: Settings) -> list[Choice]:
-    """What decides the thresholds of rows of a model, given by its name and options.
+    """Choose what decides the thresholds of rows of a model, given by its name and options.
 
     Of `auto` each row takes the first of LADDER whose threshold of the nominal device is within its
     tolerance that of the finest. The one by which MOST_ROWS have theirs is the last, and takes the
@@ -177,14 +177,14 @@ def choose_levels(device: Device, model: Mapping, rows: Rows, settings: Settings
     auto = choose_model(batch_of([device]), model, settings.start)
     accepted = model.get("tolerance", TOLERANCE)
     rough = nominal_thresholds(auto.base.with_step(4.0), rows, settings, accepted)
-    finest, whole = (asker(auto.top.with_step(step), rows, settings) for step in (0.5, 1.0))
+    finest, same = (asker(auto.top.with_step(step), rows, settings) for step in (0.5, 1.0))
     apart = distance(finest, rough, accepted)
     apart[np.isinf(apart)] = np.nan
     exact = refine(finest, rough - apart, rough + apart, accepted / 10)[1]
-    clean = distance(whole, exact, accepted) <= accepted * exact
+    clean = distance(same, exact, accepted) <= accepted * exact
 
     def within(share, level, which):
-        """Whether it is so near that a row of a level changes."""
+        """Tell whether a row of a level changes so near."""
         N = np.multiply.outer(exact[which], [1 - share, 1 + share])
         below, above = np.isfinite(asker(level, rows.take(which), settings)(N)).T
         return ~below & above
@@ -207,26 +207,26 @@ def choose_levels(device: Device, model: Mapping, rows: Rows, settings: Settings
 def thresholds_at(
     study: Study, values: Mapping[str, np.ndarray], f0, C, pulse=0, axes: Sequence[np.ndarray] = ()
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Thresholds of a study's device with other values, each (n,), and their errors, or NaN.
+    """Find thresholds of a study's device with other values, each (n,), and their errors, or NaN.
 
     values: by name; f0: Hz; C: uN us/um; pulse: index in the study's, each a number or (n,)
     axes: ascending, of surfaces that values or C are, raveled; of these few rows are searched
     Returns also where there is a device; (n,).
     """
     size = np.broadcast(f0, C, *values.values()).size
-    there = is_bistable(study.device, values, size)
+    exists = is_bistable(study.device, values, size)
     first = np.full((2, size), np.nan)
-    if there.any():
-        places = np.arange(there.sum())
-        made = {key: column[there] for key, column in values.items()}
+    if exists.any():
+        places = np.arange(exists.sum())
+        made = {key: column[exists] for key, column in values.items()}
         devices = batch_of([study.device]).pick(np.zeros_like(places)).vary(made)
-        shock = (np.broadcast_to(a, size)[there] for a in (f0, C, pulse))
+        shock = (np.broadcast_to(a, size)[exists] for a in (f0, C, pulse))
         rows = to_rows(places, *shock, study.shocks.pulses)
         models = choose_survey(devices, study.model, study.settings.start)
         numbers = np.full(size, -1)
-        numbers[there] = places
+        numbers[exists] = places
         parts = [(numbers.reshape(-1, *(x.size for x in axes)), axes)] if axes else []
         tell_cost(models, rows, study.settings)
-        seen = look(models, rows, parts, study.settings, THRESHOLD_TOLERANCE)
-        first[:, there] = seen["N_first"], seen["N_error"]
-    return *first, there
+        columns = find_thresholds(models, rows, parts, study.settings, THRESHOLD_TOLERANCE)
+        first[:, exists] = columns["N_first"], columns["N_error"]
+    return *first, exists

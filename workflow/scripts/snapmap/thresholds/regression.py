@@ -7,29 +7,29 @@ from ..solver.bounds import least_amplitudes
 from ..solver.cells import Rows
 from ..solver.models import Follows
 from ..solver.settings import SECOND, Settings
-from .islands import BELOW, first_seen, wide_scan
+from .islands import ISLANDS_FROM, first_seen, wide_scan
 from .search import TOGETHER, asker, first_snap, near, refine, walk
 from .transitions import FINE_STEP, Window
 
-FIRST, GROWTH = 64, 8
+FIRST_SAMPLES, GROWTH = 64, 8
 """So many samples tell where to look for as many times more of them, and so on."""
-LOOKED_AT = 16
-"""Samples whose labels are looked at closely, to see in which rows they change back and forth."""
-ABOVE = 1.3
-"""Up to where they are, as a multiple of their threshold."""
-REACH = 30.0
+SCANNED_SAMPLES = 16
+"""Samples whose labels are scanned, to see in which rows they change back and forth."""
+SCANNED_TO = 1.3
+"""Up to where they are scanned, as a multiple of their threshold."""
+NOMINAL_REACH = 30.0
 """A sample's threshold is looked for within so many times the nominal one."""
 
 
 def nominal_thresholds(
     model: Follows, rows: Rows, settings: Settings, tolerance: float
 ) -> np.ndarray:
-    """The lowest N that snaps of rows of which nothing is known, (rows,); NaN for none."""
+    """Find the lowest N that snaps of rows of which nothing is known, (rows,); NaN for none."""
     ask = asker(model, rows, settings)
     start, bound = settings.start, least_amplitudes(model, rows, settings.start)
     static = static_threshold(model.device, back=start == SECOND)
     rough, _ = first_seen(ask, wide_scan(model.device, static, rows, bound, start), bound)
-    N = Window(BELOW * rough, rough, np.full(rough.size, FINE_STEP)).N
+    N = Window(ISLANDS_FROM * rough, rough, np.full(rough.size, FINE_STEP)).N
     begins = np.isfinite(ask(N))
     begins[:, 1:] &= ~begins[:, :-1]
     begins[:, 0] = False
@@ -44,14 +44,14 @@ def thresholds_of_samples(
     settings: Settings,
     tolerance: float,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The lowest N that snaps in each sample's rows, (samples, rows), and which rows are ragged.
+    """Find the lowest N that snaps in each sample's rows, (samples, rows), and the ragged rows.
 
     rows: of all samples, raveled from (samples, rows); deviations: of what scatters from its
         nominal values, (samples, values); nominal: the nominal device's thresholds, (rows,)
     Thresholds are the upper end of a step of `tolerance`; NaN where nothing snaps, or all does,
-    within REACH of the nominal ones, or the row has no nominal one. A row is ragged, (rows,), where
-    labels of the first samples change more than once; each of its samples is then scanned from
-    below in steps of FINE_STEP.
+    within NOMINAL_REACH of the nominal ones, or the row has no nominal one. A row is ragged,
+    (rows,), where labels of the first samples change more than once; each of its samples is then
+    scanned from below in steps of FINE_STEP.
     """
     N_first = np.full((len(deviations), nominal.size), np.nan)
     ragged, known = np.zeros(nominal.size, bool), np.isfinite(nominal)
@@ -59,7 +59,7 @@ def thresholds_of_samples(
         return N_first, ragged
     # Amplitudes in relative steps, the same for all samples. No others are tried: a threshold
     # between two of them does not depend on where it was expected.
-    low, high = nominal[known].min() / REACH, nominal[known].max() * REACH
+    low, high = nominal[known].min() / NOMINAL_REACH, nominal[known].max() * NOMINAL_REACH
     size = 2 + int(np.log(high / low) / np.log1p(tolerance))
     # Products, not powers: the library's exponential rounds by the processor.
     N = np.multiply.accumulate(np.r_[low, np.full(size - 1, 1 + tolerance)])
@@ -77,7 +77,7 @@ def thresholds_of_samples(
     numbers = np.arange(N_first.size).reshape(N_first.shape)
     expected, above, done = nominal[np.newaxis], np.zeros(nominal.size, int), 0
     while done < len(N_first):
-        block = slice(done, FIRST if done == 0 else done * (1 + GROWTH))
+        block = slice(done, FIRST_SAMPLES if done == 0 else done * (1 + GROWTH))
         if done:
             expected, lowest = _expected(deviations[block], deviations[:done], N_first[:done])
         here = numbers[block]
@@ -85,7 +85,7 @@ def thresholds_of_samples(
         clean, back = (np.broadcast_to(known & a, here.shape) for a in (~ragged, ragged))
         first[clean] = near(snaps, here[clean], place(expected, here.shape)[clean], size)
         if not done:
-            few = slice(LOOKED_AT), known
+            few = slice(SCANNED_SAMPLES), known
             ragged[known], above[known] = _look(snaps, here[few], first[few], stride)
             back = np.broadcast_to(ragged, here.shape)
         low = place(expected * lowest, here.shape) if done else first - above
@@ -96,7 +96,7 @@ def thresholds_of_samples(
 
 
 def _from_below(snaps, numbers, start, size, step):
-    """Places where the first of labels that change back and forth snaps, (rows,)."""
+    """Find the first places that snap where labels change back and forth, (rows,)."""
     # The same places for every sample, wherever it was expected.
     start = np.maximum(start - start % step, 0)
     first, left = np.empty_like(start), np.arange(start.size)
@@ -111,12 +111,12 @@ def _from_below(snaps, numbers, start, size, step):
 
 
 def _look(snaps, numbers, first, stride):
-    """In which rows labels change more than once, and how far below `first` they do at most.
+    """Find rows in which labels change more than once, and how far below `first` they do at most.
 
     numbers, first: of samples, (samples, rows); both results (rows,), the latter in places
     """
-    steps = round(np.log(ABOVE / BELOW) / np.log1p(FINE_STEP))
-    start = np.maximum(first - round(-np.log(BELOW) / np.log1p(FINE_STEP)) * stride, 0)
+    steps = round(np.log(SCANNED_TO / ISLANDS_FROM) / np.log1p(FINE_STEP))
+    start = np.maximum(first - round(-np.log(ISLANDS_FROM) / np.log1p(FINE_STEP)) * stride, 0)
     places = start[..., np.newaxis] + stride * np.arange(steps)
     snapped = snaps(numbers.ravel(), places.reshape(-1, steps)).reshape(places.shape)
     changes = np.count_nonzero(snapped[..., 1:] & ~snapped[..., :-1], axis=-1)
@@ -125,7 +125,7 @@ def _look(snaps, numbers, first, stride):
 
 
 def _expected(new, known, N_first):
-    """Thresholds expected of new samples, (new, rows), and the least share of them seen, (rows,).
+    """Predict thresholds of new samples, (new, rows), and the least of known over these.
 
     new, known: deviations of samples, (..., values); N_first: thresholds of those known
     By least squares, of linear and, of enough samples, quadratic terms; where nothing snapped, the
@@ -141,7 +141,8 @@ def _expected(new, known, N_first):
 
     def terms(x):
         x = x / scale
-        return np.column_stack([np.ones(len(x)), x, *[x[:, i] * x[:, j]] * is_enough])
+        squares = [x[:, i] * x[:, j]] if is_enough else []
+        return np.column_stack([np.ones(len(x)), x, *squares])
 
     fit = np.linalg.lstsq(terms(known), apart)[0]
     left = apart - terms(known) @ fit

@@ -41,12 +41,12 @@ class Edges(NamedTuple):
     rising: np.ndarray
 
     def take(self, which: np.ndarray) -> "Edges":
-        """Those chosen."""
+        """Take the edges chosen."""
         return Edges(*(column[which] for column in self))
 
 
 def joined(*edges: Edges) -> Edges:
-    """All edges of several."""
+    """Join edges, one behind the other."""
     return Edges(*map(np.concatenate, zip(*edges, strict=True)))
 
 
@@ -88,18 +88,18 @@ def observer(
     settings = settings._replace(until=until, repeat=False)
 
     def observe(N):
-        given = np.isfinite(N)
-        seen = model.follow(rows.cells(model.device, N, settings.horizon).take(given), settings)
-        lost = np.isnan(seen.t_snap) & ~(seen.energy_error <= settings.energy_tolerance)
+        known = np.isfinite(N)
+        runs = model.follow(rows.cells(model.device, N, settings.horizon).take(known), settings)
+        lost = np.isnan(runs.t_snap) & ~(runs.energy_error <= settings.energy_tolerance)
         t_snap, lowest = np.full((2, *N.shape), np.nan)
-        t_snap[given], lowest[given] = np.where(lost, -np.inf, seen.t_snap), seen.lowest
+        t_snap[known], lowest[known] = np.where(lost, -np.inf, runs.t_snap), runs.lowest
         return Approach(t_snap, lowest)
 
     return observe
 
 
 def amplitudes(low: np.ndarray, high: np.ndarray, step: float | np.ndarray) -> np.ndarray:
-    """Amplitudes from low to high in relative steps, each (rows,): (rows, n), NaN beyond high."""
+    """Space amplitudes from low to high in relative steps, each (rows,): (rows, n), NaN beyond."""
     factor = np.broadcast_to(1 + np.asarray(step), low.shape)
     count = 2 + int(np.nanmax(np.log(high / low) / np.log(factor), initial=0.0))
     # Products, not powers: the library's exponential rounds by the processor.
@@ -127,7 +127,7 @@ def edges_of(N: np.ndarray, t_snap: np.ndarray) -> tuple[Edges, np.ndarray, np.n
 
 
 def first_snap(N: np.ndarray, snapped: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Ends of the interval below the first of ascending N, (rows, n), that snaps; NaN if none."""
+    """Find the interval below the first of ascending N, (rows, n), that snaps; NaN if none."""
     first = np.argmax(snapped, axis=1)
     rows = np.arange(len(N))
     inside = snapped[rows, first] & (first > 0)
@@ -206,8 +206,8 @@ def walk(
         together = np.clip(AT_ONCE // left.size, 1, most)
         places = place[left, np.newaxis] + step * np.arange(together)
         true = label(rows[left], places)
-        seen = true.any(axis=1)
-        place[left] += step * np.where(seen, np.argmax(true, axis=1), together)
-        left = left[~seen & (place[left] < stop[left])]
+        hit = true.any(axis=1)
+        place[left] += step * np.where(hit, np.argmax(true, axis=1), together)
+        left = left[~hit & (place[left] < stop[left])]
         most = min(2 * most, TOGETHER)
     return np.minimum(place, stop)

@@ -17,28 +17,12 @@ from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Settings
 from ..study.axes import PULSE_AXES, rows_of
 from ..study.study import THRESHOLD_SETTINGS, Study, study_of
 from ..study.variables import dress, flags
+from . import islands
 from .cost import tell_cost
-from .islands import (
-    ABOVE,
-    FINEST_STEP,
-    FOUND,
-    NARROW,
-    NOT_FOLLOWED,
-    NOTHING_SNAPS,
-    RINGS,
-    STATUS,
-    is_fast,
-    lowest,
-    pace,
-    snap_times,
-    survey,
-    with_rows,
-)
 from .lattice import nearby
 from .settling import lowest_latched
-from .transitions import FINE_STEP
-from .verified import ABOVE as OVER
-from .verified import WITHIN, Expected, at_first, expected_labels, fill, surfaces
+from .transitions import FINE_STEP, FINEST_STEP
+from .verified import SNAPS_AT, WITHIN, Expected, expected_labels, fill, initial_rows, surfaces
 from .witness import edges_about
 
 IMPULSE, IMPULSE_OF_BEAM = 100.0, 10.0
@@ -53,8 +37,9 @@ ROWS = 4096
 """Rows looked at together: each takes some 70 kB."""
 
 COMMENT = (
-    f"in multiples of g; narrower stretches may lie below: than {NARROW:.2%} of N near a clean "
-    f"threshold of a fast pulse, {FINEST_STEP:.1%} near a ragged one, {FINE_STEP:.1%} elsewhere"
+    f"in multiples of g; narrower stretches may lie below: than {islands.NARROW:.2%} of N near a "
+    f"clean threshold of a fast pulse, {FINEST_STEP:.1%} near a ragged one, {FINE_STEP:.1%} "
+    "elsewhere"
 )
 
 
@@ -110,37 +95,33 @@ def thresholds_of(
     document = study.document(THRESHOLD_SETTINGS)
     document["sweep"]["threshold_tolerance"] = tolerance
     models, rows = choose_survey(grid.device, study.model, settings.start), rows_of(grid)
-    there = rows.device >= 0
-    rings = there & (pace(grid.device, rows) >= RINGS)
+    exists = rows.device >= 0
+    rings = exists & islands.is_ringing(grid.device, rows)
     slow = ~rings.reshape(-1, grid.axes["f0"].size).any(axis=0)
-    numbers = np.where(there, np.arange(there.size), -1)
+    numbers = np.where(exists, np.arange(exists.size), -1)
     parts = surfaces(grid.axes, numbers.reshape(grid.shape), slow)
-    first = _beside(there, parts)
-    first[np.concatenate([[], *(at_first(*part) for part in parts)]).astype(int)] = True
-    tell_cost(models, rows.take(first), settings)
-    found = look(models, rows, parts, settings, tolerance, highest)
-    which = np.flatnonzero(there)
-    first = found["N_first"][which]
-    top = np.where(np.isnan(first), np.nan, ABOVE * first if highest is None else highest)
+    searched = _beside(exists, parts)
+    searched[initial_rows(parts)] = True
+    tell_cost(models, rows.take(searched), settings)
+    columns = find_thresholds(models, rows, parts, settings, tolerance, highest)
+    N_first, N_latched = columns["N_first"], np.full(exists.size, np.nan)
+    first = N_first[exists]
+    top = islands.ISLANDS_TO * first if highest is None else highest
+    top = np.where(np.isnan(first), np.nan, top)
     low = np.where(first <= top, first, np.nan)
-    warn_of_bars(found["N_first"], found["N_error"], tolerance)
-    found["N_latched"] = np.full(there.size, np.nan)
-    found["N_latched"][which] = lowest_latched(models.decides, rows.take(which), low, top, settings)
+    warn_of_bars(N_first, columns["N_error"], tolerance)
+    N_latched[exists] = lowest_latched(models.decides, rows.take(exists), low, top, settings)
+    columns["N_latched"] = N_latched
     peak = np.array([pulse.peak for pulse in rows.pulses])
     if np.isfinite(peak).any():
-        found["scale_first"] = (
-            found["N_first"] * grid.device.gravity[rows.device] / peak[rows.pulse]
-        )
-    dims = *grid.axes, "island"
+        columns["scale_first"] = N_first * grid.device.gravity[rows.device] / peak[rows.pulse]
+    dims, last = (*grid.axes, "island"), len(grid.shape) - 1
     data = {
-        key: (
-            dims[: len(grid.shape) + values.ndim - 1],
-            values.reshape(*grid.shape, *values.shape[1:]),
-        )
-        for key, values in found.items()
+        key: (dims[: last + values.ndim], values.reshape(*grid.shape, *values.shape[1:]))
+        for key, values in columns.items()
     }
     data |= _limits(grid, models, settings, tolerance, highest)
-    data["status"] = *data["status"], flags(STATUS)
+    data["status"] = *data["status"], flags(islands.STATUS)
     data["N_first"] = *data["N_first"], {"comment": COMMENT}
     gravity = float(grid.device.gravity[0])
     return dress("threshold", xr.Dataset(data, grid.axes), document, gravity=gravity)
@@ -162,7 +143,7 @@ def warn_of_bars(N: np.ndarray, error: np.ndarray, tolerance: float) -> None:
         )
 
 
-def look(
+def find_thresholds(
     models: Survey,
     rows: Rows,
     parts: Sequence[tuple[np.ndarray, Sequence[np.ndarray]]],
@@ -170,29 +151,30 @@ def look(
     tolerance: float,
     highest: float | None = None,
 ) -> dict[str, np.ndarray]:
-    """Thresholds of all rows by name, (rows, ...).
+    """Find the thresholds of all rows: variables by name, (rows, ...).
 
     parts: surfaces, as from `verified.surfaces`
     """
-    whole = {}
+    columns = {}
 
     def add(which, new):
         for key, values in new.items():
-            whole[key] = with_rows(rows.f0.size, which, values, whole.get(key))
+            columns[key] = islands.with_rows(rows.f0.size, which, values, columns.get(key))
 
     def search(which):
-        for block in _blocks(which) if which.size or not whole else []:
-            add(block, _search(models, rows.take(block), settings, tolerance, highest))
-        N, bar, level, *unclean = (
-            whole[key][which] for key in ("N_first", "N_error", "level", "ragged", "islands")
-        )
-        return Expected(N, bar / N, level, np.isfinite(N) & ~np.any(unclean, axis=0))
+        for block in _blocks(which) if which.size or not columns else []:
+            new = islands.survey(models, rows.take(block), settings, tolerance, highest)
+            add(block, new._asdict() | {"verified": np.zeros(block.size, np.int8)})
+        N = columns["N_first"][which]
+        alone = (columns["ragged"][which] == 0) & (columns["islands"][which] == 0)
+        bar, level = columns["N_error"][which] / N, columns["level"][which]
+        return Expected(N=N, bar=bar, level=level, clean=np.isfinite(N) & alone)
 
     def verify(which, expected):
         holds = np.zeros(which.size, bool)
         for block in _blocks(np.arange(which.size)):
-            there = rows.take(which[block]), settings, tolerance, highest
-            new = _verify(models, *there, Expected(*(column[block] for column in expected)))
+            part, near = rows.take(which[block]), Expected(*(column[block] for column in expected))
+            new = _verify(models, part, settings, tolerance, highest, near)
             holds[block] = here = np.isfinite(new["N_first"])
             add(which[block][here], {key: values[here] for key, values in new.items()})
         return holds
@@ -201,14 +183,14 @@ def look(
     for part in parts:
         fill(*part, search, verify)
     if any(pulse.blows.size for pulse in rows.pulses):
-        whole["blow"] = blow_at(rows.pulses, rows.pulse, whole["t_snap"] * rows.f0 * 1e-6)
-    most = whole["islands"].max(initial=0)
-    return whole | {key: whole[key][:, :most] for key in ("island_from", "island_to")}
+        columns["blow"] = blow_at(rows.pulses, rows.pulse, columns["t_snap"] * rows.f0 * 1e-6)
+    most = columns["islands"].max(initial=0)
+    return columns | {key: columns[key][:, :most] for key in ("island_from", "island_to")}
 
 
-def _beside(there, parts):
-    """Which rows are on no surface, (rows,)."""
-    beside = there.copy()
+def _beside(exists, parts):
+    """Tell which rows exist, but on no surface, (rows,)."""
+    beside = exists.copy()
     for numbers, _ in parts:
         beside[numbers[numbers >= 0]] = False
     return beside
@@ -218,37 +200,32 @@ def _blocks(rows):
     return np.split(rows, range(ROWS, rows.size, ROWS))
 
 
-def _search(models, rows, settings, tolerance, highest):
-    new = survey(models, rows, settings, tolerance, highest)._asdict()
-    return new | {"verified": np.zeros(rows.f0.size, np.int8)}
-
-
 def _verify(models, rows, settings, tolerance, highest, expected):
-    """Thresholds of rows where they are expected, by name; N_first is NaN where they are not."""
+    """Find thresholds of rows where they are expected, by name; N_first is NaN for no such."""
     N_first, t_snap = np.full((2, rows.f0.size), np.nan)
     device, finest = models.decides.device, len(models.levels) - 1
-    rings = pace(device, rows) >= RINGS
-    of_row = np.maximum(expected.level, np.minimum(is_fast(device, rows), finest))
-    for level, own in enumerate(models.levels):
-        which = np.flatnonzero(of_row == level)
+    rings = islands.is_ringing(device, rows)
+    of_row = np.maximum(expected.level, np.minimum(islands.is_fast(device, rows), finest))
+    for number, level in enumerate(models.levels):
+        which = np.flatnonzero(of_row == number)
         part, N = rows.take(which), expected.N[which]
-        N = np.where(expected_labels(own.looks, part, settings, N), N, np.nan)
-        ends = nearby(own.looks, part, settings, N, own.rough(tolerance))
-        close, begins, *_ = edges_about(own, part, settings, tolerance, rings[which], *ends)
+        N = np.where(expected_labels(level.looks, part, settings, N), N, np.nan)
+        ends = nearby(level.looks, part, settings, N, level.rough(tolerance))
+        close, begins, *_ = edges_about(level, part, settings, tolerance, rings[which], *ends)
         once = ~begins & (np.bincount(close.row, minlength=N.size) == 1)
         close = close.take(once[close.row])
         first = np.full(N.size, np.nan)
         first[close.row] = close.high
         holds = abs(first - N) <= max(WITHIN, tolerance) * N
         N_first[which] = N = np.where(holds, first, np.nan)
-        t_snap[which] = snap_times(own.decides, part, settings, N)
+        t_snap[which] = islands.snap_times(level.decides, part, settings, N)
     top = np.inf if highest is None else highest
     none = np.zeros(rows.f0.size, np.int8)
     error = (expected.bar + tolerance) * N_first + abs(N_first - expected.N)
     return {
-        "status": none + np.int8(FOUND),
+        "status": none + np.int8(islands.FOUND),
         "N_bound": least_amplitudes(models.decides, rows, settings.start),
-        "N_looked": expected.N * OVER[-1],
+        "N_looked": expected.N * SNAPS_AT[-1],
         "N_first": N_first,
         "N_error": error,
         "ragged": none,
@@ -263,57 +240,53 @@ def _verify(models, rows, settings, tolerance, highest, expected):
 
 
 def _lowest_of(grid, models, settings, tolerance, highest, omega, which, everywhere=False):
-    """N_first, (..., pulses, C), of pulses of a frequency of each device, rad/us.
+    """Find N_first, (..., pulses, C), of pulses of a frequency of each device, rad/us.
 
-    On surfaces by `lowest`; only in the rows that are searched first, unless everywhere.
+    On surfaces `lowest` finds it, only in the rows that are searched first, unless everywhere.
     """
     grid = grid._replace(axes=grid.axes | {"f0": np.ones(1)})
     rows = rows_of(grid)
     rows = rows._replace(f0=omega[rows.device] / (2 * np.pi) * 1e6)
-    there, N = (rows.device >= 0) & np.isin(rows.pulse, which), np.full(rows.f0.size, np.nan)
-    numbers = np.where(there, np.arange(N.size), -1).reshape(grid.shape)
+    exists, N = (rows.device >= 0) & np.isin(rows.pulse, which), np.full(rows.f0.size, np.nan)
+    numbers = np.where(exists, np.arange(N.size), -1).reshape(grid.shape)
     parts = surfaces(grid.axes, numbers, np.zeros(1, bool))
-    beside, those = _beside(there, parts), there.copy()
-    N[beside] = survey(models, rows.take(beside), settings, tolerance, highest).N_first
-    if not everywhere:
-        those[:] = False
-        those[np.concatenate([[], *(at_first(*part) for part in parts)]).astype(int)] = True
-    those &= ~beside
-    N[those] = lowest(models, rows.take(those), settings, tolerance)
+    beside = _beside(exists, parts)
+    N[beside] = islands.survey(models, rows.take(beside), settings, tolerance, highest).N_first
+    surface = np.flatnonzero(exists & ~beside) if everywhere else np.sort(initial_rows(parts))
+    N[surface] = islands.lowest(models, rows.take(surface), settings, tolerance)
     return N.reshape(grid.shape[:-1])
 
 
 def _limits(grid, models, settings, tolerance, highest):
-    """Thresholds of slow and of short pulses, of trains their strongest blow; and their area."""
-    device, there = grid.device, grid.device_of >= 0
-    own, of_beam = device.own_frequency, device.beam.bending_frequency
-    fast, slow = np.maximum(IMPULSE * own, IMPULSE_OF_BEAM * of_beam), SLOWNESS * own
+    """Find thresholds of slow and short pulses, of trains their strongest blow; and their area."""
+    device, exists = grid.device, grid.device_of >= 0
+    frequency, of_beam = device.own_frequency, device.beam.bending_frequency
+    fast, slow = np.maximum(IMPULSE * frequency, IMPULSE_OF_BEAM * of_beam), SLOWNESS * frequency
     alone = grid._replace(pulses=tuple(pulse.alone for pulse in grid.pulses))
     of_pulse = {key: grid.axes[key] for key in PULSE_AXES if key in grid.axes}
     sizes = tuple(values.size for values in of_pulse.values())
-    of_device = tuple(grid.axes)[: there.ndim]
+    of_device = tuple(grid.axes)[: exists.ndim]
 
     def spread(values):
-        """Values of devices, (devices,), over their axes and those of the pulse."""
-        values = np.where(there, values[grid.device_of], np.nan)
-        return values.reshape(there.shape + (1,) * len(sizes))
+        """Spread values of devices, (devices,), over their axes and those of the pulse."""
+        values = np.where(exists, values[grid.device_of], np.nan)
+        return values.reshape(exists.shape + (1,) * len(sizes))
 
     area = np.array([pulse.area for pulse in alone.pulses])
     # A force shakes no frame.
     pushes = np.flatnonzero((abs(area) > NO_AREA) & np.all(device.force == 0))
-    asked = models, settings, tolerance, highest
-    change = _lowest_of(alone, *asked, fast, pushes)
-    change *= (spread(device.gravity * (2 * np.pi / fast)) * abs(area).reshape(sizes))[
-        ..., np.newaxis
-    ]
+    options = models, settings, tolerance, highest
+    change = _lowest_of(alone, *options, fast, pushes)
+    scale = spread(device.gravity * (2 * np.pi / fast)) * abs(area).reshape(sizes)
+    change *= scale[..., np.newaxis]
     impact = np.array([pulse.impact for pulse in grid.pulses])
-    ahead = [one if settings.start == FIRST else one.reversed() for one in grid.pulses]
-    presses = np.array([one.highest for one in ahead])
+    ahead = [pulse if settings.start == FIRST else pulse.reversed() for pulse in grid.pulses]
+    presses = np.array([pulse.highest for pulse in ahead])
     static = spread(models.static) / np.where(presses > 0, presses, np.nan).reshape(sizes)
-    jumps = np.flatnonzero([any(one.ends) for one in grid.pulses])
+    jumps = np.flatnonzero([any(pulse.ends) for pulse in grid.pulses])
     if jumps.size:
         at_least = alone._replace(axes=grid.axes | {"C": grid.axes["C"][:1]})
-        slowly = _lowest_of(at_least, *asked, slow, jumps, everywhere=True)[..., 0]
+        slowly = _lowest_of(at_least, *options, slow, jumps, everywhere=True)[..., 0]
         static = np.where(np.isin(np.arange(presses.size), jumps).reshape(sizes), slowly, static)
     return {
         "N_static": ((*of_device, *of_pulse), static),
@@ -322,40 +295,38 @@ def _limits(grid, models, settings, tolerance, highest):
     }
 
 
-def summary(found: xr.Dataset, lowest: float = -np.inf, highest: float = np.inf) -> str:
-    """One line: thresholds from where to where, ragged ones, how sure they are; the weaker side.
+def summary(thresholds: xr.Dataset, lowest: float = -np.inf, highest: float = np.inf) -> str:
+    """Sum up thresholds in one line: their range, ragged ones, errors, and the weaker side.
 
-    lowest, highest: N of a grid, which it says where they are on one side of all thresholds
+    lowest, highest: N of a grid; the line says where they are on one side of all thresholds
     """
-    N = found.N_first.values[np.isfinite(found.N_first.values)]
+    N_first, status = thresholds.N_first, thresholds.status
+    N = N_first.values[np.isfinite(N_first.values)]
     ends = f"from N = {plain(N.min())} to {plain(N.max())}, " if N.size else ""
-    relative = (found.N_error / found.N_first).values
+    relative = (thresholds.N_error / N_first).values
     known = relative[np.isfinite(relative)]
     typical = f"{np.median(known):.2%}" if known.size else "unknown"
-    ragged = int(found.ragged.where(found.N_first.notnull(), 0).sum())
+    ragged = int(thresholds.ragged.where(N_first.notnull(), 0).sum())
     line = (
-        f"{N.size} of {found.N_first.size} thresholds found, {ends}"
+        f"{N.size} of {N_first.size} thresholds found, {ends}"
         f"{ragged} of them ragged, {int((known > 0.01).sum())} with an error above 1 %, "
         f"median {typical}"
     )
-    for number in (NOTHING_SNAPS, NOT_FOLLOWED):
-        count = int((found.status == number).sum())
-        line += f"; {STATUS[number].replace('_', ' ')} in {count}" if count else ""
+    for number in (islands.NOTHING_SNAPS, islands.NOT_FOLLOWED):
+        if count := int((status == number).sum()):
+            line += f"; {islands.STATUS[number].replace('_', ' ')} in {count}"
     beyond = {
-        "above": found.N_first < lowest,
-        "below": (found.N_first > highest) | (found.status == NOTHING_SNAPS) & (highest < np.inf),
+        "above": N_first < lowest,
+        "below": (N_first > highest) | (status == islands.NOTHING_SNAPS) & (highest < np.inf),
     }
     for side, rows in beyond.items():
         maps = rows.all("f0")
-        where = f" in {int(maps.sum())} of {maps.size} maps" * (maps.size > 1)
-        line += f"; the grid lies wholly {side} the threshold{where}" * bool(maps.any())
-    if found.sizes.get("direction", 1) < 2:
+        if maps.any():
+            where = f" in {int(maps.sum())} of {maps.size} maps" if maps.size > 1 else ""
+            line += f"; the grid lies wholly {side} the threshold{where}"
+    if thresholds.sizes.get("direction", 1) < 2:
         return line
     # Where nothing snaps, the other side is the weaker one.
-    weaker = (
-        found.N_first.fillna(np.inf)
-        .idxmin("direction")
-        .where(found.N_first.notnull().any("direction"))
-    )
-    sides = [f"{side} in {int((weaker == side).sum())} rows" for side in found.direction.values]
+    weaker = N_first.fillna(np.inf).idxmin("direction").where(N_first.notnull().any("direction"))
+    sides = [f"{side} in {int((weaker == side).sum())} rows" for side in N_first.direction.values]
     return f"{line}; weaker along {', '.join(sides)}"

@@ -12,7 +12,7 @@ FINEST_STEP, CLOSEST_STEP = 0.001, 0.00025
 """Relative steps in ragged rows, where labels change back and forth, and to see which rows are."""
 BESIDE, FAR_BESIDE = 1.02, 1.05
 """How far around the changes seen so far is looked closely, in clean and ragged rows."""
-MOST_STEPS = 400
+SCAN_STEPS = 400
 """A row's scan in finer steps takes no more of them, unless they are as wide as FINE_STEP."""
 
 
@@ -33,14 +33,14 @@ class Window(NamedTuple):
 
 
 def around(
-    whole: Window, first: np.ndarray, last: np.ndarray, beside: float, step: float | np.ndarray
+    limits: Window, first: np.ndarray, last: np.ndarray, beside: float, step: float | np.ndarray
 ) -> Window:
-    """Make a window that reaches `beside` times beyond two N of each row, within the whole.
+    """Make a window that reaches `beside` times beyond two N of each row, within limits.
 
-    step: relative; wider where it would take more than MOST_STEPS
+    step: relative; wider where it would take more than SCAN_STEPS
     """
-    low, high = np.maximum(whole.low, first / beside), np.minimum(whole.high, last * beside)
-    return Window(low, high, np.clip((high / low - 1) / MOST_STEPS, step, FINE_STEP))
+    low, high = np.maximum(limits.low, first / beside), np.minimum(limits.high, last * beside)
+    return Window(low, high, np.clip((high / low - 1) / SCAN_STEPS, step, FINE_STEP))
 
 
 def chosen(rows: np.ndarray, those: Window, others: Window) -> Window:
@@ -57,7 +57,7 @@ def outermost(row: np.ndarray, N: np.ndarray, n_rows: int) -> tuple[np.ndarray, 
 
 
 def stretches(edges: Edges, open_end: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Read the edges: N_first and N_always, (rows,), and the islands' ends, (2, rows, most).
+    """Read N_first and N_always, (rows,), and the islands' ends, (2, rows, most), off the edges.
 
     open_end: whether a row's highest N does not snap, so that nothing always does; (rows,)
     """

@@ -12,15 +12,15 @@ from ..solver.settings import Settings
 from ..study.axes import NAMES
 from .search import asker
 
-FEWEST = 8
+SURFACE_POINTS = 8
 """Points of an axis from which on thresholds along it are a surface."""
-SPACING, MOST = 5, 8
+SPACING, MOST_INTERVALS = 5, 8
 """Points between two searched rows along an axis, and most such intervals, at first."""
-TERMS = 4
+CUBIC_POINTS = 4
 """Searched rows along an axis through which a cubic goes."""
 WITHIN = 1e-3
 """How far from where it is expected a threshold may lie, relative, and at least its tolerance."""
-BELOW, ABOVE = (0.7, 0.8, 0.87, 0.92, 0.95, 0.965), (1.005, 1.02, 1.05, 1.1, 1.2, 1.4, 1.9)
+QUIET_AT, SNAPS_AT = (0.7, 0.8, 0.87, 0.92, 0.95, 0.965), (1.005, 1.02, 1.05, 1.1, 1.2, 1.4, 1.9)
 """Where else labels must be those expected, over the threshold."""
 
 
@@ -55,7 +55,7 @@ def surfaces(
             if key == "f0":
                 order = order[slow[order] == is_slow]
             part = part.take(order, place)
-            if order.size >= FEWEST and (is_slow or key != "f0"):
+            if order.size >= SURFACE_POINTS and (is_slow or key != "f0"):
                 kept[place] = values[order]
         if kept and part.size:
             part = np.moveaxis(part, list(kept), range(-len(kept), 0))
@@ -81,9 +81,6 @@ def fill(
     left, done = rows >= 0, np.zeros(rows.shape, bool)
     known = Expected(*(np.full(rows.shape, blank) for blank in (np.nan, np.nan, 0, False)))
 
-    def look(which):
-        keep(which, search(rows[which]))
-
     def keep(which, values):
         done[which] = True
         for column, value in zip(known, values, strict=True):
@@ -96,7 +93,8 @@ def fill(
         needed = np.zeros(rows.shape, bool)
         for corner in corners:
             needed[corner] = True
-        look(needed & (rows >= 0) & ~done)
+        needed &= (rows >= 0) & ~done
+        keep(needed, search(rows[needed]))
         if cubic is None:
             cubic = _cubic(known.N, axes, places)
         left &= ~done
@@ -108,34 +106,36 @@ def fill(
             share[clean] * (known.N[corner] / cubic[corner])
             for share, corner in zip(shares, corners, strict=True)
         )
-        bar, level = (
-            np.max([column[corner] for corner in corners], axis=0)
-            for column in (known.bar, known.level)
+        expected = Expected(
+            N=cubic[which] * apart,
+            bar=np.max([known.bar[corner] for corner in corners], axis=0),
+            level=np.max([known.level[corner] for corner in corners], axis=0),
+            clean=clean[clean],
         )
-        expected = Expected(cubic[which] * apart, bar, level, clean[clean])
         holds = verify(rows[which], expected)
-        keep(
-            tuple(index[holds] for index in which),
-            Expected(*(values[holds] for values in expected)),
-        )
+        keep(tuple(index[holds] for index in which), [values[holds] for values in expected])
         left &= ~done
         halvings += 1
 
 
-def at_first(rows: np.ndarray, axes: Sequence[np.ndarray]) -> np.ndarray:
-    """Numbers of the rows that `fill` searches whatever they are, (n,)."""
-    first = rows[np.ix_(range(len(rows)), *(_places(x, 0) for x in axes))]
-    return first[first >= 0]
+def initial_rows(parts: Sequence[tuple[np.ndarray, Sequence[np.ndarray]]]) -> np.ndarray:
+    """Number the rows of surfaces that `fill` searches whatever they are, (n,)."""
+    first = [
+        rows[np.ix_(range(len(rows)), *(_places(x, 0) for x in axes))].ravel()
+        for rows, axes in parts
+    ]
+    numbers = np.concatenate([np.empty(0, int), *first])
+    return numbers[numbers >= 0]
 
 
 def _places(x, halvings):
-    """Where rows of an axis are searched after so many halvings."""
-    parts = min(max((x.size - 1) // SPACING, TERMS - 1), MOST) << halvings
+    """Choose the places of an axis at which rows are searched after so many halvings."""
+    parts = min(max((x.size - 1) // SPACING, CUBIC_POINTS - 1), MOST_INTERVALS) << halvings
     return np.arange(parts + 1) * (x.size - 1) // parts if parts < x.size else np.arange(x.size)
 
 
 def _corners(where, axes, places):
-    """Where the 2^d rows stand between which others do, and their shares of what lies there."""
+    """Find the 2^d rows between which others stand, and their shares of what lies there."""
     corners, shares = [where[:1]], [np.ones(where[0].size)]
     for index, x, at in zip(where[1:], axes, places, strict=True):
         low, high = at[np.searchsorted(at, index, "right") - 1], at[np.searchsorted(at, index)]
@@ -143,19 +143,21 @@ def _corners(where, axes, places):
         sides = (low, 1 - share), (high, share)
         pairs = list(product(zip(corners, shares, strict=True), sides))
         corners = [(*corner, end) for (corner, _), (end, _) in pairs]
-        shares = [all_of_it * part for (_, all_of_it), (_, part) in pairs]
+        shares = [share * part for (_, share), (_, part) in pairs]
     return corners, shares
 
 
 def _cubic(N, axes, places):
-    """N by cubics through the nearest places along each axis; 1 in surfaces that lack one."""
+    """Interpolate N by cubics through the nearest places along each axis; 1 where one lacks N."""
     for axis, (x, at) in enumerate(zip(axes, places, strict=True), 1):
-        first = np.searchsorted(at, np.arange(x.size), "right") - TERMS // 2
-        nodes = at[np.clip(first, 0, at.size - TERMS)[:, np.newaxis] + np.arange(TERMS)]
+        first = np.searchsorted(at, np.arange(x.size), "right") - CUBIC_POINTS // 2
+        nodes = at[
+            np.clip(first, 0, at.size - CUBIC_POINTS)[:, np.newaxis] + np.arange(CUBIC_POINTS)
+        ]
         total = 0.0
-        for j in range(TERMS):
+        for j in range(CUBIC_POINTS):
             weight = np.ones(x.size)
-            for i in (*range(j), *range(j + 1, TERMS)):
+            for i in (*range(j), *range(j + 1, CUBIC_POINTS)):
                 weight *= (x - x[nodes[:, i]]) / (x[nodes[:, j]] - x[nodes[:, i]])
             weight = weight.reshape(-1, *[1] * (N.ndim - 1 - axis))
             total = total + weight * N.take(nodes[:, j], axis)
@@ -167,7 +169,7 @@ def _cubic(N, axes, places):
 def expected_labels(
     model: Follows, rows: Rows, settings: Settings, expected: np.ndarray
 ) -> np.ndarray:
-    """Whether labels are those expected at all amplitudes of BELOW and ABOVE, (rows,)."""
-    N = np.multiply.outer(expected, BELOW + ABOVE)
-    quiet, snapping = np.hsplit(asker(model, rows, settings)(N), [len(BELOW)])
+    """Tell whether labels are those expected at all of QUIET_AT and SNAPS_AT, (rows,)."""
+    N = np.multiply.outer(expected, QUIET_AT + SNAPS_AT)
+    quiet, snapping = np.hsplit(asker(model, rows, settings)(N), [len(QUIET_AT)])
     return np.isnan(quiet).all(axis=1) & np.isfinite(snapping).all(axis=1)

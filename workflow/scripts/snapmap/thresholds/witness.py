@@ -51,7 +51,7 @@ def edges_about(
     low: np.ndarray,
     high: np.ndarray,
 ) -> Close:
-    """Find the edges close to one that looks sees: refined, if it is alone.
+    """Find the edges close to one that the model `looks` sees: refined, if it is alone.
 
     low, high: the edge, (rows,); NaN for rows that are not looked at
     rings: rows in which there may be others, (rows,)
@@ -77,11 +77,11 @@ def edges_about(
     if looks is decides:
         return Close(edges, begins, ends, *reach)
     alone = ~begins & (np.bincount(edges.row, minlength=high.size) == 1)
-    own = nearby(decides, rows, settings, np.where(alone, high, np.nan), tolerance)
-    exact, begins_exact, _ = close(decides, *own, [BELOW], NEAREST)
-    seen = np.isfinite(own[1]) & ~begins_exact
-    edges = joined(edges.take(~seen[edges.row]), exact.take(seen[exact.row]))
-    return Close(edges, begins | (alone & ~seen), ends, *reach)
+    sides = nearby(decides, rows, settings, np.where(alone, high, np.nan), tolerance)
+    exact, begins_exact, _ = close(decides, *sides, [BELOW], NEAREST)
+    decided = np.isfinite(sides[1]) & ~begins_exact
+    edges = joined(edges.take(~decided[edges.row]), exact.take(decided[exact.row]))
+    return Close(edges, begins | (alone & ~decided), ends, *reach)
 
 
 def close_edges(
@@ -103,24 +103,24 @@ def close_edges(
     steps = STEPS[farthest >= STEPS]
     between = np.setdiff1d(np.arange(farthest), steps)[1:]
     inside = np.searchsorted(steps, between) - 1
-    seen = [observe(_beside(low, high, side, steps)) for side in sides]
-    others = [np.isfinite(s.t_snap) == (side < 0) for side, s in zip(sides, seen, strict=True)]
+    runs = [observe(_beside(low, high, side, steps)) for side in sides]
+    others = [np.isfinite(run.t_snap) == (side < 0) for side, run in zip(sides, runs, strict=True)]
     mixed = np.any(np.hstack(others), axis=1)[:, np.newaxis]
-    known, t_snap = [low[:, np.newaxis], high[:, np.newaxis]], [np.full((low.size, 1), np.nan)]
-    t_snap.append(np.zeros((low.size, 1)))
-    for side, there in zip(sides, seen, strict=True):
-        nearer = -there.lowest if side < 0 else there.t_snap
+    known = [low[:, np.newaxis], high[:, np.newaxis]]
+    t_snap = [np.full((low.size, 1), np.nan), np.zeros((low.size, 1))]
+    for side, run in zip(sides, runs, strict=True):
+        nearer = -run.lowest if side < 0 else run.t_snap
         wanted = _open(nearer)[:, inside] & (~mixed | (between % 4 == 0))
         N = np.where(wanted, _beside(low, high, side, between), np.nan)
         known += _beside(low, high, side, steps), N
-        t_snap += there.t_snap, ask(N)
+        t_snap += run.t_snap, ask(N)
     N, t_snap = np.hstack(known), np.hstack(t_snap)
     order = np.argsort(N, axis=1)
     return edges_of(*(np.take_along_axis(a, order, axis=1) for a in (N, t_snap)))
 
 
 def _beside(low, high, side, steps):
-    """N so many steps below or above an edge, (rows, steps)."""
+    """Place N so many steps below or above an edge, (rows, steps)."""
     return np.multiply.outer(low if side < 0 else high, 1 + CLOSEST_STEP * side * steps)
 
 
