@@ -138,8 +138,7 @@ SINGLE = {key: number(*words) for key, words in SHOCK.items()}
 ARGUMENTS = {
     "device": Argument("a Device, or several by name; load_device reads one", _are_devices),
     **dict.fromkeys(
-        (f"{name}.device" for name in ("statics", "calibrate", "design", "simulate")),
-        DEVICE,
+        (f"{name}.device" for name in ("statics", "calibrate", "design", "simulate")), DEVICE
     ),
     **{key: row(within, unit, f"[{text}]") for key, (within, unit, text) in SHOCK.items()},
     **{key: row(*_of_axis(key, "")) for key in VALUES},
@@ -162,8 +161,7 @@ ARGUMENTS = {
     **{f"pulse.{key}": argument for key, argument in OF_PULSE.items()},
     "direction": Argument("+z, -z, both, or a list of these", _are_directions),
     **dict.fromkeys(
-        (f"{name}.direction" for name in ("simulate", "srs_test", "calibrate")),
-        word("+z", "-z"),
+        (f"{name}.direction" for name in ("simulate", "srs_test", "calibrate")), word("+z", "-z")
     ),
     "tolerance": number("[1e-9, 0.01]", "", "1e-4"),
     "tolerance.tolerance": number("[1e-5, 0.01]", "", "1e-3"),

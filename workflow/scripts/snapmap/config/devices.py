@@ -202,9 +202,7 @@ class DeviceSection(Section):
     )
     gravity: quantity("acceleration", "the unit of N", out="required, or `force`")
     force: quantity(
-        "force",
-        "the unit of N, of pulses that push the midpoint of a beam alone",
-        out="`gravity`",
+        "force", "the unit of N, of pulses that push the midpoint of a beam alone", out="`gravity`"
     )
 
     @classmethod

@@ -32,11 +32,7 @@ REFERENCE = 20.0
 """Temperature, degC, at which the values of a device hold unless it says another."""
 ZERO = 273.15
 """K, of 0 degC."""
-STRENGTH = {
-    "scale": "strength",
-    "modulus": "strength_modulus",
-    "threshold": "strength_threshold",
-}
+STRENGTH = {"scale": "strength", "modulus": "strength_modulus", "threshold": "strength_threshold"}
 """Likewise in its section `strength`."""
 SECTIONS = {"stops": STOPS, "thermal": THERMAL, "strength": STRENGTH}
 ALONE = {"mass": 0.0, "spring": 1.0, "contact": 1.0, "gap": math.inf}

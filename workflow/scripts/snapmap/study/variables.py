@@ -44,10 +44,7 @@ def variables(product: str) -> dict[str, dict]:
 
 def flags(words: Sequence[str]) -> dict:
     """CF attributes of a variable that counts words, from 0."""
-    return {
-        "flag_values": np.arange(len(words), dtype=np.int8),
-        "flag_meanings": " ".join(words),
-    }
+    return {"flag_values": np.arange(len(words), dtype=np.int8), "flag_meanings": " ".join(words)}
 
 
 def _attributes(flag_meanings, **texts):
