@@ -48,5 +48,5 @@ def flags(words: Sequence[str]) -> dict:
 
 
 def _attributes(flag_meanings, **texts):
-    given = {key: text for key, text in texts.items() if text}
-    return given | (flags(flag_meanings.split()) if flag_meanings else {})
+    attributes = {key: text for key, text in texts.items() if text}
+    return attributes | (flags(flag_meanings.split()) if flag_meanings else {})
