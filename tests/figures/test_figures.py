@@ -9,7 +9,7 @@ import warnings
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.collections import FillBetweenPolyCollection, LineCollection
+from matplotlib.collections import FillBetweenPolyCollection, LineCollection, QuadMesh
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.contour import ContourSet
 from matplotlib.patches import Polygon
@@ -242,6 +242,14 @@ def test_thresholds_are_the_data_dashed_and_hollow_where_late():
         assert dashed.get_markevery().tolist() == [False, False, True]
         assert visible(dashed) == [[1000.0, N + 100], [10000.0, N + 1000]]
         assert visible(solid) == [[100.0, N], [1000.0, N + 100]]
+
+
+def test_a_map_of_thresholds_has_their_values_and_says_where_it_is():
+    found = make_found().assign_coords(thickness=1.9)
+    ax = drawn(thresholds.draw_threshold_map, found, "f0", "C")
+    (mesh,) = artists(ax, QuadMesh)
+    assert mesh.get_array().tolist() == found.N_first.transpose("C", "f0").values.tolist()
+    assert ax.get_title("left") == "thickness 1.9 µm"
 
 
 def test_thresholds_approach_both_limits():

@@ -9,8 +9,11 @@ drawing_of = {
     if hasattr(application, "figures")
     and (name in making or hasattr(application, "drawn_from"))
 }
-is_quick = {name: hasattr(one, "quick") for name, one in attached().items()}
+is_quick = {name: hasattr(part, "quick") for name, part in attached().items()}
 quick = {name: files for name, files in making.items() if is_quick[name]}
+made_quickly = [
+    path for files in quick.values() for paths in files.values() for path in paths
+]
 
 
 for name in [name for name in making if not is_quick[name]]:
@@ -33,7 +36,7 @@ for name in [name for name in making if not is_quick[name]]:
         params:
             code=numbers,
             inputs=in_search,
-            asked=constant(application.params(study)),
+            request=constant(application.params(study)),
         message:
             application.message
         script:

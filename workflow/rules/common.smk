@@ -27,9 +27,9 @@ def list_products(jobid):
 
 def remove_old_products():
     """Of older configs; only a run of all results knows what is one."""
-    asked = {str(path) for job in workflow.dag.jobs for path in job.output}
-    if asked.issuperset(results):
-        for line in remove_others("results", asked):
+    products = {str(path) for job in workflow.dag.jobs for path in job.output}
+    if products.issuperset(results):
+        for line in remove_others("results", products):
             print(line, file=sys.stderr)
 
 

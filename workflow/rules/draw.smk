@@ -35,12 +35,7 @@ rule draw_snaps:
 rule draw_study:
     input:
         **of_cells,
-        others=[
-            path
-            for files in quick.values()
-            for paths in files.values()
-            for path in paths
-        ],
+        others=made_quickly,
     output:
         list(figures("thresholds")) + list(figures("maps")),
         [path for name in drawn_quickly for path in figures_of(name)],

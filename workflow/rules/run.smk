@@ -42,12 +42,7 @@ rule find_threshold:
     output:
         threshold="results/threshold.nc",
         table="results/thresholds.csv",
-        others=[
-            path
-            for files in quick.values()
-            for paths in files.values()
-            for path in paths
-        ],
+        others=made_quickly,
     log:
         "results/logs/find_threshold.log",
     # Beside the first cells, not after them: of these no two then compile the same kernel at once.

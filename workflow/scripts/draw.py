@@ -4,7 +4,8 @@ import gc
 from contextlib import nullcontext
 
 from snapmap.applications import attached
-from snapmap.figures import maps, scales, style, thresholds
+from snapmap.figures import maps, scales, style
+from snapmap.figures.thresholds import draw_threshold_map, draw_thresholds
 from snapmap.files.tables import read_points
 from snapmap.study.netcdf import check_alike, open_whole
 from snapmap.workflow.job_log import run_rule
@@ -18,10 +19,10 @@ def draw_snaps(cube_path, threshold_path, views, own_points, folder, traces_path
     own_points = read_points(*own_points) if own_points else ()
     with (
         open_whole(cube_path) as cube,
-        open_whole(threshold_path) as found,
+        open_whole(threshold_path) as thresholds,
         open_whole(traces_path) if traces_path else nullcontext() as traces,
     ):
-        check_alike(cube, found, threshold_path)
+        check_alike(cube, thresholds, threshold_path)
         stressed = cube
         if traces_path:
             check_alike(cube, traces, traces_path)
@@ -30,13 +31,13 @@ def draw_snaps(cube_path, threshold_path, views, own_points, folder, traces_path
             stressed = cube.assign(stress_share=share.reindex(numbers, method="nearest"))
         for view in views["snaps"]:
             shown = {"required_shocks": view["required_shocks"], "own_points": own_points}
-            data = _along(stressed, view), _along(found, view)
+            data = _along(stressed, view), _along(thresholds, view)
             _draw_map(maps.draw_map, view, folder, *data, **shown)
         if together := views["together"]:
-            panels = [(_along(stressed, view), _along(found, view)) for view in together]
+            panels = [(_along(stressed, view), _along(thresholds, view)) for view in together]
             _draw_together(panels, f"{folder}/snap_maps", together[0], own_points)
         for view in views["fields"]:
-            _draw_map(thresholds.draw_threshold_map, view, folder, _along(found, view))
+            _draw_map(draw_threshold_map, view, folder, _along(thresholds, view))
 
 
 def draw_study(cube_path, threshold_path, views, own_points, quick, folder):
@@ -49,13 +50,13 @@ def draw_study(cube_path, threshold_path, views, own_points, quick, folder):
     quick: of applications by the names of their folders: their figures, and the files of these
     """
     own_points = read_points(*own_points) if own_points else ()
-    with open_whole(cube_path) as cube, open_whole(threshold_path) as found:
-        check_alike(cube, found, threshold_path)
+    with open_whole(cube_path) as cube, open_whole(threshold_path) as thresholds:
+        check_alike(cube, thresholds, threshold_path)
         _draw_times_and_ends(cube, views, own_points, folder)
         for view in views["curves"]:
-            with style.saved(f"{folder}/{view['name']}", found.attrs, 3.4) as figure:
+            with style.saved(f"{folder}/{view['name']}", thresholds.attrs, 3.4) as figure:
                 axes = view["x"], view["y"]
-                thresholds.draw_thresholds(figure.subplots(), _along(found, view), *axes)
+                draw_thresholds(figure.subplots(), _along(thresholds, view), *axes)
     for name, (figures, paths) in quick.items():
         attached()[name].draw(figures=figures, folder=folder, **paths)
 
@@ -73,9 +74,9 @@ def _draw_times_and_ends(cube, views, own_points, folder):
         _draw_together(panels, f"{folder}/maps", views["together"][0], own_points, ends=True)
 
 
-def _along(found, view):
-    at = {key: place for key, place in view["at"].items() if key in found.dims}
-    return scales.along(found.isel(at), view["x"], view["y"])
+def _along(dataset, view):
+    at = {key: place for key, place in view["at"].items() if key in dataset.dims}
+    return scales.along(dataset.isel(at), view["x"], view["y"])
 
 
 def _draw_map(draw, view, folder, *data, **shown):

@@ -49,7 +49,7 @@ def find_threshold(study, path, table_path, quick):
 
 def function_of(rule):
     """The function of a rule: here, or what an application runs."""
-    of_rules = {getattr(one, "rule", ""): one for one in attached().values()}
+    of_rules = {getattr(part, "rule", ""): part for part in attached().values()}
     return globals()[rule] if rule in globals() else of_rules[rule].run
 
 

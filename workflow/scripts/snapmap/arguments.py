@@ -79,7 +79,7 @@ def _mapping_of(need: str, *keys: str) -> Argument:
 def _are_directions(value):
     if isinstance(value, str):
         return value in (*DIRECTIONS, "both")
-    named = _is_list(value, lambda each: isinstance(each, str) and each in DIRECTIONS)
+    named = _is_list(value, lambda name: isinstance(name, str) and name in DIRECTIONS)
     return named and 0 < len(value) == len({*value})
 
 
@@ -87,7 +87,7 @@ def _is_device(value):
     if not isinstance(value, Device):
         return False
     parts = (value, value.beam)
-    return not any(np.ndim(getattr(part, one.name)) for part in parts for one in fields(part))
+    return not any(np.ndim(getattr(part, field.name)) for part in parts for field in fields(part))
 
 
 def _are_devices(value):
@@ -99,17 +99,13 @@ def _is_requirement(value):
     return (
         isinstance(value, Mapping)
         and REQUIRED.keys() <= value.keys()
-        and all(REQUIRED[key].fits(value[key]) for key in REQUIRED)
+        and all(kind.fits(value[key]) for key, kind in REQUIRED.items())
         and START.fits(value.get("start", "first"))
     )
 
 
 def _requirement(value):
-    return {**value, **{key: REQUIRED[key].convert(value[key]) for key in REQUIRED}}
-
-
-def _is_group(value):
-    return _is_list(value, lambda key: isinstance(key, str))
+    return {**value, **{key: kind.convert(value[key]) for key, kind in REQUIRED.items()}}
 
 
 def _of_axis(key: str, example: str) -> tuple[Bounds, str, str]:
@@ -138,8 +134,7 @@ SINGLE = {key: number(*words) for key, words in SHOCK.items()}
 ARGUMENTS = {
     "device": Argument("a Device, or several by name; load_device reads one", _are_devices),
     **dict.fromkeys(
-        (f"{name}.device" for name in ("statics", "calibrate", "design", "simulate")),
-        DEVICE,
+        (f"{name}.device" for name in ("statics", "calibrate", "design", "simulate")), DEVICE
     ),
     **{key: row(within, unit, f"[{text}]") for key, (within, unit, text) in SHOCK.items()},
     **{key: row(*_of_axis(key, "")) for key in VALUES},
@@ -162,8 +157,7 @@ ARGUMENTS = {
     **{f"pulse.{key}": argument for key, argument in OF_PULSE.items()},
     "direction": Argument("+z, -z, both, or a list of these", _are_directions),
     **dict.fromkeys(
-        (f"{name}.direction" for name in ("simulate", "srs_test", "calibrate")),
-        word("+z", "-z"),
+        (f"{name}.direction" for name in ("simulate", "srs_test", "calibrate")), word("+z", "-z")
     ),
     "tolerance": number("[1e-9, 0.01]", "", "1e-4"),
     "tolerance.tolerance": number("[1e-5, 0.01]", "", "1e-3"),
@@ -182,7 +176,10 @@ ARGUMENTS = {
         'what can scatter to its width, such as {"thickness": "3 %"}', *VALUES, "N", "duration", "C"
     ),
     "together": Argument(
-        "a list of groups of names, as [[span, rise]]", lambda value: _is_list(value, _is_group)
+        "a list of groups of names, as [[span, rise]]",
+        lambda value: _is_list(
+            value, lambda group: _is_list(group, lambda key: isinstance(key, str))
+        ),
     ),
     "samples": integer(2, 100_000),
     "index_samples": integer(2, 100_000),

@@ -38,8 +38,8 @@ def checked(function: Callable) -> Callable:
     signature = inspect.signature(function)
 
     @functools.wraps(function)
-    def door(*given, **named):
-        values = _bound(function.__name__, signature, given, named)
+    def door(*positional, **named):
+        values = _bound(function.__name__, signature, positional, named)
         for line in _doubts(values):
             warnings.warn(line, stacklevel=2)
         return function(**values)
@@ -48,22 +48,23 @@ def checked(function: Callable) -> Callable:
     return door
 
 
-def _bound(function, signature, given, named):
-    """All arguments of a call by name, with its options, converted; each fits."""
-    parameters = {key: each for key, each in signature.parameters.items() if key != "options"}
-    if len(given) > len(parameters):
-        raise TypeError(f"{function}: takes {len(parameters)} arguments, not {len(given)}")
-    values = dict(zip(parameters, given, strict=False))
+def _bound(function, signature, positional, named):
+    """Convert all arguments of a call, by name, with its options; each fits."""
+    parameters = {**signature.parameters}
+    parameters.pop("options", None)
+    if len(positional) > len(parameters):
+        raise TypeError(f"{function}: takes {len(parameters)} arguments, not {len(positional)}")
+    values = dict(zip(parameters, positional, strict=False))
     if twice := [key for key in values if key in named]:
         raise TypeError(f"{twice[0]}: comes twice; write it once")
     values |= named
-    for key, each in parameters.items():
+    for key, parameter in parameters.items():
         argument = _argument(function, key)
-        if key not in values and each.default is each.empty:
+        if key not in values and parameter.default is parameter.empty:
             raise TypeError(f"{key}: missing; write {argument.need}")
-        value = values.get(key, each.default)
-        if value is not each.default and (
-            value is not None or type(None) not in get_args(each.annotation)
+        value = values.get(key, parameter.default)
+        if value is not parameter.default and (
+            value is not None or type(None) not in get_args(parameter.annotation)
         ):
             values[key] = argument.take(key, value)
     options = [key for key in values if key not in parameters]
@@ -88,12 +89,12 @@ def _bound(function, signature, given, named):
 
 
 def _argument(function, key):
-    """What describes it."""
+    """The description of an argument of a function."""
     return ARGUMENTS.get(f"{function}.{key}") or ARGUMENTS[key]
 
 
 def _hint(function, key, parameters):
-    """What was meant by an option that is none."""
+    """Say what was meant by an option that is none."""
     if key in VALUES:
         return f" of {function}; vary the device"
     of_models = [option for options in OPTIONS.values() for option in options]
@@ -108,8 +109,8 @@ def _doubts(values):
     """Lines on values that are hardly meant."""
     device = values.get("device")
     named = device if isinstance(device, Mapping) else {} if device is None else {"": device}
-    for each in named.values():
-        alone = batch([each])
+    for single in named.values():
+        alone = batch([single])
         C, f0 = (values.get(key) for key in ("C", "f0"))
         if C is None or f0 is None:
             yield from unusual(alone)
@@ -117,4 +118,4 @@ def _doubts(values):
             ascending = (np.sort(np.atleast_1d(np.asarray(v, float))) for v in (C, f0))
             yield from implausible(alone, *ascending)
         if "scatters" in values:
-            yield from wide(Plan(each, values["scatters"], values.get("together", ())))
+            yield from wide(Plan(single, values["scatters"], values.get("together", ())))

@@ -27,9 +27,9 @@ from .keys import Section, either, lines_of, many, part, path, quantity, word
 from .yaml_file import ConfigError, read_document
 
 AS_MEASURED = 0.1
-"""By how much span and rise may differ from a measured shape's, relative."""
+"""Share by which span and rise may differ from those of a measured shape."""
 LEAST_TILT = 1e-6
-"""Of a measured shape, um; below it there is none but rounding."""
+"""Tilt of a measured shape, um, below which there is none but rounding."""
 
 
 class ShapeSection(Section):
@@ -118,10 +118,10 @@ class BeamSection(Section):
             measured = read_shape(file)
             self._measured = f"{file}: {measured.words}"
             terms = measured.cosines
-            for name, has in (("span", measured.length), ("rise", measured.rise)):
-                own = getattr(self, name)
-                if not abs(has - own) < AS_MEASURED * own:
-                    where = f"{own:g} um, where {file} has {has:.4g} um"
+            for name, size in (("span", measured.length), ("rise", measured.rise)):
+                written = getattr(self, name)
+                if not abs(size - written) < AS_MEASURED * written:
+                    where = f"{written:g} um, where {file} has {size:.4g} um"
                     raise ValueError(f".{name}: {where}; is a unit wrong?")
             if free and not self.has("imperfection") and measured.tilt > LEAST_TILT:
                 tilt = {"imperfection": measured.tilt}
@@ -163,7 +163,7 @@ class StrengthSection(Section):
 
 
 def _by_name(section, names):
-    """What a section of a device says, by the device's own names."""
+    """The values of a section of a device, by the device's own names."""
     return {names[name]: value for name, value in section.given.items()} if section else {}
 
 
@@ -202,25 +202,24 @@ class DeviceSection(Section):
     )
     gravity: quantity("acceleration", "the unit of N", out="required, or `force`")
     force: quantity(
-        "force",
-        "the unit of N, of pulses that push the midpoint of a beam alone",
-        out="`gravity`",
+        "force", "the unit of N, of pulses that push the midpoint of a beam alone", out="`gravity`"
     )
 
     @classmethod
-    def beside(cls, given: Mapping) -> dict[tuple, str]:
+    def beside(cls, device: Mapping) -> dict[tuple, str]:
         """Name what a device lacks, or has too much of, with a mass and without one."""
-        alone, pushed = given.get("mass") == "none", "force" in given
-        needed = [*([] if alone else ["spring", "contact"]), *([] if pushed else ["gravity"])]
-        needs = cls.needs()
-        said = {name: f"missing; write {needs[name]}" for name in needed if name not in given}
+        alone, pushed, needs = device.get("mass") == "none", "force" in device, cls.needs()
+        needed = [] if alone else ["spring", "contact"]
+        if not pushed:
+            needed.append("gravity")
+        faults = {name: f"missing; write {needs[name]}" for name in needed if name not in device}
         if alone:
-            extra = [*ALONE, "stops", "quality_factor"]
-            extra = [name for name in extra if name in given and name != "mass"]
-            said |= dict.fromkeys(extra, "is of the mass, and there is none; leave it out")
-        if pushed and "gravity" in given:
-            said["gravity"] = "stands beside force; N counts multiples of one of them"
-        return {(name,): line for name, line in said.items()}
+            extra = [*(name for name in ALONE if name != "mass"), "stops", "quality_factor"]
+            line = "is of the mass, and there is none; leave it out"
+            faults |= {name: line for name in extra if name in device}
+        if pushed and "gravity" in device:
+            faults["gravity"] = "stands beside force; N counts multiples of one of them"
+        return {(name,): line for name, line in faults.items()}
 
     def make(self) -> Device:
         """The device at its reference: its temperature is an axis."""
@@ -247,7 +246,7 @@ class DeviceSection(Section):
 
 
 RARE_LAST = sorted(VALUES, key=lambda name: QUANTITIES[name].left_out is not None)
-"""Values of the device."""
+"""Values of the device, those that may be left out at the end."""
 
 
 def of_device(make, names=RARE_LAST):
@@ -283,9 +282,9 @@ def read_device(section: Mapping) -> Device:
     return _section(section).made
 
 
-def _section(given):
+def _section(device):
     try:
-        return DeviceSection.model_validate(given)
+        return DeviceSection.model_validate(device)
     except ValidationError as error:
         raise ConfigError(*lines_of(error, "device")) from None
 

@@ -13,18 +13,19 @@ from ..files.tables import read_points
 from ..study.study import Study
 from .plausible import implausible
 
+IDLE = "changes nothing without device.thermal; write its values there"
 TILTING = 8
-"""Shapes of each kind by which it is told whether a free beam has a second one."""
+"""Shapes of each kind that decide whether a free beam has a second stable one."""
 
 
 def descriptions(study: Study) -> list[str]:
     """Lines on each device, whatever the axes change; study: a `Config`."""
     lines = list(study.measured.values())
-    for name, one in study.devices().items():
-        beam, words = one.beam, []
-        for part, frequency, quality in vibrations(one, study.axes["C"]):
+    for name, device in study.devices().items():
+        beam, words = device.beam, []
+        for part, frequency, quality in vibrations(device, study.axes["C"]):
             words.append(f"{part} {frequency}, quality factor {quality}")
-        if one.is_alone:
+        if device.is_alone:
             words.append("no mass")
         lines.append(
             f"{name}: rise/thickness {beam.rise / beam.thickness:.4g}, rise/span "
@@ -41,20 +42,20 @@ def doubts(study: Study) -> list[str]:
     """
     axes, (first, *_) = study.axes, study.devices().values()
     lines = implausible(study.grid.device, axes["C"], axes["f0"])
-    for name, one in study.devices().items():
-        own = [tilting(one.beam), stopped(one)]
-        if one.force:
-            own += [f"N counts {one.force:g} uN of force on the midpoint, also where g is named"]
-        slopes = one.modulus_slope, one.expansion_mismatch, one.damper_exponent
+    for name, device in study.devices().items():
+        remarks, force = [tilting(device.beam), stopped(device)], device.force
+        if force:
+            remarks.append(f"N counts {force:g} uN of force on the midpoint, also where g is named")
+        slopes = device.modulus_slope, device.expansion_mismatch, device.damper_exponent
         if "temperature" in axes and not any(slopes):
-            own += ["temperature: changes nothing without device.thermal; write its values there"]
-        lines += [f"{name}: {line}" for line in own if line]
+            remarks.append(f"temperature: {IDLE}")
+        lines += [f"{name}: {line}" for line in remarks if line]
     slowest, shortest = first.own_frequency, 1e6 / axes["f0"][-1]
     for pulse in study.shocks.shapes.values():
         lines += pulse.doubts(float(slowest), float(shortest))
     if study.own_points:
         lines += outside(study.own_points[0], axes)
-    return lines + [line for told in gather("doubts", study).values() for line in told]
+    return lines + [line for part in gather("doubts", study).values() for line in part]
 
 
 def tilting(beam: Beam) -> str:

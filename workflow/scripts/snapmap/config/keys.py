@@ -51,7 +51,7 @@ class Section(BaseModel):
     _keys: tuple[str, ...] = PrivateAttr(())
 
     @classmethod
-    def beside(cls, given: Mapping) -> dict[tuple, str]:
+    def beside(cls, section: Mapping) -> dict[tuple, str]:
         """What is wrong with keys that are there, or are not, beside others: lines by path."""
         return {}
 
@@ -86,15 +86,15 @@ class Section(BaseModel):
 
     @model_validator(mode="wrap")
     @classmethod
-    def _explained(cls, given, handler):
-        faults, section = cls.beside(given) if isinstance(given, Mapping) else {}, None
+    def _explained(cls, values, handler):
+        faults, section = cls.beside(values) if isinstance(values, Mapping) else {}, None
         try:
-            section = handler(given)
-            section._keys = tuple(given)
+            section = handler(values)
+            section._keys = tuple(values)
             if not faults:
                 section._made = section.make()
         except ValidationError as error:
-            faults |= {one["loc"]: cls._line(one) for one in error.errors()}
+            faults |= {detail["loc"]: cls._line(detail) for detail in error.errors()}
         except ValueError as error:
             faults = {(): str(error).removeprefix(cls.known_as).removeprefix(": ")}
         if faults:
@@ -107,8 +107,7 @@ class Section(BaseModel):
 
     @classmethod
     def _line(cls, error):
-        given, (first, *inner) = show(error["input"]), error["loc"] or [None]
-        needs = cls.needs()
+        needs, (first, *inner) = cls.needs(), error["loc"] or [None]
         match error["type"]:
             case "fault":
                 return error["msg"]
@@ -118,7 +117,7 @@ class Section(BaseModel):
                 return f"missing; write {needs[first]}"
             case "extra_forbidden" | "invalid_key":
                 return f"unknown key; known here are {_nearest(first, list(needs))}"
-        return f"{given} is not {needs.get(first) or cls.what()}"
+        return f"{show(error['input'])} is not {needs.get(first) or cls.what()}"
 
 
 def _nearest(key, known):
@@ -131,15 +130,14 @@ def _nearest(key, known):
 def lines_of(error: ValidationError, *at: str | int) -> list[str]:
     """The faults of a section, which stands at a path, with the names of their keys.
 
-    Of more than MOST_ALIKE in the items of a list the first is told, and how many others there are.
+    Of more than MOST_ALIKE in the items of a list stand the first and the number of the others.
     """
     alike, lines = {}, []
-    for number, one in enumerate(error.errors()):
-        path = (*at, *one["loc"])
+    for number, fault in enumerate(error.errors()):
+        path = (*at, *fault["loc"])
         of_list = _list_of(path)
-        alike.setdefault(number if of_list == path else of_list, []).append(
-            line_at(path, one["msg"])
-        )
+        group = alike.setdefault(number if of_list == path else of_list, [])
+        group.append(line_at(path, fault["msg"]))
     for faults in alike.values():
         many = len(faults) > MOST_ALIKE
         lines += [f"{faults[0]} (and {len(faults) - 1} others of this list)"] if many else faults
@@ -300,8 +298,8 @@ def _range(kind):
 def axis(kind: str, what: str, example="", out="") -> object:
     """A list of quantities, or a range of them, as an array, ascending."""
 
-    def ascending(given):
-        values = np.sort(given.made if isinstance(given, Range) else given)
+    def ascending(written):
+        values = np.sort(written.made if isinstance(written, Range) else written)
         before, after = values[:-1], values[1:]
         repeated = after[(after == before) | (after * (1 - 1e-14 * np.sign(after)) <= before)]
         if repeated.size:
@@ -311,5 +309,5 @@ def axis(kind: str, what: str, example="", out="") -> object:
 
     need = f"a list or a range {{from, to, points, spacing}}, each {_need(kind)}"
     values = many(quantity(kind), need, least=1)
-    given = either(_range(kind), values, need, what, example, out)
-    return Annotated[given, AfterValidator(ascending)]
+    field = either(_range(kind), values, need, what, example, out)
+    return Annotated[field, AfterValidator(ascending)]

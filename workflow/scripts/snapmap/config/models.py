@@ -78,8 +78,8 @@ class SweepSection(_Axes):
     def make(self) -> Settings:
         """How each cell is followed."""
         names = "horizon", "start", "until", "repeat", "energy_tolerance"
-        given = {name: self.given[name] for name in names if self.has(name)}
-        return Settings(**{"repeat": self.until in (None, "settled"), **given})
+        written = {name: self.given[name] for name in names if self.has(name)}
+        return Settings(**{"repeat": self.until in (None, "settled"), **written})
 
 
 AXES = [name for name in QUANTITIES if axis_behind(name) in COORDINATES]
@@ -158,12 +158,12 @@ class _Core(Section):
     )
 
     @classmethod
-    def beside(cls, given: Mapping) -> dict[tuple, str]:
+    def beside(cls, document: Mapping) -> dict[tuple, str]:
         """What sections lack, or have too much of, by others."""
-        faults, sweep, several = {}, given.get("sweep"), given.get("devices")
-        if "device" not in given and "devices" not in given:
+        faults, sweep, several = {}, document.get("sweep"), document.get("devices")
+        if "device" not in document and "devices" not in document:
             faults["device",] = f"missing; write {cls.needs()['device']}"
-        elif "device" in given and "devices" in given:
+        elif "device" in document and "devices" in document:
             faults["devices",] = "stand beside device; write one of them"
         several = several if isinstance(several, Mapping) else {}
         for name in several:
@@ -171,10 +171,10 @@ class _Core(Section):
                 need = "a name of letters, digits, - and _, at most 31 of them"
                 faults["devices", name] = f"{show(name)} is not {need}"
         if isinstance(sweep, Mapping):
-            pulse = given.get("pulse")
+            pulse = document.get("pulse")
             itself = isinstance(pulse, Mapping) and any(name in pulse for name in TIMED)
             faults |= one_time(sweep, itself, ("sweep",))
-            faults |= _dampers(given, sweep, several)
+            faults |= _dampers(document, sweep, several)
         return faults
 
     def make(self) -> Device | dict[str, Device]:
@@ -188,25 +188,24 @@ class _Core(Section):
         return self.devices or {"device": self.device}
 
 
-Document = create_model(
-    "Document",
-    __base__=_Core,
-    __doc__=_Core.__doc__,
-    **{key_of(*one): one[1].section() for one in attached().items() if hasattr(one[1], "section")},
-)
+_SECTIONS = {
+    key_of(name, application): application.section()
+    for name, application in attached().items()
+    if hasattr(application, "section")
+}
+Document = create_model("Document", __base__=_Core, __doc__=_Core.__doc__, **_SECTIONS)
 """The whole config: sections of the core and of all applications."""
 
 
-def _dampers(given, sweep, several):
-    """C stands under sweep, or follows from the quality factor of each device."""
-    at = {("devices", name): one for name, one in several.items()} or {
-        ("device",): given.get("device")
-    }
-    at = {where: one for where, one in at.items() if isinstance(one, Mapping)}
-    if at and all(one.get("mass") == "none" for one in at.values()):
+def _dampers(document, sweep, several):
+    """Name what is wrong where C stands under sweep, or follows from each quality factor."""
+    at = {("devices", name): device for name, device in several.items()}
+    at = at or {("device",): document.get("device")}
+    at = {path: device for path, device in at.items() if isinstance(device, Mapping)}
+    if at and all(device.get("mass") == "none" for device in at.values()):
         extra = {("sweep", "C"): "is of the mass, and there is none; leave it out"}
         return extra if "C" in sweep else {}
-    factors = [(*where, "quality_factor") for where, one in at.items() if "quality_factor" in one]
+    factors = [(*path, "quality_factor") for path in at if "quality_factor" in at[path]]
     if "C" in sweep:
         return dict.fromkeys(factors, "stands beside sweep.C; write one of them")
     wanted = "dampers (force time per length) of the mass, or device.quality_factor"

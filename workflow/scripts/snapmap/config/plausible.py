@@ -17,11 +17,11 @@ SLENDER = 20.0, 5000.0
 SLAB = 0.05, 10.0
 """Depth over thickness below which, and over span above which, no beam is made."""
 CREEPING = 10.0
-"""C over that of critical damping."""
+"""C over that of critical damping, above which it is hardly meant."""
 WIDE = 0.3
-"""Scatter over the nominal value."""
+"""Scatter over the nominal value, above which it is hardly meant."""
 FAR = 1000.0
-"""Duration of a pulse over a period, or the reverse."""
+"""Duration of a pulse over a period, or the reverse, above which it is hardly meant."""
 
 
 def unusual(device: Device) -> list[str]:
@@ -57,15 +57,15 @@ def wide(plan: Plan) -> list[str]:
 
 def implausible(device: Device, C: np.ndarray, f0: np.ndarray) -> list[str]:
     """Lines on what is hardly meant, of a batch of devices; C: uN us/um, f0: Hz, ascending."""
-    beam, own = device.beam, device.own_frequency
-    mass = np.where(device.is_alone, own, device.mass_frequency)
+    beam, lowest = device.beam, device.own_frequency
+    mass = np.where(device.is_alone, lowest, device.mass_frequency)
     steepest = np.max(beam.rise / beam.span)
     slender = beam.span / beam.thickness
     widest, thinnest = np.max(beam.depth / beam.span), np.min(beam.depth / beam.thickness)
     critical = np.min(2 * device.mass * mass)
     damped = C[-1] / critical if critical else 0.0
     lasts = f0 * (2e-6 * np.pi)
-    first, last = np.min(own), np.max(np.maximum(mass, beam.bending_frequency))
+    first, last = np.min(lowest), np.max(np.maximum(mass, beam.bending_frequency))
     lines = {
         f"rise/span = {plain(steepest, 3)}: above {STEEP:g} the beam is no shallow arch; forces "
         f"come out {plain(FORCES_TOO_HIGH * steepest**2, 2)} % too high, thresholds "

@@ -40,9 +40,9 @@ class Drop(Section):
 
 
 def _shapes(value):
-    several = value if isinstance(value, list | tuple) else [value]
-    known = all(isinstance(one, str) and one in SHAPES for one in several)
-    return known and 0 < len(several) == len(set(several))
+    names = value if isinstance(value, list | tuple) else [value]
+    known = all(isinstance(name, str) and name in SHAPES for name in names)
+    return known and 0 < len(names) == len(set(names))
 
 
 def several_shapes(more, out):
@@ -74,13 +74,11 @@ class PulseSection(Section):
     direction: word(*PUSHES, what=f"{PUSHED}; both are an axis", out="`+z`")
 
     @classmethod
-    def beside(cls, given: Mapping) -> dict[tuple, str]:
+    def beside(cls, pulse: Mapping) -> dict[tuple, str]:
         """Name what stands beside a shock that is more than a shape."""
-        if timed := next((name for name in TIMED if name in given), None):
-            others = [name for name in ("shape", *SHARES, *TIMED) if name != timed]
-            said = [name for name in others if name in given]
-            return {(name,): f"stands beside {timed}; write one of them" for name in said}
-        return {}
+        timed = next((name for name in TIMED if name in pulse), None)
+        others = [key for key in ("shape", *SHARES, *TIMED) if key in pulse and key != timed]
+        return {(key,): f"stands beside {timed}; write one of them" for key in others if timed}
 
     def values(self) -> dict:
         """What it says, in internal units, with the SHA-256 of a file."""
@@ -104,11 +102,11 @@ def shocks_of(values: Mapping) -> Shocks:
     return make_shocks(values)
 
 
-def one_time(given, lasts_itself=False, at=()):
+def one_time(section, lasts_itself=False, at=()):
     """Name f0 and duration beside each other, or neither of them."""
-    if "f0" in given and "duration" in given:
+    if "f0" in section and "duration" in section:
         return {(*at, "duration"): "is one over f0, which is there, too; write one of them"}
-    if "f0" in given or "duration" in given or lasts_itself:
+    if "f0" in section or "duration" in section or lasts_itself:
         return {}
     return {(*at, "f0"): "missing; write frequencies (1/time), or duration"}
 

@@ -82,7 +82,7 @@ class Config(Study):
     @property
     def has_strength(self) -> bool:
         """Whether a beam may break."""
-        return any(one.strength < np.inf for one in self.devices().values())
+        return any(device.strength < np.inf for device in self.devices().values())
 
     def files(self) -> dict[str, str]:
         """SHA-256 of each file that the config names, as it was read, by path."""
@@ -90,8 +90,8 @@ class Config(Study):
         shapes = {path: sha256_of(path, *PROFILE) for _, path in self.measured}
         points = dict([self.own_points] if self.own_points else [])
         files = recorded | shapes | points
-        for of_application in gather("files", self).values():
-            files |= of_application
+        for named in gather("files", self).values():
+            files |= named
         return files
 
 
@@ -110,9 +110,9 @@ def load_config(document: Mapping) -> Config:
         raise ConfigError(*lines_of(error)) from None
     faults = []
 
-    def part(path, make, *given):
+    def part(path, make, *arguments):
         try:
-            return make(*given)
+            return make(*arguments)
         except ValueError as error:
             line = str(error)
             return faults.append(line if line.startswith("device") else line_at(path, line))
@@ -122,14 +122,14 @@ def load_config(document: Mapping) -> Config:
     C = part(("devices",), _damper, parts)
     grid = None if faults else part(("sweep",), _grid, parts, shocks, C)
 
-    def each(name, make):
+    def views(name, make):
         sections = getattr(parts, name)
-        return sections and [part((name, i), make, one) for i, one in enumerate(sections)]
+        return sections and [part((name, i), make, view) for i, view in enumerate(sections)]
 
     maps, curves = None, None
     if grid:
-        maps = each("maps", lambda v: (v.x, v.y, read_places(v.given, grid.axes)))
-        curves = each("thresholds", lambda v: (v.x, v.lines, read_places(v.given, grid.axes)))
+        maps = views("maps", lambda v: (v.x, v.y, read_places(v.given, grid.axes)))
+        curves = views("thresholds", lambda v: (v.x, v.lines, read_places(v.given, grid.axes)))
         part(("sweep",), require_start, sweep.made.start, grid.device)
     part(("device",), _require_study, device, shocks)
     if faults:
@@ -150,9 +150,9 @@ def load_config(document: Mapping) -> Config:
         own_points=parts.marks or (),
         left_out=left_out,
         measured={
-            (name, one.beam.shape.file): f"{name}, {one.beam.measured}"
-            for name, one in parts.devices_by_name().items()
-            if one.beam.measured
+            (name, section.beam.shape.file): f"{name}, {section.beam.measured}"
+            for name, section in parts.devices_by_name().items()
+            if section.beam.measured
         },
         title=parts.title or "",
         units={key: _unit(key, document["sweep"][key]) for key in DESIGN if sweep.has(key)},
@@ -160,8 +160,8 @@ def load_config(document: Mapping) -> Config:
     for name, application in attached().items():
         if hasattr(application, "request"):
             key = key_of(name, application)
-            given = getattr(parts, key, None), study, parts
-            study.requests[name] = part((key,), application.request, *given)
+            section = getattr(parts, key, None)
+            study.requests[name] = part((key,), application.request, section, study, parts)
     if faults:
         raise ConfigError(*dict.fromkeys(faults))
     return study
@@ -176,16 +176,16 @@ def _unit(key, written):
 def _require_study(device, shocks):
     """All devices have an electrode, or none; forces shake no frame."""
     devices = Study(device=device, shocks=shocks).devices().values()
-    if len({bool(one.has_electrode) for one in devices}) > 1:
+    if len({bool(device.has_electrode) for device in devices}) > 1:
         raise ValueError(".contact_at: only some devices have one; write it for all or none")
 
 
 def require_start(start: str, *devices: Device) -> None:
     """Raise ValueError unless beams stay in the shape in which they rest at first."""
-    for one in devices if start == SECOND else ():
-        if np.any(one.beam.free):
+    for beam in (device.beam for device in devices if start == SECOND):
+        if np.any(beam.free):
             try:
-                require_rest(second_shape(one.beam, shapes_of(one.beam)))
+                require_rest(second_shape(beam, shapes_of(beam)))
             except ValueError as error:
                 raise ValueError(f".{error}") from None
 

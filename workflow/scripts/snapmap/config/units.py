@@ -104,22 +104,22 @@ def _quantity(value, target):
 
 @cache
 def _factor(unit, target):
-    """How many `target` make one `unit`; ValueError says what is wrong with `unit`."""
+    """How many `target` make one `unit`; a ValueError says what is wrong with `unit`."""
     registry = _registry()
     wanted, root_wanted = registry.get_root_units(registry.parse_units(target))
     try:
-        unit_given = registry.parse_units(f"1{unit}" if unit.startswith("/") else unit)
-        given, root_given = registry.get_root_units(unit_given)
+        parsed = registry.parse_units(f"1{unit}" if unit.startswith("/") else unit)
+        factor, root = registry.get_root_units(parsed)
     except Exception:  # pint lets errors of a dozen types through
         raise ValueError(f"has an unknown unit, {show(unit)}") from None
     # Of temperatures in other scales the zero differs, too.
-    if root_given.dimensionality != root_wanted.dimensionality or target == "degC":
+    if root.dimensionality != root_wanted.dimensionality or target == "degC":
         raise ValueError(f"does not convert to {target}")
     # Radians, turns and counts have no dimension: pint would take 1 rad/s for 1 Hz.
-    if root_given != root_wanted:
+    if root != root_wanted:
         raise ValueError(f"counts angles or events, which is not {target} (1 Hz is 2 pi rad/s)")
     # Pint's own factor carries noise (1 kg = 999999999999.9999 ng); 14 digits shed it.
-    return Decimal(f"{given / wanted:.14g}")
+    return Decimal(f"{factor / wanted:.14g}")
 
 
 @cache

@@ -13,7 +13,7 @@ from ..study.axes import DURATION, NAMES, PULSE_AXES, Grid, axis_behind
 from .units import read, show
 
 MOST_DAMPINGS = 6
-"""Figures of one kind, each at its own C, unless more are requested."""
+"""Figures whose lines are names, each at its own C, unless more are requested."""
 MOST_MAPS, PANELS = 24, 12
 """Maps that are drawn unless more are requested by name, and most of them in one figure."""
 
@@ -48,19 +48,19 @@ def frequency_of(duration: float) -> float:
     return float(f"{1e6 / duration:.14g}")
 
 
-def read_places(given: Mapping, axes: Mapping[str, np.ndarray]) -> dict[str, int]:
+def read_places(view: Mapping, axes: Mapping[str, np.ndarray]) -> dict[str, int]:
     """The places on axes that a view names under `at`, the nearest value of each.
 
-    given: the view's axes, and `at`; ValueError, one line, for one that cannot be
+    view: its axes, and `at`; ValueError, one line, for one that cannot be
     """
-    drawn = {key: axis_behind(axis) for key, axis in given.items() if key != "at"}
+    drawn = {key: axis_behind(axis) for key, axis in view.items() if key != "at"}
     for key, axis in drawn.items():
         if axis not in axes:
-            raise ValueError(f".{key}: {given[key]} is no axis of this sweep")
+            raise ValueError(f".{key}: {view[key]} is no axis of this sweep")
     if len({*drawn.values()}) < len(drawn):
         raise ValueError(f"{' and '.join(drawn)} are the same axis; write two")
     at = {}
-    for key, value in given.get("at", {}).items():
+    for key, value in view.get("at", {}).items():
         name, axis = f".at.{key}", axis_behind(key)
         if axis not in axes or axis in drawn.values() or axis in at:
             raise ValueError(f"{name}: is no axis of this sweep, or one that is drawn")
@@ -113,12 +113,11 @@ def batch_places(grid: Grid, of: Collection[str] = NAMES) -> dict[str, dict[str,
     of: those of the axes of names that matter
     """
     names = [key for key in _names(grid) if key in of]
-    places = product(*(range(grid.axes[key].size) for key in names))
-    each = [dict(zip(names, place, strict=True)) for place in places]
-    return {
-        "".join(f"_{value_name(key, grid.axes[key], i)}" for key, i in at.items()): at
-        for at in each
-    }
+    places = {}
+    for place in product(*(range(grid.axes[key].size) for key in names)):
+        at = dict(zip(names, place, strict=True))
+        places["".join(f"_{value_name(key, grid.axes[key], i)}" for key, i in at.items())] = at
+    return places
 
 
 def side_by_side(maps: Sequence[View]) -> list[View]:
@@ -137,7 +136,7 @@ def choose_curves(
     """
     if requests is not None:
         return _once(_view(grid, nominal, "thresholds", *request) for request in requests)
-    several = _several(grid, without="N")
+    several = _several(grid)
     over = list(dict.fromkeys(["f0", *(key for key in several if key not in (*NAMES, "C"))]))
     if len(over) > 1 and grid.axes["f0"].size == 1:
         over.remove("f0")
@@ -145,17 +144,14 @@ def choose_curves(
     # Names on a further axis get lines of their own.
     lines = {y for _, y in drawn}
     drawn += [(over[0], key) for key in _names(grid) if key not in lines]
+    dampings = [{"C": place} for place in evenly(grid.axes["C"].size, MOST_DAMPINGS)]
     views = [
-        _view(grid, nominal, "thresholds", x, y, at) for x, y in drawn for at in _each_C(grid, y)
+        _view(grid, nominal, "thresholds", x, y, at)
+        for x, y in drawn
+        for at in (dampings if y in NAMES else [{}])
     ]
     # The first keeps the plain name, whatever it is drawn over.
     return (views[0]._replace(name="thresholds"), *views[1:])
-
-
-def _each_C(grid, lines):
-    """Places of figures whose lines are names: each C, at most MOST_DAMPINGS; of others one."""
-    chosen = evenly(grid.axes["C"].size, MOST_DAMPINGS)
-    return [{"C": place} for place in chosen] if lines in NAMES else [{}]
 
 
 def choose_boundary(grid: Grid, nominal: Device) -> tuple[View, ...]:
@@ -177,28 +173,28 @@ def _names(grid):
 
 
 def _default_plane(grid):
-    several = _several(grid, without="N")
-    several = [key for key in several if key not in PULSE_AXES]
+    several = [key for key in _several(grid) if key not in PULSE_AXES]
     first = "f0" if "f0" in several or not several else several[0]
     rest = [key for key in several if key != first]
     alone = grid.axes["N"].size == 1 and rest
     return first, rest[0] if alone else "N"
 
 
-def _several(grid, without):
-    return [key for key, values in grid.axes.items() if values.size > 1 and key != without]
+def _several(grid):
+    """Axes of several values but N."""
+    return [key for key, values in grid.axes.items() if values.size > 1 and key != "N"]
 
 
 def _once(views):
-    """Each view once: two that are asked for may mean the same values."""
+    """Keep each view once: two requests may mean the same values."""
     return tuple({view.name: view for view in views}.values())
 
 
-def _view(grid, nominal, stem, x, y, given):
+def _view(grid, nominal, stem, x, y, places):
     at = {
-        key: given.get(key, _usual(values, key, nominal))
+        key: places.get(key, _usual(values, key, nominal))
         for key, values in grid.axes.items()
-        if key not in (axis_behind(x), axis_behind(y)) and (key != "N" or key in given)
+        if key not in (axis_behind(x), axis_behind(y)) and (key != "N" or key in places)
     }
     return View(_name(grid, f"{stem}_{x}_{y}", at), x, y, at)
 

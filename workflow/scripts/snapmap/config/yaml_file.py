@@ -49,12 +49,12 @@ class _Loader(yaml.SafeLoader):
     """Refuses equal keys, of which PyYAML keeps the last, and numbers that are not decimal."""
 
     def construct_mapping(self, node, deep=False):
-        seen = set()
+        keys = set()
         for key, _ in node.value:
-            if key.value in seen:
+            if key.value in keys:
                 problem = f"{show(key.value)} comes twice"
                 raise yaml.MarkedYAMLError(problem=problem, problem_mark=key.start_mark)
-            seen.add(key.value)
+            keys.add(key.value)
         return super().construct_mapping(node, deep)
 
     def construct_decimal(self, node):

@@ -20,7 +20,7 @@ import numpy as np
 from ..numerics.linalg import dot
 
 NEWTON_STEPS, BISECTIONS, FAR = 200, 60, 1e6
-"""At most; to the lowest point of h; and a load beyond all others, over the first."""
+"""Most steps to a root; steps to the lowest point of h; a load beyond all, over the first."""
 
 
 class Equilibria(NamedTuple):
@@ -60,9 +60,13 @@ def equilibria(
     q[:, 1] = np.where(saddle == 0, free, q[:, 1])
     second = np.where(np.isnan(saddle), np.nan, second)
     q[np.isnan(second)] = np.nan
-    growth = _growth(loads, 0, first), _growth(loads, 0, second), q
-    forces = loads[:, 0] * (1 - first), loads[:, 0] * (1 - second)
-    return Equilibria(*(part[:, :modes] for part in growth), *forces)
+    return Equilibria(
+        first=_growth(loads, 0, first)[:, :modes],
+        second=_growth(loads, 0, second)[:, :modes],
+        saddle=q[:, :modes],
+        N_first=loads[:, 0] * (1 - first),
+        N_second=loads[:, 0] * (1 - second),
+    )
 
 
 def least_residual(loads: np.ndarray, s: np.ndarray, axial: np.ndarray) -> np.ndarray:
@@ -103,8 +107,8 @@ def _root(loads, s, axial, residual, p, side, limit):
     most = abs(residual) + axial * dot(s, s)
     d, left = np.sqrt(square / (square + most)), np.arange(len(s))
     for _ in range(NEWTON_STEPS):
-        at = loads[left], s[left], axial[left], residual[left], p, side * d[left]
-        h, slope = _stretch(*at)
+        arch = loads[left], s[left], axial[left], residual[left]
+        h, slope = _stretch(*arch, p, side * d[left])
         with np.errstate(divide="ignore", invalid="ignore"):
             step = np.where(h > 0, np.where(side * slope < 0, -side * h / slope, np.inf), 0.0)
         nearer = d[left] + step

@@ -32,11 +32,7 @@ REFERENCE = 20.0
 """Temperature, degC, at which the values of a device hold unless it says another."""
 ZERO = 273.15
 """K, of 0 degC."""
-STRENGTH = {
-    "scale": "strength",
-    "modulus": "strength_modulus",
-    "threshold": "strength_threshold",
-}
+STRENGTH = {"scale": "strength", "modulus": "strength_modulus", "threshold": "strength_threshold"}
 """Likewise in its section `strength`."""
 SECTIONS = {"stops": STOPS, "thermal": THERMAL, "strength": STRENGTH}
 ALONE = {"mass": 0.0, "spring": 1.0, "contact": 1.0, "gap": math.inf}
@@ -156,8 +152,9 @@ class Device:
 
         Where the temperature is among them, the others are those at the reference.
         """
-        own = asdict(self)
-        device = _from_values({**own.pop("beam"), **own, **self.warmed(values)}, np.asarray)
+        present = asdict(self)
+        present |= {**present.pop("beam"), **self.warmed(values)}
+        device = _from_values(present, np.asarray)
         device.beam.require_second_shape()
         return device
 
@@ -173,16 +170,16 @@ class Device:
         if "temperature" not in values:
             return values
         # ASSUME: all else stays as it is: expansion moves sizes by some 1e-4.
-        here = self.temperature - self.reference_temperature
-        there = values["temperature"] - self.reference_temperature
-        own = self.beam.youngs_modulus / (1 + self.modulus_slope * here)
-        relaxed = self.beam.residual_stress + own * self.expansion_mismatch * here
-        modulus = values.get("youngs_modulus", own)
+        dT_before = self.temperature - self.reference_temperature
+        dT = values["temperature"] - self.reference_temperature
+        at_reference = self.beam.youngs_modulus / (1 + self.modulus_slope * dT_before)
+        relaxed = self.beam.residual_stress + at_reference * self.expansion_mismatch * dT_before
+        modulus = values.get("youngs_modulus", at_reference)
         stress = values.get("residual_stress", relaxed)
         return {
             **values,
-            "youngs_modulus": modulus * (1 + self.modulus_slope * there),
-            "residual_stress": stress - modulus * self.expansion_mismatch * there,
+            "youngs_modulus": modulus * (1 + self.modulus_slope * dT),
+            "residual_stress": stress - modulus * self.expansion_mismatch * dT,
         }
 
 

@@ -19,7 +19,7 @@ PROFILE = 2_000_000, f"write at most {MOST} points"
 """Bytes that such a file may have, and what to do about more."""
 LENGTHS = {"um": 1.0, "µm": 1.0, "μm": 1.0, "nm": 1e-3, "mm": 1e3, "m": 1e6}
 FARTHEST = 0.1
-"""Of the fit from the points, rms over the rise: beyond it is no beam between two clamps."""
+"""Distance of the fit from the points, rms over the rise, beyond which it is no clamped beam."""
 
 
 class Measured(NamedTuple):
@@ -90,4 +90,5 @@ def _fit(x, w, length):
     # A beam that was drawn upside down.
     cosines = (fit[2:-1] * math.copysign(1.0, fit[2])).tolist()
     rms, most = math.sqrt(dot(away, away) / x.size), float(np.abs(away).max())
-    return Measured(cosines, abs(float(fit[-1])), rms, most, x.size, length)
+    tilt = abs(float(fit[-1]))
+    return Measured(cosines, tilt=tilt, rms=rms, most=most, points=x.size, length=length)

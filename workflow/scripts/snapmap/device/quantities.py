@@ -25,9 +25,12 @@ class Bounds(NamedTuple):
 
     def __str__(self):
         """In words that follow a noun."""
-        low = f"{'from' if self.low_fits else 'above'} {self.low:.10g}" * (self.low > -inf)
-        high = f"{'up to' if self.high_fits else 'below'} {self.high:.10g}" * (self.high < inf)
-        return " and ".join(filter(None, (low, high)))
+        ends = []
+        if self.low > -inf:
+            ends.append(f"{'from' if self.low_fits else 'above'} {self.low:.10g}")
+        if self.high < inf:
+            ends.append(f"{'up to' if self.high_fits else 'below'} {self.high:.10g}")
+        return " and ".join(ends)
 
 
 def bounds_of(text: str) -> Bounds:

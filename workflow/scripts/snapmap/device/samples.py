@@ -16,9 +16,9 @@ SHOCK_FACTORS = ("N", "duration", "C")
 """Values of the shock and of the damper that scatter, too, as shares: they have no nominal ones."""
 DISTRIBUTIONS = ("normal", "uniform", "lognormal", "truncated")
 INDEX_SAMPLES = 1024
-"""Of those by which Sobol indices are estimated, by default."""
+"""Samples by which Sobol indices are estimated, by default."""
 FOLLOWED_CELLS, FEWEST_FOLLOWED = 1_000_000, 64
-"""So many cells are followed to their end, or at least those of so many samples."""
+"""Cells that are followed to their end, and the least samples of which all cells are."""
 CUT = 2.0
 """Standard deviations at which a truncated normal distribution ends."""
 DIGITS = 7
@@ -45,8 +45,8 @@ class Tolerances(NamedTuple):
     @property
     def section(self) -> dict:
         """As provenance has it, in plain values."""
-        drawn = {key: getattr(self, key) for key in ("samples", "seed", "together")}
-        return {**self.scatters, **drawn}
+        draws = {"samples": self.samples, "seed": self.seed, "together": self.together}
+        return {**self.scatters, **draws}
 
     @property
     def power(self) -> int:
@@ -97,7 +97,7 @@ class Plan:
 
     def __init__(self, device, scatters: Mapping, together: Sequence[Sequence[str]] = ()):
         """Take scatters as `snapmap.tolerance` does; ValueError, one line, for what cannot be."""
-        self.scatters = {key: _scatter(key, given) for key, given in scatters.items()}
+        self.scatters = {key: _scatter(key, width) for key, width in scatters.items()}
         if not self.scatters:
             raise ValueError("tolerances: name a value that scatters, such as thickness")
         self.nominal = {}
@@ -167,17 +167,17 @@ def nominal_value(device: Device, key: str) -> float:
     return float(getattr(device.beam if hasattr(device.beam, key) else device, key))
 
 
-def _scatter(key, given):
+def _scatter(key, width):
     """Take a width, as a number or a share as text, or a mapping of one of DISTRIBUTIONS to it."""
     name = f"tolerances.{key}"
-    if key not in (*OF_DEVICE, *SHOCK_FACTORS):
-        known = ", ".join((*OF_DEVICE, *SHOCK_FACTORS))
-        raise ValueError(f"{name}: is no value that scatters; these are {known}")
-    distribution, width = "normal", given
-    if isinstance(given, Mapping):
-        if len(given) != 1 or next(iter(given)) not in DISTRIBUTIONS:
+    known = *OF_DEVICE, *SHOCK_FACTORS
+    if key not in known:
+        raise ValueError(f"{name}: is no value that scatters; these are {', '.join(known)}")
+    distribution = "normal"
+    if isinstance(width, Mapping):
+        if len(width) != 1 or next(iter(width)) not in DISTRIBUTIONS:
             raise ValueError(f"{name}: write one of {', '.join(DISTRIBUTIONS)} with its width")
-        ((distribution, width),) = given.items()
+        ((distribution, width),) = width.items()
     is_share = isinstance(width, str) and width.strip().endswith("%")
     try:
         number = float(width.strip()[:-1]) / 100 if is_share else float(numbers(width))

@@ -34,71 +34,71 @@ LATE = {"linestyle": "--", "markerfacecolor": "white", "markeredgewidth": 0.6}
 LATE["label"] = "threshold, snap after the pulse"
 
 
-def some_lines(found: xr.Dataset, x: str, lines: str) -> xr.Dataset:
+def some_lines(thresholds: xr.Dataset, x: str, lines: str) -> xr.Dataset:
     """The thresholds in order of two axes, for CURVES values of `lines` at most, evenly chosen."""
-    found = found.sortby([key for key in (lines, x) if found[key].dtype.kind in "fiu"])
-    return found.isel({lines: evenly(found.sizes[lines], CURVES)})
+    thresholds = thresholds.sortby(
+        [key for key in (lines, x) if thresholds[key].dtype.kind in "fiu"]
+    )
+    return thresholds.isel({lines: evenly(thresholds.sizes[lines], CURVES)})
 
 
-def each_line(found: xr.Dataset, lines: str) -> Iterator[tuple[xr.Dataset, str, str]]:
+def each_line(thresholds: xr.Dataset, lines: str) -> Iterator[tuple[xr.Dataset, str, str]]:
     """The thresholds at every value of an axis, with a colour and a marker."""
-    for i in range(found.sizes[lines]):
-        yield found.isel({lines: i}), *LOOKS[i % len(LOOKS)]
+    for i in range(thresholds.sizes[lines]):
+        yield thresholds.isel({lines: i}), *LOOKS[i % len(LOOKS)]
 
 
-def line_keys(found: xr.Dataset, lines: str) -> Iterator[Line2D]:
+def line_keys(thresholds: xr.Dataset, lines: str) -> Iterator[Line2D]:
     """Keys of a legend for every line: the limit of short pulses, or that nothing is drawn."""
-    for one, colour, marker in each_line(found, lines):
-        v = one.velocity_change
-        label = value_text(lines, one[lines].item(), with_unit=lines != "C")
-        label += (
-            f", $\\Delta v$ = {plain(v.item(), 3)} m/s" if v.ndim == 0 and np.isfinite(v) else ""
-        )
-        label += "" if one.N_first.notnull().any() else ", no threshold"
+    for curve, colour, marker in each_line(thresholds, lines):
+        v = curve.velocity_change
+        label = value_text(lines, curve[lines].item(), with_unit=lines != "C")
+        if v.ndim == 0 and np.isfinite(v):
+            label += f", $\\Delta v$ = {plain(v.item(), 3)} m/s"
+        if curve.N_first.isnull().all():
+            label += ", no threshold"
         yield Line2D([], [], color=colour, marker=marker, label=label)
 
 
 def draw_curve(
-    ax: Axes, x: np.ndarray, found: xr.Dataset, colour: str, marker: str = "", size: float = 3.5
+    ax: Axes, x: np.ndarray, curve: xr.Dataset, colour: str, marker: str = "", size: float = 3.5
 ) -> None:
     """Draw N_first over x with error bars; dashed and hollow where the snap is late."""
     every = -(-x.size // MARKS)
     bars = {"linestyle": "", "elinewidth": 0.6, "errorevery": every}
     look = {"color": colour, "clip_on": False}
-    ax.errorbar(x, found.N_first.values, _known_error(found).values, **bars, **look)
-    _draw_line(ax, x, found, look | {"marker": marker, "markersize": size}, every)
+    ax.errorbar(x, curve.N_first.values, _known_error(curve).values, **bars, **look)
+    _draw_line(ax, x, curve, look | {"marker": marker, "markersize": size}, every)
 
 
-def draw_band(ax: Axes, x: np.ndarray, found: xr.Dataset) -> None:
+def draw_band(ax: Axes, x: np.ndarray, curve: xr.Dataset) -> None:
     """Draw N_first over x in a band as wide as its error, and N_always where it is another."""
-    N, error = found.N_first.values, _known_error(found)
-    _draw_line(ax, x, found, {"color": "black"}, label="threshold")
+    N, error = curve.N_first.values, _known_error(curve)
+    _draw_line(ax, x, curve, {"color": "black"}, label="threshold")
     ax.fill_between(x, N - error.values, N + error.values, **BAND)
-    mark_missing(ax, x, found, "black")
-    has_gap = found.N_always > found.N_first + error.fillna(0)
+    mark_missing(ax, x, curve, "black")
+    has_gap = curve.N_always > curve.N_first + error.fillna(0)
     if has_gap.any():
-        ax.plot(x, found.N_always.where(has_gap).values, **ALWAYS)
+        ax.plot(x, curve.N_always.where(has_gap).values, **ALWAYS)
 
 
-def _draw_line(ax, x, found, look, every=1, label=None):
+def _draw_line(ax, x, curve, look, every=1, label=None):
     # Late is a snap that was not seen before the end of the pulse.
-    N, late = (
-        found.N_first.values,
-        (found.N_first.notnull() & ~(found.t_snap <= 1e6 / found.f0)).values,
-    )
+    N, in_pulse = curve.N_first.values, curve.t_snap <= 1e6 / curve.f0
+    late = (curve.N_first.notnull() & ~in_pulse).values
     beside = np.convolve(late, [1, 1, 1])[1:-1] > 0
     marked = late & (np.arange(N.size) % every == 0)
     ax.plot(x, np.where(late, np.nan, N), markevery=every, label=label, **look)
     ax.plot(x, np.where(beside, N, np.nan), markevery=marked, **look, **LATE)
 
 
-def _known_error(found):
-    return found.N_error.where(np.isfinite(found.N_error))
+def _known_error(curve):
+    return curve.N_error.where(np.isfinite(curve.N_error))
 
 
-def mark_missing(ax: Axes, x: np.ndarray, found: xr.Dataset, colour: str, place: int = 0) -> None:
+def mark_missing(ax: Axes, x: np.ndarray, curve: xr.Dataset, colour: str, place: int = 0) -> None:
     """Mark at the upper edge where a line has no threshold; place: of the line, from 0."""
-    missing = x[found.N_first.isnull().values]
+    missing = x[curve.N_first.isnull().values]
     cross(ax, missing, FIRST_ROW - NEXT_ROW * place, colour, "no threshold here")
 
 
@@ -109,19 +109,19 @@ def cross(ax: Axes, x: np.ndarray, height: float, colour: str, label: str) -> No
         ax.plot(x, np.full(x.size, height), label=label, **at, **MISSING)
 
 
-def draw_static(ax: Axes, found: xr.Dataset, x: str, colour: str = "0.4", place: int = 0) -> None:
+def draw_static(ax: Axes, curve: xr.Dataset, x: str, colour: str = "0.4", place: int = 0) -> None:
     """Draw the limit of long pulses of one line over an axis; place: as for `limit_look`."""
-    look, static = limit_look(LONG, colour, place), found.N_static
+    look, static = limit_look(LONG, colour, place), curve.N_static
     if x in static.dims:
-        ax.plot(scale_of(x, found[x].values).places, static.values, label=LONG, **look)
+        ax.plot(scale_of(x, curve[x].values).places, static.values, label=LONG, **look)
     elif np.isfinite(static):
         ax.axhline(static.item(), label=f"{LONG}, $N$ = {plain(static.item())}", **look)
 
 
-def draw_impulsive(ax: Axes, found: xr.Dataset, colour: str, place: int = 0) -> None:
+def draw_impulsive(ax: Axes, curve: xr.Dataset, colour: str, place: int = 0) -> None:
     """Draw the limit of short pulses of one line over f0 (Hz) within the limits of the axes."""
     f0 = np.geomspace(*ax.get_xlim(), 200)
-    slope = (1e-6 * found.velocity_change / (found.gravity * found.area)).item()
+    slope = (1e-6 * curve.velocity_change / (curve.gravity * curve.area)).item()
     if np.isfinite(slope):
         look = limit_look(SHORT, colour, place) | {"label": SHORT, "scalex": False, "scaley": False}
         ax.plot(f0, f0 * slope, **look)
@@ -133,6 +133,6 @@ def limit_look(limit: str, colour: str, place: int) -> dict:
     return {"color": colour, "linestyle": dashes, "linewidth": 0.6, "zorder": 1.5}
 
 
-def velocity_change(found: xr.Dataset) -> xr.DataArray:
+def velocity_change(curve: xr.Dataset) -> xr.DataArray:
     """Velocity change of the pulse at N_first, its area times N g / f0, m/s."""
-    return found.N_first * found.gravity * found.area / (1e-6 * found.f0)
+    return curve.N_first * curve.gravity * curve.area / (1e-6 * curve.f0)

@@ -24,7 +24,7 @@ RATIO = 0.72
 def draw_map(
     ax: Axes,
     cells: xr.Dataset,
-    found: xr.Dataset | None = None,
+    thresholds: xr.Dataset | None = None,
     x: str = "f0",
     y: str = "N",
     required_shocks: Sequence[tuple[str, float, float, bool]] = (),
@@ -33,12 +33,12 @@ def draw_map(
 ) -> Axes:
     """Draw over two axes which cells snap.
 
-    found: thresholds over x, drawn with their errors and limits if y is N
+    thresholds: over x, drawn with their errors and limits if y is N
     required_shocks: to point out by numbers: name, f0 (Hz), N, and whether the map is of its pulse
     own_points: a user's own
     ends: draw instead on which side of the saddle the beam of each cell ends, and how sure
     """
-    _fill_map(ax, cells, found, x, y, own_points, ends)
+    _fill_map(ax, cells, thresholds, x, y, own_points, ends)
     shocks = plane.number_shocks(ax, x, required_shocks if _has_shocks(x, y) else ())
     ax.set_title(place_text(cells))
     words = [style.case(cells.attrs, style.COLUMN), textwrap.fill(shocks, style.COLUMN)]
@@ -60,12 +60,12 @@ def draw_time_map(
     cells = plane.thin(cells, x, y)
     across = plane.open_plane(ax, cells, x, y)
     shown = states.WAITING, states.WAITING, *states.SNAPS[2:]
-    found = states.snap_states(cells)
-    found = found.where(found != 1, -1)  # in the colour of its time
-    plane.fill_states(ax, found, shown, *across)
+    codes = states.snap_states(cells)
+    codes = codes.where(codes != 1, -1)  # in the colour of its time
+    plane.fill_states(ax, codes, shown, *across)
     ax.set_title(place_text(cells))
-    style.legend(ax, plane.state_keys([found], shown), style.case(cells.attrs, style.COLUMN), 2)
-    if (found == -1).any():
+    style.legend(ax, plane.state_keys([codes], shown), style.case(cells.attrs, style.COLUMN), 2)
+    if (codes == -1).any():
         low, high = ends or snap_times([cells])
         unit, per_unit = ("ms", 1e3) if high >= 1e3 else ("µs", 1.0)
         is_wide = high > states.WIDE * low
@@ -81,7 +81,7 @@ def draw_time_map(
 def snap_times(panels: Iterable[xr.Dataset]) -> tuple[float, float]:
     """The first and the last snap in all maps of cells, us; NaN if none snaps, or there is none."""
     times = (part.t_snap for cells in panels for part in plane.parts(cells))
-    ends = [(np.nan, np.nan), *((some.min().item(), some.max().item()) for some in times)]
+    ends = [(np.nan, np.nan), *((time.min().item(), time.max().item()) for time in times)]
     return np.fmin.reduce(ends)[0].item(), np.fmax.reduce(ends)[1].item()
 
 
@@ -139,7 +139,7 @@ def draw_maps(
     axes = figure.subplots(-(-len(panels) // columns), columns, squeeze=False)
     first, *others = cells = [cells for cells, _ in panels]
     alone = [key for key in first.coords if first[key].ndim == 0]
-    shared = [key for key in alone if others and all(one[key] == first[key] for one in others)]
+    shared = [key for key in alone if others and all(panel[key] == first[key] for panel in others)]
     for place, ax in enumerate(axes.flat):
         if place >= len(panels):
             ax.remove()
@@ -173,7 +173,7 @@ def _has_shocks(x, y):
     return (axis_behind(x), y) == ("f0", "N")
 
 
-def _fill_map(ax, cells, found, x, y, own_points, ends):
+def _fill_map(ax, cells, thresholds, x, y, own_points, ends):
     cells = plane.thin(cells, x, y)
     across = plane.open_plane(ax, cells, x, y)
     shown, classify = _states(ends)
@@ -186,17 +186,17 @@ def _fill_map(ax, cells, found, x, y, own_points, ends):
     if "stress_share" in cells:
         plane.hatch(ax, cells.stress_share >= 1, *across, plane.BREAKS)
     plane.freeze(ax)
-    if found is not None and y == "N":
-        found = found.sortby(x) if found[x].dtype.kind in "fiu" else found
-        draw_band(ax, scale_of(x, found[x].values).places, found)
-        draw_static(ax, found, x, "black")
+    if thresholds is not None and y == "N":
+        thresholds = thresholds.sortby(x) if thresholds[x].dtype.kind in "fiu" else thresholds
+        draw_band(ax, scale_of(x, thresholds[x].values).places, thresholds)
+        draw_static(ax, thresholds, x, "black")
         if x == "f0":
-            draw_impulsive(ax, found, "black")
+            draw_impulsive(ax, thresholds, "black")
     plane.draw_points(ax, x, own_points if _has_shocks(x, y) else ())
 
 
 def _states(ends):
-    """What there is to be drawn of a cell, and the function that says which it is."""
+    """The states of a cell that may be drawn, and the function that classifies cells."""
     return (states.STATES, states.end_states) if ends else (states.SNAPS, states.snap_states)
 
 

@@ -26,7 +26,7 @@ LUMA, DARK = (0.299, 0.587, 0.114), 0.4
 RESOLVED, VECTORS = 700, 20_000
 """Most cells drawn along an axis, finer than print; and most hatched as vectors."""
 PART = 1_000_000
-"""Cells looked at together, as far as memory goes."""
+"""Cells that are classified together, as memory is bounded."""
 
 RING = {"boxstyle": "circle,pad=0.25", "facecolor": "white", "linewidth": 0.8}
 ARROW = {"arrowstyle": "-|>,head_length=0.3,head_width=0.15", "facecolor": "black"}
@@ -68,19 +68,19 @@ def open_plane(ax: Axes, cells: xr.Dataset, x: str, y: str) -> tuple[Scale, Scal
     return scales
 
 
-def fill_states(ax: Axes, found: xr.DataArray, states: Sequence[State], x: Scale, y: Scale) -> None:
+def fill_states(ax: Axes, codes: xr.DataArray, states: Sequence[State], x: Scale, y: Scale) -> None:
     """Fill each cell with the colour of its state; those that failed are crossed out.
 
-    found: index in `states` of each cell over x and y; below 0 nothing is filled
+    codes: index in `states` of each cell over x and y; below 0 nothing is filled
     """
     colours = ListedColormap([state.colour for state in states])
     norm = BoundaryNorm(np.arange(len(states) + 1) - 0.5, colours.N)
-    fill_field(ax, found.where(found >= 0), x, y, cmap=colours, norm=norm)
+    fill_field(ax, codes.where(codes >= 0), x, y, cmap=colours, norm=norm)
     for code, state in enumerate(states):
         if state.name == "absent":
-            hatch(ax, found == code, x, y, ABSENT)
+            hatch(ax, codes == code, x, y, ABSENT)
         if state.name == "failed":  # one alone is too small to see on a fine grid
-            i, j = np.nonzero((found == code).transpose(x.key, y.key).values)
+            i, j = np.nonzero((codes == code).transpose(x.key, y.key).values)
             for stroke, width in {"white": 2.0, state.colour: 0.8}.items() if i.size else ():
                 cross = {"marker": "x", "color": stroke, "markeredgewidth": width}
                 ax.plot(x.places[i], y.places[j], linestyle="", **cross)
@@ -104,19 +104,19 @@ def hatch(ax: Axes, chosen: xr.DataArray, x: Scale, y: Scale, look: dict) -> Non
         ax.add_patch(PathPatch(region, **bare, **look))
 
 
-def is_dark(found: xr.DataArray, states: Sequence[State]) -> xr.DataArray:
-    """Whether the colours of cells are dark; found: as for `fill_states`."""
+def is_dark(codes: xr.DataArray, states: Sequence[State]) -> xr.DataArray:
+    """Whether the colours of cells are dark; codes: as for `fill_states`."""
     light = [np.dot(to_rgb(state.colour), LUMA) for state in states]
-    return found.isin([i for i, value in enumerate(light) if value < DARK])
+    return codes.isin([i for i, value in enumerate(light) if value < DARK])
 
 
-def state_keys(found: Iterable[xr.DataArray], states: Sequence[State]) -> Iterator[Patch]:
+def state_keys(panels: Iterable[xr.DataArray], states: Sequence[State]) -> Iterator[Patch]:
     """A key of a legend for each state that some panels have, with the number of cells."""
-    codes = (panel.values[panel.values >= 0] for panel in found)
-    counts = sum(np.bincount(some, minlength=len(states)) for some in codes).tolist()
+    values = (codes.values[codes.values >= 0] for codes in panels)
+    counts = sum(np.bincount(codes, minlength=len(states)) for codes in values).tolist()
     for state, count in zip(states, counts, strict=True):
         look = {"hatch": ABSENT["hatch"]} if state.name == "absent" else {}
-        words = f"{state.words} ({count} cell{'s' * (count > 1)})"
+        words = f"{state.words} ({count} cell{'s' if count > 1 else ''})"
         if count:
             yield Patch(facecolor=state.colour, edgecolor="black", label=words, **look)
 

@@ -61,9 +61,9 @@ def end_states(cells: xr.Dataset) -> xr.DataArray:
     tripped = (cells.well == 2) | ((cells.well == 0) & (cells.t_snap.notnull() ^ bool(starts)))
     crossing = (cells.well != 0) & ~(cells.well_share >= WHOLE_SWING)
     rest = xr.where(proven, REST_PROVEN, REST_SEEN)
-    found = xr.where(tripped, xr.where(proven, TRIPPED_PROVEN, TRIPPED_SEEN), rest)
-    found = xr.where(crossing & ~proven, CROSSING, found)
-    return _without_runs(found, is_one_of, FAILED, ABSENT)
+    codes = xr.where(tripped, xr.where(proven, TRIPPED_PROVEN, TRIPPED_SEEN), rest)
+    codes = xr.where(crossing & ~proven, CROSSING, codes)
+    return _without_runs(codes, is_one_of, FAILED, ABSENT)
 
 
 def snap_states(cells: xr.Dataset) -> xr.DataArray:
@@ -83,9 +83,9 @@ def _outcomes(cells):
     return {name: cells.outcome == code for code, name in enumerate(names)}
 
 
-def _without_runs(found, outcomes, failed, absent):
+def _without_runs(codes, outcomes, failed, absent):
     """Put what has no run of its own in place of its state."""
     for name, state in (("failed", failed), ("absent", absent)):
         if name in outcomes:
-            found = xr.where(outcomes[name], state, found)
-    return found.astype(np.int8)
+            codes = xr.where(outcomes[name], state, codes)
+    return codes.astype(np.int8)

@@ -166,9 +166,11 @@ def case(attributes: Mapping[str, str], width: int = PAGE) -> str:
     made = next((key for key in MAKERS if key in pulse), VERSED_SINE)
     shape = pulse.get("file", pulse.get("shape", made))
     words = [literal(shape)] if isinstance(shape, str) else []
-    words += ["along −z"] if pulse.get("direction") == "-z" else []
+    if pulse.get("direction") == "-z":
+        words.append("along −z")
     words += [*guides(config), *starts(config)]
-    words += [f"model {config['model']['name']}"] if "model" in config else []  # slabs say nothing
+    if "model" in config:  # slabs say nothing
+        words.append(f"model {config['model']['name']}")
     if horizon := config.get("sweep", {}).get("horizon"):
         time, _, unit = horizon.partition(" ")
         horizon = f"{plain(float(time) / 1e3)} ms" if unit == "us" else horizon

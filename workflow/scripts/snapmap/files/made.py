@@ -60,5 +60,5 @@ def _is_below(folder, name):
 
 
 def _names(files):
-    others = [f"{len(files) - SHOWN} others"] * (len(files) > SHOWN)
-    return ", ".join([*files[:SHOWN], *others])
+    others = f", {len(files) - SHOWN} others" if len(files) > SHOWN else ""
+    return ", ".join(files[:SHOWN]) + others

@@ -96,10 +96,9 @@ def shot_columns(shots: str | Path | Mapping[str, Sequence]) -> dict[str, np.nda
     if len(set(sizes.values())) > 1:
         raise ValueError(f"shots: columns differ in length, {sizes}; write a row for each shot")
     for key, values in columns.items():
-        entries = [_entry(key, *pair) for pair in enumerate(values.tolist(), start=1)]
-        columns[key] = np.array(
-            entries, bool if key == "tripped" else float if key in SHOCKS else object
-        )
+        entries = [_entry(key, row, value) for row, value in enumerate(values.tolist(), 1)]
+        kind = bool if key == "tripped" else float if key in SHOCKS else object
+        columns[key] = np.array(entries, kind)
     return columns
 
 
@@ -162,7 +161,7 @@ def read_table(
     separator = max(",;\t", key=header.count)
     head = [word.strip().strip('"') for word in header.split(separator)]
     keys = _keys(head, numbers, words)
-    scales = {key: _scale(*pair, numbers) for key, *pair in zip(keys, head, keys, strict=True)}
+    scales = {key: _scale(word, key, numbers) for key, word in zip(keys, head, strict=True)}
     reading = {"sep": separator, "names": keys, "header": 0, "nrows": most + 1}
     reading |= {"skipinitialspace": True, "skip_blank_lines": False, "low_memory": False}
     reading |= {"keep_default_na": False, "na_values": {key: [""] for key in numbers}}

@@ -23,13 +23,13 @@ OF_PULSE = {
 
 
 def take_pulse(
-    path: str, given: Mapping, needed: Sequence[str], others: Sequence[str] = ()
+    path: str, section: Mapping, needed: Sequence[str], others: Sequence[str] = ()
 ) -> dict[str, object]:
     """Convert a mapping of these keys to what a pulse may have; else ValueError, one line."""
-    if not isinstance(given, Mapping) or not {*needed} <= {*given} <= {*needed, *others}:
+    if not isinstance(section, Mapping) or not {*needed} <= {*section} <= {*needed, *others}:
         more = f"; it may have {', '.join(others)}" if others else ""
-        raise ValueError(f"{path}: {show(given)} is not a mapping of {', '.join(needed)}{more}")
-    taken = {key: OF_PULSE[key].take(f"{path}.{key}", given[key]) for key in given}
+        raise ValueError(f"{path}: {show(section)} is not a mapping of {', '.join(needed)}{more}")
+    taken = {key: OF_PULSE[key].take(f"{path}.{key}", value) for key, value in section.items()}
     shares = {key: taken[key] for key in SHARES if key in taken}
     if shares and taken.get("shape") != "trapezoid":
         raise ValueError(f"{path}.{next(iter(shares))}: is of a trapezoid alone; leave it out")

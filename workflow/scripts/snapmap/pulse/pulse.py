@@ -188,18 +188,15 @@ class Pulse:
         return replace(self, pieces=flipped, strongest=strongest)
 
 
-def _trapezoid(rise=TENTH, fall=TENTH):
-    """a rises to 1 in a share `rise` of the duration, and falls to 0 in the share `fall`."""
-    return straight(np.array([0.0, rise, 1 - fall, 1.0]), np.array([0.0, 1.0, 1.0, 0.0]))
-
-
 SHAPES = {
     VERSED_SINE: lambda: [[0.0, 0.0, 0.0, 1.0, 0.5, 0.0]],  # (1 - cos 2 pi x)/2, the handout's
     "half sine": lambda: [[0.0, 0.0, 0.0, 0.5, 0.0, 1.0]],  # sin pi x
     "sawtooth": lambda: [[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]],  # x: terminal peak
-    "trapezoid": _trapezoid,
+    "trapezoid": lambda rise=TENTH, fall=TENTH: straight(
+        np.array([0.0, rise, 1 - fall, 1.0]), np.array([0.0, 1.0, 1.0, 0.0])
+    ),
 }
-"""Pieces, as in `numerics.pieces`, of each shape by its name."""
+"""Pieces, as in `numerics.pieces`, of each shape by name; rise, fall: shares of the duration."""
 
 
 def straight(x: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -238,8 +235,9 @@ def sampled(time: np.ndarray, acceleration: np.ndarray, name: str = "recorded") 
 
 def _notes(values):
     """Lines on a record over its peak: a jump, an offset, noise."""
-    notes = [f"begins at {values[0]:.0%} of its peak, as with a jump"]
-    notes = notes if abs(values[0]) > AT_REST else []
+    notes = []
+    if abs(values[0]) > AT_REST:
+        notes.append(f"begins at {values[0]:.0%} of its peak, as with a jump")
     shock = np.flatnonzero(abs(values) > AT_REST)
     rests = {"before": values[: shock[0]], "after": values[shock[-1] + 1 :]}
     for when, quiet in rests.items():
@@ -275,6 +273,6 @@ def blow_at(pulses: Sequence[Pulse], which: np.ndarray, x: np.ndarray) -> np.nda
     """
     number = np.zeros(np.shape(x), np.int32)
     for place, pulse in enumerate(pulses):
-        mine = (which == place) & np.isfinite(x)
-        number[mine] = np.searchsorted(pulse.blows, x[mine], side="right")
+        rows = (which == place) & np.isfinite(x)
+        number[rows] = np.searchsorted(pulse.blows, x[rows], side="right")
     return number

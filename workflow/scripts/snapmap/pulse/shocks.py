@@ -112,24 +112,24 @@ def make_shocks(pulse=VERSED_SINE, direction="+z") -> Shocks:
     direction = tuple(DIRECTIONS) if direction == "both" else direction
     direction = direction if isinstance(direction, str) else tuple(direction)
     if isinstance(pulse, list | tuple):
-        pulses = [_pulse(given) for given in pulse]
+        pulses = [_pulse(section) for section in pulse]
         pulse = {pulse.name: pulse for pulse in pulses}
         if len(pulse) < len(pulses):
             raise ValueError("pulse: a shape comes twice; write each once, or give them names")
     elif isinstance(pulse, Mapping) and pulse.keys() - SECTION:
-        pulse = {str(name): _pulse(given) for name, given in pulse.items()}
+        pulse = {str(name): _pulse(section) for name, section in pulse.items()}
     else:
         pulse = _pulse(pulse)
     return Shocks(pulse, direction)
 
 
-def _pulse(given):
-    """One pulse."""
-    if isinstance(given, Pulse):
-        return given
-    section = {"shape": given} if isinstance(given, str) else given
+def _pulse(section):
+    """Make one pulse of a section, a shape by name, or what is a pulse already."""
+    if isinstance(section, Pulse):
+        return section
+    section = {"shape": section} if isinstance(section, str) else section
     if not isinstance(section, Mapping):
-        raise ValueError(f"pulse: {show(given)} is no shape, nor a pulse; `read_pulse` reads one")
+        raise ValueError(f"pulse: {show(section)} is no shape, nor a pulse; `read_pulse` reads one")
     for key, make in MAKERS.items():
         if [*section] == [key]:
             return make(section[key])
@@ -137,12 +137,12 @@ def _pulse(given):
     return make_pulse(**take_pulse("pulse", section, ("shape",), SHARES))
 
 
-def _written(given):
-    """What a pulse is made of, with units."""
-    if isinstance(given, list | tuple):
-        return [*map(_written, given)]
-    if not isinstance(given, Mapping):
-        return given
-    written = {key: _written(value) for key, value in given.items()}
-    written |= {key: f"{given[key]:.15g} {unit}" for key, unit in UNITS.items() if key in given}
-    return written | {key: f"{100 * given[key]:.15g} %" for key in SHARES if key in given}
+def _written(section):
+    """Write a section of a pulse, or a value in it, with units."""
+    if isinstance(section, list | tuple):
+        return [*map(_written, section)]
+    if not isinstance(section, Mapping):
+        return section
+    written = {key: _written(value) for key, value in section.items()}
+    written |= {key: f"{section[key]:.15g} {unit}" for key, unit in UNITS.items() if key in section}
+    return written | {key: f"{100 * section[key]:.15g} %" for key in SHARES if key in section}

@@ -98,7 +98,7 @@ def _flat(lasts, value):
     return Part(np.array([[0.0, value, 0.0, 0.0, 0.0, 0.0]]), lasts)
 
 
-def _joined(name, parts, given, **others):
+def _joined(name, parts, section, **others):
     """A pulse of parts, one after another; the greatest peak is its own."""
     begins = np.cumsum([0.0, *(part.lasts for part in parts)])
     blows = np.array([part.peak > 0 for part in parts], bool)
@@ -113,7 +113,7 @@ def _joined(name, parts, given, **others):
         name,
         _scaled(pieces, lasts, peak),
         lasts,
-        given={name: given},
+        given={name: section},
         blows=begins[:-1][blows] / lasts,
         swing=min(part.swing for part in parts) / lasts,
         strongest=Pulse("blow", alone, best.lasts, swing=best.swing / best.lasts),

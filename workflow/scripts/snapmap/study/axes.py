@@ -21,7 +21,7 @@ SHOCK_AXES = ("C", "f0", "N")
 DEVICE = "device"
 """The axis of devices that have names."""
 SHAPE, DIRECTION = "shape", "direction"
-"""Those of the pulse's shape, by name, and of the direction in which the frame is pushed."""
+"""The axes of the pulse's shape, by name, and of the direction in which the frame is pushed."""
 PULSE_AXES = (SHAPE, DIRECTION)
 NAMES = (DEVICE, *PULSE_AXES)
 """Axes whose points have names, and no order but the one they were given in."""
@@ -79,14 +79,16 @@ def make_grid(
     if (points.get("N", np.zeros(1)) < 0).any():
         raise ValueError(f"N: {points['N'].min():g} is below 0; direction -z pushes the other way")
     named = device if isinstance(device, Mapping) else {}
-    for each in named.values() if named else [device]:
-        idle = [key for key in points if key in OF_MASS and np.all(each.is_alone)]
+    for single in named.values() if named else [device]:
+        idle = [key for key in points if key in OF_MASS and np.all(single.is_alone)]
         if idle:
             raise ValueError(f"{idle[0]}: is of the mass, and there is none; leave it out")
-    if len({each.gravity for each in named.values()}) > 1:
+    if len({single.gravity for single in named.values()}) > 1:
         raise ValueError("devices: gravity differs; write one, as N counts multiples of it")
     varied = [key for key in points if key not in SHOCK_AXES]
-    shape = (*[len(named)] * bool(named), *(points[key].size for key in varied))
+    shape = tuple(points[key].size for key in varied)
+    if named:
+        shape = (len(named), *shape)
     if math.prod(shape) > MOST_DEVICES:
         size = f"{math.prod(shape):.3g} points of the device's axes"
         raise ValueError(f"{size}, more than {MOST_DEVICES}; write fewer")

@@ -12,7 +12,7 @@ from ..files.atomic import is_whole, replacing, seal
 
 ENCODING = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
 DIGITS = {"quantize_mode", "significant_digits"}
-"""What says how many digits of a variable are kept, where not all are."""
+"""Encodings that say how many digits of a variable are kept, where not all are."""
 
 
 def write(dataset: xr.Dataset, path: str | Path) -> None:
@@ -62,13 +62,13 @@ def check_alike(cube: xr.Dataset, other: xr.Dataset, path: str | Path) -> None:
         both = ours["sweep"].keys() & theirs["sweep"].keys()
         parts += [(ours["sweep"][key], theirs["sweep"][key]) for key in both]
     axes = [(cube[key].values, other[key].values) for key in {*cube.dims} & {*other.dims}]
-    overlap = all(np.isin(*pair).all() or np.isin(*pair[::-1]).all() for pair in axes)
-    if not (theirs and overlap and all(mine == its for mine, its in parts)):
+    overlap = all(np.isin(a, b).all() or np.isin(b, a).all() for a, b in axes)
+    if not (theirs and overlap and all(a == b for a, b in parts)):
         raise ValueError(f"{path}: is of another study; remove it and run again")
 
 
 def _in_this_thread(dataset):
-    """Where dask must work on a lazy dataset, as netCDF4 is not safe in threads."""
+    """Keep dask in this thread for a lazy dataset, as netCDF4 is not safe in threads."""
     if not dataset.chunks:
         return nullcontext()
     import dask  # imported late: only the workflow has lazy ones

@@ -6,6 +6,7 @@ import math
 import platform
 import subprocess
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import asdict
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -56,22 +57,19 @@ def provenance(document: Mapping) -> dict[str, str]:
     }
 
 
-def _with_version(package):
-    """Its name and version, or nothing where it is not installed: not all use all."""
-    try:
-        return f"{package} {version(package)}"
-    except PackageNotFoundError:
-        return ""
-
-
 def _packages():
-    return " ".join(filter(None, map(_with_version, PACKAGES)))
+    """Names and versions of the packages that are installed: not all users need all."""
+    installed = []
+    for package in PACKAGES:
+        with suppress(PackageNotFoundError):
+            installed.append(f"{package} {version(package)}")
+    return " ".join(installed)
 
 
 def device_sections(device: Device | Mapping[str, Device]) -> dict:
     """The sections `device` or `devices` of a config, with units."""
     if isinstance(device, Mapping):
-        return {"devices": {name: _section(one) for name, one in device.items()}}
+        return {"devices": {name: _section(single) for name, single in device.items()}}
     return {"device": _section(device)}
 
 
@@ -79,8 +77,10 @@ def _section(device):
     values = asdict(device)
     beam = values.pop("beam")
     alone = {"mass": "none"} if device.is_alone else {}
-    for key in (*(ALONE if alone else ()), *(["gravity"] if device.force else [])):
+    for key in ALONE if alone else ():
         del values[key]
+    if device.force:
+        del values["gravity"]
     others = {"guide": "free"} if beam.pop("free") else {}
     if clamp := _named(beam, CLAMP):
         others["clamp"] = clamp
@@ -97,7 +97,7 @@ def _section(device):
 
 
 def _named(values, names):
-    """A section of a device of its own, taken out of the values."""
+    """Take a section of a device, whose values have these names, out of the values."""
     section = _with_units({name: values.pop(name) for name in names.values()})
     return {key: section[name] for key, name in names.items() if name in section}
 
@@ -114,7 +114,8 @@ def _with_units(values):
 def code_version() -> str:
     """Such as `0.3.0+1a2b3c4.dirty sources 5d6e7f8a9b0c`; without git only the sources' hash."""
     commit = _commit()
-    return f"{__version__}{'+' + commit if commit else ''} sources {code_hash(*NUMBERS, *DRAWS)}"
+    number = f"{__version__}+{commit}" if commit else __version__
+    return f"{number} sources {code_hash(*NUMBERS, *DRAWS)}"
 
 
 def code_hash(*paths: Path) -> str:

@@ -129,7 +129,7 @@ def with_shocks(requirement: Mapping, shocks: Shocks) -> dict:
     if "shocks" in requirement:
         return dict(requirement)
     push = {"pulse": shocks.pulse, "direction": shocks.direction}
-    if "pulse" not in requirement and any(one.duration for one in shocks.shapes.values()):
+    if "pulse" not in requirement and any(pulse.duration for pulse in shocks.shapes.values()):
         raise ValueError(
             f"requirements: {requirement['name']}: pulse: missing, as that of the study lasts a "
             "time of its own; write a shape such as 'half sine'"

@@ -44,12 +44,9 @@ def variables(product: str) -> dict[str, dict]:
 
 def flags(words: Sequence[str]) -> dict:
     """CF attributes of a variable that counts words, from 0."""
-    return {
-        "flag_values": np.arange(len(words), dtype=np.int8),
-        "flag_meanings": " ".join(words),
-    }
+    return {"flag_values": np.arange(len(words), dtype=np.int8), "flag_meanings": " ".join(words)}
 
 
 def _attributes(flag_meanings, **texts):
-    given = {key: text for key, text in texts.items() if text}
-    return given | (flags(flag_meanings.split()) if flag_meanings else {})
+    attributes = {key: text for key, text in texts.items() if text}
+    return attributes | (flags(flag_meanings.split()) if flag_meanings else {})

@@ -15,7 +15,7 @@ PIPELINE = next(path for path in (PACKAGE / "pipeline", PACKAGE.parents[2]) if p
 """The folder of the Snakefile: in a wheel within the package, else that of the checkout."""
 CONFIG = "config.yaml"
 START = 2.5
-"""Core time of a job's start and loading, s; seen."""
+"""Core time of a job's start and loading, s, as measured."""
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -31,13 +31,13 @@ def main(words: Sequence[str] | None = None) -> int:
         verb.set_defaults(do=do)
     verb.add_argument("--cores", default="all", help="by default all")
     known, others = parser.parse_known_args(words)
-    given = vars(known)
+    values = vars(known)
     if known.do is run:
-        given["others"] = others  # Snakemake's: -n, targets
+        values["others"] = others  # Snakemake's: -n, targets
     elif others:
         parser.error(f"unrecognized arguments: {' '.join(others)}")
     try:
-        given.pop("do")(**given)
+        values.pop("do")(**values)
     except (ImportError, OSError, ValueError) as fault:
         print(fault, file=sys.stderr)
         return 1
@@ -100,16 +100,8 @@ def run(config: Path, cores: str, others: Sequence[str] = ()) -> None:
 
         from ..config.yaml_file import read_document
     read_document(config)  # Snakemake would evaluate what is behind __use_yte__, not refuse it
-    asked = [
-        "--snakefile",
-        PIPELINE / "Snakefile",
-        "--configfile",
-        config,
-        "--cores",
-        cores,
-        *others,
-    ]
-    snakemake([str(word) for word in asked])
+    options = "--snakefile", PIPELINE / "Snakefile", "--configfile", config, "--cores", cores
+    snakemake([str(word) for word in (*options, *others)])
 
 
 if __name__ == "__main__":

@@ -30,17 +30,17 @@ def run_rule(function: Callable, job, study_of: Callable | None = None) -> None:
     first output, `stems` of all; `study` is what study_of makes of the run's config and threads.
     """
     first = Path(job.output[0])
-    given = {"path": str(first), "folder": first.parent, "stem": str(first.with_suffix(""))}
-    given |= {**dict(job.wildcards.items()), **dict(job.params.items())}
-    given["stems"] = list(dict.fromkeys(Path(path).with_suffix("") for path in job.output))
+    values = {"path": str(first), "folder": first.parent, "stem": str(first.with_suffix(""))}
+    values |= {**dict(job.wildcards.items()), **dict(job.params.items())}
+    values["stems"] = list(dict.fromkeys(Path(path).with_suffix("") for path in job.output))
     for name, files in [*job.input.items(), *job.output.items()]:
-        given[f"{name}_path" if isinstance(files, str) else f"{name}_paths"] = files
+        values[f"{name}_path" if isinstance(files, str) else f"{name}_paths"] = files
     wanted = inspect.signature(function).parameters
     Thread(target=_end_with, args=[int(os.environ[RUN])], daemon=True).start()
     with job_log(job.log[0]), _counted(job.log[0]):
         if "study" in wanted:
-            given["study"] = study_of(job.config, job.threads)
-        function(**{name: given[name] for name in wanted if name in given})
+            values["study"] = study_of(job.config, job.threads)
+        function(**{name: values[name] for name in wanted if name in values})
 
 
 @contextmanager
