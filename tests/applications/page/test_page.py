@@ -361,7 +361,7 @@ def test_where_f0_has_one_value_the_longest_other_takes_its_place(browser, hando
 
 
 def test_without_traces_the_page_says_how_to_get_them(browser, cube, tmp_path):
-    write_text(tmp_path / "page.html", cube)
+    write_text(tmp_path / "page.html", cube, None)
     view = View(browser, tmp_path / "page.html")
     assert shows(view, cube.isel(C=view.place()[0]), "f0", "N")
     assert not view.page.is_visible("#history") and "traces: true" in view.text("main")

@@ -144,7 +144,7 @@ def closing_of(study: Study, N: float, f0: float, C: float) -> dict[str, float]:
 
 def _closing(built, cells, settings):
     closures = follow_closures(built, cells, cells.t_end, settings).items()
-    return {"contact_at": built.device.contact_at} | {key: seen.item() for key, seen in closures}
+    return {"contact_at": built.device.contact_at} | {key: value.item() for key, value in closures}
 
 
 def _cell(study, N, f0, C):
