@@ -1,3 +1,4 @@
+import warnings
 from pathlib import Path
 
 import pytest
@@ -35,3 +36,12 @@ def fix_step(monkeypatch):
 def handout():
     """The handout's device."""
     return load_device(ROOT / "config" / "config.yaml")
+
+
+@pytest.fixture
+def paper():
+    """The figures' own style; a warning is a fault."""
+    from snapmap.figures import style
+
+    with style.paper(), warnings.catch_warnings(action="error"):
+        yield

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 import snapmap
+from snapmap.figures import style
 from snapmap.solver.outcome import OUTCOMES
 from snapmap.solver.settings import Settings
 from snapmap.study.axes import COORDINATES
@@ -86,3 +87,12 @@ def visible(line):
 
 def legend_words(ax):
     return [text.get_text() for text in ax.figure.legends[0].get_texts()]
+
+
+def drawn(draw, dataset, *others):
+    """Axes on which a function has drawn a dataset."""
+    return draw(style.double_column(height=3.4).subplots(), dataset, *others)
+
+
+def artists(ax, kind):
+    return [artist for artist in ax.get_children() if isinstance(artist, kind)]

@@ -1,7 +1,6 @@
 """What maps show: cells, states, doubts, snap times, thresholds and points; where they stand."""
 
 import itertools
-import warnings
 
 import numpy as np
 import pytest
@@ -17,15 +16,9 @@ from snapmap.figures import states as S
 from snapmap.files.tables import Point, read_points
 from snapmap.sweeps.cube import summary, with_summary
 
+pytestmark = pytest.mark.usefixtures("paper")
 EVERY = make_cells(["0123456"])
 """A cell of each outcome."""
-
-
-@pytest.fixture(autouse=True)
-def paper():
-    """The figures' own style; a warning is a fault."""
-    with style.paper(), warnings.catch_warnings(action="error"):
-        yield
 
 
 def axes():

@@ -58,16 +58,16 @@ def key_of(folder: str, application: ModuleType) -> str:
 
 
 def gather(part: str, *arguments: object) -> dict[str, object]:
-    """What each application that has a part gives for it, by its folder; nothing is left out."""
-    having = {name: one for name, one in attached().items() if hasattr(one, part)}
-    made = {name: getattr(one, part)(*arguments) for name, one in having.items()}
-    return {name: value for name, value in made.items() if value}
+    """Collect what each application that has a part gives for it, by its folder, if anything."""
+    having = {folder: module for folder, module in attached().items() if hasattr(module, part)}
+    parts = {folder: getattr(module, part)(*arguments) for folder, module in having.items()}
+    return {folder: value for folder, value in parts.items() if value}
 
 
 def public_names() -> dict[str, str]:
     """Modules by the names of the public functions that they have."""
     return {
         name: f"applications.{folder}.{module}"
-        for folder, one in attached().items()
-        for name, module in getattr(one, "public", {}).items()
+        for folder, application in attached().items()
+        for name, module in getattr(application, "public", {}).items()
     }

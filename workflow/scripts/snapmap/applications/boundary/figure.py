@@ -24,13 +24,13 @@ def draw_damage_boundary(ax: Axes, found: xr.Dataset, lines: str = "C") -> Axes:
     found = curves.some_lines(found, "f0", lines)
     ax.set(xscale="log", xlabel="velocity change of the pulse (m/s)")
     ax.set(yscale="log", ylabel="peak acceleration $N$ (multiples of $g$)")
-    each = list(curves.each_line(found, lines))
-    for place, (one, colour, marker) in enumerate(each):
-        curves.draw_curve(ax, curves.velocity_change(one).values, one, colour, marker, size=2)
-        if np.isfinite(one.velocity_change):
+    drawn = list(curves.each_line(found, lines))
+    for place, (curve, colour, marker) in enumerate(drawn):
+        curves.draw_curve(ax, curves.velocity_change(curve).values, curve, colour, marker, size=2)
+        if np.isfinite(curve.velocity_change):
             look = curves.limit_look(curves.SHORT, colour, place) | {"label": curves.SHORT}
-            ax.axvline(one.velocity_change.item(), **look)
-    draw_statics(ax, each, "f0")
+            ax.axvline(curve.velocity_change.item(), **look)
+    draw_statics(ax, drawn, "f0")
     scales.tick(ax.xaxis, *ax.get_xlim())
     scales.tick(ax.yaxis, *ax.get_ylim())
     plane.freeze(ax)

@@ -79,8 +79,9 @@ def calibration_of(study: Study, shots: Shots, unknowns: Mapping, C: float | Non
             "is N in multiples of g?"
         )
     ranges = {key: [float(end) for end in ends] for key, ends in unknowns.items()}
-    section = {"unknowns": ranges} | ({} if C is None else {"C": float(C)})
-    document = study.document(THRESHOLD_SETTINGS) | {"calibration": section}
+    document = study.document(THRESHOLD_SETTINGS) | {"calibration": {"unknowns": ranges}}
+    if C is not None:
+        document["calibration"]["C"] = float(C)
     return dress("calibration", fit(shots, surface), document)
 
 
@@ -88,9 +89,8 @@ def fit(shots: Shots, surface: Surface) -> xr.Dataset:
     """Fit shots to thresholds over the ranges of unknowns."""
     likelihood = Likelihood(shots, surface.error)
     nodes = likelihood.integrated(surface.logs.reshape(-1, len(shots.groups)))
-    profile = Profile(
-        lambda u: likelihood.integrated(surface.at(u)), nodes.reshape(surface.logs.shape[:-1])
-    )
+    nodes = nodes.reshape(surface.logs.shape[:-1])
+    profile = Profile(lambda u: likelihood.integrated(surface.at(u)), nodes)
     names, freedom = list(surface.unknowns), shots.N.size - len(surface.unknowns) - 1
     low, high = np.array([profile.interval(k, freedom) for k in range(len(names))]).T
     unit = {"comment": ", ".join(f"{key}: {COORDINATES[key]['units']}" for key in names)}
@@ -103,10 +103,8 @@ def fit(shots: Shots, surface: Surface) -> xr.Dataset:
     spread = spreads[0]
     covariance, slopes = information_at(profile.best, surface, likelihood, spread)
     scale = np.sqrt(np.diag(covariance))
-    data["correlation"] = (
-        ("unknown", "unknown_2"),
-        _rounded(covariance / np.outer(scale, scale)),
-    )
+    correlation = _rounded(covariance / np.outer(scale, scale))
+    data["correlation"] = ("unknown", "unknown_2"), correlation
     logs, group = surface.at(profile.best[None])[0], shots.group
     variance = np.einsum("ij,jk,ik->i", slopes, covariance, slopes)
     half = reach(freedom) * np.sqrt(variance)
@@ -130,7 +128,7 @@ def fit(shots: Shots, surface: Surface) -> xr.Dataset:
 
 
 def _spreads(likelihood, surface, low, high, freedom):
-    """Mean, low and high of the spread.
+    """Mean of the spread, and its interval at 95 %.
 
     low, high: of the unknowns' intervals, as shares of their ranges
     """
@@ -145,7 +143,7 @@ def _spreads(likelihood, surface, low, high, freedom):
 
 
 def _ends(x, likelihood, freedom):
-    """The ends of what 95 % ask for, between values of a likelihood."""
+    """The ends of an interval at 95 %, between values of a likelihood."""
     fine = np.linspace(x[0], x[-1], FINE)
     with np.errstate(divide="ignore"):
         logs = np.maximum(np.log(likelihood / likelihood.max()), LEAST_LOG)
@@ -157,17 +155,15 @@ def summary(fitted: xr.Dataset) -> str:
     """One line: each value with its interval, and the spread."""
     words = [f"{fitted.sizes['shot']} shots"]
     for key in fitted.unknown.values:
-        fit_of = fitted.sel(unknown=key)
-        value, low, high = (plain(fit_of[name].item()) for name in ("estimate", "low", "high"))
+        unknown = fitted.sel(unknown=key)
+        value, low, high = (plain(unknown[name].item()) for name in ("estimate", "low", "high"))
         words.append(f"{key} {value} ({low} to {high})")
-    spread = fitted.spread.values * 100
-    words.append(
-        f"spread {plain(spread[0], 2)} % ({plain(spread[1], 2)} to {plain(spread[2], 2)} %)"
-    )
+    spread, low, high = (plain(value, 2) for value in fitted.spread.values * 100)
+    words.append(f"spread {spread} % ({low} to {high} %)")
     return ", ".join(words)
 
 
 def _rounded(values):
-    """To so many digits."""
+    """Round values to DIGITS, as an array."""
     values = np.asarray(values, float)
     return np.vectorize(lambda x: float(f"{x:.{DIGITS}g}"))(values) if values.size else values

@@ -33,9 +33,8 @@ def draw_calibration(figure: FigureBase, found: xr.Dataset) -> None:
 def panels(found: xr.Dataset) -> list[xr.Dataset]:
     """The shots of each shape and direction."""
     pairs = zip(found["shape"].values, found.direction.values, strict=True)
-    names = np.array(
-        [f"{shape} along {direction}".replace("-z", "−z") for shape, direction in pairs]
-    )
+    words = [f"{shape} along {direction}".replace("-z", "−z") for shape, direction in pairs]
+    names = np.array(words)
     return [
         found.isel(shot=np.flatnonzero(names == name)).assign_attrs(found.attrs | {"panel": name})
         for name in dict.fromkeys(names.tolist())
@@ -50,9 +49,8 @@ def draw_shots(ax: Axes, found: xr.Dataset) -> Axes:
     """
     ax.set_title(literal(found.attrs["panel"]))
     f0, first = np.unique(found.f0.values, return_index=True)
-    middle, low, high = (
-        found[key].values[first] for key in ("threshold", "threshold_low", "threshold_high")
-    )
+    keys = "threshold", "threshold_low", "threshold_high"
+    middle, low, high = (found[key].values[first] for key in keys)
     if f0.size == 1:
         f0, (middle, low, high) = f0 * [1 / WIDEST, WIDEST], np.tile([middle, low, high], 2)
     wide = np.exp(DEVIATIONS * found.spread.sel(bound="estimate").item())
@@ -65,9 +63,9 @@ def draw_shots(ax: Axes, found: xr.Dataset) -> Axes:
     ax.fill_between(f0, low, high, **SURE)
     ax.plot(f0, middle, **THRESHOLD)
     for tripped, (label, side) in SIDES.items():
-        some = found.isel(shot=np.flatnonzero(found.tripped.values == tripped))
+        shots = found.isel(shot=np.flatnonzero(found.tripped.values == tripped))
         look = POINT | {"markersize": 3, "markerfacecolor": TRIPPED[tripped]}
-        ax.plot(some.f0 * ASIDE**side, some.N, label=label, **look)
+        ax.plot(shots.f0 * ASIDE**side, shots.N, label=label, **look)
     return ax
 
 
@@ -75,8 +73,8 @@ def calibration_text(found: xr.Dataset) -> str:
     """The values that were fitted, with their intervals, in words."""
     words = []
     for name in found.unknown.values:
-        one, quantity = found.sel(unknown=name), QUANTITIES[name]
-        middle, low, high = (number(one[key].item()) for key in ("estimate", "low", "high"))
+        unknown, quantity = found.sel(unknown=name), QUANTITIES[name]
+        middle, low, high = (number(unknown[key].item()) for key in ("estimate", "low", "high"))
         words.append(f"{quantity.words} {middle} {quantity.spelt.figures} ({low} to {high})")
     spread = number(100 * found.spread.sel(bound="estimate").item(), 2)
     return textwrap.fill(", ".join([*words, f"spread {spread} %"]), PAGE)

@@ -73,7 +73,7 @@ class Profile:
         self.best, self.most = self._climb(start, np.ones(nodes.ndim, bool))
 
     def interval(self, k: int, freedom: int) -> tuple[float, float]:
-        """Where the profile of an unknown, by its number, lies above what 95 % ask for.
+        """The interval at 95 % of an unknown, by its number, from the profile of the likelihood.
 
         Student's t takes the place of the normal distribution, as the spread is estimated too.
         """
@@ -138,6 +138,6 @@ def information_at(
     z = (likelihood.log_N - surface.at(place[None])[0, likelihood.group]) / spread
     # phi^2 / (Phi (1 - Phi)), without a loss of digits far out.
     weight = np.exp(-z * z - log_ndtr(z) - log_ndtr(-z)) / (2 * np.pi * spread * spread)
-    each = slopes[likelihood.group]
-    information = np.einsum("i,ij,ik->jk", weight, each, each) + FLAT * np.eye(place.size)
+    of_shots = slopes[likelihood.group]
+    information = np.einsum("i,ij,ik->jk", weight, of_shots, of_shots) + FLAT * np.eye(place.size)
     return np.linalg.inv(information), slopes

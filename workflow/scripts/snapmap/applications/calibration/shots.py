@@ -81,8 +81,7 @@ def shots_from(table: str | Path | Mapping, shocks: Shocks, device: Device) -> S
         trips, others = (N[(group == number) & (tripped == is_so)] for is_so in (True, False))
         if trips.size and others.size and trips.max() < others.min():
             against.append((min(trips.size, others.size) >= MANY, shots.groups[number]))
-    wrong = [group for surely, group in against if surely or len(against) == len(known)]
-    if wrong:
+    if wrong := [group for surely, group in against if surely or len(against) == len(known)]:
         raise ValueError(
             f"shots: they contradict each other, {wrong[0]}: all that trip lie below all that do "
             "not; is tripped the wrong way round?"
@@ -97,22 +96,22 @@ def _group(row, shocks, known):
     direction = row.get("direction", shocks.direction)
     if direction not in DIRECTIONS:
         raise ValueError(f"direction: {show(direction)} is not one of {', '.join(DIRECTIONS)}")
-    named = row.get("file", row.get("shape", ""))
-    given = {key: row[key] for key in ("f0", "duration") if key in row}
-    key = named, direction, *given.items()
+    name = row.get("file", row.get("shape", ""))
+    times = {key: row[key] for key in ("f0", "duration") if key in row}
+    key = name, direction, *times.items()
     if key in known:
         return key
     pulse = shocks.pulse
     if "file" in row:
-        pulse = read_pulse(named)
-    elif named:
-        pulse = make_shocks(named).pulse
-    if len(given) > 1 or not (given or pulse.duration):
-        what = "both are there" if given else "missing"
+        pulse = read_pulse(name)
+    elif name:
+        pulse = make_shocks(name).pulse
+    if len(times) > 1 or not (times or pulse.duration):
+        what = "both are there" if times else "missing"
         raise ValueError(f"f0 or duration: {what}; write f0 in Hz, or duration in us")
-    f0 = given.get("f0") or 1e6 / given.get("duration", pulse.duration)
+    f0 = times.get("f0") or 1e6 / times.get("duration", pulse.duration)
     pushed = pulse if direction == "+z" else pulse.reversed()
-    known[key] = Group(named or pulse.name, direction, f0, pushed)
+    known[key] = Group(name or pulse.name, direction, f0, pushed)
     return key
 
 

@@ -67,9 +67,9 @@ def surface_of(
 def _thresholds(study, groups, values, C):
     """N_first, (points, groups), at values of the unknowns by name, (points,)."""
     made = {key: column for key, column in values.items() if key != "C"}
-    there = is_bistable(study.device, made, len(next(iter(values.values()))))
-    if not there.all():
-        place = _place(made, np.argmin(there))
+    bistable = is_bistable(study.device, made, len(next(iter(values.values()))))
+    if not bistable.all():
+        place = _place(made, np.argmin(bistable))
         raise ValueError(f"unknowns: no second stable shape at {place}; write a narrower range")
     # The middle of the ranges stands for the nominal device.
     middle = {key: np.array([(c.min() + c.max()) / 2]) for key, c in values.items()}
@@ -78,9 +78,10 @@ def _thresholds(study, groups, values, C):
     f0, pulses = [group.f0 for group in groups], tuple(group.pulse for group in groups)
     rows = to_rows(0, f0, C, np.arange(len(pulses)), pulses)
     settings = study.settings
-    how = study.model, choose_levels(device, study.model, rows, settings), settings.start
+    levels = choose_levels(device, study.model, rows, settings)
     shares = {key: column / C if key == "C" else column for key, column in values.items()}
-    N_first, *_ = Batch(device, shares, *how).thresholds(rows, settings, TOLERANCE)
+    scattered = Batch(device, shares, study.model, levels, settings.start)
+    N_first, *_ = scattered.thresholds(rows, settings, TOLERANCE)
     if not np.isfinite(N_first).all():
         where, group = np.argwhere(~np.isfinite(N_first))[0]
         raise ValueError(

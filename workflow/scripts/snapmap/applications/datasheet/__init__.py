@@ -32,5 +32,5 @@ def run(study, requirements_path, path, tolerance_path=""):
 
     verdicts = read_verdicts(requirements_path)
     with open_whole(tolerance_path) if tolerance_path else nullcontext() as made:
-        what = shocks_of(study), made, study.title
-        write_text(datasheet(study.of_thresholds(), verdicts, *what), path)
+        text = datasheet(study.of_thresholds(), verdicts, shocks_of(study), made, study.title)
+        write_text(text, path)

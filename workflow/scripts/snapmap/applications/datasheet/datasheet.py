@@ -53,7 +53,7 @@ def datasheet(
     """
     several, sheets = isinstance(study.device, Mapping), []
     for name, device in study.devices().items():
-        own = [row for row in verdicts if not several or row["device"] == name]
+        of_device = [row for row in verdicts if not several or row["device"] == name]
         batch = made.sel(device=name) if made is not None and several else made
         head = " of ".join(filter(None, ["# Data sheet", title, name if several else ""]))
         sheets += [f"{head}\n", table(["device", "value"], _device(study, device))]
@@ -63,21 +63,19 @@ def datasheet(
         unit = f"{device.force:g} uN on the midpoint" if device.force else unit
         head = ["requirement", "shock", "at, degC", "C, uN*us/um", "threshold"]
         head += ["of devices as made", "margin", "verdict", "strength over stress", "breaks"]
-        rows = table(head, (_verdict(corner, batch) for corner, *_ in corners(own)))
+        rows = table(head, (_verdict(corner, batch) for corner, *_ in corners(of_device)))
         words = f"Thresholds in multiples of {unit}, and over the required level"
         words += "; of several shocks or temperatures the worst:\n"
         sheets += [words, rows]
         if requirements:
-            largest = _largest(replace(study, device=device), requirements, own)
+            largest = _largest(replace(study, device=device), requirements, of_device)
             largest = table(["what", "value", "error", "under"], largest)
             sheets += ["Largest under these shocks:\n", largest]
-        closed = [row for row, *_ in corners(own) if np.isfinite(row.get("t_closed", np.nan))]
-        if closed:
-            closed = table(["what", "value", "error", "under"], _closures(closed))
-            sheets += [
-                f"The electrode, to {plain(study.settings.horizon / 1e3)} ms after a shock:\n",
-                closed,
-            ]
+        worst = [row for row, *_ in corners(of_device)]
+        if closed := [row for row in worst if np.isfinite(row.get("t_closed", np.nan))]:
+            horizon = plain(study.settings.horizon / 1e3)
+            sheets.append(f"The electrode, to {horizon} ms after a shock:\n")
+            sheets.append(table(["what", "value", "error", "under"], _closures(closed)))
         if batch is not None and "yield" in batch:
             words = f"Share of {batch.sizes['sample']} devices as made, with bounds at 95 %:\n"
             sheets += [words, table(["share", "C, uN*us/um", "value", "bounds"], _shares(batch))]
@@ -98,8 +96,8 @@ def _written(section, name=""):
         if isinstance(value, Mapping):
             yield from _written(value, f"{name}{key}: ")
         else:
-            own = (CLAMP | STOPS | STRENGTH).get(key, key)
-            text = QUANTITIES.get(own, Quantity(own)).used(str(value))
+            quantity = (CLAMP | STOPS | STRENGTH).get(key, key)
+            text = QUANTITIES.get(quantity, Quantity(quantity)).used(str(value))
             yield [f"{name}{key}".replace("_", " "), text]
 
 
@@ -115,8 +113,8 @@ def _statics(device):
         yield [f"force on the electrode at {device.contact_at:g} um", f"{path.hold_force:.5g} uN"]
     yield ["first frequency of the beam", f"{1e3 * natural_frequency(beam) / (2 * np.pi):.5g} kHz"]
     if not device.is_alone:
-        own = f"{1e3 * device.mass_frequency / (2 * np.pi):.5g} kHz"
-        yield ["frequency of the mass on its spring", own]
+        frequency = f"{1e3 * device.mass_frequency / (2 * np.pi):.5g} kHz"
+        yield ["frequency of the mass on its spring", frequency]
 
 
 def _verdict(row, made):
@@ -133,13 +131,13 @@ def _verdict(row, made):
             spread = f"± {plain(100 * share, 2)} % (± {plain(100 * error, 1)} %)"
     threshold, margin = "nothing snaps", DASH
     if np.isfinite(row["N_first"]):
-        threshold = (
-            f"{row['N_first']:.5g} ± {plain(row['N_error'], 2)}{LEVELS.get(row['shape'], '')}"
-        )
+        threshold = f"{row['N_first']:.5g} ± {plain(row['N_error'], 2)}"
+        threshold += LEVELS.get(row["shape"], "")
         margin = f"{plain(row['margin'])} ± {plain(row['margin_error'], 1)}"
-    broken = row["strength_margin"], row["break_probability"]
-    ends = [f"{plain(value, 3)}" if np.isfinite(value) else DASH for value in broken]
-    ends = ends if np.isfinite(broken[0]) else [DASH, DASH]
+    breaks = [DASH, DASH]
+    if np.isfinite(row["strength_margin"]):
+        values = row["strength_margin"], row["break_probability"]
+        breaks = [plain(value, 3) if np.isfinite(value) else DASH for value in values]
     return [
         must_text(name, row["must_snap"]),
         shock,
@@ -149,7 +147,7 @@ def _verdict(row, made):
         spread,
         margin,
         row["verdict"],
-        *ends,
+        *breaks,
     ]
 
 
@@ -163,13 +161,13 @@ def _closures(rows):
 
 def _largest(study, requirements, verdicts):
     """What is largest under all required shocks, and its error: the difference to another step."""
-    required = {one["name"]: one for one in requirements}
-    shocks = [row for row in verdicts if row["requirement"] in required]
+    by_name = {required["name"]: required for required in requirements}
+    shocks = [row for row in verdicts if row["requirement"] in by_name]
     for key, (words, unit) in UNITS.items():
         if not np.isfinite([row[key] for row in shocks]).any():
             continue
         worst = max(shocks, key=lambda row, key=key: row[key])
-        shock = required[worst["requirement"]]
+        shock = by_name[worst["requirement"]]
         under = at_corner(study, shock, worst)
         again = extremes_of(under, shock["N"], shock["f0"], worst["C"], step=REPEATED_STEP)
         value, other = worst[key], getattr(again, key)

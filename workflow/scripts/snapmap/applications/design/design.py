@@ -80,7 +80,7 @@ def design(
     options = dict(options)
     required = options.pop("requirements", ())
     study, _ = study_of(device, model, options)
-    required = _single_shocks(with_shocks(one, study.shocks) for one in required)
+    required = _single_shocks(with_shocks(goal, study.shocks) for goal in required)
     goals = required or [{"N": N, "f0": f0, "snaps": True, "shocks": study.shocks}]
     shock = {key: goals[0][key] for key in ("N", "f0")} | {"C": C, "between": between}
     if value == "C" and shock.pop("C") is not None:
@@ -93,13 +93,13 @@ def design(
     (low, high), least = between, -np.inf if value in SIGNED else 0.0
     if not least <= low < high:
         raise ValueError(f"between: {low:g}, {high:g} are not two ascending values from {least:g}")
-    look = _looker(study, value, C, goals)
+    look = _threshold_finder(study, value, C, goals)
     grid = np.linspace(*between, WINDOW_POINTS if required else POINTS)
     with counting("design"):
-        seen = look(np.arange(len(goals)), np.tile(grid, (len(goals), 1)), [grid])
+        of_goals = np.tile(grid, (len(goals), 1))
+        N_first, error, met = look(np.arange(len(goals)), of_goals, [grid])
         if required:
-            return _windows(look, value, grid, goals, *seen)
-        N_first, error, met = seen
+            return _windows(look, value, grid, goals, N_first, error, met)
         known = np.isfinite(N_first[:, 1:] + N_first[:, :-1])
         _, values, errors = _ends(look, grid, N_first, error, met, known, N)
     return _single(value, N, grid, N_first, values, errors)
@@ -153,7 +153,7 @@ def remedy(study: Study, goal: Mapping, C: float, N_first: float) -> list[tuple[
     return changes
 
 
-def _looker(study, value, C, goals) -> Callable:
+def _threshold_finder(study, value, C, goals) -> Callable:
     """A function of goals, by number (n,), and values, (n, m): N_first, its error, and if met.
 
     It takes the axes of a surface that these are, too, as `thresholds_at`.
@@ -165,15 +165,16 @@ def _looker(study, value, C, goals) -> Callable:
 
     def look(row, tried, axes=()):
         i = np.repeat(row, tried.shape[1])
-        N_first, error, there = np.empty((3, i.size))
+        N_first, error, exists = np.empty((3, i.size))
         for start in np.unique(starts[i]):
-            mine, settings = starts[i] == start, study.settings._replace(start=str(start))
-            values = {value: tried.ravel()[mine]}
-            shock = f0[i[mine]], values.pop("C", C), i[mine]
-            N_first[mine], error[mine], there[mine] = thresholds_at(
-                replace(study, settings=settings), values, *shock, axes
+            mask = starts[i] == start
+            started = replace(study, settings=study.settings._replace(start=str(start)))
+            values = {value: tried.ravel()[mask]}
+            dampers = values.pop("C", C)
+            N_first[mask], error[mask], exists[mask] = thresholds_at(
+                started, values, f0[i[mask]], dampers, i[mask], axes
             )
-        met = ((N_first <= N[i]) == snaps[i]) & (there > 0)
+        met = ((N_first <= N[i]) == snaps[i]) & (exists > 0)
         return [column.reshape(tried.shape) for column in (N_first, error, met)]
 
     return look
@@ -190,22 +191,22 @@ def _ends(look, grid, N_first, error, met, where, N):
         return row, grid[k], grid[k]
     N, which = np.broadcast_to(N, len(met))[row], np.arange(k.size)
     guess = _guess(N_first[row], k, N)
-    seen = np.full((2, k.size, PARTS + 1), np.nan)
+    thresholds = np.full((2, k.size, PARTS + 1), np.nan)
     for end in (0, 1):
-        seen[:, which, end * PARTS] = N_first[row, k + end], error[row, k + end]
+        thresholds[:, which, end * PARTS] = N_first[row, k + end], error[row, k + end]
 
     def tried(which, places):
         return grid[k[which], np.newaxis] + places * ((grid[1] - grid[0]) / PARTS)
 
     def label(which, places):
-        *there, is_met = look(row[which], tried(which, places))
-        seen[:, which[:, np.newaxis], places] = there
+        *threshold, is_met = look(row[which], tried(which, places))
+        thresholds[:, which[:, np.newaxis], places] = threshold
         return is_met == met[row, k + 1][which, np.newaxis]
 
     last = np.maximum(near(label, which, guess, PARTS), 1)[:, np.newaxis]
     ends = np.hstack([last - 1, last])
     slope = (N_first[row, k + 1] - N_first[row, k]) / (grid[1] - grid[0])
-    (low, high), first, error = tried(which, ends).T, *seen[:, which[:, np.newaxis], ends]
+    (low, high), (first, error) = tried(which, ends).T, thresholds[:, which[:, np.newaxis], ends]
     below, beyond = first.T
     slope = np.where(np.isfinite(slope), slope, (beyond - below) / (high - low))
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -239,11 +240,9 @@ def _single(value, N, grid, N_first, values, errors):
         runs = f"runs from {known.min():.5g} to {known.max():.5g}" if known.size else "is not there"
         raise ValueError(f"{value}: no value {ends} has its threshold at N = {N:g}; it {runs}")
     if values.size > 1:
-        several = ", ".join(f"{at:.5g}" for at in values)
-        warnings.warn(
-            f"{value}: thresholds {ends} are not monotone; at {several} {unit} they are {N:g}",
-            stacklevel=3,
-        )
+        places = ", ".join(f"{place:.5g}" for place in values)
+        line = f"{value}: thresholds {ends} are not monotone; at {places} {unit} they are {N:g}"
+        warnings.warn(line, stacklevel=3)
     return Design(float(values[0]), float(errors[0]))
 
 
@@ -254,9 +253,9 @@ def _windows(look, value, grid, goals, N_first, error, met):
     ends = sorted((at, error, names[row]) for row, at, error in zip(*ends, strict=True))
     places = (grid[0], 0.0, "between"), *ends, (grid[-1], 0.0, "between")
     windows = [
-        pair
-        for pair in pairwise(places)
-        if all_met[(grid >= pair[0][0]) & (grid <= pair[1][0])].any()
+        (low, high)
+        for low, high in pairwise(places)
+        if all_met[(grid >= low[0]) & (grid <= high[0])].any()
     ]
     if not windows:
         warnings.warn(_contradiction(value, grid, names, met), stacklevel=3)
@@ -273,12 +272,11 @@ def _windows(look, value, grid, goals, N_first, error, met):
 def _contradiction(value, grid, names, met):
     """Where each requirement is met, and where most are; met: (requirements, n)."""
     unit, count = QUANTITIES[value].unit, met.sum(axis=0)
-    each = [
-        f"{name} is met from {plain(grid[row].min())} to {plain(grid[row].max())}"
-        if row.any()
-        else f"{name} is met nowhere"
-        for name, row in zip(names, met, strict=True)
-    ]
+    lines = []
+    for name, row in zip(names, met, strict=True):
+        places = grid[row]
+        where = f"from {plain(places.min())} to {plain(places.max())}" if row.any() else "nowhere"
+        lines.append(f"{name} is met {where}")
     most = f"{count.max()} of {len(names)} at {plain(grid[np.argmax(count)])} {unit}"
     ends = f"{grid[0]:g} to {grid[-1]:g} {unit}"
-    return f"{value}: none from {ends} meets all requirements, at most {most}: {', '.join(each)}"
+    return f"{value}: none from {ends} meets all requirements, at most {most}: {', '.join(lines)}"

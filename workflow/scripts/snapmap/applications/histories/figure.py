@@ -11,7 +11,8 @@ from ...figures import style
 from ...figures.scales import number, value_text
 
 BEAM, MASS, AID = "C5", "black", "0.3"
-FINE = 0.5  # pt, for what oscillates fast
+FINE = 0.5
+"""Width of lines that oscillate fast, pt."""
 
 
 def draw_history(axes: Sequence[Axes], history: xr.Dataset) -> Sequence[Axes]:
@@ -73,4 +74,4 @@ def _caption(history):
     if math.isnan(work):
         return words
     words += f"\nwith another step the work of the pulse differs by {number(100 * work, 2)} %"
-    return words + ("" if math.isnan(snap) else f", the time of snap by {number(snap, 2)} µs")
+    return words if math.isnan(snap) else f"{words}, the time of snap by {number(snap, 2)} µs"

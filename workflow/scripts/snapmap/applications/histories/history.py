@@ -71,21 +71,25 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     if study.shocks.axes:
         raise ValueError("pulse: several; a history is of one shape in one direction")
     device, settings = study.device, study.settings._replace(repeat=False)
-    built, cells, seen = _cell(study, N, f0, C)
-    blow = blow_at(cells.pulses, cells.pulse, seen.t_snap * cells.f0).item()
-    outcome = label(*seen[:4], settings.energy_tolerance).item()
+    built, cells, observed = _cell(study, N, f0, C)
+    outcome = label(*observed[:4], settings.energy_tolerance).item()
     dt, values, extremes = _record(built, cells, settings, SAMPLES)
-    closing = _closing(built, cells, settings) if device.has_electrode else {}
     document = {
         **device_sections(device),
         **study.shocks.section(),
         "model": dict(study.model),
         "histories": [{"N": N, "f0": f"{f0!r} Hz", "C": f"{C!r} uN*us/um"}],
     }
-    starts = settings.start != FIRST
-    document |= {"sweep": {"start": settings.start}} if starts else {}
-    rest = built.barrier.first + device.gap
+    optional, rest = {}, built.barrier.first + device.gap
     stops = {"stop_toward": rest - device.stop_toward, "stop_away": rest + device.stop_away}
+    if settings.start != FIRST:
+        document["sweep"] = {"start": settings.start}
+        optional["first_equilibrium"] = built.barrier.first
+    optional |= {key: place for key, place in stops.items() if math.isfinite(place)}
+    if cells.pulses[0].blows.size:
+        optional["blow"] = blow_at(cells.pulses, cells.pulse, observed.t_snap * cells.f0).item()
+    if device.has_electrode:
+        optional |= _closing(built, cells, settings)
     return dress(
         "history",
         xr.Dataset({key: ("time", column) for key, column in values.items()}),
@@ -98,12 +102,9 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
         gravity=device.gravity,
         time_step=dt,
         outcome=OUTCOMES[outcome],
-        t_snap=seen.t_snap.item(),
+        t_snap=observed.t_snap.item(),
         **extremes._asdict(),
-        **({"first_equilibrium": built.barrier.first} if starts else {}),
-        **{key: place for key, place in stops.items() if math.isfinite(place)},
-        **({"blow": blow} if cells.pulses[0].blows.size else {}),
-        **closing,
+        **optional,
         **_differences(built, cells, settings),
     )
 
@@ -142,21 +143,21 @@ def closing_of(study: Study, N: float, f0: float, C: float) -> dict[str, float]:
 
 
 def _closing(built, cells, settings):
-    found = follow_closures(built, cells, cells.t_end, settings).items()
-    return {"contact_at": built.device.contact_at} | {key: one.item() for key, one in found}
+    closures = follow_closures(built, cells, cells.t_end, settings).items()
+    return {"contact_at": built.device.contact_at} | {key: value.item() for key, value in closures}
 
 
 def _cell(study, N, f0, C):
     """The model at the step that a sweep takes for a cell, the cell, and what the sweep sees."""
-    at = [0], [N], [f0], [C], study.settings.horizon, 0, study.shocks.pulses
-    cells = to_cells(study.device, *at)
+    horizon, pulses = study.settings.horizon, study.shocks.pulses
+    cells = to_cells(study.device, [0], [N], [f0], [C], horizon, 0, pulses)
     model = choose_model(study.device, study.model, study.settings.start)
     moved = study.settings._replace(until="moved")
     seconds = steps_and_seconds(model.levels[-1], cells, moved)[1].item()
     tell("simulate", RECORDED * seconds, f"f0 = {f0:g} Hz", CURE, stacklevel=5)
     follow = model.follow_by_top if isinstance(model, Adaptive) else model.follow
-    seen = follow(cells, study.settings._replace(repeat=False))
-    return model.levels[-1].with_step(0.5 ** seen.halvings.item()), cells, seen
+    observed = follow(cells, study.settings._replace(repeat=False))
+    return model.levels[-1].with_step(0.5 ** observed.halvings.item()), cells, observed
 
 
 def _record(built, cells, settings, samples):
@@ -169,8 +170,8 @@ def _record(built, cells, settings, samples):
     steps = int(np.ceil(t_end / dt))
     stride = 2 ** max(0, math.floor(math.log2(max(1, steps / samples))))
     shock, device, first = cells.pulses[0], built.device, built.barrier.first
-    at, start = (amplitude, per_us, damping, dt, steps), settings.start
-    form, motions = built.loop().record(built, shock, *at, start)
+    start = settings.start
+    form, motions = built.loop().record(built, shock, amplitude, per_us, damping, dt, steps, start)
     side = 1 if start == FIRST else -1
     target = built.snap_target(start) + side * first
     stress, rest = stress_of(device.beam, built.basis, form.shapes), first + device.gap
@@ -193,11 +194,10 @@ def _record(built, cells, settings, samples):
     warn_of_travel(device, -extremes.toward_max, extremes.away_max)
     values = {key: np.concatenate([part[key] for part in kept]) for key in kept[0]}
     shaken = amplitude * shock.at(per_us * values["time"])
-    values |= (
-        {"midpoint_force": shaken / device.gravity * device.force}
-        if device.force
-        else {"acceleration": shaken}
-    )
+    if device.force:
+        values["midpoint_force"] = shaken / device.gravity * device.force
+    else:
+        values["acceleration"] = shaken
     return dt, values, extremes
 
 
@@ -205,20 +205,21 @@ def _stress_to(target, w, stress):
     """The largest stress until w falls to the target, and whether it does."""
     for i in np.flatnonzero(w <= target)[:1]:
         share = (w[i - 1] - target) / (w[i - 1] - w[i])
-        there = stress[i - 1] + share * (stress[i] - stress[i - 1])
-        return np.append(stress[:i], there).max(), True
+        at_target = stress[i - 1] + share * (stress[i] - stress[i - 1])
+        return np.append(stress[:i], at_target).max(), True
     return stress.max(), False
 
 
 def _differences(model, cells, settings):
-    """By how much the pulse's work and the time of snap, us, differ with another step."""
+    """Compare the pulse's work, a share, and the time of snap, us, with those of another step."""
     settings = settings._replace(until="moved")
     # No snap ends a run of the model `reference` before its pulse is over.
     onward = replace(model, barrier=model.barrier._replace(second=-np.inf))
     differences = {}
-    for compare, own in ((work_error, onward), (t_snap_error, model)):
-        runs = (each.follow_once(cells, settings) for each in (own, own.with_step(REPEATED_STEP)))
-        differences[compare.__name__] = compare(*runs).item()
+    for compare, followed in ((work_error, onward), (t_snap_error, model)):
+        once = followed.follow_once(cells, settings)
+        again = followed.with_step(REPEATED_STEP).follow_once(cells, settings)
+        differences[compare.__name__] = compare(once, again).item()
     return differences
 
 

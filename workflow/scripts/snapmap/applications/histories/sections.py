@@ -14,12 +14,12 @@ from ...device.argument import Argument
 from ...device.device import VALUES, Device, batch
 from ...study.axes import DEVICE
 
-_Values = of_device(
-    lambda _, kind: quantity(kind, "in place of the device's", out="the device's own")
-)
+
+def _changed(name, kind):
+    return quantity(kind, "in place of the device's", out="the device's own")
 
 
-class CellSection(_Values):
+class CellSection(of_device(_changed)):
     """A cell whose time history is drawn."""
 
     N: quantity("number")

@@ -68,21 +68,24 @@ STEPS, MISSING = 254, 255
 """Codes of motion over each cell's own range, and that of what is not known."""
 
 
-def page(cube: xr.Dataset, traces: xr.Dataset | None, found: xr.Dataset, horizon: float) -> str:
+def page(
+    cube: xr.Dataset, traces: xr.Dataset | None, thresholds: xr.Dataset, horizon: float
+) -> str:
     """Write a cube, its traces and its thresholds as one HTML page that needs nothing else.
 
     traces: unpacked, if there are any; where they are thinned, so is the map
-    found: thresholds at least at the points of the cube
+    thresholds: at least at the points of the cube
     horizon: time for which the cells were followed after the pulse, us
     """
     dims = cube.outcome.dims
     cells = thin(cube) if traces is None else cube.sel({key: traces[key] for key in dims})
-    found = found.sel({key: cells[key] for key in dims[:-1]})
+    thresholds = thresholds.sel({key: cells[key] for key in dims[:-1]})
     document = json.loads(cube.attrs["config"])
     devices = document.get("devices", {"": document.get("device", {})})
     devices = {html.escape(name): device for name, device in devices.items()}
     x, y = _plane(cells)
     kind = _kind_of(devices)
+    arrays = _arrays(cells, traces, thresholds)
     data = {
         "axes": [_axis(cells, key) for key in dims],
         "x": x,
@@ -91,9 +94,7 @@ def page(cube: xr.Dataset, traces: xr.Dataset | None, found: xr.Dataset, horizon
         "horizon": float(horizon),
         "shapes": STARTS[::-1] if style.starts(document) else STARTS,
         "devices": {name: list(_rows(device, {})) for name, device in devices.items()},
-        "vibrations": {
-            name: _vibration(device, cells.C.values) for name, device in devices.items()
-        },
+        "vibrations": {name: _vibration(devices[name], cells.C.values) for name in devices},
         "varied": [(key, _named(key)) for key in dims if key in VALUES],
         "views": _views(cells),
         "wide": states.WIDE,
@@ -103,13 +104,10 @@ def page(cube: xr.Dataset, traces: xr.Dataset | None, found: xr.Dataset, horizon
         "missing": MISSING,
         "reach": ENERGY_REACH,
         "traced": TRACED,
-        "arrays": {key: _pack(each) for key, each in _arrays(cells, traces, found).items()},
+        "arrays": {key: _pack(values) for key, values in arrays.items()},
     }
-    kept = [
-        f"{cells.sizes[key]} of {cube.sizes[key]} {key}"
-        for key in dims
-        if cells.sizes[key] < cube.sizes[key]
-    ]
+    sizes = {key: (cells.sizes[key], cube.sizes[key]) for key in dims}
+    kept = [f"{few} of {many} {key}" for key, (few, many) in sizes.items() if few < many]
     thinned = " and ".join(filter(None, [", ".join(kept[:-1]), *kept[-1:]]))
     return Template(_text("explore.html")).substitute(
         plotly=get_plotlyjs(),
@@ -178,9 +176,9 @@ def _typeset(text):
 
 def _kind_of(devices):
     """Whether all devices are a beam alone, and pushed at the midpoint; a key of STRUCK."""
-    alone = all(one.get("mass") == "none" for one in devices.values())
-    pushed = alone and all("force" in one for one in devices.values())
-    return "alone pushed" if pushed else "alone" if alone else ""
+    if any(device.get("mass") != "none" for device in devices.values()):
+        return ""
+    return "alone pushed" if all("force" in device for device in devices.values()) else "alone"
 
 
 def _lacking(devices, dims, document):
@@ -188,7 +186,7 @@ def _lacking(devices, dims, document):
     named = {*dims}.union(*devices.values())
     parts = {"stops": {"stops", *STOPS.values()}, "gap": {"gap"}}
     lacking = [f"without-{part}" for part, names in parts.items() if not names & named]
-    return lacking + ["second"] * bool(style.starts(document))
+    return [*lacking, "second"] if style.starts(document) else lacking
 
 
 def _rows(values: Mapping, names: Mapping):
@@ -203,7 +201,7 @@ def _rows(values: Mapping, names: Mapping):
 
 
 def _vibration(device: Mapping, C: Sequence[float]):
-    """Rows of what rings by itself, beam and mass: its name, frequency and quality factor."""
+    """Rows of natural vibrations, of beam and mass: name, frequency and quality factor."""
     return [
         [html.escape(text.replace("uN*us/um", "µN µs/µm")) for text in row]
         for row in vibrations(read_device(device), C)
@@ -211,7 +209,7 @@ def _vibration(device: Mapping, C: Sequence[float]):
 
 
 def _named(key):
-    """What a value of the device is called, with its symbol, as HTML."""
+    """Name a value of the device, with its symbol, as HTML."""
     quantity = QUANTITIES.get(key, Quantity(key))
     text = html.escape(quantity.words or key.replace("_", " "))
     return f"{text} <i>{quantity.symbol}</i>" if quantity.symbol else text
@@ -225,8 +223,9 @@ def _views(cells):
     """
     times = (states.WAITING, *states.SNAPS[1:])
     shown = [("snap", "snaps", "snap", states.SNAPS), ("time", "time", "snap", times)]
-    shown += [("end", "where it ends", "end", states.STATES)] * ("well" in cells)
-    made = []
+    if "well" in cells:
+        shown.append(("end", "where it ends", "end", states.STATES))
+    views = []
     for name, words, code, (*known, absent) in shown:
         known = [*known, absent._replace(colour=GREY)]
         colours = [[state.colour] * 2 for state in known]
@@ -238,8 +237,8 @@ def _views(cells):
             for place, ramp in enumerate(colours)
             for share, colour in zip(np.linspace(0, 1, len(ramp)).tolist(), ramp, strict=True)
         ]
-        made.append(view | {"states": [state._asdict() for state in known]})
-    return made
+        views.append(view | {"states": [state._asdict() for state in known]})
+    return views
 
 
 def _opening(cells, x, y):
@@ -252,7 +251,7 @@ def _opening(cells, x, y):
     along = np.moveaxis(known & ~snaps, dims.index(y), 0)
     below = np.moveaxis(np.concatenate([np.zeros_like(along[:1]), along[:-1]]), 0, dims.index(y))
     first, sure = snaps & below, ~states.end_elsewhere(cells).values
-    choice = next(some for some in (first & sure, first, known, ~known) if some.any())
+    choice = next(mask for mask in (first & sure, first, known, ~known) if mask.any())
     places, size = np.argwhere(choice), np.array(choice.shape)
     off = ((places - (size - 1) / 2) / size) ** 2
     drawn = np.isin(dims, (x, y))
@@ -260,7 +259,7 @@ def _opening(cells, x, y):
     return places[nearest].tolist()
 
 
-def _arrays(cells, traces, found):
+def _arrays(cells, traces, thresholds):
     """All that differs from cell to cell: arrays (*axes), (*axes, bin) or (*axes but N)."""
     dims = cells.outcome.dims
     unknown = xr.full_like(cells.t_snap, np.nan)
@@ -275,7 +274,7 @@ def _arrays(cells, traces, found):
         "share": cells.get("well_share", xr.ones_like(cells.t_snap)),
         "work_error": cells.get("work_error", unknown),
         "t_snap_error": cells.get("t_snap_error", unknown),
-        **{key: found[key].transpose(*dims[:-1]) for key in EDGES},
+        **{key: thresholds[key].transpose(*dims[:-1]) for key in EDGES},
     }
     if traces is not None:
         energy = traces.energy.transpose(*dims, "bin")
@@ -305,18 +304,18 @@ def _scaled(key, values, failed):
     others = values[~failed]
     if np.isfinite(others).any():
         values = np.clip(values, np.nanmin(others), np.nanmax(others))
-    seen = np.isfinite(values)
-    low = np.where(seen, values, np.inf).min(axis=-1, keepdims=True)
-    high = np.where(seen, values, -np.inf).max(axis=-1, keepdims=True)
+    known = np.isfinite(values)
+    low = np.where(known, values, np.inf).min(axis=-1, keepdims=True)
+    high = np.where(known, values, -np.inf).max(axis=-1, keepdims=True)
     low, high = (np.where(np.isfinite(end), end, 0.0) for end in (low, high))
     scale = np.where(high > low, (high - low) / STEPS, 1.0)
-    codes = np.where(seen, np.rint((values - low) / scale), MISSING).astype(np.uint8)
+    codes = np.where(known, np.rint((values - low) / scale), MISSING).astype(np.uint8)
     steps = np.diff(codes, axis=-1, prepend=np.uint8(0))
     return {key: steps, f"{key}_scale": scale[..., 0], f"{key}_offset": low[..., 0]}
 
 
 def _pack(values):
-    """Codes in a byte each, numbers in four."""
+    """Pack codes in a byte each, numbers in four, as text."""
     number = np.float32 if values.dtype.kind == "f" else np.uint8
     packed = zlib.compress(np.ascontiguousarray(values, number).tobytes(), level=6)
     return {"kind": number.__name__, "bytes": base64.b64encode(packed).decode()}

@@ -41,7 +41,7 @@ def trace(study: Study, cube: xr.Dataset) -> xr.Dataset:
     axes = {key: cube[key].values for key in cube.outcome.dims}
     names = {key: axes.pop(key).tolist() for key in NAMES if key in axes}
     grid, settings = replace(study.part(names), skip=True).set_out(axes), study.settings
-    levels = motion_levels(grid.device, study.model, study.settings)
+    levels = motion_levels(grid.device, study.model, settings)
     level = cube.level.values.ravel() if "level" in cube else np.zeros(cube.outcome.size, int)
     rows, N = rows_of(grid), grid.axes["N"]
     cells = rows.cells(grid.device, N, settings.horizon).flat()
@@ -52,8 +52,7 @@ def trace(study: Study, cube: xr.Dataset) -> xr.Dataset:
     bin_length, stress = np.zeros(size, np.float32), np.full(size, np.nan, np.float32)
     decided = np.stack([level, cube.halvings.values.ravel()])
     for at, part in deciders(levels, device_of, decided, np.flatnonzero(device_of >= 0)):
-        followed = part, cells.take(at), window[at], bins, settings
-        motion, length, stress[at] = follow_motion(*followed)
+        motion, length, stress[at] = follow_motion(part, cells.take(at), window[at], bins, settings)
         values[..., at], bin_length[at] = _shown(motion, length, window[at]), length
     y = values[2] - values[2, 0]
     ran = np.isfinite(y).all(axis=0) & (cube.outcome.values.ravel() != FAILED)
@@ -101,8 +100,8 @@ def _shown(values, bin_length, window):
 def _as_traces(grid, cube, values, bin_length, stress, model):
     dims, device, number = cube.outcome.dims, grid.device, np.maximum(grid.device_of, 0)
     barrier = np.empty((len(Barrier._fields), len(device)))
-    for mine, part in model.split(np.arange(len(device))):
-        barrier[:, mine] = [column[mine] for column in part.barrier]
+    for members, part in model.split(np.arange(len(device))):
+        barrier[:, members] = [column[members] for column in part.barrier]
     barrier = Barrier(*barrier)
     of_device = {
         "second_equilibrium": barrier.second,

@@ -87,8 +87,8 @@ def check(
     """
     return [
         verdict
-        for required, name, one in each_device(study, requirements, temperatures)
-        for verdict in _verdicts(one, name, required, C, tolerance)
+        for required, name, shaken in each_device(study, requirements, temperatures)
+        for verdict in _verdicts(shaken, name, required, C, tolerance)
     ]
 
 
@@ -102,27 +102,27 @@ def each_device(
     several = isinstance(study.device, Mapping)
     for required in requirements:
         for name, device in study.devices().items():
-            for one in [device.at(degrees) for degrees in temperatures] or [device]:
-                shaken = replace(of_requirement(study, required), device=one)
+            for tempered in [device.at(degrees) for degrees in temperatures] or [device]:
+                shaken = replace(of_requirement(study, required), device=tempered)
                 yield required, name if several else "", shaken
 
 
 def _verdicts(study, name, required, C, tolerance):
     N, f0, settings = required["N"], required["f0"], study.settings
     axes, must = {"C": C, "f0": [f0]}, required["snaps"]
-    found, grid = thresholds_of(study, axes, tolerance), study.set_out(axes)
+    thresholds, grid = thresholds_of(study, axes, tolerance), study.set_out(axes)
     cells = rows_of(grid).cells(grid.device, N, settings.horizon)
     model = choose_model(grid.device, study.model, settings.start)
-    seen = model.follow(cells, settings)
-    outcomes = label(*seen[:4], settings.energy_tolerance)[:, 0]
-    columns = {key: found[key].values.ravel() for key in SEARCHED}
+    observed = model.follow(cells, settings)
+    outcomes = label(*observed[:4], settings.energy_tolerance)[:, 0]
+    columns = {key: thresholds[key].values.ravel() for key in SEARCHED}
     for i, (shocks, damping) in enumerate(product(study.shocks.each(), C)):
         row = {key: column[i].item() for key, column in columns.items()}
         first, error = row["N_first"], row["N_error"]
         over = study.device.gravity / shocks.pulse.peak
         is_close = must != ANY and _is_close(**row, N=N)
         verdict = UNCLEAR if outcomes[i] == FAILED or is_close else MET
-        if verdict == MET and must not in (ANY, bool(np.isfinite(seen.t_snap[i, 0]))):
+        if verdict == MET and must not in (ANY, bool(np.isfinite(observed.t_snap[i, 0]))):
             verdict = VIOLATED
         yield Verdict(
             requirement=required["name"],
@@ -167,22 +167,22 @@ def judge_closing(
     required: with closes_within and stays_closed, us, if they are; closing: as from `closing_of`
     Margins: closes_within over t_closed, closed_for over stays_closed; NaN if it never closes.
     """
-    found, margins = [verdict.verdict], {}
+    outcomes, margins = [verdict.verdict], {}
     if limit := required.get("closes_within"):
         closed = closing["t_closed"]
-        found += [_kept(limit - closed, closing["t_closed_error"], verdict)]
+        outcomes.append(_kept(limit - closed, closing["t_closed_error"], verdict))
         margins["closes_margin"] = limit / closed
     if limit := required.get("stays_closed"):
         closed = closing["closed_for"]
         kept = _kept(closed - limit, closing["closed_for_error"], verdict)
         # What is closed to the end of the run may stay closed beyond.
-        found += [UNCLEAR if kept == VIOLATED and closing["openings"] == 0 else kept]
+        outcomes.append(UNCLEAR if kept == VIOLATED and closing["openings"] == 0 else kept)
         margins["stays_margin"] = closed / limit
-    return verdict._replace(verdict=max(found, key=(MET, UNCLEAR, VIOLATED).index)), margins
+    return verdict._replace(verdict=max(outcomes, key=(MET, UNCLEAR, VIOLATED).index)), margins
 
 
 def _kept(slack, error, verdict):
-    """How a requirement stands by so much, with its error; NaN where it never closes."""
+    """Say how a requirement stands by its slack, us, with its error; NaN where none closes."""
     if np.isnan(slack):
         return UNCLEAR if verdict.verdict == UNCLEAR else VIOLATED
     return MET if slack > error else VIOLATED if slack < -error else UNCLEAR
@@ -199,30 +199,31 @@ def worst(verdicts: Sequence[Verdict]) -> tuple[Verdict | None, str]:
 
     Requirements that say nothing about a trip have none.
     """
-    tripping = [one for one in verdicts if one.must_snap != ANY]
+    tripping = [verdict for verdict in verdicts if verdict.must_snap != ANY]
     if not tripping:
         return None, ""
-
-    def level(N):
-        return f"{plain(N)}{LEVELS[one.shape]}" if one.shape in LEVELS else f"N = {plain(N)}"
-
-    one = max(tripping, key=lambda each: beyond(each.margin, each.must_snap))
-    where = ", ".join(filter(None, [one.requirement, one.device, corner_text(one._asdict())]))
-    if np.isnan(one.margin):
-        return one, f"{where}: nothing snaps"
-    side = "not sensitive enough" if one.must_snap else "too sensitive"
-    is_wrong = beyond(one.margin, one.must_snap) > 0
+    furthest = max(tripping, key=lambda verdict: beyond(verdict.margin, verdict.must_snap))
+    names = furthest.requirement, furthest.device, corner_text(furthest._asdict())
+    where = ", ".join(filter(None, names))
+    if np.isnan(furthest.margin):
+        return furthest, f"{where}: nothing snaps"
+    side = "not sensitive enough" if furthest.must_snap else "too sensitive"
+    is_wrong = beyond(furthest.margin, furthest.must_snap) > 0
     words = f"{where}: {side}, " if is_wrong else f"nearest is {where}: "
-    need = "must" if one.must_snap else "must not"
-    return one, f"{words}trips at {level(one.N_first)}, {need} at {level(one.N)}"
+    need = "must" if furthest.must_snap else "must not"
+    unit = LEVELS.get(furthest.shape, "")
+    lead = "" if unit else "N = "
+    first, N = (f"{lead}{plain(N)}{unit}" for N in (furthest.N_first, furthest.N))
+    return furthest, f"{words}trips at {first}, {need} at {N}"
 
 
 def summary(verdicts: Sequence[Verdict]) -> str:
     """One line: how many requirements are met everywhere, and the names of those that are not."""
-    worst = {one.requirement: MET for one in verdicts}
+    worst = dict.fromkeys((verdict.requirement for verdict in verdicts), MET)
     for kind in (UNCLEAR, VIOLATED):
-        worst |= {one.requirement: kind for one in verdicts if one.verdict == kind}
-    names = {kind: [key for key in worst if worst[key] == kind] for kind in (VIOLATED, UNCLEAR)}
-    told = [f"{len(worst) - sum(map(len, names.values()))} of {len(worst)} requirements met"]
-    told += [f"{kind}: {', '.join(keys)}" for kind, keys in names.items() if keys]
-    return "; ".join(told)
+        worst |= {verdict.requirement: kind for verdict in verdicts if verdict.verdict == kind}
+    parts = [f"{list(worst.values()).count(MET)} of {len(worst)} requirements met"]
+    for kind in (VIOLATED, UNCLEAR):
+        if names := ", ".join(name for name in worst if worst[name] == kind):
+            parts.append(f"{kind}: {names}")
+    return "; ".join(parts)

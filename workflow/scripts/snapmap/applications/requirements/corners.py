@@ -19,12 +19,12 @@ def corners(rows: Iterable[Mapping]) -> list[list[Mapping]]:
 
 
 def _badness(row):
-    """By the verdict, then the margin on the wrong side, or the least of strength and electrode."""
+    """Rank by the verdict, then the margin beyond, or the least of strength and electrode."""
     severity = (MET, UNCLEAR, VIOLATED).index(row["verdict"])
     if row["must_snap"] == ANY:
-        asked = ["strength_margin"] if row["must_survive"] > 0 else []
-        asked += ["closes_margin", "stays_margin"]
-        reserve = np.fmin.reduce([row.get(key, np.nan) for key in asked])
+        margins = ["strength_margin"] if row["must_survive"] > 0 else []
+        margins += ["closes_margin", "stays_margin"]
+        reserve = np.fmin.reduce([row.get(key, np.nan) for key in margins])
         return severity, -np.inf if np.isnan(reserve) else -reserve
     return severity, beyond(row["margin"], row["must_snap"])
 

@@ -38,24 +38,26 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
     ax.set(xscale="log", xlim=(low, high), ylim=(len(groups) - 0.5, -0.5))
     for place, (row, *others) in enumerate(groups):
         margin, note = row["margin"], {"va": "center", "fontsize": 6}
-        whole = (low, high if row["verdict"] == "met" else low)
-        ends = {True: (low, 1), False: (1, high)}.get(row["must_snap"], whole)
+        either_way = (low, high if row["verdict"] == "met" else low)
+        ends = {True: (low, 1), False: (1, high)}.get(row["must_snap"], either_way)
         ax.fill_betweenx([place - 0.45, place + 0.45], *ends, **MET)
-        ax.plot([one["margin"] for one in others], [place] * len(others), **OTHER)
+        margins = [other["margin"] for other in others]
+        ax.plot(margins, [place] * len(others), **OTHER)
         if margin == margin:
             ax.errorbar(margin, place, xerr=row["margin_error"], **VERDICTS[row["verdict"]])
         else:
             ax.annotate("snaps at no $N$ seen ", (high, place), ha="right", **note)
         if row["break_probability"] > 1 - row["must_survive"]:
-            beside = np.fmax.reduce([low, *(one["margin"] for one in (row, *others))])
+            beside = np.fmax.reduce([low, margin, *margins])
             ax.annotate("   the beam breaks", (beside, place), **note)
     ax.axvline(1, color="black", linewidth=0.6)
     ax.set_yticks(range(len(groups)), [_name(row) for row, *_ in groups])
     ax.tick_params(axis="y", which="minor", left=False)
     ax.set_xlabel("margin: threshold over required $N$")
     tick(ax.xaxis, low, high)
-    there = [kind for kind in VERDICTS if any(row["verdict"] == kind for row, *_ in groups)]
-    keys = [Line2D([], [], linestyle="", **VERDICTS[kind], label=kind) for kind in there]
+    kinds = {row["verdict"] for row, *_ in groups}
+    looks = {kind: look for kind, look in VERDICTS.items() if kind in kinds}
+    keys = [Line2D([], [], linestyle="", **look, label=kind) for kind, look in looks.items()]
     if len(groups) < len(verdicts):
         keys.append(Line2D([], [], **OTHER, label="under another shock, at another temperature"))
     style.legend(ax, [*keys, Patch(**MET, label="where the requirement is met")])
@@ -65,12 +67,11 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
 def _name(row):
     shock = f"{row['shape']} {row['direction'].replace('-', '−')}"
     start = "from the second shape" if row["start"] == SECOND else ""
-    where = [row["device"], start, shock]
-    where += [f"{number(row['temperature'])} °C", value_text("C", row["C"])]
-    return (
-        f"{required_text(row['requirement'], row['must_snap'])}\n{', '.join(filter(None, where))}"
-    )
+    where = [row["device"], start, shock, f"{number(row['temperature'])} °C"]
+    where = ", ".join(filter(None, [*where, value_text("C", row["C"])]))
+    return f"{required_text(row['requirement'], row['must_snap'])}\n{where}"
 
 
 def required_text(name: str, must_snap: bool | str) -> str:
+    """Name a requirement and what the device must do, as figures have it."""
     return must_text(style.literal(name), must_snap)

@@ -1,10 +1,12 @@
 """What must, or must not, trip a device: an object that checks itself."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
-from ...study.study import Study
+import numpy as np
+
+from ...study.study import ANY, CLOSING, Study
 
 
 class Required(Protocol):
@@ -35,14 +37,22 @@ class RequiredShock:
         """Verdicts, with strength and electrode, as `verdicts_of` has them."""
         from .verdicts import verdicts_of
 
-        how = study.temperatures, study.threshold_tolerance
-        return verdicts_of(study, [self.values], C, *how)
+        temperatures, tolerance = study.temperatures, study.threshold_tolerance
+        return verdicts_of(study, [self.values], C, temperatures, tolerance)
 
     def require(self, study: Study) -> None:
         """Raise ValueError where a device lacks the electrode, strength or frame that it needs."""
-        from .needs import require_shock
-
-        require_shock(study, self.values)
+        devices = study.devices().values()
+        closing = next((key for key in CLOSING if key in self.values), None)
+        if closing and not any(device.has_electrode for device in devices):
+            need = "write the place of the electrode, such as '-5 um'"
+            raise ValueError(f"device.contact_at: missing, for {closing}; {need}")
+        unbreakable = any(np.isinf(device.strength) for device in devices)
+        if self.values["snaps"] == ANY and not closing and unbreakable:
+            need = "write one such as '1.2 GPa', or closes_within in the requirement"
+            name = self.values["name"]
+            raise ValueError(f"device.strength: missing, for snaps: any of {name}; {need}")
+        replace(study, shocks=self.values["shocks"])  # a force shakes no frame
 
     def plain(self) -> dict:
         """All but the shocks themselves, which follow from `pulse`."""

@@ -1,8 +1,8 @@
 """The section `requirements`: shocks that must, or must not, trip the device."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
-from ...config.keys import Section, argument, key, quantity, word
+from ...config.keys import Section, argument, in_list, key, quantity, word
 from ...config.shocks import (
     PUSHED,
     PUSHES,
@@ -16,9 +16,10 @@ from ...config.shocks import (
 from ...config.units import read
 from ...config.views import frequency_of
 from ...device.argument import Argument
+from ...files.text import show
 from ...solver.settings import FIRST, SECOND, STARTS
-from ...study.study import ANY, CLOSING
-from .required import RequiredShock
+from ...study.study import ANY, CLOSING, Study
+from .required import Required, RequiredShock
 
 # ASSUME: of devices whose strengths scatter all but one in a thousand must survive.
 SURVIVES = 0.999
@@ -137,3 +138,32 @@ def requirement(kinds: Mapping[str, type[Section]]) -> object:
         return kind.model_validate(value)
 
     return key(convert, ShockSection.what())
+
+
+def read_requirements(
+    sections: Sequence[Section], study: Study, pulse: PulseSection | None
+) -> list[Required]:
+    """Take the requirements of a config; ValueError, one line, for one that cannot be.
+
+    pulse: the section of the study's pulse, or nothing
+    """
+    from ...config.study import require_start  # which itself imports these sections
+
+    names = [section.name for section in sections]
+    if twice := next((name for name in names if names.count(name) > 1), None):
+        raise ValueError(f"{show(twice)} comes twice; write another")
+    requirements = []
+    for place, section in enumerate(sections):
+        try:
+            required = section.under(pulse)
+            for device in study.devices().values():
+                require_start(required.values.get("start", FIRST), device)
+        except ValueError as error:
+            raise ValueError(in_list(place, str(error))) from None
+        requirements.append(required)
+    if requirements:
+        temperatures = study.temperatures
+        study.set_out({"temperature": temperatures} if temperatures else {})
+    for required in requirements:
+        required.require(study)
+    return requirements

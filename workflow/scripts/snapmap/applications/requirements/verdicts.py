@@ -1,14 +1,19 @@
 """Required shocks judged by all that is known: thresholds, the beam's strength, an electrode."""
 
+import csv
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import chain
+from math import nan
 
+from ...files.atomic import replacing
 from ...solver.settings import THRESHOLD_TOLERANCE
 from ...study.study import Study, at_corner
 from ..design.design import remedy, with_value
-from ..histories.history import closing_of, extremes_of
-from .check import Verdict, check, judge, judge_closing
+from ..histories.history import Extremes, closing_of, extremes_of
+from .check import Survival, Verdict, check, judge, judge_closing, summary, worst
 from .corners import VIOLATED, beyond
+from .required import Required
 
 
 def verdicts_of(
@@ -30,8 +35,8 @@ def verdicts_of(
         shaken = at_corner(study, required, verdict._asdict())
         shot = verdict.N, verdict.f0, verdict.C
         moved, closing = extremes_of(shaken, *shot), closing_of(shaken, *shot)
-        must_survive = required["survives"]
-        verdict, survival = judge(verdict, shaken.device, moved.stress_max, must_survive)
+        stress, must_survive = moved.stress_max, required["survives"]
+        verdict, survival = judge(verdict, shaken.device, stress, must_survive)
         verdict, margins = judge_closing(verdict, required, closing)
         judged.append((verdict, moved._asdict() | survival._asdict() | closing | margins))
     return judged
@@ -55,11 +60,9 @@ def hint(
         return ""
     shaken = at_corner(study, goals[0], wrong._asdict())
     device = study.device[wrong.device] if wrong.device else study.device
-    fails = {
-        one.requirement
-        for one in verdicts
-        if one.verdict == VIOLATED and (one.device, one.C) == (wrong.device, wrong.C)
-    }
+    violated = [verdict for verdict in verdicts if verdict.verdict == VIOLATED]
+    place = wrong.device, wrong.C
+    fails = {verdict.requirement for verdict in violated if (verdict.device, verdict.C) == place}
     changes = []
     for words, key, value in remedy(shaken, goals[0], wrong.C, wrong.N_first):
         try:
@@ -67,11 +70,35 @@ def hint(
             judged = verdicts_of(changed, requirements, [wrong.C], temperatures, tolerance)
         except ValueError:  # it has no second shape at one of the temperatures
             continue
-        failing = dict.fromkeys(one.requirement for one, _ in judged if one.verdict == VIOLATED)
+        violated = [verdict for verdict, _ in judged if verdict.verdict == VIOLATED]
+        failing = dict.fromkeys(verdict.requirement for verdict in violated)
         if wrong.requirement in failing:  # at another corner, or by strength or electrode
             continue
-        broken = [name for name in failing if name not in fails]
-        if broken:
+        if broken := [name for name in failing if name not in fails]:
             words += f" (then {' and '.join(broken)} {'fails' if len(broken) == 1 else 'fail'})"
         changes.append(words)
     return f"it does so with {' or '.join(changes)}, all else as it is" if changes else ""
+
+
+def write_verdicts(study: Study, requirements: Sequence[Required], path: str) -> None:
+    """Judge requirements, and write a row for each device, corner and C; prints the worst.
+
+    study: a `Config`
+    """
+    C = study.axes["C"].tolist()
+    judged = [pair for required in requirements for pair in required.check(study, C)]
+    verdicts = [verdict for verdict, _ in judged]
+    wrong, words = worst(verdicts)
+    lines = [summary(verdicts), words]
+    if wrong:
+        shocks = [required.values for required in requirements if "shocks" in required.values]
+        temperatures, tolerance = study.temperatures, study.threshold_tolerance
+        lines.append(hint(study, shocks, verdicts, wrong, temperatures, tolerance))
+    always = chain(Verdict._fields, Extremes._fields, Survival._fields)
+    columns = dict.fromkeys(chain(always, *(beside for _, beside in judged)))
+    with replacing(path) as part, open(part, "w", newline="", encoding="utf-8") as file:
+        rows = csv.DictWriter(file, columns, restval=nan)
+        rows.writeheader()
+        for verdict, beside in judged:
+            rows.writerow(verdict._asdict() | beside)
+    print(f"{path}: {'; '.join(filter(None, lines))}")

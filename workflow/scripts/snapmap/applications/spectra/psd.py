@@ -54,7 +54,7 @@ class Spectrum:
         return math.sqrt(total)
 
     def record_length(self, duration: float) -> float:
-        """Of one record of a vibration of so many s."""
+        """Length of one record, s, of a vibration of so many s."""
         return min(duration, max(SECONDS, PERIODS / self.f[0]))
 
     def require_record(self, duration: float) -> None:

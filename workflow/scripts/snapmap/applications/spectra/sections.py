@@ -1,12 +1,48 @@
 """Sections of vibration and of shock response spectra among the requirements."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 from ...config.keys import Section, key, many, quantity, word
 from ...config.shocks import PUSHED, PUSHES, PulseSection
 from ...config.units import read, show
+from ...study.study import Study
 from ..requirements.sections import NAME, snaps
 from .psd import REACH, Spectrum
-from .required import RequiredSpectrum, RequiredVibration
 from .srs import check_points
+
+
+@dataclass(frozen=True, eq=False)
+class RequiredVibration:
+    """A required vibration; values: name, psd, duration (s), snaps and probability."""
+
+    values: dict
+
+    def check(self, study: Study, C: Sequence[float]) -> list[tuple]:
+        """Verdicts by the level at which it trips as likely as it may; nothing beside."""
+        from .verdicts import check_vibrations
+
+        verdicts = check_vibrations(study, [self.values], C, study.temperatures)
+        return [(verdict, {}) for verdict in verdicts]
+
+    def require(self, study: Study) -> None:
+        """Raise ValueError where forces push the beam, and no frame is shaken."""
+        study.require_frame("a spectrum among the requirements")
+
+    def plain(self) -> dict:
+        """All of its values, which are plain."""
+        return self.values
+
+
+class RequiredSpectrum(RequiredVibration):
+    """A required shock response spectrum; values: name, srs, direction and snaps."""
+
+    def check(self, study: Study, C: Sequence[float]) -> list[tuple]:
+        """Verdicts by the factor from which a record of it trips; nothing beside."""
+        from .verdicts import check_spectra
+
+        verdicts = check_spectra(study, [self.values], C, study.temperatures)
+        return [(verdict, {}) for verdict in verdicts]
 
 
 def _points(name, unit, such, what, example):
@@ -29,11 +65,11 @@ class VibrationSection(Section):
     name: NAME
     snaps: snaps()
     psd: _points(
-        "density",
-        "g^2/Hz",
-        "0.04",
-        "random vibration",
-        "[[20 Hz, 0.01 g^2/Hz], [2000 Hz, 0.04 g^2/Hz]]",
+        name="density",
+        unit="g^2/Hz",
+        such="0.04",
+        what="random vibration",
+        example="[[20 Hz, 0.01 g^2/Hz], [2000 Hz, 0.04 g^2/Hz]]",
     )
     duration: quantity("pulse", "of the vibration", "3 min")
     probability: quantity(
@@ -54,10 +90,9 @@ class VibrationSection(Section):
 
     def under(self, pulse: PulseSection | None) -> RequiredVibration:
         """The requirement in a study; vibration has no pulse."""
-        over = {"duration": 1e-6 * self.duration, "probability": self.probability or REACH}
-        return RequiredVibration(
-            {"name": self.name, "snaps": self.snaps, "psd": self.points} | over
-        )
+        values = {"name": self.name, "snaps": self.snaps, "psd": self.points}
+        values |= {"duration": 1e-6 * self.duration, "probability": self.probability or REACH}
+        return RequiredVibration(values)
 
 
 class SpectrumSection(Section):
@@ -66,11 +101,11 @@ class SpectrumSection(Section):
     name: NAME
     snaps: snaps()
     srs: _points(
-        "level",
-        "g",
-        "1500",
-        "a shock response spectrum (quality factor 10)",
-        "[[100 Hz, 100 g], [1000 Hz, 1500 g], [10 kHz, 1500 g]]",
+        name="level",
+        unit="g",
+        such="1500",
+        what="a shock response spectrum (quality factor 10)",
+        example="[[100 Hz, 100 g], [1000 Hz, 1500 g], [10 kHz, 1500 g]]",
     )
     direction: word(*PUSHES, what=PUSHED, out="that of `pulse`")
 
@@ -88,7 +123,6 @@ class SpectrumSection(Section):
 
     def under(self, pulse: PulseSection | None) -> RequiredSpectrum:
         """The requirement in a study, whose direction holds unless it has its own."""
-        direction = self.direction or (pulse and pulse.direction) or "+z"
-        return RequiredSpectrum(
-            {"name": self.name, "snaps": self.snaps, "srs": self.points, "direction": direction}
-        )
+        values = {"name": self.name, "snaps": self.snaps, "srs": self.points}
+        values["direction"] = self.direction or (pulse and pulse.direction) or "+z"
+        return RequiredSpectrum(values)

@@ -41,14 +41,14 @@ def response(acceleration: np.ndarray, step: float, f: np.ndarray) -> np.ndarray
     from scipy.signal import lfilter  # half a second, for which nobody else has to wait
 
     largest = np.empty(len(f))
-    for place, own in enumerate(f):
-        turned = 2 * np.pi * own * step
+    for place, frequency in enumerate(f):
+        turned = 2 * np.pi * frequency * step
         decay = math.exp(-turned / (2 * Q))
         phase = turned * math.sqrt(1 - 1 / (4 * Q * Q))
         cosine, swung = decay * math.cos(phase), decay * math.sin(phase)
         mean = swung / phase
         b = 1 - mean, 2 * (mean - cosine), decay**2 - mean
-        after = np.zeros(math.ceil(1 / (own * step)))
+        after = np.zeros(math.ceil(1 / (frequency * step)))
         answer = lfilter(b, (1.0, -2 * cosine, decay**2), np.append(acceleration, after))
         largest[place] = abs(answer).max()
     return largest

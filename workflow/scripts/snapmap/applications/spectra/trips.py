@@ -1,6 +1,6 @@
 """Which of the records that meet a shock response spectrum trip a device, and at which level."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -65,20 +65,22 @@ def trips_of(
     records = [record(points, seeds[0])]
     grid = study.set_out(axes)
     rows = to_rows(grid.device_of[..., np.newaxis], 1.0, grid.axes["C"])
-    there, model = rows.device >= 0, choose_survey(grid.device, study.model).decides
-    asked = rows.take(there), records[0].pulse, study.settings, len(seeds)
-    tell_records("srs_test", model, *asked, len(seeds) * draw_seconds(points, records[0].pulse))
+    exists, model = rows.device >= 0, choose_survey(grid.device, study.model).decides
+    rows, first = rows.take(exists), records[0].pulse
+    draws = len(seeds) * draw_seconds(points, first)
+    tell_records("srs_test", model, rows, first, study.settings, len(seeds), draws)
     records += [record(points, seed) for seed in seeds[1:]]
-    along = DIRECTIONS[study.shocks.directions[0]]
-    pulses = [(one.pulse if along > 0 else one.pulse.reversed(), one.peak) for one in records]
-    snaps = np.full((there.size, len(pulses), len(FACTORS)), np.nan)
-    t_snap = snap_times(model, rows.take(there), pulses, FACTORS, study.settings)
-    snaps[there] = np.where(np.isinf(t_snap), np.nan, np.isfinite(t_snap))
+    pulses, peaks, deviations = map(list, zip(*records, strict=True))
+    is_upward = DIRECTIONS[study.shocks.directions[0]] > 0
+    shaking = pulses if is_upward else [pulse.reversed() for pulse in pulses]
+    snaps = np.full((exists.size, len(pulses), len(FACTORS)), np.nan)
+    t_snap = snap_times(model, rows, zip(shaking, peaks, strict=True), FACTORS, study.settings)
+    snaps[exists] = np.where(np.isinf(t_snap), np.nan, np.isfinite(t_snap))
     snaps = snaps.reshape(*grid.shape, len(pulses), len(FACTORS))
     data = {
-        "peak": ("record", [one.peak for one in records]),
-        "duration": ("record", [one.pulse.duration for one in records]),
-        "deviation": ("record", [abs(one.deviation).max() for one in records]),
+        "peak": ("record", peaks),
+        "duration": ("record", [pulse.duration for pulse in pulses]),
+        "deviation": ("record", [abs(deviation).max() for deviation in deviations]),
         "snaps": ((*grid.axes, "record", "factor"), snaps),
     }
     document = study.document(THRESHOLD_SETTINGS) | {"srs": points.tolist(), **drawn}
@@ -88,7 +90,7 @@ def trips_of(
 def snap_times(
     model: Follows,
     rows: Rows,
-    records: Sequence[tuple[Pulse, float]],
+    records: Iterable[tuple[Pulse, float]],
     levels: Sequence[float],
     settings: Settings,
 ) -> np.ndarray:
@@ -99,7 +101,7 @@ def snap_times(
     """
     pulses, peaks = zip(*records, strict=True)
     device, C = rows.device[:, np.newaxis], rows.C[:, np.newaxis]
-    f0 = [1e6 / one.duration for one in pulses]
+    f0 = [1e6 / pulse.duration for pulse in pulses]
     cells = to_rows(device, f0, C, np.arange(len(pulses)), pulses)
     ask = asker(model, cells, settings, until="snap")
     t_snap = ask(np.multiply.outer(np.array(peaks)[cells.pulse], levels))
@@ -124,6 +126,8 @@ def summary(tested: xr.Dataset) -> str:
     """One line: the share of records that snaps, below which factor none and from which all do."""
     quiet, _, _, sure = ends(tested.snaps.transpose(..., "factor").values.reshape(-1, len(FACTORS)))
     words = [f"{tested.snaps.sel(factor=1.0).mean().item():.0%} of the runs snap"]
-    words += [f"none up to {quiet:.2g} times it"] if quiet else []
-    words += [f"all from {sure:.2g} times it"] if sure < np.inf else []
+    if quiet:
+        words.append(f"none up to {quiet:.2g} times it")
+    if sure < np.inf:
+        words.append(f"all from {sure:.2g} times it")
     return ", ".join(words)

@@ -29,19 +29,19 @@ def check_vibrations(
     N, N_first and N_error of a verdict are levels in g rms, with the wider half of the bounds.
     """
     verdicts = []
-    for required, name, own in each_device(study, vibrations, temperatures):
+    for required, name, shaken in each_device(study, vibrations, temperatures):
         chance, T = required["probability"], required["duration"]
         reach = 1 - chance if required["snaps"] else chance
         drawn = {"records": RECORDS, "seed": SEED, "reach": reach, "duration": T}
-        shaken = vibration_of(own, {"C": C}, Spectrum(required["psd"]), drawn)
-        shock = {"shape": "random", "direction": "both", "N": shaken.rms, "duration": 1e3 * T}
+        rates = vibration_of(shaken, {"C": C}, Spectrum(required["psd"]), drawn)
+        shock = {"shape": "random", "direction": "both", "N": rates.rms, "duration": 1e3 * T}
         keys = "snaps", "level_low", "level_high", "level"
-        columns = (shaken[key].values.tolist() for key in keys)
+        columns = (rates[key].values.tolist() for key in keys)
         for damping, snaps, low, high, level in zip(C, *columns, strict=True):
             error = max(high - level, level - low) if np.isfinite(level) else np.nan
-            place = {"device": name, "C": damping, "temperature": own.device.temperature}
-            seen = snaps > 0, low, high, level, error
-            verdicts.append(_verdict(required, shock | place, *seen))
+            place = {"device": name, "C": damping, "temperature": shaken.device.temperature}
+            place |= shock
+            verdicts.append(_verdict(required, place, snaps > 0, low, high, level, error))
     return verdicts
 
 
@@ -77,11 +77,11 @@ def _of_spectrum(study, required, name, C, drawn):
     for damping, snaps in zip(C, tested.snaps.values, strict=True):
         low, high = ends(snaps)[2:] if must else ends(snaps)[:2]
         middle, half = (high + low) / 2, (high - low) / 2
-        given = snaps[:, FACTORS.index(1.0)] == 1
-        level = (middle, half) if high < np.inf else (np.nan, np.nan)
-        seen = given.all() if must else given.any(), low, high, *level
+        trips = snaps[:, FACTORS.index(1.0)] == 1
+        snapped = trips.all() if must else trips.any()
+        level, error = (middle, half) if high < np.inf else (np.nan, np.nan)
         place = {"device": name, "C": damping, "temperature": study.device.temperature}
-        yield _verdict(required, shock | place, *seen)
+        yield _verdict(required, shock | place, snapped, low, high, level, error)
 
 
 def _verdict(required, place, snapped, low, high, level, error):

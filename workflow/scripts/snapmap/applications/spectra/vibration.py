@@ -96,81 +96,81 @@ def vibration_of(
 
     def follow(which, level):
         """How many records snap at a level, and fail, and the time, s, of rows, (3, rows)."""
-        seen = np.zeros((3, which.size))
+        counts = np.zeros((3, which.size))
         for begin in range(0, records, together):
             numbers = range(begin, min(begin + together, records))
             pulses = [spectrum.record(length, [seed, number]) for number in numbers]
             t_snap = snap_times(model, rows.take(which), pulses, [level], settings)[..., 0]
             failed, snapped = np.isinf(t_snap), np.isfinite(t_snap)
             time = np.where(snapped, t_snap * 1e-6, np.where(failed, 0.0, length))
-            seen += [column.sum(axis=1) for column in (snapped, failed, time)]
-        return seen
+            counts += [column.sum(axis=1) for column in (snapped, failed, time)]
+        return counts
 
-    there = rows.device >= 0
-    tell_records("vibration", model, rows.take(there), first, settings, records)
-    ladder = _climb(follow, there, records)
+    exists = rows.device >= 0
+    tell_records("vibration", model, rows.take(exists), first, settings, records)
+    ladder = _climb(follow, exists, records)
     needed = -math.log1p(-reach) / T
-    levels = np.array([_level(ladder, row, needed) for row in range(there.size)]) * rms
+    levels = np.array([_level(ladder, row, needed) for row in range(exists.size)]) * rms
     data = _rates(ladder[0], T)
     data |= dict(zip(("level", "level_low", "level_high"), levels.T, strict=True))
     section = {"psd": [spectrum.f.tolist(), spectrum.density.tolist()], **drawn}
     document = study.document(THRESHOLD_SETTINGS) | {"vibration": section}
     columns = {
-        key: (tuple(grid.axes), np.where(there, values, np.nan).reshape(grid.shape))
+        key: (tuple(grid.axes), np.where(exists, values, np.nan).reshape(grid.shape))
         for key, values in data.items()
     }
     about = {"rms": rms, "record_length": length, **drawn}
     return dress("vibration", xr.Dataset(columns, grid.axes), document, **about)
 
 
-def _climb(follow: Callable, there: np.ndarray, records: int) -> dict[int, np.ndarray]:
-    """What is seen at rungs about the given level, 0: by STRIDE from none that snaps to all.
+def _climb(follow: Callable, exists: np.ndarray, records: int) -> dict[int, np.ndarray]:
+    """Count snaps at rungs about the given level, 0: by STRIDE from none that snaps to all.
 
-    follow: of indices of rows and a level: snaps, failed, time; there: rows that have a device
-    A rung holds NaN for rows at which it was not looked.
+    follow: of indices of rows and a level: snaps, failed, time; exists: rows that have a device
+    A rung holds NaN for rows that were not followed there.
     """
     ladder = {}
 
-    def look(rung, which):
-        seen = ladder.setdefault(rung, np.full((3, there.size), np.nan))
-        which = which[np.isnan(seen[0, which])]
+    def count(rung, which):
+        counts = ladder.setdefault(rung, np.full((3, exists.size), np.nan))
+        which = which[np.isnan(counts[0, which])]
         if which.size:
-            seen[:, which] = follow(which, RUNG**rung)
-        return seen
+            counts[:, which] = follow(which, RUNG**rung)
+        return counts
 
-    every = np.flatnonzero(there)
-    all_snap, none_snaps = np.full((2, there.size), 0)
+    every = np.flatnonzero(exists)
+    all_snap, none_snaps = np.full((2, exists.size), 0)
     for last, side in ((all_snap, 1), (none_snaps, -1)):
         rung, left = 0, every
         while left.size and abs(rung) <= FARTHEST:
-            snaps, failed, _ = look(rung, left)[:, left]
+            snaps, failed, _ = count(rung, left)[:, left]
             stays = snaps + failed < records if side > 0 else snaps > 0
             last[left], left, rung = rung, left[stays], rung + side * STRIDE
     for rung in range(none_snaps[every].min(initial=0), all_snap[every].max(initial=0)):
         low = np.array([_last_quiet(ladder, row) for row in every], int)
-        look(rung, every[(low < rung) & (rung < all_snap[every])])
+        count(rung, every[(low < rung) & (rung < all_snap[every])])
     return ladder
 
 
-def _seen(ladder, row):
+def _counts(ladder, row):
     """Snaps and time by rung of a row, ascending, where a run did not fail."""
     return {rung: ladder[rung][::2, row] for rung in sorted(ladder) if ladder[rung][2, row] > 0}
 
 
 def _last_quiet(ladder, row):
-    """The highest rung seen so far below which no record snaps, or the lowest; 0 if all fail."""
-    seen = _seen(ladder, row)
-    first = next((rung for rung, (snaps, _) in seen.items() if snaps > 0), math.inf)
-    return max((rung for rung in seen if rung < first), default=min(seen, default=0))
+    """The highest rung so far below which no record snaps, or the lowest; 0 if all fail."""
+    counts = _counts(ladder, row)
+    first = next((rung for rung, (snaps, _) in counts.items() if snaps > 0), math.inf)
+    return max((rung for rung in counts if rung < first), default=min(counts, default=0))
 
 
 def _level(ladder: Mapping[int, np.ndarray], row: int, needed: float) -> tuple[float, float, float]:
     """Level over the given one at which the rate is `needed`, 1/s, and its bounds."""
-    seen = _seen(ladder, row)
-    first = next((rung for rung, (snaps, _) in seen.items() if snaps > 0), None)
+    counts = _counts(ladder, row)
+    first = next((rung for rung, (snaps, _) in counts.items() if snaps > 0), None)
     if first is None:
-        return (np.inf,) * 3 if seen else (np.nan,) * 3
-    near = [(RUNG ** (-2 * rung), *seen[rung]) for rung in seen if rung < first + RUNGS]
+        return (np.inf,) * 3 if counts else (np.nan,) * 3
+    near = [(RUNG ** (-2 * rung), *counts[rung]) for rung in counts if rung < first + RUNGS]
     a, b, variance = fit_rates(*zip(*near, strict=True))
     if not b > 0:
         return np.nan, np.nan, np.nan
@@ -188,27 +188,27 @@ def fit_rates(x: Sequence[float], counts: Sequence[float], times: Sequence[float
     """
     a, b = math.log(sum(counts) / sum(times)), 0.0
     for _ in range(100):
-        expected = [t * math.exp(min(a - b * one, 700.0)) for one, t in zip(x, times, strict=True)]
-        s0, s1, s2 = (sum(m * one**k for one, m in zip(x, expected, strict=True)) for k in range(3))
+        expected = [t * math.exp(min(a - b * xi, 700.0)) for xi, t in zip(x, times, strict=True)]
+        s0, s1, s2 = (sum(m * xi**k for xi, m in zip(x, expected, strict=True)) for k in range(3))
         g0 = sum(n - m for n, m in zip(counts, expected, strict=True))
-        g1 = sum((n - m) * one for n, m, one in zip(counts, expected, x, strict=True))
+        g1 = sum((n - m) * xi for n, m, xi in zip(counts, expected, x, strict=True))
         det = s0 * s2 - s1 * s1
         if not det > ENOUGH * s0 * s2:
-            return a, 0.0, lambda one: np.inf
+            return a, 0.0, lambda xi: np.inf
         da, db = (s2 * g0 - s1 * g1) / det, (s1 * g0 - s0 * g1) / det
         a, b = a + da, b + db
         if abs(da) + abs(db) < 1e-9 * (1 + abs(a) + abs(b)):
             break
     residual = sum((n - m) ** 2 / m for n, m in zip(counts, expected, strict=True) if m > 0)
     scatter = max(1.0, residual / max(1, len(x) - 2))
-    return a, b, lambda one: scatter * (s2 - 2 * s1 * one + s0 * one * one) / det
+    return a, b, lambda xi: scatter * (s2 - 2 * s1 * xi + s0 * xi * xi) / det
 
 
-def _rates(seen: np.ndarray, T: float) -> dict[str, np.ndarray]:
+def _rates(counts: np.ndarray, T: float) -> dict[str, np.ndarray]:
     """Rate and probability within T, s, with bounds by Poisson's distribution."""
     from scipy.special import chdtri  # half a second, for which nobody else has to wait
 
-    n, failed, time = seen
+    n, failed, time = counts
     with np.errstate(divide="ignore", invalid="ignore"):
         rates = {
             "rate": n / time,

@@ -60,16 +60,14 @@ def statics(device: Device) -> xr.Dataset:
         share = (1 - np.cos(np.linspace(0, np.pi, POINTS))) / 2
         w = np.concatenate([w[:POINTS], first + (last - first) * share, w[2 * POINTS :]])
         branches = {"tilted": (w, *_tilted(modes, w)), **branches}
-    data = {
-        key: (("branch", "point"), np.stack(arrays))
-        for key, *arrays in zip(PATH, *branches.values(), strict=True)
-    }
-    w, force = (data[key][1][0] for key in PATH[:2])
+    values = dict(zip(PATH, map(np.stack, zip(*branches.values(), strict=True)), strict=True))
+    w, force = values["displacement"][0], values["force"][0]
     electrode = {}
     if device.has_electrode:
         held = np.interp(first - device.contact_at, w, -force)
         # What is not known is not 0.
         electrode = {"contact_at": device.contact_at, "hold_force": float(np.maximum(held, 0.0))}
+    data = {key: (("branch", "point"), column) for key, column in values.items()}
     return dress(
         "statics",
         xr.Dataset(data, {"branch": list(branches)}),
@@ -92,10 +90,8 @@ def _symmetric_paths(beam, modes, tilts):
     # The even shapes move no midpoint and are in no start: the second enters by bifurcation.
     odd = _every_second(modes)
     turn = largest_force(odd, partial(push, odd), odd.buckling[1, 0])
-    branches = {
-        "guided": _path(odd, min(turn, modes.buckling[1, 0])),
-        "unbranched": _path(odd, turn),
-    }
+    guided = _path(odd, min(turn, modes.buckling[1, 0]))
+    branches = {"guided": guided, "unbranched": _path(odd, turn)}
     return branches, _path(odd, min(turn, tilts))[0]
 
 
@@ -127,7 +123,7 @@ def _tilted(modes, w):
 
 
 def _energy(modes, N, c, free, force):
-    """free: the square of the amplitude that a mode takes at its own load N."""
+    """Energy of the beam, pJ; free: the square of a mode's amplitude at its own load N."""
     bent = np.sum(modes.buckling * c**2, axis=0) + N * free + modes.residual * force**2
     return bent / 2 + N**2 / (4 * modes.axial)
 
@@ -137,9 +133,9 @@ def _path(modes, turn):
     N = turn * (1 - np.linspace(1, 0, POINTS) ** 2)
     lower, upper = roots(modes, N, *push(modes, N))
     # Crossing the first buckling load, the two roots change places.
-    there, back = np.where(modes.buckling[0] > N, [lower, upper], [upper, lower])
-    straight = np.linspace(there[-1], back[-1], POINTS)
-    force = np.concatenate([there, straight, back[::-1]])
+    rising, back = np.where(modes.buckling[0] > N, [lower, upper], [upper, lower])
+    straight = np.linspace(rising[-1], back[-1], POINTS)
+    force = np.concatenate([rising, straight, back[::-1]])
     N = np.concatenate([N, np.full(POINTS, turn), N[::-1]])
     constant, slope = push(modes, N)
     c = constant + slope * force

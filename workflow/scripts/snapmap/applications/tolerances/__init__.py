@@ -42,7 +42,8 @@ def doubts(study):
 
     plan = study.requests["tolerances"]
     devices = study.devices().values() if plan else ()
-    return [line for one in devices for line in wide(Plan(one, plan.scatters, plan.together))]
+    plans = [Plan(device, plan.scatters, plan.together) for device in devices]
+    return [line for scatters in plans for line in wide(scatters)]
 
 
 def cost(study):

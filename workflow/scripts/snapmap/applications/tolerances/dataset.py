@@ -68,14 +68,15 @@ def tolerance(
     >>> round((made.N_std / made.N_mean).item(), 2)
     0.1
     """
-    given = {key: options.pop(key) for key in Tolerances._fields if key in options}
+    plan = {key: options.pop(key) for key in Tolerances._fields if key in options}
     requirements = options.pop("requirements", ())
     study, _ = study_of(device, model, options)
     requirements = [with_shocks(required, study.shocks) for required in requirements]
     axes = {"C": C, "f0": [study.shocks.own_frequency()] if f0 is None else f0}
-    axes |= {} if N is None else {"N": N}
+    if N is not None:
+        axes["N"] = N
     with counting("tolerance"):
-        return tolerances_of(study, axes, Tolerances(scatters, **given), requirements, tolerance)
+        return tolerances_of(study, axes, Tolerances(scatters, **plan), requirements, tolerance)
 
 
 def tolerances_of(
@@ -93,24 +94,24 @@ def tolerances_of(
     samples, most = tolerances.samples, tolerances.index_samples
     if (most or 0) > samples:
         raise ValueError(f"index_samples: {most} is more than samples, {samples}")
-    parts = []
-    for device in study.devices().values():
-        own = replace(study, device=device)
-        parts.append(_of_device(own, axes, tolerances, requirements, tolerance))
+    parts = [
+        _of_device(replace(study, device=device), axes, tolerances, requirements, tolerance)
+        for device in study.devices().values()
+    ]
     data = parts[0]
     if isinstance(study.device, Mapping):
         names = xr.Variable("device", list(study.device), COORDINATES["device"])
         data = xr.concat(parts, names, join="outer")
     for key in SHOCK_FACTORS:
         if f"{key}_factor" in data:
-            about = {"long_name": f"{key} over its nominal value", "units": "1"}
-            data[f"{key}_factor"].attrs = about
+            attributes = {"long_name": f"{key} over its nominal value", "units": "1"}
+            data[f"{key}_factor"].attrs = attributes
     document = study.document(THRESHOLD_SETTINGS)
     document["tolerances"] = tolerances.section
     made = dress("tolerance", data, document, threshold_tolerance=tolerance)
     if requirements:
-        own = [one.temperature for one in study.devices().values()]
-        degrees = axes.get("temperature", own)
+        nominal = [device.temperature for device in study.devices().values()]
+        degrees = axes.get("temperature", nominal)
         ends = dict.fromkeys([plain(min(degrees)), plain(max(degrees))])
         made["yield"].attrs["temperatures"] = f"{' to '.join(ends)} degC"
     return made
@@ -131,19 +132,19 @@ def _of_device(study, axes, tolerances, requirements, tolerance):
     partners = points[:, :power]
     every = np.concatenate([points[0], partners[1], *crossed(partners)])
     choices = choose_levels(device, study.model, rows, settings)
-    how = study.model, choices, settings.start
-    batch, beside = (Batch(device, plan.values(part), *how) for part in (points[0], every))
-    N_first, nominal, ragged = beside.thresholds(rows, settings, tolerance, chosen=True)
+    batch, of_indices = (
+        Batch(device, plan.values(part), study.model, choices, settings.start)
+        for part in (points[0], every)
+    )
+    N_first, nominal, ragged = of_indices.thresholds(rows, settings, tolerance, chosen=True)
     first, second, mixed = np.split(N_first, [samples, samples + power])
     mixed = mixed.reshape(len(plan.names), power, -1)
     sobol = indices(first[:power], second, mixed, tolerances.seed)
     sobol = sobol.reshape(2, 3, -1, *shape)
     first = first.reshape(-1, *shape)
     mean, std = moments(first)
-    made = {
-        f"{key}_factor" if key in SHOCK_FACTORS else key: batch.values[key] for key in plan.nominal
-    }
-    data = {key: ("sample", column) for key, column in made.items()} | {
+    names = {f"{key}_factor" if key in SHOCK_FACTORS else key: key for key in plan.nominal}
+    data = {name: ("sample", batch.values[key]) for name, key in names.items()} | {
         "bistable": ("sample", batch.bistable.astype(np.int8)),
         "N_first": (("sample", *groups), first),
         "N_nominal": (tuple(groups), nominal.reshape(shape)),
@@ -175,10 +176,11 @@ def _of_device(study, axes, tolerances, requirements, tolerance):
         named["requirement"] = [required["name"] for required in requirements]
         batches, values = [batch], batch.values
         if "temperature" in axes:
-            batches = [
-                Batch(device.at(degrees), values | {"temperature": np.full(samples, degrees)}, *how)
-                for degrees in axes["temperature"]
-            ]
+            batches = []
+            for degrees in axes["temperature"]:
+                at = values | {"temperature": np.full(samples, degrees)}
+                tempered = device.at(degrees)
+                batches.append(Batch(tempered, at, study.model, choices, settings.start))
         data |= _requirements(batches, study, requirements, C, tolerance)
     return xr.Dataset(data, groups | {"N": N} | named)
 
@@ -248,27 +250,28 @@ def _stresses(batch, study, requirements, C):
     return largest
 
 
-def summary(made: xr.Dataset) -> str:
+def summary(tolerance: xr.Dataset) -> str:
     """One line: how many samples there are, how far thresholds scatter, what owes it, the yield."""
-    size, missing = made.bistable.size, int((made.bistable == 0).sum())
-    spread = (made.N_std / made.N_mean).values
+    size, missing = tolerance.bistable.size, int((tolerance.bistable == 0).sum())
+    spread = (tolerance.N_std / tolerance.N_mean).values
     spread = spread[np.isfinite(spread)]
     words = [f"{size} samples", f"{missing} without a second stable shape"]
     if spread.size:
         words.append(f"thresholds scatter by {spread.min():.2g} to {spread.max():.2g}, relative")
     # What thresholds owe most of their variance to; where that differs, of each named pulse.
-    total = made.sensitivity.sel(order="total")
+    total = tolerance.sensitivity.sel(order="total")
     named = [dim for dim in NAMES if dim in total.dims]
     total = total.mean([dim for dim in total.dims if dim not in ("value", *named)])
     most = {}
     for place in product(*(range(total.sizes[dim]) for dim in named)):
-        own = total.isel(dict(zip(named, place, strict=True)))
-        if own.notnull().any():
-            names = " ".join(str(own[dim].item()) for dim in named)
-            most.setdefault(own.idxmax().item(), []).append(names)
-    several = len(most) > 1
-    words += [f"most by {key}" + f" ({', '.join(at)})" * several for key, at in most.items()]
+        indices = total.isel(dict(zip(named, place, strict=True)))
+        if indices.notnull().any():
+            names = " ".join(str(indices[dim].item()) for dim in named)
+            most.setdefault(indices.idxmax().item(), []).append(names)
+    for key, names in most.items():
+        words.append(f"most by {key} ({', '.join(names)})" if len(most) > 1 else f"most by {key}")
     for key, word in (("yield", "yield"), ("share_breaking", "break")):
-        if key in made:
-            words.append(f"{word} {percents(*made[key].values.ravel())}{scope(made[key])}")
+        if key in tolerance:
+            shares = tolerance[key]
+            words.append(f"{word} {percents(*shares.values.ravel())}{scope(shares)}")
     return ", ".join(words)

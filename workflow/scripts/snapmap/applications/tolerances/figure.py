@@ -99,9 +99,8 @@ def draw_probability(ax: Axes, found: xr.Dataset) -> Axes:
         ax.plot(N.values, shares.probability.values, color="black")
         ax.axvline(found.N_nominal.item(), **NOMINAL)
         if "latched" in found:
-            ax.plot(
-                N.values, shares.latched.values, color=LATCHED, label="share that stays snapped"
-            )
+            look = {"color": LATCHED, "label": "share that stays snapped"}
+            ax.plot(N.values, shares.latched.values, **look)
         ax.set(xlabel=axis_label("N", found.attrs), ylabel="share of devices that snap")
         ax.set(xlim=N.values[[0, -1]] if np.ptp(N.values) else N.edges[[0, -1]], ylim=(0, 1))
         return ax
@@ -133,9 +132,8 @@ def draw_sensitivity(ax: Axes, found: xr.Dataset) -> Axes:
         bars = {"yerr": np.maximum([total - low, high - total], 0), "elinewidth": 0.5}
         look = {"color": colour, "marker": marker}
         ax.errorbar(f0.places, total, markersize=3, label=words_of(value), **bars, **look)
-        ax.plot(
-            f0.places, first, label="hollow: that value alone" if i == 0 else None, **look, **FIRST
-        )
+        alone = "hollow: that value alone" if i == 0 else None
+        ax.plot(f0.places, first, label=alone, **look, **FIRST)
     unknown = found.sensitivity.sel(order="total").isnull().all("value").values
     cross(ax, f0.places[unknown], 0.02, "0.4", "not known: few devices snap")
     ax.set(ylim=(-0.05, 1.1), ylabel="share of the variance of the threshold")
@@ -143,9 +141,9 @@ def draw_sensitivity(ax: Axes, found: xr.Dataset) -> Axes:
 
 
 def words_of(value: str) -> str:
-    """What a draw moves, in words: `thickness and depth`."""
-    own = {"N": "$N$ of the shock", "duration": "duration of the pulse"}
-    return " and ".join(own.get(key) or WORDS[key][0] for key in value.split("+"))
+    """Name what a draw moves: `thickness and depth`."""
+    of_shock = {"N": "$N$ of the shock", "duration": "duration of the pulse"}
+    return " and ".join(of_shock.get(key) or WORDS[key][0] for key in value.split("+"))
 
 
 def batch_text(found: xr.Dataset, attributes: Mapping[str, str]) -> str:
@@ -184,12 +182,12 @@ def draw_requirement(ax: Axes, found: xr.Dataset) -> Axes:
 def each_share(found: xr.Dataset) -> Iterator[tuple[str, xr.DataArray, xr.DataArray]]:
     """Name, share and bounds of each requirement, of beams that it leaves unbroken, and of all."""
     for name in found.requirement.values.tolist():
-        one = found.sel(requirement=name)
-        if one.must_snap != SNAPS[ANY]:
-            yield name, one.share_meeting, one.share_meeting_bound
+        required = found.sel(requirement=name)
+        if required.must_snap != SNAPS[ANY]:
+            yield name, required.share_meeting, required.share_meeting_bound
         if "share_breaking" in found:
-            bounds = 1 - one.share_breaking_bound.isel(bound=slice(None, None, -1))
-            yield f"{name}, unbroken", 1 - one.share_breaking, bounds
+            bounds = 1 - required.share_breaking_bound.isel(bound=slice(None, None, -1))
+            yield f"{name}, unbroken", 1 - required.share_breaking, bounds
     yield "all together", found["yield"], found.yield_bound
 
 
@@ -200,13 +198,13 @@ def draw_yield(ax: Axes, found: xr.Dataset) -> Axes:
     """
     names, shares, bounds = zip(*each_share(found), strict=True)
     shares = np.stack(shares)
-    bounds = np.stack([one.transpose("bound", "C") for one in bounds], axis=1)
+    bounds = np.stack([ends.transpose("bound", "C") for ends in bounds], axis=1)
     rows = np.arange(len(names))
-    for i, (one, colour, marker) in enumerate(each_line(found, "C")):
+    for i, (line, colour, marker) in enumerate(each_line(found, "C")):
         y = rows + 0.7 * ((i + 0.5) / found.C.size - 0.5)
         error = abs(bounds[:, :, i] - shares[:, i])
         look = {"color": colour, "marker": marker, "linestyle": "", "clip_on": False}
-        ax.errorbar(shares[:, i], y, xerr=error, label=value_text("C", one.C.item()), **look)
+        ax.errorbar(shares[:, i], y, xerr=error, label=value_text("C", line.C.item()), **look)
         for at, share, ends in zip(y, shares[:, i], bounds[:, :, i].T, strict=True):
             words = f"{percents(share)} ({percents(*ends)})"
             place = {"xytext": (6, 0), "textcoords": "offset points", "va": "center"}

@@ -14,23 +14,23 @@ _DRAWN = Tolerances._field_defaults
 def _scatter(name, kind, example=""):
     """A width, or a mapping of its kind to one; a share stays text."""
 
-    def width(given):
-        if isinstance(given, str) and given.strip().endswith("%"):
-            return f"{100 * read(given, 'share'):.12g} %"
+    def width(value):
+        if isinstance(value, str) and value.strip().endswith("%"):
+            return f"{100 * read(value, 'share'):.12g} %"
         if name in SHOCK_FACTORS:
-            raise ValueError(f"{show(given)} is no share; write one such as '5 %'")
+            raise ValueError(f"{show(value)} is no share; write one such as '5 %'")
         try:
-            return read(given, kind)
+            return read(value, kind)
         except ValueError as error:
-            share = f", or a share such as '{given} %'" if isinstance(given, int | float) else ""
+            share = f", or a share such as '{value} %'" if isinstance(value, int | float) else ""
             raise ValueError(f"{error}{share}") from None
 
-    def convert(given):
-        if not isinstance(given, Mapping):
-            return width(given)
-        if len(given) != 1 or next(iter(given)) not in SPREADS:
-            raise ValueError(f"{show(given)} is not of one of {', '.join(SPREADS)}, with its width")
-        return {spread: width(value) for spread, value in given.items()}
+    def convert(value):
+        if not isinstance(value, Mapping):
+            return width(value)
+        if len(value) != 1 or next(iter(value)) not in SPREADS:
+            raise ValueError(f"{show(value)} is not of one of {', '.join(SPREADS)}, with its width")
+        return {spread: width(size) for spread, size in value.items()}
 
     value = "" if name in SHOCK_FACTORS else " or a value"
     need = f"a standard deviation, as a share{value}, or a mapping of its kind to such a width"

@@ -39,10 +39,10 @@ def indices(first: np.ndarray, second: np.ndarray, crossed: np.ndarray, seed: in
         if draws == 1:
             result[..., i] = 1.0
             continue
-        values = first[places, i], second[places, i], crossed[:, places, i]
-        every = _both_orders(*values, _weights(places.size, seed))
-        result[:, 0, :, i] = every[..., 0]
-        result[:, 1:, :, i] = np.moveaxis(np.quantile(every[..., 1:], ENDS, axis=-1), 0, 1)
+        weights = _weights(places.size, seed)
+        sets = _both_orders(first[places, i], second[places, i], crossed[:, places, i], weights)
+        result[:, 0, :, i] = sets[..., 0]
+        result[:, 1:, :, i] = np.moveaxis(np.quantile(sets[..., 1:], ENDS, axis=-1), 0, 1)
     return np.round(result, DECIMALS)
 
 

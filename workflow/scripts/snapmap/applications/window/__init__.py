@@ -10,8 +10,8 @@ def outputs(study):
     """The window, of a study with required shocks and two axes of device and damper."""
     from .window import choose_axes
 
-    asked = shocks_of(study) and choose_axes(study.grid)
-    return {"window": "results/window.nc"} if asked else {}
+    is_drawn = shocks_of(study) and choose_axes(study.grid)
+    return {"window": "results/window.nc"} if is_drawn else {}
 
 
 def params(study):
@@ -34,7 +34,7 @@ def run(study, path):
     axes = {key: study.axes[key] for key in study.axes if key in DESIGN_AXES}
     tolerances = study.requests.get("tolerances")
     dataset = window_of(study.of_thresholds(), axes, shocks_of(study), tolerances)
-    write_product(dataset, path, lambda made: summary(made, study.units))
+    write_product(dataset, path, lambda window: summary(window, study.units))
 
 
 def figures(study):

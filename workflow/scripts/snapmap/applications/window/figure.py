@@ -57,8 +57,8 @@ def draw_window(figure: FigureBase, found: xr.Dataset, x: str, y: str, units: Un
                 ax.clabel(lines, fmt=number, fontsize=6)
         else:
             plane.colour_bar(ax, plane.fill_field(ax, field, *across, cmap="cividis"), "")
-        for one, (colour, _) in zip(reserve, cycle(LOOKS), strict=False):
-            for edge in _level_lines(ax, grid, one, [1], colors=colour):
+        for of_requirement, (colour, _) in zip(reserve, cycle(LOOKS), strict=False):
+            for edge in _level_lines(ax, grid, of_requirement, [1], colors=colour):
                 edge.set(path_effects=BEGINS_TO_FAIL)
     places = np.meshgrid(*(scale.places for scale in across))
     points = axes[0].plot(*map(np.ravel, places), **POINTS)
@@ -66,7 +66,7 @@ def draw_window(figure: FigureBase, found: xr.Dataset, x: str, y: str, units: Un
 
 
 def _open_window(ax, found, x, y, units):
-    """As `plane.open_plane`, in other units, up to the outermost points."""
+    """Open a plane as `plane.open_plane` does, in other units, up to the outermost points."""
     across = plane.open_plane(ax, found, x, y)
     for which, scale in zip("xy", across, strict=True):
         unit, _ = units.get(scale.key, ("", 1.0))
@@ -103,8 +103,9 @@ def _ends(field):
 def _window_keys(found, reserve, least):
     """Keys of what a window shows: of requirements that begin to fail in it, and of colours."""
     known = least[np.isfinite(least)]
-    for one, must, (colour, _) in zip(reserve, found.must_snap, cycle(LOOKS), strict=False):
-        low, high = _ends(one)
+    looks = cycle(LOOKS)
+    for field, must, (colour, _) in zip(reserve, found.must_snap, looks, strict=False):
+        low, high = _ends(field)
         if low < 1 < high:
             label = required_text(must.requirement.item(), must.item())
             yield Line2D([], [], color=colour, path_effects=BEGINS_TO_FAIL, label=label)

@@ -48,29 +48,29 @@ def window_of(
     devices with a strength stress_max, MPa; with tolerances yield, (*axes), with its bounds, of
     those that meet all at each temperature.
     """
-    each, thresholds = [], {}
+    windows, thresholds = [], {}
     for required in requirements:
-        own, f0, under = of_requirement(study, required), required["f0"], []
-        for shocks in own.shocks.each():
-            shaken = replace(own, shocks=shocks)
-            pulse = shocks.pulses[0].pieces.tobytes(), own.settings, f0
+        shaken, f0, under = of_requirement(study, required), required["f0"], []
+        for shocks in shaken.shocks.each():
+            single = replace(shaken, shocks=shocks)
+            pulse = shocks.pulses[0].pieces.tobytes(), shaken.settings, f0
             if pulse not in thresholds:
-                seen = thresholds_of(shaken, {**axes, "f0": [f0]})
-                thresholds[pulse] = seen.squeeze("f0", drop=True)
-            under.append(_of_one(shaken, axes, required, thresholds[pulse]))
-        each.append(_worst(under))
-    design = each[0].reserve.dims
-    names, document = [one["name"] for one in requirements], study.document(THRESHOLD_SETTINGS)
-    found = xr.concat(each, xr.Variable("requirement", names))
+                surface = thresholds_of(single, {**axes, "f0": [f0]})
+                thresholds[pulse] = surface.squeeze("f0", drop=True)
+            under.append(_under_shock(single, axes, required, thresholds[pulse]))
+        windows.append(_worst(under))
+    design, document = windows[0].reserve.dims, study.document(THRESHOLD_SETTINGS)
+    names = [required["name"] for required in requirements]
+    window = xr.concat(windows, xr.Variable("requirement", names))
     if tolerances:
         count = _good(study, axes, requirements, tolerances)
-        found["yield"] = design, count / tolerances.samples
-        found["yield_bound"] = ("bound", *design), np.stack(wilson(count, tolerances.samples))
-        found = found.assign_coords(bound=["low", "high"])
+        window["yield"] = design, count / tolerances.samples
+        window["yield_bound"] = ("bound", *design), np.stack(wilson(count, tolerances.samples))
+        window = window.assign_coords(bound=["low", "high"])
         document["tolerances"] = tolerances.section
     temperatures = {"temperatures": axes[TEMPERATURE]} if _varies(axes) else {}
-    found["reserve"].attrs["off_between_points"] = _off_between(found.reserve.values)
-    return dress("window", found, document, **temperatures)
+    window["reserve"].attrs["off_between_points"] = _off_between(window.reserve.values)
+    return dress("window", window, document, **temperatures)
 
 
 def _varies(axes):
@@ -81,8 +81,8 @@ def _varies(axes):
 def _off_between(reserve):
     """How far reserves may lie from straight lines between points, by their second differences."""
     reserve = np.clip(reserve, 1 / FAR, FAR)
-    beside = (np.diff(reserve, n=2, axis=axis) for axis in range(1, reserve.ndim))
-    return float(sum(np.nanmax(abs(one), initial=0) / 8 for one in beside))
+    second = (np.diff(reserve, n=2, axis=axis) for axis in range(1, reserve.ndim))
+    return float(sum(np.nanmax(abs(difference), initial=0) / 8 for difference in second))
 
 
 def _worst(under):
@@ -96,47 +96,44 @@ def _worst(under):
     return worst
 
 
-def _of_one(study, axes, required, thresholds):
-    """How far one requirement is met, by the thresholds of its pulse, and the largest stress."""
+def _under_shock(study, axes, required, thresholds):
+    """How far a requirement is met under a shock, by thresholds of its pulse; and the stress."""
     N, survives = required["N"], required["survives"]
     thresholds = thresholds.drop_attrs()
     first = thresholds.N_first.where(thresholds.status != NOTHING_SNAPS, np.inf)
-    found = thresholds[["N_first", "N_error"]]
-    found["reserve"] = N / first if required["snaps"] else first / N
+    window = thresholds[["N_first", "N_error"]]
+    window["reserve"] = N / first if required["snaps"] else first / N
     if required["snaps"] == ANY:
-        found["reserve"] = xr.full_like(first, np.inf).where(first.notnull())
-    found["N_required"], found["must_snap"] = N, np.int8(SNAPS[required["snaps"]])
+        window["reserve"] = xr.full_like(first, np.inf).where(first.notnull())
+    window["N_required"], window["must_snap"] = N, np.int8(SNAPS[required["snaps"]])
     grid = study.set_out({**axes, "f0": [required["f0"]]})
     if np.isfinite(grid.device.strength).any():
-        rows, stress = rows_of(grid), np.full(found.reserve.shape, np.nan)
-        rows = rows.take(there := rows.device >= 0)
+        rows, stress = rows_of(grid), np.full(window.reserve.shape, np.nan)
+        rows = rows.take(exists := rows.device >= 0)
         cells = rows.cells(grid.device, N, study.settings.horizon).flat()
-        followed = grid.device, study.model, cells, study.settings
-        stress.flat[there] = most = largest_stress(*followed)
-        broken = break_probability(grid.device.pick(cells.device), most) > 1 - survives
-        found.reserve.values.flat[np.flatnonzero(there)[broken]] = 0.0
-        found["stress_max"] = tuple(axes), stress
-    return _at_worst_temperature(found) if _varies(axes) else found
-
-
-def _at_worst_temperature(found):
-    """What is left of each requirement where its reserve is least, and the largest stress."""
+        largest = largest_stress(grid.device, study.model, cells, study.settings)
+        broken = break_probability(grid.device.pick(cells.device), largest) > 1 - survives
+        stress.flat[exists] = largest
+        window.reserve.values.flat[np.flatnonzero(exists)[broken]] = 0.0
+        window["stress_max"] = tuple(axes), stress
+    if not _varies(axes):
+        return window
     # What is not known is neither met nor failed.
-    worst = found.reserve.fillna(1.0).argmin(TEMPERATURE)
-    there = found.isel({TEMPERATURE: worst}).reset_coords(TEMPERATURE)
-    if "stress_max" in found:
-        there["stress_max"] = found.stress_max.max(TEMPERATURE)
-    return there
+    worst = window.reserve.fillna(1.0).argmin(TEMPERATURE)
+    at_worst = window.isel({TEMPERATURE: worst}).reset_coords(TEMPERATURE)
+    if "stress_max" in window:
+        at_worst["stress_max"] = window.stress_max.max(TEMPERATURE)
+    return at_worst
 
 
 def _good(study, axes, requirements, tolerances):
     """How many samples of the device at each point of the axes meet all requirements."""
-    grid, settings, C = study.set_out(axes), study.settings, np.asarray(axes["C"])
+    grid, C, start = study.set_out(axes), np.asarray(axes["C"]), study.settings.start
     pulses = [pulse for required in requirements for pulse in required["shocks"].pulses]
-    f0 = np.array([one["f0"] for one in requirements for _ in one["shocks"].pulses])
+    f0 = np.array([required["f0"] for required in requirements for _ in required["shocks"].pulses])
     # ASSUME: the model that suffices at both ends of C does so between them.
     rows = to_rows(0, f0, C[[0, -1], np.newaxis], np.arange(f0.size), pulses)
-    choices = choose_levels(study.device, study.model, rows, settings)
+    choices = choose_levels(study.device, study.model, rows, study.settings)
     good = np.zeros((*grid.device_of.shape, C.size, tolerances.samples), bool)
     for place, number in np.ndenumerate(grid.device_of):
         if number < 0:
@@ -144,24 +141,24 @@ def _good(study, axes, requirements, tolerances):
         device = grid.device.pick(number)
         plan = Plan(device, tolerances.scatters, tolerances.together)
         values = plan.values(plan.points(tolerances.samples, tolerances.seed)[0])
-        batch, good[place] = Batch(device, values, study.model, choices, settings.start), True
+        batch, good[place] = Batch(device, values, study.model, choices, start), True
         for required in requirements:
-            own = of_requirement(study, required).settings
+            settings = of_requirement(study, required).settings
             for pulse in required["shocks"].pulses:
                 rows = to_rows(0, required["f0"], C, 0, [pulse])
-                good[place] &= batch.meets(required, rows, own).T
+                good[place] &= batch.meets(required, rows, settings).T
     if _varies(axes):
         good = good.all(axis=list(axes).index(TEMPERATURE))
     return good.sum(axis=-1)
 
 
-def summary(found: xr.Dataset, units: Units) -> str:
+def summary(window: xr.Dataset, units: Units) -> str:
     """One line: where all are met, at points and between them, and by which margin, with the yield.
 
-    found: over two axes of several values; units: of these
+    window: over two axes of several values; units: of these
     """
-    found = found.squeeze([key for key in found.reserve.dims[1:] if found.sizes[key] == 1])
-    axes, reserve = found.reserve.dims[1:], found.reserve.values
+    window = window.squeeze([key for key in window.reserve.dims[1:] if window.sizes[key] == 1])
+    axes, reserve = window.reserve.dims[1:], window.reserve.values
     met, least = least_reserve(reserve) >= 1, least_reserve(reserves_between(reserve))
     words = f"all requirements met at {met.sum()} of {met.size} points"
     if not np.isfinite(least).any():
@@ -172,8 +169,8 @@ def summary(found: xr.Dataset, units: Units) -> str:
     where = []
     for key, place in zip(axes, best, strict=True):
         unit, size = units.get(key, (QUANTITIES[key].unit, 1.0))
-        value = between(found[key].values, 1)[place]
+        value = between(window[key].values, 1)[place]
         where.append(f"{key} = {plain(value / size, 6)} {unit}".strip())
     words += f"a factor of {plain(least[best], 4)}, is at {', '.join(where)}"
-    there = between(found["yield"].values)[best] if "yield" in found else np.nan
-    return words + f", yield {there:.1%}" * bool(np.isfinite(there))
+    share = between(window["yield"].values)[best] if "yield" in window else np.nan
+    return f"{words}, yield {share:.1%}" if np.isfinite(share) else words
