@@ -30,3 +30,18 @@ def test_a_hint_names_the_requirement_that_then_fails(handout):
     alone = hint(study, [handling], verdicts[:1], wrong)
     assert "then" not in alone and all(change in alone for change in changes)
     assert hint(study, needs, verdicts, verdicts[1]) == ""
+
+
+def test_a_hint_counts_at_every_damper(handout):
+    """What the first damper needs must not make another requirement fail at the second."""
+    model = {"name": "cosines", "modes": 3}
+    study = Study(device=handout, model=model, settings=Settings(horizon=300.0))
+    found = snapmap.threshold(handout, [1000.0], [25.0, 400.0], model, horizon=300.0)
+    damped, light = found.N_first.values.ravel()[::-1]
+    trips = SHOCK | {"name": "trips", "N": 0.97 * damped, "snaps": True}
+    stays = SHOCK | {"name": "stays", "N": 0.97 * light, "snaps": False}
+    verdicts = [one for one, _ in verdicts_of(study, [trips, stays], [25.0, 400.0])]
+    wrong, _ = worst(verdicts)
+    assert (wrong.requirement, wrong.C) == ("trips", 400.0) and light < 0.95 * damped
+    words = hint(study, [trips, stays], verdicts, wrong)
+    assert words.count(" (then stays fails)") == len(re.findall(r"\d+%", words)) > 0

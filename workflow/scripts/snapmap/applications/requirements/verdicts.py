@@ -52,7 +52,7 @@ def hint(
 ) -> str:
     """Which changes of one value bring a verdict to the right side, and what fails by each.
 
-    verdicts: of all requirements; wrong: the one whose threshold is to move
+    verdicts: of all requirements, at each C; wrong: the one whose threshold is to move
     Empty where it is on the right side, is no single shock, or no change was seen to help.
     """
     goals = [required for required in requirements if required["name"] == wrong.requirement]
@@ -60,21 +60,24 @@ def hint(
         return ""
     shaken = at_corner(study, goals[0], wrong._asdict())
     device = study.device[wrong.device] if wrong.device else study.device
-    violated = [verdict for verdict in verdicts if verdict.verdict == VIOLATED]
-    place = wrong.device, wrong.C
-    fails = {verdict.requirement for verdict in violated if (verdict.device, verdict.C) == place}
+    of_device = [verdict for verdict in verdicts if verdict.device == wrong.device]
+    dampings = list(dict.fromkeys(verdict.C for verdict in of_device))
+    fails = {
+        (verdict.requirement, verdict.C) for verdict in of_device if verdict.verdict == VIOLATED
+    }
     changes = []
     for words, key, value in remedy(shaken, goals[0], wrong.C, wrong.N_first):
         try:
             changed = replace(study, device=with_value(device, key, value))
-            judged = verdicts_of(changed, requirements, [wrong.C], temperatures, tolerance)
+            judged = verdicts_of(changed, requirements, dampings, temperatures, tolerance)
         except ValueError:  # it has no second shape at one of the temperatures
             continue
         violated = [verdict for verdict, _ in judged if verdict.verdict == VIOLATED]
-        failing = dict.fromkeys(verdict.requirement for verdict in violated)
-        if wrong.requirement in failing:  # at another corner, or by strength or electrode
+        failing = [(verdict.requirement, verdict.C) for verdict in violated]
+        # At another temperature, under another shock, or by strength or electrode.
+        if (wrong.requirement, wrong.C) in failing:
             continue
-        if broken := [name for name in failing if name not in fails]:
+        if broken := list(dict.fromkeys(name for name, C in failing if (name, C) not in fails)):
             words += f" (then {' and '.join(broken)} {'fails' if len(broken) == 1 else 'fail'})"
         changes.append(words)
     return f"it does so with {' or '.join(changes)}, all else as it is" if changes else ""
