@@ -10,7 +10,7 @@ OPTIONS = {
     "cosines": ("cosines", "modes"),
     "auto": ("tolerance",),
 }
-"""Of each model."""
+"""Names of the options of each model."""
 OF_MODEL = {
     "tolerance": number("(0, 1)", "", "1e-3"),
     "elements": integer(1, 100),
@@ -21,7 +21,7 @@ OF_MODEL = {
 
 
 def take_model(model: Mapping) -> dict:
-    """A model's name and options, converted; ValueError, one line, for one that cannot be."""
+    """Convert a model's name and options; ValueError, one line, for a value that cannot be."""
     name = word(*OPTIONS).take("model.name", model.get("name"))
     taken = {"name": name}
     for key, value in model.items():
