@@ -8,7 +8,7 @@ import numpy as np
 from ..device.device import Beam
 
 PLACES = 5
-"""Where curvature is taken: 0, L/4, L/2, 3L/4 and L."""
+"""Number of places at which curvature is taken: 0, L/4, L/2, 3L/4 and L."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +47,7 @@ class Basis:
     complete: bool
 
     def scaled_to(self, beam: Beam) -> "Basis":
-        """The same shapes for a beam as made: ng, uN/um, 1/um, um and um/uN; N in uN."""
+        """Give the same shapes for a beam as made: ng, uN/um, 1/um, um and um/uN; N in uN."""
         unit_force, square = beam.stiffness_unit * beam.span, beam.span * beam.span
         return replace(
             self,
@@ -63,6 +63,6 @@ class Basis:
 
 
 def block_diagonal(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """The matrix of two square blocks of one size."""
+    """Build the matrix of two square blocks of one size."""
     zeros = np.zeros(a.shape)
     return np.block([[a, zeros], [zeros, b]])

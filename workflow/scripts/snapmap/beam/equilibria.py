@@ -38,7 +38,7 @@ class BucklingModes(NamedTuple):
 
 
 def shapes_of(beam: Beam) -> Basis:
-    """The basis in which a beam's equilibria are found: COSINES shapes of each kind it takes."""
+    """Give the basis of a beam's equilibria: COSINES shapes of each kind that the beam takes."""
     return buckling_shapes(COSINES) if np.any(beam.free) else symmetric_cosines(COSINES)
 
 
@@ -176,7 +176,7 @@ def require_rest(rest: Rest) -> None:
 
 
 def _saddle_and_second(beam, basis, modes):
-    """The form of unit beams, their axial stiffness, the unit beam of each, and both places."""
+    """Give the form of unit beams, their axial stiffness, the unit beam of each, both places."""
     beams, which = unit_beams(beam)
     axial = 6 * beams.Q * beams.Q
     modal = unit_form(basis, modes, beams)

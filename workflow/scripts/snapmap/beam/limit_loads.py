@@ -109,7 +109,7 @@ def _is_left(devices, a, reached):
 
 
 def reset_force(beam: Beam) -> tuple[float, float]:
-    """Force on the midpoint of one beam that leaves no rest in its second shape, and its error, uN.
+    """Find the force on the midpoint that leaves a beam no second shape, and its error, uN.
 
     Below 0 where the beam returns by itself. The error is what half of the modes leave out.
     """
@@ -137,7 +137,7 @@ def largest_force(modes: BucklingModes, loaded: Callable, limit: Value) -> np.nd
 
 
 def _ends(devices, which, loaded, is_left):
-    """The first maximum of a on each path, its end, or where the midpoint goes ahead of the mass.
+    """Find the first maximum of a on each path, its end, or where the midpoint leaves the mass.
 
     which: mask of the devices that are searched, (devices,)
     loaded: gives constant and slope of c for devices and N; is_left: tells for which points of a
@@ -166,7 +166,7 @@ def _end_of(devices, loaded, is_left):
 
 
 def _least_back(modes):
-    """The pull at the first minimum of a that is met from beyond the second shape."""
+    """Find the pull at the first minimum of a that is met from beyond the second shape."""
     loaded = partial(alone, modes)
     largest = largest_force(modes, loaded, modes.buckling[..., 1, 0])
     low, high = np.ones(largest.shape), np.full(largest.shape, 2.0)
@@ -190,7 +190,7 @@ def _between(places, index):
 
 
 def _on_path(modes, loaded, largest, places):
-    """a and the midpoint's displacement where N grows to the largest up to place 1 and falls to 2.
+    """Give a and the midpoint's displacement where N grows to the largest at place 1, then falls.
 
     At 1 itself those of the path from the first shape.
     """

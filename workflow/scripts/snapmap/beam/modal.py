@@ -21,7 +21,7 @@ from .elements import hermite_elements
 FIRST_LOAD = 4 * np.pi * np.pi
 """N_1, in EI/L^2."""
 ELEMENTS = 10
-"""Of the half beam, for its natural frequency; they leave it 1e-4 too high."""
+"""Elements of the half beam for its natural frequency; they leave it 1e-4 too high."""
 
 
 class UnitBeams(NamedTuple):
@@ -89,7 +89,7 @@ def first_midpoint(basis: Basis, beam: Beam) -> np.ndarray:
 
 
 def settled(basis: Basis, beam: Beam) -> Basis:
-    """The basis of one beam whose start is its shape at rest, and whose bending holds T."""
+    """Give the basis of one beam whose start is its shape at rest, and whose bending holds T."""
     beams, _ = unit_beams(beam)
     if beams.as_made:
         return basis
@@ -240,7 +240,7 @@ def natural_frequency(beam: Beam) -> float:
 
 
 def damped(beam: Beam, quality_factor: float) -> Beam:
-    """The beam with the damping that gives its first symmetric mode a quality factor."""
+    """Give the beam the damping by which its first symmetric mode has a quality factor."""
     # ASSUME: a measured one is that mode's, of the beam clear of the mass; the drag is that of all
     # modes, so that others have quality factors in proportion to their frequencies.
     return replace(beam, damping=natural_frequency(beam) / quality_factor)

@@ -29,7 +29,7 @@ class Stress(NamedTuple):
     area: Value
 
     def largest(self, u: np.ndarray, contact: np.ndarray, axial_force: np.ndarray) -> np.ndarray:
-        """The largest tensile stress over both faces of the PLACES, MPa, (samples,).
+        """Find the largest tensile stress over both faces of the PLACES, MPa, (samples,).
 
         Below 0 where all of them are pressed.
 
@@ -52,7 +52,7 @@ def break_probability(device: Device, stress: np.ndarray) -> np.ndarray:
 
 
 def stress_of(beam: Beam, basis: Basis, shapes: np.ndarray) -> Stress:
-    """The stress of one beam in modes of its basis: shapes, (n, k), as in `ModalBeam`."""
+    """Give the stress of one beam in modes of its basis: shapes, (n, k), as in `ModalBeam`."""
     beams, _ = unit_beams(beam)
     (T,), (q,) = at_rest(basis, beams)
     scaled, force = basis.scaled_to(beam), beam.stiffness_unit * beam.span

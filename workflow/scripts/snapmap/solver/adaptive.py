@@ -55,11 +55,11 @@ class Adaptive:
         return self.base, self.top
 
     def with_step(self, factor: float) -> "Adaptive":
-        """The same levels with every step multiplied by `factor`."""
+        """Give the same levels with every step multiplied by `factor`."""
         return Adaptive(*(level.with_step(factor) for level in (self.base, self.check, self.top)))
 
     def pick(self, which: int | np.ndarray) -> "Adaptive":
-        """The same levels of one device of the batch, or of some."""
+        """Give the same levels of one device of the batch, or of several."""
         return Adaptive(*(level.pick(which) for level in (self.base, self.check, self.top)))
 
     def follow(self, cells: Cells, settings: Settings) -> Observations:
@@ -107,7 +107,7 @@ class Adaptive:
 
 
 class Survey(NamedTuple):
-    """Models by which thresholds are found: scans is cheap, and doubts has another opinion.
+    """Models by which thresholds are determined: scans is cheap, and doubts is independent.
 
     looks: where labels change, closely; decides: at which N exactly, in shorter steps or the same
     better: than the one that decides; None where that is the best
@@ -130,12 +130,12 @@ class Survey(NamedTuple):
     finer: Optional["Survey"] = None
 
     def rough(self, tolerance: float) -> float:
-        """How closely `looks` refines where a tolerance is asked for."""
+        """Say how closely `looks` refines thresholds for a tolerance, relative."""
         return tolerance if self.looks is self.decides else max(tolerance, LOOKING_TOLERANCE)
 
     @property
     def levels(self) -> tuple["Survey", ...]:
-        """This one and the finer ones, by the `level` of their thresholds."""
+        """This survey and the finer ones, by the `level` of their thresholds."""
         return self, *(self.finer.levels if self.finer else ())
 
 

@@ -99,7 +99,7 @@ class Observations(NamedTuple):
 
 
 def no_observations(shape: tuple[int, ...]) -> Observations:
-    """Room for observations of so many cells: nothing was seen, and no ledger closes."""
+    """Make room for observations of cells: nothing is observed yet, and no ledger closes."""
     nothing = np.nan, np.nan, np.int8(0), np.inf, np.nan, np.nan, np.nan, np.int8(0)
     return Observations(*(np.full(shape, value) for value in nothing))
 
@@ -118,7 +118,7 @@ def to_cells(
     """Convert cells, arrays that broadcast, from multiples of g, Hz, uN us/um and a horizon.
 
     devices: one, or a batch; device: indices in it; pulse: indices in pulses
-    horizon: followed after the pulse, us
+    horizon: time followed after the pulse, us
     """
     indices = (np.asarray(column, np.int64) for column in (device, pulse))
     values = (np.asarray(column, float) for column in (N, f0, C))

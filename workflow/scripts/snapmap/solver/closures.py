@@ -34,7 +34,7 @@ class Closures(NamedTuple):
 
 
 CLOSING = *Closures._fields, *(f"{key}_error" for key in Closures._fields)
-"""Of each cell, and by how much it may be off."""
+"""What is given for each cell, and by how much each may be off."""
 
 
 def closures_of(instants: Sequence[float], is_closed: bool, end: float) -> Closures:
@@ -94,7 +94,7 @@ def _follow(model, cells, window, settings):
                 instants[column].append(float((first + place - 0.5) * dt[these[column]]))
             last = w[-1:]
         for i, cell in enumerate(these):
-            # Its lane may have run on beside a longer one.
+            # Its lane may have run on beside a longer lane.
             within = [instant for instant in instants[i] if instant < window[cell]]
             is_closed = bool(level[i] >= at_start[cell])
             closures[:, cell] = closures_of(within, is_closed, float(cells.t_end[cell]))

@@ -97,7 +97,7 @@ class Model:
         return self.barrier.second - first if start == FIRST else 0.0 * first
 
     def time_steps(self, cells: Cells, settings: Settings) -> np.ndarray:
-        """Of each cell, us, in the cells' shape; no mass rests on a beam in its second shape."""
+        """Step of each cell, us, in its shape; no mass rests on a beam in its second shape."""
         speed = largest_speed(self.device, cells) if settings.start == SECOND else 0.0
         return self.steps.of(cells, settings.question, speed)
 
@@ -219,7 +219,7 @@ class Mixed(NamedTuple):
         return Mixed(self.first.with_step(factor), self.second.with_step(factor), self.other)
 
     def pick(self, which: int | np.ndarray) -> Follows:
-        """The model of one device, or those of several."""
+        """Give the model of one device, or those of several."""
         if np.ndim(which) == 0:
             return (self.second if self.other[which] else self.first).pick(which)
         return Mixed(self.first.pick(which), self.second.pick(which), self.other[which])
@@ -255,7 +255,7 @@ def build_model(device: Device, name: str = "elements", **options) -> Follows:
 
 
 def _build(device, name, options, is_free):
-    """The model of devices as if all were guided, or free to tilt."""
+    """Build the model of devices as if all were guided, or free to tilt."""
     if name == "cosines":
         basis_of = buckling_shapes if is_free else symmetric_cosines
         basis = basis_of(options.get("cosines", options.get("modes", 5)))

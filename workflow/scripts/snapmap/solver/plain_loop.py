@@ -257,7 +257,7 @@ def starting(model, start):
 
 
 def march(model, cells, dt, settings):
-    """Follow cells; proves nothing: each ends at its snap or the horizon, whatever the settings.
+    """Follow cells to their snaps or the horizon, whatever the settings; nothing is proven.
 
     model: a `Model`; cells: `Cells`, each column (cells,); dt: us, (cells,)
     Returns what the SIMD kernel does; no well is known

@@ -41,6 +41,6 @@ class Settings(NamedTuple):
         return QUESTION[self.until]
 
     def without_threads(self) -> dict:
-        """All but the threads, on which no result depends, and the start if it is the usual one."""
+        """Give all but the threads, on which no result depends, and a start in the first shape."""
         usual = "threads", *(["start"] if self.start == FIRST else [])
         return {key: value for key, value in self._asdict().items() if key not in usual}

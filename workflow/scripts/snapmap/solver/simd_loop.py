@@ -69,7 +69,7 @@ def trace(model, cells, dt, width, bins, stress=None, start=FIRST):
 
 
 def midpoints(model, cells, dt, steps, start=FIRST):
-    """Follow up to LANES cells; the first step and w(L/2) from rest of one WINDOW after another.
+    """Follow up to LANES cells; yield first step and w(L/2) from rest of one WINDOW after another.
 
     dt: us, (cells,); steps: of all; w: half way through each step, um, (steps, cells)
     """
@@ -86,7 +86,7 @@ def midpoints(model, cells, dt, steps, start=FIRST):
 
 
 def stress_rows(model):
-    """What gives the stress of each device's beam, (devices, PLACES + 1, modes + 2).
+    """Tabulate what gives the stress of each device's beam, (devices, PLACES + 1, modes + 2).
 
     Rows of bending, MPa per coordinate, per contact force and at rest; a last one of the axial
     stress, per stretch and at rest
@@ -141,7 +141,7 @@ def _motion(model, damping, dt, shrink, first, before, after):
 
 
 def _pairs(model, lanes, pulses, pulse_state, steps):
-    """The first step of each window, and the state before and after each of it, (rows, steps)."""
+    """Yield the first step of each window, and the states around its steps, (rows, steps)."""
     shocks, rows = np.zeros(BLOCK * R.LANES), R.VECTORS + R.U * model.modes - R.STATE
     for first in range(0, steps, WINDOW):
         before, after = np.empty((2, min(WINDOW, steps - first), rows))
@@ -154,7 +154,7 @@ def _pairs(model, lanes, pulses, pulse_state, steps):
 
 
 def coefficients(model, target, start=FIRST):
-    """A row for each device, in the order of the rows of X, with forces times dt^2.
+    """Build a row for each device, in the order of the rows of X, with forces times dt^2.
 
     model: a `Model`; start: as in `Settings`
     target: where a run counts as snapped, as from `Model.snap_target`; -inf for never

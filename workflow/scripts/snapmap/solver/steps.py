@@ -129,11 +129,11 @@ class Steps:
         return step / np.maximum(turn / (factor * TURN), 1.0)
 
     def times(self, factor: float) -> "Steps":
-        """The same rule with every step multiplied by `factor`, but for very short pulses."""
+        """Give the same rule with every step multiplied by `factor`, but for very short pulses."""
         return replace(self, factor=factor * self.factor)
 
     def pick(self, which: int | np.ndarray) -> "Steps":
-        """The rule of one device of the batch, or of some."""
+        """Give the rule of one device of the batch, or of several."""
         which = np.atleast_1d(which)
         longest = {question: step[which] for question, step in self.longest.items()}
         columns = {key: a[which] for key, a in vars(self).items() if isinstance(a, np.ndarray)}
@@ -141,7 +141,7 @@ class Steps:
 
 
 def fixed(dt: np.ndarray) -> Steps:
-    """The rule that has one step for each device, us, (devices,), but for very short pulses."""
+    """Give the rule of one step for each device, us, (devices,), but for very short pulses."""
     none, never = np.zeros(dt.shape), np.zeros(dt.shape, bool)
     return Steps(
         longest=dict.fromkeys(QUESTIONS, dt),
@@ -194,12 +194,12 @@ def largest_speed(device: Device, cells: Cells) -> np.ndarray:
 
 
 def explicit_steps(device: Device, modal: ModalBeam) -> Steps:
-    """The rule of central differences."""
+    """Give the rule of central differences, one step for each device."""
     return fixed(np.atleast_1d(OF_LIMIT * stability_limit(device, modal)))
 
 
 def steps_of(device: Device, modal: ModalBeam) -> Steps:
-    """The rule of a device or a batch."""
+    """Give the rule of a device or a batch."""
     period = np.atleast_1d(1 / arch_frequency(modal))
     return Steps(
         longest={question: turn * period for question, turn in LONGEST.items()},
