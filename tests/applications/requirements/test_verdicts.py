@@ -1,14 +1,20 @@
 """Required shocks judged by all that is known, and what a change of the device would do."""
 
 import re
+from pathlib import Path
+
+import pytest
+import yaml
 
 import snapmap
 from snapmap.applications.requirements.check import worst
-from snapmap.applications.requirements.verdicts import hint, verdicts_of
+from snapmap.applications.requirements.verdicts import hint, verdicts_of, write_verdicts
+from snapmap.config.study import load_config
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.settings import Settings
 from snapmap.study.study import Study
 
+CONFIG = Path(__file__).parents[3] / "config" / "config.yaml"
 SHOCK = {"f0": 1000.0, "shocks": make_shocks(), "survives": 0.999}
 
 
@@ -45,3 +51,17 @@ def test_a_hint_counts_at_every_damper(handout):
     assert (wrong.requirement, wrong.C) == ("trips", 400.0) and light < 0.95 * damped
     words = hint(study, [trips, stays], verdicts, wrong)
     assert words.count(" (then stays fails)") == len(re.findall(r"\d+%", words)) > 0
+
+
+@pytest.mark.parametrize(("strength", "breaks"), [("1 MPa", True), ("100 GPa", False)])
+def test_the_closing_line_says_where_the_beam_breaks(strength, breaks, tmp_path, capsys):
+    """A shock far below the threshold fails by the strength alone, and the line says so."""
+    document = yaml.safe_load(CONFIG.read_text(encoding="utf-8"))
+    document["device"]["strength"] = strength
+    document["sweep"]["C"] = ["25 uN us/um"]
+    needs = {"name": "handling", "N": 50, "f0": "1 kHz", "snaps": False, "survives": True}
+    document["requirements"] = [needs]
+    study = load_config(document)
+    write_verdicts(study, study.requests["requirements"], str(tmp_path / "requirements.csv"))
+    line = capsys.readouterr().out
+    assert ("the beam breaks in handling" in line) == breaks == ("failed: handling" in line)

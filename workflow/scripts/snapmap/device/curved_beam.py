@@ -215,6 +215,5 @@ class Beam:
 
 
 BEAM_VALUES = tuple(field.name for field in fields(Beam))
-SIZES = BEAM_VALUES[:6]
 COSINES = tuple(key for key in BEAM_VALUES if key.startswith("cosine_"))
 """What may be added to the shape, in order."""

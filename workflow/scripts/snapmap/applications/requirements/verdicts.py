@@ -93,6 +93,13 @@ def write_verdicts(study: Study, requirements: Sequence[Required], path: str) ->
     verdicts = [verdict for verdict, _ in judged]
     wrong, words = worst(verdicts)
     lines = [summary(verdicts), words]
+    breaks = dict.fromkeys(
+        verdict.requirement
+        for verdict, beside in judged
+        if beside.get("break_probability", 0) > 1 - beside.get("must_survive", 0)
+    )
+    if breaks:
+        lines.insert(1, f"the beam breaks in {', '.join(breaks)}")
     if wrong:
         shocks = [required.values for required in requirements if "shocks" in required.values]
         temperatures, tolerance = study.temperatures, study.threshold_tolerance
