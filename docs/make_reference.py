@@ -4,15 +4,19 @@
 """
 
 import inspect
+import operator
 import re
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import fields, is_dataclass
+from functools import reduce
 from itertools import groupby
 from pathlib import Path
+from typing import Union, get_args, get_origin, get_type_hints
 
 import snapmap
-from snapmap.device.device import Beam, Device
+from snapmap.device.device import VALUES, Beam, Device
 from snapmap.device.quantities import QUANTITIES
+from snapmap.public import options_of
 from snapmap.solver.settings import Settings
 from snapmap.study.variables import variables
 
@@ -69,6 +73,15 @@ cells, and about how many labels can be wrong.
 
 ## What they take
 
+### Options
+
+Beside those of the model. Functions whose options are axes take a number or several, each once, of
+each value of the device, in its unit.
+
+| option | what it may be | of |
+|---|---|---|
+{options}
+
 {values}
 """
 
@@ -98,6 +111,7 @@ def reference() -> str:
     values = {kind.__name__: kind for kind in (Device, Beam, Settings)}
     return PAGE.format(
         functions="\n\n".join(_section("##", name, what) for name, what in functions.items()),
+        options="\n".join(_options(functions)),
         values="\n\n".join(_section("###", name, what) for name, what in values.items()),
     )
 
@@ -113,6 +127,17 @@ def _section(level: str, name: str, described: Callable) -> str:
     return "\n\n".join(parts)
 
 
+def _options(functions: Mapping[str, Callable]) -> Iterator[str]:
+    """Rows of a table of options, beside those of the model: what each may be, and of what."""
+    rows = {}
+    for name, function in functions.items():
+        for key, argument in options_of(function).items():
+            if key not in VALUES:
+                rows.setdefault((key, argument.need), []).append(f"`{name}`")
+    for (key, need), names in sorted(rows.items()):
+        yield f"| `{key}` | {need.replace(', nor ', ', or ')} | {', '.join(names)} |"
+
+
 def _units(kind: type) -> str:
     """Which of its values has which unit."""
     units = {}
@@ -124,8 +149,12 @@ def _units(kind: type) -> str:
 
 def _signature(function: Callable) -> str:
     """As ruff would format it, one parameter a line, types without their modules."""
-    signature = inspect.signature(function)
-    parameters = "".join(f"    {parameter},\n" for parameter in signature.parameters.values())
+    signature, types = inspect.signature(function), get_type_hints(function)
+    parameters = ""
+    for name, parameter in signature.parameters.items():
+        kind = parameter.empty if name == "options" else types[name]
+        kind = reduce(operator.or_, get_args(kind)) if get_origin(kind) is Union else kind
+        parameters += f"    {parameter.replace(annotation=kind)},\n"
     returned = inspect.formatannotation(signature.return_annotation)
     code = MODULES.sub("", f"def {function.__name__}(\n{parameters}) -> {returned}: ...")
     return "```python\n" + code.replace("'", '"') + "\n```"

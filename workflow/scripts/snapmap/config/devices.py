@@ -2,12 +2,12 @@
 
 import warnings
 from collections.abc import Mapping
-from pathlib import Path
 
 import numpy as np
 from pydantic import PrivateAttr, ValidationError, create_model
 
 from ..beam.modal import damped
+from ..device.argument import ExistingPath
 from ..device.curved_beam import COSINES
 from ..device.device import (
     ALONE,
@@ -255,7 +255,7 @@ def of_device(make, names=RARE_LAST):
     return create_model("OfDevice", __base__=Section, **fields)
 
 
-def load_device(path: str | Path) -> Device:
+def load_device(path: ExistingPath) -> Device:
     """Read the device of a config file, whatever its other sections; raises ConfigError.
 
     A `quality_factor` stands for a C, which is no value of the device: a warning names this C.

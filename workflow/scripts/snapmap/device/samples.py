@@ -2,11 +2,12 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from ..files.text import show
+from .argument import Argument, integer, is_list
 from .checks import numbers
 from .device import FROM_ZERO, OF_MASS, SIGNED, VALUES, Device
 
@@ -23,6 +24,17 @@ CUT = 2.0
 """Standard deviations at which a truncated normal distribution ends."""
 DIGITS = 7
 """Decimals of a deviation over its width: no library's last digit shows in a sample."""
+
+Samples = Annotated[int, integer(2, 100_000)]
+Groups = Annotated[
+    Sequence[Sequence[str]],
+    Argument(
+        "a list of groups of names, as [[span, rise]]",
+        lambda value: is_list(
+            value, lambda group: is_list(group, lambda key: isinstance(key, str))
+        ),
+    ),
+]
 
 
 class Tolerances(NamedTuple):

@@ -3,15 +3,18 @@
 import json
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from typing import Unpack
 
 import numpy as np
 import xarray as xr
 
-from ..device.device import Device
+from ..device.argument import Flag
 from ..files.counting import counting
 from ..solver.adaptive import TOLERANCE, choose_model
+from ..solver.options import AutoOptions
 from ..solver.outcome import ABSENT, OUTCOMES, count, ended_elsewhere, shares
+from ..study import arguments
 from ..study.axes import NAMES
 from ..study.study import FOLLOWED, study_of
 from ..study.variables import dress, flags, variables
@@ -24,14 +27,24 @@ OVER_TOLERANCE = 2.0
 """The same of `auto`, over its tolerance, if that is not below the default."""
 ELSEWHERE, NEAR_CHANGE = "cells_ended_elsewhere", "labels_near_change"
 
+MOST_CELLS = 10**8
+"""Of one call; those of a config go to files, slab by slab."""
+
+
+class SweepOptions(arguments.ThresholdOptions, AutoOptions, arguments.AxisOptions, total=False):
+    """Options of `sweep`."""
+
+    until: arguments.Until
+    repeat: Flag
+
 
 def sweep(
-    device: Device | Mapping[str, Device],
-    N: Sequence[float],
-    f0: Sequence[float] | None,
-    C: Sequence[float],
-    model: str | Mapping = "auto",
-    **options,
+    device: arguments.Devices,
+    N: arguments.Amplitudes,
+    f0: arguments.Frequencies | None,
+    C: arguments.Dampers,
+    model: arguments.Model = "auto",
+    **options: Unpack[SweepOptions],
 ) -> xr.Dataset:
     """Simulate every cell of a grid and return it as in cube.nc.
 
@@ -55,7 +68,14 @@ def sweep(
     options["repeat"] = options.get("until", "settled") == "settled" if repeat is None else repeat
     study, varied = study_of(device, model, options, (*FOLLOWED, "until", "repeat"))
     f0 = [study.shocks.own_frequency()] if f0 is None else f0
-    grid = study.set_out({**varied, "C": C, "f0": f0, "N": N})
+    axes = {**varied, "C": C, "f0": f0, "N": N}
+    cells = math.prod(map(len, axes.values()))
+    if cells > MOST_CELLS:
+        raise ValueError(
+            f"N: {cells:.3g} cells with f0, C and all axes, more than {MOST_CELLS:.0e}; write "
+            "fewer, or a config"
+        )
+    grid = study.set_out(axes)
     with counting("sweep"):
         built = choose_model(grid.device, study.model, study.settings.start)
         values = follow_grid(built, grid, study.settings)

@@ -4,17 +4,20 @@ import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Annotated, NamedTuple, Unpack
 
 import numpy as np
 import xarray as xr
 
-from ...arguments import ARGUMENTS
-from ...device.device import SIGNED, Device, batch
+from ...device.argument import Argument, Positive, argument_of, as_plain
+from ...device.checks import numbers
+from ...device.device import SIGNED, VALUES, Device, batch
 from ...device.quantities import QUANTITIES, plain
 from ...device.samples import nominal_value
 from ...files.counting import counting
 from ...pulse.shocks import Shocks
+from ...solver.options import AutoOptions
+from ...study import arguments
 from ...study.axes import COORDINATES
 from ...study.study import ANY, Study, study_of, with_shocks
 from ...thresholds.population import thresholds_at
@@ -45,15 +48,39 @@ class Design(NamedTuple):
     error: float
 
 
+def _is_pair(value):
+    pair = numbers(value)
+    return pair is not None and pair.shape == (2,) and bool(np.isfinite(pair).all())
+
+
+Value = Annotated[
+    str,
+    Argument(
+        "C, nor the name of a value of the device, such as thickness",
+        lambda value: isinstance(value, str) and (value == "C" or value in VALUES),
+    ),
+]
+Between = Annotated[
+    tuple[float, float],
+    Argument("a pair of numbers, low and high, such as (1.8, 2.2)", _is_pair, as_plain),
+]
+
+
+class DesignOptions(arguments.ThresholdOptions, AutoOptions, total=False):
+    """Options of `design`."""
+
+    requirements: arguments.Requirements
+
+
 def design(
-    device: Device,
-    value: str,
-    N: float | None = None,
-    f0: float | None = None,
-    C: float | None = None,
-    between: tuple[float, float] | None = None,
-    model: str | Mapping = "auto",
-    **options,
+    device: arguments.SingleDevice,
+    value: Value,
+    N: Positive | None = None,
+    f0: arguments.Frequency | None = None,
+    C: arguments.Damper | None = None,
+    between: Between | None = None,
+    model: arguments.Model = "auto",
+    **options: Unpack[DesignOptions],
 ) -> Design | xr.Dataset:
     """Find the value of a device, or C, for which N (multiples of g) is the threshold.
 
@@ -82,12 +109,13 @@ def design(
     study, _ = study_of(device, model, options)
     required = _single_shocks(with_shocks(goal, study.shocks) for goal in required)
     goals = required or [{"N": N, "f0": f0, "snaps": True, "shocks": study.shocks}]
+    needed = {"N": Positive, "f0": arguments.Frequency, "C": arguments.Damper, "between": Between}
     shock = {key: goals[0][key] for key in ("N", "f0")} | {"C": C, "between": between}
     if value == "C" and shock.pop("C") is not None:
         raise ValueError("C: is the value that is sought; leave it out")
     for key, argument in shock.items():
         if argument is None:
-            raise ValueError(f"{key}: missing; write {ARGUMENTS[key].need}")
+            raise ValueError(f"{key}: missing; write {argument_of(needed[key]).need}")
     if any(len(goal["shocks"].pulses) > 1 for goal in goals):
         raise ValueError("pulse: several; give one shape and one direction")
     (low, high), least = between, -np.inf if value in SIGNED else 0.0

@@ -2,9 +2,8 @@
 
 import math
 import warnings
-from collections.abc import Mapping
 from dataclasses import replace
-from typing import NamedTuple
+from typing import NamedTuple, Unpack
 
 import numpy as np
 import xarray as xr
@@ -19,8 +18,10 @@ from ...solver.adaptive import Adaptive, choose_model
 from ...solver.cells import to_cells
 from ...solver.closures import follow_closures
 from ...solver.cost import steps_and_seconds, tell
+from ...solver.options import AutoOptions
 from ...solver.outcome import OUTCOMES, REPEATED_STEP, label, t_snap_error, work_error
 from ...solver.settings import FIRST
+from ...study import arguments
 from ...study.provenance import device_sections
 from ...study.study import Study, study_of
 from ...study.variables import dress
@@ -37,13 +38,24 @@ FARTHEST = 5.0
 """Over the rise: of a mass that no stop holds, a travel from rest that a run remarks upon."""
 
 
+class HistoryOptions(AutoOptions, total=False):
+    """Options of `simulate`."""
+
+    horizon: arguments.Horizon
+    energy_tolerance: arguments.EnergyTolerance
+    until: arguments.Until
+    start: arguments.Start
+    pulse: arguments.PulseSpec
+    direction: arguments.Direction
+
+
 def simulate(
-    device: Device,
-    N: float,
-    f0: float | None,
-    C: float,
-    model: str | Mapping = "auto",
-    **options,
+    device: arguments.SingleDevice,
+    N: arguments.Amplitude,
+    f0: arguments.Frequency | None,
+    C: arguments.Damper,
+    model: arguments.Model = "auto",
+    **options: Unpack[HistoryOptions],
 ) -> xr.Dataset:
     """Follow one cell to the horizon, beyond its snap, and return its history over time.
 

@@ -3,18 +3,21 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import Annotated, Unpack
 
 import numpy as np
 import xarray as xr
 
-from ...device.device import Device
+from ...device.argument import number
 from ...pulse.shocks import HANDOUT_SHOCK
 from ...solver.adaptive import choose_survey
 from ...solver.cells import to_rows
+from ...solver.options import AutoOptions
+from ...study import arguments
 from ...study.study import THRESHOLD_SETTINGS, Study, study_of
 from ...study.variables import dress
 from ...thresholds.cost import tell_records
-from .psd import REACH, Spectrum
+from .psd import REACH, Density, Records, Spectrum
 from .trips import snap_times
 
 RECORDS, SEED = 16, 1
@@ -34,15 +37,23 @@ NORMAL = 1.959964
 ENOUGH = 1e-12
 
 
+class VibrationOptions(AutoOptions, arguments.AxisOptions, total=False):
+    """Options of `vibration`."""
+
+    energy_tolerance: arguments.EnergyTolerance
+    threads: arguments.Threads
+    reach: Annotated[float, number("(0, 1)", "", "0.01")]
+
+
 def vibration(
-    device: Device | Mapping[str, Device],
-    psd: Sequence[Sequence[float]],
-    duration: float,
-    C: Sequence[float],
-    records: int = RECORDS,
-    seed: int = SEED,
-    model: str | Mapping = "auto",
-    **options,
+    device: arguments.Devices,
+    psd: Density,
+    duration: Annotated[float, number("(0, inf)", "s", "60")],
+    C: arguments.Dampers,
+    records: Records = RECORDS,
+    seed: arguments.Seed = SEED,
+    model: arguments.Model = "auto",
+    **options: Unpack[VibrationOptions],
 ) -> xr.Dataset:
     """Find the rate at which stationary Gaussian vibration snaps a device, and the level it bears.
 

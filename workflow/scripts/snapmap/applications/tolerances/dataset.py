@@ -3,14 +3,16 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import product
+from typing import Annotated, Unpack
 
 import numpy as np
 import xarray as xr
 
 from ...beam.stress import break_probability
-from ...device.device import Device
+from ...device.argument import mapping_of, number
+from ...device.device import VALUES
 from ...device.quantities import plain
-from ...device.samples import SHOCK_FACTORS, Plan, Tolerances
+from ...device.samples import SHOCK_FACTORS, Groups, Plan, Samples, Tolerances
 from ...files.counting import counting
 from ...numerics.portable import geometric
 from ...numerics.statistics import (
@@ -23,6 +25,7 @@ from ...numerics.statistics import (
     wilson,
 )
 from ...solver.cells import to_rows
+from ...study import arguments
 from ...study.axes import COORDINATES, NAMES
 from ...study.study import SNAPS, THRESHOLD_SETTINGS, Study, of_requirement, study_of, with_shocks
 from ...study.variables import dress
@@ -35,16 +38,33 @@ AMPLITUDES = 101
 
 BOUND = ("low", "high")
 
+Scatters = Annotated[
+    Mapping[str, float | str | Mapping],
+    mapping_of(
+        'what can scatter to its width, such as {"thickness": "3 %"}', *VALUES, "N", "duration", "C"
+    ),
+]
+
+
+class ToleranceOptions(arguments.ThresholdOptions, total=False):
+    """Options of `tolerance`."""
+
+    samples: Samples
+    index_samples: Samples
+    seed: arguments.Seed
+    together: Groups
+    requirements: arguments.Requirements
+
 
 def tolerance(
-    device: Device | Mapping[str, Device],
-    scatters: Mapping[str, float | str | Mapping],
-    f0: Sequence[float] | None,
-    C: Sequence[float],
-    N: Sequence[float] | None = None,
-    model: str | Mapping = "auto",
-    tolerance: float = 1e-3,
-    **options,
+    device: arguments.Devices,
+    scatters: Scatters,
+    f0: arguments.Frequencies | None,
+    C: arguments.Dampers,
+    N: arguments.Amplitudes | None = None,
+    model: arguments.Model = "auto",
+    tolerance: Annotated[float, number("[1e-5, 0.01]", "", "1e-3")] = 1e-3,
+    **options: Unpack[ToleranceOptions],
 ) -> xr.Dataset:
     """Find the thresholds, over C (uN us/um) and f0 (Hz), of devices whose values scatter.
 
