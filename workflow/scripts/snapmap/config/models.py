@@ -14,7 +14,7 @@ from ..files.named import sha256_of
 from ..files.tables import ROWS, read_points
 from ..solver.adaptive import TOLERANCE
 from ..solver.options import OF_MODEL, OPTIONS
-from ..solver.settings import FIRST, STARTS, THRESHOLD_TOLERANCE, Settings
+from ..solver.settings import FIRST, STARTS, THRESHOLD_TOLERANCE, Settings, settings_of
 from ..study import arguments
 from ..study.axes import COORDINATES, axis_behind
 from .devices import DeviceSection, of_device
@@ -79,8 +79,7 @@ class SweepSection(_Axes):
     def make(self) -> Settings:
         """How each cell is followed."""
         names = "horizon", "start", "until", "repeat", "energy_tolerance"
-        written = {name: self.given[name] for name in names if self.has(name)}
-        return Settings(**{"repeat": self.until in (None, "settled"), **written})
+        return settings_of({name: self.given[name] for name in names if self.has(name)})
 
 
 AXES = [name for name in QUANTITIES if axis_behind(name) in COORDINATES]

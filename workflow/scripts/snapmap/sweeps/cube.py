@@ -16,7 +16,7 @@ from ..solver.options import AutoOptions
 from ..solver.outcome import ABSENT, OUTCOMES, count, ended_elsewhere, shares
 from ..study import arguments
 from ..study.axes import NAMES
-from ..study.study import FOLLOWED, study_of
+from ..study.study import study_of
 from ..study.variables import dress, flags, variables
 from .grid import follow_grid
 
@@ -64,12 +64,8 @@ def sweep(
     >>> cube.t_snap.notnull().squeeze().values.tolist()
     [[False, True], [False, True]]
     """
-    repeat = options.pop("repeat", None)
-    options["repeat"] = options.get("until", "settled") == "settled" if repeat is None else repeat
-    study, varied = study_of(device, model, options, (*FOLLOWED, "until", "repeat"))
-    f0 = [study.shocks.own_frequency()] if f0 is None else f0
-    axes = {**varied, "C": C, "f0": f0, "N": N}
-    cells = math.prod(map(len, axes.values()))
+    study, axes = study_of(device, model, options, C=C, f0=f0, N=N)
+    cells = math.prod(map(np.size, axes.values()))
     if cells > MOST_CELLS:
         raise ValueError(
             f"N: {cells:.3g} cells with f0, C and all axes, more than {MOST_CELLS:.0e}; write "

@@ -80,8 +80,7 @@ def threshold(
     >>> found.N_first.squeeze().round().values.tolist()
     [893.0, 990.0]
     """
-    study, varied = study_of(device, model, options)
-    axes = {**varied, "C": C, "f0": [study.shocks.own_frequency()] if f0 is None else f0}
+    study, axes = study_of(device, model, options, C=C, f0=f0)
     with counting("threshold"):
         return thresholds_of(study, axes, tolerance, highest)
 

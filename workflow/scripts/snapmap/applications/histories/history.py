@@ -73,9 +73,8 @@ def simulate(
     >>> run.outcome, round(run.t_snap)
     ('snapped', 365)
     """
-    study, _ = study_of(device, model, options, ("horizon", "energy_tolerance", "until", "start"))
-    f0 = study.shocks.own_frequency() if f0 is None else f0
-    return history_of(study, N, f0, C)
+    study, cell = study_of(device, model, options, N=N, f0=f0, C=C)
+    return history_of(study, **cell)
 
 
 def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:

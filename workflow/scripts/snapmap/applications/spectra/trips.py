@@ -58,9 +58,9 @@ def srs_test(
     [0.0, 1.0]
     """
     points = check_points(srs)
-    study, varied = study_of(device, model, options)
+    study, axes = study_of(device, model, options, C=C)
     study.require_frame("a shock response spectrum")
-    return trips_of(study, {**varied, "C": C}, points, {"records": records, "seed": seed})
+    return trips_of(study, axes, points, {"records": records, "seed": seed})
 
 
 def trips_of(

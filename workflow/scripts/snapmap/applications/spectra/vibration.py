@@ -79,12 +79,12 @@ def vibration(
     """
     options = dict(options)
     reach = options.pop("reach", REACH)
-    study, varied = study_of(device, model, options, ("energy_tolerance", "threads"))
+    study, axes = study_of(device, model, options, C=C)
     study.require_frame("random vibration")
     spectrum = Spectrum(psd)
     spectrum.require_record(duration)
     drawn = {"duration": duration, "records": records, "seed": seed, "reach": reach}
-    return vibration_of(study, {**varied, "C": C}, spectrum, drawn)
+    return vibration_of(study, axes, spectrum, drawn)
 
 
 def vibration_of(

@@ -90,11 +90,8 @@ def tolerance(
     """
     plan = {key: options.pop(key) for key in Tolerances._fields if key in options}
     requirements = options.pop("requirements", ())
-    study, _ = study_of(device, model, options)
+    study, axes = study_of(device, model, options, C=C, f0=f0, N=N)
     requirements = [with_shocks(required, study.shocks) for required in requirements]
-    axes = {"C": C, "f0": [study.shocks.own_frequency()] if f0 is None else f0}
-    if N is not None:
-        axes["N"] = N
     with counting("tolerance"):
         return tolerances_of(study, axes, Tolerances(scatters, **plan), requirements, tolerance)
 
