@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Union, get_args, get_origin, get_type_hints
 
 import snapmap
+from snapmap.device.argument import argument_of
 from snapmap.device.device import VALUES, Beam, Device
 from snapmap.device.quantities import QUANTITIES
 from snapmap.public import options_of
@@ -73,14 +74,14 @@ cells, and about how many labels can be wrong.
 
 ## What they take
 
-### Options
+### Arguments and options
 
-Beside those of the model. Functions whose options are axes take a number or several, each once, of
-each value of the device, in its unit.
+Beside options of the model. Functions with `skip` take values of the device, too, as axes, in their
+units. A wrong argument raises ValueError or TypeError with one line that names it.
 
-| option | what it may be | of |
+| name | what it may be | of |
 |---|---|---|
-{options}
+{arguments}
 
 {values}
 """
@@ -96,12 +97,6 @@ RETURNED = {
         if key not in ("", "time")
     ),
 }
-ALWAYS = {
-    "device: one, or several by name, as an axis",
-    "model: name, or the config's model section",
-    "C: uN us/um",
-}
-"""Lines of docstrings that the page says once."""
 MODULES = re.compile(r"\b(?:[a-z_]\w*\.)+(?=[A-Z])")
 
 
@@ -111,7 +106,7 @@ def reference() -> str:
     values = {kind.__name__: kind for kind in (Device, Beam, Settings)}
     return PAGE.format(
         functions="\n\n".join(_section("##", name, what) for name, what in functions.items()),
-        options="\n".join(_options(functions)),
+        arguments="\n".join(_arguments(functions)),
         values="\n\n".join(_section("###", name, what) for name, what in values.items()),
     )
 
@@ -127,11 +122,14 @@ def _section(level: str, name: str, described: Callable) -> str:
     return "\n\n".join(parts)
 
 
-def _options(functions: Mapping[str, Callable]) -> Iterator[str]:
-    """Rows of a table of options, beside those of the model: what each may be, and of what."""
+def _arguments(functions: Mapping[str, Callable]) -> Iterator[str]:
+    """Rows of a table of arguments: what each may be, and of which functions."""
     rows = {}
     for name, function in functions.items():
-        for key, argument in options_of(function).items():
+        parameters = inspect.signature(function).parameters
+        kinds = {key: parameters[key].annotation for key in parameters if key != "options"}
+        arguments = {key: argument_of(kind) for key, kind in kinds.items()}
+        for key, argument in (arguments | options_of(function)).items():
             if key not in VALUES:
                 rows.setdefault((key, argument.need), []).append(f"`{name}`")
     for (key, need), names in sorted(rows.items()):
@@ -168,8 +166,7 @@ def _paragraphs(text: str, names: Collection[str]) -> Iterator[str]:
     for is_entry, group in groupby(lines, key=lambda line: bool(re.match(entry, line))):
         if is_entry:
             items = [item for line in group for item in re.split(f"; (?={entry})", line)]
-            shown = [item for item in items if item not in ALWAYS]
-            yield "\n".join(f"- {_code_in_head(item, names)}" for item in shown)
+            yield "\n".join(f"- {_code_in_head(item, names)}" for item in items)
         else:
             yield "\n".join(group).strip()
 

@@ -4,6 +4,7 @@ import functools
 import inspect
 import warnings
 from collections.abc import Callable, Mapping
+from contextlib import nullcontext
 from difflib import get_close_matches
 from typing import get_args
 
@@ -13,6 +14,7 @@ from .config.plausible import implausible, unusual, wide
 from .device.argument import Argument, argument_of
 from .device.device import VALUES, batch
 from .device.samples import Plan
+from .files.counting import counting
 from .solver.options import OF_MODEL, OPTIONS, take_model
 
 
@@ -26,7 +28,9 @@ def checked(function: Callable) -> Callable:
         values = _bound(function.__name__, parameters, options, positional, named)
         for line in _doubts(values):
             warnings.warn(line, stacklevel=2)
-        return function(**values)
+        # Those that have a model follow cells.
+        with counting(function.__name__) if "model" in parameters else nullcontext():
+            return function(**values)
 
     door.__module__ = __package__  # by which it is pickled
     return door
@@ -50,13 +54,11 @@ def _bound(function, parameters, of_function, positional, named):
     values |= named
     for key, parameter in parameters.items():
         argument = argument_of(parameter.annotation)
+        may_be_none = type(None) in get_args(parameter.annotation)
         if key not in values and parameter.default is parameter.empty:
             raise TypeError(f"{key}: missing; write {argument.need}")
-        value = values.get(key, parameter.default)
-        if value is not parameter.default and (
-            value is not None or type(None) not in get_args(parameter.annotation)
-        ):
-            values[key] = argument.take(key, value)
+        if key in values and not (may_be_none and values[key] is None):
+            values[key] = argument.take(key, values[key])
     options = [key for key in values if key not in parameters]
     if "model" in parameters:
         model = values.get("model", parameters["model"].default)

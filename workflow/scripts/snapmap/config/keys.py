@@ -26,6 +26,7 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from ..device.argument import Argument, argument_of, integer
+from ..device.argument import word as one_of
 from ..device.quantities import KINDS, bounds_of
 from ..numerics.portable import geometric, linear
 from .units import read, show
@@ -212,9 +213,7 @@ def argument(taken: object, what="", example="", out="") -> object:
 
 def word(*words: str, what="", out="") -> object:
     """One of some words."""
-    return argument(
-        Argument(f"one of {', '.join(words)}", lambda value: value in words), what, "", out
-    )
+    return argument(one_of(*words), what, "", out)
 
 
 def flag(what: str, out="") -> object:

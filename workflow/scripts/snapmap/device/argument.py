@@ -144,7 +144,6 @@ def argument_of(annotation: object) -> Argument:
     return described
 
 
-POSITIVE = number("(0, inf)")
-Positive = Annotated[float, POSITIVE]
+Positive = Annotated[float, number("(0, inf)")]
 Flag = Annotated[bool, Argument("True or False", is_flag, bool)]
 ExistingPath = Annotated[str | PathLike, Argument("the path of a file that is there", is_path)]

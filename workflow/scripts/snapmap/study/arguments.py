@@ -2,7 +2,7 @@
 
 Each type carries its `Argument`: what would be right, in words with an example, what fits, and what
 is handed on of that, so that a number of numpy's or xarray's is one of Python's from there on.
-Values of the device, N, f0 and C take their units and ranges from `quantities.py`.
+Values of the device, N, f0 and C take their units and ranges from `quantities.csv`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,24 +11,12 @@ from typing import Annotated, TypedDict
 
 import numpy as np
 
-from ..device.argument import (
-    POSITIVE,
-    Argument,
-    Flag,
-    argument_of,
-    integer,
-    is_flag,
-    is_list,
-    number,
-    of_type,
-    row,
-    word,
-)
+from ..device.argument import Argument, Flag, integer, is_flag, is_list, number, of_type, row, word
 from ..device.device import VALUES, Device
 from ..device.quantities import QUANTITIES, Bounds, bounds_of
 from ..pulse.pulse import DIRECTIONS, SHAPES, Pulse
 from ..solver.options import OPTIONS, ModelOptions
-from ..solver.settings import STARTS, UNTIL
+from ..solver.settings import FIRST, STARTS, UNTIL
 from .study import ANY
 
 
@@ -66,7 +54,7 @@ def _is_requirement(value):
         isinstance(value, Mapping)
         and _REQUIRED.keys() <= value.keys()
         and all(kind.fits(value[key]) for key, kind in _REQUIRED.items())
-        and argument_of(Start).fits(value.get("start", STARTS[0]))
+        and _START.fits(value.get("start", FIRST))
     )
 
 
@@ -98,7 +86,8 @@ Horizon = Annotated[float, number("[0, inf)", "us", "1500")]
 EnergyTolerance = Annotated[float, number("(0, 1)", "", "1e-3")]
 Threads = Annotated[int, integer(1, 1024)]
 Until = Annotated[str, word(*UNTIL)]
-Start = Annotated[str, word(*STARTS)]
+_START = word(*STARTS)
+Start = Annotated[str, _START]
 Seed = Annotated[int, integer(0, 2**32 - 1)]
 PulseSpec = Annotated[
     str | Pulse | Mapping | Sequence,
@@ -114,7 +103,8 @@ _TRIPS = Argument(
     lambda value: is_flag(value) or (isinstance(value, str) and value == ANY),
     lambda value: value if isinstance(value, str) else bool(value),
 )
-_REQUIRED = {"name": of_type("a name", str), "N": POSITIVE, "f0": POSITIVE, "snaps": _TRIPS}
+_POSITIVE = number("(0, inf)")
+_REQUIRED = {"name": of_type("a name", str), "N": _POSITIVE, "f0": _POSITIVE, "snaps": _TRIPS}
 Requirements = Annotated[
     Sequence[Mapping],
     Argument(

@@ -10,7 +10,6 @@ import numpy as np
 import xarray as xr
 
 from ..device.argument import Flag
-from ..files.counting import counting
 from ..solver.adaptive import TOLERANCE, choose_model
 from ..solver.options import AutoOptions
 from ..solver.outcome import ABSENT, OUTCOMES, count, ended_elsewhere, shares
@@ -48,15 +47,12 @@ def sweep(
 ) -> xr.Dataset:
     """Simulate every cell of a grid and return it as in cube.nc.
 
-    device: one, or several by name, as an axis
-    N: multiples of g; f0: Hz, above 0, or None for a recorded shock's own; C: uN us/um, from 0
-    model: name, or the config's model section
+    f0: None for a recorded shock's own
     options: horizon (us), start, until, repeat, energy_tolerance, threads, as in `Settings`; pulse;
         direction; skip: whether a device without a second stable shape is marked `absent`, not
         refused; those of the model; and values of the device, internal units, as axes in front of
         C, f0 and N
-    By default only settled cells are repeated. Raises ValueError, one line, for an invalid
-    argument.
+    By default only settled cells are repeated.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> study = {"model": "cosines", "until": "snap", "thickness": [1.9, 2.0]}
@@ -72,9 +68,8 @@ def sweep(
             "fewer, or a config"
         )
     grid = study.set_out(axes)
-    with counting("sweep"):
-        built = choose_model(grid.device, study.model, study.settings.start)
-        values = follow_grid(built, grid, study.settings)
+    built = choose_model(grid.device, study.model, study.settings.start)
+    values = follow_grid(built, grid, study.settings)
     return with_summary(as_cube(grid.axes, values, study.document()))
 
 

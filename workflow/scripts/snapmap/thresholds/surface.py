@@ -9,7 +9,6 @@ import xarray as xr
 
 from ..device import argument
 from ..device.quantities import plain
-from ..files.counting import counting
 from ..pulse.pulse import blow_at
 from ..solver.adaptive import Survey, choose_survey
 from ..solver.bounds import least_amplitudes
@@ -60,9 +59,7 @@ def threshold(
 ) -> xr.Dataset:
     """Find where snapping begins over C (uN us/um) and f0 (Hz), with error bars.
 
-    device: one, or several by name, as an axis
     f0: None for a recorded shock's own
-    model: name, or the config's model section
     tolerance: of the refinement in N, relative
     highest: largest N of the search for islands; by default twice the threshold
     options: horizon (us after the pulse), start, energy_tolerance, threads; pulse; direction; skip:
@@ -81,8 +78,7 @@ def threshold(
     [893.0, 990.0]
     """
     study, axes = study_of(device, model, options, C=C, f0=f0)
-    with counting("threshold"):
-        return thresholds_of(study, axes, tolerance, highest)
+    return thresholds_of(study, axes, tolerance, highest)
 
 
 def thresholds_of(

@@ -13,7 +13,6 @@ from ...device.argument import Argument, is_flag, is_list, is_path, mapping_of
 from ...device.checks import numbers
 from ...device.device import VALUES
 from ...device.quantities import plain
-from ...files.counting import counting
 from ...solver.options import AutoOptions
 from ...study import arguments
 from ...study.axes import COORDINATES
@@ -85,7 +84,7 @@ def calibrate(
         `tripped` (true or false); optional `direction` (+z, -z), `shape` and `file` (a record in
         place of shape, whose peak N is)
     unknowns: ranges by name, internal units, of values of the device, or C
-    C: uN us/um, unless it is unknown; model: name, or the config's model section
+    C: uN us/um, unless it is unknown
     options: horizon (us), energy_tolerance, threads; pulse and direction of shots that name none;
         and those of the model
     A shot trips with probability Phi(ln(N / N_first) / spread). Over `unknown`: estimate, to six
@@ -105,8 +104,7 @@ def calibrate(
     if len(study.shocks.pulses) > 1:
         raise ValueError("pulse: several; name the shape and direction of each shot in its row")
     check_ranges(unknowns, C, study.device)
-    with counting("calibrate"):
-        return calibration_of(study, shots_from(shots, study.shocks, device), unknowns, C)
+    return calibration_of(study, shots_from(shots, study.shocks, device), unknowns, C)
 
 
 def calibration_of(study: Study, shots: Shots, unknowns: Mapping, C: float | None) -> xr.Dataset:

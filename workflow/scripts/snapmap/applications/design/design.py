@@ -14,7 +14,6 @@ from ...device.checks import numbers
 from ...device.device import SIGNED, VALUES, Device, batch
 from ...device.quantities import QUANTITIES, plain
 from ...device.samples import nominal_value
-from ...files.counting import counting
 from ...pulse.shocks import Shocks
 from ...solver.options import AutoOptions
 from ...study import arguments
@@ -88,7 +87,6 @@ def design(
 
     value: its name, such as "thickness", or "C"
     f0: Hz; C: uN us/um, unless it is the value; between: range of the value, internal units
-    model: name, or the config's model section
     options: requirements, mappings of name, N, f0 (Hz) and snaps, with pulse and direction, by
         default those of the study, or shocks; each holds under all its shapes and directions;
         horizon (us), energy_tolerance, start, threads, pulse, direction, those of the model
@@ -109,13 +107,13 @@ def design(
     study, _ = study_of(device, model, options)
     required = _single_shocks(with_shocks(goal, study.shocks) for goal in required)
     goals = required or [{"N": N, "f0": f0, "snaps": True, "shocks": study.shocks}]
-    needed = {"N": Positive, "f0": arguments.Frequency, "C": arguments.Damper, "between": Between}
     shock = {key: goals[0][key] for key in ("N", "f0")} | {"C": C, "between": between}
     if value == "C" and shock.pop("C") is not None:
         raise ValueError("C: is the value that is sought; leave it out")
     for key, argument in shock.items():
         if argument is None:
-            raise ValueError(f"{key}: missing; write {argument_of(needed[key]).need}")
+            need = argument_of(design.__annotations__[key]).need
+            raise ValueError(f"{key}: missing; write {need}")
     if any(len(goal["shocks"].pulses) > 1 for goal in goals):
         raise ValueError("pulse: several; give one shape and one direction")
     (low, high), least = between, -np.inf if value in SIGNED else 0.0
@@ -123,13 +121,12 @@ def design(
         raise ValueError(f"between: {low:g}, {high:g} are not two ascending values from {least:g}")
     look = _threshold_finder(study, value, C, goals)
     grid = np.linspace(*between, WINDOW_POINTS if required else POINTS)
-    with counting("design"):
-        of_goals = np.tile(grid, (len(goals), 1))
-        N_first, error, met = look(np.arange(len(goals)), of_goals, [grid])
-        if required:
-            return _windows(look, value, grid, goals, N_first, error, met)
-        known = np.isfinite(N_first[:, 1:] + N_first[:, :-1])
-        _, values, errors = _ends(look, grid, N_first, error, met, known, N)
+    of_goals = np.tile(grid, (len(goals), 1))
+    N_first, error, met = look(np.arange(len(goals)), of_goals, [grid])
+    if required:
+        return _windows(look, value, grid, goals, N_first, error, met)
+    known = np.isfinite(N_first[:, 1:] + N_first[:, :-1])
+    _, values, errors = _ends(look, grid, N_first, error, met, known, N)
     return _single(value, N, grid, N_first, values, errors)
 
 

@@ -59,7 +59,7 @@ def simulate(
 ) -> xr.Dataset:
     """Follow one cell to the horizon, beyond its snap, and return its history over time.
 
-    N: multiples of g; f0: Hz, or None for a recorded shock's own; C: uN us/um
+    f0: None for a recorded shock's own
     model: name, or the config's model section; of `auto` the finest level
     options: horizon (us after the pulse), until and energy_tolerance of the sweep whose step is
         taken; start; pulse and direction, a single one; and those of the model

@@ -42,10 +42,9 @@ def srs_test(
 ) -> xr.Dataset:
     """Follow a device under records that meet a shock response spectrum of Q = 10.
 
-    device: one, or several by name, as an axis
     srs: pairs of frequency (Hz) and level (multiples of g), ascending, joined by straight lines on
         logarithmic scales
-    C: uN us/um; records: how many are drawn, of wavelets at sixth octaves; seed: of their draw
+    records: how many are drawn, of wavelets at sixth octaves; seed: of their draw
     options: direction, a single one; horizon (us), energy_tolerance, threads; values of the device,
         as axes; and those of the model
     Variables: snaps, 1 or 0, NaN where a run fails, (..., C, record, factor); over `record` the

@@ -57,10 +57,8 @@ def vibration(
 ) -> xr.Dataset:
     """Find the rate at which stationary Gaussian vibration snaps a device, and the level it bears.
 
-    device: one, or several by name, as an axis
     psd: pairs of frequency (Hz) and one-sided density (g^2/Hz), joined by straight lines on
         logarithmic scales
-    duration: s; C: uN us/um
     records: how many are followed from rest, each a second long, or ten periods of the lowest
         frequency, or the duration if that is shorter
     seed: of their phases

@@ -13,7 +13,6 @@ from ...device.argument import mapping_of, number
 from ...device.device import VALUES
 from ...device.quantities import plain
 from ...device.samples import SHOCK_FACTORS, Groups, Plan, Samples, Tolerances
-from ...files.counting import counting
 from ...numerics.portable import geometric
 from ...numerics.statistics import (
     count_below,
@@ -68,7 +67,6 @@ def tolerance(
 ) -> xr.Dataset:
     """Find the thresholds, over C (uN us/um) and f0 (Hz), of devices whose values scatter.
 
-    device: the nominal one, or several by name, as an axis
     scatters: of each value the standard deviation, in internal units or as a share such as "5 %",
         or {kind: width}; kind is uniform (half width), lognormal, or truncated (at two standard
         deviations). N, duration and C scatter from shock to shock, in shares
@@ -81,7 +79,6 @@ def tolerance(
         False or "any"), survives (whether the beam must not break), and pulse and direction, by
         default those of the study, or shocks, of each, which holds under all of these;
         horizon (us), energy_tolerance, threads, pulse, direction, and those of the model
-    Raises ValueError, one line, for an invalid argument.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> made = snapmap.tolerance(device, {"thickness": "5 %"}, [1500], [25], samples=64)
@@ -92,8 +89,7 @@ def tolerance(
     requirements = options.pop("requirements", ())
     study, axes = study_of(device, model, options, C=C, f0=f0, N=N)
     requirements = [with_shocks(required, study.shocks) for required in requirements]
-    with counting("tolerance"):
-        return tolerances_of(study, axes, Tolerances(scatters, **plan), requirements, tolerance)
+    return tolerances_of(study, axes, Tolerances(scatters, **plan), requirements, tolerance)
 
 
 def tolerances_of(
