@@ -145,3 +145,8 @@ def test_relative_links_lead_somewhere(root):
                 heads = re.findall(r"^#+ (.+)$", path.read_text(encoding="utf-8"), re.M)
                 plain = {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
                 assert anchor in plain, f"{page.name}: {link}"
+
+
+def test_each_application_has_a_page(root):
+    pages = {page.stem for page in (root / "docs" / "applications").glob("*.md")}
+    assert {*attached()} <= pages
