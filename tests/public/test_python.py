@@ -94,7 +94,8 @@ def wrong_calls(right_calls):
             *options_of(getattr(snapmap, name)),
             *(OPTIONS["cosines"] if "model" in right else ()),
         )
-        for key, value in itertools.product((*right, *options), WRONG):
+        keys = dict.fromkeys((*parameters, *right, *options)).keys() - {"options"}
+        for key, value in itertools.product(sorted(keys), WRONG):
             allows_none = value is None and "None" in str(
                 getattr(parameters.get(key), "annotation", "")
             )

@@ -16,8 +16,8 @@ OF_DEVICE = tuple(key for key in VALUES if key != "temperature")
 SHOCK_FACTORS = ("N", "duration", "C")
 """Values of the shock and of the damper that scatter, too, as shares: they have no nominal ones."""
 DISTRIBUTIONS = ("normal", "uniform", "lognormal", "truncated")
-INDEX_SAMPLES = 1024
-"""Samples by which Sobol indices are estimated, by default."""
+SAMPLES, INDEX_SAMPLES, SEED = 1000, 1024, 1
+"""Samples, those by which Sobol indices are estimated, and the seed of their draw, by default."""
 FOLLOWED_CELLS, FEWEST_FOLLOWED = 1_000_000, 64
 """Cells that are followed to their end, and the least samples of which all cells are."""
 CUT = 2.0
@@ -50,9 +50,9 @@ class Tolerances(NamedTuple):
 
     scatters: Mapping[str, float | str | Mapping]
     together: Sequence[Sequence[str]] = ()
-    samples: int = 1000
+    samples: int = SAMPLES
     index_samples: int | None = None
-    seed: int = 1
+    seed: int = SEED
 
     @property
     def section(self) -> dict:

@@ -68,8 +68,6 @@ Between = Annotated[
 class DesignOptions(arguments.ThresholdOptions, AutoOptions, total=False):
     """Options of `design`."""
 
-    requirements: arguments.Requirements
-
 
 def design(
     device: arguments.SingleDevice,
@@ -79,6 +77,7 @@ def design(
     C: arguments.Damper | None = None,
     between: Between | None = None,
     model: arguments.Model = "auto",
+    requirements: arguments.Requirements = (),
     **options: Unpack[DesignOptions],
 ) -> Design | xr.Dataset:
     """Find the value of a device, or C, for which N (multiples of g) is the threshold.
@@ -87,9 +86,9 @@ def design(
 
     value: its name, such as "thickness", or "C"
     f0: Hz; C: uN us/um, unless it is the value; between: range of the value, internal units
-    options: requirements, mappings of name, N, f0 (Hz) and snaps, with pulse and direction, by
-        default those of the study, or shocks; each holds under all its shapes and directions;
-        horizon (us), energy_tolerance, start, threads, pulse, direction, those of the model
+    requirements: mappings of name, N, f0 (Hz) and snaps, with pulse and direction, by default those
+        of the study, or shocks; each holds under all its shapes and directions
+    options: horizon (us), energy_tolerance, start, threads, pulse, direction, those of the model
     Windows have, over `window`: low and high, their errors, and low_from and high_from, the
     requirement that ends it, or "between"; over `requirement` and the values `tried`: whether it is
     `met`. Warns where several values are right, and returns the lowest; and where there is no
@@ -102,10 +101,8 @@ def design(
     >>> round(made.value, 1)
     2.1
     """
-    options = dict(options)
-    required = options.pop("requirements", ())
     study, _ = study_of(device, model, options)
-    required = _single_shocks(with_shocks(goal, study.shocks) for goal in required)
+    required = _single_shocks(with_shocks(goal, study.shocks) for goal in requirements)
     goals = required or [{"N": N, "f0": f0, "snaps": True, "shocks": study.shocks}]
     shock = {key: goals[0][key] for key in ("N", "f0")} | {"C": C, "between": between}
     if value == "C" and shock.pop("C") is not None:

@@ -42,7 +42,6 @@ class VibrationOptions(AutoOptions, arguments.AxisOptions, total=False):
 
     energy_tolerance: arguments.EnergyTolerance
     threads: arguments.Threads
-    reach: Annotated[float, number("(0, 1)", "", "0.01")]
 
 
 def vibration(
@@ -53,6 +52,7 @@ def vibration(
     records: Records = RECORDS,
     seed: arguments.Seed = SEED,
     model: arguments.Model = "auto",
+    reach: Annotated[float, number("(0, 1)", "", "0.01")] = REACH,
     **options: Unpack[VibrationOptions],
 ) -> xr.Dataset:
     """Find the rate at which stationary Gaussian vibration snaps a device, and the level it bears.
@@ -62,9 +62,9 @@ def vibration(
     records: how many are followed from rest, each a second long, or ten periods of the lowest
         frequency, or the duration if that is shorter
     seed: of their phases
-    options: reach, the probability within the duration at `level`, 0.01 by default;
-        energy_tolerance, threads; values of the device, as axes; those of the model; `auto` takes
-        five cosines
+    reach: the probability within the duration at `level`
+    options: energy_tolerance, threads; values of the device, as axes; those of the model; `auto`
+        takes five cosines
     Variables, (..., C), levels in g rms: rate and probability at the given level, with Poisson's
     bounds; level by Rice's law fitted to all levels, with the bounds of the fit, inf where the runs
     do not determine it. Attributes: rms, of the given spectrum, duration, reach, record_length.
@@ -75,8 +75,6 @@ def vibration(
     >>> round(rates.rms), rates.snaps.values.tolist()
     (89, [0.0])
     """
-    options = dict(options)
-    reach = options.pop("reach", REACH)
     study, axes = study_of(device, model, options, C=C)
     study.require_frame("random vibration")
     spectrum = Spectrum(psd)

@@ -12,7 +12,7 @@ from ...beam.stress import break_probability
 from ...device.argument import mapping_of, number
 from ...device.device import VALUES
 from ...device.quantities import plain
-from ...device.samples import SHOCK_FACTORS, Groups, Plan, Samples, Tolerances
+from ...device.samples import SAMPLES, SEED, SHOCK_FACTORS, Groups, Plan, Samples, Tolerances
 from ...numerics.portable import geometric
 from ...numerics.statistics import (
     count_below,
@@ -45,16 +45,6 @@ Scatters = Annotated[
 ]
 
 
-class ToleranceOptions(arguments.ThresholdOptions, total=False):
-    """Options of `tolerance`."""
-
-    samples: Samples
-    index_samples: Samples
-    seed: arguments.Seed
-    together: Groups
-    requirements: arguments.Requirements
-
-
 def tolerance(
     device: arguments.Devices,
     scatters: Scatters,
@@ -63,7 +53,12 @@ def tolerance(
     N: arguments.Amplitudes | None = None,
     model: arguments.Model = "auto",
     tolerance: Annotated[float, number("[1e-5, 0.01]", "", "1e-3")] = 1e-3,
-    **options: Unpack[ToleranceOptions],
+    samples: Samples = SAMPLES,
+    index_samples: Samples | None = None,
+    seed: arguments.Seed = SEED,
+    together: Groups = (),
+    requirements: arguments.Requirements = (),
+    **options: Unpack[arguments.ThresholdOptions],
 ) -> xr.Dataset:
     """Find the thresholds, over C (uN us/um) and f0 (Hz), of devices whose values scatter.
 
@@ -75,21 +70,22 @@ def tolerance(
     model: name, or the config's model section; of `auto` the cheapest level within its tolerance,
         0.1 % by default, for the nominal device
     tolerance: of the refinement of each threshold, relative
-    options: samples, index_samples, seed, together; requirements: name, N, f0 (Hz), snaps (True,
-        False or "any"), survives (whether the beam must not break), and pulse and direction, by
-        default those of the study, or shocks, of each, which holds under all of these;
-        horizon (us), energy_tolerance, threads, pulse, direction, and those of the model
+    samples: number of devices; index_samples: of those by which Sobol indices are estimated, by
+        default as many as are affordable; seed: of the draws; together: groups that one draw moves
+    requirements: name, N, f0 (Hz), snaps (True, False or "any"), survives (whether the beam must
+        not break), and pulse and direction, by default those of the study, or shocks, of each,
+        which holds under all of these
+    options: horizon (us), energy_tolerance, threads, pulse, direction, and those of the model
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> made = snapmap.tolerance(device, {"thickness": "5 %"}, [1500], [25], samples=64)
     >>> round((made.N_std / made.N_mean).item(), 2)
     0.1
     """
-    plan = {key: options.pop(key) for key in Tolerances._fields if key in options}
-    requirements = options.pop("requirements", ())
     study, axes = study_of(device, model, options, C=C, f0=f0, N=N)
     requirements = [with_shocks(required, study.shocks) for required in requirements]
-    return tolerances_of(study, axes, Tolerances(scatters, **plan), requirements, tolerance)
+    tolerances = Tolerances(scatters, together, samples, index_samples, seed)
+    return tolerances_of(study, axes, tolerances, requirements, tolerance)
 
 
 def tolerances_of(
