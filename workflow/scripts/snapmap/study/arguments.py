@@ -67,11 +67,11 @@ def _of(key: str) -> tuple[Bounds, str]:
 
 
 _N = bounds_of("[0, inf)"), "multiples of g (direction -z pushes the other way)"
-Amplitudes = Annotated[Sequence[float], row(*_N, "[1000]")]
+Amplitudes = Annotated[float | Sequence[float], row(*_N, "[1000]")]
 Amplitude = Annotated[float, number(*_N, "1000")]
-Frequencies = Annotated[Sequence[float], row(*_of("f0"), "[1500]")]
+Frequencies = Annotated[float | Sequence[float], row(*_of("f0"), "[1500]")]
 Frequency = Annotated[float, number(*_of("f0"), "1500")]
-Dampers = Annotated[Sequence[float], row(*_of("C"), "[25]")]
+Dampers = Annotated[float | Sequence[float], row(*_of("C"), "[25]")]
 Damper = Annotated[float, number(*_of("C"), "25")]
 Devices = Annotated[
     Device | Mapping[str, Device],
@@ -131,9 +131,8 @@ class ThresholdOptions(RunOptions, total=False):
     direction: Directions
 
 
-_Axes = TypedDict(
-    "_Axes", {key: Annotated[Sequence[float], row(*_of(key), "")] for key in VALUES}, total=False
-)
+_OF_DEVICE = {key: Annotated[float | Sequence[float], row(*_of(key), "")] for key in VALUES}
+_Axes = TypedDict("_Axes", _OF_DEVICE, total=False)
 
 
 class AxisOptions(_Axes, total=False):
