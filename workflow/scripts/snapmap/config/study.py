@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pydantic import ValidationError
 
-from ..applications import attached, gather, key_of
+from ..applications import attached, key_of, merge
 from ..beam.equilibria import require_rest, second_shape, shapes_of
 from ..device.device import VALUES, Device
 from ..device.measured_shape import PROFILE
@@ -89,10 +89,7 @@ class Config(Study):
         recorded = {self.pulse["file"]: self.pulse["sha256"]} if "file" in self.pulse else {}
         shapes = {path: sha256_of(path, *PROFILE) for _, path in self.measured}
         points = dict([self.own_points] if self.own_points else [])
-        files = recorded | shapes | points
-        for named in gather("files", self).values():
-            files |= named
-        return files
+        return recorded | shapes | points | merge("files", self)
 
 
 def planned_study(document: Mapping, threads: int) -> Config:
@@ -174,10 +171,8 @@ def _unit(key, written):
 
 
 def _require_study(device, shocks):
-    """All devices have an electrode, or none; forces shake no frame."""
-    devices = Study(device=device, shocks=shocks).devices().values()
-    if len({bool(device.has_electrode) for device in devices}) > 1:
-        raise ValueError(".contact_at: only some devices have one; write it for all or none")
+    """Forces shake no frame."""
+    Study(device=device, shocks=shocks)
 
 
 def require_start(start: str, *devices: Device) -> None:

@@ -3,7 +3,7 @@
 import hashlib
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
 from functools import lru_cache
@@ -50,15 +50,22 @@ def _text(values):
     return json.dumps(values)
 
 
-def write_slab(study: Study, slab: Slab, path: str | Path, code: str = "") -> dict[str, int]:
+def write_slab(
+    study: Study,
+    slab: Slab,
+    path: str | Path,
+    code: str = "",
+    observers: Sequence[Callable] = (),
+) -> dict[str, int]:
     """Follow the cells of one slab and write it to `path`; returns how many had which outcome.
 
     Cells that other slabs in the same folder hold are taken from there.
     code: hash of the code on which the numbers depend; slabs made by another are not used
+    observers: as for `follow_rows`
     """
     variables, known = recall(path, slab, code, same_N=study.model["name"] == "auto")
     grid = study.part(slab).set_out({key: slab[key] for key in slab if key not in NAMES})
-    _follow_unknown(grid, study.model, study.settings, variables, known)
+    _follow_unknown(grid, study, observers, variables, known)
     with replacing(path) as temporary:
         with netCDF4.Dataset(temporary, "w") as file:
             file.slab, file.code = slab_name(study, slab), code
@@ -117,17 +124,18 @@ def recall(
     return variables, known
 
 
-def _follow_unknown(grid, model, settings, variables, known):
+def _follow_unknown(grid, study, observers, variables, known):
     """Follow what is not known, rows with the same gaps at once, and set it in the variables."""
     if known.all():
         return
-    built = choose_model(grid.device, model, settings.start)
+    settings = study.settings
+    built = choose_model(grid.device, study.model, settings.start)
     rows, N = rows_of(grid), grid.axes["N"]
     unknown = ~known.reshape(-1, N.size)
     patterns, pattern_of = np.unique(unknown, axis=0, return_inverse=True)
     for number in np.flatnonzero(patterns.any(axis=1)):
         alike, pattern = np.flatnonzero(pattern_of.ravel() == number), patterns[number]
-        followed = follow_rows(built, rows.take(alike), N[pattern], settings)
+        followed = follow_rows(built, rows.take(alike), N[pattern], settings, observers)
         for key, values in followed.items():
             all_rows = variables.setdefault(key, np.empty(known.shape, values.dtype))
             all_rows.reshape(-1, N.size)[np.ix_(alike, pattern)] = values

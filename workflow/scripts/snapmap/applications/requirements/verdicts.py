@@ -1,4 +1,4 @@
-"""Required shocks judged by all that is known: thresholds, the beam's strength, an electrode."""
+"""Required shocks judged by thresholds and the beam's strength."""
 
 import csv
 from collections.abc import Mapping, Sequence
@@ -10,8 +10,8 @@ from ...files.atomic import replacing
 from ...solver.settings import THRESHOLD_TOLERANCE
 from ...study.study import Study, at_corner
 from ..design.design import remedy, with_value
-from ..histories.history import Extremes, closing_of, extremes_of
-from .check import Survival, Verdict, check, judge, judge_closing, summary, worst
+from ..histories.history import Extremes, observed_of
+from .check import Survival, Verdict, check, judge, summary, worst
 from .corners import VIOLATED, beyond
 from .required import Required
 
@@ -25,40 +25,37 @@ def verdicts_of(
 ) -> list[tuple[Verdict, dict]]:
     """Judge required shocks, each on each device at each temperature and C under each shock.
 
-    requirements, temperatures, tolerance: as in `check`, with survives, closes_within and
-        stays_closed
+    requirements, temperatures, tolerance: as in `check`, with survives
     Returns each verdict with what stands beside it in requirements.csv.
     """
     by_name, judged = {required["name"]: required for required in requirements}, []
     for verdict in check(study, requirements, C, tolerance, temperatures):
         required = by_name[verdict.requirement]
         shaken = at_corner(study, required, verdict._asdict())
-        shot = verdict.N, verdict.f0, verdict.C
-        moved, closing = extremes_of(shaken, *shot), closing_of(shaken, *shot)
-        stress, must_survive = moved.stress_max, required["survives"]
-        verdict, survival = judge(verdict, shaken.device, stress, must_survive)
-        verdict, margins = judge_closing(verdict, required, closing)
-        judged.append((verdict, moved._asdict() | survival._asdict() | closing | margins))
+        seen = observed_of(shaken, verdict.N, verdict.f0, verdict.C)
+        verdict, survival = judge(verdict, shaken.device, seen["stress_max"], required["survives"])
+        judged.append((verdict, seen | survival._asdict()))
     return judged
 
 
 def hint(
     study: Study,
-    requirements: Sequence[Mapping],
+    requirements: Sequence[Required],
     verdicts: Sequence[Verdict],
     wrong: Verdict,
-    temperatures: Sequence[float] = (),
-    tolerance: float = THRESHOLD_TOLERANCE,
 ) -> str:
     """Which changes of one value bring a verdict to the right side, and what fails by each.
 
-    verdicts: of all requirements, at each C; wrong: the one whose threshold is to move
+    study: a `Config`; verdicts: of all requirements, at each C; wrong: the one whose threshold is
+        to move
     Empty where it is on the right side, is no single shock, or no change was seen to help.
     """
-    goals = [required for required in requirements if required["name"] == wrong.requirement]
-    if not goals or beyond(wrong.margin, wrong.must_snap) <= 0:
+    shocks = [required for required in requirements if "shocks" in required.values]
+    by_name = {required.values["name"]: required.values for required in shocks}
+    goal = by_name.get(wrong.requirement)
+    if not goal or beyond(wrong.margin, wrong.must_snap) <= 0:
         return ""
-    shaken = at_corner(study, goals[0], wrong._asdict())
+    shaken = at_corner(study, goal, wrong._asdict())
     device = study.device[wrong.device] if wrong.device else study.device
     of_device = [verdict for verdict in verdicts if verdict.device == wrong.device]
     dampings = list(dict.fromkeys(verdict.C for verdict in of_device))
@@ -66,15 +63,15 @@ def hint(
         (verdict.requirement, verdict.C) for verdict in of_device if verdict.verdict == VIOLATED
     }
     changes = []
-    for words, key, value in remedy(shaken, goals[0], wrong.C, wrong.N_first):
+    for words, key, value in remedy(shaken, goal, wrong.C, wrong.N_first):
         try:
             changed = replace(study, device=with_value(device, key, value))
-            judged = verdicts_of(changed, requirements, dampings, temperatures, tolerance)
+            judged = [pair for required in shocks for pair in required.check(changed, dampings)]
         except ValueError:  # it has no second shape at one of the temperatures
             continue
         violated = [verdict for verdict, _ in judged if verdict.verdict == VIOLATED]
         failing = [(verdict.requirement, verdict.C) for verdict in violated]
-        # At another temperature, under another shock, or by strength or electrode.
+        # At another temperature, under another shock, or by what else it demands.
         if (wrong.requirement, wrong.C) in failing:
             continue
         if broken := list(dict.fromkeys(name for name, C in failing if (name, C) not in fails)):
@@ -101,9 +98,7 @@ def write_verdicts(study: Study, requirements: Sequence[Required], path: str) ->
     if breaks:
         lines.insert(1, f"the beam breaks in {', '.join(breaks)}")
     if wrong:
-        shocks = [required.values for required in requirements if "shocks" in required.values]
-        temperatures, tolerance = study.temperatures, study.threshold_tolerance
-        lines.append(hint(study, shocks, verdicts, wrong, temperatures, tolerance))
+        lines.append(hint(study, requirements, verdicts, wrong))
     always = chain(Verdict._fields, Extremes._fields, Survival._fields)
     columns = dict.fromkeys(chain(always, *(beside for _, beside in judged)))
     with replacing(path) as part, open(part, "w", newline="", encoding="utf-8") as file:
