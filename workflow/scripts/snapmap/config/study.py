@@ -128,7 +128,7 @@ def load_config(document: Mapping) -> Config:
         maps = views("maps", lambda v: (v.x, v.y, read_places(v.given, grid.axes)))
         curves = views("thresholds", lambda v: (v.x, v.lines, read_places(v.given, grid.axes)))
         part(("sweep",), require_start, sweep.made.start, grid.device)
-    part(("device",), _require_study, device, shocks)
+    part(("device",), lambda: Study(device=device, shocks=shocks))  # forces shake no frame
     if faults:
         raise ConfigError(*dict.fromkeys(faults))
     chosen, left_out = choose_maps(grid, nominal(device), maps)
@@ -168,11 +168,6 @@ def _unit(key, written):
     """The unit of the first value of an axis."""
     first = written["from"] if isinstance(written, Mapping) else written[0]
     return unit_of(first, QUANTITIES[key].kind)
-
-
-def _require_study(device, shocks):
-    """Forces shake no frame."""
-    Study(device=device, shocks=shocks)
 
 
 def require_start(start: str, *devices: Device) -> None:

@@ -11,6 +11,8 @@ from ..solver.outcome import ABSENT, FAILED, REPEATED_STEP, label, t_snap_error,
 from ..solver.settings import FIRST, Settings
 from ..study.axes import Grid, rows_of
 
+Observers = Sequence[Callable]
+"""Each gives more variables of cells: floats by name, for model, cells, observations, settings."""
 ABSENCE = {
     "outcome": ABSENT,
     **dict.fromkeys(("well", "halvings", "level", "blow"), 0),
@@ -20,27 +22,20 @@ ABSENCE = {
 
 
 def follow_grid(
-    model: Follows, grid: Grid, settings: Settings, observers: Sequence[Callable] = ()
+    model: Follows, grid: Grid, settings: Settings, observers: Observers = ()
 ) -> dict[str, np.ndarray]:
     """Follow every cell of a grid; returns each variable of a cube in the grid's shape.
 
-    model: of the grid's batch of devices; observers: as for `follow_rows`
+    model: of the grid's batch of devices
     """
     variables = follow_rows(model, rows_of(grid), grid.axes["N"], settings, observers)
     return {key: values.reshape(grid.shape) for key, values in variables.items()}
 
 
 def follow_rows(
-    model: Follows,
-    rows: Rows,
-    N: Sequence[float],
-    settings: Settings,
-    observers: Sequence[Callable] = (),
+    model: Follows, rows: Rows, N: Sequence[float], settings: Settings, observers: Observers = ()
 ) -> dict[str, np.ndarray]:
-    """Follow rows of cells, each through all N; returns each variable of a cube, (rows, N).
-
-    observers: each gives more variables for model, cells, observations and settings
-    """
+    """Follow rows of cells, each through all N; returns each variable of a cube, (rows, N)."""
     exists, N = rows.device >= 0, np.asarray(N)
     order = np.argsort(N, kind="stable")
     cells = rows.take(exists).cells(model.device, N[order], settings.horizon)

@@ -3,7 +3,7 @@
 import hashlib
 import json
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict
 from functools import lru_cache
@@ -17,7 +17,7 @@ from ..solver.adaptive import choose_model
 from ..solver.outcome import count
 from ..study.axes import DEVICE, DIRECTION, NAMES, SHAPE, rows_of, shared_points
 from ..study.study import Study
-from .grid import follow_rows
+from .grid import Observers, follow_rows
 
 SINGLE = (DEVICE, SHAPE, DIRECTION, "C")
 """Axes of which a slab has one value, but for all C of a study that is over at once: what else it
@@ -51,17 +51,12 @@ def _text(values):
 
 
 def write_slab(
-    study: Study,
-    slab: Slab,
-    path: str | Path,
-    code: str = "",
-    observers: Sequence[Callable] = (),
+    study: Study, slab: Slab, path: str | Path, code: str = "", observers: Observers = ()
 ) -> dict[str, int]:
     """Follow the cells of one slab and write it to `path`; returns how many had which outcome.
 
     Cells that other slabs in the same folder hold are taken from there.
     code: hash of the code on which the numbers depend; slabs made by another are not used
-    observers: as for `follow_rows`
     """
     variables, known = recall(path, slab, code, same_N=study.model["name"] == "auto")
     grid = study.part(slab).set_out({key: slab[key] for key in slab if key not in NAMES})
@@ -128,14 +123,13 @@ def _follow_unknown(grid, study, observers, variables, known):
     """Follow what is not known, rows with the same gaps at once, and set it in the variables."""
     if known.all():
         return
-    settings = study.settings
-    built = choose_model(grid.device, study.model, settings.start)
+    built = choose_model(grid.device, study.model, study.settings.start)
     rows, N = rows_of(grid), grid.axes["N"]
     unknown = ~known.reshape(-1, N.size)
     patterns, pattern_of = np.unique(unknown, axis=0, return_inverse=True)
     for number in np.flatnonzero(patterns.any(axis=1)):
         alike, pattern = np.flatnonzero(pattern_of.ravel() == number), patterns[number]
-        followed = follow_rows(built, rows.take(alike), N[pattern], settings, observers)
+        followed = follow_rows(built, rows.take(alike), N[pattern], study.settings, observers)
         for key, values in followed.items():
             all_rows = variables.setdefault(key, np.empty(known.shape, values.dtype))
             all_rows.reshape(-1, N.size)[np.ix_(alike, pattern)] = values

@@ -26,7 +26,9 @@ def observe(model, cells, observed, settings):
     """When each cell closes it, and for how long."""
     from .closures import closures_again
 
-    return closures_again(model, cells, observed, settings) if is_in(model) else {}
+    if not model.device.has_electrode.any():
+        return {}
+    return closures_again(model, cells, observed, settings)
 
 
 def observing(model, cells, settings):
@@ -34,22 +36,17 @@ def observing(model, cells, settings):
     from ...solver.cost import steps_and_seconds
     from ...solver.outcome import REPEATED_STEP
 
-    if not is_in(model):
+    if not model.device.has_electrode.any():
         return 0.0
     moved = steps_and_seconds(model, cells, settings._replace(until="moved"))[1]
     return (1 + 1 / REPEATED_STEP) * moved
-
-
-def is_in(model):
-    """Whether a model's devices have one."""
-    return model.device.has_electrode.any()
 
 
 def in_history(model, cells, settings):
     """Its place, and when a cell closes it and for how long."""
     from .closures import follow_closures
 
-    if not is_in(model):
+    if not model.device.has_electrode:
         return {}
     closures = follow_closures(model, cells, cells.t_end, settings).items()
     return {"contact_at": model.device.contact_at} | {key: value.item() for key, value in closures}

@@ -24,11 +24,7 @@ class RequiredClosing(RequiredShock):
 
     def check(self, study: Study, C: Sequence[float]) -> list[tuple]:
         """Verdicts of a required shock, once it is known what the electrode sees."""
-        judged = []
-        for verdict, beside in super().check(study, C):
-            verdict, margins = judge_closing(verdict, self.values, beside)
-            judged.append((verdict, beside | margins))
-        return judged
+        return [judge_closing(*judged, self.values) for judged in super().check(study, C)]
 
     def require(self, study: Study) -> None:
         """Raise ValueError where a device lacks the electrode or frame that it needs."""
@@ -65,11 +61,11 @@ class ClosingSection(ShockSection):
 
 
 def judge_closing(
-    verdict: Verdict, required: Mapping, closing: Mapping[str, float]
+    verdict: Verdict, closing: Mapping[str, float], required: Mapping
 ) -> tuple[Verdict, dict[str, float]]:
-    """The verdict once it is known what an electrode sees, and its margins.
+    """The verdict once it is known what an electrode sees, and that with its margins.
 
-    required: with DEMANDS, us, if they are; closing: as `follow_closures` returns it
+    closing: as `follow_closures` returns it; required: with DEMANDS, us, if they are
     Margins: closes_within over t_closed, closed_for over stays_closed; NaN if it never closes.
     """
     outcomes, margins = [verdict.verdict], {}
@@ -83,7 +79,8 @@ def judge_closing(
         # What is closed to the end of the run may stay closed beyond.
         outcomes.append(UNCLEAR if kept == VIOLATED and closing["openings"] == 0 else kept)
         margins["stays_margin"] = closed / limit
-    return verdict._replace(verdict=max(outcomes, key=(MET, UNCLEAR, VIOLATED).index)), margins
+    worst = max(outcomes, key=(MET, UNCLEAR, VIOLATED).index)
+    return verdict._replace(verdict=worst), closing | margins
 
 
 def _kept(slack, error, verdict):

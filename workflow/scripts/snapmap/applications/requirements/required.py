@@ -6,7 +6,7 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from ...study.study import ANY, Study
+from ...study.study import ANY, Study, at_corner
 
 
 class Required(Protocol):
@@ -39,11 +39,19 @@ class RequiredShock:
     more: ClassVar = ""
 
     def check(self, study: Study, C: Sequence[float]) -> list[tuple]:
-        """Verdicts, with the strength, as `verdicts_of` has them."""
-        from .verdicts import verdicts_of
+        """Verdicts by thresholds and strength, with what else is seen of each shock."""
+        from ..histories.history import observed_of
+        from .check import check, judge
 
-        temperatures, tolerance = study.temperatures, study.threshold_tolerance
-        return verdicts_of(study, [self.values], C, temperatures, tolerance)
+        required, judged = self.values, []
+        how = study.threshold_tolerance, study.temperatures
+        for verdict in check(study, [required], C, *how):
+            shaken = at_corner(study, required, verdict._asdict())
+            seen = observed_of(shaken, verdict.N, verdict.f0, verdict.C)
+            stress, must_survive = seen["stress_max"], required["survives"]
+            verdict, survival = judge(verdict, shaken.device, stress, must_survive)
+            judged.append((verdict, seen | survival._asdict()))
+        return judged
 
     def require(self, study: Study) -> None:
         """Raise ValueError where a device lacks the strength or frame that it needs."""

@@ -1,48 +1,22 @@
-"""Required shocks judged by thresholds and the beam's strength."""
+"""Verdicts of a study as a table, and what a change of the device would do."""
 
 import csv
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import chain
 from math import nan
 
 from ...files.atomic import replacing
-from ...solver.settings import THRESHOLD_TOLERANCE
 from ...study.study import Study, at_corner
 from ..design.design import remedy, with_value
-from ..histories.history import Extremes, observed_of
-from .check import Survival, Verdict, check, judge, summary, worst
+from ..histories.history import Extremes
+from .check import Survival, Verdict, summary, worst
 from .corners import VIOLATED, beyond
 from .required import Required
 
 
-def verdicts_of(
-    study: Study,
-    requirements: Sequence[Mapping],
-    C: Sequence[float],
-    temperatures: Sequence[float] = (),
-    tolerance: float = THRESHOLD_TOLERANCE,
-) -> list[tuple[Verdict, dict]]:
-    """Judge required shocks, each on each device at each temperature and C under each shock.
-
-    requirements, temperatures, tolerance: as in `check`, with survives
-    Returns each verdict with what stands beside it in requirements.csv.
-    """
-    by_name, judged = {required["name"]: required for required in requirements}, []
-    for verdict in check(study, requirements, C, tolerance, temperatures):
-        required = by_name[verdict.requirement]
-        shaken = at_corner(study, required, verdict._asdict())
-        seen = observed_of(shaken, verdict.N, verdict.f0, verdict.C)
-        verdict, survival = judge(verdict, shaken.device, seen["stress_max"], required["survives"])
-        judged.append((verdict, seen | survival._asdict()))
-    return judged
-
-
 def hint(
-    study: Study,
-    requirements: Sequence[Required],
-    verdicts: Sequence[Verdict],
-    wrong: Verdict,
+    study: Study, requirements: Sequence[Required], verdicts: Sequence[Verdict], wrong: Verdict
 ) -> str:
     """Which changes of one value bring a verdict to the right side, and what fails by each.
 
@@ -51,11 +25,10 @@ def hint(
     Empty where it is on the right side, is no single shock, or no change was seen to help.
     """
     shocks = [required for required in requirements if "shocks" in required.values]
-    by_name = {required.values["name"]: required.values for required in shocks}
-    goal = by_name.get(wrong.requirement)
-    if not goal or beyond(wrong.margin, wrong.must_snap) <= 0:
+    goals = [shock.values for shock in shocks if shock.values["name"] == wrong.requirement]
+    if not goals or beyond(wrong.margin, wrong.must_snap) <= 0:
         return ""
-    shaken = at_corner(study, goal, wrong._asdict())
+    shaken = at_corner(study, goals[0], wrong._asdict())
     device = study.device[wrong.device] if wrong.device else study.device
     of_device = [verdict for verdict in verdicts if verdict.device == wrong.device]
     dampings = list(dict.fromkeys(verdict.C for verdict in of_device))
@@ -63,7 +36,7 @@ def hint(
         (verdict.requirement, verdict.C) for verdict in of_device if verdict.verdict == VIOLATED
     }
     changes = []
-    for words, key, value in remedy(shaken, goal, wrong.C, wrong.N_first):
+    for words, key, value in remedy(shaken, goals[0], wrong.C, wrong.N_first):
         try:
             changed = replace(study, device=with_value(device, key, value))
             judged = [pair for required in shocks for pair in required.check(changed, dampings)]
