@@ -25,7 +25,7 @@ def _badness(row):
         margins = {key: row[key] for key in row if key.endswith("_margin")}
         if not row["must_survive"] > 0:
             margins["strength_margin"] = np.nan
-        reserve = np.fmin.reduce([*margins.values()])
+        reserve = np.fmin.reduce([np.nan, *margins.values()])
         return severity, -np.inf if np.isnan(reserve) else -reserve
     return severity, beyond(row["margin"], row["must_snap"])
 
