@@ -10,6 +10,7 @@ from typing import get_args
 
 import numpy as np
 
+from .applications import functions
 from .config.plausible import implausible, unusual, wide
 from .device.argument import Argument, argument_of
 from .device.device import VALUES, batch
@@ -28,6 +29,8 @@ def checked(function: Callable) -> Callable:
         values = _bound(function.__name__, parameters, options, positional, named)
         for line in _doubts(values):
             warnings.warn(line, stacklevel=2)
+        if function.__name__ == "sweep":
+            values["observers"] = functions("observe")
         # Those that have a model follow cells.
         with counting(function.__name__) if "model" in parameters else nullcontext():
             return function(**values)

@@ -60,6 +60,7 @@ def sweep(
     >>> cube.t_snap.notnull().squeeze().values.tolist()
     [[False, True], [False, True]]
     """
+    observers = options.pop("observers", ())
     study, axes = study_of(device, model, options, C=C, f0=f0, N=N)
     cells = math.prod(map(np.size, axes.values()))
     if cells > MOST_CELLS:
@@ -69,7 +70,7 @@ def sweep(
         )
     grid = study.set_out(axes)
     built = choose_model(grid.device, study.model, study.settings.start)
-    values = follow_grid(built, grid, study.settings)
+    values = follow_grid(built, grid, study.settings, observers)
     return with_summary(as_cube(grid.axes, values, study.document()))
 
 
