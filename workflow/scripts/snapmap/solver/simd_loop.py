@@ -73,14 +73,11 @@ def trace(model, cells, dt, width, bins, stress=None, start=FIRST):
     w_range, instants = np.empty((2, bins, n_cells)), np.empty((3, bins, n_cells))
     kept = w_range, instants, np.full(n_cells, -np.inf)
     k = model.modes
-    if stress is None:
-        rows = np.empty((0, 1, k + 2))
-    else:
-        rows = stress.copy()
-        rows[:, :-1, k] /= (dt * dt)[:, np.newaxis]
+    rows = np.empty((0, 1, k + 2)) if stress is None else stress.copy()
+    rows[:, :-1, k] /= (dt * dt)[: len(rows), np.newaxis]
     devices = coefficients(model, -np.inf, start)[cells.device]
-    loads = cells.pulse, cells.amplitude, cells.f0, cells.damping, width
-    trace_all(*empty_lanes(model), devices, dt, table(cells.pulses), loads, rows, kept)
+    pulses, loads = table(cells.pulses), (*cells[1:5], width)
+    trace_all(*empty_lanes(model), devices, dt, pulses, loads, rows, kept)
     return kept
 
 

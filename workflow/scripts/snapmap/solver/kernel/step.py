@@ -32,7 +32,7 @@ def advance(work, shape, shocks, first, steps):
     for step in range(first, first + steps):
         if stopped and crossed(work):
             meet_stops(work)
-        read_shock(X, shocks, step)
+        take(X, shocks, step)
         for l in range(LANES):
             touch(X, l, release_all(X, V, modes, l, 0, modes, (0.0, 0.0, 0.0, 0.0, 0.0)))
         switch_contacts(X)
@@ -41,27 +41,24 @@ def advance(work, shape, shocks, first, steps):
 
 
 @inlined
-def read_shock(X, shocks, step):
-    """Set a of this step of every lane: apart, so that the compiler keeps lanes side by side."""
+def take(X, shocks, step):
+    """a of this step of every lane; apart, as only so the compiler keeps lanes side by side."""
     for l in range(LANES):
         X[R.A, l] = shocks[step * LANES + l]
 
 
-def in_parts(loop, parts):
-    """Cut a loop over modes into parts, a power of two, that run one after another.
+def halved(loop):
+    """Cut a loop over modes in two.
 
     LLVM unrolls a short loop and gives up on a longer one, and only what is unrolled vectorises
     over lanes; else a step takes twice the time. More cuts than that takes cost compiling.
     """
-    if parts == 1:
-        return loop
-    half = in_parts(loop, parts // 2)
 
     @inlined
     def both(X, V, modes, l, first, last, sums):
         middle = (first + last) // 2
-        sums = half(X, V, modes, l, first, middle, sums)
-        return half(X, V, modes, l, middle, last, sums)
+        sums = loop(X, V, modes, l, first, middle, sums)
+        return loop(X, V, modes, l, middle, last, sums)
 
     return both
 
@@ -87,7 +84,7 @@ def release_modes(X, V, modes, l, first, last, sums):
     return uu, eu, ep, ef, ud
 
 
-release_all = in_parts(release_modes, 8)
+release_all = halved(halved(halved(release_modes)))
 
 
 @inlined
@@ -176,7 +173,7 @@ def press_modes(X, V, modes, l, first, last, sums):
     return pull, kick, swept, squared
 
 
-press_all = in_parts(press_modes, 32)
+press_all = halved(halved(halved(halved(halved(press_modes)))))
 
 
 @inlined
@@ -196,7 +193,7 @@ def press(X, V, modes, l, pull):
 
 @compiled
 def has_stops(work):
-    """Whether the mass of any lane has a stop; an empty lane has zeros there."""
+    """Whether the mass of any lane has one; an empty lane has zeros there."""
     X, any_lane = numbers(work), False
     for l in range(LANES):
         any_lane |= 0.0 < X[R.STOP_TOWARD, l] < np.inf
@@ -260,7 +257,7 @@ def strike(X, l, stop):
 
 @inlined
 def stored(X, l, begin, end):
-    """Give what spring and contact store as the mass goes from `begin` to `end` in a half step."""
+    """What spring and contact take up as the mass goes from `begin` to `end` in a half step."""
     middle = X[R.Y, l] - X[R.DY, l] / 2
     before = max(0.0, X[R.OVERLAP, l] - (begin - middle))
     after = max(0.0, X[R.OVERLAP, l] - (end - middle))

@@ -39,7 +39,7 @@ class Bins(NamedTuple):
 def trace_all(work, shape, devices, dt, pulses, cells, stress, kept):
     """Follow up to LANES cells as `follow_all` does, bit for bit, and keep their motion in bins.
 
-    The motion is that half way between two instants, where energies are known.
+    Half way between two instants, where energies are known.
 
     work: zeros; devices: each cell's row of coefficients, with target -inf, so that row W is never
         latched; dt: each cell's, us; pulses: as in `Task`
@@ -135,7 +135,7 @@ def begin_bin(X, V, modes, l, bins, dt, y):
 
 @inlined
 def widen(X, V, modes, low, high):
-    """Widen the range of each lane's bin to hold its w."""
+    """Take w of every lane into the range of its bin."""
     for l in range(LANES):
         w = seen_midpoint(X, V, modes, l)
         low[l] = w if w < low[l] else low[l]
@@ -144,13 +144,13 @@ def widen(X, V, modes, low, high):
 
 @inlined
 def seen_midpoint(X, V, modes, l):
-    """Give w(L/2) from rest of lane l half way through the step, um."""
+    """w(L/2) from rest of lane l half way through the step, um."""
     return half_step_midpoint(V, modes, l) - X[R.RESIDUAL, l] * pressed(X, l)
 
 
 @inlined
 def largest_stress(X, V, modes, l, rows):
-    """Find the largest tensile stress of lane l half way through the step, MPa.
+    """The largest tensile stress of lane l half way through the step, MPa.
 
     rows: bending at each place, per coordinate, per contact force and at rest; and axial, per
     stretch and at rest
@@ -169,7 +169,7 @@ def largest_stress(X, V, modes, l, rows):
 
 @inlined
 def pressed(X, l):
-    """Give the contact force at the last half step, times dt^2."""
+    """The contact force at the last half step, times dt^2."""
     overlap = X[R.OVERLAP, l]
     return X[R.CONTACT, l] * (overlap if overlap > 0.0 else 0.0)
 
