@@ -9,7 +9,7 @@ from ..beam.basis import PLACES
 from ..beam.modal import contact_stiffness
 from ..beam.stress import stress_of
 from ..pulse.pulse import table
-from .cells import Form, Motion
+from .cells import Form, Motion, no_observations
 from .kernel import rows as R
 from .kernel.lanes import Facts, Task, follow_all, load
 from .kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
@@ -27,16 +27,8 @@ def march(model, cells, dt, settings):
 
     model: a `Model`; cells: `Cells`, each column (cells,); dt: us, (cells,); settings: `Settings`
     """
-    size = cells.f0.size
-    facts = Facts(
-        t_snap=np.empty(size),
-        t_settled=np.empty(size),
-        well=np.empty(size, np.int8),
-        energy_error=np.empty(size),
-        well_share=np.empty(size),
-        pulse_work=np.empty(size),
-        lowest=np.empty(size),
-    )
+    nothing = no_observations(cells.f0.shape)
+    facts = Facts(*(getattr(nothing, key) for key in Facts._fields))
     task = Task(
         devices=_coefficients(model, settings.start),
         pulses=table(cells.pulses),
