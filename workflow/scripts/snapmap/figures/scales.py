@@ -32,7 +32,7 @@ MANY = 8
 THIN, FROM = "\u2009", 10_000
 """The space between thousands, and the number from which on it is written."""
 SUBS, APART = ((1, 2, 3, 5), (1, 2, 5), (1, 3), (1,)), 1.1
-"""Digits that may be ticked in a decade, densest first, and the least room for a label, in labels."""
+"""Digits that may be ticked in a decade, densest first, and a label's least room."""
 SHORT = 0.5
 """Decades below which a logarithmic axis is ticked as a linear one."""
 
