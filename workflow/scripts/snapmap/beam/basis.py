@@ -24,13 +24,13 @@ class Basis:
     load: (n,), rho A w~, in rho A L
     midpoint: (n,), w~(L/2)
     start: (n,), the stress-free shape w0 of a cosine, in the rise
-    project: the a_n of shapes, (..., TERMS), to their starts, (..., n): see `shape`
+    project: the a_n of shapes, (..., TERMS) as in `device/shape.py`, -> their starts, (..., n)
     tilt: (n,), the first antisymmetric shape, its largest displacement 1; 0 of a guided beam
     curvature: (PLACES, n), w~'' there, in 1/L^2
     flexibility: axial force N (in EI/L^2) -> static deflection of the midpoint per force there
         (in L^3/EI)
     bent: likewise -> static w'' at the PLACES per force on the midpoint (in L/EI)
-    complete: whether these two are the n shapes' own; else they are the exact beam's
+    complete: whether flexibility and bent are those of the n shapes; else of the exact beam
     """
 
     mass: np.ndarray

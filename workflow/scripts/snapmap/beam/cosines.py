@@ -12,7 +12,7 @@ from ..numerics.portable import sine
 from .basis import PLACES, Basis, block_diagonal
 
 TERMS = 30
-"""Of the continued fraction of the tangent; ten give all digits up to the second buckling load."""
+"""Terms of the tangent's continued fraction; ten give all digits up to the second buckling load."""
 
 
 @cache
@@ -83,12 +83,12 @@ def antisymmetric_loads(number: int) -> np.ndarray:
 
 
 def _resized(a, size):
-    """The first `size` along the last axis, with zeros behind."""
+    """Cut the last axis to `size`, or fill it up with zeros."""
     return np.concatenate([a[..., :size], np.zeros((*a.shape[:-1], size))], axis=-1)[..., :size]
 
 
 def _midpoint_flexibility(axial_force):
-    """Clamped beam-column under a midpoint force: L^3/(192 EI) * 3 (tan u - u) / u^3.
+    """Give that of a clamped beam-column, in L^3/EI: 3 (tan u - u) / u^3 / 192.
 
     u = L/4 sqrt(N/EI), compression positive (Timoshenko & Gere, ch. 1); with Lambert's fraction
     tan u = u / (1 - u^2/f), the last factor is 3 / (f - u^2).
@@ -98,13 +98,13 @@ def _midpoint_flexibility(axial_force):
 
 
 def _bent(axial_force):
-    """Its w'' at the PLACES: L/(8 EI) tan u / u at the clamps, as much less than 0 at midspan."""
+    """Give its w'' at the PLACES, in L/EI: tan u / 8u at the clamps, -tan u / 8u at midspan."""
     square, fraction = _lambert(axial_force)
     return np.multiply.outer(fraction / (fraction - square) / 8, [1.0, 0.0, -1.0, 0.0, 1.0])
 
 
 def _lambert(axial_force):
-    """u^2 and f = 3 - u^2/(5 - u^2/(7 - ...))."""
+    """Give u^2 and f = 3 - u^2/(5 - u^2/(7 - ...)) of `_midpoint_flexibility`."""
     square = axial_force / 16
     fraction = 2.0 * TERMS + 1
     for odd in range(2 * TERMS - 1, 1, -2):

@@ -61,7 +61,7 @@ def hermite_elements(elements: int = 5, free: bool = False) -> Basis:
 
 
 def _integrals(order, h):
-    """Integrals over one element of the products of the N_i, each derived `order` times."""
+    """Integrate over an element the products of the N_i, each derived `order` times, (4, 4)."""
     c, sizes, scale = HERMITE, np.array([1.0, h, 1.0, h]), h
     for _ in range(order):
         c, scale = c[:, 1:] * np.arange(1, c.shape[1]), scale / (h * h)
@@ -81,7 +81,7 @@ def _assemble(elements, part, fixed):
 
 
 def _curvature(elements, fixed):
-    """w'' at the PLACES, the mean of both sides where it jumps, of the unknowns that are left."""
+    """Give w'' at the PLACES of the unknowns left, the mean of both sides where it jumps."""
     h, mirrored = 1 / (2 * elements), 1 if fixed == SYMMETRIC else -1
     begins, ends = np.array([[-6, -4 * h, 6, -2 * h], [6, 2 * h, -6, 4 * h]]) / (h * h)
     half = np.zeros((elements, 2, 2 * elements + 2))
@@ -95,7 +95,7 @@ def _curvature(elements, fixed):
 
 
 def _interpolate_start(elements):
-    """Nodal values and slopes of w0, eq. (1): hence exactly stress-free."""
+    """Give the nodal values and slopes of w0, eq. (1): hence exactly stress-free."""
     nodal = []
     for node in range(elements + 1):
         quarter, half = (sine(node / elements / parts) for parts in (4, 2))
@@ -104,7 +104,7 @@ def _interpolate_start(elements):
 
 
 def _projection(elements, geometric, free):
-    """Map the a_n of shapes to the coordinates nearest by the slopes, none antisymmetric."""
+    """Make `Basis.project`: least squares of the slopes, with none of the antisymmetric shapes."""
 
     @cache
     def cosines():
@@ -127,7 +127,7 @@ def _projection(elements, geometric, free):
 
 
 def _interpolate_tilt(elements):
-    """Nodal values and slopes of psi_1, its largest displacement 1; see `buckling_shapes`."""
+    """Give those of psi_1, its largest displacement 1; see `buckling_shapes`."""
     (mu,) = antisymmetric_loads(1)
     tangent = mu / 2
     nodal = []

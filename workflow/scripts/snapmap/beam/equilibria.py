@@ -18,9 +18,10 @@ from ..device.device import Beam, Device, Value
 from ..numerics.linalg import apply, dot, eigh
 from .basis import Basis
 from .cosines import buckling_shapes, symmetric_cosines
-from .modal import at_rest, buckling, first_midpoint, halfway, unit_beams, unit_form
+from .modal import buckling, column, halfway, unit_beams
 
 COSINES = 40
+"""Symmetric shapes in which equilibria are sought, and as many others of a free beam."""
 
 
 class BucklingModes(NamedTuple):
@@ -47,25 +48,24 @@ def buckling_modes(beam: Beam) -> BucklingModes:
 
     A batch is of guided beams or of free ones.
     """
-    basis, (beams, which) = shapes_of(beam), unit_beams(beam)
-    which = which if np.ndim(beam.rise) else which[0]
-    T, q = at_rest(basis, beams)
+    beams = unit_beams(basis := shapes_of(beam), beam)
+    T, q = beams.at_rest
     loads, shapes = buckling(basis)
-    start = apply(shapes.T, apply(basis.geometric, q))[which]
+    start = apply(shapes.T, apply(basis.geometric, q))[beams.index]
     load, midpoint = (apply(shapes.T, vector) for vector in (basis.load, basis.midpoint))
     middle = halfway(T)
     kept = np.sum(midpoint * midpoint / (loads - middle[:, np.newaxis]), axis=-1)
-    residual = np.maximum(0.0, basis.flexibility(middle) - kept)[which]
+    residual = np.maximum(0.0, basis.flexibility(middle) - kept)[beams.index]
 
-    def column(values, factor):
+    def scaled(values, factor):
         return (values * np.asarray(factor)[..., np.newaxis])[..., np.newaxis]
 
     root = np.sqrt(beam.span)
     return BucklingModes(
-        buckling=column(loads + T[which][..., np.newaxis], beam.stiffness_unit * beam.span),
-        start=column(start, beam.made_rise / root),
-        load=column(load, beam.weight * root),
-        midpoint=column(midpoint, root),
+        buckling=scaled(loads + T[beams.index][..., np.newaxis], beam.stiffness_unit * beam.span),
+        start=scaled(start, beam.made_rise / root),
+        load=scaled(load, beam.weight * root),
+        midpoint=scaled(midpoint, root),
         axial=beam.axial_stiffness,
         residual=residual / beam.stiffness_unit,
     )
@@ -131,15 +131,15 @@ def find_barrier(beam: Beam, basis: Basis, modes: int | None = None) -> Barrier:
     A model that has no stable second shape has a barrier of energy 0: one too coarse, close to
     Q = 4/sqrt(3), or a beam that is free to tilt out of it.
     """
-    modal, axial, which, p, p_second = _saddle_and_second(beam, basis, modes)
-    exists = np.isfinite(p).all(axis=-1)
-    energy = np.where(exists, _unit_energy(modal, axial, p), 0.0)[which]
-    midpoint = np.where(exists, dot(modal.midpoint, p), 0.0)[which]
-    first, second = first_midpoint(basis, beam), np.atleast_1d(beam.second_equilibrium)
-    rise = beam.made_rise
+    beams, rise = unit_beams(basis, beam), beam.made_rise
+    modal, saddle, second_rest = _saddle_and_second(beams, modes)
+    exists = np.isfinite(saddle).all(axis=-1)
+    energy = np.where(exists, _unit_energy(modal, beams.axial, saddle), 0.0)[beams.index]
+    midpoint = np.where(exists, dot(modal.midpoint, saddle), 0.0)[beams.index]
+    first, second = rise * beams.midpoint[beams.index], beam.second_equilibrium
     if basis.tilt.any():
-        stays = first + dot(modal.midpoint, p_second)[which] * rise
-        second = np.where(exists[which], stays, second)
+        stays = first + dot(modal.midpoint, second_rest)[beams.index] * rise
+        second = np.where(exists[beams.index], stays, second)
     unit = beam.stiffness_unit * rise * rise
     barrier = Barrier(energy=energy * unit, midpoint=midpoint * rise, second=second, first=first)
     return barrier if np.ndim(beam.rise) else Barrier(*(np.asarray(v).item() for v in barrier))
@@ -159,11 +159,13 @@ class Rest(NamedTuple):
 
 def second_shape(beam: Beam, basis: Basis, modes: int | None = None) -> Rest:
     """Find where a beam rests in its second shape, measured from the first; NaN if it has none."""
-    modal, axial, which, _, p = _saddle_and_second(beam, basis, modes)
-    rise = beam.made_rise
-    energy = _unit_energy(modal, axial, p)[which] * (beam.stiffness_unit * rise * rise)
-    p = p[which] * np.reshape(rise * np.sqrt(beam.weight), (-1, 1))
-    return Rest(p, energy) if np.ndim(beam.rise) else Rest(p[0], energy.item())
+    beams, rise = unit_beams(basis, beam), beam.made_rise
+    modal, _, p = _saddle_and_second(beams, modes)
+    energy = _unit_energy(modal, beams.axial, p)[beams.index]
+    return Rest(
+        modes=p[beams.index] * column(rise * np.sqrt(beam.weight), 1),
+        energy=energy * (beam.stiffness_unit * rise * rise),
+    )
 
 
 def require_rest(rest: Rest) -> None:
@@ -175,20 +177,19 @@ def require_rest(rest: Rest) -> None:
         )
 
 
-def _saddle_and_second(beam, basis, modes):
-    """Give the form of unit beams, their axial stiffness, the unit beam of each, both places."""
-    beams, which = unit_beams(beam)
-    axial = 6 * beams.Q * beams.Q
-    modal = unit_form(basis, modes, beams)
+def _saddle_and_second(beams, modes):
+    """Give the form of unit beams, and its modes p at the saddle and in the second shape."""
+    modal = beams.form(modes)
     stiffness = modal.stiffness[..., np.newaxis] * np.eye(modal.stiffness.shape[-1])
     loads, shapes = eigh(stiffness, modal.geometric)
     s = apply(shapes.swapaxes(-1, -2), modal.slope_start)
-    loads, s = (np.broadcast_to(part, (axial.size, part.shape[-1])) for part in (loads, s))
-    rest = equilibria(loads, s, axial, np.zeros(axial.size))
-    return modal, axial, which, *(apply(shapes, q - s) for q in (rest.saddle, s * rest.second))
+    loads, s = (np.broadcast_to(part, (beams.Q.size, part.shape[-1])) for part in (loads, s))
+    rest = equilibria(loads, s, beams.axial, np.zeros(beams.Q.size))
+    return modal, apply(shapes, rest.saddle - s), apply(shapes, s * rest.second - s)
 
 
 def _unit_energy(modal, axial, p):
+    """Energy of a form in modes p above that at rest, in EI rise^2/L^3."""
     slope = apply(modal.geometric, p) + modal.slope_start
     N = -axial * dot(p, slope + modal.slope_start)
     return dot(p, modal.stiffness * p) / 2 + N * N / (4 * axial)

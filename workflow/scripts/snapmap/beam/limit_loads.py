@@ -8,18 +8,21 @@ import numpy as np
 
 from ..device.device import Beam, Device, Value, batch
 from .equilibria import BucklingModes, alone, buckling_modes, displacement, push, roots, shapes_of
-from .modal import contact_stiffness, first_midpoint, pulse_load
+from .modal import column, contact_stiffness, first_midpoint, pulse_load
 
 POINTS = (100, *[12] * 9)
-"""Points of a search, and of each that follows between two points of the one before."""
+"""Points of a search, and of each that follows it between neighbours of the point it found."""
+PATH_END = 2.0
+"""The place on a path up to which it is followed: N has grown to its largest at 1, and fallen."""
 BLOCK = 16
 """Devices searched together: their data fit into a processor's cache."""
 
 
 class _Pushed(NamedTuple):
-    """Devices under a slow pulse: facts as columns, (devices, 1).
+    """Devices under a slow pulse, their values as columns, (devices, 1).
 
-    stop: how far the mass may travel towards the beam; travel: to the second shape, um
+    stiffness: of the contact; stop: how far the mass may travel towards the beam; travel: how far
+        the midpoint does to the second shape, um
     """
 
     modes: BucklingModes
@@ -50,23 +53,32 @@ def static_threshold(device: Device, back: bool = False) -> float | np.ndarray:
         return float(np.asarray(static_threshold(batch([device]), back))[0])
     N = np.empty(len(device))
     for free in np.unique(device.beam.free):
-        mine = np.flatnonzero(device.beam.free == free)
-        alike = device.pick(mine) if mine.size < N.size else device
-        modes, first = buckling_modes(alike.beam), first_midpoint(shapes_of(alike.beam), alike.beam)
-        modes = modes._replace(load=pulse_load(alike, modes.load, modes.midpoint))
-        stiffness = contact_stiffness(alike, modes.residual)
-        travel = first - alike.beam.second_equilibrium
-        columns = alike.mass, alike.spring, stiffness, alike.gap, alike.stop_toward, travel
-        facts = (np.broadcast_to(column, mine.size)[:, np.newaxis] for column in columns)
-        pushed = _Pushed(modes, *facts)
-        for block in np.split(np.arange(mine.size), range(BLOCK, mine.size, BLOCK)):
+        which = np.flatnonzero(device.beam.free == free)
+        pushed = _collect(device.pick(which) if which.size < N.size else device)
+        for block in np.split(np.arange(which.size), range(BLOCK, which.size, BLOCK)):
             part = pushed.take(block)
-            N[mine[block]] = _least_back(part.modes) if back else _least_without_rest(part)
+            N[which[block]] = _least_back(part.modes) if back else _least_without_rest(part)
     return N / device.gravity
 
 
+def _collect(device):
+    """Collect what a batch of guided devices, or of free ones, answers a slow pulse by."""
+    beam, modes = device.beam, buckling_modes(device.beam)
+    modes = modes._replace(load=pulse_load(device, modes.load, modes.midpoint))
+    travel = first_midpoint(shapes_of(beam), beam) - beam.second_equilibrium
+    return _Pushed(
+        modes=modes,
+        mass=column(device.mass, 1),
+        spring=column(device.spring, 1),
+        stiffness=column(contact_stiffness(device, modes.residual), 1),
+        gap=column(device.gap, 1),
+        stop=column(device.stop_toward, 1),
+        travel=column(travel, 1),
+    )
+
+
 def _least_without_rest(devices):
-    """Find that acceleration, um/us^2, (devices,)."""
+    """Find the least acceleration that leaves no equilibrium, um/us^2, (devices,)."""
     gap = devices.gap[:, 0]
     reaches, has_stop = gap < np.inf, devices.stop[:, 0] < np.inf
     ends = [
@@ -152,41 +164,46 @@ def _ends(devices, which, loaded, is_left):
 
 
 def _end_of(devices, loaded, is_left):
-    modes = devices.modes
-    largest = largest_force(modes, loaded, modes.buckling[:, 1, 0])
-    low, high = np.zeros(largest.shape), np.full(largest.shape, 2.0)
-    for points in POINTS:
-        places = np.linspace(low, high, points, axis=-1)
-        a, reached = _on_path(modes, loaded, largest, places)
+    def path(largest, places):
+        a, reached = _on_path(devices.modes, loaded, largest, places)
         leaves = is_left(devices, a, reached)[:, 1:]
         ends = (np.diff(a) < 0) | leaves | (reached[:, 1:] >= devices.travel)
-        first = np.argmax(ends, axis=-1)
-        low, high = _between(places, first)
-    return _at(a, first), _at(reached, first), _at(leaves, first)
+        return ends, a, reached, leaves
+
+    return _first_on_path(devices.modes, loaded, 0.0, PATH_END, path)
 
 
 def _least_back(modes):
     """Find the pull at the first minimum of a that is met from beyond the second shape."""
     loaded = partial(alone, modes)
-    largest = largest_force(modes, loaded, modes.buckling[..., 1, 0])
-    low, high = np.ones(largest.shape), np.full(largest.shape, 2.0)
-    for points in POINTS:
-        places = np.linspace(high, low, points, axis=-1)
+
+    def path(largest, places):
         a, _ = _on_path(modes, loaded, largest, places)
-        first = np.argmax(np.diff(a, append=np.inf) > 0, axis=-1)
-        high, low = _between(places, first)
-    return -_at(a, first)
+        return np.diff(a, append=np.inf) > 0, a
+
+    (a,) = _first_on_path(modes, loaded, PATH_END, 1.0, path)
+    return -a
+
+
+def _first_on_path(modes, loaded, begin, end, path):
+    """Zoom in on the first place from `begin` to `end` that is sought, and give what is there.
+
+    path: gives, for the largest N and for places, (..., points), whether each is sought, and values
+    """
+    largest = largest_force(modes, loaded, modes.buckling[..., 1, 0])
+    begin, end = np.full(largest.shape, begin), np.full(largest.shape, end)
+    for points in POINTS:
+        places = np.linspace(begin, end, points, axis=-1)
+        sought, *values = path(largest, places)
+        first = np.argmax(sought, axis=-1)
+        begin = _at(places, np.maximum(first - 1, 0))
+        end = _at(places, np.minimum(first + 1, points - 1))
+    return [_at(value, first) for value in values]
 
 
 def _at(values, index):
     """Pick one of the values, (..., n), by its index, (...)."""
     return np.take_along_axis(values, index[..., np.newaxis], -1)[..., 0]
-
-
-def _between(places, index):
-    """Give the neighbours of a place, by its index."""
-    last = places.shape[-1] - 1
-    return _at(places, np.maximum(index - 1, 0)), _at(places, np.minimum(index + 1, last))
 
 
 def _on_path(modes, loaded, largest, places):

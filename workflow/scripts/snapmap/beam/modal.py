@@ -6,8 +6,8 @@ the beam has the same form with bending + T geometric for its bending.
 """
 
 import math
-from dataclasses import replace
-from functools import cache
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -24,76 +24,112 @@ ELEMENTS = 10
 """Elements of the half beam for its natural frequency; they leave it 1e-4 too high."""
 
 
-class UnitBeams(NamedTuple):
-    """Beams whose span, rise, rho A and EI are 1; arrays (beams,).
+@dataclass(frozen=True, eq=False)
+class UnitBeams:
+    """The distinct beams of a batch, or of one, their span, rise, rho A and EI being 1.
 
-    Q: rise over thickness; compression: residual stress over that of buckling, compression
-    positive; imperfection: over the rise; a: of the shapes as made, (beams, TERMS), None if all
-    are cosines
+    Q: rise over thickness, (beams,)
+    compression: residual stress over that of buckling, compression positive, (beams,)
+    imperfection: over the rise, (beams,)
+    a: of the shapes as made, (beams, TERMS), None if all are cosines
+    index: among them of each beam of the batch, (devices,), or the only one's, a number
     """
 
+    basis: Basis
     Q: np.ndarray
     compression: np.ndarray
     imperfection: np.ndarray
-    a: np.ndarray | None = None
+    a: np.ndarray | None
+    index: np.ndarray
 
     @property
-    def as_made(self) -> bool:
+    def are_as_made(self) -> bool:
         """Whether all are cosines without stress and imperfection: one unit form serves them."""
         return self.a is None and not (self.compression.any() or self.imperfection.any())
 
-    def made(self, basis: Basis) -> np.ndarray:
+    @property
+    def axial(self) -> np.ndarray:
+        """EA/2L, in EI/L^3, (beams,)."""
+        return 6 * self.Q * self.Q
+
+    @cached_property
+    def made(self) -> np.ndarray:
         """Coordinates of the shapes as made, in the rise, (beams, n)."""
-        start = np.broadcast_to(basis.start, (self.Q.size, basis.start.size))
+        start = np.broadcast_to(self.basis.start, (self.Q.size, self.basis.start.size))
         if self.a is not None:
             cosine = (self.a[:, :1] == 1) & (self.a[:, 1:] == 0).all(axis=1, keepdims=True)
-            start = np.where(cosine, start, basis.project(self.a))
-        return start + self.imperfection[:, np.newaxis] * basis.tilt
+            start = np.where(cosine, start, self.basis.project(self.a))
+        return start + self.imperfection[:, np.newaxis] * self.basis.tilt
+
+    @cached_property
+    def at_rest(self) -> tuple[np.ndarray, np.ndarray]:
+        """Tension T, in EI/L^2, (beams,), and coordinates, in the rise, (beams, n)."""
+        stressed = self.compression != 0
+        T, q = np.zeros(stressed.size), self.made.copy()
+        if stressed.any():
+            loads, shapes = buckling(self.basis)
+            s = apply(shapes.T, apply(self.basis.geometric, self.made[stressed]))
+            residual = FIRST_LOAD * self.compression[stressed]
+            loads = np.broadcast_to(loads, s.shape)
+            rest = equilibria(loads, s, self.axial[stressed], residual)
+            T[stressed] = -rest.N_first
+            q[stressed] += apply(shapes, s * (rest.first - 1))
+        return T, q
+
+    @property
+    def midpoint(self) -> np.ndarray:
+        """w(L/2) of the beams at rest, in the rise, (beams,)."""
+        _, q = self.at_rest
+        shares = apply(q, self.basis.midpoint)
+        if self.a is not None:
+            shares += 1 - apply(self.made, self.basis.midpoint)
+        return np.where(self.compression == 0, 1.0, shares)
+
+    def form(self, modes: int | None) -> "ModalBeam":
+        """Reduce the beams to their lowest modes, in units in which EA/2L is 1, too.
+
+        One form serves all that are as made; else each has its own, along an axis in front.
+        """
+        basis, made = self.basis, unit_modes(self.basis, modes)
+        if self.are_as_made:
+            return made
+        T, q = self.at_rest
+        stiffness, shapes = eigh(basis.bending + column(T, 2) * basis.geometric, basis.mass)
+        stiffness, shapes = stiffness[:, :modes], shapes[..., :modes]
+        # What has no stress has the modes of all others that have none, to the last bit.
+        stiffness[T == 0], shapes[T == 0] = made.stiffness, made.shapes
+        return _form(basis, stiffness, shapes, q, T)
 
 
-def unit_beams(beam: Beam) -> tuple[UnitBeams, np.ndarray]:
-    """Give the distinct beams of a batch, or of one, and the index of each beam among them."""
+def unit_beams(basis: Basis, beam: Beam) -> UnitBeams:
+    """Collect the distinct beams of a batch, or of one, on a basis."""
     columns = [beam.bistability, beam.compression, np.divide(beam.imperfection, beam.made_rise)]
     if not beam.is_cosine.all():
         columns += np.moveaxis(beam.cosines, -1, 0).tolist()
     table = np.stack(np.broadcast_arrays(*map(np.atleast_1d, columns)))
-    values, which = np.unique(table, axis=1, return_inverse=True)
-    a = values[3:].T if len(values) > 3 else None
-    return UnitBeams(Q=values[0], compression=values[1], imperfection=values[2], a=a), which.ravel()
+    (Q, compression, imperfection, *a), index = np.unique(table, axis=1, return_inverse=True)
+    return UnitBeams(
+        basis=basis,
+        Q=Q,
+        compression=compression,
+        imperfection=imperfection,
+        a=np.transpose(a) if a else None,
+        index=index.ravel() if np.ndim(beam.rise) else index.ravel()[0],
+    )
 
 
-def at_rest(basis: Basis, beams: UnitBeams) -> tuple[np.ndarray, np.ndarray]:
-    """Tension T, in EI/L^2, (beams,), and coordinates, in the rise, (beams, n), of the beams."""
-    as_made = beams.made(basis)
-    stressed = beams.compression != 0
-    T, q = np.zeros(stressed.size), as_made.copy()
-    if stressed.any():
-        loads, shapes = buckling(basis)
-        s = apply(shapes.T, apply(basis.geometric, as_made[stressed]))
-        axial = 6 * beams.Q[stressed] * beams.Q[stressed]
-        residual = FIRST_LOAD * beams.compression[stressed]
-        rest = equilibria(np.broadcast_to(loads, s.shape), s, axial, residual)
-        T[stressed] = -rest.N_first
-        q[stressed] += apply(shapes, s * (rest.first - 1))
-    return T, q
-
-
-def first_midpoint(basis: Basis, beam: Beam) -> np.ndarray:
-    """w(L/2) of beams at rest in their first shape, um; (beams,)."""
-    beams, which = unit_beams(beam)
-    _, q = at_rest(basis, beams)
-    shares = apply(q, basis.midpoint)
-    if beams.a is not None:
-        shares += 1 - apply(beams.made(basis), basis.midpoint)
-    return beam.made_rise * np.where(beams.compression == 0, 1.0, shares)[which]
+def first_midpoint(basis: Basis, beam: Beam) -> Value:
+    """w(L/2) of a beam at rest in its first shape, um; of a batch, (devices,)."""
+    beams = unit_beams(basis, beam)
+    return beam.made_rise * beams.midpoint[beams.index]
 
 
 def settled(basis: Basis, beam: Beam) -> Basis:
     """Give the basis of one beam whose start is its shape at rest, and whose bending holds T."""
-    beams, _ = unit_beams(beam)
-    if beams.as_made:
+    beams = unit_beams(basis, beam)
+    if beams.are_as_made:
         return basis
-    (T,), (q,) = at_rest(basis, beams)
+    (T,), (q,) = beams.at_rest
     bending = basis.bending + T * basis.geometric
     return replace(basis, bending=bending, start=q, tilt=0 * basis.tilt)
 
@@ -134,11 +170,10 @@ class ModalBeam(NamedTuple):
 
 def reduce_to_modes(beam: Beam, basis: Basis, modes: int | None = None) -> ModalBeam:
     """Give a beam its lowest `modes` modes; None keeps all that the basis has."""
-    beams, which = unit_beams(beam)
-    unit = unit_form(basis, modes, beams)
-    if not beams.as_made:
-        which = which if np.ndim(beam.rise) else which[0]
-        unit = ModalBeam(*(np.asarray(part)[which] for part in unit))
+    beams = unit_beams(basis, beam)
+    unit = beams.form(modes)
+    if not beams.are_as_made:
+        unit = ModalBeam(*(np.asarray(part)[beams.index] for part in unit))
     root = np.sqrt(beam.weight)
     return ModalBeam(
         stiffness=column(beam.stiffness_unit / beam.weight, 1) * unit.stiffness,
@@ -152,22 +187,6 @@ def reduce_to_modes(beam: Beam, basis: Basis, modes: int | None = None) -> Modal
     )
 
 
-def unit_form(basis: Basis, modes: int | None, beams: UnitBeams) -> ModalBeam:
-    """The form of beams whose span, rise, rho A, EI and EA/2L are 1.
-
-    One for all as made; else each has its own, along an axis in front.
-    """
-    made = unit_modes(basis, modes)
-    if beams.as_made:
-        return made
-    T, q = at_rest(basis, beams)
-    stiffness, shapes = eigh(basis.bending + column(T, 2) * basis.geometric, basis.mass)
-    stiffness, shapes = stiffness[:, :modes], shapes[..., :modes]
-    # What has no stress has the modes of all others that have none, to the last bit.
-    stiffness[T == 0], shapes[T == 0] = made.stiffness, made.shapes
-    return _form(basis, stiffness, shapes, q, T)
-
-
 @cache
 def unit_modes(basis: Basis, modes: int | None = None) -> ModalBeam:
     """The form of all beams as made: K v = kappa M v is solved once."""
@@ -176,7 +195,10 @@ def unit_modes(basis: Basis, modes: int | None = None) -> ModalBeam:
 
 
 def _form(basis, stiffness, shapes, start, T):
-    """Give the form in modes; start: the shape at rest, in the rise; T: the tension there."""
+    """Give the form in modes, which is that of UnitBeams with EA/2L = 1.
+
+    start: coordinates of the shape at rest, in the rise; T: the tension there, in EI/L^2
+    """
     back = shapes.swapaxes(-1, -2)
     slopes = multiply(back, basis.geometric)
     geometric, midpoint = multiply(slopes, shapes), apply(back, basis.midpoint)

@@ -11,7 +11,7 @@ import numpy as np
 from ..device.device import Beam, Device, Value
 from ..numerics.linalg import apply, multiply, outer, solve
 from .basis import Basis
-from .modal import at_rest, halfway, unit_beams
+from .modal import halfway, unit_beams
 
 
 class Stress(NamedTuple):
@@ -53,8 +53,8 @@ def break_probability(device: Device, stress: np.ndarray) -> np.ndarray:
 
 def stress_of(beam: Beam, basis: Basis, shapes: np.ndarray) -> Stress:
     """Give the stress of one beam in modes of its basis: shapes, (n, k), as in `ModalBeam`."""
-    beams, _ = unit_beams(beam)
-    (T,), (q,) = at_rest(basis, beams)
+    beams = unit_beams(basis, beam)
+    ((T,), (q,)), (made,) = beams.at_rest, beams.made
     scaled, force = basis.scaled_to(beam), beam.stiffness_unit * beam.span
     per_curvature = beam.youngs_modulus * beam.thickness / 2
     N = halfway(T) * force
@@ -63,7 +63,7 @@ def stress_of(beam: Beam, basis: Basis, shapes: np.ndarray) -> Stress:
     kept = apply(shapes, solve(tangent, apply(back, scaled.midpoint)))
     return Stress(
         bending=per_curvature * multiply(scaled.curvature, shapes),
-        rest=per_curvature * apply(scaled.curvature, beam.made_rise * (q - beams.made(basis)[0])),
+        rest=per_curvature * apply(scaled.curvature, beam.made_rise * (q - made)),
         residual=per_curvature * (scaled.bent(N) - apply(scaled.curvature, kept)),
         tension=T * force / beam.area,
         area=beam.area,

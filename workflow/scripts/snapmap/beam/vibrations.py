@@ -30,5 +30,5 @@ def _frequency(omega):
 
 
 def _quality(omega, rate):
-    """Of a swing whose drag per mass is -rate v: a radian takes rate/omega of its energy."""
+    """Write the quality factor under a drag per mass of -rate v: omega/rate."""
     return f"{plain(omega / rate)}" if rate else "infinite"

@@ -19,14 +19,16 @@ import numpy as np
 
 from ..numerics.linalg import dot
 
-NEWTON_STEPS, BISECTIONS, FAR = 200, 60, 1e6
-"""Most steps to a root; steps to the lowest point of h; a load beyond all, over the first."""
+NEWTON_STEPS, BISECTIONS = 200, 60
+"""Most steps of Newton's method to a root, and steps of bisection to the lowest point of h."""
+FAR = 1e6
+"""Second load of a beam of a single mode, over the first: beyond all that it reaches."""
 
 
 class Equilibria(NamedTuple):
     """Equilibria of arches, by the growth N_j / (N_j - N) of each coordinate, (n, modes).
 
-    first, second: the two stable shapes, NaN of a second one that there is not
+    first, second: the two stable shapes; NaN where there is no second one
     saddle: coordinates of the lowest pass out of either, in those of s; NaN likewise
     N_first, N_second: axial force in the two shapes, (n,)
     """

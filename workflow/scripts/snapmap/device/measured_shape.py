@@ -16,7 +16,7 @@ COSINES = 5
 MOST = 20_000
 LEAST = 20
 PROFILE = 2_000_000, f"write at most {MOST} points"
-"""Bytes that such a file may have, and what to do about more."""
+"""Most bytes of such a file, and the remedy for more, as `read_named` takes both."""
 LENGTHS = {"um": 1.0, "µm": 1.0, "μm": 1.0, "nm": 1e-3, "mm": 1e3, "m": 1e6}
 FARTHEST = 0.1
 """Distance of the fit from the points, rms over the rise, beyond which it is no clamped beam."""
@@ -38,12 +38,12 @@ class Measured(NamedTuple):
 
     @property
     def rise(self) -> float:
-        """Of the midpoint over the clamps."""
+        """Height of the midpoint over the clamps."""
         return sum(self.cosines[::2])
 
     @property
     def words(self) -> str:
-        """One line on what was read."""
+        """A line on how well the cosines fit what was read."""
         return (
             f"{COSINES} cosines fit {self.points} points to {self.rms:.2g} um (rms), "
             f"{self.most:.2g} um at most; rise {self.rise:.4g} um, tilt {self.tilt:.2g} um"
@@ -74,7 +74,7 @@ def read_shape(path: str | Path) -> Measured:
 
 
 def _fit(x, w, length):
-    """By least squares: a line, the cosines and the first antisymmetric shape."""
+    """Fit by least squares a line, the cosines and the first antisymmetric shape, `psi_1`."""
     mu = 2 * math.pi * math.sqrt(TILT)
     half = sine(mu / (4 * math.pi))
     tilted = [sine(mu * s / (2 * math.pi)) / half - 2 * s for s in (x - 0.5).tolist()]

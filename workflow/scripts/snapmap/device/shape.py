@@ -19,7 +19,7 @@ BISTABILITY_LIMIT = 4 / math.sqrt(3)
 TILT = (8.986818915818128 / (2 * math.pi)) ** 2
 """Buckling load of the first antisymmetric shape over that of the first; tan(mu/2) = mu/2."""
 PANELS = 80
-"""On half the span, of Gauss's rule with the points and weights below."""
+"""Panels on half the span, each of Gauss's rule with the points and weights below."""
 _OUTER, _INNER = (math.sqrt(5 + side * 2 * math.sqrt(10 / 7)) / 3 for side in (1, -1))
 POINTS = np.array([-_OUTER, -_INNER, 0.0, _INNER, _OUTER])
 WEIGHTS = np.array([322 - 13 * math.sqrt(70), 322 + 13 * math.sqrt(70)])
@@ -38,7 +38,7 @@ def coefficients(cosines: Sequence[Value]) -> np.ndarray:
 
 
 def slope_products(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points and weights of a rule on elements between nodes, and phi_n' there.
+    """Give points and weights of Gauss's rule on elements between nodes, and phi_n' there.
 
     nodes: of half the span, (elements + 1,)
     Returns (elements, points), (elements, points) and (elements, points, TERMS).

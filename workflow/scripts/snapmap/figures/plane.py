@@ -20,7 +20,8 @@ ABSENT = {"hatch": "x" * 3, "edgecolor": "0.6"}
 ELSEWHERE = {"hatch": "/" * 7, "edgecolor": "0.1", "label": "ended elsewhere with another step"}
 ELSEWHERE_DARK = ELSEWHERE | {"edgecolor": "0.9"}
 BREAKS = {"hatch": "." * 5, "edgecolor": "#7a2d00", "label": "the beam breaks"}
-"""Hatches: no device; another step had it end elsewhere, on light and on dark; the beam breaks."""
+"""Hatches of cells without a device, of those that end elsewhere with another step, on light and on
+dark colours, and of those whose beam breaks."""
 LUMA, DARK = (0.299, 0.587, 0.114), 0.4
 """Shares of red, green and blue in how light a colour is, and below what a hatch is light."""
 RESOLVED, VECTORS = 700, 20_000
@@ -46,14 +47,14 @@ NAMED = 12
 
 
 def thin(cells: xr.Dataset, x: str, y: str) -> xr.Dataset:
-    """The cells in the order of their axes, at most RESOLVED along each: every nth one."""
+    """Sort cells along their axes, and of more than RESOLVED along one take every nth."""
     cells = cells.sortby([key for key in (x, y) if cells[key].dtype.kind in "fiu"])
     strides = {key: -(-cells.sizes[key] // RESOLVED) for key in (x, y)}
     return cells.isel({key: slice(None, None, stride) for key, stride in strides.items()})
 
 
 def parts(cells: xr.Dataset) -> Iterator[xr.Dataset]:
-    """All cells of a map, some rows at a time, as a map may be larger than memory."""
+    """Give all cells of a map, a few rows at a time, as a map may be larger than memory."""
     across, along = cells.outcome.dims
     rows = max(1, PART // cells.sizes[along])
     for first in range(0, cells.sizes[across], rows):
@@ -86,22 +87,25 @@ def fill_states(ax: Axes, codes: xr.DataArray, states: Sequence[State], x: Scale
                 ax.plot(x.places[i], y.places[j], linestyle="", **cross)
 
 
-def fill_field(ax: Axes, field: xr.DataArray, x: Scale, y: Scale, **look) -> QuadMesh:
-    """Fill each cell with the colour of its value; nothing where it is NaN."""
+def fill_field(ax: Axes, field: xr.DataArray, x: Scale, y: Scale, **colours) -> QuadMesh:
+    """Fill each cell with the colour of its value; nothing where it is NaN.
+
+    colours: cmap and norm, as `pcolormesh` takes them
+    """
     values = np.ma.masked_invalid(field.transpose(y.key, x.key).values)
     # No vectors: a viewer shows the paper between those that merely touch.
-    return ax.pcolormesh(x.edges, y.edges, values, rasterized=True, **look)
+    return ax.pcolormesh(x.edges, y.edges, values, rasterized=True, **colours)
 
 
-def hatch(ax: Axes, chosen: xr.DataArray, x: Scale, y: Scale, look: dict) -> None:
-    """Hatch the chosen cells, as one region that is drawn at one go."""
+def hatch(ax: Axes, chosen: xr.DataArray, x: Scale, y: Scale, pattern: dict) -> None:
+    """Hatch the chosen cells as a single region."""
     i, j = np.nonzero(chosen.transpose(x.key, y.key).values)
     left, right, foot, top = x.edges[i], x.edges[i + 1], y.edges[j], y.edges[j + 1]
     corners = [(left, foot), (right, foot), (right, top), (left, top)]
     if i.size:
         region = Path.make_compound_path_from_polys(np.moveaxis(corners, 2, 0))
         bare = {"facecolor": "none", "linewidth": 0, "rasterized": chosen.size > VECTORS}
-        ax.add_patch(PathPatch(region, **bare, **look))
+        ax.add_patch(PathPatch(region, **bare, **pattern))
 
 
 def is_dark(codes: xr.DataArray, states: Sequence[State]) -> xr.DataArray:
@@ -111,14 +115,14 @@ def is_dark(codes: xr.DataArray, states: Sequence[State]) -> xr.DataArray:
 
 
 def state_keys(panels: Iterable[xr.DataArray], states: Sequence[State]) -> Iterator[Patch]:
-    """A key of a legend for each state that some panels have, with the number of cells."""
+    """Make a key of a legend for each state that any panel has, with the number of cells."""
     values = (codes.values[codes.values >= 0] for codes in panels)
     counts = sum(np.bincount(codes, minlength=len(states)) for codes in values).tolist()
     for state, count in zip(states, counts, strict=True):
-        look = {"hatch": ABSENT["hatch"]} if state.name == "absent" else {}
+        pattern = {"hatch": ABSENT["hatch"]} if state.name == "absent" else {}
         words = f"{state.words} ({count} cell{'s' if count > 1 else ''})"
         if count:
-            yield Patch(facecolor=state.colour, edgecolor="black", label=words, **look)
+            yield Patch(facecolor=state.colour, edgecolor="black", label=words, **pattern)
 
 
 def colour_bar(ax: Axes, field: QuadMesh, label: str) -> Colorbar:
@@ -160,11 +164,12 @@ def draw_points(ax: Axes, x: str, points: Sequence[Point]) -> None:
     """
     freeze(ax)
     for point in points:
-        place, look = (_place(x, point.f0), point.N), {"markerfacecolor": TRIPPED[point.snapped]}
-        ax.plot(*place, label=POINT_WORDS[point.snapped], **look, **POINT)
+        place, face = (_place(x, point.f0), point.N), TRIPPED[point.snapped]
+        ax.plot(*place, label=POINT_WORDS[point.snapped], markerfacecolor=face, **POINT)
         if point.name and len(points) <= NAMED:
             ax.annotate(style.literal(point.name), place, **NAME)
 
 
 def _place(x, f0):
+    """Where a shock of f0 (Hz) stands on the axis x, which is f0 or the duration (ms)."""
     return f0 if x == "f0" else 1e3 / f0

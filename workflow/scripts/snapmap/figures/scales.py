@@ -24,15 +24,15 @@ WORDS = {
     for key, quantity in QUANTITIES.items()
     if axis_behind(key) in COORDINATES
 }
-"""What stands for each axis before a value, and the unit behind it."""
+"""Words before a value of each axis, and the unit behind it."""
 SEVERAL = 10
-"""Most values that are ticked one by one where they are no numbers."""
+"""Most values of an axis that are all ticked; of more every nth is."""
 MANY = 8
-"""Values from which on an axis ends at the first and last of them, not at the edges of cells."""
+"""Number of values from which on an axis ends at the first and last, not at the edges of cells."""
 THIN, FROM = "\u2009", 10_000
-"""Space between thousands, of numbers from here on."""
+"""The space between thousands, and the number from which on it is written."""
 SUBS, APART = ((1, 2, 3, 5), (1, 2, 5), (1, 3), (1,)), 1.1
-"""Digits that are ticked in a decade, the closest that stand so many labels apart."""
+"""Digits that may be ticked in a decade, densest first, and a label's least room."""
 SHORT = 0.5
 """Decades below which a logarithmic axis is ticked as a linear one."""
 

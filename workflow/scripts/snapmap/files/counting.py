@@ -13,11 +13,11 @@ def count(cells: int) -> None:
 
 
 @contextmanager
-def counting(what: str, **look) -> Iterator[None]:
+def counting(what: str, **options) -> Iterator[None]:
     """Show from the third second on how many cells have been followed.
 
-    On a terminal or in a notebook alone, and where tqdm is installed
-    look: of `tqdm`, if it is to be otherwise
+    Only a terminal or a notebook shows it, and only where tqdm is installed.
+    options: those of `tqdm`, in place of the usual ones
     """
     try:
         from tqdm.auto import tqdm  # imported late: a solver job does without
@@ -26,7 +26,7 @@ def counting(what: str, **look) -> Iterator[None]:
         return
 
     usual = {"unit": " cells", "delay": 2.0, "leave": False, "disable": None}
-    with tqdm(desc=what, **usual | look) as line:
+    with tqdm(desc=what, **usual | options) as line:
         _listeners.append(line.update)
         try:
             yield

@@ -8,7 +8,7 @@ from pathlib import Path
 from .atomic import replacing
 
 LIST = "made.txt"
-"""In the folder of results: under HEAD a path a line, as Snakemake has it."""
+"""Its name in the folder of results: under HEAD it holds a path a line, as Snakemake has it."""
 HEAD = "# What runs have made here: of this, and no more, goes what a config no longer asks for."
 SHOWN = 4
 """Most files that a line names."""
@@ -32,9 +32,10 @@ def remove_others(folder: str, kept: Collection[str]) -> list[str]:
     left = [name for name in others if os.path.lexists(name)]
     if listed - {*kept, *left}:
         _write(folder, (listed & {*kept}).union(left))
-    removed = [name for name in others if name not in left]
-    lines = {"removed, as the config no longer asks for them": removed}
-    lines |= {"of an older config, and cannot be removed": left}
+    lines = {
+        "removed, as the config no longer asks for them": sorted({*others} - {*left}),
+        "of an older config, and cannot be removed": left,
+    }
     return [f"{_names(files)}: {words}" for words, files in lines.items() if files]
 
 
@@ -60,5 +61,5 @@ def _is_below(folder, name):
 
 
 def _names(files):
-    others = f", {len(files) - SHOWN} others" if len(files) > SHOWN else ""
-    return ", ".join(files[:SHOWN]) + others
+    names = ", ".join(files[:SHOWN])
+    return f"{names}, {len(files) - SHOWN} others" if len(files) > SHOWN else names

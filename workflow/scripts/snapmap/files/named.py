@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 PLANNED = "SNAPMAP_PLANNED"
-"""The variable of the environment, which jobs inherit."""
+"""The variable of the environment by which jobs inherit the hashes of files."""
 EDITED = "was edited after the run was planned; run again"
 
 
@@ -32,7 +32,7 @@ def read_named(path: str | Path, most: int, remedy: str, sha256: str = "") -> by
     """Read a file; raises OSError, or ValueError without its name, for one that cannot be.
 
     most: bytes; remedy: what to do about more, such as "write at most 100 rows"
-    sha256: of what the run was planned with, hex digits; nothing where that is not known
+    sha256: of the content that the run was planned with, hex digits; empty for any
     """
     path = Path(path)
     size = path.stat().st_size
@@ -54,10 +54,10 @@ def sha256_of(path: str | Path, most: int, remedy: str) -> str:
 
 
 def hold_to_plan(files: Mapping[str, str], plans: bool) -> None:
-    """Hand the SHA-256 of files, by path, to jobs that plan again on other machines, or check it.
+    """Raise ValueError, one line, for a file that the run was planned with other content of.
 
-    plans: whether this process hands it on
-    Raises ValueError, one line, for a file that another process planned with other content.
+    files: SHA-256 by path
+    plans: whether this process plans the run, whose hashes its jobs then inherit
     """
     if plans:
         os.environ[PLANNED] = json.dumps(files)

@@ -10,33 +10,34 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..files.text import show
 from .named import naming, read_named
+from .text import show
 
 DECIMALS = "write decimals with a point, not a comma"
-"""What to do about a table of another country."""
+"""Remedy for a table of a country that writes decimals with a comma."""
 MOST_ROWS = 10_000
 ROWS = 2_000_000, f"write at most {MOST_ROWS} rows"
-"""Bytes that a table of shocks may have, and what to do about more."""
+"""Most bytes of a table of shocks, and the remedy for more, as `read_named` takes both."""
 SHOCKS = {
     "N": {"": 1.0, "g": 1.0},
     "f0": {"Hz": 1.0, "": 1.0, "kHz": 1e3},
     "duration": {"ms": 1e3, "us": 1.0, "s": 1e6},
 }
-"""Columns of numbers: factors to multiples of g, Hz and us by unit."""
+"""Columns of numbers, and by unit the factors to multiples of g, Hz and us."""
 ANSWERS = {
     **dict.fromkeys(("yes", "true", "1", 1), True),
     **dict.fromkeys(("no", "false", "0", 0), False),
 }
-"""What a shot did, also as a number."""
+"""Words and numbers that say whether a device tripped."""
 SHOTS = {"tripped": ANSWERS, **dict.fromkeys(("direction", "shape", "file"))}
+"""Columns of words in a table of shots, with their meanings; None where any word goes."""
 _UNIT = re.compile(r"[(\[]([^)\]]+)[)\]]")
 
 
 class Point(NamedTuple):
-    """A shock, and what the device did under it.
+    """A shock, and whether the device snapped under it.
 
-    N: multiples of g; f0: Hz; snapped: None where nobody said
+    N: multiples of g; f0: Hz; snapped: None where the table leaves it open
     """
 
     name: str
@@ -50,19 +51,20 @@ def read_points(path: str | Path, sha256: str = "") -> tuple[Point, ...]:
 
     The header names the columns: N; f0 (Hz) or duration (ms); and, if wanted, name and snapped
     (yes, no or nothing).
-    sha256: of the file as it was planned, hex digits; nothing where anything goes
+    sha256: of the file as the run was planned, hex digits; empty for any
     """
     numbers = SHOCKS | {"duration": SHOCKS["duration"] | {"": 1e3}}
     words = {"name": None, "snapped": ANSWERS | {"": None}}
     with naming(path):
-        table = read_table(read_named(path, *ROWS, sha256), numbers, words, above=0.0)
+        content = read_named(path, *ROWS, sha256)
+        table = read_table(content, numbers, words, above=0.0)
         if "N" not in table:
             raise ValueError("line 1: column N is missing")
         if ("f0" in table) == ("duration" in table):
             raise ValueError("line 1: write one of the columns f0 (Hz) and duration (ms)")
     f0 = table["f0"] if "f0" in table else 1e6 / table["duration"]
-    named, snapped = table.get("name", [""] * f0.size), table.get("snapped", [None] * f0.size)
-    return tuple(map(Point, named, table["N"].tolist(), f0.tolist(), snapped))
+    names, snapped = table.get("name", [""] * f0.size), table.get("snapped", [None] * f0.size)
+    return tuple(map(Point, names, table["N"].tolist(), f0.tolist(), snapped))
 
 
 def read_shots(path: str | Path, sha256: str = "") -> dict[str, np.ndarray]:
@@ -70,7 +72,7 @@ def read_shots(path: str | Path, sha256: str = "") -> dict[str, np.ndarray]:
 
     The header names the columns: N; f0 (Hz, kHz) or duration (us, ms, s); tripped (yes or no);
     and, if wanted, direction, shape and file. An empty number is NaN.
-    sha256: of the file as it was planned, hex digits; nothing where anything goes
+    sha256: of the file as the run was planned, hex digits; empty for any
     """
     with naming(path):
         content = read_named(path, *ROWS, sha256)
@@ -103,7 +105,7 @@ def shot_columns(shots: str | Path | Mapping[str, Sequence]) -> dict[str, np.nda
 
 
 def _entry(key, row, value):
-    """What stands in a row of a column of shots: whether it tripped, a number or NaN, or text."""
+    """Convert a value of a column of shots: whether it tripped, a number or NaN, or text."""
     is_empty = value is None or value == "" or value != value
     if key == "tripped":
         word = value.strip().lower() if isinstance(value, str) else value
@@ -121,11 +123,8 @@ def _entry(key, row, value):
     return number
 
 
-TRUTHS = {"True": True, "False": False}
-
-
 def read_verdicts(path: str | Path) -> list[dict]:
-    """Read the rows of requirements.csv: names stay text, were they 12 or nan.
+    """Read the rows of requirements.csv: names stay text, even such as 12 or nan.
 
     `must_snap` is True, False or `any`.
     """
@@ -133,7 +132,8 @@ def read_verdicts(path: str | Path) -> list[dict]:
 
     text = {"dtype": str, "keep_default_na": False}
     words = pandas.read_csv(path, usecols=["requirement", "device", "must_snap"], **text)
-    must_snap = words.must_snap.map(lambda word: TRUTHS.get(word, word))
+    truths = {"True": True, "False": False}
+    must_snap = words.must_snap.map(lambda word: truths.get(word, word))
     rows = pandas.read_csv(path).assign(**words.assign(must_snap=must_snap))
     return rows.to_dict("records")
 
@@ -162,12 +162,20 @@ def read_table(
     head = [word.strip().strip('"') for word in header.split(separator)]
     keys = _keys(head, numbers, words)
     scales = {key: _scale(word, key, numbers) for key, word in zip(keys, head, strict=True)}
-    reading = {"sep": separator, "names": keys, "header": 0, "nrows": most + 1}
-    reading |= {"skipinitialspace": True, "skip_blank_lines": False, "low_memory": False}
-    reading |= {"keep_default_na": False, "na_values": {key: [""] for key in numbers}}
-    reading |= {"dtype": dict.fromkeys(words, str)}
     try:
-        table = pandas.read_csv(io.BytesIO(content), **reading)
+        table = pandas.read_csv(
+            io.BytesIO(content),
+            sep=separator,
+            names=keys,
+            header=0,
+            nrows=most + 1,
+            skipinitialspace=True,
+            skip_blank_lines=False,
+            low_memory=False,
+            keep_default_na=False,
+            na_values={key: [""] for key in numbers},
+            dtype=dict.fromkeys(words, str),
+        )
     except pandas.errors.ParserError as error:
         raise ValueError(f"is no CSV of {len(keys)} columns ({error}); {DECIMALS}") from None
     if not isinstance(table.index, pandas.RangeIndex):  # made of what is beyond the header
@@ -196,7 +204,7 @@ def read_table(
 
 
 def _keys(head, numbers, words):
-    """The name of each column."""
+    """Name each column, by its head or, where there are no words, by its place."""
     known = ", ".join([*numbers, *words])
     if not words:
         if len(head) != len(numbers):
@@ -214,7 +222,7 @@ def _keys(head, numbers, words):
 
 
 def _scale(word, key, numbers):
-    """The factor of a column of numbers, by the unit in its header."""
+    """Give the factor of a column of numbers, by the unit in its header; 1 of one of words."""
     units, unit = numbers.get(key, {"": 1.0}), "".join(_UNIT.findall(word)[:1]).strip()
     if unit not in units:
         what = f"unit {unit!r} is unknown" if unit else "names no unit"

@@ -27,10 +27,11 @@ def show(value: object) -> str:
 
 
 NAME = "letters, digits, spaces, .,:()/%+-_, the first a letter or digit"
+"""What `is_name` takes, in words."""
 
 
 def is_name(text: str) -> bool:
-    """Whether it may stand in tables as it is: in CSV, in Markdown and on the page."""
+    """Whether a text may stand as it is in tables: in CSV, in Markdown and on the page."""
     return re.fullmatch(r"[^\W_][\w .,:()/%+-]*", text) is not None
 
 
@@ -38,22 +39,25 @@ DASH = "–"
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A Markdown table, all columns but the first aligned to the right; short rows are filled."""
+    """Write a Markdown table, its first column to the left, others to the right.
+
+    Short rows are filled up with dashes.
+    """
     rule = [":--"] + ["--:"] * (len(head) - 1)
     filled = [[*row, *[DASH] * (len(head) - len(row))] for row in rows]
     return "".join(f"| {' | '.join(cells)} |\n" for cells in (head, rule, *filled))
 
 
 def number(value: float) -> str:
-    """Three significant digits, thousands apart: 5 140, 0.61."""
+    """Write three significant digits, thousands apart: 5 140, 0.61."""
     return f"{float(f'{value:.3g}'):,}".removesuffix(".0").replace(",", " ")
 
 
 def rate(count: int, seconds: float) -> str:
-    """How many in a second."""
+    """Write how many there are in a second."""
     return number(count / seconds)
 
 
 def ratio(value: float) -> str:
-    """Times as much, or the inverse of it: 12.3, 1/420."""
+    """Write how many times as much it is, or by its inverse: 12.3, 1/420."""
     return number(value) if value >= 1 else f"1/{number(1 / value)}"

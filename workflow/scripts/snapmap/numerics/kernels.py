@@ -1,6 +1,7 @@
 """What kernels share: fused multiply-adds, a sine, the width of vectors; and how they are compiled.
 
-Each is the same on every machine, and no compiled kernel is of another source.
+All give the same bits on every machine. A kernel is kept on disk, in a folder named by a hash of
+its sources, so that an edit never meets an older kernel; and numba's files there are sealed.
 """
 
 import fcntl
@@ -71,15 +72,16 @@ def compiled(function: Callable) -> Callable:
     speed needs is written out: fused multiply-adds, and sums in an order that vectorises over
     lanes. numba reads where to keep it here, and no other package's functions are moved.
     """
-    users, room = config.CACHE_DIR, Path(function.__code__.co_filename).parent
-    own = users or AppDirs("snapmap", False).user_cache_dir
+    chosen_by_user = config.CACHE_DIR
+    cache_folder = chosen_by_user or AppDirs("snapmap", False).user_cache_dir
+    sources = _hash(Path(function.__code__.co_filename).parent)
+    config.CACHE_DIR = str(Path(cache_folder, f"kernels_{sources}"))
     # numba hands the options of an inlined caller down unless they are said.
     options = dict.fromkeys(INLINED, False)
-    config.CACHE_DIR = str(Path(own, f"kernels_{_hash(room)}"))
     try:
         return njit(nogil=True, cache=True, error_model="numpy", **options)(function)
     finally:
-        config.CACHE_DIR = users
+        config.CACHE_DIR = chosen_by_user
 
 
 def inlined(function: Callable) -> Callable:
@@ -91,24 +93,25 @@ def inlined(function: Callable) -> Callable:
 
 
 @cache
-def _hash(room):
-    """Of what kernels of a folder are compiled from: its modules and those of this one.
+def _hash(folder):
+    """Hash what the kernels of a folder are compiled from: its modules, and those of this folder.
 
     numba by itself sees an edit in the file of the function, and none in a file of what it calls.
     """
-    paths = sorted({*room.glob("*.py"), *Path(__file__).parent.glob("*.py")})
+    paths = sorted({*folder.glob("*.py"), *Path(__file__).parent.glob("*.py")})
     return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:12]
 
 
 SEAL = b"SHA-256 of all bytes before: "
-"""And the 32 bytes of it end a file of numba's cache: LLVM ends the process over a damaged one."""
-_save, _open = caching.IndexDataCacheFile.save, caching.IndexDataCacheFile._open_for_write
-_load = caching.IndexDataCacheFile._load_index, caching.IndexDataCacheFile._load_data
+"""With its 32 bytes it ends a file of numba's cache: LLVM ends the process over a damaged one."""
+_CacheFile = caching.IndexDataCacheFile
+_numba_save, _numba_open = _CacheFile.save, _CacheFile._open_for_write
+_numba_load_index, _numba_load_data = _CacheFile._load_index, _CacheFile._load_data
 
 
 @contextmanager
 def _open_sealed(file, path):
-    with _open(file, path) as part:
+    with _numba_open(file, path) as part:
         yield part
         part.flush()
         part.write(SEAL + hashlib.sha256(Path(part.name).read_bytes()).digest())
@@ -118,7 +121,7 @@ def _load_index(file):
     """Read which kernels are kept; none where that is damaged."""
     with suppress(Exception):  # a damaged pickle may raise any
         _require_whole(file._index_path)
-        return _load[0](file)
+        return _numba_load_index(file)
     return {}
 
 
@@ -126,7 +129,7 @@ def _load_data(file, name):
     """Read a kernel; raises OSError for one that is damaged: numba then compiles it anew."""
     try:
         _require_whole(file._data_path(name))
-        return _load[1](file, name)
+        return _numba_load_data(file, name)
     except Exception as fault:
         raise OSError(str(fault)) from fault
 
@@ -145,17 +148,16 @@ def _save_alone(file, key, data):
     with open(f"{file._index_path}.lock", "w") as lock:
         with suppress(OSError):  # some file systems of clusters have no locks
             fcntl.flock(lock, fcntl.LOCK_EX)
-        _save(file, key, data)
+        _numba_save(file, key, data)
 
 
-caching.IndexDataCacheFile.save = _save_alone
-caching.IndexDataCacheFile._open_for_write = _open_sealed
-caching.IndexDataCacheFile._load_index = _load_index
-caching.IndexDataCacheFile._load_data = _load_data
+# numba offers no other way in.
+_CacheFile.save, _CacheFile._open_for_write = _save_alone, _open_sealed
+_CacheFile._load_index, _CacheFile._load_data = _load_index, _load_data
 
 
 class Reporter(event.Listener):
-    """Reports once each size of kernel that is compiled: a user would else wait in silence."""
+    """Reports once that a kernel of some size is compiled: a user would else wait in silence."""
 
     depth, reported = 0, frozenset()
 
@@ -170,7 +172,7 @@ class Reporter(event.Listener):
             self.reported |= sizes
 
     def on_end(self, event: event.Event) -> None:
-        """Count its end."""
+        """Count the end of a compilation."""
         self.depth -= 1
 
 

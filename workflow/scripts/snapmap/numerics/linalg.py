@@ -10,9 +10,10 @@ from functools import cache
 import numpy as np
 
 SWEEPS = 60
-"""More than Jacobi's rotations ever need: they converge quadratically."""
+"""More rounds than Jacobi's rotations ever need: they converge quadratically."""
 NEGLIGIBLE = 1e-17
-TOGETHER = 512
+"""An element off the diagonal, over the root of both on it, that is not rotated away."""
+BLOCK = 512
 """Matrices at work at a time, as many as fit in the cache."""
 
 
@@ -47,32 +48,32 @@ def solve(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 def solve_all(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """x of a x = b for several right-hand sides, the columns of b, (..., n, m)."""
     n, m = b.shape[-2:]
-    many = np.broadcast_shapes(a.shape[:-2], b.shape[:-2])
-    both = [np.broadcast_to(part, (*many, *part.shape[-2:])) for part in (a, b)]
-    last = _matrices_last(np.concatenate(both, axis=-1))
-    x = np.empty((n, m, last.shape[-1]))
-    for block in _blocks(last):
-        x[..., block] = _eliminate(np.array(last[..., block], float), n)
-    return np.moveaxis(x, -1, 0).reshape(*many, n, m)
+    leading = np.broadcast_shapes(a.shape[:-2], b.shape[:-2])
+    sides = [np.broadcast_to(side, (*leading, *side.shape[-2:])) for side in (a, b)]
+    equations = _matrices_last(np.concatenate(sides, axis=-1))
+    x = np.empty((n, m, equations.shape[-1]))
+    for block in _blocks(equations):
+        x[..., block] = _eliminate(np.array(equations[..., block], float), n)
+    return np.moveaxis(x, -1, 0).reshape(*leading, n, m)
 
 
-def _blocks(last):
-    """Slices of so many matrices as are at work at a time."""
-    return (slice(i, i + TOGETHER) for i in range(0, last.shape[-1], TOGETHER))
+def _blocks(matrices):
+    """Slices along the last axis, of as many matrices as are at work at a time."""
+    return (slice(i, i + BLOCK) for i in range(0, matrices.shape[-1], BLOCK))
 
 
 def _matrices_last(a):
-    """The axes that count matrices as one, and last: numpy's loops run along it."""
+    """Put the axes that count matrices into one, the last: numpy's loops run along it."""
     return np.moveaxis(a.reshape(-1, *a.shape[-2:]), 0, -1)
 
 
 def _eliminate(rows, n):
     """Solutions, (n, m, matrices), of equations, (n, n + m, matrices), which are overwritten."""
-    every = np.arange(rows.shape[-1])
+    matrix = np.arange(rows.shape[-1])
     for k in range(n):
         pivot = k + np.abs(rows[k:, k]).argmax(axis=0)
-        chosen = rows[pivot, :, every].T
-        rows[pivot, :, every] = rows[k].T
+        chosen = rows[pivot, :, matrix].T
+        rows[pivot, :, matrix] = rows[k].T
         rows[k] = chosen
         factors = rows[k + 1 :, k] / chosen[k]
         rows[k + 1 :, k:] -= factors[:, np.newaxis] * chosen[k:]
@@ -109,35 +110,38 @@ def _cholesky(a):
     for k in range(a.shape[-1]):
         column = rest[..., k:, k] / np.sqrt(rest[..., k, k, np.newaxis])
         lower[..., k:, k] = column
-        rest[..., k:, k:] -= column[..., :, np.newaxis] * column[..., np.newaxis, :]
+        rest[..., k:, k:] -= outer(column, column)
     return lower
 
 
 def eigenvalues(a: np.ndarray) -> np.ndarray:
-    """Those of symmetric matrices, (..., n, n), ascending, (..., n)."""
+    """Eigenvalues of symmetric matrices, (..., n, n), ascending, (..., n)."""
     return np.sort(_rotate(a, keep_vectors=False)[0], axis=-1)
 
 
 def _rotate(a, keep_vectors=True):
     """Eigenvalues and eigenvectors, the columns, by Jacobi's rotations (Golub & Van Loan, 8.5)."""
-    *many, n, _ = a.shape
-    last = _matrices_last(np.asarray(a))
-    values, vectors = np.empty((n, last.shape[-1])), np.empty(last.shape)
-    for block in _blocks(last):
-        a = np.array(last[..., block], float)
+    *leading, n, _ = a.shape
+    matrices = _matrices_last(np.asarray(a))
+    values, vectors = np.empty((n, matrices.shape[-1])), np.empty(matrices.shape)
+    for block in _blocks(matrices):
+        a = np.array(matrices[..., block], float)
         rows = np.repeat(np.eye(n)[..., np.newaxis], a.shape[-1], axis=-1)
-        turned = (a, a.swapaxes(0, 1), *[rows] * keep_vectors)
+        turned = (a, a.swapaxes(0, 1), rows) if keep_vectors else (a, a.swapaxes(0, 1))
         for _ in range(SWEEPS):
             if not any([_rotate_pairs(a, turned, p, q) for p, q in _rounds(n)]):
                 break
         values[:, block], vectors[..., block] = np.diagonal(a).T, rows
-    values = values.T.reshape(*many, n)
-    return values, np.moveaxis(vectors, -1, 0).swapaxes(-1, -2).reshape(*many, n, n)
+    values = values.T.reshape(*leading, n)
+    return values, np.moveaxis(vectors, -1, 0).swapaxes(-1, -2).reshape(*leading, n, n)
 
 
 @cache
 def _rounds(n):
-    """All pairs p < q of n players, in rounds in which each plays at most once: index arrays."""
+    """All pairs p < q of n, in rounds in which each comes at most once, as index arrays.
+
+    By the round robin of a tournament: all but the first player move on a seat a round.
+    """
     players, rounds = list(range(n + n % 2)), []
     for _ in range(len(players) - 1):
         half = len(players) // 2
@@ -148,9 +152,9 @@ def _rounds(n):
 
 
 def _rotate_pairs(a, turned, p, q):
-    """Make all a_pq of a round zero, in place; whether any was not.
+    """Make all a_pq of a round zero, in place; returns whether any of them was not.
 
-    a: (n, n, matrices); turned: what has its rows turned, a and its transpose among them
+    a: (n, n, matrices); turned: arrays whose rows p and q are rotated: a, its transpose, vectors
     """
     a_pp, a_qq, a_pq = a[p, p], a[q, q], a[p, q]
     needed = np.abs(a_pq) > NEGLIGIBLE * np.sqrt(np.abs(a_pp)) * np.sqrt(np.abs(a_qq))

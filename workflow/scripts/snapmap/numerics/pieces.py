@@ -18,14 +18,14 @@ COLUMNS = 6
 
 @njit(inline="always")
 def form(start, slope, turns, lift, swing, s):
-    """A piece, s beyond its begin."""
+    """Evaluate a piece at s beyond its begin."""
     lifted, swung = 2 * sine(turns * s / 2) ** 2, sine(turns * s)
     return start + slope * s + lift * lifted + swing * swung
 
 
 @njit(inline="always")
 def increment(slope, turns, lift, swing, s, step):
-    """The piece at s less that at s - step, without cancellation."""
+    """Give the piece at s less the piece at s - step, without cancellation."""
     half = turns * step / 2
     twice, middle = 2 * sine(half), turns * s - half
     return slope * step + lift * (twice * sine(middle)) + swing * (twice * sine(middle + 0.25))
@@ -33,7 +33,7 @@ def increment(slope, turns, lift, swing, s, step):
 
 @compiled
 def value(pieces, k, x):
-    """Piece k at x."""
+    """Evaluate piece k at x."""
     start, slope, turns = pieces[k, VALUE], pieces[k, SLOPE], pieces[k, TURNS]
     s = x - pieces[k, BEGIN]
     if turns == 0.0:  # a record joins in every block, and the sines would take most of the time
@@ -43,7 +43,7 @@ def value(pieces, k, x):
 
 @compiled
 def at(pieces, k, end, x):
-    """Number of the piece that x is in, from k on, which does not begin beyond x, to before end."""
+    """Find the number of the piece that x is in, from k up to before `end`; k begins before x."""
     while k + 1 < end and pieces[k + 1, BEGIN] <= x:
         k += 1
     return k
@@ -51,7 +51,9 @@ def at(pieces, k, end, x):
 
 @compiled
 def sample(pieces, k, jumps, x, step):
-    """The curve at x, in piece k; at a jump its mean over a step: so its sum over steps is exact.
+    """Sample the curve at x, in piece k, in steps whose sum is exact where it jumps at its ends.
+
+    There a sample is the curve's mean over the step about it.
 
     jumps: what the curve begins and ends with
     """
@@ -67,6 +69,6 @@ def sample(pieces, k, jumps, x, step):
 
 @compiled
 def lasts(end, step):
-    """Number of steps, the one at 0 among them, until a curve that jumps at its end is over."""
+    """Count the steps, the one at 0 among them, until a curve that ends with `end` is over."""
     last = 1 / step
     return int(last + 0.5) + 1 if end != 0 else int(-(-last // 1))

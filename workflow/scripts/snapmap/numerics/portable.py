@@ -6,7 +6,7 @@ from math import copysign, factorial, pi
 import numpy as np
 
 SERIES = tuple((-1) ** n / factorial(2 * n + 1) for n in range(11, -1, -1))
-"""Of the sine, highest power first; up to a right angle the next term is below 1e-20."""
+"""Coefficients of the sine, highest power first; up to a right angle the next is below 1e-20."""
 _EXACT = Context(prec=40, traps=[])
 
 
@@ -48,5 +48,5 @@ def evenly(size: int, most: int) -> list[int]:
 
 
 def _rounded(values):
-    """To 14 digits, so that a finer range has the same values where it has them at all."""
+    """Round to 14 digits: so the values that a finer range shares with a coarser are the same."""
     return np.array([float(f"{value:.14g}") for value in values])

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 DEVIATIONS = 1.959963984540054
-"""Of a normal distribution, within which 95 % lie."""
+"""Standard deviations about the mean within which 95 % of a normal distribution lie."""
 
 
 def percents(*shares: float) -> str:
@@ -15,7 +15,10 @@ def percents(*shares: float) -> str:
 
 
 def scope(share) -> str:
-    """At which temperatures a yield, a DataArray, counts, and what it does not count, in words."""
+    """Say at which temperatures a yield counts, and what it leaves out, by its attributes.
+
+    share: a DataArray of yields, as in the dataset of tolerances
+    """
     words = {"temperatures": "at", "leaves_out": "without"}
     return "".join(
         f", {word} {share.attrs[key]}" for key, word in words.items() if key in share.attrs

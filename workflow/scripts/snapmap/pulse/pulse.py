@@ -12,17 +12,17 @@ VERSED_SINE = "versed sine"
 DIRECTIONS = {"+z": 1.0, "-z": -1.0}
 """The frame's acceleration at N above 0; along +z it presses the mass down on the beam."""
 NO_JUMP = 1e-12
-"""What a pulse begins or ends with, over its peak, is no jump up to here."""
+"""Value over the peak up to which the begin or end of a pulse is no jump."""
 AT_REST, BASELINE = 0.05, 0.005
-"""A recorded shock is over below this share of its peak, and its rest should be below that."""
+"""Shares of the peak below which a recorded shock is over, and its level at rest should lie."""
 NOISE = 0.01
 """Root mean square of a record's noise over its peak, from which on it is reported."""
 PULLED = 0.05
-"""A pulse of which no more than this share points back lets the mass stay on the beam."""
+"""Share of a pulse that points back up to which the mass stays on the beam."""
 COARSE = 8.0
-"""Fewer samples in a period of the device's make a record too coarse for it."""
+"""Samples in a period of the device below which a record is too coarse for it."""
 SHARES = ("rise", "fall")
-"""Of a trapezoid, over its duration."""
+"""What a trapezoid takes, as shares of its duration."""
 TENTH = 0.1
 """Rise and fall of a trapezoid over its duration, unless given."""
 
@@ -34,9 +34,9 @@ class Pulse:
     pieces: (pieces, 6), as in `numerics.pieces`
     duration: its own, us, of a recorded shock or a train; None where f0 alone tells it
     peak: its own, um/us^2, of a recorded shock in known units, else NaN
-    given: what a config says of it
+    given: the section `pulse` of a config that makes it
     notes: lines on what the user of a recorded shock should know
-    blows: x at which each blow of a train begins, ascending; none of other pulses
+    blows: x at which each blow of a train begins, ascending; other pulses have none
     swing: share of the duration that the shortest blow takes
     strongest: the blow of a train that changes the velocity most, alone, over the train's peak
     own_N: multiples of g at which a drop is that from its height
@@ -55,7 +55,7 @@ class Pulse:
 
     @cached_property
     def ends(self) -> tuple[float, float]:
-        """What it begins and ends with; 0 where it does not jump, as a train."""
+        """Values at its begin and end; 0 where it does not jump there, as a train never does."""
         if self.blows.size:
             return 0.0, 0.0
         begin, end = self.at(np.array([0.0, 1.0])).tolist()
@@ -90,7 +90,7 @@ class Pulse:
 
     @cached_property
     def gross_area(self) -> float:
-        """No less than the integral of what it is without its sign, over peak times duration."""
+        """Integral of its absolute value, or a little more, over peak times duration."""
         begin, value, slope, turns, _, _ = self.pieces.T
         length = np.diff(begin, append=1.0)
         straight = length * (abs(value) + abs(value + slope * length)) / 2
@@ -99,7 +99,7 @@ class Pulse:
 
     @property
     def _areas(self):
-        """Of each piece."""
+        """Integral of each piece over x."""
         begin, value, slope, turns, lift, swing = self.pieces.T
         length = np.diff(begin, append=1.0)
         straight = length * (value + lift + slope * length / 2)
@@ -110,7 +110,7 @@ class Pulse:
 
     @cached_property
     def variation(self) -> float:
-        """All ups and downs over the peak: no linear oscillator without damping answers by more."""
+        """All its ups and downs, over the peak: no undamped linear oscillator answers by more."""
         values = np.concatenate([[0.0], self.at(self._places), [0.0]])
         return float(np.sum(abs(np.diff(values))))
 
@@ -147,7 +147,7 @@ class Pulse:
 
     @property
     def _places(self):
-        """x at which it is looked at: the ends of all pieces, and places between."""
+        """Its x for extremes: the ends of all pieces, the tops of half turns, and 1001 others."""
         ends = np.append(self.pieces[:, 0], 1.0)
         tops = ((ends[1:] + ends[:-1]) / 2)[self.pieces[:, 3] > 0]
         return np.union1d(np.append(ends, tops), np.linspace(0.0, 1.0, 1001))
@@ -260,7 +260,11 @@ def make_pulse(shape: str = VERSED_SINE, **shares: float) -> Pulse:
 
 
 def table(pulses: Sequence[Pulse]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """What kernels take: all pieces, (pieces, 6), where each pulse's begin and end; and `ends`."""
+    """Collect pulses for kernels.
+
+    Returns all pieces, (pieces, 6); bounds, (pulses + 1,): those of pulse i are bounds[i] up to
+    before bounds[i + 1]; and the `ends`, (pulses, 2).
+    """
     bounds = np.cumsum([0, *(len(pulse.pieces) for pulse in pulses)])
     pieces = np.concatenate([pulse.pieces for pulse in pulses])
     return pieces, bounds, np.array([pulse.ends for pulse in pulses])

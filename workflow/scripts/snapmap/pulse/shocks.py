@@ -14,7 +14,7 @@ MAKERS = {"train": make_train, "drop": make_drop}
 SECTION = {"shape", *SHARES, *MAKERS, "direction"}
 """Keys of the section `pulse` of a config, but for a file."""
 UNITS = {"duration": "us", "wait": "us", "height": "um"}
-"""Of its values."""
+"""Units of values in that section; others are shares or have none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +30,7 @@ class Shocks:
 
     @property
     def shapes(self) -> dict[str, Pulse]:
-        """All by name."""
+        """All its pulses by name."""
         several = isinstance(self.pulse, Mapping)
         return dict(self.pulse) if several else {self.pulse.name: self.pulse}
 
@@ -48,7 +48,7 @@ class Shocks:
 
     @property
     def pulses(self) -> tuple[Pulse, ...]:
-        """One for each point of its axes, in order."""
+        """A pulse for each point of its axes, in order."""
         return tuple(
             pulse if DIRECTIONS[direction] > 0 else pulse.reversed()
             for pulse in self.shapes.values()
@@ -64,7 +64,7 @@ class Shocks:
         ]
 
     def part(self, names: Mapping[str, Sequence[str]]) -> "Shocks":
-        """Those of the given names on its axes."""
+        """Keep the points of these names on its axes."""
         shapes = {name: self.pulse[name] for name in names.get("shape", ())}
         return Shocks(shapes or self.pulse, tuple(names.get("direction", ())) or self.direction)
 
@@ -73,14 +73,14 @@ class Shocks:
         return Shocks(next(iter(self.shapes.values())), self.directions[0])
 
     def own_frequency(self) -> float:
-        """Hz, of recorded shocks that last equally long; else a ValueError, one line."""
+        """Give f0, Hz, of recorded shocks that last equally long; else ValueError, one line."""
         durations = {pulse.duration for pulse in self.shapes.values()}
         if durations == {None} or len(durations) > 1:
             raise ValueError("f0: missing; write frequencies (1/time), or duration")
         return 1e6 / durations.pop()
 
     def section(self) -> dict:
-        """The section `pulse` of a config, with units; empty for the handout's."""
+        """Write the section `pulse` of a config, with units; nothing for the handout's pulse."""
         several = isinstance(self.pulse, Mapping)
         section = {"shape": [*self.shapes]} if several else _written(self.pulse.given)
         section = {} if section == {"shape": VERSED_SINE} else section

@@ -19,10 +19,11 @@ MOST_BLOWS = 100_000
 
 
 class Part(NamedTuple):
-    """A blow, or what stands between two.
+    """A blow, or the wait or flight between two.
 
     pieces: as in `numerics.pieces`, over us from its begin; lasts: us
-    peak: 0 where it is no blow; area: us times what has a peak of 1; swing: its fastest, us
+    peak: 0 where it is no blow; area: integral over us, in units of N = 1
+    swing: duration of its fastest change, us
     """
 
     pieces: np.ndarray
@@ -41,21 +42,21 @@ def make_train(items: Sequence[Mapping]) -> Pulse:
     """
     if isinstance(items, str | Mapping) or not isinstance(items, Sequence):
         raise ValueError("pulse.train: is no list of blows, waits and repeats")
-    parts, taken = [], []
+    parts, section = [], []
     for place, item in enumerate(items):
         path, keys = f"pulse.train[{place}]", [*item] if isinstance(item, Mapping) else []
         if keys in (["wait"], ["repeat"]):
             item = take_pulse(path, item, keys)
         else:
             item = take_pulse(path, item, ("duration",), ("shape", "N", *SHARES))
-        taken.append(item)
+        section.append(item)
         if "repeat" not in item:
             parts.append(_flat(item["wait"], 0.0) if "wait" in item else _blow(**item))
         elif len(parts) * item["repeat"] > MOST_BLOWS:
             raise ValueError(f"{path}.repeat: makes more than {MOST_BLOWS} blows and waits")
         else:
             parts *= item["repeat"]
-    return _joined("train", parts, taken)
+    return _joined("train", parts, section)
 
 
 def make_drop(drop: Mapping) -> Pulse:
@@ -82,7 +83,7 @@ def make_drop(drop: Mapping) -> Pulse:
 
 
 def _blow(duration, shape=VERSED_SINE, N=1.0, **shares):
-    """A blow; where its shape ends with a jump, with the line that joins it to rest."""
+    """Make a blow; where its shape ends with a jump, a line joins it to rest."""
     pulse = make_pulse(shape, **shares)
     pieces = pulse.pieces * [duration, N, N / duration, 1 / duration, N, N]
     area, jump, join = N * pulse.area * duration, N * pulse.ends[1], JOIN * duration
@@ -94,12 +95,12 @@ def _blow(duration, shape=VERSED_SINE, N=1.0, **shares):
 
 
 def _flat(lasts, value):
-    """A value, over the peak, for so many us."""
+    """Make a part of one value, in units of N = 1, that lasts so many us."""
     return Part(np.array([[0.0, value, 0.0, 0.0, 0.0, 0.0]]), lasts)
 
 
 def _joined(name, parts, section, **others):
-    """A pulse of parts, one after another; the greatest peak is its own."""
+    """Make a pulse of parts, one after another, whose peak is the greatest of theirs."""
     begins = np.cumsum([0.0, *(part.lasts for part in parts)])
     blows = np.array([part.peak > 0 for part in parts], bool)
     if not blows.any():
@@ -122,7 +123,7 @@ def _joined(name, parts, section, **others):
 
 
 def _scaled(pieces, lasts, peak):
-    """Pieces over us as those of a pulse."""
+    """Scale pieces over us to those of a pulse, over x from 0 to 1 and of peak 1."""
     scaled = pieces * [1.0, 1 / peak, lasts / peak, lasts, 1 / peak, 1 / peak]
     scaled[:, 0] /= lasts
     return scaled

@@ -28,11 +28,13 @@ class Cells(NamedTuple):
 
     def take(self, which: np.ndarray) -> "Cells":
         """Pick cells by indices or a mask."""
-        return Cells._make([*(column[which] for column in self[:-1]), self.pulses])
+        *columns, pulses = self
+        return Cells(*(column[which] for column in columns), pulses=pulses)
 
     def flat(self) -> "Cells":
         """Give the same cells in one dimension."""
-        return Cells._make([*map(np.ravel, self[:-1]), self.pulses])
+        *columns, pulses = self
+        return Cells(*map(np.ravel, columns), pulses=pulses)
 
 
 class Rows(NamedTuple):
@@ -49,11 +51,12 @@ class Rows(NamedTuple):
 
     def take(self, which: np.ndarray | slice) -> "Rows":
         """Pick rows by indices, a mask or a slice."""
-        return Rows._make([*(column[which] for column in self[:-1]), self.pulses])
+        *columns, pulses = self
+        return Rows(*(column[which] for column in columns), pulses=pulses)
 
     def cells(self, devices: Device, N, horizon: float) -> Cells:
         """Give their cells, (rows, n), at multiples of g that broadcast so; as `to_cells`."""
-        device, f0, C, pulse = (column[:, np.newaxis] for column in self[:-1])
+        device, f0, C, pulse = (np.expand_dims(column, 1) for column in self[:-1])
         return to_cells(devices, device, N, f0, C, horizon, pulse, self.pulses)
 
 
@@ -73,8 +76,10 @@ class Observations(NamedTuple):
         model does not tell
     halvings: how often the model's step was halved for these observations
     level: of several that a model has, the one that decided the cell, 0 for the cheapest
-    agreed: 0 where two of them disagree on whether the cell snaps, 1 where they agree, 2 where
-        only one followed it
+    agreed: 0 where two levels disagree on whether the cell snaps, 1 where they agree, 2 where a
+        single one followed it
+
+    A run observes all but the last two, which a model of several levels adds.
     """
 
     t_snap: np.ndarray
@@ -89,7 +94,7 @@ class Observations(NamedTuple):
     agreed: np.ndarray | None = None
 
     def shaped(self, shape: tuple[int, ...]) -> "Observations":
-        """The same in another shape."""
+        """Give what runs observed in another shape."""
         return Observations(*(column.reshape(shape) for column in self[:8]))
 
     def replace(self, which: np.ndarray, others: "Observations") -> None:
@@ -100,8 +105,16 @@ class Observations(NamedTuple):
 
 def no_observations(shape: tuple[int, ...]) -> Observations:
     """Make room for observations of cells: nothing is observed yet, and no ledger closes."""
-    nothing = np.nan, np.nan, np.int8(0), np.inf, np.nan, np.nan, np.nan, np.int8(0)
-    return Observations(*(np.full(shape, value) for value in nothing))
+    return Observations(
+        t_snap=np.full(shape, np.nan),
+        t_settled=np.full(shape, np.nan),
+        well=np.zeros(shape, np.int8),
+        energy_error=np.full(shape, np.inf),
+        well_share=np.full(shape, np.nan),
+        pulse_work=np.full(shape, np.nan),
+        lowest=np.full(shape, np.nan),
+        halvings=np.zeros(shape, np.int8),
+    )
 
 
 def to_rows(device, f0, C, pulse=0, pulses=HANDOUT_PULSES) -> Rows:
@@ -133,7 +146,7 @@ def to_cells(
 class Motion(NamedTuple):
     """Samples over time of the beam's n coordinates u, the mass's displacement y, and the ledger.
 
-    At instants; the kernel's half way between two, where its energies are known.
+    The plain loop samples instants, the kernel half way between two, where its energies are known.
 
     time: us
     u, u_velocity: (samples, n); the others (samples,)

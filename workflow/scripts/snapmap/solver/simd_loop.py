@@ -9,7 +9,7 @@ from ..beam.basis import PLACES
 from ..beam.modal import contact_stiffness
 from ..beam.stress import stress_of
 from ..pulse.pulse import table
-from .cells import Form, Motion
+from .cells import Form, Motion, no_observations
 from .kernel import rows as R
 from .kernel.lanes import Facts, Task, follow_all, load
 from .kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
@@ -25,14 +25,19 @@ WINDOW = 64 * BLOCK
 def march(model, cells, dt, settings):
     """Follow cells, each with the device that it names; returns `Facts`.
 
-    model: a `Model`; cells: `Cells`, each column (cells,); dt: us, (cells,)
+    model: a `Model`; cells: `Cells`, each column (cells,); dt: us, (cells,); settings: `Settings`
     """
-    kinds = (np.int8 if key == "well" else float for key in Facts._fields)
-    facts = Facts(*(np.empty(cells.f0.size, kind) for kind in kinds))
+    nothing = no_observations(cells.f0.shape)
+    facts = Facts(*(getattr(nothing, key) for key in Facts._fields))
     task = Task(
-        _coefficients(model, settings.start),
-        table(cells.pulses),
-        *cells[:-1],
+        devices=_coefficients(model, settings.start),
+        pulses=table(cells.pulses),
+        device=cells.device,
+        pulse=cells.pulse,
+        amplitude=cells.amplitude,
+        f0=cells.f0,
+        damping=cells.damping,
+        t_end=cells.t_end,
         dt=dt,
         stop_at_snap=settings.until in ("snap", "edge", "pulse"),
         stop_after_pulse=settings.until == "pulse",
@@ -45,7 +50,7 @@ def march(model, cells, dt, settings):
 
 @lru_cache(maxsize=1)
 def _coefficients(model, start):
-    """Keep the coefficients of runs that may snap: one batch of devices is followed many times."""
+    """Keep the last coefficients of runs that may snap, as a batch is followed many times."""
     return coefficients(model, model.snap_target(start), start)
 
 
@@ -76,9 +81,8 @@ def midpoints(model, cells, dt, steps, start=FIRST):
     lanes, state, pulses = empty_lanes(model), no_pulse(), table(cells.pulses)
     rows = coefficients(model, -np.inf, start)
     for l in range(dt.size):
-        _, pulse, amplitude, f0, damping, _ = (column[l] for column in cells[:-1])
-        load(*lanes, l, rows[cells.device[l]], damping, amplitude, dt[l])
-        begin_pulse(lanes[0], l, state, pulses, pulse, f0 * dt[l])
+        load(*lanes, l, rows[cells.device[l]], cells.damping[l], cells.amplitude[l], dt[l])
+        begin_pulse(lanes[0], l, state, pulses, cells.pulse[l], cells.f0[l] * dt[l])
     for first in range(0, steps, WINDOW):
         w = np.empty((min(WINDOW, steps - first), R.LANES))
         keep_midpoints(*lanes, state, pulses, first, w)
@@ -161,13 +165,24 @@ def coefficients(model, target, start=FIRST):
     """
     device, modal, barrier = model.device, model.modal, model.barrier
     side, n, k = SIDE[start], len(device), model.modes
-    numbers = [
-        *(modal.axial, modal.residual, contact_stiffness(device, modal.residual), device.mass),
-        *(device.spring, target, barrier.energy, side * barrier.midpoint, device.gap),
-        *(device.beam.damping, device.stop_toward, device.stop_away, device.restitution, side),
-    ]
-    vectors = modal.stiffness, *modal[2:5]
-    columns = [np.broadcast_to(number, n)[:, np.newaxis] for number in numbers]
+    numbers = {
+        R.AXIAL: modal.axial,
+        R.RESIDUAL: modal.residual,
+        R.CONTACT: contact_stiffness(device, modal.residual),
+        R.M: device.mass,
+        R.K: device.spring,
+        R.TARGET: target,
+        R.BARRIER: barrier.energy,
+        R.SADDLE: side * barrier.midpoint,
+        R.Z0: device.gap,
+        R.ALPHA: device.beam.damping,
+        R.STOP_TOWARD: device.stop_toward,
+        R.STOP_AWAY: device.stop_away,
+        R.RESTITUTION: device.restitution,
+        R.SIDE: side,
+    }
+    vectors = modal.stiffness, modal.slope_start, modal.load, modal.midpoint  # KAPPA, SQ0, F, E
+    columns = [np.broadcast_to(numbers[row], n)[:, np.newaxis] for row in sorted(numbers)]
     columns += [np.reshape(vector, (n, k)) for vector in vectors]
     columns += [np.reshape(modal.geometric, (n, k * k)), np.reshape(model.rest(start), (n, k))]
     return np.concatenate(columns, axis=1)
@@ -182,7 +197,7 @@ def in_lanes(follow, lengths, threads):
 
 
 def empty_lanes(model):
-    """X and shape, as the kernels of a model take them."""
+    """Make the work array and the shape that the kernels of a model take, empty."""
     padded = np.zeros((R.VECTORS + (R.S + model.modes) * model.modes) * R.LANES + 8)
     # Wide vector loads are fastest from the start of a cache line.
     X = padded[(-padded.ctypes.data // 8) % 8 :][: padded.size - 8]

@@ -39,7 +39,7 @@ MOST_DEVICES = 100_000
 COORDINATES = {
     key: quantity.attributes for key, quantity in QUANTITIES.items() if quantity.long_name
 }
-"""The attributes of all that can be an axis."""
+"""CF attributes of each quantity that can be an axis, by name."""
 
 
 class Grid(NamedTuple):
@@ -76,58 +76,67 @@ def make_grid(
     skip: whether a point that has no second stable shape is left out instead
     """
     points = {key: np.atleast_1d(np.asarray(values, float)) for key, values in axes.items()}
-    if (points.get("N", np.zeros(1)) < 0).any():
-        raise ValueError(f"N: {points['N'].min():g} is below 0; direction -z pushes the other way")
-    named = device if isinstance(device, Mapping) else {}
-    for single in named.values() if named else [device]:
-        idle = [key for key in points if key in OF_MASS and np.all(single.is_alone)]
-        if idle:
-            raise ValueError(f"{idle[0]}: is of the mass, and there is none; leave it out")
-    if len({single.gravity for single in named.values()}) > 1:
-        raise ValueError("devices: gravity differs; write one, as N counts multiples of it")
-    varied = [key for key in points if key not in SHOCK_AXES]
-    shape = tuple(points[key].size for key in varied)
-    if named:
-        shape = (len(named), *shape)
+    by_name = device if isinstance(device, Mapping) else {}
+    nominal = list(by_name.values()) if by_name else [device]
+    _require_axes(points, nominal)
+    names = {DEVICE: np.array(list(by_name))} if by_name else {}
+    device_axes = names | {key: points[key] for key in points if key not in SHOCK_AXES}
+    shape = tuple(values.size for values in device_axes.values())
     if math.prod(shape) > MOST_DEVICES:
         size = f"{math.prod(shape):.3g} points of the device's axes"
         raise ValueError(f"{size}, more than {MOST_DEVICES}; write fewer")
     places = np.indices(shape).reshape(len(shape), math.prod(shape))
-    nominal = batch(list(named.values()) if named else [device])
-    nominal = nominal.pick(places[0] if named else np.zeros(places.shape[1], int))
-    columns = zip(varied, places[bool(named) :], strict=True)
-    values = {key: points[key][place] for key, place in columns}
-    stays = is_bistable(nominal, values, len(nominal)) if skip else np.ones(len(nominal), bool)
-    values = {key: column[stays] for key, column in values.items()}
-    names = {DEVICE: np.array(list(named))} if named else {}
-    at = {key: column[places[0][stays]] for key, column in names.items()} | values
-    # Where no point has a device, the nominal one says which models there are.
-    devices = _vary(nominal.pick(stays), values, at) if stays.any() else nominal.pick([0])
-    device_of = np.where(stays, np.cumsum(stays) - 1, -1).reshape(shape)
-    values = {key: points[key] for key in varied} | shocks.axes
-    values |= {key: points[key] for key in SHOCK_AXES if key in points}
-    return Grid(names | values, devices, device_of, shocks.pulses)
+    # Each point of the device's axes by its values there, and the device that it varies.
+    columns = zip(device_axes.items(), places, strict=True)
+    point = {key: values[place] for (key, values), place in columns}
+    devices = batch(nominal).pick(places[0] if by_name else np.zeros(places.shape[1], int))
+    varied = {key: column for key, column in point.items() if key != DEVICE}
+    exists = is_bistable(devices, varied, len(devices)) if skip else np.ones(len(devices), bool)
+    if exists.any():
+        point = {key: column[exists] for key, column in point.items()}
+        device = _vary(devices.pick(exists), point)
+    else:  # the first one, unvaried, says which models there are
+        device = devices.pick([0])
+    return Grid(
+        axes=device_axes | shocks.axes | {key: points[key] for key in SHOCK_AXES if key in points},
+        device=device,
+        device_of=np.where(exists, np.cumsum(exists) - 1, -1).reshape(shape),
+        pulses=shocks.pulses,
+    )
+
+
+def _require_axes(points, nominal):
+    """Raise ValueError for values of axes, or nominal devices, that no grid can have."""
+    if (points.get("N", np.zeros(1)) < 0).any():
+        raise ValueError(f"N: {points['N'].min():g} is below 0; direction -z pushes the other way")
+    for device in nominal:
+        idle = [key for key in points if key in OF_MASS and np.all(device.is_alone)]
+        if idle:
+            raise ValueError(f"{idle[0]}: is of the mass, and there is none; leave it out")
+    if len({device.gravity for device in nominal}) > 1:
+        raise ValueError("devices: gravity differs; write one, as N counts multiples of it")
 
 
 def rows_of(grid: Grid) -> Rows:
-    """All points but those along N; -1 for the device where there is none."""
+    """Give all points but those along N, as rows; their device is -1 where there is none."""
     C, f0 = grid.axes["C"], grid.axes["f0"]
     device, pulse = grid.device_of, np.arange(len(grid.pulses))
     device, pulse = np.expand_dims(device, (-3, -2, -1)), np.expand_dims(pulse, (-2, -1))
     return to_rows(device, f0, C[:, np.newaxis], pulse, grid.pulses)
 
 
-def _vary(nominal, values, at):
-    """Set the values; a ValueError names the first point that cannot be, `at` values of axes."""
+def _vary(devices, point):
+    """Set the values of points of axes, (devices,); a ValueError names the first that cannot be."""
+    values = {key: column for key, column in point.items() if key != DEVICE}
     try:
-        return nominal.vary(values)
+        return devices.vary(values)
     except ValueError:
-        for i in range(len(nominal) if at else 0):
+        for i in range(len(devices) if point else 0):
             try:
-                nominal.pick([i]).vary({key: column[[i]] for key, column in values.items()})
+                devices.pick([i]).vary({key: column[[i]] for key, column in values.items()})
             except ValueError as error:
-                point = point_text({key: column[i] for key, column in at.items()})
-                raise ValueError(f"{point}: {error}") from None
+                where = point_text({key: column[i] for key, column in point.items()})
+                raise ValueError(f"{where}: {error}") from None
         raise
 
 
@@ -142,14 +151,14 @@ def point_text(point: Mapping[str, float | str]) -> str:
 
 
 def axis_behind(name: str) -> str:
-    """The axis of a study that stands behind the name of a figure's axis."""
+    """Give the axis of a study that a figure's axis shows."""
     return "f0" if name == DURATION else name
 
 
-def shared_points(ours: Mapping[str, np.ndarray], theirs: Mapping) -> tuple[tuple, tuple]:
-    """Where equal values stand on two sets of axes: indices into ours and into theirs, by axis."""
+def shared_points(axes: Mapping[str, np.ndarray], others: Mapping) -> tuple[tuple, tuple]:
+    """Find the values that two sets of axes share: indices into either, an array for each axis."""
     pairs = [
-        np.intersect1d(ours[key], theirs[key], assume_unique=True, return_indices=True)[1:]
-        for key in ours
+        np.intersect1d(axes[key], others[key], assume_unique=True, return_indices=True)[1:]
+        for key in axes
     ]
     return tuple(zip(*pairs, strict=True))

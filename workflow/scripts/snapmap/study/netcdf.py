@@ -56,14 +56,14 @@ def check_alike(cube: xr.Dataset, other: xr.Dataset, path: str | Path) -> None:
 
     path: of the other product, whose axes hold more than the cube's, or fewer
     """
-    ours, theirs = (json.loads(product.attrs.get("config", "{}")) for product in (cube, other))
-    parts = [(ours.get(key), theirs.get(key)) for key in ("device", "devices", "pulse", "model")]
-    if theirs:
-        both = ours["sweep"].keys() & theirs["sweep"].keys()
-        parts += [(ours["sweep"][key], theirs["sweep"][key]) for key in both]
+    a, b = (json.loads(product.attrs.get("config", "{}")) for product in (cube, other))
+    sections = [(a.get(key), b.get(key)) for key in ("device", "devices", "pulse", "model")]
+    if b:
+        settings = a["sweep"].keys() & b["sweep"].keys()
+        sections += [(a["sweep"][key], b["sweep"][key]) for key in settings]
     axes = [(cube[key].values, other[key].values) for key in {*cube.dims} & {*other.dims}]
-    overlap = all(np.isin(a, b).all() or np.isin(b, a).all() for a, b in axes)
-    if not (theirs and overlap and all(a == b for a, b in parts)):
+    overlap = all(np.isin(u, v).all() or np.isin(v, u).all() for u, v in axes)
+    if not (b and overlap and all(u == v for u, v in sections)):
         raise ValueError(f"{path}: is of another study; remove it and run again")
 
 

@@ -23,12 +23,13 @@ SHARED_SECONDS = 0.2
 SLAB_CELLS = 400_000
 """At most in a slab, for its memory, but for a row that stays together."""
 MOST_CELLS, MOST_SINGLE = 10**10, 1000
-"""Grids beyond are taken for a slip; the latter have 1000 slabs at least."""
+"""Most cells of a grid, and most values of C, each of which makes a slab: more are a slip."""
 START_MB, CELL_MB = 1000, 5e-4
-"""Asked for a job's start and for each cell; seen: 700 MB, two Snakemakes among them, and 300 B."""
+"""Memory requested for a job's start and for each cell; 700 MB and 300 B were measured."""
 START_MINUTES, CAUTION = 2, 20
-"""Asked for a job's start, and times the expected time; seen: 15 s, and SEEN times."""
+"""Time requested for a job's start, and over the expected time; 15 s and SEEN were measured."""
 SEEN = 3, 9
+"""Measured time over the expected: from the first up to the second."""
 
 
 class Request(NamedTuple):

@@ -105,14 +105,14 @@ def recall(
     for other in sorted(path.parent.glob(f"{path.stem.split('_')[0]}_*.nc")):
         try:
             with open_slab(other) as file:
-                theirs = {key: np.asarray(file[key][:], axes[key].dtype) for key in axes}
-                place, place_there = (np.ix_(*s) for s in shared_points(axes, theirs))
-                other_N = same_N and not np.array_equal(axes["N"], theirs["N"])
+                in_file = {key: np.asarray(file[key][:], axes[key].dtype) for key in axes}
+                place, place_in_file = (np.ix_(*at) for at in shared_points(axes, in_file))
+                other_N = same_N and not np.array_equal(axes["N"], in_file["N"])
                 if file.code != code or other_N or not all(index.size for index in place):
                     continue
                 for key in set(file.variables) - set(file.dimensions):
                     empty = np.empty(known.shape, file[key].dtype)
-                    variables.setdefault(key, empty)[place] = file[key][:][place_there]
+                    variables.setdefault(key, empty)[place] = file[key][:][place_in_file]
                 known[place] = True
         except ValueError:
             continue  # a broken file: its cells are followed again, and rule collect names it

@@ -13,10 +13,10 @@ from matplotlib.patheffects import withTickedStroke
 from ...figures import plane, style
 from ...figures.curves import LOOKS
 from ...figures.scales import NONE, axis_label, number, place_text, tick
-from ...numerics.between import FAR, between, least_reserve, reserves_between
 from ...numerics.statistics import percents
 from ...study.axes import Units
 from ..requirements.figure import required_text
+from .between import FAR, between, least_reserve, reserves_between
 
 MEETING = {"color": "#a9cfe8", "linewidth": 0, "label": "all requirements are met"}
 FAILING = {"color": "#fdebdc", "linewidth": 0, "label": "a requirement fails"}

@@ -10,7 +10,6 @@ from ...beam.stress import break_probability
 from ...device.device import VALUES
 from ...device.quantities import QUANTITIES, plain
 from ...device.samples import Plan, Tolerances
-from ...numerics.between import FAR, between, least_reserve, reserves_between
 from ...numerics.statistics import wilson
 from ...solver.cells import to_rows
 from ...solver.motion import largest_stress
@@ -20,6 +19,7 @@ from ...study.variables import dress
 from ...thresholds.islands import NOTHING_SNAPS
 from ...thresholds.population import Batch, choose_levels
 from ...thresholds.surface import thresholds_of
+from .between import FAR, between, least_reserve, reserves_between
 
 DESIGN_AXES = *(key for key in VALUES if key != TEMPERATURE), "C"
 """Axes that a design chooses."""

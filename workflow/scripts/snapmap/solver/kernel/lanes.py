@@ -1,4 +1,4 @@
-"""Cells in lanes: one is loaded, looked at after each block, judged by its energies, makes room."""
+"""Cells in lanes: each is loaded, checked after each block by its energies, and makes room."""
 
 from typing import NamedTuple
 
@@ -13,15 +13,19 @@ from .step import advance
 MARGIN = 2.0
 """A proof must hold by this many times the largest residual of the energy ledger seen so far."""
 ROUNDING = 1e-12
-"""And by this share of the barrier: what rounding does to both, and more; docs/accuracy.md."""
+"""A proof must hold by this share of the barrier, too: more than rounding does to either."""
 EXACT = 2.0
-"""Radians a step up to which a mode swings by itself as it should; faster ones are too slow."""
+"""Radians a step up to which a mode by itself swings exactly; faster modes swing too slowly."""
 OPENED = 4.0
-"""A run is given up at the look at which its ledger misses by this many times the tolerance."""
+"""A run is given up at the check at which its ledger misses by this many times the tolerance."""
 
 
 class Facts(NamedTuple):
-    """What a run shows of each cell, as in `Observations`; (cells,), modified in place."""
+    """What a kernel observes of each cell, as in `Observations`; (cells,), modified in place.
+
+    These are not fields of `Observations`, as a kernel on disk is known by the sources of its
+    folder: a field that moved elsewhere would go unseen.
+    """
 
     t_snap: np.ndarray
     t_settled: np.ndarray
@@ -110,7 +114,7 @@ def load(work, shape, l, device, damping, amplitude, dt):
 
 @inlined
 def begin(X, V, modes, l):
-    """The rest of the state of lane l, whose modes are at rest at P."""
+    """Set the rest of the state of lane l, whose modes are at rest at P."""
     w = 0.0
     for i in range(modes):
         u = 2 * V[R.SQ0, i, l]
@@ -124,8 +128,8 @@ def begin(X, V, modes, l):
 
 
 @inlined
-def look(X, V, modes, l, cell, state, task):
-    """Whether the run in lane l is over, after a block; then its facts are written."""
+def check_lane(X, V, modes, l, cell, state, task):
+    """Whether the run in lane l is over, after a block; writes its facts if it is."""
     steps, dt = state.steps[l], task.dt[cell]
     if steps <= X[R.LAST_SWING, l]:
         X[R.SINCE, l], X[R.BEYOND_SINCE, l] = steps, X[R.BEYOND, l]
@@ -151,7 +155,7 @@ def look(X, V, modes, l, cell, state, task):
     if not ended and well == 0:
         return False
 
-    # Not above: a reference to each of the arrays takes 7 % of a run.
+    # Facts are not unpacked above: references to its arrays take 7 % of a run.
     facts, proven = task.facts, well != 0
     facts.energy_error[cell] = abs(residual) * scale
     facts.pulse_work[cell] = X[R.WORK, l] / (2 * dt**2) if steps >= state.lasts[l] else np.nan
@@ -172,7 +176,7 @@ def look(X, V, modes, l, cell, state, task):
 
 @inlined
 def half_step_midpoint(V, modes, l):
-    """e.p at the last half step."""
+    """Give e.p at the last half step."""
     w = 0.0
     for i in range(modes):
         d, p = V[R.D, i, l], V[R.P, i, l]
@@ -182,9 +186,9 @@ def half_step_midpoint(V, modes, l):
 
 @inlined
 def energies(X, V, modes, l):
-    """What `advance` conserves, of the beam, the mass and contact; and w.
+    """Give the energies of the beam, the mass and contact, whose sum `advance` conserves; and w.
 
-    At the last half step: products of two instants stand for squares.
+    They are those of the last half step: products of two instants stand for squares.
     """
     beam = X[R.AXIAL, l] * X[R.Q, l] ** 2 / 4
     for i in range(modes):
@@ -200,9 +204,9 @@ def energies(X, V, modes, l):
 
 @inlined
 def ledger(X, V, modes, l, drag):
-    """What `energies` returns, and energy + losses - work of the pulse - energy at the start.
+    """Give what `energies` does, and energy + losses - work of the pulse - energy at the start.
 
-    Up to the last half step; drag: C dt.
+    drag: C dt
     """
     beam, mass, contact, w = energies(X, V, modes, l)
     swept = drag * X[R.SWEPT, l] + X[R.ALPHA, l] * X[R.BEAM_SWEPT, l]
@@ -212,11 +216,13 @@ def ledger(X, V, modes, l, drag):
 
 @inlined
 def proven_well(X, l, kept, margin):
-    """The well that the beam can never leave without a shock, or 0 if that is open.
+    """Give the well that the beam can never leave without a shock, or 0 if that is open.
 
-    1 is the one in which it started, 2 the other. Energy only falls after the pulse. Either: all of
-    it is below the barrier. That below the saddle: the beam's alone is, and the mass on its spring
-    cannot swing as low as the beam can rise, the saddle.
+    1 is the well in which it started, 2 the other. Energy only falls after the pulse. A well is
+    closed if all energy is below the barrier; that of midpoints below the saddle, too, if the
+    beam's alone is and the mass on its spring cannot swing as low as the saddle.
+
+    kept: what `energies` gives; margin: by which a proof must hold
     """
     beam, mass, contact, w = kept
     barrier, side = X[R.BARRIER, l], X[R.SIDE, l]
@@ -261,7 +267,7 @@ def follow_all(work, shape, task):
             if cell_in[l] < 0:
                 continue
             state.steps[l] += BLOCK
-            if look(X, V, len(shape), l, cell_in[l], state, task):
+            if check_lane(X, V, len(shape), l, cell_in[l], state, task):
                 # An empty lane is at rest and without a shock.
                 work[l::LANES] = 0.0
                 cell_in[l], state.lasts[l] = -1, 0

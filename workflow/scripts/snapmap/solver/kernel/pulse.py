@@ -10,7 +10,7 @@ from . import rows as R
 from .rows import LANES, numbers
 
 BLOCK = 128
-"""Steps between two looks at the lanes; the pulse is set out for so many at a time."""
+"""Steps between two checks of the lanes; the pulse is set out for so many at a time."""
 
 
 class PulseState(NamedTuple):
@@ -28,7 +28,7 @@ class PulseState(NamedTuple):
 
 @compiled
 def no_pulse():
-    """Lanes without a pulse."""
+    """Make the state of lanes without a pulse."""
     pulse, piece, steps, lasts = np.zeros((4, LANES), np.int64)
     return PulseState(pulse, piece, steps, lasts)
 
@@ -44,7 +44,7 @@ def begin_pulse(work, l, state, pulses, pulse, x_step):
 
 @compiled
 def set_out(work, shocks, state, pulses):
-    """a dt^2 of every lane and each step of the next block, in rows as X has them."""
+    """Set a dt^2 of each step of the next block, (BLOCK LANES,), as X has the lanes of a row."""
     pieces, bounds, jumps = pulses
     X, joined = numbers(work), 0
     for l in range(LANES):
@@ -83,9 +83,9 @@ def set_out(work, shocks, state, pulses):
 
 @compiled
 def go_on(work, shocks):
-    """Follow each lane's piece through a block, from x = PULSE on.
+    """Follow each lane's piece through a block, from x = PULSE on, whatever comes behind it.
 
-    By the recurrence of a sine of phase p a step: v+ - 2 v + v- = 4 sin^2(p/2) (centre - v).
+    It takes the recurrence of a sine of phase p a step: v+ - 2 v + v- = 4 sin^2(p/2) (centre - v).
     """
     widen_vectors()
     X = numbers(work)

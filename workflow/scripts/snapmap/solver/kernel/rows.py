@@ -32,7 +32,7 @@ P, D, U, D_FREE, KAPPA, SQ0, F, E, S = range(9)
 
 @intrinsic
 def address(context, array, first):
-    """Where the number `first` of a flat array stands."""
+    """Give the address of a flat array's number `first`."""
 
     def build(context, builder, signature, arguments):
         data = context.make_array(signature.args[0])(context, builder, arguments[0]).data

@@ -1,11 +1,14 @@
-"""Fields over two axes between the points of these: straight along either."""
+"""Fields over two axes between the points of these: straight along either.
+
+A reserve is how far a requirement is met: threshold over required N, or its inverse.
+"""
 
 import numpy as np
 
 PARTS = 16
-"""Of each interval between two points."""
+"""Parts into which each interval between two points is cut."""
 FAR = 4.0
-"""Reserves beyond are taken for this one, or one over it."""
+"""Reserves above this, or below its inverse, are taken for it."""
 
 
 def between(values: np.ndarray, axes: int = 2) -> np.ndarray:
@@ -14,11 +17,11 @@ def between(values: np.ndarray, axes: int = 2) -> np.ndarray:
         last = values.shape[axis] - 1
         place = np.arange(PARTS * last + 1) / PARTS
         low = np.minimum(place.astype(int), last - 1)
-        here, there = (np.moveaxis(values, axis, -1)[..., at] for at in (low, low + 1))
+        begin, end = (np.moveaxis(values, axis, -1)[..., point] for point in (low, low + 1))
         share = place - low
         # A point itself is known whatever is beside it.
-        part = np.where(share == 1, there, here + share * (there - here))
-        values = np.moveaxis(np.where(share == 0, here, part), -1, axis)
+        part = np.where(share == 1, end, begin + share * (end - begin))
+        values = np.moveaxis(np.where(share == 0, begin, part), -1, axis)
     return values
 
 
