@@ -31,6 +31,7 @@ pytestmark = pytest.mark.usefixtures("paper")
     [
         ("f0", [100.0, 400.0, 6400.0], [50.0, 200.0, 1600.0, 25600.0]),
         ("N", [-1.0, 0.0, 3.0], [-1.5, -0.5, 1.5, 4.5]),
+        ("N", [10.0, 40.0, 160.0], [5.0, 20.0, 80.0, 320.0]),
         *(("N", [1500.0], [1350.0, 1650.0]), ("N", [0.0], [-0.5, 0.5])),
         ("f0", [1500.0], [1500 / 1.1, 1500 * 1.1]),
         ("device", ["a", "b"], [-0.5, 0.5, 1.5]),
@@ -50,6 +51,12 @@ def test_logarithmic_axes_have_ticks_enough_and_apart(ends, column):
     ticks = ticks[(ticks >= ends[0]) & (ticks <= ends[1])]
     across, _ = ax.transData.transform(np.stack([ticks, ticks], axis=1)).T
     assert ticks.size >= 3 and np.diff(across).min() > 20 / 72 * ax.figure.dpi
+
+
+def test_no_phrase_breaks_between_two_lines():
+    phrases = ["guided beam", "followed 1.5 ms", "model auto"]
+    text = style.fill(phrases, 28)
+    assert text == "guided beam,\nfollowed 1.5 ms, model auto"
 
 
 def test_figures_over_durations_are_those_over_frequencies():

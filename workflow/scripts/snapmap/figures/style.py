@@ -27,6 +27,8 @@ from ..solver.settings import FIRST
 
 COLUMN, PAGE = 56, 130
 """Signs in a line over one column, and over two."""
+HARD = "\u00a0"
+"""A space at which no line ends."""
 DPI = 300
 """Of PNG, and of what is too fine for vectors in PDF."""
 SHEET = Path(__file__).with_name("paper.mplstyle")
@@ -175,7 +177,13 @@ def case(attributes: Mapping[str, str], width: int = PAGE) -> str:
         time, _, unit = horizon.partition(" ")
         horizon = f"{plain(float(time) / 1e3)} ms" if unit == "us" else horizon
         words.append(f"followed {horizon}")
-    return textwrap.fill(", ".join(words), width)
+    return fill(words, width)
+
+
+def fill(phrases: Iterable[str], width: int, mark: str = ", ") -> str:
+    """Phrases with a mark between them, in lines of so many signs; a phrase stays in its line."""
+    kept = (phrase.replace(" ", HARD) for phrase in phrases)
+    return textwrap.fill(mark.join(kept), width).replace(HARD, " ")
 
 
 def literal(text: str) -> str:

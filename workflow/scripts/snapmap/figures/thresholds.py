@@ -12,7 +12,7 @@ DOUBTFUL = 0.01
 """Error bars above this share of the threshold are marked."""
 BOUND = {"color": "0.4", "linewidth": 0.6, "linestyle": ":", "zorder": 1.5}
 BOUND["label"] = "below it nothing snaps, by energy"
-STAYS = curves.STAYS | {"label": "above it every $N$ seen stays snapped"}
+STAYS = curves.STAYS | {"label": "latched at all tested $N$ above"}
 
 
 def draw_thresholds(ax: Axes, surface: xr.Dataset, x: str = "f0", lines: str = "C") -> Axes:
