@@ -22,6 +22,7 @@ def draw_thresholds(ax: Axes, surface: xr.Dataset, x: str = "f0", lines: str = "
     """
     surface = curves.some_lines(surface, x, lines)
     scales.study_axis(ax, scale := scales.scale_of(x, surface[x].values))
+    ax.set_xlim(scale.edges[[0, -1]])  # room for markers
     # As with a run-up, or where long pulses have no limit: some pulse snaps below it.
     if (surface.N_first.notnull() & ~(surface.N_first >= surface.N_static)).any():
         bound = np.unique(surface.N_bound.transpose(x, lines).values, axis=1)

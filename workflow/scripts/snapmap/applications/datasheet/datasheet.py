@@ -8,7 +8,7 @@ import xarray as xr
 
 from ...beam.limit_loads import reset_force
 from ...beam.modal import natural_frequency
-from ...device.quantities import QUANTITIES, plain
+from ...device.quantities import QUANTITIES, leaves, plain
 from ...files.text import DASH, table
 from ...numerics.statistics import percents, scope
 from ...solver.outcome import REPEATED_STEP
@@ -58,7 +58,7 @@ def datasheet(
         of_device = [row for row in verdicts if not several or row["device"] == name]
         batch = made.sel(device=name) if made is not None and several else made
         head = " of ".join(filter(None, ["# Data sheet", title, name if several else ""]))
-        facts = [*_device(study, device), *_written(written[name])]
+        facts = _device(study, device, written[name])
         sheets += [f"{head}\n", table(["device", "value"], facts)]
         at_rest = f"at rest at {plain(device.temperature)} degC, exact to the digits shown"
         sheets += [table([at_rest, "value"], _statics(device))]
@@ -82,20 +82,14 @@ def datasheet(
     return "\n".join(sheets)
 
 
-def _device(study, device):
-    """By what code and model it was computed, and its support."""
+def _device(study, device, written):
+    """By what code and model it was computed, its support, and the values of its config."""
     options = ", ".join(f"{key} {value}" for key, value in study.model.items() if key != "name")
     yield ["made by", f"snapmap {code_version()}"]
     yield ["model", " ".join(filter(None, [study.model["name"], options]))]
     yield ["support", "free to tilt" if device.beam.free else "guided: the beam cannot tilt"]
-
-
-def _written(section, name=""):
-    for key, value in section.items():
-        if isinstance(value, Mapping):
-            yield from _written(value, f"{name}{key}: ")
-        else:
-            yield [f"{name}{key}".replace("_", " "), str(value)]
+    for key, text in leaves(written):
+        yield [key.replace(".", ": ").replace("_", " "), text]
 
 
 def _statics(device):

@@ -60,7 +60,7 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
     looks = {kind: look for kind, look in VERDICTS.items() if kind in kinds}
     keys = [Line2D([], [], linestyle="", **look, label=kind) for kind, look in looks.items()]
     if len(groups) < len(verdicts):
-        keys.append(Line2D([], [], **OTHER, label="under another shock, at another temperature"))
+        keys.append(Line2D([], [], **OTHER, label="another shock or temperature"))
     style.legend(ax, [*keys, Patch(**MET, label="where the requirement is met")])
     return ax
 

@@ -108,6 +108,7 @@ def draw_probability(ax: Axes, found: xr.Dataset) -> Axes:
         return ax
     study_axis(ax, f0)
     set_scale(ax, "y", N, found.attrs)
+    ax.set(xlim=f0.edges[[0, -1]], ylim=N.edges[[0, -1]])  # room for markers
     ax.pcolormesh(f0.edges, N.edges, found.probability.transpose("N", "f0").values, **FIELD)
     for share, dashes in LINES.items():
         line = found.N_quantile.sel(quantile=share).values
@@ -127,6 +128,7 @@ def draw_sensitivity(ax: Axes, found: xr.Dataset) -> Axes:
     ax.set_title(place_text(found))
     f0 = scale_of("f0", found.f0.values)
     study_axis(ax, f0)
+    ax.set_xlim(f0.edges[[0, -1]])
     for i, value in enumerate(found.value.values.tolist()):
         index, (colour, marker) = found.sel(value=value), LOOKS[i % len(LOOKS)]
         total, first = (index.sensitivity.sel(order=order).values for order in ("total", "first"))
@@ -217,7 +219,7 @@ def draw_yield(ax: Axes, found: xr.Dataset) -> Axes:
     if counted := scope(found["yield"]).removeprefix(", "):
         label += f"; all together: {counted}"
     room = ROOM * (1 - bounds.min())
-    ax.set(xlim=(max(bounds.min() - room, 0), 1 + room), ylim=(rows[-1] + 0.5, -0.5))
+    ax.set(xlim=(bounds.min() - room, 1 + room), ylim=(rows[-1] + 0.5, -0.5))
     ax.set_xlabel(textwrap.fill(label, style.COLUMN * 2))
     ax.set_yticks(rows, [textwrap.fill(style.literal(name), NAME) for name in names])
     ax.tick_params(axis="y", which="minor", left=False)
