@@ -1,8 +1,10 @@
 """What figures show of their data: curves, limits, shares, forces; how they are saved."""
 
 import json
+import re
 import subprocess
 import sys
+import zlib
 
 import numpy as np
 import pytest
@@ -151,6 +153,10 @@ def test_a_saved_figure_has_fonts_and_facts_and_repeats_byte_for_byte(tmp_path):
     assert all(
         part in pdf for part in (b"/FontFile2", b"/Title (A title)", b"/Creator (0.1.0+abc)")
     )
+    streams = re.findall(rb"(?<=stream\n)x.*?(?=\nendstream)", pdf, re.S)
+    fonts = [data for data in map(zlib.decompress, streams) if data.startswith(b"\0\1\0\0")]
+    assert fonts and all(b"glyf" in font[:400] for font in fonts)
+    assert not any(name in font[:400] for font in fonts for name in (b"GPOS", b"GSUB", b"GDEF"))
     assert b"1.5 ms" in pdf and b"/Type3" not in pdf and b"Date" not in pdf
     with Image.open(tmp_path / "first.png") as image:
         assert image.size[0] == 2100

@@ -7,6 +7,7 @@ import socket
 import subprocess
 import time
 from contextlib import ExitStack, contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 
 import netCDF4
@@ -185,6 +186,15 @@ def test_a_slab_asks_for_more_the_more_there_is_to_do(monkeypatch):
     one, many, longer = request("100 Hz", 2), request("100 Hz", 200_000), request("10 Hz", 200_000)
     assert one.mem_mb < many.mem_mb == longer.mem_mb
     assert 1 <= one.runtime < many.runtime < longer.runtime
+
+
+@pytest.mark.skipif(find_spec("snakemake_executor_plugin_slurm"), reason="it is there")
+def test_the_profile_without_its_plugin_says_what_to_install(root, tmp_path):
+    command = ["snakemake", "--snakefile", root / "Snakefile", "--profile", root / "profiles/slurm"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    last = done.stderr.splitlines()[-1]
+    assert done.returncode == 1 and last.endswith("locks/requirements-slurm.lock")
+    assert len(done.stderr.splitlines()) == 2
 
 
 @pytest.mark.long
