@@ -120,7 +120,7 @@ onsuccess:
         # The last line is the summary; warnings were printed as they came.
         if summary := Path(log).read_text(encoding="utf-8").splitlines()[-1:]:
             print(*summary, file=sys.stderr)
-    if "draw_page" in logs:
+    if any("results/explore.html" in job.output for job in jobs.values()):
         print("results/explore.html: open it in a browser", file=sys.stderr)
 
 

@@ -20,7 +20,7 @@ from snapmap.files.made import HEAD, LIST
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
 from snapmap.workflow.products import choose_views
 
-DRAWING = {"draw_snaps", "draw_study", "draw_page", "draw_histories"}
+DRAWING = {"draw_study", "draw_page", "draw_histories"}
 RULES = {"simulate_slab", "collect", "find_threshold", "trace_cells"}
 RULES |= {"simulate_histories"} | DRAWING
 

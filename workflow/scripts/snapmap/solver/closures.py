@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ..numerics.linalg import dot
-from . import simd_loop
 from .cells import Cells, Observations
 from .models import Follows, Model, deciders
 from .outcome import REPEATED_STEP
@@ -77,6 +76,8 @@ def follow_closures(
 
 
 def _follow(model, cells, window, settings):
+    from . import simd_loop  # imported late: what draws a cube needs no kernel
+
     start, size = settings.start, len(model.device)
     at_start = np.broadcast_to(dot(model.modal.midpoint, model.rest(start)), size)[cells.device]
     dt = model.time_steps(cells, settings._replace(until="moved"))
