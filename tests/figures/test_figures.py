@@ -1,11 +1,13 @@
 """What figures show of their data: curves, limits, shares, forces; how they are saved."""
 
 import json
+import os
 import re
 import subprocess
 import sys
 import zlib
 
+import draw
 import numpy as np
 import pytest
 from matplotlib.collections import FillBetweenPolyCollection, LineCollection, QuadMesh
@@ -178,3 +180,24 @@ def test_thresholds_have_bars_gaps_and_islands():
     ends = [line[:, 1].tolist() for line in islands.get_segments() if len(line)]
     assert ends == [[2000.0, 2050.0], [2100.0, 2150.0]]
     assert bars.get_segments()[0].tolist() == [[100.0, 993.0], [100.0, 1007.0]]
+
+
+@pytest.mark.parametrize("processes", [1, 2])
+def test_tasks_side_by_side_are_all_done_and_a_fault_is_told(tmp_path, processes):
+    draw.side_by_side([(tmp_path / str(number)).touch for number in range(5)], processes)
+    assert len([*tmp_path.iterdir()]) == 5
+    with pytest.raises(FileNotFoundError):
+        draw.side_by_side([(tmp_path / "nowhere" / "file").touch], processes)
+
+
+NO_KERNELS = """
+import sys
+import draw
+
+assert "numba" not in sys.modules
+"""
+
+
+def test_what_draws_needs_no_kernel(root):
+    environment = os.environ | {"PYTHONPATH": str(root / "workflow" / "scripts")}
+    subprocess.run([sys.executable, "-c", NO_KERNELS], env=environment, check=True)
