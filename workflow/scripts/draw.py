@@ -6,6 +6,7 @@ import sys
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager, nullcontext
 from functools import partial
+from itertools import compress
 from multiprocessing import get_context
 
 import xarray as xr
@@ -36,22 +37,22 @@ def draw_study(
         check_alike(cube, thresholds, threshold_path)
         # Of what is drawn: a cube may be larger than memory.
         times = maps.snap_times(_along(cube, view) for view in views["times"])
+    cells, fields, both = (True, False), (False, True), (True, True)
+    curves, panels = views["curves"], views["together"]
     tasks = [
-        partial(attached()[name].draw, figures=figures, **paths)
-        for name, (figures, paths) in applications.items()
+        *(partial(_draw_panels, files, folder, panels, points, True) for _ in views["ends"][:1]),
+        *(partial(_draw_panels, files, folder, panels, points, False) for _ in panels[:1]),
+        *(partial(_draw_curve, files, folder, view) for view in curves),
     ]
-    single = [
-        *((_draw_time, view, times) for view in views["times"]),
-        *((_draw_snap, view, points) for view in views["snaps"]),
-        *((_draw_end, view, points) for view in views["ends"]),
-        *((_draw_field, view) for view in views["fields"]),
-        *((_draw_curve, view) for view in views["curves"]),
+    maps_of = [
+        *((view, cells, maps.draw_time_map, {"ends": times}) for view in views["times"]),
+        *((view, both, maps.draw_map, _shown(view, points)) for view in views["snaps"]),
+        *((view, cells, _draw_ends, _shown(view, points)) for view in views["ends"]),
+        *((view, fields, draw_threshold_map, {}) for view in views["fields"]),
     ]
-    if views["together"]:
-        single.insert(0, (_draw_together, views["together"], points))
-    if views["ends"]:
-        single.insert(0, (_draw_ends_together, views["together"], points))
-    tasks += [partial(_draw_of, files, folder, *task) for task in single]
+    tasks += [partial(_draw_map, files, folder, *each) for each in maps_of]
+    for name, (figures, paths) in applications.items():
+        tasks.append(partial(attached()[name].draw, figures=figures, **paths))
     side_by_side(tasks, threads)
 
 
@@ -84,59 +85,44 @@ def _opened(files, open_file=xr.open_dataset):
         yield cube, thresholds
 
 
-def _draw_of(files, folder, draw, *arguments):
-    with _opened(files) as (cube, thresholds):
-        draw(cube, thresholds, folder, *arguments)
-
-
-def _draw_snap(cube, thresholds, folder, view, points):
-    shown = {"required_shocks": view["required_shocks"], "own_points": points}
-    data = _along(cube, view), _along(thresholds, view)
-    _draw_map(maps.draw_map, view, folder, *data, **shown)
-
-
-def _draw_time(cube, _, folder, view, times):
-    _draw_map(maps.draw_time_map, view, folder, _along(cube, view), ends=times)
-
-
-def _draw_end(cube, _, folder, view, points):
-    shown = {"required_shocks": view["required_shocks"], "own_points": points}
-    _draw_map(maps.draw_map, view, folder, _along(cube, view), None, ends=True, **shown)
-
-
-def _draw_field(_, thresholds, folder, view):
-    _draw_map(draw_threshold_map, view, folder, _along(thresholds, view))
-
-
-def _draw_curve(_, thresholds, folder, view):
-    with style.saved(f"{folder}/{view['name']}", thresholds.attrs, 3.4) as figure:
-        draw_thresholds(figure.subplots(), _along(thresholds, view), view["x"], view["y"])
-
-
-def _draw_together(cube, thresholds, folder, views, points):
-    panels = [(_along(cube, view), _along(thresholds, view)) for view in views]
-    _draw_panels(panels, f"{folder}/snap_maps", views[0], points)
-
-
-def _draw_ends_together(cube, _, folder, views, points):
-    panels = [(_along(cube, view), None) for view in views]
-    _draw_panels(panels, f"{folder}/maps", views[0], points, ends=True)
-
-
 def _along(dataset, view):
     at = {key: place for key, place in view["at"].items() if key in dataset.dims}
     return scales.along(dataset.isel(at), view["x"], view["y"])
 
 
-def _draw_map(draw, view, folder, *data, **shown):
-    with style.saved(f"{folder}/{view['name']}", data[0].attrs, 3.6, columns=1) as figure:
-        draw(figure.subplots(), *data, view["x"], view["y"], **shown)
-        style.fit(figure, maps.RATIO)
+def _shown(view, points):
+    return {"required_shocks": view["required_shocks"], "own_points": points}
 
 
-def _draw_panels(panels, stem, view, points, **shown):
-    with style.saved(stem, panels[0][0].attrs, 9) as figure:
-        maps.draw_maps(figure, panels, view["x"], view["y"], points, **shown)
+def _draw_ends(ax, cells, x, y, **shown):
+    maps.draw_map(ax, cells, None, x, y, ends=True, **shown)
+
+
+def _draw_map(files, folder, view, which, draw, shown):
+    """Draw one map; which: whether of the cells, and of the thresholds."""
+    with _opened(files) as opened:
+        data = [_along(dataset, view) for dataset in compress(opened, which)]
+        with style.saved(f"{folder}/{view['name']}", data[0].attrs, 3.6, columns=1) as figure:
+            draw(figure.subplots(), *data, view["x"], view["y"], **shown)
+            style.fit(figure, maps.RATIO)
+
+
+def _draw_panels(files, folder, views, points, ends):
+    name, (x, y) = "maps" if ends else "snap_maps", (views[0]["x"], views[0]["y"])
+    with _opened(files) as (cube, thresholds):
+        panels = [
+            (_along(cube, view), None if ends else _along(thresholds, view)) for view in views
+        ]
+        with style.saved(f"{folder}/{name}", panels[0][0].attrs, 9) as figure:
+            maps.draw_maps(figure, panels, x, y, points, ends=ends)
+
+
+def _draw_curve(files, folder, view):
+    with (
+        _opened(files) as (_, thresholds),
+        style.saved(f"{folder}/{view['name']}", thresholds.attrs, 3.4) as figure,
+    ):
+        draw_thresholds(figure.subplots(), _along(thresholds, view), view["x"], view["y"])
 
 
 def function_of(rule):
