@@ -1,9 +1,13 @@
 """What figures show of their data: curves, limits, shares, forces; how they are saved."""
 
 import json
+import os
+import re
 import subprocess
 import sys
+import zlib
 
+import draw
 import numpy as np
 import pytest
 from matplotlib.collections import FillBetweenPolyCollection, LineCollection, QuadMesh
@@ -158,6 +162,10 @@ def test_a_saved_figure_has_fonts_and_facts_and_repeats_byte_for_byte(tmp_path):
     assert all(
         part in pdf for part in (b"/FontFile2", b"/Title (A title)", b"/Creator (0.1.0+abc)")
     )
+    streams = re.findall(rb"(?<=stream\n)x.*?(?=\nendstream)", pdf, re.S)
+    fonts = [data for data in map(zlib.decompress, streams) if data.startswith(b"\0\1\0\0")]
+    assert fonts and all(b"glyf" in font[:400] for font in fonts)
+    assert not any(name in font[:400] for font in fonts for name in (b"GPOS", b"GSUB", b"GDEF"))
     assert b"1.5 ms" in pdf and b"/Type3" not in pdf and b"Date" not in pdf
     with Image.open(tmp_path / "first.png") as image:
         assert image.size[0] == 2100
@@ -179,3 +187,24 @@ def test_thresholds_have_bars_gaps_and_islands():
     ends = [line[:, 1].tolist() for line in islands.get_segments() if len(line)]
     assert ends == [[2000.0, 2050.0], [2100.0, 2150.0]]
     assert bars.get_segments()[0].tolist() == [[100.0, 993.0], [100.0, 1007.0]]
+
+
+@pytest.mark.parametrize("processes", [1, 2])
+def test_tasks_side_by_side_are_all_done_and_a_fault_is_told(tmp_path, processes):
+    draw.side_by_side([(tmp_path / str(number)).touch for number in range(5)], processes)
+    assert len([*tmp_path.iterdir()]) == 5
+    with pytest.raises(FileNotFoundError):
+        draw.side_by_side([(tmp_path / "nowhere" / "file").touch], processes)
+
+
+NO_KERNELS = """
+import sys
+import draw
+
+assert "numba" not in sys.modules
+"""
+
+
+def test_what_draws_needs_no_kernel(root):
+    environment = os.environ | {"PYTHONPATH": str(root / "workflow" / "scripts")}
+    subprocess.run([sys.executable, "-c", NO_KERNELS], env=environment, check=True)

@@ -20,8 +20,8 @@ from snapmap.files.made import HEAD, LIST
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
 from snapmap.workflow.products import choose_views
 
-DRAWING = {"draw_snaps", "draw_study", "draw_page", "draw_histories"}
-RULES = {"simulate_slab", "collect", "find_threshold", "trace_cells"}
+DRAWING = {"draw_study", "draw_page", "draw_histories"}
+RULES = {"simulate_all", "find_threshold", "trace_cells"}
 RULES |= {"simulate_histories"} | DRAWING
 
 
@@ -81,7 +81,7 @@ def test_the_cube_is_what_python_gives(finished):
         assert json.loads(cube.config) == json.loads(direct.config) == document
         assert snapmap.__version__ in cube.code_version and "numba" in cube.packages
     logs = {path.stem: path.read_text() for path in (folder / "results" / "logs").iterdir()}
-    assert len(logs) >= len(RULES) and logs["collect"].strip() in output
+    assert len(logs) >= len(RULES) and logs["simulate_all"].splitlines()[-1] in output
 
 
 def test_the_thresholds_are_what_python_gives(finished):
@@ -147,7 +147,7 @@ def test_of_an_older_config_only_what_was_made_leaves(clone, finished, tmp_path)
         path.write_text("an old line")
     with open(results / LIST, "a") as file:
         file.write("".join(f"{name}\n" for name in old))
-    _, output = snakemake(clone, folder, config, "results/cube.nc", "--forcerun", "collect")
+    _, output = snakemake(clone, folder, config, "results/cube.nc", "--forcerun", "simulate_all")
     assert all((folder / name).exists() for name in old)
     assert "results/cube.nc: 32 cells" in output and "Nothing to be done" not in output
     assert "results/threshold.nc" not in output and "explore" not in output
@@ -218,7 +218,17 @@ def test_another_value_leaves_the_old_slabs_alone(clone, finished):
     grown = folder / "grown.yaml"
     grown.write_text(TINY.replace("30 uN*us/um]", "30 uN*us/um, 60 uN*us/um]"))
     _, output = snakemake(clone, folder, grown, "--dry-run")
-    assert planned_rules(output)["simulate_slab"] == 1
+    assert planned_rules(output)["simulate_all"] == 1
+
+
+def test_a_grid_too_large_for_one_job_fans_out(clone, finished):
+    folder, _, _ = finished
+    large = folder / "large.yaml"
+    large.write_text(TINY.replace("points: 8", "points: 80000"))
+    _, output = snakemake(clone, folder, large, "--dry-run")
+    planned = planned_rules(output)
+    assert planned["simulate_slab"] >= 2 and planned["collect"] == 1
+    assert "simulate_all" not in planned
 
 
 def test_a_second_run_in_another_spelling_has_nothing_to_do(clone, finished):

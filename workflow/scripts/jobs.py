@@ -28,6 +28,12 @@ def collect(study, slab_paths, path):
     write_product(collect_slabs(slab_paths, study.axes, study.document()), path, summary)
 
 
+def simulate_all(study, axes, slab_path, cube_path, code):
+    """Simulate the one slab of a small study, and make the cube of it."""
+    simulate_slab(study, axes, slab_path, code)
+    collect(study, [slab_path], cube_path)
+
+
 def find_threshold(study, path, table_path, quick):
     """Find the thresholds and write them, also as a table; make what is quick beside.
 

@@ -5,6 +5,7 @@ Each is the same on every machine, and no compiled kernel is of another source.
 
 import fcntl
 import hashlib
+import time
 import warnings
 from collections.abc import Callable
 from contextlib import contextmanager, suppress
@@ -104,6 +105,11 @@ SEAL = b"SHA-256 of all bytes before: "
 """And the 32 bytes of it end a file of numba's cache: LLVM ends the process over a damaged one."""
 _save, _open = caching.IndexDataCacheFile.save, caching.IndexDataCacheFile._open_for_write
 _load = caching.IndexDataCacheFile._load_index, caching.IndexDataCacheFile._load_data
+_load_kernel = caching.IndexDataCacheFile.load
+PATIENCE = 300
+"""Seconds; no kernel takes longer to compile."""
+_claims = {}
+"""Open files by the kernels that this process compiles, locked until they are saved."""
 
 
 @contextmanager
@@ -137,17 +143,51 @@ def _require_whole(path):
         raise OSError(f"{path}: is damaged")
 
 
+def _locked(path):
+    """Open a file that no other process has locked, or has for longer than PATIENCE."""
+    Path(path).parent.mkdir(parents=True, exist_ok=True)
+    file = open(path, "w")  # noqa: SIM115
+    for _ in range(10 * PATIENCE):
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            time.sleep(0.1)
+            continue
+        except OSError:  # some file systems of clusters have no locks
+            pass
+        break
+    return file
+
+
+def _load_or_claim(file, key):
+    """Load a kernel; one that another process compiles is waited for, else this one will do it."""
+    kernel, claim = _load_kernel(file, key), (file._index_path, key)
+    if kernel is None and claim not in _claims:
+        name = hashlib.sha256(repr(key).encode()).hexdigest()[:12]
+        with suppress(OSError):
+            _claims[claim] = _locked(f"{file._index_path}.{name}.lock")
+            kernel = _load_kernel(file, key)
+    if kernel is not None:
+        _release(claim)
+    return kernel
+
+
+def _release(claim):
+    if claim in _claims:
+        _claims.pop(claim).close()
+
+
 def _save_alone(file, key, data):
-    """Add a kernel to numba's cache while no other process does.
+    """Add a kernel to numba's cache, if there is room, while no other process does.
 
     Else both number their kernels alike, and a process calls one in the place of the other.
     """
-    with open(f"{file._index_path}.lock", "w") as lock:
-        with suppress(OSError):  # some file systems of clusters have no locks
-            fcntl.flock(lock, fcntl.LOCK_EX)
+    with suppress(OSError), _locked(f"{file._index_path}.lock"):
         _save(file, key, data)
+    _release((file._index_path, key))
 
 
+caching.IndexDataCacheFile.load = _load_or_claim
 caching.IndexDataCacheFile.save = _save_alone
 caching.IndexDataCacheFile._open_for_write = _open_sealed
 caching.IndexDataCacheFile._load_index = _load_index
