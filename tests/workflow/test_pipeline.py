@@ -109,18 +109,30 @@ def test_the_workflow_is_formatted(clone):
     assert subprocess.run(command, timeout=120).returncode == 0
 
 
-def figures_of(config, *C):
-    """Names of the figures of a tiny study over these C."""
+def figures_of(config):
+    """Names of the figures of a tiny study."""
     (history,) = load_config(yaml.safe_load(config)).requests["histories"]
-    stems = [f"{kind}_C{value:g}" for kind in ("map", "snap", "time") for value in C]
-    stems += ["maps", "snap_maps", "thresholds", "damage_boundary", "statics"]
+    stems = ["maps", "snap_maps", "time_maps", "thresholds", "damage_boundary", "statics"]
     stems += [f"history_{history.name}"]
     return {f"{stem}.{kind}" for stem in stems for kind in ("pdf", "png")}
 
 
+def test_maps_are_panels_of_one_figure_each_and_single_on_request():
+    document = yaml.safe_load(TINY)
+    figures = choose_views(load_config(document)).maps
+    assert [figure.name for figure in figures] == ["snap_maps", "time_maps", "maps"]
+    places = [[view["at"] for view in figure.panels] for figure in figures]
+    assert places == [[{"C": 0}, {"C": 1}]] * 3
+    document["maps"] = [{"x": "f0", "y": "N", "at": {"C": "30 uN*us/um"}}]
+    figures = choose_views(load_config(document)).maps
+    names = [f"{word}_f0_N_C30" for word in ("snap", "time", "map")]
+    assert [figure.name for figure in figures] == names
+    assert [[view["at"] for view in figure.panels] for figure in figures] == [[{"C": 1}]] * 3
+
+
 def test_every_figure_is_there(finished):
     figures = {path.name for path in (finished[0] / "results" / "figures").iterdir()}
-    assert figures == figures_of(TINY, 0.5, 30)
+    assert figures == figures_of(TINY)
 
 
 def test_all_that_is_made_is_listed(finished):
@@ -250,7 +262,7 @@ def test_what_left_the_config_leaves_the_figures(clone, finished, tmp_path):
     smaller.write_text(TINY.replace("C: [0.5 uN*us/um, 30 uN*us/um]", "C: [30 uN*us/um]"))
     snakemake(clone, folder, smaller)
     figures = {path.name for path in mine.parent.iterdir()}
-    assert figures == figures_of(smaller.read_text(), 30) | {mine.name}
+    assert figures == figures_of(smaller.read_text()) | {mine.name}
     for name in ("threshold.nc", "traces.nc"):
         before, after = (xr.load_dataset(one / "results" / name) for one in (finished[0], folder))
         xr.testing.assert_equal(before.sel(C=[30]), after)

@@ -6,7 +6,6 @@ import sys
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager, nullcontext
 from functools import partial
-from itertools import compress
 from multiprocessing import get_context
 
 import xarray as xr
@@ -24,9 +23,9 @@ def draw_study(
 ):
     """Draw what every study has: in one job, as its start takes longer than a figure.
 
-    views: lists of what is drawn: snaps, times, ends (maps of the cube), together (of them side by
-        side), fields (maps of thresholds), curves; of each its name, x, y, at, the place on each
-        other axis, and of maps of cells required_shocks
+    views: lists of what is drawn: maps of cells, of each its name, what it shows, and its panels;
+        fields (maps of thresholds) and curves; of each of these, and of panels, the name, x, y,
+        at, the place on each other axis, and required_shocks
     own_points: path and SHA-256 of a user's own points, or nothing
     applications: by the names of their folders: their figures, and the files of these
     traces_path: with the stress of each cell, of devices that have a strength
@@ -35,22 +34,11 @@ def draw_study(
     points = read_points(*own_points) if own_points else ()
     with _opened(files, open_whole) as (cube, thresholds):
         check_alike(cube, thresholds, threshold_path)
-        # Of what is drawn: a cube may be larger than memory.
-        times = maps.snap_times(_along(cube, view) for view in views["times"])
-    cells, fields, both = (True, False), (False, True), (True, True)
-    curves, panels = views["curves"], views["together"]
     tasks = [
-        *(partial(_draw_panels, files, folder, panels, points, True) for _ in views["ends"][:1]),
-        *(partial(_draw_panels, files, folder, panels, points, False) for _ in panels[:1]),
-        *(partial(_draw_curve, files, folder, view) for view in curves),
+        *(partial(_draw_maps, files, folder, points, **figure) for figure in views["maps"]),
+        *(partial(_draw_curve, files, folder, view) for view in views["curves"]),
+        *(partial(_draw_field, files, folder, view) for view in views["fields"]),
     ]
-    maps_of = [
-        *((view, cells, maps.draw_time_map, {"ends": times}) for view in views["times"]),
-        *((view, both, maps.draw_map, _shown(view, points)) for view in views["snaps"]),
-        *((view, cells, _draw_ends, _shown(view, points)) for view in views["ends"]),
-        *((view, fields, draw_threshold_map, {}) for view in views["fields"]),
-    ]
-    tasks += [partial(_draw_map, files, folder, *each) for each in maps_of]
     for name, (figures, paths) in applications.items():
         tasks.append(partial(attached()[name].draw, figures=figures, **paths))
     side_by_side(tasks, threads)
@@ -90,31 +78,35 @@ def _along(dataset, view):
     return scales.along(dataset.isel(at), view["x"], view["y"])
 
 
-def _shown(view, points):
-    return {"required_shocks": view["required_shocks"], "own_points": points}
-
-
-def _draw_ends(ax, cells, x, y, **shown):
-    maps.draw_map(ax, cells, None, x, y, ends=True, **shown)
-
-
-def _draw_map(files, folder, view, which, draw, shown):
-    """Draw one map; which: whether of the cells, and of the thresholds."""
-    with _opened(files) as opened:
-        data = [_along(dataset, view) for dataset in compress(opened, which)]
-        with style.saved(f"{folder}/{view['name']}", data[0].attrs, 3.6, columns=1) as figure:
-            draw(figure.subplots(), *data, view["x"], view["y"], **shown)
+def _draw_maps(files, folder, points, name, shows, panels):
+    """Draw maps of cells, several side by side on two columns, one alone on one."""
+    x, y = panels[0]["x"], panels[0]["y"]
+    with _opened(files) as (cube, thresholds):
+        data = [
+            (
+                _along(cube, view),
+                _along(thresholds, view) if shows == "snaps" else None,
+                view["required_shocks"],
+            )
+            for view in panels
+        ]
+        columns = min(len(panels), 2)
+        with style.saved(f"{folder}/{name}", cube.attrs, 3.6, columns) as figure:
+            if columns == 2:
+                maps.draw_maps(figure, data, x, y, points, shows)
+                return
+            cells, band, shocks = data[0]
+            maps.draw_map(figure.subplots(), cells, band, x, y, shocks, points, shows)
             style.fit(figure, maps.RATIO)
 
 
-def _draw_panels(files, folder, views, points, ends):
-    name, (x, y) = "maps" if ends else "snap_maps", (views[0]["x"], views[0]["y"])
-    with _opened(files) as (cube, thresholds):
-        panels = [
-            (_along(cube, view), None if ends else _along(thresholds, view)) for view in views
-        ]
-        with style.saved(f"{folder}/{name}", panels[0][0].attrs, 9) as figure:
-            maps.draw_maps(figure, panels, x, y, points, ends=ends)
+def _draw_field(files, folder, view):
+    with (
+        _opened(files) as (_, thresholds),
+        style.saved(f"{folder}/{view['name']}", thresholds.attrs, 3.6, columns=1) as figure,
+    ):
+        draw_threshold_map(figure.subplots(), _along(thresholds, view), view["x"], view["y"])
+        style.fit(figure, maps.RATIO)
 
 
 def _draw_curve(files, folder, view):

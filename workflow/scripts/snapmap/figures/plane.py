@@ -132,11 +132,11 @@ def freeze(ax: Axes) -> None:
     ax.set(xlim=ax.get_xlim(), ylim=ax.get_ylim())
 
 
-def number_shocks(ax: Axes, x: str, shocks: Sequence[tuple[str, float, float, bool]]) -> str:
+def number_shocks(ax: Axes, x: str, shocks: Sequence[tuple[str, float, float, bool]]) -> list[str]:
     """Point out shocks by numbers in the order given, by arrows at the edge what lies beyond it.
 
     shocks: name, f0 (Hz), N, and whether it has the map's pulse; what has not is left out
-    Returns a line that names them.
+    Returns the numbers with their names.
     """
     freeze(ax)
     names = []
@@ -150,7 +150,7 @@ def number_shocks(ax: Axes, x: str, shocks: Sequence[tuple[str, float, float, bo
         ax.annotate(str(number), inside, INWARD * np.sign(inside - place), **NUMBER)
         if (place != inside).any():
             names[-1] += f" at {value_text('N', N)}, {value_text('f0', f0)}"
-    return "; ".join(names)
+    return names
 
 
 def draw_points(ax: Axes, x: str, points: Sequence[Point]) -> None:
