@@ -43,7 +43,7 @@ def draw_map(
     look = _time_look([cells]) if shows == "times" else {}
     field, names = _fill_map(ax, cells, thresholds, x, y, required_shocks, own_points, shows, look)
     ax.set_title(place_text(cells))
-    words = [style.case(cells.attrs, style.COLUMN), style.fill(names, style.COLUMN, "; ")]
+    words = [style.case(cells.attrs, style.COLUMN), _numbered(names, style.COLUMN)]
     style.legend(ax, _keys([cells], [ax], shows), "\n".join(filter(None, words)), 2)
     _add_time_bar(ax.get_figure(), ax, field, look)
     return ax
@@ -63,7 +63,7 @@ def _add_time_bar(figure, axes, field, look):
         return
     label = f"first snap after the start of the pulse ({look['unit']})"
     aspect = 30 * min(np.size(axes), 2)
-    bar = figure.colorbar(field, ax=axes, location="bottom", aspect=aspect, label=label)
+    bar = figure.colorbar(field, ax=axes, location="bottom", pad=0.02, aspect=aspect, label=label)
     if isinstance(look["norm"], LogNorm):
         tick(bar.long_axis, look["norm"].vmin, look["norm"].vmax)
 
@@ -153,7 +153,7 @@ def draw_maps(
             continue
         data, thresholds, shocks = panels[place]
         field, named = _fill_map(ax, data, thresholds, x, y, shocks, own_points, shows, look)
-        fields, names = [*fields, field], names | dict.fromkeys(named)
+        fields, names = [*fields, field], names | named
         ax.set_title(place_text(data.drop_vars(shared), 110 // columns))
         beside = figure.supylabel(ax.get_ylabel(), size="medium")
         ax.set_ylabel("")
@@ -165,7 +165,7 @@ def draw_maps(
             for top in list(ax.child_axes):
                 top.remove()
     words = place_text(first.drop_vars({*first.coords} - {*shared}), style.PAGE)
-    words = [words, style.case(first.attrs), style.fill(names, style.PAGE, "; ")]
+    words = [words, style.case(first.attrs), _numbered(names, style.PAGE)]
     there = axes.flat[: len(panels)]
     keys = _keys(cells, there, shows)
     limits = [key for key in keys if key.get_label().startswith(LONG)]
@@ -209,9 +209,14 @@ def _fill_map(ax, cells, thresholds, x, y, shocks, own_points, shows, look):
         if x == "f0":
             draw_impulsive(ax, thresholds, "black")
     if not _has_shocks(x, y):
-        return field, []
+        return field, {}
     plane.draw_points(ax, x, own_points)
     return field, plane.number_shocks(ax, x, shocks)
+
+
+def _numbered(names, width):
+    """The numbers of shocks with their names, in lines of so many signs."""
+    return style.fill((f"{number}: {names[number]}" for number in sorted(names)), width, "; ")
 
 
 def _keys(panels, axes, shows):
