@@ -21,9 +21,8 @@ def views(several):
 
 def list_products(jobid):
     """Slabs stay, as a grid may grow again, and studies, which no config asks for."""
-    if jobs[jobid].rule.name not in STUDIES:
-        paths = map(str, jobs[jobid].output)
-        list_made("results", [path for path in paths if "/slabs/" not in path])
+    if jobs[jobid].rule.name not in ("simulate_slab", *STUDIES):
+        list_made("results", map(str, jobs[jobid].output))
 
 
 def remove_old_products():

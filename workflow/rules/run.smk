@@ -3,7 +3,6 @@ if is_small:
     rule simulate_all:
         output:
             cube="results/cube.nc",
-            slab=f"results/slabs/{names[0]}.nc",
         log:
             "results/logs/simulate_all.log",
         priority: 100
