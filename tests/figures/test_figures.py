@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import runpy
 import subprocess
 import sys
 import zlib
@@ -172,6 +173,17 @@ def test_a_saved_figure_has_fonts_and_facts_and_repeats_byte_for_byte(tmp_path):
         assert image.info["dpi"] == pytest.approx((300, 300), abs=0.01)
         assert [image.info[key] for key in ("Title", "Software")] == ["A title", "0.1.0+abc"]
         assert json.loads(image.info["Comment"]) == CONFIG
+
+
+def test_the_picture_of_the_first_page_has_the_numbers_of_the_table(root):
+    picture = runpy.run_path(str(root / "docs" / "make_picture.py"))
+    ax = style.single_column(height=4).subplots()
+    picture["draw_speeds"](ax)
+    ((error, speed),) = ax.lines[0].get_xydata()
+    lines = (root / "docs" / "accuracy.md").read_text(encoding="utf-8").splitlines()
+    (row,) = [line for line in lines if line.startswith("| `auto` |")]
+    assert row.replace(" ", "").endswith(f"|{speed:.0f}|") and f"| {error:g} / " in row
+    assert len(ax.lines) == len(picture["SHOWN"]) == 4
 
 
 def test_the_first_lines_differ_in_grey():

@@ -37,7 +37,7 @@ def draw_damage_boundary(ax: Axes, found: xr.Dataset, lines: str = "C") -> Axes:
     for curve, *_ in drawn:
         _draw_region(ax, curve)
     _draw_durations(ax, found.isel({lines: 0}))
-    words = "snaps (the darker, the more lines lie below)" if drawn[1:] else "snaps"
+    words = "snaps (darker: of several lines)" if drawn[1:] else "snaps"
     keys = [*curves.line_keys(found, lines), *style.labelled([ax]), Patch(**SHADE, label=words)]
     style.legend(ax, keys, title(found, style.COLUMN), 2)
     return ax
