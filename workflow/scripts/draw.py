@@ -34,10 +34,11 @@ def draw_study(
     points = read_points(*own_points) if own_points else ()
     with _opened(files, open_whole) as (cube, thresholds):
         check_alike(cube, thresholds, threshold_path)
+    of_thresholds = partial(_draw_thresholds, files, folder)
     tasks = [
         *(partial(_draw_maps, files, folder, points, **figure) for figure in views["maps"]),
-        *(partial(_draw_curve, files, folder, view) for view in views["curves"]),
-        *(partial(_draw_field, files, folder, view) for view in views["fields"]),
+        *(partial(of_thresholds, draw_thresholds, 2, view) for view in views["curves"]),
+        *(partial(of_thresholds, draw_threshold_map, 1, view) for view in views["fields"]),
     ]
     for name, (figures, paths) in applications.items():
         tasks.append(partial(attached()[name].draw, figures=figures, **paths))
@@ -100,21 +101,14 @@ def _draw_maps(files, folder, points, name, shows, panels):
             style.fit(figure, maps.RATIO)
 
 
-def _draw_field(files, folder, view):
+def _draw_thresholds(files, folder, draw, columns, view):
     with (
         _opened(files) as (_, thresholds),
-        style.saved(f"{folder}/{view['name']}", thresholds.attrs, 3.6, columns=1) as figure,
+        style.saved(f"{folder}/{view['name']}", thresholds.attrs, 3.4, columns) as figure,
     ):
-        draw_threshold_map(figure.subplots(), _along(thresholds, view), view["x"], view["y"])
-        style.fit(figure, maps.RATIO)
-
-
-def _draw_curve(files, folder, view):
-    with (
-        _opened(files) as (_, thresholds),
-        style.saved(f"{folder}/{view['name']}", thresholds.attrs, 3.4) as figure,
-    ):
-        draw_thresholds(figure.subplots(), _along(thresholds, view), view["x"], view["y"])
+        draw(figure.subplots(), _along(thresholds, view), view["x"], view["y"])
+        if columns == 1:
+            style.fit(figure, maps.RATIO)
 
 
 def function_of(rule):
