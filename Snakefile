@@ -31,7 +31,7 @@ from snapmap.config.study import load_config
 from snapmap.config.yaml_file import read_document
 from snapmap.device.device import VALUES
 from snapmap.study.study import THRESHOLD_SETTINGS
-from snapmap.sweeps.plan import make_plan
+from snapmap.sweeps.plan import SHARED_SECONDS, make_plan
 from snapmap.sweeps.slabs import cells_in, slab_name
 
 if not workflow.overwrite_configfiles:
@@ -61,6 +61,8 @@ shell.prefix(SHELL_PREFIX)
 
 names = [slab_name(study, slab) for slab in plan.slabs]
 slabs = dict(zip(names, plan.slabs))
+# Simulated and joined in one job: the start of another would take longer than the cells.
+is_small = len(slabs) == 1 and plan.seconds <= SHARED_SECONDS
 requests = dict(zip(names, plan.requests))
 made = choose_views(study)
 new = [name for name in names if not os.path.exists(f"results/slabs/{name}.nc")]
@@ -68,7 +70,7 @@ new = [name for name in names if not os.path.exists(f"results/slabs/{name}.nc")]
 numbers = code_hash(*NUMBERS, scripts / "jobs.py")
 drawing = code_hash(*DRAWS, scripts / "draw.py")
 studied = code_hash(*NUMBERS, clone / "studies")
-TOLD = ["find_threshold", "collect"]
+TOLD = ["find_threshold", "collect", "simulate_all"]
 jobs = {}  # of the run, by their numbers
 
 
@@ -121,7 +123,7 @@ onsuccess:
         # The last line is the summary; warnings were printed as they came.
         if summary := Path(log).read_text(encoding="utf-8").splitlines()[-1:]:
             print(*summary, file=sys.stderr)
-    if "draw_page" in logs:
+    if any("results/explore.html" in job.output for job in jobs.values()):
         print("results/explore.html: open it in a browser", file=sys.stderr)
 
 

@@ -105,7 +105,7 @@ def test_the_tutorial_says_what_its_study_gives(root, tmp_path):
     run += ["--configfile", root / "config" / "sensor.yaml"]
     subprocess.run(run, check=True, capture_output=True)
     logs = tmp_path / "results" / "logs"
-    for rule in ("find_threshold", "collect", "check_requirements"):
+    for rule in ("find_threshold", "simulate_all", "check_requirements"):
         assert (logs / f"{rule}.log").read_text(encoding="utf-8").splitlines()[-1] in page
     words = " ".join(page.split())
     with xr.open_dataset(tmp_path / "results" / "threshold.nc") as found:

@@ -99,6 +99,11 @@ def test_the_page_on_architecture_names_every_room(root, package):
     assert folders == {*CORE, *SHELL, "applications"} & folders
 
 
+def test_the_types_of_the_package_go_with_it(package, pyproject):
+    assert (package / "py.typed").exists()
+    assert "py.typed" in pyproject["tool"]["setuptools"]["package-data"]["*"]
+
+
 @pytest.fixture(scope="module")
 def pyproject(root):
     return tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))

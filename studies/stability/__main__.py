@@ -41,8 +41,8 @@ def main() -> None:
         style.save(figure, results("figures/stability"), cases.attrs)
         figure = style.double_column(height=9)
         C = np.clip(SHOWN, None, max(grid["C"]))
-        panels = [(settled.sel(damping=one, C=C), None) for one in few(DAMPINGS, 2)]
-        maps.draw_maps(figure, panels, "f0", "N", ends=True)
+        panels = [(settled.sel(damping=one, C=C), None, ()) for one in few(DAMPINGS, 2)]
+        maps.draw_maps(figure, panels, "f0", "N", shows="ends")
         style.save(figure, results("figures/settled"), settled.attrs)
     print(text)
 

@@ -56,7 +56,7 @@ def test_the_rest_is_planned_without_an_application(clone, tmp_path, name, monke
     monkeypatch.delenv("PYTHONPATH", raising=False)
     study_without(clone, name, tmp_path / "study.yaml")
     _, output = snakemake(clone, tmp_path / "run", tmp_path / "study.yaml", "--dry-run")
-    assert "find_threshold" in output and "draw_snaps" in output
+    assert "find_threshold" in output and "draw_study" in output
 
 
 @pytest.mark.long

@@ -2,8 +2,10 @@
 
 import copy
 import math
+import os
 import subprocess
 import sys
+from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +18,7 @@ from snapmap.applications import boundary, requirements, window
 from snapmap.config.devices import load_device, read_device
 from snapmap.config.doubts import descriptions, doubts
 from snapmap.config.study import load_config
-from snapmap.config.units import read, show
+from snapmap.config.units import USUAL, by_pint, read, show
 from snapmap.config.yaml_file import ConfigError, read_document
 from snapmap.device.device import Beam, Device
 from snapmap.device.quantities import KINDS
@@ -179,6 +181,28 @@ NOT_THIS |= {"number": ["600 g", math.inf], "share": ["0.1", 0.1, "3 dB", "0 %",
 def test_conversion_adds_no_noise():
     for kind, values in EXACT.items():
         assert [read(text, kind) for text in values] == [*values.values()]
+
+
+@pytest.mark.parametrize("target", USUAL)
+def test_usual_units_are_those_of_pint(target):
+    factors = {unit: by_pint(unit, target) for unit in USUAL[target]}
+    assert factors == {unit: Decimal(factor) for unit, factor in USUAL[target].items()}
+
+
+NO_PINT = """
+import sys
+from snapmap.config.study import load_config
+from snapmap.config.yaml_file import read_document
+
+for name in ("config", "handout", "sensor", "arm"):
+    load_config(read_document(f"config/{name}.yaml"))
+assert "pint" not in sys.modules
+"""
+
+
+def test_the_configs_need_no_pint():
+    environment = os.environ | {"PYTHONPATH": str(ROOT / "workflow" / "scripts")}
+    subprocess.run([sys.executable, "-c", NO_PINT], cwd=ROOT, env=environment, check=True)
 
 
 @pytest.mark.parametrize("kind", KINDS)

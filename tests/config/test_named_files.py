@@ -102,10 +102,10 @@ def test_a_record_has_a_name_that_may_stand_in_tables(folder):
 
 
 @pytest.mark.parametrize(
-    "rules", [["simulate_slab"], pytest.param(["find_threshold"], marks=pytest.mark.long)]
+    "rules", [["simulate_all"], pytest.param(["find_threshold"], marks=pytest.mark.long)]
 )
 def test_contents_decide_what_runs_again_and_dates_do_not(root, folder, rules):
-    products = ["results/cube.nc" if rules == ["simulate_slab"] else "results/threshold.nc"]
+    products = ["results/cube.nc" if rules == ["simulate_all"] else "results/threshold.nc"]
     snakemake(root, ".", "mine.yaml", *products)
     os.utime(folder / "shock.csv")
     assert "Nothing to be done" in snakemake(root, ".", "mine.yaml", "--dry-run", *products)[1]

@@ -1,9 +1,14 @@
 """What figures show of their data: curves, limits, shares, forces; how they are saved."""
 
 import json
+import os
+import re
+import runpy
 import subprocess
 import sys
+import zlib
 
+import draw
 import numpy as np
 import pytest
 from matplotlib.collections import FillBetweenPolyCollection, LineCollection, QuadMesh
@@ -31,6 +36,7 @@ pytestmark = pytest.mark.usefixtures("paper")
     [
         ("f0", [100.0, 400.0, 6400.0], [50.0, 200.0, 1600.0, 25600.0]),
         ("N", [-1.0, 0.0, 3.0], [-1.5, -0.5, 1.5, 4.5]),
+        ("N", [10.0, 40.0, 160.0], [5.0, 20.0, 80.0, 320.0]),
         *(("N", [1500.0], [1350.0, 1650.0]), ("N", [0.0], [-0.5, 0.5])),
         ("f0", [1500.0], [1500 / 1.1, 1500 * 1.1]),
         ("device", ["a", "b"], [-0.5, 0.5, 1.5]),
@@ -50,6 +56,12 @@ def test_logarithmic_axes_have_ticks_enough_and_apart(ends, column):
     ticks = ticks[(ticks >= ends[0]) & (ticks <= ends[1])]
     across, _ = ax.transData.transform(np.stack([ticks, ticks], axis=1)).T
     assert ticks.size >= 3 and np.diff(across).min() > 20 / 72 * ax.figure.dpi
+
+
+def test_no_phrase_breaks_between_two_lines():
+    phrases = ["guided beam", "followed 1.5 ms", "model auto"]
+    text = style.fill(phrases, 28)
+    assert text == "guided beam,\nfollowed 1.5 ms, model auto"
 
 
 def test_figures_over_durations_are_those_over_frequencies():
@@ -151,12 +163,27 @@ def test_a_saved_figure_has_fonts_and_facts_and_repeats_byte_for_byte(tmp_path):
     assert all(
         part in pdf for part in (b"/FontFile2", b"/Title (A title)", b"/Creator (0.1.0+abc)")
     )
+    streams = re.findall(rb"(?<=stream\n)x.*?(?=\nendstream)", pdf, re.S)
+    fonts = [data for data in map(zlib.decompress, streams) if data.startswith(b"\0\1\0\0")]
+    assert fonts and all(b"glyf" in font[:400] for font in fonts)
+    assert not any(name in font[:400] for font in fonts for name in (b"GPOS", b"GSUB", b"GDEF"))
     assert b"1.5 ms" in pdf and b"/Type3" not in pdf and b"Date" not in pdf
     with Image.open(tmp_path / "first.png") as image:
         assert image.size[0] == 2100
         assert image.info["dpi"] == pytest.approx((300, 300), abs=0.01)
         assert [image.info[key] for key in ("Title", "Software")] == ["A title", "0.1.0+abc"]
         assert json.loads(image.info["Comment"]) == CONFIG
+
+
+def test_the_picture_of_the_first_page_has_the_numbers_of_the_table(root):
+    picture = runpy.run_path(str(root / "docs" / "make_picture.py"))
+    ax = style.single_column(height=4).subplots()
+    picture["draw_speeds"](ax)
+    ((error, speed),) = ax.lines[0].get_xydata()
+    lines = (root / "docs" / "accuracy.md").read_text(encoding="utf-8").splitlines()
+    (row,) = [line for line in lines if line.startswith("| `auto` |")]
+    assert row.replace(" ", "").endswith(f"|{speed:.0f}|") and f"| {error:g} / " in row
+    assert len(ax.lines) == len(picture["SHOWN"]) == 4
 
 
 def test_the_first_lines_differ_in_grey():
@@ -172,3 +199,24 @@ def test_thresholds_have_bars_gaps_and_islands():
     ends = [line[:, 1].tolist() for line in islands.get_segments() if len(line)]
     assert ends == [[2000.0, 2050.0], [2100.0, 2150.0]]
     assert bars.get_segments()[0].tolist() == [[100.0, 993.0], [100.0, 1007.0]]
+
+
+@pytest.mark.parametrize("processes", [1, 2])
+def test_tasks_side_by_side_are_all_done_and_a_fault_is_told(tmp_path, processes):
+    draw.side_by_side([(tmp_path / str(number)).touch for number in range(5)], processes)
+    assert len([*tmp_path.iterdir()]) == 5
+    with pytest.raises(FileNotFoundError):
+        draw.side_by_side([(tmp_path / "nowhere" / "file").touch], processes)
+
+
+NO_KERNELS = """
+import sys
+import draw
+
+assert "numba" not in sys.modules
+"""
+
+
+def test_what_draws_needs_no_kernel(root):
+    environment = os.environ | {"PYTHONPATH": str(root / "workflow" / "scripts")}
+    subprocess.run([sys.executable, "-c", NO_KERNELS], env=environment, check=True)

@@ -26,7 +26,7 @@ def axes():
 
 
 def end_map(cells, **others):
-    return maps.draw_map(axes(), cells, ends=True, **others)
+    return maps.draw_map(axes(), cells, shows="ends", **others)
 
 
 def snap_map(cells, found=None, **others):
@@ -34,7 +34,7 @@ def snap_map(cells, found=None, **others):
 
 
 def time_map(cells, **others):
-    return maps.draw_time_map(axes(), cells, **others)
+    return maps.draw_map(axes(), cells, shows="times", **others)
 
 
 def artists(ax, kind):
@@ -139,17 +139,32 @@ def test_cells_lie_about_their_grid_points_in_the_colours_of_their_states(order)
 
 def test_time_map_shows_the_snap_times_and_grey_elsewhere():
     cells = make_cells(["22", "05"])
-    cells["t_snap"] = (("f0", "N"), [[np.nan, 2500.0], [np.nan, 500.0]])
-    for ends, times, limits in (
-        (None, [2.5, 0.5], (0.5, 2.5)),
-        ((10.0, 900.0), [2500.0, 500.0], (10.0, 900.0)),
-    ):
-        ax = time_map(cells, ends=ends)
+    for size, unit in ((1.0, "(ms)"), (0.1, "(µs)")):
+        cells["t_snap"] = (("f0", "N"), size * np.array([[np.nan, 2500.0], [np.nan, 500.0]]))
+        times = [2.5, 0.5] if unit == "(ms)" else [250.0, 50.0]
+        ax = time_map(cells)
         states, mesh = artists(ax, QuadMesh)
         assert states.get_array().tolist() == [[0, 2], [None, None]]
-        assert mesh.get_array().tolist() == [[None, None], times] and mesh.get_clim() == limits
-        assert ("(ms)" in ax.figure.axes[1].get_xlabel()) == (ends is None)
+        assert mesh.get_array().tolist() == [[None, None], times]
+        assert mesh.get_clim() == (times[1], times[0])
+        assert unit in ax.figure.axes[1].get_xlabel()
         assert [words.split()[0] for words in legend_words(ax)] == ["no", "failed"]
+
+
+def test_panels_of_times_share_their_colours_and_one_bar():
+    panels = [
+        (TINY.assign(t_snap=TINY.t_snap * factor).assign_coords(C=C), None, ())
+        for C, factor in enumerate((3.0, np.nan, 0.5))
+    ]
+    drawn = maps.draw_maps(style.double_column(height=9), panels, "f0", "N", shows="times")
+    meshes = [artists(ax, QuadMesh)[1:] for ax in drawn.flat]
+    assert [len(several) for several in meshes] == [1, 0, 1]
+    assert {mesh.get_clim() for several in meshes for mesh in several} == {(50.0, 300.0)}
+    figure = drawn[0, 0].figure
+    assert len(figure.axes) == drawn.size + 1
+    place = drawn[0, 0].get_position()
+    (label,) = [text for text in figure.texts if text.get_text() == figure.get_supylabel()]
+    assert label.get_position()[1] == pytest.approx((place.y0 + place.y1) / 2)
 
 
 def test_map_shows_the_refined_threshold_in_its_band_dashed_where_late():
@@ -252,8 +267,8 @@ def test_maps_are_alike_whatever_is_written_and_nothing_is_clipped():
 
 @pytest.mark.parametrize("number", [3, pytest.param(11, marks=pytest.mark.long)])
 def test_maps_side_by_side_are_alike_and_share_one_legend(number):
-    panels = [(TINY.assign_coords(C=25.0 + C), None) for C in range(number)]
-    drawn = maps.draw_maps(style.double_column(height=9), panels, "f0", "N", ends=True)
+    panels = [(TINY.assign_coords(C=25.0 + C), None, ()) for C in range(number)]
+    drawn = maps.draw_maps(style.double_column(height=9), panels, "f0", "N", shows="ends")
     there = [ax for ax in drawn.flat if ax is not None]
     assert len(there) == number and drawn.shape[1] <= 4 and drawn.size < number + drawn.shape[1]
     assert np.ptp([size(ax) for ax in there], axis=0) == pytest.approx([0, 0], abs=1e-4)
@@ -266,13 +281,16 @@ def test_maps_side_by_side_are_alike_and_share_one_legend(number):
 def test_panels_have_one_key_for_their_limits_and_what_they_share_stands_below():
     found = make_found().isel(C=0, drop=True)
     panels = [
-        (TINY.assign_coords(C=25.0, thickness=t), found.assign(N_static=1000.0 + t)) for t in (1, 2)
+        (TINY.assign_coords(C=25.0, thickness=t), found.assign(N_static=1000.0 + t), shocks)
+        for t, shocks in ((1, []), (2, [("crash", 400.0, 1000.0, True)]))
     ]
     drawn = maps.draw_maps(style.double_column(height=9), panels, "f0", "N")
     (legend,) = drawn[0, 0].figure.legends
     labels = [text.get_text() for text in legend.get_texts()]
     assert [label for label in labels if label.startswith(curves.LONG)] == [curves.LONG]
-    assert "$C$ = 25" in legend.get_title().get_text().replace("\xa0", " ")
+    words = legend.get_title().get_text()
+    assert "$C$ = 25" in words and words.endswith("1: crash")
+    assert [len(ax.texts) for ax in drawn.flat] == [0, 1]
     titles = [ax.get_title(loc="left").replace("\xa0", " ") for ax in drawn.flat]
     assert titles == ["thickness 1 µm", "thickness 2 µm"]
 

@@ -36,7 +36,7 @@ def test_a_flipped_or_cut_file_is_named(product):
         assert str(refusal.value) == f"{product}: is damaged; remove it and run again"
 
 
-READERS = [draw.draw_snaps, draw.draw_study, page.draw, page.run, window.draw, calibration.draw]
+READERS = [draw.draw_study, page.draw, page.run, window.draw, calibration.draw]
 READERS += [statics.draw, tolerances.draw]
 
 

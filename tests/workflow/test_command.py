@@ -88,3 +88,10 @@ def test_a_missing_package_is_one_line(monkeypatch):
     said = r"snapmap\.load_device needs pydantic: pip install 'snapmap\[config\]'"
     with pytest.raises(ImportError, match=f"^{said}$"):
         snapmap.load_device()
+
+
+def test_the_command_says_its_version(capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(["--version"])
+    said = capsys.readouterr().out
+    assert not ended.value.code and said == f"snapmap {snapmap.__version__}\n"

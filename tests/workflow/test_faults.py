@@ -348,6 +348,30 @@ def test_a_kernel_is_never_of_another_source(root, tmp_path, variable):
     assert len({path.parent for path in tmp_path.rglob("*.nbi")}) == 2
 
 
+def test_no_kernel_is_compiled_by_two_processes(root, tmp_path):
+    """All start at once; what does not compile waits, and loads."""
+    (tmp_path / "outer.py").write_text(OUTER)
+    (tmp_path / "inner.py").write_text(INNER.format(3.0))
+    path = {"PYTHONPATH": f"{tmp_path}:{root / 'workflow' / 'scripts'}"}
+    path["NUMBA_CACHE_DIR"] = str(tmp_path)
+    command = [sys.executable, "-B", "-c", "import outer"]
+    told = {"env": os.environ | path, "stdout": subprocess.PIPE, "text": True}
+    runs = [subprocess.Popen(command, **told) for _ in range(3)]
+    hits = [run.communicate(timeout=120)[0].split()[1] for run in runs]
+    assert sorted(hits) == ["0", "1", "1"]
+
+
+def test_a_kernel_that_cannot_be_kept_runs(tmp_path, monkeypatch):
+    def replace(*_):
+        raise OSError(28, os.strerror(28))
+
+    monkeypatch.setattr("numba.core.config.CACHE_DIR", str(tmp_path))
+    with monkeypatch.context() as full:
+        full.setattr(os, "replace", replace)
+        assert compiled(_size)((0,) * 3) == 3
+    assert not [*tmp_path.rglob("*.nbc")]
+
+
 def test_a_damaged_kernel_is_compiled_anew_and_kept(tmp_path, monkeypatch):
     monkeypatch.setattr("numba.core.config.CACHE_DIR", str(tmp_path))
     assert compiled(_size)((0, 0)) == 2

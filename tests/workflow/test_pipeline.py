@@ -20,8 +20,8 @@ from snapmap.files.made import HEAD, LIST
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
 from snapmap.workflow.products import choose_views
 
-DRAWING = {"draw_snaps", "draw_study", "draw_page", "draw_histories"}
-RULES = {"simulate_slab", "collect", "find_threshold", "trace_cells"}
+DRAWING = {"draw_study", "draw_page", "draw_histories"}
+RULES = {"simulate_all", "find_threshold", "trace_cells"}
 RULES |= {"simulate_histories"} | DRAWING
 
 
@@ -81,7 +81,7 @@ def test_the_cube_is_what_python_gives(finished):
         assert json.loads(cube.config) == json.loads(direct.config) == document
         assert snapmap.__version__ in cube.code_version and "numba" in cube.packages
     logs = {path.stem: path.read_text() for path in (folder / "results" / "logs").iterdir()}
-    assert len(logs) >= len(RULES) and logs["collect"].strip() in output
+    assert len(logs) >= len(RULES) and logs["simulate_all"].strip() in output
 
 
 def test_the_thresholds_are_what_python_gives(finished):
@@ -109,18 +109,30 @@ def test_the_workflow_is_formatted(clone):
     assert subprocess.run(command, timeout=120).returncode == 0
 
 
-def figures_of(config, *C):
-    """Names of the figures of a tiny study over these C."""
+def figures_of(config):
+    """Names of the figures of a tiny study."""
     (history,) = load_config(yaml.safe_load(config)).requests["histories"]
-    stems = [f"{kind}_C{value:g}" for kind in ("map", "snap", "time") for value in C]
-    stems += ["maps", "snap_maps", "thresholds", "damage_boundary", "statics"]
+    stems = ["maps", "snap_maps", "time_maps", "thresholds", "damage_boundary", "statics"]
     stems += [f"history_{history.name}"]
     return {f"{stem}.{kind}" for stem in stems for kind in ("pdf", "png")}
 
 
+def test_maps_are_panels_of_one_figure_each_and_single_on_request():
+    document = yaml.safe_load(TINY)
+    figures = choose_views(load_config(document)).maps
+    assert [figure.name for figure in figures] == ["snap_maps", "time_maps", "maps"]
+    places = [[view["at"] for view in figure.panels] for figure in figures]
+    assert places == [[{"C": 0}, {"C": 1}]] * 3
+    document["maps"] = [{"x": "f0", "y": "N", "at": {"C": "30 uN*us/um"}}]
+    figures = choose_views(load_config(document)).maps
+    names = [f"{word}_f0_N_C30" for word in ("snap", "time", "map")]
+    assert [figure.name for figure in figures] == names
+    assert [[view["at"] for view in figure.panels] for figure in figures] == [[{"C": 1}]] * 3
+
+
 def test_every_figure_is_there(finished):
     figures = {path.name for path in (finished[0] / "results" / "figures").iterdir()}
-    assert figures == figures_of(TINY, 0.5, 30)
+    assert figures == figures_of(TINY)
 
 
 def test_all_that_is_made_is_listed(finished):
@@ -147,7 +159,7 @@ def test_of_an_older_config_only_what_was_made_leaves(clone, finished, tmp_path)
         path.write_text("an old line")
     with open(results / LIST, "a") as file:
         file.write("".join(f"{name}\n" for name in old))
-    _, output = snakemake(clone, folder, config, "results/cube.nc", "--forcerun", "collect")
+    _, output = snakemake(clone, folder, config, "results/cube.nc", "--forcerun", "simulate_all")
     assert all((folder / name).exists() for name in old)
     assert "results/cube.nc: 32 cells" in output and "Nothing to be done" not in output
     assert "results/threshold.nc" not in output and "explore" not in output
@@ -213,12 +225,23 @@ def test_studies_are_targets_of_their_own(clone, finished):
     assert planned_rules(output).keys() == {"accuracy", "stability"}
 
 
-def test_another_value_leaves_the_old_slabs_alone(clone, finished):
+def test_another_value_makes_the_cube_of_a_small_grid_anew(clone, finished):
     folder, _, _ = finished
     grown = folder / "grown.yaml"
     grown.write_text(TINY.replace("30 uN*us/um]", "30 uN*us/um, 60 uN*us/um]"))
-    _, output = snakemake(clone, folder, grown, "--dry-run")
-    assert planned_rules(output)["simulate_slab"] == 1
+    for products in ([], ["results/cube.nc"]):
+        _, output = snakemake(clone, folder, grown, "--dry-run", *products)
+        assert planned_rules(output)["simulate_all"] == 1
+
+
+def test_a_grid_too_large_for_one_job_fans_out(clone, finished):
+    folder, _, _ = finished
+    large = folder / "large.yaml"
+    large.write_text(TINY.replace("points: 8", "points: 80000"))
+    _, output = snakemake(clone, folder, large, "--dry-run")
+    planned = planned_rules(output)
+    assert planned["simulate_slab"] >= 2 and planned["collect"] == 1
+    assert "simulate_all" not in planned
 
 
 def test_a_second_run_in_another_spelling_has_nothing_to_do(clone, finished):
@@ -240,7 +263,7 @@ def test_what_left_the_config_leaves_the_figures(clone, finished, tmp_path):
     smaller.write_text(TINY.replace("C: [0.5 uN*us/um, 30 uN*us/um]", "C: [30 uN*us/um]"))
     snakemake(clone, folder, smaller)
     figures = {path.name for path in mine.parent.iterdir()}
-    assert figures == figures_of(smaller.read_text(), 30) | {mine.name}
+    assert figures == figures_of(smaller.read_text()) | {mine.name}
     for name in ("threshold.nc", "traces.nc"):
         before, after = (xr.load_dataset(one / "results" / name) for one in (finished[0], folder))
         xr.testing.assert_equal(before.sel(C=[30]), after)

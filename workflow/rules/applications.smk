@@ -43,7 +43,10 @@ for name in [name for name in making if not is_quick[name]]:
             "../scripts/jobs.py"
 
 
-for place, name in enumerate(name for name in drawing_of if not is_quick[name]):
+drawn_together = [name for name in drawing_of if is_drawn_with_the_study(name)]
+
+
+for place, name in enumerate(name for name in drawing_of if name not in drawn_together):
 
     rule:
         name:

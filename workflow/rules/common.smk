@@ -74,7 +74,18 @@ def figures(caption):
         yield pdf
 
 
-def paths_of(name):
-    """The files that an application is drawn from, as its function takes them."""
+def called(name):
+    """How an application draws: its figures, and the rest that its function takes, by name."""
     files = drawn_from(name).items()
-    return {f"{key}_{'path' if isinstance(f, str) else 'paths'}": f for key, f in files}
+    paths = {
+        f"{key}_{'path' if isinstance(f, str) else 'paths'}": f for key, f in files
+    }
+    folder = str(Path(next(figures_of(name))).parent)
+    return drawing_of[name], paths | {"folder": folder}
+
+
+def is_drawn_with_the_study(name):
+    """Whether all that it is drawn from is there with cube and thresholds."""
+    files = drawn_from(name).values()
+    paths = [path for f in files for path in ([f] if isinstance(f, str) else f)]
+    return {*paths} <= {"results/cube.nc", "results/threshold.nc", *made_quickly}

@@ -2,7 +2,6 @@ views_of = {key: views(getattr(made, key)) for key in made._fields}
 of_cells = {"cube": "results/cube.nc", "threshold": "results/threshold.nc"}
 # A beam may break: its stress stands with the motion of the cells.
 of_stress = of_cells | (making.get("page", {}) if study.has_strength else {})
-drawn_quickly = [name for name in drawing_of if is_quick[name]]
 PARTS = {
     "snap_maps": "1 Which shock snaps it",
     "thresholds": "2 Thresholds",
@@ -10,46 +9,26 @@ PARTS = {
 }
 
 
-rule draw_snaps:
+rule draw_study:
     input:
         **of_stress,
+        others=made_quickly,
     output:
-        list(figures("snap_maps")),
+        [path for caption in PARTS for path in figures(caption)],
+        [path for name in drawn_together for path in figures_of(name)],
     log:
-        "results/logs/draw_snaps.log",
+        "results/logs/draw_study.log",
     priority: 85
     group:
         "figures"
+    threads: workflow.cores
     resources:
         runtime=10,
+        mem_mb=memory(2000),
     params:
         views=views_of,
         own_points=own_points,
-        code=drawing,
-    message:
-        "Draw the snaps"
-    script:
-        "../scripts/draw.py"
-
-
-rule draw_study:
-    input:
-        **of_cells,
-        others=made_quickly,
-    output:
-        list(figures("thresholds")) + list(figures("maps")),
-        [path for name in drawn_quickly for path in figures_of(name)],
-    log:
-        "results/logs/draw_study.log",
-    priority: 84
-    group:
-        "figures"
-    resources:
-        runtime=10,
-    params:
-        views=views_of,
-        own_points=own_points,
-        quick={name: (drawing_of[name], paths_of(name)) for name in drawn_quickly},
+        applications=constant({name: called(name) for name in drawn_together}),
         code=drawing,
     message:
         "Draw the study"

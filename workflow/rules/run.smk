@@ -1,41 +1,62 @@
-rule simulate_slab:
-    output:
-        slab="results/slabs/{slab}.nc",
-    log:
-        "results/logs/simulate_slab_{slab}.log",
-    priority: 100
-    retries: 1
-    threads: 1
-    resources:
-        mem_mb=lambda wildcards, attempt: attempt * requests[wildcards.slab].mem_mb,
-        runtime=lambda wildcards, attempt: attempt * requests[wildcards.slab].runtime,
-    params:
-        code=numbers,
-        axes=lambda wildcards: slabs[wildcards.slab],  # all else is in its name
-    message:
-        "Simulate the cells"
-    script:
-        "../scripts/jobs.py"
+if is_small:
 
+    rule simulate_all:
+        output:
+            cube="results/cube.nc",
+        log:
+            "results/logs/simulate_all.log",
+        priority: 100
+        resources:
+            mem_mb=memory(2000),
+        params:
+            code=numbers,
+            axes=plan.slabs[0],
+            inputs=study.document(),
+        message:
+            "Simulate the cells"
+        script:
+            "../scripts/jobs.py"
 
-rule collect:
-    input:
-        slab=[f"results/slabs/{name}.nc" for name in slabs],
-    output:
-        cube="results/cube.nc",
-    log:
-        "results/logs/collect.log",
-    priority: 90
-    resources:
-        mem_mb=memory(2000),
-    params:
-        code=numbers,
-        axes=axes,
-        inputs=study.document(),
-    message:
-        "Join the slabs to one cube"
-    script:
-        "../scripts/jobs.py"
+else:
+
+    rule simulate_slab:
+        output:
+            slab="results/slabs/{slab}.nc",
+        log:
+            "results/logs/simulate_slab_{slab}.log",
+        priority: 100
+        retries: 1
+        threads: 1
+        resources:
+            mem_mb=lambda wildcards, attempt: attempt * requests[wildcards.slab].mem_mb,
+            runtime=lambda wildcards, attempt: attempt
+            * requests[wildcards.slab].runtime,
+        params:
+            code=numbers,
+            axes=lambda wildcards: slabs[wildcards.slab],  # all else is in its name
+        message:
+            "Simulate the cells"
+        script:
+            "../scripts/jobs.py"
+
+    rule collect:
+        input:
+            slab=[f"results/slabs/{name}.nc" for name in slabs],
+        output:
+            cube="results/cube.nc",
+        log:
+            "results/logs/collect.log",
+        priority: 90
+        resources:
+            mem_mb=memory(2000),
+        params:
+            code=numbers,
+            axes=axes,
+            inputs=study.document(),
+        message:
+            "Join the slabs to one cube"
+        script:
+            "../scripts/jobs.py"
 
 
 rule find_threshold:

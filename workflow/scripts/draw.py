@@ -1,77 +1,77 @@
 """What the rules of figures run, each a function named like its rule: reads, draws, saves."""
 
 import gc
-from contextlib import nullcontext
+import os
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager, nullcontext
+from functools import partial
+from multiprocessing import get_context
+
+import xarray as xr
 
 from snapmap.applications import attached
 from snapmap.figures import maps, scales, style
 from snapmap.figures.thresholds import draw_threshold_map, draw_thresholds
 from snapmap.files.tables import read_points
 from snapmap.study.netcdf import check_alike, open_whole
-from snapmap.workflow.job_log import run_rule
+from snapmap.workflow.job_log import end_with, run_rule
 
 
-def draw_snaps(cube_path, threshold_path, views, own_points, folder, traces_path=""):
-    """Draw which cells snap, and maps of thresholds; views and own_points as `draw_study` has them.
+def draw_study(
+    cube_path, threshold_path, views, own_points, applications, folder, threads, traces_path=""
+):
+    """Draw what every study has: in one job, as its start takes longer than a figure.
 
+    views: lists of what is drawn: maps of cells, of each its name, what it shows, and its panels;
+        fields (maps of thresholds) and curves; of each of these, and of panels, the name, x, y,
+        at, the place on each other axis, and required_shocks
+    own_points: path and SHA-256 of a user's own points, or nothing
+    applications: by the names of their folders: their figures, and the files of these
     traces_path: with the stress of each cell, of devices that have a strength
     """
-    own_points = read_points(*own_points) if own_points else ()
-    with (
-        open_whole(cube_path) as cube,
-        open_whole(threshold_path) as thresholds,
-        open_whole(traces_path) if traces_path else nullcontext() as traces,
-    ):
+    files = cube_path, threshold_path, traces_path
+    points = read_points(*own_points) if own_points else ()
+    with _opened(files, open_whole) as (cube, thresholds):
         check_alike(cube, thresholds, threshold_path)
-        stressed = cube
+    of_thresholds = partial(_draw_thresholds, files, folder)
+    tasks = [
+        *(partial(_draw_maps, files, folder, points, **figure) for figure in views["maps"]),
+        *(partial(of_thresholds, draw_thresholds, 2, view) for view in views["curves"]),
+        *(partial(of_thresholds, draw_threshold_map, 1, view) for view in views["fields"]),
+    ]
+    for name, (figures, paths) in applications.items():
+        tasks.append(partial(attached()[name].draw, figures=figures, **paths))
+    side_by_side(tasks, threads)
+
+
+def side_by_side(tasks, processes):
+    """Do tasks in processes that are forked here: they share what is imported, and no open file."""
+    if processes == 1 or sys.platform != "linux":  # elsewhere libraries do not outlive a fork
+        for task in tasks:
+            task()
+        return
+    fork = get_context("fork")
+    with ProcessPoolExecutor(processes, fork, end_with, [os.getpid()]) as pool:
+        for done in [pool.submit(task) for task in tasks]:
+            done.result()
+
+
+@contextmanager
+def _opened(files, open_file=xr.open_dataset):
+    """Open cube and thresholds; the cube has the share of the strength, if there are traces."""
+    cube_path, threshold_path, traces_path = files
+    with (
+        open_file(cube_path) as cube,
+        open_file(threshold_path) as thresholds,
+        open_file(traces_path) if traces_path else nullcontext() as traces,
+    ):
         if traces_path:
             check_alike(cube, traces, traces_path)
             share = traces.stress_max / traces.strength
             numbers = {key: cube[key] for key in share.dims if cube[key].dtype.kind == "f"}
-            stressed = cube.assign(stress_share=share.reindex(numbers, method="nearest"))
-        for view in views["snaps"]:
-            shown = {"required_shocks": view["required_shocks"], "own_points": own_points}
-            data = _along(stressed, view), _along(thresholds, view)
-            _draw_map(maps.draw_map, view, folder, *data, **shown)
-        if together := views["together"]:
-            panels = [(_along(stressed, view), _along(thresholds, view)) for view in together]
-            _draw_together(panels, f"{folder}/snap_maps", together[0], own_points)
-        for view in views["fields"]:
-            _draw_map(draw_threshold_map, view, folder, _along(thresholds, view))
-
-
-def draw_study(cube_path, threshold_path, views, own_points, quick, folder):
-    """Draw what else every study has: in one job, as its start takes longer than a figure.
-
-    views: lists of what is drawn: snaps, times, ends (maps of the cube), together (of them side by
-        side), fields (maps of thresholds), curves; of each its name, x, y, at, the place on each
-        other axis, and of maps of cells required_shocks
-    own_points: path and SHA-256 of a user's own points, or nothing
-    quick: of applications by the names of their folders: their figures, and the files of these
-    """
-    own_points = read_points(*own_points) if own_points else ()
-    with open_whole(cube_path) as cube, open_whole(threshold_path) as thresholds:
-        check_alike(cube, thresholds, threshold_path)
-        _draw_times_and_ends(cube, views, own_points, folder)
-        for view in views["curves"]:
-            with style.saved(f"{folder}/{view['name']}", thresholds.attrs, 3.4) as figure:
-                axes = view["x"], view["y"]
-                draw_thresholds(figure.subplots(), _along(thresholds, view), *axes)
-    for name, (figures, paths) in quick.items():
-        attached()[name].draw(figures=figures, folder=folder, **paths)
-
-
-def _draw_times_and_ends(cube, views, own_points, folder):
-    # Of what is drawn: a cube may be larger than memory.
-    colours = maps.snap_times(_along(cube, view) for view in views["times"])
-    for view in views["times"]:
-        _draw_map(maps.draw_time_map, view, folder, _along(cube, view), ends=colours)
-    for view in views["ends"]:
-        shown = {"required_shocks": view["required_shocks"], "own_points": own_points}
-        _draw_map(maps.draw_map, view, folder, _along(cube, view), None, ends=True, **shown)
-    if views["ends"]:
-        panels = [(_along(cube, view), None) for view in views["together"]]
-        _draw_together(panels, f"{folder}/maps", views["together"][0], own_points, ends=True)
+            cube = cube.assign(stress_share=share.reindex(numbers, method="nearest"))
+        yield cube, thresholds
 
 
 def _along(dataset, view):
@@ -79,15 +79,36 @@ def _along(dataset, view):
     return scales.along(dataset.isel(at), view["x"], view["y"])
 
 
-def _draw_map(draw, view, folder, *data, **shown):
-    with style.saved(f"{folder}/{view['name']}", data[0].attrs, 3.6, columns=1) as figure:
-        draw(figure.subplots(), *data, view["x"], view["y"], **shown)
-        style.fit(figure, maps.RATIO)
+def _draw_maps(files, folder, points, name, shows, panels):
+    """Draw maps of cells, several side by side on two columns, one alone on one."""
+    x, y = panels[0]["x"], panels[0]["y"]
+    with _opened(files) as (cube, thresholds):
+        data = [
+            (
+                _along(cube, view),
+                _along(thresholds, view) if shows == "snaps" else None,
+                view["required_shocks"],
+            )
+            for view in panels
+        ]
+        columns = min(len(panels), 2)
+        with style.saved(f"{folder}/{name}", cube.attrs, 3.6, columns) as figure:
+            if columns == 2:
+                maps.draw_maps(figure, data, x, y, points, shows)
+                return
+            cells, band, shocks = data[0]
+            maps.draw_map(figure.subplots(), cells, band, x, y, shocks, points, shows)
+            style.fit(figure, maps.RATIO)
 
 
-def _draw_together(panels, stem, view, own_points, **shown):
-    with style.saved(stem, panels[0][0].attrs, 9) as figure:
-        maps.draw_maps(figure, panels, view["x"], view["y"], own_points, **shown)
+def _draw_thresholds(files, folder, draw, columns, view):
+    with (
+        _opened(files) as (_, thresholds),
+        style.saved(f"{folder}/{view['name']}", thresholds.attrs, 3.4, columns) as figure,
+    ):
+        draw(figure.subplots(), _along(thresholds, view), view["x"], view["y"])
+        if columns == 1:
+            style.fit(figure, maps.RATIO)
 
 
 def function_of(rule):

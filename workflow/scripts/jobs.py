@@ -4,6 +4,8 @@ study: a `Config`, which each job reads anew by `planned_study`
 Imports stand in the functions: a job of cells does without xarray.
 """
 
+from tempfile import TemporaryDirectory
+
 from snapmap.applications import attached, functions
 from snapmap.config.study import planned_study
 from snapmap.files.atomic import replacing
@@ -26,6 +28,16 @@ def collect(study, slab_paths, path):
     from snapmap.sweeps.cube import summary
 
     write_product(collect_slabs(slab_paths, study.axes, study.document()), path, summary)
+
+
+def simulate_all(study, axes, path, code):
+    """Simulate the one slab of a small study, which is not kept, and make the cube of it."""
+    from snapmap.sweeps.slabs import slab_name, write_slab
+
+    with TemporaryDirectory() as folder:
+        slab_path = f"{folder}/{slab_name(study, axes)}.nc"
+        write_slab(study, axes, slab_path, code, functions("observe"))
+        collect(study, [slab_path], path)
 
 
 def find_threshold(study, path, table_path, quick):

@@ -15,9 +15,10 @@ def limits(ax, label):
     return [line for line in ax.lines if line.get_label().startswith(label)]
 
 
-def test_damage_boundary_shades_what_snaps_of_the_first_C():
+def test_damage_boundary_shades_what_snaps_of_each_C():
     ax = drawn(boundary.draw_damage_boundary, make_found())
-    (region,) = artists(ax, Polygon)
+    region, other = artists(ax, Polygon)
+    assert other.get_path().vertices[0, 1] == region.get_path().vertices[0, 1] + 1
     snaps = region.get_path().contains_points
     assert snaps([(1.1, 2000.0), (6.0, 1100.0), (50.0, 1010.0), (51.0, 1e5)]).all()
     assert not snaps([(0.9, 1900.0), (5.4, 1000.0), (50.0, 980.0)]).any()

@@ -12,6 +12,7 @@ from snapmap.applications.requirements.check import check, judge
 from snapmap.applications.tolerances.dataset import tolerances_of
 from snapmap.device.samples import Tolerances
 from snapmap.pulse.shocks import make_shocks
+from snapmap.study.provenance import device_sections
 from snapmap.study.study import Study
 
 
@@ -31,7 +32,10 @@ def sheet(handout):
     row = closing | verdict._asdict() | moved._asdict() | survival._asdict()
     axes = {"C": [25.0], "f0": [1000.0]}
     made = tolerances_of(study, axes, Tolerances({"thickness": 0.05}, samples=32), required)
-    text = datasheet.datasheet(study, [row], required, made, "Crash sensor, 2026")
+    sections = device_sections(device)["device"] | {"mass": "10 mg", "quality_factor": 94}
+    written, damper = {"device": sections}, ("mN*s/m", 1000.0)
+    sheet = {"made": made, "title": "Crash sensor, 2026", "damper": damper}
+    text = datasheet.datasheet(study, [row], written, required, **sheet)
     return text, device, row, made
 
 
@@ -42,13 +46,13 @@ def row(sheet, name):
 
 def test_thresholds_and_shares_are_those_of_the_results(sheet):
     text, device, verdict, made = sheet
-    assert row(text, "beam: thickness") == [f"{device.beam.thickness:g} um"]
-    assert row(text, "beam: youngs modulus") == ["150 GPa"]
-    assert row(text, "beam: density") == ["2330 kg/m^3"]
+    assert row(text, "beam: thickness") == [f"{device.beam.thickness!r} um"]
+    assert row(text, "mass") == ["10 mg"] and row(text, "quality factor") == ["94"]
     frequency = 1e3 * np.sqrt(device.spring / device.mass) / (2 * np.pi)
     assert row(text, "frequency of the mass")[0] == f"{frequency:.5g} kHz"
     shock, degrees, C, threshold, spread, margin, met, *strength = row(text, "drop, does not trip")
-    assert (shock, degrees, C, met) == ("half sine +z, 1 ms", "20", "25", "met")
+    assert (shock, degrees, C, met) == ("half sine +z, 1 ms", "20", "0.025", "met")
+    assert "| C, mN*s/m |" in text and "](figures/requirements.png)" in text
     value, error = map(float, threshold.split(" ± "))
     assert value == pytest.approx(verdict["N_first"], rel=1e-4)
     assert error == pytest.approx(verdict["N_error"], rel=0.1)
@@ -59,7 +63,7 @@ def test_thresholds_and_shares_are_those_of_the_results(sheet):
     assert float(strength[0]) == pytest.approx(900 / verdict["stress_max"], rel=1e-2)
     assert "| meet all, at 20 degC |" in text
     assert row(text, "meet all")[1] == f"{100 * made['yield'].item():.1f} %"
-    where = "drop, half sine +z, C = 25, 20 degC"
+    where = "drop, half sine +z, C = 0.025, 20 degC"
     assert row(text, "travel of the mass towards")[2] == where
     assert row(text, "first closure") == ["2 us", "6 us", where]
     assert row(text, "openings") == ["4", "8", where]

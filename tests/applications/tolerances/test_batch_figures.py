@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 import xarray as xr
-from small_results import ATTRIBUTES, F0, drawn
+from matplotlib.collections import LineCollection
+from small_results import ATTRIBUTES, F0, artists, drawn
 
 from snapmap.applications.tolerances import figure as tolerances
 
@@ -25,7 +26,7 @@ def make_batch(f0=F0):
         "probability": ((*of_f0, "N"), share),
         "probability_bound": (("bound", *of_f0, "N"), np.stack([share / 2, share])),
         "sensitivity": (("order", "value", *of_f0), index),
-        "sensitivity_bound": (("bound", "order", "value", *of_f0), np.stack([index, index + 0.1])),
+        "sensitivity_bound": (("bound", "order", "value", *of_f0), np.stack([index, index + 0.2])),
         "N_first_required": (("requirement", "sample", "C"), N_first[np.newaxis, :, :, 0]),
         "N_required": ("requirement", [1050.0]),
         "must_snap": ("requirement", [1]),
@@ -49,11 +50,15 @@ def test_devices_as_made_are_drawn_as_they_are():
     ax = drawn(tolerances.draw_sensitivity, found)
     shown = [line.get_ydata()[0] for line in ax.lines if len(line.get_ydata()) == F0.size]
     assert sorted(shown) == [0.1, 0.1, 0.9, 0.9]
+    bars = [bar.get_segments()[0][1, 1] for bar in artists(ax, LineCollection)]
+    assert bars == pytest.approx([1.0, 0.3])
 
 
 def test_yields_and_requirements_are_drawn_as_they_are():
     ax = drawn(tolerances.draw_yield, make_batch())
     assert ax.lines[0].get_xydata().tolist() == [[0.5, 0.0], [0.4, 1.0]]
+    low, high = ax.get_xlim()
+    assert 0.05 < low < 0.15 and high > 1  # about the bounds, 0.15 to 0.9, and 1
     ax = drawn(tolerances.draw_requirement, make_batch().isel(C=0, requirement=0))
     assert sum(patch.get_height() for patch in ax.patches[1:]) == 3
     assert ax.patches[0].get_x() == 1050.0

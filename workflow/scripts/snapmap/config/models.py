@@ -141,8 +141,8 @@ class _Core(Section):
     sweep: part(SweepSection)
     maps: many(
         MapSection,
-        "a list of maps {x, y, at} to draw",
-        out=f"N over f0 for each point of the other axes, {MOST_MAPS} of them at most",
+        "a list of maps {x, y, at}, each drawn by itself",
+        out=f"panels of N over f0 for each point of the other axes, {MOST_MAPS} at most",
     )
     thresholds: many(
         LinesSection,

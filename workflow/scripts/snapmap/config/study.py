@@ -42,6 +42,7 @@ class Config(Study):
     left_out: one line on what is not drawn, or nothing
     measured: lines on shapes of beams that were read from files, by device and path
     title: of the data sheet
+    written: the sections of the devices by their names, as they are written
     units: in which the axes of device and C are written
     """
 
@@ -55,6 +56,7 @@ class Config(Study):
     left_out: str
     measured: dict[tuple[str, str], str]
     title: str
+    written: dict[str, Mapping]
     units: Units
 
     @property
@@ -151,6 +153,7 @@ def load_config(document: Mapping) -> Config:
             if section.beam.measured
         },
         title=parts.title or "",
+        written=document.get("devices") or {"device": document["device"]},
         units={key: _unit(key, document["sweep"][key]) for key in DESIGN if sweep.has(key)},
     )
     for name, application in attached().items():

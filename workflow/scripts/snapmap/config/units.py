@@ -13,6 +13,21 @@ LEAST, MOST = 1e-15, 1e15
 """In internal units: no device has values beyond, and they would overflow further on."""
 WORDS = {("contact", "hard"): math.inf, ("body", "none"): 0.0}
 """Values that are a word, by kind."""
+USUAL = {
+    "um": {"nm": "1e-3", "um": "1", "mm": "1e3", "m": "1e6"},
+    "us": {"us": "1", "ms": "1e3", "s": "1e6"},
+    "Hz": {"Hz": "1", "kHz": "1e3", "MHz": "1e6"},
+    "ng": {"ng": "1", "ug": "1e3", "mg": "1e6", "g": "1e9", "kg": "1e12"},
+    "MPa": {"Pa": "1e-6", "kPa": "1e-3", "MPa": "1", "GPa": "1e3"},
+    "uN": {"uN": "1", "mN": "1e3", "N": "1e6"},
+    "uN/um": {"uN/um": "1", "N/m": "1", "mN/m": "1e-3"},
+    "ng/um^3": {"kg/m^3": "1e-6", "g/cm^3": "1e-3"},
+    "um/us^2": {"m/s^2": "1e-6"},
+    "uN*us/um": {"uN*us/um": "1"},
+    "1/us": {"/us": "1", "/s": "1e-6"},
+    "1/K": {"/K": "1"},
+}
+"""How many internal units make one of these; pint, slow to import, is asked for others."""
 
 # Pint evaluates arithmetic such as 9**9**9: a unit reaches it only if it has the form below.
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
@@ -102,9 +117,15 @@ def _quantity(value, target):
     return float(_ARITHMETIC.multiply(number, _factor(unit, target)))
 
 
-@cache
 def _factor(unit, target):
     """How many `target` make one `unit`; a ValueError says what is wrong with `unit`."""
+    usual = USUAL.get(target, {})
+    return Decimal(usual[unit]) if unit in usual else by_pint(unit, target)
+
+
+@cache
+def by_pint(unit: str, target: str) -> Decimal:
+    """The same of any unit."""
     registry = _registry()
     wanted, root_wanted = registry.get_root_units(registry.parse_units(target))
     try:

@@ -14,14 +14,16 @@ from .units import read, show
 
 MOST_DAMPINGS = 6
 """Figures whose lines are names, each at its own C, unless more are requested."""
-MOST_MAPS, PANELS = 24, 12
-"""Maps that are drawn unless more are requested by name, and most of them in one figure."""
+MOST_MAPS = 12
+"""Maps that are drawn unless others are requested by name."""
+MAPS = "maps"
+"""Name of all maps of cells that nobody requested: they are panels of one figure."""
 
 
 class View(NamedTuple):
     """A figure over axes of a study.
 
-    name: of its file
+    name: of its file; views of one name are panels of one figure
     x, y: names of axes; of thresholds y has a line for each of its values
     at: place on each other axis; of a map without N as x or y and not in `at` thresholds are meant
     required_shocks: of a map of cells: name, f0 (Hz), N, and whether its pulse is that of the map
@@ -37,10 +39,6 @@ class View(NamedTuple):
     def is_of_cells(self) -> bool:
         """Whether cells are meant, not thresholds."""
         return "N" in (self.x, self.y, *self.at)
-
-    def called(self, stem: str) -> "View":
-        """The same view of a map under a name that begins with another word than `map`."""
-        return self._replace(name=f"{stem}{self.name.removeprefix('map')}")
 
 
 def frequency_of(duration: float) -> float:
@@ -104,7 +102,8 @@ def choose_maps(
             f"maps: {len(chosen)} of {len(places)} are drawn, evenly chosen over "
             f"{', '.join(others)}; name those you want under maps"
         )
-    return tuple(View(_name(grid, "map", at), x, y, at) for at in chosen), line
+    views = (View(_name(grid, "map", at), x, y, at) for at in chosen)
+    return tuple(view._replace(name=MAPS) if view.is_of_cells else view for view in views), line
 
 
 def batch_places(grid: Grid, of: Collection[str] = NAMES) -> dict[str, dict[str, int]]:
@@ -118,13 +117,6 @@ def batch_places(grid: Grid, of: Collection[str] = NAMES) -> dict[str, dict[str,
         at = dict(zip(names, place, strict=True))
         places["".join(f"_{value_name(key, grid.axes[key], i)}" for key, i in at.items())] = at
     return places
-
-
-def side_by_side(maps: Sequence[View]) -> list[View]:
-    """Maps of cells over the same axes, those of the first; at most PANELS, evenly chosen."""
-    of_cells = [view for view in maps if view.is_of_cells]
-    alike = [view for view in of_cells if (view.x, view.y) == (of_cells[0].x, of_cells[0].y)]
-    return [alike[place] for place in evenly(len(alike), PANELS)]
 
 
 def choose_curves(

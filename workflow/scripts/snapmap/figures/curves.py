@@ -66,9 +66,9 @@ def draw_curve(
     """Draw N_first over x with error bars; dashed and hollow where the snap is late."""
     every = -(-x.size // MARKS)
     bars = {"linestyle": "", "elinewidth": 0.6, "errorevery": every}
-    look = {"color": colour, "clip_on": False}
-    ax.errorbar(x, curve.N_first.values, _known_error(curve).values, **bars, **look)
-    _draw_line(ax, x, curve, look | {"marker": marker, "markersize": size}, every)
+    ax.errorbar(x, curve.N_first.values, _known_error(curve).values, color=colour, **bars)
+    look = {"color": colour, "marker": marker, "markersize": size}
+    _draw_line(ax, x, curve, look, every)
 
 
 def draw_band(ax: Axes, x: np.ndarray, curve: xr.Dataset) -> None:

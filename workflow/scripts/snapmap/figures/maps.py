@@ -1,6 +1,5 @@
 """Maps over two axes of a study: which cells snap, when, and where the beam ends."""
 
-import textwrap
 from collections.abc import Iterable, Sequence
 from typing import Annotated
 
@@ -31,53 +30,42 @@ def draw_map(
     y: str = "N",
     required_shocks: Sequence[tuple[str, float, float, bool]] = (),
     own_points: Sequence[Point] = (),
-    ends: bool = False,
+    shows: str = "snaps",
 ) -> Axes:
-    """Draw over two axes which cells snap.
+    """Draw cells over two axes.
 
     thresholds: over x, drawn with their errors and limits if y is N
     required_shocks: to point out by numbers: name, f0 (Hz), N, and whether the map is of its pulse
     own_points: a user's own
-    ends: draw instead on which side of the saddle the beam of each cell ends, and how sure
+    shows: snaps, which cells snap; times, when; ends, on which side of the saddle the beam ends,
+        and how sure
     """
-    _fill_map(ax, cells, thresholds, x, y, own_points, ends)
-    shocks = plane.number_shocks(ax, x, required_shocks if _has_shocks(x, y) else ())
+    look = _time_look([cells]) if shows == "times" else {}
+    field, names = _fill_map(ax, cells, thresholds, x, y, required_shocks, own_points, shows, look)
     ax.set_title(place_text(cells))
-    words = [style.case(cells.attrs, style.COLUMN), textwrap.fill(shocks, style.COLUMN)]
-    style.legend(ax, _keys([cells], [ax], ends), "\n".join(filter(None, words)), 2)
+    words = [style.case(cells.attrs, style.COLUMN), _numbered(names, style.COLUMN)]
+    style.legend(ax, _keys([cells], [ax], shows), "\n".join(filter(None, words)), 2)
+    _add_time_bar(ax.get_figure(), ax, field, look)
     return ax
 
 
-def draw_time_map(
-    ax: Axes,
-    cells: xr.Dataset,
-    x: str = "f0",
-    y: str = "N",
-    ends: tuple[float, float] | None = None,
-) -> Axes:
-    """Draw over two axes when each cell snaps.
+def _time_look(panels):
+    """How the times of the cells of all panels are coloured: a scale, its unit and its size, us."""
+    low, high = snap_times(panels)
+    unit, size = ("ms", 1e3) if high >= 1e3 else ("µs", 1.0)
+    norm = (LogNorm if high > states.WIDE * low else Normalize)(low / size, high / size)
+    return {"norm": norm, "unit": unit, "size": size}
 
-    ends: of the colours, us; the first and the last snap of these cells if not given
-    """
-    cells = plane.thin(cells, x, y)
-    across = plane.open_plane(ax, cells, x, y)
-    shown = states.WAITING, states.WAITING, *states.SNAPS[2:]
-    codes = states.snap_states(cells)
-    codes = codes.where(codes != 1, -1)  # in the colour of its time
-    plane.fill_states(ax, codes, shown, *across)
-    ax.set_title(place_text(cells))
-    style.legend(ax, plane.state_keys([codes], shown), style.case(cells.attrs, style.COLUMN), 2)
-    if (codes == -1).any():
-        low, high = ends or snap_times([cells])
-        unit, per_unit = ("ms", 1e3) if high >= 1e3 else ("µs", 1.0)
-        is_wide = high > states.WIDE * low
-        norm = (LogNorm if is_wide else Normalize)(low / per_unit, high / per_unit)
-        look = {"cmap": states.TIME_COLOURS, "norm": norm}
-        field = plane.fill_field(ax, cells.t_snap / per_unit, *across, **look)
-        bar = plane.colour_bar(ax, field, f"first snap after the start of the pulse ({unit})")
-        if is_wide:
-            tick(bar.long_axis, low / per_unit, high / per_unit)
-    return ax
+
+def _add_time_bar(figure, axes, field, look):
+    """Put the colours of times below axes, if some cell snaps."""
+    if field is None:
+        return
+    label = f"first snap after the start of the pulse ({look['unit']})"
+    aspect = 30 * min(np.size(axes), 2)
+    bar = figure.colorbar(field, ax=axes, location="bottom", pad=0.02, aspect=aspect, label=label)
+    if isinstance(look["norm"], LogNorm):
+        tick(bar.long_axis, look["norm"].vmin, look["norm"].vmax)
 
 
 def snap_times(panels: Iterable[xr.Dataset]) -> tuple[float, float]:
@@ -133,26 +121,29 @@ def plot_outcome(
     outcome_names(cells.outcome.values)
     if ends and "well" not in cells:
         raise ValueError("cube: its runs end at the snap; where beams end is not known")
-    return draw_map(ax or style.notebook_axes(), cells, found, x, y, ends=ends)
+    shows = "ends" if ends else "snaps"
+    return draw_map(ax or style.notebook_axes(), cells, found, x, y, shows=shows)
 
 
 def draw_maps(
     figure: Figure,
-    panels: Sequence[tuple[xr.Dataset, xr.Dataset | None]],
+    panels: Sequence[tuple[xr.Dataset, xr.Dataset | None, Sequence[tuple]]],
     x: str,
     y: str,
     own_points: Sequence[Point] = (),
-    ends: bool = False,
+    shows: str = "snaps",
 ) -> np.ndarray:
     """Draw several maps over the same axes on an empty figure, as high as they are, and one legend.
 
-    panels: cells, and thresholds or none, as of `draw_map`, as are the others
+    panels: cells, thresholds or none, and required shocks, as of `draw_map`, as are the others
     Returns the axes, rows and columns, None where there is none.
     """
     columns = 2 if len(panels) in (1, 2, 4) else 3 if len(panels) in (3, 5, 6, 9) else 4
     figure.set_figheight(3 * (1 - (-len(panels) // columns)))
     axes = figure.subplots(-(-len(panels) // columns), columns, squeeze=False)
-    first, *others = cells = [cells for cells, _ in panels]
+    first, *others = cells = [cells for cells, *_ in panels]
+    look = _time_look(cells) if shows == "times" else {}
+    fields, names = [], {}
     alone = [key for key in first.coords if first[key].ndim == 0]
     shared = [key for key in alone if others and all(panel[key] == first[key] for panel in others)]
     for place, ax in enumerate(axes.flat):
@@ -160,9 +151,11 @@ def draw_maps(
             ax.remove()
             axes.flat[place] = None
             continue
-        _fill_map(ax, *panels[place], x, y, own_points, ends)
-        ax.set_title(place_text(panels[place][0].drop_vars(shared), 110 // columns))
-        figure.supylabel(ax.get_ylabel(), size="medium")
+        data, thresholds, shocks = panels[place]
+        field, named = _fill_map(ax, data, thresholds, x, y, shocks, own_points, shows, look)
+        fields, names = [*fields, field], names | named
+        ax.set_title(place_text(data.drop_vars(shared), 110 // columns))
+        beside = figure.supylabel(ax.get_ylabel(), size="medium")
         ax.set_ylabel("")
         ax.tick_params(axis="y", labelleft=place % columns == 0)
         if place + columns < len(panels):
@@ -172,14 +165,17 @@ def draw_maps(
             for top in list(ax.child_axes):
                 top.remove()
     words = place_text(first.drop_vars({*first.coords} - {*shared}), style.PAGE)
-    words = "\n".join(filter(None, [words, style.case(first.attrs)]))
-    keys = _keys(cells, axes.flat[: len(panels)], ends)
+    words = [words, style.case(first.attrs), _numbered(names, style.PAGE)]
+    there = axes.flat[: len(panels)]
+    keys = _keys(cells, there, shows)
     limits = [key for key in keys if key.get_label().startswith(LONG)]
     if limits[1:]:  # each panel has another, which one key stands for
         limits[0].set_label(LONG)
         keys = [key for key in keys if key not in limits[1:]]
-    style.legend(figure, keys, words)
+    style.legend(figure, keys, "\n".join(filter(None, words)))
+    _add_time_bar(figure, there, next(filter(None, fields), None), look)
     style.fit(figure, RATIO)
+    beside.set_y((there[0].get_position().y1 + there[-1].get_position().y0) / 2)
     return axes
 
 
@@ -188,13 +184,18 @@ def _has_shocks(x, y):
     return (axis_behind(x), y) == ("f0", "N")
 
 
-def _fill_map(ax, cells, thresholds, x, y, own_points, ends):
+def _fill_map(ax, cells, thresholds, x, y, shocks, own_points, shows, look):
+    """Draw a map; returns its field of times, if it has one, and the names of its shocks."""
     cells = plane.thin(cells, x, y)
     across = plane.open_plane(ax, cells, x, y)
-    shown, classify = _states(ends)
+    shown, classify = states.SHOWN[shows]
     codes = classify(cells)
     plane.fill_states(ax, codes, shown, *across)
-    if ends:
+    field = None
+    if shows == "times" and (codes < 0).any():
+        times = {"cmap": states.TIME_COLOURS, "norm": look["norm"]}
+        field = plane.fill_field(ax, cells.t_snap / look["size"], *across, **times)
+    if shows == "ends":
         dark, elsewhere = plane.is_dark(codes, shown), states.end_elsewhere(cells)
         plane.hatch(ax, elsewhere & ~dark, *across, plane.ELSEWHERE)
         plane.hatch(ax, elsewhere & dark, *across, plane.ELSEWHERE_DARK)
@@ -207,17 +208,20 @@ def _fill_map(ax, cells, thresholds, x, y, own_points, ends):
         draw_static(ax, thresholds, x, "black")
         if x == "f0":
             draw_impulsive(ax, thresholds, "black")
-    plane.draw_points(ax, x, own_points if _has_shocks(x, y) else ())
+    if not _has_shocks(x, y):
+        return field, {}
+    plane.draw_points(ax, x, own_points)
+    return field, plane.number_shocks(ax, x, shocks)
 
 
-def _states(ends):
-    """The states of a cell that may be drawn, and the function that classifies cells."""
-    return (states.STATES, states.end_states) if ends else (states.SNAPS, states.snap_states)
+def _numbered(names, width):
+    """The numbers of shocks with their names, in lines of so many signs."""
+    return style.fill((f"{number}: {names[number]}" for number in sorted(names)), width, "; ")
 
 
-def _keys(panels, axes, ends):
+def _keys(panels, axes, shows):
     """Of the states of all cells, and of what is labelled on the axes."""
-    shown, classify = _states(ends)
+    shown, classify = states.SHOWN[shows]
     # What is read of a part goes with it.
     codes = (classify(part) for cells in panels for part in plane.parts(cells))
     return [*plane.state_keys(codes, shown), *style.labelled(axes)]

@@ -136,25 +136,27 @@ def freeze(ax: Axes) -> None:
     ax.set(xlim=ax.get_xlim(), ylim=ax.get_ylim())
 
 
-def number_shocks(ax: Axes, x: str, shocks: Sequence[tuple[str, float, float, bool]]) -> str:
+def number_shocks(
+    ax: Axes, x: str, shocks: Sequence[tuple[str, float, float, bool]]
+) -> dict[int, str]:
     """Point out shocks by numbers in the order given, by arrows at the edge what lies beyond it.
 
     shocks: name, f0 (Hz), N, and whether it has the map's pulse; what has not is left out
-    Returns a line that names them.
+    Returns the name of each number.
     """
     freeze(ax)
-    names = []
+    names = {}
     for number, (name, f0, N, is_of_map) in enumerate(shocks, start=1):
         if not is_of_map:
             continue
-        names.append(f"{number}: {style.literal(name)}")
+        names[number] = style.literal(name)
         place = np.array([_place(x, f0), N])
         low, high = np.transpose([ax.get_xlim(), ax.get_ylim()])
         inside = np.clip(place, low, high)
         ax.annotate(str(number), inside, INWARD * np.sign(inside - place), **NUMBER)
         if (place != inside).any():
-            names[-1] += f" at {value_text('N', N)}, {value_text('f0', f0)}"
-    return "; ".join(names)
+            names[number] += f" at {value_text('N', N)}, {value_text('f0', f0)}"
+    return names
 
 
 def draw_points(ax: Axes, x: str, points: Sequence[Point]) -> None:

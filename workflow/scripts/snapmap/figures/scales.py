@@ -2,7 +2,6 @@
 
 import math
 import re
-import textwrap
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
@@ -55,13 +54,13 @@ class Scale(NamedTuple):
 def scale_of(key: str, values: np.ndarray) -> Scale:
     """Choose a scale for ascending values: that along which they are more evenly spaced.
 
-    The frequency's is logarithmic, the amplitude's is not; names and a hard contact are counted.
+    The frequency's is logarithmic; names and a hard contact are counted.
     """
     if values.dtype.kind not in "fiu" or not np.isfinite(values).all():
         places = np.arange(values.size, dtype=float)
         return Scale(key, values, places, _edges(places, 0.5), False, True)
     positive = (values > 0).all()
-    is_log = key in ("f0", DURATION) or (key != "N" and positive and _is_geometric(values))
+    is_log = key in ("f0", DURATION) or (positive and _is_geometric(values))
     if is_log:
         edges = np.exp(_edges(np.log(values), math.log(1.1)))
     else:
@@ -186,8 +185,7 @@ def value_text(key: str, value: float | str, with_unit: bool = True) -> str:
 def place_text(data: xr.Dataset, width: int = 50) -> str:
     """Typeset where on all other axes a dataset is, in lines of so many signs, between values."""
     alone = (key for key in WORDS if key in data.coords and data[key].ndim == 0)
-    texts = [value_text(key, data[key].item()).replace(" ", "\u00a0") for key in alone]
-    return textwrap.fill(", ".join(texts), width).replace("\u00a0", " ")
+    return style.fill((value_text(key, data[key].item()) for key in alone), width)
 
 
 def number(value: float | str, digits: int = 4) -> str:

@@ -48,6 +48,8 @@ WAITING = State("waiting", "no snap seen", "#ececec")
 TIME_COLOURS = ListedColormap(colormaps["cividis"](np.linspace(0, 0.88, 256)))
 WIDE = 30
 """Ratio of snap times from which their colours are logarithmic."""
+TIMES = WAITING, WAITING, *SNAPS[2:]
+"""As SNAPS, of a map of times, where a cell that snaps has the colour of its time."""
 
 
 def end_states(cells: xr.Dataset) -> xr.DataArray:
@@ -71,11 +73,25 @@ def snap_states(cells: xr.Dataset) -> xr.DataArray:
     return _without_runs(cells.t_snap.notnull(), _outcomes(cells), 2, 3)
 
 
+def time_states(cells: xr.Dataset) -> xr.DataArray:
+    """The index in TIMES of each cell, int8; -1 where it snaps."""
+    codes = snap_states(cells)
+    return codes.where(codes != 1, -1)
+
+
 def end_elsewhere(cells: xr.Dataset) -> xr.DataArray:
     """Whether a run of each cell with another step ended elsewhere; no where there was none."""
     if "well_reproduced" not in cells:
         return xr.zeros_like(cells.outcome, bool)
     return ended_elsewhere(cells.well_reproduced, cells.well_share)
+
+
+SHOWN = {
+    "snaps": (SNAPS, snap_states),
+    "times": (TIMES, time_states),
+    "ends": (STATES, end_states),
+}
+"""What maps show: the states that a cell may have, and the function that tells them."""
 
 
 def _outcomes(cells):

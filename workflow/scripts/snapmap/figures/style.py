@@ -27,9 +27,13 @@ from ..solver.settings import FIRST
 
 COLUMN, PAGE = 56, 130
 """Signs in a line over one column, and over two."""
+HARD = "\u00a0"
+"""A space at which no line ends."""
 DPI = 300
 """Of PNG, and of what is too fine for vectors in PDF."""
 SHEET = Path(__file__).with_name("paper.mplstyle")
+PLACING = {"GDEF", "GPOS", "GSUB", "kern"}
+"""Tables of a font that a PDF, which places each glyph itself, never reads."""
 # Which metadata of each format holds which attribute of a dataset; what a screen shows comes first.
 METADATA = {
     "png": {"Title": "title", "Software": "code_version", "Comment": "config"},
@@ -112,11 +116,25 @@ def legend(
 
 
 def fit(figure: Figure, ratio: float) -> None:
-    """Make a figure so high that its axes, all alike, are `ratio` times as high as wide."""
-    rows = figure.axes[0].get_subplotspec().get_gridspec().nrows
+    """Lay a figure out, once, so high that its axes, all alike, are `ratio` times as high as wide.
+
+    Colour bars lie below its axes.
+    """
     figure.get_layout_engine().execute(figure)
-    width, height = figure.axes[0].get_position().size * figure.get_size_inches()
-    figure.set_figheight(figure.get_figheight() + rows * (ratio * width - height))
+    figure.set_layout_engine("none")
+    rows = figure.axes[0].get_subplotspec().get_gridspec().nrows
+    places = {ax: ax.get_position(original=True) for ax in figure.axes}
+    width, height = places[figure.axes[0]].size * figure.get_size_inches()
+    before, growth = figure.get_figheight(), ratio * width - height
+    after = before + rows * growth
+    figure.set_figheight(after)
+    for ax, place in places.items():
+        spec = ax.get_subplotspec()
+        y0, y1 = place.y0 * before, place.y1 * before
+        if spec:
+            y0 += (rows - spec.rowspan.stop) * growth
+            y1 += (rows - spec.rowspan.start) * growth
+        ax.set_position([place.x0, y0 / after, place.width, (y1 - y0) / after])
 
 
 @contextmanager
@@ -140,9 +158,13 @@ def save(figure: Figure, stem: str | Path, attributes: Mapping[str, str]) -> Non
     attributes: of the dataset drawn; title, code_version and config go into the files' metadata
     """
     # A notebook does without; and `Figure.savefig` would draw everything twice for each.
+    from fontTools.subset import Options
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.backends.backend_pdf import FigureCanvasPdf
 
+    # To cut them down takes half of the time of a PDF's fonts, and matplotlib leaves no choice.
+    dropped = getattr(Options, "_drop_tables_default", [])
+    Options._drop_tables_default = sorted({*dropped, *PLACING})
     for ending, keys in METADATA.items():
         metadata = {key: attributes[name] for key, name in keys.items() if name in attributes}
         with replacing(f"{stem}.{ending}") as temporary:
@@ -175,7 +197,13 @@ def case(attributes: Mapping[str, str], width: int = PAGE) -> str:
         time, _, unit = horizon.partition(" ")
         horizon = f"{plain(float(time) / 1e3)} ms" if unit == "us" else horizon
         words.append(f"followed {horizon}")
-    return textwrap.fill(", ".join(words), width)
+    return fill(words, width)
+
+
+def fill(phrases: Iterable[str], width: int, mark: str = ", ") -> str:
+    """Phrases with a mark between them, in lines of so many signs; a phrase stays in its line."""
+    kept = (phrase.replace(" ", HARD) for phrase in phrases)
+    return textwrap.fill(mark.join(kept), width).replace(HARD, " ")
 
 
 def literal(text: str) -> str:

@@ -12,7 +12,7 @@ DOUBTFUL = 0.01
 """Error bars above this share of the threshold are marked."""
 BOUND = {"color": "0.4", "linewidth": 0.6, "linestyle": ":", "zorder": 1.5}
 BOUND["label"] = "below it nothing snaps, by energy"
-STAYS = curves.STAYS | {"label": "above it every $N$ seen stays snapped"}
+STAYS = curves.STAYS | {"label": "latched at all tested $N$ above"}
 
 
 def draw_thresholds(ax: Axes, surface: xr.Dataset, x: str = "f0", lines: str = "C") -> Axes:
@@ -22,6 +22,7 @@ def draw_thresholds(ax: Axes, surface: xr.Dataset, x: str = "f0", lines: str = "
     """
     surface = curves.some_lines(surface, x, lines)
     scales.study_axis(ax, scale := scales.scale_of(x, surface[x].values))
+    ax.set_xlim(scale.edges[[0, -1]])  # room for markers
     # As with a run-up, or where long pulses have no limit: some pulse snaps below it.
     if (surface.N_first.notnull() & ~(surface.N_first >= surface.N_static)).any():
         bound = np.unique(surface.N_bound.transpose(x, lines).values, axis=1)

@@ -6,6 +6,7 @@ its sources, so that an edit never meets an older kernel; and numba's files ther
 
 import fcntl
 import hashlib
+import time
 import warnings
 from collections.abc import Callable
 from contextlib import contextmanager, suppress
@@ -105,8 +106,13 @@ def _hash(folder):
 SEAL = b"SHA-256 of all bytes before: "
 """With its 32 bytes it ends a file of numba's cache: LLVM ends the process over a damaged one."""
 _CacheFile = caching.IndexDataCacheFile
-_numba_save, _numba_open = _CacheFile.save, _CacheFile._open_for_write
+_numba_save, _numba_load = _CacheFile.save, _CacheFile.load
+_numba_open = _CacheFile._open_for_write
 _numba_load_index, _numba_load_data = _CacheFile._load_index, _CacheFile._load_data
+PATIENCE = 300
+"""Seconds; no kernel takes longer to compile."""
+_claims = {}
+"""Open files by the kernels that this process compiles, locked until they are saved."""
 
 
 @contextmanager
@@ -140,19 +146,53 @@ def _require_whole(path):
         raise OSError(f"{path}: is damaged")
 
 
+def _locked(path):
+    """Open a file that no other process has locked, or has for longer than PATIENCE."""
+    Path(path).parent.mkdir(parents=True, exist_ok=True)
+    file = open(path, "w")  # noqa: SIM115
+    for _ in range(10 * PATIENCE):
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            time.sleep(0.1)
+            continue
+        except OSError:  # some file systems of clusters have no locks
+            pass
+        break
+    return file
+
+
+def _load_or_claim(file, key):
+    """Load a kernel; one that another process compiles is waited for, else this one will do it."""
+    kernel, claim = _numba_load(file, key), (file._index_path, key)
+    if kernel is None and claim not in _claims:
+        name = hashlib.sha256(repr(key).encode()).hexdigest()[:12]
+        with suppress(OSError):
+            _claims[claim] = _locked(f"{file._index_path}.{name}.lock")
+            kernel = _numba_load(file, key)
+    if kernel is not None:
+        _release(claim)
+    return kernel
+
+
+def _release(claim):
+    if claim in _claims:
+        _claims.pop(claim).close()
+
+
 def _save_alone(file, key, data):
-    """Add a kernel to numba's cache while no other process does.
+    """Add a kernel to numba's cache, if there is room, while no other process does.
 
     Else both number their kernels alike, and a process calls one in the place of the other.
     """
-    with open(f"{file._index_path}.lock", "w") as lock:
-        with suppress(OSError):  # some file systems of clusters have no locks
-            fcntl.flock(lock, fcntl.LOCK_EX)
+    with suppress(OSError), _locked(f"{file._index_path}.lock"):
         _numba_save(file, key, data)
+    _release((file._index_path, key))
 
 
 # numba offers no other way in.
-_CacheFile.save, _CacheFile._open_for_write = _save_alone, _open_sealed
+_CacheFile.load, _CacheFile.save = _load_or_claim, _save_alone
+_CacheFile._open_for_write = _open_sealed
 _CacheFile._load_index, _CacheFile._load_data = _load_index, _load_data
 
 

@@ -47,13 +47,18 @@ def collect_slabs(
         sizes[key] = max(1, min(values.size, room))
         room //= sizes[key]
     # Names keep the order that they were given in.
-    slabs = slabs.sel({key: axes[key] for key in axes if key in NAMES}).chunk(sizes)
+    slabs = slabs.sel({key: axes[key] for key in axes if key in NAMES})
+    if slabs.chunks:
+        slabs = slabs.chunk(sizes)
     variables = {key: slabs[key].data for key in slabs.data_vars}
     return with_summary(as_cube(axes, variables, document))
 
 
 def open_slabs(paths: Sequence[str | Path]) -> xr.Dataset:
-    """Open slabs as a lazy cube, a block for each; raises ValueError, a line for each fault."""
+    """Open slabs as a lazy cube, a block for each; raises ValueError, a line for each fault.
+
+    Of one small slab there is no block: the start of dask takes longer than the rest.
+    """
     faults, cells = [], 0
     for path in paths:
         try:
@@ -64,6 +69,8 @@ def open_slabs(paths: Sequence[str | Path]) -> xr.Dataset:
     if faults:
         raise ValueError("\n".join(faults))
     netCDF4.set_chunk_cache(SLAB_CACHE)
+    if len(paths) == 1 and cells <= BLOCK_CELLS:
+        return xr.open_dataset(paths[0], engine="netcdf4", decode_cf=False)
     how = {"data_vars": "all", "coords": "minimal", "compat": "override", "join": "exact"}
     how |= {"combine": "by_coords", "combine_attrs": "drop", "decode_cf": False}
     try:

@@ -20,7 +20,7 @@ JOB_SECONDS = 30
 short enough to lose."""
 SHARED_SECONDS = 0.2
 """A study of at most so much expected time is one job: most take less than the start of another."""
-SLAB_CELLS = 400_000
+SLAB_CELLS = 3_000_000
 """At most in a slab, for its memory, but for a row that stays together."""
 MOST_CELLS, MOST_SINGLE = 10**10, 1000
 """Most cells of a grid, and most values of C, each of which makes a slab: more are a slip."""

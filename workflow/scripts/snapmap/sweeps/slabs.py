@@ -104,19 +104,30 @@ def recall(
     known, variables = np.zeros([values.size for values in axes.values()], bool), {}
     for other in sorted(path.parent.glob(f"{path.stem.split('_')[0]}_*.nc")):
         try:
+            if not (shared := _shared(other, axes, code, same_N)):
+                continue
+            place, place_in_file = shared
             with open_slab(other) as file:
-                in_file = {key: np.asarray(file[key][:], axes[key].dtype) for key in axes}
-                place, place_in_file = (np.ix_(*at) for at in shared_points(axes, in_file))
-                other_N = same_N and not np.array_equal(axes["N"], in_file["N"])
-                if file.code != code or other_N or not all(index.size for index in place):
-                    continue
                 for key in set(file.variables) - set(file.dimensions):
                     empty = np.empty(known.shape, file[key].dtype)
                     variables.setdefault(key, empty)[place] = file[key][:][place_in_file]
-                known[place] = True
-        except ValueError:
+            known[place] = True
+        except (AttributeError, IndexError, OSError, RuntimeError, ValueError):
             continue  # a broken file: its cells are followed again, and rule collect names it
     return variables, known
+
+
+def _shared(path, axes, code, same_N):
+    """Where cells that a slab in a file shares stand, here and there; nothing if it has none.
+
+    By its axes alone: to hash them, each slab of a large study would read all others.
+    """
+    with netCDF4.Dataset(path) as file:
+        in_file = {key: np.asarray(file[key][:], axes[key].dtype) for key in axes}
+        if file.code != code or (same_N and not np.array_equal(axes["N"], in_file["N"])):
+            return ()
+    here, there = shared_points(axes, in_file)
+    return (np.ix_(*here), np.ix_(*there)) if all(index.size for index in here) else ()
 
 
 def _follow_unknown(grid, study, observers, variables, known):

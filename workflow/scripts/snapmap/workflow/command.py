@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from math import prod
 from pathlib import Path
 
+from .. import __version__
 from ..files.extras import needing
 from ..files.named import naming
 
@@ -21,6 +22,7 @@ START = 2.5
 def main(words: Sequence[str] | None = None) -> int:
     """Run the command with its arguments, the process's by default; returns its exit status."""
     parser = ArgumentParser("snapmap", description="Snap maps of a bistable beam under shock.")
+    parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
     verbs = parser.add_subparsers(required=True, metavar="init, check or run")
     verb = verbs.add_parser("init", help="write a config with comments, to begin with")
     verb.add_argument("folder", nargs="?", default=".", type=Path)

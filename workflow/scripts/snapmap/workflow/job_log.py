@@ -26,17 +26,17 @@ def run_rule(function: Callable, job, study_of: Callable | None = None) -> None:
     """Call a script's function with what its job has under the names of its parameters.
 
     job: the `snakemake` object. A parameter is one of its wildcards or params, or NAME_path
-    (several: NAME_paths) of an input or output NAME; `path`, `stem` and `folder` are those of the
-    first output, `stems` of all; `study` is what study_of makes of the run's config and threads.
+    (several: NAME_paths) of an input or output NAME; `path` is the first output and `folder` where
+    it lies, `threads` what the job may use; `study` is what study_of makes of the run's config and
+    threads.
     """
     first = Path(job.output[0])
-    values = {"path": str(first), "folder": first.parent, "stem": str(first.with_suffix(""))}
+    values = {"path": str(first), "folder": first.parent, "threads": job.threads}
     values |= {**dict(job.wildcards.items()), **dict(job.params.items())}
-    values["stems"] = list(dict.fromkeys(Path(path).with_suffix("") for path in job.output))
     for name, files in [*job.input.items(), *job.output.items()]:
         values[f"{name}_path" if isinstance(files, str) else f"{name}_paths"] = files
     wanted = inspect.signature(function).parameters
-    Thread(target=_end_with, args=[int(os.environ[RUN])], daemon=True).start()
+    end_with(int(os.environ[RUN]))
     with job_log(job.log[0]), _counted(job.log[0]):
         if "study" in wanted:
             values["study"] = study_of(job.config, job.threads)
@@ -93,8 +93,12 @@ def _counted(log):
         path.unlink(missing_ok=True)
 
 
-def _end_with(run):
+def end_with(parent: int) -> None:
     """End this process with its parent: jobs of a killed run would go on beside the next."""
-    while os.getppid() == run:
-        time.sleep(LOOK_AROUND)
-    os._exit(1)
+
+    def look():
+        while os.getppid() == parent:
+            time.sleep(LOOK_AROUND)
+        os._exit(1)
+
+    Thread(target=look, daemon=True).start()

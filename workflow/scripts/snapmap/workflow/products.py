@@ -4,51 +4,66 @@ from typing import NamedTuple
 
 from ..applications import gather
 from ..config.study import Config
-from ..config.views import View, side_by_side
+from ..config.views import MAPS, View
 from ..study.axes import DIRECTION, SHAPE
+
+WORDS = {"snaps": "snap", "times": "time", "ends": "map"}
+"""What a map of cells shows, and the word with which its file's name begins."""
+
+
+class Maps(NamedTuple):
+    """A figure of maps of cells: its name, what it shows, and a view for each panel."""
+
+    name: str
+    shows: str
+    panels: list[dict]
 
 
 class Views(NamedTuple):
     """What is drawn of cells and thresholds.
 
-    ends, times, snaps: maps of cells: where beams end, when and whether they snap
-    fields: maps of thresholds; together: maps of cells that are drawn side by side
-    curves: thresholds over an axis
+    maps: figures of cells; fields: maps of thresholds; curves: thresholds over an axis
     """
 
-    ends: list[View]
-    times: list[View]
-    snaps: list[View]
+    maps: list[Maps]
     fields: list[View]
-    together: list[View]
     curves: tuple[View, ...]
 
     @property
     def stems(self) -> dict[str, list[str]]:
         """Names of figures, by the caption that they have in the report."""
-        stems = {
-            "snap_maps": _names(self.snaps) + _names(self.fields),
-            "maps": _names(self.times) + _names(self.ends),
+        snaps = [figure for figure in self.maps if figure.shows == "snaps"]
+        return {
+            "snap_maps": _names([*snaps, *self.fields]),
+            "maps": _names(figure for figure in self.maps if figure not in snaps),
             "thresholds": _names(self.curves),
         }
-        if self.snaps:
-            stems["snap_maps"].append("snap_maps")
-        if self.ends:
-            stems["maps"].append("maps")
-        return stems
 
 
 def choose_views(study: Config) -> Views:
     """Choose what is drawn of the cells and thresholds of a study."""
     of_cells = [_with_shocks(view, study) for view in study.maps if view.is_of_cells]
+    shown = [key for key in WORDS if key != "ends" or study.settings.until == "settled"]
+    figures = [(name, shows) for name in dict.fromkeys(_names(of_cells)) for shows in shown]
     return Views(
-        ends=of_cells if study.settings.until == "settled" else [],
-        times=[view.called("time") for view in of_cells],
-        snaps=[view.called("snap") for view in of_cells],
+        maps=[
+            Maps(
+                name=_called(name, WORDS[shows]),
+                shows=shows,
+                panels=[view._asdict() for view in of_cells if view.name == name],
+            )
+            for name, shows in figures
+        ],
         fields=[view for view in study.maps if not view.is_of_cells],
-        together=side_by_side(of_cells),
         curves=study.curves,
     )
+
+
+def _called(name, word):
+    """The name of a figure of maps that begins with another word than `map`."""
+    if word == "map":
+        return name
+    return f"{word}_{name}" if name == MAPS else f"{word}{name.removeprefix('map')}"
 
 
 def _with_shocks(view, study):

@@ -13,8 +13,8 @@ from tqdm import tqdm
 
 from .job_log import count_path
 
-CELLS = "simulate_slab"
-"""The rule whose jobs follow cells."""
+CELLS, ALL_CELLS = "simulate_slab", "simulate_all"
+"""The rules whose jobs follow the cells of a slab, and all."""
 WRAPPED = (
     "RuleException:\nCalledProcessError in file",
     "WorkflowError:\nAt least one job did not complete",
@@ -62,6 +62,8 @@ class Progress(logging.Handler):
             self.ended(record.job_id)
             if job.rule_name == CELLS:
                 self.line.update(self.cells.get(job.wildcards["slab"], 0))
+            elif job.rule_name == ALL_CELLS:
+                self.line.update(sum(self.cells.values()))
         elif event == "progress":
             self.done = f"{record.done} of {record.total} jobs"
         self._name_stages()

@@ -9,17 +9,17 @@ from ...figures import curves, plane, scales, style
 from ...figures.thresholds import draw_statics, title
 
 DURATION = {"color": "0.6", "linewidth": 0.5, "linestyle": ":", "zorder": 1}
-SHADE = {"color": "0.9", "linewidth": 0, "zorder": 0}
+SHADE = {"color": "black", "alpha": 0.08, "linewidth": 0, "zorder": 0}
 FAR = 1e9
 """Beyond the edges of any axes, as a factor."""
 
 
 def draw_damage_boundary(ax: Axes, found: xr.Dataset, lines: str = "C") -> Axes:
-    """Draw N_first over the velocity change (m/s) for each line, and what snaps of the first one.
+    """Draw N_first over the velocity change (m/s) for each line, and what snaps.
 
     found: thresholds over f0 and the axis `lines`; of many lines some are drawn
-    Along dotted lines the duration of the pulse is constant; shaded is what lies above the first
-    curve, of the durations that it has.
+    Along dotted lines the duration of the pulse is constant; what lies above each curve, of the
+    durations that it has, is shaded: the darker, the more of them snap.
     """
     found = curves.some_lines(found, "f0", lines)
     ax.set(xscale="log", xlabel="velocity change of the pulse (m/s)")
@@ -34,12 +34,11 @@ def draw_damage_boundary(ax: Axes, found: xr.Dataset, lines: str = "C") -> Axes:
     scales.tick(ax.xaxis, *ax.get_xlim())
     scales.tick(ax.yaxis, *ax.get_ylim())
     plane.freeze(ax)
-    first = found.isel({lines: 0})
-    _draw_region(ax, first)
-    _draw_durations(ax, first)
-    name = scales.value_text(lines, first[lines].item(), with_unit=lines != "C")
-    shaded = Patch(**SHADE, label=f"snaps, {name}")
-    keys = [*curves.line_keys(found, lines), *style.labelled([ax]), shaded]
+    for curve, *_ in drawn:
+        _draw_region(ax, curve)
+    _draw_durations(ax, found.isel({lines: 0}))
+    words = "snaps (darker: of several lines)" if drawn[1:] else "snaps"
+    keys = [*curves.line_keys(found, lines), *style.labelled([ax]), Patch(**SHADE, label=words)]
     style.legend(ax, keys, title(found, style.COLUMN), 2)
     return ax
 

@@ -17,8 +17,9 @@ def inputs(study):
 
 
 def params(study):
-    """Title and required shocks."""
-    return {"title": study.title, "requirements": plain_shocks(study)}
+    """Title and devices as they are written, unit of C, and required shocks."""
+    written = {"title": study.title, "written": study.written, "C": study.units.get("C")}
+    return written | {"requirements": plain_shocks(study)}
 
 
 def run(study, requirements_path, path, tolerance_path=""):
@@ -28,9 +29,10 @@ def run(study, requirements_path, path, tolerance_path=""):
     from ...files.atomic import write_text
     from ...files.tables import read_verdicts
     from ...study.netcdf import open_whole
-    from .datasheet import datasheet
+    from .datasheet import DAMPER, datasheet
 
     verdicts = read_verdicts(requirements_path)
     with open_whole(tolerance_path) if tolerance_path else nullcontext() as made:
-        text = datasheet(study.of_thresholds(), verdicts, shocks_of(study), made, study.title)
-        write_text(text, path)
+        sheet = {"made": made, "title": study.title, "damper": study.units.get("C", DAMPER)}
+        devices, shocks = study.of_thresholds(), shocks_of(study)
+        write_text(datasheet(devices, verdicts, study.written, shocks, **sheet), path)

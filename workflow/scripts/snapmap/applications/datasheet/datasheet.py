@@ -8,12 +8,12 @@ import xarray as xr
 
 from ...beam.limit_loads import reset_force
 from ...beam.modal import natural_frequency
-from ...device.quantities import leaves, plain, quantity_at
+from ...device.quantities import QUANTITIES, leaves, plain
 from ...files.text import DASH, table
 from ...numerics.statistics import percents, scope
 from ...solver.outcome import REPEATED_STEP
 from ...solver.settings import SECOND
-from ...study.provenance import code_version, device_sections
+from ...study.provenance import code_version
 from ...study.study import Study, at_corner
 from .. import functions
 from ..histories.history import extremes_of
@@ -28,57 +28,68 @@ UNITS = {
     "stress_max": ("tensile stress in the beam", "MPa"),
 }
 """Of `Extremes`, as a data sheet names them."""
+DAMPER = QUANTITIES["C"].unit, 1.0
+PICTURE = "![margins of the requirements](figures/requirements.png)\n"
 
 
 def datasheet(
     study: Study,
     verdicts: Sequence[Mapping],
+    written: Mapping[str, Mapping],
     requirements: Sequence[Mapping] = (),
     made: xr.Dataset | None = None,
     title: str = "",
+    damper: tuple[str, float] = DAMPER,
 ) -> str:
     """Write the data sheets of a study's devices, in Markdown.
 
-    verdicts: rows of requirements.csv, of which the thresholds are; requirements: name, shocks, N
-        and f0 (Hz) of those by a pulse
+    verdicts: rows of requirements.csv, of which the thresholds are
+    written: sections of the devices by their names, with units, as the config has them
+    requirements: name, shocks, N and f0 (Hz) of those by a pulse
     made: what `tolerances_of` returns of these requirements, if values scatter
+    damper: the unit of C, and how many internal ones it is
     """
     several, sheets = isinstance(study.device, Mapping), []
+    unit, size = damper
+    of_C = f"C, {unit}"
+    verdicts = [row | {"C": row["C"] / size} for row in verdicts]
+    made = made if made is None else made.assign_coords(C=made.C / size)
     for name, device in study.devices().items():
         of_device = [row for row in verdicts if not several or row["device"] == name]
         batch = made.sel(device=name) if made is not None and several else made
         head = " of ".join(filter(None, ["# Data sheet", title, name if several else ""]))
-        sheets += [f"{head}\n", table(["device", "value"], _device(study, device))]
+        facts = _device(study, device, written[name])
+        sheets += [f"{head}\n", table(["device", "value"], facts)]
         at_rest = f"at rest at {plain(device.temperature)} degC, exact to the digits shown"
         sheets += [table([at_rest, "value"], _statics(device))]
         unit = f"{plain(device.gravity * 1e6)} m/s^2"
         unit = f"{device.force:g} uN on the midpoint" if device.force else unit
-        head = ["requirement", "shock", "at, degC", "C, uN*us/um", "threshold"]
+        head = ["requirement", "shock", "at, degC", of_C, "threshold"]
         head += ["of devices as made", "margin", "verdict", "strength over stress", "breaks"]
         rows = table(head, (_verdict(corner, batch) for corner, *_ in corners(of_device)))
         words = f"Thresholds in multiples of {unit}, and over the required level"
         words += "; of several shocks or temperatures the worst:\n"
-        sheets += [words, rows]
+        sheets += [words, rows, PICTURE]
         if requirements:
-            largest = _largest(replace(study, device=device), requirements, of_device)
+            largest = _largest(replace(study, device=device), requirements, of_device, size)
             largest = table(["what", "value", "error", "under"], largest)
             sheets += ["Largest under these shocks:\n", largest]
         for add in functions("in_datasheet"):
             sheets += add(study, [row for row, *_ in corners(of_device)])
         if batch is not None and "yield" in batch:
             words = f"Share of {batch.sizes['sample']} devices as made, with bounds at 95 %:\n"
-            sheets += [words, table(["share", "C, uN*us/um", "value", "bounds"], _shares(batch))]
+            sheets += [words, table(["share", of_C, "value", "bounds"], _shares(batch))]
     return "\n".join(sheets)
 
 
-def _device(study, device):
-    """What it is: model, support, dimensions."""
+def _device(study, device, written):
+    """By what code and model it was computed, its support, and the values of its config."""
     options = ", ".join(f"{key} {value}" for key, value in study.model.items() if key != "name")
     yield ["made by", f"snapmap {code_version()}"]
     yield ["model", " ".join(filter(None, [study.model["name"], options]))]
     yield ["support", "free to tilt" if device.beam.free else "guided: the beam cannot tilt"]
-    for key, text in leaves(device_sections(device)["device"]):
-        yield [key.replace(".", ": ").replace("_", " "), quantity_at(key).used(text)]
+    for key, text in leaves(written):
+        yield [key.replace(".", ": ").replace("_", " "), text]
 
 
 def _statics(device):
@@ -131,8 +142,11 @@ def _verdict(row, made):
     ]
 
 
-def _largest(study, requirements, verdicts):
-    """What is largest under all required shocks, and its error: the difference to another step."""
+def _largest(study, requirements, verdicts, size):
+    """What is largest under all required shocks, and its error: the difference to another step.
+
+    size: of the unit of C in the verdicts, uN us/um
+    """
     by_name = {required["name"]: required for required in requirements}
     shocks = [row for row in verdicts if row["requirement"] in by_name]
     for key, (words, unit) in UNITS.items():
@@ -141,7 +155,7 @@ def _largest(study, requirements, verdicts):
         worst = max(shocks, key=lambda row, key=key: row[key])
         shock = by_name[worst["requirement"]]
         under = at_corner(study, shock, worst)
-        again = extremes_of(under, shock["N"], shock["f0"], worst["C"], step=REPEATED_STEP)
+        again = extremes_of(under, shock["N"], shock["f0"], worst["C"] * size, step=REPEATED_STEP)
         value, other = worst[key], getattr(again, key)
         where = f"{worst['requirement']}, {corner_text(worst)}"
         yield [words, f"{plain(value)} {unit}", f"{plain(abs(value - other), 1)} {unit}", where]

@@ -58,7 +58,7 @@ def figures(study):
     return {"explore.html": {"horizon": study.settings.horizon}}
 
 
-def draw(figures, cube_path, threshold_path, path, traces_path=""):
+def draw(figures, folder, cube_path, threshold_path, traces_path=""):
     """Write the page."""
     from contextlib import nullcontext
 
@@ -74,5 +74,5 @@ def draw(figures, cube_path, threshold_path, path, traces_path=""):
         check_alike(cube, thresholds, threshold_path)
         if traces_path:
             check_alike(cube, traces, traces_path)
-        horizon = figures["explore.html"]["horizon"]
-        write_text(page(cube, traces, thresholds, horizon), path)
+        for name, horizon in figures.items():
+            write_text(page(cube, traces, thresholds, **horizon), f"{folder}/{name}")

@@ -15,11 +15,11 @@ def corners(rows: Iterable[Mapping]) -> list[list[Mapping]]:
     groups = {}
     for row in rows:
         groups.setdefault((row["requirement"], row["device"], row["C"]), []).append(row)
-    return [sorted(group, key=_badness, reverse=True) for group in groups.values()]
+    return [sorted(group, key=badness, reverse=True) for group in groups.values()]
 
 
-def _badness(row):
-    """Rank by the verdict, then the margin beyond, or the least of all others."""
+def badness(row: Mapping) -> tuple[int, float]:
+    """Rank a row by its verdict, then by the margin beyond, or the least of all others."""
     severity = (MET, UNCLEAR, VIOLATED).index(row["verdict"])
     if row["must_snap"] == ANY:
         margins = {key: row[key] for key in row if key.endswith("_margin")}

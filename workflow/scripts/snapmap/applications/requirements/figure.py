@@ -10,7 +10,7 @@ from matplotlib.patches import Patch
 from ...figures import style
 from ...figures.scales import number, tick, value_text
 from ...solver.settings import SECOND
-from .corners import corners, must_text
+from .corners import badness, corners, must_text
 
 VERDICTS = {
     "met": {"color": "C0", "marker": "o"},
@@ -29,10 +29,11 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
 
     verdicts: rows of requirements.csv
     A row is of a requirement on a device at one C; of several shocks or temperatures it is the
-    worst, which its name tells, and the others are dots. Shaded is where it is met: above one if
-    the shock must not trip, below if it must; all of what may trip or not and is met.
+    worst, which its name tells, and the others are dots; the row with the least slack is on top.
+    Shaded is where it is met: above one if the shock must not trip, below if it must; all of what
+    may trip or not and is met.
     """
-    groups = corners(verdicts)
+    groups = sorted(corners(verdicts), key=lambda group: badness(group[0]), reverse=True)
     known = [row["margin"] for row in verdicts if row["margin"] == row["margin"]]
     low, high = min([*known, 0.8]) / BEYOND, max([*known, 1.25]) * BEYOND
     ax.set(xscale="log", xlim=(low, high), ylim=(len(groups) - 0.5, -0.5))
@@ -59,7 +60,7 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
     looks = {kind: look for kind, look in VERDICTS.items() if kind in kinds}
     keys = [Line2D([], [], linestyle="", **look, label=kind) for kind, look in looks.items()]
     if len(groups) < len(verdicts):
-        keys.append(Line2D([], [], **OTHER, label="under another shock, at another temperature"))
+        keys.append(Line2D([], [], **OTHER, label="another shock or temperature"))
     style.legend(ax, [*keys, Patch(**MET, label="where the requirement is met")])
     return ax
 

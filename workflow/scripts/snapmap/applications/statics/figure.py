@@ -10,11 +10,8 @@ from ...figures import style
 
 TAKEN = {"color": "C5", "linewidth": 1.2, "label": "path of the beam"}
 GUIDED = {"color": "C2", "linestyle": ":", "label": "path of a guided beam"}
-UNBRANCHED = {
-    "color": "C6",
-    "linestyle": "--",
-    "label": "with its second mode held back (no real beam)",
-}
+UNBRANCHED = {"color": "C6", "linestyle": "--"}
+UNBRANCHED["label"] = "second mode suppressed (not physical)"
 STABLE = {"color": "black", "marker": "o", "markersize": 4, "linestyle": "", "zorder": 3}
 UNSTABLE = STABLE | {"markerfacecolor": "white"}
 PEAK = {"color": "0.4", "linewidth": 0.5, "linestyle": ":", "zorder": 0}

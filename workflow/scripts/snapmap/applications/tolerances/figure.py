@@ -39,6 +39,8 @@ FIRST = {"linestyle": ":", "markerfacecolor": "white", "markeredgewidth": 0.5, "
 """Of indices of first order, beside the solid ones of all."""
 NAME = 24
 """Signs in a line of a requirement's name beside its shares."""
+ROOM = 0.05
+"""Beyond what is drawn, as a share of it."""
 FAILS = {"color": "0.9", "linewidth": 0, "label": "the requirement fails"}
 COLUMNS, MOST, DAMPINGS = 3, 12, 6
 """Panels of devices as made side by side, and in a figure, and lines; of more, evenly chosen."""
@@ -106,6 +108,7 @@ def draw_probability(ax: Axes, found: xr.Dataset) -> Axes:
         return ax
     study_axis(ax, f0)
     set_scale(ax, "y", N, found.attrs)
+    ax.set(xlim=f0.edges[[0, -1]], ylim=N.edges[[0, -1]])  # room for markers
     ax.pcolormesh(f0.edges, N.edges, found.probability.transpose("N", "f0").values, **FIELD)
     for share, dashes in LINES.items():
         line = found.N_quantile.sel(quantile=share).values
@@ -116,7 +119,7 @@ def draw_probability(ax: Axes, found: xr.Dataset) -> Axes:
         above = np.logical_and.accumulate(stay[:, ::-1], axis=1)[:, ::-1]
         line = np.where(above.any(axis=1), N.values[above.argmax(axis=1)], np.nan)
         look = {"color": LATCHED, "markerfacecolor": face, **STAYS}
-        ax.plot(f0.values, line, label=f"above it {100 * share:g} % stay snapped", **look)
+        ax.plot(f0.values, line, label=f"{100 * share:g} % latched at all $N$ above", **look)
     return ax
 
 
@@ -125,10 +128,12 @@ def draw_sensitivity(ax: Axes, found: xr.Dataset) -> Axes:
     ax.set_title(place_text(found))
     f0 = scale_of("f0", found.f0.values)
     study_axis(ax, f0)
+    ax.set_xlim(f0.edges[[0, -1]])
     for i, value in enumerate(found.value.values.tolist()):
         index, (colour, marker) = found.sel(value=value), LOOKS[i % len(LOOKS)]
         total, first = (index.sensitivity.sel(order=order).values for order in ("total", "first"))
-        low, high = index.sensitivity_bound.sel(order="total").transpose("bound", "f0").values
+        bounds = index.sensitivity_bound.sel(order="total").transpose("bound", "f0").values
+        low, high = np.clip(bounds, 0, 1)  # as a share has no other values
         bars = {"yerr": np.maximum([total - low, high - total], 0), "elinewidth": 0.5}
         look = {"color": colour, "marker": marker}
         ax.errorbar(f0.places, total, markersize=3, label=words_of(value), **bars, **look)
@@ -136,7 +141,7 @@ def draw_sensitivity(ax: Axes, found: xr.Dataset) -> Axes:
         ax.plot(f0.places, first, label=alone, **look, **FIRST)
     unknown = found.sensitivity.sel(order="total").isnull().all("value").values
     cross(ax, f0.places[unknown], 0.02, "0.4", "not known: few devices snap")
-    ax.set(ylim=(-0.05, 1.1), ylabel="share of the variance of the threshold")
+    ax.set(ylim=(-0.05, 1.05), ylabel="share of the variance of the threshold")
     return ax
 
 
@@ -162,7 +167,7 @@ def draw_requirement(ax: Axes, found: xr.Dataset) -> Axes:
     must = found.must_snap.item()
     known = N_first[np.isfinite(N_first)]
     ends = np.array([*known, N])
-    room = 0.05 * np.ptp(ends) or 0.05 * N
+    room = ROOM * np.ptp(ends) or ROOM * N
     low, high = max(ends.min() - room, 0), ends.max() + room
     where = [place_text(found)]
     if must != SNAPS[ANY]:
@@ -203,17 +208,19 @@ def draw_yield(ax: Axes, found: xr.Dataset) -> Axes:
     for i, (line, colour, marker) in enumerate(each_line(found, "C")):
         y = rows + 0.7 * ((i + 0.5) / found.C.size - 0.5)
         error = abs(bounds[:, :, i] - shares[:, i])
-        look = {"color": colour, "marker": marker, "linestyle": "", "clip_on": False}
+        look = {"color": colour, "marker": marker, "linestyle": ""}
         ax.errorbar(shares[:, i], y, xerr=error, label=value_text("C", line.C.item()), **look)
         for at, share, ends in zip(y, shares[:, i], bounds[:, :, i].T, strict=True):
             words = f"{percents(share)} ({percents(*ends)})"
-            place = {"xytext": (6, 0), "textcoords": "offset points", "va": "center"}
-            ax.annotate(words, (1, at), fontsize=6, **place)
+            place = {"xytext": (4, 0), "textcoords": "offset points", "va": "center"}
+            ax.annotate(words, (1, at), xycoords=ax.get_yaxis_transform(), fontsize=6, **place)
     ax.axhline(rows[-1] - 0.5, color="0.6", linewidth=0.5)
     label = "share of devices that meet it"
     if counted := scope(found["yield"]).removeprefix(", "):
         label += f"; all together: {counted}"
-    ax.set(xlim=(0, 1), ylim=(rows[-1] + 0.5, -0.5), xlabel=textwrap.fill(label, style.COLUMN * 2))
+    room = ROOM * (1 - bounds.min())
+    ax.set(xlim=(bounds.min() - room, 1 + room), ylim=(rows[-1] + 0.5, -0.5))
+    ax.set_xlabel(textwrap.fill(label, style.COLUMN * 2))
     ax.set_yticks(rows, [textwrap.fill(style.literal(name), NAME) for name in names])
     ax.tick_params(axis="y", which="minor", left=False)
     return ax

@@ -40,7 +40,7 @@ def draw_window(figure: FigureBase, found: xr.Dataset, x: str, y: str, units: Un
     found = found.assign_coords({key: found[key].values / sizes[key] for key in sizes})
     reserve = reserves_between(found.reserve.values)
     least = least_reserve(reserve)
-    fields = {"least factor that $N$ may change by": (least, MARGINS)}
+    fields = {"smallest safety factor on $N$": (least, MARGINS)}
     if "yield" in found:
         fields["share of devices that meet all"] = between(found["yield"].values), SHARES
     if "stress_max" in found:

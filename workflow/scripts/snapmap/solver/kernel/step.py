@@ -4,8 +4,9 @@ See docs/theory.md, "One step" and "Stops".
 """
 
 import numpy as np
+from numba.extending import overload
 
-from ...numerics.kernels import compiled, fma, inlined, widen_vectors
+from ...numerics.kernels import INLINED, compiled, fma, inlined, widen_vectors
 from . import rows as R
 from .rows import LANES, numbers, vectors
 
@@ -26,18 +27,17 @@ def advance(work, shape, shocks, first, steps):
     r is linear in P, and x+ in both: x+ = F - beta P, which has one root.
     """
     widen_vectors()
-    modes = len(shape)
-    X, V = numbers(work), vectors(work, modes)
+    X, V = numbers(work), vectors(work, len(shape))
     stopped = has_stops(work)
     for step in range(first, first + steps):
         if stopped and crossed(work):
             meet_stops(work)
         take(X, shocks, step)
         for l in range(LANES):
-            touch(X, l, release_all(X, V, modes, l, 0, modes, (0.0, 0.0, 0.0, 0.0, 0.0)))
+            touch(X, l, release_all(X, V, shape, l, (0.0, 0.0, 0.0, 0.0, 0.0)))
         switch_contacts(X)
         for l in range(LANES):
-            press(X, V, modes, l, meet(X, l))
+            press(X, V, shape, l, meet(X, l))
 
 
 @inlined
@@ -47,12 +47,35 @@ def take(X, shocks, step):
         X[R.A, l] = shocks[step * LANES + l]
 
 
-def halved(loop):
-    """Cut a loop over modes in two.
+FEW = 5
+"""So many modes LLVM takes in one loop."""
+
+
+def over_modes(loop, times):
+    """Make of a loop over modes `first` to `last` a function over all, which cuts many in parts.
 
     LLVM unrolls a short loop and gives up on a longer one, and only what is unrolled vectorises
-    over lanes; else a step takes twice the time. More cuts than that takes cost compiling.
+    over lanes; else a step takes twice the time. More cuts than that takes cost compiling, so which
+    loop it is is chosen by the type of `shape`.
+    times: how often the loop over more than FEW modes is cut in two
     """
+    parts = loop
+    for _ in range(times):
+        parts = halved(parts)
+
+    def all_modes(X, V, shape, l, sums):
+        raise NotImplementedError("is only called by kernels")
+
+    @overload(all_modes, jit_options={"error_model": "numpy"} | dict.fromkeys(INLINED, True))
+    def choose(X, V, shape, l, sums):
+        chosen = loop if shape.count <= FEW else parts
+        return lambda X, V, shape, l, sums: chosen(X, V, len(shape), l, 0, len(shape), sums)
+
+    return all_modes
+
+
+def halved(loop):
+    """Cut a loop over modes in two."""
 
     @inlined
     def both(X, V, modes, l, first, last, sums):
@@ -84,7 +107,7 @@ def release_modes(X, V, modes, l, first, last, sums):
     return uu, eu, ep, ef, ud
 
 
-release_all = halved(halved(halved(release_modes)))
+release_all = over_modes(release_modes, 3)
 
 
 @inlined
@@ -173,14 +196,14 @@ def press_modes(X, V, modes, l, first, last, sums):
     return pull, kick, swept, squared
 
 
-press_all = halved(halved(halved(halved(halved(press_modes)))))
+press_all = over_modes(press_modes, 4)
 
 
 @inlined
-def press(X, V, modes, l, pull):
+def press(X, V, shape, l, pull):
     """p+ = p + d_free - 2 gamma r u - b e P,  y+ = y + dy_free + B P; pull: 2 gamma r."""
     kick = X[R.BEAM_B, l] * X[R.FORCE, l]
-    sums = press_all(X, V, modes, l, 0, modes, (pull, kick, 0.0, X[R.BEAM_SWEPT, l]))
+    sums = press_all(X, V, shape, l, (pull, kick, 0.0, X[R.BEAM_SWEPT, l]))
     _, _, swept, X[R.BEAM_SWEPT, l] = sums
     before, after = X[R.DY, l], fma(X[R.B, l], X[R.FORCE, l], X[R.DY_FREE, l])
     X[R.DY, l] = after
