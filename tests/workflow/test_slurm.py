@@ -203,7 +203,7 @@ def test_every_job_went_through_slurm_with_what_it_asked_for(remote):
     asked = {job["Comment"]: (job["NumCPUs"], job["MinMemoryNode"]) for job in jobs}
     (drawing,) = (comment for comment in asked if comment.startswith("rule_figures_"))
     assert asked.pop(drawing) == ("3", "3000M"), "snaps, page and history, side by side in one job"
-    large = dict.fromkeys(("rule_find_threshold", "rule_trace_cells"), ("2", "2000M"))
+    large = dict.fromkeys(("rule_find_threshold", "rule_find_stress"), ("2", "2000M"))
     assert asked == large | {"rule_collect": ("1", "2000M")} | {
         f"rule_simulate_slab_wildcards_{slab}": ("1", "1000M") for slab in slabs
     }

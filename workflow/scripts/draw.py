@@ -11,22 +11,22 @@ from snapmap.study.netcdf import check_alike, open_whole
 from snapmap.workflow.job_log import run_rule
 
 
-def draw_snaps(cube_path, threshold_path, views, own_points, folder, traces_path=""):
+def draw_snaps(cube_path, threshold_path, views, own_points, folder, stress_path=""):
     """Draw which cells snap, and maps of thresholds; views and own_points as `draw_study` has them.
 
-    traces_path: with the stress of each cell, of devices that have a strength
+    stress_path: of each cell, of devices that have a strength
     """
     own_points = read_points(*own_points) if own_points else ()
     with (
         open_whole(cube_path) as cube,
         open_whole(threshold_path) as thresholds,
-        open_whole(traces_path) if traces_path else nullcontext() as traces,
+        open_whole(stress_path) if stress_path else nullcontext() as stress,
     ):
         check_alike(cube, thresholds, threshold_path)
         stressed = cube
-        if traces_path:
-            check_alike(cube, traces, traces_path)
-            share = traces.stress_max / traces.strength
+        if stress_path:
+            check_alike(cube, stress, stress_path)
+            share = stress.stress_max / stress.strength
             numbers = {key: cube[key] for key in share.dims if cube[key].dtype.kind == "f"}
             stressed = cube.assign(stress_share=share.reindex(numbers, method="nearest"))
         for view in views["snaps"]:
