@@ -13,7 +13,7 @@ from snapmap.applications.page.figure import GREY, WORDS, page
 from snapmap.figures.states import SNAPS, end_elsewhere, end_states, snap_states
 from snapmap.study.netcdf import write
 
-ALWAYS, BAND, FIRST, APART = 1, 2, 3, 4
+ALWAYS, BAND, FIRST, APART, _, CHOSEN, REQUIRED_SHOCKS = range(1, 8)
 """Which curve of the map is which."""
 
 
@@ -199,6 +199,61 @@ def test_a_switch_shows_when_cells_snap_and_where_they_end(view, cube):
     assert view.shown("map", "z") == codes_of(cube, 0) and view.shown("map", "y", FIRST) != []
 
 
+def test_the_page_has_the_title_and_the_required_shocks_of_the_map(view):
+    """Of its pulse alone, by numbers; what lies beyond is at the edge."""
+    assert view.page.title() == view.text("h1") == "Crash sensor A"
+    x, y = (view.shown("map", key, REQUIRED_SHOCKS) for key in "xy")
+    assert view.shown("map", "text", REQUIRED_SHOCKS) == ["1", "2"]
+    edge = view.page.evaluate("axes[X].edges.at(-1)")
+    assert (x, y) == ([3000, edge], [1200, 900])
+    said = view.text("#classes")
+    assert "1: required shock crash, N = 1200, 3000 Hz" in said and "another" not in said
+    assert "2: required shock <i>drop</i>, N = 900, 90000 Hz (beyond the map)" in said
+
+
+def test_what_is_hovered_is_said_below_the_map(view):
+    said = view.hover(1, 2)
+    box, map_box = (view.page.query_selector(name).bounding_box() for name in ("#hovered", "#map"))
+    assert "N = 1300" in said and box["y"] >= map_box["y"] + map_box["height"]
+    assert view.page.query_selector("#map .hovertext") is None
+
+
+def test_a_click_and_the_sliders_choose_a_shock_that_the_page_follows(view, cube):
+    """At a cell the map tells of it, too; between cells values are between those of the cells."""
+    view.click(1, 3)
+    view.wait("run")
+    cell = cube.isel(f0=1, N=3, C=view.place()[0])
+    assert view.page.evaluate("run.snap") == pytest.approx(cell.t_snap.item(), rel=0.02)
+    assert view.text("#followed").endswith(".") and "snaps at t = " in view.text("#followed")
+    assert view.text("#verdict").startswith("tripped") or "snap" in view.text("#verdict")
+    w, first = view.shown("history", "y", 1), view.page.evaluate("run.form.first")
+    assert w[0] == pytest.approx(first, abs=1e-3) and min(w) < -first / 2
+    assert view.page.evaluate("run.form.kappa.length") == 5
+    view.page.focus("#at-N")
+    view.page.keyboard.press("ArrowLeft")
+    view.wait("run && at[Y] === 2.95")
+    assert view.text("#verdict").startswith("between cells:") and view.text("#edge") == ""
+    assert view.text("#at-N + output") == "2155"
+    assert view.shown("map", "y", CHOSEN) == pytest.approx([0.05 * 1300 + 0.95 * 2200])
+    view.page.keyboard.press("ArrowUp")
+    view.wait("run && Number.isInteger(at[Y])")
+    assert view.text("#at-N + output") == "2200"
+
+
+def test_the_picture_moves_with_the_time(view):
+    view.click(1, 3)
+    view.wait("run")
+    beams = []
+    for share in ("0", "1"):
+        view.page.fill("#instant", share)
+        beams.append(view.page.get_attribute("#beam", "d"))
+    assert beams[0] != beams[1] and view.page.get_attribute("#mass", "d").startswith("M150")
+    view.page.click("#play")
+    view.wait("Number(document.getElementById('instant').value) < 0.9")
+    view.page.click("#play")
+    assert view.text("#play") == "play"
+
+
 def test_keys_and_buttons_move_the_choice(view):
     view.click(1, 1)
     view.page.focus("#keys")
@@ -222,10 +277,12 @@ def phone(browser, page_file):
 
 def test_a_phone_shows_all_in_one_column_and_a_finger_chooses_and_scrolls(phone):
     assert phone.page.evaluate("document.documentElement.scrollWidth") == 390
+    phone.wait("run")
     boxes = [phone.page.query_selector(f"#{name}").bounding_box() for name in ("map", "history")]
     assert boxes[0]["y"] + boxes[0]["height"] <= boxes[1]["y"]
+    assert boxes[0]["y"] < 120, "the map comes first"
     assert all(box["width"] > 330 and box["x"] + box["width"] <= 390 for box in boxes)
-    for control in phone.page.query_selector_all("#views label, #sliders input, #steps button"):
+    for control in phone.page.query_selector_all("#views label, .sliders input, #steps button"):
         assert control.bounding_box()["height"] >= 44
     phone.page.touchscreen.tap(*phone.point_at(2, 3))
     phone.wait_for(2, 3)
