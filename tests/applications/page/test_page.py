@@ -299,14 +299,30 @@ def test_a_phone_shows_all_in_one_column_and_a_finger_chooses_and_scrolls(phone)
     assert phone.page.evaluate("map.layout.yaxis.range") == before
 
 
-def test_text_from_a_config_is_text(cube):
+def test_text_from_a_config_is_text(browser, cube, tmp_path):
+    """Also where it would be a script."""
+    hostile = "</script><img src=x onerror=window.harmed=1>"
     document = json.loads(cube.attrs["config"])
-    document["model"]["name"] = "<b>bold</b>"
-    document["devices"] = {"<b>bold</b>": document.pop("device")}
-    named = cube.assign_attrs(config=json.dumps(document))
-    required = [("<b>bold</b>", 1e3, 1e3, [])]
-    text = page(named, edges_of(cube), SETTINGS.horizon, "<b>bold</b>", required=required)
-    assert text.count("&lt;b&gt;bold") == 6 and "<b>bold</b>" not in text
+    document["model"]["name"] = hostile
+    document["devices"] = {hostile: document.pop("device")}
+    named = cube.expand_dims(device=[hostile]).assign_attrs(config=json.dumps(document))
+    required = [(hostile, 3000.0, 1200.0, [("versed sine", "+z")])]
+    write_text(tmp_path / "page.html", named, title=hostile, required=required)
+    view = View(browser, tmp_path / "page.html")
+    view.wait("run")
+    for selector in ("h1", "#device", "#classes", "footer"):
+        assert hostile in view.text(selector)
+    assert view.page.title() == hostile and view.complaints == []
+    assert view.page.evaluate("[document.images.length, window.harmed ?? 0]") == [0, 0]
+
+
+def test_a_record_that_is_too_long_to_be_followed_says_so(browser, cube, tmp_path, monkeypatch):
+    monkeypatch.setattr("snapmap.applications.page.forms.MOST_PIECES", 0)
+    write_text(tmp_path / "page.html", cube)
+    view = View(browser, tmp_path / "page.html")
+    view.wait("document.getElementById('followed').textContent")
+    assert "too many samples" in view.text("#followed") and not view.page.is_visible("#history")
+    assert shows(view, cube.isel(C=view.place()[0]), "f0", "N") and view.complaints == []
 
 
 def view_of(browser, path, device, **asked):

@@ -118,9 +118,9 @@ def test_two_hundred_shocks_end_as_the_cube_says_and_move_as_the_kernel_does(alo
     assert (np.isfinite(snap) == np.isfinite(expected)).all() and np.isfinite(snap).any()
     assert np.nanmax(abs(snap / expected - 1)) < 0.01
     settled = np.array([np.isfinite(run["settled"]) for run in runs])
-    second = np.array([run["isSecond"] for run in runs])
+    across = np.array([run["isAcross"] for run in runs])
     sure = np.isfinite(cube.t_settled.values.ravel()) & (cube.well_reproduced.values.ravel() == 1)
-    assert sure.any() and (second == (cube.well.values.ravel() == 2))[sure & settled].all()
+    assert sure.any() and (across == (cube.well.values.ravel() == 2))[sure & settled].all()
 
 
 def variants(device):

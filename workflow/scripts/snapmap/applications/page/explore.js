@@ -371,13 +371,13 @@ function standing(time) {
 
 // What the page itself saw.
 function followed(k) {
-  const { snap, settled, isSecond, failed, dt, steps } = run;
+  const { snap, settled, isAcross, failed, dt, steps } = run;
   if (failed) return "The page's own run blew up.";
   const snaps = Number.isNaN(snap) ? "it does not snap" : `it snaps at t = ${round(snap)} µs`;
-  const side = isSecond ? "second" : "first";
-  const ends = Number.isNaN(settled) ? `last seen on the ${side} side` : `it stays on the ${side} side from t = ${round(settled)} µs on, by its energy`;
-  const differs = isCell() && outcome(k).name !== "failed" && Number.isNaN(snap) !== Number.isNaN(cells.t_snap[k])
-    ? " The study, whose model is finer, says otherwise." : "";
+  const shape = study.shapes[Number(isAcross)];
+  const ends = Number.isNaN(settled) ? `last seen on the side of the ${shape} shape` : `it stays on the side of the ${shape} shape from t = ${round(settled)} µs on, by its energy`;
+  const isOther = Number.isNaN(snap) !== Number.isNaN(cells.t_snap[k]) || (cells.well[k] && (cells.well[k] === 2) !== isAcross);
+  const differs = isCell() && outcome(k).name !== "failed" && isOther ? " The map tells otherwise, and counts." : "";
   return `Followed by the page, in ${steps} steps of ${round(dt)} µs: ${snaps}; ${ends}.${differs}`;
 }
 

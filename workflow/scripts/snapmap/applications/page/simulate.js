@@ -169,7 +169,7 @@ function* follow(form, pulse, shock, horizon, side, dt) {
     if (n % CHUNK === CHUNK - 1) yield;
   }
   run.steps = n;
-  run.isSecond = side * halfway(beam).w <= side * form.saddle;
+  run.isAcross = side * halfway(beam).w <= side * form.saddle;
   run.failed = !Number.isFinite(beam.y + beam.w);
   return run;
 }
