@@ -11,11 +11,10 @@ import numpy as np
 from snapmap import load_device
 from snapmap.files.text import number, table
 from snapmap.solver.cells import to_cells
-from snapmap.solver.kernel.trace import SAMPLE
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import REPEATED_STEP, work_error
 from snapmap.solver.settings import MOVE, Settings
-from snapmap.solver.simd_loop import trace
+from snapmap.solver.simd_loop import record
 
 from .common import ROOT, few, stepped
 
@@ -30,8 +29,6 @@ MODELS = {
 FINEST, FINE, OTHER = "7 cosines", 0.002, 0.003
 """What models are held against: which of them, its step, us, and one to hold that against."""
 SETTINGS = Settings(horizon=1000.0)
-BINS = 2000
-"""In which the position of the mass is looked at."""
 SPREAD = ["work: median", "third quartile", "largest"]
 HEAD = ["contact, N/m", "model", "step, us", *SPREAD, "t_snap, us", "highest z, um"]
 HEAD += ["reported: median", "third quartile", "largest"]
@@ -70,9 +67,11 @@ def follow(model):
     cells = cells_of(model.device)
     seen = model.follow_once(cells, SETTINGS._replace(until="moved"))
     dt = model.steps.of(cells, MOVE)
-    width = SAMPLE * np.ceil(cells.t_end / (BINS * SAMPLE * dt)).astype(int)
-    y, _, _ = trace(model, cells, dt, width, BINS)[1]
-    return Moved(seen.pulse_work, seen.t_snap, y.max(axis=0))
+    steps = np.ceil(cells.t_end / dt).astype(int)
+    shocks = zip(*cells[2:5], dt, steps, strict=True)
+    runs = [record(model, cells.pulses[0], *shock)[1] for shock in shocks]
+    highest = np.array([max(part.y.max() for part in parts) for parts in runs])
+    return Moved(seen.pulse_work, seen.t_snap, highest)
 
 
 def compare(found, converged):

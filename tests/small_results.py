@@ -1,4 +1,4 @@
-"""Small results of studies, for tests of figures and traces."""
+"""Small results of studies, for tests of figures and of the page."""
 
 import json
 

@@ -133,7 +133,7 @@ def test_the_site_is_made_without_a_warning_and_asks_no_other_host(root, tmp_pat
     )
     assert made.returncode == 0, made.stderr
     pages = {path.stem: path.read_text() for path in (tmp_path / "site").rglob("*.html")}
-    assert {"README", "tutorial", "theory", "reference", "figures"} <= set(pages)
+    assert {"README", "tutorial", "theory", "reference", "figures", "page"} <= set(pages)
     assert pages["theory"].count("<math") > 100
     asked = re.compile(r"<(?:script|link|img)[^>]*(?:src|href)=\"(?:https?:)?//")
     assert not [stem for stem, page in pages.items() if asked.search(page)]

@@ -8,12 +8,12 @@ from numba import njit
 from scipy.integrate import solve_ivp
 
 from snapmap.device.device import Device, batch
-from snapmap.pulse.pulse import Pulse
-from snapmap.solver import simd_loop
+from snapmap.pulse.pulse import Pulse, table
 from snapmap.solver.cells import Cells
-from snapmap.solver.kernel.rows import LANES
-from snapmap.solver.kernel.trace import SAMPLE
+from snapmap.solver.kernel import rows as R
+from snapmap.solver.kernel.trace import follow_stress
 from snapmap.solver.models import build_model
+from snapmap.solver.simd_loop import coefficients, empty_lanes
 
 from .problems import BALL, WAY, Problem
 
@@ -25,8 +25,6 @@ LOOSE = 1e-16
 """Spring of a falling ball, over the handout's."""
 CYCLES = 20.0
 """Of a pulse's sine: more than any trajectory lasts."""
-SAMPLES = 16
-"""Instants that our kernel keeps of a trajectory; the last is its end."""
 
 Solve = Callable[..., np.ndarray]
 """A tolerance, and for some a longest step, or a step alone, to x[0] at t_end of all."""
@@ -137,14 +135,18 @@ def by_kernel(problem: Problem, device: Device) -> Solve:
     shocks = np.zeros(e.size, np.int64), np.full(e.size, omega**2), frequency / CYCLES
     cells = Cells(np.arange(e.size), *shocks, np.zeros(e.size), problem.t_end, (pulse,))
 
+    rows, pulses = coefficients(model, -np.inf), table(cells.pulses)
+    no_stress = np.empty((0, 1, 3)), np.empty(0)
+
     def solve(steps):
-        width = SAMPLE * (steps // (SAMPLE * (SAMPLES - 1)))
-        dt = problem.t_end / omega / (width * (SAMPLES - 1) + 0.5)
+        dt = problem.t_end / omega / (steps + 0.5)
         found = []
-        for some in np.split(np.arange(e.size), range(LANES, e.size, LANES)):
-            widths = np.full(some.size, width)
-            kept = simd_loop.trace(model, cells.take(some), dt[some], widths, SAMPLES)
-            found.append(kept[1][0, -1])
+        for some in np.split(np.arange(e.size), range(R.LANES, e.size, R.LANES)):
+            group, lanes = cells.take(some), empty_lanes(model)
+            loads = *group[1:5], np.full(some.size, steps + 1)
+            follow_stress(*lanes, rows[some], dt[some], pulses, loads, *no_stress)
+            Y = lanes[0][: R.VECTORS * R.LANES].reshape(R.VECTORS, R.LANES)[:, : some.size]
+            found.append(Y[R.Y] - Y[R.DY] / 2)
         return stop + np.concatenate(found) if problem.name == BALL else np.concatenate(found)
 
     return solve

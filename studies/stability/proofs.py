@@ -9,10 +9,9 @@ from snapmap.device.device import Device
 from snapmap.files.text import table
 from snapmap.solver.cells import to_cells
 from snapmap.solver.kernel.rows import LANES
-from snapmap.solver.kernel.trace import SAMPLE
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import STAY, Settings
-from snapmap.solver.simd_loop import trace
+from snapmap.solver.simd_loop import midpoints
 
 from ..common import few
 
@@ -24,8 +23,8 @@ MODELS = {
 }
 DAMPINGS = (0.025, 25.0)
 SETTINGS = Settings(threads=2)
-FURTHER, BINS = 10_000.0, 500
-"""How long runs are followed on after the pulse, us, and the bins in which w is kept."""
+FURTHER = 10_000.0
+"""How long runs are followed on after the pulse, us."""
 
 
 HEAD = ["beam", "contact, N/m", "model", "proven", "left their well"]
@@ -66,11 +65,12 @@ def leavers(model, cells, t_settled, well):
 
     t_settled, well: of each, as observed
     """
-    dt = model.steps.of(cells, STAY)
-    width = SAMPLE * np.ceil((1 / cells.f0 + FURTHER) / (BINS * SAMPLE * dt)).astype(int)
-    (low, high), _, _ = trace(model, cells, dt, width, BINS)
-    later = np.arange(BINS)[:, np.newaxis] * width * dt >= t_settled
-    saddle = model.barrier.midpoint
-    # A run that has blown up since is on neither side.
-    stays = np.where(well == 1, low > saddle, high < saddle)
-    return int((later & ~stays).any(axis=0).sum())
+    dt, saddle = model.steps.of(cells, STAY), model.barrier.midpoint
+    steps = np.ceil((1 / cells.f0 + FURTHER) / dt).astype(int)
+    left = np.zeros(dt.size, bool)
+    for first, w in midpoints(model, cells, dt, steps.max()):
+        later = (first + np.arange(len(w)) + 0.5)[:, np.newaxis] * dt >= t_settled
+        # A run that has blown up since is on neither side.
+        stays = np.where(well == 1, w > saddle, w < saddle)
+        left |= (later & ~stays).any(axis=0)
+    return int(left.sum())

@@ -10,7 +10,15 @@ import xarray as xr
 import yaml
 from small_studies import TINY
 
-from snapmap.applications import calibration, page, requirements, statics, tolerances, window
+from snapmap.applications import (
+    calibration,
+    page,
+    requirements,
+    statics,
+    stress,
+    tolerances,
+    window,
+)
 from snapmap.config.study import load_config
 from snapmap.study.netcdf import open_whole, write
 
@@ -36,7 +44,7 @@ def test_a_flipped_or_cut_file_is_named(product):
         assert str(refusal.value) == f"{product}: is damaged; remove it and run again"
 
 
-READERS = [draw.draw_study, page.draw, page.run, window.draw, calibration.draw]
+READERS = [draw.draw_study, page.draw, stress.run, window.draw, calibration.draw]
 READERS += [statics.draw, tolerances.draw]
 
 

@@ -21,7 +21,7 @@ from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
 from snapmap.workflow.products import choose_views
 
 DRAWING = {"draw_study", "draw_page", "draw_histories"}
-RULES = {"simulate_all", "find_threshold", "trace_cells"}
+RULES = {"simulate_all", "find_threshold", "find_stress"}
 RULES |= {"simulate_histories"} | DRAWING
 
 
@@ -264,7 +264,7 @@ def test_what_left_the_config_leaves_the_figures(clone, finished, tmp_path):
     snakemake(clone, folder, smaller)
     figures = {path.name for path in mine.parent.iterdir()}
     assert figures == figures_of(smaller.read_text()) | {mine.name}
-    for name in ("threshold.nc", "traces.nc"):
+    for name in ("threshold.nc", "stress.nc"):
         before, after = (xr.load_dataset(one / "results" / name) for one in (finished[0], folder))
         xr.testing.assert_equal(before.sel(C=[30]), after)
 

@@ -216,7 +216,7 @@ def test_every_job_went_through_slurm_with_what_it_asked_for(remote):
     assert processors == "4" and int(memory.rstrip("M")) >= 2000, "all figures in one job"
     assert slabs and asked == {
         "rule_find_threshold": ("2", "2000M"),
-        "rule_trace_cells": ("2", "2000M"),
+        "rule_find_stress": ("2", "2000M"),
         "rule_simulate_all": ("1", "2000M"),
     }
     assert len(list((folder / "results" / "figures").glob("*.pdf"))) > 8

@@ -1,7 +1,6 @@
 views_of = {key: views(getattr(made, key)) for key in made._fields}
 of_cells = {"cube": "results/cube.nc", "threshold": "results/threshold.nc"}
-# A beam may break: its stress stands with the motion of the cells.
-of_stress = of_cells | (making.get("page", {}) if study.has_strength else {})
+of_stress = of_cells | making.get("stress", {})
 PARTS = {
     "snap_maps": "1 Which shock snaps it",
     "thresholds": "2 Thresholds",

@@ -19,7 +19,7 @@ from snapmap.workflow.job_log import end_with, run_rule
 
 
 def draw_study(
-    cube_path, threshold_path, views, own_points, applications, folder, threads, traces_path=""
+    cube_path, threshold_path, views, own_points, applications, folder, threads, stress_path=""
 ):
     """Draw what every study has: in one job, as its start takes longer than a figure.
 
@@ -28,9 +28,9 @@ def draw_study(
         at, the place on each other axis, and required_shocks
     own_points: path and SHA-256 of a user's own points, or nothing
     applications: by the names of their folders: their figures, and the files of these
-    traces_path: with the stress of each cell, of devices that have a strength
+    stress_path: of each cell, of devices that have a strength
     """
-    files = cube_path, threshold_path, traces_path
+    files = cube_path, threshold_path, stress_path
     points = read_points(*own_points) if own_points else ()
     with _opened(files, open_whole) as (cube, thresholds):
         check_alike(cube, thresholds, threshold_path)
@@ -59,16 +59,16 @@ def side_by_side(tasks, processes):
 
 @contextmanager
 def _opened(files, open_file=xr.open_dataset):
-    """Open cube and thresholds; the cube has the share of the strength, if there are traces."""
-    cube_path, threshold_path, traces_path = files
+    """Open cube and thresholds; the cube has the share of the strength, if a beam may break."""
+    cube_path, threshold_path, stress_path = files
     with (
         open_file(cube_path) as cube,
         open_file(threshold_path) as thresholds,
-        open_file(traces_path) if traces_path else nullcontext() as traces,
+        open_file(stress_path) if stress_path else nullcontext() as stress,
     ):
-        if traces_path:
-            check_alike(cube, traces, traces_path)
-            share = traces.stress_max / traces.strength
+        if stress_path:
+            check_alike(cube, stress, stress_path)
+            share = stress.stress_max / stress.strength
             numbers = {key: cube[key] for key in share.dims if cube[key].dtype.kind == "f"}
             cube = cube.assign(stress_share=share.reindex(numbers, method="nearest"))
         yield cube, thresholds

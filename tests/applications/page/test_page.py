@@ -2,40 +2,24 @@
 
 import json
 import re
-import shutil
 
 import numpy as np
 import pytest
 import xarray as xr
-from playwright.sync_api import sync_playwright
 from small_results import SETTINGS, swept
 
 from snapmap.applications import page as page_of
-from snapmap.applications.page import traces as envelopes
 from snapmap.applications.page.figure import GREY, WORDS, page
 from snapmap.figures.states import SNAPS, end_elsewhere, end_states, snap_states
 from snapmap.study.netcdf import write
-from snapmap.study.study import Study
 
-ALWAYS, BAND, FIRST, APART = 1, 2, 3, 4
+ALWAYS, BAND, FIRST, APART, _, CHOSEN, REQUIRED_SHOCKS = range(1, 8)
 """Which curve of the map is which."""
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "chrome"))), None)
 
 
 @pytest.fixture(scope="module")
 def cube(handout):
     return swept(handout)
-
-
-def trace(device, cube, settings=SETTINGS):
-    """The traces of a study of one device."""
-    model = json.loads(cube.attrs["config"])["model"]
-    return envelopes.trace(Study(device=device, model=model, settings=settings), cube)
-
-
-@pytest.fixture(scope="module")
-def traced(handout, cube):
-    return trace(handout, cube)
 
 
 def edges_of(cube):
@@ -45,31 +29,28 @@ def edges_of(cube):
     return xr.Dataset(variables, attrs=cube.attrs)
 
 
-def write_text(path, cube, traces):
-    path.write_text(page(cube, traces, edges_of(cube), SETTINGS.horizon), encoding="utf-8")
+REQUIRED = [
+    ("crash", 3000.0, 1200.0, [("versed sine", "+z")]),
+    ("<i>drop</i>", 9e4, 900.0, [("versed sine", "+z"), ("half sine", "+z")]),
+    ("another's", 3000.0, 1200.0, [("half sine", "+z")]),
+]
+
+
+def write_text(path, cube, **more):
+    path.write_text(page(cube, edges_of(cube), SETTINGS.horizon, **more), encoding="utf-8")
 
 
 @pytest.fixture(scope="module")
-def page_file(cube, traced, tmp_path_factory):
+def page_file(cube, tmp_path_factory):
     """The page of the small cube, written by the rule's own function."""
     folder = tmp_path_factory.mktemp("a page")
-    paths = [folder / f"{name}.nc" for name in ("cube", "threshold", "traces")]
-    for dataset, path in zip((cube, edges_of(cube), traced), paths, strict=True):
+    paths = [folder / f"{name}.nc" for name in ("cube", "threshold")]
+    for dataset, path in zip((cube, edges_of(cube)), paths, strict=True):
         write(dataset, path)
-    figures = {"explore.html": {"horizon": SETTINGS.horizon}}
-    page_of.draw(figures, *paths[:2], folder / "explore.html", paths[2])
+    asked = {"horizon": SETTINGS.horizon, "title": "Crash sensor A", "required": REQUIRED}
+    page_of.draw({"explore.html": asked}, *paths, folder / "explore.html")
     assert sorted(folder.iterdir()) == sorted([*paths, folder / "explore.html"])
     return folder / "explore.html"
-
-
-@pytest.fixture(scope="module")
-def browser():
-    if CHROMIUM is None:
-        pytest.skip("no Chromium is installed")
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield browser
-        browser.close()
 
 
 class View:
@@ -115,10 +96,10 @@ class View:
 
     def hover(self, i, j):
         self.page.mouse.move(0, 0)
-        self.page.wait_for_selector("#map .hovertext", state="detached")
+        self.wait("document.getElementById('hovered').textContent === ''")
         self.page.mouse.move(*self.point_at(i, j))
-        self.page.wait_for_selector("#map .hovertext")
-        return self.text("#map .hovertext")
+        self.wait("document.getElementById('hovered').textContent !== ''")
+        return self.text("#hovered")
 
     def click(self, i, j):
         self.hover(i, j)
@@ -137,7 +118,7 @@ class View:
 
     def sliders(self):
         """The label and the value of each slider."""
-        rows = "[...document.querySelectorAll('#sliders input')].map((slider) => ["
+        rows = "[...document.querySelectorAll('#sliders input, #at-C')].map((slider) => ["
         rows += "slider.labels[0].textContent, slider.nextElementSibling.textContent])"
         return [[text.replace("\xa0", " ") for text in row] for row in self.page.evaluate(rows)]
 
@@ -218,19 +199,59 @@ def test_a_switch_shows_when_cells_snap_and_where_they_end(view, cube):
     assert view.shown("map", "z") == codes_of(cube, 0) and view.shown("map", "y", FIRST) != []
 
 
-def test_a_click_shows_the_history_of_that_cell(view, traced):
-    """Each curve to half a step of its own range, of which there are 254."""
-    view.slide(0)
-    for i, j in ((0, 3), (2, 0)):
-        view.click(i, j)
-        cell = traced.isel(C=0, f0=i, N=j)
-        for curve, key in enumerate(("w_low", "w_high", "z_mass", "energy", "beam_energy")):
-            half = 0.501 * float(cell[key].max() - cell[key].min()) / 254
-            shown = view.shown("history", "y", curve)
-            assert shown == pytest.approx(cell[key].values.tolist(), abs=half)
-        starts = float(cell.bin_length) / 1e3 * np.arange(cell.sizes["bin"])
-        assert view.shown("history", "x", 2) == pytest.approx(starts.tolist())
-        assert view.text("#cell").startswith(f"N = {cell.N:g}, f0 = {cell.f0:g} Hz")
+def test_the_page_has_the_title_and_the_required_shocks_of_the_map(view):
+    """Of its pulse alone, by numbers; what lies beyond is at the edge."""
+    assert view.page.title() == view.text("h1") == "Crash sensor A"
+    x, y = (view.shown("map", key, REQUIRED_SHOCKS) for key in "xy")
+    assert view.shown("map", "text", REQUIRED_SHOCKS) == ["1", "2"]
+    edge = view.page.evaluate("axes[X].edges.at(-1)")
+    assert (x, y) == ([3000, edge], [1200, 900])
+    said = view.text("#classes")
+    assert "1: required shock crash, N = 1200, 3000 Hz" in said and "another" not in said
+    assert "2: required shock <i>drop</i>, N = 900, 90000 Hz (beyond the map)" in said
+
+
+def test_what_is_hovered_is_said_below_the_map(view):
+    said = view.hover(1, 2)
+    box, map_box = (view.page.query_selector(name).bounding_box() for name in ("#hovered", "#map"))
+    assert "N = 1300" in said and box["y"] >= map_box["y"] + map_box["height"]
+    assert view.page.query_selector("#map .hovertext") is None
+
+
+def test_a_click_and_the_sliders_choose_a_shock_that_the_page_follows(view, cube):
+    """At a cell the map tells of it, too; between cells values are between those of the cells."""
+    view.click(1, 3)
+    view.wait("run")
+    cell = cube.isel(f0=1, N=3, C=view.place()[0])
+    assert view.page.evaluate("run.snap") == pytest.approx(cell.t_snap.item(), rel=0.02)
+    assert view.text("#followed").endswith(".") and "snaps at t = " in view.text("#followed")
+    assert view.text("#verdict").startswith("tripped") or "snap" in view.text("#verdict")
+    w, first = view.shown("history", "y", 1), view.page.evaluate("run.form.first")
+    assert w[0] == pytest.approx(first, abs=1e-3) and min(w) < -first / 2
+    assert view.page.evaluate("run.form.kappa.length") == 5
+    view.page.focus("#at-N")
+    view.page.keyboard.press("ArrowLeft")
+    view.wait("run && at[Y] === 2.95")
+    assert view.text("#verdict").startswith("between cells:") and view.text("#edge") == ""
+    assert view.text("#at-N + output") == "2155"
+    assert view.shown("map", "y", CHOSEN) == pytest.approx([0.05 * 1300 + 0.95 * 2200])
+    view.page.keyboard.press("ArrowUp")
+    view.wait("run && Number.isInteger(at[Y])")
+    assert view.text("#at-N + output") == "2200"
+
+
+def test_the_picture_moves_with_the_time(view):
+    view.click(1, 3)
+    view.wait("run")
+    beams = []
+    for share in ("0", "1"):
+        view.page.fill("#instant", share)
+        beams.append(view.page.get_attribute("#beam", "d"))
+    assert beams[0] != beams[1] and view.page.get_attribute("#mass", "d").startswith("M150")
+    view.page.click("#play")
+    view.wait("Number(document.getElementById('instant').value) < 0.9")
+    view.page.click("#play")
+    assert view.text("#play") == "play"
 
 
 def test_keys_and_buttons_move_the_choice(view):
@@ -256,10 +277,12 @@ def phone(browser, page_file):
 
 def test_a_phone_shows_all_in_one_column_and_a_finger_chooses_and_scrolls(phone):
     assert phone.page.evaluate("document.documentElement.scrollWidth") == 390
+    phone.wait("run")
     boxes = [phone.page.query_selector(f"#{name}").bounding_box() for name in ("map", "history")]
     assert boxes[0]["y"] + boxes[0]["height"] <= boxes[1]["y"]
+    assert boxes[0]["y"] < 120, "the map comes first"
     assert all(box["width"] > 330 and box["x"] + box["width"] <= 390 for box in boxes)
-    for control in phone.page.query_selector_all("#views label, #sliders input, #steps button"):
+    for control in phone.page.query_selector_all("#views label, .sliders input, #steps button"):
         assert control.bounding_box()["height"] >= 44
     phone.page.touchscreen.tap(*phone.point_at(2, 3))
     phone.wait_for(2, 3)
@@ -276,20 +299,36 @@ def test_a_phone_shows_all_in_one_column_and_a_finger_chooses_and_scrolls(phone)
     assert phone.page.evaluate("map.layout.yaxis.range") == before
 
 
-def test_text_from_a_config_is_text(cube, traced):
+def test_text_from_a_config_is_text(browser, cube, tmp_path):
+    """Also where it would be a script."""
+    hostile = "</script><img src=x onerror=window.harmed=1>"
     document = json.loads(cube.attrs["config"])
-    document["model"]["name"] = "<b>bold</b>"
-    document["devices"] = {"<b>bold</b>": document.pop("device")}
-    named = cube.assign_attrs(config=json.dumps(document))
-    text = page(named, traced, edges_of(cube), SETTINGS.horizon)
-    assert text.count("&lt;b&gt;bold") == 3 and "<b>bold</b>" not in text
+    document["model"]["name"] = hostile
+    document["devices"] = {hostile: document.pop("device")}
+    named = cube.expand_dims(device=[hostile]).assign_attrs(config=json.dumps(document))
+    required = [(hostile, 3000.0, 1200.0, [("versed sine", "+z")])]
+    write_text(tmp_path / "page.html", named, title=hostile, required=required)
+    view = View(browser, tmp_path / "page.html")
+    view.wait("run")
+    for selector in ("h1", "#device", "#classes", "footer"):
+        assert hostile in view.text(selector)
+    assert view.page.title() == hostile and view.complaints == []
+    assert view.page.evaluate("[document.images.length, window.harmed ?? 0]") == [0, 0]
+
+
+def test_a_record_that_is_too_long_to_be_followed_says_so(browser, cube, tmp_path, monkeypatch):
+    monkeypatch.setattr("snapmap.applications.page.forms.MOST_PIECES", 0)
+    write_text(tmp_path / "page.html", cube)
+    view = View(browser, tmp_path / "page.html")
+    view.wait("document.getElementById('followed').textContent")
+    assert "too many samples" in view.text("#followed") and not view.page.is_visible("#history")
+    assert shows(view, cube.isel(C=view.place()[0]), "f0", "N") and view.complaints == []
 
 
 def view_of(browser, path, device, **asked):
     """The cube of a device, or of several, and its page in a browser."""
     cube = swept(device, **asked)
-    settings = SETTINGS._replace(until=asked.get("until", SETTINGS.until))
-    write_text(path, cube, trace(device, cube, settings))
+    write_text(path, cube)
     return cube, View(browser, path)
 
 
@@ -320,6 +359,7 @@ def test_each_further_axis_of_several_values_has_a_slider(of_devices):
         values = [f"{cells.thickness:g} µm", f"{cells.spring:g} N/m"]
         assert view.sliders() == [["thickness", values[0]], ["spring", values[1]]]
         if t < 2:
+            view.wait("run")
             levels.append(view.page.evaluate("motion.layout.shapes[0].y0"))
     assert len(maps) == 5, "the maps of some devices are alike"
     ratio = 4 / np.sqrt(3) * cube.thickness.values[:2] / 10
@@ -355,20 +395,10 @@ def test_where_f0_has_one_value_the_longest_other_takes_its_place(browser, hando
         assert shows(view, cube.isel(spring=s, f0=0, C=0), "thickness", "N")
     view.click(2, 1)
     assert view.place() == [2, 1, 0, 0, 1]
+    view.wait("run")
     assert view.page.evaluate("motion.layout.shapes[2].x0") == pytest.approx(1e3 / 1500)
     assert view.shown("map", "y", FIRST) != [] and not view.page.evaluate("'xaxis2' in map.layout")
     assert "thickness (µm)" in view.page.evaluate("map.layout.xaxis.title.text")
-
-
-def test_without_traces_the_page_says_how_to_get_them(browser, cube, tmp_path):
-    write_text(tmp_path / "page.html", cube, None)
-    view = View(browser, tmp_path / "page.html")
-    assert shows(view, cube.isel(C=view.place()[0]), "f0", "N")
-    assert not view.page.is_visible("#history") and "traces: true" in view.text("main")
-    assert view.page.is_hidden(".of-stops >> nth=0") and view.page.is_hidden(".of-gap >> nth=0")
-    view.click(1, 2)
-    assert not view.page.is_visible("#history") and "undefined" not in view.text("#verdict")
-    assert view.complaints == []
 
 
 def test_a_sweep_to_the_snap_shows_where_it_snaps(browser, handout, tmp_path):
@@ -389,7 +419,7 @@ def test_the_beam_is_drawn_in_the_shape_in_which_the_study_starts(cube, browser,
     document = json.loads(cube.attrs["config"])
     document["sweep"] = document.get("sweep", {}) | {"start": start}
     path = tmp_path / "explore.html"
-    write_text(path, cube.assign_attrs(config=json.dumps(document)), None)
+    write_text(path, cube.assign_attrs(config=json.dumps(document)))
     opened = browser.new_page()
     opened.goto(path.as_uri())
     drawn = "key => getComputedStyle(document.querySelector(`.of-${key}`)).strokeDasharray"

@@ -13,7 +13,7 @@ from .cells import Form, Motion, no_observations
 from .kernel import rows as R
 from .kernel.lanes import Facts, Task, follow_all, load
 from .kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
-from .kernel.trace import keep_block, keep_midpoints, trace_all
+from .kernel.trace import follow_stress, keep_block, keep_midpoints
 from .settings import FIRST, SECOND
 
 SIDE = {FIRST: 1.0, SECOND: -1.0}
@@ -54,23 +54,17 @@ def _coefficients(model, start):
     return coefficients(model, model.snap_target(start), start)
 
 
-def trace(model, cells, dt, width, bins, stress=None, start=FIRST):
-    """Follow up to LANES cells, each through `bins` bins of its own width.
+def largest_stress(model, cells, dt, steps, rows, start=FIRST):
+    """Follow up to LANES cells, each for its steps, for the largest stress; MPa, (cells,).
 
-    dt: us, width: steps in a bin; (cells,)
-    stress: of the cells, (cells, ...), as `stress_rows` has it of their devices, if it is wanted
-    Returns w_range, instants and the largest stress from there
+    dt: us, (cells,); rows: of the cells, (cells, ...), as `stress_rows` has them of their devices
     """
-    n_cells = width.size
-    w_range, instants = np.empty((2, bins, n_cells)), np.empty((3, bins, n_cells))
-    kept = w_range, instants, np.full(n_cells, -np.inf)
-    k = model.modes
-    rows = np.empty((0, 1, k + 2)) if stress is None else stress.copy()
-    rows[:, :-1, k] /= (dt * dt)[: len(rows), np.newaxis]
+    rows, largest = rows.copy(), np.full(dt.size, -np.inf)
+    rows[:, :-1, model.modes] /= (dt * dt)[:, np.newaxis]
     devices = coefficients(model, -np.inf, start)[cells.device]
-    pulses, loads = table(cells.pulses), (*cells[1:5], width)
-    trace_all(*empty_lanes(model), devices, dt, pulses, loads, rows, kept)
-    return kept
+    loads = *cells[1:5], steps
+    follow_stress(*empty_lanes(model), devices, dt, table(cells.pulses), loads, rows, largest)
+    return largest
 
 
 def midpoints(model, cells, dt, steps, start=FIRST):

@@ -26,9 +26,8 @@ def _draws(path):
     """Whether a file of the package draws, and makes no numbers."""
     parts = path.relative_to(_PACKAGE).parts
     room, name = parts[0], parts[-1]
-    return room == "figures" or (
-        room == "applications" and (name == "figure.py" or path.suffix not in (".py", ".csv"))
-    )
+    drawing = name in ("figure.py", "forms.py") or path.suffix not in (".py", ".csv")
+    return room == "figures" or (room == "applications" and drawing)
 
 
 _FILES = [

@@ -26,6 +26,8 @@ OVER_TOLERANCE = 2.0
 """The same of `auto`, over its tolerance, if that is not below the default."""
 ELSEWHERE, NEAR_CHANGE = "cells_ended_elsewhere", "labels_near_change"
 
+SHOWN_CELLS = 40_000
+"""A larger cube is thinned for the page, and for the largest stress."""
 MOST_CELLS = 10**8
 """Of one call; those of a config go to files, slab by slab."""
 
@@ -35,6 +37,19 @@ class SweepOptions(arguments.ThresholdOptions, AutoOptions, arguments.AxisOption
 
     until: arguments.Until
     repeat: Flag
+
+
+def thin(cube: xr.Dataset) -> xr.Dataset:
+    """Keep every nth value of the longest axes, so that no more than SHOWN_CELLS cells are left."""
+    strides = dict.fromkeys(reversed(cube.outcome.dims), 1)
+
+    def left(key):
+        return -(-cube.sizes[key] // strides[key])
+
+    while math.prod(map(left, strides)) > SHOWN_CELLS:
+        # Where C is short, as it is, only f0 and N are thinned.
+        strides[max(strides, key=left)] += 1
+    return cube.isel({key: slice(None, None, stride) for key, stride in strides.items()})
 
 
 def sweep(

@@ -1,21 +1,24 @@
-"use strict";
-// Fills the page's two figures: the map over two axes at the sliders' places on all others, and the
-// history of the chosen cell.
+// Fills the page: the map over two axes at the sliders' places on all others, and the motion under the
+// chosen shock, which `simulate.js` follows.
 
 const study = JSON.parse(document.getElementById("data").textContent);
 const { axes } = study;
 const [map, motion, room] = ["map", "history", "motion"].map((id) => document.getElementById(id));
-const [X, Y, PULSE] = [study.x, study.y, "f0"].map((key) => axes.findIndex(({ name }) => name === key));
+const [X, Y, ...SHOCK] = [study.x, study.y, "N", "f0", "C"].map((key) => axes.findIndex(({ name }) => name === key));
+const PULSE = SHOCK[1], BETWEEN = 20; // steps of a slider from one cell to the next
+const PLAYED = 6000; // ms
 const strides = axes.map((_, n) => axes.slice(n + 1).reduce((cells, { values }) => cells * values.length, 1));
 const MOVES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 const STEPS = [[X, [["ArrowLeft", "←"], ["ArrowRight", "→"]]], [Y, [["ArrowDown", "↓"], ["ArrowUp", "↑"]]]];
-const LINES = [1, 2, 3], APART = 4, CHOSEN = [5, 6]; // curves of the map, after the cells
+const LINES = [1, 2, 3], APART = 4, CHOSEN = [5, 6], REQUIRED = 7; // curves of the map, after the cells
 const SNAPPED = study.views[0].states.findIndex(({ name }) => name === "snapped");
-const KINDS = { uint8: Uint8Array, float32: Float32Array };
+const KINDS = { uint8: Uint8Array, float32: Float32Array, float64: Float64Array };
 const ends = study.views.find(({ name }) => name === "end") ?? study.views[0]; // of which words tell
 let view = study.views[0]; // what the map shows
 const cells = {}; // arrays over the cells; the thresholds' are over the rows of cells along N
-const at = study.start; // the chosen cell's place on each axis
+const at = study.start; // the chosen shock's place on each axis, whole at a cell
+let run = null; // what was followed last
+let forms = null;
 
 const PLAIN = {
   font: { family: "system-ui, sans-serif", size: 12, color: "#242424" },
@@ -35,6 +38,7 @@ const BUTTONS = {
 };
 const [BAND, BEAM, TOTAL, AID] = ["rgba(0, 114, 178, 0.35)", "#0072b2", "#d55e00", "#555555"];
 const DASHES = { dash: "8 4", dot: "2 2", dashdot: "8 3 2 3", longdash: "12 4" }; // of plotly's what SVG takes
+const REACH = 4; // of energies over the saddle's, as drawn
 const TICKS = 6; // at most, so that they stand apart on a phone
 
 async function unpack({ kind, bytes }) {
@@ -49,6 +53,8 @@ const state = (k) => ends.states[cells[ends.code][k]];
 const outcome = (k) => study.outcomes[cells.outcome[k]];
 const isOpen = (k) => ["unsnapped", "snapped"].includes(outcome(k).name);
 const isAbsent = (k) => outcome(k).name === "absent";
+const nearest = () => at.map(Math.round);
+const isCell = () => at.every(Number.isInteger);
 const rowOf = (k) => Math.floor(k / axes.at(-1).values.length);
 
 // Round numbers, to a decade 1, 2 and 5 or fewer; between close ends evenly spaced.
@@ -90,12 +96,13 @@ function openMap() {
   const marks = [{ symbol: "line-ne-open", size: 7, color: "#333333" }, { ...ring, color: "white", line: { width: 5 } }, ring];
   const always = { symbol: "line-ew-open", size: 9, color: "black" };
   const curves = [
-    { type: "heatmap", x: axes[X].edges, y: axes[Y].edges, zmin: -0.5, showscale: false, hovertemplate: "%{text}<extra></extra>" },
+    { type: "heatmap", x: axes[X].edges, y: axes[Y].edges, zmin: -0.5, showscale: false, hoverinfo: "none" },
     // As LINES: from where all snap; the band of error about where the first snap; and where they do.
     { ...bare, mode: "lines+markers", line: { color: "black", width: 1 }, marker: always },
     { ...bare, mode: "lines", line: { color: pale, width: 3 }, fill: "toself", fillcolor: pale },
     { ...bare, mode: "lines+markers", line: { color: "black", width: 1.5 }, marker: { size: 3, color: "black" } },
     ...marks.map((marker) => ({ ...bare, mode: "markers", marker })),
+    { ...bare, mode: "markers+text", cliponaxis: false, textfont: { size: 11, color: "black" }, marker: { size: 17, color: "white", line: { width: 1, color: "black" } } },
   ];
   const layout = { ...PLAIN, xaxis: scaleOf(axes[X]), yaxis: scaleOf(axes[Y]) };
   if (X === PULSE) {
@@ -106,7 +113,7 @@ function openMap() {
   return Plotly.newPlot(map, curves, layout, BUTTONS);
 }
 
-// Positions and energies; the curves are as `traced`.
+// Positions and energies.
 function openMotion() {
   const line = (name, color, width, more) => ({
     type: "scatter", mode: "lines", name, line: { color, width }, x: [0], y: [0],
@@ -121,11 +128,10 @@ function openMotion() {
     line("beam's energy", BEAM, 1, energy),
   ];
   const mark = (name, dash, at) => ({ type: "line", name, line: { color: AID, width: 1.2, dash }, ...at });
-  const w2 = cells.second.reduce((low, w) => (w < low ? w : low), 0);
   const level = { xref: "x domain", x0: 0, x1: 1 };
   const instant = { xref: "x", x0: 0, x1: 0, yref: "paper", y0: 0, y1: 1 };
   const shapes = [
-    mark("second shape w<sub>2</sub>", "dash", { ...level, yref: "y", y0: w2, y1: w2 }),
+    mark("second shape w<sub>2</sub>", "dash", { ...level, yref: "y", y0: 0, y1: 0 }),
     mark("saddle", "solid", { ...level, yref: "y2", y0: 1, y1: 1 }),
     mark("end of the pulse", "dot", instant),
     mark("snap", "dashdot", instant),
@@ -137,18 +143,18 @@ function openMotion() {
   document.getElementById("lines").innerHTML = [...curves.slice(1), ...shapes].map(({ name, line: own, fill }) =>
     `<li><svg width="28" height="12" fill="none" aria-hidden="true">${stroke(own)}${
       fill ? stroke({ color: BAND, width: 9 }) : ""}</svg> ${name}</li>`).join("");
-  const upright = (text, domain, include) => ({ ...AXIS, title: { text }, domain, autorangeoptions: { include } });
+  const upright = (text, domain) => ({ ...AXIS, title: { text }, domain });
   return Plotly.newPlot(motion, curves, {
     ...PLAIN,
     shapes,
     xaxis: { ...AXIS, title: { text: "time after the start of the pulse (ms)" }, anchor: "y2" },
-    yaxis: upright("position (µm)", [0.45, 1], [1.15 * w2, -1.15 * w2]),
-    yaxis2: upright("energy / saddle's", [0, 0.4], [0, 1.2]),
+    yaxis: upright("position (µm)", [0.45, 1]),
+    yaxis2: upright("energy / saddle's", [0, 0.4]),
   }, BUTTONS);
 }
 
 function place(i, j) {
-  const rest = at.map((own, n) => (n === X ? i : n === Y ? j : own));
+  const rest = nearest().map((own, n) => (n === X ? i : n === Y ? j : own));
   return rest.reduce((k, own, n) => k + own * strides[n], 0);
 }
 
@@ -158,12 +164,13 @@ function byCell(make) {
     axes[X].values.map((_, i) => make(corner + i * strides[X] + j * strides[Y], i, j)));
 }
 
-function describe(k, i, j) {
+function describe(i, j) {
+  const k = place(i, j);
   const snap = cells.t_snap[k];
   const lines = [`<b>${state(k).words}</b>`, ...ending(k), say(Y, j), say(X, i)];
-  if (isAbsent(k)) return lines.join("<br>");
+  if (isAbsent(k)) return lines.join("; ");
   lines.push(Number.isNaN(snap) ? "no snap" : `t<sub>snap</sub> = ${round(snap)} µs`);
-  return lines.concat(cells.elsewhere[k] ? ["another step ended elsewhere"] : []).join("<br>");
+  return lines.concat(cells.elsewhere[k] ? ["another step ended elsewhere"] : []).join("; ");
 }
 
 // What a cell's colour leaves out, in lines.
@@ -192,7 +199,24 @@ function drawMap() {
   Plotly.restyle(map, { ...marksAt(apart), "marker.color": [inks] }, [APART]);
   const colours = { colorscale: [view.scale], zmax: view.states.length - 0.5 };
   const z = byCell((k) => cells[view.code][k] + (view.ramp && cells.snap[k] === SNAPPED ? shade(k) : 0));
-  Plotly.restyle(map, { z: [z], text: [byCell(describe)], ...colours }, [0]);
+  Plotly.restyle(map, { z: [z], ...colours }, [0]);
+  drawRequired();
+}
+
+// Numbers of required shocks of the map's pulse, at its edge where they lie beyond it.
+function drawRequired() {
+  const has = axes[X].name === "f0" && axes[Y].name === "N" && !axes[X].ticked && !axes[Y].ticked;
+  const { shape, direction } = pulseAt();
+  const shown = study.required.flatMap(([name, f0, N, pushed], n) =>
+    (has && pushed.some(([one, way]) => one === shape && way === direction) ? [{ name, f0, N, text: String(n + 1) }] : []));
+  const within = (n, value) => Math.min(Math.max(value, axes[n].edges[0]), axes[n].edges.at(-1));
+  const [x, y] = [shown.map(({ f0 }) => within(X, f0)), shown.map(({ N }) => within(Y, N))];
+  Plotly.restyle(map, { x: [x], y: [y], text: [shown.map(({ text }) => text)] }, [REQUIRED]);
+  const row = document.getElementById("classes");
+  row.insertAdjacentHTML("beforeend", shown.map(({ name, f0, N, text }, n) => {
+    const beyond = x[n] === f0 && y[n] === N ? "" : " (beyond the map)";
+    return `<li>${text}: required shock ${name}, N = ${round(N)}, ${round(f0)} Hz${beyond}</li>`;
+  }).join(""));
 }
 
 // Where a cell that snaps stands among the colours of times, nearly from -0.5 to 0.5.
@@ -237,8 +261,19 @@ function inkOn(colour) {
   return 0.3 * red + 0.6 * green + 0.1 * blue < 110 ? "#ffffff" : "#333333";
 }
 
+// A number on an axis between those of two cells.
+function between(values, place, isLog) {
+  const low = Math.floor(place), [a, b] = [values[low], values[Math.ceil(place)]];
+  if (a === b) return a;
+  return isLog ? a * (b / a) ** (place - low) : a + (b - a) * (place - low);
+}
+
+const valueOf = (n) => between(axes[n].numbers, at[n], axes[n].type === "log");
+const textOf = (n) => (Number.isInteger(at[n]) ? axes[n].texts[at[n]] : `${round(valueOf(n))}\u00a0${axes[n].unit}`.trim());
+
 function marksAt(places) {
-  return { x: [places.map(([i]) => axes[X].values[i])], y: [places.map(([, j]) => axes[Y].values[j])] };
+  const along = (n, place) => between(axes[n].values, place, axes[n].type === "log");
+  return { x: [places.map(([i]) => along(X, i))], y: [places.map(([, j]) => along(Y, j))] };
 }
 
 function listClasses(codes, apart, [hasAlways, , hasFirst]) {
@@ -258,42 +293,134 @@ function timeKey() {
   return `${first} <i class="ramp" style="background:linear-gradient(to right, ${view.ramp})"></i>${last}, first snap`;
 }
 
-function trace(name, k) {
-  const [scale, offset] = [cells[`${name}_scale`][k], cells[`${name}_offset`][k]];
-  let code = 0; // the bytes are differences between codes
-  return Array.from(cells[name].subarray(k * study.bins, (k + 1) * study.bins), (step) => {
-    code = (code + step) % 256;
-    return code === study.missing ? null : offset + scale * code;
-  });
+function drawChoice() {
+  const k = place(Math.round(at[X]), Math.round(at[Y]));
+  Plotly.restyle(map, marksAt([[at[X], at[Y]]]), CHOSEN);
+  const values = axes.map(({ lead }, n) => `<span>${lead}${textOf(n)}</span>`);
+  document.getElementById("cell").innerHTML = values.reverse().join(", ");
+  document.getElementById("edge").textContent = isAbsent(k) || !isCell() ? "" : threshold(rowOf(k));
+  document.getElementById("verdict").innerHTML = isCell()
+    ? `<b>${state(k).words}:</b> ${verdict(k)}` : "<b>between cells:</b> the page alone follows this shock.";
+  document.querySelectorAll(".sliders input").forEach((slider) => slider.show());
+  drawDevice();
+  followChoice(k);
 }
 
-function drawHistory() {
-  const k = place(at[X], at[Y]);
-  const values = axes.map((_, n) => `<span>${say(n, at[n])}</span>`);
-  document.getElementById("cell").innerHTML = values.reverse().join(", ");
-  document.getElementById("edge").textContent = isAbsent(k) ? "" : threshold(rowOf(k));
-  document.getElementById("verdict").innerHTML = `<b>${state(k).words}:</b> ${verdict(k)}`;
-  drawDevice();
-  const wasHidden = room.hidden;
-  room.hidden = isAbsent(k) || !study.bins;
+const pulseAt = () => study.pulses[axes.reduce((number, { name, values }, n) =>
+  (["shape", "direction"].includes(name) ? number * values.length + nearest()[n] : number), 0)];
+
+function formAt() {
+  const ofDevice = axes.filter(({ name }) => !["shape", "direction", "N", "f0", "C"].includes(name)).length;
+  const place = axes.slice(0, ofDevice).reduce((number, { values }, n) => number * values.length + nearest()[n], 0);
+  const row = study.deviceOf[place] * study.width;
+  return formOf(study.names, forms.subarray(row, row + study.width));
+}
+
+let turn = 0;
+
+// Follows the chosen shock, bit by bit, until another one is chosen.
+async function followChoice(k) {
+  const mine = (turn += 1), said = document.getElementById("followed");
+  run = null;
+  room.hidden = isAbsent(k) || !pulseAt().pieces;
+  if (isAbsent(k)) said.textContent = "";
+  if (!isAbsent(k) && room.hidden) said.textContent = "This shock has too many samples to be followed here; histories in the config follow it.";
   if (room.hidden) return;
-  const starts = Array.from({ length: study.bins }, (_, bin) => (bin * cells.bin_length[k]) / 1e3);
-  const middles = starts.map((start) => start + cells.bin_length[k] / 2e3);
-  const end = 1e6 / axes[PULSE].values[at[PULSE]];
-  const instants = [end, cells.t_snap[k], cells.t_settled[k]].map((time) => time / 1e3);
-  const instantKeys = [...document.getElementById("lines").children].slice(-instants.length);
-  instantKeys.forEach((key, n) => { key.hidden = Number.isNaN(instants[n]); });
+  const [N, f0, C] = SHOCK.map(valueOf), shock = { N, f0: f0 * 1e-6, C }, [form, pulse] = [formAt(), pulseAt()];
+  const dt = stepOf(form, pulse, shock, study.limits);
+  const course = follow(form, pulse, shock, study.horizon, study.side, dt);
+  for (;;) {
+    await new Promise((go) => { setTimeout(go); });
+    if (mine !== turn) return;
+    const { done, value } = course.next();
+    if (!done) continue;
+    run = { ...value, form, end: 1e-3 / shock.f0 };
+    drawRun();
+    said.textContent = followed(k);
+    return;
+  }
+}
+
+function drawRun() {
+  const { form, dt, every, low, high, y, snap, settled, end } = run;
+  const starts = low.map((_, bin) => (bin * every * dt) / 1e3), middles = starts.map((start) => start + (every * dt) / 2e3);
+  const unit = form.barrier || 1, [w, z] = [form.first, form.first + form.z0];
+  run.w = low.map((least, bin) => w + (least + high[bin]) / 2);
+  run.z = Number.isFinite(z) ? y.map((place) => z + place) : [];
+  const instants = [end, snap / 1e3, settled / 1e3];
+  const keys = [...document.getElementById("lines").children];
+  keys.slice(-3).forEach((key, n) => { key.hidden = Number.isNaN(instants[n]); });
+  keys[1].hidden = !run.z.length;
   const [second, saddle, ...marks] = motion.layout.shapes;
   const moved = marks.map((mark, n) => ({ ...mark, ...standing(instants[n]) }));
-  const curves = { x: [middles, middles, starts, starts, starts], y: study.traced.map((name) => trace(name, k)) };
-  const whole = { "xaxis.autorange": true, "yaxis.autorange": true, "yaxis2.autorange": true };
-  const level = { ...second, y0: cells.second[k], y1: cells.second[k] };
-  Plotly.update(motion, curves, { shapes: [level, saddle, ...moved], ...whole });
-  if (wasHidden) Plotly.Plots.resize(motion); // the window may have changed meanwhile
+  const energies = [run.energy, run.beam].map((values) => values.map((value) => value / unit));
+  const curves = {
+    x: [middles, middles, starts, starts, starts],
+    y: [low.map((least) => w + least), high.map((most) => w + most), run.z, ...energies],
+  };
+  const most = energies[0].reduce((top, value) => Math.max(top, value), 1.2);
+  const whole = { "xaxis.autorange": true, "yaxis.autorange": true, "yaxis2.range": [0, Math.min(REACH, 1.05 * most)] };
+  Plotly.update(motion, curves, { shapes: [{ ...second, y0: form.second, y1: form.second }, saddle, ...moved], ...whole });
+  Plotly.Plots.resize(motion); // the window may have changed while it was hidden
+  drawScene(1);
 }
 
 function standing(time) {
   return Number.isNaN(time) ? { visible: false } : { visible: true, x0: time, x1: time };
+}
+
+// What the page itself saw.
+function followed(k) {
+  const { snap, settled, isAcross, failed, dt, steps } = run;
+  if (failed) return "The page's own run blew up.";
+  const snaps = Number.isNaN(snap) ? "it does not snap" : `it snaps at t = ${round(snap)} µs`;
+  const shape = study.shapes[Number(isAcross)];
+  const ends = Number.isNaN(settled) ? `last seen on the side of the ${shape} shape` : `it stays on the side of the ${shape} shape from t = ${round(settled)} µs on, by its energy`;
+  const isOther = Number.isNaN(snap) !== Number.isNaN(cells.t_snap[k]) || (cells.well[k] && (cells.well[k] === 2) !== isAcross);
+  const differs = isCell() && outcome(k).name !== "failed" && isOther ? " The map tells otherwise, and counts." : "";
+  return `Followed by the page, in ${steps} steps of ${round(dt)} µs: ${snaps}; ${ends}.${differs}`;
+}
+
+// The beam and the mass at a share of the time shown; the beam as a cosine of the height of its midpoint.
+function drawScene(share) {
+  if (!run) return;
+  const bin = Math.min(Math.floor(share * run.w.length), run.w.length - 1);
+  const { form } = run, height = 35 / Math.max(Math.abs(form.first), Math.abs(form.second), 1e-9);
+  const up = (place) => 55 - Math.max(-50, Math.min(height * place, 50));
+  const beam = (w) => `M${Array.from({ length: 41 }, (_, n) =>
+    `${7.5 * n} ${up((w * (1 - Math.cos((Math.PI * n) / 20))) / 2)}`).join("L")}`;
+  document.getElementById("beam").setAttribute("d", beam(run.w[bin]));
+  document.getElementById("other").setAttribute("d", beam(study.side > 0 ? form.second : form.first));
+  const mass = run.z.length ? `M150 ${up(run.z[bin]) - 2}l-6 -9h-24v-9h60v9h-24Z` : "";
+  document.getElementById("mass").setAttribute("d", mass);
+  document.getElementById("instant").value = share;
+  document.getElementById("now").textContent = `${round((bin * run.every * run.dt) / 1e3)}\u00a0ms`;
+}
+
+function addPlayer() {
+  const [button, slider] = ["play", "instant"].map((id) => document.getElementById(id));
+  let began = null;
+  const show = (now) => {
+    if (began === null) return;
+    const share = (now - began) / PLAYED;
+    drawScene(Math.min(share, 1));
+    if (share < 1) return requestAnimationFrame(show);
+    stop();
+  };
+  const stop = () => {
+    began = null;
+    button.textContent = "play";
+  };
+  button.addEventListener("click", () => {
+    if (began !== null) return stop();
+    button.textContent = "stop";
+    began = performance.now();
+    requestAnimationFrame(show);
+  });
+  slider.addEventListener("input", () => {
+    stop();
+    drawScene(Number(slider.value));
+  });
 }
 
 function threshold(row) {
@@ -307,20 +434,15 @@ function threshold(row) {
 function verdict(k) {
   if (isAbsent(k)) return "the beam of this device springs back wherever it is pushed; nothing was simulated.";
   const snap = `the midpoint reached the ${study.shapes[1]} equilibrium at t = ${round(cells.t_snap[k])} µs`;
-  const proven = `proven at t = ${round(cells.t_settled[k])} µs`;
-  const fell = "the energy fell below the saddle";
-  const apart = "the beam's own energy fell below the saddle, and the mass swings too weakly to touch it again";
-  const kept = cells.well[k] ? `; it was ${side(k).join(" ")}` : "";
-  const open = `${kept}; what follows is open${study.bins ? `: ${left(cells.energy_at_end[k])}` : ""}`;
-  // After the pulse the energy only falls: if it is above the saddle after the proof, so it was then.
-  const why = cells.energy_at_proof?.[k] > 1 ? apart : fell;
+  const proven = `proven at t = ${round(cells.t_settled[k])} µs by the energy that is left`;
+  const open = `${cells.well[k] ? `; it was ${side(k).join(" ")}` : ""}; what follows is open`;
   const doubt = cells.elsewhere[k] ? " With another step it ended elsewhere." : "";
   return {
     unsnapped: `no snap within ${round(study.horizon / 1e3)} ms after the pulse${open}.`,
-    never: `no snap, ${proven}: after the pulse nothing adds to the energy, and ${why === fell ? "it is below the saddle" : why}.`,
+    never: `no snap, ${proven}: after the pulse nothing adds to it.`,
     snapped: `${snap}${open}.`,
-    latched: `${snap}; that it stays is ${proven}${study.bins ? `: ${why}` : ""}.`,
-    returned: `${snap}; that it is back in the ${study.shapes[0]} shape for ever is ${proven}: ${why}.`,
+    latched: `${snap}; that it stays is ${proven}.`,
+    returned: `${snap}; that it is back in the ${study.shapes[0]} shape for ever is ${proven}.`,
     failed: "the run blew up or its energy ledger did not close; nothing is claimed of this cell.",
   }[outcome(k).name] + doubt + withAnotherStep(k);
 }
@@ -332,14 +454,8 @@ function withAnotherStep(k) {
   return ` With another step, which indicates the error, the work of the pulse differs by ${Number((100 * work).toPrecision(2))} %${time}.`;
 }
 
-function left(energy) {
-  if (Number.isNaN(energy)) return "the trace of it broke off";
-  const least = energy >= study.reach ? "at least " : "";
-  return `at the end of this history the energy is ${least}${round(energy)} times the saddle's`;
-}
-
 function drawDevice() {
-  const chosen = Object.fromEntries(axes.map(({ name, texts }, n) => [name, texts[at[n]]]));
+  const chosen = Object.fromEntries(axes.map(({ name, texts }, n) => [name, texts[nearest()[n]]]));
   const written = study.devices[chosen.device ?? ""] ?? [];
   const further = study.varied.filter(([key]) => !written.some(([own]) => own === key));
   const rows = [...written, ...further].map(([key, words, text]) =>
@@ -352,30 +468,32 @@ function drawDevice() {
 
 function choose(i, j) {
   const within = (n, place) => Math.min(Math.max(place, 0), axes[n].values.length - 1);
+  Object.assign(at, nearest());
   [at[X], at[Y]] = [within(X, i), within(Y, j)];
-  Plotly.restyle(map, marksAt([[at[X], at[Y]]]), CHOSEN);
-  drawHistory();
+  drawChoice();
 }
 
-function addSlider({ name, label, values, texts }, n) {
-  if (n === X || n === Y || values.length === 1) return;
-  const id = `at-${name}`;
+// Of the shock a slider also stops between cells.
+function addSlider(n) {
+  const { name, label, values } = axes[n];
+  const [id, isOfShock] = [`at-${name}`, SHOCK.includes(n)];
+  if (values.length === 1 || (!isOfShock && (n === X || n === Y))) return;
   const row = `<label for="${id}">${label}</label>
-    <input id="${id}" type="range" min="0" max="${values.length - 1}" step="1" value="${at[n]}">
+    <input id="${id}" type="range" min="0" max="${values.length - 1}" step="${isOfShock ? 1 / BETWEEN : 1}" value="${at[n]}">
     <output for="${id}"></output>`;
-  document.getElementById("sliders").insertAdjacentHTML("beforeend", row);
+  document.getElementById(isOfShock ? "shock" : "sliders").insertAdjacentHTML("beforeend", row);
   const slider = document.getElementById(id);
-  const show = () => {
-    slider.nextElementSibling.innerHTML = texts[at[n]];
+  slider.show = () => {
+    slider.value = at[n];
+    slider.nextElementSibling.innerHTML = textOf(n);
     slider.setAttribute("aria-valuetext", slider.nextElementSibling.textContent);
   };
   slider.addEventListener("input", () => {
+    const before = Math.round(at[n]);
     at[n] = Number(slider.value);
-    show();
-    drawMap();
-    drawHistory();
+    if (n !== X && n !== Y && Math.round(at[n]) !== before) drawMap();
+    drawChoice();
   });
-  show();
 }
 
 function addViews() {
@@ -401,7 +519,7 @@ function addSteps() {
 function move(key) {
   if (!(key in MOVES)) return false;
   const [right, up] = MOVES[key];
-  choose(at[X] + right, at[Y] + up);
+  choose(Math.round(at[X]) + right, Math.round(at[Y]) + up);
   return true;
 }
 
@@ -409,10 +527,18 @@ async function start() {
   await Promise.all(Object.entries(study.arrays).map(async ([key, packed]) => {
     cells[key] = await unpack(packed);
   }));
-  await Promise.all([openMap(), study.bins && openMotion()]);
+  forms = await unpack(study.forms);
+  await Promise.all(study.pulses.map(async (pulse) => {
+    pulse.pieces = pulse.pieces && await unpack(pulse.pieces);
+  }));
+  await Promise.all([openMap(), openMotion()]);
   addViews();
-  axes.forEach(addSlider);
+  [...axes.keys()].filter((n) => !SHOCK.includes(n)).concat(SHOCK).forEach(addSlider);
   addSteps();
+  addPlayer();
+  const hovered = document.getElementById("hovered");
+  map.on("plotly_hover", ({ points: [{ pointIndex: [j, i] }] }) => { hovered.innerHTML = describe(i, j); });
+  map.on("plotly_unhover", () => { hovered.textContent = ""; });
   map.on("plotly_click", ({ points }) => choose(points[0].pointIndex[1], points[0].pointIndex[0]));
   document.getElementById("keys").addEventListener("keydown", (event) => {
     if (move(event.key)) event.preventDefault();

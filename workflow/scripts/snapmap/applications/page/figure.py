@@ -1,4 +1,4 @@
-"""The page to explore a cube: maps over two of its axes, and behind each cell its history."""
+"""The page to explore a cube: maps over two of its axes, and any shock followed by the page."""
 
 import base64
 import html
@@ -16,13 +16,17 @@ from plotly.offline import get_plotlyjs
 
 from ...beam.vibrations import vibrations
 from ...config.devices import read_device
+from ...config.shocks import shocks_of
 from ...device.device import VALUES
 from ...device.quantities import QUANTITIES, keys_of, leaves, quantity_at
 from ...figures import scales, states, style
+from ...pulse.shocks import HANDOUT_SHOCK
 from ...solver.outcome import OUTCOMES, WHOLE_SWING
-from ...solver.settings import STARTS
-from ...study.axes import NAMES
-from .traces import ENERGY_REACH, thin
+from ...solver.settings import FIRST, SECOND, STARTS
+from ...study.axes import NAMES, SHOCK_AXES
+from ...study.study import Study
+from ...sweeps.cube import thin
+from .forms import LIMITS, NUMBERS, forms, pulses
 
 HERE = Path(__file__).parent
 MIXED = "some guided, some free to tilt"
@@ -46,53 +50,40 @@ GREY = "#999999"
 """Of what is absent, in place of the white that maps in print hatch."""
 RAMP = [to_hex(colour) for colour in states.TIME_COLOURS(np.linspace(0, 1, 9))]
 """Colours of snap times, from the first to the last."""
-TRACED = ("w_low", "w_high", "z_mass", "energy", "beam_energy")
-MOVES = {
-    True: {
-        "choose": "Choose a cell to see how it moved, and whether its energy still suffices to "
-        "cross the saddle between the two shapes.",
-        "untraced": "",
-        "bands": "The band of w(L/2) spans its least and greatest value in each time bin; energies "
-        "above four times the saddle's are drawn as four times. ",
-    },
-    False: {
-        "choose": "Choose a cell to read how it ended.",
-        "untraced": "To see here how each cell moves, write <code>traces: true</code> into the "
-        "config and run it again.",
-        "bands": "",
-    },
-}
-"""What the page says with traces, and without."""
 EDGES = ("N_first", "N_error", "N_always")
-STEPS, MISSING = 254, 255
-"""Codes of motion over each cell's own range, and that of what is not known."""
+TITLE = "Which shock trips the sensor?"
+"""Of a study that has none."""
 
 
 def page(
-    cube: xr.Dataset, traces: xr.Dataset | None, thresholds: xr.Dataset, horizon: float
+    cube: xr.Dataset,
+    thresholds: xr.Dataset,
+    horizon: float,
+    title: str = "",
+    pulse: Mapping | None = None,
+    required: Sequence[tuple[str, float, float, Sequence[tuple[str, str]]]] = (),
 ) -> str:
-    """Write a cube, its traces and its thresholds as one HTML page that needs nothing else.
+    """Write a cube and its thresholds as one HTML page that needs nothing else.
 
-    traces: unpacked, if there are any; where they are thinned, so is the map
     thresholds: at least at the points of the cube
     horizon: time for which the cells were followed after the pulse, us
+    title: of the study; pulse: its section, as in `Config`; none is the handout's
+    required: shocks to point out: name, f0 (Hz), N, and shape and direction of each of its pulses
     """
-    dims = cube.outcome.dims
-    cells = thin(cube) if traces is None else cube.sel({key: traces[key] for key in dims})
+    cells, document = thin(cube), json.loads(cube.attrs["config"])
+    dims = cells.outcome.dims
     thresholds = thresholds.sel({key: cells[key] for key in dims[:-1]})
-    document = json.loads(cube.attrs["config"])
-    devices = document.get("devices", {"": document.get("device", {})})
-    devices = {html.escape(name): device for name, device in devices.items()}
+    named = document.get("devices", {"": document.get("device", {})})
+    devices = {html.escape(name): device for name, device in named.items()}
     x, y = _plane(cells)
-    kind = _kind_of(devices)
-    arrays = _arrays(cells, traces, thresholds)
+    kind, start = _kind_of(devices), SECOND if style.starts(document) else FIRST
     data = {
         "axes": [_axis(cells, key) for key in dims],
         "x": x,
         "y": y,
         "start": _opening(cells, x, y),
         "horizon": float(horizon),
-        "shapes": STARTS[::-1] if style.starts(document) else STARTS,
+        "shapes": STARTS if start == FIRST else STARTS[::-1],
         "devices": {name: list(_rows(device)) for name, device in devices.items()},
         "vibrations": {name: _vibration(devices[name], cells.C.values) for name in devices},
         "varied": [(key, _named(QUANTITIES[key])) for key in dims if key in VALUES],
@@ -100,29 +91,49 @@ def page(
         "wide": states.WIDE,
         "outcomes": [{"name": name, "words": WORDS[name]} for name in OUTCOMES],
         "whole": WHOLE_SWING,
-        "bins": 0 if traces is None else traces.sizes["bin"],
-        "missing": MISSING,
-        "reach": ENERGY_REACH,
-        "traced": TRACED,
-        "arrays": {key: _pack(values) for key, values in arrays.items()},
+        "required": [(html.escape(name), *place) for name, *place in required],
+        "arrays": {key: _pack(values) for key, values in _arrays(cells, thresholds).items()},
+        **_simulation(cells, {name: read_device(device) for name, device in named.items()}, pulse),
     }
     sizes = {key: (cells.sizes[key], cube.sizes[key]) for key in dims}
     kept = [f"{few} of {many} {key}" for key, (few, many) in sizes.items() if few < many]
     thinned = " and ".join(filter(None, [", ".join(kept[:-1]), *kept[-1:]]))
     return Template(_text("explore.html")).substitute(
         plotly=get_plotlyjs(),
+        title=html.escape(title or TITLE),
         ends=", or where it ends" if "well" in cells else "",
         drawing=_text("device.svg"),
         drawn=" ".join([kind, *_lacking(devices, dims, document)]),
         struck=STRUCK[kind],
         data=json.dumps(data, allow_nan=False).replace("</", "<\\/"),
-        code=_text("explore.js"),
-        **MOVES[traces is not None],
+        code="\n".join(map(_text, ("simulate.js", "explore.js"))),
         thinned=f"Shown are {thinned} of the cube. " if kept else "",
         model=html.escape(document["model"]["name"]),
         guide=", ".join([*(style.guides(document) or [MIXED]), *style.starts(document)]),
         version=html.escape(cube.attrs["code_version"]),
     )
+
+
+def _simulation(cells, devices, pulse):
+    """What the page follows shocks with; devices: by name, "" of one alone."""
+    axes = {key: cells[key].values for key in cells.outcome.dims}
+    names = {key: axes.pop(key).tolist() for key in NAMES if key in axes}
+    shocks = shocks_of(pulse) if pulse else HANDOUT_SHOCK
+    study = Study(device=devices.get("", devices), shocks=shocks, skip=True).part(names)
+    grid, start = study.set_out(axes), style.starts(json.loads(cells.attrs["config"]))
+    table, known = forms(grid, SECOND if start else FIRST), pulses(study)
+    return {
+        "side": -1 if start else 1,
+        "names": NUMBERS,
+        "limits": LIMITS,
+        "width": table.shape[1],
+        "forms": _pack(table, np.float64),
+        "deviceOf": grid.device_of.ravel().tolist(),
+        "pulses": [
+            {**one, "pieces": None if one["pieces"] is None else _pack(one["pieces"], np.float64)}
+            for one in known
+        ],
+    }
 
 
 def _text(name):
@@ -156,6 +167,7 @@ def _axis(cells, key):
         # What is no number is ticked by name, and so is a single value.
         "ticked": every if scale.is_counted or scale.values.size == 1 else 0,
         "bare": [_say(value) for value in scale.values.tolist()],
+        "numbers": cells[key].values.tolist() if key in SHOCK_AXES else [],
     }
 
 
@@ -254,8 +266,8 @@ def _opening(cells, x, y):
     return places[nearest].tolist()
 
 
-def _arrays(cells, traces, thresholds):
-    """All that differs from cell to cell: arrays (*axes), (*axes, bin) or (*axes but N)."""
+def _arrays(cells, thresholds):
+    """All that differs from cell to cell: arrays (*axes) or (*axes but N)."""
     dims = cells.outcome.dims
     unknown = xr.full_like(cells.t_snap, np.nan)
     columns = {
@@ -271,46 +283,11 @@ def _arrays(cells, traces, thresholds):
         "t_snap_error": cells.get("t_snap_error", unknown),
         **{key: thresholds[key].transpose(*dims[:-1]) for key in EDGES},
     }
-    if traces is not None:
-        energy = traces.energy.transpose(*dims, "bin")
-        proof = np.ceil(cells.t_settled / traces.bin_length).transpose(*dims).fillna(0)
-        columns |= {
-            # Unrounded, as the page says of both on which side of the saddle's they are.
-            "energy_at_proof": energy.isel(bin=proof.clip(0, energy.bin.size - 1).astype(int)),
-            "energy_at_end": energy.isel(bin=-1),
-            "bin_length": traces.bin_length.transpose(*dims),
-            "second": traces.second_equilibrium.broadcast_like(cells.outcome).transpose(*dims),
-        }
-    arrays = {key: column.values for key, column in columns.items()}
-    if traces is None:
-        return arrays
-    failed = cells.outcome.values == OUTCOMES.index("failed")
-    for key in TRACED:
-        arrays |= _scaled(key, traces[key].transpose(*dims, "bin").values, failed)
-    return arrays
+    return {key: column.values for key, column in columns.items()}
 
 
-def _scaled(key, values, failed):
-    """Motion in codes over each cell's own range, as differences, which are packed smaller.
-
-    values: (*axes, bin), of what has failed as far as others go; the scale and the offset, (*axes),
-    undo it
-    """
-    others = values[~failed]
-    if np.isfinite(others).any():
-        values = np.clip(values, np.nanmin(others), np.nanmax(others))
-    known = np.isfinite(values)
-    low = np.where(known, values, np.inf).min(axis=-1, keepdims=True)
-    high = np.where(known, values, -np.inf).max(axis=-1, keepdims=True)
-    low, high = (np.where(np.isfinite(end), end, 0.0) for end in (low, high))
-    scale = np.where(high > low, (high - low) / STEPS, 1.0)
-    codes = np.where(known, np.rint((values - low) / scale), MISSING).astype(np.uint8)
-    steps = np.diff(codes, axis=-1, prepend=np.uint8(0))
-    return {key: steps, f"{key}_scale": scale[..., 0], f"{key}_offset": low[..., 0]}
-
-
-def _pack(values):
-    """Pack codes in a byte each, numbers in four, as text."""
-    number = np.float32 if values.dtype.kind == "f" else np.uint8
+def _pack(values, number=None):
+    """Pack codes in a byte each, numbers in four unless as another kind, as text."""
+    number = number or (np.float32 if values.dtype.kind == "f" else np.uint8)
     packed = zlib.compress(np.ascontiguousarray(values, number).tobytes(), level=6)
     return {"kind": number.__name__, "bytes": base64.b64encode(packed).decode()}

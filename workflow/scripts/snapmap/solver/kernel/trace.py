@@ -1,90 +1,48 @@
-"""Cells followed for their motion, kept in bins."""
-
-from typing import NamedTuple
+"""Cells followed for their motion, and for the largest stress."""
 
 import numpy as np
 
 from ...numerics.kernels import compiled, inlined, widen_vectors
 from . import rows as R
-from .lanes import energies, half_step_midpoint, load
+from .lanes import half_step_midpoint, load
 from .pulse import BLOCK, begin_pulse, no_pulse, set_out
 from .rows import LANES, numbers, vectors
 from .step import advance, rebound
 
-# ASSUME: a trace looks at every fourth instant; the ringing of w has some forty to a period.
-SAMPLE = 4
-"""Steps between two looks at w for a trace; a divisor of BLOCK."""
-
-
-class Bins(NamedTuple):
-    """What a trace keeps; modified in place.
-
-    w_range: least and greatest w(L/2) from rest in each bin, (2, bins, cells)
-    instants: at each bin's start y, all energy and the beam's (pJ), (3, bins, cells)
-    bin, begin: of each lane the number of its bin, and the step at which the next one begins
-    low, high: w in that bin so far; (LANES,)
-    stress: largest of each cell, MPa, (cells,)
-    """
-
-    w_range: np.ndarray
-    instants: np.ndarray
-    bin: np.ndarray
-    begin: np.ndarray
-    low: np.ndarray
-    high: np.ndarray
-    stress: np.ndarray
-
 
 @compiled
-def trace_all(work, shape, devices, dt, pulses, cells, stress, kept):
-    """Follow up to LANES cells as `follow_all` does, bit for bit, and keep their motion in bins.
+def follow_stress(work, shape, devices, dt, pulses, cells, stress, largest):
+    """Follow up to LANES cells as `follow_all` does, bit for bit, for the largest stress.
 
     Half way between two instants, where energies are known.
 
     work: zeros; devices: each cell's row of coefficients, with target -inf, so that row W is never
         latched; dt: each cell's, us; pulses: as in `Task`
-    cells: pulse, amplitude, f0 and damping as in `Task`, and width, steps of one bin, a multiple
-        of SAMPLE; (cells,)
+    cells: pulse, amplitude, f0 and damping as in `Task`, and steps; (cells,)
     stress: of each cell as in `simd_loop.stress_rows`, modified in place; of no cell if left out
-    kept: w_range, instants and stress, as in `Bins`; modified in place
+    largest: of each cell so far, MPa, (cells,), modified in place
     """
     widen_vectors()
-    pulse, amplitude, f0, damping, width = cells
+    pulse, amplitude, f0, damping, steps = cells
     modes = len(shape)
     X, V = numbers(work), vectors(work, modes)
     state, shocks = no_pulse(), np.zeros(BLOCK * LANES)
-    for l in range(width.size):
+    for l in range(steps.size):
         load(work, shape, l, devices[l], damping[l], amplitude[l], dt[l])
         begin_pulse(work, l, state, pulses, pulse[l], f0[l] * dt[l])
     for l in range(len(stress)):
         for place in range(stress.shape[1] - 1):
             for i in range(modes):
                 stress[l, place, i] *= V[R.U, i, l]
-    y, number, begin = np.empty(LANES), np.full(LANES, -1), np.zeros(LANES, np.int64)
-    bins = Bins(*kept[:2], number, begin, np.empty(LANES), np.empty(LANES), kept[2])
-    for step in range(0, kept[0].shape[1] * width.max(), SAMPLE):
-        in_block = step % BLOCK
-        if in_block == 0:
+    for step in range(steps.max()):
+        if step % BLOCK == 0:
             state.steps[:] = step
             set_out(work, shocks, state, pulses)
-        rebound(work)
-        for l in range(width.size):
-            y[l] = X[R.Y, l]
-        advance(work, shape, shocks, in_block, 1)
-        for l in range(width.size):
-            if begin[l] == step:
-                begin_bin(X, V, modes, l, bins, dt[l], y[l])
-                begin[l] += width[l]
-        widen(X, V, modes, bins.low, bins.high)
-        for ahead in range(SAMPLE):
-            if ahead > 0:
-                advance(work, shape, shocks, in_block + ahead, 1)
-            for l in range(len(stress)):
-                if bins.bin[l] < bins.instants.shape[1]:
-                    most = largest_stress(X, V, modes, l, stress[l])
-                    bins.stress[l] = max(bins.stress[l], most)
-    for l in range(width.size):
-        keep_range(bins, l)
+        advance(work, shape, shocks, step % BLOCK, 1)
+        for l in range(len(stress)):
+            if step < steps[l]:
+                most = largest_stress(X, V, modes, l, stress[l])
+                largest[l] = max(largest[l], most)
 
 
 @compiled
@@ -120,29 +78,6 @@ def keep_midpoints(work, shape, state, pulses, first, midpoints):
 
 
 @inlined
-def begin_bin(X, V, modes, l, bins, dt, y):
-    """Keep the bin of lane l, and begin the next one; y: before the step."""
-    keep_range(bins, l)
-    bins.bin[l] += 1
-    bins.low[l], bins.high[l] = np.inf, -np.inf
-    bin = bins.bin[l]
-    if bin < bins.instants.shape[1]:
-        beam, mass, contact, _ = energies(X, V, modes, l)
-        bins.instants[0, bin, l] = y + X[R.DY, l] / 2
-        bins.instants[1, bin, l] = (beam + mass + contact) / dt**2
-        bins.instants[2, bin, l] = beam / dt**2
-
-
-@inlined
-def widen(X, V, modes, low, high):
-    """Take w of every lane into the range of its bin."""
-    for l in range(LANES):
-        w = seen_midpoint(X, V, modes, l)
-        low[l] = w if w < low[l] else low[l]
-        high[l] = w if w > high[l] else high[l]
-
-
-@inlined
 def seen_midpoint(X, V, modes, l):
     """w(L/2) from rest of lane l half way through the step, um."""
     return half_step_midpoint(V, modes, l) - X[R.RESIDUAL, l] * pressed(X, l)
@@ -172,11 +107,3 @@ def pressed(X, l):
     """The contact force at the last half step, times dt^2."""
     overlap = X[R.OVERLAP, l]
     return X[R.CONTACT, l] * (overlap if overlap > 0.0 else 0.0)
-
-
-@inlined
-def keep_range(bins, l):
-    """Set the least and greatest w of a bin, unless it lies before the first or after the last."""
-    bin = bins.bin[l]
-    if 0 <= bin < bins.w_range.shape[1]:
-        bins.w_range[0, bin, l], bins.w_range[1, bin, l] = bins.low[l], bins.high[l]

@@ -1,0 +1,73 @@
+"""What the page needs to follow a shock itself: beams in five cosines, pulses, and steps."""
+
+import numpy as np
+
+from ...beam.modal import contact_stiffness
+from ...solver.models import build_model
+from ...solver.settings import MOVE, SECOND
+from ...solver.steps import FEWEST, PER_SWING, TURN
+from ...study.axes import Grid
+from ...study.study import Study
+
+COSINES = 5
+MOST_PIECES = 20_000
+"""Of a pulse that the page follows; a longer record would make it as large as itself."""
+LIMITS = {"few": FEWEST, "perSwing": PER_SWING, "turn": TURN}
+"""Of the steps, as `simulate.js` calls them."""
+NUMBERS = (
+    *("modes", "axial", "residual", "contact", "M", "K", "z0", "alpha", "toward", "away"),
+    *("restitution", "target", "barrier", "saddle", "first", "second", "gravity", "warmth"),
+    *("held", "longest", "shortest", "tightening", "omega"),
+)
+"""Of a beam and its mass, as `simulate.js` calls them, before its vectors and matrices."""
+
+
+def forms(grid: Grid, start: str) -> np.ndarray:
+    """Tabulate the coefficients of the devices of a grid, (devices, coefficients), zeros behind.
+
+    NUMBERS, in the names of docs/theory.md; then kappa, S q0, f, e, the modes at the start, and S.
+    """
+    model = build_model(grid.device, "cosines", modes=COSINES)
+    table = np.zeros((len(grid.device), 0))
+    for members, part in model.split(np.arange(len(grid.device))):
+        rows = _rows(part, start)[members]
+        more = max(0, rows.shape[1] - table.shape[1])
+        table = np.pad(table, ((0, 0), (0, more)))
+        table[members, : rows.shape[1]] = rows
+    return table
+
+
+def _rows(model, start):
+    device, modal, barrier, steps = model.device, model.modal, model.barrier, model.steps
+    n, k = len(device), model.modes
+    omega = np.where(device.is_alone, np.inf, device.mass_frequency)
+    numbers = (
+        *(k, modal.axial, modal.residual, contact_stiffness(device, modal.residual)),
+        *(device.mass, device.spring, device.gap, device.beam.damping),
+        *(device.stop_toward, device.stop_away, device.restitution),
+        *(model.snap_target(start), barrier.energy, barrier.midpoint),
+        *(barrier.first, barrier.second, device.gravity),
+        # What holds the place of a mass has a damper of 1.
+        *(np.where(device.is_alone, 0.0, device.damper_factor), device.is_alone),
+        *(steps.longest[MOVE], steps.shortest),
+        *(steps.tightening if start == SECOND else 0.0, omega),
+    )
+    columns = [np.broadcast_to(number, n)[:, np.newaxis] for number in numbers]
+    vectors = modal.stiffness, *modal[2:5], model.rest(start), modal.geometric
+    return np.hstack([*columns, *(np.reshape(vector, (n, -1)) for vector in vectors)])
+
+
+def pulses(study: Study) -> list[dict]:
+    """What the page knows of each pulse of a study: pieces, none if there are too many of them."""
+    return [
+        {
+            "shape": shocks.pulse.name,
+            "direction": shocks.direction,
+            "pieces": pulse.pieces if len(pulse.pieces) <= MOST_PIECES else None,
+            "ends": pulse.ends,
+            "swings": pulse.swings,
+            "grossArea": pulse.gross_area,
+            "variation": pulse.variation,
+        }
+        for shocks, pulse in zip(study.shocks.each(), study.shocks.pulses, strict=True)
+    ]
