@@ -16,7 +16,7 @@ extensions = ["myst_parser"]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
 root_doc = "README"
-include_patterns = ["*.md", "docs/*.md"]
+include_patterns = ["*.md", "docs/*.md", "docs/applications/*.md"]
 exclude_patterns = [".*", "build", "results"]
 
 html_theme = "furo"
@@ -43,6 +43,7 @@ Running <docs/running>
 :hidden:
 :caption: Evidence
 Theory <docs/theory>
+docs/applications/laws
 docs/thresholds
 Accuracy <docs/accuracy>
 docs/validation

@@ -43,6 +43,7 @@ FOLDERS = (
     "design",
     "datasheet",
     "boundary",
+    "laws",
     "page",
 )
 
