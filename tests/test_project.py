@@ -22,7 +22,7 @@ def test_the_config_reference_is_what_the_models_say(root):
 
 CORE = ("numerics", "files", "device", "pulse", "beam", "solver", "study", "thresholds", "sweeps")
 SHELL = ("arguments", "config", "figures", "workflow", "public")
-LISTING = ("config", "workflow")
+LISTING = ("config", "public", "workflow")
 """Who reads the list of applications, which holds names alone."""
 MOST_LINES = {"core": 10_500, "shell": 4_000, "application": 900}
 
@@ -145,3 +145,8 @@ def test_relative_links_lead_somewhere(root):
                 heads = re.findall(r"^#+ (.+)$", path.read_text(encoding="utf-8"), re.M)
                 plain = {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
                 assert anchor in plain, f"{page.name}: {link}"
+
+
+def test_each_application_has_a_page(root):
+    pages = {page.stem for page in (root / "docs" / "applications").glob("*.md")}
+    assert {*attached()} <= pages
