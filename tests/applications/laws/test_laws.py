@@ -25,7 +25,7 @@ def test_snaps_of_clean_fast_rows_are_delayed_as_the_saddle_with_a_negative_seco
     slow, fast = laws.snap_scale.values[0]
     assert fast == pytest.approx(1.683, rel=0.02)
     assert slow == pytest.approx(laws.dwell.item() / 2, rel=0.1)
-    assert laws.saddle_scale.values == pytest.approx([1.68315, 2.20096], abs=1e-5)
+    assert laws.saddle_scale.values == pytest.approx([1.68315, 2.20096], abs=5e-4)
 
 
 def test_limits_hold_where_thresholds_are_within_1_percent(laws):

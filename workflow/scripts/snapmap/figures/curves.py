@@ -115,8 +115,12 @@ def draw_static(ax: Axes, curve: xr.Dataset, x: str, colour: str = "0.4", place:
     look, static = limit_look(LONG, colour, place), curve.N_static
     slow = holding(curve.N_slow, curve)
     if x == "f0" and slow.notnull().any():
-        label = f"{LONG}, from $N$ = {plain(static.item())} on"
-        ax.plot(scale_of(x, curve[x].values).places, slow.values, label=label, **look)
+        beyond = static.where(slow.isnull())
+        for values, label in (
+            (slow, f"{LONG}, from $N$ = {plain(static.item())} on"),
+            (beyond, None),
+        ):
+            ax.plot(scale_of(x, curve[x].values).places, values.values, label=label, **look)
     elif x in static.dims:
         ax.plot(scale_of(x, curve[x].values).places, static.values, label=LONG, **look)
     elif np.isfinite(static):

@@ -30,10 +30,10 @@ def draw_laws(figure: Figure, laws: xr.Dataset) -> None:
     looks = {words: THIN | {"linestyle": dashes} for words, dashes in (DASHES | SADDLES).items()}
     looks["holds to 1 %"] = HOLDING | {"color": "0.4"}
     keys = [Line2D([], [], label=words, **look) for words, look in looks.items()]
-    ends = laws.N_first.min().item() / 1.2, laws.N_first.max().item() * 1.2
-    top.set(yscale="log", ylim=ends, ylabel=scales.axis_label("N", laws.attrs))
+    top.set(yscale="log", ylabel=scales.axis_label("N", laws.attrs))
+    top.set_ylim(laws.N_first.min().item() / 1.2, laws.N_first.max().item() * 1.2)
     below.set(xlabel=top.get_xlabel(), yscale="log", ylabel="delay per factor e (µs)")
+    top.set_xlabel("")
     for ax in (top, below):
         scales.tick(ax.yaxis, *ax.get_ylim())
-    top.set_xlabel("")
     style.legend(figure, [*curves.line_keys(laws, "C"), *keys], style.case(laws.attrs), 3)
