@@ -74,6 +74,8 @@ def make_found(C=(25.0, 200.0)):
         "island_to": ((*axes, "island"), np.concatenate([nan, last + 50], axis=1)),
         "N_bound": (axes, np.broadcast_to([180.0, 190.0, 630.0], N.shape)),
         "N_static": ((), 990.0),
+        "dwell": ("C", np.full(len(C), np.nan)),
+        "N_slow": (axes, 0 * N + np.nan),
         "area": ((), 0.5),
         "velocity_change": ("C", 0.5 + 0.1 * np.arange(len(C))),
     }

@@ -43,6 +43,7 @@ tolerances: {thickness: 0.05 um, N: 2 %, samples: 8}
 calibration: {shots: shots.csv, unknowns: {thickness: [1.7 um, 2.1 um]}, C: 30 uN*us/um}
 histories:
   - {N: 1000, f0: 2 kHz, C: 30 uN*us/um}
+laws: true
 """
 """Two shapes along both directions, and all that can be asked beside them; SHOTS is its table."""
 SHOTS = "N,duration (ms),tripped\n900,1,no\n1500,1,yes\n1200,1,no\n1350,1,yes\n"

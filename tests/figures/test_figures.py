@@ -134,6 +134,18 @@ def test_thresholds_approach_both_limits():
     assert not limits(drawn(thresholds.draw_thresholds, found), curves.SHORT)
 
 
+def test_the_limit_of_long_pulses_is_the_law_of_the_dwell_where_that_holds():
+    """Within 1 % of the threshold, of every line its own; beyond it is horizontal."""
+    found = make_found()
+    found["N_slow"] = found.N_first * [1.005, 0.995, 1.1]
+    ax = drawn(thresholds.draw_thresholds, found)
+    for line, N in zip(limits(ax, curves.LONG), found.N_slow.values, strict=True):
+        assert visible(line) == [[100.0, N[0]], [1000.0, N[1]]]
+        assert line.get_label().endswith("from $N$ = 990 on")
+        beyond = ax.lines[ax.lines.index(line) + 1]
+        assert visible(beyond) == [[10000.0, 990.0]]
+
+
 def test_figures_of_a_pushed_beam_count_its_force_and_no_velocity_change():
     device = {"device": {"beam": {}, "mass": "none", "force": "2.0 uN"}}
     found = make_found().assign(velocity_change=("C", [np.nan, np.nan]))

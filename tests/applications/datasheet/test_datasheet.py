@@ -14,6 +14,7 @@ from snapmap.device.samples import Tolerances
 from snapmap.pulse.shocks import make_shocks
 from snapmap.study.provenance import device_sections
 from snapmap.study.study import Study
+from snapmap.thresholds.slow import growth_rate
 
 
 @pytest.fixture(scope="module")
@@ -69,3 +70,5 @@ def test_thresholds_and_shares_are_those_of_the_results(sheet):
     assert row(text, "openings") == ["4", "8", where]
     assert "at rest at 20 degC" in text
     assert row(text, "force on the electrode at -5 um") == ["10.723 uN"]
+    assert row(text, "slow shock that snaps it") == ["above 936.78 for longer than a dwell time"]
+    assert row(text, "dwell time at C = 25") == [f"{2 / growth_rate(device, 25.0):.4g} us"]

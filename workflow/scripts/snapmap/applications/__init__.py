@@ -51,6 +51,7 @@ FOLDERS = (
     "design",
     "datasheet",
     "boundary",
+    "laws",
     "stress",
     "page",
 )

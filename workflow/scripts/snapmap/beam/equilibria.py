@@ -15,7 +15,7 @@ import numpy as np
 
 from ..device.arch import equilibria
 from ..device.device import Beam, Device, Value
-from ..numerics.linalg import apply, dot, eigh
+from ..numerics.linalg import apply, dot, eigenvalues, eigh, outer
 from .basis import Basis
 from .cosines import buckling_shapes, symmetric_cosines
 from .modal import buckling, column, halfway, unit_beams
@@ -148,6 +148,27 @@ def find_barrier(beam: Beam, basis: Basis, modes: int | None = None) -> Barrier:
 def least_travel(device: Device) -> float:
     """How far the mass must travel from rest to push the midpoint slowly to the saddle, um."""
     return float(device.gap - find_barrier(device.beam, shapes_of(device.beam)).midpoint)
+
+
+def saddle_rates(beam: Beam, basis: Basis) -> np.ndarray:
+    """Rates, 1/us, at which one beam leaves the lowest saddle and its mirror image, (2,).
+
+    First that on whose side a pulse along +z bends the second mode; NaN without a saddle.
+    """
+    beams = unit_beams(basis, beam)
+    modal, p, _ = _saddle_and_second(beams, None)
+    axial = beams.axial
+    bending = modal.stiffness * np.eye(p.size)
+    second = eigh(bending, modal.geometric)[1][..., 1]
+    amplitude = dot(second, apply(modal.geometric, p) + modal.slope_start)
+    mirrored = p - 2 * amplitude[..., np.newaxis] * second
+    p = np.concatenate([mirrored, p] if dot(second, modal.load) * amplitude > 0 else [p, mirrored])
+    slope = apply(modal.geometric, p) + modal.slope_start
+    N = -axial * dot(p, slope + modal.slope_start)
+    stretched = 2 * axial[:, np.newaxis, np.newaxis] * outer(slope, slope)
+    tangent = bending - N[:, np.newaxis, np.newaxis] * modal.geometric + stretched
+    falls = -eigenvalues(tangent)[:, 0] * (beam.stiffness_unit / beam.weight)
+    return np.sqrt(falls)
 
 
 class Rest(NamedTuple):

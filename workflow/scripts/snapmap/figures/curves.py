@@ -11,6 +11,7 @@ from matplotlib.patheffects import withStroke
 
 from ..device.quantities import plain
 from ..numerics.portable import evenly
+from ..thresholds.slow import HOLDS
 from .scales import scale_of, value_text
 
 LOOKS = (("C0", "o"), ("C6", "s"), ("C2", "^"), ("C5", "D"), ("C3", "v"), ("C7", "P"), ("C1", "X"))
@@ -112,10 +113,23 @@ def cross(ax: Axes, x: np.ndarray, height: float, colour: str, label: str) -> No
 def draw_static(ax: Axes, curve: xr.Dataset, x: str, colour: str = "0.4", place: int = 0) -> None:
     """Draw the limit of long pulses of one line over an axis; place: as for `limit_look`."""
     look, static = limit_look(LONG, colour, place), curve.N_static
-    if x in static.dims:
+    slow = holding(curve.N_slow, curve)
+    if x == "f0" and slow.notnull().any():
+        beyond = static.where(slow.isnull())
+        for values, label in (
+            (slow, f"{LONG}, from $N$ = {plain(static.item())} on"),
+            (beyond, None),
+        ):
+            ax.plot(scale_of(x, curve[x].values).places, values.values, label=label, **look)
+    elif x in static.dims:
         ax.plot(scale_of(x, curve[x].values).places, static.values, label=LONG, **look)
     elif np.isfinite(static):
         ax.axhline(static.item(), label=f"{LONG}, $N$ = {plain(static.item())}", **look)
+
+
+def holding(law: xr.DataArray, thresholds: xr.Dataset) -> xr.DataArray:
+    """Amplitudes that a law says, where it holds; NaN elsewhere."""
+    return law.where(abs(law / thresholds.N_first - 1) <= HOLDS)
 
 
 def draw_impulsive(ax: Axes, curve: xr.Dataset, colour: str, place: int = 0) -> None:

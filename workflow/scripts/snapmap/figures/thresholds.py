@@ -54,7 +54,8 @@ def _draw_lines(ax, lines, x):
 
 def draw_statics(ax, lines, x):
     """Draw the limit of long pulses of every line, in grey what all have in common."""
-    if len({curve.N_static.values.tobytes() for curve, *_ in lines}) == 1:
+    keys = ["N_static", *["N_slow"] * (x == "f0")]
+    if len({curve[keys].to_array().values.tobytes() for curve, *_ in lines}) == 1:
         curves.draw_static(ax, lines[0][0], x)
         return
     for place, (curve, colour, _) in enumerate(lines):

@@ -22,6 +22,7 @@ from . import islands
 from .cost import tell_cost
 from .lattice import nearby
 from .settling import lowest_latched
+from .slow import growth_rate, slow_factor
 from .transitions import FINE_STEP, FINEST_STEP
 from .verified import SNAPS_AT, WITHIN, Expected, expected_labels, fill, initial_rows, surfaces
 from .witness import edges_about
@@ -67,7 +68,8 @@ def threshold(
         of the device, internal units, as axes in front of C and f0
     Variables: those of `islands.Thresholds`, (..., C, f0), with N_latched; the limits of slow and
     short pulses, N_static, over the axes of device and pulse, and velocity_change, over these and
-    C; the `area` of each pulse: its velocity change is area N g / f0; of records in known units
+    C; N_slow, of slow pulses by their `dwell` above N_static, us, over the axes of device and C;
+    the `area` of each pulse: its velocity change is area N g / f0; of records in known units
     `scale_first`, a factor. Along axes of eight values and more of the device, C or f0 of slow
     pulses, few rows are searched and others `verified`. `status` in words is
     `numpy.array(found.status.flag_meanings.split())[found.status]`.
@@ -122,6 +124,7 @@ def thresholds_of(
         for key, values in columns.items()
     }
     data |= _limits(grid, models, settings, tolerance, highest)
+    data |= _slow(grid, rows, models.static, settings)
     data["status"] = *data["status"], flags(islands.STATUS)
     data["N_first"] = *data["N_first"], {"comment": COMMENT}
     gravity = float(grid.device.gravity[0])
@@ -293,6 +296,25 @@ def _limits(grid, models, settings, tolerance, highest):
         "N_static": ((*of_device, *of_pulse), static),
         "velocity_change": ((*of_device, *of_pulse, "C"), change),
         "area": (tuple(of_pulse), abs(impact).reshape(sizes)),
+    }
+
+
+def _slow(grid, rows, static, settings):
+    """Find for how long devices withstand more than the static threshold; slow thresholds by it."""
+    of_C = growth_rate(grid.device, grid.axes["C"][:, np.newaxis]).T
+    of_C = of_C if settings.start == FIRST else np.nan * of_C
+    rate = np.where((grid.device_of >= 0)[..., np.newaxis], of_C[grid.device_of], np.nan)
+    C = np.arange(of_C.shape[1])[:, np.newaxis]
+    swings = 1e6 * of_C[rows.device.reshape(grid.shape), C].ravel() / rows.f0
+    factor = np.full(swings.shape, np.nan)
+    for number, pulse in enumerate(rows.pulses):
+        which = (rows.pulse == number) & (rows.device >= 0) & np.isfinite(swings)
+        factor[which] = slow_factor(pulse, swings[which])
+    N = factor * static[rows.device]
+    of_device = tuple(grid.axes)[: grid.device_of.ndim]
+    return {
+        "dwell": ((*of_device, "C"), 2 / rate),
+        "N_slow": (tuple(grid.axes), N.reshape(grid.shape)),
     }
 
 

@@ -30,7 +30,7 @@ def draw_damage_boundary(ax: Axes, found: xr.Dataset, lines: str = "C") -> Axes:
         if np.isfinite(curve.velocity_change):
             look = curves.limit_look(curves.SHORT, colour, place) | {"label": curves.SHORT}
             ax.axvline(curve.velocity_change.item(), **look)
-    draw_statics(ax, drawn, "f0")
+    draw_statics(ax, drawn, "velocity change")
     scales.tick(ax.xaxis, *ax.get_xlim())
     scales.tick(ax.yaxis, *ax.get_ylim())
     plane.freeze(ax)

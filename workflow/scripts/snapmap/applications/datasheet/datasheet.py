@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from ...beam.limit_loads import reset_force
+from ...beam.limit_loads import reset_force, static_threshold
 from ...beam.modal import natural_frequency
 from ...device.quantities import QUANTITIES, leaves, plain
 from ...files.text import DASH, table
@@ -15,6 +15,7 @@ from ...solver.outcome import REPEATED_STEP
 from ...solver.settings import SECOND
 from ...study.provenance import code_version
 from ...study.study import Study, at_corner
+from ...thresholds.slow import growth_rate
 from .. import functions
 from ..histories.history import extremes_of
 from ..requirements.check import LEVELS
@@ -61,7 +62,7 @@ def datasheet(
         facts = _device(study, device, written[name])
         sheets += [f"{head}\n", table(["device", "value"], facts)]
         at_rest = f"at rest at {plain(device.temperature)} degC, exact to the digits shown"
-        sheets += [table([at_rest, "value"], _statics(device))]
+        sheets += [table([at_rest, "value"], _statics(device, of_device))]
         unit = f"{plain(device.gravity * 1e6)} m/s^2"
         unit = f"{device.force:g} uN on the midpoint" if device.force else unit
         head = ["requirement", "shock", "at, degC", of_C, "threshold"]
@@ -92,7 +93,7 @@ def _device(study, device, written):
         yield [key.replace(".", ": ").replace("_", " "), text]
 
 
-def _statics(device):
+def _statics(device, verdicts):
     path, beam = statics(device), device.beam
     force, error = reset_force(beam)
     resets = f"{force:.5g} ± {plain(error, 1)} uN" if force > 0 else "none: it returns by itself"
@@ -106,6 +107,12 @@ def _statics(device):
     if not device.is_alone:
         frequency = f"{1e3 * device.mass_frequency / (2 * np.pi):.5g} kHz"
         yield ["frequency of the mass on its spring", frequency]
+    N = static_threshold(device)
+    yield ["slow shock that snaps it", f"above {N:.5g} for longer than a dwell time"]
+    for C in sorted({row["C"] for row in verdicts}):
+        dwell = 2 / growth_rate(device, C)
+        text = f"{dwell:.4g} us" if np.isfinite(dwell) else "not known: no corner in its path"
+        yield [f"dwell time at C = {C:g}, of slow shocks to first order", text]
 
 
 def _verdict(row, made):

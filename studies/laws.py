@@ -1,0 +1,82 @@
+"""How well the law of the dwell time holds on random devices: docs/applications/laws.md.
+
+./run python -m studies laws [--small]
+"""
+
+import math
+
+import numpy as np
+
+from snapmap.beam.limit_loads import static_threshold
+from snapmap.device.device import Beam, Device, batch
+from snapmap.files.text import number, table
+from snapmap.pulse.pulse import make_pulse
+from snapmap.solver.cells import HANDOUT_PULSES, Rows
+from snapmap.solver.models import build_model
+from snapmap.solver.settings import Settings
+from snapmap.thresholds.search import lowest_snap
+from snapmap.thresholds.slow import growth_rate, slow_factor
+
+from .common import few
+from .random_devices import even
+
+SEED, DEVICES = 55, 100
+RATIOS = {0.02: 2e-3, 0.05: 1e-2, 0.1: 3e-2}
+"""pi f0 / sigma, and how far around the law a threshold is sought, relative."""
+PARTS, TOLERANCE, WITHIN = 8, 2e-6, (1e-4, 1e-3, 1e-2)
+MODEL, STEP = {"name": "cosines", "modes": 11}, 0.5
+"""What decides, and its steps over the usual ones."""
+DAMPING = 0.02
+"""C over sqrt(K M)."""
+HEAD = ["pi f0/sigma", "thresholds", "excess over the law: 10 %", "median", "90 %"]
+HEAD += ["error of N: median", "90 %", "largest", *(f"within {share:g}" for share in WITHIN)]
+
+
+def main():
+    """Print how far thresholds lie from the law."""
+    draw = np.random.default_rng(SEED)
+    devices = batch([draw_device(draw) for _ in range(few(DEVICES, 2))])
+    print(table(HEAD, (_row(devices, *ratio) for ratio in few(RATIOS).items())))
+
+
+def draw_device(draw: np.random.Generator) -> Device:
+    """A device of which the law is meant to hold."""
+    thickness = even(draw, 0.5, 5.0)
+    beam = Beam(
+        span=300 * thickness,
+        rise=draw.uniform(3.0, 8.0) * thickness,
+        thickness=thickness,
+        depth=20.0,
+        youngs_modulus=1.5e5,
+        density=2.33e-3,
+    )
+    falls = 64 * math.pi**2 * beam.stiffness_unit
+    return Device(
+        beam,
+        mass=beam.weight * even(draw, 30.0, 3000.0),
+        spring=falls * draw.uniform(0.1, 0.8),
+        contact=falls * even(draw, 5.0, 1000.0),
+        gravity=9.81e-6,
+    )
+
+
+def _row(devices, ratio, reach):
+    every = np.arange(len(devices))
+    C = DAMPING * np.sqrt(devices.spring * devices.mass)
+    rate, static = growth_rate(devices, C), static_threshold(devices)
+    f0 = ratio * rate / math.pi
+    law = static * slow_factor(make_pulse(), rate / f0)
+    rows = Rows(every, 1e6 * f0, C, 0 * every, HANDOUT_PULSES)
+    model = build_model(devices, **MODEL).with_step(STEP)
+    bracket = law * (1 - reach), law * (1 + reach)
+    N = lowest_snap(model, rows, bracket, Settings(), TOLERANCE, reach / PARTS)
+    excess, error = (N / static - 1) / (law / static - 1), abs(N / law - 1)
+    shares = (f"{np.mean(error <= share):.0%}" for share in WITHIN)
+    known = np.isfinite(N)
+    middle = (number(value) for value in np.percentile(excess[known], [10, 50, 90]))
+    off = (f"{value:.1e}" for value in np.percentile(error[known], [50, 90, 100]))
+    return [f"{ratio:g}", f"{known.sum()} of {N.size}", *middle, *off, *shares]
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,48 @@
+"""The three laws beside thresholds, and their figure."""
+
+import numpy as np
+import pytest
+from small_results import legend_words, visible
+
+import snapmap
+from snapmap.applications.laws import laws as room
+from snapmap.applications.laws.figure import draw_laws
+from snapmap.figures import style
+from snapmap.study.study import Study
+
+AXES = {"C": [25.0], "f0": [50.0, 2e4]}
+
+
+@pytest.fixture(scope="module")
+def laws(handout):
+    study = Study(device=handout, model={"name": "cosines", "modes": 5})
+    thresholds = snapmap.threshold(handout, **AXES, model="cosines", modes=5)
+    return room.laws_of(study, study.set_out(AXES), thresholds)
+
+
+def test_snaps_of_clean_fast_rows_are_delayed_as_the_saddle_with_a_negative_second_mode_says(laws):
+    """1.685 us in five cosines, within 2 % of the exact 1.683; and slow ones by half the dwell."""
+    slow, fast = laws.snap_scale.values[0]
+    assert fast == pytest.approx(1.683, rel=0.02)
+    assert slow == pytest.approx(laws.dwell.item() / 2, rel=0.1)
+    assert laws.saddle_scale.values == pytest.approx([1.68315, 2.20096], abs=5e-4)
+
+
+def test_limits_hold_where_thresholds_are_within_1_percent(laws):
+    assert laws.slow_to.item() == 50.0 and np.isnan(laws.short_from)
+    v = laws.N_short * 9.81e-6 * 0.5 / (1e-6 * laws.f0)
+    np.testing.assert_allclose(v, laws.velocity_change.item(), rtol=1e-12)
+    told = room.summary(laws)
+    assert "above 936.8 for longer than 147.9 us" in told and "1.683 us later" in told
+
+
+@pytest.mark.usefixtures("paper")
+def test_the_figure_has_broad_lines_where_laws_hold(laws):
+    draw_laws(figure := style.double_column(4.6), laws)
+    top, below = figure.axes
+    broad = [line for line in top.lines if line.get_linewidth() == 4]
+    assert [visible(line) for line in broad] == [[[50.0, laws.N_slow.values[0, 0]]], []]
+    levels = {line.get_ydata()[0] for line in below.lines[1:]}
+    assert levels == {laws.dwell.item() / 2, *laws.saddle_scale.values}
+    words = legend_words(top)
+    assert "holds to 1 %" in words and "law of the velocity change" in words

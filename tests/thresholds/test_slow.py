@@ -1,0 +1,110 @@
+"""Slow pulses: the dwell time above the static threshold, in closed form and by motion."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import snapmap
+from snapmap.pulse.pulse import make_pulse, sampled
+from snapmap.thresholds.slow import HEAVY, growth_rate, slow_factor
+
+SWINGS = math.pi / np.array([0.002, 0.02, 0.1, 0.2])
+
+
+def vary_beam(device, **changes):
+    return dataclasses.replace(device, beam=dataclasses.replace(device.beam, **changes))
+
+
+def test_the_handouts_mass_departs_in_68_us(handout):
+    """From kappa = 1/(1/s - 1/lambda) - K, s = 64 pi^2 EI/L^3; and damped it departs slower."""
+    s = 64 * math.pi**2 * 2.2e6 / 600**3
+    for contact, kappa in ((40.0, 2.166601), (math.inf, 0.93352)):
+        assert 1 / (1 / s - 1 / contact) - 5.5 == pytest.approx(kappa, rel=1e-6)
+        device = dataclasses.replace(handout, contact=contact)
+        for C in (0.0, 0.025, 25.0, 1e4):
+            sigma = growth_rate(device, C)
+            assert 1e4 * sigma**2 + C * sigma == pytest.approx(kappa, rel=1e-6)
+    assert growth_rate(handout, 0.0) == pytest.approx(0.0147194, rel=1e-5)
+    assert 2 / growth_rate(handout, 0.025) == pytest.approx(135.89, rel=1e-4)
+
+
+def test_a_versed_sine_follows_its_closed_form_and_any_smooth_pulse_its_curvature():
+    """I = (1 - cos(2 pi x + b) cos b)/2 with tan b = 2 pi f0/sigma, until the pulse ends."""
+    factor = slow_factor(make_pulse(), SWINGS)
+    closed = 1 + np.tan(np.arctan(2 * np.pi / SWINGS) / 2) ** 2
+    np.testing.assert_allclose(factor[:3], closed[:3], rtol=2e-7)
+    curvature = {"versed sine": 2 * np.pi**2, "half sine": np.pi**2}
+    for shape, bend in curvature.items():
+        excess = slow_factor(make_pulse(shape), SWINGS)[1] - 1
+        assert excess == pytest.approx(bend / 2 / SWINGS[1] ** 2, rel=2e-3)
+    x = np.linspace(0, 1, 2001)
+    record = sampled(1e4 * x, make_pulse().at(x))
+    np.testing.assert_allclose(slow_factor(record, SWINGS), factor, rtol=1e-6)
+    twice = sampled(1e4 * x, 0.5 * make_pulse().at(2 * x) + make_pulse().at(2 * x - 1))
+    np.testing.assert_allclose(slow_factor(twice, 2 * SWINGS), factor, rtol=1e-5)
+    assert slow_factor(make_pulse("trapezoid"), SWINGS[:2]) == pytest.approx(np.ones(2), abs=1e-12)
+    for pulse in (make_pulse("sawtooth"), make_pulse().reversed()):
+        assert np.isnan(slow_factor(pulse, SWINGS)).all()
+
+
+@pytest.mark.parametrize("C", [0.0, 0.4])
+def test_a_mass_before_a_sharp_corner_spends_less_time_above_it(C):
+    """M y'' + C y' + (k or -kappa) y = a: the excess is |a''|/2a (1/sigma^2 + C^2/k^2 - 2M/k)."""
+    M, kappa, k = 1.0, 1.0, 8.0
+    sigma = (-C + math.sqrt(C * C + 4 * M * kappa)) / (2 * M)
+    rate = 0.02 * sigma / math.pi
+    expected = (math.pi * rate) ** 2 * (1 / sigma**2 + C * C / k**2 - 2 * M / k)
+
+    def snaps(excess):
+        def accelerate(t, state):
+            y, v = state
+            load = (1 + excess) * (1 - math.cos(2 * math.pi * rate * t)) / 2 - 1
+            return v, (load - C * v + (kappa if y > 0 else -k) * y) / M
+
+        # Without a ring: the load and its two derivatives there.
+        phase, height = 0.7 * math.pi, (1 + excess) / 2
+        load = height * (1 - math.cos(phase)) - 1
+        first = height * 2 * math.pi * rate * math.sin(phase)
+        second = height * (2 * math.pi * rate) ** 2 * math.cos(phase)
+        state = (load - C * first / k - M * second / k) / k, (first - C * second / k) / k
+        run = solve_ivp(accelerate, (0.35 / rate, 0.65 / rate), state, rtol=1e-10, atol=1e-12)
+        return run.y[0].max() > 0.1
+
+    low, high = 0.5 * expected, 2 * expected
+    for _ in range(12):
+        middle = (low + high) / 2
+        low, high = (low, middle) if snaps(middle) else (middle, high)
+    assert high == pytest.approx(expected, rel=0.02)
+
+
+def test_thresholds_of_slow_pulses_are_those_of_the_dwell(handout):
+    f0, C = [50.0, 100.0, 200.0], [0.025, 25.0]
+    found = snapmap.threshold(handout, f0, C, model="cosines", modes=3, tolerance=1e-5)
+    np.testing.assert_allclose(found.N_slow, found.N_first, rtol=1e-3)
+    assert found.dwell.values.tolist() == [2 / growth_rate(handout, c) for c in C]
+    # N_static of the exact beam is 2e-4 above that of three cosines.
+    for values in (found.N_first, found.N_slow):
+        rise = (values[0, 2] - values[0, 0]) / found.N_static
+        assert rise == pytest.approx(
+            (math.pi * 1e-6 / growth_rate(handout, 0.025)) ** 2 * 37500, rel=0.04
+        )
+
+
+def test_what_has_no_corner_has_no_dwell(handout):
+    none = [
+        dataclasses.replace(handout, spring=8.0),  # as stiff as the falling beam
+        dataclasses.replace(handout, contact=6.0),
+        dataclasses.replace(handout, mass=0.99 * HEAVY * handout.beam.weight),
+        dataclasses.replace(handout, gap=1.0),
+        dataclasses.replace(handout, stop_toward=6.0),
+        vary_beam(handout, free=1.0, imperfection=0.1),
+        vary_beam(handout, cosine_2=0.01),
+    ]
+    assert np.isnan([growth_rate(device, 0.025) for device in none]).all()
+    clear = dataclasses.replace(handout, stop_toward=60.0, stop_away=5.0)
+    pressed = vary_beam(handout, residual_stress=-3.0)
+    for device in (clear, pressed):
+        assert growth_rate(device, 0.025) == growth_rate(handout, 0.025)

@@ -1,0 +1,55 @@
+"""The map in three laws: dwell, snap time, velocity change.  Imports: core alone."""
+
+rule, message = "find_laws", "Find where the three laws hold"
+part, caption = "2 Thresholds", "laws"
+
+
+def section():
+    """Whether the laws are held against the thresholds."""
+    from ...config.keys import flag
+
+    return flag("whether the three laws are held against the thresholds", out="`false`")
+
+
+def request(section, study, document):
+    """Whether they are."""
+    return bool(section)
+
+
+def outputs(study):
+    """The laws beside the thresholds."""
+    return {"laws": "results/laws.nc"} if study.requests["laws"] else {}
+
+
+def inputs(study):
+    """The thresholds."""
+    return {"threshold": "results/threshold.nc"}
+
+
+def params(study):
+    """Nothing beside the thresholds."""
+    return {}
+
+
+def run(study, threshold_path, path):
+    """Hold the laws against the thresholds of the first device and pulse."""
+    from ...study.netcdf import open_whole, write_product
+    from .laws import laws_of, summary
+
+    with open_whole(threshold_path) as thresholds:
+        write_product(laws_of(study.of_thresholds(), study.grid, thresholds), path, summary)
+
+
+def figures(study):
+    """A figure over f0."""
+    return {"laws": {}}
+
+
+def draw(figures, folder, laws_path):
+    """Draw thresholds and laws."""
+    from ...figures import style
+    from ...study.netcdf import open_whole
+    from .figure import draw_laws
+
+    with open_whole(laws_path) as laws, style.saved(f"{folder}/laws", laws.attrs, 4.6) as figure:
+        draw_laws(figure, laws)

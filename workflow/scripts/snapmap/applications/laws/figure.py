@@ -1,0 +1,39 @@
+"""Simulated thresholds over f0, the three laws, and where each holds to 1 %."""
+
+import xarray as xr
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from ...figures import curves, scales, style
+
+DASHES = {"law of the dwell time, and half of it": "--", "law of the velocity change": ":"}
+SADDLES = {"saddle with $r < 0$": "-", "saddle with $r > 0$": "-."}
+HOLDING = {"linewidth": 4, "alpha": 0.3, "solid_capstyle": "butt", "zorder": 1}
+THIN = {"color": "0.4", "linewidth": 0.8}
+
+
+def draw_laws(figure: Figure, laws: xr.Dataset) -> None:
+    """Draw thresholds and their limits over f0, and below how snaps are delayed near them."""
+    laws = curves.some_lines(laws, "f0", "C")
+    top, below = figure.subplots(2, sharex=True, height_ratios=[3, 2])
+    scales.study_axis(top, scale := scales.scale_of("f0", laws.f0.values))
+    for curve, colour, marker in curves.each_line(laws, "C"):
+        look = {"color": colour, "linestyle": "", "marker": marker, "markersize": 3}
+        top.plot(scale.places, curve.N_first, **look)
+        below.plot(scale.places, curve.snap_scale, **look)
+        below.axhline(curve.dwell.item() / 2, **THIN | {"color": colour}, linestyle="--")
+        for law, dashes in zip((curve.N_slow, curve.N_short), DASHES.values(), strict=True):
+            top.plot(scale.places, law, **THIN | {"color": colour}, linestyle=dashes)
+            top.plot(scale.places, curves.holding(law, curve), color=colour, **HOLDING)
+    for delay, dashes in zip(laws.saddle_scale.values, SADDLES.values(), strict=True):
+        below.axhline(delay, linestyle=dashes, **THIN)
+    looks = {words: THIN | {"linestyle": dashes} for words, dashes in (DASHES | SADDLES).items()}
+    looks["holds to 1 %"] = HOLDING | {"color": "0.4"}
+    keys = [Line2D([], [], label=words, **look) for words, look in looks.items()]
+    top.set(yscale="log", ylabel=scales.axis_label("N", laws.attrs))
+    top.set_ylim(laws.N_first.min().item() / 1.2, laws.N_first.max().item() * 1.2)
+    below.set(xlabel=top.get_xlabel(), yscale="log", ylabel="delay per factor e (µs)")
+    top.set_xlabel("")
+    for ax in (top, below):
+        scales.tick(ax.yaxis, *ax.get_ylim())
+    style.legend(figure, [*curves.line_keys(laws, "C"), *keys], style.case(laws.attrs), 3)

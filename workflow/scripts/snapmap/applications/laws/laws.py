@@ -1,0 +1,59 @@
+"""The three laws of a device beside its simulated thresholds."""
+
+import numpy as np
+import xarray as xr
+
+from ...beam.equilibria import saddle_rates, shapes_of
+from ...device.quantities import plain
+from ...numerics.portable import geometric
+from ...solver.adaptive import choose_survey
+from ...solver.cells import to_rows
+from ...study.axes import Grid
+from ...study.study import THRESHOLD_SETTINGS, Study
+from ...study.variables import dress
+from ...thresholds.search import asker, lowest_snap
+from ...thresholds.slow import HOLDS
+
+ABOVE, EXACT = geometric(1e-4, 1e-8, 9), 1e-10
+"""How far above a threshold snaps are timed, and how closely that is refined."""
+WITHIN, STEP = 1e-3, 2e-4
+"""How far from the simulated one it is sought, beside its error, and in which steps; relative."""
+
+
+def laws_of(study: Study, grid: Grid, thresholds: xr.Dataset) -> xr.Dataset:
+    """Hold the laws against thresholds over C and f0, at the first place on all other axes."""
+    at = {key: 0 for key in thresholds.N_first.dims if key not in ("C", "f0")}
+    thresholds = thresholds.isel(at).sortby("f0")
+    f0, kept = thresholds.f0, ["N_first", "N_slow", "N_static", "dwell", "velocity_change"]
+    laws = thresholds[kept].drop_attrs()
+    laws["N_short"] = 1e-6 * laws.velocity_change * f0 / (thresholds.gravity * thresholds.area)
+    slow, fast = (abs(laws[key] / laws.N_first - 1) <= HOLDS for key in ("N_slow", "N_short"))
+    laws["slow_to"] = f0.where(slow.cumprod("f0") > 0).max("f0")
+    laws["short_from"] = f0.where(fast[:, ::-1].cumprod("f0") > 0).min("f0")
+    device = grid.device.pick(grid.device_of.flat[:1])
+    rates = saddle_rates(beam := device.pick(0).beam, shapes_of(beam))
+    snaps = ("C", "f0"), _snap_scales(study, device, grid.pulses[0], thresholds)
+    laws = laws.assign(saddle_scale=("saddle", 1 / rates), snap_scale=snaps)
+    return dress("laws", laws, study.document(THRESHOLD_SETTINGS))
+
+
+def _snap_scales(study, device, pulse, thresholds):
+    """Fit snap times to the logarithm of how far above its threshold each N is, (C, f0)."""
+    rows = to_rows(0, thresholds.f0.values, thresholds.C.values[:, np.newaxis], 0, (pulse,))
+    N, error = (thresholds[key].values.ravel() for key in ("N_first", "N_error"))
+    known, scales = np.isfinite(N + error), np.full(N.size, np.nan)
+    rows, N, off = rows.take(known), N[known], (error + WITHIN * N)[known]
+    model = choose_survey(device, study.model, study.settings.start).levels[-1].decides
+    exact = lowest_snap(model, rows, (N - off, N + off), study.settings, EXACT, STEP)
+    t_snap = asker(model, rows, study.settings)(np.multiply.outer(exact, 1 + ABOVE))
+    away = (np.arange(ABOVE.size) - (ABOVE.size - 1) / 2) / 2  # decades
+    scales[known] = np.sum(t_snap * away, axis=1) / (np.sum(away * away) * np.log(10))
+    return scales.reshape(thresholds.C.size, -1)
+
+
+def summary(laws: xr.Dataset) -> str:
+    """Tell the laws in one line, at the least C."""
+    keys, laws = ("N_static", "dwell", "velocity_change"), laws.isel(C=0, saddle=0)
+    N, dwell, v, delay = (plain(laws[key].item()) for key in (*keys, "saddle_scale"))
+    slow, short = f"a slow shock trips it above {N} for longer than {dwell} us", f"{v} um/us"
+    return f"{slow}, a short one by {short}; a factor e nearer a snap is {delay} us later"

@@ -1,0 +1,58 @@
+"""Slow pulses: how long the mass's acceleration may stay above the static threshold."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from ..beam.limit_loads import static_threshold
+from ..device.device import Device, Value
+from ..pulse.pulse import Pulse
+
+HEAVY = 30.0
+"""Least mass, in those of the beam, whose path the beam's own inertia leaves with a corner."""
+HOLDS = 0.01
+"""A law holds where it is no farther than this share from the threshold."""
+POINTS = 4096
+"""Steps in which a pulse is looked at."""
+
+
+def growth_rate(device: Device, C: Value) -> Value:
+    """Rate sigma, 1/us, at which the mass departs along the falling branch; 2/sigma is the dwell.
+
+    C: uN us/um
+    NaN where the path has no corner from which it falls: the spring is stiffer than the falling
+    beam or the contact softer, the mass light or apart at rest, a stop in the way, or the beam free
+    to tilt or made with a second cosine.
+    """
+    beam, damping = device.beam, C * device.damper_factor
+    falls = 64 * math.pi * math.pi * beam.stiffness_unit
+    with np.errstate(divide="ignore", invalid="ignore"):
+        kappa = 1 / (1 / falls - 1 / np.asarray(device.contact, float)) - device.spring
+        root = np.sqrt(damping * damping + 4 * device.mass * kappa)
+        rate = 2 * kappa / (damping + root)
+    has_corner = (kappa > 0) & (device.mass >= HEAVY * beam.weight) & np.equal(device.gap, 0)
+    has_corner &= np.equal(beam.free, 0) & np.equal(beam.cosine_2, 0)
+    if np.any(np.isfinite(device.stop_toward)):
+        clear = replace(device, stop_toward=np.inf * np.asarray(device.stop_toward))
+        has_corner &= static_threshold(clear) == static_threshold(device)
+    return np.where(has_corner, rate, np.nan)[()]
+
+
+def slow_factor(pulse: Pulse, swings: np.ndarray) -> np.ndarray:
+    """Threshold of a slow pulse over the static one, (rows,): 1 over the peak of what lasts.
+
+    swings: sigma over f0, (rows,)
+    What lasts of a pulse p is I = sigma int_0^inf exp(-sigma u) p(t + u) du, followed from its end
+    by I' = sigma (I - p). NaN of a pulse that jumps, or never presses.
+    """
+    if any(pulse.ends) or pulse.highest == 0:
+        return np.full(swings.shape, np.nan)
+    p = pulse.at(np.arange(POINTS + 1) / POINTS)
+    half = swings / (2 * POINTS)
+    lasts = np.zeros(swings.shape)
+    most = np.zeros(swings.shape)
+    for mean in (p[:-1] + p[1:])[::-1].tolist():
+        lasts = (lasts * (1 - half) + half * mean) / (1 + half)
+        most = np.fmax(most, lasts)
+    return 1 / most
