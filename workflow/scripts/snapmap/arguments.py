@@ -124,6 +124,8 @@ REQUIRED = {"name": of_type("a name", str), "N": POSITIVE, "f0": POSITIVE, "snap
 THRESHOLDS = _dataset("a Dataset of thresholds, as threshold returns it", "N_first")
 PATH = Argument("the path of a file that is there", _is_path)
 DEVICE = Argument("a single Device; load_device reads one", _is_device)
+SERIES = Argument("a row of numbers", lambda value: numbers(value) is not None, numbers)
+LAW = Argument("a function of numbers, nor None", lambda value: value is None or callable(value))
 SHOCK = {
     "N": (bounds_of("[0, inf)"), "multiples of g (direction -z pushes the other way)", "1000"),
     "f0": _of_axis("f0", "1500"),
@@ -142,7 +144,7 @@ ARGUMENTS = {
     "design.N": POSITIVE,
     "calibrate.C": SINGLE["C"],
     "model": Argument(
-        f"one of {', '.join(OPTIONS)}, nor a mapping of its name and options",
+        f"one of {', '.join(OPTIONS)}, nor a mapping of its name and options, as reference makes",
         lambda value: isinstance(value, Mapping) or (isinstance(value, str) and value in OPTIONS),
     ),
     **{f"model.{key}": argument for key, argument in OF_MODEL.items()},
@@ -153,7 +155,9 @@ ARGUMENTS = {
     "start": START,
     "repeat": FLAG,
     "skip": FLAG,
-    "pulse": Argument(f"one of {', '.join(SHAPES)}, nor what read_pulse gives", _is_pulse),
+    "pulse": Argument(
+        f"one of {', '.join(SHAPES)}, nor what sampled or read_pulse makes", _is_pulse
+    ),
     **{f"pulse.{key}": argument for key, argument in OF_PULSE.items()},
     "direction": Argument("+z, -z, both, or a list of these", _are_directions),
     **dict.fromkeys(
@@ -202,6 +206,11 @@ ARGUMENTS = {
         "the 64 hexadecimal digits of a SHA-256",
         lambda value: isinstance(value, str) and re.fullmatch("([0-9a-f]{64})?", value) is not None,
     ),
+    "time": SERIES,
+    "acceleration": SERIES,
+    "name": of_type("a name", str),
+    **dict.fromkeys(("damping", "contact", "reference.force"), LAW),
+    "elements": OF_MODEL["elements"],
     "ax": Argument("Axes of matplotlib", lambda value: hasattr(value, "get_xlim")),
     "x": of_type("the name of an axis of the cube", str),
     "y": of_type("the name of an axis of the cube", str),

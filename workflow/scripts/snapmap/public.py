@@ -33,6 +33,10 @@ TAKEN = {
 """Options of each function, beside those of the model."""
 
 
+OF_LAWS = ("simulate", "sweep", "threshold")
+"""Functions that follow a model with a user's own laws, of which no energy is known."""
+
+
 def checked(function: Callable) -> Callable:
     """The function, with each call held against ARGUMENTS; ValueError or TypeError, one line."""
     signature = inspect.signature(function)
@@ -74,6 +78,8 @@ def _bound(function, signature, positional, named):
         of_model = [key for key in options if key in OPTIONS[model["name"]]]
         values["model"] = take_model(model | {key: values.pop(key) for key in of_model})
         options = [key for key in options if key not in of_model]
+        if "laws" in values["model"] and function not in OF_LAWS:
+            raise ValueError(f"model.laws: are for {', '.join(OF_LAWS)}; write another model")
     for key in options:
         if key not in TAKEN.get(function, ()):
             raise ValueError(f"{key}: is no option{_hint(function, key, parameters)}")

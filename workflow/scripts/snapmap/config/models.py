@@ -13,6 +13,7 @@ from ..device.quantities import QUANTITIES
 from ..files.named import sha256_of
 from ..files.tables import ROWS, read_points
 from ..solver.adaptive import TOLERANCE
+from ..solver.laws import LAWS, load_laws
 from ..solver.options import OPTIONS
 from ..solver.settings import FIRST, STARTS, THRESHOLD_TOLERANCE, Settings
 from ..study.axes import COORDINATES, axis_behind
@@ -37,6 +38,20 @@ class ModelSection(Section):
     tolerance: quantity(
         "share", "largest error of thresholds of auto", out=f"`{100 * TOLERANCE:g} %`"
     )
+    laws: path(
+        "a Python file in the study's folder, of laws of reference: "
+        "[your own](own-physics.md#in-a-config)",
+        "mylaws.py",
+        "the device's own",
+    )
+
+    def make(self) -> dict:
+        """Its name and options, with the SHA-256 of a file of laws, which is run."""
+        if not self.laws or self.name != "reference":
+            return self.given
+        sha256 = sha256_of(self.laws, *LAWS)
+        load_laws(self.laws, sha256)
+        return self.given | {"sha256": sha256}
 
 
 _Axes = of_device(lambda _, kind: axis(kind, "in place of the device's", out="the device's own"))

@@ -2,10 +2,11 @@
 
 from collections.abc import Mapping
 
-from ..device.argument import integer, number, word
+from ..device.argument import Argument, integer, number, word
+from .laws import Laws
 
 OPTIONS = {
-    "reference": ("elements",),
+    "reference": ("elements", "laws", "sha256"),
     "elements": ("elements", "modes"),
     "cosines": ("cosines", "modes"),
     "auto": ("tolerance",),
@@ -16,6 +17,11 @@ OF_MODEL = {
     "elements": integer(1, 100),
     "cosines": integer(1, 100),
     "modes": integer(1, 200),
+    "laws": Argument(
+        "a file of laws, nor what snapmap.reference makes",
+        lambda value: isinstance(value, str | Laws),
+    ),
+    "sha256": Argument("the SHA-256 of that file", lambda value: isinstance(value, str)),
 }
 """What each option may be."""
 

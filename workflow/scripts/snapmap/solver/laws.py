@@ -1,0 +1,166 @@
+"""Laws of a user's own in the place of three forces of the model `reference`."""
+
+import inspect
+from collections.abc import Callable, Mapping
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ..device.device import Device
+from ..files.named import naming, read_named
+
+PARAMETERS = {
+    "damping": ("C", "velocity", "place"),
+    "contact": ("stiffness", "overlap"),
+    "force": ("displacement",),
+}
+"""What each law takes, in this order, under whatever names; um, uN, us: docs/own-physics.md."""
+LAWS = 100_000, "write the laws alone"
+"""Bytes that a file of laws may have, and what to do about more."""
+REACH, POINTS = 10.0, 4001
+"""Over the rise, how far a beam's second shape is looked for along its force, and at how many."""
+
+
+class Laws(NamedTuple):
+    """Compiled functions of floats, each None where the device's own force acts.
+
+    damping: drag against the velocity of the mass; contact: of the mass on the midpoint, positive
+    where it presses; force: that holds the midpoint so far toward the second shape; all uN
+    """
+
+    damping: Callable | None = None
+    contact: Callable | None = None
+    force: Callable | None = None
+
+    def __str__(self):
+        """Name the functions, as attributes of products have them."""
+        named = {key: law for key, law in self._asdict().items() if law}
+        return ", ".join(f"{key}: {law.__name__}" for key, law in named.items())
+
+
+def reference(
+    damping: Callable | None = None,
+    contact: Callable | None = None,
+    force: Callable | None = None,
+    elements: int | None = None,
+) -> dict[str, object]:
+    """Make the handout's scheme with laws of your own, as `model` of sweep, threshold and simulate.
+
+    damping: (C, velocity, place) to the drag on the mass, uN, in place of C velocity
+    contact: (stiffness, overlap) to the push between mass and midpoint, uN, positive apart
+    force: (displacement,) to the push that holds the midpoint there, uN, in place of the beam's
+    elements: on the half beam, by default 5; none with a force
+    Each is a function of floats that numba compiles, or has compiled; um, us. Raises ValueError,
+    one line, for a law that cannot be. What each receives and returns: docs/own-physics.md.
+
+    >>> device = snapmap.load_device("config/config.yaml")
+    >>> cubic = snapmap.reference(damping=lambda C, velocity, place: C * velocity**3)
+    >>> snapmap.simulate(device, 1000, 1500, 25, model=cubic, horizon=0).outcome
+    'unsnapped'
+    """
+    laws = made({"damping": damping, "contact": contact, "force": force})
+    return {"name": "reference", "laws": laws} | ({"elements": elements} if elements else {})
+
+
+def made(functions: Mapping[str, object]) -> Laws:
+    """Compile functions by the names of their laws; raises ValueError, one line, for no law."""
+    laws = {key: _compiled(key, functions[key]) for key in PARAMETERS if functions.get(key)}
+    if not laws:
+        raise ValueError(f"model.laws: none; write a function {', '.join(PARAMETERS)}")
+    return Laws(**laws)
+
+
+@cache
+def load_laws(path: str, sha256: str = "") -> Laws:
+    """Read the laws of a Python file, which is run; raises ValueError, one line, as `made`.
+
+    sha256: expected hash of the file, hex digits; empty for any
+    """
+    with naming(f"model.laws: {path}"):
+        content, names = read_named(path, *LAWS, sha256), {"__name__": Path(path).stem}
+        try:
+            exec(compile(content, path, "exec"), names)
+        except Exception as error:  # a user's code may raise any
+            raise ValueError(f"{type(error).__name__}: {error}") from None
+    return made(names)
+
+
+def laws_of(options: Mapping) -> Laws | None:
+    """Give the laws of a model's options, if it has any: as they are, or by their file."""
+    laws = options.get("laws")
+    return load_laws(laws, options.get("sha256", "")) if isinstance(laws, str) else laws
+
+
+def _compiled(key, law):
+    """Compile a law, and hold it against what it takes and gives."""
+    from numba import njit
+    from numba.core.errors import NumbaError
+
+    name, needs = f"model.laws: {key}", PARAMETERS[key]
+    function = getattr(law, "py_func", law)
+    if not inspect.isfunction(function):
+        raise ValueError(f"{name}: is no function")
+    taken = inspect.signature(function).parameters
+    if len(taken) != len(needs):
+        raise ValueError(f"{name}: takes ({', '.join(taken)}); write ({', '.join(needs)})")
+    law = law if law is not function else njit(error_model="numpy")(function)
+    try:
+        value = law(*np.full(len(needs), 0.25))
+    except NumbaError as error:
+        raise ValueError(f"{name}: numba cannot compile it; {' '.join(str(error).split())}") from None
+    if not isinstance(value, float):
+        raise ValueError(f"{name}: gives a {type(value).__name__}; write a float")
+    return law
+
+
+class Well(NamedTuple):
+    """What the force of a double well says of it.
+
+    saddle, second: displacements, um; barrier: energy of the saddle, pJ
+    held: displacements up to the saddle, um, and the forces there, uN
+    """
+
+    saddle: float
+    second: float
+    barrier: float
+    held: tuple[np.ndarray, np.ndarray]
+
+
+def well_of(force: Callable, rise: float) -> Well:
+    """Find both shapes of a force within REACH times the rise; ValueError for no double well."""
+    x = np.linspace(0.0, REACH * rise, POINTS)
+    F = np.array([force(place) for place in x.tolist()])
+    falls = np.flatnonzero((F[1:-1] > 0) & (F[2:] <= 0)) + 1
+    rises = np.flatnonzero((F[1:-1] < 0) & (F[2:] >= 0)) + 1
+    if not (abs(F[0]) <= 1e-9 * abs(F).max() and falls.size and (rises > falls[0]).any()):
+        raise ValueError(
+            "model.laws: force: is no double well; it must be 0 at 0, rise, fall through 0 at a "
+            f"saddle and rise through it again within {REACH * rise:g} um"
+        )
+    saddle, second = (_zero(force, *x[i : i + 2]) for i in (falls[0], rises[rises > falls[0]][0]))
+    x = np.linspace(0.0, saddle, POINTS)
+    F = np.array([force(place) for place in x.tolist()])
+    barrier = float(np.sum((F[1:] + F[:-1]) * np.diff(x)) / 2)
+    return Well(saddle=saddle, second=second, barrier=barrier, held=(x, F))
+
+
+def _zero(force, low, high):
+    """Halve an interval in which a force changes sign until no float lies between."""
+    falls = force(low) > 0
+    while low < (middle := (low + high) / 2) < high:
+        low, high = (middle, high) if (force(middle) > 0) == falls else (low, middle)
+    return float(high)
+
+
+def static_amplitude(device: Device, well: Well) -> np.ndarray:
+    """Find the N of slow pulses that take a double well to its saddle, multiples of g, (devices,).
+
+    With the contact of the device: K (x + z0 + P/lambda) + P = M a, F(x) = P + m a.
+    """
+    columns = device.spring, device.contact, device.mass, device.gap, device.beam.weight / 2
+    K, stiffness, mass, gap, load = (np.atleast_1d(c)[:, np.newaxis] for c in columns)
+    x, F = well.held
+    share = 1 + K / stiffness
+    return np.max((K * (x + gap) + share * F) / (mass + share * load), axis=1) / device.gravity
