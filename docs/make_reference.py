@@ -60,7 +60,7 @@ the same side |
 | `work_error`, `t_snap_error` | indicators, no bounds: differences to that run, of the work (over \
 the larger of both) and of the time of snap (us) |
 | `t_closed`, `closed_for`, `openings`, `closed_share` | with `contact_at`, each with its \
-`_error`: [electrode](limits.md#electrode) |
+`_error`: [electrode](applications/electrode.md) |
 | `level`, `agreed` | of `auto`: the level that decided, 0 or 1, and whether levels \
 disagreed, 0, agreed, 1, or but one looked, 2 |
 
@@ -75,7 +75,7 @@ cells, and about how many labels can be wrong.
 RETURNED = {
     "sweep": "What the variables are: [the cube](#the-cube).",
     "threshold": "What the variables are: [thresholds](thresholds.md).",
-    "tolerance": "What the variables are: [devices as made](devices.md).",
+    "tolerance": "What the variables are: [tolerances](applications/tolerances.md).",
     "simulate": "The variables, over `time` (us):\n\n"
     + "\n".join(
         f"- `{key}`: {about['long_name']}, {about['units']}"

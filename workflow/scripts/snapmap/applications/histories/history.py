@@ -113,7 +113,7 @@ class Extremes(NamedTuple):
     """What a device meets under one shock, at any step up to the horizon.
 
     toward_max, away_max: of the mass from rest, toward the beam and away from it, um
-    contact_force_max: between mass and beam, uN; an indicator, see docs/pulses.md
+    contact_force_max: between mass and beam, uN; only an indicator
     These three are NaN of a beam alone.
     stress_max, stress_max_to_snap: tensile, in the beam, MPa; the latter until it snaps
     """

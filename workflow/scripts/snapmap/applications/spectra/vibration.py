@@ -26,7 +26,7 @@ STRIDE, FARTHEST = 4, 60
 RUNGS = 4
 """Rungs from the lowest that snaps on to which a rate is fitted: far above it Rice's law ends."""
 STEP = 4.0
-"""Over the time steps of a threshold: what a record needs, as docs/pulses.md says."""
+"""Over the time steps of a threshold: what a record needs, as docs/applications/spectra.md says."""
 PIECES = 2_000_000
 """Of records that are followed at a time; 96 MB."""
 NORMAL = 1.959964
