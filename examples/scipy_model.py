@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.integrate import solve_ivp
+
 from snapmap.device.device import Device
 from snapmap.solver.cells import no_observations
 

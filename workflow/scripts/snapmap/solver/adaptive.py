@@ -9,7 +9,7 @@ import numpy as np
 from ..beam.limit_loads import static_threshold
 from ..device.device import Device
 from .cells import Cells, Observations
-from .laws import laws_of, static_amplitude, well_of
+from .laws import laws_of, well_of
 from .models import Follows, build_model, check_options, mixed
 from .settings import FIRST, Settings
 
@@ -29,6 +29,8 @@ LOOKING_STEPS, DECIDING_STEPS, FINE_STEPS = 2.0, 0.5, 0.25
 """Steps of the finest model over its usual ones: to look for changes, to decide, to see islands."""
 LOOKING_TOLERANCE = 2.5e-4
 """How closely `looks` refines thresholds that another model decides, relative."""
+PEAKED = 1.5
+"""Largest force of a double well over its mean up to the saddle, about: it tells where to look."""
 TOLERANCE = 1e-3
 """Error of the threshold that `auto` may make, relative, by default; that of its steps, too."""
 
@@ -182,7 +184,9 @@ def choose_survey(device: Device, model: Mapping, start: str = FIRST) -> Survey:
 def _of_laws(model, laws, static):
     """The survey of a model with laws, which no other follows: by its own shorter steps."""
     if laws.force:
-        static = static_amplitude(model.device, well_of(laws.force, np.max(model.device.beam.rise)))
+        device, (saddle, _, energy) = model.device, well_of(laws.force, model.device.beam.rise)
+        holds = PEAKED * energy / saddle + device.spring * (saddle + device.gap)
+        static = holds / (device.mass + device.beam.weight / 2) / device.gravity
     half = model.with_step(DECIDING_STEPS)
     return Survey(model, model, model, half, None, half, static, lawful=True)
 

@@ -2,13 +2,13 @@
 
 import inspect
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
-from ..device.device import Device
+from ..device.device import Value
 from ..files.named import naming, read_named
 
 PARAMETERS = {
@@ -23,7 +23,8 @@ REACH, POINTS = 10.0, 4001
 """Over the rise, how far a beam's second shape is looked for along its force, and at how many."""
 
 
-class Laws(NamedTuple):
+@dataclass(frozen=True)
+class Laws:
     """Compiled functions of floats, each None where the device's own force acts.
 
     damping: drag against the velocity of the mass; contact: of the mass on the midpoint, positive
@@ -36,7 +37,7 @@ class Laws(NamedTuple):
 
     def __str__(self):
         """Name the functions, as attributes of products have them."""
-        named = {key: law for key, law in self._asdict().items() if law}
+        named = {key: law for key, law in vars(self).items() if law}
         return ", ".join(f"{key}: {law.__name__}" for key, law in named.items())
 
 
@@ -109,58 +110,41 @@ def _compiled(key, law):
     try:
         value = law(*np.full(len(needs), 0.25))
     except NumbaError as error:
-        raise ValueError(f"{name}: numba cannot compile it; {' '.join(str(error).split())}") from None
+        raise ValueError(
+            f"{name}: numba cannot compile it; {' '.join(str(error).split())}"
+        ) from None
     if not isinstance(value, float):
         raise ValueError(f"{name}: gives a {type(value).__name__}; write a float")
     return law
 
 
-class Well(NamedTuple):
-    """What the force of a double well says of it.
+def well_of(force: Callable, rise: Value) -> tuple[float, float, float]:
+    """Find saddle and second shape, um, and the energy of the saddle, pJ, of a double well.
 
-    saddle, second: displacements, um; barrier: energy of the saddle, pJ
-    held: displacements up to the saddle, um, and the forces there, uN
+    Displacements within REACH times the rise; raises ValueError for a force that is none.
     """
-
-    saddle: float
-    second: float
-    barrier: float
-    held: tuple[np.ndarray, np.ndarray]
-
-
-def well_of(force: Callable, rise: float) -> Well:
-    """Find both shapes of a force within REACH times the rise; ValueError for no double well."""
-    x = np.linspace(0.0, REACH * rise, POINTS)
-    F = np.array([force(place) for place in x.tolist()])
+    reach = REACH * float(np.max(rise))
+    x, F = _curve(force, 0.0, reach)
     falls = np.flatnonzero((F[1:-1] > 0) & (F[2:] <= 0)) + 1
     rises = np.flatnonzero((F[1:-1] < 0) & (F[2:] >= 0)) + 1
-    if not (abs(F[0]) <= 1e-9 * abs(F).max() and falls.size and (rises > falls[0]).any()):
+    rises = rises[rises > falls[0]] if falls.size else falls
+    if abs(F[0]) > 1e-9 * abs(F).max() or not rises.size:
         raise ValueError(
             "model.laws: force: is no double well; it must be 0 at 0, rise, fall through 0 at a "
-            f"saddle and rise through it again within {REACH * rise:g} um"
+            f"saddle and rise through it again within {reach:g} um"
         )
-    saddle, second = (_zero(force, *x[i : i + 2]) for i in (falls[0], rises[rises > falls[0]][0]))
-    x = np.linspace(0.0, saddle, POINTS)
-    F = np.array([force(place) for place in x.tolist()])
-    barrier = float(np.sum((F[1:] + F[:-1]) * np.diff(x)) / 2)
-    return Well(saddle=saddle, second=second, barrier=barrier, held=(x, F))
+    saddle, second = (_zero(force, *x[i : i + 2]) for i in (falls[0], rises[0]))
+    x, F = _curve(force, 0.0, saddle)
+    return saddle, second, float(np.sum((F[1:] + F[:-1]) * np.diff(x)) / 2)
+
+
+def _curve(force, low, high):
+    """Displacements in an interval, and the forces there."""
+    x = np.linspace(low, high, POINTS)
+    return x, np.array([force(place) for place in x.tolist()])
 
 
 def _zero(force, low, high):
-    """Halve an interval in which a force changes sign until no float lies between."""
-    falls = force(low) > 0
-    while low < (middle := (low + high) / 2) < high:
-        low, high = (middle, high) if (force(middle) > 0) == falls else (low, middle)
-    return float(high)
-
-
-def static_amplitude(device: Device, well: Well) -> np.ndarray:
-    """Find the N of slow pulses that take a double well to its saddle, multiples of g, (devices,).
-
-    With the contact of the device: K (x + z0 + P/lambda) + P = M a, F(x) = P + m a.
-    """
-    columns = device.spring, device.contact, device.mass, device.gap, device.beam.weight / 2
-    K, stiffness, mass, gap, load = (np.atleast_1d(c)[:, np.newaxis] for c in columns)
-    x, F = well.held
-    share = 1 + K / stiffness
-    return np.max((K * (x + gap) + share * F) / (mass + share * load), axis=1) / device.gravity
+    """Find where a force changes sign in an interval, to a POINTS-th of it."""
+    x, F = _curve(force, low, high)
+    return float(x[np.argmax((F[1:] > 0) != (F[0] > 0)) + 1])

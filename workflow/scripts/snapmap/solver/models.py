@@ -87,7 +87,9 @@ class Model:
     def second(self) -> Rest:
         """The second shape of its form; ValueError if one of the beams cannot rest there."""
         if self.laws and self.laws.force:
-            raise ValueError("model.laws: force: its runs start in the first shape; leave out start")
+            raise ValueError(
+                "model.laws: force: its runs start in the first shape; leave out start"
+            )
         rest = second_shape(self.device.beam, self.basis, self.modes)
         require_rest(rest)
         return rest
@@ -287,21 +289,11 @@ def _build(device, name, options, is_free):
     barrier = find_barrier(device.beam, basis, modes)
     if force:
         # ASSUME: a beam with a force of its own moves as its first cosine, which gives it its mass.
-        rise = np.max(device.beam.rise)
-        barrier = _barrier_of(well_of(force, float(rise)), barrier)
+        saddle, second, energy = well_of(force, device.beam.rise)
+        first, ones = barrier.first, 0.0 * barrier.first + 1.0
+        barrier = Barrier(energy * ones, -saddle * ones, first - second, first)
     steps = (explicit_steps if name == "reference" else steps_of)(device, modal)
     return Model(name, device, basis, modal, barrier, steps, laws)
-
-
-def _barrier_of(well, barrier):
-    """The barrier of a double well, of as many devices as another one."""
-    first, ones = barrier.first, np.ones(np.shape(barrier.first))[()]
-    return Barrier(
-        energy=ones * well.barrier,
-        midpoint=-ones * well.saddle,
-        second=first - well.second,
-        first=first,
-    )
 
 
 def check_options(device: Device, name: str, options: Mapping) -> None:

@@ -171,18 +171,7 @@ def meet_stops(system, w_mid, a, y_before, y, dt):
 
 
 def follow(
-    system,
-    pulse,
-    amplitude,
-    f0,
-    damping,
-    target,
-    dt,
-    steps,
-    history,
-    damping_law=None,
-    contact_law=None,
-    force_law=None,
+    system, pulse, amplitude, f0, damping, target, dt, steps, history, D=None, P=None, F=None
 ):
     """March one cell by central differences until side w(L/2) is at `target` or `steps` are done.
 
@@ -196,9 +185,8 @@ def follow(
     amplitude: N g, um/us^2; f0: 1/us; damping: C, uN us/um; target: from rest, um
     history: (samples, 2 n + 4), modified in place: u, du/dt, y, dy/dt, work of the pulse and
         energy lost (pJ), at as many of the first instants as it holds
-    damping_law, contact_law, force_law: as in `Laws`; the compiler leaves out what is for others.
-        The ledger takes the work of contact and force as it is, and does not close if such a law is
-        too stiff for the step
+    D, P, F: damping, contact and force of `Laws`; the compiler leaves out what is for others. The
+        ledger takes their work as it is, and does not close where P or F is too stiff for the step
     Returns (t_snap, energy_error, pulse_work): us, NaN if the target is not reached; the energy
     ledger's residual over the gross work of the pulse, not finite after a blow-up; pJ, of the whole
     pulse, NaN if the run ended before it.
@@ -213,7 +201,7 @@ def follow(
     beam_drag = system.beam_damping * dt / 2
     power, work, gross_work, loss, lost = 0.0, 0.0, 0.0, 0.0, 0.0
     t_snap, residual, pulse_work = np.nan, 0.0, np.nan
-    penalty = system.penalty if contact_law is None else 0.0
+    penalty = system.penalty if P is None else 0.0
     overlap, contact, push, lawful, law_power, too_stiff = -system.gap, 0.0, 0.0, 0.0, 0.0, False
     multiply(system.inverse_inertia, system.midpoint, acceleration)
     yielding = dt**2 * dot(system.midpoint, acceleration)
@@ -231,24 +219,22 @@ def follow(
         k = curve.at(pieces, k, len(pieces), x)
         a = amplitude * curve.sample(pieces, k, ends, x, f0 * dt)
         w_mid = dot(system.midpoint, u)
-        if contact_law is None:
+        if P is None:
             contact = system.penalty * max(0.0, w_mid - y - system.gap)
         else:
-            met, pressed = w_mid - y - system.gap, contact
-            contact = contact_law(system.penalty, met)
-            harder = abs(contact - pressed) - system.penalty * abs(met - overlap)
+            met, pressed, overlap = overlap, contact, w_mid - y - system.gap
+            contact = P(system.penalty, overlap)
+            harder = abs(contact - pressed) - system.penalty * abs(overlap - met)
             yields = yielding + dt**2 / system.mass
-            too_stiff |= step > 0 and yields * harder > SPARE * abs(met - overlap)
-            overlap = met
-        if force_law is None:
+            too_stiff |= step > 0 and yields * harder > SPARE * abs(overlap - met)
+        if F is None:
             compression = beam_stresses(system, u, bending_u, geometric_u)
         else:
-            pushed = push
-            push = force_law(-w_mid)
-            w_before = dot(system.midpoint, u_before)
-            too_stiff |= step > 0 and yielding * abs(push - pushed) > SPARE * abs(w_mid - w_before)
+            pushed, push = push, F(-w_mid)
+            moved = abs(w_mid - dot(system.midpoint, u_before))
+            too_stiff |= step > 0 and yielding * abs(push - pushed) > SPARE * moved
         for i in range(n):
-            if force_law is None:
+            if F is None:
                 force[i] = compression * (geometric_u[i] + system.slope_start[i]) - bending_u[i]
             else:
                 force[i] = system.midpoint[i] * push
@@ -259,37 +245,31 @@ def follow(
             u_after[i] /= 1 + beam_drag
             velocity[i] = (u_after[i] - u_before[i]) / (2 * dt)
         force_y = contact - system.spring * y - system.mass * a
-        if damping_law is None:
+        if D is None:
             y_after = (force_y + inertia * (2 * y - y_before) + drag * y_before) / (inertia + drag)
         else:
             y_after = 2 * y - y_before
             for _ in range(PASSES):
                 y_velocity = (y_after - y_before) / (2 * dt)
                 if y_velocity != 0:
-                    drag = damping_law(damping, y_velocity, y) / (2 * dt * y_velocity)
+                    drag = D(damping, y_velocity, y) / (2 * dt * y_velocity)
                 y_after = force_y + inertia * (2 * y - y_before) + drag * y_before
                 y_after /= inertia + drag
         y_velocity = (y_after - y_before) / (2 * dt)
 
         power_before, loss_before = power, loss
         power = -a * (system.mass * y_velocity + dot(system.load, velocity))
-        if damping_law is None:
-            loss = damping * y_velocity**2
-        else:
-            loss = 2 * dt * drag * y_velocity**2
+        loss = (damping if D is None else 2 * dt * drag) * y_velocity**2
         if system.beam_damping > 0:
             multiply(system.inertia, velocity, force)
             loss += system.beam_damping * dot(velocity, force)
         work += (power_before + power) * dt / 2
         gross_work += abs(power) * dt
         lost += (loss_before + loss) * dt / 2
-        if contact_law is not None or force_law is not None:
-            law_before, law_power = law_power, 0.0
-            w_velocity = dot(system.midpoint, velocity)
-            if contact_law is not None:
-                law_power += contact * (y_velocity - w_velocity)
-            if force_law is not None:
-                law_power += push * w_velocity
+        if P is not None or F is not None:
+            law_before, w_velocity = law_power, dot(system.midpoint, velocity)
+            law_power = push * w_velocity
+            law_power += 0.0 if P is None else contact * (y_velocity - w_velocity)
             lawful += (law_before + law_power) * dt / 2
         if step < history.shape[0]:
             history[step, :n], history[step, n : 2 * n] = u, velocity
@@ -320,7 +300,10 @@ follow = compiled(follow)
 def starting(model, start):
     """Give the system of a model of one device whose runs begin in the first or second shape."""
     nodes = apply(model.modal.shapes, model.rest(start)) if start == SECOND else None
-    return nodal_system(model.device, model.basis, nodes)
+    system = nodal_system(model.device, model.basis, nodes)
+    # A force of a user's own stands for bending, too.
+    is_beam = model.laws is None or model.laws.force is None
+    return system if is_beam else system._replace(bending=0.0 * system.bending)
 
 
 def march(model, cells, dt, settings):
@@ -340,7 +323,7 @@ def march(model, cells, dt, settings):
             curve = cells.pulses[cells.pulse[i]].curve
             load = curve, cells.amplitude[i], cells.f0[i], cells.damping[i]
             run = system, *load, target, dt[i], steps, no_history
-            observed[:, i] = follow_laws(*run, *laws) if laws else follow(*run)
+            observed[:, i] = follow_laws(*run, *vars(laws).values()) if laws else follow(*run)
     t_snap, energy_error, pulse_work = observed
     no_well, unknown = np.zeros(t_snap.size, np.int8), np.full(t_snap.size, np.nan)
     return t_snap, unknown, no_well, energy_error, unknown, pulse_work, unknown
@@ -352,7 +335,7 @@ def record(model, pulse, amplitude, f0, damping, dt, steps, start=FIRST):
     history = np.zeros((steps, 2 * n + 4))
     run = system, pulse.curve, amplitude, f0, damping, -np.inf, dt, steps, history
     if model.laws:
-        follow_laws(*run, *model.laws)
+        follow_laws(*run, *vars(model.laws).values())
     else:
         follow(*run)
     form = Form(

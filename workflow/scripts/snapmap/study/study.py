@@ -75,12 +75,7 @@ class Study:
         settings |= {"horizon": f"{settings['horizon']:.15g} us"}
         sections = device_sections(self.device) | self.shocks.section()
         sweep = {key: settings[key] for key in keys or settings if key in settings}
-        return sections | {"model": self.written_model(), "sweep": sweep}
-
-    def written_model(self) -> dict:
-        """The section of its model; laws from Python are named."""
-        laws = self.model.get("laws")
-        return dict(self.model) | ({"laws": str(laws)} if laws else {})
+        return sections | {"model": dict(self.model), "sweep": sweep}
 
 
 def study_of(

@@ -43,7 +43,7 @@ peak times duration, amplitudes are looked at."""
 LEAST_PUSH = 0.25
 """Of a pulse that pulls, amplitudes are looked at as if it pressed with this share of its peak."""
 LEAST = 1e-4
-"""Of the static threshold, down to which N are looked at where no energy is known."""
+"""Of the static threshold, down to which N are looked at where no bound by energy is known."""
 SLACK = 0.99
 """Of the bound by energy, down to which amplitudes are looked at: a model may itself be off."""
 STATUS = "no_device", "found", "nothing_snaps", "not_followed"
@@ -120,7 +120,8 @@ def survey(
 
 def _followed(models, rows, settings, tolerance, highest):
     """Find thresholds by these models; where the cheap one fails, the one that decides scans."""
-    bound = _bound(models, rows, settings)
+    bound = least_amplitudes(models.decides, rows, settings.start)
+    bound = np.maximum(bound, LEAST * models.static[rows.device])
     options = settings, tolerance, highest
     thresholds = _survey(models, rows, *options, bound)
     lost = np.flatnonzero(thresholds.status == NOT_FOLLOWED)
@@ -129,12 +130,6 @@ def _followed(models, rows, settings, tolerance, highest):
         again = _survey(better, rows.take(lost), *options, bound[lost], SLACK * bound[lost])
         thresholds = _merged(bound.size, thresholds, lost, again)
     return thresholds
-
-
-def _bound(models, rows, settings):
-    """Bound the N that can snap, (rows,), or, of laws, those that are looked at."""
-    bound = least_amplitudes(models.decides, rows, settings.start)
-    return LEAST * models.static[rows.device] if models.lawful else bound
 
 
 def _merged(n_rows, thresholds, which, again):
@@ -162,7 +157,8 @@ def with_rows(
 
 def lowest(models: Survey, rows: Rows, settings: Settings, tolerance: float) -> np.ndarray:
     """Find N_first, (rows,), without a bar; NaN for none."""
-    bound = _bound(models, rows, settings)
+    bound = least_amplitudes(models.decides, rows, settings.start)
+    bound = np.maximum(bound, LEAST * models.static[rows.device])
     # No island above the first counts.
     changes = _changes(models, rows, settings, tolerance, 0.0, bound)
     return stretches(changes.edges, changes.open_end)[0]
@@ -262,7 +258,7 @@ def _survey(models, rows, settings, tolerance, highest, bound, lowest=None):
     none = np.where(quiet, NOTHING_SNAPS, NOT_FOLLOWED)
     return Thresholds(
         status=np.where(np.isnan(N_first), none, FOUND).astype(np.int8),
-        N_bound=0 * bound if models.lawful else bound,
+        N_bound=bound,
         N_looked=np.fmax(np.fmax.reduce(wide, axis=1), limits.high),
         N_first=N_first,
         N_error=N_error,

@@ -77,7 +77,7 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     document = {
         **device_sections(device),
         **study.shocks.section(),
-        "model": study.written_model(),
+        "model": dict(study.model),
         "histories": [{"N": N, "f0": f"{f0!r} Hz", "C": f"{C!r} uN*us/um"}],
     }
     optional, rest = {}, built.barrier.first + device.gap
