@@ -50,6 +50,6 @@ class Drop:
             return state[0] + self.depth
 
         falls.terminal = True
-        step = 1 / (20 * f0)
+        step = 1 / (50 * f0)
         run = solve_ivp(rate, (0, t_end), (0, 0), rtol=self.rtol, events=falls, max_step=step)
         return run.t_events[0][0] if run.t_events[0].size else np.nan

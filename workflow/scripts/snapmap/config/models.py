@@ -14,7 +14,7 @@ from ..files.named import sha256_of
 from ..files.tables import ROWS, read_points
 from ..solver.adaptive import TOLERANCE
 from ..solver.laws import LAWS, load_laws
-from ..solver.options import OPTIONS
+from ..solver.options import OPTIONS, take_model
 from ..solver.settings import FIRST, STARTS, THRESHOLD_TOLERANCE, Settings
 from ..study.axes import COORDINATES, axis_behind
 from .devices import DeviceSection, of_device
@@ -24,8 +24,17 @@ from .units import show
 from .views import MOST_MAPS
 
 
+def _own_laws(file):
+    """Path and SHA-256 of a file of laws, which is run."""
+    sha256 = sha256_of(file, *LAWS)
+    load_laws(file, sha256)
+    return file, sha256
+
+
 class ModelSection(Section):
     """How a cell is simulated."""
+
+    known_as = "model"
 
     name: word(*OPTIONS)
     elements: argument("model.elements", "on the half beam", out="`5`")
@@ -43,15 +52,13 @@ class ModelSection(Section):
         "[your own](own-physics.md#in-a-config)",
         "mylaws.py",
         "the device's own",
+        _own_laws,
     )
 
     def make(self) -> dict:
-        """Its name and options, with the SHA-256 of a file of laws, which is run."""
-        if not self.laws or self.name != "reference":
-            return self.given
-        sha256 = sha256_of(self.laws, *LAWS)
-        load_laws(self.laws, sha256)
-        return self.given | {"sha256": sha256}
+        """Its name and options, with the SHA-256 of a file of laws."""
+        files = dict(zip(("laws", "sha256"), self.laws or (), strict=False))
+        return take_model(self.given | files) if files else self.given
 
 
 _Axes = of_device(lambda _, kind: axis(kind, "in place of the device's", out="the device's own"))

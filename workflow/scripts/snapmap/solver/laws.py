@@ -147,4 +147,4 @@ def _curve(force, low, high):
 def _zero(force, low, high):
     """Find where a force changes sign in an interval, to a POINTS-th of it."""
     x, F = _curve(force, low, high)
-    return float(x[np.argmax((F[1:] > 0) != (F[0] > 0)) + 1])
+    return float(x[np.argmax(F[1:] * F[0] <= 0) + 1])

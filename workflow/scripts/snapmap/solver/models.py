@@ -291,6 +291,7 @@ def _build(device, name, options, is_free):
         # ASSUME: a beam with a force of its own moves as its first cosine, which gives it its mass.
         saddle, second, energy = well_of(force, device.beam.rise)
         first, ones = barrier.first, 0.0 * barrier.first + 1.0
+        modal = modal._replace(residual=0.0 * modal.residual)
         barrier = Barrier(energy * ones, -saddle * ones, first - second, first)
     steps = (explicit_steps if name == "reference" else steps_of)(device, modal)
     return Model(name, device, basis, modal, barrier, steps, laws)
