@@ -13,6 +13,7 @@ from pathlib import Path
 import snapmap
 from snapmap.device.device import Beam, Device
 from snapmap.device.quantities import QUANTITIES
+from snapmap.pulse.pulse import Pulse
 from snapmap.solver.settings import Settings
 from snapmap.study.variables import variables
 
@@ -94,8 +95,9 @@ MODULES = re.compile(r"\b(?:[a-z_]\w*\.)+(?=[A-Z])")
 
 def reference() -> str:
     """The text of docs/reference.md."""
-    functions = {name: getattr(snapmap, name) for name in snapmap.__all__}
-    values = {kind.__name__: kind for kind in (Device, Beam, Settings)}
+    public = {name: getattr(snapmap, name) for name in snapmap.__all__}
+    functions = {name: what for name, what in public.items() if not isinstance(what, type)}
+    values = {kind.__name__: kind for kind in (Device, Beam, Pulse, Settings)}
     return PAGE.format(
         functions="\n\n".join(_section("##", name, what) for name, what in functions.items()),
         values="\n\n".join(_section("###", name, what) for name, what in values.items()),

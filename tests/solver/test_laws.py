@@ -130,18 +130,18 @@ def test_of_a_double_well_nothing_is_said_that_nobody_knows(double_well):
 
 
 def test_a_law_that_is_too_stiff_for_the_step_is_followed_in_shorter_ones(handout):
-    """A contact 20 times as stiff as the device's, as if the device had it."""
+    """A contact 200 times as stiff as the device's, as if the device had it."""
 
     def stiffer(stiffness, overlap):
-        return 20 * stiffness * max(0.0, overlap)
+        return 200 * stiffness * max(0.0, overlap)
 
     model = snapmap.reference(contact=stiffer, elements=5)
     given = [1500.0], [F0], [25.0]
     cube = snapmap.sweep(handout, *given, model=model, until="snap", horizon=50.0)
-    hard = replace(handout, contact=20 * handout.contact)
+    hard = replace(handout, contact=200 * handout.contact)
     assert cube.halvings.item() > 0
     plain = snapmap.sweep(hard, *given, model="reference", until="snap", horizon=50.0)
-    assert cube.t_snap.item() == pytest.approx(plain.t_snap.item(), abs=0.02)
+    assert cube.t_snap.item() == pytest.approx(plain.t_snap.item(), abs=0.2)
 
 
 @pytest.mark.parametrize(

@@ -29,7 +29,7 @@ TENTH = 0.1
 
 @dataclass(frozen=True, eq=False)
 class Pulse:
-    """One shape of peak 1 over x = t/duration from 0 to 1.
+    """One shape of peak 1 over x = t/duration from 0 to 1; `sampled` and `read_pulse` make one.
 
     pieces: (pieces, 6), as in `numerics.pieces`
     duration: its own, us, of a recorded shock or a train; None where f0 alone tells it
@@ -213,6 +213,10 @@ def sampled(time: np.ndarray, acceleration: np.ndarray, name: str = "recorded") 
 
     time: us, ascending; acceleration: along +z, in any unit, as N scales its largest; (samples,)
     Raises ValueError, one line, for what is no shock.
+
+    >>> time = [0.0, 100.0, 400.0]  # from any function of time, as many samples as it takes
+    >>> snapmap.sampled(time, [0.0, 1.0, 0.0]).duration
+    400.0
     """
     time, acceleration = (np.asarray(values, float) for values in (time, acceleration))
     if time.ndim != 1 or time.shape != acceleration.shape or time.size < 2:

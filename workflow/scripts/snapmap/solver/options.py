@@ -6,7 +6,7 @@ from ..device.argument import Argument, integer, number, word
 from .laws import Laws
 
 OPTIONS = {
-    "reference": ("elements", "laws", "sha256"),
+    "reference": ("elements", "laws"),
     "elements": ("elements", "modes"),
     "cosines": ("cosines", "modes"),
     "auto": ("tolerance",),
@@ -21,7 +21,6 @@ OF_MODEL = {
         "a file of laws, nor what snapmap.reference makes",
         lambda value: isinstance(value, str | Laws),
     ),
-    "sha256": Argument("the SHA-256 of that file", lambda value: isinstance(value, str)),
 }
 """What each option may be."""
 
@@ -33,6 +32,8 @@ def take_model(model: Mapping) -> dict[str, object]:
     for key, value in model.items():
         if key in OPTIONS[name]:
             taken[key] = OF_MODEL[key].take(f"model.{key}", value)
+        elif key == "sha256" and isinstance(model.get("laws"), str):
+            taken[key] = value
         elif key != "name":
             known = ", ".join(OPTIONS[name])
             raise ValueError(f"model.{key}: not an option of {name}; its options are {known}")
