@@ -10,6 +10,7 @@ from typing import get_args
 
 import numpy as np
 
+from .applications import functions
 from .arguments import ARGUMENTS, SHOCK
 from .config.plausible import implausible, unusual, wide
 from .device.device import VALUES, batch
@@ -46,6 +47,8 @@ def checked(function: Callable) -> Callable:
         values = _bound(function.__name__, signature, positional, named)
         for line in _doubts(values):
             warnings.warn(line, stacklevel=2)
+        if function.__name__ == "sweep":
+            values["observers"] = functions("observe")
         return function(**values)
 
     door.__module__ = __package__  # by which it is pickled

@@ -17,8 +17,6 @@ ANY = "any"
 """Of a required shock that may or may not snap the device."""
 SNAPS = {False: 0, True: 1, ANY: 2}
 """What a required shock must do, as datasets have it."""
-CLOSING = "closes_within", "stays_closed"
-"""What may be required of an electrode."""
 THRESHOLD_SETTINGS = ("horizon", "energy_tolerance", "start")
 """Those on which a threshold depends."""
 

@@ -51,14 +51,14 @@ def sweep(
     >>> cube.t_snap.notnull().squeeze().values.tolist()
     [[False, True], [False, True]]
     """
-    repeat = options.pop("repeat", None)
+    observers, repeat = options.pop("observers", ()), options.pop("repeat", None)
     options["repeat"] = options.get("until", "settled") == "settled" if repeat is None else repeat
     study, varied = study_of(device, model, options, (*FOLLOWED, "until", "repeat"))
     f0 = [study.shocks.own_frequency()] if f0 is None else f0
     grid = study.set_out({**varied, "C": C, "f0": f0, "N": N})
     with counting("sweep"):
         built = choose_model(grid.device, study.model, study.settings.start)
-        values = follow_grid(built, grid, study.settings)
+        values = follow_grid(built, grid, study.settings, observers)
     return with_summary(as_cube(grid.axes, values, study.document()))
 
 

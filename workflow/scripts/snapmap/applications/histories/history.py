@@ -17,13 +17,13 @@ from ...numerics.linalg import dot, multiply
 from ...pulse.pulse import blow_at
 from ...solver.adaptive import Adaptive, choose_model
 from ...solver.cells import to_cells
-from ...solver.closures import follow_closures
 from ...solver.cost import steps_and_seconds, tell
 from ...solver.outcome import OUTCOMES, REPEATED_STEP, label, t_snap_error, work_error
 from ...solver.settings import FIRST
 from ...study.provenance import device_sections
 from ...study.study import Study, study_of
 from ...study.variables import dress
+from .. import merge
 
 SAMPLES = 4000
 """A history keeps this many instants, up to twice as many, or all that there are."""
@@ -88,8 +88,7 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     optional |= {key: place for key, place in stops.items() if math.isfinite(place)}
     if cells.pulses[0].blows.size:
         optional["blow"] = blow_at(cells.pulses, cells.pulse, observed.t_snap * cells.f0).item()
-    if device.has_electrode:
-        optional |= _closing(built, cells, settings)
+    optional |= merge("in_history", built, cells, settings)
     return dress(
         "history",
         xr.Dataset({key: ("time", column) for key, column in values.items()}),
@@ -134,17 +133,11 @@ def extremes_of(study: Study, N: float, f0: float, C: float, step: float = 1.0) 
     return _record(built.with_step(step), cells, study.settings, samples=1)[-1]
 
 
-def closing_of(study: Study, N: float, f0: float, C: float) -> dict[str, float]:
-    """Follow one cell as `follow_closures` does; nothing without an electrode, which it places."""
-    if not study.device.has_electrode:
-        return {}
+def observed_of(study: Study, N: float, f0: float, C: float) -> dict[str, float]:
+    """The extremes of one cell, as `extremes_of`, and what applications see of it, by name."""
     built, cells, _ = _cell(study, N, f0, C)
-    return _closing(built, cells, study.settings)
-
-
-def _closing(built, cells, settings):
-    closures = follow_closures(built, cells, cells.t_end, settings).items()
-    return {"contact_at": built.device.contact_at} | {key: value.item() for key, value in closures}
+    extremes = _record(built, cells, study.settings, samples=1)[-1]
+    return extremes._asdict() | merge("in_history", built, cells, study.settings)
 
 
 def _cell(study, N, f0, C):

@@ -19,6 +19,7 @@ from ...beam.modal import first_midpoint
 from ...device.device import Device
 from ...study.provenance import device_sections
 from ...study.variables import dress
+from .. import merge
 
 POINTS = 400
 """On each of the parts of a path."""
@@ -62,11 +63,6 @@ def statics(device: Device) -> xr.Dataset:
         branches = {"tilted": (w, *_tilted(modes, w)), **branches}
     values = dict(zip(PATH, map(np.stack, zip(*branches.values(), strict=True)), strict=True))
     w, force = values["displacement"][0], values["force"][0]
-    electrode = {}
-    if device.has_electrode:
-        held = np.interp(first - device.contact_at, w, -force)
-        # What is not known is not 0.
-        electrode = {"contact_at": device.contact_at, "hold_force": float(np.maximum(held, 0.0))}
     data = {key: (("branch", "point"), column) for key, column in values.items()}
     return dress(
         "statics",
@@ -78,7 +74,7 @@ def statics(device: Device) -> xr.Dataset:
         barrier=barrier.energy,
         largest_force=float(force[: 2 * POINTS].max()),
         least_force=float(force[POINTS:].min()),
-        **electrode,
+        **merge("in_statics", device, first, w, force),
     )
 
 
