@@ -24,5 +24,5 @@ def test_the_notebook_runs(root, tmp_path, monkeypatch):
     free, dragged = own.t_snap.notnull().mean("N").values
     assert (dragged <= free).all() and dragged.sum() < free.sum()  # drag asks for more N
     assert own.reproduced.mean() > 0.98
-    below = found.N_first * 0.98 > own.N
+    below = found.N_first * 0.9 > own.N
     assert own.t_snap.sel(C=0.0).where(below).isnull().all()

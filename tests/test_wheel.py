@@ -39,7 +39,7 @@ import snapmap
 warnings.simplefilter("ignore")
 for name in snapmap.__all__:
     function = getattr(snapmap, name)
-    (example,) = doctest.DocTestFinder().find(function, name, globs={"snapmap": snapmap})
+    (example,) = doctest.DocTestFinder(recurse=False).find(function, name, globs={"snapmap": snapmap})
     assert not doctest.DocTestRunner().run(example).failed, name
 """
 

@@ -45,7 +45,9 @@ RIGHT = {
 def test_the_example_of_each_function_is_true(root, monkeypatch, name):
     monkeypatch.chdir(root)
     function = getattr(snapmap, name)
-    (example,) = doctest.DocTestFinder().find(function, name, globs={"snapmap": snapmap})
+    (example,) = doctest.DocTestFinder(recurse=False).find(
+        function, name, globs={"snapmap": snapmap}
+    )
     assert example.examples
     assert doctest.DocTestRunner().run(example).failed == 0
 

@@ -116,12 +116,12 @@ def _hint(function, key, parameters):
 
 def _doubts(values):
     """Lines on values that are hardly meant."""
-    device = values.get("device")
+    device, laws = values.get("device"), values.get("model", {}).get("laws")
     named = device if isinstance(device, Mapping) else {} if device is None else {"": device}
     for single in named.values():
         alone = batch([single])
         C, f0 = (values.get(key) for key in ("C", "f0"))
-        if C is None or f0 is None:
+        if C is None or f0 is None or laws:  # of a law's C the unit is its own
             yield from unusual(alone)
         else:
             ascending = (np.sort(np.atleast_1d(np.asarray(v, float))) for v in (C, f0))

@@ -35,8 +35,8 @@ class Beam:
         stays as it is
 
     >>> sizes = {"span": 600.0, "rise": 10.0, "thickness": 2.0, "depth": 22.0}
-    >>> snapmap.Beam(**sizes, youngs_modulus=150e3, density=2.33e-3).bistability
-    5.0
+    >>> snapmap.Beam(**sizes, youngs_modulus=150e3, density=2.33e-3).rise
+    10.0
     """
 
     span: Value

@@ -40,6 +40,9 @@ class Pulse:
     swing: share of the duration that the shortest blow takes
     strongest: the blow of a train that changes the velocity most, alone, over the train's peak
     own_N: multiples of g at which a drop is that from its height
+
+    >>> snapmap.sampled([0.0, 100.0, 400.0], [0.0, 1.0, 0.0], "saw").name
+    'saw'
     """
 
     name: str
@@ -214,8 +217,7 @@ def sampled(time: np.ndarray, acceleration: np.ndarray, name: str = "recorded") 
     time: us, ascending; acceleration: along +z, in any unit, as N scales its largest; (samples,)
     Raises ValueError, one line, for what is no shock.
 
-    >>> time = [0.0, 100.0, 400.0]  # from any function of time, as many samples as it takes
-    >>> snapmap.sampled(time, [0.0, 1.0, 0.0]).duration
+    >>> snapmap.sampled([0.0, 100.0, 400.0], [0.0, 1.0, 0.0]).duration
     400.0
     """
     time, acceleration = (np.asarray(values, float) for values in (time, acceleration))

@@ -59,7 +59,7 @@ def reference(
     >>> device = snapmap.load_device("config/config.yaml")
     >>> cubic = snapmap.reference(damping=lambda C, velocity, place: C * velocity**3)
     >>> snapmap.simulate(device, 1000, 1500, 25, model=cubic, horizon=0).outcome
-    'unsnapped'
+    'snapped'
     """
     laws = made({"damping": damping, "contact": contact, "force": force})
     return {"name": "reference", "laws": laws} | ({"elements": elements} if elements else {})
