@@ -21,7 +21,7 @@ def test_the_config_reference_is_what_the_models_say(root):
 
 
 CORE = ("numerics", "files", "device", "pulse", "beam", "solver", "study", "thresholds", "sweeps")
-SHELL = ("arguments", "config", "figures", "workflow", "public")
+SHELL = ("config", "figures", "workflow", "public")
 LISTING = ("config", "public", "workflow")
 """Who reads the list of applications, which holds names alone."""
 MOST_LINES = {"core": 10_500, "shell": 4_000, "application": 900}

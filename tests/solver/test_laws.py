@@ -152,7 +152,7 @@ def test_a_law_that_is_too_stiff_for_the_step_is_followed_in_shorter_ones(handou
         ("def contact(k, s): return 'a'", "contact: gives a str; write a float"),
         ("def contact(k, s): return open(s)", "contact: numba cannot compile it; "),
         ("damping = 1", "damping: is no function"),
-        ("def force(x): return x", "force: is no double well; it must be 0 at 0, rise"),
+        ("def force(x): return x", "force: is no double well; write 0 at 0, then"),
         ("def force(x)", "mylaws.py: SyntaxError: expected ':' (mylaws.py, line 1)"),
     ],
 )

@@ -13,9 +13,9 @@ from ..device.measured_shape import PROFILE
 from ..device.quantities import QUANTITIES
 from ..files.named import hold_to_plan, sha256_of
 from ..pulse.shocks import HANDOUT_SHOCK
-from ..solver.settings import SECOND, THRESHOLD_TOLERANCE, Settings
+from ..solver.settings import SECOND, THRESHOLD_TOLERANCE
 from ..study.axes import SHOCK_AXES, TEMPERATURE, Grid, Units, make_grid
-from ..study.study import FOLLOWED, Study
+from ..study.study import Study
 from .devices import nominal
 from .keys import line_at, lines_of
 from .models import Document
@@ -78,8 +78,7 @@ class Config(Study):
 
     def of_thresholds(self) -> "Config":
         """The same, each cell followed as all functions but `sweep` follow it."""
-        kept = {key: getattr(self.settings, key) for key in FOLLOWED}
-        return replace(self, settings=Settings(**kept))
+        return replace(self, settings=self.settings._replace(until="settled", repeat=True))
 
     @property
     def has_strength(self) -> bool:

@@ -3,14 +3,20 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
 
+from ..device.argument import Argument, of_type
+from ..device.checks import numbers
 from ..numerics import portable
 
 VERSED_SINE = "versed sine"
 DIRECTIONS = {"+z": 1.0, "-z": -1.0}
 """The frame's acceleration at N above 0; along +z it presses the mass down on the beam."""
+Series = Annotated[
+    np.ndarray, Argument("a row of numbers", lambda value: numbers(value) is not None, numbers)
+]
 NO_JUMP = 1e-12
 """What a pulse begins or ends with, over its peak, is no jump up to here."""
 AT_REST, BASELINE = 0.05, 0.005
@@ -211,7 +217,9 @@ def straight(x: np.ndarray, values: np.ndarray) -> np.ndarray:
     return pieces
 
 
-def sampled(time: np.ndarray, acceleration: np.ndarray, name: str = "recorded") -> Pulse:
+def sampled(
+    time: Series, acceleration: Series, name: Annotated[str, of_type("a name", str)] = "recorded"
+) -> Pulse:
     """Make a pulse of samples, linear between them, with their own duration.
 
     time: us, ascending; acceleration: along +z, in any unit, as N scales its largest; (samples,)

@@ -29,8 +29,6 @@ LOOKING_STEPS, DECIDING_STEPS, FINE_STEPS = 2.0, 0.5, 0.25
 """Steps of the finest model over its usual ones: to look for changes, to decide, to see islands."""
 LOOKING_TOLERANCE = 2.5e-4
 """How closely `looks` refines thresholds that another model decides, relative."""
-PEAKED = 1.5
-"""Largest force of a double well over its mean up to the saddle, about: it tells where to look."""
 TOLERANCE = 1e-3
 """Error of the threshold that `auto` may make, relative, by default; that of its steps, too."""
 
@@ -185,7 +183,8 @@ def _of_laws(model, laws, static):
     """The survey of a model with laws, which no other follows: by its own shorter steps."""
     if laws.force:
         device, (saddle, _, energy) = model.device, well_of(laws.force, model.device.beam.rise)
-        holds = PEAKED * energy / saddle + device.spring * (saddle + device.gap)
+        # The largest force is about 1.5 times the mean.
+        holds = 1.5 * energy / saddle + device.spring * (saddle + device.gap)
         static = holds / (device.mass + device.beam.weight / 2) / device.gravity
     half = model.with_step(DECIDING_STEPS)
     return Survey(model, model, model, half, None, half, static, lawful=True)

@@ -5,9 +5,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 
+from ..device.argument import Argument, integer
 from ..device.device import Value
 from ..files.named import naming, read_named
 
@@ -19,6 +21,8 @@ PARAMETERS = {
 """What each law takes, in this order, under whatever names; um, uN, us: docs/own-physics.md."""
 LAWS = 100_000, "write the laws alone"
 """Bytes that a file of laws may have, and what to do about more."""
+ELEMENTS = integer(1, 100)
+Law = Annotated[Callable, Argument("a function of numbers", callable)]
 REACH, POINTS = 10.0, 4001
 """Over the rise, how far a beam's second shape is looked for along its force, and at how many."""
 
@@ -37,15 +41,14 @@ class Laws:
 
     def __str__(self):
         """Name the functions, as attributes of products have them."""
-        named = {key: law for key, law in vars(self).items() if law}
-        return ", ".join(f"{key}: {law.__name__}" for key, law in named.items())
+        return ", ".join(f"{key}: {law.__name__}" for key, law in vars(self).items() if law)
 
 
 def reference(
-    damping: Callable | None = None,
-    contact: Callable | None = None,
-    force: Callable | None = None,
-    elements: int | None = None,
+    damping: Law | None = None,
+    contact: Law | None = None,
+    force: Law | None = None,
+    elements: Annotated[int, ELEMENTS] | None = None,
 ) -> dict[str, object]:
     """Make the handout's scheme with laws of your own, as `model` of sweep, threshold and simulate.
 
@@ -129,11 +132,10 @@ def well_of(force: Callable, rise: Value) -> tuple[float, float, float]:
     rises = np.flatnonzero((F[1:-1] < 0) & (F[2:] >= 0)) + 1
     rises = rises[rises > falls[0]] if falls.size else falls
     if abs(F[0]) > 1e-9 * abs(F).max() or not rises.size:
-        raise ValueError(
-            "model.laws: force: is no double well; it must be 0 at 0, rise, fall through 0 at a "
-            f"saddle and rise through it again within {reach:g} um"
-        )
-    saddle, second = (_zero(force, *x[i : i + 2]) for i in (falls[0], rises[0]))
+        needs = "0 at 0, then positive, negative from a saddle on, and positive again"
+        raise ValueError(f"model.laws: force: is no double well; write {needs} below {reach:g} um")
+    around = (_curve(force, *x[i : i + 2]) for i in (falls[0], rises[0]))
+    saddle, second = (float(x[np.argmax(F[1:] * F[0] <= 0) + 1]) for x, F in around)
     x, F = _curve(force, 0.0, saddle)
     return saddle, second, float(np.sum((F[1:] + F[:-1]) * np.diff(x)) / 2)
 
@@ -142,9 +144,3 @@ def _curve(force, low, high):
     """Displacements in an interval, and the forces there."""
     x = np.linspace(low, high, POINTS)
     return x, np.array([force(place) for place in x.tolist()])
-
-
-def _zero(force, low, high):
-    """Find where a force changes sign in an interval, to a POINTS-th of it."""
-    x, F = _curve(force, low, high)
-    return float(x[np.argmax(F[1:] * F[0] <= 0) + 1])

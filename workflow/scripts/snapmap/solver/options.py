@@ -1,9 +1,10 @@
 """The names of models and the options of each, from Python as in a config."""
 
 from collections.abc import Mapping
+from typing import Annotated, TypedDict
 
-from ..device.argument import Argument, integer, number, word
-from .laws import Laws
+from ..device.argument import Argument, argument_of, integer, number, word
+from .laws import ELEMENTS, Laws
 
 OPTIONS = {
     "reference": ("elements", "laws"),
@@ -12,16 +13,26 @@ OPTIONS = {
     "auto": ("tolerance",),
 }
 """Of each model."""
-OF_MODEL = {
-    "tolerance": number("(0, 1)", "", "1e-3"),
-    "elements": integer(1, 100),
-    "cosines": integer(1, 100),
-    "modes": integer(1, 200),
-    "laws": Argument(
-        "a file of laws, nor what snapmap.reference makes",
-        lambda value: isinstance(value, str | Laws),
-    ),
-}
+
+
+class ModelOptions(TypedDict, total=False):
+    """Options of models."""
+
+    elements: Annotated[int, ELEMENTS]
+    cosines: Annotated[int, integer(1, 100)]
+    modes: Annotated[int, integer(1, 200)]
+
+
+class AutoOptions(ModelOptions, total=False):
+    """The same where no argument of the function is a tolerance."""
+
+    tolerance: Annotated[float, number("(0, 1)", "", "1e-3")]
+
+
+OF_MODEL = {key: argument_of(kind) for key, kind in AutoOptions.__annotations__.items()}
+OF_MODEL["laws"] = Argument(
+    "a file of laws, nor what snapmap.reference makes", lambda value: isinstance(value, str | Laws)
+)
 """What each option may be."""
 
 

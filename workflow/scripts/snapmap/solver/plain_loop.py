@@ -297,13 +297,20 @@ follow_laws = njit(nogil=True, error_model="numpy")(follow)
 follow = compiled(follow)
 
 
+def _follower(laws):
+    """`follow`, with laws if there are any."""
+    if laws is None:
+        return follow
+    return lambda *run: follow_laws(*run, laws.damping, laws.contact, laws.force)
+
+
 def starting(model, start):
     """Give the system of a model of one device whose runs begin in the first or second shape."""
     nodes = apply(model.modal.shapes, model.rest(start)) if start == SECOND else None
     system = nodal_system(model.device, model.basis, nodes)
-    # A force of a user's own stands for bending, too.
-    is_beam = model.laws is None or model.laws.force is None
-    return system if is_beam else system._replace(bending=0.0 * system.bending)
+    if model.laws and model.laws.force:  # it stands for bending, too
+        system = system._replace(bending=0.0 * system.bending)
+    return system
 
 
 def march(model, cells, dt, settings):
@@ -312,7 +319,7 @@ def march(model, cells, dt, settings):
     model: a `Model`; cells: `Cells`, each column (cells,); dt: us, (cells,)
     Returns what the SIMD kernel does; no well is known
     """
-    observed, laws = np.empty((3, cells.f0.size)), model.laws
+    observed, run = np.empty((3, cells.f0.size)), _follower(model.laws)
     for which in np.unique(cells.device):
         picked = model.pick(which)
         system = starting(picked, settings.start)
@@ -322,8 +329,7 @@ def march(model, cells, dt, settings):
             steps = int(np.ceil(cells.t_end[i] / dt[i]))
             curve = cells.pulses[cells.pulse[i]].curve
             load = curve, cells.amplitude[i], cells.f0[i], cells.damping[i]
-            run = system, *load, target, dt[i], steps, no_history
-            observed[:, i] = follow_laws(*run, *vars(laws).values()) if laws else follow(*run)
+            observed[:, i] = run(system, *load, target, dt[i], steps, no_history)
     t_snap, energy_error, pulse_work = observed
     no_well, unknown = np.zeros(t_snap.size, np.int8), np.full(t_snap.size, np.nan)
     return t_snap, unknown, no_well, energy_error, unknown, pulse_work, unknown
@@ -334,10 +340,7 @@ def record(model, pulse, amplitude, f0, damping, dt, steps, start=FIRST):
     system, n = starting(model, start), model.basis.load.size
     history = np.zeros((steps, 2 * n + 4))
     run = system, pulse.curve, amplitude, f0, damping, -np.inf, dt, steps, history
-    if model.laws:
-        follow_laws(*run, *vars(model.laws).values())
-    else:
-        follow(*run)
+    _follower(model.laws)(*run)
     form = Form(
         inertia=system.inertia,
         bending=system.bending,

@@ -8,8 +8,7 @@ import xarray as xr
 
 from ...beam.limit_loads import reset_force
 from ...beam.modal import natural_frequency
-from ...device.device import CLAMP, STOPS, STRENGTH
-from ...device.quantities import QUANTITIES, Quantity, plain
+from ...device.quantities import leaves, plain, quantity_at
 from ...files.text import DASH, table
 from ...numerics.statistics import percents, scope
 from ...solver.outcome import REPEATED_STEP
@@ -78,17 +77,8 @@ def _device(study, device):
     yield ["made by", f"snapmap {code_version()}"]
     yield ["model", " ".join(filter(None, [study.model["name"], options]))]
     yield ["support", "free to tilt" if device.beam.free else "guided: the beam cannot tilt"]
-    yield from _written(device_sections(device)["device"])
-
-
-def _written(section, name=""):
-    for key, value in section.items():
-        if isinstance(value, Mapping):
-            yield from _written(value, f"{name}{key}: ")
-        else:
-            quantity = (CLAMP | STOPS | STRENGTH).get(key, key)
-            text = QUANTITIES.get(quantity, Quantity(quantity)).used(str(value))
-            yield [f"{name}{key}".replace("_", " "), text]
+    for key, text in leaves(device_sections(device)["device"]):
+        yield [key.replace(".", ": ").replace("_", " "), quantity_at(key).used(text)]
 
 
 def _statics(device):

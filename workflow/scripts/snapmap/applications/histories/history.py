@@ -2,9 +2,8 @@
 
 import math
 import warnings
-from collections.abc import Mapping
 from dataclasses import replace
-from typing import NamedTuple
+from typing import NamedTuple, Unpack
 
 import numpy as np
 import xarray as xr
@@ -18,8 +17,10 @@ from ...pulse.pulse import blow_at
 from ...solver.adaptive import Adaptive, choose_model
 from ...solver.cells import to_cells
 from ...solver.cost import steps_and_seconds, tell
+from ...solver.options import AutoOptions
 from ...solver.outcome import OUTCOMES, REPEATED_STEP, label, t_snap_error, work_error
 from ...solver.settings import FIRST
+from ...study import arguments
 from ...study.provenance import device_sections
 from ...study.study import Study, study_of
 from ...study.variables import dress
@@ -37,17 +38,28 @@ FARTHEST = 5.0
 """Over the rise: of a mass that no stop holds, a travel from rest that a run remarks upon."""
 
 
+class HistoryOptions(AutoOptions, total=False):
+    """Options of `simulate`."""
+
+    horizon: arguments.Horizon
+    energy_tolerance: arguments.EnergyTolerance
+    until: arguments.Until
+    start: arguments.Start
+    pulse: arguments.PulseSpec
+    direction: arguments.Direction
+
+
 def simulate(
-    device: Device,
-    N: float,
-    f0: float | None,
-    C: float,
-    model: str | Mapping = "auto",
-    **options,
+    device: arguments.SingleDevice,
+    N: arguments.Amplitude,
+    f0: arguments.Frequency | None,
+    C: arguments.Damper,
+    model: arguments.Model = "auto",
+    **options: Unpack[HistoryOptions],
 ) -> xr.Dataset:
     """Follow one cell to the horizon, beyond its snap, and return its history over time.
 
-    N: multiples of g; f0: Hz, or None for a recorded shock's own; C: uN us/um
+    f0: None for a recorded shock's own
     model: name, or the config's model section; of `auto` the finest level
     options: horizon (us after the pulse), until and energy_tolerance of the sweep whose step is
         taken; start; pulse and direction, a single one; and those of the model
@@ -61,9 +73,8 @@ def simulate(
     >>> run.outcome, round(run.t_snap)
     ('snapped', 365)
     """
-    study, _ = study_of(device, model, options, ("horizon", "energy_tolerance", "until", "start"))
-    f0 = study.shocks.own_frequency() if f0 is None else f0
-    return history_of(study, N, f0, C)
+    study, cell = study_of(device, model, options, N=N, f0=f0, C=C)
+    return history_of(study, **cell)
 
 
 def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:

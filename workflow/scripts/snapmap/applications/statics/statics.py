@@ -16,7 +16,7 @@ from ...beam.equilibria import (
 )
 from ...beam.limit_loads import largest_force
 from ...beam.modal import first_midpoint
-from ...device.device import Device
+from ...study import arguments
 from ...study.provenance import device_sections
 from ...study.variables import dress
 from .. import merge
@@ -28,7 +28,7 @@ LEAST_LOG = -32.0
 """Of x in `_tilted`: no imperfection is so small that N comes nearer to the load."""
 
 
-def statics(device: Device) -> xr.Dataset:
+def statics(device: arguments.SingleDevice) -> xr.Dataset:
     """Push the midpoint of one device's beam slowly from the first shape to the second and beyond.
 
     Returns displacement (um), force (uN) and energy (pJ) over (branch, point). Branches:
