@@ -47,8 +47,7 @@ class Pulse:
     strongest: the blow of a train that changes the velocity most, alone, over the train's peak
     own_N: multiples of g at which a drop is that from its height
 
-    >>> snapmap.sampled([0.0, 100.0, 400.0], [0.0, 1.0, 0.0], "saw").name
-    'saw'
+    >>> saw = snapmap.sampled([0.0, 100.0, 400.0], [0.0, 1.0, 0.0])
     """
 
     name: str

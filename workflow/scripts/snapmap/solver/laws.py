@@ -31,8 +31,7 @@ REACH, POINTS = 10.0, 4001
 class Laws:
     """Compiled functions of floats, each None where the device's own force acts.
 
-    damping: drag against the velocity of the mass; contact: of the mass on the midpoint, positive
-    where it presses; force: that holds the midpoint so far toward the second shape; all uN
+    As `reference` takes them.
     """
 
     damping: Callable | None = None

@@ -15,6 +15,7 @@ from ..beam.cosines import buckling_shapes, symmetric_cosines
 from ..beam.elements import hermite_elements
 from ..beam.equilibria import Barrier, Rest, find_barrier, require_rest, second_shape
 from ..beam.modal import ModalBeam, contact_stiffness, pulse_load, reduce_to_modes
+from ..device.checks import require
 from ..device.device import Device, Value
 from ..files.counting import count
 from .cells import Cells, Observations, no_observations
@@ -303,14 +304,13 @@ def check_options(device: Device, name: str, options: Mapping) -> None:
     if name == "reference" and np.isinf(device.contact).any():
         raise ValueError("device.contact: hard is not for the reference model; write elements")
     if laws := laws_of(options):
-        if laws.force and "elements" in options:
-            raise ValueError("model.elements: a law of the force takes none; leave it out")
-        if laws.contact and np.any(device.has_stops):
-            raise ValueError("device.stops: are not for a law of the contact; leave them out")
-        if np.any(device.has_electrode):
-            raise ValueError("device.contact_at: is not for a model with laws; leave it out")
-        if np.any(device.is_alone):
-            raise ValueError("model.laws: are of a mass on a beam, and there is none; write a mass")
+        of_elements, alone = laws.force and "elements" in options, device.is_alone
+        require(not of_elements, "model.elements: a law of the force takes none; leave it out")
+        stopped = np.any(device.has_stops) and laws.contact
+        require(not stopped, "device.stops: are not for a law of the contact; leave them out")
+        closes = "device.contact_at: is not for a model with laws; leave it out"
+        require(~np.asarray(device.has_electrode), closes)
+        require(~np.asarray(alone), "model.laws: are of a mass on a beam; write a mass")
 
 
 def _modes_of_elements(device, basis, name):

@@ -105,8 +105,7 @@ def thresholds_of(
     searched[initial_rows(parts)] = True
     tell_cost(models, rows.take(searched), settings)
     columns = find_thresholds(models, rows, parts, settings, tolerance, highest)
-    if models.lawful:
-        columns["N_bound"] = np.full(exists.size, np.nan)
+    columns["N_bound"] += np.nan if models.lawful else 0.0
     N_first, N_latched = columns["N_first"], np.full(exists.size, np.nan)
     first = N_first[exists]
     top = islands.ISLANDS_TO * first if highest is None else highest
