@@ -135,7 +135,7 @@ def test_a_law_that_is_too_stiff_for_the_step_is_followed_in_shorter_ones(handou
     def stiffer(stiffness, overlap):
         return 200 * stiffness * max(0.0, overlap)
 
-    model = snapmap.reference(contact=stiffer, elements=5)
+    model = snapmap.reference(contact=stiffer)
     given = [1500.0], [F0], [25.0]
     cube = snapmap.sweep(handout, *given, model=model, until="snap", horizon=50.0)
     hard = replace(handout, contact=200 * handout.contact)
@@ -169,7 +169,7 @@ def test_what_laws_do_not_know_is_refused(handout, laws):
     contact = snapmap.reference(contact=laws("fixed_mass").contact)
     with pytest.raises(ValueError, match=r"device\.stops: are not for a law of the contact"):
         build_model(replace(handout, stop_away=3.0), **contact)
-    force = snapmap.reference(force=laws("double_well").force, elements=5)
+    force = snapmap.reference(force=laws("double_well").force) | {"elements": 5}
     with pytest.raises(ValueError, match=r"model\.elements: a law of the force takes none"):
         build_model(handout, **force)
 

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import numpy as np
 
-from ..device.argument import Argument, integer
+from ..device.argument import Argument
 from ..device.device import Value
 from ..files.named import naming, read_named
 
@@ -21,7 +21,6 @@ PARAMETERS = {
 """What each law takes, in this order, under whatever names; um, uN, us: docs/own-physics.md."""
 LAWS = 100_000, "write the laws alone"
 """Bytes that a file of laws may have, and what to do about more."""
-ELEMENTS = integer(1, 100)
 Law = Annotated[Callable, Argument("a function of numbers", callable)]
 REACH, POINTS = 10.0, 4001
 """Over the rise, how far a beam's second shape is looked for along its force, and at how many."""
@@ -29,10 +28,7 @@ REACH, POINTS = 10.0, 4001
 
 @dataclass(frozen=True)
 class Laws:
-    """Compiled functions of floats, each None where the device's own force acts.
-
-    As `reference` takes them.
-    """
+    """Compiled functions, as `reference` takes them; None where the device's own force acts."""
 
     damping: Callable | None = None
     contact: Callable | None = None
@@ -47,14 +43,12 @@ def reference(
     damping: Law | None = None,
     contact: Law | None = None,
     force: Law | None = None,
-    elements: Annotated[int, ELEMENTS] | None = None,
 ) -> dict[str, object]:
     """Make the handout's scheme with laws of your own, as `model` of sweep, threshold and simulate.
 
     damping: (C, velocity, place) to the drag on the mass, uN, in place of C velocity
     contact: (stiffness, overlap) to the push between mass and midpoint, uN, positive apart
     force: (displacement,) to the push that holds the midpoint there, uN, in place of the beam's
-    elements: on the half beam, by default 5; none with a force
     Each is a function of floats that numba compiles, or has compiled; um, us. Raises ValueError,
     one line, for a law that cannot be. What each receives and returns: docs/own-physics.md.
 
@@ -63,8 +57,8 @@ def reference(
     >>> snapmap.simulate(device, 1000, 1500, 25, model=cubic, horizon=0).outcome
     'snapped'
     """
-    laws = made({"damping": damping, "contact": contact, "force": force})
-    return {"name": "reference", "laws": laws} | ({"elements": elements} if elements else {})
+    functions = {"damping": damping, "contact": contact, "force": force}
+    return {"name": "reference", "laws": made(functions)}
 
 
 def made(functions: Mapping[str, object]) -> Laws:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Annotated, TypedDict
 
 from ..device.argument import Argument, argument_of, integer, number, word
-from .laws import ELEMENTS, Laws
+from .laws import Laws
 
 OPTIONS = {
     "reference": ("elements", "laws"),
@@ -18,7 +18,7 @@ OPTIONS = {
 class ModelOptions(TypedDict, total=False):
     """Options of models."""
 
-    elements: Annotated[int, ELEMENTS]
+    elements: Annotated[int, integer(1, 100)]
     cosines: Annotated[int, integer(1, 100)]
     modes: Annotated[int, integer(1, 200)]
 
