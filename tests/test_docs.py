@@ -21,7 +21,8 @@ from snapmap.files.tables import read_verdicts
 from snapmap.numerics.statistics import percents
 from snapmap.study.netcdf import write
 
-IN_PYTHON = "recipes", "own-physics", "tutorial", "figures", *(f"applications/{name}" for name in attached())
+PAGES = "recipes", "own-physics", "tutorial", "figures"
+IN_PYTHON = *PAGES, *(f"applications/{name}" for name in attached())
 """Pages whose numbers are those of the Python in them."""
 
 
