@@ -18,6 +18,7 @@ from snapmap.device.argument import argument_of
 from snapmap.device.device import VALUES, Beam, Device
 from snapmap.device.quantities import QUANTITIES
 from snapmap.public import options_of
+from snapmap.pulse.pulse import Pulse
 from snapmap.solver.settings import Settings
 from snapmap.study.variables import variables
 
@@ -102,8 +103,9 @@ MODULES = re.compile(r"\b(?:[a-z_]\w*\.)+(?=[A-Z])")
 
 def reference() -> str:
     """The text of docs/reference.md."""
-    functions = {name: getattr(snapmap, name) for name in snapmap.__all__}
-    values = {kind.__name__: kind for kind in (Device, Beam, Settings)}
+    public = {name: getattr(snapmap, name) for name in snapmap.__all__}
+    functions = {name: what for name, what in public.items() if not isinstance(what, type)}
+    values = {kind.__name__: kind for kind in (Device, Beam, Pulse, Settings)}
     return PAGE.format(
         functions="\n\n".join(_section("##", name, what) for name, what in functions.items()),
         arguments="\n".join(_arguments(functions)),

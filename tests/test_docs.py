@@ -21,7 +21,8 @@ from snapmap.files.tables import read_verdicts
 from snapmap.numerics.statistics import percents
 from snapmap.study.netcdf import write
 
-IN_PYTHON = "recipes", "tutorial", "figures", *(f"applications/{name}" for name in attached())
+PAGES = "recipes", "own-physics", "tutorial", "figures"
+IN_PYTHON = *PAGES, *(f"applications/{name}" for name in attached())
 """Pages whose numbers are those of the Python in them."""
 
 
@@ -71,6 +72,7 @@ def test_the_recipes_in_python_run(root, handout, tmp_path, monkeypatch, page):
     """And give what the page says; a number that has moved is printed beside the one there."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "config").symlink_to(root / "config")
+    (tmp_path / "examples").symlink_to(root / "examples")
     (tmp_path / "sensor.yaml").symlink_to(root / "config" / "sensor.yaml")
     (tmp_path / "results").mkdir()
     cells = {"N": [900.0, 1100.0], "f0": [500.0, 1500.0], "C": [25.0, 200.0]}

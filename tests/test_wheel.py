@@ -39,7 +39,8 @@ import snapmap
 warnings.simplefilter("ignore")
 for name in snapmap.__all__:
     function = getattr(snapmap, name)
-    (example,) = doctest.DocTestFinder().find(function, name, globs={"snapmap": snapmap})
+    finder = doctest.DocTestFinder(recurse=False)
+    (example,) = finder.find(function, name, globs={"snapmap": snapmap})
     assert not doctest.DocTestRunner().run(example).failed, name
 """
 

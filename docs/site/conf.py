@@ -34,6 +34,7 @@ Tutorial <docs/tutorial>
 docs/recipes
 Config <docs/config>
 Shocks <docs/pulses>
+Own physics <docs/own-physics>
 docs/figures
 Functions <docs/reference>
 Running <docs/running>

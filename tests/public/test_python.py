@@ -47,12 +47,17 @@ RIGHT = {
 def test_the_example_of_each_function_is_true(root, monkeypatch, name):
     monkeypatch.chdir(root)
     function = getattr(snapmap, name)
-    (example,) = doctest.DocTestFinder().find(function, name, globs={"snapmap": snapmap})
+    (example,) = doctest.DocTestFinder(recurse=False).find(
+        function, name, globs={"snapmap": snapmap}
+    )
     assert example.examples
     assert doctest.DocTestRunner().run(example).failed == 0
 
 
-@pytest.mark.parametrize("name", snapmap.__all__)
+FUNCTIONS = [name for name in snapmap.__all__ if not isinstance(getattr(snapmap, name), type)]
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
 def test_the_signature_shows_what_each_argument_may_be(name):
     signature = inspect.signature(getattr(snapmap, name))
     for key, parameter in signature.parameters.items():

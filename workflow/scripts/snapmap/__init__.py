@@ -8,10 +8,15 @@ from .files.extras import needing
 __version__ = "0.3.0"
 
 _HOME = {
+    "Beam": "device.curved_beam",
+    "Device": "device.device",
+    "Pulse": "pulse.pulse",
     "load_device": "config.devices",
     "open_cube": "sweeps.collect",
     "plot_outcome": "figures.maps",
     "read_pulse": "pulse.recorded",
+    "reference": "solver.laws",
+    "sampled": "pulse.pulse",
     "sweep": "sweeps.cube",
     "threshold": "thresholds.surface",
     **public_names(),
@@ -29,6 +34,6 @@ def __getattr__(name):
         with needing(f"{__name__}.{name}"):
             from .public import checked
 
-            function = getattr(import_module(f".{_HOME[name]}", __name__), name)
-        return globals().setdefault(name, checked(function))
+            named = getattr(import_module(f".{_HOME[name]}", __name__), name)
+        return globals().setdefault(name, named if isinstance(named, type) else checked(named))
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -18,6 +18,9 @@ from .device.samples import Plan
 from .files.counting import counting
 from .solver.options import OF_MODEL, OPTIONS, take_model
 
+OF_LAWS = ("simulate", "sweep", "threshold")
+"""Functions that follow a model with a user's own laws, of which no energy is known."""
+
 
 def checked(function: Callable) -> Callable:
     """The function, with each call held against its types; ValueError or TypeError, one line."""
@@ -69,6 +72,8 @@ def _bound(function, parameters, of_function, positional, named):
         of_model = [key for key in options if key in OPTIONS[model["name"]]]
         values["model"] = take_model(model | {key: values.pop(key) for key in of_model})
         options = [key for key in options if key not in of_model]
+        if "laws" in values["model"] and function not in OF_LAWS:
+            raise ValueError(f"model.laws: are for {', '.join(OF_LAWS)}; write another model")
     for key in options:
         if key not in of_function:
             known = [*parameters, *of_function, *(OF_MODEL if "model" in parameters else ())]
@@ -89,12 +94,12 @@ def _hint(function, key, known):
 
 def _doubts(values):
     """Lines on values that are hardly meant."""
-    device = values.get("device")
+    device, laws = values.get("device"), values.get("model", {}).get("laws")
     named = device if isinstance(device, Mapping) else {} if device is None else {"": device}
     for single in named.values():
         alone = batch([single])
         C, f0 = (values.get(key) for key in ("C", "f0"))
-        if C is None or f0 is None:
+        if C is None or f0 is None or laws:  # of a law's C the unit is its own
             yield from unusual(alone)
         else:
             ascending = (np.sort(np.atleast_1d(np.asarray(v, float))) for v in (C, f0))

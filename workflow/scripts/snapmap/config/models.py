@@ -13,7 +13,8 @@ from ..device.quantities import QUANTITIES
 from ..files.named import sha256_of
 from ..files.tables import ROWS, read_points
 from ..solver.adaptive import TOLERANCE
-from ..solver.options import OF_MODEL, OPTIONS
+from ..solver.laws import LAWS, load_laws
+from ..solver.options import OF_MODEL, OPTIONS, take_model
 from ..solver.settings import FIRST, STARTS, THRESHOLD_TOLERANCE, Settings, settings_of
 from ..study import arguments
 from ..study.axes import COORDINATES, axis_behind
@@ -24,8 +25,17 @@ from .units import show
 from .views import MOST_MAPS
 
 
+def _own_laws(file):
+    """Path and SHA-256 of a file of laws, which is run."""
+    sha256 = sha256_of(file, *LAWS)
+    load_laws(file, sha256)
+    return file, sha256
+
+
 class ModelSection(Section):
     """How a cell is simulated."""
+
+    known_as = "model"
 
     name: word(*OPTIONS)
     elements: argument(OF_MODEL["elements"], "on the half beam", out="`5`")
@@ -38,6 +48,18 @@ class ModelSection(Section):
     tolerance: quantity(
         "share", "largest error of thresholds of auto", out=f"`{100 * TOLERANCE:g} %`"
     )
+    laws: path(
+        "a Python file in the study's folder, of laws of reference: "
+        "[your own](own-physics.md#in-a-config)",
+        "mylaws.py",
+        "the device's own",
+        _own_laws,
+    )
+
+    def make(self) -> dict:
+        """Its name and options, with the SHA-256 of a file of laws."""
+        files = dict(zip(("laws", "sha256"), self.laws or (), strict=False))
+        return take_model(self.given | files) if files else self.given
 
 
 _Axes = of_device(lambda _, kind: axis(kind, "in place of the device's", out="the device's own"))

@@ -25,6 +25,8 @@ from .yaml_file import ConfigError
 
 AXES = *VALUES, *SHOCK_AXES
 """Keys of the section sweep that are axes, but for the duration, which is f0 by another name."""
+OF_LAWS = ("histories",)
+"""Applications that follow a model with a user's own laws, by their requests."""
 DESIGN = *(key for key in VALUES if key != TEMPERATURE), "C"
 """Those that a design chooses."""
 
@@ -90,7 +92,8 @@ class Config(Study):
         recorded = {self.pulse["file"]: self.pulse["sha256"]} if "file" in self.pulse else {}
         shapes = {path: sha256_of(path, *PROFILE) for _, path in self.measured}
         points = dict([self.own_points] if self.own_points else [])
-        return recorded | shapes | points | merge("files", self)
+        laws = {self.model["laws"]: self.model["sha256"]} if "laws" in self.model else {}
+        return recorded | shapes | points | laws | merge("files", self)
 
 
 def planned_study(document: Mapping, threads: int) -> Config:
@@ -135,7 +138,7 @@ def load_config(document: Mapping) -> Config:
     chosen, left_out = choose_maps(grid, nominal(device), maps)
     study = Config(
         device=device,
-        model=parts.model.given,
+        model=parts.model.made,
         grid=grid,
         skip=sweep.not_bistable == "skip",
         settings=sweep.made,
@@ -161,6 +164,8 @@ def load_config(document: Mapping) -> Config:
             key = key_of(name, application)
             section = getattr(parts, key, None)
             study.requests[name] = part((key,), application.request, section, study, parts)
+            if "laws" in study.model and study.requests[name] and name not in OF_LAWS:
+                faults.append(f"{key}: is not for a model with laws; leave it out, or the laws")
     if faults:
         raise ConfigError(*dict.fromkeys(faults))
     return study

@@ -33,6 +33,10 @@ class Beam:
     clamp_axial: math.inf is rigid
     cosine_2, ..., cosine_5: (1 - cos(2 n pi x/L))/2 in the shape as made, over the rise, which
         stays as it is
+
+    >>> sizes = {"span": 600.0, "rise": 10.0, "thickness": 2.0, "depth": 22.0}
+    >>> snapmap.Beam(**sizes, youngs_modulus=150e3, density=2.33e-3).rise
+    10.0
     """
 
     span: Value

@@ -45,6 +45,11 @@ class Device:
     strength: tensile stress at which the beam breaks, math.inf for never; or the scale of a
         Weibull distribution of it, with strength_modulus and strength_threshold
     contact_at: w(L/2) up to which the beam touches an electrode; -math.inf for none
+
+    >>> sizes = {"span": 600.0, "rise": 10.0, "thickness": 2.0, "depth": 22.0}
+    >>> beam = snapmap.Beam(**sizes, youngs_modulus=150e3, density=2.33e-3)
+    >>> snapmap.Device(beam=beam, mass=1e4, spring=5.5, contact=40.0, gravity=9.81e-6).mass
+    10000.0
     """
 
     beam: Beam

@@ -3,14 +3,20 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
 
+from ..device.argument import Argument, of_type
+from ..device.checks import numbers
 from ..numerics import portable
 
 VERSED_SINE = "versed sine"
 DIRECTIONS = {"+z": 1.0, "-z": -1.0}
 """The frame's acceleration at N above 0; along +z it presses the mass down on the beam."""
+Series = Annotated[
+    np.ndarray, Argument("a row of numbers", lambda value: numbers(value) is not None, numbers)
+]
 NO_JUMP = 1e-12
 """Value over the peak up to which the begin or end of a pulse is no jump."""
 AT_REST, BASELINE = 0.05, 0.005
@@ -29,7 +35,7 @@ TENTH = 0.1
 
 @dataclass(frozen=True, eq=False)
 class Pulse:
-    """One shape of peak 1 over x = t/duration from 0 to 1.
+    """One shape of peak 1 over x = t/duration from 0 to 1; `sampled` and `read_pulse` make one.
 
     pieces: (pieces, 6), as in `numerics.pieces`
     duration: its own, us, of a recorded shock or a train; None where f0 alone tells it
@@ -40,6 +46,8 @@ class Pulse:
     swing: share of the duration that the shortest blow takes
     strongest: the blow of a train that changes the velocity most, alone, over the train's peak
     own_N: multiples of g at which a drop is that from its height
+
+    >>> saw = snapmap.sampled([0.0, 100.0, 400.0], [0.0, 1.0, 0.0])
     """
 
     name: str
@@ -208,11 +216,16 @@ def straight(x: np.ndarray, values: np.ndarray) -> np.ndarray:
     return pieces
 
 
-def sampled(time: np.ndarray, acceleration: np.ndarray, name: str = "recorded") -> Pulse:
+def sampled(
+    time: Series, acceleration: Series, name: Annotated[str, of_type("a name", str)] = "recorded"
+) -> Pulse:
     """Make a pulse of samples, linear between them, with their own duration.
 
     time: us, ascending; acceleration: along +z, in any unit, as N scales its largest; (samples,)
     Raises ValueError, one line, for what is no shock.
+
+    >>> snapmap.sampled([0.0, 100.0, 400.0], [0.0, 1.0, 0.0]).duration
+    400.0
     """
     time, acceleration = (np.asarray(values, float) for values in (time, acceleration))
     if time.ndim != 1 or time.shape != acceleration.shape or time.size < 2:

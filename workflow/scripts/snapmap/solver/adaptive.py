@@ -9,6 +9,7 @@ import numpy as np
 from ..beam.limit_loads import static_threshold
 from ..device.device import Device
 from .cells import Cells, Observations
+from .laws import laws_of, well_of
 from .models import Follows, build_model, check_options, mixed
 from .settings import FIRST, Settings
 
@@ -113,6 +114,7 @@ class Survey(NamedTuple):
     better: than the one that decides; None where that is the best
     finest: the best, in steps that show what others miss
     static: threshold of slow pulses, about which to look, in multiples of g; (devices,)
+    lawful: whether forces of the models are a user's own laws, of which no energy is known
     judge: has its say where rows are ragged, in wider steps; None if the others suffice
     finer: takes rows of fast pulses, and the clean ones that this one leaves open by more than
         tolerance, relative; None for no further look
@@ -125,6 +127,7 @@ class Survey(NamedTuple):
     better: Follows | None
     finest: Follows
     static: np.ndarray
+    lawful: bool = False
     judge: Follows | None = None
     tolerance: float = np.inf
     finer: Optional["Survey"] = None
@@ -160,6 +163,8 @@ def choose_survey(device: Device, model: Mapping, start: str = FIRST) -> Survey:
     start: as in `Settings`
     """
     static = np.asarray(static_threshold(device, back=start != FIRST))
+    if laws := laws_of(model):
+        return _of_laws(build_model(device, **model), laws, static)
     if model["name"] != "auto":
         decides, levels = build_model(device, **model), build_adaptive(device, start=start)
         finest = levels.top.with_step(FINE_STEPS)
@@ -172,6 +177,17 @@ def choose_survey(device: Device, model: Mapping, start: str = FIRST) -> Survey:
     return finer._replace(
         looks=middle, decides=middle, doubts=coarse, judge=fine, tolerance=tolerance, finer=finer
     )
+
+
+def _of_laws(model, laws, static):
+    """The survey of a model with laws, which no other follows: by its own shorter steps."""
+    if laws.force:
+        device, (saddle, _, energy) = model.device, well_of(laws.force, model.device.beam.rise)
+        # The largest force is about 1.5 times the mean.
+        holds = 1.5 * energy / saddle + device.spring * (saddle + device.gap)
+        static = holds / (device.mass + device.beam.weight / 2) / device.gravity
+    half = model.with_step(DECIDING_STEPS)
+    return Survey(model, model, model, half, None, half, static, lawful=True)
 
 
 def build_adaptive(device: Device, tolerance: float = TOLERANCE, start: str = FIRST) -> Adaptive:

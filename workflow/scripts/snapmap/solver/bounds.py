@@ -32,6 +32,9 @@ def least_amplitudes(model: Follows, rows: Rows, start: str = FIRST) -> np.ndarr
     """
     bounds = np.empty((2, len(model.device)))
     for mine, part in model.split(np.arange(bounds.shape[1])):
+        if part.laws:
+            bounds[:, mine] = 0.0  # of a law of a user's no energy is known
+            continue
         device, modal, barrier = part.device, part.modal, part.barrier
         displacement = part.snap_target(FIRST)
         soft = dot(modal.midpoint, modal.midpoint / modal.stiffness) + modal.residual

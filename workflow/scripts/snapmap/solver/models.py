@@ -15,9 +15,11 @@ from ..beam.cosines import buckling_shapes, symmetric_cosines
 from ..beam.elements import hermite_elements
 from ..beam.equilibria import Barrier, Rest, find_barrier, require_rest, second_shape
 from ..beam.modal import ModalBeam, contact_stiffness, pulse_load, reduce_to_modes
+from ..device.checks import require
 from ..device.device import Device, Value
 from ..files.counting import count
 from .cells import Cells, Observations, no_observations
+from .laws import Laws, laws_of, well_of
 from .options import take_model
 from .settings import FIRST, MOVE, SECOND, Settings
 from .steps import Steps, explicit_steps, largest_speed, steps_of
@@ -61,6 +63,7 @@ class Model:
     basis, modal: its matrices, and their reduced form
     barrier: between the two shapes of that form
     steps: the rule of its time steps
+    laws: a user's own in place of some of its forces, of `reference` alone
     """
 
     name: str
@@ -69,6 +72,7 @@ class Model:
     modal: ModalBeam
     barrier: Barrier
     steps: Steps
+    laws: Laws | None = None
 
     @property
     def levels(self) -> tuple["Model"]:
@@ -83,6 +87,10 @@ class Model:
     @cached_property
     def second(self) -> Rest:
         """The second shape of its form; ValueError if one of the beams cannot rest there."""
+        if self.laws and self.laws.force:
+            raise ValueError(
+                "model.laws: force: its runs start in the first shape; leave out start"
+            )
         rest = second_shape(self.device.beam, self.basis, self.modes)
         require_rest(rest)
         return rest
@@ -256,7 +264,11 @@ def build_model(device: Device, name: str = "elements", **options) -> Follows:
 
 def _build(device, name, options, is_free):
     """Build the model of devices as if all were guided, or free to tilt."""
-    if name == "cosines":
+    laws = laws_of(options)
+    force = laws.force if laws else None
+    if force:
+        basis = symmetric_cosines(1)
+    elif name == "cosines":
         basis_of = buckling_shapes if is_free else symmetric_cosines
         basis = basis_of(options.get("cosines", options.get("modes", 5)))
     else:
@@ -276,8 +288,14 @@ def _build(device, name, options, is_free):
             f"with {modes} of {basis.load.size} modes; write fewer modes, or a contact in N/m"
         )
     barrier = find_barrier(device.beam, basis, modes)
+    if force:
+        # ASSUME: a beam with a force of its own moves as its first cosine, which gives it its mass.
+        saddle, second, energy = well_of(force, device.beam.rise)
+        first, ones = barrier.first, 0.0 * barrier.first + 1.0
+        modal = modal._replace(residual=0.0 * modal.residual)
+        barrier = Barrier(energy * ones, -saddle * ones, first - second, first)
     steps = (explicit_steps if name == "reference" else steps_of)(device, modal)
-    return Model(name, device, basis, modal, barrier, steps)
+    return Model(name, device, basis, modal, barrier, steps, laws)
 
 
 def check_options(device: Device, name: str, options: Mapping) -> None:
@@ -285,6 +303,14 @@ def check_options(device: Device, name: str, options: Mapping) -> None:
     take_model({"name": name, **options})
     if name == "reference" and np.isinf(device.contact).any():
         raise ValueError("device.contact: hard is not for the reference model; write elements")
+    if laws := laws_of(options):
+        of_elements, alone = laws.force and "elements" in options, device.is_alone
+        require(not of_elements, "model.elements: a law of the force takes none; leave it out")
+        stopped = np.any(device.has_stops) and laws.contact
+        require(not stopped, "device.stops: are not for a law of the contact; leave them out")
+        closes = "device.contact_at: is not for a model with laws; leave it out"
+        require(~np.asarray(device.has_electrode), closes)
+        require(~np.asarray(alone), "model.laws: are of a mass on a beam; write a mass")
 
 
 def _modes_of_elements(device, basis, name):

@@ -3,10 +3,11 @@
 from collections.abc import Mapping
 from typing import Annotated, TypedDict
 
-from ..device.argument import argument_of, integer, number, word
+from ..device.argument import Argument, argument_of, integer, number, word
+from .laws import Laws
 
 OPTIONS = {
-    "reference": ("elements",),
+    "reference": ("elements", "laws"),
     "elements": ("elements", "modes"),
     "cosines": ("cosines", "modes"),
     "auto": ("tolerance",),
@@ -29,6 +30,9 @@ class AutoOptions(ModelOptions, total=False):
 
 
 OF_MODEL = {key: argument_of(kind) for key, kind in AutoOptions.__annotations__.items()}
+OF_MODEL["laws"] = Argument(
+    "a file of laws, nor what snapmap.reference makes", lambda value: isinstance(value, str | Laws)
+)
 """What each option may be."""
 
 
@@ -39,6 +43,8 @@ def take_model(model: Mapping) -> dict[str, object]:
     for key, value in model.items():
         if key in OPTIONS[name]:
             taken[key] = OF_MODEL[key].take(f"model.{key}", value)
+        elif key == "sha256" and isinstance(model.get("laws"), str):
+            taken[key] = value
         elif key != "name":
             known = ", ".join(OPTIONS[name])
             raise ValueError(f"model.{key}: not an option of {name}; its options are {known}")

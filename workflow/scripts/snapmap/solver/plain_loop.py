@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 
 from ..beam.basis import Basis
 from ..beam.modal import pulse_load, settled
@@ -12,6 +13,11 @@ from ..numerics.kernels import compiled, fma
 from ..numerics.linalg import apply, solve_all
 from .cells import Form, Motion
 from .settings import FIRST, SECOND
+
+PASSES = 3
+"""Times that a law of damping is asked in each step, for the velocity half way through it."""
+SPARE = 1.44
+"""(omega dt)^2 that a law may add to those of the device, whose step is 0.8 of their limit: 4."""
 
 
 class System(NamedTuple):
@@ -109,8 +115,8 @@ def beam_stresses(system, u, bending_u, geometric_u):
 
 
 @compiled
-def total_energy(system, u, velocity, y, y_velocity, compression):
-    """Kinetic, bending, axial, spring and contact energy of beam and mass, pJ."""
+def total_energy(system, u, velocity, y, y_velocity, compression, penalty):
+    """Kinetic, bending, axial, spring and contact energy of beam and mass, pJ; penalty: uN/um."""
     product = np.empty(u.size)
     multiply(system.inertia, velocity, product)
     beam = dot(velocity, product) / 2 + compression**2 / (4 * system.axial)
@@ -118,7 +124,7 @@ def total_energy(system, u, velocity, y, y_velocity, compression):
     beam += dot(u, product) / 2
     mass = system.mass * y_velocity**2 / 2 + system.spring * y**2 / 2
     overlap = max(0.0, dot(system.midpoint, u) - y - system.gap)
-    return beam + mass + system.penalty * overlap**2 / 2
+    return beam + mass + penalty * overlap**2 / 2
 
 
 @compiled
@@ -164,8 +170,9 @@ def meet_stops(system, w_mid, a, y_before, y, dt):
     return y_before, y, pushed, taken
 
 
-@compiled
-def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
+def follow(
+    system, pulse, amplitude, f0, damping, target, dt, steps, history, D=None, P=None, F=None
+):
     """March one cell by central differences until side w(L/2) is at `target` or `steps` are done.
 
     With u = q - q0 and y the displacement of the mass, from rest, at t = n dt:
@@ -178,6 +185,8 @@ def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
     amplitude: N g, um/us^2; f0: 1/us; damping: C, uN us/um; target: from rest, um
     history: (samples, 2 n + 4), modified in place: u, du/dt, y, dy/dt, work of the pulse and
         energy lost (pJ), at as many of the first instants as it holds
+    D, P, F: damping, contact and force of `Laws`; the compiler leaves out what is for others. The
+        ledger takes their work as it is, and does not close where P or F is too stiff for the step
     Returns (t_snap, energy_error, pulse_work): us, NaN if the target is not reached; the energy
     ledger's residual over the gross work of the pulse, not finite after a blow-up; pJ, of the whole
     pulse, NaN if the run ended before it.
@@ -192,10 +201,14 @@ def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
     beam_drag = system.beam_damping * dt / 2
     power, work, gross_work, loss, lost = 0.0, 0.0, 0.0, 0.0, 0.0
     t_snap, residual, pulse_work = np.nan, 0.0, np.nan
+    penalty = system.penalty if P is None else 0.0
+    overlap, contact, push, lawful, law_power, too_stiff = -system.gap, 0.0, 0.0, 0.0, 0.0, False
+    multiply(system.inverse_inertia, system.midpoint, acceleration)
+    yielding = dt**2 * dot(system.midpoint, acceleration)
     pieces, ends = pulse
     k, a = 0, 0.0
     compression = beam_stresses(system, u, bending_u, geometric_u)
-    begun = total_energy(system, u, velocity, y, 0.0, compression)
+    begun = total_energy(system, u, velocity, y, 0.0, compression, penalty)
 
     for step in range(steps):
         if y < -system.stop_toward or y > system.stop_away:
@@ -206,10 +219,25 @@ def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
         k = curve.at(pieces, k, len(pieces), x)
         a = amplitude * curve.sample(pieces, k, ends, x, f0 * dt)
         w_mid = dot(system.midpoint, u)
-        contact = system.penalty * max(0.0, w_mid - y - system.gap)
-        compression = beam_stresses(system, u, bending_u, geometric_u)
+        if P is None:
+            contact = system.penalty * max(0.0, w_mid - y - system.gap)
+        else:
+            met, pressed, overlap = overlap, contact, w_mid - y - system.gap
+            contact = P(system.penalty, overlap)
+            harder = abs(contact - pressed) - system.penalty * abs(overlap - met)
+            yields = yielding + dt**2 / system.mass
+            too_stiff |= step > 0 and yields * harder > SPARE * abs(overlap - met)
+        if F is None:
+            compression = beam_stresses(system, u, bending_u, geometric_u)
+        else:
+            pushed, push = push, F(-w_mid)
+            moved = abs(w_mid - dot(system.midpoint, u_before))
+            too_stiff |= step > 0 and yielding * abs(push - pushed) > SPARE * moved
         for i in range(n):
-            force[i] = compression * (geometric_u[i] + system.slope_start[i]) - bending_u[i]
+            if F is None:
+                force[i] = compression * (geometric_u[i] + system.slope_start[i]) - bending_u[i]
+            else:
+                force[i] = system.midpoint[i] * push
             force[i] -= system.load[i] * a + system.midpoint[i] * contact
         multiply(system.inverse_inertia, force, acceleration)
         for i in range(n):
@@ -217,27 +245,41 @@ def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
             u_after[i] /= 1 + beam_drag
             velocity[i] = (u_after[i] - u_before[i]) / (2 * dt)
         force_y = contact - system.spring * y - system.mass * a
-        y_after = (force_y + inertia * (2 * y - y_before) + drag * y_before) / (inertia + drag)
+        if D is None:
+            y_after = (force_y + inertia * (2 * y - y_before) + drag * y_before) / (inertia + drag)
+        else:
+            y_after = 2 * y - y_before
+            for _ in range(PASSES):
+                y_velocity = (y_after - y_before) / (2 * dt)
+                if y_velocity != 0:
+                    drag = D(damping, y_velocity, y) / (2 * dt * y_velocity)
+                y_after = force_y + inertia * (2 * y - y_before) + drag * y_before
+                y_after /= inertia + drag
         y_velocity = (y_after - y_before) / (2 * dt)
 
         power_before, loss_before = power, loss
         power = -a * (system.mass * y_velocity + dot(system.load, velocity))
-        loss = damping * y_velocity**2
+        loss = (damping if D is None else 2 * dt * drag) * y_velocity**2
         if system.beam_damping > 0:
             multiply(system.inertia, velocity, force)
             loss += system.beam_damping * dot(velocity, force)
         work += (power_before + power) * dt / 2
         gross_work += abs(power) * dt
         lost += (loss_before + loss) * dt / 2
+        if P is not None or F is not None:
+            law_before, w_velocity = law_power, dot(system.midpoint, velocity)
+            law_power = push * w_velocity
+            law_power += 0.0 if P is None else contact * (y_velocity - w_velocity)
+            lawful += (law_before + law_power) * dt / 2
         if step < history.shape[0]:
             history[step, :n], history[step, n : 2 * n] = u, velocity
             history[step, 2 * n :] = y, y_velocity, work, lost
 
         w_after = dot(system.midpoint, u_after)
         snapped = system.side * w_after <= target
-        if snapped or step == steps - 1 or not np.isfinite(w_after):
-            energy = total_energy(system, u, velocity, y, y_velocity, compression)
-            residual = energy + lost - work - begun
+        if snapped or step == steps - 1 or not np.isfinite(w_after) or too_stiff:
+            energy = total_energy(system, u, velocity, y, y_velocity, compression, penalty)
+            residual = np.inf if too_stiff else energy + lost - work - lawful - begun
             if step + 1 >= curve.lasts(ends[1], f0 * dt):
                 pulse_work = work + power * dt / 2
             if snapped:
@@ -250,10 +292,25 @@ def follow(system, pulse, amplitude, f0, damping, target, dt, steps, history):
     return t_snap, error, pulse_work
 
 
+follow_laws = njit(nogil=True, error_model="numpy")(follow)
+"""With laws, which numba cannot keep on disk: a process compiles each set of them once."""
+follow = compiled(follow)
+
+
+def _follower(laws):
+    """`follow`, with laws if there are any."""
+    if laws is None:
+        return follow
+    return lambda *run: follow_laws(*run, laws.damping, laws.contact, laws.force)
+
+
 def starting(model, start):
     """Give the system of a model of one device whose runs begin in the first or second shape."""
     nodes = apply(model.modal.shapes, model.rest(start)) if start == SECOND else None
-    return nodal_system(model.device, model.basis, nodes)
+    system = nodal_system(model.device, model.basis, nodes)
+    if model.laws and model.laws.force:  # it stands for bending, too
+        system = system._replace(bending=0.0 * system.bending)
+    return system
 
 
 def march(model, cells, dt, settings):
@@ -262,7 +319,7 @@ def march(model, cells, dt, settings):
     model: a `Model`; cells: `Cells`, each column (cells,); dt: us, (cells,)
     Returns what the SIMD kernel does; no well is known
     """
-    observed = np.empty((3, cells.f0.size))
+    observed, run = np.empty((3, cells.f0.size)), _follower(model.laws)
     for which in np.unique(cells.device):
         picked = model.pick(which)
         system = starting(picked, settings.start)
@@ -272,7 +329,7 @@ def march(model, cells, dt, settings):
             steps = int(np.ceil(cells.t_end[i] / dt[i]))
             curve = cells.pulses[cells.pulse[i]].curve
             load = curve, cells.amplitude[i], cells.f0[i], cells.damping[i]
-            observed[:, i] = follow(system, *load, target, dt[i], steps, no_history)
+            observed[:, i] = run(system, *load, target, dt[i], steps, no_history)
     t_snap, energy_error, pulse_work = observed
     no_well, unknown = np.zeros(t_snap.size, np.int8), np.full(t_snap.size, np.nan)
     return t_snap, unknown, no_well, energy_error, unknown, pulse_work, unknown
@@ -282,7 +339,8 @@ def record(model, pulse, amplitude, f0, damping, dt, steps, start=FIRST):
     """Follow one cell at every step; model: of one device; returns Form and one Motion."""
     system, n = starting(model, start), model.basis.load.size
     history = np.zeros((steps, 2 * n + 4))
-    follow(system, pulse.curve, amplitude, f0, damping, -np.inf, dt, steps, history)
+    run = system, pulse.curve, amplitude, f0, damping, -np.inf, dt, steps, history
+    _follower(model.laws)(*run)
     form = Form(
         inertia=system.inertia,
         bending=system.bending,

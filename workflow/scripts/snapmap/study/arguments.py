@@ -80,7 +80,10 @@ Devices = Annotated[
 SingleDevice = Annotated[Device, Argument("a single Device; load_device reads one", _is_device)]
 Model = Annotated[
     str | Mapping,
-    Argument(f"one of {', '.join(OPTIONS)}, nor a mapping of its name and options", _is_model),
+    Argument(
+        f"one of {', '.join(OPTIONS)}, nor a mapping of its name and options, as reference makes",
+        _is_model,
+    ),
 ]
 Horizon = Annotated[float, number("[0, inf)", "us", "1500")]
 EnergyTolerance = Annotated[float, number("(0, 1)", "", "1e-3")]
@@ -91,7 +94,7 @@ Start = Annotated[str, _START]
 Seed = Annotated[int, integer(0, 2**32 - 1)]
 PulseSpec = Annotated[
     str | Pulse | Mapping | Sequence,
-    Argument(f"one of {', '.join(SHAPES)}, nor what read_pulse gives", _is_pulse),
+    Argument(f"one of {', '.join(SHAPES)}, nor what sampled or read_pulse makes", _is_pulse),
 ]
 Directions = Annotated[
     str | Sequence[str], Argument("+z, -z, both, or a list of these", _are_directions)

@@ -49,7 +49,7 @@ def provenance(document: Mapping) -> dict[str, str]:
         "source": "numerical simulation",
         "history": f"computed by snapmap {code}",  # no date: the same input gives the same file
         "keywords": KEYWORDS,
-        "config": json.dumps(document),
+        "config": json.dumps(document, default=str),  # laws from Python are named
         "code_version": code,
         "packages": _packages(),
         "python": platform.python_version(),

@@ -42,6 +42,8 @@ LEAST_AREA = 0.02
 peak times duration, amplitudes are looked at."""
 LEAST_PUSH = 0.25
 """Of a pulse that pulls, amplitudes are looked at as if it pressed with this share of its peak."""
+LEAST = 1e-4
+"""Of the static threshold, down to which N are looked at where no bound by energy is known."""
 SLACK = 0.99
 """Of the bound by energy, down to which amplitudes are looked at: a model may itself be off."""
 STATUS = "no_device", "found", "nothing_snaps", "not_followed"
@@ -119,6 +121,7 @@ def survey(
 def _followed(models, rows, settings, tolerance, highest):
     """Find thresholds by these models; where the cheap one fails, the one that decides scans."""
     bound = least_amplitudes(models.decides, rows, settings.start)
+    bound = np.maximum(bound, LEAST * models.static[rows.device])
     options = settings, tolerance, highest
     thresholds = _survey(models, rows, *options, bound)
     lost = np.flatnonzero(thresholds.status == NOT_FOLLOWED)
@@ -155,6 +158,7 @@ def with_rows(
 def lowest(models: Survey, rows: Rows, settings: Settings, tolerance: float) -> np.ndarray:
     """Find N_first, (rows,), without a bar; NaN for none."""
     bound = least_amplitudes(models.decides, rows, settings.start)
+    bound = np.maximum(bound, LEAST * models.static[rows.device])
     # No island above the first counts.
     changes = _changes(models, rows, settings, tolerance, 0.0, bound)
     return stretches(changes.edges, changes.open_end)[0]

@@ -107,6 +107,7 @@ def thresholds_of(
     searched[initial_rows(parts)] = True
     tell_cost(models, rows.take(searched), settings)
     columns = find_thresholds(models, rows, parts, settings, tolerance, highest)
+    columns["N_bound"] += np.nan if models.lawful else 0.0
     N_first, N_latched = columns["N_first"], np.full(exists.size, np.nan)
     first = N_first[exists]
     top = islands.ISLANDS_TO * first if highest is None else highest
@@ -286,7 +287,9 @@ def _limits(grid, models, settings, tolerance, highest):
     impact = np.array([pulse.impact for pulse in grid.pulses])
     ahead = [pulse if settings.start == FIRST else pulse.reversed() for pulse in grid.pulses]
     presses = np.array([pulse.highest for pulse in ahead])
-    static = spread(models.static) / np.where(presses > 0, presses, np.nan).reshape(sizes)
+    static = spread(models.static * (np.nan if models.lawful else 1.0)) / np.where(
+        presses > 0, presses, np.nan
+    ).reshape(sizes)
     jumps = np.flatnonzero([any(pulse.ends) for pulse in grid.pulses])
     if jumps.size:
         at_least = alone._replace(axes=grid.axes | {"C": grid.axes["C"][:1]})

@@ -182,7 +182,7 @@ def _record(built, cells, settings, samples):
     largest, to_snap, snapped = np.array([0.0, 0.0, 0.0, -np.inf]), -np.inf, False
     kept, done, last = [], 0, np.empty((2, 0))
     for motion in motions:
-        values = _observe(device, first, form, stress, motion)
+        values = _observe(device, first, form, stress, motion, built.laws)
         y = values["z_mass"] - rest
         force = math.nan if device.is_alone else values["contact_force"].max()
         of_window = -y.min(), y.max(), force, values["stress"].max()
@@ -227,16 +227,21 @@ def _differences(model, cells, settings):
     return differences
 
 
-def _observe(device, first, form, stress, motion):
-    """Deflections, forces and energies from the coordinates; first: w(L/2) at rest, um."""
+def _observe(device, first, form, stress, motion, laws):
+    """Deflections, forces and energies from the coordinates; first: w(L/2) at rest, um.
+
+    NaN is what nobody knows of a beam, or a contact, that follows a user's own law.
+    """
     velocity = motion.u_velocity
     stiffness = contact_stiffness(device, form.residual)
     overlap = dot(motion.u, form.midpoint) - motion.y - device.gap
     contact = stiffness * np.maximum(0.0, overlap)
+    if laws and laws.contact:
+        contact = np.array([laws.contact(device.contact, s) for s in overlap.tolist()])
     axial_force = -device.beam.axial_stiffness * motion.stretch
     rest = math.nan if device.is_alone else first + device.gap
     kinetic = dot(velocity, multiply(velocity, form.inertia)) / 2
-    return {
+    values = {
         "w_mid": first + dot(motion.u, form.midpoint) - form.residual * contact,
         # Half way through the step in which it bounces the mass is beyond a stop.
         "z_mass": rest + np.clip(motion.y, -device.stop_toward, device.stop_away),
@@ -249,6 +254,10 @@ def _observe(device, first, form, stress, motion):
         "axial_energy": axial_force**2 / (4 * device.beam.axial_stiffness),
         "contact_energy": contact**2 / (2 * stiffness),
     }
+    of_beam = "axial_force", "stress", "bending_energy", "axial_energy"
+    unknown = of_beam if laws and laws.force else ()
+    unknown += ("contact_energy",) if laws and laws.contact else ()
+    return values | {key: values[key] + math.nan for key in unknown}
 
 
 def warn_of_travel(device: Device, lowest: Value, highest: Value) -> None:
