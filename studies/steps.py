@@ -19,8 +19,9 @@ from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import EDGE, SNAP, STAY, Settings
 from snapmap.solver.steps import LONGEST
-from snapmap.thresholds.islands import first_seen, wide_scan
-from snapmap.thresholds.search import asker, refine
+from snapmap.thresholds.search import SCAN_STEP, amplitudes, asker, refine
+from snapmap.thresholds.survey import first_seen, scan_range
+from snapmap.thresholds.survey import first_seen
 
 from .common import ROOT, few
 from .random_devices import FREQUENCIES, draw_any_device, draw_device, draw_pulse, draw_shocks, even
@@ -158,7 +159,8 @@ def errors_of_rows(device, rows, settings, rules=RULES):
         return asker(ruled, rows, settings, until=question)
 
     bound = least_amplitudes(model, rows)
-    wide = wide_scan(model.device, static_threshold(model.device), rows, bound)
+    static = static_threshold(model.device)
+    wide = amplitudes(*scan_range(model.device, static, rows, bound), SCAN_STEP)
     near = first_seen(ask(RULES[DEFAULT]), wide, bound)[0]
     fine = threshold_near(ask(FINE), near)
     finer = threshold_near(ask(FINER), fine)

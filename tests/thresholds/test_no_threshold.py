@@ -13,9 +13,9 @@ from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import SNAP, Settings
-from snapmap.thresholds.islands import FOUND, NOT_FOLLOWED, NOTHING_SNAPS, first_seen
 from snapmap.thresholds.rows import tidy
 from snapmap.thresholds.surface import summary
+from snapmap.thresholds.survey import FOUND, NOT_FOLLOWED, NOTHING_SNAPS, first_seen
 
 COSINES = {"model": "cosines", "modes": 5}
 
