@@ -21,7 +21,6 @@ from snapmap.solver.settings import EDGE, SNAP, STAY, Settings
 from snapmap.solver.steps import LONGEST
 from snapmap.thresholds.search import SCAN_STEP, amplitudes, asker, refine
 from snapmap.thresholds.survey import first_seen, scan_range
-from snapmap.thresholds.survey import first_seen
 
 from .common import ROOT, few
 from .random_devices import FREQUENCIES, draw_any_device, draw_device, draw_pulse, draw_shocks, even
