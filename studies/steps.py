@@ -36,16 +36,11 @@ RULES = {
     "`SHORTEST` doubled": {"shortest": 2.0},
     "`BLOWS` halved": {"blows": 0.5},
     "`LONGEST` doubled": {"longest": 2.0},
+    "`LONGEST` twenty times": {"longest": 20.0},
     "`MOST` halved": {"most": 0.5},
-    "`CORNERED` doubled": {"cornered": 2.0},
-    "no `CHATTER`": {"chatter": 0.0},
-    "`CHATTER` doubled": {"chatter": 2.0},
-    "`STRIKING` doubled": {"striking": 2.0},
-    "`STRIKING` five times": {"striking": 5.0},
 }
 """By what the constants of the rule for EDGE are multiplied."""
 SLOW_RULES = {key: RULES[key] for key in (DEFAULT, "`MOST` halved")}
-SLOW_RULES |= {"as without a gap": {"apart": False}}
 FINE, FINER = {"factor": 0.15}, {"factor": 0.1}
 AGREED, REFINED, NEAR = 2e-4, 2e-6, 1.04
 """Rows in which the fine rules agree so well are judged; thresholds are refined so far, near."""

@@ -24,7 +24,7 @@ BESIDE, FAR_BESIDE = 1.02, 1.03
 every cell, in the former at REACH, and at twice, four times as many cells and so on."""
 DISPUTED, AGREED, UNCOMPARED = range(3)
 """Whether two levels agree on a cell."""
-DECIDING_STEPS, FINE_STEPS = 0.5**0.5, 0.25
+DECIDING_STEPS, FINE_STEPS = 0.5**0.5, 0.5
 """Steps of the finest model over its usual ones: to decide thresholds, which are compared with
 those of its usual steps, and to see islands that others miss."""
 TOLERANCE = 1e-3

@@ -1,5 +1,6 @@
 """The threshold surface over damping and frequency as an xarray dataset."""
 
+import math
 import warnings
 from collections.abc import Mapping, Sequence
 
@@ -76,8 +77,10 @@ def threshold(
     options: horizon (us after the pulse), start, energy_tolerance, threads; pulse; direction; skip:
         whether a device without a second stable shape is no error; those of the model; and values
         of the device, internal units, as axes in front of C and f0
-    Variables: those of `survey.Thresholds`, (..., C, f0), with N_latched; the limits of slow and
-    short pulses, N_static, over the axes of device and pulse, and velocity_change, over these and
+    Variables: those of `survey.Thresholds`, (..., C, f0), with N_latched; N_first of a row that is
+    not ragged stands on a lattice in relative steps of `tolerance`, so that two models may agree to
+    the last digit, and only the digits that N_error allows count. The limits of slow and short
+    pulses, N_static, over the axes of device and pulse, and velocity_change, over these and
     C; the `area` of each pulse: its velocity change is area N g / f0; of records in known units
     `scale_first`, a factor. Along axes of eight values and more of the device, C or f0 of slow
     pulses, few rows are searched and others `verified`. `status` in words is
@@ -310,16 +313,23 @@ def _limits(grid, models, settings, tolerance, highest):
     }
 
 
+def to_digits(N: float, error: float) -> str:
+    """Write a threshold to the digits that its bar allows, at most four; to all if it has none."""
+    known = math.floor(math.log10(N)) - math.floor(math.log10(error)) if error > 0 else 3
+    return plain(N, min(max(known, 0), 3) + 1)
+
+
 def summary(thresholds: xr.Dataset, lowest: float = -np.inf, highest: float = np.inf) -> str:
     """Sum up thresholds in one line: their range, ragged ones, errors, and the weaker side.
 
     lowest, highest: N of a grid; the line says where they are on one side of all thresholds
     """
     N_first, status = thresholds.N_first, thresholds.status
-    N = N_first.values[np.isfinite(N_first.values)]
-    ends = f"from N = {plain(N.min())} to {plain(N.max())}, " if N.size else ""
-    relative = (thresholds.N_error / N_first).values
-    known = relative[np.isfinite(relative)]
+    there = np.isfinite(N_first.values)
+    N, error = N_first.values[there], thresholds.N_error.values[there]
+    ends = [to_digits(N[i], error[i]) for i in (N.argmin(), N.argmax())] if N.size else []
+    ends = f"from N = {' to '.join(ends)}, " if N.size else ""
+    known = (error / N)[np.isfinite(error)]
     typical = f"{np.median(known):.2%}" if known.size else "unknown"
     ragged = int(thresholds.ragged.where(N_first.notnull(), 0).sum())
     line = (
