@@ -30,16 +30,16 @@ BLOWS = 400.0
 blows decide. Longer pulses leave it steps that grow with the square of their length."""
 LONGEST = {SNAP: 0.25, EDGE: 0.25, STAY: 0.5, MOVE: 0.12}
 """Longest step, in units of 1/omega of the arch, by question."""
-LONGEST_PRESSED = 5.0
-"""The same for SNAP where the mass stays pressed on the beam: a map looks at its cells near a
-change of label once more, for EDGE."""
-MOST, MOST_ALONE = 1300.0, 20_000.0
+LONGEST_PRESSED = 2.5
+"""The same for SNAP and EDGE of a mass that is pressed on the beam and strikes without a run-up,
+unless its spring holds it back."""
+MOST, MOST_ALONE = 1100.0, 20_000.0
 """Steps in each swing of a smooth pulse that are enough for SNAP and EDGE, however slow: the beam
 follows it from rest to rest. The second where it snaps alone, without a mass, or as its spring
 holds the mass back."""
-HEAVY, HOLDS = 16.0, 4.0
+HEAVY, HOLDS = 16.0, 5.0
 """Mass over the beam's with whose fourth root they grow, and stiffness of a spring over the clamped
-beam's, 192 EI/L^3, that has half a share in holding the mass."""
+beam's, 192 EI/L^3, from which on it holds the mass back, so that the beam leaves it."""
 STRIKE_TURN = 2.0
 """Radians a step that the fastest mode turns by the tension in which a mass that flies stretches
 the beam; in longer steps energy is kept and goes to the wrong modes."""
@@ -52,7 +52,7 @@ class Steps:
     longest: us, (devices,), by question
     shortest: us, (devices,): so long a step resolves the device, however short the pulse
     blows: us, (devices,): swings up to which blows decide
-    pressed: us, (devices,): longest for SNAP where the mass stays pressed on the beam
+    pressed: us, (devices,): longest for SNAP and EDGE where it is pressed on the beam
     returns: whether it comes back from a stop, (devices,)
     most: steps in each swing of a smooth pulse that are enough for SNAP and EDGE, (devices,)
     tightening: 1/(um us), (devices,): square of the frequency of the fastest mode by the tension of
@@ -87,9 +87,7 @@ class Steps:
             smooth, strikes = np.array([(p.is_smooth, p.strikes) for p in cells.pulses]).T
             rests = ~(strikes[cells.pulse] | self.returns[cells.device] | (speed > 0))
             slow = np.where(smooth[cells.pulse], swing / self.most[cells.device], 0.0)
-            if question == SNAP:
-                slow = np.maximum(slow, self.pressed[cells.device])
-            longest = np.where(rests, np.maximum(longest, slow), longest)
+            longest = np.where(rests, np.maximum(self.pressed[cells.device], slow), longest)
         step = np.minimum(longest, np.maximum(resolved, shortest))
         factor = min(self.factor, MORE)
         step = np.minimum(self.factor * step, factor * swing / FEWEST_STEPS)
@@ -122,15 +120,18 @@ def fixed(dt: np.ndarray) -> Steps:
     )
 
 
+def spring_share(device: Device) -> Value:
+    """How far the spring holds the mass back, so that the beam snaps alone, from 0 to 1."""
+    over = device.spring / (HOLDS * 192 * device.beam.stiffness_unit)
+    cube = over * over * over
+    return np.where(device.is_alone, 1.0, cube * cube / (1 + cube * cube))
+
+
 def most_steps(device: Device) -> Value:
     """Steps in each swing of a smooth pulse that are enough, however slow."""
-    beam = device.beam
+    beam, share = device.beam, spring_share(device)
     heavy = 1 + device.mass / (HEAVY * beam.mass_per_length * beam.span)
-    most = MOST * np.sqrt(np.sqrt(heavy))
-    stiffness = HOLDS * 192 * beam.stiffness_unit
-    share = np.where(device.is_alone, 1.0, device.spring / (device.spring + stiffness))
-    cube = share * share * share
-    return most + (MOST_ALONE - most) * cube * cube
+    return (1 - share) * MOST * np.sqrt(np.sqrt(heavy)) + share * MOST_ALONE
 
 
 def strike_tightening(device: Device, modal: ModalBeam) -> Value:
@@ -163,7 +164,8 @@ def steps_of(device: Device, modal: ModalBeam) -> Steps:
     """Give the rule of a device or a batch."""
     period = np.atleast_1d(1 / arch_frequency(modal))
     crosses = np.greater(device.gap, 0) & np.isfinite(device.gap)
-    pressed = np.where(crosses, LONGEST[SNAP], LONGEST_PRESSED)
+    share = np.where(crosses, 1.0, spring_share(device))
+    pressed = LONGEST_PRESSED + (LONGEST[SNAP] - LONGEST_PRESSED) * share
     return Steps(
         longest={question: turn * period for question, turn in LONGEST.items()},
         shortest=SHORTEST * period,
