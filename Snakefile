@@ -23,7 +23,7 @@ from snapmap.files.made import list_made, remove_others
 from snapmap.files.named import hold_to_plan
 from snapmap.workflow.progress import Idle, Progress, hush
 from snapmap.study.provenance import DRAWS, NUMBERS, code_hash, device_sections
-from snapmap.applications import attached, gather
+from snapmap.applications import attached, functions, gather
 from snapmap.config.devices import nominal
 from snapmap.config.doubts import descriptions, doubts
 from snapmap.workflow.products import choose_views
@@ -51,7 +51,8 @@ try:
     refuse_folders("results", [".nc", ".csv", ".md", ".html", ".pdf", ".png"])
     study = load_config(config)
     hold_to_plan(study.files(), workflow.is_main_process)
-    plan = make_plan(study.grid, study.model, study.settings, gather("alone", study))
+    beside = gather("alone", study), functions("observing")
+    plan = make_plan(study.grid, study.model, study.settings, *beside)
     doubted = doubts(study)
 except ValueError as error:
     sys.exit(str(error))  # Snakemake would put its own words before and after

@@ -4,15 +4,20 @@
 """
 
 import inspect
+import operator
 import re
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import fields, is_dataclass
+from functools import reduce
 from itertools import groupby
 from pathlib import Path
+from typing import Union, get_args, get_origin, get_type_hints
 
 import snapmap
-from snapmap.device.device import Beam, Device
+from snapmap.device.argument import argument_of
+from snapmap.device.device import VALUES, Beam, Device
 from snapmap.device.quantities import QUANTITIES
+from snapmap.public import options_of
 from snapmap.solver.settings import Settings
 from snapmap.study.variables import variables
 
@@ -60,7 +65,7 @@ the same side |
 | `work_error`, `t_snap_error` | indicators, no bounds: differences to that run, of the work (over \
 the larger of both) and of the time of snap (us) |
 | `t_closed`, `closed_for`, `openings`, `closed_share` | with `contact_at`, each with its \
-`_error`: [electrode](limits.md#electrode) |
+`_error`: [electrode](applications/electrode.md) |
 | `level`, `agreed` | of `auto`: the level that decided, 0 or 1, and whether levels \
 disagreed, 0, agreed, 1, or but one looked, 2 |
 
@@ -69,13 +74,22 @@ cells, and about how many labels can be wrong.
 
 ## What they take
 
+### Arguments and options
+
+Beside options of the model. Functions with `skip` take values of the device, too, as axes, in their
+units. A wrong argument raises ValueError or TypeError with one line that names it.
+
+| name | what it may be | of |
+|---|---|---|
+{arguments}
+
 {values}
 """
 
 RETURNED = {
     "sweep": "What the variables are: [the cube](#the-cube).",
     "threshold": "What the variables are: [thresholds](thresholds.md).",
-    "tolerance": "What the variables are: [devices as made](devices.md).",
+    "tolerance": "What the variables are: [tolerances](applications/tolerances.md).",
     "simulate": "The variables, over `time` (us):\n\n"
     + "\n".join(
         f"- `{key}`: {about['long_name']}, {about['units']}"
@@ -83,12 +97,6 @@ RETURNED = {
         if key not in ("", "time")
     ),
 }
-ALWAYS = {
-    "device: one, or several by name, as an axis",
-    "model: name, or the config's model section",
-    "C: uN us/um",
-}
-"""Lines of docstrings that the page says once."""
 MODULES = re.compile(r"\b(?:[a-z_]\w*\.)+(?=[A-Z])")
 
 
@@ -98,6 +106,7 @@ def reference() -> str:
     values = {kind.__name__: kind for kind in (Device, Beam, Settings)}
     return PAGE.format(
         functions="\n\n".join(_section("##", name, what) for name, what in functions.items()),
+        arguments="\n".join(_arguments(functions)),
         values="\n\n".join(_section("###", name, what) for name, what in values.items()),
     )
 
@@ -113,6 +122,20 @@ def _section(level: str, name: str, described: Callable) -> str:
     return "\n\n".join(parts)
 
 
+def _arguments(functions: Mapping[str, Callable]) -> Iterator[str]:
+    """Rows of a table of arguments: what each may be, and of which functions."""
+    rows = {}
+    for name, function in functions.items():
+        parameters = inspect.signature(function).parameters
+        kinds = {key: parameters[key].annotation for key in parameters if key != "options"}
+        arguments = {key: argument_of(kind) for key, kind in kinds.items()}
+        for key, argument in (arguments | options_of(function)).items():
+            if key not in VALUES:
+                rows.setdefault((key, argument.need), []).append(f"`{name}`")
+    for (key, need), names in sorted(rows.items()):
+        yield f"| `{key}` | {need.replace(', nor ', ', or ')} | {', '.join(names)} |"
+
+
 def _units(kind: type) -> str:
     """Which of its values has which unit."""
     units = {}
@@ -124,8 +147,12 @@ def _units(kind: type) -> str:
 
 def _signature(function: Callable) -> str:
     """As ruff would format it, one parameter a line, types without their modules."""
-    signature = inspect.signature(function)
-    parameters = "".join(f"    {parameter},\n" for parameter in signature.parameters.values())
+    signature, types = inspect.signature(function), get_type_hints(function)
+    parameters = ""
+    for name, parameter in signature.parameters.items():
+        kind = parameter.empty if name == "options" else types[name]
+        kind = reduce(operator.or_, get_args(kind)) if get_origin(kind) is Union else kind
+        parameters += f"    {parameter.replace(annotation=kind)},\n"
     returned = inspect.formatannotation(signature.return_annotation)
     code = MODULES.sub("", f"def {function.__name__}(\n{parameters}) -> {returned}: ...")
     return "```python\n" + code.replace("'", '"') + "\n```"
@@ -139,8 +166,7 @@ def _paragraphs(text: str, names: Collection[str]) -> Iterator[str]:
     for is_entry, group in groupby(lines, key=lambda line: bool(re.match(entry, line))):
         if is_entry:
             items = [item for line in group for item in re.split(f"; (?={entry})", line)]
-            shown = [item for item in items if item not in ALWAYS]
-            yield "\n".join(f"- {_code_in_head(item, names)}" for item in shown)
+            yield "\n".join(f"- {_code_in_head(item, names)}" for item in items)
         else:
             yield "\n".join(group).strip()
 

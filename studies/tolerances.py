@@ -1,4 +1,4 @@
-"""Devices as made, for the handout's device: docs/devices.md.
+"""Devices as made, for the handout's device: docs/applications/tolerances.md.
 
 ./run python -m studies tolerances [--small]
 """

@@ -65,7 +65,7 @@ SHORT = "tolerances"
 @pytest.fixture(scope="module")
 def documents(root):
     """The text of all documents that name commands."""
-    pages = [*sorted(root.glob("*.md")), *sorted((root / "docs").glob("*.md"))]
+    pages = [*sorted(root.glob("*.md")), *sorted((root / "docs").rglob("*.md"))]
     return "\n".join(page.read_text(encoding="utf-8") for page in pages)
 
 

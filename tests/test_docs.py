@@ -14,13 +14,14 @@ import yaml
 from small_studies import SHOTS
 
 import snapmap
+from snapmap.applications import attached
 from snapmap.applications.requirements import shocks_of
 from snapmap.config.study import load_config
 from snapmap.files.tables import read_verdicts
 from snapmap.numerics.statistics import percents
 from snapmap.study.netcdf import write
 
-IN_PYTHON = "recipes", "devices", "tutorial", "figures"
+IN_PYTHON = "recipes", "tutorial", "figures", *(f"applications/{name}" for name in attached())
 """Pages whose numbers are those of the Python in them."""
 
 

@@ -21,8 +21,8 @@ def test_the_config_reference_is_what_the_models_say(root):
 
 
 CORE = ("numerics", "files", "device", "pulse", "beam", "solver", "study", "thresholds", "sweeps")
-SHELL = ("arguments", "config", "figures", "workflow", "public")
-LISTING = ("config", "workflow")
+SHELL = ("config", "figures", "workflow", "public")
+LISTING = ("config", "public", "workflow")
 """Who reads the list of applications, which holds names alone."""
 MOST_LINES = {"core": 10_500, "shell": 4_000, "application": 900}
 
@@ -136,7 +136,7 @@ def test_the_types_of_beam_and_solver_fit(root):
 
 def test_relative_links_lead_somewhere(root):
     """To a file, and to a heading of it, as a Markdown viewer makes anchors of them."""
-    for page in [*root.glob("*.md"), *root.glob("docs/*.md"), *root.glob("config/*.md")]:
+    for page in [*root.glob("*.md"), *root.glob("docs/**/*.md"), *root.glob("config/*.md")]:
         for link in re.findall(r"\]\((?![a-z]+:)([^)\s]+)\)", page.read_text(encoding="utf-8")):
             target, _, anchor = link.partition("#")
             path = page.parent / target if target else page
@@ -145,3 +145,8 @@ def test_relative_links_lead_somewhere(root):
                 heads = re.findall(r"^#+ (.+)$", path.read_text(encoding="utf-8"), re.M)
                 plain = {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
                 assert anchor in plain, f"{page.name}: {link}"
+
+
+def test_each_application_has_a_page(root):
+    pages = {page.stem for page in (root / "docs" / "applications").glob("*.md")}
+    assert {*attached()} <= pages

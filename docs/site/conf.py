@@ -16,7 +16,7 @@ extensions = ["myst_parser"]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
 root_doc = "README"
-include_patterns = ["*.md", "docs/*.md"]
+include_patterns = ["*.md", "docs/**.md"]
 exclude_patterns = [".*", "build", "results"]
 
 html_theme = "furo"
@@ -34,10 +34,15 @@ Tutorial <docs/tutorial>
 docs/recipes
 Config <docs/config>
 Shocks <docs/pulses>
-Devices <docs/devices>
 docs/figures
 Functions <docs/reference>
 Running <docs/running>
+```
+```{toctree}
+:hidden:
+:caption: Applications
+:glob:
+docs/applications/*
 ```
 ```{toctree}
 :hidden:

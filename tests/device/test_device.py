@@ -7,7 +7,8 @@ import pytest
 
 import snapmap
 from snapmap.config.devices import read_device
-from snapmap.device.device import ALONE, STRENGTH, THERMAL, VALUES, Beam, Device
+from snapmap.device.device import ALONE, VALUES, Beam, Device
+from snapmap.device.quantities import QUANTITIES, keys_of
 from snapmap.study.provenance import device_sections
 
 BEAM = Beam(span=600.0, rise=10.0, thickness=2.0, depth=22.0, youngs_modulus=1.5e5, density=0.00233)
@@ -71,6 +72,14 @@ def test_every_value_has_its_line_in_the_table():
         "gravity",
         "force",
         "contact_at",
-        *STRENGTH.values(),
-        *THERMAL.values(),
+        *keys_of("strength").values(),
+        *keys_of("thermal").values(),
     }
+
+
+def test_a_value_that_a_config_leaves_out_is_the_default_of_its_field():
+    fields = Beam.__dataclass_fields__ | Device.__dataclass_fields__
+    lines = {name: line for name, line in QUANTITIES.items() if line.default[1:2].isdigit()}
+    assert len(lines) > 10
+    for name, line in lines.items():
+        assert float(line.default.strip("`").split()[0]) == fields[name].default, name

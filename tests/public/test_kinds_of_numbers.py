@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 import snapmap
-from snapmap.public import TAKEN, checked
+from snapmap.public import checked, options_of
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.options import OPTIONS
 
@@ -43,7 +43,7 @@ def arguments_of(name):
         key for key in inspect.signature(getattr(snapmap, name)).parameters if key != "options"
     ]
     of_models = itertools.chain(*OPTIONS.values()) if "model" in named else ()
-    return dict.fromkeys((*named, *TAKEN.get(name, ()), *of_models))
+    return dict.fromkeys((*named, *options_of(getattr(snapmap, name)), *of_models))
 
 
 def model_of(key):
@@ -53,7 +53,10 @@ def model_of(key):
 def taken(name, key, value):
     """What the function is called with in place of a value."""
     signature = inspect.signature(getattr(snapmap, name).__wrapped__)
-    is_of_model = key not in (*signature.parameters, *TAKEN.get(name, ()))
+    is_of_model = key not in (
+        *signature.parameters,
+        *options_of(getattr(snapmap, name)),
+    )
 
     def double(**named):
         return named["model"] if is_of_model else named

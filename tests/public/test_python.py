@@ -1,5 +1,6 @@
 """The functions of the package: what there is, and what a wrong call says."""
 
+import contextlib
 import doctest
 import inspect
 import itertools
@@ -11,8 +12,9 @@ import numpy as np
 import pytest
 
 import snapmap
+from snapmap.device.argument import argument_of
 from snapmap.device.device import Beam, Device, batch
-from snapmap.public import TAKEN
+from snapmap.public import options_of
 from snapmap.solver.options import OPTIONS
 
 CELL = {"N": [1000.0], "f0": [1500.0], "C": [25.0]}
@@ -50,6 +52,14 @@ def test_the_example_of_each_function_is_true(root, monkeypatch, name):
     assert doctest.DocTestRunner().run(example).failed == 0
 
 
+@pytest.mark.parametrize("name", snapmap.__all__)
+def test_the_signature_shows_what_each_argument_may_be(name):
+    signature = inspect.signature(getattr(snapmap, name))
+    for key, parameter in signature.parameters.items():
+        if key != "options":
+            assert argument_of(parameter.annotation).need in str(signature), key
+
+
 @pytest.fixture(scope="module")
 def right_calls(handout, root):
     """A right call of each function."""
@@ -80,8 +90,12 @@ def wrong_calls(right_calls):
     """Each function with each argument and option, one at a time, as each of WRONG."""
     for name, right in right_calls.items():
         parameters = inspect.signature(getattr(snapmap, name)).parameters
-        options = (*TAKEN.get(name, ()), *(OPTIONS["cosines"] if "model" in right else ()))
-        for key, value in itertools.product((*right, *options), WRONG):
+        options = (
+            *options_of(getattr(snapmap, name)),
+            *(OPTIONS["cosines"] if "model" in right else ()),
+        )
+        keys = dict.fromkeys((*parameters, *right, *options)).keys() - {"options"}
+        for key, value in itertools.product(sorted(keys), WRONG):
             allows_none = value is None and "None" in str(
                 getattr(parameters.get(key), "annotation", "")
             )
@@ -119,7 +133,7 @@ def nested_wrong_calls(right_calls):
     for name, right in right_calls.items():
         parameters = inspect.signature(getattr(snapmap, name)).parameters
         for key, values in NESTED.items():
-            if key in parameters or key in TAKEN.get(name, ()):
+            if key in parameters or key in options_of(getattr(snapmap, name)):
                 for value in itertools.chain.from_iterable(map(wrong_parts, values)):
                     if not any(value is one for one in WRONG):
                         yield name, right, key, value
@@ -157,7 +171,7 @@ def test_a_wrong_argument_is_one_line_that_names_it(right_calls, calls):
 def test_a_misspelt_option_is_named_with_the_right(right_calls):
     rng = random.Random(2)
     for name, right in right_calls.items():
-        for option in TAKEN.get(name, ()):
+        for option in options_of(getattr(snapmap, name)):
             at = rng.randrange(1, len(option))
             wrong = option[:at] + option[at + 1 :]
             with pytest.raises(ValueError, match=rf"^{wrong}: is no option; did you mean "):
@@ -179,6 +193,19 @@ def test_what_is_missing_or_there_twice_is_named(right_calls):
 
 def test_a_function_can_be_sent_to_other_processes():
     assert pickle.loads(pickle.dumps(snapmap.sweep)) is snapmap.sweep
+
+
+def test_cells_are_counted_under_the_name_of_the_function(handout, monkeypatch, root):
+    names = []
+
+    def count_of(name):
+        names.append(name)
+        return contextlib.nullcontext()
+
+    monkeypatch.setattr("snapmap.public.counting", count_of)
+    snapmap.load_device(root / "config/config.yaml")
+    snapmap.simulate(handout, **SINGLE, **CHEAP)
+    assert names == ["simulate"]
 
 
 def test_a_map_has_two_axes(right_calls):

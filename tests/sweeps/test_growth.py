@@ -80,9 +80,9 @@ def follow_counted(monkeypatch):
     """Count the cells that slabs follow from now on, in a list of their numbers."""
     followed = []
 
-    def counted(model, rows, N, settings):
+    def counted(model, rows, N, *others):
         followed.append(rows.f0.size * len(N))
-        return follow_rows(model, rows, N, settings)
+        return follow_rows(model, rows, N, *others)
 
     monkeypatch.setattr("snapmap.sweeps.slabs.follow_rows", counted)
     return followed

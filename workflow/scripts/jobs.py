@@ -4,7 +4,7 @@ study: a `Config`, which each job reads anew by `planned_study`
 Imports stand in the functions: a job of cells does without xarray.
 """
 
-from snapmap.applications import attached
+from snapmap.applications import attached, functions
 from snapmap.config.study import planned_study
 from snapmap.files.atomic import replacing
 from snapmap.study.axes import NAMES
@@ -15,7 +15,7 @@ def simulate_slab(study, axes, path, code):
     """Simulate one slab and write it."""
     from snapmap.sweeps.slabs import write_slab
 
-    counts = write_slab(study, axes, path, code)
+    counts = write_slab(study, axes, path, code, functions("observe"))
     print(f"{path}: " + ", ".join(f"{n} {outcome}" for outcome, n in counts.items()))
 
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from snapmap.applications.datasheet import datasheet
+from snapmap.applications.electrode.closures import CLOSING
 from snapmap.applications.histories.history import extremes_of
 from snapmap.applications.requirements.check import check, judge
 from snapmap.applications.tolerances.dataset import tolerances_of
 from snapmap.device.samples import Tolerances
 from snapmap.pulse.shocks import make_shocks
-from snapmap.solver.closures import CLOSING
 from snapmap.study.study import Study
 
 

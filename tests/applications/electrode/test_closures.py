@@ -5,15 +5,21 @@ from math import fsum, log, pi, sqrt
 
 import numpy as np
 import pytest
+import yaml
 from scipy.integrate import solve_ivp
+from small_studies import TINY
 from varied import varied
 
 import snapmap
-from snapmap.applications.histories.history import closing_of
-from snapmap.applications.requirements.check import Verdict, judge_closing
-from snapmap.solver.closures import CLOSING, Closures, closures_of, passages
+from snapmap.applications.electrode.closures import CLOSING, Closures, closures_of, passages
+from snapmap.applications.electrode.required import judge_closing
+from snapmap.applications.histories.history import observed_of
+from snapmap.applications.requirements.check import Verdict
+from snapmap.config.study import load_config
+from snapmap.config.yaml_file import ConfigError
 from snapmap.solver.settings import Settings
 from snapmap.study.study import Study
+from snapmap.sweeps.cube import sweep as core_sweep
 
 MODEL = {"name": "cosines", "modes": 3}
 CELLS = [(1000.0, 1500.0), (1100.0, 1500.0), (1500.0, 3000.0), (1800.0, 9000.0)]
@@ -96,7 +102,7 @@ def integrated(device, N, f0, C):
 @pytest.mark.parametrize(("N", "f0"), CELLS)
 def test_closures_are_those_of_the_handouts_equations(device, N, f0):
     study = Study(device=device, model=MODEL, settings=Settings(horizon=HORIZON))
-    found = closing_of(study, N, f0, 25.0)
+    found = observed_of(study, N, f0, 25.0)
     expected = integrated(device, N, f0 * 1e-6, 25.0)
     for key in ("t_closed", "closed_for", "openings"):
         assert abs(found[key] - getattr(expected, key)) <= found[f"{key}_error"], key
@@ -113,6 +119,7 @@ def test_a_cube_has_what_histories_have_and_else_nothing_new(device, handout):
     alone = snapmap.sweep(device, [1000.0], **asked)
     assert all(cube[key].sel(N=1000.0).item() == alone[key].item() for key in CLOSING)
     assert {*cube} - {*other} == {*CLOSING}
+    assert {*core_sweep(device, [700.0], **asked)} == {*other}
     assert all((cube[key].values == other[key].values).all() for key in ("outcome", "well"))
     assert (cube.t_closed[..., 1:] < cube.t_snap[..., 1:]).all() and np.isnan(cube.t_closed[..., 0])
     run = snapmap.simulate(device, 1000.0, 1500.0, 25.0, model=MODEL, horizon=HORIZON)
@@ -120,6 +127,14 @@ def test_a_cube_has_what_histories_have_and_else_nothing_new(device, handout):
     fallen = slice(0, int(run.w_mid.values.argmin()) + 1)
     first = np.interp(5.0, -run.w_mid.values[fallen], run.time.values[fallen])
     assert run.t_closed == pytest.approx(first, abs=0.01)
+
+
+def test_devices_of_a_study_have_an_electrode_or_none():
+    document = yaml.safe_load(TINY)
+    plain = document.pop("device")
+    document["devices"] = {"plain": plain, "closing": plain | {"contact_at": "-5 um"}}
+    with pytest.raises(ConfigError, match=r"^device\.contact_at: only some devices have one"):
+        load_config(document)
 
 
 def test_an_electrode_is_held_by_the_straight_line_of_the_statics(device):
@@ -157,6 +172,6 @@ def test_a_requirement_of_the_electrode_is_met_beyond_its_error(required, change
     closing = {"t_closed": 100.0, "t_closed_error": 1.0, "closed_for": 50.0}
     closing |= {"closed_for_error": 1.0, "openings": 2.0} | changes
     blank = Verdict(**dict.fromkeys(Verdict._fields) | {"verdict": "met"})
-    found, margins = judge_closing(blank, required, closing)
-    assert found.verdict == verdict and len(margins) == len(required)
-    assert judge_closing(blank._replace(verdict="failed"), required, closing)[0].verdict == "failed"
+    found, beside = judge_closing(blank, closing, required)
+    assert found.verdict == verdict and len(beside) == len(closing) + len(required)
+    assert judge_closing(blank._replace(verdict="failed"), closing, required)[0].verdict == "failed"

@@ -8,25 +8,32 @@ import yaml
 
 import snapmap
 from snapmap.applications.requirements.check import worst
-from snapmap.applications.requirements.verdicts import hint, verdicts_of, write_verdicts
+from snapmap.applications.requirements.required import RequiredShock
+from snapmap.applications.requirements.verdicts import hint, write_verdicts
 from snapmap.config.study import load_config
 from snapmap.pulse.shocks import make_shocks
-from snapmap.solver.settings import Settings
-from snapmap.study.study import Study
 
 CONFIG = Path(__file__).parents[3] / "config" / "config.yaml"
 SHOCK = {"f0": 1000.0, "shocks": make_shocks(), "survives": 0.999}
 
 
+def cheap_study():
+    """The handout's device by three cosines, to 300 us after a shock."""
+    document = yaml.safe_load(CONFIG.read_text(encoding="utf-8"))
+    document |= {"model": {"name": "cosines", "modes": 3}}
+    document["sweep"]["horizon"] = "300 us"
+    return load_config(document).of_thresholds()
+
+
 def test_a_hint_names_the_requirement_that_then_fails(handout):
     """What must trip just above a threshold that is to rise by a third contradicts that."""
-    model = {"name": "cosines", "modes": 3}
-    study = Study(device=handout, model=model, settings=Settings(horizon=300.0))
-    found = snapmap.threshold(handout, [1000.0], [25.0], model, horizon=300.0)
+    study = cheap_study()
+    found = snapmap.threshold(handout, [1000.0], [25.0], study.model, horizon=300.0)
     first = found.N_first.item()
-    handling = SHOCK | {"name": "handling", "N": 1.3 * first, "snaps": False}
-    needs = [handling, SHOCK | {"name": "launch", "N": 1.05 * first, "snaps": True}]
-    verdicts = [verdict for verdict, _ in verdicts_of(study, needs, [25.0])]
+    handling = RequiredShock(SHOCK | {"name": "handling", "N": 1.3 * first, "snaps": False})
+    launch = RequiredShock(SHOCK | {"name": "launch", "N": 1.05 * first, "snaps": True})
+    needs = [handling, launch]
+    verdicts = [verdict for need in needs for verdict, _ in need.check(study, [25.0])]
     assert [one.verdict for one in verdicts] == ["failed", "met"]
     wrong, _ = worst(verdicts)
     words = hint(study, needs, verdicts, wrong)
@@ -40,16 +47,16 @@ def test_a_hint_names_the_requirement_that_then_fails(handout):
 
 def test_a_hint_counts_at_every_damper(handout):
     """What the first damper needs must not make another requirement fail at the second."""
-    model = {"name": "cosines", "modes": 3}
-    study = Study(device=handout, model=model, settings=Settings(horizon=300.0))
-    found = snapmap.threshold(handout, [1000.0], [25.0, 400.0], model, horizon=300.0)
+    study = cheap_study()
+    found = snapmap.threshold(handout, [1000.0], [25.0, 400.0], study.model, horizon=300.0)
     damped, light = found.N_first.values.ravel()[::-1]
-    trips = SHOCK | {"name": "trips", "N": 0.97 * damped, "snaps": True}
-    stays = SHOCK | {"name": "stays", "N": 0.97 * light, "snaps": False}
-    verdicts = [one for one, _ in verdicts_of(study, [trips, stays], [25.0, 400.0])]
+    trips = RequiredShock(SHOCK | {"name": "trips", "N": 0.97 * damped, "snaps": True})
+    stays = RequiredShock(SHOCK | {"name": "stays", "N": 0.97 * light, "snaps": False})
+    needs = [trips, stays]
+    verdicts = [one for need in needs for one, _ in need.check(study, [25.0, 400.0])]
     wrong, _ = worst(verdicts)
     assert (wrong.requirement, wrong.C) == ("trips", 400.0) and light < 0.95 * damped
-    words = hint(study, [trips, stays], verdicts, wrong)
+    words = hint(study, needs, verdicts, wrong)
     assert words.count(" (then stays fails)") == len(re.findall(r"\d+%", words)) > 0
 
 

@@ -1,57 +1,54 @@
-"""The door: calls of the public functions, held against what `arguments.py` says."""
+"""The door: calls of the public functions, held against the types of their signatures."""
 
 import functools
 import inspect
-import math
 import warnings
 from collections.abc import Callable, Mapping
+from contextlib import nullcontext
 from difflib import get_close_matches
 from typing import get_args
 
 import numpy as np
 
-from .arguments import ARGUMENTS, SHOCK
+from .applications import functions
 from .config.plausible import implausible, unusual, wide
+from .device.argument import Argument, argument_of
 from .device.device import VALUES, batch
 from .device.samples import Plan
-from .solver.options import OPTIONS, take_model
-
-MOST_CELLS = 10**8
-"""Of one call; those of a config go to files, slab by slab."""
-RUN = ("horizon", "energy_tolerance", "threads")
-MADE = ("samples", "index_samples", "seed", "together", "requirements")
-TAKEN = {
-    "calibrate": (*RUN, "pulse", "direction"),
-    "design": (*RUN, "requirements", "start", "pulse", "direction"),
-    "simulate": ("horizon", "energy_tolerance", "until", "start", "pulse", "direction"),
-    "srs_test": (*RUN, "direction", "skip", *VALUES),
-    "sweep": (*RUN, "start", "until", "repeat", "pulse", "direction", "skip", *VALUES),
-    "threshold": (*RUN, "start", "pulse", "direction", "skip", *VALUES),
-    "tolerance": (*RUN, *MADE, "start", "pulse", "direction"),
-    "vibration": ("energy_tolerance", "threads", "reach", "skip", *VALUES),
-}
-"""Options of each function, beside those of the model."""
+from .files.counting import counting
+from .solver.options import OF_MODEL, OPTIONS, take_model
 
 
 def checked(function: Callable) -> Callable:
-    """The function, with each call held against ARGUMENTS; ValueError or TypeError, one line."""
-    signature = inspect.signature(function)
+    """The function, with each call held against its types; ValueError or TypeError, one line."""
+    parameters, options = {**inspect.signature(function).parameters}, options_of(function)
+    parameters.pop("options", None)
 
     @functools.wraps(function)
     def door(*positional, **named):
-        values = _bound(function.__name__, signature, positional, named)
+        values = _bound(function.__name__, parameters, options, positional, named)
         for line in _doubts(values):
             warnings.warn(line, stacklevel=2)
-        return function(**values)
+        if function.__name__ == "sweep":
+            values["observers"] = functions("observe")
+        # Those that have a model follow cells.
+        with counting(function.__name__) if "model" in parameters else nullcontext():
+            return function(**values)
 
     door.__module__ = __package__  # by which it is pickled
     return door
 
 
-def _bound(function, signature, positional, named):
+def options_of(function: Callable) -> dict[str, Argument]:
+    """The options of a function, beside those of the model."""
+    options = inspect.signature(function).parameters.get("options")
+    (named,) = get_args(options.annotation) if options else [None]
+    kinds = named.__annotations__.items() if named else ()
+    return {key: argument_of(kind) for key, kind in kinds if key not in OF_MODEL}
+
+
+def _bound(function, parameters, of_function, positional, named):
     """Convert all arguments of a call, by name, with its options; each fits."""
-    parameters = {**signature.parameters}
-    parameters.pop("options", None)
     if len(positional) > len(parameters):
         raise TypeError(f"{function}: takes {len(parameters)} arguments, not {len(positional)}")
     values = dict(zip(parameters, positional, strict=False))
@@ -59,14 +56,12 @@ def _bound(function, signature, positional, named):
         raise TypeError(f"{twice[0]}: comes twice; write it once")
     values |= named
     for key, parameter in parameters.items():
-        argument = _argument(function, key)
+        argument = argument_of(parameter.annotation)
+        may_be_none = type(None) in get_args(parameter.annotation)
         if key not in values and parameter.default is parameter.empty:
             raise TypeError(f"{key}: missing; write {argument.need}")
-        value = values.get(key, parameter.default)
-        if value is not parameter.default and (
-            value is not None or type(None) not in get_args(parameter.annotation)
-        ):
-            values[key] = argument.take(key, value)
+        if key in values and not (may_be_none and values[key] is None):
+            values[key] = argument.take(key, values[key])
     options = [key for key in values if key not in parameters]
     if "model" in parameters:
         model = values.get("model", parameters["model"].default)
@@ -75,32 +70,19 @@ def _bound(function, signature, positional, named):
         values["model"] = take_model(model | {key: values.pop(key) for key in of_model})
         options = [key for key in options if key not in of_model]
     for key in options:
-        if key not in TAKEN.get(function, ()):
-            raise ValueError(f"{key}: is no option{_hint(function, key, parameters)}")
-        values[key] = _argument(function, key).take(key, values[key])
-    if function == "sweep":
-        sizes = [np.size(value) for key, value in values.items() if key in (*VALUES, *SHOCK)]
-        if math.prod(sizes) > MOST_CELLS:
-            raise ValueError(
-                f"N: {math.prod(sizes):.3g} cells with f0, C and all axes, more than "
-                f"{MOST_CELLS:.0e}; write fewer, or a config"
-            )
+        if key not in of_function:
+            known = [*parameters, *of_function, *(OF_MODEL if "model" in parameters else ())]
+            raise ValueError(f"{key}: is no option{_hint(function, key, known)}")
+        values[key] = of_function[key].take(key, values[key])
     return values
 
 
-def _argument(function, key):
-    """The description of an argument of a function."""
-    return ARGUMENTS.get(f"{function}.{key}") or ARGUMENTS[key]
-
-
-def _hint(function, key, parameters):
+def _hint(function, key, known):
     """Say what was meant by an option that is none."""
     if key in VALUES:
         return f" of {function}; vary the device"
-    of_models = [option for options in OPTIONS.values() for option in options]
-    if key in of_models:
+    if key in OF_MODEL:
         return " of this model; write another model"
-    known = [*parameters, *TAKEN.get(function, ()), *(of_models if "model" in parameters else ())]
     near = get_close_matches(key, known, 1, 0.8)
     return f"; did you mean {near[0]}?" if near else f" of {function}"
 

@@ -18,6 +18,12 @@ is its contract, a module of which every name may be missing:
     params(study)   plain values on which its product depends, beside device, pulse and model
     rule, message   of its job; threads, megabytes, priority: what the job may have
     run(study, ...) makes the product; takes NAME_path of its inputs and outputs, as rules do
+    observe(model, cells, observed, settings)   floats that it adds to the cells of a cube, by name
+    observing(model, cells, settings)   core time of that, s, for each cell
+    in_history(model, cells, settings)  attributes that it adds to a cell followed in full
+    in_statics(device, first, displacement, force)  attributes that it adds to statics; first:
+                    w(L/2) at rest, um
+    in_datasheet(study, rows)   tables that it adds to a data sheet, of the worst verdicts
     cost(study)     core time of the job, s, where that is worth telling
     quick           whether it is made beside the thresholds, and drawn with them: a job's start
                     takes longer
@@ -29,6 +35,7 @@ is its contract, a module of which every name may be missing:
 A key, a product, a figure or a public function of an application is gone once its line is gone.
 """
 
+from collections.abc import Callable
 from importlib import import_module
 from types import ModuleType
 
@@ -37,6 +44,7 @@ FOLDERS = (
     "histories",
     "requirements",
     "spectra",
+    "electrode",
     "window",
     "tolerances",
     "calibration",
@@ -62,6 +70,16 @@ def gather(part: str, *arguments: object) -> dict[str, object]:
     having = {folder: module for folder, module in attached().items() if hasattr(module, part)}
     parts = {folder: getattr(module, part)(*arguments) for folder, module in having.items()}
     return {folder: value for folder, value in parts.items() if value}
+
+
+def functions(part: str) -> list[Callable]:
+    """A part of each application that has it."""
+    return [getattr(module, part) for module in attached().values() if hasattr(module, part)]
+
+
+def merge(part: str, *arguments: object) -> dict:
+    """Collect in one mapping what each application that has a part gives for it."""
+    return {k: v for give in functions(part) for k, v in give(*arguments).items()}
 
 
 def public_names() -> dict[str, str]:

@@ -2,27 +2,17 @@
 
 import warnings
 from collections.abc import Mapping
-from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 from pydantic import PrivateAttr, ValidationError, create_model
 
 from ..beam.modal import damped
+from ..device.argument import ExistingPath
 from ..device.curved_beam import COSINES
-from ..device.device import (
-    ALONE,
-    CLAMP,
-    REFERENCE,
-    RESTITUTION,
-    STOPS,
-    STRENGTH,
-    THERMAL,
-    VALUES,
-    Beam,
-    Device,
-)
+from ..device.device import ALONE, VALUES, Beam, Device
 from ..device.measured_shape import read_shape
-from ..device.quantities import QUANTITIES
+from ..device.quantities import QUANTITIES, keys_of
 from .keys import Section, either, lines_of, many, part, path, quantity, word
 from .yaml_file import ConfigError, read_document
 
@@ -49,45 +39,48 @@ class ShapeSection(Section):
             raise ValueError("write one of cosines, up to 5, and file")
 
 
-class ClampSection(Section):
+class ValuesSection(Section):
+    """Values of the device."""
+
+    at: ClassVar[str]
+    """Where it stands below `device`."""
+
+    def values(self) -> dict[str, float]:
+        """What it says, by the device's own names."""
+        names = keys_of(self.at)
+        return {names[key]: value for key, value in self.given.items() if key in names}
+
+
+def section_of(at: str, **kinds: str) -> type[ValuesSection]:
+    """A section with a key for each value of the device that stands there, of its kind or another.
+
+    Its quantity says which; so does it of an axis, where a beam is never straight and has a mass.
+    """
+    fields = {}
+    for key, name in keys_of(at).items():
+        of = QUANTITIES[name]
+        fields[key] = quantity(kinds.get(name, of.kind), of.what, of.example, of.default)
+    section = create_model("Values", __base__=ValuesSection, **fields)
+    section.at = at
+    return section
+
+
+class ClampSection(section_of("beam.clamp")):
     """What the clamps give."""
 
-    axial: quantity("stiffness", "of each clamp along the beam", "20 kN/m")
 
-
-_COSINE = quantity("part", "this cosine of the shape, over the rise", "0.1", "`0`")
-
-
-class BeamSection(Section):
+class BeamSection(section_of("beam", rise="distance")):
     """Dimensions and material of the beam."""
 
     known_as = "device.beam"
-    span: quantity("length", "clamp to clamp")
-    rise: quantity("distance", "of the midpoint, as made; 0 is straight", "10 um")
     shape: part(ShapeSection, out="a cosine")
     clamp: part(ClampSection, out="rigid")
-    thickness: quantity("length", "in the direction of motion", "2 um")
-    depth: quantity("length", "out of the plane of motion", "22 um")
-    youngs_modulus: quantity("modulus")
-    density: quantity("density")
-    damping: quantity("rate", "drag over momentum", out="`0 /us`")
+    guide: word("guided", "free", what="free, it may tilt", out="`guided`")
     quality_factor: quantity(
         "quality",
         "in place of damping, of the first symmetric mode; axes and tolerances keep the damping",
         out="`damping`",
     )
-    residual_stress: quantity("stress", "before the beam bends; tension > 0", out="`0 MPa`")
-    guide: word("guided", "free", what="free, it may tilt", out="`guided`")
-    imperfection: quantity(
-        "distance",
-        "of a free beam, as made, in the first antisymmetric shape",
-        "0.01 um",
-        "required if `guide` is `free`",
-    )
-    cosine_2: _COSINE
-    cosine_3: _COSINE
-    cosine_4: _COSINE
-    cosine_5: _COSINE
 
     _measured: str = PrivateAttr("")
 
@@ -98,10 +91,8 @@ class BeamSection(Section):
             raise ValueError(".imperfection: is of a free beam; write guide: free")
         if self.has("quality_factor") and self.has("damping"):
             raise ValueError(".quality_factor: stands beside damping; write one of them")
-        apart = "guide", "shape", "clamp", "quality_factor"
-        values = {name: value for name, value in self.given.items() if name not in apart}
-        values |= _by_name(self.clamp, CLAMP) | self._of_shape(free)
-        beam = Beam(**values, free=float(free))
+        clamp = self.clamp.values() if self.clamp else {}
+        beam = Beam(**self.values() | clamp | self._of_shape(free), free=float(free))
         return damped(beam, self.quality_factor) if self.has("quality_factor") else beam
 
     @property
@@ -133,55 +124,23 @@ class BeamSection(Section):
         return tilt | dict(zip(COSINES, (term / rise for term in terms[1:]), strict=False))
 
 
-class StopsSection(Section):
+class StopsSection(section_of("stops")):
     """Travel of the mass from rest up to a stop."""
 
-    toward: quantity("length", "towards the beam", "14 um", "no stop")
-    away: quantity("length", "away from the beam", "6 um", "no stop")
-    restitution: quantity(
-        "restitution", "share of the speed kept at a stop", "0.7", f"`{RESTITUTION:g}`"
-    )
 
-
-class ThermalSection(Section):
+class ThermalSection(section_of("thermal")):
     """How modulus, stress and C depend on the temperature."""
 
-    reference: quantity("temperature", "of all other values", "20 degC", f"`{REFERENCE:g} degC`")
-    modulus: quantity("expansion", "of Young's modulus over itself", out="`0`")
-    mismatch: quantity(
-        "expansion", "expansion of the beam less that of its frame", "2.3e-6 /K", "`0`"
-    )
-    damping: quantity("exponent", "C grows with this power of the temperature in K", out="`0`")
 
-
-class StrengthSection(Section):
+class StrengthSection(section_of("strength")):
     """A Weibull distribution of strengths."""
 
-    scale: quantity("strength", "over the threshold; there 63 % break", "3 GPa")
-    modulus: quantity("quality", "a large one is a narrow distribution", "10")
-    threshold: quantity("strength", "none breaks below", "1.446 GPa", "`0 MPa`")
 
-
-def _by_name(section, names):
-    """The values of a section of a device, by the device's own names."""
-    return {names[name]: value for name, value in section.given.items()} if section else {}
-
-
-class DeviceSection(Section):
+class DeviceSection(section_of("", mass="body")):
     """The beam, the mass on its spring, and what they meet."""
 
     known_as = "device"
     beam: part(BeamSection)
-    mass: quantity(
-        "body",
-        "of the body; none is a beam alone, without spring, contact, gap, stops and C",
-        "1e-8 kg, none",
-    )
-    spring: quantity("stiffness", "what holds the mass", out="required, unless `mass` is none")
-    contact: quantity(
-        "contact", "where mass touches beam; or hard", "40 N/m, hard", "required, as the spring"
-    )
-    gap: quantity("distance", "between mass and midpoint at rest", "1 um", "`0 um`")
     stops: part(StopsSection, out="the mass travels freely")
     thermal: part(ThermalSection, out="they do not")
     strength: either(
@@ -196,13 +155,6 @@ class DeviceSection(Section):
         "in place of sweep.C, of the mass on its spring; axes and tolerances keep C",
         "94",
         "`sweep.C`",
-    )
-    contact_at: quantity(
-        "position", "w(L/2) up to which the beam touches an electrode", out="no electrode"
-    )
-    gravity: quantity("acceleration", "the unit of N", out="required, or `force`")
-    force: quantity(
-        "force", "the unit of N, of pulses that push the midpoint of a beam alone", out="`gravity`"
     )
 
     @classmethod
@@ -223,17 +175,15 @@ class DeviceSection(Section):
 
     def make(self) -> Device:
         """The device at its reference: its temperature is an axis."""
-        apart = "beam", "stops", "strength", "thermal", "quality_factor"
-        values = {name: value for name, value in self.given.items() if name not in apart}
-        thermal = _by_name(self.thermal, THERMAL)
-        if "reference_temperature" in thermal:
-            thermal["temperature"] = thermal["reference_temperature"]
-        weibull = isinstance(self.strength, StrengthSection)
-        strength = {"strength": self.strength} if self.strength else {}
-        values |= ALONE if self.mass == 0 else {}
-        values |= _by_name(self.stops, STOPS) | thermal
-        values |= _by_name(self.strength, STRENGTH) if weibull else strength
-        return Device(**{"gravity": 1.0, "beam": self.beam.made, **values})
+        values = {"gravity": 1.0, **self.values(), **(ALONE if self.mass == 0 else {})}
+        for section in (self.stops, self.thermal, self.strength):
+            if isinstance(section, ValuesSection):
+                values |= section.values()
+            elif section:
+                values["strength"] = section
+        if "reference_temperature" in values:
+            values["temperature"] = values["reference_temperature"]
+        return Device(beam=self.beam.made, **values)
 
     @property
     def C(self) -> float | None:
@@ -255,7 +205,7 @@ def of_device(make, names=RARE_LAST):
     return create_model("OfDevice", __base__=Section, **fields)
 
 
-def load_device(path: str | Path) -> Device:
+def load_device(path: ExistingPath) -> Device:
     """Read the device of a config file, whatever its other sections; raises ConfigError.
 
     A `quality_factor` stands for a C, which is no value of the device: a warning names this C.

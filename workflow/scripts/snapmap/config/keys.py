@@ -25,8 +25,8 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from ..arguments import ARGUMENTS
-from ..device.argument import Argument, integer
+from ..device.argument import Argument, argument_of, integer
+from ..device.argument import word as one_of
 from ..device.quantities import KINDS, bounds_of
 from ..numerics.portable import geometric, linear
 from .units import read, show
@@ -199,9 +199,9 @@ def _need(kind):
     return f"{KINDS[kind].name} {bounds_of(KINDS[kind].interval)}".strip()
 
 
-def argument(name: str | Argument, what="", example="", out="") -> object:
-    """What a function takes from Python, too; or its name in ARGUMENTS."""
-    taken = ARGUMENTS[name] if isinstance(name, str) else name
+def argument(taken: object, what="", example="", out="") -> object:
+    """An Argument, or that of a type in the signature of a function of Python."""
+    taken = taken if isinstance(taken, Argument) else argument_of(taken)
 
     def fit(value):
         if not taken.fits(value):
@@ -213,9 +213,7 @@ def argument(name: str | Argument, what="", example="", out="") -> object:
 
 def word(*words: str, what="", out="") -> object:
     """One of some words."""
-    return argument(
-        Argument(f"one of {', '.join(words)}", lambda value: value in words), what, "", out
-    )
+    return argument(one_of(*words), what, "", out)
 
 
 def flag(what: str, out="") -> object:

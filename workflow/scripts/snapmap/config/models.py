@@ -13,8 +13,9 @@ from ..device.quantities import QUANTITIES
 from ..files.named import sha256_of
 from ..files.tables import ROWS, read_points
 from ..solver.adaptive import TOLERANCE
-from ..solver.options import OPTIONS
-from ..solver.settings import FIRST, STARTS, THRESHOLD_TOLERANCE, Settings
+from ..solver.options import OF_MODEL, OPTIONS
+from ..solver.settings import FIRST, STARTS, THRESHOLD_TOLERANCE, Settings, settings_of
+from ..study import arguments
 from ..study.axes import COORDINATES, axis_behind
 from .devices import DeviceSection, of_device
 from .keys import Section, argument, axis, flag, many, part, path, quantity, word, words
@@ -27,10 +28,10 @@ class ModelSection(Section):
     """How a cell is simulated."""
 
     name: word(*OPTIONS)
-    elements: argument("model.elements", "on the half beam", out="`5`")
-    cosines: argument("model.cosines", "symmetric", out="as many as `modes`")
+    elements: argument(OF_MODEL["elements"], "on the half beam", out="`5`")
+    cosines: argument(OF_MODEL["cosines"], "symmetric", out="as many as `modes`")
     modes: argument(
-        "model.modes",
+        OF_MODEL["modes"],
         "that are kept",
         out="`5` cosines; elements: all, with hard contact three quarters",
     )
@@ -62,24 +63,23 @@ class SweepSection(_Axes):
     not_bistable: word(*("refuse", "skip"), what="if no second shape is stable", out="`refuse`")
     horizon: quantity("duration", "after the pulse, for which a cell is followed")
     start: word(*STARTS, what="the shape in which the beam rests at first", out=f"`{FIRST}`")
-    until: argument("until", "until its well is proven, or it snaps", out="`settled`")
+    until: argument(arguments.Until, "until its well is proven, or it snaps", out="`settled`")
     repeat: flag(
         "whether each cell is run again with another step", out="`true` where `until` is `settled`"
     )
     energy_tolerance: argument(
-        "energy_tolerance",
+        arguments.EnergyTolerance,
         "of the energy ledger, over the work of the pulse",
         out=f"`{Settings().energy_tolerance:g}`",
     )
     threshold_tolerance: argument(
-        "tolerance", "of thresholds in N, relative", out=f"`{THRESHOLD_TOLERANCE:g}`"
+        arguments.Refinement, "of thresholds in N, relative", out=f"`{THRESHOLD_TOLERANCE:g}`"
     )
 
     def make(self) -> Settings:
         """How each cell is followed."""
         names = "horizon", "start", "until", "repeat", "energy_tolerance"
-        written = {name: self.given[name] for name in names if self.has(name)}
-        return Settings(**{"repeat": self.until in (None, "settled"), **written})
+        return settings_of({name: self.given[name] for name in names if self.has(name)})
 
 
 AXES = [name for name in QUANTITIES if axis_behind(name) in COORDINATES]

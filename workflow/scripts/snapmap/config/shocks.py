@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from ..device.argument import Argument
 from ..files.named import sha256_of
 from ..files.text import is_name
+from ..pulse.options import OF_PULSE
 from ..pulse.pulse import DIRECTIONS, SHAPES, SHARES, VERSED_SINE
 from ..pulse.recorded import RECORD, read_pulse
 from ..pulse.shocks import MAKERS, Shocks, make_shocks
@@ -25,7 +26,7 @@ class Blow(Section):
     N: quantity("number", "the peak over those of others", "2", "`1`")
     duration: quantity("pulse", out="`wait` or `repeat`, alone")
     wait: quantity("pulse", out="none")
-    repeat: argument("pulse.repeat", "how often all before it comes", out="once")
+    repeat: argument(OF_PULSE["repeat"], "how often all before it comes", out="once")
 
 
 class Drop(Section):

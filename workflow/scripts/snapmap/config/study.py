@@ -6,16 +6,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pydantic import ValidationError
 
-from ..applications import attached, gather, key_of
+from ..applications import attached, key_of, merge
 from ..beam.equilibria import require_rest, second_shape, shapes_of
 from ..device.device import VALUES, Device
 from ..device.measured_shape import PROFILE
 from ..device.quantities import QUANTITIES
 from ..files.named import hold_to_plan, sha256_of
 from ..pulse.shocks import HANDOUT_SHOCK
-from ..solver.settings import SECOND, THRESHOLD_TOLERANCE, Settings
+from ..solver.settings import SECOND, THRESHOLD_TOLERANCE
 from ..study.axes import SHOCK_AXES, TEMPERATURE, Grid, Units, make_grid
-from ..study.study import FOLLOWED, Study
+from ..study.study import Study
 from .devices import nominal
 from .keys import line_at, lines_of
 from .models import Document
@@ -76,8 +76,7 @@ class Config(Study):
 
     def of_thresholds(self) -> "Config":
         """The same, each cell followed as all functions but `sweep` follow it."""
-        kept = {key: getattr(self.settings, key) for key in FOLLOWED}
-        return replace(self, settings=Settings(**kept))
+        return replace(self, settings=self.settings._replace(until="settled", repeat=True))
 
     @property
     def has_strength(self) -> bool:
@@ -89,10 +88,7 @@ class Config(Study):
         recorded = {self.pulse["file"]: self.pulse["sha256"]} if "file" in self.pulse else {}
         shapes = {path: sha256_of(path, *PROFILE) for _, path in self.measured}
         points = dict([self.own_points] if self.own_points else [])
-        files = recorded | shapes | points
-        for named in gather("files", self).values():
-            files |= named
-        return files
+        return recorded | shapes | points | merge("files", self)
 
 
 def planned_study(document: Mapping, threads: int) -> Config:
@@ -131,7 +127,7 @@ def load_config(document: Mapping) -> Config:
         maps = views("maps", lambda v: (v.x, v.y, read_places(v.given, grid.axes)))
         curves = views("thresholds", lambda v: (v.x, v.lines, read_places(v.given, grid.axes)))
         part(("sweep",), require_start, sweep.made.start, grid.device)
-    part(("device",), _require_study, device, shocks)
+    part(("device",), lambda: Study(device=device, shocks=shocks))  # forces shake no frame
     if faults:
         raise ConfigError(*dict.fromkeys(faults))
     chosen, left_out = choose_maps(grid, nominal(device), maps)
@@ -171,13 +167,6 @@ def _unit(key, written):
     """The unit of the first value of an axis."""
     first = written["from"] if isinstance(written, Mapping) else written[0]
     return unit_of(first, QUANTITIES[key].kind)
-
-
-def _require_study(device, shocks):
-    """All devices have an electrode, or none; forces shake no frame."""
-    devices = Study(device=device, shocks=shocks).devices().values()
-    if len({bool(device.has_electrode) for device in devices}) > 1:
-        raise ValueError(".contact_at: only some devices have one; write it for all or none")
 
 
 def require_start(start: str, *devices: Device) -> None:

@@ -1,8 +1,14 @@
-"""What an argument may be: what would be right, in words, what fits, and what is handed on."""
+"""What an argument may be: what would be right, in words, what fits, and what is handed on.
+
+An annotation such as `Annotated[float, number("(0, inf)", "s")]` describes an argument where it is
+declared, for the type checker, for help(), and for whoever holds a call against it.
+"""
 
 import math
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
+from os import PathLike
+from os.path import exists
+from typing import Annotated, NamedTuple, get_args
 
 import numpy as np
 
@@ -18,6 +24,10 @@ class Argument(NamedTuple):
     need: str
     fits: Callable[[object], bool]
     convert: Callable[[object], object] = lambda value: value
+
+    def __repr__(self):
+        """As help() shows it in an annotation."""
+        return self.need
 
     def take(self, name: str, value: object) -> object:
         """Convert a value; raises ValueError, one line, for one that does not fit."""
@@ -96,3 +106,44 @@ def word(*words: str) -> Argument:
 def of_type(need: str, *types: type) -> Argument:
     """A value of some types."""
     return Argument(need, lambda value: isinstance(value, types))
+
+
+def mapping_of(need: str, *keys: str) -> Argument:
+    """A mapping of one key or more, each one of some."""
+
+    def fits(value):
+        return isinstance(value, Mapping) and len(value) > 0 and all(key in keys for key in value)
+
+    return Argument(f"a mapping of {need}", fits, as_plain)
+
+
+def is_list(value: object, fits: Callable[[object], bool]) -> bool:
+    """Whether it is a list of values that fit."""
+    return isinstance(value, list | tuple) and all(map(fits, value))
+
+
+def is_flag(value: object) -> bool:
+    """Whether it is true or false, also as numpy has it."""
+    return isinstance(value, bool | np.bool_) or (
+        getattr(value, "ndim", None) == 0 and np.asarray(value).dtype.kind == "b"
+    )
+
+
+def is_path(value: object) -> bool:
+    """Whether it is the path of a file that is there."""
+    return isinstance(value, str | PathLike) and "\0" not in str(value) and exists(value)
+
+
+def argument_of(annotation: object) -> Argument:
+    """What an annotation says of an argument, which may be None, too."""
+    described, *_ = (
+        note
+        for part in (annotation, *get_args(annotation))
+        for note in getattr(part, "__metadata__", ())
+    )
+    return described
+
+
+Positive = Annotated[float, number("(0, inf)")]
+Flag = Annotated[bool, Argument("True or False", is_flag, bool)]
+ExistingPath = Annotated[str | PathLike, Argument("the path of a file that is there", is_path)]

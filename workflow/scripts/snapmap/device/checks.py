@@ -19,13 +19,14 @@ def numbers(value):
         return None
 
 
-def require_quantity(key: str, name: str, value: np.ndarray, within: Bounds | None = None) -> None:
-    """Raise ValueError unless values, called `key`, are numbers that fit the quantity of a name.
+def require_quantity(name: str, value: np.ndarray, within: Bounds | None = None) -> None:
+    """Raise ValueError, with the key of a config, unless values fit the quantity of a name.
 
     within: in place of its own range
     """
-    within = within or QUANTITIES[name].range
-    need = " ".join(f"is not a number {within} {QUANTITIES[name].unit}".split())
+    quantity = QUANTITIES[name]
+    within, key = within or quantity.range, f"device.{quantity.key or name}"
+    need = " ".join(f"is not a number {within} {quantity.unit}".split())
     if numbers(value) is None:
         raise ValueError(f"{key}: {show(value)} {need}")
     require(within.holds(value), f"{key}: {{}} {need}", value)

@@ -54,9 +54,8 @@ class Beam:
     def __post_init__(self):
         for name in BEAM_VALUES:
             if name in QUANTITIES:
-                key = "clamp.axial" if name == "clamp_axial" else name
                 within = bounds_of("[0, inf)") if name == "rise" else None
-                require_quantity(f"device.beam.{key}", name, getattr(self, name), within)
+                require_quantity(name, getattr(self, name), within)
         for holds, words, *values in self._rules():
             require(holds, f"device.beam.{words}", *values)
 

@@ -12,32 +12,18 @@ import numpy as np
 from ..files.text import show
 from .checks import numbers, require, require_quantity
 from .curved_beam import BEAM_VALUES, Beam
-from .quantities import QUANTITIES
+from .quantities import QUANTITIES, keys_of
 from .shape import Value
 
 # ASSUME: silicon that meets silicon; a config says its own.
 RESTITUTION = 0.5
-CLAMP = {"axial": "clamp_axial"}
-"""Values of the beam by their keys in the config's section `clamp`."""
-STOPS = {"toward": "stop_toward", "away": "stop_away", "restitution": "restitution"}
-"""Likewise of the device in its section `stops`."""
-THERMAL = {
-    "reference": "reference_temperature",
-    "modulus": "modulus_slope",
-    "mismatch": "expansion_mismatch",
-    "damping": "damper_exponent",
-}
-"""Likewise in its section `thermal`."""
 REFERENCE = 20.0
 """Temperature, degC, at which the values of a device hold unless it says another."""
 ZERO = 273.15
 """K, of 0 degC."""
-STRENGTH = {"scale": "strength", "modulus": "strength_modulus", "threshold": "strength_threshold"}
-"""Likewise in its section `strength`."""
-SECTIONS = {"stops": STOPS, "thermal": THERMAL, "strength": STRENGTH}
 ALONE = {"mass": 0.0, "spring": 1.0, "contact": 1.0, "gap": math.inf}
 """Values of a device whose beam no mass ever meets; its spring and contact are of no account."""
-OF_MASS = *ALONE, *STOPS.values()
+OF_MASS = *ALONE, *keys_of("stops").values()
 """Values that a beam alone has no use for."""
 
 
@@ -86,12 +72,11 @@ class Device:
             raise ValueError(f"device.beam: {show(self.beam)} is not a Beam")
         known = numbers(self.mass) is not None and numbers(self.gap) is not None
         alone = known and np.equal(self.mass, 0) & self.is_alone
-        keys = {names[key]: f"{at}.{key}" for at, names in SECTIONS.items() for key in names}
         for name in (field.name for field in fields(self) if field.name != "beam"):
             value = getattr(self, name)
             if name in ALONE and np.any(alone):
                 value = np.where(alone, 1.0, value)
-            require_quantity(f"device.{keys.get(name, name)}", name, value)
+            require_quantity(name, value)
         pushed = "device.force: {:g} uN is of a beam alone; write mass: none"
         require(alone | np.equal(self.force, 0), pushed, self.force)
         stopped = "device.stops: are of a mass, and there is none; leave them out"

@@ -1,10 +1,14 @@
-"""What a device and its shock are described by: one line for each quantity, and their units.
+"""What a device and its shock are described by: quantities and their units.
 
-A value of the device is a line in QUANTITIES, a field in `device.py`, and its physics: units,
-attributes in files, words in figures and on the page, and the keys of the config follow.
+A value of the device is a line in quantities.csv, a field in `device.py`, and its physics: units,
+attributes in files, words in figures and on the page, the keys of the config and how a recipe is
+written follow.
 """
 
+import csv
+from collections.abc import Iterator, Mapping
 from math import inf
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -125,6 +129,8 @@ class Quantity(NamedTuple):
     symbol: in the drawing of the device
     left_out: of which value a recipe is silent, NaN for none; the config then lists it last
     usual: beyond these, internal units, it is hardly meant
+    key: in the config, below `device`; what, example, default: what is said of it there; one
+        without a default is required
     """
 
     name: str
@@ -135,6 +141,10 @@ class Quantity(NamedTuple):
     label: str = ""
     symbol: str = ""
     usual: tuple[float, float] = (-inf, inf)
+    key: str = ""
+    what: str = ""
+    example: str = ""
+    default: str = ""
 
     @property
     def range(self) -> Bounds:
@@ -171,53 +181,34 @@ class Quantity(NamedTuple):
         return {"long_name": self.long_name} | units
 
 
-def _quantity(line):
-    cells = [cell.strip() for cell in line.split("|")]
-    name, kind, left_out, *words, usual = cells + [""] * (8 - len(cells))
-    silent = float(left_out) if left_out else None
-    return Quantity(name, kind, silent, *words, bounds_of(f"[{usual or '-inf, inf'}]")[:2])
+def _quantity(left_out, usual, **words):
+    between = tuple(map(float, usual.split(" to "))) if usual else (-inf, inf)
+    return Quantity(left_out=float(left_out) if left_out else None, usual=between, **words)
 
 
-_LINES = """\
-device | | | device | device
-span | length | | span of the beam | span | | L
-rise | length | | rise of the beam | rise | | δ
-thickness | length | | thickness of the beam | thickness | | t
-depth | length | | depth of the beam | depth
-youngs_modulus | modulus | | Young's modulus | Young's modulus | | | 1e3, 1.3e6
-density | density | | density of the beam | density | | | 1e-4, 0.025
-damping | rate | | damping rate of the beam itself | damping of the beam
-residual_stress | stress | 0 | residual stress of the beam, tension > 0 | residual stress
-imperfection | distance | 0 | antisymmetric imperfection of the beam | imperfection
-clamp_axial | stiffness | inf | stiffness of each clamp along the beam | stiffness of the clamps
-cosine_2 | part | 0 | cosine 2 in the beam's shape as made, over the rise | cosine 2 of the shape
-cosine_3 | part | 0 | cosine 3 in the beam's shape as made, over the rise | cosine 3 of the shape
-cosine_4 | part | 0 | cosine 4 in the beam's shape as made, over the rise | cosine 4 of the shape
-cosine_5 | part | 0 | cosine 5 in the beam's shape as made, over the rise | cosine 5 of the shape
-mass | mass | | mass that strikes the beam | mass | | M | 0, 1e9
-spring | stiffness | | stiffness of the mass's spring | spring | | K
-contact | contact | | stiffness of the contact | contact
-gap | distance | 0 | gap between mass and beam at rest | gap
-stop_toward | length | inf | travel to the stop towards the beam | stop towards the beam
-stop_away | length | inf | travel to the stop away from the beam | stop away from the beam
-restitution | restitution | nan | share of speed that a stop leaves it | restitution of the stops
-temperature | temperature | 20 | temperature of the device | temperature
-reference_temperature | temperature | nan
-modulus_slope | expansion | 0
-expansion_mismatch | expansion | 0
-damper_exponent | exponent | 0
-strength | strength | inf
-strength_modulus | quality | inf
-strength_threshold | strength | 0
-contact_at | position | -inf
-gravity | acceleration | | | | | | 1e-7, 1e-3
-force | force | 0
-shape | | | shape of the pulse | | shape of the pulse
-direction | | | direction of the frame; +z presses the mass down | along | direction of the shock
-C | damper | | damping coefficient of the mass | $C$ | damping of the mass $C$
-f0 | frequency | | frequency of the pulse | $f_0$ | pulse frequency $f_0$
-duration | pulse | | | pulse duration $1/f_0$
-N | number | | amplitude of the pulse, multiples of g | $N$ | pulse amplitude $N$
-"""
-QUANTITIES = {quantity.name: quantity for quantity in map(_quantity, _LINES.splitlines())}
-"""By their names, in the order in which figures name them; the fields of each by its line."""
+with open(Path(__file__).with_suffix(".csv"), encoding="utf-8") as _file:
+    QUANTITIES = {row["name"]: _quantity(**row) for row in csv.DictReader(_file)}
+"""By their names, in the order in which figures name them."""
+
+
+def keys_of(section: str) -> dict[str, str]:
+    """Names of the values in a section of a config's device, such as beam.clamp, by their keys."""
+    places = {quantity.key: name for name, quantity in QUANTITIES.items() if quantity.key}
+    parts = {place.rpartition("."): name for place, name in places.items()}
+    return {key: name for (path, _, key), name in parts.items() if path == section}
+
+
+def quantity_at(key: str) -> Quantity:
+    """The quantity of a key below a config's device; one without words for another key."""
+    name = key.rpartition(".")[2]
+    at_key = (quantity for quantity in QUANTITIES.values() if quantity.key == key)
+    return next(at_key, QUANTITIES.get(name) or Quantity(name))
+
+
+def leaves(section: Mapping, path: str = "") -> Iterator[tuple[str, str]]:
+    """All that a section of a config says, as text, by the paths of its keys."""
+    for key, value in section.items():
+        if isinstance(value, Mapping):
+            yield from leaves(value, f"{path}{key}.")
+        else:
+            yield f"{path}{key}", str(value)

@@ -2,11 +2,12 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from ..files.text import show
+from .argument import Argument, integer, is_list
 from .checks import numbers
 from .device import FROM_ZERO, OF_MASS, SIGNED, VALUES, Device
 
@@ -15,14 +16,25 @@ OF_DEVICE = tuple(key for key in VALUES if key != "temperature")
 SHOCK_FACTORS = ("N", "duration", "C")
 """Values of the shock and of the damper that scatter, too, as shares: they have no nominal ones."""
 DISTRIBUTIONS = ("normal", "uniform", "lognormal", "truncated")
-INDEX_SAMPLES = 1024
-"""Samples by which Sobol indices are estimated, by default."""
+SAMPLES, INDEX_SAMPLES, SEED = 1000, 1024, 1
+"""Samples, those by which Sobol indices are estimated, and the seed of their draw, by default."""
 FOLLOWED_CELLS, FEWEST_FOLLOWED = 1_000_000, 64
 """Cells that are followed to their end, and the least samples of which all cells are."""
 CUT = 2.0
 """Standard deviations at which a truncated normal distribution ends."""
 DIGITS = 7
 """Decimals of a deviation over its width: no library's last digit shows in a sample."""
+
+Samples = Annotated[int, integer(2, 100_000)]
+Groups = Annotated[
+    Sequence[Sequence[str]],
+    Argument(
+        "a list of groups of names, as [[span, rise]]",
+        lambda value: is_list(
+            value, lambda group: is_list(group, lambda key: isinstance(key, str))
+        ),
+    ),
+]
 
 
 class Tolerances(NamedTuple):
@@ -38,9 +50,9 @@ class Tolerances(NamedTuple):
 
     scatters: Mapping[str, float | str | Mapping]
     together: Sequence[Sequence[str]] = ()
-    samples: int = 1000
+    samples: int = SAMPLES
     index_samples: int | None = None
-    seed: int = 1
+    seed: int = SEED
 
     @property
     def section(self) -> dict:

@@ -2,6 +2,7 @@
 
 import textwrap
 from collections.abc import Iterable, Sequence
+from typing import Annotated
 
 import numpy as np
 import xarray as xr
@@ -9,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 
+from ..device.argument import Argument, Flag, of_type
 from ..files.tables import Point
 from ..files.text import show
 from ..study.axes import axis_behind
@@ -85,13 +87,26 @@ def snap_times(panels: Iterable[xr.Dataset]) -> tuple[float, float]:
     return np.fmin.reduce(ends)[0].item(), np.fmax.reduce(ends)[1].item()
 
 
+def _dataset(need, variable):
+    is_one = lambda value: isinstance(value, xr.Dataset) and variable in value  # noqa: E731
+    return Annotated[xr.Dataset, Argument(need, is_one)]
+
+
+Cube = _dataset("a cube, as sweep and open_cube return it", "outcome")
+Thresholds = _dataset("a Dataset of thresholds, as threshold returns it", "N_first")
+AxisName = Annotated[str, of_type("the name of an axis of the cube", str)]
+MatplotlibAxes = Annotated[
+    Axes, Argument("Axes of matplotlib", lambda value: hasattr(value, "get_xlim"))
+]
+
+
 def plot_outcome(
-    cube: xr.Dataset,
-    ax: Axes | None = None,
-    x: str = "f0",
-    y: str = "N",
-    found: xr.Dataset | None = None,
-    ends: bool = False,
+    cube: Cube,
+    ax: MatplotlibAxes | None = None,
+    x: AxisName = "f0",
+    y: AxisName = "N",
+    found: Thresholds | None = None,
+    ends: Flag = False,
 ) -> Axes:
     """Draw which cells snap, with a legend, on `ax` or on a new figure.
 

@@ -1,8 +1,11 @@
 """Recorded shocks: files of acceleration over time, read, checked and made pulses."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
+from typing import Annotated
 
+from ..device.argument import Argument, ExistingPath
 from ..files.named import naming, read_named
 from ..files.tables import read_table
 from ..files.text import NAME, is_name
@@ -15,8 +18,16 @@ TIMES = {"s": 1e6, "ms": 1e3, "us": 1.0, "µs": 1.0, "μs": 1.0}
 ACCELERATIONS = {"g": 9.80665e-6, "m/s^2": 1e-6, "m/s2": 1e-6, "m/s²": 1e-6, "m/s**2": 1e-6}
 """Units by the words for them, in us and um/us^2."""
 
+Hash = Annotated[
+    str,
+    Argument(
+        "the 64 hexadecimal digits of a SHA-256",
+        lambda value: isinstance(value, str) and re.fullmatch("([0-9a-f]{64})?", value) is not None,
+    ),
+]
 
-def read_pulse(path: str | Path, sha256: str = "") -> Pulse:
+
+def read_pulse(path: ExistingPath, sha256: Hash = "") -> Pulse:
     """Read a recorded shock; N scales its largest acceleration, and it keeps its own duration.
 
     path: CSV of two columns, time (s, ms or us) and acceleration (g or m/s^2), whose header names

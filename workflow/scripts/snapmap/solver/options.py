@@ -1,8 +1,9 @@
 """The names of models and the options of each, from Python as in a config."""
 
 from collections.abc import Mapping
+from typing import Annotated, TypedDict
 
-from ..device.argument import integer, number, word
+from ..device.argument import argument_of, integer, number, word
 
 OPTIONS = {
     "reference": ("elements",),
@@ -11,12 +12,23 @@ OPTIONS = {
     "auto": ("tolerance",),
 }
 """Of each model."""
-OF_MODEL = {
-    "tolerance": number("(0, 1)", "", "1e-3"),
-    "elements": integer(1, 100),
-    "cosines": integer(1, 100),
-    "modes": integer(1, 200),
-}
+
+
+class ModelOptions(TypedDict, total=False):
+    """Options of models."""
+
+    elements: Annotated[int, integer(1, 100)]
+    cosines: Annotated[int, integer(1, 100)]
+    modes: Annotated[int, integer(1, 200)]
+
+
+class AutoOptions(ModelOptions, total=False):
+    """The same where no argument of the function is a tolerance."""
+
+    tolerance: Annotated[float, number("(0, 1)", "", "1e-3")]
+
+
+OF_MODEL = {key: argument_of(kind) for key, kind in AutoOptions.__annotations__.items()}
 """What each option may be."""
 
 

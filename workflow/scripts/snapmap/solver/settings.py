@@ -1,5 +1,6 @@
 """How every cell of a study is followed."""
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 UNTIL = ("settled", "snap")
@@ -44,3 +45,8 @@ class Settings(NamedTuple):
         """Give all but the threads, on which no result depends, and a start in the first shape."""
         usual = "threads", *(["start"] if self.start == FIRST else [])
         return {key: value for key, value in self._asdict().items() if key not in usual}
+
+
+def settings_of(values: Mapping) -> Settings:
+    """Give the settings of those by name; unless they say so, only settled cells are repeated."""
+    return Settings(**{"repeat": values.get("until", "settled") == "settled", **values})

@@ -8,12 +8,12 @@ import subprocess
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import asdict
-from functools import cache
+from functools import cache, reduce
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from .. import __version__
-from ..device.device import ALONE, CLAMP, REFERENCE, RESTITUTION, STOPS, STRENGTH, THERMAL, Device
+from ..device.device import ALONE, REFERENCE, RESTITUTION, Device
 from ..device.quantities import QUANTITIES
 
 KEYWORDS = "bistable beam, snap-through, MEMS, shock sensor"
@@ -75,39 +75,28 @@ def device_sections(device: Device | Mapping[str, Device]) -> dict:
 
 def _section(device):
     values = asdict(device)
-    beam = values.pop("beam")
-    alone = {"mass": "none"} if device.is_alone else {}
-    for key in ALONE if alone else ():
-        del values[key]
+    section = {"beam": {}}
+    for name, value in {**values.pop("beam"), **values}.items():
+        quantity = QUANTITIES.get(name)
+        if quantity and quantity.key and value != quantity.left_out:
+            *path, key = quantity.key.split(".")
+            part = reduce(lambda part, key: part.setdefault(key, {}), path, section)
+            text = f"{float(value)!r} {quantity.unit}".strip()
+            part[key] = "hard" if value == math.inf else text
+    if device.beam.free:
+        section["beam"]["guide"] = "free"
+    if device.is_alone:
+        section = {"mass": "none"} | {key: section[key] for key in section if key not in ALONE}
     if device.force:
-        del values["gravity"]
-    others = {"guide": "free"} if beam.pop("free") else {}
-    if clamp := _named(beam, CLAMP):
-        others["clamp"] = clamp
-    stops, strength, thermal = (_named(values, names) for names in (STOPS, STRENGTH, THERMAL))
-    values.pop("temperature")  # its values hold there
+        del section["gravity"]
     # Stops that are an axis alone bounce as the device says.
-    stopped = device.has_stops or device.restitution != RESTITUTION
-    warms = len(thermal) > 1 or device.reference_temperature != REFERENCE
-    written = {"stops": stops} if stopped else {}
-    if strength:
-        written["strength"] = strength["scale"] if [*strength] == ["scale"] else strength
-    written |= {"thermal": thermal} if warms else {}
-    return {"beam": _with_units(beam) | others, **alone, **_with_units(values), **written}
-
-
-def _named(values, names):
-    """Take a section of a device, whose values have these names, out of the values."""
-    section = _with_units({name: values.pop(name) for name in names.values()})
-    return {key: section[name] for key, name in names.items() if name in section}
-
-
-def _with_units(values):
-    return {
-        key: "hard" if value == math.inf else f"{float(value)!r} {QUANTITIES[key].unit}".strip()
-        for key, value in values.items()
-        if value != QUANTITIES[key].left_out
-    }
+    if not device.has_stops and device.restitution == RESTITUTION:
+        del section["stops"]
+    if len(section["thermal"]) == 1 and device.reference_temperature == REFERENCE:
+        del section["thermal"]
+    if [*section.get("strength", ())] == ["scale"]:
+        section["strength"] = section["strength"]["scale"]
+    return section
 
 
 @cache

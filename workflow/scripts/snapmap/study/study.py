@@ -5,20 +5,16 @@ from dataclasses import dataclass, field, replace
 
 from ..device.device import VALUES, Device
 from ..pulse.shocks import HANDOUT_SHOCK, Shocks, make_shocks
-from ..solver.settings import FIRST, Settings
+from ..solver.settings import FIRST, Settings, settings_of
 from .axes import DEVICE, Grid, make_grid
 from .provenance import device_sections
 
-FOLLOWED = ("horizon", "energy_tolerance", "threads", "start")
-"""Settings that every verb takes from Python."""
 PUSH = ("pulse", "direction")
 """What `make_shocks` takes."""
 ANY = "any"
 """Of a required shock that may or may not snap the device."""
 SNAPS = {False: 0, True: 1, ANY: 2}
 """What a required shock must do, as datasets have it."""
-CLOSING = "closes_within", "stays_closed"
-"""What may be required of an electrode."""
 THRESHOLD_SETTINGS = ("horizon", "energy_tolerance", "start")
 """Those on which a threshold depends."""
 
@@ -79,25 +75,27 @@ class Study:
 
 
 def study_of(
-    device: Device | Mapping[str, Device],
-    model: str | Mapping,
-    options: Mapping,
-    taken: Sequence[str] = FOLLOWED,
+    device: Device | Mapping[str, Device], model: str | Mapping, options: Mapping, **shock
 ) -> tuple[Study, dict[str, Sequence]]:
-    """Make a study of a verb's keywords; raises ValueError, one line.
+    """Make a study of a verb's arguments, and its axes by name; raises ValueError, one line.
 
     model: name, or the config's model section as a mapping
-    options: those `taken`, as in `Settings`; pulse and direction, as `make_shocks` takes them;
-        skip; values of the device, which are axes; and options of the model
-    Returns the study, and the device's axes by name.
+    options: those of `Settings`; pulse and direction, as `make_shocks` takes them; skip; values of
+        the device, which are axes; and options of the model
+    shock: C, f0 and N, axes behind those of the device; one that is None is none, but for f0, which
+        then is a recorded shock's own
     """
     options = dict(options)
-    shocks = make_shocks(**{key: options.pop(key) for key in PUSH if key in options})
-    settings = Settings(**{key: options.pop(key) for key in taken if key in options})
-    skip = options.pop("skip", False)
-    axes = {key: options.pop(key) for key in [*options] if key in VALUES}
-    named = {"name": model} if isinstance(model, str) else dict(model)
-    model = named | options
+
+    def take(names):
+        return {key: options.pop(key) for key in [*options] if key in names}
+
+    shocks, settings = make_shocks(**take(PUSH)), settings_of(take(Settings._fields))
+    skip, axes = options.pop("skip", False), take(VALUES)
+    if "f0" in shock and shock["f0"] is None:
+        shock["f0"] = shocks.own_frequency()
+    axes |= {key: values for key, values in shock.items() if values is not None}
+    model = ({"name": model} if isinstance(model, str) else dict(model)) | options
     return Study(device=device, shocks=shocks, model=model, settings=settings, skip=skip), axes
 
 

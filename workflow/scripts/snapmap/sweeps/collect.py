@@ -7,6 +7,7 @@ import netCDF4
 import numpy as np
 import xarray as xr
 
+from ..device.argument import ExistingPath
 from ..files.atomic import is_whole
 from ..solver.outcome import OUTCOMES
 from ..study.axes import NAMES
@@ -74,7 +75,7 @@ def open_slabs(paths: Sequence[str | Path]) -> xr.Dataset:
     return cube
 
 
-def open_cube(path: str | Path) -> xr.Dataset:
+def open_cube(path: ExistingPath) -> xr.Dataset:
     """Open a cube; `outcome` is its name, such as "latched", and `outcome_code` its number.
 
     path: of the file, or of the folder of slabs, which are opened lazily, each as a block of dask

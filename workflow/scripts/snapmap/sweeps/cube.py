@@ -3,17 +3,19 @@
 import json
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from typing import Unpack
 
 import numpy as np
 import xarray as xr
 
-from ..device.device import Device
-from ..files.counting import counting
+from ..device.argument import Flag
 from ..solver.adaptive import TOLERANCE, choose_model
+from ..solver.options import AutoOptions
 from ..solver.outcome import ABSENT, OUTCOMES, count, ended_elsewhere, shares
+from ..study import arguments
 from ..study.axes import NAMES
-from ..study.study import FOLLOWED, study_of
+from ..study.study import study_of
 from ..study.variables import dress, flags, variables
 from .grid import follow_grid
 
@@ -24,26 +26,33 @@ OVER_TOLERANCE = 2.0
 """The same of `auto`, over its tolerance, if that is not below the default."""
 ELSEWHERE, NEAR_CHANGE = "cells_ended_elsewhere", "labels_near_change"
 
+MOST_CELLS = 10**8
+"""Of one call; those of a config go to files, slab by slab."""
+
+
+class SweepOptions(arguments.ThresholdOptions, AutoOptions, arguments.AxisOptions, total=False):
+    """Options of `sweep`."""
+
+    until: arguments.Until
+    repeat: Flag
+
 
 def sweep(
-    device: Device | Mapping[str, Device],
-    N: Sequence[float],
-    f0: Sequence[float] | None,
-    C: Sequence[float],
-    model: str | Mapping = "auto",
-    **options,
+    device: arguments.Devices,
+    N: arguments.Amplitudes,
+    f0: arguments.Frequencies | None,
+    C: arguments.Dampers,
+    model: arguments.Model = "auto",
+    **options: Unpack[SweepOptions],
 ) -> xr.Dataset:
     """Simulate every cell of a grid and return it as in cube.nc.
 
-    device: one, or several by name, as an axis
-    N: multiples of g; f0: Hz, above 0, or None for a recorded shock's own; C: uN us/um, from 0
-    model: name, or the config's model section
+    f0: None for a recorded shock's own
     options: horizon (us), start, until, repeat, energy_tolerance, threads, as in `Settings`; pulse;
         direction; skip: whether a device without a second stable shape is marked `absent`, not
         refused; those of the model; and values of the device, internal units, as axes in front of
         C, f0 and N
-    By default only settled cells are repeated. Raises ValueError, one line, for an invalid
-    argument.
+    By default only settled cells are repeated.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> study = {"model": "cosines", "until": "snap", "thickness": [1.9, 2.0]}
@@ -51,14 +60,17 @@ def sweep(
     >>> cube.t_snap.notnull().squeeze().values.tolist()
     [[False, True], [False, True]]
     """
-    repeat = options.pop("repeat", None)
-    options["repeat"] = options.get("until", "settled") == "settled" if repeat is None else repeat
-    study, varied = study_of(device, model, options, (*FOLLOWED, "until", "repeat"))
-    f0 = [study.shocks.own_frequency()] if f0 is None else f0
-    grid = study.set_out({**varied, "C": C, "f0": f0, "N": N})
-    with counting("sweep"):
-        built = choose_model(grid.device, study.model, study.settings.start)
-        values = follow_grid(built, grid, study.settings)
+    observers = options.pop("observers", ())
+    study, axes = study_of(device, model, options, C=C, f0=f0, N=N)
+    cells = math.prod(map(np.size, axes.values()))
+    if cells > MOST_CELLS:
+        raise ValueError(
+            f"N: {cells:.3g} cells with f0, C and all axes, more than {MOST_CELLS:.0e}; write "
+            "fewer, or a config"
+        )
+    grid = study.set_out(axes)
+    built = choose_model(grid.device, study.model, study.settings.start)
+    values = follow_grid(built, grid, study.settings, observers)
     return with_summary(as_cube(grid.axes, values, study.document()))
 
 

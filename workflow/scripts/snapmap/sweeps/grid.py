@@ -1,38 +1,39 @@
 """Rows of cells along N: followed, and labelled."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from ..pulse.pulse import blow_at
 from ..solver.cells import Rows
-from ..solver.closures import CLOSING, closures_again
 from ..solver.models import Follows
 from ..solver.outcome import ABSENT, FAILED, REPEATED_STEP, label, t_snap_error, work_error
 from ..solver.settings import FIRST, Settings
 from ..study.axes import Grid, rows_of
 
+Observers = Sequence[Callable]
+"""Each gives more variables of cells: floats by name, for model, cells, observations, settings."""
 ABSENCE = {
     "outcome": ABSENT,
     **dict.fromkeys(("well", "halvings", "level", "blow"), 0),
     **dict.fromkeys(("agreed", "reproduced", "well_reproduced"), 1),
-    **dict.fromkeys(("t_snap", "t_settled", "t_snap_error", *CLOSING), np.nan),
-    **dict.fromkeys(("well_share", "energy_error", "pulse_work", "work_error"), np.nan),
 }
-"""What stands where there is no device."""
+"""What stands where there is no device; NaN for all others."""
 
 
-def follow_grid(model: Follows, grid: Grid, settings: Settings) -> dict[str, np.ndarray]:
+def follow_grid(
+    model: Follows, grid: Grid, settings: Settings, observers: Observers = ()
+) -> dict[str, np.ndarray]:
     """Follow every cell of a grid; returns each variable of a cube in the grid's shape.
 
     model: of the grid's batch of devices
     """
-    variables = follow_rows(model, rows_of(grid), grid.axes["N"], settings)
+    variables = follow_rows(model, rows_of(grid), grid.axes["N"], settings, observers)
     return {key: values.reshape(grid.shape) for key, values in variables.items()}
 
 
 def follow_rows(
-    model: Follows, rows: Rows, N: Sequence[float], settings: Settings
+    model: Follows, rows: Rows, N: Sequence[float], settings: Settings, observers: Observers = ()
 ) -> dict[str, np.ndarray]:
     """Follow rows of cells, each through all N; returns each variable of a cube, (rows, N)."""
     exists, N = rows.device >= 0, np.asarray(N)
@@ -45,12 +46,12 @@ def follow_rows(
         variables |= _repeated(variables, _variables(again, settings))
         for compare in (work_error, t_snap_error):
             variables[compare.__name__] = compare(first, again).astype(np.float32)
-    if np.any(model.device.has_electrode):
-        variables |= closures_again(model, cells, first, settings)
+    for observe in observers:
+        variables |= observe(model, cells, first, settings)
     if any(pulse.blows.size for pulse in rows.pulses):
         variables["blow"] = blow_at(rows.pulses, cells.pulse, first.t_snap * cells.f0)
     for key, values in variables.items():
-        variables[key] = np.full((exists.size, N.size), ABSENCE[key], values.dtype)
+        variables[key] = np.full((exists.size, N.size), ABSENCE.get(key, np.nan), values.dtype)
         variables[key][np.ix_(exists, order)] = values
     return variables
 

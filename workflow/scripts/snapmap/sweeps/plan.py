@@ -1,7 +1,7 @@
 """The plan of a study: its grid cut into slabs, and what the job of each may cost."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import product
 from types import MappingProxyType
 from typing import NamedTuple
@@ -11,7 +11,6 @@ import numpy as np
 from ..solver.adaptive import choose_model
 from ..solver.cells import to_cells
 from ..solver.cost import MOST_SECONDS, steps_and_seconds
-from ..solver.outcome import REPEATED_STEP
 from ..solver.settings import Settings
 from ..study.axes import DEVICE, Grid
 from .slabs import SINGLE, Slab, cells_in
@@ -52,11 +51,13 @@ def make_plan(
     model: Mapping,
     settings: Settings,
     alone: Mapping[str, Sequence[float]] = MappingProxyType({}),
+    observing: Sequence[Callable] = (),
 ) -> Plan:
     """Cut a grid into slabs that are regular, along boundaries that no other value moves.
 
     model: name and options; alone: f0 (Hz) of cells that are followed beside the grid, by the key
         of the config that names them
+    observing: each gives the time that an observer takes, s, for model, cells and settings
     Raises ValueError, one line, for a model that cannot be built and a grid beyond all reason.
     """
     axes, cells = grid.axes, math.prod(map(float, grid.shape))
@@ -66,12 +67,12 @@ def make_plan(
     if axes["C"].size > MOST_SINGLE:
         need = f"at most {MOST_SINGLE}, as each gets a job"
         raise ValueError(f"sweep.C: {axes['C'].size} values; write {need}")
-    dt, seconds = _expected(grid, model, settings, axes["f0"])
+    dt, seconds = _expected(grid, model, settings, axes["f0"], observing)
     total = float(seconds.sum() * axes["N"].size * axes["C"].size * len(grid.pulses))
     beside, lowest = 0.0, axes["f0"][0]
     moved = settings._replace(until="moved")
     for f0 in alone.values():
-        beside += _expected(grid, model, moved, np.array(f0))[1].max(axis=0).sum()
+        beside += _expected(grid, model, moved, np.array(f0), observing)[1].max(axis=0).sum()
     if total + beside > MOST_SECONDS:
         key = "sweep.horizon" if settings.horizon * lowest > 1e6 else "sweep.f0"
         if beside > total:
@@ -139,14 +140,13 @@ def _halved(run, bits, share):
     return _halved(run[~upper], bits, share) + _halved(run[upper], bits, share)
 
 
-def _expected(grid, model, settings, f0):
+def _expected(grid, model, settings, f0, observing):
     """Estimate the shortest step, us, and a cell's time by device and f0, s; mean over pulses."""
     built = choose_model(grid.device, model, settings.start).levels[0]
     device, pulse = np.arange(len(grid.device)), np.arange(len(grid.pulses))[:, np.newaxis]
     at = device[:, np.newaxis, np.newaxis], 0.0, f0, 0.0, settings.horizon, pulse, grid.pulses
     cells = to_cells(grid.device, *at)
     dt, seconds = steps_and_seconds(built, cells, settings, model["name"] == "reference")
-    if np.any(grid.device.has_electrode):  # followed again, in two steps
-        moved = steps_and_seconds(built, cells, settings._replace(until="moved"))[1]
-        seconds += (1 + 1 / REPEATED_STEP) * moved
+    for cost in observing:
+        seconds += cost(built, cells, settings)
     return dt.min(), seconds.mean(axis=1)

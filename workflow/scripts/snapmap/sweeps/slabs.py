@@ -17,7 +17,7 @@ from ..solver.adaptive import choose_model
 from ..solver.outcome import count
 from ..study.axes import DEVICE, DIRECTION, NAMES, SHAPE, rows_of, shared_points
 from ..study.study import Study
-from .grid import follow_rows
+from .grid import Observers, follow_rows
 
 SINGLE = (DEVICE, SHAPE, DIRECTION, "C")
 """Axes of which a slab has one value, but for all C of a study that is over at once: what else it
@@ -50,7 +50,9 @@ def _text(values):
     return json.dumps(values)
 
 
-def write_slab(study: Study, slab: Slab, path: str | Path, code: str = "") -> dict[str, int]:
+def write_slab(
+    study: Study, slab: Slab, path: str | Path, code: str = "", observers: Observers = ()
+) -> dict[str, int]:
     """Follow the cells of one slab and write it to `path`; returns how many had which outcome.
 
     Cells that other slabs in the same folder hold are taken from there.
@@ -58,7 +60,7 @@ def write_slab(study: Study, slab: Slab, path: str | Path, code: str = "") -> di
     """
     variables, known = recall(path, slab, code, same_N=study.model["name"] == "auto")
     grid = study.part(slab).set_out({key: slab[key] for key in slab if key not in NAMES})
-    _follow_unknown(grid, study.model, study.settings, variables, known)
+    _follow_unknown(grid, study, observers, variables, known)
     with replacing(path) as temporary:
         with netCDF4.Dataset(temporary, "w") as file:
             file.slab, file.code = slab_name(study, slab), code
@@ -117,17 +119,17 @@ def recall(
     return variables, known
 
 
-def _follow_unknown(grid, model, settings, variables, known):
+def _follow_unknown(grid, study, observers, variables, known):
     """Follow what is not known, rows with the same gaps at once, and set it in the variables."""
     if known.all():
         return
-    built = choose_model(grid.device, model, settings.start)
+    built = choose_model(grid.device, study.model, study.settings.start)
     rows, N = rows_of(grid), grid.axes["N"]
     unknown = ~known.reshape(-1, N.size)
     patterns, pattern_of = np.unique(unknown, axis=0, return_inverse=True)
     for number in np.flatnonzero(patterns.any(axis=1)):
         alike, pattern = np.flatnonzero(pattern_of.ravel() == number), patterns[number]
-        followed = follow_rows(built, rows.take(alike), N[pattern], settings)
+        followed = follow_rows(built, rows.take(alike), N[pattern], study.settings, observers)
         for key, values in followed.items():
             all_rows = variables.setdefault(key, np.empty(known.shape, values.dtype))
             all_rows.reshape(-1, N.size)[np.ix_(alike, pattern)] = values

@@ -3,18 +3,19 @@
 import math
 import warnings
 from collections.abc import Mapping, Sequence
+from typing import Annotated, Unpack
 
 import numpy as np
 import xarray as xr
 
-from ..device.device import Device
+from ..device import argument
 from ..device.quantities import plain
-from ..files.counting import counting
 from ..pulse.pulse import blow_at
 from ..solver.adaptive import Survey, choose_survey
 from ..solver.bounds import least_amplitudes
 from ..solver.cells import Rows
 from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Settings
+from ..study import arguments
 from ..study.axes import PULSE_AXES, rows_of
 from ..study.study import THRESHOLD_SETTINGS, Study, study_of
 from ..study.variables import dress, flags
@@ -58,20 +59,22 @@ COMMENT = (
 )
 
 
+class SurfaceOptions(arguments.ThresholdOptions, arguments.AxisOptions, total=False):
+    """Options of `threshold`."""
+
+
 def threshold(
-    device: Device | Mapping[str, Device],
-    f0: Sequence[float] | None,
-    C: Sequence[float],
-    model: str | Mapping = "auto",
-    tolerance: float = THRESHOLD_TOLERANCE,
-    highest: float | None = None,
-    **options,
+    device: arguments.Devices,
+    f0: arguments.Frequencies | None,
+    C: arguments.Dampers,
+    model: arguments.Model = "auto",
+    tolerance: arguments.Refinement = THRESHOLD_TOLERANCE,
+    highest: Annotated[float, argument.number("(0, inf)", "multiples of g", "2000")] | None = None,
+    **options: Unpack[SurfaceOptions],
 ) -> xr.Dataset:
     """Find where snapping begins over C (uN us/um) and f0 (Hz), with error bars.
 
-    device: one, or several by name, as an axis
     f0: None for a recorded shock's own
-    model: name, or the config's model section
     tolerance: of the refinement in N, relative
     highest: largest N of the search for islands; by default twice the threshold
     options: horizon (us after the pulse), start, energy_tolerance, threads; pulse; direction; skip:
@@ -91,10 +94,8 @@ def threshold(
     >>> found.N_first.squeeze().round().values.tolist()
     [893.0, 990.0]
     """
-    study, varied = study_of(device, model, options)
-    axes = {**varied, "C": C, "f0": [study.shocks.own_frequency()] if f0 is None else f0}
-    with counting("threshold"):
-        return thresholds_of(study, axes, tolerance, highest)
+    study, axes = study_of(device, model, options, C=C, f0=f0)
+    return thresholds_of(study, axes, tolerance, highest)
 
 
 def thresholds_of(

@@ -58,7 +58,7 @@ def init(folder: Path) -> None:
 def check(config: Path) -> None:
     """Print what a config describes, its doubts and its cost; raises ValueError, a line a fault."""
     with needing("snapmap check"):
-        from ..applications import gather
+        from ..applications import functions, gather
         from ..config.doubts import descriptions, doubts
         from ..config.study import load_config
         from ..config.yaml_file import read_document
@@ -66,7 +66,9 @@ def check(config: Path) -> None:
     from ..sweeps.plan import SEEN, make_plan
 
     study = load_config(read_document(config))
-    plan = make_plan(study.grid, study.model, study.settings, gather("alone", study))
+    plan = make_plan(
+        study.grid, study.model, study.settings, gather("alone", study), functions("observing")
+    )
     for line in filter(None, [*descriptions(study), study.left_out, *doubts(study)]):
         print(line)
     sizes = ", ".join(f"{key} {values.size}" for key, values in study.axes.items())

@@ -2,15 +2,19 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Annotated, Unpack
 
 import numpy as np
 import xarray as xr
 from scipy.interpolate import PchipInterpolator
 from scipy.special import log_ndtr
 
-from ...device.device import Device
+from ...device.argument import Argument, is_flag, is_list, is_path, mapping_of
+from ...device.checks import numbers
+from ...device.device import VALUES
 from ...device.quantities import plain
-from ...files.counting import counting
+from ...solver.options import AutoOptions
+from ...study import arguments
 from ...study.axes import COORDINATES
 from ...study.study import THRESHOLD_SETTINGS, Study, study_of
 from ...study.variables import dress
@@ -28,13 +32,51 @@ NEAR = 2.0
 """Times a threshold: campaigns with no shot as near tell nothing of a device."""
 
 
+def _is_table(value):
+    columns = [value[key] for key in value] if hasattr(value, "keys") else [None]
+    return all(map(_is_column, columns))
+
+
+def _is_column(value):
+    return is_list(list(value) if getattr(value, "ndim", 0) == 1 else value, _is_entry)
+
+
+def _is_entry(value):
+    if isinstance(value, str):
+        return "\n" not in value
+    array = numbers(value)
+    return value is None or is_flag(value) or (array is not None and array.ndim == 0)
+
+
+Table = Annotated[
+    str | Path | Mapping[str, Sequence],
+    Argument(
+        "the path of a file that is there, nor columns by name",
+        lambda value: _is_table(value) or is_path(value),
+    ),
+]
+Unknowns = Annotated[
+    Mapping[str, tuple[float, float]],
+    mapping_of(
+        'values of the device, or C, to ranges, such as {"thickness": (1.7, 2.3)}', *VALUES, "C"
+    ),
+]
+
+
+class CalibrationOptions(arguments.RunOptions, AutoOptions, total=False):
+    """Options of `calibrate`."""
+
+    pulse: arguments.PulseSpec
+    direction: arguments.Direction
+
+
 def calibrate(
-    device: Device,
-    shots: str | Path | Mapping[str, Sequence],
-    unknowns: Mapping[str, tuple[float, float]],
-    C: float | None = None,
-    model: str | Mapping = "auto",
-    **options,
+    device: arguments.SingleDevice,
+    shots: Table,
+    unknowns: Unknowns,
+    C: arguments.Damper | None = None,
+    model: arguments.Model = "auto",
+    **options: Unpack[CalibrationOptions],
 ) -> xr.Dataset:
     """Estimate the values of a device from its shots, tripped or not, by maximum likelihood.
 
@@ -42,7 +84,7 @@ def calibrate(
         `tripped` (true or false); optional `direction` (+z, -z), `shape` and `file` (a record in
         place of shape, whose peak N is)
     unknowns: ranges by name, internal units, of values of the device, or C
-    C: uN us/um, unless it is unknown; model: name, or the config's model section
+    C: uN us/um, unless it is unknown
     options: horizon (us), energy_tolerance, threads; pulse and direction of shots that name none;
         and those of the model
     A shot trips with probability Phi(ln(N / N_first) / spread). Over `unknown`: estimate, to six
@@ -62,8 +104,7 @@ def calibrate(
     if len(study.shocks.pulses) > 1:
         raise ValueError("pulse: several; name the shape and direction of each shot in its row")
     check_ranges(unknowns, C, study.device)
-    with counting("calibrate"):
-        return calibration_of(study, shots_from(shots, study.shocks, device), unknowns, C)
+    return calibration_of(study, shots_from(shots, study.shocks, device), unknowns, C)
 
 
 def calibration_of(study: Study, shots: Shots, unknowns: Mapping, C: float | None) -> xr.Dataset:

@@ -8,14 +8,14 @@ import xarray as xr
 
 from ...beam.limit_loads import reset_force
 from ...beam.modal import natural_frequency
-from ...device.device import CLAMP, STOPS, STRENGTH
-from ...device.quantities import QUANTITIES, Quantity, plain
+from ...device.quantities import leaves, plain, quantity_at
 from ...files.text import DASH, table
 from ...numerics.statistics import percents, scope
 from ...solver.outcome import REPEATED_STEP
 from ...solver.settings import SECOND
 from ...study.provenance import code_version, device_sections
 from ...study.study import Study, at_corner
+from .. import functions
 from ..histories.history import extremes_of
 from ..requirements.check import LEVELS
 from ..requirements.corners import corner_text, corners, must_text
@@ -28,14 +28,6 @@ UNITS = {
     "stress_max": ("tensile stress in the beam", "MPa"),
 }
 """Of `Extremes`, as a data sheet names them."""
-
-CLOSURES = {
-    "t_closed": ("first closure", " us"),
-    "closed_for": ("then closed, to the end if it never opens", " us"),
-    "openings": ("openings", ""),
-    "closed_share": ("share of the time since then closed", ""),
-}
-"""Likewise of `Closures`."""
 
 
 def datasheet(
@@ -71,11 +63,8 @@ def datasheet(
             largest = _largest(replace(study, device=device), requirements, of_device)
             largest = table(["what", "value", "error", "under"], largest)
             sheets += ["Largest under these shocks:\n", largest]
-        worst = [row for row, *_ in corners(of_device)]
-        if closed := [row for row in worst if np.isfinite(row.get("t_closed", np.nan))]:
-            horizon = plain(study.settings.horizon / 1e3)
-            sheets.append(f"The electrode, to {horizon} ms after a shock:\n")
-            sheets.append(table(["what", "value", "error", "under"], _closures(closed)))
+        for add in functions("in_datasheet"):
+            sheets += add(study, [row for row, *_ in corners(of_device)])
         if batch is not None and "yield" in batch:
             words = f"Share of {batch.sizes['sample']} devices as made, with bounds at 95 %:\n"
             sheets += [words, table(["share", "C, uN*us/um", "value", "bounds"], _shares(batch))]
@@ -88,17 +77,8 @@ def _device(study, device):
     yield ["made by", f"snapmap {code_version()}"]
     yield ["model", " ".join(filter(None, [study.model["name"], options]))]
     yield ["support", "free to tilt" if device.beam.free else "guided: the beam cannot tilt"]
-    yield from _written(device_sections(device)["device"])
-
-
-def _written(section, name=""):
-    for key, value in section.items():
-        if isinstance(value, Mapping):
-            yield from _written(value, f"{name}{key}: ")
-        else:
-            quantity = (CLAMP | STOPS | STRENGTH).get(key, key)
-            text = QUANTITIES.get(quantity, Quantity(quantity)).used(str(value))
-            yield [f"{name}{key}".replace("_", " "), text]
+    for key, text in leaves(device_sections(device)["device"]):
+        yield [key.replace(".", ": ").replace("_", " "), quantity_at(key).used(text)]
 
 
 def _statics(device):
@@ -109,8 +89,8 @@ def _statics(device):
     yield ["force that resets it", resets]
     travel = f"{beam.height - beam.second_equilibrium:.5g} um" if beam.is_bistable else DASH
     yield ["travel of the midpoint to the second shape", travel]
-    if device.has_electrode:
-        yield [f"force on the electrode at {device.contact_at:g} um", f"{path.hold_force:.5g} uN"]
+    if "hold_force" in path.attrs:
+        yield [f"force on the electrode at {path.contact_at:g} um", f"{path.hold_force:.5g} uN"]
     yield ["first frequency of the beam", f"{1e3 * natural_frequency(beam) / (2 * np.pi):.5g} kHz"]
     if not device.is_alone:
         frequency = f"{1e3 * device.mass_frequency / (2 * np.pi):.5g} kHz"
@@ -149,14 +129,6 @@ def _verdict(row, made):
         row["verdict"],
         *breaks,
     ]
-
-
-def _closures(rows):
-    """Of the electrode under required shocks, with its error."""
-    for row in rows:
-        for key, (words, unit) in CLOSURES.items():
-            value, error = plain(row[key]), plain(row[f"{key}_error"], 1)
-            yield [words, value + unit, error + unit, f"{row['requirement']}, {corner_text(row)}"]
 
 
 def _largest(study, requirements, verdicts):

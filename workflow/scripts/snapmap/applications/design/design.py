@@ -4,17 +4,19 @@ import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Annotated, NamedTuple, Unpack
 
 import numpy as np
 import xarray as xr
 
-from ...arguments import ARGUMENTS
-from ...device.device import SIGNED, Device, batch
+from ...device.argument import Argument, Positive, argument_of, as_plain
+from ...device.checks import numbers
+from ...device.device import SIGNED, VALUES, Device, batch
 from ...device.quantities import QUANTITIES, plain
 from ...device.samples import nominal_value
-from ...files.counting import counting
 from ...pulse.shocks import Shocks
+from ...solver.options import AutoOptions
+from ...study import arguments
 from ...study.axes import COORDINATES
 from ...study.study import ANY, Study, study_of, with_shocks
 from ...thresholds.population import thresholds_at
@@ -45,15 +47,38 @@ class Design(NamedTuple):
     error: float
 
 
+def _is_pair(value):
+    pair = numbers(value)
+    return pair is not None and pair.shape == (2,) and bool(np.isfinite(pair).all())
+
+
+Value = Annotated[
+    str,
+    Argument(
+        "C, nor the name of a value of the device, such as thickness",
+        lambda value: isinstance(value, str) and (value == "C" or value in VALUES),
+    ),
+]
+Between = Annotated[
+    tuple[float, float],
+    Argument("a pair of numbers, low and high, such as (1.8, 2.2)", _is_pair, as_plain),
+]
+
+
+class DesignOptions(arguments.ThresholdOptions, AutoOptions, total=False):
+    """Options of `design`."""
+
+
 def design(
-    device: Device,
-    value: str,
-    N: float | None = None,
-    f0: float | None = None,
-    C: float | None = None,
-    between: tuple[float, float] | None = None,
-    model: str | Mapping = "auto",
-    **options,
+    device: arguments.SingleDevice,
+    value: Value,
+    N: Positive | None = None,
+    f0: arguments.Frequency | None = None,
+    C: arguments.Damper | None = None,
+    between: Between | None = None,
+    model: arguments.Model = "auto",
+    requirements: arguments.Requirements = (),
+    **options: Unpack[DesignOptions],
 ) -> Design | xr.Dataset:
     """Find the value of a device, or C, for which N (multiples of g) is the threshold.
 
@@ -61,10 +86,9 @@ def design(
 
     value: its name, such as "thickness", or "C"
     f0: Hz; C: uN us/um, unless it is the value; between: range of the value, internal units
-    model: name, or the config's model section
-    options: requirements, mappings of name, N, f0 (Hz) and snaps, with pulse and direction, by
-        default those of the study, or shocks; each holds under all its shapes and directions;
-        horizon (us), energy_tolerance, start, threads, pulse, direction, those of the model
+    requirements: mappings of name, N, f0 (Hz) and snaps, with pulse and direction, by default those
+        of the study, or shocks; each holds under all its shapes and directions
+    options: horizon (us), energy_tolerance, start, threads, pulse, direction, those of the model
     Windows have, over `window`: low and high, their errors, and low_from and high_from, the
     requirement that ends it, or "between"; over `requirement` and the values `tried`: whether it is
     `met`. Warns where several values are right, and returns the lowest; and where there is no
@@ -77,17 +101,16 @@ def design(
     >>> round(made.value, 1)
     2.1
     """
-    options = dict(options)
-    required = options.pop("requirements", ())
     study, _ = study_of(device, model, options)
-    required = _single_shocks(with_shocks(goal, study.shocks) for goal in required)
+    required = _single_shocks(with_shocks(goal, study.shocks) for goal in requirements)
     goals = required or [{"N": N, "f0": f0, "snaps": True, "shocks": study.shocks}]
     shock = {key: goals[0][key] for key in ("N", "f0")} | {"C": C, "between": between}
     if value == "C" and shock.pop("C") is not None:
         raise ValueError("C: is the value that is sought; leave it out")
     for key, argument in shock.items():
         if argument is None:
-            raise ValueError(f"{key}: missing; write {ARGUMENTS[key].need}")
+            need = argument_of(design.__annotations__[key]).need
+            raise ValueError(f"{key}: missing; write {need}")
     if any(len(goal["shocks"].pulses) > 1 for goal in goals):
         raise ValueError("pulse: several; give one shape and one direction")
     (low, high), least = between, -np.inf if value in SIGNED else 0.0
@@ -95,13 +118,12 @@ def design(
         raise ValueError(f"between: {low:g}, {high:g} are not two ascending values from {least:g}")
     look = _threshold_finder(study, value, C, goals)
     grid = np.linspace(*between, WINDOW_POINTS if required else POINTS)
-    with counting("design"):
-        of_goals = np.tile(grid, (len(goals), 1))
-        N_first, error, met = look(np.arange(len(goals)), of_goals, [grid])
-        if required:
-            return _windows(look, value, grid, goals, N_first, error, met)
-        known = np.isfinite(N_first[:, 1:] + N_first[:, :-1])
-        _, values, errors = _ends(look, grid, N_first, error, met, known, N)
+    of_goals = np.tile(grid, (len(goals), 1))
+    N_first, error, met = look(np.arange(len(goals)), of_goals, [grid])
+    if required:
+        return _windows(look, value, grid, goals, N_first, error, met)
+    known = np.isfinite(N_first[:, 1:] + N_first[:, :-1])
+    _, values, errors = _ends(look, grid, N_first, error, met, known, N)
     return _single(value, N, grid, N_first, values, errors)
 
 

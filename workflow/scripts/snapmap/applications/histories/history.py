@@ -2,9 +2,8 @@
 
 import math
 import warnings
-from collections.abc import Mapping
 from dataclasses import replace
-from typing import NamedTuple
+from typing import NamedTuple, Unpack
 
 import numpy as np
 import xarray as xr
@@ -17,13 +16,15 @@ from ...numerics.linalg import dot, multiply
 from ...pulse.pulse import blow_at
 from ...solver.adaptive import Adaptive, choose_model
 from ...solver.cells import to_cells
-from ...solver.closures import follow_closures
 from ...solver.cost import steps_and_seconds, tell
+from ...solver.options import AutoOptions
 from ...solver.outcome import OUTCOMES, REPEATED_STEP, label, t_snap_error, work_error
 from ...solver.settings import FIRST
+from ...study import arguments
 from ...study.provenance import device_sections
 from ...study.study import Study, study_of
 from ...study.variables import dress
+from .. import merge
 
 SAMPLES = 4000
 """A history keeps this many instants, up to twice as many, or all that there are."""
@@ -37,17 +38,28 @@ FARTHEST = 5.0
 """Over the rise: of a mass that no stop holds, a travel from rest that a run remarks upon."""
 
 
+class HistoryOptions(AutoOptions, total=False):
+    """Options of `simulate`."""
+
+    horizon: arguments.Horizon
+    energy_tolerance: arguments.EnergyTolerance
+    until: arguments.Until
+    start: arguments.Start
+    pulse: arguments.PulseSpec
+    direction: arguments.Direction
+
+
 def simulate(
-    device: Device,
-    N: float,
-    f0: float | None,
-    C: float,
-    model: str | Mapping = "auto",
-    **options,
+    device: arguments.SingleDevice,
+    N: arguments.Amplitude,
+    f0: arguments.Frequency | None,
+    C: arguments.Damper,
+    model: arguments.Model = "auto",
+    **options: Unpack[HistoryOptions],
 ) -> xr.Dataset:
     """Follow one cell to the horizon, beyond its snap, and return its history over time.
 
-    N: multiples of g; f0: Hz, or None for a recorded shock's own; C: uN us/um
+    f0: None for a recorded shock's own
     model: name, or the config's model section; of `auto` the finest level
     options: horizon (us after the pulse), until and energy_tolerance of the sweep whose step is
         taken; start; pulse and direction, a single one; and those of the model
@@ -61,9 +73,8 @@ def simulate(
     >>> run.outcome, round(run.t_snap)
     ('snapped', 365)
     """
-    study, _ = study_of(device, model, options, ("horizon", "energy_tolerance", "until", "start"))
-    f0 = study.shocks.own_frequency() if f0 is None else f0
-    return history_of(study, N, f0, C)
+    study, cell = study_of(device, model, options, N=N, f0=f0, C=C)
+    return history_of(study, **cell)
 
 
 def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
@@ -88,8 +99,7 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     optional |= {key: place for key, place in stops.items() if math.isfinite(place)}
     if cells.pulses[0].blows.size:
         optional["blow"] = blow_at(cells.pulses, cells.pulse, observed.t_snap * cells.f0).item()
-    if device.has_electrode:
-        optional |= _closing(built, cells, settings)
+    optional |= merge("in_history", built, cells, settings)
     return dress(
         "history",
         xr.Dataset({key: ("time", column) for key, column in values.items()}),
@@ -113,7 +123,7 @@ class Extremes(NamedTuple):
     """What a device meets under one shock, at any step up to the horizon.
 
     toward_max, away_max: of the mass from rest, toward the beam and away from it, um
-    contact_force_max: between mass and beam, uN; an indicator, see docs/pulses.md
+    contact_force_max: between mass and beam, uN; only an indicator
     These three are NaN of a beam alone.
     stress_max, stress_max_to_snap: tensile, in the beam, MPa; the latter until it snaps
     """
@@ -134,17 +144,11 @@ def extremes_of(study: Study, N: float, f0: float, C: float, step: float = 1.0) 
     return _record(built.with_step(step), cells, study.settings, samples=1)[-1]
 
 
-def closing_of(study: Study, N: float, f0: float, C: float) -> dict[str, float]:
-    """Follow one cell as `follow_closures` does; nothing without an electrode, which it places."""
-    if not study.device.has_electrode:
-        return {}
+def observed_of(study: Study, N: float, f0: float, C: float) -> dict[str, float]:
+    """The extremes of one cell, as `extremes_of`, and what applications see of it, by name."""
     built, cells, _ = _cell(study, N, f0, C)
-    return _closing(built, cells, study.settings)
-
-
-def _closing(built, cells, settings):
-    closures = follow_closures(built, cells, cells.t_end, settings).items()
-    return {"contact_at": built.device.contact_at} | {key: value.item() for key, value in closures}
+    extremes = _record(built, cells, study.settings, samples=1)[-1]
+    return extremes._asdict() | merge("in_history", built, cells, study.settings)
 
 
 def _cell(study, N, f0, C):

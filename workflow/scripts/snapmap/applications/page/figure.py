@@ -16,8 +16,8 @@ from plotly.offline import get_plotlyjs
 
 from ...beam.vibrations import vibrations
 from ...config.devices import read_device
-from ...device.device import CLAMP, SECTIONS, STOPS, VALUES
-from ...device.quantities import QUANTITIES, Quantity
+from ...device.device import VALUES
+from ...device.quantities import QUANTITIES, keys_of, leaves, quantity_at
 from ...figures import scales, states, style
 from ...solver.outcome import OUTCOMES, WHOLE_SWING
 from ...solver.settings import STARTS
@@ -93,9 +93,9 @@ def page(
         "start": _opening(cells, x, y),
         "horizon": float(horizon),
         "shapes": STARTS[::-1] if style.starts(document) else STARTS,
-        "devices": {name: list(_rows(device, {})) for name, device in devices.items()},
+        "devices": {name: list(_rows(device)) for name, device in devices.items()},
         "vibrations": {name: _vibration(devices[name], cells.C.values) for name in devices},
-        "varied": [(key, _named(key)) for key in dims if key in VALUES],
+        "varied": [(key, _named(QUANTITIES[key])) for key in dims if key in VALUES],
         "views": _views(cells),
         "wide": states.WIDE,
         "outcomes": [{"name": name, "words": WORDS[name]} for name in OUTCOMES],
@@ -184,20 +184,16 @@ def _kind_of(devices):
 def _lacking(devices, dims, document):
     """Classes of the drawing by what no device has, nor an axis, and by the second shape."""
     named = {*dims}.union(*devices.values())
-    parts = {"stops": {"stops", *STOPS.values()}, "gap": {"gap"}}
+    parts = {"stops": {"stops", *keys_of("stops").values()}, "gap": {"gap"}}
     lacking = [f"without-{part}" for part, names in parts.items() if not names & named]
     return [*lacking, "second"] if style.starts(document) else lacking
 
 
-def _rows(values: Mapping, names: Mapping):
+def _rows(device):
     """Rows of the table of a device, of which every value has its unit: key, words and value."""
-    for key, value in values.items():
-        if isinstance(value, Mapping):
-            yield from _rows(value, {"clamp": CLAMP, **SECTIONS}.get(key, {}))
-            continue
-        name = names.get(key, key)
-        text = QUANTITIES.get(name, Quantity(name)).used(str(value), typeset=True)
-        yield name, _named(name), html.escape(text)
+    for key, text in leaves(device):
+        quantity = quantity_at(key)
+        yield quantity.name, _named(quantity), html.escape(quantity.used(text, typeset=True))
 
 
 def _vibration(device: Mapping, C: Sequence[float]):
@@ -208,10 +204,9 @@ def _vibration(device: Mapping, C: Sequence[float]):
     ]
 
 
-def _named(key):
+def _named(quantity):
     """Name a value of the device, with its symbol, as HTML."""
-    quantity = QUANTITIES.get(key, Quantity(key))
-    text = html.escape(quantity.words or key.replace("_", " "))
+    text = html.escape(quantity.words or quantity.name.replace("_", " "))
     return f"{text} <i>{quantity.symbol}</i>" if quantity.symbol else text
 
 

@@ -7,11 +7,10 @@ part, caption, threads, priority = "5 Requirements", "requirements", 4, 50
 def section():
     """A list of requirements of each kind that an application has."""
     from ...config.keys import many
-    from .. import gather
+    from .. import merge
     from .sections import requirement
 
-    kinds = {key: kind for made in gather("kinds").values() for key, kind in made.items()}
-    return many(requirement(kinds), "a list of shocks", out="none")
+    return many(requirement(merge("kinds")), "a list of shocks", out="none")
 
 
 def described():
@@ -41,13 +40,11 @@ def plain_shocks(study):
 
 
 def left_out(study):
-    """Names of what a yield leaves out: all but required shocks, and their closing."""
-    from ...study.study import CLOSING
-
-    required = [requirement.values for requirement in study.requests.get("requirements", ())]
-    names = [values["name"] for values in required if "shocks" not in values]
-    closing = [values["name"] for values in required if any(key in values for key in CLOSING)]
-    return names + [f"the closing of {name}" for name in closing]
+    """Names of what a yield leaves out: all but required shocks, and what else these demand."""
+    required = study.requests.get("requirements", ())
+    names = [other.values["name"] for other in required if "shocks" not in other.values]
+    demanding = [shock for shock in required if "shocks" in shock.values and shock.more]
+    return names + [f"the {shock.more} of {shock.values['name']}" for shock in demanding]
 
 
 def files(study):

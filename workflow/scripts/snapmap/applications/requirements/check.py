@@ -159,35 +159,6 @@ def judge(
     return verdict, Survival(must_survive, margin, breaks)
 
 
-def judge_closing(
-    verdict: Verdict, required: Mapping, closing: Mapping[str, float]
-) -> tuple[Verdict, dict[str, float]]:
-    """The verdict once it is known what an electrode sees, and its margins.
-
-    required: with closes_within and stays_closed, us, if they are; closing: as from `closing_of`
-    Margins: closes_within over t_closed, closed_for over stays_closed; NaN if it never closes.
-    """
-    outcomes, margins = [verdict.verdict], {}
-    if limit := required.get("closes_within"):
-        closed = closing["t_closed"]
-        outcomes.append(_kept(limit - closed, closing["t_closed_error"], verdict))
-        margins["closes_margin"] = limit / closed
-    if limit := required.get("stays_closed"):
-        closed = closing["closed_for"]
-        kept = _kept(closed - limit, closing["closed_for_error"], verdict)
-        # What is closed to the end of the run may stay closed beyond.
-        outcomes.append(UNCLEAR if kept == VIOLATED and closing["openings"] == 0 else kept)
-        margins["stays_margin"] = closed / limit
-    return verdict._replace(verdict=max(outcomes, key=(MET, UNCLEAR, VIOLATED).index)), margins
-
-
-def _kept(slack, error, verdict):
-    """Say how a requirement stands by its slack, us, with its error; NaN where none closes."""
-    if np.isnan(slack):
-        return UNCLEAR if verdict.verdict == UNCLEAR else VIOLATED
-    return MET if slack > error else VIOLATED if slack < -error else UNCLEAR
-
-
 def _is_close(N_first: float, N_error: float, N_always: float, ragged: int, N: float) -> bool:
     """Whether N lies within the bar about the first snap, or up to that of a ragged row's last."""
     last = np.fmax(N_first, N_always) if ragged else N_first

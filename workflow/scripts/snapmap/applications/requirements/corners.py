@@ -19,12 +19,13 @@ def corners(rows: Iterable[Mapping]) -> list[list[Mapping]]:
 
 
 def _badness(row):
-    """Rank by the verdict, then the margin beyond, or the least of strength and electrode."""
+    """Rank by the verdict, then the margin beyond, or the least of all others."""
     severity = (MET, UNCLEAR, VIOLATED).index(row["verdict"])
     if row["must_snap"] == ANY:
-        margins = ["strength_margin"] if row["must_survive"] > 0 else []
-        margins += ["closes_margin", "stays_margin"]
-        reserve = np.fmin.reduce([row.get(key, np.nan) for key in margins])
+        margins = {key: row[key] for key in row if key.endswith("_margin")}
+        if not row["must_survive"] > 0:
+            margins["strength_margin"] = np.nan
+        reserve = np.fmin.reduce([np.nan, *margins.values()])
         return severity, -np.inf if np.isnan(reserve) else -reserve
     return severity, beyond(row["margin"], row["must_snap"])
 

@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 
-from ...study.study import ANY, CLOSING, Study
+from ...study.study import ANY, Study, at_corner
 
 
 class Required(Protocol):
@@ -29,29 +29,36 @@ class Required(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class RequiredShock:
-    """A required shock; values: as `check.check` takes them, with survives and closing demands."""
+    """A required shock.
+
+    values: as `check.check` takes them, with survives
+    more: what it demands beside the trip and the strength, in a word
+    """
 
     values: dict
+    more: ClassVar = ""
 
     def check(self, study: Study, C: Sequence[float]) -> list[tuple]:
-        """Verdicts, with strength and electrode, as `verdicts_of` has them."""
-        from .verdicts import verdicts_of
+        """Verdicts by thresholds and strength, with what else is seen of each shock."""
+        from ..histories.history import observed_of
+        from .check import check, judge
 
-        temperatures, tolerance = study.temperatures, study.threshold_tolerance
-        return verdicts_of(study, [self.values], C, temperatures, tolerance)
+        required, judged = self.values, []
+        how = study.threshold_tolerance, study.temperatures
+        for verdict in check(study, [required], C, *how):
+            shaken = at_corner(study, required, verdict._asdict())
+            seen = observed_of(shaken, verdict.N, verdict.f0, verdict.C)
+            stress, must_survive = seen["stress_max"], required["survives"]
+            verdict, survival = judge(verdict, shaken.device, stress, must_survive)
+            judged.append((verdict, seen | survival._asdict()))
+        return judged
 
     def require(self, study: Study) -> None:
-        """Raise ValueError where a device lacks the electrode, strength or frame that it needs."""
-        devices = study.devices().values()
-        closing = next((key for key in CLOSING if key in self.values), None)
-        if closing and not any(device.has_electrode for device in devices):
-            need = "write the place of the electrode, such as '-5 um'"
-            raise ValueError(f"device.contact_at: missing, for {closing}; {need}")
-        unbreakable = any(np.isinf(device.strength) for device in devices)
-        if self.values["snaps"] == ANY and not closing and unbreakable:
-            need = "write one such as '1.2 GPa', or closes_within in the requirement"
-            name = self.values["name"]
-            raise ValueError(f"device.strength: missing, for snaps: any of {name}; {need}")
+        """Raise ValueError where a device lacks the strength or frame that it needs."""
+        unbreakable = any(np.isinf(device.strength) for device in study.devices().values())
+        if self.values["snaps"] == ANY and not self.more and unbreakable:
+            what = f"snaps: any of {self.values['name']}"
+            raise ValueError(f"device.strength: missing, for {what}; write one such as '1.2 GPa'")
         replace(study, shocks=self.values["shocks"])  # a force shakes no frame
 
     def plain(self) -> dict:

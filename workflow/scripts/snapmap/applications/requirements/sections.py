@@ -1,6 +1,7 @@
 """The section `requirements`: shocks that must, or must not, trip the device."""
 
 from collections.abc import Mapping, Sequence
+from typing import ClassVar
 
 from ...config.keys import Section, argument, in_list, key, quantity, word
 from ...config.shocks import (
@@ -18,7 +19,7 @@ from ...config.views import frequency_of
 from ...device.argument import Argument
 from ...files.text import show
 from ...solver.settings import FIRST, SECOND, STARTS
-from ...study.study import ANY, CLOSING, Study
+from ...study.study import ANY, Study
 from .required import Required, RequiredShock
 
 # ASSUME: of devices whose strengths scatter all but one in a thousand must survive.
@@ -48,6 +49,7 @@ class ShockSection(PulseSection):
     `pulse`; of several shapes or directions it counts under each.
     """
 
+    kind: ClassVar = RequiredShock
     name: NAME
     N: quantity("number", "above 0", out="required, but of a drop")
     snaps: snaps(ANY)
@@ -57,10 +59,6 @@ class ShockSection(PulseSection):
         example="99.99 %",
         out=f"`true`, that is `{100 * SURVIVES:g} %`",
     )
-    closes_within: quantity(
-        "pulse", "from its start until the beam is at contact_at", out="any time"
-    )
-    stays_closed: quantity("pulse", "until it opens again", out="any time")
     f0: quantity("frequency", out="required, or `duration`, or a shock with its own")
     duration: quantity("pulse", "instead of f0", out="`f0`")
     shape: several_shapes("or a list of these, all of which count", "those of `pulse`")
@@ -77,13 +75,8 @@ class ShockSection(PulseSection):
         if self.has("N") and not self.N > 0:
             line = f".N: {self.N:g} is not above 0; a direction of -z pushes the other way"
             raise ValueError(line)
-        closing = [key for key in CLOSING if self.has(key)]
-        if closing and (self.snaps is False or self.start == SECOND):
-            more = ", and no start" if self.start else ""
-            need = f"write snaps: true or any{more}"
-            raise ValueError(f".{closing[0]}: is of a device that must trip; {need}")
-        if self.snaps == ANY and not (self.least_share or closing):
-            need = "true or false, or survives, closes_within or stays_closed"
+        if self.snaps == ANY and not (self.least_share or self.kind.more):
+            need = "true or false, or survives"
             raise ValueError(f".snaps: any leaves nothing to check; write {need}")
 
     @property
@@ -110,11 +103,10 @@ class ShockSection(PulseSection):
         f0 = frequency_of(self.duration) if self.duration else self.f0
         required = {"name": self.name, "snaps": self.snaps}
         required |= {"N": N, "f0": f0 or shocks.own_frequency(), "shocks": shocks}
-        closes = {name: self.given[name] for name in CLOSING if self.has(name)}
-        required |= {"survives": self.least_share, "pulse": values} | closes
+        required |= {"survives": self.least_share, "pulse": values}
         if self.start == SECOND:
             required["start"] = self.start
-        return RequiredShock(required)
+        return self.kind(required)
 
     @staticmethod
     def _inherited(pulse):

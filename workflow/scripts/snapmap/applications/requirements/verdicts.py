@@ -1,61 +1,31 @@
-"""Required shocks judged by all that is known: thresholds, the beam's strength, an electrode."""
+"""Verdicts of a study as a table, and what a change of the device would do."""
 
 import csv
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import chain
 from math import nan
 
 from ...files.atomic import replacing
-from ...solver.settings import THRESHOLD_TOLERANCE
 from ...study.study import Study, at_corner
 from ..design.design import remedy, with_value
-from ..histories.history import Extremes, closing_of, extremes_of
-from .check import Survival, Verdict, check, judge, judge_closing, summary, worst
+from ..histories.history import Extremes
+from .check import Survival, Verdict, summary, worst
 from .corners import VIOLATED, beyond
 from .required import Required
 
 
-def verdicts_of(
-    study: Study,
-    requirements: Sequence[Mapping],
-    C: Sequence[float],
-    temperatures: Sequence[float] = (),
-    tolerance: float = THRESHOLD_TOLERANCE,
-) -> list[tuple[Verdict, dict]]:
-    """Judge required shocks, each on each device at each temperature and C under each shock.
-
-    requirements, temperatures, tolerance: as in `check`, with survives, closes_within and
-        stays_closed
-    Returns each verdict with what stands beside it in requirements.csv.
-    """
-    by_name, judged = {required["name"]: required for required in requirements}, []
-    for verdict in check(study, requirements, C, tolerance, temperatures):
-        required = by_name[verdict.requirement]
-        shaken = at_corner(study, required, verdict._asdict())
-        shot = verdict.N, verdict.f0, verdict.C
-        moved, closing = extremes_of(shaken, *shot), closing_of(shaken, *shot)
-        stress, must_survive = moved.stress_max, required["survives"]
-        verdict, survival = judge(verdict, shaken.device, stress, must_survive)
-        verdict, margins = judge_closing(verdict, required, closing)
-        judged.append((verdict, moved._asdict() | survival._asdict() | closing | margins))
-    return judged
-
-
 def hint(
-    study: Study,
-    requirements: Sequence[Mapping],
-    verdicts: Sequence[Verdict],
-    wrong: Verdict,
-    temperatures: Sequence[float] = (),
-    tolerance: float = THRESHOLD_TOLERANCE,
+    study: Study, requirements: Sequence[Required], verdicts: Sequence[Verdict], wrong: Verdict
 ) -> str:
     """Which changes of one value bring a verdict to the right side, and what fails by each.
 
-    verdicts: of all requirements, at each C; wrong: the one whose threshold is to move
+    study: a `Config`; verdicts: of all requirements, at each C; wrong: the one whose threshold is
+        to move
     Empty where it is on the right side, is no single shock, or no change was seen to help.
     """
-    goals = [required for required in requirements if required["name"] == wrong.requirement]
+    shocks = [required for required in requirements if "shocks" in required.values]
+    goals = [shock.values for shock in shocks if shock.values["name"] == wrong.requirement]
     if not goals or beyond(wrong.margin, wrong.must_snap) <= 0:
         return ""
     shaken = at_corner(study, goals[0], wrong._asdict())
@@ -69,12 +39,12 @@ def hint(
     for words, key, value in remedy(shaken, goals[0], wrong.C, wrong.N_first):
         try:
             changed = replace(study, device=with_value(device, key, value))
-            judged = verdicts_of(changed, requirements, dampings, temperatures, tolerance)
+            judged = [pair for required in shocks for pair in required.check(changed, dampings)]
         except ValueError:  # it has no second shape at one of the temperatures
             continue
         violated = [verdict for verdict, _ in judged if verdict.verdict == VIOLATED]
         failing = [(verdict.requirement, verdict.C) for verdict in violated]
-        # At another temperature, under another shock, or by strength or electrode.
+        # At another temperature, under another shock, or by what else it demands.
         if (wrong.requirement, wrong.C) in failing:
             continue
         if broken := list(dict.fromkeys(name for name, C in failing if (name, C) not in fails)):
@@ -101,9 +71,7 @@ def write_verdicts(study: Study, requirements: Sequence[Required], path: str) ->
     if breaks:
         lines.insert(1, f"the beam breaks in {', '.join(breaks)}")
     if wrong:
-        shocks = [required.values for required in requirements if "shocks" in required.values]
-        temperatures, tolerance = study.temperatures, study.threshold_tolerance
-        lines.append(hint(study, shocks, verdicts, wrong, temperatures, tolerance))
+        lines.append(hint(study, requirements, verdicts, wrong))
     always = chain(Verdict._fields, Extremes._fields, Survival._fields)
     columns = dict.fromkeys(chain(always, *(beside for _, beside in judged)))
     with replacing(path) as part, open(part, "w", newline="", encoding="utf-8") as file:

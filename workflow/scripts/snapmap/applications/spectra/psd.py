@@ -2,10 +2,11 @@
 
 import math
 from collections.abc import Sequence
+from typing import Annotated
 
 import numpy as np
 
-from ...arguments import ARGUMENTS
+from ...device.argument import argument_of, integer, pairs
 from ...numerics.kernels import compiled, sine
 from ...pulse.pulse import Pulse, straight
 
@@ -20,6 +21,9 @@ PER_PERIOD = 16
 MOST_SAMPLES = 2**21
 """In a record: 100 MB; as many as one of 1 Hz to 10 kHz has."""
 
+Density = Annotated[Sequence[Sequence[float]], pairs("Hz and g^2/Hz", "[(20, 0.04), (2000, 0.04)]")]
+Records = Annotated[int, integer(1, 10_000)]
+
 
 class Spectrum:
     """One-sided power spectral density of the frame's acceleration, straight between its points on
@@ -30,7 +34,7 @@ class Spectrum:
 
     def __init__(self, points: Sequence[Sequence[float]]):
         """Take the points."""
-        self.f, self.density = ARGUMENTS["psd"].take("psd", points).T
+        self.f, self.density = argument_of(Density).take("psd", points).T
         ratios = zip(self.density[1:] / self.density[:-1], self.f[1:] / self.f[:-1], strict=True)
         self._slopes = np.array([math.log(S) / math.log(f) for S, f in ratios])
 

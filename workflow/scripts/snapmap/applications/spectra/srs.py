@@ -2,11 +2,11 @@
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ...arguments import ARGUMENTS
+from ...device.argument import argument_of, pairs
 from ...numerics import portable
 from ...numerics.kernels import compiled, sine
 from ...pulse.pulse import Pulse, straight
@@ -61,9 +61,14 @@ def frequencies(low: float, high: float) -> np.ndarray:
     return np.append(f[f < high * (1 - 1e-9)], high)
 
 
+Levels = Annotated[
+    Sequence[Sequence[float]], pairs("Hz and multiples of g", "[(500, 700), (2000, 1500)]")
+]
+
+
 def check_points(points: Sequence[Sequence[float]]) -> np.ndarray:
     """A spectrum's points, (points, 2); a ValueError, one line, for what cannot be."""
-    points = ARGUMENTS["srs"].take("srs", points)
+    points = argument_of(Levels).take("srs", points)
     if points[-1][0] > MOST_SPAN * points[0][0]:
         raise ValueError(f"srs: its frequencies span more than 1 : {MOST_SPAN}")
     return points

@@ -1,42 +1,50 @@
 """Which of the records that meet a shock response spectrum trip a device, and at which level."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from typing import Unpack
 
 import numpy as np
 import xarray as xr
 
-from ...device.device import Device
 from ...pulse.pulse import DIRECTIONS, Pulse
 from ...solver.adaptive import choose_survey
 from ...solver.cells import Rows, to_rows
 from ...solver.models import Follows
+from ...solver.options import AutoOptions
 from ...solver.settings import Settings
+from ...study import arguments
 from ...study.study import THRESHOLD_SETTINGS, Study, study_of
 from ...study.variables import dress
 from ...thresholds.cost import tell_records
 from ...thresholds.search import asker
-from .srs import check_points, draw_seconds, record
+from .psd import Records
+from .srs import Levels, check_points, draw_seconds, record
 
 RECORDS, SEED = 8, 1
 FACTORS = tuple(2.0 ** (n / 4) for n in range(-8, 9))
 """Of the spectrum, at which its records are followed: from 12 dB below to 12 dB above."""
 
 
+class TripOptions(arguments.RunOptions, AutoOptions, arguments.AxisOptions, total=False):
+    """Options of `srs_test`."""
+
+    direction: arguments.Direction
+
+
 def srs_test(
-    device: Device | Mapping[str, Device],
-    srs: Sequence[Sequence[float]],
-    C: Sequence[float],
-    records: int = RECORDS,
-    seed: int = SEED,
-    model: str | Mapping = "auto",
-    **options,
+    device: arguments.Devices,
+    srs: Levels,
+    C: arguments.Dampers,
+    records: Records = RECORDS,
+    seed: arguments.Seed = SEED,
+    model: arguments.Model = "auto",
+    **options: Unpack[TripOptions],
 ) -> xr.Dataset:
     """Follow a device under records that meet a shock response spectrum of Q = 10.
 
-    device: one, or several by name, as an axis
     srs: pairs of frequency (Hz) and level (multiples of g), ascending, joined by straight lines on
         logarithmic scales
-    C: uN us/um; records: how many are drawn, of wavelets at sixth octaves; seed: of their draw
+    records: how many are drawn, of wavelets at sixth octaves; seed: of their draw
     options: direction, a single one; horizon (us), energy_tolerance, threads; values of the device,
         as axes; and those of the model
     Variables: snaps, 1 or 0, NaN where a run fails, (..., C, record, factor); over `record` the
@@ -49,9 +57,9 @@ def srs_test(
     [0.0, 1.0]
     """
     points = check_points(srs)
-    study, varied = study_of(device, model, options)
+    study, axes = study_of(device, model, options, C=C)
     study.require_frame("a shock response spectrum")
-    return trips_of(study, {**varied, "C": C}, points, {"records": records, "seed": seed})
+    return trips_of(study, axes, points, {"records": records, "seed": seed})
 
 
 def trips_of(

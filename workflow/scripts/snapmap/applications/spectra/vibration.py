@@ -3,18 +3,21 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import Annotated, Unpack
 
 import numpy as np
 import xarray as xr
 
-from ...device.device import Device
+from ...device.argument import number
 from ...pulse.shocks import HANDOUT_SHOCK
 from ...solver.adaptive import choose_survey
 from ...solver.cells import to_rows
+from ...solver.options import AutoOptions
+from ...study import arguments
 from ...study.study import THRESHOLD_SETTINGS, Study, study_of
 from ...study.variables import dress
 from ...thresholds.cost import tell_records
-from .psd import REACH, Spectrum
+from .psd import REACH, Density, Records, Spectrum
 from .trips import snap_times
 
 RECORDS, SEED = 16, 1
@@ -26,7 +29,7 @@ STRIDE, FARTHEST = 4, 60
 RUNGS = 4
 """Rungs from the lowest that snaps on to which a rate is fitted: far above it Rice's law ends."""
 STEP = 4.0
-"""Over the time steps of a threshold: what a record needs, as docs/pulses.md says."""
+"""Over the time steps of a threshold: what a record needs, as docs/applications/spectra.md says."""
 PIECES = 2_000_000
 """Of records that are followed at a time; 96 MB."""
 NORMAL = 1.959964
@@ -34,28 +37,34 @@ NORMAL = 1.959964
 ENOUGH = 1e-12
 
 
+class VibrationOptions(AutoOptions, arguments.AxisOptions, total=False):
+    """Options of `vibration`."""
+
+    energy_tolerance: arguments.EnergyTolerance
+    threads: arguments.Threads
+
+
 def vibration(
-    device: Device | Mapping[str, Device],
-    psd: Sequence[Sequence[float]],
-    duration: float,
-    C: Sequence[float],
-    records: int = RECORDS,
-    seed: int = SEED,
-    model: str | Mapping = "auto",
-    **options,
+    device: arguments.Devices,
+    psd: Density,
+    duration: Annotated[float, number("(0, inf)", "s", "60")],
+    C: arguments.Dampers,
+    records: Records = RECORDS,
+    seed: arguments.Seed = SEED,
+    model: arguments.Model = "auto",
+    reach: Annotated[float, number("(0, 1)", "", "0.01")] = REACH,
+    **options: Unpack[VibrationOptions],
 ) -> xr.Dataset:
     """Find the rate at which stationary Gaussian vibration snaps a device, and the level it bears.
 
-    device: one, or several by name, as an axis
     psd: pairs of frequency (Hz) and one-sided density (g^2/Hz), joined by straight lines on
         logarithmic scales
-    duration: s; C: uN us/um
     records: how many are followed from rest, each a second long, or ten periods of the lowest
         frequency, or the duration if that is shorter
     seed: of their phases
-    options: reach, the probability within the duration at `level`, 0.01 by default;
-        energy_tolerance, threads; values of the device, as axes; those of the model; `auto` takes
-        five cosines
+    reach: the probability within the duration at `level`
+    options: energy_tolerance, threads; values of the device, as axes; those of the model; `auto`
+        takes five cosines
     Variables, (..., C), levels in g rms: rate and probability at the given level, with Poisson's
     bounds; level by Rice's law fitted to all levels, with the bounds of the fit, inf where the runs
     do not determine it. Attributes: rms, of the given spectrum, duration, reach, record_length.
@@ -66,14 +75,12 @@ def vibration(
     >>> round(rates.rms), rates.snaps.values.tolist()
     (89, [0.0])
     """
-    options = dict(options)
-    reach = options.pop("reach", REACH)
-    study, varied = study_of(device, model, options, ("energy_tolerance", "threads"))
+    study, axes = study_of(device, model, options, C=C)
     study.require_frame("random vibration")
     spectrum = Spectrum(psd)
     spectrum.require_record(duration)
     drawn = {"duration": duration, "records": records, "seed": seed, "reach": reach}
-    return vibration_of(study, {**varied, "C": C}, spectrum, drawn)
+    return vibration_of(study, axes, spectrum, drawn)
 
 
 def vibration_of(

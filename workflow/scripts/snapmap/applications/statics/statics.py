@@ -16,9 +16,10 @@ from ...beam.equilibria import (
 )
 from ...beam.limit_loads import largest_force
 from ...beam.modal import first_midpoint
-from ...device.device import Device
+from ...study import arguments
 from ...study.provenance import device_sections
 from ...study.variables import dress
+from .. import merge
 
 POINTS = 400
 """On each of the parts of a path."""
@@ -27,7 +28,7 @@ LEAST_LOG = -32.0
 """Of x in `_tilted`: no imperfection is so small that N comes nearer to the load."""
 
 
-def statics(device: Device) -> xr.Dataset:
+def statics(device: arguments.SingleDevice) -> xr.Dataset:
     """Push the midpoint of one device's beam slowly from the first shape to the second and beyond.
 
     Returns displacement (um), force (uN) and energy (pJ) over (branch, point). Branches:
@@ -62,11 +63,6 @@ def statics(device: Device) -> xr.Dataset:
         branches = {"tilted": (w, *_tilted(modes, w)), **branches}
     values = dict(zip(PATH, map(np.stack, zip(*branches.values(), strict=True)), strict=True))
     w, force = values["displacement"][0], values["force"][0]
-    electrode = {}
-    if device.has_electrode:
-        held = np.interp(first - device.contact_at, w, -force)
-        # What is not known is not 0.
-        electrode = {"contact_at": device.contact_at, "hold_force": float(np.maximum(held, 0.0))}
     data = {key: (("branch", "point"), column) for key, column in values.items()}
     return dress(
         "statics",
@@ -78,7 +74,7 @@ def statics(device: Device) -> xr.Dataset:
         barrier=barrier.energy,
         largest_force=float(force[: 2 * POINTS].max()),
         least_force=float(force[POINTS:].min()),
-        **electrode,
+        **merge("in_statics", device, first, w, force),
     )
 
 

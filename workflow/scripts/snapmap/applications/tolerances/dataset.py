@@ -3,15 +3,16 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import product
+from typing import Annotated, Unpack
 
 import numpy as np
 import xarray as xr
 
 from ...beam.stress import break_probability
-from ...device.device import Device
+from ...device.argument import mapping_of, number
+from ...device.device import VALUES
 from ...device.quantities import plain
-from ...device.samples import SHOCK_FACTORS, Plan, Tolerances
-from ...files.counting import counting
+from ...device.samples import SAMPLES, SEED, SHOCK_FACTORS, Groups, Plan, Samples, Tolerances
 from ...numerics.portable import geometric
 from ...numerics.statistics import (
     count_below,
@@ -23,6 +24,7 @@ from ...numerics.statistics import (
     wilson,
 )
 from ...solver.cells import to_rows
+from ...study import arguments
 from ...study.axes import COORDINATES, NAMES
 from ...study.study import SNAPS, THRESHOLD_SETTINGS, Study, of_requirement, study_of, with_shocks
 from ...study.variables import dress
@@ -35,20 +37,31 @@ AMPLITUDES = 101
 
 BOUND = ("low", "high")
 
+Scatters = Annotated[
+    Mapping[str, float | str | Mapping],
+    mapping_of(
+        'what can scatter to its width, such as {"thickness": "3 %"}', *VALUES, "N", "duration", "C"
+    ),
+]
+
 
 def tolerance(
-    device: Device | Mapping[str, Device],
-    scatters: Mapping[str, float | str | Mapping],
-    f0: Sequence[float] | None,
-    C: Sequence[float],
-    N: Sequence[float] | None = None,
-    model: str | Mapping = "auto",
-    tolerance: float = 1e-3,
-    **options,
+    device: arguments.Devices,
+    scatters: Scatters,
+    f0: arguments.Frequencies | None,
+    C: arguments.Dampers,
+    N: arguments.Amplitudes | None = None,
+    model: arguments.Model = "auto",
+    tolerance: Annotated[float, number("[1e-5, 0.01]", "", "1e-3")] = 1e-3,
+    samples: Samples = SAMPLES,
+    index_samples: Samples | None = None,
+    seed: arguments.Seed = SEED,
+    together: Groups = (),
+    requirements: arguments.Requirements = (),
+    **options: Unpack[arguments.ThresholdOptions],
 ) -> xr.Dataset:
     """Find the thresholds, over C (uN us/um) and f0 (Hz), of devices whose values scatter.
 
-    device: the nominal one, or several by name, as an axis
     scatters: of each value the standard deviation, in internal units or as a share such as "5 %",
         or {kind: width}; kind is uniform (half width), lognormal, or truncated (at two standard
         deviations). N, duration and C scatter from shock to shock, in shares
@@ -57,26 +70,22 @@ def tolerance(
     model: name, or the config's model section; of `auto` the cheapest level within its tolerance,
         0.1 % by default, for the nominal device
     tolerance: of the refinement of each threshold, relative
-    options: samples, index_samples, seed, together; requirements: name, N, f0 (Hz), snaps (True,
-        False or "any"), survives (whether the beam must not break), and pulse and direction, by
-        default those of the study, or shocks, of each, which holds under all of these;
-        horizon (us), energy_tolerance, threads, pulse, direction, and those of the model
-    Raises ValueError, one line, for an invalid argument.
+    samples: number of devices; index_samples: of those by which Sobol indices are estimated, by
+        default as many as are affordable; seed: of the draws; together: groups that one draw moves
+    requirements: name, N, f0 (Hz), snaps (True, False or "any"), survives (whether the beam must
+        not break), and pulse and direction, by default those of the study, or shocks, of each,
+        which holds under all of these
+    options: horizon (us), energy_tolerance, threads, pulse, direction, and those of the model
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> made = snapmap.tolerance(device, {"thickness": "5 %"}, [1500], [25], samples=64)
     >>> round((made.N_std / made.N_mean).item(), 2)
     0.1
     """
-    plan = {key: options.pop(key) for key in Tolerances._fields if key in options}
-    requirements = options.pop("requirements", ())
-    study, _ = study_of(device, model, options)
+    study, axes = study_of(device, model, options, C=C, f0=f0, N=N)
     requirements = [with_shocks(required, study.shocks) for required in requirements]
-    axes = {"C": C, "f0": [study.shocks.own_frequency()] if f0 is None else f0}
-    if N is not None:
-        axes["N"] = N
-    with counting("tolerance"):
-        return tolerances_of(study, axes, Tolerances(scatters, **plan), requirements, tolerance)
+    tolerances = Tolerances(scatters, together, samples, index_samples, seed)
+    return tolerances_of(study, axes, tolerances, requirements, tolerance)
 
 
 def tolerances_of(

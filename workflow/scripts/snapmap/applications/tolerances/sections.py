@@ -6,7 +6,15 @@ from ...config.devices import of_device
 from ...config.keys import argument, key
 from ...config.units import read, show
 from ...device.samples import DISTRIBUTIONS as SPREADS
-from ...device.samples import INDEX_SAMPLES, OF_DEVICE, SHOCK_FACTORS, Tolerances
+from ...device.samples import (
+    INDEX_SAMPLES,
+    OF_DEVICE,
+    SHOCK_FACTORS,
+    Groups,
+    Samples,
+    Tolerances,
+)
+from ...study import arguments
 
 _DRAWN = Tolerances._field_defaults
 
@@ -47,18 +55,18 @@ class TolerancesSection(of_device(_scatter, OF_DEVICE)):
     N: _scatter("N", "", "2 %")
     duration: _scatter("duration", "", "{uniform: 5 %}")
     together: argument(
-        "together",
+        Groups,
         "each varies by one draw",
         example="[[thickness, depth]]",
         out="each value by itself",
     )
-    samples: argument("samples", "devices that are drawn", out=f"`{_DRAWN['samples']}`")
+    samples: argument(Samples, "devices that are drawn", out=f"`{_DRAWN['samples']}`")
     index_samples: argument(
-        "index_samples",
+        Samples,
         "for the Sobol indices; rounded down to a power of two",
         out=f"`{INDEX_SAMPLES}`, or `samples` if fewer",
     )
-    seed: argument("seed", "of the draws", out=f"`{_DRAWN['seed']}`")
+    seed: argument(arguments.Seed, "of the draws", out=f"`{_DRAWN['seed']}`")
 
     def make(self) -> Tolerances:
         """What scatters."""

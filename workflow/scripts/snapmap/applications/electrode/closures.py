@@ -6,12 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..numerics.linalg import dot
-from . import simd_loop
-from .cells import Cells, Observations
-from .models import Follows, Model, deciders
-from .outcome import REPEATED_STEP
-from .settings import FIRST, Settings
+from ...numerics.linalg import dot
+from ...solver import simd_loop
+from ...solver.cells import Cells, Observations
+from ...solver.models import Follows, Model, deciders
+from ...solver.outcome import REPEATED_STEP
+from ...solver.settings import FIRST, Settings
 
 APART = 4.0
 """Errors over the difference with another step; 1/(1 - 0.75^2) = 2.3 at second order, and more."""

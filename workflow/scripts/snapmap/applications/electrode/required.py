@@ -1,0 +1,90 @@
+"""Required shocks that must close an electrode in time, or for long enough."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ...config.keys import quantity
+from ...config.shocks import PulseSection
+from ...solver.settings import SECOND
+from ...study.study import Study
+from ..requirements.check import Verdict
+from ..requirements.corners import MET, UNCLEAR, VIOLATED
+from ..requirements.required import RequiredShock
+from ..requirements.sections import ShockSection
+
+DEMANDS = "closes_within", "stays_closed"
+"""What may be required of an electrode."""
+
+
+class RequiredClosing(RequiredShock):
+    """A required shock, with one or both of DEMANDS, us, among its values."""
+
+    more = "closing"
+
+    def check(self, study: Study, C: Sequence[float]) -> list[tuple]:
+        """Verdicts of a required shock, once it is known what the electrode sees."""
+        return [judge_closing(*judged, self.values) for judged in super().check(study, C)]
+
+    def require(self, study: Study) -> None:
+        """Raise ValueError where a device lacks the electrode or frame that it needs."""
+        if not any(device.has_electrode for device in study.devices().values()):
+            closing = next(key for key in DEMANDS if key in self.values)
+            need = "write the place of the electrode, such as '-5 um'"
+            raise ValueError(f"device.contact_at: missing, for {closing}; {need}")
+        super().require(study)
+
+
+class ClosingSection(ShockSection):
+    """A shock under which the device must close its electrode."""
+
+    kind = RequiredClosing
+    closes_within: quantity(
+        "pulse", "from its start until the beam is at contact_at", out="any time"
+    )
+    stays_closed: quantity("pulse", "until it opens again", out="any time")
+
+    def make(self) -> None:
+        """Nothing by itself; ValueError for what cannot be in any study."""
+        if self.snaps is False or self.start == SECOND:
+            closing = next(key for key in DEMANDS if self.has(key))
+            more = ", and no start" if self.start else ""
+            need = f"write snaps: true or any{more}"
+            raise ValueError(f".{closing}: is of a device that must trip; {need}")
+        super().make()
+
+    def under(self, pulse: PulseSection | None) -> RequiredClosing:
+        """The requirement in a study, as of any shock."""
+        required = super().under(pulse)
+        required.values.update({key: self.given[key] for key in DEMANDS if self.has(key)})
+        return required
+
+
+def judge_closing(
+    verdict: Verdict, closing: Mapping[str, float], required: Mapping
+) -> tuple[Verdict, dict[str, float]]:
+    """The verdict once it is known what an electrode sees, and that with its margins.
+
+    closing: as `follow_closures` returns it; required: with DEMANDS, us, if they are
+    Margins: closes_within over t_closed, closed_for over stays_closed; NaN if it never closes.
+    """
+    outcomes, margins = [verdict.verdict], {}
+    if limit := required.get("closes_within"):
+        closed = closing["t_closed"]
+        outcomes.append(_kept(limit - closed, closing["t_closed_error"], verdict))
+        margins["closes_margin"] = limit / closed
+    if limit := required.get("stays_closed"):
+        closed = closing["closed_for"]
+        kept = _kept(closed - limit, closing["closed_for_error"], verdict)
+        # What is closed to the end of the run may stay closed beyond.
+        outcomes.append(UNCLEAR if kept == VIOLATED and closing["openings"] == 0 else kept)
+        margins["stays_margin"] = closed / limit
+    worst = max(outcomes, key=(MET, UNCLEAR, VIOLATED).index)
+    return verdict._replace(verdict=worst), closing | margins
+
+
+def _kept(slack, error, verdict):
+    """Say how a requirement stands by its slack, us, with its error; NaN where none closes."""
+    if np.isnan(slack):
+        return UNCLEAR if verdict.verdict == UNCLEAR else VIOLATED
+    return MET if slack > error else VIOLATED if slack < -error else UNCLEAR

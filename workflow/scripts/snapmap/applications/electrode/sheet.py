@@ -1,0 +1,38 @@
+"""What an electrode sees under required shocks, on a data sheet."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ...device.quantities import plain
+from ...files.text import table
+from ...study.study import Study
+from ..requirements.corners import corner_text
+
+CLOSURES = {
+    "t_closed": ("first closure", " us"),
+    "closed_for": ("then closed, to the end if it never opens", " us"),
+    "openings": ("openings", ""),
+    "closed_share": ("share of the time since then closed", ""),
+}
+"""Of `Closures`, as a data sheet names them."""
+
+
+def sections(study: Study, rows: Sequence[Mapping]) -> list[str]:
+    """A line and a table in Markdown; nothing where nothing closes.
+
+    rows: of requirements.csv
+    """
+    closed = [row for row in rows if np.isfinite(row.get("t_closed", np.nan))]
+    if not closed:
+        return []
+    horizon = plain(study.settings.horizon / 1e3)
+    words = f"The electrode, to {horizon} ms after a shock:\n"
+    return [words, table(["what", "value", "error", "under"], _values(closed))]
+
+
+def _values(rows):
+    for row in rows:
+        for key, (words, unit) in CLOSURES.items():
+            value, error = plain(row[key]), plain(row[f"{key}_error"], 1)
+            yield [words, value + unit, error + unit, f"{row['requirement']}, {corner_text(row)}"]

@@ -1,0 +1,141 @@
+"""What the arguments and options that several functions share may be, as types of their signatures.
+
+Each type carries its `Argument`: what would be right, in words with an example, what fits, and what
+is handed on of that, so that a number of numpy's or xarray's is one of Python's from there on.
+Values of the device, N, f0 and C take their units and ranges from `quantities.csv`.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from typing import Annotated, TypedDict
+
+import numpy as np
+
+from ..device.argument import Argument, Flag, integer, is_flag, is_list, number, of_type, row, word
+from ..device.device import VALUES, Device
+from ..device.quantities import QUANTITIES, Bounds, bounds_of
+from ..pulse.pulse import DIRECTIONS, SHAPES, Pulse
+from ..solver.options import OPTIONS, ModelOptions
+from ..solver.settings import FIRST, STARTS, UNTIL
+from .study import ANY
+
+
+def _is_device(value):
+    if not isinstance(value, Device):
+        return False
+    parts = (value, value.beam)
+    return not any(np.ndim(getattr(part, field.name)) for part in parts for field in fields(part))
+
+
+def _are_devices(value):
+    named = value.values() if isinstance(value, Mapping) and value else [value]
+    return all(map(_is_device, named))
+
+
+def _is_model(value):
+    return isinstance(value, Mapping) or (isinstance(value, str) and value in OPTIONS)
+
+
+def _is_pulse(value):
+    if isinstance(value, str):
+        return value in SHAPES
+    return isinstance(value, Pulse) or (isinstance(value, Mapping | list | tuple) and bool(value))
+
+
+def _are_directions(value):
+    if isinstance(value, str):
+        return value in (*DIRECTIONS, "both")
+    named = is_list(value, lambda name: isinstance(name, str) and name in DIRECTIONS)
+    return named and 0 < len(value) == len({*value})
+
+
+def _is_requirement(value):
+    return (
+        isinstance(value, Mapping)
+        and _REQUIRED.keys() <= value.keys()
+        and all(kind.fits(value[key]) for key, kind in _REQUIRED.items())
+        and _START.fits(value.get("start", FIRST))
+    )
+
+
+def _requirement(value):
+    return {**value, **{key: kind.convert(value[key]) for key, kind in _REQUIRED.items()}}
+
+
+def _of(key: str) -> tuple[Bounds, str]:
+    return QUANTITIES[key].range, QUANTITIES[key].unit
+
+
+_N = bounds_of("[0, inf)"), "multiples of g (direction -z pushes the other way)"
+Amplitudes = Annotated[float | Sequence[float], row(*_N, "[1000]")]
+Amplitude = Annotated[float, number(*_N, "1000")]
+Frequencies = Annotated[float | Sequence[float], row(*_of("f0"), "[1500]")]
+Frequency = Annotated[float, number(*_of("f0"), "1500")]
+Dampers = Annotated[float | Sequence[float], row(*_of("C"), "[25]")]
+Damper = Annotated[float, number(*_of("C"), "25")]
+Devices = Annotated[
+    Device | Mapping[str, Device],
+    Argument("a Device, or several by name; load_device reads one", _are_devices),
+]
+SingleDevice = Annotated[Device, Argument("a single Device; load_device reads one", _is_device)]
+Model = Annotated[
+    str | Mapping,
+    Argument(f"one of {', '.join(OPTIONS)}, nor a mapping of its name and options", _is_model),
+]
+Horizon = Annotated[float, number("[0, inf)", "us", "1500")]
+EnergyTolerance = Annotated[float, number("(0, 1)", "", "1e-3")]
+Threads = Annotated[int, integer(1, 1024)]
+Until = Annotated[str, word(*UNTIL)]
+_START = word(*STARTS)
+Start = Annotated[str, _START]
+Seed = Annotated[int, integer(0, 2**32 - 1)]
+PulseSpec = Annotated[
+    str | Pulse | Mapping | Sequence,
+    Argument(f"one of {', '.join(SHAPES)}, nor what read_pulse gives", _is_pulse),
+]
+Directions = Annotated[
+    str | Sequence[str], Argument("+z, -z, both, or a list of these", _are_directions)
+]
+Direction = Annotated[str, word(*DIRECTIONS)]
+Refinement = Annotated[float, number("[1e-9, 0.01]", "", "1e-4")]
+_TRIPS = Argument(
+    'True, False, or "any"',
+    lambda value: is_flag(value) or (isinstance(value, str) and value == ANY),
+    lambda value: value if isinstance(value, str) else bool(value),
+)
+_POSITIVE = number("(0, inf)")
+_REQUIRED = {"name": of_type("a name", str), "N": _POSITIVE, "f0": _POSITIVE, "snaps": _TRIPS}
+Requirements = Annotated[
+    Sequence[Mapping],
+    Argument(
+        'a list of mappings of name, N, f0 (Hz) and snaps (True, False, or "any")',
+        lambda value: is_list(value, _is_requirement),
+        lambda value: [*map(_requirement, value)],
+    ),
+]
+
+
+class RunOptions(ModelOptions, total=False):
+    """How each cell is followed."""
+
+    horizon: Horizon
+    energy_tolerance: EnergyTolerance
+    threads: Threads
+
+
+class ThresholdOptions(RunOptions, total=False):
+    """The same, from which shape, and of which shocks."""
+
+    start: Start
+    pulse: PulseSpec
+    direction: Directions
+
+
+_OF_DEVICE = {key: Annotated[float | Sequence[float], row(*_of(key), "")] for key in VALUES}
+_Axes = TypedDict("_Axes", _OF_DEVICE, total=False)
+
+
+class AxisOptions(_Axes, total=False):
+    """Values of the device as axes, and whether points without a second shape are left out."""
+
+    skip: Flag
