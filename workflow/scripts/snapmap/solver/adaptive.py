@@ -24,9 +24,9 @@ BESIDE, FAR_BESIDE = 1.02, 1.03
 every cell, in the former at REACH, and at twice, four times as many cells and so on."""
 DISPUTED, AGREED, UNCOMPARED = range(3)
 """Whether two levels agree on a cell."""
-DECIDING_STEPS, FINE_STEPS = 0.5**0.5, 0.5
-"""Steps of the finest model over its usual ones: to decide thresholds, which are compared with
-those of its usual steps, and to see islands that others miss."""
+FINE_STEPS = 0.5
+"""Steps of the finest model over its usual ones, to decide fast thresholds and to see islands that
+others miss."""
 TOLERANCE = 1e-3
 """Error of the threshold that `auto` may make, relative, by default; that of its steps, too."""
 
@@ -110,7 +110,7 @@ class Survey(NamedTuple):
 
     scans: the cheap one, which tells where to look; decides: at which N labels change
     others: with which that is compared; of two, the second is better than the one that decides
-    finest: the best, in steps that show what others miss
+    finest: the best, in steps that show what others miss; None where it decides
     static: threshold of slow pulses, about which to look, in multiples of g; (devices,)
     judges: with which ragged rows are compared, too
     finer: takes rows of fast pulses, and the clean ones that this one leaves open by more than
@@ -120,7 +120,7 @@ class Survey(NamedTuple):
     scans: Follows
     decides: Follows
     others: tuple[Follows, ...]
-    finest: Follows
+    finest: Follows | None
     static: np.ndarray
     judges: tuple[Follows, ...] = ()
     tolerance: float = np.inf
@@ -160,7 +160,7 @@ def choose_survey(device: Device, model: Mapping, start: str = FIRST) -> Survey:
     if not is_auto:
         decides = build_model(device, **model)
         return Survey(coarse, decides, (middle, fine), finest, static)
-    finer = Survey(coarse, fine.with_step(DECIDING_STEPS), (middle,), finest, static)
+    finer = Survey(coarse, finest, (middle,), None, static)
     tolerance = model.get("tolerance", TOLERANCE)
     return Survey(coarse, middle, (coarse,), finest, static, (fine,), tolerance, finer)
 

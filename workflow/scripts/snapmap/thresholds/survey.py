@@ -491,11 +491,12 @@ def compare(
     in_space = [distance(ask(other), clean, tolerance) for other in models.others]
     # The second, the better one, may itself be off by as much.
     near = in_time + np.max(in_space, axis=0) + sum(in_space[1:])
-    # An island below that finer steps open belongs to the bar.
-    alone = np.where(~ragged & rings, N_first, np.nan)
-    ends = (1 - tolerance) * alone, alone
-    close, *_ = close_edges(models.finest, rows, settings, *ends, (BELOW,), COMPARED_PLACE)
-    near = np.fmax(near, N_first - outermost(close.row, close.high, alone.size)[0])
+    if models.finest is not None:
+        # An island below that finer steps open belongs to the bar.
+        alone = np.where(~ragged & rings, N_first, np.nan)
+        ends = (1 - tolerance) * alone, alone
+        close, *_ = close_edges(models.finest, rows, settings, *ends, (BELOW,), COMPARED_PLACE)
+        near = np.fmax(near, N_first - outermost(close.row, close.high, alone.size)[0])
     apart = np.isinf(near)
     ragged = ragged | apart
     window = chosen(apart, limits, window)
