@@ -509,9 +509,9 @@ def compare(
 
 
 def _spread(edges, N_first):
-    """How far above N_first the last change lies that is close to it, (rows,)."""
+    """How far above N_first the last change lies that is close to it, (rows,), but for a step."""
     spread = np.zeros(N_first.size)
-    above = edges.high - N_first[edges.row]
+    above = edges.low - N_first[edges.row]
     close = edges.high <= CLEAN_REACH * N_first[edges.row]
     np.fmax.at(spread, edges.row[close], above[close])
     return spread
