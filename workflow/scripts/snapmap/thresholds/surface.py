@@ -54,7 +54,7 @@ ROWS = 4096
 
 COMMENT = (
     f"in multiples of g; narrower stretches may lie below: than {2 * CLOSE_STEP:.2%} of N near a "
-    f"clean threshold of a fast pulse, {RAGGED_STEP:.1%} near a ragged one, {ISLAND_STEP:.1%} "
+    f"clean threshold of a fast pulse, {RAGGED_STEP:.2%} near a ragged one, {ISLAND_STEP:.1%} "
     "elsewhere"
 )
 
