@@ -18,8 +18,8 @@ from snapmap.pulse.shocks import HANDOUT_SHOCK, Shocks
 from snapmap.solver.cells import Rows, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
-from snapmap.thresholds.islands import FOUND, NARROW, NOT_FOLLOWED, NOTHING_SNAPS
 from snapmap.thresholds.search import lowest_snap
+from snapmap.thresholds.survey import CLOSE_STEP, FOUND, NOT_FOLLOWED, NOTHING_SNAPS
 
 from .common import SMALL, Run, few
 from .random_devices import (
@@ -48,7 +48,7 @@ JUDGED_STEP = 0.2
 """Two discretisations, far finer than what is judged, in a fifth of its steps; what they agree on
 is well posed."""
 AGREED, REFINED = 3e-4, 1e-5
-REACHES = (1.01, 1.1)
+REACHES, WIDTH = (1.01, 1.1), 2 * CLOSE_STEP
 """About a threshold found before, the judges look this far around it in turn, for stretches as
 wide as thresholds are told to see."""
 HORIZON = 1500.0
@@ -111,7 +111,9 @@ def look(model, rows: Rows, about, settings: Settings) -> np.ndarray:
     for reach in REACHES:
         left = np.flatnonzero(np.isnan(found))
         bracket = about[left] / reach, about[left] * reach
-        found[left] = lowest_snap(model, rows.take(left), bracket, settings, REFINED, NARROW)
+        found[left] = lowest_snap(
+            model, rows.take(left), bracket, settings, REFINED, 2 * CLOSE_STEP
+        )
     return found
 
 

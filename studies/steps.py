@@ -19,8 +19,8 @@ from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import EDGE, SNAP, STAY, Settings
 from snapmap.solver.steps import LONGEST
-from snapmap.thresholds.islands import first_seen, wide_scan
-from snapmap.thresholds.search import asker, refine
+from snapmap.thresholds.search import SCAN_STEP, amplitudes, asker, refine
+from snapmap.thresholds.survey import first_seen, scan_range
 
 from .common import ROOT, few
 from .random_devices import FREQUENCIES, draw_any_device, draw_device, draw_pulse, draw_shocks, even
@@ -36,16 +36,11 @@ RULES = {
     "`SHORTEST` doubled": {"shortest": 2.0},
     "`BLOWS` halved": {"blows": 0.5},
     "`LONGEST` doubled": {"longest": 2.0},
+    "`LONGEST` twenty times": {"longest": 20.0},
     "`MOST` halved": {"most": 0.5},
-    "`CORNERED` doubled": {"cornered": 2.0},
-    "no `CHATTER`": {"chatter": 0.0},
-    "`CHATTER` doubled": {"chatter": 2.0},
-    "`STRIKING` doubled": {"striking": 2.0},
-    "`STRIKING` five times": {"striking": 5.0},
 }
 """By what the constants of the rule for EDGE are multiplied."""
 SLOW_RULES = {key: RULES[key] for key in (DEFAULT, "`MOST` halved")}
-SLOW_RULES |= {"as without a gap": {"apart": False}}
 FINE, FINER = {"factor": 0.15}, {"factor": 0.1}
 AGREED, REFINED, NEAR = 2e-4, 2e-6, 1.04
 """Rows in which the fine rules agree so well are judged; thresholds are refined so far, near."""
@@ -158,7 +153,8 @@ def errors_of_rows(device, rows, settings, rules=RULES):
         return asker(ruled, rows, settings, until=question)
 
     bound = least_amplitudes(model, rows)
-    wide = wide_scan(model.device, static_threshold(model.device), rows, bound)
+    static = static_threshold(model.device)
+    wide = amplitudes(*scan_range(model.device, static, rows, bound), SCAN_STEP)
     near = first_seen(ask(RULES[DEFAULT]), wide, bound)[0]
     fine = threshold_near(ask(FINE), near)
     finer = threshold_near(ask(FINER), fine)

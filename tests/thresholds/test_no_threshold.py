@@ -12,10 +12,10 @@ from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import SNAP, Settings
-from snapmap.thresholds.islands import FOUND, NOT_FOLLOWED, NOTHING_SNAPS, first_seen
+from snapmap.solver.settings import Settings
 from snapmap.thresholds.rows import tidy
 from snapmap.thresholds.surface import summary
+from snapmap.thresholds.survey import FOUND, NOT_FOLLOWED, NOTHING_SNAPS, first_seen
 
 COSINES = {"model": "cosines", "modes": 5}
 
@@ -138,6 +138,6 @@ def test_a_light_mass_on_its_spring_does_not_bound_the_step(handout):
     """It swings hundreds of times in a step, and the ledger closes all the same."""
     light = replace(handout, mass=1e-5)
     model = build_model(light, "cosines", modes=3)
-    assert model.steps.longest[SNAP] > 100 * np.sqrt(light.mass / light.spring)
+    assert model.steps.pressed > 100 * np.sqrt(light.mass / light.spring)
     cells = to_cells(light, 0, [1e5], 1e5, 0.025, 20.0)
     assert model.follow(cells, Settings(20.0)).energy_error < 1e-6

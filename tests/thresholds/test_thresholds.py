@@ -9,11 +9,18 @@ import snapmap
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
-from snapmap.thresholds.bars import distance as distance_to
-from snapmap.thresholds.islands import NARROW, _closer_window, _decide, _island_limits, first_seen
-from snapmap.thresholds.search import amplitudes, asker, near, refine, scan, walk
-from snapmap.thresholds.transitions import BESIDE, CLOSEST_STEP, Window, stretches
-from snapmap.thresholds.witness import Close
+from snapmap.thresholds.search import Window, amplitudes, asker, near, refine, scan, walk
+from snapmap.thresholds.survey import (
+    CLEAN_REACH,
+    CLOSE_STEP,
+    Close,
+    decide,
+    find_islands,
+    first_seen,
+    island_limits,
+    stretches,
+)
+from snapmap.thresholds.survey import distance as distance_to
 
 
 def told(snapped):
@@ -68,16 +75,15 @@ def surveyed(coarse, fine, highest=None):
         return ask
 
     wide = np.tile(np.geomspace(0.1, 8.0, 200), (2, 1))
-    slow = np.zeros(2, bool)
     rough, _ = first_seen(asking(coarse), wide, np.full(2, 0.01))
-    limits = _island_limits(rough, None, highest, slow)
-    window, ragged = _closer_window(asking(coarse), limits)
+    limits = island_limits(rough, None, highest)
+    window, ragged = find_islands(asking(coarse), limits)
 
     def closely(low, high):
-        close = Window(low / BESIDE, high * BESIDE, np.full(low.size, CLOSEST_STEP))
+        close = Window(low / CLEAN_REACH, high * CLEAN_REACH, np.full(low.size, CLOSE_STEP))
         return Close(*scan(asking(fine), close.N), close.low, close.high)
 
-    edges, open_end, *_ = _decide(asking(fine), closely, window, limits, ragged)
+    edges, open_end, *_ = decide(asking(fine), closely, window, limits, ragged)
     row, *ends, rising = edges
     low, high = refine(lambda N: asking(fine)(N, row), *ends, 1e-6, rising)
     edges = edges._replace(low=low, high=high)
@@ -144,7 +150,7 @@ def test_narrow_islands_below_a_threshold_are_seen(handout):
     """At 11 kHz labels change five times within 0.5 %, as finer steps see them one by one."""
     found = snapmap.threshold(handout, [11078.0], [100.0], horizon=1500.0).squeeze()
     fine = build_model(handout, "cosines", modes=5).with_step(0.3)
-    N = amplitudes(np.array([1420.0]), np.array([1460.0]), NARROW / 2)
+    N = amplitudes(np.array([1420.0]), np.array([1460.0]), CLOSE_STEP)
     ask = asker(fine, to_rows(0, 11078.0, 100.0), Settings(1500.0))
     snapped = np.isfinite(ask(N))
     assert np.count_nonzero(np.diff(snapped)) > 1 and found.ragged and found.islands > 0

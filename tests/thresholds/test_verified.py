@@ -10,7 +10,7 @@ from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
 from snapmap.thresholds import surface
-from snapmap.thresholds.lattice import nearby
+from snapmap.thresholds.search import nearby
 from snapmap.thresholds.verified import Expected, fill, surfaces
 
 AXES = [linear(1.0, 3.0, 21), linear(-1.0, 1.0, 16)]

@@ -6,10 +6,8 @@ from snapmap.device.device import batch
 from snapmap.solver.adaptive import choose_survey
 from snapmap.solver.cells import to_rows
 from snapmap.solver.settings import Settings
-from snapmap.thresholds.islands import NARROW, lowest
-from snapmap.thresholds.search import asker, scan
-from snapmap.thresholds.transitions import BESIDE, CLOSEST_STEP, Window
-from snapmap.thresholds.witness import STEPS, close_edges
+from snapmap.thresholds.search import Window, asker, scan
+from snapmap.thresholds.survey import CLEAN_REACH, CLOSE_PLACES, CLOSE_STEP, close_edges, lowest
 
 
 def test_no_stretch_that_counts_is_missed_beside_a_threshold(handout):
@@ -20,7 +18,7 @@ def test_no_stretch_that_counts_is_missed_beside_a_threshold(handout):
     N = lowest(models, rows, settings, 1e-4)
     counted = Counted(models.decides, asked)
     edges, begins, _ = close_edges(counted, rows, settings, N / 1.0001, N)
-    window = Window(N / BESIDE, N * BESIDE, np.full(N.size, CLOSEST_STEP))
+    window = Window(N / CLEAN_REACH, N * CLEAN_REACH, np.full(N.size, CLOSE_STEP))
     dense, dense_begins, _ = scan(asker(models.decides, rows, settings), window.N)
     ragged = 0
     for row in range(N.size):
@@ -28,9 +26,9 @@ def test_no_stretch_that_counts_is_missed_beside_a_threshold(handout):
         ragged += there.size > 1
         widths = np.diff(there) / N[row]
         assert begins[row] == dense_begins[row]
-        assert seen.size > 1 or there.size == 1 or widths.min() < NARROW
+        assert seen.size > 1 or there.size == 1 or widths.min() < 2 * CLOSE_STEP
     assert 0 < ragged < N.size / 2
-    assert sum(asked) < N.size * 2 * STEPS[-1] / 2
+    assert sum(asked) < N.size * 2 * CLOSE_PLACES[-1] / 2
 
 
 class Counted:

@@ -195,7 +195,7 @@ def edited(path, text):
     ("path", "rules"),
     [
         ("snapmap/applications/page/explore.js", DRAWING),
-        ("snapmap/thresholds/islands.py", RULES),
+        ("snapmap/thresholds/survey.py", RULES),
         ("snapmap/workflow/command.py", set()),
         pytest.param("draw.py", DRAWING, marks=pytest.mark.long),
         pytest.param("jobs.py", RULES, marks=pytest.mark.long),

@@ -25,10 +25,9 @@ BESIDE, FAR_BESIDE = 1.02, 1.03
 every cell, in the former at REACH, and at twice, four times as many cells and so on."""
 DISPUTED, AGREED, UNCOMPARED = range(3)
 """Whether two levels agree on a cell."""
-LOOKING_STEPS, DECIDING_STEPS, FINE_STEPS = 2.0, 0.5, 0.25
-"""Steps of the finest model over its usual ones: to look for changes, to decide, to see islands."""
-LOOKING_TOLERANCE = 2.5e-4
-"""How closely `looks` refines thresholds that another model decides, relative."""
+FINE_STEPS = 0.5
+"""Steps of the finest model over its usual ones, to decide fast thresholds and to see islands that
+others miss."""
 TOLERANCE = 1e-3
 """Error of the threshold that `auto` may make, relative, by default; that of its steps, too."""
 
@@ -108,33 +107,27 @@ class Adaptive:
 
 
 class Survey(NamedTuple):
-    """Models by which thresholds are determined: scans is cheap, and doubts is independent.
+    """Models by which thresholds are determined.
 
-    looks: where labels change, closely; decides: at which N exactly, in shorter steps or the same
-    better: than the one that decides; None where that is the best
-    finest: the best, in steps that show what others miss
+    scans: the cheap one, which tells where to look; decides: at which N labels change
+    others: with which that is compared; of two, the second is better than the one that decides
+    finest: the best, in steps that show what others miss; None where it decides
     static: threshold of slow pulses, about which to look, in multiples of g; (devices,)
-    lawful: whether forces of the models are a user's own laws, of which no energy is known
-    judge: has its say where rows are ragged, in wider steps; None if the others suffice
+    judges: with which ragged rows are compared, too
     finer: takes rows of fast pulses, and the clean ones that this one leaves open by more than
         tolerance, relative; None for no further look
+    lawful: whether forces of the models are a user's own laws, of which no energy is known
     """
 
     scans: Follows
-    looks: Follows
     decides: Follows
-    doubts: Follows
-    better: Follows | None
-    finest: Follows
+    others: tuple[Follows, ...]
+    finest: Follows | None
     static: np.ndarray
-    lawful: bool = False
-    judge: Follows | None = None
+    judges: tuple[Follows, ...] = ()
     tolerance: float = np.inf
     finer: Optional["Survey"] = None
-
-    def rough(self, tolerance: float) -> float:
-        """Say how closely `looks` refines thresholds for a tolerance, relative."""
-        return tolerance if self.looks is self.decides else max(tolerance, LOOKING_TOLERANCE)
+    lawful: bool = False
 
     @property
     def levels(self) -> tuple["Survey", ...]:
@@ -165,18 +158,16 @@ def choose_survey(device: Device, model: Mapping, start: str = FIRST) -> Survey:
     static = np.asarray(static_threshold(device, back=start != FIRST))
     if laws := laws_of(model):
         return _of_laws(build_model(device, **model), laws, static)
-    if model["name"] != "auto":
-        decides, levels = build_model(device, **model), build_adaptive(device, start=start)
-        finest = levels.top.with_step(FINE_STEPS)
-        return Survey(levels.base, decides, decides, levels.check, levels.top, finest, static)
-    levels = _levels(device, start, **model)
+    is_auto = model["name"] == "auto"
+    levels = _levels(device, start, **model) if is_auto else build_adaptive(device, start=start)
     coarse, middle, fine = levels.base, levels.check, levels.top
-    looks, decides, finest = map(fine.with_step, (LOOKING_STEPS, DECIDING_STEPS, FINE_STEPS))
-    finer = Survey(coarse, looks, decides, middle, None, finest, static)
+    finest = fine.with_step(FINE_STEPS)
+    if not is_auto:
+        decides = build_model(device, **model)
+        return Survey(coarse, decides, (middle, fine), finest, static)
+    finer = Survey(coarse, finest, (middle,), None, static)
     tolerance = model.get("tolerance", TOLERANCE)
-    return finer._replace(
-        looks=middle, decides=middle, doubts=coarse, judge=fine, tolerance=tolerance, finer=finer
-    )
+    return Survey(coarse, middle, (coarse,), finest, static, (fine,), tolerance, finer)
 
 
 def _of_laws(model, laws, static):
@@ -186,8 +177,8 @@ def _of_laws(model, laws, static):
         # The largest force is about 1.5 times the mean.
         holds = 1.5 * energy / saddle + device.spring * (saddle + device.gap)
         static = holds / (device.mass + device.beam.weight / 2) / device.gravity
-    half = model.with_step(DECIDING_STEPS)
-    return Survey(model, model, model, half, None, half, static, lawful=True)
+    half = model.with_step(FINE_STEPS)
+    return Survey(model, model, (half,), half, static, lawful=True)
 
 
 def build_adaptive(device: Device, tolerance: float = TOLERANCE, start: str = FIRST) -> Adaptive:

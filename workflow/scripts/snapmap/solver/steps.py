@@ -16,7 +16,7 @@ OF_LIMIT = 0.8
 """Step of central differences over their limit of stability."""
 # ASSUME: no run bends the beam further than this multiple of its start; see docs/accuracy.md.
 TENSION_REACH = 1.25
-FEWEST = 16
+FEWEST_STEPS = 16
 """Steps in each swing of any pulse: its sum is then exact to 1e-4."""
 MORE = 1.5
 """No factor makes the steps of the shortest pulses and fastest blows longer than so many times."""
@@ -24,41 +24,25 @@ MORE = 1.5
 PER_SWING = 500
 """Steps in each swing of a pulse that is slow for the device."""
 SHORTEST = 0.15
-"""Shortest step, in units of 1/omega of the arch; only FEWEST asks for shorter ones."""
+"""Shortest step, in units of 1/omega of the arch; only FEWEST_STEPS asks for shorter ones."""
 BLOWS = 400.0
 """Radians of the arch in each swing of a pulse up to which EDGE has the shortest steps: below,
 blows decide. Longer pulses leave it steps that grow with the square of their length."""
-LONGEST = {SNAP: 5.0, EDGE: 5.0, STAY: 0.5, MOVE: 0.12}
+LONGEST = {SNAP: 0.25, EDGE: 0.25, STAY: 0.5, MOVE: 0.12}
 """Longest step, in units of 1/omega of the arch, by question."""
-MOST = 700.0
+LONGEST_PRESSED = 2.5
+"""The same for SNAP and EDGE of a mass that is pressed on the beam and strikes without a run-up,
+unless its spring holds it back."""
+MOST, MOST_ALONE = 1100.0, 20_000.0
 """Steps in each swing of a smooth pulse that are enough for SNAP and EDGE, however slow: the beam
-follows it from rest to rest. So many where the mass is the beam's; they grow with its fourth
-root."""
-LIGHT = 16.0
-"""Mass over the beam's up to which they do not grow."""
-HOLDS = 3.0
-"""Stiffness of a spring over the clamped beam's, 192 EI/L^3, from which on they grow with its
-cube: such a mass holds the beam back, and lets it snap alone."""
-MOST_ALONE = 20_000.0
-"""The same of a beam without a mass, which little wakes from the path on which it is pushed."""
-CORNERED = 0.4
-"""Times the longest step for SNAP and EDGE, of pulses with corners, which ring the beam."""
-STRIKING = 0.05
-"""The same, where the mass strikes with a run-up: across a gap, after a pulse that pulls, back from
-a stop, or in a train of blows."""
-LANDING = 0.03
-"""Frequency of a pulse that presses, over the device's own, below which the mass lands so softly
-across a gap that it does not matter; above, steps fall to STRIKING with the sixth power."""
-TURN = 2.0
+follows it from rest to rest. The second where it snaps alone, without a mass, or as its spring
+holds the mass back."""
+HEAVY, HOLDS = 16.0, 5.0
+"""Mass over the beam's with whose fourth root they grow, and stiffness of a spring over the clamped
+beam's, 192 EI/L^3, from which on it holds the mass back, so that the beam leaves it."""
+STRIKE_TURN = 2.0
 """Radians a step that the fastest mode turns by the tension in which a mass that flies stretches
 the beam; in longer steps energy is kept and goes to the wrong modes."""
-STIFF = 90.0
-"""Stiffness of a contact over the clamped beam's, 192 EI/L^3, that counts as half a hard one."""
-CHATTER = CORNERED / STRIKING - 1
-"""So much shorter, less 1, are the steps for SNAP and EDGE of a mass that chatters on a hard
-contact, pressed by a pulse with corners or by a smooth one that is not slow: it strikes, too."""
-FAST = 0.1
-"""Frequency of a smooth pulse, over the device's own, from which on the mass chatters under it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,31 +52,23 @@ class Steps:
     longest: us, (devices,), by question
     shortest: us, (devices,): so long a step resolves the device, however short the pulse
     blows: us, (devices,): swings up to which blows decide
-    apart: whether the mass rests apart from the beam, (devices,)
+    pressed: us, (devices,): longest for SNAP and EDGE where it is pressed on the beam
     returns: whether it comes back from a stop, (devices,)
-    chatter: by how much more steps a mass asks that chatters on its contact, (devices,)
-    calms: us, (devices,): swings of smooth pulses below which it does
     most: steps in each swing of a smooth pulse that are enough for SNAP and EDGE, (devices,)
     tightening: 1/(um us), (devices,): square of the frequency of the fastest mode by the tension of
         a strike, over the speed of the mass
     per_swing: steps in each swing of a pulse
-    cornered: times the longest for these, of pulses with corners
-    striking: the same, where the mass strikes with a run-up
     factor: by which all are multiplied
     """
 
     longest: Mapping[str, np.ndarray]
     shortest: np.ndarray
     blows: np.ndarray
-    apart: np.ndarray
+    pressed: np.ndarray
     returns: np.ndarray
-    chatter: np.ndarray
-    calms: np.ndarray
     most: np.ndarray
     tightening: np.ndarray
     per_swing: float
-    cornered: float = 1.0
-    striking: float = 1.0
     factor: float = 1.0
 
     def of(self, cells: Cells, question: str, speed: np.ndarray | float = 0.0) -> np.ndarray:
@@ -109,24 +85,14 @@ class Steps:
         longest = self.longest[question][cells.device]
         if question in (SNAP, EDGE):
             smooth, strikes = np.array([(p.is_smooth, p.strikes) for p in cells.pulses]).T
-            smooth, strikes = smooth[cells.pulse], strikes[cells.pulse] | self.returns[cells.device]
-            calm = swing / self.calms[cells.device]
-            fast = np.where(smooth, 1 / (1 + calm**2), 1.0)
-            corners = np.where(smooth, 1.0, self.cornered)
-            pressed = corners * longest / (1 + fast * self.chatter[cells.device])
-            apart = self.apart[cells.device] | (speed > 0)
-            bounces = 1 + self.chatter[cells.device] ** 2 / CHATTER
-            lands = (LANDING / FAST * calm) ** 2
-            lands = np.clip(lands * lands * lands, self.striking, 1 / bounces)
-            run_up = np.where(strikes, self.striking, np.where(apart, lands, 1.0))
-            rests = smooth & ~strikes & ~apart
-            slow = np.where(rests, swing / self.most[cells.device], 0.0)
-            longest = np.maximum(np.minimum(run_up * longest, pressed), slow)
+            rests = ~(strikes[cells.pulse] | self.returns[cells.device] | (speed > 0))
+            slow = np.where(smooth[cells.pulse], swing / self.most[cells.device], 0.0)
+            longest = np.where(rests, np.maximum(self.pressed[cells.device], slow), longest)
         step = np.minimum(longest, np.maximum(resolved, shortest))
         factor = min(self.factor, MORE)
-        step = np.minimum(self.factor * step, factor * swing / FEWEST)
+        step = np.minimum(self.factor * step, factor * swing / FEWEST_STEPS)
         turn = step * np.sqrt(self.tightening[cells.device] * speed)
-        return step / np.maximum(turn / (factor * TURN), 1.0)
+        return step / np.maximum(turn / (factor * STRIKE_TURN), 1.0)
 
     def times(self, factor: float) -> "Steps":
         """Give the same rule with every step multiplied by `factor`, but for very short pulses."""
@@ -142,34 +108,30 @@ class Steps:
 
 def fixed(dt: np.ndarray) -> Steps:
     """Give the rule of one step for each device, us, (devices,), but for very short pulses."""
-    none, never = np.zeros(dt.shape), np.zeros(dt.shape, bool)
     return Steps(
         longest=dict.fromkeys(QUESTIONS, dt),
         shortest=dt,
         blows=dt,
-        apart=never,
-        returns=never,
-        chatter=none,
-        calms=dt,
-        most=none + np.inf,
-        tightening=none,
-        per_swing=FEWEST,
+        pressed=dt,
+        returns=np.zeros(dt.shape, bool),
+        most=np.full(dt.shape, np.inf),
+        tightening=np.zeros(dt.shape),
+        per_swing=FEWEST_STEPS,
     )
 
 
-def stiffness_share(device: Device) -> Value:
-    """How near a contact is to a hard one, from 0 to 1: k / (k + 1), k over STIFF beams'."""
-    softness = STIFF * 192 * device.beam.stiffness_unit / np.asarray(device.contact, float)
-    return np.where(device.is_alone, 0.0, 1 / (1 + softness))
+def spring_share(device: Device) -> Value:
+    """How far the spring holds the mass back, so that the beam snaps alone, from 0 to 1."""
+    over = device.spring / (HOLDS * 192 * device.beam.stiffness_unit)
+    cube = over * over * over
+    return np.where(device.is_alone, 1.0, cube * cube / (1 + cube * cube))
 
 
 def most_steps(device: Device) -> Value:
     """Steps in each swing of a smooth pulse that are enough, however slow."""
-    beam = device.beam
-    mass = np.maximum(device.mass / (beam.mass_per_length * beam.span), LIGHT)
-    spring = np.maximum(device.spring / (HOLDS * 192 * beam.stiffness_unit), 1.0)
-    most = MOST * np.sqrt(np.sqrt(mass)) * spring * spring * spring
-    return np.where(device.is_alone, MOST_ALONE, most)
+    beam, share = device.beam, spring_share(device)
+    heavy = 1 + device.mass / (HEAVY * beam.mass_per_length * beam.span)
+    return (1 - share) * MOST * np.sqrt(np.sqrt(heavy)) + share * MOST_ALONE
 
 
 def strike_tightening(device: Device, modal: ModalBeam) -> Value:
@@ -201,19 +163,18 @@ def explicit_steps(device: Device, modal: ModalBeam) -> Steps:
 def steps_of(device: Device, modal: ModalBeam) -> Steps:
     """Give the rule of a device or a batch."""
     period = np.atleast_1d(1 / arch_frequency(modal))
+    crosses = np.greater(device.gap, 0) & np.isfinite(device.gap)
+    share = np.where(crosses, 1.0, spring_share(device))
+    pressed = LONGEST_PRESSED + (LONGEST[SNAP] - LONGEST_PRESSED) * share
     return Steps(
         longest={question: turn * period for question, turn in LONGEST.items()},
         shortest=SHORTEST * period,
         blows=BLOWS * period,
-        apart=np.broadcast_to(np.greater(device.gap, 0) & np.isfinite(device.gap), period.shape),
+        pressed=pressed * period,
         returns=np.broadcast_to(device.has_stops, period.shape),
-        chatter=np.broadcast_to(CHATTER * stiffness_share(device), period.shape),
-        calms=np.broadcast_to(2 * np.pi / (FAST * device.own_frequency), period.shape),
         most=np.broadcast_to(most_steps(device), period.shape),
         tightening=np.broadcast_to(strike_tightening(device, modal), period.shape),
         per_swing=PER_SWING,
-        cornered=CORNERED,
-        striking=STRIKING,
     )
 
 

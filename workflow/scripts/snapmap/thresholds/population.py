@@ -20,11 +20,11 @@ from ..solver.motion import largest_stress
 from ..solver.outcome import LATCHED, label
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
 from ..study.study import ANY, Study, of_requirement
-from .bars import distance
 from .cost import tell_cost
 from .regression import nominal_thresholds, thresholds_of_samples
 from .search import asker, refine
 from .surface import find_thresholds
+from .survey import distance
 
 MOST_ROWS = 0.9
 """Share of the rows in which a level must keep the tolerance of `auto`."""

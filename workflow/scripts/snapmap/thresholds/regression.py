@@ -7,9 +7,8 @@ from ..solver.bounds import least_amplitudes
 from ..solver.cells import Rows
 from ..solver.models import Follows
 from ..solver.settings import SECOND, Settings
-from .islands import ISLANDS_FROM, first_seen, wide_scan
-from .search import TOGETHER, asker, first_snap, near, refine, walk
-from .transitions import FINE_STEP, Window
+from .search import SCAN_STEP, TOGETHER, amplitudes, asker, first_snap, near, refine, walk
+from .survey import ISLAND_STEP, ISLANDS_FROM, first_seen, scan_range
 
 FIRST_SAMPLES, GROWTH = 64, 8
 """So many samples tell where to look for as many times more of them, and so on."""
@@ -28,8 +27,9 @@ def nominal_thresholds(
     ask = asker(model, rows, settings)
     start, bound = settings.start, least_amplitudes(model, rows, settings.start)
     static = static_threshold(model.device, back=start == SECOND)
-    rough, _ = first_seen(ask, wide_scan(model.device, static, rows, bound, start), bound)
-    N = Window(ISLANDS_FROM * rough, rough, np.full(rough.size, FINE_STEP)).N
+    wide = amplitudes(*scan_range(model.device, static, rows, bound, start), SCAN_STEP)
+    rough, _ = first_seen(ask, wide, bound)
+    N = amplitudes(ISLANDS_FROM * rough, rough, ISLAND_STEP)
     begins = np.isfinite(ask(N))
     begins[:, 1:] &= ~begins[:, :-1]
     begins[:, 0] = False
@@ -51,7 +51,7 @@ def thresholds_of_samples(
     Thresholds are the upper end of a step of `tolerance`; NaN where nothing snaps, or all does,
     within NOMINAL_REACH of the nominal ones, or the row has no nominal one. A row is ragged,
     (rows,), where labels of the first samples change more than once; each of its samples is then
-    scanned from below in steps of FINE_STEP.
+    scanned from below in steps of ISLAND_STEP.
     """
     N_first = np.full((len(deviations), nominal.size), np.nan)
     ragged, known = np.zeros(nominal.size, bool), np.isfinite(nominal)
@@ -63,7 +63,10 @@ def thresholds_of_samples(
     size = 2 + int(np.log(high / low) / np.log1p(tolerance))
     # Products, not powers: the library's exponential rounds by the processor.
     N = np.multiply.accumulate(np.r_[low, np.full(size - 1, 1 + tolerance)])
-    lattice, stride = np.append(N, np.nan), max(1, round(np.log1p(FINE_STEP) / np.log1p(tolerance)))
+    lattice, stride = (
+        np.append(N, np.nan),
+        max(1, round(np.log1p(ISLAND_STEP) / np.log1p(tolerance))),
+    )
 
     def snaps(numbers, places):
         """Whether rows, by number (n,), snap at places of the lattice; False beyond its end."""
@@ -115,8 +118,8 @@ def _look(snaps, numbers, first, stride):
 
     numbers, first: of samples, (samples, rows); both results (rows,), the latter in places
     """
-    steps = round(np.log(SCANNED_TO / ISLANDS_FROM) / np.log1p(FINE_STEP))
-    start = np.maximum(first - round(-np.log(ISLANDS_FROM) / np.log1p(FINE_STEP)) * stride, 0)
+    steps = round(np.log(SCANNED_TO / ISLANDS_FROM) / np.log1p(ISLAND_STEP))
+    start = np.maximum(first - round(-np.log(ISLANDS_FROM) / np.log1p(ISLAND_STEP)) * stride, 0)
     places = start[..., np.newaxis] + stride * np.arange(steps)
     snapped = snaps(numbers.ravel(), places.reshape(-1, steps)).reshape(places.shape)
     changes = np.count_nonzero(snapped[..., 1:] & ~snapped[..., :-1], axis=-1)

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from .islands import STATUS
+from .survey import STATUS
 
 
 def tidy(thresholds: xr.Dataset) -> pd.DataFrame:

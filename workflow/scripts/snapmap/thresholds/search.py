@@ -1,5 +1,6 @@
 """Where labels change along N: scanned, looked for near a guess, and refined, by any model."""
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -12,9 +13,11 @@ from ..solver.settings import THRESHOLD_TOLERANCE, Settings
 SCAN_STEP = 0.03
 """Relative distance of the amplitudes that are tried before any is refined."""
 PARTS = 4
-"""Of an interval, into which each round of refinement cuts it; more cost more runs a digit."""
+"""Of an interval, into which each round of a search cuts it; more cost more runs a digit."""
 TOGETHER, AT_ONCE = 8, 256
 """Most places of a row that a walk looks at together, if that are no more than so many in all."""
+EXPECTED_WITHIN = 0.004
+"""Relative distance within which a threshold is looked for where it is expected."""
 
 Ask = Callable[[np.ndarray], np.ndarray]
 """t_snap of N, (rows, n), us; not finite where a cell does not snap, or N is NaN."""
@@ -48,6 +51,22 @@ class Edges(NamedTuple):
 def joined(*edges: Edges) -> Edges:
     """Join edges, one behind the other."""
     return Edges(*map(np.concatenate, zip(*edges, strict=True)))
+
+
+class Window(NamedTuple):
+    """Where each row is scanned, (rows,): from low to high, in multiples of g, in relative steps.
+
+    A row whose ends are NaN is not scanned.
+    """
+
+    low: np.ndarray
+    high: np.ndarray
+    step: np.ndarray
+
+    @property
+    def N(self) -> np.ndarray:
+        """Amplitudes of the scan, (rows, n); NaN after a row's last."""
+        return amplitudes(*self)
 
 
 def lowest_snap(
@@ -141,22 +160,45 @@ def refine(
     high: np.ndarray,
     tolerance: float,
     rising: np.ndarray | bool = True,
-    parts: int = PARTS,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Narrow intervals, (rows,), between what snaps and what does not, to a relative tolerance.
+    """Narrow intervals, (rows,), between what snaps and what does not, to neighbouring places.
 
     rising: whether it is `high` that snaps, (rows,)
-    parts: into which each round cuts an interval
+    The places are those of a lattice in relative steps of `tolerance` or less, the same for all
+    rows: a change that is alone has the same place wherever it was looked for.
     """
-    low, high = np.array(low), np.array(high)
+    low, high, size = np.array(low), np.array(high), lattice_size(tolerance)
     rising = np.broadcast_to(rising, low.shape)[:, np.newaxis]
-    while (wide := np.flatnonzero(high / low > 1 + tolerance)).size:
-        N = np.full((low.size, parts + 1), np.nan)
-        N[wide] = np.linspace(low[wide], high[wide], parts + 1, axis=1)
-        as_high = (np.isfinite(ask(N[:, 1:-1])) == rising)[wide]
+    while True:
+        first, last = place_of(low, size, np.floor) + 1, place_of(high, size, np.ceil) - 1
+        wide = np.flatnonzero(first <= last)
+        if not wide.size:
+            return low, high
+        cuts = np.multiply.outer(last[wide] - first[wide] + 2, np.arange(1, PARTS)) // PARTS
+        places = first[wide, np.newaxis] - 1 + np.maximum(cuts, 1)
+        N = np.full((low.size, PARTS - 1), np.nan)
+        N[wide] = amplitude_at(places, size)
+        as_high = (np.isfinite(ask(N)) == rising)[wide]
         ends = np.zeros((wide.size, 1), bool)
-        low[wide], high[wide] = first_snap(N[wide], np.hstack([ends, as_high, ~ends]))
-    return low, high
+        N = np.column_stack([low[wide], N[wide], high[wide]])
+        low[wide], high[wide] = first_snap(N, np.hstack([ends, as_high, ~ends]))
+
+
+def lattice_size(tolerance: float) -> int:
+    """Choose how many places a lattice has from 2^n to 2^(n + 1): relative steps no wider."""
+    return 2 ** (1 - math.frexp(tolerance)[1])
+
+
+def place_of(N: np.ndarray, size: int, rounding: Callable = np.ceil) -> np.ndarray:
+    """Find the place of a lattice next to N, upwards or downwards; (n,), far below for NaN."""
+    share, exponent = np.frexp(np.where(np.isnan(N), 0.0, N))
+    return exponent * np.int64(size) + rounding((2 * share - 1) * size).astype(np.int64)
+
+
+def amplitude_at(place: np.ndarray, size: int) -> np.ndarray:
+    """Give the amplitude at places of a lattice."""
+    exponent, steps = np.divmod(place, size)
+    return np.ldexp(0.5 + steps / (2 * size), exponent.astype(np.int32))
 
 
 def near(
@@ -176,17 +218,19 @@ def near(
     """
     low = np.full(guess.size, -1) if low is None else low.copy()
     high = np.full(guess.size, size) if high is None else high.copy()
-    probes, reach = np.clip(np.add.outer(guess, [-1, 0]), 0, size - 1), 1
+    probes, reach = np.clip(np.add.outer(guess, [-1, 0]), 0, size - 1), np.arange(1, PARTS)
     while (left := np.flatnonzero(high - low > 1)).size:
         at = probes[left]
         true = label(rows[left], at)
         high[left] = np.minimum(high[left], np.where(true, at, size).min(axis=1))
         false = ~true & (at < high[left, np.newaxis])
         low[left] = np.maximum(low[left], np.where(false, at, -1).max(axis=1))
-        next_probe = np.where(low < 0, np.maximum(high - reach, 0), (low + high) // 2)
-        upward = (high == size) & (low >= 0)
-        probes = np.where(upward, np.minimum(low + reach, size - 1), next_probe)[:, np.newaxis]
-        reach *= 2
+        below, above = low[:, np.newaxis], high[:, np.newaxis]
+        between = below + np.maximum((above - below) * np.arange(1, PARTS) // PARTS, 1)
+        downward = np.where(below < 0, np.maximum(above - reach[::-1], 0), between)
+        upward = (above == size) & (below >= 0)
+        probes = np.where(upward, np.minimum(below + reach, size - 1), downward)
+        reach = PARTS * reach
     return high
 
 
@@ -211,3 +255,26 @@ def walk(
         left = left[~hit & (place[left] < stop[left])]
         most = min(2 * most, TOGETHER)
     return np.minimum(place, stop)
+
+
+def nearby(
+    model: Follows, rows: Rows, settings: Settings, expected: np.ndarray, tolerance: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Find the lowest N that snaps where it is expected, (rows,); NaN where labels are others.
+
+    The place below it, which does not, comes first. N stands on the lattice of `refine`.
+    """
+    size = lattice_size(tolerance)
+    known, reach = np.flatnonzero(np.isfinite(expected)), math.ceil(2 * size * EXPECTED_WITHIN)
+    first = place_of(expected[known], size) - reach
+
+    def label(which, places):
+        N = amplitude_at(first[which, np.newaxis] + places, size)
+        return np.isfinite(asker(model, rows.take(known[which]), settings)(N))
+
+    place = near(label, np.arange(known.size), np.full(known.size, reach), 2 * reach)
+    inside = (place > 0) & (place < 2 * reach)
+    place = (first + place)[inside]
+    ends = np.full((2, expected.size), np.nan)
+    ends[:, known[inside]] = amplitude_at(place - 1, size), amplitude_at(place, size)
+    return ends[0], ends[1]

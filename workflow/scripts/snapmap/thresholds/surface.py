@@ -1,5 +1,6 @@
 """The threshold surface over damping and frequency as an xarray dataset."""
 
+import math
 import warnings
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Unpack
@@ -18,14 +19,28 @@ from ..study import arguments
 from ..study.axes import PULSE_AXES, rows_of
 from ..study.study import THRESHOLD_SETTINGS, Study, study_of
 from ..study.variables import dress, flags
-from . import islands
 from .cost import tell_cost
-from .lattice import nearby
+from .search import nearby
 from .settling import lowest_latched
 from .slow import growth_rate, slow_factor
-from .transitions import FINE_STEP, FINEST_STEP
+from .survey import (
+    CLOSE_STEP,
+    FOUND,
+    ISLAND_STEP,
+    ISLANDS_TO,
+    NOT_FOLLOWED,
+    NOTHING_SNAPS,
+    RAGGED_STEP,
+    STATUS,
+    is_fast,
+    is_ringing,
+    look_closely,
+    lowest,
+    snap_times,
+    survey,
+    with_rows,
+)
 from .verified import SNAPS_AT, WITHIN, Expected, expected_labels, fill, initial_rows, surfaces
-from .witness import edges_about
 
 IMPULSE, IMPULSE_OF_BEAM = 100.0, 10.0
 """A pulse of so many times the device's own frequency, and the beam's, is as good as a jump in
@@ -39,8 +54,8 @@ ROWS = 4096
 """Rows looked at together: each takes some 70 kB."""
 
 COMMENT = (
-    f"in multiples of g; narrower stretches may lie below: than {islands.NARROW:.2%} of N near a "
-    f"clean threshold of a fast pulse, {FINEST_STEP:.1%} near a ragged one, {FINE_STEP:.1%} "
+    f"in multiples of g; narrower stretches may lie below: than {2 * CLOSE_STEP:.2%} of N near a "
+    f"clean threshold of a fast pulse, {RAGGED_STEP:.2%} near a ragged one, {ISLAND_STEP:.1%} "
     "elsewhere"
 )
 
@@ -66,9 +81,11 @@ def threshold(
     options: horizon (us after the pulse), start, energy_tolerance, threads; pulse; direction; skip:
         whether a device without a second stable shape is no error; those of the model; and values
         of the device, internal units, as axes in front of C and f0
-    Variables: those of `islands.Thresholds`, (..., C, f0), with N_latched; the limits of slow and
-    short pulses, N_static, over the axes of device and pulse, and velocity_change, over these and
-    C; N_slow, of slow pulses by their `dwell` above N_static, us, over the axes of device and C;
+    Variables: those of `survey.Thresholds`, (..., C, f0), with N_latched; N_first of a row that is
+    not ragged stands on a lattice in relative steps of `tolerance`, so that two models may agree to
+    the last digit, and only the digits that N_error allows count. The limits of slow and short
+    pulses, N_static, over the axes of device and pulse, and velocity_change, over these and C;
+    N_slow, of slow pulses by their `dwell` above N_static, us, over the axes of device and C;
     the `area` of each pulse: its velocity change is area N g / f0; of records in known units
     `scale_first`, a factor. Along axes of eight values and more of the device, C or f0 of slow
     pulses, few rows are searched and others `verified`. `status` in words is
@@ -99,7 +116,7 @@ def thresholds_of(
     document["sweep"]["threshold_tolerance"] = tolerance
     models, rows = choose_survey(grid.device, study.model, settings.start), rows_of(grid)
     exists = rows.device >= 0
-    rings = exists & islands.is_ringing(grid.device, rows)
+    rings = exists & is_ringing(grid.device, rows)
     slow = ~rings.reshape(-1, grid.axes["f0"].size).any(axis=0)
     numbers = np.where(exists, np.arange(exists.size), -1)
     parts = surfaces(grid.axes, numbers.reshape(grid.shape), slow)
@@ -110,7 +127,7 @@ def thresholds_of(
     columns["N_bound"] += np.nan if models.lawful else 0.0
     N_first, N_latched = columns["N_first"], np.full(exists.size, np.nan)
     first = N_first[exists]
-    top = islands.ISLANDS_TO * first if highest is None else highest
+    top = ISLANDS_TO * first if highest is None else highest
     top = np.where(np.isnan(first), np.nan, top)
     low = np.where(first <= top, first, np.nan)
     warn_of_bars(N_first, columns["N_error"], tolerance)
@@ -126,7 +143,7 @@ def thresholds_of(
     }
     data |= _limits(grid, models, settings, tolerance, highest)
     data |= _slow(grid, rows, models.static, settings)
-    data["status"] = *data["status"], flags(islands.STATUS)
+    data["status"] = *data["status"], flags(STATUS)
     data["N_first"] = *data["N_first"], {"comment": COMMENT}
     gravity = float(grid.device.gravity[0])
     return dress("threshold", xr.Dataset(data, grid.axes), document, gravity=gravity)
@@ -164,11 +181,11 @@ def find_thresholds(
 
     def add(which, new):
         for key, values in new.items():
-            columns[key] = islands.with_rows(rows.f0.size, which, values, columns.get(key))
+            columns[key] = with_rows(rows.f0.size, which, values, columns.get(key))
 
     def search(which):
         for block in _blocks(which) if which.size or not columns else []:
-            new = islands.survey(models, rows.take(block), settings, tolerance, highest)
+            new = survey(models, rows.take(block), settings, tolerance, highest)
             add(block, new._asdict() | {"verified": np.zeros(block.size, np.int8)})
         N = columns["N_first"][which]
         alone = (columns["ragged"][which] == 0) & (columns["islands"][which] == 0)
@@ -209,26 +226,27 @@ def _verify(models, rows, settings, tolerance, highest, expected):
     """Find thresholds of rows where they are expected, by name; N_first is NaN for no such."""
     N_first, t_snap = np.full((2, rows.f0.size), np.nan)
     device, finest = models.decides.device, len(models.levels) - 1
-    rings = islands.is_ringing(device, rows)
-    of_row = np.maximum(expected.level, np.minimum(islands.is_fast(device, rows), finest))
+    rings = is_ringing(device, rows)
+    of_row = np.maximum(expected.level, np.minimum(is_fast(device, rows), finest))
     for number, level in enumerate(models.levels):
         which = np.flatnonzero(of_row == number)
         part, N = rows.take(which), expected.N[which]
-        N = np.where(expected_labels(level.looks, part, settings, N), N, np.nan)
-        ends = nearby(level.looks, part, settings, N, level.rough(tolerance))
-        close, begins, *_ = edges_about(level, part, settings, tolerance, rings[which], *ends)
+        N = np.where(expected_labels(level.decides, part, settings, N), N, np.nan)
+        ends = nearby(level.decides, part, settings, N, tolerance)
+        ways = settings, tolerance, rings[which]
+        close, begins, *_ = look_closely(level.decides, part, *ways, *ends)
         once = ~begins & (np.bincount(close.row, minlength=N.size) == 1)
         close = close.take(once[close.row])
         first = np.full(N.size, np.nan)
         first[close.row] = close.high
         holds = abs(first - N) <= max(WITHIN, tolerance) * N
         N_first[which] = N = np.where(holds, first, np.nan)
-        t_snap[which] = islands.snap_times(level.decides, part, settings, N)
+        t_snap[which] = snap_times(level.decides, part, settings, N)
     top = np.inf if highest is None else highest
     none = np.zeros(rows.f0.size, np.int8)
     error = (expected.bar + tolerance) * N_first + abs(N_first - expected.N)
     return {
-        "status": none + np.int8(islands.FOUND),
+        "status": none + np.int8(FOUND),
         "N_bound": least_amplitudes(models.decides, rows, settings.start),
         "N_looked": expected.N * SNAPS_AT[-1],
         "N_first": N_first,
@@ -256,9 +274,9 @@ def _lowest_of(grid, models, settings, tolerance, highest, omega, which, everywh
     numbers = np.where(exists, np.arange(N.size), -1).reshape(grid.shape)
     parts = surfaces(grid.axes, numbers, np.zeros(1, bool))
     beside = _beside(exists, parts)
-    N[beside] = islands.survey(models, rows.take(beside), settings, tolerance, highest).N_first
+    N[beside] = survey(models, rows.take(beside), settings, tolerance, highest).N_first
     surface = np.flatnonzero(exists & ~beside) if everywhere else np.sort(initial_rows(parts))
-    N[surface] = islands.lowest(models, rows.take(surface), settings, tolerance)
+    N[surface] = lowest(models, rows.take(surface), settings, tolerance)
     return N.reshape(grid.shape[:-1])
 
 
@@ -321,16 +339,23 @@ def _slow(grid, rows, static, settings):
     }
 
 
+def to_digits(N: float, error: float) -> str:
+    """Write a threshold to the digits that its bar allows, at most four; to all if it has none."""
+    known = math.floor(math.log10(N)) - math.floor(math.log10(error)) if error > 0 else 3
+    return plain(N, min(max(known, 0), 3) + 1)
+
+
 def summary(thresholds: xr.Dataset, lowest: float = -np.inf, highest: float = np.inf) -> str:
     """Sum up thresholds in one line: their range, ragged ones, errors, and the weaker side.
 
     lowest, highest: N of a grid; the line says where they are on one side of all thresholds
     """
     N_first, status = thresholds.N_first, thresholds.status
-    N = N_first.values[np.isfinite(N_first.values)]
-    ends = f"from N = {plain(N.min())} to {plain(N.max())}, " if N.size else ""
-    relative = (thresholds.N_error / N_first).values
-    known = relative[np.isfinite(relative)]
+    there = np.isfinite(N_first.values)
+    N, error = N_first.values[there], thresholds.N_error.values[there]
+    ends = [to_digits(N[i], error[i]) for i in (N.argmin(), N.argmax())] if N.size else []
+    ends = f"from N = {' to '.join(ends)}, " if N.size else ""
+    known = (error / N)[np.isfinite(error)]
     typical = f"{np.median(known):.2%}" if known.size else "unknown"
     ragged = int(thresholds.ragged.where(N_first.notnull(), 0).sum())
     line = (
@@ -338,12 +363,12 @@ def summary(thresholds: xr.Dataset, lowest: float = -np.inf, highest: float = np
         f"{ragged} of them ragged, {int((known > 0.01).sum())} with an error above 1 %, "
         f"median {typical}"
     )
-    for number in (islands.NOTHING_SNAPS, islands.NOT_FOLLOWED):
+    for number in (NOTHING_SNAPS, NOT_FOLLOWED):
         if count := int((status == number).sum()):
-            line += f"; {islands.STATUS[number].replace('_', ' ')} in {count}"
+            line += f"; {STATUS[number].replace('_', ' ')} in {count}"
     beyond = {
         "above": N_first < lowest,
-        "below": (N_first > highest) | (status == islands.NOTHING_SNAPS) & (highest < np.inf),
+        "below": (N_first > highest) | (status == NOTHING_SNAPS) & (highest < np.inf),
     }
     for side, rows in beyond.items():
         maps = rows.all("f0")

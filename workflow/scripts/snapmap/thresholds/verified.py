@@ -78,44 +78,66 @@ def fill(
     Which rows are searched depends on the axes, and on what searched ones are: intervals are halved
     until all rows at the corners of one are clean, or verified, and what lies between holds.
     """
-    left, done = rows >= 0, np.zeros(rows.shape, bool)
-    known = Expected(*(np.full(rows.shape, blank) for blank in (np.nan, np.nan, 0, False)))
+    surface = Surface(rows, axes)
+    while surface.left.any():
+        surface.search(search)
+        surface.verify(verify)
+        surface.halvings += 1
 
-    def keep(which, values):
-        done[which] = True
-        for column, value in zip(known, values, strict=True):
-            column[which] = value
 
-    cubic, halvings = None, 0
-    while left.any():
-        places = [_places(x, halvings) for x in axes]
-        corners, _ = _corners(np.nonzero(left), axes, places)
-        needed = np.zeros(rows.shape, bool)
-        for corner in corners:
+class Surface:
+    """What is known of rows on a grid: they are searched at its corners, and verified between.
+
+    rows, axes: as for `fill`; left: which are not known yet; known: what the others are
+    halvings: how often the first intervals between corners have been halved
+    """
+
+    def __init__(self, rows: np.ndarray, axes: Sequence[np.ndarray]):
+        self.rows, self.axes, self.halvings, self.cubic = rows, axes, 0, None
+        self.left = rows >= 0
+        self.known = Expected(*(np.full(rows.shape, blank) for blank in (np.nan, np.nan, 0, False)))
+
+    def corners(self) -> tuple[list, list]:
+        """Find the corners between which the rows left stand, and their shares, by `_corners`."""
+        places = [_places(x, self.halvings) for x in self.axes]
+        return _corners(np.nonzero(self.left), self.axes, places)
+
+    def search(self, search: Callable[[np.ndarray], Expected]) -> None:
+        """Search the corners that are left."""
+        needed = np.zeros(self.rows.shape, bool)
+        for corner in self.corners()[0]:
             needed[corner] = True
-        needed &= (rows >= 0) & ~done
-        keep(needed, search(rows[needed]))
-        if cubic is None:
-            cubic = _cubic(known.N, axes, places)
-        left &= ~done
-        corners, shares = _corners(np.nonzero(left), axes, places)
-        clean = np.all([known.clean[corner] for corner in corners], axis=0)
-        which = tuple(index[clean] for index in np.nonzero(left))
+        needed &= self.left
+        self._keep(needed, search(self.rows[needed]))
+        if self.cubic is None:
+            places = [_places(x, self.halvings) for x in self.axes]
+            self.cubic = _cubic(self.known.N, self.axes, places)
+
+    def verify(self, verify: Callable[[np.ndarray, Expected], np.ndarray]) -> None:
+        """Verify rows between clean corners, where the cubic, corrected by these, expects them."""
+        corners, shares = self.corners()
+        clean = np.all([self.known.clean[corner] for corner in corners], axis=0)
+        which = tuple(index[clean] for index in np.nonzero(self.left))
         corners = [tuple(index[clean] for index in corner) for corner in corners]
         apart = sum(
-            share[clean] * (known.N[corner] / cubic[corner])
+            share[clean] * (self.known.N[corner] / self.cubic[corner])
             for share, corner in zip(shares, corners, strict=True)
         )
         expected = Expected(
-            N=cubic[which] * apart,
-            bar=np.max([known.bar[corner] for corner in corners], axis=0),
-            level=np.max([known.level[corner] for corner in corners], axis=0),
+            N=self.cubic[which] * apart,
+            bar=np.max([self.known.bar[corner] for corner in corners], axis=0),
+            level=np.max([self.known.level[corner] for corner in corners], axis=0),
             clean=clean[clean],
         )
-        holds = verify(rows[which], expected)
-        keep(tuple(index[holds] for index in which), [values[holds] for values in expected])
-        left &= ~done
-        halvings += 1
+        holds = verify(self.rows[which], expected)
+        which = tuple(index[holds] for index in which)
+        self._keep(which, [values[holds] for values in expected])
+
+    def _keep(self, which, values):
+        """Keep what rows are, so that they are no longer left."""
+        self.left[which] = False
+        for column, value in zip(self.known, values, strict=True):
+            column[which] = value
 
 
 def initial_rows(parts: Sequence[tuple[np.ndarray, Sequence[np.ndarray]]]) -> np.ndarray:

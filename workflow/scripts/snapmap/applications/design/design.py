@@ -235,7 +235,7 @@ def _ends(look, grid, N_first, error, met, where, N):
         inside = low + (N - below) * (high - low) / (beyond - below)
         left_open = (error.max(axis=1) + abs(beyond - below) / 2) / abs(slope)
     # At an end beyond which nothing snaps the bar of a threshold says nothing.
-    crossed = ((below < N) != (beyond < N)) & np.isfinite(inside)
+    crossed = ((below <= N) != (beyond <= N)) & np.isfinite(inside)
     value = np.where(crossed, inside, (low + high) / 2)
     return row, value, np.where(crossed, left_open, (high - low) / 2)
 

@@ -16,9 +16,9 @@ from ...solver.motion import largest_stress
 from ...study.axes import DEVICE, TEMPERATURE, Grid, Units, rows_of
 from ...study.study import ANY, SNAPS, THRESHOLD_SETTINGS, Study, of_requirement
 from ...study.variables import dress
-from ...thresholds.islands import NOTHING_SNAPS
 from ...thresholds.population import Batch, choose_levels
 from ...thresholds.surface import thresholds_of
+from ...thresholds.survey import NOTHING_SNAPS
 from .between import FAR, between, least_reserve, reserves_between
 
 DESIGN_AXES = *(key for key in VALUES if key != TEMPERATURE), "C"
