@@ -47,19 +47,21 @@ devices:
 """
 
 MODELS = {
-    "elements": "Hermite elements on the half beam, as the handout's; by default all modes (hard "
-    "contact: three quarters)",
+    "elements": "Hermite elements on the half beam, as in the handout",
     "cosines": "symmetric cosines",
-    "auto": "for each cell the cheapest sufficient number of cosines",
-    "reference": "the handout's central differences as a plain loop: slow",
+    "auto": "the cheapest sufficient number of cosines for each cell",
+    "reference": "central differences of the handout in a plain loop; slow",
 }
 
 OF_VALUES = {
-    "sweep": "values (`[-5 MPa, 0 MPa, 5 MPa]`) | the device's own",
-    "tolerances": "a standard deviation, as a value or a share, or a mapping of its kind to its "
-    "width (`0.05 um`, `5 %`, `{uniform: 0.2 um}`) | no scatter",
-    "calibration.unknowns": "a pair of values: its range (`[1.7 um, 2.3 um]`) | it is known",
-    "each of histories": "a value (`1.9 um`) | the device's own",
+    "sweep": ("values (`[-5 MPa, 0 MPa, 5 MPa]`)", "the device's own"),
+    "tolerances": (
+        "a standard deviation, as a value or a share, or a mapping of its kind to its width "
+        "(`0.05 um`, `5 %`, `{uniform: 0.2 um}`)",
+        "no scatter",
+    ),
+    "calibration.unknowns": ("a pair of values: its range (`[1.7 um, 2.3 um]`)", "it is known"),
+    "each of histories": ("a value (`1.9 um`)", "the device's own"),
 }
 """What a section has for each value of the device: what, with an example; if left out."""
 SECTIONS = {
@@ -96,7 +98,8 @@ A physical value is text: a number and any unit of its dimension, as in `2330 kg
 µs and Hz it must be from {least:g} to {most:g}, or 0 where 0 fits. Each mistake, also an unknown
 key, is reported in one line before any job starts: the key, the value, and what would be right.
 `snapmap check FILE` reports them without a run. Examples are in brackets; an axis is a list or a
-[range](#an-axis-given-as-a-range).
+[range](#an-axis-given-as-a-range). Axes and tolerances of the device keep `C` and `damping`, not
+the `quality_factor` that replaces them.
 
 {sections}
 
@@ -151,7 +154,6 @@ def _sections():
         title = f"`{name}`" if name and " " not in name else name.capitalize() or "All sections"
         first, _, more = cleandoc(section.__doc__).partition("\n\n")
         lines = [f"## {title}", "", *([more, ""] if more else [first, ""] * ("`" not in title))]
-        lines += ["| key | what | default |", "|---|---|---|"]
         keys = {field.alias or key: field for key, field in section.model_fields.items()}
         values = [key for key in keys if key in VALUES] if name in OF_VALUES else []
         again, rows = [], {}
@@ -166,14 +168,19 @@ def _sections():
         for (what, left_out), of in rows.items():
             examples = _listed(filter(None, dict.fromkeys(of.values())))
             what += f" ({examples})" * bool(examples)
-            lines.append(f"| {_listed(of)} | {what} | {left_out} |")
-        lines += [f"| {_listed(again)} | as above | |"] if again else []
+            lines.append(_row(_listed(of), what, left_out))
+        lines += [f"- {_listed(again)}: as above"] if again else []
         of_sweep = of_sweep or values
         if values:
             less = [key for key in of_sweep if key not in values]
             these = f"those of `sweep`{' but ' + _listed(less) if less else ''}"
-            lines += [f"| {_listed(values) if values is of_sweep else these} | {OF_VALUES[name]} |"]
+            lines.append(_row(_listed(values) if values is of_sweep else these, *OF_VALUES[name]))
         yield "\n".join([*lines, *(_options() if name == "model" else [])])
+
+
+def _row(keys, what, left_out):
+    default = left_out if left_out.startswith("required") else f"default: {left_out}"
+    return f"- {keys}: {what}; {default}"
 
 
 def _listed(keys):

@@ -27,7 +27,7 @@ class ShapeSection(Section):
 
     cosines: many(
         quantity("part"),
-        "a list of up to 5 numbers, of 1 - cos(2 n pi x/L) each; the midpoint keeps the rise",
+        "a list of up to 5 amplitudes of 1 - cos(2 n pi x/L); the midpoint keeps the rise",
         out="`file`",
         least=1,
     )
@@ -66,7 +66,7 @@ def section_of(at: str, **kinds: str) -> type[ValuesSection]:
 
 
 class ClampSection(section_of("beam.clamp")):
-    """What the clamps give."""
+    """Stiffness of the clamps."""
 
 
 class BeamSection(section_of("beam", rise="distance")):
@@ -75,10 +75,10 @@ class BeamSection(section_of("beam", rise="distance")):
     known_as = "device.beam"
     shape: part(ShapeSection, out="a cosine")
     clamp: part(ClampSection, out="rigid")
-    guide: word("guided", "free", what="free, it may tilt", out="`guided`")
+    guide: word("guided", "free", what="a free beam may tilt", out="`guided`")
     quality_factor: quantity(
         "quality",
-        "in place of damping, of the first symmetric mode; axes and tolerances keep the damping",
+        "quality factor of the first symmetric mode; replaces `damping`",
         out="`damping`",
     )
 
@@ -152,7 +152,7 @@ class DeviceSection(section_of("", mass="body")):
     )
     quality_factor: quantity(
         "quality",
-        "in place of sweep.C, of the mass on its spring; axes and tolerances keep C",
+        "quality factor of mass and spring; replaces `sweep.C`",
         "94",
         "`sweep.C`",
     )

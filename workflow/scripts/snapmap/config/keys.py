@@ -266,7 +266,7 @@ class Range(Section):
 
     start: Annotated[object, words("one end, a value of the axis"), Field(alias="from")]
     stop: Annotated[object, words("the other end, a value of the axis"), Field(alias="to")]
-    points: argument(integer(1, 1_000_000), "values, both ends counted")
+    points: argument(integer(1, 1_000_000), "number of values, both ends counted")
     spacing: word("linear", "log", out="`linear`")
 
     def make(self) -> np.ndarray:

@@ -38,18 +38,18 @@ class ModelSection(Section):
     known_as = "model"
 
     name: word(*OPTIONS)
-    elements: argument(OF_MODEL["elements"], "on the half beam", out="`5`")
-    cosines: argument(OF_MODEL["cosines"], "symmetric", out="as many as `modes`")
+    elements: argument(OF_MODEL["elements"], "number of elements on the half beam", out="`5`")
+    cosines: argument(OF_MODEL["cosines"], "number of symmetric cosines", out="as many as `modes`")
     modes: argument(
         OF_MODEL["modes"],
-        "that are kept",
+        "number of modes",
         out="`5` cosines; elements: all, with hard contact three quarters",
     )
     tolerance: quantity(
-        "share", "largest error of thresholds of auto", out=f"`{100 * TOLERANCE:g} %`"
+        "share", "largest error of thresholds by `auto`", out=f"`{100 * TOLERANCE:g} %`"
     )
     laws: path(
-        "a Python file in the study's folder, of laws of reference: "
+        "a Python file in the study's folder with laws for `reference`: "
         "[your own](own-physics.md#in-a-config)",
         "mylaws.py",
         "the device's own",
@@ -75,27 +75,35 @@ class SweepSection(_Axes):
         "{from: 100 Hz, to: 30 kHz, points: 31, spacing: log}",
         "required, or `duration`, or a pulse that has its own",
     )
-    duration: axis("pulse", "of the shock, instead of f0", "[0.3 ms, 0.5 ms]", "`f0`")
+    duration: axis("pulse", "duration of the shock; replaces f0", "[0.3 ms, 0.5 ms]", "`f0`")
     C: axis(
         "damper",
-        "on the mass",
+        "damping of the mass",
         "[0.025 uN*us/um, 25 uN*us/um]",
         "required, or `device.quality_factor`, or no mass",
     )
-    not_bistable: word(*("refuse", "skip"), what="if no second shape is stable", out="`refuse`")
-    horizon: quantity("duration", "after the pulse, for which a cell is followed")
+    not_bistable: word(
+        *("refuse", "skip"),
+        what="what happens to a point without a second stable shape",
+        out="`refuse`",
+    )
+    horizon: quantity("duration", "time after the pulse for which a cell is followed")
     start: word(*STARTS, what="the shape in which the beam rests at first", out=f"`{FIRST}`")
-    until: argument(arguments.Until, "until its well is proven, or it snaps", out="`settled`")
+    until: argument(
+        arguments.Until, "a run ends when its well is proven, or also at its snap", out="`settled`"
+    )
     repeat: flag(
         "whether each cell is run again with another step", out="`true` where `until` is `settled`"
     )
     energy_tolerance: argument(
         arguments.EnergyTolerance,
-        "of the energy ledger, over the work of the pulse",
+        "largest residual of the energy ledger over the work of the pulse",
         out=f"`{Settings().energy_tolerance:g}`",
     )
     threshold_tolerance: argument(
-        arguments.Refinement, "of thresholds in N, relative", out=f"`{THRESHOLD_TOLERANCE:g}`"
+        arguments.Refinement,
+        "relative refinement of thresholds in N",
+        out=f"`{THRESHOLD_TOLERANCE:g}`",
     )
 
     def make(self) -> Settings:
@@ -124,16 +132,16 @@ _PLACE = Annotated[
 class MapSection(Section):
     """A map over two axes that differ."""
 
-    x: _axis_name("to the right")
-    y: _axis_name("upward; without N the thresholds are drawn")
+    x: _axis_name("horizontal axis")
+    y: _axis_name("vertical axis; a map without N shows thresholds")
     at: _PLACE
 
 
 class LinesSection(Section):
     """A figure of thresholds over two axes that differ."""
 
-    x: _axis_name("to the right", "N")
-    lines: _axis_name("a line for each value", "N")
+    x: _axis_name("horizontal axis", "N")
+    lines: _axis_name("each value is a line", "N")
     at: _PLACE
 
 
@@ -149,7 +157,7 @@ class _Core(Section):
 
     title: argument(
         Argument("a line of letters, digits, spaces, .,:()/%+-_, at most 60", is_title),
-        "of the data sheet: name, issue, date",
+        "on the data sheet: name, issue, date",
         "Crash sensor A, 2026-11-23",
         "none",
     )

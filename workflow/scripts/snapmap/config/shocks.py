@@ -14,7 +14,7 @@ from .keys import Section, argument, many, part, path, quantity, word
 TIMED = ("file", *MAKERS)
 """Keys of shocks that are more than a shape, and last as long as they last."""
 SHAPE = word(*SHAPES, out=f"`{VERSED_SINE}`")
-SHARE = quantity("share", "of the duration of a trapezoid", "10 %", "`10 %`")
+SHARE = quantity("share", "part of the duration of a trapezoid", "10 %", "`10 %`")
 
 
 class Blow(Section):
@@ -23,21 +23,25 @@ class Blow(Section):
     shape: SHAPE
     rise: SHARE
     fall: SHARE
-    N: quantity("number", "the peak over those of others", "2", "`1`")
+    N: quantity("number", "peak relative to those of other blows", "2", "`1`")
     duration: quantity("pulse", out="`wait` or `repeat`, alone")
     wait: quantity("pulse", out="none")
-    repeat: argument(OF_PULSE["repeat"], "how often all before it comes", out="once")
+    repeat: argument(
+        OF_PULSE["repeat"], "number of times that all items before it occur", out="once"
+    )
 
 
 class Drop(Section):
     """A free fall, its blow, and the rebounds."""
 
-    height: quantity("length", "of the free fall", "1 m")
-    duration: quantity("pulse", "of each blow")
+    height: quantity("length", "height of the free fall", "1 m")
+    duration: quantity("pulse", "duration of each blow")
     shape: SHAPE
     rise: SHARE
     fall: SHARE
-    rebound: quantity("number", "velocity after over before a blow, 0 to 0.99", "0.3", "`0`")
+    rebound: quantity(
+        "number", "ratio of the velocities after and before a blow, 0 to 0.99", "0.3", "`0`"
+    )
 
 
 def _shapes(value):
@@ -60,7 +64,7 @@ class PulseSection(Section):
     """The shock: a shape, or a file, train or drop."""
 
     known_as = "pulse"
-    shape: several_shapes("or a list of these, which then is an axis", f"`{VERSED_SINE}`")
+    shape: several_shapes("or a list of these, an axis", f"`{VERSED_SINE}`")
     rise: SHARE
     fall: SHARE
     file: path("a recorded shock in the study's folder, CSV", out="`shape`")
@@ -72,7 +76,7 @@ class PulseSection(Section):
         least=1,
     )
     drop: part(Drop, out="`shape`")
-    direction: word(*PUSHES, what=f"{PUSHED}; both are an axis", out="`+z`")
+    direction: word(*PUSHES, what=f"{PUSHED}; both is an axis", out="`+z`")
 
     @classmethod
     def beside(cls, pulse: Mapping) -> dict[tuple, str]:

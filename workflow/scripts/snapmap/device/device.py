@@ -29,7 +29,7 @@ OF_MASS = *ALONE, *keys_of("stops").values()
 
 @dataclass(frozen=True)
 class Device:
-    """A beam, and a mass on a spring that strikes it; an impossible value raises ValueError.
+    """A beam and a mass on a spring; an impossible value raises ValueError.
 
     Values of device and beam are the keys of the config.
     mass: 0, with a gap of math.inf, for a beam alone

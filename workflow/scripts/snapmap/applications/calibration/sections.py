@@ -38,7 +38,7 @@ class CalibrationSection(Section):
         "shots.csv",
     )
     unknowns: part(UnknownsSection)
-    C: quantity("damper", "of the shots", out="unknown, or the one of `sweep`")
+    C: quantity("damper", "damping of the mass in the shots", out="unknown, or the one of `sweep`")
 
 
 class Calibration(NamedTuple):

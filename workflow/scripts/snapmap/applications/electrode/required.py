@@ -40,9 +40,9 @@ class ClosingSection(ShockSection):
 
     kind = RequiredClosing
     closes_within: quantity(
-        "pulse", "from its start until the beam is at contact_at", out="any time"
+        "pulse", "longest time from the start of the shock until the beam closes", out="any time"
     )
-    stays_closed: quantity("pulse", "until it opens again", out="any time")
+    stays_closed: quantity("pulse", "least time until the beam opens again", out="any time")
 
     def make(self) -> None:
         """Nothing by itself; ValueError for what cannot be in any study."""

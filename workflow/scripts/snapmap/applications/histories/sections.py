@@ -24,7 +24,7 @@ class CellSection(of_device(_changed)):
 
     N: quantity("number")
     f0: quantity("frequency", out="required, or `duration`")
-    duration: quantity("pulse", "instead of f0", out="`f0`")
+    duration: quantity("pulse", "duration of the shock; replaces f0", out="`f0`")
     C: quantity("damper")
     device: argument(
         Argument("the name of one of the devices", lambda name: isinstance(name, str)),

@@ -33,7 +33,7 @@ def snaps(*words: str) -> object:
     """The key that says whether a device must trip: true, false, or one of some words."""
     need, what = "true or false", "whether the device must trip"
     if words:
-        need, what = "true, false or any", f"{what}; any: it may, or not"
+        need, what = "true, false or any", f"{what}; any: either is right"
     fits = Argument(need, lambda value: isinstance(value, bool) or value in words)
     return argument(fits, what)
 
@@ -55,12 +55,12 @@ class ShockSection(PulseSection):
     snaps: snaps(ANY)
     survives: key(
         _survival,
-        "true, false or a share: whether the beam must not break",
+        "true, false or a share: whether, or with what probability, the beam must stay whole",
         example="99.99 %",
         out=f"`true`, that is `{100 * SURVIVES:g} %`",
     )
     f0: quantity("frequency", out="required, or `duration`, or a shock with its own")
-    duration: quantity("pulse", "instead of f0", out="`f0`")
+    duration: quantity("pulse", "duration of the shock; replaces f0", out="`f0`")
     shape: several_shapes("or a list of these, all of which count", "those of `pulse`")
     direction: word(*PUSHES, what=PUSHED, out="that of `pulse`")
     start: word(*STARTS, what="the shape in which the beam rests at first", out=f"`{FIRST}`")

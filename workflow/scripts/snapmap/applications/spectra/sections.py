@@ -71,9 +71,9 @@ class VibrationSection(Section):
         what="random vibration",
         example="[[20 Hz, 0.01 g^2/Hz], [2000 Hz, 0.04 g^2/Hz]]",
     )
-    duration: quantity("pulse", "of the vibration", "3 min")
+    duration: quantity("pulse", "duration of the vibration", "3 min")
     probability: quantity(
-        "share", "that vibration may trip the device, or miss it", "1 %", f"`{100 * REACH:g} %`"
+        "share", "largest probability of a wrong result", "1 %", f"`{100 * REACH:g} %`"
     )
 
     def make(self) -> None:

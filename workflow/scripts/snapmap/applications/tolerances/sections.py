@@ -56,17 +56,17 @@ class TolerancesSection(of_device(_scatter, OF_DEVICE)):
     duration: _scatter("duration", "", "{uniform: 5 %}")
     together: argument(
         Groups,
-        "each varies by one draw",
+        "a single draw moves each group",
         example="[[thickness, depth]]",
         out="each value by itself",
     )
-    samples: argument(Samples, "devices that are drawn", out=f"`{_DRAWN['samples']}`")
+    samples: argument(Samples, "number of devices", out=f"`{_DRAWN['samples']}`")
     index_samples: argument(
         Samples,
-        "for the Sobol indices; rounded down to a power of two",
+        "number of devices for Sobol indices, rounded down to a power of two",
         out=f"`{INDEX_SAMPLES}`, or `samples` if fewer",
     )
-    seed: argument(arguments.Seed, "of the draws", out=f"`{_DRAWN['seed']}`")
+    seed: argument(arguments.Seed, "seed of the random devices", out=f"`{_DRAWN['seed']}`")
 
     def make(self) -> Tolerances:
         """What scatters."""
