@@ -216,7 +216,7 @@ def test_cells_are_counted_under_the_name_of_the_function(handout, monkeypatch, 
 def test_a_map_has_two_axes(right_calls):
     cube = right_calls["plot_outcome"]["cube"]
     for x, y in (("N", "N"), ("f0", "duration")):
-        with pytest.raises(ValueError, match=f"^x: '{x}' is y, too"):
+        with pytest.raises(ValueError, match=f"^x: '{x}' is already y"):
             snapmap.plot_outcome(cube, x=x, y=y)
 
 

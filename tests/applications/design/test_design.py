@@ -56,7 +56,7 @@ def test_the_damper_that_puts_the_threshold_where_it_is_wanted(handout):
     assert told.N_first[1].item() == pytest.approx(1000, rel=2e-4)
     slope = (told.N_first[2] - told.N_first[0]).item() / 20
     assert found.error == pytest.approx(told.N_error[1].item() / slope, rel=0.5)
-    with pytest.raises(ValueError, match=r"^C: is the value that is sought; leave it out$"):
+    with pytest.raises(ValueError, match=r"^C: is the value to find; leave it out$"):
         snapmap.design(handout, "C", between=(10.0, 400.0), C=25.0, **shock)
 
 

@@ -88,9 +88,9 @@ class BeamSection(section_of("beam", rise="distance")):
         """The beam."""
         free = self.guide == "free"
         if self.has("imperfection") and not free:
-            raise ValueError(".imperfection: is of a free beam; write guide: free")
+            raise ValueError(".imperfection: needs a beam free to tilt; write guide: free")
         if self.has("quality_factor") and self.has("damping"):
-            raise ValueError(".quality_factor: stands beside damping; write one of them")
+            raise ValueError(".quality_factor: replaces damping; write one of them")
         clamp = self.clamp.values() if self.clamp else {}
         beam = Beam(**self.values() | clamp | self._of_shape(free), free=float(free))
         return damped(beam, self.quality_factor) if self.has("quality_factor") else beam
@@ -117,7 +117,7 @@ class BeamSection(section_of("beam", rise="distance")):
             if free and not self.has("imperfection") and measured.tilt > LEAST_TILT:
                 tilt = {"imperfection": measured.tilt}
         if beside := next((name for name in COSINES if self.has(name)), None):
-            raise ValueError(f".{beside}: stands beside the cosines of shape; write one")
+            raise ValueError(f".{beside}: repeats the cosines of shape; write one of them")
         rise = sum(terms[::2])
         if not rise > 0:
             raise ValueError(f".shape.cosines: the odd ones add up to {rise:g}; write more")
@@ -167,10 +167,10 @@ class DeviceSection(section_of("", mass="body")):
         faults = {name: f"missing; write {needs[name]}" for name in needed if name not in device}
         if alone:
             extra = [*(name for name in ALONE if name != "mass"), "stops", "quality_factor"]
-            line = "is of the mass, and there is none; leave it out"
+            line = "needs a mass; leave it out"
             faults |= {name: line for name in extra if name in device}
         if pushed and "gravity" in device:
-            faults["gravity"] = "stands beside force; N counts multiples of one of them"
+            faults["gravity"] = "excludes force, as N counts multiples of one of them; write one"
         return {(name,): line for name, line in faults.items()}
 
     def make(self) -> Device:

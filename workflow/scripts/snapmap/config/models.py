@@ -233,10 +233,10 @@ def _dampers(document, sweep, several):
     at = at or {("device",): document.get("device")}
     at = {path: device for path, device in at.items() if isinstance(device, Mapping)}
     if at and all(device.get("mass") == "none" for device in at.values()):
-        extra = {("sweep", "C"): "is of the mass, and there is none; leave it out"}
+        extra = {("sweep", "C"): "needs a mass; leave it out"}
         return extra if "C" in sweep else {}
     factors = [(*path, "quality_factor") for path in at if "quality_factor" in at[path]]
     if "C" in sweep:
-        return dict.fromkeys(factors, "stands beside sweep.C; write one of them")
+        return dict.fromkeys(factors, "replaces sweep.C; write one of them")
     wanted = "dampers (force time per length) of the mass, or device.quality_factor"
     return {} if factors else {("sweep", "C"): f"missing; write {wanted}"}

@@ -110,7 +110,7 @@ def shocks_of(values: Mapping) -> Shocks:
 def one_time(section, lasts_itself=False, at=()):
     """Name f0 and duration beside each other, or neither of them."""
     if "f0" in section and "duration" in section:
-        return {(*at, "duration"): "is one over f0, which is there, too; write one of them"}
+        return {(*at, "duration"): "excludes f0, as it is one over f0; write one of them"}
     if "f0" in section or "duration" in section or lasts_itself:
         return {}
     return {(*at, "f0"): "missing; write frequencies (1/time), or duration"}

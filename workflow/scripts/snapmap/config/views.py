@@ -61,7 +61,7 @@ def read_places(view: Mapping, axes: Mapping[str, np.ndarray]) -> dict[str, int]
     for key, value in view.get("at", {}).items():
         name, axis = f".at.{key}", axis_behind(key)
         if axis not in axes or axis in drawn.values() or axis in at:
-            raise ValueError(f"{name}: is no axis of this sweep, or one that is drawn")
+            raise ValueError(f"{name}: is not a free axis of this sweep")
         if axis in NAMES:
             if value not in axes[axis]:
                 raise ValueError(f"{name}: no {axis} is called {show(value)}")

@@ -69,7 +69,11 @@ class Beam:
         guided, perfect = np.equal(free, 0), np.equal(tilt, 0)
         lacks = "imperfection: {:g}; a free beam without one never tilts, write 0.01 um"
         yield guided | ~perfect, lacks, tilt
-        yield perfect | ~guided, "imperfection: {:g} um is of a free beam; write guide: free", tilt
+        yield (
+            perfect | ~guided,
+            "imperfection: {:g} um needs a beam free to tilt; write guide: free",
+            tilt,
+        )
         steep = "imperfection: {:g} um is more than a tenth of the span"
         yield np.less_equal(tilt, np.divide(self.span, 10)), steep, tilt
         Q = np.divide(self.rise, self.thickness)

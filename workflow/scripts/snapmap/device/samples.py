@@ -115,7 +115,7 @@ class Plan:
         self.nominal = {}
         for key, scatter in self.scatters.items():
             if key in OF_MASS and device.is_alone:
-                raise ValueError(f"tolerances.{key}: is of the mass, and there is none")
+                raise ValueError(f"tolerances.{key}: needs a mass")
             nominal = self.nominal[key] = nominal_value(device, key)
             if math.isinf(nominal):
                 what = "a hard contact" if key == "contact" else "what is not there"

@@ -114,14 +114,16 @@ def plot_outcome(
         if axis_behind(key) not in cube.outcome.dims:
             raise ValueError(f"{name}: {show(key)} is no axis of the cube")
     if axis_behind(x) == axis_behind(y):
-        raise ValueError(f"x: {show(x)} is y, too; write another axis of the cube")
+        raise ValueError(f"x: {show(x)} is already y; write another axis of the cube")
     many = [key for key in cube.outcome.dims if key not in (x, y) and cube.sizes[key] > 1]
     if many:
         raise ValueError(f"cube: has several {many[0]}; choose one, as cube.isel({many[0]}=0)")
     cells = cube.squeeze([key for key in cube.outcome.dims if key not in (x, y)])
     outcome_names(cells.outcome.values)
     if ends and "well" not in cells:
-        raise ValueError("cube: its runs end at the snap; where beams end is not known")
+        raise ValueError(
+            "cube: the wells are unknown, as runs end at the snap; sweep until settled"
+        )
     shows = "ends" if ends else "snaps"
     return draw_map(ax or style.notebook_axes(), cells, found, x, y, shows=shows)
 

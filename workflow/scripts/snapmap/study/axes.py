@@ -112,7 +112,7 @@ def _require_axes(points, nominal):
     for device in nominal:
         idle = [key for key in points if key in OF_MASS and np.all(device.is_alone)]
         if idle:
-            raise ValueError(f"{idle[0]}: is of the mass, and there is none; leave it out")
+            raise ValueError(f"{idle[0]}: needs a mass; leave it out")
     if len({device.gravity for device in nominal}) > 1:
         raise ValueError("devices: gravity differs; write one, as N counts multiples of it")
 

@@ -66,7 +66,7 @@ def read_calibration(
     if damping is None and "C" not in unknowns and C.size == 1:
         damping = float(C[0])
     if isinstance(device, Mapping):
-        raise ValueError("is of one device; write device in place of devices")
+        raise ValueError("needs a single device; write device in place of devices")
     check_ranges(unknowns, damping, device)
     files = {section.shots: sha256_of(section.shots, *ROWS)}
     table = read_shots(section.shots, files[section.shots])

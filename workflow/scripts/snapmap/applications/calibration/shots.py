@@ -64,7 +64,9 @@ def shots_from(table: str | Path | Mapping, shocks: Shocks, device: Device) -> S
         raise ValueError(f"shots: {tripped.size} are too few; give {FEWEST} or more")
     if tripped.all() or not tripped.any():
         what = "all trip" if tripped.all() else "none trips"
-        raise ValueError(f"shots: {what} of {tripped.size}; a threshold needs both")
+        raise ValueError(
+            f"shots: {what} of {tripped.size}; a threshold needs shots of both outcomes"
+        )
     known, keys, N = {}, [], []
     for i in range(tripped.size):
         row = {key: values[i] for key, values in columns.items()}

@@ -107,7 +107,7 @@ def design(
     goals = required or [{"N": N, "f0": f0, "snaps": True, "shocks": study.shocks}]
     shock = {key: goals[0][key] for key in ("N", "f0")} | {"C": C, "between": between}
     if value == "C" and shock.pop("C") is not None:
-        raise ValueError("C: is the value that is sought; leave it out")
+        raise ValueError("C: is the value to find; leave it out")
     for key, argument in shock.items():
         if argument is None:
             need = argument_of(design.__annotations__[key]).need
