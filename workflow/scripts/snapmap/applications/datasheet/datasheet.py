@@ -62,7 +62,7 @@ def datasheet(
         facts = _device(study, device, written[name])
         sheets += [f"{head}\n", table(["device", "value"], facts)]
         at_rest = f"at rest at {plain(device.temperature)} degC, exact to the digits shown"
-        sheets += [table([at_rest, "value"], _statics(device, of_device))]
+        sheets += [table([at_rest, "value"], _statics(device, of_device, damper))]
         unit = f"{plain(device.gravity * 1e6)} m/s^2"
         unit = f"{device.force:g} uN on the midpoint" if device.force else unit
         head = ["requirement", "shock", "at, degC", of_C, "threshold"]
@@ -93,7 +93,8 @@ def _device(study, device, written):
         yield [key.replace(".", ": ").replace("_", " "), text]
 
 
-def _statics(device, verdicts):
+def _statics(device, verdicts, damper):
+    unit, size = damper
     path, beam = statics(device), device.beam
     force, error = reset_force(beam)
     resets = f"{force:.5g} ± {plain(error, 1)} uN" if force > 0 else "none: it returns by itself"
@@ -110,9 +111,9 @@ def _statics(device, verdicts):
     N = static_threshold(device)
     yield ["slow shock that snaps it", f"above {N:.5g} for longer than a dwell time"]
     for C in sorted({row["C"] for row in verdicts}):
-        dwell = 2 / growth_rate(device, C)
+        dwell = 2 / growth_rate(device, C * size)
         text = f"{dwell:.4g} us" if np.isfinite(dwell) else "not known: no corner in its path"
-        yield [f"dwell time at C = {C:g}, of slow shocks to first order", text]
+        yield [f"dwell time at C = {C:g} {unit}, of slow shocks to first order", text]
 
 
 def _verdict(row, made):
