@@ -14,12 +14,12 @@ from ...numerics.statistics import percents, scope
 from ...solver.outcome import REPEATED_STEP
 from ...solver.settings import SECOND
 from ...study.provenance import code_version
-from ...study.study import Study, at_corner
+from ...study.study import Study
 from ...thresholds.slow import growth_rate
 from .. import functions
 from ..histories.history import extremes_of
 from ..requirements.check import LEVELS
-from ..requirements.corners import corner_text, corners, must_text
+from ..requirements.corners import at_corner, corner_text, corners, must_text
 from ..statics.statics import statics
 
 UNITS = {
