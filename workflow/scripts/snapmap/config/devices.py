@@ -11,9 +11,9 @@ from ..beam.modal import damped
 from ..device.argument import ExistingPath
 from ..device.curved_beam import COSINES
 from ..device.device import ALONE, VALUES, Beam, Device
-from ..device.measured_shape import read_shape
 from ..device.quantities import QUANTITIES, keys_of
 from .keys import Section, either, lines_of, many, part, path, quantity, word
+from .measured_shape import read_shape
 from .yaml_file import ConfigError, read_document
 
 AS_MEASURED = 0.1
