@@ -9,9 +9,9 @@ from ..beam.cosines import buckling_shapes
 from ..beam.equilibria import find_barrier, least_travel
 from ..beam.vibrations import vibrations
 from ..device.device import Beam, Device
-from ..files.tables import read_points
 from ..study.study import Study
 from .plausible import implausible
+from .points import read_points
 
 IDLE = "changes nothing without device.thermal; write its values there"
 TILTING = 8
