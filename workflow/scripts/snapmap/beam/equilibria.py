@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..device.arch import equilibria
-from ..device.device import Beam, Device, Value
+from ..device.device import Beam, Value
 from ..numerics.linalg import apply, dot, eigh
 from .basis import Basis
 from .cosines import buckling_shapes, symmetric_cosines
@@ -156,11 +156,6 @@ def saddle_and_second(
     loads, s = (np.broadcast_to(part, (beams.Q.size, part.shape[-1])) for part in (loads, s))
     rest = equilibria(loads, s, beams.axial, np.zeros(beams.Q.size))
     return modal, apply(shapes, rest.saddle - s), apply(shapes, s * rest.second - s)
-
-
-def least_travel(device: Device) -> float:
-    """How far the mass must travel from rest to push the midpoint slowly to the saddle, um."""
-    return float(device.gap - find_barrier(device.beam, shapes_of(device.beam)).midpoint)
 
 
 class Rest(NamedTuple):
