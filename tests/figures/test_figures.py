@@ -188,7 +188,7 @@ def test_a_saved_figure_has_fonts_and_facts_and_repeats_byte_for_byte(tmp_path):
 
 
 def test_the_picture_of_the_first_page_has_the_numbers_of_the_table(root):
-    picture = runpy.run_path(str(root / "docs" / "make_picture.py"))
+    picture = runpy.run_path(str(root / "docs" / "make_pictures.py"))
     ax = style.single_column(height=4).subplots()
     picture["draw_speeds"](ax)
     ((error, speed),) = ax.lines[0].get_xydata()
@@ -196,6 +196,19 @@ def test_the_picture_of_the_first_page_has_the_numbers_of_the_table(root):
     (row,) = [line for line in lines if line.startswith("| `auto` |")]
     assert row.replace(" ", "").endswith(f"|{speed:.0f}|") and f"| {error:g} / " in row
     assert len(ax.lines) == len(picture["SHOWN"]) == 4
+
+
+def test_the_pictures_of_pages_are_small_and_in_few_colours(root, tmp_path):
+    pictures = runpy.run_path(str(root / "docs" / "make_pictures.py"))
+    figure = style.single_column(height=4)
+    figure.subplots().plot([0, 1], color="C1")
+    figure.savefig(tmp_path / "large.png", dpi=600)
+    pictures["reduce_colours"](tmp_path / "large.png", tmp_path / "small.png")
+    with Image.open(tmp_path / "small.png") as image:
+        assert image.mode == "P" and max(image.size) == pictures["WIDTH"]
+    names = {path.stem for path in (root / "docs" / "pictures").glob("*.png")}
+    assert names == {"map", *pictures["GALLERY"]} and len(names) <= 6
+    assert all(p.stat().st_size <= 100_000 for p in (root / "docs" / "pictures").iterdir())
 
 
 def test_the_first_lines_differ_in_grey():

@@ -80,5 +80,5 @@ def summary(laws: xr.Dataset) -> str:
     """Tell the laws in one line, at the least C."""
     keys, laws = ("N_static", "dwell", "velocity_change"), laws.isel(C=0, saddle=0)
     N, dwell, v, delay = (plain(laws[key].item()) for key in (*keys, "saddle_scale"))
-    slow, short = f"a slow shock trips it above {N} for longer than {dwell} us", f"{v} um/us"
+    slow, short = f"a slow shock trips it above N = {N} for longer than {dwell} us", f"{v} m/s"
     return f"{slow}, a short one by {short}; a factor e nearer a snap is {delay} us later"
