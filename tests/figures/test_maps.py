@@ -11,9 +11,9 @@ from matplotlib.patches import PathPatch
 from small_results import TINY, legend_words, make_cells, make_found, visible
 
 import snapmap
+from snapmap.config.points import Point, read_points
 from snapmap.figures import curves, maps, plane, style
 from snapmap.figures import states as S
-from snapmap.files.tables import Point, read_points
 from snapmap.sweeps.cube import summary, with_summary
 
 pytestmark = pytest.mark.usefixtures("paper")

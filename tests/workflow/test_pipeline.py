@@ -16,8 +16,8 @@ from small_workflow import snakemake
 import snapmap
 from snapmap.applications import gather, window
 from snapmap.config.study import load_config
-from snapmap.files.made import HEAD, LIST
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
+from snapmap.workflow.made import HEAD, LIST
 from snapmap.workflow.products import choose_views
 
 DRAWING = {"draw_study", "draw_page", "draw_histories"}

@@ -6,20 +6,22 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from ...beam.limit_loads import reset_force, static_threshold
+from ...beam.equilibria import buckling_modes
+from ...beam.limit_loads import least_back, static_threshold
 from ...beam.modal import natural_frequency
+from ...device.device import Beam
 from ...device.quantities import QUANTITIES, leaves, plain
 from ...files.text import DASH, table
 from ...numerics.statistics import percents, scope
 from ...solver.outcome import REPEATED_STEP
 from ...solver.settings import SECOND
 from ...study.provenance import code_version
-from ...study.study import Study, at_corner
+from ...study.study import Study
 from ...thresholds.slow import growth_rate
 from .. import functions
 from ..histories.history import extremes_of
 from ..requirements.check import LEVELS
-from ..requirements.corners import corner_text, corners, must_text
+from ..requirements.corners import at_corner, corner_text, corners, must_text
 from ..statics.statics import statics
 
 UNITS = {
@@ -114,6 +116,19 @@ def _statics(device, verdicts, damper):
         dwell = 2 / growth_rate(device, C * size)
         text = f"{dwell:.4g} us" if np.isfinite(dwell) else "not known: no corner in its path"
         yield [f"dwell time at C = {C:g} {unit}, of slow shocks to first order", text]
+
+
+def reset_force(beam: Beam) -> tuple[float, float]:
+    """Find the force on the midpoint that leaves a beam no second shape, and its error, uN.
+
+    Below 0 where the beam returns by itself. The error is what half of the modes leave out.
+    """
+    modes = buckling_modes(beam)
+    modes = modes._replace(load=modes.midpoint)
+    kept = slice(len(modes.buckling) // 2)
+    half = modes._replace(**{key: getattr(modes, key)[kept] for key in modes._fields[:4]})
+    force = least_back(modes)
+    return float(force), float(abs(force - least_back(half)))
 
 
 def _verdict(row, made):
