@@ -19,7 +19,7 @@ sys.path.insert(0, str(scripts))  # before what PYTHONPATH names
 os.environ.update(PYTHONDONTWRITEBYTECODE="1")  # jobs inherit it
 from snapmap.files.atomic import hold, refuse_folders, remove_leftovers
 from snapmap.workflow.job_log import SHELL_PREFIX
-from snapmap.files.made import list_made, remove_others
+from snapmap.workflow.made import list_made, remove_others
 from snapmap.files.named import hold_to_plan
 from snapmap.workflow.progress import Idle, Progress, hush
 from snapmap.study.provenance import DRAWS, NUMBERS, code_hash, device_sections

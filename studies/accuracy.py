@@ -18,14 +18,14 @@ from matplotlib.axes import Axes
 from snapmap import threshold
 from snapmap.device.device import Device
 from snapmap.figures import style
-from snapmap.files.text import DASH, number, ratio, table
+from snapmap.files.text import DASH, table
 from snapmap.solver.adaptive import build_adaptive
 from snapmap.solver.cells import Cells, to_cells
 from snapmap.solver.models import Model, build_model
 from snapmap.solver.settings import Settings
 from snapmap.thresholds.search import refine
 
-from .common import command_device, cpu_seconds, few, is_small, machine, results
+from .common import command_device, cpu_seconds, few, is_small, machine, number, ratio, results
 from .scipy_solver import TOLERANCE, Follow, by_scipy
 
 SPEEDS = {"slow": (0.02, 0.1), "fast": (0.5, 6.0)}

@@ -101,3 +101,18 @@ def machine() -> str:
     info = Path("/proc/cpuinfo")
     name = re.search(r"model name\s*: (.*)", info.read_text()) if info.exists() else None
     return name[1] if name else platform.machine()
+
+
+def number(value: float) -> str:
+    """Write three significant digits, thousands apart: 5 140, 0.61."""
+    return f"{float(f'{value:.3g}'):,}".removesuffix(".0").replace(",", " ")
+
+
+def rate(count: int, seconds: float) -> str:
+    """Write how many there are in a second."""
+    return number(count / seconds)
+
+
+def ratio(value: float) -> str:
+    """Write how many times as much it is, or by its inverse: 12.3, 1/420."""
+    return number(value) if value >= 1 else f"1/{number(1 / value)}"

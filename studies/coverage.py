@@ -13,7 +13,7 @@ import numpy as np
 
 from snapmap import threshold
 from snapmap.device.device import Device
-from snapmap.files.text import number, table
+from snapmap.files.text import table
 from snapmap.pulse.shocks import HANDOUT_SHOCK, Shocks
 from snapmap.solver.cells import Rows, to_rows
 from snapmap.solver.models import build_model
@@ -21,7 +21,7 @@ from snapmap.solver.settings import Settings
 from snapmap.thresholds.search import lowest_snap
 from snapmap.thresholds.survey import CLOSE_STEP, FOUND, NOT_FOLLOWED, NOTHING_SNAPS
 
-from .common import SMALL, Run, few
+from .common import SMALL, Run, few, number
 from .random_devices import (
     FREQUENCIES,
     SLOWEST,

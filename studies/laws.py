@@ -9,7 +9,7 @@ import numpy as np
 
 from snapmap.beam.limit_loads import static_threshold
 from snapmap.device.device import Beam, Device, batch
-from snapmap.files.text import number, table
+from snapmap.files.text import table
 from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.cells import HANDOUT_PULSES, Rows
 from snapmap.solver.models import build_model
@@ -17,7 +17,7 @@ from snapmap.solver.settings import Settings
 from snapmap.thresholds.search import lowest_snap
 from snapmap.thresholds.slow import growth_rate, slow_factor
 
-from .common import few
+from .common import few, number
 from .random_devices import even
 
 SEED, DEVICES = 55, 100

@@ -9,14 +9,14 @@ from typing import NamedTuple
 import numpy as np
 
 from snapmap import load_device
-from snapmap.files.text import number, table
+from snapmap.files.text import table
 from snapmap.solver.cells import to_cells
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import REPEATED_STEP, work_error
 from snapmap.solver.settings import MOVE, Settings
 from snapmap.solver.simd_loop import record
 
-from .common import ROOT, few, stepped
+from .common import ROOT, few, number, stepped
 
 N, F0, C = np.linspace(1100, 3000, 4), np.geomspace(1e3, 8e3, 4), 25.0
 CONTACTS = (40.0, 400.0, np.inf)

@@ -17,12 +17,12 @@ from time import perf_counter
 import numpy as np
 
 from snapmap.device.device import Device
-from snapmap.files.text import DASH, number, rate, ratio, table
+from snapmap.files.text import DASH, table
 from snapmap.solver.cells import Cells, to_cells
 from snapmap.solver.models import Model, build_model
 from snapmap.solver.settings import Settings
 
-from .common import ROOT, command_device, few, machine, take_turns, versions
+from .common import ROOT, command_device, few, machine, number, rate, ratio, take_turns, versions
 from .scipy_solver import Follow, by_scipy
 
 SETTINGS = Settings(1500.0, until="snap", repeat=False)

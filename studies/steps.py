@@ -11,7 +11,7 @@ import numpy as np
 from snapmap import load_device
 from snapmap.beam.limit_loads import static_threshold
 from snapmap.device.device import batch
-from snapmap.files.text import number, table
+from snapmap.files.text import table
 from snapmap.pulse.pulse import make_pulse
 from snapmap.pulse.shocks import Shocks
 from snapmap.solver.bounds import least_amplitudes
@@ -22,7 +22,7 @@ from snapmap.solver.steps import LONGEST
 from snapmap.thresholds.search import SCAN_STEP, amplitudes, asker, refine
 from snapmap.thresholds.survey import first_seen, scan_range
 
-from .common import ROOT, few
+from .common import ROOT, few, number
 from .random_devices import FREQUENCIES, draw_any_device, draw_device, draw_pulse, draw_shocks, even
 
 SEED, DEVICES, COSINES, THREADS = 5, 24, 7, 2

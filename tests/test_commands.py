@@ -47,6 +47,9 @@ ELSEWHERE = {
     "test_the_site_is_made_without_a_warning_and_asks_no_other_host": [
         "sphinx-build -EW -c docs/site . build/site"
     ],
+    "test_the_pictures_of_pages_are_small_and_in_few_colours": [
+        "python docs/make_pictures.py build/tutorial/results/figures"
+    ],
     "test_the_recipes_in_python_run": ["python"],
     "test_the_reference_is_what_the_docstrings_say": ["python docs/make_reference.py"],
     "test_the_config_reference_is_what_the_models_say": ["python docs/make_config_reference.py"],

@@ -17,9 +17,9 @@ from small_studies import SHOTS
 import snapmap
 from snapmap.applications import attached
 from snapmap.applications.requirements import shocks_of
+from snapmap.applications.requirements.corners import read_verdicts
 from snapmap.config.study import load_config
 from snapmap.device.device import VALUES
-from snapmap.files.tables import read_verdicts
 from snapmap.numerics.statistics import percents
 from snapmap.public import options_of
 from snapmap.study.netcdf import write

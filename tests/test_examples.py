@@ -3,6 +3,7 @@
 import json
 
 import matplotlib as mpl
+import matplotlib.pyplot as plt
 import pytest
 
 
@@ -16,7 +17,7 @@ def test_the_notebook_runs(root, tmp_path, monkeypatch):
     names = {}
     for cell in cells:
         exec("".join(cell["source"]), names)
-        mpl.pyplot.close("all")
+        plt.close("all")
     assert names["run"].outcome == "snapped"
     assert names["run"].t_snap == pytest.approx(434.89, abs=0.02)
     found, own = names["found"].squeeze(), names["own"]

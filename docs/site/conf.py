@@ -3,9 +3,7 @@
 ./run sphinx-build -EW -c docs/site . build/site
 """
 
-import os
 import re
-from pathlib import Path
 
 from docutils.nodes import SkipNode
 from math_core import LatexToMathML
@@ -64,9 +62,6 @@ SUPPORT
 CODE_OF_CONDUCT
 ```
 """
-PICTURES = re.compile(r"<!-- pictures: (.+) -->")
-QUESTION = re.compile(r"^\| (`.+?) \| (.+?\?)", re.M)  # of figures.md: files, and what they answer
-FOLDER = Path("build/tutorial/results/figures")  # of a run of config/sensor.yaml
 # Chromium neither stretches a fence that carries a script nor takes a font's primes for scripts.
 SCRIPTED_FENCE = re.compile(r"(?<=su[bp]>)<mo m.*?</mo>")
 PRIME = re.compile(r"<mo>(?=[′″‴⁗])")
@@ -89,18 +84,6 @@ def _formula(displayed):
 
 
 def complete(app, page, source):
-    """Give the first page the contents, and each comment that names pictures these pictures."""
+    """Give the first page the contents."""
     if page == root_doc:
         source[0] += CONTENTS
-    here = (app.srcdir / page).parent
-    rows = QUESTION.findall((app.srcdir / "docs" / "figures.md").read_text(encoding="utf-8"))
-
-    def show(name):
-        (text,) = (said for files, said in rows if f"`{name}`" in files)
-        found = sorted((app.srcdir / FOLDER).glob(f"{name}.png"))
-        return [f"![{text}]({os.path.relpath(found[0], here)})"] if found else []
-
-    def shown(asked):
-        return "\n\n".join(one for name in asked[1].split() for one in show(name))
-
-    source[0] = PICTURES.sub(shown, source[0])

@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from snapmap.files.text import DASH, rate, table
+from snapmap.files.text import DASH, table
 
-from ..common import command_device, few, machine, take_turns, versions
+from ..common import command_device, few, machine, rate, take_turns, versions
 from ..speed import FEWEST, SIDE
 from . import snap_map as snaps
 from . import solvers

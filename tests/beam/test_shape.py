@@ -11,7 +11,7 @@ from snapmap import simulate, threshold
 from snapmap.beam.cosines import symmetric_cosines
 from snapmap.beam.elements import hermite_elements
 from snapmap.beam.equilibria import find_barrier
-from snapmap.device.measured_shape import read_shape
+from snapmap.config.measured_shape import read_shape
 
 SHAPES = {
     "second cosine": {"cosine_2": 0.1},

@@ -14,10 +14,10 @@ from small_workflow import snakemake
 
 import snapmap
 from snapmap.applications.requirements import shocks_of
+from snapmap.config.points import read_points
 from snapmap.config.study import load_config, planned_study
 from snapmap.config.yaml_file import ConfigError, read_document
 from snapmap.files.named import hold_to_plan
-from snapmap.files.tables import read_points
 from snapmap.pulse.recorded import read_pulse
 from snapmap.study.netcdf import check_alike
 

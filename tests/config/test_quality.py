@@ -13,10 +13,10 @@ from small_studies import THREE_COSINES
 import snapmap
 from snapmap.beam.elements import hermite_elements
 from snapmap.beam.modal import natural_frequency
-from snapmap.beam.vibrations import vibrations
 from snapmap.config.devices import read_device
 from snapmap.config.doubts import doubts
 from snapmap.config.study import load_config
+from snapmap.config.vibrations import vibrations
 from snapmap.config.yaml_file import ConfigError
 from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.models import build_model

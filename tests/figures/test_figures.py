@@ -90,14 +90,6 @@ def test_thresholds_not_found_leave_a_hole(draw, f0):
     assert bool(seen) == (0 in f0)
 
 
-def test_figures_need_no_pyplot(root):
-    scripts = root / "workflow" / "scripts"
-    code = "import sys, draw; print('matplotlib.pyplot' in sys.modules)"
-    command = [sys.executable, "-c", code]
-    run = subprocess.run(command, cwd=scripts, capture_output=True, text=True, check=True)
-    assert run.stdout == "False\n"
-
-
 def limits(ax, label):
     return [line for line in ax.lines if line.get_label().startswith(label)]
 
@@ -188,7 +180,7 @@ def test_a_saved_figure_has_fonts_and_facts_and_repeats_byte_for_byte(tmp_path):
 
 
 def test_the_picture_of_the_first_page_has_the_numbers_of_the_table(root):
-    picture = runpy.run_path(str(root / "docs" / "make_picture.py"))
+    picture = runpy.run_path(str(root / "docs" / "make_pictures.py"))
     ax = style.single_column(height=4).subplots()
     picture["draw_speeds"](ax)
     ((error, speed),) = ax.lines[0].get_xydata()
@@ -196,6 +188,19 @@ def test_the_picture_of_the_first_page_has_the_numbers_of_the_table(root):
     (row,) = [line for line in lines if line.startswith("| `auto` |")]
     assert row.replace(" ", "").endswith(f"|{speed:.0f}|") and f"| {error:g} / " in row
     assert len(ax.lines) == len(picture["SHOWN"]) == 4
+
+
+def test_the_pictures_of_pages_are_small_and_in_few_colours(root, tmp_path):
+    pictures = runpy.run_path(str(root / "docs" / "make_pictures.py"))
+    figure = style.single_column(height=4)
+    figure.subplots().plot([0, 1], color="C1")
+    figure.savefig(tmp_path / "large.png", dpi=600)
+    pictures["reduce_colours"](tmp_path / "large.png", tmp_path / "small.png")
+    with Image.open(tmp_path / "small.png") as image:
+        assert image.mode == "P" and max(image.size) == pictures["WIDTH"]
+    names = {path.stem for path in (root / "docs" / "pictures").glob("*.png")}
+    assert names == {"map", *pictures["GALLERY"]} and len(names) <= 6
+    assert all(p.stat().st_size <= 100_000 for p in (root / "docs" / "pictures").iterdir())
 
 
 def test_the_first_lines_differ_in_grey():
@@ -221,14 +226,8 @@ def test_tasks_side_by_side_are_all_done_and_a_fault_is_told(tmp_path, processes
         draw.side_by_side([(tmp_path / "nowhere" / "file").touch], processes)
 
 
-NO_KERNELS = """
-import sys
-import draw
-
-assert "numba" not in sys.modules
-"""
-
-
-def test_what_draws_needs_no_kernel(root):
+def test_what_draws_needs_no_kernel_and_no_pyplot(root):
+    code = "import sys, draw; print({'numba', 'matplotlib.pyplot'} & {*sys.modules})"
     environment = os.environ | {"PYTHONPATH": str(root / "workflow" / "scripts")}
-    subprocess.run([sys.executable, "-c", NO_KERNELS], env=environment, check=True)
+    command = [sys.executable, "-c", code]
+    assert subprocess.check_output(command, env=environment, text=True) == "set()\n"

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import snapmap
-from snapmap.files.tables import read_verdicts
 from snapmap.solver.outcome import OUTCOMES
 from snapmap.study.netcdf import write
 from snapmap.thresholds.rows import tidy
@@ -66,15 +65,3 @@ def test_the_installed_package_has_all_its_files(root):
     for path in package.rglob("*"):
         if path.is_file() and path.suffix not in (".py", ".pyc", ".nbi", ".nbc"):
             assert any(fnmatch(path.name, one) for one in patterns["*"]), path
-
-
-def test_names_of_verdicts_stay_text_and_numbers_are_numbers(tmp_path):
-    path = tmp_path / "requirements.csv"
-    head = "requirement,device,margin,must_snap,verdict,must_survive\n"
-    path.write_text(f"{head}nan,12,nan,True,met,0.999\nb,,0.5,False,failed,nan\nc,,1,any,met,1\n")
-    first, second, third = read_verdicts(path)
-    assert third["must_snap"] == "any"
-    assert (first["requirement"], first["device"], second["device"]) == ("nan", "12", "")
-    assert first["margin"] != first["margin"] and second["margin"] == 0.5
-    assert (first["must_snap"], second["must_snap"], first["verdict"]) == (True, False, "met")
-    assert second["must_survive"] != second["must_survive"]

@@ -9,9 +9,10 @@ from scipy.integrate import solve_ivp
 from varied import alone, varied
 
 import snapmap
+from snapmap.applications.datasheet.datasheet import reset_force
 from snapmap.applications.requirements import shocks_of
 from snapmap.applications.requirements.check import check
-from snapmap.beam.limit_loads import reset_force, static_threshold
+from snapmap.beam.limit_loads import static_threshold
 from snapmap.config.study import load_config
 from snapmap.device.device import batch
 from snapmap.pulse.shocks import make_shocks

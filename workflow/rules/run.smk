@@ -11,7 +11,7 @@ if is_small:
         params:
             code=numbers,
             axes=plan.slabs[0],
-            inputs=study.document(),
+            inputs=study.inputs(),
         message:
             "Simulate the cells"
         script:

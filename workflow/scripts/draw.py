@@ -11,9 +11,9 @@ from multiprocessing import get_context
 import xarray as xr
 
 from snapmap.applications import attached
+from snapmap.config.points import read_points
 from snapmap.figures import maps, scales, style
 from snapmap.figures.thresholds import draw_threshold_map, draw_thresholds
-from snapmap.files.tables import read_points
 from snapmap.study.netcdf import check_alike, open_whole
 from snapmap.workflow.job_log import end_with, run_rule
 

@@ -7,6 +7,7 @@ from small_results import legend_words, visible
 import snapmap
 from snapmap.applications.laws import laws as room
 from snapmap.applications.laws.figure import draw_laws
+from snapmap.beam.cosines import symmetric_cosines
 from snapmap.figures import style
 from snapmap.study.study import Study
 
@@ -26,6 +27,14 @@ def test_snaps_of_clean_fast_rows_are_delayed_as_the_saddle_with_a_negative_seco
     assert fast == pytest.approx(1.683, rel=0.02)
     assert slow == pytest.approx(laws.dwell.item() / 2, rel=0.1)
     assert laws.saddle_scale.values == pytest.approx([1.68315, 2.20096], abs=5e-4)
+
+
+def test_the_handouts_saddles_are_left_at_two_rates(handout):
+    """In 1/us, of 2, 3, 5 and 11 cosines: where the second mode is negative first."""
+    times = {2: (1.71915, 2.23976), 3: (1.69352, 2.21225), 5: (1.68534, 2.20336)}
+    for cosines, expected in {**times, 11: (1.68315, 2.20096)}.items():
+        rates = room.saddle_rates(handout.beam, symmetric_cosines(cosines))
+        assert 1 / rates == pytest.approx(expected, abs=1e-5)
 
 
 def test_limits_hold_where_thresholds_are_within_1_percent(laws):

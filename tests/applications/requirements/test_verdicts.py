@@ -8,6 +8,7 @@ import yaml
 
 import snapmap
 from snapmap.applications.requirements.check import worst
+from snapmap.applications.requirements.corners import read_verdicts
 from snapmap.applications.requirements.required import RequiredShock
 from snapmap.applications.requirements.verdicts import hint, write_verdicts
 from snapmap.config.study import load_config
@@ -72,3 +73,15 @@ def test_the_closing_line_says_where_the_beam_breaks(strength, breaks, tmp_path,
     write_verdicts(study, study.requests["requirements"], str(tmp_path / "requirements.csv"))
     line = capsys.readouterr().out
     assert ("the beam breaks in handling" in line) == breaks == ("failed: handling" in line)
+
+
+def test_names_of_verdicts_stay_text_and_numbers_are_numbers(tmp_path):
+    path = tmp_path / "requirements.csv"
+    head = "requirement,device,margin,must_snap,verdict,must_survive\n"
+    path.write_text(f"{head}nan,12,nan,True,met,0.999\nb,,0.5,False,failed,nan\nc,,1,any,met,1\n")
+    first, second, third = read_verdicts(path)
+    assert third["must_snap"] == "any"
+    assert (first["requirement"], first["device"], second["device"]) == ("nan", "12", "")
+    assert first["margin"] != first["margin"] and second["margin"] == 0.5
+    assert (first["must_snap"], second["must_snap"], first["verdict"]) == (True, False, "met")
+    assert second["must_survive"] != second["must_survive"]

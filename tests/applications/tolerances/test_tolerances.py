@@ -12,9 +12,15 @@ import snapmap
 from snapmap.applications.tolerances.dataset import tolerances_of
 from snapmap.applications.tolerances.figure import draw_probability
 from snapmap.applications.tolerances.sensitivity import crossed, indices
+from snapmap.applications.tolerances.statistics import (
+    count_below,
+    moments,
+    quantile_bounds,
+    quantiles,
+)
 from snapmap.device.samples import CUT, Plan, Tolerances
 from snapmap.figures.style import single_column
-from snapmap.numerics.statistics import count_below, moments, quantile_bounds, quantiles, wilson
+from snapmap.numerics.statistics import wilson
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.cells import to_rows
 from snapmap.solver.settings import Settings

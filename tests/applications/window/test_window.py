@@ -9,9 +9,9 @@ import xarray as xr
 
 import snapmap
 from snapmap.applications.histories.history import extremes_of
+from snapmap.applications.window.between import PARTS, between, least_reserve
 from snapmap.applications.window.window import summary, window_of
 from snapmap.device.samples import Tolerances
-from snapmap.numerics.between import PARTS, between, least_reserve
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.settings import Settings
 from snapmap.study.study import Study

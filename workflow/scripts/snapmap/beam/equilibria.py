@@ -14,11 +14,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ..device.arch import equilibria
-from ..device.device import Beam, Device, Value
-from ..numerics.linalg import apply, dot, eigenvalues, eigh, outer
+from ..device.device import Beam, Value
+from ..numerics.linalg import apply, dot, eigh
 from .basis import Basis
 from .cosines import buckling_shapes, symmetric_cosines
-from .modal import buckling, column, halfway, unit_beams
+from .modal import ModalBeam, UnitBeams, buckling, column, halfway, unit_beams
 
 COSINES = 40
 """Symmetric shapes in which equilibria are sought, and as many others of a free beam."""
@@ -132,7 +132,7 @@ def find_barrier(beam: Beam, basis: Basis, modes: int | None = None) -> Barrier:
     Q = 4/sqrt(3), or a beam that is free to tilt out of it.
     """
     beams, rise = unit_beams(basis, beam), beam.made_rise
-    modal, saddle, second_rest = _saddle_and_second(beams, modes)
+    modal, saddle, second_rest = saddle_and_second(beams, modes)
     exists = np.isfinite(saddle).all(axis=-1)
     energy = np.where(exists, _unit_energy(modal, beams.axial, saddle), 0.0)[beams.index]
     midpoint = np.where(exists, dot(modal.midpoint, saddle), 0.0)[beams.index]
@@ -145,30 +145,17 @@ def find_barrier(beam: Beam, basis: Basis, modes: int | None = None) -> Barrier:
     return barrier if np.ndim(beam.rise) else Barrier(*(np.asarray(v).item() for v in barrier))
 
 
-def least_travel(device: Device) -> float:
-    """How far the mass must travel from rest to push the midpoint slowly to the saddle, um."""
-    return float(device.gap - find_barrier(device.beam, shapes_of(device.beam)).midpoint)
-
-
-def saddle_rates(beam: Beam, basis: Basis) -> np.ndarray:
-    """Rates, 1/us, at which one beam leaves the lowest saddle and its mirror image, (2,).
-
-    First that on whose side a pulse along +z bends the second mode; NaN without a saddle.
-    """
-    beams = unit_beams(basis, beam)
-    modal, p, _ = _saddle_and_second(beams, None)
-    axial = beams.axial
-    bending = modal.stiffness * np.eye(p.size)
-    second = eigh(bending, modal.geometric)[1][..., 1]
-    amplitude = dot(second, apply(modal.geometric, p) + modal.slope_start)
-    mirrored = p - 2 * amplitude[..., np.newaxis] * second
-    p = np.concatenate([mirrored, p] if dot(second, modal.load) * amplitude > 0 else [p, mirrored])
-    slope = apply(modal.geometric, p) + modal.slope_start
-    N = -axial * dot(p, slope + modal.slope_start)
-    stretched = 2 * axial[:, np.newaxis, np.newaxis] * outer(slope, slope)
-    tangent = bending - N[:, np.newaxis, np.newaxis] * modal.geometric + stretched
-    falls = -eigenvalues(tangent)[:, 0] * (beam.stiffness_unit / beam.weight)
-    return np.sqrt(falls)
+def saddle_and_second(
+    beams: UnitBeams, modes: int | None
+) -> tuple[ModalBeam, np.ndarray, np.ndarray]:
+    """Give the form of unit beams, and its modes p at the saddle and in the second shape."""
+    modal = beams.form(modes)
+    stiffness = modal.stiffness[..., np.newaxis] * np.eye(modal.stiffness.shape[-1])
+    loads, shapes = eigh(stiffness, modal.geometric)
+    s = apply(shapes.swapaxes(-1, -2), modal.slope_start)
+    loads, s = (np.broadcast_to(part, (beams.Q.size, part.shape[-1])) for part in (loads, s))
+    rest = equilibria(loads, s, beams.axial, np.zeros(beams.Q.size))
+    return modal, apply(shapes, rest.saddle - s), apply(shapes, s * rest.second - s)
 
 
 class Rest(NamedTuple):
@@ -181,7 +168,7 @@ class Rest(NamedTuple):
 def second_shape(beam: Beam, basis: Basis, modes: int | None = None) -> Rest:
     """Find where a beam rests in its second shape, measured from the first; NaN if it has none."""
     beams, rise = unit_beams(basis, beam), beam.made_rise
-    modal, _, p = _saddle_and_second(beams, modes)
+    modal, _, p = saddle_and_second(beams, modes)
     energy = _unit_energy(modal, beams.axial, p)[beams.index]
     return Rest(
         modes=p[beams.index] * column(rise * np.sqrt(beam.weight), 1),
@@ -196,17 +183,6 @@ def require_rest(rest: Rest) -> None:
             "start: second, where a beam that is free to tilt does not stay; write first, or "
             "guide: guided"
         )
-
-
-def _saddle_and_second(beams, modes):
-    """Give the form of unit beams, and its modes p at the saddle and in the second shape."""
-    modal = beams.form(modes)
-    stiffness = modal.stiffness[..., np.newaxis] * np.eye(modal.stiffness.shape[-1])
-    loads, shapes = eigh(stiffness, modal.geometric)
-    s = apply(shapes.swapaxes(-1, -2), modal.slope_start)
-    loads, s = (np.broadcast_to(part, (beams.Q.size, part.shape[-1])) for part in (loads, s))
-    rest = equilibria(loads, s, beams.axial, np.zeros(beams.Q.size))
-    return modal, apply(shapes, rest.saddle - s), apply(shapes, s * rest.second - s)
 
 
 def _unit_energy(modal, axial, p):

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..device.device import Beam, Device, Value, batch
+from ..device.device import Device, Value, batch
 from .equilibria import BucklingModes, alone, buckling_modes, displacement, push, roots, shapes_of
 from .modal import column, contact_stiffness, first_midpoint, pulse_load
 
@@ -57,7 +57,7 @@ def static_threshold(device: Device, back: bool = False) -> float | np.ndarray:
         pushed = _collect(device.pick(which) if which.size < N.size else device)
         for block in np.split(np.arange(which.size), range(BLOCK, which.size, BLOCK)):
             part = pushed.take(block)
-            N[which[block]] = _least_back(part.modes) if back else _least_without_rest(part)
+            N[which[block]] = least_back(part.modes) if back else _least_without_rest(part)
     return N / device.gravity
 
 
@@ -120,17 +120,16 @@ def _is_left(devices, a, reached):
     return behind & np.logical_or.accumulate(~behind, axis=-1)
 
 
-def reset_force(beam: Beam) -> tuple[float, float]:
-    """Find the force on the midpoint that leaves a beam no second shape, and its error, uN.
+def least_back(modes: BucklingModes) -> np.ndarray:
+    """Find the pull at the first minimum of a that is met from beyond the second shape."""
+    loaded = partial(alone, modes)
 
-    Below 0 where the beam returns by itself. The error is what half of the modes leave out.
-    """
-    modes = buckling_modes(beam)
-    modes = modes._replace(load=modes.midpoint)
-    kept = slice(len(modes.buckling) // 2)
-    half = modes._replace(**{key: getattr(modes, key)[kept] for key in modes._fields[:4]})
-    force = _least_back(modes)
-    return float(force), float(abs(force - _least_back(half)))
+    def path(largest, places):
+        a, _ = _on_path(modes, loaded, largest, places)
+        return np.diff(a, append=np.inf) > 0, a
+
+    (a,) = _first_on_path(modes, loaded, PATH_END, 1.0, path)
+    return -a
 
 
 def largest_force(modes: BucklingModes, loaded: Callable, limit: Value) -> np.ndarray:
@@ -171,18 +170,6 @@ def _end_of(devices, loaded, is_left):
         return ends, a, reached, leaves
 
     return _first_on_path(devices.modes, loaded, 0.0, PATH_END, path)
-
-
-def _least_back(modes):
-    """Find the pull at the first minimum of a that is met from beyond the second shape."""
-    loaded = partial(alone, modes)
-
-    def path(largest, places):
-        a, _ = _on_path(modes, loaded, largest, places)
-        return np.diff(a, append=np.inf) > 0, a
-
-    (a,) = _first_on_path(modes, loaded, PATH_END, 1.0, path)
-    return -a
 
 
 def _first_on_path(modes, loaded, begin, end, path):

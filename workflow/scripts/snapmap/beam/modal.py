@@ -259,10 +259,3 @@ def natural_frequency(beam: Beam) -> float:
     squares, shapes = eigh(basis.bending + 2 * axial * outer(slope, slope), basis.mass)
     first = np.argmax(np.abs(apply(shapes.T, basis.load)[:2]))
     return float(np.sqrt(squares[first] * (beam.stiffness_unit / beam.weight)))
-
-
-def damped(beam: Beam, quality_factor: float) -> Beam:
-    """Give the beam the damping by which its first symmetric mode has a quality factor."""
-    # ASSUME: a measured one is that mode's, of the beam clear of the mass; the drag is that of all
-    # modes, so that others have quality factors in proportion to their frequencies.
-    return replace(beam, damping=natural_frequency(beam) / quality_factor)

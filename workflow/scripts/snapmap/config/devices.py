@@ -2,18 +2,19 @@
 
 import warnings
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
 from pydantic import PrivateAttr, ValidationError, create_model
 
-from ..beam.modal import damped
+from ..beam.modal import natural_frequency
 from ..device.argument import ExistingPath
 from ..device.curved_beam import COSINES
 from ..device.device import ALONE, VALUES, Beam, Device
-from ..device.measured_shape import read_shape
 from ..device.quantities import QUANTITIES, keys_of
 from .keys import Section, either, lines_of, many, part, path, quantity, word
+from .measured_shape import read_shape
 from .yaml_file import ConfigError, read_document
 
 AS_MEASURED = 0.1
@@ -93,7 +94,11 @@ class BeamSection(section_of("beam", rise="distance")):
             raise ValueError(".quality_factor: replaces damping; write one of them")
         clamp = self.clamp.values() if self.clamp else {}
         beam = Beam(**self.values() | clamp | self._of_shape(free), free=float(free))
-        return damped(beam, self.quality_factor) if self.has("quality_factor") else beam
+        if not self.has("quality_factor"):
+            return beam
+        # ASSUME: a measured one is that mode's, of the beam clear of the mass; the drag is that of
+        # all modes, so that others have quality factors in proportion to their frequencies.
+        return replace(beam, damping=natural_frequency(beam) / self.quality_factor)
 
     @property
     def measured(self) -> str:

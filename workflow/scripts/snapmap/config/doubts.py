@@ -6,12 +6,12 @@ import numpy as np
 
 from ..applications import gather
 from ..beam.cosines import buckling_shapes
-from ..beam.equilibria import find_barrier, least_travel
-from ..beam.vibrations import vibrations
+from ..beam.equilibria import find_barrier, shapes_of
 from ..device.device import Beam, Device
-from ..files.tables import read_points
 from ..study.study import Study
 from .plausible import implausible
+from .points import read_points
+from .vibrations import vibrations
 
 IDLE = "changes nothing without device.thermal; write its values there"
 TILTING = 8
@@ -78,7 +78,8 @@ def stopped(device: Device) -> str:
     """One line on stops that leave the mass no room to snap the beam, or nothing."""
     if not device.has_stops:
         return ""
-    travel, needed = device.stop_toward, least_travel(device)
+    travel = device.stop_toward
+    needed = float(device.gap - find_barrier(device.beam, shapes_of(device.beam)).midpoint)
     if travel <= device.gap:
         return f"stops.toward: {travel:.4g} um is not beyond the gap; the mass never meets the beam"
     if travel < needed:

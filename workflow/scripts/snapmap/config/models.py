@@ -11,7 +11,7 @@ from ..device.argument import Argument
 from ..device.device import Device
 from ..device.quantities import QUANTITIES
 from ..files.named import sha256_of
-from ..files.tables import ROWS, read_points
+from ..files.tables import ROWS
 from ..solver.adaptive import TOLERANCE
 from ..solver.laws import LAWS, load_laws
 from ..solver.options import OF_MODEL, OPTIONS, take_model
@@ -20,6 +20,7 @@ from ..study import arguments
 from ..study.axes import COORDINATES, axis_behind
 from .devices import DeviceSection, of_device
 from .keys import Section, argument, axis, flag, many, part, path, quantity, word, words
+from .points import read_points
 from .shocks import TIMED, PulseSection, is_title, one_time
 from .units import show
 from .views import MOST_MAPS

@@ -9,7 +9,6 @@ from pydantic import ValidationError
 from ..applications import attached, key_of, merge
 from ..beam.equilibria import require_rest, second_shape, shapes_of
 from ..device.device import VALUES, Device
-from ..device.measured_shape import PROFILE
 from ..device.quantities import QUANTITIES
 from ..files.named import hold_to_plan, sha256_of
 from ..pulse.shocks import HANDOUT_SHOCK
@@ -18,6 +17,7 @@ from ..study.axes import SHOCK_AXES, TEMPERATURE, Grid, Units, make_grid
 from ..study.study import Study
 from .devices import nominal
 from .keys import line_at, lines_of
+from .measured_shape import PROFILE
 from .models import Document
 from .units import unit_of
 from .views import View, choose_curves, choose_maps, frequency_of, read_places

@@ -198,13 +198,6 @@ def keys_of(section: str) -> dict[str, str]:
     return {key: name for (path, _, key), name in parts.items() if path == section}
 
 
-def quantity_at(key: str) -> Quantity:
-    """The quantity of a key below a config's device; one without words for another key."""
-    name = key.rpartition(".")[2]
-    at_key = (quantity for quantity in QUANTITIES.values() if quantity.key == key)
-    return next(at_key, QUANTITIES.get(name) or Quantity(name))
-
-
 def leaves(section: Mapping, path: str = "") -> Iterator[tuple[str, str]]:
     """All that a section of a config says, as text, by the paths of its keys."""
     for key, value in section.items():

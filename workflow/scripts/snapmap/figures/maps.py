@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 
+from ..config.points import Point
 from ..device.argument import Argument, Flag, of_type
-from ..files.tables import Point
 from ..files.text import show
 from ..study.axes import axis_behind
 from ..sweeps.cube import outcome_names, require_cube

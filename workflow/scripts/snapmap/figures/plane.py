@@ -11,7 +11,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap, to_rgb
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 
-from ..files.tables import Point
+from ..config.points import Point
 from . import style
 from .scales import Scale, scale_of, set_scale, study_axis, value_text
 from .states import State

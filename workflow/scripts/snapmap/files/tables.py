@@ -3,15 +3,10 @@
 import io
 import math
 import re
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Mapping
 from types import MappingProxyType
-from typing import NamedTuple
 
 import numpy as np
-
-from .named import naming, read_named
-from .text import show
 
 DECIMALS = "write decimals with a point, not a comma"
 """Remedy for a table of a country that writes decimals with a comma."""
@@ -29,113 +24,7 @@ ANSWERS = {
     **dict.fromkeys(("no", "false", "0", 0), False),
 }
 """Words and numbers that say whether a device tripped."""
-SHOTS = {"tripped": ANSWERS, **dict.fromkeys(("direction", "shape", "file"))}
-"""Columns of words in a table of shots, with their meanings; None where any word goes."""
 _UNIT = re.compile(r"[(\[]([^)\]]+)[)\]]")
-
-
-class Point(NamedTuple):
-    """A shock, and whether the device snapped under it.
-
-    N: multiples of g; f0: Hz; snapped: None where the table leaves it open
-    """
-
-    name: str
-    N: float
-    f0: float
-    snapped: bool | None
-
-
-def read_points(path: str | Path, sha256: str = "") -> tuple[Point, ...]:
-    """Read a user's own points from CSV; raises ValueError, one line.
-
-    The header names the columns: N; f0 (Hz) or duration (ms); and, if wanted, name and snapped
-    (yes, no or nothing).
-    sha256: of the file as the run was planned, hex digits; empty for any
-    """
-    numbers = SHOCKS | {"duration": SHOCKS["duration"] | {"": 1e3}}
-    words = {"name": None, "snapped": ANSWERS | {"": None}}
-    with naming(path):
-        content = read_named(path, *ROWS, sha256)
-        table = read_table(content, numbers, words, above=0.0)
-        if "N" not in table:
-            raise ValueError("line 1: column N is missing")
-        if ("f0" in table) == ("duration" in table):
-            raise ValueError("line 1: write one of the columns f0 (Hz) and duration (ms)")
-    f0 = table["f0"] if "f0" in table else 1e6 / table["duration"]
-    names, snapped = table.get("name", [""] * f0.size), table.get("snapped", [None] * f0.size)
-    return tuple(map(Point, names, table["N"].tolist(), f0.tolist(), snapped))
-
-
-def read_shots(path: str | Path, sha256: str = "") -> dict[str, np.ndarray]:
-    """Read shots from CSV, columns by name; raises ValueError, one line.
-
-    The header names the columns: N; f0 (Hz, kHz) or duration (us, ms, s); tripped (yes or no);
-    and, if wanted, direction, shape and file. An empty number is NaN.
-    sha256: of the file as the run was planned, hex digits; empty for any
-    """
-    with naming(path):
-        content = read_named(path, *ROWS, sha256)
-        return read_table(content, SHOCKS, SHOTS, above=0.0, gaps=True)
-
-
-def shot_columns(shots: str | Path | Mapping[str, Sequence]) -> dict[str, np.ndarray]:
-    """Columns of shots from a file, or as they are given; ValueError, one line, if they cannot be.
-
-    N, f0 (Hz) and duration (us) are above 0, or NaN; tripped are bools, the others text. N may be
-    missing beside file.
-    """
-    table = read_shots(shots) if isinstance(shots, str | Path) else shots
-    columns = {str(key): np.asarray(table[key]).ravel() for key in table}
-    known = f"columns are {', '.join([*SHOCKS, *SHOTS])}"
-    for key in columns:
-        if key not in SHOCKS | SHOTS:
-            raise ValueError(f"shots: column {key!r} is unknown; {known}")
-    for key in ("tripped",) if "file" in columns else ("N", "tripped"):
-        if key not in columns:
-            raise ValueError(f"shots: column {key} is missing; {known}")
-    sizes = {key: values.size for key, values in columns.items()}
-    if len(set(sizes.values())) > 1:
-        raise ValueError(f"shots: columns differ in length, {sizes}; write a row for each shot")
-    for key, values in columns.items():
-        entries = [_entry(key, row, value) for row, value in enumerate(values.tolist(), 1)]
-        kind = bool if key == "tripped" else float if key in SHOCKS else object
-        columns[key] = np.array(entries, kind)
-    return columns
-
-
-def _entry(key, row, value):
-    """Convert a value of a column of shots: whether it tripped, a number or NaN, or text."""
-    is_empty = value is None or value == "" or value != value
-    if key == "tripped":
-        word = value.strip().lower() if isinstance(value, str) else value
-        if word not in ANSWERS:
-            raise ValueError(f"shots, row {row}: tripped: {show(value)} is not true or false")
-        return ANSWERS[word]
-    if key in SHOTS:
-        return "" if is_empty else str(value)
-    try:
-        number = math.nan if is_empty else float(value)
-    except (TypeError, ValueError):
-        number = 0.0
-    if not (is_empty or 0 < number < math.inf):
-        raise ValueError(f"shots, row {row}: {key}: {show(value)} is no number above 0")
-    return number
-
-
-def read_verdicts(path: str | Path) -> list[dict]:
-    """Read the rows of requirements.csv: names stay text, even such as 12 or nan.
-
-    `must_snap` is True, False or `any`.
-    """
-    import pandas  # imported late: most runs read no table
-
-    text = {"dtype": str, "keep_default_na": False}
-    words = pandas.read_csv(path, usecols=["requirement", "device", "must_snap"], **text)
-    truths = {"True": True, "False": False}
-    must_snap = words.must_snap.map(lambda word: truths.get(word, word))
-    rows = pandas.read_csv(path).assign(**words.assign(must_snap=must_snap))
-    return rows.to_dict("records")
 
 
 def read_table(

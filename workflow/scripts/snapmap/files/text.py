@@ -46,18 +46,3 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     rule = [":--"] + ["--:"] * (len(head) - 1)
     filled = [[*row, *[DASH] * (len(head) - len(row))] for row in rows]
     return "".join(f"| {' | '.join(cells)} |\n" for cells in (head, rule, *filled))
-
-
-def number(value: float) -> str:
-    """Write three significant digits, thousands apart: 5 140, 0.61."""
-    return f"{float(f'{value:.3g}'):,}".removesuffix(".0").replace(",", " ")
-
-
-def rate(count: int, seconds: float) -> str:
-    """Write how many there are in a second."""
-    return number(count / seconds)
-
-
-def ratio(value: float) -> str:
-    """Write how many times as much it is, or by its inverse: 12.3, 1/420."""
-    return number(value) if value >= 1 else f"1/{number(1 / value)}"

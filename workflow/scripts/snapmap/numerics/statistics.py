@@ -1,6 +1,4 @@
-"""Shares with their bounds, quantiles and moments, over samples in front; the same everywhere."""
-
-import math
+"""Shares with their bounds, in numbers and in words; the same everywhere."""
 
 import numpy as np
 
@@ -33,45 +31,3 @@ def wilson(count: np.ndarray, samples: int) -> tuple[np.ndarray, np.ndarray]:
     spread = share * (1 - share) / samples + z2 / (4 * samples * samples)
     half = DEVIATIONS * np.sqrt(spread) / (1 + z2 / samples)
     return np.maximum(middle - half, 0.0), np.minimum(middle + half, 1.0)
-
-
-def count_below(N_first: np.ndarray, N: np.ndarray) -> np.ndarray:
-    """How many of the samples, (samples, ...), are not above each N; (..., N). NaN is above all."""
-    ordered = np.moveaxis(np.sort(N_first, axis=0), 0, -1)
-    counts = [np.searchsorted(row, N, side="right") for row in ordered.reshape(-1, len(N_first))]
-    return np.reshape(counts, (*N_first.shape[1:], len(N)))
-
-
-def quantiles(N_first: np.ndarray, shares: np.ndarray) -> np.ndarray:
-    """N at which so large a share of the samples snaps, (shares, ...); NaN where it is less."""
-    ordered = np.sort(N_first, axis=0)
-    places = np.ceil(np.asarray(shares) * len(N_first) - 1e-9).astype(int) - 1
-    return ordered[np.maximum(places, 0)]
-
-
-def quantile_bounds(N_first: np.ndarray, shares: np.ndarray) -> np.ndarray:
-    """Lower and upper bounds of `quantiles`, (2, shares, ...), each alone at 95 %.
-
-    By order statistics, whatever the distribution; NaN where there are too few samples for one.
-    """
-    from scipy.stats import binom  # half a second, for which no config that is read has to wait
-
-    size, shares = len(N_first), np.asarray(shares)
-    least, most = binom.ppf([[0.05], [0.95]], size, shares).astype(int)
-    ordered = np.sort(N_first, axis=0)
-    ordered = np.concatenate([np.full_like(ordered[:1], np.nan), ordered, ordered[:1] * np.nan])
-    return ordered[[least, most + 1]]
-
-
-def moments(N_first: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Mean and standard deviation of what is not NaN among the samples, (...)."""
-    mean, std = np.full((2, *N_first.shape[1:]), np.nan)
-    for place in np.ndindex(mean.shape):
-        values = N_first[(slice(None), *place)]
-        values = values[np.isfinite(values)]
-        if values.size:
-            mean[place] = math.fsum(values) / values.size
-        if values.size > 1:
-            squares = math.fsum((values - mean[place]) ** 2)
-            std[place] = math.sqrt(squares / (values.size - 1))
-    return mean, std

@@ -105,20 +105,6 @@ def of_requirement(study: Study, required: Mapping) -> Study:
     return replace(study, shocks=required.get("shocks", study.shocks), settings=settings)
 
 
-def at_corner(study: Study, required: Mapping, corner: Mapping) -> Study:
-    """The study of a requirement at a corner, by its device, temperature, shape and direction."""
-    device = study.device
-    device = device[corner["device"]] if isinstance(device, Mapping) else device
-    if corner["temperature"] != device.temperature:
-        device = device.at(corner["temperature"])
-    study = of_requirement(study, required)
-    pushed = corner["shape"], corner["direction"]
-    for shocks in study.shocks.each():
-        if (shocks.pulse.name, shocks.direction) == pushed:
-            return replace(study, device=device, shocks=shocks)
-    raise KeyError(pushed)
-
-
 def with_shocks(requirement: Mapping, shocks: Shocks) -> dict:
     """A requirement with `shocks`: of its `pulse` and `direction`, by default the study's.
 

@@ -34,7 +34,7 @@ from .search import (
 
 ISLANDS_FROM, ISLANDS_TO = 0.7, 2.0
 """Where islands are looked for, as multiples of the first N that snaps."""
-ISLAND_STEP, RAGGED_STEP, CLOSE_STEP = 0.005, 0.0015, 0.00025
+ISLAND_STEP, RAGGED_STEP, CLOSE_STEP = 0.005, 0.001, 0.00025
 """Relative steps between which islands are looked for: anywhere, in ragged rows, where labels
 change back and forth, and close to a threshold."""
 CLEAN_REACH, RAGGED_REACH = 1.02, 1.05

@@ -10,10 +10,10 @@ from ...config.keys import Section, inside, part, path, quantity, words
 from ...device.device import Device
 from ...device.quantities import KINDS
 from ...files.named import sha256_of
-from ...files.tables import ROWS, read_shots
+from ...files.tables import ROWS
 from ...pulse.recorded import RECORD
 from ...pulse.shocks import Shocks
-from .shots import Shots, check_ranges, shots_from
+from .shots import Shots, check_ranges, read_shots, shots_from
 
 
 def _span(name, kind, example=""):

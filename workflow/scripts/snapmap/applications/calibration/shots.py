@@ -1,7 +1,7 @@
 """A table of shots: what the device was given, and whether it tripped."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -10,12 +10,15 @@ import numpy as np
 from ...device.checks import numbers
 from ...device.device import Device, is_bistable
 from ...device.quantities import QUANTITIES
-from ...files.tables import shot_columns
+from ...files.named import naming, read_named
+from ...files.tables import ANSWERS, ROWS, SHOCKS, read_table
 from ...files.text import show
 from ...pulse.pulse import DIRECTIONS, Pulse
 from ...pulse.recorded import read_pulse
 from ...pulse.shocks import Shocks, make_shocks
 
+SHOTS = {"tripped": ANSWERS, **dict.fromkeys(("direction", "shape", "file"))}
+"""Columns of words in a table of shots, with their meanings; None where any word goes."""
 FEWEST = 3
 MOST = 4
 """Unknowns: the grid of thresholds grows with the power of their number."""
@@ -51,6 +54,62 @@ class Shots(NamedTuple):
     def f0(self) -> np.ndarray:
         """Frequency of each, Hz."""
         return np.array([self.groups[i].f0 for i in self.group])
+
+
+def read_shots(path: str | Path, sha256: str = "") -> dict[str, np.ndarray]:
+    """Read shots from CSV, columns by name; raises ValueError, one line.
+
+    The header names the columns: N; f0 (Hz, kHz) or duration (us, ms, s); tripped (yes or no);
+    and, if wanted, direction, shape and file. An empty number is NaN.
+    sha256: of the file as the run was planned, hex digits; empty for any
+    """
+    with naming(path):
+        content = read_named(path, *ROWS, sha256)
+        return read_table(content, SHOCKS, SHOTS, above=0.0, gaps=True)
+
+
+def shot_columns(shots: str | Path | Mapping[str, Sequence]) -> dict[str, np.ndarray]:
+    """Columns of shots from a file, or as they are given; ValueError, one line, if they cannot be.
+
+    N, f0 (Hz) and duration (us) are above 0, or NaN; tripped are bools, the others text. N may be
+    missing beside file.
+    """
+    table = read_shots(shots) if isinstance(shots, str | Path) else shots
+    columns = {str(key): np.asarray(table[key]).ravel() for key in table}
+    known = f"columns are {', '.join([*SHOCKS, *SHOTS])}"
+    for key in columns:
+        if key not in SHOCKS | SHOTS:
+            raise ValueError(f"shots: column {key!r} is unknown; {known}")
+    for key in ("tripped",) if "file" in columns else ("N", "tripped"):
+        if key not in columns:
+            raise ValueError(f"shots: column {key} is missing; {known}")
+    sizes = {key: values.size for key, values in columns.items()}
+    if len(set(sizes.values())) > 1:
+        raise ValueError(f"shots: columns differ in length, {sizes}; write a row for each shot")
+    for key, values in columns.items():
+        entries = [_entry(key, row, value) for row, value in enumerate(values.tolist(), 1)]
+        kind = bool if key == "tripped" else float if key in SHOCKS else object
+        columns[key] = np.array(entries, kind)
+    return columns
+
+
+def _entry(key, row, value):
+    """Convert a value of a column of shots: whether it tripped, a number or NaN, or text."""
+    is_empty = value is None or value == "" or value != value
+    if key == "tripped":
+        word = value.strip().lower() if isinstance(value, str) else value
+        if word not in ANSWERS:
+            raise ValueError(f"shots, row {row}: tripped: {show(value)} is not true or false")
+        return ANSWERS[word]
+    if key in SHOTS:
+        return "" if is_empty else str(value)
+    try:
+        number = math.nan if is_empty else float(value)
+    except (TypeError, ValueError):
+        number = 0.0
+    if not (is_empty or 0 < number < math.inf):
+        raise ValueError(f"shots, row {row}: {key}: {show(value)} is no number above 0")
+    return number
 
 
 def shots_from(table: str | Path | Mapping, shocks: Shocks, device: Device) -> Shots:

@@ -27,8 +27,8 @@ def run(study, requirements_path, path, tolerance_path=""):
     from contextlib import nullcontext
 
     from ...files.atomic import write_text
-    from ...files.tables import read_verdicts
     from ...study.netcdf import open_whole
+    from ..requirements.corners import read_verdicts
     from .datasheet import DAMPER, datasheet
 
     verdicts = read_verdicts(requirements_path)

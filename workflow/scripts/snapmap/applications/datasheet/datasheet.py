@@ -6,20 +6,22 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from ...beam.limit_loads import reset_force, static_threshold
+from ...beam.equilibria import buckling_modes
+from ...beam.limit_loads import least_back, static_threshold
 from ...beam.modal import natural_frequency
+from ...device.device import Beam
 from ...device.quantities import QUANTITIES, leaves, plain
 from ...files.text import DASH, table
 from ...numerics.statistics import percents, scope
 from ...solver.outcome import REPEATED_STEP
 from ...solver.settings import SECOND
 from ...study.provenance import code_version
-from ...study.study import Study, at_corner
+from ...study.study import Study
 from ...thresholds.slow import growth_rate
 from .. import functions
 from ..histories.history import extremes_of
 from ..requirements.check import LEVELS
-from ..requirements.corners import corner_text, corners, must_text
+from ..requirements.corners import at_corner, corner_text, corners, must_text
 from ..statics.statics import statics
 
 UNITS = {
@@ -62,7 +64,7 @@ def datasheet(
         facts = _device(study, device, written[name])
         sheets += [f"{head}\n", table(["device", "value"], facts)]
         at_rest = f"at rest at {plain(device.temperature)} degC, exact to the digits shown"
-        sheets += [table([at_rest, "value"], _statics(device, of_device))]
+        sheets += [table([at_rest, "value"], _statics(device, of_device, damper))]
         unit = f"{plain(device.gravity * 1e6)} m/s^2"
         unit = f"{device.force:g} uN on the midpoint" if device.force else unit
         head = ["requirement", "shock", "at, degC", of_C, "threshold"]
@@ -93,7 +95,8 @@ def _device(study, device, written):
         yield [key.replace(".", ": ").replace("_", " "), text]
 
 
-def _statics(device, verdicts):
+def _statics(device, verdicts, damper):
+    unit, size = damper
     path, beam = statics(device), device.beam
     force, error = reset_force(beam)
     resets = f"{force:.5g} ± {plain(error, 1)} uN" if force > 0 else "none: it returns by itself"
@@ -110,9 +113,22 @@ def _statics(device, verdicts):
     N = static_threshold(device)
     yield ["slow shock that snaps it", f"above {N:.5g} for longer than a dwell time"]
     for C in sorted({row["C"] for row in verdicts}):
-        dwell = 2 / growth_rate(device, C)
+        dwell = 2 / growth_rate(device, C * size)
         text = f"{dwell:.4g} us" if np.isfinite(dwell) else "not known: no corner in its path"
-        yield [f"dwell time at C = {C:g}, of slow shocks to first order", text]
+        yield [f"dwell time at C = {C:g} {unit}, of slow shocks to first order", text]
+
+
+def reset_force(beam: Beam) -> tuple[float, float]:
+    """Find the force on the midpoint that leaves a beam no second shape, and its error, uN.
+
+    Below 0 where the beam returns by itself. The error is what half of the modes leave out.
+    """
+    modes = buckling_modes(beam)
+    modes = modes._replace(load=modes.midpoint)
+    kept = slice(len(modes.buckling) // 2)
+    half = modes._replace(**{key: getattr(modes, key)[kept] for key in modes._fields[:4]})
+    force = least_back(modes)
+    return float(force), float(abs(force - least_back(half)))
 
 
 def _verdict(row, made):

@@ -3,8 +3,12 @@
 import numpy as np
 import xarray as xr
 
-from ...beam.equilibria import saddle_rates, shapes_of
+from ...beam.basis import Basis
+from ...beam.equilibria import saddle_and_second, shapes_of
+from ...beam.modal import unit_beams
+from ...device.device import Beam
 from ...device.quantities import plain
+from ...numerics.linalg import apply, dot, eigenvalues, eigh, outer
 from ...numerics.portable import geometric
 from ...solver.adaptive import choose_survey
 from ...solver.cells import to_rows
@@ -37,6 +41,27 @@ def laws_of(study: Study, grid: Grid, thresholds: xr.Dataset) -> xr.Dataset:
     return dress("laws", laws, study.document(THRESHOLD_SETTINGS))
 
 
+def saddle_rates(beam: Beam, basis: Basis) -> np.ndarray:
+    """Rates, 1/us, at which one beam leaves the lowest saddle and its mirror image, (2,).
+
+    First that on whose side a pulse along +z bends the second mode; NaN without a saddle.
+    """
+    beams = unit_beams(basis, beam)
+    modal, p, _ = saddle_and_second(beams, None)
+    axial = beams.axial
+    bending = modal.stiffness * np.eye(p.size)
+    second = eigh(bending, modal.geometric)[1][..., 1]
+    amplitude = dot(second, apply(modal.geometric, p) + modal.slope_start)
+    mirrored = p - 2 * amplitude[..., np.newaxis] * second
+    p = np.concatenate([mirrored, p] if dot(second, modal.load) * amplitude > 0 else [p, mirrored])
+    slope = apply(modal.geometric, p) + modal.slope_start
+    N = -axial * dot(p, slope + modal.slope_start)
+    stretched = 2 * axial[:, np.newaxis, np.newaxis] * outer(slope, slope)
+    tangent = bending - N[:, np.newaxis, np.newaxis] * modal.geometric + stretched
+    falls = -eigenvalues(tangent)[:, 0] * (beam.stiffness_unit / beam.weight)
+    return np.sqrt(falls)
+
+
 def _snap_scales(study, device, pulse, thresholds):
     """Fit snap times to the logarithm of how far above its threshold each N is, (C, f0)."""
     rows = to_rows(0, thresholds.f0.values, thresholds.C.values[:, np.newaxis], 0, (pulse,))
@@ -55,5 +80,5 @@ def summary(laws: xr.Dataset) -> str:
     """Tell the laws in one line, at the least C."""
     keys, laws = ("N_static", "dwell", "velocity_change"), laws.isel(C=0, saddle=0)
     N, dwell, v, delay = (plain(laws[key].item()) for key in (*keys, "saddle_scale"))
-    slow, short = f"a slow shock trips it above {N} for longer than {dwell} us", f"{v} um/us"
+    slow, short = f"a slow shock trips it above N = {N} for longer than {dwell} us", f"{v} m/s"
     return f"{slow}, a short one by {short}; a factor e nearer a snap is {delay} us later"

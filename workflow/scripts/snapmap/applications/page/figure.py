@@ -14,11 +14,11 @@ import xarray as xr
 from matplotlib.colors import to_hex
 from plotly.offline import get_plotlyjs
 
-from ...beam.vibrations import vibrations
 from ...config.devices import read_device
 from ...config.shocks import shocks_of
+from ...config.vibrations import vibrations
 from ...device.device import VALUES
-from ...device.quantities import QUANTITIES, keys_of, leaves, quantity_at
+from ...device.quantities import QUANTITIES, Quantity, keys_of, leaves
 from ...figures import scales, states, style
 from ...pulse.shocks import HANDOUT_SHOCK
 from ...solver.outcome import OUTCOMES, WHOLE_SWING
@@ -204,8 +204,15 @@ def _lacking(devices, dims, document):
 def _rows(device):
     """Rows of the table of a device, of which every value has its unit: key, words and value."""
     for key, text in leaves(device):
-        quantity = quantity_at(key)
+        quantity = _quantity_at(key)
         yield quantity.name, _named(quantity), html.escape(quantity.used(text, typeset=True))
+
+
+def _quantity_at(key):
+    """The quantity of a key below a config's device; one without words for another key."""
+    name = key.rpartition(".")[2]
+    at_key = (quantity for quantity in QUANTITIES.values() if quantity.key == key)
+    return next(at_key, QUANTITIES.get(name) or Quantity(name))
 
 
 def _vibration(device: Mapping, C: Sequence[float]):

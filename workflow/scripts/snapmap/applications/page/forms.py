@@ -5,14 +5,14 @@ import numpy as np
 from ...beam.modal import contact_stiffness
 from ...solver.models import build_model
 from ...solver.settings import MOVE, SECOND
-from ...solver.steps import FEWEST, PER_SWING, TURN
+from ...solver.steps import FEWEST_STEPS, PER_SWING, STRIKE_TURN
 from ...study.axes import Grid
 from ...study.study import Study
 
 COSINES = 5
 MOST_PIECES = 20_000
 """Of a pulse that the page follows; a longer record would make it as large as itself."""
-LIMITS = {"few": FEWEST, "perSwing": PER_SWING, "turn": TURN}
+LIMITS = {"few": FEWEST_STEPS, "perSwing": PER_SWING, "turn": STRIKE_TURN}
 """Of the steps, as `simulate.js` calls them."""
 NUMBERS = (
     *("modes", "axial", "residual", "contact", "M", "K", "z0", "alpha", "toward", "away"),

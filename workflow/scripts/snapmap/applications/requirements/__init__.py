@@ -95,8 +95,7 @@ def figures(study):
 def draw(figures, folder, requirements_path):
     """Draw the margin of each requirement, a row for each worst corner."""
     from ...figures import style
-    from ...files.tables import read_verdicts
-    from .corners import corners
+    from .corners import corners, read_verdicts
     from .figure import draw_margins
 
     verdicts = read_verdicts(requirements_path)

@@ -1,13 +1,30 @@
 """Rows of verdicts by what they are of: their corners, the worst first, and these in words."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
 from ...device.quantities import plain
-from ...study.study import ANY
+from ...study.study import ANY, Study, of_requirement
 
 MET, VIOLATED, UNCLEAR = "met", "failed", "unclear"
+
+
+def read_verdicts(path: str | Path) -> list[dict]:
+    """Read the rows of requirements.csv: names stay text, even such as 12 or nan.
+
+    `must_snap` is True, False or `any`.
+    """
+    import pandas  # imported late: most runs read no table
+
+    text = {"dtype": str, "keep_default_na": False}
+    words = pandas.read_csv(path, usecols=["requirement", "device", "must_snap"], **text)
+    truths = {"True": True, "False": False}
+    must_snap = words.must_snap.map(lambda word: truths.get(word, word))
+    rows = pandas.read_csv(path).assign(**words.assign(must_snap=must_snap))
+    return rows.to_dict("records")
 
 
 def corners(rows: Iterable[Mapping]) -> list[list[Mapping]]:
@@ -16,6 +33,20 @@ def corners(rows: Iterable[Mapping]) -> list[list[Mapping]]:
     for row in rows:
         groups.setdefault((row["requirement"], row["device"], row["C"]), []).append(row)
     return [sorted(group, key=badness, reverse=True) for group in groups.values()]
+
+
+def at_corner(study: Study, required: Mapping, corner: Mapping) -> Study:
+    """The study of a requirement at a corner, by its device, temperature, shape and direction."""
+    device = study.device
+    device = device[corner["device"]] if isinstance(device, Mapping) else device
+    if corner["temperature"] != device.temperature:
+        device = device.at(corner["temperature"])
+    study = of_requirement(study, required)
+    pushed = corner["shape"], corner["direction"]
+    for shocks in study.shocks.each():
+        if (shocks.pulse.name, shocks.direction) == pushed:
+            return replace(study, device=device, shocks=shocks)
+    raise KeyError(pushed)
 
 
 def badness(row: Mapping) -> tuple[int, float]:

@@ -6,7 +6,8 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from ...study.study import ANY, Study, at_corner
+from ...study.study import ANY, Study
+from .corners import at_corner
 
 
 class Required(Protocol):

@@ -7,11 +7,11 @@ from itertools import chain
 from math import nan
 
 from ...files.atomic import replacing
-from ...study.study import Study, at_corner
+from ...study.study import Study
 from ..design.design import remedy, with_value
 from ..histories.history import Extremes
 from .check import Survival, Verdict, summary, worst
-from .corners import VIOLATED, beyond
+from .corners import VIOLATED, at_corner, beyond
 from .required import Required
 
 

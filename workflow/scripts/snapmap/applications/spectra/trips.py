@@ -9,13 +9,14 @@ import xarray as xr
 from ...pulse.pulse import DIRECTIONS, Pulse
 from ...solver.adaptive import choose_survey
 from ...solver.cells import Rows, to_rows
+from ...solver.cost import tell
 from ...solver.models import Follows
 from ...solver.options import AutoOptions
 from ...solver.settings import Settings
 from ...study import arguments
 from ...study.study import THRESHOLD_SETTINGS, Study, study_of
 from ...study.variables import dress
-from ...thresholds.cost import tell_records
+from ...thresholds.cost import run_seconds
 from ...thresholds.search import asker
 from .psd import Records
 from .srs import Levels, check_points, draw_seconds, record
@@ -23,6 +24,9 @@ from .srs import Levels, check_points, draw_seconds, record
 RECORDS, SEED = 8, 1
 FACTORS = tuple(2.0 ** (n / 4) for n in range(-8, 9))
 """Of the spectrum, at which its records are followed: from 12 dB below to 12 dB above."""
+
+PER_RECORD = 120
+"""Runs that one record of vibration takes: 12 levels, each ten times as long as told."""
 
 
 class TripOptions(arguments.RunOptions, AutoOptions, arguments.AxisOptions, total=False):
@@ -93,6 +97,26 @@ def trips_of(
     }
     document = study.document(THRESHOLD_SETTINGS) | {"srs": points.tolist(), **drawn}
     return dress("spectrum", xr.Dataset(data, grid.axes | {"factor": list(FACTORS)}), document)
+
+
+def tell_records(
+    what: str,
+    model: Follows,
+    rows: Rows,
+    pulse: Pulse,
+    settings: Settings,
+    records: int,
+    drawn: float = 0.0,
+) -> None:
+    """Warn of rows long followed under records like a pulse, or refuse them, as `tell_cost`.
+
+    rows: of which f0 and pulse are of no account; drawn: time in which records are, s
+    """
+    under = to_rows(rows.device, 1e6 / pulse.duration, rows.C, 0, (pulse,))
+    followed = PER_RECORD * records * float(run_seconds(model, under, settings).sum())
+    lasts = f"a record of {1e-6 * pulse.duration:.3g} s"
+    seconds = drawn + followed / settings.threads
+    tell(what, seconds, lasts, "write a higher lowest frequency", stacklevel=4)
 
 
 def snap_times(

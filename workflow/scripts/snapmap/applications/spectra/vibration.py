@@ -16,9 +16,8 @@ from ...solver.options import AutoOptions
 from ...study import arguments
 from ...study.study import THRESHOLD_SETTINGS, Study, study_of
 from ...study.variables import dress
-from ...thresholds.cost import tell_records
 from .psd import REACH, Density, Records, Spectrum
-from .trips import snap_times
+from .trips import snap_times, tell_records
 
 RECORDS, SEED = 16, 1
 """Records by default, and the seed of their phases."""

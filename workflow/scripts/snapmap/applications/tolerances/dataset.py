@@ -14,15 +14,7 @@ from ...device.device import VALUES
 from ...device.quantities import plain
 from ...device.samples import SAMPLES, SEED, SHOCK_FACTORS, Groups, Plan, Samples, Tolerances
 from ...numerics.portable import geometric
-from ...numerics.statistics import (
-    count_below,
-    moments,
-    percents,
-    quantile_bounds,
-    quantiles,
-    scope,
-    wilson,
-)
+from ...numerics.statistics import percents, scope, wilson
 from ...solver.cells import to_rows
 from ...study import arguments
 from ...study.axes import COORDINATES, NAMES
@@ -30,6 +22,7 @@ from ...study.study import SNAPS, THRESHOLD_SETTINGS, Study, of_requirement, stu
 from ...study.variables import dress
 from ...thresholds.population import Batch, choose_levels
 from .sensitivity import crossed, indices
+from .statistics import count_below, moments, quantile_bounds, quantiles
 
 QUANTILES = (0.001, 0.01, 0.1, 0.5, 0.9, 0.99, 0.999)
 AMPLITUDES = 101

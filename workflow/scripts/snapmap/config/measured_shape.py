@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..device.shape import TILT
 from ..files.named import naming, read_named
 from ..files.tables import read_table
 from ..numerics.linalg import apply, dot, multiply, solve
 from ..numerics.portable import sine
-from .shape import TILT
 
 COSINES = 5
 MOST = 20_000

@@ -1,11 +1,13 @@
-"""Draws docs/map.png: which shocks snap the handout's device, and speed against error.
+"""Makes docs/pictures: the map of the first page beside speed against error, and some figures.
 
-./run python docs/make_picture.py
+./run python docs/make_pictures.py build/tutorial/results/figures
 
-Speeds and errors are those of fast pulses in the table of docs/accuracy.md.
+The figures are those of a run of config/sensor.yaml, in few colours.  Speeds and errors are those
+of fast pulses in the table of docs/accuracy.md.
 """
 
 import re
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +20,9 @@ from snapmap.config.yaml_file import read_document
 from snapmap.figures import maps, scales, style
 
 ROOT = Path(__file__).resolve().parents[1]
-PICTURE = ROOT / "docs" / "map.png"
+PICTURES = ROOT / "docs" / "pictures"
+GALLERY = "snap_maps", "thresholds", "requirements", "probability", "sensitivity"
+WIDTH = 1200
 C = 25.0
 SHOWN = {
     "`auto`": ("snapmap", "C5"),
@@ -29,16 +33,24 @@ SHOWN = {
 """Rows of the table, their words and colours."""
 
 
-def main():
+def main(figures):
     with style.paper():
         figure = style.double_column(height=4)
         left, right = figure.subfigures(1, 2)
         maps.draw_map(left.subplots(), *snaps())
         draw_speeds(right.subplots())
-        figure.savefig(PICTURE, dpi=200)
-    with Image.open(PICTURE) as image:
+        figure.savefig(PICTURES / "map.png", dpi=200)
+    reduce_colours(PICTURES / "map.png", PICTURES / "map.png")
+    for name in GALLERY:
+        reduce_colours(Path(figures) / f"{name}.png", PICTURES / f"{name}.png")
+
+
+def reduce_colours(source: Path, target: Path) -> None:
+    """Save a picture in 64 colours, at most WIDTH pixels wide: a third of its size."""
+    with Image.open(source) as image:
+        image.thumbnail((WIDTH, WIDTH), Image.Resampling.LANCZOS)
         few = image.convert("RGB").quantize(64, dither=Image.Dither.NONE)
-    few.save(PICTURE, optimize=True)  # a third of the size
+    few.save(target, optimize=True)
 
 
 def snaps():
@@ -73,4 +85,4 @@ def draw_speeds(ax: Axes) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1])

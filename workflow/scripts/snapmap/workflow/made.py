@@ -5,7 +5,7 @@ from collections.abc import Collection, Iterable
 from contextlib import suppress
 from pathlib import Path
 
-from .atomic import replacing
+from ..files.atomic import replacing
 
 LIST = "made.txt"
 """Its name in the folder of results: under HEAD it holds a path a line, as Snakemake has it."""

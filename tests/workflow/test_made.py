@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from snapmap.files.made import HEAD, LIST, list_made, remove_others
+from snapmap.workflow.made import HEAD, LIST, list_made, remove_others
 
 
 @pytest.fixture(autouse=True)

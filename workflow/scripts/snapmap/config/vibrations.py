@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..beam.modal import natural_frequency
 from ..device.device import Device
 from ..device.quantities import plain
-from .modal import natural_frequency
 
 
 def vibrations(device: Device, C: Sequence[float]) -> list[list[str]]:
