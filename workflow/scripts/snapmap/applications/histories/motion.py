@@ -47,10 +47,6 @@ class Form(NamedTuple):
     residual: float
     shapes: np.ndarray
 
-    def stretch(self, u: np.ndarray) -> np.ndarray:
-        """u.G u + 2 u.G q0 of coordinates, (samples, n); um."""
-        return dot(u, multiply(u, self.geometric) + 2 * self.slope_start)
-
 
 def record(model, pulse, amplitude, f0, damping, dt, steps, start=FIRST):
     """Follow one cell as a sweep does, bit for bit, and show every step of it.
@@ -126,4 +122,5 @@ def _by_plain_loop(model, pulse, amplitude, f0, damping, dt, steps, start):
     )
     time, u, u_velocity = np.arange(steps) * dt, history[:, :n], history[:, n : 2 * n]
     y, y_velocity, work, lost = history[:, 2 * n :].T
-    return form, [Motion(time, u, u_velocity, y, y_velocity, form.stretch(u), work, lost)]
+    stretch = dot(u, multiply(u, form.geometric) + 2 * form.slope_start)
+    return form, [Motion(time, u, u_velocity, y, y_velocity, stretch, work, lost)]
