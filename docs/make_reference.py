@@ -4,99 +4,107 @@
 """
 
 import inspect
-import operator
 import re
-from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import fields, is_dataclass
-from functools import reduce
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import fields
 from itertools import groupby
 from pathlib import Path
-from typing import Union, get_args, get_origin, get_type_hints
 
 import snapmap
-from snapmap.device.argument import argument_of
-from snapmap.device.device import VALUES, Beam, Device
+from snapmap.device.device import Beam, Device
 from snapmap.device.quantities import QUANTITIES
-from snapmap.public import options_of
 from snapmap.pulse.pulse import Pulse
-from snapmap.solver.settings import Settings
 from snapmap.study.variables import variables
 
 PAGE = """\
 # The functions, one by one
 
-Units are µm, ng and µs, so µN, MPa and pJ; frequencies are in Hz, N in multiples of g, C in
-uN us/um. `model` is a name, or the config's model section; a `device` that may be a mapping is one,
-or several by name, as an axis. [Recipes](recipes.md) show them at work. This page comes from the
-docstrings, by
+This page lists every function of `snapmap`. Units are µm, ng and µs, so µN,
+MPa and pJ; frequencies are in Hz, N in multiples of g, C in uN us/um. [Recipes](recipes.md) show
+the functions at work. This page comes from the docstrings, by
 
     ./run python docs/make_reference.py
+
+## Shared arguments and options
+
+Several functions take these; each names its options. A wrong argument raises ValueError or
+TypeError with one line that names it. `calibrate`, `design` and `simulate` take a single device,
+N, f0, C, shape and direction; the others take several of each
+as axes, `srs_test` but one direction.
+
+- `device`: a Device, or several by name; `load_device` reads one
+- `N`: amplitude of the shock, from 0
+- `f0`: one over the duration of the shock, above 0; None for a recorded shock's own
+- `C`: damping coefficient of the mass, from 0
+- `model = "auto"`: a name, or a mapping of name and options, as `reference` makes
+- `horizon = 1500`: time followed after the pulse, from 0, us
+- `energy_tolerance = 1e-3`: largest residual of the energy ledger over the pulse's gross work
+- `threads = 1`: threads of the computation, at most 1024; they change no result
+- `start = "first"`: shape in which the beam rests at first; the other is "second"
+- `until = "settled"`: until a cell's well is proven; "snap" ends it at its snap, too
+- `repeat = True`: whether each cell runs again with another step; False with `until="snap"`
+- `pulse = "versed sine"`: that, "half sine", "sawtooth", "trapezoid", or a Pulse
+- `direction = "+z"`: +z presses the mass on the beam; others are "-z" and "both"
+- `skip = False`: True marks devices without a second stable shape `absent`; False refuses them
+- device axes: values of the device before C, f0 and N, as `thickness=[1.9, 2.0]`, internal units
+- model options: [as in the config](config.md#model)
 
 {functions}
 
 ## The cube
 
 Its dimensions are the axes of the device, in the order of the config, `shape` and `direction` if
-there are several, then C, f0 and N. Each slice is, bit for bit, what that device gives alone. A
-cell *snaps* when the midpoint first reaches the second equilibrium; with `start: second` it is the
-first, and both shapes change places here.
+there are several, then C, f0 and N. Each device's slice equals a run of that device alone, bit for
+bit. A cell *snaps* when the midpoint first reaches the second equilibrium. With `start: second` the
+two shapes change places.
 
-| `outcome` | means | known by |
-|---|---|---|
-| `never` | did not snap and never will | energy: less than the barrier is left |
-| `latched` | snapped and stays in the second shape | energy of all, or of the beam alone |
-| `returned` | snapped and stays in the first shape | energy |
-| `unsnapped`, `snapped` | so at the horizon; what follows is open | simulation |
-| `failed` | the run diverged, or its energy ledger did not close | the ledger |
-| `absent` | no second stable shape (`not_bistable: skip`) | Q = rise/thickness |
+Words of `outcome`:
 
-| other variables | what |
-|---|---|
-| `t_snap`, `t_settled` | times of the snap and of the proof; us after the pulse's start, NaN if \
-there is none; attribute `label_distance`: how far from a threshold, relative, a label can be \
-wrong ([accuracy](accuracy.md)) |
-| `blow` | of a train or drop: number of the blow that snaps, from 1; else 0 |
-| `well`, `well_share` | side of the saddle on which the beam ends, and share of the mass's last \
-swing there: 1 where proven; 0 and NaN of `reference`; not with `until: snap` |
-| `energy_error` | residual of the energy ledger over the gross work of the pulse |
-| `pulse_work` | work of the whole pulse on mass and beam, pJ; NaN where the run ended before |
-| `halvings` | how often the step was halved until the ledger closed |
-| `reproduced`, `well_reproduced` | 1 if a run with another step had the same outcome; ended on \
-the same side |
-| `work_error`, `t_snap_error` | indicators, no bounds: differences to that run, of the work (over \
-the larger of both) and of the time of snap (us) |
-| `t_closed`, `closed_for`, `openings`, `closed_share` | with `contact_at`, each with its \
-`_error`: [electrode](applications/electrode.md) |
-| `level`, `agreed` | of `auto`: the level that decided, 0 or 1, and whether levels \
-disagreed, 0, agreed, 1, or but one looked, 2 |
+- `never`: it did not snap and never will, as less energy than the barrier is left
+- `latched`: it snapped and stays in the second shape, by the energy of all, or of the beam alone
+- `returned`: it snapped and stays in the first shape, by its energy
+- `unsnapped`, `snapped`: its state at the horizon; the future is open
+- `failed`: the run diverged, or its energy ledger did not close
+- `absent`: it has no second stable shape (`not_bistable: skip`)
 
-Attributes hold the config, the versions of code and packages, the shares of proven and open
-cells, and about how many labels can be wrong.
+Variables beside `outcome`:
 
-## What they take
+- `t_snap`, `t_settled`: times of the snap and of the proof, us after the pulse's start, or NaN; 
+  attribute `label_distance`: relative distance to a threshold within which [a label can be 
+  wrong](accuracy.md)
+- `blow`: number of the blow of a train or drop that snaps the beam, from 1; else 0
+- `well`, `well_share`: side of the saddle on which the beam ends, and share of the mass's last 
+  swing there (1 where proven); 0 and NaN of `reference`; absent with `until: snap`
+- `energy_error`: residual of the energy ledger over the gross work of the pulse
+- `pulse_work`: work of the whole pulse on mass and beam, pJ; NaN where the run ended earlier
+- `halvings`: number of halvings of the step until the ledger closed
+- `reproduced`, `well_reproduced`: 1 if a run with another step had the same outcome, or well
+- `work_error`, `t_snap_error`: differences to that run, of the work (relative) and of `t_snap` 
+  (us); indicators, no bounds
+- `t_closed`, `closed_for`, `openings`, `closed_share`: closures of an electrode, each with its 
+  `_error` ([electrode](applications/electrode.md))
+- `level`, `agreed`: level of `auto` that decided, 0 or 1; whether both levels agreed (1), 
+  disagreed (0), or only one looked (2)
 
-### Arguments and options
+Attributes hold the config, the versions of code and packages, the shares of proven and open cells,
+and an estimate of the number of wrong labels.
 
-Beside options of the model. Functions with `skip` take values of the device, too, as axes, in their
-units. A wrong argument raises ValueError or TypeError with one line that names it.
-
-| name | what it may be | of |
-|---|---|---|
-{arguments}
+## The classes
 
 {values}
 """
 
 RETURNED = {
-    "sweep": "What the variables are: [the cube](#the-cube).",
-    "threshold": "What the variables are: [thresholds](thresholds.md).",
-    "tolerance": "What the variables are: [tolerances](applications/tolerances.md).",
-    "simulate": "The variables, over `time` (us):\n\n"
-    + "\n".join(
-        f"- `{key}`: {about['long_name']}, {about['units']}"
+    "sweep": "[The cube](#the-cube) lists the variables.",
+    "threshold": "[Thresholds](thresholds.md) explains the variables.",
+    "tolerance": "[Tolerances](applications/tolerances.md) explains the variables.",
+    "simulate": "The variables over `time` (us), each with its `long_name`: "
+    + ", ".join(
+        f"`{key}` ({about['units']})"
         for key, about in variables("history").items()
         if key not in ("", "time")
-    ),
+    )
+    + ".",
 }
 MODULES = re.compile(r"\b(?:[a-z_]\w*\.)+(?=[A-Z])")
 
@@ -105,10 +113,9 @@ def reference() -> str:
     """The text of docs/reference.md."""
     public = {name: getattr(snapmap, name) for name in snapmap.__all__}
     functions = {name: what for name, what in public.items() if not isinstance(what, type)}
-    values = {kind.__name__: kind for kind in (Device, Beam, Pulse, Settings)}
+    values = {kind.__name__: kind for kind in (Device, Beam, Pulse)}
     return PAGE.format(
         functions="\n\n".join(_section("##", name, what) for name, what in functions.items()),
-        arguments="\n".join(_arguments(functions)),
         values="\n\n".join(_section("###", name, what) for name, what in values.items()),
     )
 
@@ -119,23 +126,9 @@ def _section(level: str, name: str, described: Callable) -> str:
     parts += [_signature(described)] if inspect.isfunction(described) else []
     parts += _paragraphs(text, inspect.signature(described).parameters)
     parts += [RETURNED[name]] if name in RETURNED else []
-    parts += [_units(described)] if is_dataclass(described) else []
+    parts += [_units(described)] if described in (Device, Beam) else []
     parts += [f"```pycon\n>>> {example}\n```"] if example else []
     return "\n\n".join(parts)
-
-
-def _arguments(functions: Mapping[str, Callable]) -> Iterator[str]:
-    """Rows of a table of arguments: what each may be, and of which functions."""
-    rows = {}
-    for name, function in functions.items():
-        parameters = inspect.signature(function).parameters
-        kinds = {key: parameters[key].annotation for key in parameters if key != "options"}
-        arguments = {key: argument_of(kind) for key, kind in kinds.items()}
-        for key, argument in (arguments | options_of(function)).items():
-            if key not in VALUES:
-                rows.setdefault((key, argument.need), []).append(f"`{name}`")
-    for (key, need), names in sorted(rows.items()):
-        yield f"| `{key}` | {need.replace(', nor ', ', or ')} | {', '.join(names)} |"
 
 
 def _units(kind: type) -> str:
@@ -148,16 +141,13 @@ def _units(kind: type) -> str:
 
 
 def _signature(function: Callable) -> str:
-    """As ruff would format it, one parameter a line, types without their modules."""
-    signature, types = inspect.signature(function), get_type_hints(function)
-    parameters = ""
-    for name, parameter in signature.parameters.items():
-        kind = parameter.empty if name == "options" else types[name]
-        kind = reduce(operator.or_, get_args(kind)) if get_origin(kind) is Union else kind
-        parameters += f"    {parameter.replace(annotation=kind)},\n"
-    returned = inspect.formatannotation(signature.return_annotation)
-    code = MODULES.sub("", f"def {function.__name__}(\n{parameters}) -> {returned}: ...")
-    return "```python\n" + code.replace("'", '"') + "\n```"
+    """Its parameters and defaults, with the name of what it returns."""
+    signature = inspect.signature(function)
+    bare = [part.replace(annotation=part.empty) for part in signature.parameters.values()]
+    parameters = str(signature.replace(parameters=bare, return_annotation=signature.empty))
+    returned = MODULES.sub("", inspect.formatannotation(signature.return_annotation))
+    code = f"{function.__name__}{parameters} -> {returned}".replace("'", '"')
+    return f"```python\n{code}\n```"
 
 
 def _paragraphs(text: str, names: Collection[str]) -> Iterator[str]:

@@ -1,6 +1,7 @@
 """The pages for use say what the code does, and make a site."""
 
 import doctest
+import inspect
 import re
 import runpy
 import subprocess
@@ -18,10 +19,16 @@ from snapmap.applications import attached
 from snapmap.applications.requirements import shocks_of
 from snapmap.applications.requirements.corners import read_verdicts
 from snapmap.config.study import load_config
+from snapmap.device.device import VALUES
 from snapmap.numerics.statistics import percents
+from snapmap.public import options_of
 from snapmap.study.netcdf import write
 
 PAGES = "recipes", "own-physics", "tutorial", "figures"
+SHARED_OPTIONS = {
+    *("horizon", "energy_tolerance", "threads", "start", "until", "repeat"),
+    *("pulse", "direction", "skip"),
+}
 IN_PYTHON = *PAGES, *(f"applications/{name}" for name in attached())
 """Pages whose numbers are those of the Python in them."""
 
@@ -33,6 +40,15 @@ def blocks(page, language):
 def test_the_reference_is_what_the_docstrings_say(root):
     page = (root / "docs" / "reference.md").read_text(encoding="utf-8")
     assert runpy.run_path(root / "docs" / "make_reference.py")["reference"]() == page
+
+
+def test_the_options_of_each_docstring_are_those_it_takes():
+    named = {name: getattr(snapmap, name) for name in snapmap.__all__}
+    for name, function in named.items():
+        options = {key for key in options_of(inspect.unwrap(function)) if key not in VALUES}
+        line = re.search(r" options: (.*?)\n    (?! )", function.__doc__ + "    ", re.S)
+        words = set(re.findall(r"\w+", line[1] if line else "")) & SHARED_OPTIONS
+        assert words == options, name
 
 
 def test_the_tutorial_writes_the_config_that_there_is(root):

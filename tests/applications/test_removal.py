@@ -10,20 +10,19 @@ from small_workflow import snakemake
 
 from snapmap.applications import attached, key_of
 
+LINES = {name: package.__doc__.partition("\n")[0] for name, package in attached().items()}
+IMPORTS = {
+    name: {*re.findall(r"\w+", line.partition("Imports:")[2])} for name, line in LINES.items()
+}
+"""What the first line of each application says that it imports; test_project.py checks it."""
+INNER = [name for name in IMPORTS if name in set().union(*IMPORTS.values())]
+LEAVES = [name for name in IMPORTS if name not in INNER]
 
-def dependents(name):
-    """The application and those whose first line says that they import it."""
-    gone = {name}
-    while True:
-        lines = {other: one.__doc__.partition("\n")[0] for other, one in attached().items()}
-        named = {
-            other: re.findall(r"\w+", line.partition("Imports:")[2])
-            for other, line in lines.items()
-        }
-        more = {other for other in named if gone & {*named[other]}} - gone
-        if not more:
-            return gone
-        gone |= more
+
+def with_dependents(names):
+    """These applications and all that import them."""
+    more = {name for name, imported in IMPORTS.items() if imported & {*names}}
+    return {*names} if more <= {*names} else with_dependents(more.union(names))
 
 
 @pytest.fixture
@@ -37,12 +36,12 @@ def clone(root, tmp_path):
     return folder
 
 
-def study_without(clone, name, path):
-    """Delete an application with its dependents; write a small study that the rest can make."""
+def study_without(clone, names, path):
+    """Delete applications with all that import them; write a small study that the rest can make."""
     applications = clone / "workflow" / "scripts" / "snapmap" / "applications"
     listing, document = applications / "__init__.py", yaml.safe_load(TINY)
     text = listing.read_text(encoding="utf-8")
-    for gone in dependents(name):
+    for gone in with_dependents(names):
         shutil.rmtree(applications / gone)
         assert f'    "{gone}",\n' in text
         text = text.replace(f'    "{gone}",\n', "")
@@ -51,10 +50,11 @@ def study_without(clone, name, path):
     path.write_text(yaml.safe_dump(document), encoding="utf-8")
 
 
-@pytest.mark.parametrize("name", attached())
-def test_the_rest_is_planned_without_an_application(clone, tmp_path, name, monkeypatch):
+@pytest.mark.parametrize("names", [LEAVES, *([name] for name in INNER)], ids=" ".join)
+def test_the_rest_is_planned_without_applications(clone, tmp_path, names, monkeypatch):
+    """Without all that nothing imports, at once, and without each of the others."""
     monkeypatch.delenv("PYTHONPATH", raising=False)
-    study_without(clone, name, tmp_path / "study.yaml")
+    study_without(clone, names, tmp_path / "study.yaml")
     _, output = snakemake(clone, tmp_path / "run", tmp_path / "study.yaml", "--dry-run")
     assert "find_threshold" in output and "draw_study" in output
 
@@ -63,6 +63,6 @@ def test_the_rest_is_planned_without_an_application(clone, tmp_path, name, monke
 @pytest.mark.parametrize("name", attached())
 def test_the_rest_runs_without_an_application(clone, tmp_path, name, monkeypatch):
     monkeypatch.delenv("PYTHONPATH", raising=False)
-    study_without(clone, name, tmp_path / "study.yaml")
+    study_without(clone, [name], tmp_path / "study.yaml")
     snakemake(clone, tmp_path / "run", tmp_path / "study.yaml")
     assert (tmp_path / "run" / "results" / "figures" / "thresholds.png").exists()

@@ -365,6 +365,9 @@ def test_odd_grids_draw_without_warnings(rows):
     cells = make_cells(rows)
     for draw in (end_map, snap_map, time_map):
         draw(cells).figure.draw_without_rendering()
+
+
+def test_a_map_of_one_cell_has_its_values_as_ticks():
     ax = end_map(make_cells(["2"], f0=[1500.0], N=[1000.0]))
     ax.figure.draw_without_rendering()
     for axis, words in [(ax.xaxis, "1500"), (ax.yaxis, "1000"), (ax.child_axes[0].xaxis, "0.6667")]:

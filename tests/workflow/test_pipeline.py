@@ -86,11 +86,11 @@ def test_the_cube_is_what_python_gives(finished):
 
 def test_the_thresholds_are_what_python_gives(finished):
     folder, config, _ = finished
-    with xr.open_dataset(folder / "results" / "threshold.nc") as found:
-        axes = {"f0": found.f0, "C": found.C, "highest": 3000.0}
+    with xr.open_dataset(folder / "results" / "threshold.nc") as edges:
+        axes = {"f0": edges.f0, "C": edges.C, "highest": 3000.0}
         device = snapmap.load_device(config)
         direct = snapmap.threshold(device, **axes, model="cosines", modes=3, horizon=200.0)
-        xr.testing.assert_equal(found, direct)
+        xr.testing.assert_equal(edges, direct)
 
 
 def test_lint_misses_nothing_but_environments_of_rules(clone):
@@ -98,9 +98,9 @@ def test_lint_misses_nothing_but_environments_of_rules(clone):
     command = ["snakemake", "--snakefile", clone / "workflow" / "Snakefile", "--lint"]
     command += ["--configfile", clone / "config" / "sensor.yaml"]  # of many products
     done = subprocess.run(command, cwd=clone, capture_output=True, text=True, timeout=120)
-    found = re.findall(r"^    \* (.+):$", done.stdout + done.stderr, re.M)
-    assert len(found) > len(RULES), done.stderr
-    assert set(found) == {"Specify a conda environment or container for each rule."}
+    lints = re.findall(r"^    \* (.+):$", done.stdout + done.stderr, re.M)
+    assert len(lints) > len(RULES), done.stderr
+    assert set(lints) == {"Specify a conda environment or container for each rule."}
 
 
 def test_the_workflow_is_formatted(clone):
@@ -141,7 +141,7 @@ def test_all_that_is_made_is_listed(finished):
     head, *listed = (folder / "results" / LIST).read_text().splitlines()
     made = {path.relative_to(folder).as_posix() for path in (folder / "results").rglob("*.*")}
     apart = ("results/slabs/", "results/logs/", f"results/{LIST}")
-    assert head == HEAD and listed == sorted(one for one in made if not one.startswith(apart))
+    assert head == HEAD and listed == sorted(path for path in made if not path.startswith(apart))
 
 
 def test_of_an_older_config_only_what_was_made_leaves(clone, finished, tmp_path):
@@ -173,7 +173,7 @@ def test_of_an_older_config_only_what_was_made_leaves(clone, finished, tmp_path)
     assert after == before | {*mine, results / "logs" / "find_window.log"}
 
 
-@pytest.mark.parametrize("cores", ["0", "-1"])
+@pytest.mark.parametrize("cores", ["0", pytest.param("-1", marks=pytest.mark.long)])
 def test_no_core_is_refused_at_the_door(clone, tmp_path, finished, cores):
     code, output = snakemake(clone, tmp_path, finished[1], "--cores", cores, check=False)
     assert code != 0 and f"--cores {cores}: no job would ever start" in output
@@ -204,8 +204,8 @@ def edited(path, text):
 def test_an_edit_reruns_what_makes_numbers_or_what_draws(clone, finished, path, rules):
     """And a touch nothing."""
     folder, config, _ = finished
-    for one in (clone / "workflow" / "scripts").rglob("*.py"):
-        one.touch()
+    for source in (clone / "workflow" / "scripts").rglob("*.py"):
+        source.touch()
     with edited(clone / "workflow" / "scripts" / path, "EDITED = 1\n"):
         output = snakemake(clone, folder, config, "--dry-run")[1]
     assert planned_rules(output).keys() - {"all"} == rules
@@ -225,13 +225,15 @@ def test_studies_are_targets_of_their_own(clone, finished):
     assert planned_rules(output).keys() == {"accuracy", "stability"}
 
 
-def test_another_value_makes_the_cube_of_a_small_grid_anew(clone, finished):
+@pytest.mark.parametrize(
+    "products", [[], pytest.param(["results/cube.nc"], marks=pytest.mark.long)]
+)
+def test_another_value_makes_the_cube_of_a_small_grid_anew(clone, finished, products):
     folder, _, _ = finished
     grown = folder / "grown.yaml"
     grown.write_text(TINY.replace("30 uN*us/um]", "30 uN*us/um, 60 uN*us/um]"))
-    for products in ([], ["results/cube.nc"]):
-        _, output = snakemake(clone, folder, grown, "--dry-run", *products)
-        assert planned_rules(output)["simulate_all"] == 1
+    _, output = snakemake(clone, folder, grown, "--dry-run", *products)
+    assert planned_rules(output)["simulate_all"] == 1
 
 
 def test_a_grid_too_large_for_one_job_fans_out(clone, finished):
@@ -265,7 +267,9 @@ def test_what_left_the_config_leaves_the_figures(clone, finished, tmp_path):
     figures = {path.name for path in mine.parent.iterdir()}
     assert figures == figures_of(smaller.read_text()) | {mine.name}
     for name in ("threshold.nc", "stress.nc"):
-        before, after = (xr.load_dataset(one / "results" / name) for one in (finished[0], folder))
+        before, after = (
+            xr.load_dataset(study / "results" / name) for study in (finished[0], folder)
+        )
         xr.testing.assert_equal(before.sel(C=[30]), after)
 
 
@@ -285,10 +289,10 @@ def test_every_product_is_made_of_two_shapes_along_both_directions(clone, tmp_pa
     for name in ("requirements.csv", "datasheet.md"):
         text = (tmp_path / "results" / name).read_text(encoding="utf-8")
         assert "crash" in text and "shaking" in text
-    with xr.open_dataset(tmp_path / "results" / "tolerance.nc") as found:
-        assert found.sizes["shape"] == found.sizes["direction"] == 2
-        assert found["yield"].leaves_out == "shaking, spectrum, the closing of crash"
-        assert found.share_breaking.notnull().all()
+    with xr.open_dataset(tmp_path / "results" / "tolerance.nc") as made:
+        assert made.sizes["shape"] == made.sizes["direction"] == 2
+        assert made["yield"].leaves_out == "shaking, spectrum, the closing of crash"
+        assert made.share_breaking.notnull().all()
 
 
 @pytest.mark.long
@@ -301,6 +305,6 @@ def test_the_window_of_the_recipe_is_drawn(clone, tmp_path):
     text = text.replace("name: auto", "name: cosines, modes: 3")
     (config := tmp_path / "arm.yaml").write_text(text)
     snakemake(clone, tmp_path, config, "results/figures/window.pdf")
-    with xr.open_dataset(tmp_path / "results" / "window.nc") as found:
-        best = found.reserve.min("requirement").argmax(...)
-        assert found.reserve.isel(best).min() > 1.1 and found["yield"].isel(best) > 0.9
+    with xr.open_dataset(tmp_path / "results" / "window.nc") as points:
+        best = points.reserve.min("requirement").argmax(...)
+        assert points.reserve.isel(best).min() > 1.1 and points["yield"].isel(best) > 0.9

@@ -211,9 +211,10 @@ def of_device(make, names=RARE_LAST):
 
 
 def load_device(path: ExistingPath) -> Device:
-    """Read the device of a config file, whatever its other sections; raises ConfigError.
+    """Read the device of a config file and ignore its other sections.
 
-    A `quality_factor` stands for a C, which is no value of the device: a warning names this C.
+    A warning names the C that a `quality_factor` of the mass stands for. Invalid files raise
+    ConfigError.
 
     >>> snapmap.load_device("config/config.yaml").beam.thickness
     2.0

@@ -23,19 +23,17 @@ FLAT = 1e-8
 
 @dataclass(frozen=True)
 class Beam:
-    """Clamped beam; values and units as in QUANTITIES; one that cannot be raises ValueError.
+    """A clamped beam; an impossible value raises ValueError.
 
-    rise: 0 is a straight beam, which compression must buckle
-    damping: drag on the beam over its momentum; swings decay at half of it
-    residual_stress: along the axis as made, before the beam bends to relieve it
-    imperfection: largest displacement in the first antisymmetric shape
-    free: whether it may tilt, 1 or 0: a guided beam moves symmetrically
-    clamp_axial: math.inf is rigid
-    cosine_2, ..., cosine_5: (1 - cos(2 n pi x/L))/2 in the shape as made, over the rise, which
-        stays as it is
+    rise: 0 for a straight beam, which compression must buckle
+    depth: out of the plane of motion; of a double beam, of both beams together
+    damping: viscous drag per unit mass; swings decay at half this rate
+    free: 1 for a beam that may tilt, 0 for a guided beam, which moves symmetrically
+    clamp_axial: math.inf for rigid clamps
+    cosine_2, cosine_3, cosine_4, cosine_5: amplitude of (1 - cos(2 n pi x/L))/2 in the shape as
+        made, over the rise
 
-    >>> sizes = {"span": 600.0, "rise": 10.0, "thickness": 2.0, "depth": 22.0}
-    >>> snapmap.Beam(**sizes, youngs_modulus=150e3, density=2.33e-3).rise
+    >>> snapmap.load_device("config/config.yaml").beam.rise
     10.0
     """
 

@@ -29,22 +29,17 @@ OF_MASS = *ALONE, *keys_of("stops").values()
 
 @dataclass(frozen=True)
 class Device:
-    """Beam, and a mass on a spring that strikes it; a value that cannot be raises ValueError.
+    """A beam, and a mass on a spring that strikes it; an impossible value raises ValueError.
 
-    Values and units as in QUANTITIES.
-
-    mass: 0 with a gap of math.inf for a beam alone; contact: math.inf is a hard one
-    gravity: the unit of the shock's amplitude N
-    force: the unit of N of a downward force on the midpoint of a beam alone; 0 if the frame shakes
-    stop_toward, stop_away: from rest to a rigid stop; math.inf for none
-    temperature: at which the other values hold; `vary` takes it to others
-    reference_temperature: at which they were given
-    modulus_slope: change of Young's modulus over itself, 1/K
-    expansion_mismatch: thermal expansion of the beam less that of what it is clamped to, 1/K
-    damper_exponent: C grows with the absolute temperature to this power
-    strength: tensile stress at which the beam breaks, math.inf for never; or the scale of a
-        Weibull distribution of it, with strength_modulus and strength_threshold
-    contact_at: w(L/2) up to which the beam touches an electrode; -math.inf for none
+    Values of device and beam are the keys of the config.
+    mass: 0, with a gap of math.inf, for a beam alone
+    contact: math.inf for hard contact
+    gravity, force: the unit of N; a force of 0 shakes the frame
+    stop_toward, stop_away: math.inf without a stop
+    modulus_slope: relative change of Young's modulus per kelvin
+    damper_exponent: power of the absolute temperature with which C grows
+    strength: math.inf for a beam that never breaks
+    contact_at: -math.inf without an electrode
 
     >>> sizes = {"span": 600.0, "rise": 10.0, "thickness": 2.0, "depth": 22.0}
     >>> beam = snapmap.Beam(**sizes, youngs_modulus=150e3, density=2.33e-3)

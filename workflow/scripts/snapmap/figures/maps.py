@@ -96,11 +96,12 @@ def plot_outcome(
     found: Thresholds | None = None,
     ends: Flag = False,
 ) -> Axes:
-    """Draw which cells snap, with a legend, on `ax` or on a new figure.
+    """Draw which cells of a cube snap, with a legend, on `ax` or on a new figure.
 
-    cube: as from `sweep` or `open_cube`, of one value on every axis but x and y
-    found: thresholds over x, drawn if y is N
-    ends: draw instead on which side of the saddle each beam ends
+    cube: as `sweep` or `open_cube` returns it, of a single value along axes other than x and y
+    x, y: names of axes of the cube
+    found: thresholds over x, drawn as a line if y is N
+    ends: draw on which side of the saddle each beam ends, instead of which cells snap
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> cube = snapmap.sweep(device, [900, 1100], [500, 1500], [25], model="cosines", until="snap")

@@ -35,30 +35,30 @@ TENTH = 0.1
 
 @dataclass(frozen=True, eq=False)
 class Pulse:
-    """One shape of peak 1 over x = t/duration from 0 to 1; `sampled` and `read_pulse` make one.
+    """A shape of peak 1 over x = t/duration from 0 to 1; `sampled` and `read_pulse` make one.
 
-    pieces: (pieces, 6), as in `numerics.pieces`
-    duration: its own, us, of a recorded shock or a train; None where f0 alone tells it
-    peak: its own, um/us^2, of a recorded shock in known units, else NaN
-    given: the section `pulse` of a config that makes it
-    notes: lines on what the user of a recorded shock should know
-    blows: x at which each blow of a train begins, ascending; other pulses have none
-    swing: share of the duration that the shortest blow takes
-    strongest: the blow of a train that changes the velocity most, alone, over the train's peak
-    own_N: multiples of g at which a drop is that from its height
+    duration: us, of a recorded shock or a train; None where f0 sets it
+    peak: um/us^2, of a recorded shock in known units, else NaN
+    notes: warnings about a recorded shock
+    own_N: amplitude of a drop from its height, multiples of g
 
     >>> saw = snapmap.sampled([0.0, 100.0, 400.0], [0.0, 1.0, 0.0])
     """
 
     name: str
     pieces: np.ndarray
+    """(pieces, 6), as in `numerics.pieces`."""
     duration: float | None = None
     peak: float = np.nan
     given: Mapping = field(default_factory=dict)
+    """The section `pulse` of a config that makes it."""
     notes: tuple[str, ...] = ()
     blows: np.ndarray = field(default_factory=lambda: np.empty(0))
+    """x at which each blow of a train begins, ascending; empty for other pulses."""
     swing: float = 1.0
+    """Share of the duration that the shortest blow takes."""
     strongest: "Pulse | None" = None
+    """The blow of a train that changes the velocity most, over the train's peak."""
     own_N: float | None = None
 
     @cached_property
@@ -219,10 +219,10 @@ def straight(x: np.ndarray, values: np.ndarray) -> np.ndarray:
 def sampled(
     time: Series, acceleration: Series, name: Annotated[str, of_type("a name", str)] = "recorded"
 ) -> Pulse:
-    """Make a pulse of samples, linear between them, with their own duration.
+    """Make a pulse of samples, which keeps its duration and is linear between them.
 
-    time: us, ascending; acceleration: along +z, in any unit, as N scales its largest; (samples,)
-    Raises ValueError, one line, for what is no shock.
+    time: us, ascending, (samples,)
+    acceleration: along +z, (samples,), in any unit, as N scales its largest value
 
     >>> snapmap.sampled([0.0, 100.0, 400.0], [0.0, 1.0, 0.0]).duration
     400.0

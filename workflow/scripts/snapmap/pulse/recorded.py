@@ -28,12 +28,13 @@ Hash = Annotated[
 
 
 def read_pulse(path: ExistingPath, sha256: Hash = "") -> Pulse:
-    """Read a recorded shock; N scales its largest acceleration, and it keeps its own duration.
+    """Read a recorded shock, which keeps its duration and is linear between samples.
 
-    path: CSV of two columns, time (s, ms or us) and acceleration (g or m/s^2), whose header names
-        the units, as in `time (ms),acceleration (g)`
-    sha256: expected hash of the file, hex digits; empty for any
-    Between samples the acceleration is linear. Raises ValueError, one line, naming file and fault.
+    N scales its largest acceleration.
+
+    path: CSV of time (s, ms or us) and acceleration (g or m/s^2); the header names the units, as in
+        `time (ms),acceleration (g)`
+    sha256: expected hash of the file, 64 hexadecimal digits; empty for any file
 
     >>> snapmap.read_pulse("config/half_sine.csv").duration
     500.0

@@ -27,13 +27,11 @@ class Cells(NamedTuple):
 
     def take(self, which: np.ndarray) -> "Cells":
         """Pick cells by indices or a mask."""
-        *columns, pulses = self
-        return Cells(*(column[which] for column in columns), pulses=pulses)
+        return Cells._make([*(column[which] for column in self[:-1]), self.pulses])
 
     def flat(self) -> "Cells":
         """Give the same cells in one dimension."""
-        *columns, pulses = self
-        return Cells(*map(np.ravel, columns), pulses=pulses)
+        return Cells._make([*map(np.ravel, self[:-1]), self.pulses])
 
 
 class Rows(NamedTuple):
@@ -50,8 +48,7 @@ class Rows(NamedTuple):
 
     def take(self, which: np.ndarray | slice) -> "Rows":
         """Pick rows by indices, a mask or a slice."""
-        *columns, pulses = self
-        return Rows(*(column[which] for column in columns), pulses=pulses)
+        return Rows._make([*(column[which] for column in self[:-1]), self.pulses])
 
     def cells(self, devices: Device, N, horizon: float) -> Cells:
         """Give their cells, (rows, n), at multiples of g that broadcast so; as `to_cells`."""

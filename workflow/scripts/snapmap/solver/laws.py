@@ -44,13 +44,14 @@ def reference(
     contact: Law | None = None,
     force: Law | None = None,
 ) -> dict[str, object]:
-    """Make the handout's scheme with laws of your own, as `model` of sweep, threshold and simulate.
+    """Make a model with laws of your own from the `reference` model, for sweep, threshold and
+    simulate.
 
-    damping: (C, velocity, place) to the drag on the mass, uN, in place of C velocity
-    contact: (stiffness, overlap) to the push between mass and midpoint, uN, positive apart
-    force: (displacement,) to the push that holds the midpoint there, uN, in place of the beam's
-    Each is a function of floats that numba compiles, or has compiled; um, us. Raises ValueError,
-    one line, for a law that cannot be. What each receives and returns: docs/own-physics.md.
+    damping: drag on the mass (uN) of (C, velocity, place); replaces C velocity
+    contact: push between mass and midpoint (uN, positive apart) of (stiffness, overlap)
+    force: push that holds the midpoint (uN) of (displacement,); replaces the beam's
+    Laws are functions of floats that numba can compile; lengths are in um, times in us.
+    docs/own-physics.md describes them.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> cubic = snapmap.reference(damping=lambda C, velocity, place: C * velocity**3)

@@ -305,9 +305,13 @@ def check_options(device: Device, name: str, options: Mapping) -> None:
         raise ValueError("device.contact: hard is not for the reference model; write elements")
     if laws := laws_of(options):
         of_elements, alone = laws.force and "elements" in options, device.is_alone
-        require(not of_elements, "model.elements: a law of the force takes none; leave it out")
+        require(
+            np.array(not of_elements), "model.elements: a law of the force takes none; leave it out"
+        )
         stopped = np.any(device.has_stops) and laws.contact
-        require(not stopped, "device.stops: are not for a law of the contact; leave them out")
+        require(
+            np.array(not stopped), "device.stops: are not for a law of the contact; leave them out"
+        )
         closes = "device.contact_at: is not for a model with laws; leave it out"
         require(~np.asarray(device.has_electrode), closes)
         require(~np.asarray(alone), "model.laws: are of a mass on a beam; write a mass")

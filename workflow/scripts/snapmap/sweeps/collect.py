@@ -83,9 +83,9 @@ def open_slabs(paths: Sequence[str | Path]) -> xr.Dataset:
 
 
 def open_cube(path: ExistingPath) -> xr.Dataset:
-    """Open a cube; `outcome` is its name, such as "latched", and `outcome_code` its number.
+    """Open a cube, with outcomes as words in `outcome` and as numbers in `outcome_code`.
 
-    path: of the file, or of the folder of slabs, which are opened lazily, each as a block of dask
+    path: a file, or a folder of slabs, which dask reads lazily, one block per slab
 
     >>> snapmap.open_cube("config/config.yaml")
     Traceback (most recent call last):

@@ -60,14 +60,10 @@ def sweep(
     model: arguments.Model = "auto",
     **options: Unpack[SweepOptions],
 ) -> xr.Dataset:
-    """Simulate every cell of a grid and return it as in cube.nc.
+    """Simulate every cell of a grid and return the cube.
 
-    f0: None for a recorded shock's own
-    options: horizon (us), start, until, repeat, energy_tolerance, threads, as in `Settings`; pulse;
-        direction; skip: whether a device without a second stable shape is marked `absent`, not
-        refused; those of the model; and values of the device, internal units, as axes in front of
-        C, f0 and N
-    By default only settled cells are repeated.
+    options: horizon, energy_tolerance, threads, start, until, repeat, pulse, direction, skip,
+        device axes, model options
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> study = {"model": "cosines", "until": "snap", "thickness": [1.9, 2.0]}

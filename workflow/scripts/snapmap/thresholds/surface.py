@@ -73,22 +73,17 @@ def threshold(
     highest: Annotated[float, argument.number("(0, inf)", "multiples of g", "2000")] | None = None,
     **options: Unpack[SurfaceOptions],
 ) -> xr.Dataset:
-    """Find where snapping begins over C (uN us/um) and f0 (Hz), with error bars.
+    """Find the lowest N that snaps the beam, with error bars, over C (uN us/um) and f0 (Hz).
 
-    f0: None for a recorded shock's own
-    tolerance: of the refinement in N, relative
-    highest: largest N of the search for islands; by default twice the threshold
-    options: horizon (us after the pulse), start, energy_tolerance, threads; pulse; direction; skip:
-        whether a device without a second stable shape is no error; those of the model; and values
-        of the device, internal units, as axes in front of C and f0
-    Variables: those of `survey.Thresholds`, (..., C, f0), with N_latched; N_first of a row that is
-    not ragged stands on a lattice in relative steps of `tolerance`, so that two models may agree to
-    the last digit, and only the digits that N_error allows count. The limits of slow and short
-    pulses, N_static, over the axes of device and pulse, and velocity_change, over these and C;
-    N_slow, of slow pulses by their `dwell` above N_static, us, over the axes of device and C;
-    the `area` of each pulse: its velocity change is area N g / f0; of records in known units
-    `scale_first`, a factor. Along axes of eight values and more of the device, C or f0 of slow
-    pulses, few rows are searched and others `verified`. `status` in words is
+    tolerance: relative refinement of N
+    highest: largest N of the search for islands, multiples of g; twice the threshold by default
+    options: horizon, energy_tolerance, threads, start, pulse, direction, skip,
+        device axes, model options
+    The Dataset holds `N_first`, `N_latched` and their errors over (..., C, f0). Clean rows lie on a
+    lattice of relative step `tolerance`: only the digits that `N_error` allows count. `N_static`
+    and `velocity_change` are the limits of slow and short pulses; `N_slow` is the threshold of slow
+    pulses by their `dwell` (us) above N_static. The velocity change of a pulse is `area` N g / f0;
+    `scale_first` is the factor on a record in known units. The words of the status are
     `numpy.array(found.status.flag_meanings.split())[found.status]`.
 
     >>> device = snapmap.load_device("config/config.yaml")

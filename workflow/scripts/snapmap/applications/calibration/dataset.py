@@ -78,20 +78,19 @@ def calibrate(
     model: arguments.Model = "auto",
     **options: Unpack[CalibrationOptions],
 ) -> xr.Dataset:
-    """Estimate the values of a device from its shots, tripped or not, by maximum likelihood.
+    """Estimate values of a device from measured shots, tripped or not, by maximum likelihood.
 
-    shots: a CSV file, or columns of one length: `N` (multiples of g), `duration` (us) or `f0` (Hz),
-        `tripped` (true or false); optional `direction` (+z, -z), `shape` and `file` (a record in
-        place of shape, whose peak N is)
-    unknowns: ranges by name, internal units, of values of the device, or C
-    C: uN us/um, unless it is unknown
-    options: horizon (us), energy_tolerance, threads; pulse and direction of shots that name none;
-        and those of the model
-    A shot trips with probability Phi(ln(N / N_first) / spread). Over `unknown`: estimate, to six
-    digits; low and high, its profile interval at 95 % within the range; correlation, also over
-    `unknown_2`. Over `bound`: spread, relative. Over `shot`: threshold, probability, deviance
-    residual. Attribute: model_error, relative, of interpolated thresholds. Raises ValueError, one
-    line, for invalid shots or ranges.
+    shots: path of a CSV file, or columns of one length: `N`, `duration` (us) or `f0` (Hz), and
+        `tripped` (true or false); optionally `direction`, `shape`, and `file`, a record that
+        replaces the shape and sets N
+    unknowns: range of each unknown, in internal units, by the name of a value of the device, or C
+    C: uN us/um; not needed where C is unknown
+    options: horizon, energy_tolerance, threads, pulse and direction of shots that name none, model
+        options
+    A shot trips with probability Phi(ln(N / N_first) / spread). The Dataset holds `estimate`, `low`
+    and `high` (95 % profile interval) over `unknown`, `correlation` over `unknown` and `unknown_2`,
+    the relative `spread` over `bound`, `threshold`, `probability` and `residual` (of the deviance)
+    over `shot`, and the attribute `model_error`, the relative error of interpolated thresholds.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> shots = {"N": [800, 900, 950, 1000, 1050, 1200], "tripped": [0, 0, 0, 1, 1, 1]}

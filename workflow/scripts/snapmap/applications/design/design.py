@@ -80,20 +80,21 @@ def design(
     requirements: arguments.Requirements = (),
     **options: Unpack[DesignOptions],
 ) -> Design | xr.Dataset:
-    """Find the value of a device, or C, for which N (multiples of g) is the threshold.
+    """Find the value of a device, or C, at which N (multiples of g) is the threshold.
 
-    Or, with requirements in place of N and f0, the windows of the value in which all are met.
+    With requirements in place of N and f0, it finds the windows of the value that meet all of them.
 
-    value: its name, such as "thickness", or "C"
-    f0: Hz; C: uN us/um, unless it is the value; between: range of the value, internal units
-    requirements: mappings of name, N, f0 (Hz) and snaps, with pulse and direction, by default those
-        of the study, or shocks; each holds under all its shapes and directions
-    options: horizon (us), energy_tolerance, start, threads, pulse, direction, those of the model
-    Windows have, over `window`: low and high, their errors, and low_from and high_from, the
-    requirement that ends it, or "between"; over `requirement` and the values `tried`: whether it is
-    `met`. Warns where several values are right, and returns the lowest; and where there is no
-    window, with where each requirement is met. Raises ValueError, one line, where no value is
-    right, or for an invalid argument.
+    value: name of a value of the device, such as "thickness", or "C"
+    f0: Hz
+    C: uN us/um; not needed where C is the value
+    between: low and high end of the searched range, internal units
+    requirements: mappings of name, N, f0 (Hz) and snaps, optionally of pulse and direction; each
+        must hold under all its shapes and directions
+    options: horizon, energy_tolerance, threads, start, pulse, direction, model options
+    Returns a Design, the lowest value if several are right, with a warning; with requirements a
+    Dataset of `low` and `high`, their errors, and what ends each window (`low_from`, `high_from`)
+    over `window`, and `met` over `requirement` and `tried`. If there is no window, a warning tells
+    where each requirement holds.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> shock = {"N": 1100, "f0": 1500, "C": 25, "model": "cosines", "horizon": 0}

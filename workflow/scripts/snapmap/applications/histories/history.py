@@ -57,16 +57,15 @@ def simulate(
     model: arguments.Model = "auto",
     **options: Unpack[HistoryOptions],
 ) -> xr.Dataset:
-    """Follow one cell to the horizon, beyond its snap, and return its history over time.
+    """Follow a single cell to the horizon, beyond its snap, and return its history over time.
 
-    f0: None for a recorded shock's own
-    model: name, or the config's model section; of `auto` the finest level
-    options: horizon (us after the pulse), until and energy_tolerance of the sweep whose step is
-        taken; start; pulse and direction, a single one; and those of the model
-    Attributes: outcome (a word) and t_snap (us, NaN if it does not snap), those of a sweep of this
-    cell alone; work_error, t_snap_error and blow, as in a cube; toward_max, away_max (of the mass
-    from rest, um), contact_force_max (uN), stress_max and stress_max_to_snap (MPa), the largest of
-    all steps; with device.contact_at that, and what the beam does there, as in a cube.
+    model: `auto` takes its finest level
+    options: horizon, energy_tolerance, until, start, pulse, direction, model options; `until`
+        and `energy_tolerance` only set the time step, as in a sweep
+    Attributes are `outcome` (a word), `t_snap` (us, NaN without a snap), `work_error`,
+    `t_snap_error`, `blow` and the closures of an electrode, as in a sweep of this cell; and the
+    largest values of the run: `toward_max`, `away_max` (travel of the mass from rest, um),
+    `contact_force_max` (uN), `stress_max`, `stress_max_to_snap` (MPa).
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> run = snapmap.simulate(device, 1100, 1500, 25, model="cosines", horizon=0)

@@ -44,15 +44,15 @@ def srs_test(
     model: arguments.Model = "auto",
     **options: Unpack[TripOptions],
 ) -> xr.Dataset:
-    """Follow a device under records that meet a shock response spectrum of Q = 10.
+    """Follow a device under random records that meet a shock response spectrum of Q = 10.
 
-    srs: pairs of frequency (Hz) and level (multiples of g), ascending, joined by straight lines on
+    srs: pairs of frequency (Hz) and level (multiples of g), ascending, interpolated linearly on
         logarithmic scales
-    records: how many are drawn, of wavelets at sixth octaves; seed: of their draw
-    options: direction, a single one; horizon (us), energy_tolerance, threads; values of the device,
-        as axes; and those of the model
-    Variables: snaps, 1 or 0, NaN where a run fails, (..., C, record, factor); over `record` the
-    peak, multiples of g, the duration, us, and the largest deviation from the spectrum, dB.
+    records: number of records, which consist of wavelets at sixth octaves
+    seed: of the random records
+    options: horizon, energy_tolerance, threads, direction, skip, device axes, model options
+    The Dataset holds `snaps` (1, 0, or NaN for a failed run) over (..., C, record, factor), and
+    `peak` (multiples of g), `duration` (us) and `deviation` from the spectrum (dB) over `record`.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> shaken = {"srs": [(500, 700), (2000, 1500)], "records": 2, "model": "cosines", "horizon": 0}

@@ -54,19 +54,19 @@ def vibration(
     reach: Annotated[float, number("(0, 1)", "", "0.01")] = REACH,
     **options: Unpack[VibrationOptions],
 ) -> xr.Dataset:
-    """Find the rate at which stationary Gaussian vibration snaps a device, and the level it bears.
+    """Find how often Gaussian vibration snaps a device, and the level that it withstands.
 
-    psd: pairs of frequency (Hz) and one-sided density (g^2/Hz), joined by straight lines on
-        logarithmic scales
-    records: how many are followed from rest, each a second long, or ten periods of the lowest
+    psd: one-sided density of the stationary vibration, as ascending pairs (Hz, g^2/Hz),
+        interpolated linearly on logarithmic scales
+    duration: s
+    records: number of records from rest; each lasts a second, or ten periods of the lowest
         frequency, or the duration if that is shorter
-    seed: of their phases
-    reach: the probability within the duration at `level`
-    options: energy_tolerance, threads; values of the device, as axes; those of the model; `auto`
-        takes five cosines
-    Variables, (..., C), levels in g rms: rate and probability at the given level, with Poisson's
-    bounds; level by Rice's law fitted to all levels, with the bounds of the fit, inf where the runs
-    do not determine it. Attributes: rms, of the given spectrum, duration, reach, record_length.
+    seed: of the random phases
+    reach: probability of a snap within the duration at the returned level
+    options: energy_tolerance, threads, skip, device axes, model options; `auto` takes 5 cosines
+    The Dataset holds, over (..., C), `rate` and `probability` at the spectrum as it stands, with
+    Poisson's bounds, and `level` (g rms) from Rice's law fitted to all levels; its bounds are inf
+    where the runs do not determine it. The attribute `rms` is that of the spectrum (g).
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> shaken = {"psd": [(20, 4.0), (2000, 4.0)], "duration": 0.1, "model": "cosines"}

@@ -29,21 +29,20 @@ LEAST_LOG = -32.0
 
 
 def statics(device: arguments.SingleDevice) -> xr.Dataset:
-    """Push the midpoint of one device's beam slowly from the first shape to the second and beyond.
+    """Push the midpoint of a beam slowly from the first shape to the second and beyond.
 
     Returns displacement (um), force (uN) and energy (pJ) over (branch, point). Branches:
 
-    - `guided`: of a beam that moves symmetrically; it leaves `unbranched` where the axial force
-      reaches the second buckling load, and is straight from there to where they meet again (Vangbo,
-      1998)
-    - `unbranched`: without the second mode; no beam follows it
-    - `tilted`: of a beam that is free to tilt, with its imperfection
+    - `guided`: a symmetric beam, straight where the axial force is the second buckling load
+      (Vangbo, 1998)
+    - `unbranched`: the second mode is suppressed; no real beam follows it
+    - `tilted`: a beam that is free to tilt, with its imperfection
 
-    Attributes, of the path that the beam takes: `largest_force` and `least_force` between the
-    shapes (uN; the least is above 0 where the beam returns by itself), w(L/2) of the shapes and the
-    saddle, `rise`, `second_equilibrium`, `saddle` (um), and the saddle's energy, `barrier` (pJ; 0
-    without a second stable shape); with device.contact_at that, and `hold_force` (uN), with which
-    the beam rests on an electrode there: 0 where it does not.
+    Attributes describe the path that the beam takes: `largest_force` and `least_force` between the
+    shapes (uN; a beam whose least force is above 0 returns by itself), w(L/2) of both shapes and
+    the saddle (`rise`, `second_equilibrium`, `saddle`, um), and the energy of the saddle
+    (`barrier`, pJ; 0 without a second stable shape). `hold_force` (uN)
+    presses a resting beam on its electrode.
 
     >>> path = snapmap.statics(snapmap.load_device("config/config.yaml"))
     >>> round(path.largest_force, 2), round(path.least_force, 2)

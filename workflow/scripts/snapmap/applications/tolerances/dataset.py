@@ -53,22 +53,20 @@ def tolerance(
     requirements: arguments.Requirements = (),
     **options: Unpack[arguments.ThresholdOptions],
 ) -> xr.Dataset:
-    """Find the thresholds, over C (uN us/um) and f0 (Hz), of devices whose values scatter.
+    """Find the thresholds of devices whose values scatter, over C (uN us/um) and f0 (Hz).
 
-    scatters: of each value the standard deviation, in internal units or as a share such as "5 %",
-        or {kind: width}; kind is uniform (half width), lognormal, or truncated (at two standard
-        deviations). N, duration and C scatter from shock to shock, in shares
-    f0: None for a recorded shock's own
-    N: multiples of g at which the probability is given; by default the range of the thresholds
-    model: name, or the config's model section; of `auto` the cheapest level within its tolerance,
-        0.1 % by default, for the nominal device
-    tolerance: of the refinement of each threshold, relative
-    samples: number of devices; index_samples: of those by which Sobol indices are estimated, by
-        default as many as are affordable; seed: of the draws; together: groups that one draw moves
-    requirements: name, N, f0 (Hz), snaps (True, False or "any"), survives (whether the beam must
-        not break), and pulse and direction, by default those of the study, or shocks, of each,
-        which holds under all of these
-    options: horizon (us), energy_tolerance, threads, pulse, direction, and those of the model
+    scatters: standard deviation of each value, in internal units or as a share such as "5 %", or
+        {kind: width}; kinds are normal, uniform (half width), lognormal and truncated (at two
+        standard deviations); N, duration and C scatter from shock to shock, in shares
+    N: multiples of g at which probabilities are wanted; the range of thresholds by default
+    model: `auto` takes the cheapest level within its tolerance, 0.1 % by default
+    tolerance: relative refinement of each threshold
+    samples: number of devices
+    index_samples: number of devices for Sobol indices; as many as are affordable by default
+    seed: of the random devices
+    together: groups of names, as [["span", "rise"]]; a single draw moves each group
+    requirements: as `design` takes them, optionally with survives (whether the beam must not break)
+    options: horizon, energy_tolerance, threads, start, pulse, direction, model options
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> made = snapmap.tolerance(device, {"thickness": "5 %"}, [1500], [25], samples=64)
