@@ -9,12 +9,12 @@ from typing import NamedTuple
 import numpy as np
 
 from snapmap import load_device
+from snapmap.applications.histories.motion import record
 from snapmap.files.text import table
 from snapmap.solver.cells import to_cells
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import REPEATED_STEP, work_error
 from snapmap.solver.settings import MOVE, Settings
-from snapmap.solver.simd_loop import record
 
 from .common import ROOT, few, number, stepped
 

@@ -5,8 +5,8 @@ The kernel is held against it to rounding.
 
 import numpy as np
 
+from snapmap.applications.histories.motion import Motion, record
 from snapmap.numerics import pieces as curve
-from snapmap.solver.cells import Motion
 
 
 def follow(model, pulse, amplitude, f0, C, dt, steps):
@@ -103,7 +103,7 @@ def bounce(device, k, a, s, m, d, x):
 def assert_followed(model, pulse, N, f0, C, dt, steps):
     """The kernel's motion of one cell is this one's to rounding; returns this one's, and w."""
     load = pulse, N * model.device.gravity, f0 * 1e-6, C, dt, steps
-    windows = zip(*model.loop().record(model, *load)[1], strict=True)
+    windows = zip(*record(model, *load)[1], strict=True)
     ours, (theirs, w) = map(np.concatenate, windows), follow(model, *load)
     for key, one, other in zip(Motion._fields, ours, theirs, strict=True):
         np.testing.assert_allclose(one, other, 0, 1e-6 * abs(other).max(), err_msg=key)

@@ -7,6 +7,7 @@ import pytest
 from varied import in_steps, varied
 
 import snapmap
+from snapmap.applications.histories.motion import record
 from snapmap.device.device import batch
 from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.cells import to_cells
@@ -62,7 +63,7 @@ def test_latched_stays_in_well_two(handout):
         if outcome[0] not in (LATCHED, RETURNED):
             continue
         load = (column.item() for column in cell[2:5])
-        form, motions = model.loop().record(model, make_pulse(), *load, dt, int(2e4 / dt))
+        form, motions = record(model, make_pulse(), *load, dt, int(2e4 / dt))
         time, w = np.hstack([(part.time, part.u @ form.midpoint) for part in motions])
         after = device.beam.rise + w[time >= seen.t_settled[0]]
         saddle = -device.beam.rise / 3
@@ -129,7 +130,7 @@ def test_the_well_is_where_the_recorded_beam_spends_the_last_swing(handout):
         last, before = cells.t_end[i] / dt[i], (cells.t_end[i] - own) / dt[i]
         end, start = BLOCK * (int(last) // BLOCK + 1), BLOCK * max(0, int(before) // BLOCK)
         load = (column[i] for column in cells[2:5])
-        form, motions = built.loop().record(built, make_pulse(), *load, dt[i], end)
+        form, motions = record(built, make_pulse(), *load, dt[i], end)
         w = np.concatenate([part.u @ form.midpoint for part in motions])
         is_second = w[start:] < built.barrier.midpoint
         shares.append(np.mean(is_second == (seen.well[i] == 2)))

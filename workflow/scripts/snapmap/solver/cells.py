@@ -1,11 +1,10 @@
-"""The table of cells that a solver is given, what it observes of each, and the motion of one."""
+"""The table of cells that a solver is given, and what it observes of each."""
 
 from typing import NamedTuple
 
 import numpy as np
 
 from ..device.device import Device
-from ..numerics.linalg import dot, multiply
 from ..pulse.pulse import Pulse, make_pulse
 
 HANDOUT_PULSES = (make_pulse(),)
@@ -138,40 +137,3 @@ def to_cells(
     # Where there is no mass a damper holds its place at 0, whatever its constant.
     damping = np.where(np.atleast_1d(devices.is_alone)[device], 1.0, C * factor)
     return Cells(device, pulse, N * gravity, f0, damping, 1 / f0 + horizon, pulses)
-
-
-class Motion(NamedTuple):
-    """Samples over time of the beam's n coordinates u, the mass's displacement y, and the ledger.
-
-    The plain loop samples instants, the kernel half way between two, where its energies are known.
-
-    time: us
-    u, u_velocity: (samples, n); the others (samples,)
-    stretch: u.G u + 2 u.G q0, um
-    work of the pulse, energy lost to damping: pJ
-    """
-
-    time: np.ndarray
-    u: np.ndarray
-    u_velocity: np.ndarray
-    y: np.ndarray
-    y_velocity: np.ndarray
-    stretch: np.ndarray
-    work: np.ndarray
-    lost: np.ndarray
-
-
-class Form(NamedTuple):
-    """The matrices that the coordinates u of a motion belong to, as in `Basis` and `ModalBeam`."""
-
-    inertia: np.ndarray
-    bending: np.ndarray
-    geometric: np.ndarray
-    slope_start: np.ndarray
-    midpoint: np.ndarray
-    residual: float
-    shapes: np.ndarray
-
-    def stretch(self, u: np.ndarray) -> np.ndarray:
-        """u.G u + 2 u.G q0 of coordinates, (samples, n); um."""
-        return dot(u, multiply(u, self.geometric) + 2 * self.slope_start)

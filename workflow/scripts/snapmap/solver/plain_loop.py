@@ -11,8 +11,7 @@ from ..device.device import Device, Value
 from ..numerics import pieces as curve
 from ..numerics.kernels import compiled, fma
 from ..numerics.linalg import apply, solve_all
-from .cells import Form, Motion
-from .settings import FIRST, SECOND
+from .settings import SECOND
 
 PASSES = 3
 """Times that a law of damping is asked in each step, for the velocity half way through it."""
@@ -297,7 +296,7 @@ follow_laws = njit(nogil=True, error_model="numpy")(follow)
 follow = compiled(follow)
 
 
-def _follower(laws):
+def follower(laws):
     """`follow`, with laws if there are any."""
     if laws is None:
         return follow
@@ -319,7 +318,7 @@ def march(model, cells, dt, settings):
     model: a `Model`; cells: `Cells`, each column (cells,); dt: us, (cells,)
     Returns what the SIMD kernel does; no well is known
     """
-    observed, run = np.empty((3, cells.f0.size)), _follower(model.laws)
+    observed, run = np.empty((3, cells.f0.size)), follower(model.laws)
     for which in np.unique(cells.device):
         picked = model.pick(which)
         system = starting(picked, settings.start)
@@ -333,23 +332,3 @@ def march(model, cells, dt, settings):
     t_snap, energy_error, pulse_work = observed
     no_well, unknown = np.zeros(t_snap.size, np.int8), np.full(t_snap.size, np.nan)
     return t_snap, unknown, no_well, energy_error, unknown, pulse_work, unknown
-
-
-def record(model, pulse, amplitude, f0, damping, dt, steps, start=FIRST):
-    """Follow one cell at every step; model: of one device; returns Form and one Motion."""
-    system, n = starting(model, start), model.basis.load.size
-    history = np.zeros((steps, 2 * n + 4))
-    run = system, pulse.curve, amplitude, f0, damping, -np.inf, dt, steps, history
-    _follower(model.laws)(*run)
-    form = Form(
-        inertia=system.inertia,
-        bending=system.bending,
-        geometric=system.geometric,
-        slope_start=system.slope_start,
-        midpoint=system.midpoint,
-        residual=0.0,
-        shapes=np.eye(n),
-    )
-    time, u, u_velocity = np.arange(steps) * dt, history[:, :n], history[:, n : 2 * n]
-    y, y_velocity, work, lost = history[:, 2 * n :].T
-    return form, [Motion(time, u, u_velocity, y, y_velocity, form.stretch(u), work, lost)]

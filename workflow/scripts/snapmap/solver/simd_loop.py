@@ -9,11 +9,11 @@ from ..beam.basis import PLACES
 from ..beam.modal import contact_stiffness
 from ..beam.stress import stress_of
 from ..pulse.pulse import table
-from .cells import Form, Motion, no_observations
+from .cells import no_observations
 from .kernel import rows as R
 from .kernel.lanes import Facts, Task, follow_all, load
-from .kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
-from .kernel.trace import follow_stress, keep_block, keep_midpoints
+from .kernel.pulse import BLOCK, begin_pulse, no_pulse
+from .kernel.trace import follow_stress, keep_midpoints
 from .settings import FIRST, SECOND
 
 SIDE = {FIRST: 1.0, SECOND: -1.0}
@@ -96,59 +96,6 @@ def stress_rows(model):
         rows[:-1] = np.column_stack([form.bending, form.residual, form.rest])
         rows[-1, -2:] = picked.modal.axial / form.area, form.tension
     return tables
-
-
-def record(model, pulse, amplitude, f0, damping, dt, steps, start=FIRST):
-    """Follow one cell as `follow_all` does, bit for bit, and show every step of it.
-
-    model: of one device; dt: us; returns Form, and Motion of one WINDOW after another
-    """
-    modal, lanes, pulses, state = model.modal, empty_lanes(model), table([pulse]), no_pulse()
-    load(*lanes, 0, coefficients(model, -np.inf, start)[0], damping, amplitude, dt)
-    begin_pulse(lanes[0], 0, state, pulses, 0, f0 * dt)
-    shrink = lanes[0][:: R.LANES][R.VECTORS + R.U * model.modes :][: model.modes].copy()
-    form = Form(
-        inertia=np.diag(1 / (shrink * shrink) - dt * dt * modal.stiffness / 4),
-        bending=np.diag(modal.stiffness),
-        geometric=modal.geometric,
-        slope_start=modal.slope_start,
-        midpoint=modal.midpoint,
-        residual=modal.residual,
-        shapes=modal.shapes,
-    )
-    windows = _pairs(model, lanes, pulses, state, steps)
-    return form, (_motion(model, damping, dt, shrink, *window) for window in windows)
-
-
-def _motion(model, damping, dt, shrink, first, before, after):
-    """Motion of a window of `_pairs`; shrink: coordinates over those of the kernel."""
-    modes, middle = model.modes, (before + after) / 2
-    p, p_step = (R.VECTORS - R.STATE + modes * v + np.arange(modes) for v in (R.P, R.D))
-    lost = damping * after[R.SWEPT - R.STATE]
-    lost += model.device.beam.damping * after[R.BEAM_SWEPT - R.STATE]
-    return Motion(
-        time=(first + np.arange(middle.shape[1]) + 0.5) * dt,
-        u=shrink * middle[p].T,
-        u_velocity=shrink * after[p_step].T / dt,
-        y=middle[R.Y - R.STATE],
-        y_velocity=after[R.DY - R.STATE] / dt,
-        stretch=after[R.Q - R.STATE],
-        work=after[R.WORK - R.STATE] / (2 * dt**2),
-        lost=lost / (4 * dt) + after[R.LOST - R.STATE] / dt**2,
-    )
-
-
-def _pairs(model, lanes, pulses, pulse_state, steps):
-    """Yield the first step of each window, and the states around its steps, (rows, steps)."""
-    shocks, rows = np.zeros(BLOCK * R.LANES), R.VECTORS + R.U * model.modes - R.STATE
-    for first in range(0, steps, WINDOW):
-        before, after = np.empty((2, min(WINDOW, steps - first), rows))
-        for step in range(0, len(before), BLOCK):
-            pulse_state.steps[:] = first + step
-            set_out(lanes[0], shocks, pulse_state, pulses)
-            block = slice(step, step + BLOCK)
-            keep_block(*lanes, shocks, before[block], after[block])
-        yield first, before.T, after.T
 
 
 def coefficients(model, target, start=FIRST):

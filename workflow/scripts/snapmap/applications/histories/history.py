@@ -168,13 +168,15 @@ def _record(built, cells, settings, samples):
 
     samples: instants that are kept or more, every one of a power of two of steps
     """
+    from .motion import record  # imported when a run begins: a plan needs no compiler
+
     dt = built.time_steps(cells, settings._replace(until="moved")).item()
     amplitude, per_us, damping, t_end = (column.item() for column in cells[2:6])
     steps = int(np.ceil(t_end / dt))
     stride = 2 ** max(0, math.floor(math.log2(max(1, steps / samples))))
     shock, device, first = cells.pulses[0], built.device, built.barrier.first
     start = settings.start
-    form, motions = built.loop().record(built, shock, amplitude, per_us, damping, dt, steps, start)
+    form, motions = record(built, shock, amplitude, per_us, damping, dt, steps, start)
     side = 1 if start == FIRST else -1
     target = built.snap_target(start) + side * first
     stress, rest = stress_of(device.beam, built.basis, form.shapes), first + device.gap

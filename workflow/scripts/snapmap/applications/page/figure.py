@@ -203,16 +203,11 @@ def _lacking(devices, dims, document):
 
 def _rows(device):
     """Rows of the table of a device, of which every value has its unit: key, words and value."""
+    of_key = {quantity.key: quantity for quantity in QUANTITIES.values()}
     for key, text in leaves(device):
-        quantity = _quantity_at(key)
+        name = key.rpartition(".")[2]
+        quantity = of_key.get(key) or QUANTITIES.get(name) or Quantity(name)
         yield quantity.name, _named(quantity), html.escape(quantity.used(text, typeset=True))
-
-
-def _quantity_at(key):
-    """The quantity of a key below a config's device; one without words for another key."""
-    name = key.rpartition(".")[2]
-    at_key = (quantity for quantity in QUANTITIES.values() if quantity.key == key)
-    return next(at_key, QUANTITIES.get(name) or Quantity(name))
 
 
 def _vibration(device: Mapping, C: Sequence[float]):
