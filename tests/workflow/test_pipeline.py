@@ -20,7 +20,7 @@ from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
 from snapmap.workflow.made import HEAD, LIST
 from snapmap.workflow.products import choose_views
 
-DRAWING = {"draw_study", "draw_page", "draw_histories"}
+DRAWING = {"draw_study", "draw_histories"}
 RULES = {"simulate_all", "find_threshold", "find_stress"}
 RULES |= {"simulate_histories"} | DRAWING
 
