@@ -13,14 +13,15 @@ from dataclasses import replace
 from pathlib import Path
 
 import snapmap
-from snapmap.beam.modal import damped
+from snapmap.beam.modal import natural_frequency
 from snapmap.study.netcdf import write
 from snapmap.solver.outcome import SNAPPED
 from snapmap.numerics.portable import geometric, linear
 
 device, folder, names = snapmap.load_device(sys.argv[1]), Path(sys.argv[2]), sys.argv[3:]
 stressed = replace(device.beam, free=1.0, imperfection=0.05, residual_stress=-8.0)
-ringing = replace(device, beam=damped(stressed, 250.0))
+damped = replace(stressed, damping=natural_frequency(stressed) / 250.0)
+ringing = replace(device, beam=damped)
 chaotic = {"N": linear(1100, 2350, 6), "f0": geometric(700, 5000, 4), "C": [0.025]}
 
 

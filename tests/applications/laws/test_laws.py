@@ -42,7 +42,7 @@ def test_limits_hold_where_thresholds_are_within_1_percent(laws):
     v = laws.N_short * 9.81e-6 * 0.5 / (1e-6 * laws.f0)
     np.testing.assert_allclose(v, laws.velocity_change.item(), rtol=1e-12)
     told = room.summary(laws)
-    assert "above 936.8 for longer than 147.9 us" in told and "1.683 us later" in told
+    assert "above N = 936.8 for longer than 147.9 us" in told and "1.683 us later" in told
 
 
 @pytest.mark.usefixtures("paper")
