@@ -30,7 +30,10 @@ def devices():
     return [dataclasses.replace(one, beam=own) for one, own in zip(drawn, damped, strict=True)]
 
 
-@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param("all modes", marks=pytest.mark.long), "elements", "cosines", "auto"],
+)
 def test_a_batch_is_each_of_its_devices(devices, name):
     if name == "all modes":  # its modes depend on the contact
         devices = [device for device in devices if np.isfinite(device.contact)]

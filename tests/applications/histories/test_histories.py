@@ -62,8 +62,15 @@ def test_the_largest_values_are_those_of_every_step_to_any_horizon(handout, monk
     assert run.stress_max_to_snap == pytest.approx(expected, rel=1e-12)
 
 
-@pytest.mark.parametrize(("model", "options"), [("cosines", {"modes": 3}), ("reference", {})])
-@pytest.mark.parametrize("N", [700.0, 1500.0])
+@pytest.mark.parametrize(
+    ("model", "options", "N"),
+    [
+        ("cosines", {"modes": 3}, 700.0),
+        ("cosines", {"modes": 3}, 1500.0),
+        pytest.param("reference", {}, 700.0, marks=pytest.mark.long),
+        ("reference", {}, 1500.0),
+    ],
+)
 def test_the_work_is_the_change_of_energy_and_the_losses(handout, fix_step, model, options, N):
     device = varied(handout, damping=1e-3)
     fix_step(0.3)
