@@ -124,9 +124,13 @@ def thresholds_of(
     first = N_first[exists]
     top = ISLANDS_TO * first if highest is None else highest
     top = np.where(np.isnan(first), np.nan, top)
-    low = np.where(first <= top, first, np.nan)
+    # A clean threshold is latched from the upper end of its bar: within it, steps to the end of a
+    # run may not snap where those to a snap do.
+    bar = np.where(columns["ragged"] == 0, columns["N_error"], 0.0)[exists]
+    low = np.where(first + bar <= top, first + bar, np.nan)
     warn_of_bars(N_first, columns["N_error"], tolerance)
-    N_latched[exists] = lowest_latched(models.decides, rows.take(exists), low, top, settings)
+    latched = lowest_latched(models.decides, rows.take(exists), low, top, settings)
+    N_latched[exists] = np.where(latched == low, first, latched)
     columns["N_latched"] = N_latched
     peak = np.array([pulse.peak for pulse in rows.pulses])
     if np.isfinite(peak).any():
