@@ -41,8 +41,10 @@ if not workflow.overwrite_configfiles:
     configfile: default if default.exists() else clone / default
 
 
-if workflow.cores < 1:
-    sys.exit(f"--cores {workflow.cores}: no job would ever start; write 1 or more")
+# A report runs no job, and needs no --cores.
+cores = 1 if workflow.resource_settings.cores is None else workflow.cores
+if cores < 1:
+    sys.exit(f"--cores {cores}: no job would ever start; write 1 or more")
 if not os.access(".", os.W_OK):
     sys.exit(f"{os.getcwd()}: cannot be written to; run in a folder of your own")
 try:

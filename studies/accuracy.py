@@ -3,7 +3,7 @@
 ./run python -m studies accuracy [--device SECTION] [--small]
 
 Writes results/accuracy.csv, results/accuracy.md and results/figures/accuracy.pdf and .png. SciPy
-takes part always, heyoka if it is installed (group `bench` of pyproject.toml).
+takes part, too.
 """
 
 from collections.abc import Iterator, Sequence

@@ -6,6 +6,7 @@ import re
 import runpy
 import subprocess
 import sys
+from ast import literal_eval
 from types import SimpleNamespace
 
 import numpy as np
@@ -22,6 +23,8 @@ from snapmap.config.study import load_config
 from snapmap.device.device import VALUES
 from snapmap.numerics.statistics import percents
 from snapmap.public import options_of
+from snapmap.pulse.pulse import DIRECTIONS, SHAPES
+from snapmap.solver.settings import Settings
 from snapmap.study.netcdf import write
 
 PAGES = "recipes", "own-physics", "tutorial", "figures"
@@ -49,6 +52,18 @@ def test_the_options_of_each_docstring_are_those_it_takes():
         line = re.search(r" options: (.*?)\n    (?! )", function.__doc__ + "    ", re.S)
         words = set(re.findall(r"\w+", line[1] if line else "")) & SHARED_OPTIONS
         assert words == options, name
+
+
+def test_the_defaults_on_the_page_are_those_of_the_code(root):
+    page = (root / "docs" / "reference.md").read_text(encoding="utf-8")
+    listed = dict(re.findall(r"^- `(\w+) = (.+?)`:", page, re.M))
+    defaults = {key: literal_eval(value) for key, value in listed.items()}
+    assert Settings._field_defaults.items() <= defaults.items()
+    assert defaults["model"] == inspect.signature(snapmap.threshold).parameters["model"].default
+    assert (defaults["pulse"], defaults["direction"]) == (
+        next(iter(SHAPES)),
+        next(iter(DIRECTIONS)),
+    )
 
 
 def test_the_tutorial_writes_the_config_that_there_is(root):

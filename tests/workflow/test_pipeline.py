@@ -175,7 +175,7 @@ def test_of_an_older_config_only_what_was_made_leaves(clone, finished, tmp_path)
 
 @pytest.mark.parametrize("cores", ["0", pytest.param("-1", marks=pytest.mark.long)])
 def test_no_core_is_refused_at_the_door(clone, tmp_path, finished, cores):
-    code, output = snakemake(clone, tmp_path, finished[1], "--cores", cores, check=False)
+    code, output = snakemake(clone, tmp_path, finished[1], cores=cores, check=False)
     assert code != 0 and f"--cores {cores}: no job would ever start" in output
     assert "Traceback" not in output and not (tmp_path / "results").exists()
 
@@ -214,9 +214,11 @@ def test_an_edit_reruns_what_makes_numbers_or_what_draws(clone, finished, path, 
 @pytest.mark.long
 def test_a_finished_run_makes_a_report(clone, finished):
     folder, config, _ = finished
-    snakemake(clone, folder, config, "--report", folder / "report.zip")
+    snakemake(clone, folder, config, "--report", folder / "report.zip", cores="")
     with zipfile.ZipFile(folder / "report.zip") as report:
-        assert any(name.endswith("report.html") for name in report.namelist())
+        (page,) = [name for name in report.namelist() if name.endswith("report.html")]
+        text = report.read(page).decode()
+    assert "Force that holds the midpoint" in text, "the caption of an application"
 
 
 def test_studies_are_targets_of_their_own(clone, finished):

@@ -30,7 +30,7 @@ for name in [name for name in making if not is_quick[name]]:
         log:
             f"results/logs/{application.rule}.log",
         priority: getattr(application, "priority", 45)
-        threads: threads_of(workflow.cores) if callable(threads_of) else threads_of
+        threads: threads_of(cores) if callable(threads_of) else threads_of
         resources:
             mem_mb=memory(getattr(application, "megabytes", 1000)),
         params:

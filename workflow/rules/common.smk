@@ -3,7 +3,7 @@ def half(wildcards):
 
     On a cluster, half of what a job may have: `cores` in profiles/slurm.
     """
-    return max(1, workflow.cores // 2)
+    return max(1, cores // 2)
 
 
 def memory(megabytes):
@@ -55,7 +55,7 @@ def constant(value):
 def figures_of(name):
     """Figures of an application, as the report shows them."""
     application = attached()[name]
-    caption = f"../report/{application.caption}.rst"
+    caption = str(Path(application.__file__).with_name("caption.rst"))
     for stem in drawing_of[name]:
         paths = [f"results/figures/{stem}.{ending}" for ending in ("png", "pdf")]
         shown, *others = paths if "." not in stem else [f"results/{stem}"]

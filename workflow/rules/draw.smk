@@ -20,7 +20,7 @@ rule draw_study:
     priority: 85
     group:
         "figures"
-    threads: workflow.cores
+    threads: cores
     resources:
         runtime=10,
         mem_mb=memory(2000),

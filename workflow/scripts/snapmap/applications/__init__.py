@@ -30,7 +30,7 @@ is its contract, a module of which every name may be missing:
     figures(study)  arguments of `draw` by the stem of a figure
     drawn_from(study)   files that `draw` reads, by name; by default its outputs
     draw(figures, folder, ...)   draws them; takes NAME_path of these files
-    caption, part   of its figures in the report: a file of the folder, and a heading
+    part            heading of its figures in the report; their caption is caption.rst
 
 A key, a product, a figure or a public function of an application is gone once its line is gone.
 """

@@ -22,7 +22,9 @@ def motion_levels(device: Device, model: Mapping, settings: Settings) -> tuple[F
     model: as in a config
     """
     if model.get("laws"):
-        raise ValueError("model.laws: stress and traces are not of such a model; leave them out")
+        raise ValueError(
+            "model.laws: the largest stress is not of such a model; leave its strength out"
+        )
     name = "elements" if model["name"] == "reference" else model["name"]
     return choose_model(device, {**model, "name": name}, settings.start).levels
 

@@ -1,7 +1,7 @@
 """The damage boundary: thresholds over the velocity change.  Imports: core alone."""
 
 quick = True
-part, caption = "2 Thresholds", "thresholds"
+part = "2 Thresholds"
 
 
 def drawn_from(study):

@@ -2,7 +2,7 @@
 
 public = {"calibrate": "dataset"}
 rule, message = "fit_calibration", "Read values of the device off measured shots"
-part, caption, threads, priority = "6 Devices as made", "calibration", 4, 45
+part, threads, priority = "6 Devices as made", 4, 45
 
 
 def section():

@@ -2,7 +2,7 @@
 
 public = {"simulate": "history"}
 rule, message = "simulate_histories", "Follow single cells in full"
-part, caption = "8 Histories", "histories"
+part = "8 Histories"
 
 
 def section():

@@ -1,7 +1,7 @@
 """The map in three laws: dwell, snap time, velocity change.  Imports: core alone."""
 
 rule, message = "find_laws", "Find where the three laws hold"
-part, caption = "2 Thresholds", "laws"
+part = "2 Thresholds"
 
 
 def section():

@@ -1,6 +1,6 @@
 """The page to explore a study in a browser.  Imports: core alone."""
 
-part, caption = "4 Page", "page"
+part = "4 Page"
 
 
 def drawn_from(study):

@@ -1,7 +1,7 @@
 """Shocks that must or must not trip a device.  Imports: histories, design."""
 
 rule, message = "check_requirements", "Check the required shocks"
-part, caption, threads, priority = "5 Requirements", "requirements", 4, 50
+part, threads, priority = "5 Requirements", 4, 50
 
 
 def section():

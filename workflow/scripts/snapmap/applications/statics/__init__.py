@@ -2,7 +2,7 @@
 
 public = {"statics": "statics"}
 quick = True
-part, caption = "7 Device", "statics"
+part = "7 Device"
 
 
 def outputs(study):

@@ -4,7 +4,7 @@ from ..requirements import left_out, plain_shocks, shocks_of
 
 public = {"tolerance": "dataset"}
 rule, message = "find_tolerance", "Find the thresholds of devices as made"
-part, caption, threads, megabytes, priority = "6 Devices as made", "tolerance", 4, 4000, 45
+part, threads, megabytes, priority = "6 Devices as made", 4, 4000, 45
 AXES = "C", "f0", "N", "temperature"
 
 

@@ -3,7 +3,7 @@
 from ..requirements import plain_shocks, shocks_of
 
 rule, message = "find_window", "Find the window of the requirements"
-part, caption, threads, megabytes, priority = "5 Requirements", "window", 4, 2000, 48
+part, threads, megabytes, priority = "5 Requirements", 4, 2000, 48
 
 
 def outputs(study):
