@@ -9,9 +9,10 @@ def snakemake(root, folder, config, *options, cores="2", check=True):
     cores: as of --cores, which "" leaves out
     """
     command = ["snakemake", "--snakefile", root / "Snakefile", "--directory", folder]
-    command += ["--configfile", config, *options]
-    if cores:
+    command += ["--configfile", config]
+    if cores:  # it ends the list of configs
         command += ["--cores", cores]
+    command += options
     done = subprocess.run(command, capture_output=True, text=True, timeout=600)
     output = done.stdout + done.stderr
     assert not check or done.returncode == 0, output
