@@ -68,6 +68,10 @@ class Window(NamedTuple):
         """Amplitudes of the scan, (rows, n); NaN after a row's last."""
         return amplitudes(*self)
 
+    def of(self, rows: np.ndarray) -> "Window":
+        """The same of some rows, a mask of them, (rows,)."""
+        return self._replace(low=np.where(rows, self.low, np.nan))
+
 
 def lowest_snap(
     model: Follows,
