@@ -77,9 +77,9 @@ class Device:
             if name in ALONE and np.any(alone):
                 value = np.where(alone, 1.0, value)
             require_quantity(name, value)
-        pushed = "device.force: {:g} uN is of a beam alone; write mass: none"
+        pushed = "device.force: {:g} uN acts on a beam without a mass; write mass: none"
         require(alone | np.equal(self.force, 0), pushed, self.force)
-        stopped = "device.stops: are of a mass, and there is none; leave them out"
+        stopped = "device.stops: need a mass; leave them out"
         require(~(alone & self.has_stops), stopped)
         if np.any(self.has_electrode):
             closed = "device.contact_at: {:g} um is not below the midpoint at rest, {:g} um"

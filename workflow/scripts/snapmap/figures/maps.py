@@ -112,7 +112,10 @@ def plot_outcome(
     cube = cube.assign(outcome=require_cube(cube))
     for name, key in (("x", x), ("y", y)):
         if axis_behind(key) not in cube.outcome.dims:
-            raise ValueError(f"{name}: {show(key)} is no axis of the cube")
+            known = ", ".join(map(str, cube.outcome.dims))
+            raise ValueError(
+                f"{name}: {show(key)} is not an axis of the cube; write one of {known}"
+            )
     if axis_behind(x) == axis_behind(y):
         raise ValueError(f"x: {show(x)} is already y; write another axis of the cube")
     many = [key for key in cube.outcome.dims if key not in (x, y) and cube.sizes[key] > 1]
@@ -122,7 +125,7 @@ def plot_outcome(
     outcome_names(cells.outcome.values)
     if ends and "well" not in cells:
         raise ValueError(
-            "cube: the wells are unknown, as runs end at the snap; sweep until settled"
+            "cube: has no wells, as its runs end at the snap; sweep with until='settled'"
         )
     shows = "ends" if ends else "snaps"
     return draw_map(ax or style.notebook_axes(), cells, found, x, y, shows=shows)

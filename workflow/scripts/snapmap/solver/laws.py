@@ -66,7 +66,7 @@ def made(functions: Mapping[str, object]) -> Laws:
     """Compile functions by the names of their laws; raises ValueError, one line, for no law."""
     laws = {key: _compiled(key, functions[key]) for key in PARAMETERS if functions.get(key)}
     if not laws:
-        raise ValueError(f"model.laws: none; write a function {', '.join(PARAMETERS)}")
+        raise ValueError(f"model.laws: no law; write a function named {' or '.join(PARAMETERS)}")
     return Laws(**laws)
 
 
@@ -99,7 +99,7 @@ def _compiled(key, law):
     name, needs = f"model.laws: {key}", PARAMETERS[key]
     function = getattr(law, "py_func", law)
     if not inspect.isfunction(function):
-        raise ValueError(f"{name}: is no function")
+        raise ValueError(f"{name}: is not a function")
     taken = inspect.signature(function).parameters
     if len(taken) != len(needs):
         raise ValueError(f"{name}: takes ({', '.join(taken)}); write ({', '.join(needs)})")
@@ -111,7 +111,7 @@ def _compiled(key, law):
             f"{name}: numba cannot compile it; {' '.join(str(error).split())}"
         ) from None
     if not isinstance(value, float):
-        raise ValueError(f"{name}: gives a {type(value).__name__}; write a float")
+        raise ValueError(f"{name}: returns a {type(value).__name__}; return a float")
     return law
 
 
@@ -127,7 +127,9 @@ def well_of(force: Callable, rise: Value) -> tuple[float, float, float]:
     rises = rises[rises > falls[0]] if falls.size else falls
     if abs(F[0]) > 1e-9 * abs(F).max() or not rises.size:
         needs = "0 at 0, then positive, negative from a saddle on, and positive again"
-        raise ValueError(f"model.laws: force: is no double well; write {needs} below {reach:g} um")
+        raise ValueError(
+            f"model.laws: force: is not a double well; make it {needs} below {reach:g} um"
+        )
     around = (_curve(force, *x[i : i + 2]) for i in (falls[0], rises[0]))
     saddle, second = (float(x[np.argmax(F[1:] * F[0] <= 0) + 1]) for x, F in around)
     x, F = _curve(force, 0.0, saddle)

@@ -157,8 +157,8 @@ def warn_of_bars(N: np.ndarray, error: np.ndarray, tolerance: float) -> None:
     wider = bars[bars > 2 * tolerance]
     if tolerance < THRESHOLD_TOLERANCE and wider.size:
         warnings.warn(
-            f"tolerance: {tolerance:g} bounds the refinement alone; with the errors of model and "
-            f"step N_error is wider in {wider.size} of {bars.size} rows, {np.median(wider):.1g} of "
+            f"tolerance: {tolerance:g} bounds only the refinement; errors of model and step make "
+            f"N_error wider in {wider.size} of {bars.size} rows, {np.median(wider):.1g} of "
             "N in the median",
             stacklevel=2,
         )

@@ -51,7 +51,7 @@ def _is_entry(value):
 Table = Annotated[
     str | Path | Mapping[str, Sequence],
     Argument(
-        "the path of a file that is there, nor columns by name",
+        "the path of a file that exists, or columns by name",
         lambda value: _is_table(value) or is_path(value),
     ),
 ]
@@ -101,7 +101,9 @@ def calibrate(
     """
     study, _ = study_of(device, model, options)
     if len(study.shocks.pulses) > 1:
-        raise ValueError("pulse: several; name the shape and direction of each shot in its row")
+        raise ValueError(
+            "pulse: has several; write the shape and direction of each shot in its row"
+        )
     check_ranges(unknowns, C, study.device)
     return calibration_of(study, shots_from(shots, study.shocks, device), unknowns, C)
 
@@ -114,8 +116,8 @@ def calibration_of(study: Study, shots: Shots, unknowns: Mapping, C: float | Non
     log_N = np.log(shots.N)
     if (np.maximum(low - log_N, log_N - high) > np.log(NEAR)).all():
         raise ValueError(
-            f"shots: N from {plain(shots.N.min())} to {plain(shots.N.max())}, where the ranges "
-            f"lead to thresholds from {plain(np.exp(low.min()))} to {plain(np.exp(high.max()))}; "
+            f"shots: N is {plain(shots.N.min())} to {plain(shots.N.max())}, but the ranges of "
+            f"unknowns give {plain(np.exp(low.min()))} to {plain(np.exp(high.max()))}; "
             "is N in multiples of g?"
         )
     ranges = {key: [float(end) for end in ends] for key, ends in unknowns.items()}

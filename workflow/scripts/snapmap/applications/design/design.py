@@ -55,7 +55,7 @@ def _is_pair(value):
 Value = Annotated[
     str,
     Argument(
-        "C, nor the name of a value of the device, such as thickness",
+        "C or the name of a value of the device, such as thickness",
         lambda value: isinstance(value, str) and (value == "C" or value in VALUES),
     ),
 ]
@@ -107,16 +107,18 @@ def design(
     goals = required or [{"N": N, "f0": f0, "snaps": True, "shocks": study.shocks}]
     shock = {key: goals[0][key] for key in ("N", "f0")} | {"C": C, "between": between}
     if value == "C" and shock.pop("C") is not None:
-        raise ValueError("C: is the value to find; leave it out")
+        raise ValueError("C: is the value that design searches; leave it out")
     for key, argument in shock.items():
         if argument is None:
             need = argument_of(design.__annotations__[key]).need
             raise ValueError(f"{key}: missing; write {need}")
     if any(len(goal["shocks"].pulses) > 1 for goal in goals):
-        raise ValueError("pulse: several; give one shape and one direction")
+        raise ValueError("pulse: has several; write one shape and one direction")
     (low, high), least = between, -np.inf if value in SIGNED else 0.0
     if not least <= low < high:
-        raise ValueError(f"between: {low:g}, {high:g} are not two ascending values from {least:g}")
+        raise ValueError(
+            f"between: {low:g}, {high:g} do not ascend from {least:g} or more; write (low, high)"
+        )
     look = _threshold_finder(study, value, C, goals)
     grid = np.linspace(*between, WINDOW_POINTS if required else POINTS)
     of_goals = np.tile(grid, (len(goals), 1))
@@ -133,7 +135,9 @@ def _single_shocks(requirements):
     singles = []
     for required in requirements:
         if required["snaps"] == ANY:
-            raise ValueError(f"requirements: {required['name']}: snaps: any has no threshold")
+            raise ValueError(
+                f"requirements: {required['name']}: snaps: any has no threshold; leave it out"
+            )
         several = required["shocks"].each()
         for shocks in several:
             where = f", {shocks.pulse.name} {shocks.direction}" if len(several) > 1 else ""
@@ -260,7 +264,9 @@ def _single(value, N, grid, N_first, values, errors):
     unit, known = QUANTITIES[value].unit, N_first[np.isfinite(N_first)]
     ends = f"from {grid[0]:g} to {grid[-1]:g} {unit}"
     if not values.size:
-        runs = f"runs from {known.min():.5g} to {known.max():.5g}" if known.size else "is not there"
+        runs = (
+            f"runs from {known.min():.5g} to {known.max():.5g}" if known.size else "does not exist"
+        )
         raise ValueError(f"{value}: no value {ends} has its threshold at N = {N:g}; it {runs}")
     if values.size > 1:
         places = ", ".join(f"{place:.5g}" for place in values)

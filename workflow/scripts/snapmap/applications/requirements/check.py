@@ -180,7 +180,7 @@ def worst(verdicts: Sequence[Verdict]) -> tuple[Verdict | None, str]:
         return furthest, f"{where}: nothing snaps"
     side = "not sensitive enough" if furthest.must_snap else "too sensitive"
     is_wrong = beyond(furthest.margin, furthest.must_snap) > 0
-    words = f"{where}: {side}, " if is_wrong else f"nearest is {where}: "
+    words = f"{where}: {side}, " if is_wrong else f"least margin at {where}: "
     need = "must" if furthest.must_snap else "must not"
     unit = LEVELS.get(furthest.shape, "")
     lead = "" if unit else "N = "
