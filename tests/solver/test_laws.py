@@ -125,7 +125,7 @@ def test_of_a_double_well_nothing_is_said_that_nobody_knows(double_well):
     assert run.barrier == pytest.approx(20 * 224 / 27, rel=1e-5) and run.outcome == "snapped"
     assert run.second_equilibrium == pytest.approx(device.beam.rise - 18, abs=1e-3)
     assert np.isnan(run.stress).all() and np.isnan(run.contact_energy).all()
-    with pytest.raises(ValueError, match=r"model\.laws: work with simulate, sweep, threshold"):
+    with pytest.raises(ValueError, match=r"model\.laws: work only with simulate, sweep, threshold"):
         snapmap.tolerance(device, {"mass": 1.0}, N=[1], f0=[1], C=[1], model=model)
 
 
@@ -152,7 +152,7 @@ def test_a_law_that_is_too_stiff_for_the_step_is_followed_in_shorter_ones(handou
         ("def contact(k, s): return 'a'", "contact: returns a str; return a float"),
         ("def contact(k, s): return open(s)", "contact: numba cannot compile it; "),
         ("damping = 1", "damping: is not a function"),
-        ("def force(x): return x", "force: is not a double well; make it 0 at 0, then"),
+        ("def force(x): return x", "force: no double well; make it 0 at 0, then"),
         ("def force(x)", "mylaws.py: SyntaxError: expected ':' (mylaws.py, line 1)"),
     ],
 )

@@ -73,9 +73,7 @@ def _bound(function, parameters, of_function, positional, named):
         values["model"] = take_model(model | {key: values.pop(key) for key in of_model})
         options = [key for key in options if key not in of_model]
         if "laws" in values["model"] and function not in OF_LAWS:
-            raise ValueError(
-                f"model.laws: work with {', '.join(OF_LAWS)} only; write another model"
-            )
+            raise ValueError(f"model.laws: work only with {', '.join(OF_LAWS)}; leave them out")
     for key in options:
         if key not in of_function:
             known = [*parameters, *of_function, *(OF_MODEL if "model" in parameters else ())]

@@ -125,9 +125,7 @@ class BeamSection(section_of("beam", rise="distance")):
             raise ValueError(f".{beside}: repeats the cosines of shape; write one of them")
         rise = sum(terms[::2])
         if not rise > 0:
-            raise ValueError(
-                f".shape.cosines: the odd ones add up to {rise:g}; write a sum above 0"
-            )
+            raise ValueError(f".shape.cosines: the odd ones add up to {rise:g}, not above 0")
         return tilt | dict(zip(COSINES, (term / rise for term in terms[1:]), strict=False))
 
 
@@ -213,10 +211,9 @@ def of_device(make, names=RARE_LAST):
 
 
 def load_device(path: ExistingPath) -> Device:
-    """Read the device of a config file and ignore its other sections.
+    """Read the device of a config file, of which other sections are ignored.
 
-    A warning names the C that a `quality_factor` of the mass stands for. Invalid files raise
-    ConfigError.
+    It warns which C a `quality_factor` of the mass is. An invalid file raises ConfigError.
 
     >>> snapmap.load_device("config/config.yaml").beam.thickness
     2.0

@@ -83,10 +83,7 @@ def stopped(device: Device) -> str:
     travel = device.stop_toward
     needed = float(device.gap - find_barrier(device.beam, shapes_of(device.beam)).midpoint)
     if travel <= device.gap:
-        return (
-            f"stops.toward: {travel:.4g} um is within the gap, so the mass never meets the beam; "
-            "write more"
-        )
+        return f"stops.toward: {travel:.4g} um is within the gap; the mass never meets the beam"
     if travel < needed:
         return (
             f"stops.toward: {travel:.4g} um stops the mass before the saddle at {needed:.4g} um: a "

@@ -26,12 +26,11 @@ class Beam:
     """A clamped beam; an impossible value raises ValueError.
 
     rise: 0 for a straight beam, which compression must buckle
-    depth: out of the plane of motion; of a double beam, of both beams together
-    damping: viscous drag per unit mass; swings decay at half this rate
-    free: 1 for a beam that may tilt, 0 for a guided beam, which moves symmetrically
+    depth: across the plane of motion; of a double beam, of both beams together
+    damping: viscous drag per unit mass; oscillations decay at half this rate
+    free: 1 for a beam that can tilt, 0 for a guided beam
     clamp_axial: math.inf for rigid clamps
-    cosine_2, cosine_3, cosine_4, cosine_5: amplitude of (1 - cos(2 n pi x/L))/2 in the shape as
-        made, over the rise
+    cosine_2, cosine_3, cosine_4, cosine_5: amplitude of (1 - cos(2 n pi x/L))/2 over the rise
 
     >>> snapmap.load_device("config/config.yaml").beam.rise
     10.0

@@ -31,7 +31,6 @@ OF_MASS = *ALONE, *keys_of("stops").values()
 class Device:
     """A beam and a mass on a spring; an impossible value raises ValueError.
 
-    Values of device and beam are the keys of the config.
     mass: 0, with a gap of math.inf, for a beam alone
     contact: math.inf for hard contact
     gravity, force: the unit of N; a force of 0 shakes the frame

@@ -111,9 +111,7 @@ class Plan:
         """Take scatters as `snapmap.tolerance` does; ValueError, one line, for what cannot be."""
         self.scatters = {key: _scatter(key, width) for key, width in scatters.items()}
         if not self.scatters:
-            raise ValueError(
-                "tolerances: missing; write a value that scatters, such as thickness: 5 %"
-            )
+            raise ValueError("tolerances: empty; write a value that scatters, such as thickness")
         self.nominal = {}
         for key, scatter in self.scatters.items():
             if key in OF_MASS and device.is_alone:
@@ -123,18 +121,14 @@ class Plan:
                 what = "hard" if key == "contact" else "none in this device"
                 raise ValueError(f"tolerances.{key}: {what}, so it cannot scatter; leave it out")
             if scatter.distribution == "lognormal" and not nominal > 0:
-                raise ValueError(
-                    f"tolerances.{key}: lognormal needs a nominal value above 0; write normal"
-                )
+                raise ValueError(f"tolerances.{key}: lognormal needs a nominal value above 0")
             if scatter.is_share and nominal == 0:
                 raise ValueError(f"tolerances.{key}: a share of 0 is 0; write a width with a unit")
         group_of = {}
         for group in together:
             for key in group:
                 if key not in scatters:
-                    raise ValueError(
-                        f"tolerances.together: {key} does not scatter; write its tolerance"
-                    )
+                    raise ValueError(f"tolerances.together: {key} has no tolerance")
                 if key in group_of:
                     raise ValueError(f"tolerances.together: {key} comes twice")
                 group_of[key] = tuple(name for name in scatters if name in group)
@@ -190,9 +184,7 @@ def _scatter(key, width):
     name = f"tolerances.{key}"
     known = *OF_DEVICE, *SHOCK_FACTORS
     if key not in known:
-        raise ValueError(
-            f"{name}: is not a value that can scatter; write one of {', '.join(known)}"
-        )
+        raise ValueError(f"{name}: cannot scatter; write one of {', '.join(known)}")
     distribution = "normal"
     if isinstance(width, Mapping):
         if len(width) != 1 or next(iter(width)) not in DISTRIBUTIONS:

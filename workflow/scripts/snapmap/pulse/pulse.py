@@ -186,9 +186,7 @@ class Pulse:
         lines, period = list(self.notes), 2 * np.pi / own_frequency
         step = np.diff(self.pieces[:, 0], append=1.0).max() * lasts
         if self.duration is not None and not self.blows.size and step * COARSE > period:
-            lines.append(
-                f"samples {step:.3g} us apart are too coarse for a period of {period:.3g} us"
-            )
+            lines.append(f"samples {step:.3g} us apart are coarse for a period of {period:.3g} us")
         return [f"{self.name}: {line}" for line in lines]
 
     def reversed(self) -> "Pulse":
@@ -224,7 +222,7 @@ def sampled(
     """Make a pulse of samples, which keeps its duration and is linear between them.
 
     time: us, ascending, (samples,)
-    acceleration: along +z, (samples,), in any unit, as N scales its largest value
+    acceleration: along +z, (samples,), in any unit; N scales its largest value
 
     >>> snapmap.sampled([0.0, 100.0, 400.0], [0.0, 1.0, 0.0]).duration
     400.0

@@ -129,9 +129,7 @@ def _pulse(section):
         return section
     section = {"shape": section} if isinstance(section, str) else section
     if not isinstance(section, Mapping):
-        raise ValueError(
-            f"pulse: {show(section)} is not a shape or a pulse; make one by sampled or read_pulse"
-        )
+        raise ValueError(f"pulse: {show(section)} is not a shape or pulse; `read_pulse` makes one")
     for key, make in MAKERS.items():
         if [*section] == [key]:
             return make(section[key])

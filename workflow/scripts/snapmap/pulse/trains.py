@@ -53,9 +53,7 @@ def make_train(items: Sequence[Mapping]) -> Pulse:
         if "repeat" not in item:
             parts.append(_flat(item["wait"], 0.0) if "wait" in item else _blow(**item))
         elif len(parts) * item["repeat"] > MOST_BLOWS:
-            raise ValueError(
-                f"{path}.repeat: makes more than {MOST_BLOWS} blows and waits; write fewer"
-            )
+            raise ValueError(f"{path}.repeat: makes over {MOST_BLOWS} blows and waits; write fewer")
         else:
             parts *= item["repeat"]
     return _joined("train", parts, section)
@@ -74,9 +72,7 @@ def make_drop(drop: Mapping) -> Pulse:
     blow = {key: drop[key] for key in drop if key not in ("height", "rebound")}
     own_N = (1 + rebound) * velocity / (GRAVITY * _blow(**blow).area)
     if own_N < 1:
-        raise ValueError(
-            f"pulse.drop: its blow of {own_N:.2g} g is below 1 g; write a shorter duration"
-        )
+        raise ValueError(f"pulse.drop: its blow has only {own_N:.2g} g; write a shorter duration")
     # Free fall over the peak; where it ends with a jump, that is small beside the blow's.
     lasts, level, share = velocity / GRAVITY, -1 / own_N, 1.0
     parts = [_flat(lasts, level), _blow(**blow)]

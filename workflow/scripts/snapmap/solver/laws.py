@@ -44,14 +44,12 @@ def reference(
     contact: Law | None = None,
     force: Law | None = None,
 ) -> dict[str, object]:
-    """Make a model with laws of your own from the `reference` model, for sweep, threshold and
-    simulate.
+    """Give the `reference` model your own laws, for sweep, threshold and simulate.
 
-    damping: drag on the mass (uN) of (C, velocity, place); replaces C velocity
+    damping: drag on the mass (uN) of (C, velocity, place), in place of C velocity
     contact: push between mass and midpoint (uN, positive apart) of (stiffness, overlap)
-    force: push that holds the midpoint (uN) of (displacement,); replaces the beam's
-    Laws are functions of floats that numba can compile; lengths are in um, times in us.
-    docs/own-physics.md describes them.
+    force: push that holds the midpoint (uN) of (displacement,), in place of the beam's
+    Laws are functions of floats (um, us) that numba compiles; docs/own-physics.md describes them.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> cubic = snapmap.reference(damping=lambda C, velocity, place: C * velocity**3)
@@ -127,9 +125,7 @@ def well_of(force: Callable, rise: Value) -> tuple[float, float, float]:
     rises = rises[rises > falls[0]] if falls.size else falls
     if abs(F[0]) > 1e-9 * abs(F).max() or not rises.size:
         needs = "0 at 0, then positive, negative from a saddle on, and positive again"
-        raise ValueError(
-            f"model.laws: force: is not a double well; make it {needs} below {reach:g} um"
-        )
+        raise ValueError(f"model.laws: force: no double well; make it {needs} below {reach:g} um")
     around = (_curve(force, *x[i : i + 2]) for i in (falls[0], rises[0]))
     saddle, second = (float(x[np.argmax(F[1:] * F[0] <= 0) + 1]) for x, F in around)
     x, F = _curve(force, 0.0, saddle)

@@ -300,9 +300,7 @@ def check_options(device: Device, name: str, options: Mapping) -> None:
     """Raise ValueError, one line, for a model or an option that cannot be."""
     take_model({"name": name, **options})
     if name == "reference" and np.isinf(device.contact).any():
-        raise ValueError(
-            "device.contact: hard does not work with the reference model; write elements"
-        )
+        raise ValueError("device.contact: hard excludes the reference model; write elements")
     if laws := laws_of(options):
         of_elements, alone = laws.force and "elements" in options, device.is_alone
         require(

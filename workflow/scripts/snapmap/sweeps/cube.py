@@ -101,9 +101,7 @@ def require_cube(cube: xr.Dataset, name: str = "cube") -> xr.DataArray:
     if codes is None or codes.dtype.kind not in "iuf":
         raise ValueError(f"{name}: is not a cube, as it has no codes of outcomes")
     if missing := {"long_name", "flag_meanings"} - codes.attrs.keys():
-        raise ValueError(
-            f"{name}: {codes.name} has lost its attribute {min(missing)}; keep attributes"
-        )
+        raise ValueError(f"{name}: {codes.name} has lost its attribute {min(missing)}; keep them")
     for key in (key for key in codes.dims if key not in NAMES):
         if cube[key].dtype.kind not in "iuf" or cube[key].isnull().any():
             raise ValueError(f"{name}: {key} is an axis of numbers, but has other values")

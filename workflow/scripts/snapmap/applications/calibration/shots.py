@@ -178,9 +178,7 @@ def _group(row, shocks, known):
 
 def _level(row, pulse, device):
     if pulse.is_of_frame and device.force:
-        raise ValueError(
-            "file: a record shakes the frame; write device.gravity in place of device.force"
-        )
+        raise ValueError("file: a record shakes the frame; write gravity, not device.force")
     N = row.get("N") or pulse.own_N or pulse.peak / device.gravity
     if math.isnan(N):
         raise ValueError("N: missing; write multiples of g")
@@ -201,15 +199,9 @@ def check_ranges(unknowns: Mapping, C: float | None, device: Device) -> None:
         low, high = pair
         if not (within.holds(pair).all() and -math.inf < low < high < math.inf):
             need = f" {within}".rstrip()
-            raise ValueError(
-                f"unknowns: {key}: {low:g} to {high:g} is not an ascending range{need}"
-            )
+            raise ValueError(f"unknowns: {key}: {low:g} to {high:g} does not ascend{need}")
     if ("C" in unknowns) != (C is None):
-        what = (
-            "missing; write it, or its range under unknowns"
-            if C is None
-            else "is an unknown; leave it out"
-        )
+        what = "missing; write it, or its range" if C is None else "is an unknown; leave it out"
         raise ValueError(f"C: {what}")
     of_device = {key: ends for key, ends in unknowns.items() if key != "C"}
     middle = {key: np.full(1, sum(ends) / 2) for key, ends in of_device.items()}

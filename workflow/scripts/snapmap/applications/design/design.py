@@ -80,21 +80,19 @@ def design(
     requirements: arguments.Requirements = (),
     **options: Unpack[DesignOptions],
 ) -> Design | xr.Dataset:
-    """Find the value of a device, or C, at which N (multiples of g) is the threshold.
+    """Find the value of a device, or C, at which N is the threshold, or that meets requirements.
 
-    With requirements in place of N and f0, it finds the windows of the value that meet all of them.
-
-    value: name of a value of the device, such as "thickness", or "C"
-    f0: Hz
-    C: uN us/um; not needed where C is the value
+    value: name of a value of the device, or "C"
+    N, f0: multiples of g, and Hz; None with requirements
+    C: uN us/um; None where C is the value
     between: low and high end of the searched range, internal units
-    requirements: mappings of name, N, f0 (Hz) and snaps, optionally of pulse and direction; each
-        must hold under all its shapes and directions
+    requirements: mappings of name, N, f0 (Hz), snaps and optionally pulse, direction; each must
+        hold under all its shapes and directions
     options: horizon, energy_tolerance, threads, start, pulse, direction, model options
-    Returns a Design, the lowest value if several are right, with a warning; with requirements a
+    Returns a Design, the lowest of several values with a warning. With requirements it returns a
     Dataset of `low` and `high`, their errors, and what ends each window (`low_from`, `high_from`)
-    over `window`, and `met` over `requirement` and `tried`. If there is no window, a warning tells
-    where each requirement holds.
+    over `window`, and `met` over `requirement` and `tried`; without a window it warns where each
+    requirement holds.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> shock = {"N": 1100, "f0": 1500, "C": 25, "model": "cosines", "horizon": 0}
@@ -117,7 +115,7 @@ def design(
     (low, high), least = between, -np.inf if value in SIGNED else 0.0
     if not least <= low < high:
         raise ValueError(
-            f"between: {low:g}, {high:g} do not ascend from {least:g} or more; write (low, high)"
+            f"between: {low:g}, {high:g} do not ascend from {least:g}; write (low, high)"
         )
     look = _threshold_finder(study, value, C, goals)
     grid = np.linspace(*between, WINDOW_POINTS if required else POINTS)
@@ -135,9 +133,7 @@ def _single_shocks(requirements):
     singles = []
     for required in requirements:
         if required["snaps"] == ANY:
-            raise ValueError(
-                f"requirements: {required['name']}: snaps: any has no threshold; leave it out"
-            )
+            raise ValueError(f"requirements: {required['name']}: snaps: any has no threshold")
         several = required["shocks"].each()
         for shocks in several:
             where = f", {shocks.pulse.name} {shocks.direction}" if len(several) > 1 else ""
