@@ -9,20 +9,29 @@ import snapmap
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
-from snapmap.thresholds.search import Window, amplitudes, asker, joined, near, refine, scan, walk
+from snapmap.thresholds.search import (
+    Seen,
+    Window,
+    amplitudes,
+    around,
+    asker,
+    joined,
+    near,
+    refine,
+    scan,
+    stretches,
+    walk,
+)
 from snapmap.thresholds.survey import (
     CLEAN_REACH,
     CLOSE_STEP,
     RAGGED_REACH,
     RAGGED_STEP,
-    Seen,
-    around,
     decide,
     find_islands,
     first_seen,
     island_limits,
     scan_ragged,
-    stretches,
 )
 from snapmap.thresholds.survey import distance as distance_to
 

@@ -23,15 +23,20 @@ from .search import (
     TOGETHER,
     Ask,
     Edges,
+    Seen,
     Window,
     amplitudes,
+    around,
     asker,
     edges_of,
     first_snap,
     joined,
     observer,
+    outermost,
     refine,
     scan,
+    scan_on,
+    stretches,
 )
 
 ISLANDS_FROM, ISLANDS_TO = 0.7, 2.0
@@ -48,14 +53,9 @@ FAST_PULSE = 0.7
 """Frequency of a pulse over the device's own from which on the finer models take its rows."""
 CLOSE_PLACES = np.array([1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 80])
 """Distances from a threshold, up to CLEAN_REACH, in CLOSE_STEP, at which runs are looked at."""
-COMPARED_PLACE = 24
-"""Up to which of them the finest model must show no other below a clean threshold: 0.6 %."""
-BESIDE_OPEN = 2
-"""Intervals of CLOSE_PLACES on either side of one in which runs do not come nearer that are scanned
-too. So no stretch wider than 0.06 % was missed beside 414 thresholds of random devices, a third of
-them ragged; docs/thresholds.md, "Width of islands"."""
-OPEN_BAR = 0.01
-"""Relative bar from which on a ragged row stays open: the step of its scan suffices."""
+OPEN_BAR = 10 * RAGGED_STEP
+"""Relative bar from which on a ragged row stays open: the step of its scan suffices. So far below a
+clean threshold the finest model must show no other."""
 STEP_RATIO = 2.0**0.5
 """Times the step that decides, of the runs by which the error of time is seen: of second order, it
 changes by itself."""
@@ -64,8 +64,6 @@ AGREEMENTS = 4
 MAX_DISTANCE = 0.25
 """Relative distance up to which another level's threshold is looked for; beyond, a row is ragged.
 """
-LEAST = 1e-4
-"""Of the static threshold, down to which N are looked at where no bound by energy is known."""
 SLACK = 0.99
 """Of the bound by energy, down to which amplitudes are looked at: a model may itself be off."""
 STATUS = "no_device", "found", "nothing_snaps", "not_followed"
@@ -126,25 +124,6 @@ class Changes(NamedTuple):
     quiet: np.ndarray
 
 
-class Seen(NamedTuple):
-    """What was seen of rows from one N to another: edges, and the labels of the ends, (rows,).
-
-    low, high: these ends, in multiples of g, (rows,); NaN where nothing was looked at
-    """
-
-    edges: Edges
-    begins: np.ndarray
-    ends: np.ndarray
-    low: np.ndarray
-    high: np.ndarray
-
-    def of(self, rows: np.ndarray) -> "Seen":
-        """The same of some rows, a mask of them, (rows,)."""
-        low, high = (np.where(rows, end, np.nan) for end in (self.low, self.high))
-        edges = self.edges.take(rows[self.edges.row])
-        return Seen(edges, rows & self.begins, rows & self.ends, low, high)
-
-
 def survey(
     models: Survey,
     rows: Rows,
@@ -177,8 +156,7 @@ def survey(
 
 def lowest(models: Survey, rows: Rows, settings: Settings, tolerance: float) -> np.ndarray:
     """Find N_first, (rows,), without a bar; NaN for none."""
-    bound = least_amplitudes(models.decides, rows, settings.start)
-    bound = np.maximum(bound, LEAST * models.static[rows.device])
+    bound = lower_bound(models, rows, settings)
     # No island above the first counts.
     changes = find_changes(models, rows, settings, tolerance, 0.0, bound)
     edges = refine_edges(models.ragged, rows, settings, tolerance, changes.edges, changes.ragged)
@@ -187,8 +165,7 @@ def lowest(models: Survey, rows: Rows, settings: Settings, tolerance: float) -> 
 
 def _followed(models, rows, settings, tolerance, highest):
     """Find thresholds by these models; where the cheap one fails, the one that decides scans."""
-    bound = least_amplitudes(models.decides, rows, settings.start)
-    bound = np.maximum(bound, LEAST * models.static[rows.device])
+    bound = lower_bound(models, rows, settings)
     options = settings, tolerance, highest
     thresholds = _survey(models, rows, *options, bound)
     lost = np.flatnonzero(thresholds.status == NOT_FOLLOWED)
@@ -250,6 +227,12 @@ def with_rows(
     values[which] = blank
     values[(which, *map(slice, new.shape[1:]))] = new
     return values
+
+
+def lower_bound(models: Survey, rows: Rows, settings: Settings) -> np.ndarray:
+    """Bound N that snap from below, (rows,): by energy, or far below static ones."""
+    bound = least_amplitudes(models.decides, rows, settings.start)
+    return np.maximum(bound, 1e-4 * models.static[rows.device])
 
 
 def find_changes(
@@ -426,24 +409,6 @@ def scan_ragged(
     return seen._replace(edges=seen.edges.take(~seen.begins[seen.edges.row])), firsts
 
 
-def scan_on(ask: Ask, window: Window, seen: Seen) -> Seen:
-    """Scan a window on either side of what was seen of rows, or all of it where nothing was."""
-    low, high, step = window
-    new = np.isnan(seen.low)
-    below = Window(np.where(seen.low <= low, np.nan, low), np.where(new, high, seen.low), step)
-    above = Window(np.where(high > seen.high, seen.high, np.nan), high, step)
-    lower, begins, ends = scan(ask, below.N)
-    upper, _, ends_above = scan(ask, above.N)
-    down, up = np.isfinite(below.low), np.isfinite(above.low)
-    return Seen(
-        edges=joined(lower, seen.edges, upper),
-        begins=np.where(down, begins, seen.begins),
-        ends=np.where(up, ends_above, np.where(new, ends, seen.ends)),
-        low=np.where(down, low, seen.low),
-        high=np.where(up | new, high, seen.high),
-    )
-
-
 def _begins(scanned, window):
     """Where a scan begins to snap, (rows,), or the end of the window beyond which it does."""
     edges, begins, _ = scanned
@@ -497,20 +462,20 @@ def close_edges(
     low: np.ndarray,
     high: np.ndarray,
     sides: tuple[int, ...] = (-1, 1),
-    farthest: int = CLOSE_PLACES[-1],
+    reach: float = np.inf,
 ) -> Seen:
     """Find the edges close to one, as on a scan in CLOSE_STEP, by fewer runs.
 
     low, high: the edge, refined, (rows,); NaN for rows that are not looked at
-    sides: on which it is looked, -1 below and 1 above; farthest: of CLOSE_PLACES
+    sides: on which it is looked, -1 below and 1 above; reach: relative, of CLOSE_PLACES
     Below a threshold that stands alone, each run comes nearer to a snap than those at lower N;
     above it, each snaps the later, the closer N lies to it. A stretch of the other label bends this
     far beyond its own ends: near it, too, runs come close to the saddle, and dwell there. Where
     this order is broken, it is scanned, above in twice the step, unless runs show other labels.
     """
     observe, ask = observer(model, rows, settings), asker(model, rows, settings)
-    steps = CLOSE_PLACES[farthest >= CLOSE_PLACES]
-    between = np.setdiff1d(np.arange(2, farthest), steps)
+    steps = CLOSE_PLACES[reach >= CLOSE_STEP * CLOSE_PLACES]
+    between = np.setdiff1d(np.arange(2, steps[-1]), steps)
     inside = np.searchsorted(steps, between) - 1
     runs = [observe(_beside(low, high, side, steps)) for side in sides]
     others = [np.isfinite(run.t_snap) == (side < 0) for side, run in zip(sides, runs, strict=True)]
@@ -534,12 +499,16 @@ def _beside(low, high, side, steps):
     return np.multiply.outer(low if side < 0 else high, 1 + CLOSE_STEP * side * steps)
 
 
-def _out_of_order(nearer):
-    """Intervals of steps in which, or close to which, values do not fall outward, (rows, n)."""
+def _out_of_order(nearer, beside=2):
+    """Intervals in which values do not fall outward, and so many beside these, (rows, n).
+
+    So no stretch wider than 0.06 % was missed beside 414 thresholds of random devices, a third of
+    them ragged; docs/thresholds.md, "Width of islands".
+    """
     with np.errstate(invalid="ignore"):
         rises = ~(nearer[:, 1:] < nearer[:, :-1])
-    padded = np.pad(rises, ((0, 0), (BESIDE_OPEN, BESIDE_OPEN)))
-    shifts = range(2 * BESIDE_OPEN + 1)
+    padded = np.pad(rises, ((0, 0), (beside, beside)))
+    shifts = range(2 * beside + 1)
     return np.any([padded[:, i : i + rises.shape[1]] for i in shifts], axis=0)
 
 
@@ -567,7 +536,7 @@ def compare(
         # An island below that finer steps open belongs to the bar.
         alone = np.where(rings, clean, np.nan)
         ends = (1 - tolerance) * alone, alone
-        close = close_edges(models.finest, rows, settings, *ends, (-1,), COMPARED_PLACE).edges
+        close = close_edges(models.finest, rows, settings, *ends, (-1,), OPEN_BAR).edges
         islands = close.take(close.high < ends[0][close.row])
         near = np.fmax(near, N_first - outermost(islands.row, islands.low, alone.size)[0])
     apart = np.isinf(near)
@@ -621,40 +590,6 @@ def distance(ask: Ask, N_first: np.ndarray, tolerance: float) -> np.ndarray:
     same = ~differ(near, np.multiply.outer(reach[near], [7 / 8, 6 / 8, 5 / 8]))
     distances[near] *= 1 - np.logical_and.accumulate(same, axis=1).sum(axis=1) / 8
     return distances
-
-
-def around(
-    limits: Window, first: np.ndarray, last: np.ndarray, reach: float, step: float
-) -> Window:
-    """Make a window that reaches so many times beyond two N of each row, within limits."""
-    low, high = np.maximum(limits.low, first / reach), np.minimum(limits.high, last * reach)
-    return Window(low, high, np.full(low.size, step))
-
-
-def outermost(row: np.ndarray, N: np.ndarray, n_rows: int) -> tuple[np.ndarray, np.ndarray]:
-    """Find the least and the largest N of each row, (n_rows,); NaN where there is none."""
-    least, largest = np.full((2, n_rows), np.nan)
-    np.fmin.at(least, row, N)
-    np.fmax.at(largest, row, N)
-    return least, largest
-
-
-def stretches(edges: Edges, is_open: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Read N_first and N_always, (rows,), and the islands' ends, (2, rows, most), off the edges.
-
-    is_open: whether a row's highest N does not snap, so that nothing always does; (rows,)
-    """
-    n_rows = is_open.size
-    row, starts = edges.row[edges.rising], edges.high[edges.rising]
-    N_first, N_always = outermost(row, starts, n_rows)
-    ends_row, ends = edges.row[~edges.rising], edges.low[~edges.rising]
-    most = np.bincount(ends_row, minlength=1).max()
-    islands = np.full((2, n_rows, most), np.nan)
-    for i in np.unique(ends_row):
-        to = np.sort(ends[ends_row == i])
-        islands[0, i, : to.size] = np.sort(starts[row == i])[: to.size]
-        islands[1, i, : to.size] = to
-    return N_first, np.where(is_open, np.nan, N_always), islands
 
 
 def snap_times(model, rows, settings, N):
