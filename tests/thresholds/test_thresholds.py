@@ -89,7 +89,7 @@ def surveyed(coarse, fine, highest=None):
 
     wide = np.tile(np.geomspace(0.1, 8.0, 200), (2, 1))
     rough, _ = first_seen(asking(coarse), wide, np.full(2, 0.01))
-    limits = island_limits(rough, None, highest, np.ones(2, bool))
+    limits = island_limits(rough, None, highest, np.zeros(2, bool))
     window, ragged = find_islands(asking(coarse), limits)
 
     def closely(low, high):

@@ -255,7 +255,8 @@ def find_changes(
         *scan_range(models.scans.device, models.static, rows, bound, settings.start), SCAN_STEP
     )
     first, quiet = first_seen(label, wide, bound)
-    limits = island_limits(first, islands_from, highest, rings)
+    slow = ~is_ringing(models.scans.device, rows, RINGING / 5)
+    limits = island_limits(first, islands_from, highest, slow)
     window, ragged = find_islands(label, limits)
 
     def closely(low, high):
@@ -286,12 +287,12 @@ def is_fast(device, rows):
     return 2e-6 * np.pi * rows.f0 * swings > FAST_PULSE * device.own_frequency[rows.device]
 
 
-def is_ringing(device, rows):
-    """Tell whether the device rings after a pulse, (rows,)."""
+def is_ringing(device, rows, least=RINGING):
+    """Tell whether the device rings after a pulse, (rows,); least: as RINGING."""
     frequency, spring = device.own_frequency[rows.device], device.spring[rows.device]
     steepest = np.array([pulse.steepest for pulse in rows.pulses])[rows.pulse]
     C = np.where(device.is_alone[rows.device], 0.0, rows.C)
-    return 2e-6 * np.pi * rows.f0 * steepest * (1 / frequency + C / spring) >= RINGING
+    return 2e-6 * np.pi * rows.f0 * steepest * (1 / frequency + C / spring) >= least
 
 
 def scan_range(device, static, rows, bound, start=FIRST) -> tuple[np.ndarray, np.ndarray]:
@@ -339,17 +340,17 @@ def first_seen(ask: Ask, wide: np.ndarray, bound: np.ndarray) -> tuple[np.ndarra
 
 
 def island_limits(
-    first: np.ndarray, islands_from: np.ndarray | None, highest: float | None, rings: np.ndarray
+    first: np.ndarray, islands_from: np.ndarray | None, highest: float | None, slow: np.ndarray
 ) -> Window:
     """Limit where islands are looked for, about the first of wide amplitudes that snaps, (rows,).
 
     islands_from, highest: the ends, in place of those of ISLANDS_FROM and ISLANDS_TO
-    rings: whether the device does; if not, there are islands within RAGGED_REACH alone, (rows,)
+    slow: whether a pulse moves the device from rest to rest: then islands lie within RAGGED_REACH
     """
     near = first / RAGGED_REACH, first * RAGGED_REACH
-    low = np.where(rings, ISLANDS_FROM * first, near[0]) if islands_from is None else islands_from
+    low = np.where(slow, near[0], ISLANDS_FROM * first) if islands_from is None else islands_from
     high = ISLANDS_TO * first if highest is None else np.fmax(highest, near[1])
-    high = np.where(np.isfinite(first), np.where(rings, high, near[1]), np.nan)
+    high = np.where(np.isfinite(first), np.where(slow, near[1], high), np.nan)
     return Window(low, high, np.full(first.size, ISLAND_STEP))
 
 
