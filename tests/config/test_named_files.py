@@ -101,19 +101,16 @@ def test_a_record_has_a_name_that_may_stand_in_tables(folder):
         assert line.startswith("requirements[0]: ") and "rename it, in letters, digits" in line
 
 
-@pytest.mark.parametrize(
-    "rules", [["simulate_all"], pytest.param(["find_threshold"], marks=pytest.mark.long)]
-)
-def test_contents_decide_what_runs_again_and_dates_do_not(root, folder, rules):
-    products = ["results/cube.nc" if rules == ["simulate_all"] else "results/threshold.nc"]
-    snakemake(root, ".", "mine.yaml", *products)
+def test_contents_decide_what_runs_again_and_dates_do_not(root, folder):
+    cube = "results/cube.nc"
+    snakemake(root, ".", "mine.yaml", cube)
     os.utime(folder / "shock.csv")
-    assert "Nothing to be done" in snakemake(root, ".", "mine.yaml", "--dry-run", *products)[1]
+    assert "Nothing to be done" in snakemake(root, ".", "mine.yaml", "--dry-run", cube)[1]
     write_record(folder / "other.csv", 3)
     os.utime(folder / "other.csv", (0, 0))
     (folder / "other.csv").replace(folder / "shock.csv")
-    output = snakemake(root, ".", "mine.yaml", "--dry-run", *products)[1]
-    assert all(f"{rule}  " in output for rule in rules), output
+    output = snakemake(root, ".", "mine.yaml", "--dry-run", cube)[1]
+    assert "simulate_all  " in output
 
 
 def test_ten_million_rows_are_refused_unread(tmp_path):

@@ -47,9 +47,8 @@ RIGHT = {
 def test_the_example_of_each_function_is_true(root, monkeypatch, name):
     monkeypatch.chdir(root)
     function = getattr(snapmap, name)
-    (example,) = doctest.DocTestFinder(recurse=False).find(
-        function, name, globs={"snapmap": snapmap}
-    )
+    finder = doctest.DocTestFinder(recurse=False)
+    (example,) = finder.find(function, name, globs={"snapmap": snapmap})
     assert example.examples
     assert doctest.DocTestRunner().run(example).failed == 0
 
@@ -95,17 +94,13 @@ def wrong_calls(right_calls):
     """Each function with each argument and option, one at a time, as each of WRONG."""
     for name, right in right_calls.items():
         parameters = inspect.signature(getattr(snapmap, name)).parameters
-        options = (
-            *options_of(getattr(snapmap, name)),
-            *(OPTIONS["cosines"] if "model" in right else ()),
-        )
-        keys = dict.fromkeys((*parameters, *right, *options)).keys() - {"options"}
+        options = {*options_of(getattr(snapmap, name))}
+        options |= {*OPTIONS["cosines"]} if "model" in right else set()
+        keys = {*parameters, *right, *options} - {"options"}
         for key, value in itertools.product(sorted(keys), WRONG):
-            allows_none = value is None and "None" in str(
-                getattr(parameters.get(key), "annotation", "")
-            )
+            annotation = getattr(parameters.get(key), "annotation", "")
             alike = (type(one) is type(value) and one == value for one in RIGHT.get(key, ()))
-            if not allows_none and not any(alike):
+            if not any(alike) and not (value is None and "None" in str(annotation)):
                 yield name, right, key, value
 
 

@@ -14,7 +14,7 @@ import snapmap
 from snapmap.applications.electrode.closures import CLOSING, Closures, closures_of, passages
 from snapmap.applications.electrode.required import judge_closing
 from snapmap.applications.histories.history import observed_of
-from snapmap.applications.requirements.check import Verdict
+from snapmap.applications.requirements.corners import Verdict
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError
 from snapmap.solver.settings import Settings

@@ -8,8 +8,7 @@ from ...config.keys import quantity
 from ...config.shocks import PulseSection
 from ...solver.settings import SECOND
 from ...study.study import Study
-from ..requirements.check import Verdict
-from ..requirements.corners import MET, UNCLEAR, VIOLATED
+from ..requirements.corners import MET, UNCLEAR, VIOLATED, Verdict
 from ..requirements.required import RequiredShock
 from ..requirements.sections import ShockSection
 

@@ -10,8 +10,8 @@ from ...files.atomic import replacing
 from ...study.study import Study
 from ..design.design import remedy, with_value
 from ..histories.history import Extremes
-from .check import Survival, Verdict, summary, worst
-from .corners import VIOLATED, at_corner, beyond
+from .check import Survival, summary, worst
+from .corners import VIOLATED, Verdict, at_corner, beyond
 from .required import Required
 
 
