@@ -85,8 +85,7 @@ PAGE = """\
 
 With this page you can look up every key of a config, with its unit, range and default. A config is
 a YAML file of one mapping, such as [the handout's](../config/handout.yaml) or
-[the tutorial's](../config/sensor.yaml). `./run python docs/make_config_reference.py` writes this
-page.
+[the tutorial's](../config/sensor.yaml).
 
 A physical value is text: a number and any unit of its dimension, as in `2330 kg/m^3`. A number is
 above 0 unless its line or example says otherwise; in µm, ng, µs and Hz it is from {least:g} to

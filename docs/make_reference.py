@@ -20,7 +20,7 @@ PAGE = """\
 With this page you can look up every function of `snapmap`, its arguments and what it returns. Units
 are um, ng and us, so uN, MPa, pJ, uN/um, ng/um^3, um/us^2 and 1/us; frequencies are in Hz, N in
 multiples of g, C in uN us/um, temperatures in degC, thermal coefficients in 1/K.
-`./run python docs/make_reference.py` writes this page. Examples with a `device` begin with
+Examples with a `device` begin with
 
 ```pycon
 >>> device = snapmap.load_device("config/config.yaml")
