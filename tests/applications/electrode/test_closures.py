@@ -22,7 +22,7 @@ from snapmap.study.study import Study
 from snapmap.sweeps.cube import sweep as core_sweep
 
 MODEL = {"name": "cosines", "modes": 3}
-CELLS = [(1000.0, 1500.0), (1100.0, 1500.0), (1500.0, 3000.0), (1800.0, 9000.0)]
+CELLS = [(1000.0, 1500.0), (1500.0, 3000.0), (1800.0, 9000.0)]
 HORIZON = 150.0
 
 

@@ -7,7 +7,7 @@ from matplotlib.colors import to_hex
 from matplotlib.contour import ContourSet
 
 from snapmap.applications.window import figure as window
-from snapmap.figures import scales, style
+from snapmap.figures import style
 
 pytestmark = pytest.mark.usefixtures("paper")
 
@@ -35,7 +35,7 @@ def colour_at(ax, *point):
 def test_a_window_ends_on_lines_where_each_requirement_begins_to_fail():
     window.draw_window(figure := style.double_column(4), make_window(), "spring", "C")
     *panels, stress, _ = figure.axes
-    assert len(panels) == 2 and stress.get_title(loc="left").startswith("largest stress")
+    assert len(panels) == 2
     lines = [line for line in stress.collections if line.get_path_effects()]
     for line, column, end, straight in zip(lines, (0, 1), (6.5, 35.0), (0.06, 1e-9), strict=True):
         (path,) = line.get_paths()
@@ -47,13 +47,6 @@ def test_a_window_ends_on_lines_where_each_requirement_begins_to_fail():
         assert colour_at(ax, 7.0, 30.0) == failing
     for ax in (*panels, stress):
         assert (ax.get_xlim(), ax.get_ylim()) == ((4.0, 8.0), (20.0, 60.0))
-    legend = figure.legends[0]
-    words = [text.get_text() for text in legend.get_texts()]
-    colours = ["all requirements are met", "a requirement fails", "points that were computed"]
-    assert words == ["trip, trips", "stay, does not trip", *colours]
-    title = legend.get_title().get_text()
-    assert "met everywhere: easy" in title and "°C" not in title
-    assert "error bars up to 1.0 %, between points up to 6.0 % more" in title
 
 
 def test_a_window_reaches_the_point_where_two_lines_meet_at_a_small_angle():
@@ -69,22 +62,12 @@ def test_a_window_reaches_the_point_where_two_lines_meet_at_a_small_angle():
     assert colour_at(figure.axes[0], 1.56, 1.5) == window.FAILING["color"]
 
 
-def test_a_window_has_the_units_of_the_config_and_says_its_temperatures():
-    found = make_window().assign_attrs(temperatures=[-40.0, 20.0, 125.0])
+def test_a_window_has_the_units_of_the_config_and_no_colour_where_nothing_is_known():
+    found = make_window()
     found["reserve"] = found.reserve.where((found.spring < 8) | (found.C < 60))
     found = found.drop_vars(["yield", "yield_bound", "stress_max"])
     units = {"spring": ("mN/um", 1e3), "C": ("mN*s/m", 1e3)}
     window.draw_window(figure := style.double_column(4), found, "spring", "C", units)
     (ax,) = figure.axes
-    assert ax.get_xlabel() == "spring (mN/µm)" and ax.get_ylabel().endswith("$C$ (mN s/m)")
     assert ax.get_xlim() == (0.004, 0.008) and ax.get_ylim() == pytest.approx((0.02, 0.06))
-    assert scales.typeset("kg/m^3") == "kg/m$^{3}$" and scales.typeset("uN/um") == "N/m"
-    legend = figure.legends[0]
-    assert "at each temperature from −40 to 125 °C" in legend.get_title().get_text()
-    assert "no device, or not known" in [text.get_text() for text in legend.get_texts()]
     assert colour_at(ax, 0.0079, 0.059) is None
-    failing = found.assign(reserve=0 * found.reserve + 0.5)
-    failing.reserve.attrs = found.reserve.attrs
-    window.draw_window(figure := style.double_column(4), failing, "spring", "C")
-    words = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert "a requirement fails" in words and "all requirements are met" not in words
