@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+import time
 from multiprocessing import get_context
 from tempfile import TemporaryFile
 
@@ -37,3 +38,11 @@ def _plan(command, said):
     for name in [name for name in sys.modules if name.partition(".")[0] == "snapmap"]:
         del sys.modules[name]  # a clone has a package of its own
     main(command)
+
+
+def wait_for(what, seconds=60):
+    """What a function returns once that is true, or last after so many seconds."""
+    end = time.monotonic() + seconds
+    while not (answer := what()) and time.monotonic() < end:
+        time.sleep(0.02)
+    return answer

@@ -1,7 +1,6 @@
 """The hard cases: what a verdict means, and that by default nothing goes wrong unseen."""
 
 import numpy as np
-import pytest
 
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED, UNSNAPPED
 from studies.stability import verdicts as V
@@ -62,17 +61,14 @@ def test_verdicts_compare_a_run_with_the_fine_ones():
             assert verdict(one, *fine) == expected, (one, fine)
 
 
-@pytest.fixture(scope="module")
-def cheap(handout):
-    """The short cases with two cheap models of the kernel and the plain loop, at a few steps."""
+def test_nothing_goes_wrong_unseen(handout):
+    """Nor fails at the default step: the halved ones are enough for every one of these cells.
+
+    With a cheap model of the kernel and the plain loop, at a few steps.
+    """
     cases = [case for case in CASES if case.name in SHORT]
-    models = {name: MODELS[name] for name in ("3 cosines", "5 cosines")}
-    models["reference"] = {"name": "reference", "elements": 2}
-    return measure(handout, cases, models, steps=(0.4, 1.0, 1.5), threads=2)
-
-
-def test_nothing_goes_wrong_unseen(cheap):
-    """Nor fails at the default step: the halved ones are enough for every one of these cells."""
+    models = {"3 cosines": MODELS["3 cosines"], "reference": {"name": "reference", "elements": 2}}
+    cheap = measure(handout, cases, models, steps=(0.4, 1.0, 1.5), threads=2)
     assert cheap.sizes["case"] == len(SHORT)
     assert (cheap.verdict.drop_sel(case="hard contact") != V.UNSEEN).all()
     beyond = cheap.sel(model="reference", step=1.5).drop_sel(case=["N = 0", "hard contact"])
@@ -83,12 +79,6 @@ def test_nothing_goes_wrong_unseen(cheap):
     assert (soft.default_energy_error <= 1e-3).all() and (soft.halvings >= 0).all()
     refused = cheap.sel(case="hard contact", model="reference")
     assert (refused.verdict == V.REFUSED).all() and refused.default_verdict == V.REFUSED
-
-
-def test_stiff_contact_sets_the_limit_of_the_reference_alone(cheap):
-    stiff, soft = (cheap.limit.sel(case=case) for case in ("contact 4e5 N/m", "handout's case"))
-    assert stiff.sel(model="reference") < 0.2 * soft.sel(model="reference")
-    assert stiff.sel(model="5 cosines") == soft.sel(model="5 cosines")
 
 
 def test_what_takes_too_long_is_left_out(handout):

@@ -77,12 +77,14 @@ def finished(clone, tmp_path_factory):
     return folder, config, (cube, rest)
 
 
-def test_the_cube_is_what_python_gives(finished):
-    folder, config, _ = finished
-    with xr.open_dataset(folder / "results" / "cube.nc") as cube:
-        axes = {"N": cube.N, "f0": cube.f0, "C": cube.C}
-        device = snapmap.load_device(config)
-        direct = snapmap.sweep(device, **axes, model="cosines", modes=3, horizon=200.0)
+def test_cube_and_thresholds_are_what_python_gives(finished):
+    results, device = finished[0] / "results", snapmap.load_device(finished[1])
+    options = {"model": "cosines", "modes": 3, "horizon": 200.0}
+    with xr.open_dataset(results / "threshold.nc") as edges:
+        axes = {"f0": edges.f0, "C": edges.C, "highest": 3000.0}
+        xr.testing.assert_equal(edges, snapmap.threshold(device, **axes, **options))
+    with xr.open_dataset(results / "cube.nc") as cube:
+        direct = snapmap.sweep(device, N=cube.N, f0=cube.f0, C=cube.C, **options)
         xr.testing.assert_equal(cube, direct)
         assert cube.outcome.dims == ("C", "f0", "N") and cube.outcome.shape == (2, 2, 8)
         assert cube.outcome.dtype == "int8" and cube.t_snap.dtype == "float64"
@@ -95,15 +97,6 @@ def test_the_cube_is_what_python_gives(finished):
         document = load_config(yaml.safe_load(TINY)).document()
         assert json.loads(cube.config) == json.loads(direct.config) == document
         assert snapmap.__version__ in cube.code_version and "numba" in cube.packages
-
-
-def test_the_thresholds_are_what_python_gives(finished):
-    folder, config, _ = finished
-    with xr.open_dataset(folder / "results" / "threshold.nc") as edges:
-        axes = {"f0": edges.f0, "C": edges.C, "highest": 3000.0}
-        device = snapmap.load_device(config)
-        direct = snapmap.threshold(device, **axes, model="cosines", modes=3, horizon=200.0)
-        xr.testing.assert_equal(edges, direct)
 
 
 def test_a_run_ends_with_a_line_of_each_product_that_it_made(finished):
