@@ -54,7 +54,7 @@ def test_each_remedy_brings_the_threshold_to_its_side(handout, N, snaps):
 
 
 def test_no_solution_and_several_are_said(handout, monkeypatch):
-    with pytest.raises(ValueError, match=r"^C: is the value to find; leave it out$"):
+    with pytest.raises(ValueError, match=r"^C: is the value that design searches; leave it out$"):
         snapmap.design(handout, "C", N=1000, between=(10.0, 400.0), **SHOCK, **CHEAP)
     with pytest.raises(ValueError, match=r"thickness: no value from 1.9 to 2.1 um .* it runs from"):
         snapmap.design(handout, "thickness", N=9000, between=(1.9, 2.1), **SHOCK, **CHEAP)
@@ -103,7 +103,7 @@ def test_requirements_have_the_shocks_of_the_study_unless_they_name_theirs(hando
     assert back.directions == ("+z", "-z")
     record = {"train": [{"duration": 300.0}, {"wait": 900.0}, {"repeat": 2}]}
     within = {"C": 25.0, "between": (1.8, 2.5), "requirements": [asked]} | CHEAP
-    with pytest.raises(ValueError, match="requirements: drop: pulse: missing, as that of"):
+    with pytest.raises(ValueError, match="requirements: drop: pulse: missing, as the study"):
         snapmap.design(handout, "thickness", pulse=record, **within)
     within["requirements"] = [asked | {"snaps": "any"}]
     with pytest.raises(ValueError, match="requirements: drop: snaps: any has no threshold"):
