@@ -93,7 +93,7 @@ def integrated(device, N, f0, C):
         own = (force(state) - C * z_rate - device.spring * (z - beam.rise)) / device.mass - a
         return np.concatenate([v, [z_rate], beams, [own]])
 
-    span, options = (0, 1 / f0 + HORIZON), {"method": "DOP853", "rtol": 1e-9, "atol": 1e-9}
+    span, options = (0, 1 / f0 + HORIZON), {"method": "DOP853", "rtol": 1e-7, "atol": 1e-7}
     state = np.concatenate([start, [beam.rise], np.zeros(4)])
     run = solve_ivp(rate, span, state, events=electrode, max_step=2.0, **options)
     return closures_of(run.t_events[0].tolist(), False, span[1])
