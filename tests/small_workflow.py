@@ -12,14 +12,15 @@ from snakemake.cli import main
 def snakemake(root, folder, config, *options, cores="2", check=True):
     """Run the workflow of the clone `root` in `folder`; returns its exit code and output.
 
-    What runs no job is done in a fork of this process, which has imported what takes long.
+    What runs no job is done in a fork of this process, which has imported what takes long; but not
+    on macOS, where libraries do not outlive a fork.
     cores: as of --cores, which "" leaves out
     """
     command = ["--snakefile", root / "Snakefile", "--directory", folder, "--configfile", config]
     if cores:  # it ends the list of configs
         command += ["--cores", cores]
     command = [str(word) for word in (*command, *options)]
-    if "--dry-run" in options or "--lint" in options:
+    if sys.platform == "linux" and {"--dry-run", "--lint"} & {*options}:
         with TemporaryFile("w+") as said:
             plan = get_context("fork").Process(target=_plan, args=(command, said))
             plan.start()
