@@ -1,19 +1,49 @@
-"""The workflow as a process of its own."""
+"""The workflow: run in a process of its own, or planned in a copy of this one."""
 
 import subprocess
+import sys
+import time
+from multiprocessing import get_context
+from tempfile import TemporaryFile
+
+from snakemake.cli import main
 
 
 def snakemake(root, folder, config, *options, cores="2", check=True):
     """Run the workflow of the clone `root` in `folder`; returns its exit code and output.
 
+    What runs no job is done in a fork of this process, which has imported what takes long; but not
+    on macOS, where libraries do not outlive a fork.
     cores: as of --cores, which "" leaves out
     """
-    command = ["snakemake", "--snakefile", root / "Snakefile", "--directory", folder]
-    command += ["--configfile", config]
+    command = ["--snakefile", root / "Snakefile", "--directory", folder, "--configfile", config]
     if cores:  # it ends the list of configs
         command += ["--cores", cores]
-    command += options
-    done = subprocess.run(command, capture_output=True, text=True, timeout=600)
-    output = done.stdout + done.stderr
-    assert not check or done.returncode == 0, output
-    return done.returncode, output
+    command = [str(word) for word in (*command, *options)]
+    if sys.platform == "linux" and {"--dry-run", "--lint"} & {*options}:
+        with TemporaryFile("w+") as said:
+            plan = get_context("fork").Process(target=_plan, args=(command, said))
+            plan.start()
+            plan.join()
+            said.seek(0)
+            code, output = plan.exitcode, said.read()
+    else:
+        done = subprocess.run(["snakemake", *command], capture_output=True, text=True, timeout=600)
+        code, output = done.returncode, done.stdout + done.stderr
+    assert not check or code == 0, output
+    return code, output
+
+
+def _plan(command, said):
+    sys.stdout = sys.stderr = said
+    for name in [name for name in sys.modules if name.partition(".")[0] == "snapmap"]:
+        del sys.modules[name]  # a clone has a package of its own
+    main(command)
+
+
+def wait_for(what, seconds=60):
+    """What a function returns once that is true, or last after so many seconds."""
+    end = time.monotonic() + seconds
+    while not (answer := what()) and time.monotonic() < end:
+        time.sleep(0.02)
+    return answer

@@ -21,7 +21,9 @@ ELSEWHERE = {
         "snakemake --cores 2 --configfile config/handout.yaml",
         "snakemake --directory build/tutorial --configfile config/sensor.yaml --cores 2",
     ],
-    "test_of_an_older_config_only_what_was_made_leaves": ["snakemake --cores 2 results/cube.nc"],
+    "test_a_run_ends_with_a_line_of_each_product_that_it_made": [
+        "snakemake --cores 2 results/cube.nc"
+    ],
     "test_the_window_of_the_recipe_is_drawn": [
         "snakemake results/figures/window.pdf --configfile config/arm.yaml --cores 2",
     ],

@@ -16,7 +16,8 @@ def test_the_notebook_runs(root, tmp_path, monkeypatch):
     assert not any(cell["outputs"] or cell["execution_count"] for cell in cells)
     names = {}
     for cell in cells:
-        exec("".join(cell["source"]), names)
+        code = "".join(cell["source"])  # with fewer cells of the last two sweeps
+        exec(code.replace("1900, 25", "1900, 9").replace("6000.0, 24", "6000.0, 5"), names)
         plt.close("all")
     assert names["run"].outcome == "snapped"
     assert names["run"].t_snap == pytest.approx(434.89, abs=0.02)

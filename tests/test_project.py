@@ -90,18 +90,15 @@ def test_rooms_are_no_larger_than_one_reads(package):
         assert lines(f"applications/{name}") <= MOST_LINES["application"], name
 
 
-def test_the_page_on_architecture_names_every_room(root, package):
+def test_the_page_on_architecture_names_every_room_and_each_application_has_a_page(root, package):
     page = (root / "docs" / "architecture.md").read_text(encoding="utf-8")
     (tree,) = re.findall(r"```text\n(.*?)```", page, re.S)
     words = set(re.findall(r"\w+", tree))
     assert {*CORE, *SHELL, *attached()} <= words
     folders = {path.name for path in package.iterdir() if (path / "__init__.py").exists()}
-    assert folders == {*CORE, *SHELL, "applications"} & folders
-
-
-def test_the_types_of_the_package_go_with_it(package, pyproject):
-    assert (package / "py.typed").exists()
-    assert "py.typed" in pyproject["tool"]["setuptools"]["package-data"]["*"]
+    assert folders <= {*CORE, *SHELL, "applications"}
+    pages = {page.stem for page in (root / "docs" / "applications").glob("*.md")}
+    assert {*attached()} <= pages
 
 
 @pytest.fixture(scope="module")
@@ -117,11 +114,11 @@ def test_the_version_is_the_same_everywhere(root, pyproject):
     assert len(versions) == 1, versions
 
 
-def test_the_wheel_has_every_folder_of_the_package(root, pyproject):
-    scripts = root / "workflow" / "scripts"
-    folders = [path.parent.relative_to(scripts) for path in scripts.rglob("snapmap/**/__init__.py")]
-    names = {".".join(folder.parts) for folder in folders}
-    assert {*pyproject["tool"]["setuptools"]["packages"]} == names | {"snapmap.pipeline"}
+def test_the_wheel_has_every_folder_of_the_package_and_its_types(package, pyproject):
+    folders = [path.parent.relative_to(package.parent) for path in package.rglob("__init__.py")]
+    names, told = {".".join(folder.parts) for folder in folders}, pyproject["tool"]["setuptools"]
+    assert {*told["packages"]} == names | {"snapmap.pipeline"}
+    assert (package / "py.typed").exists() and "py.typed" in told["package-data"]["*"]
 
 
 def test_a_missing_package_is_named_with_its_extra(pyproject):
@@ -150,8 +147,3 @@ def test_relative_links_lead_somewhere(root):
                 heads = re.findall(r"^#+ (.+)$", path.read_text(encoding="utf-8"), re.M)
                 plain = {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
                 assert anchor in plain, f"{page.name}: {link}"
-
-
-def test_each_application_has_a_page(root):
-    pages = {page.stem for page in (root / "docs" / "applications").glob("*.md")}
-    assert {*attached()} <= pages

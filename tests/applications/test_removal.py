@@ -57,12 +57,3 @@ def test_the_rest_is_planned_without_applications(clone, tmp_path, names, monkey
     study_without(clone, names, tmp_path / "study.yaml")
     _, output = snakemake(clone, tmp_path / "run", tmp_path / "study.yaml", "--dry-run")
     assert "find_threshold" in output and "draw_study" in output
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("name", attached())
-def test_the_rest_runs_without_an_application(clone, tmp_path, name, monkeypatch):
-    monkeypatch.delenv("PYTHONPATH", raising=False)
-    study_without(clone, [name], tmp_path / "study.yaml")
-    snakemake(clone, tmp_path / "run", tmp_path / "study.yaml")
-    assert (tmp_path / "run" / "results" / "figures" / "thresholds.png").exists()

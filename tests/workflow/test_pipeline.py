@@ -21,53 +21,70 @@ from snapmap.workflow.made import HEAD, LIST
 from snapmap.workflow.products import choose_views
 
 DRAWING = {"draw_study", "draw_histories"}
-RULES = {"simulate_all", "find_threshold", "find_stress"}
-RULES |= {"simulate_histories"} | DRAWING
+RULES = {"simulate_all", "find_threshold", "find_stress", "simulate_histories"} | DRAWING
+OLD = ["results/datasheet.md", "results/figures/window.pdf", "results/window.nc"]
+"""As if an older config had asked for a window and a data sheet."""
+USERS = ["results/figures/window_1.pdf", "results/tolerance.nc", "results/histories/a.csv"]
 
 
 def planned_rules(output):
     """The rules that a dry run would execute, with the number of their jobs."""
     table = output.split("Job stats:")[1].split("total")[0] if "Job stats:" in output else ""
-    lines = (line.split() for line in table.splitlines())
-    return {line[0]: int(line[1]) for line in lines if len(line) == 2 and line[1].isdigit()}
+    return {rule: int(count) for rule, count in re.findall(r"^(\w+) +(\d+)$", table, re.M)}
 
 
 def tracked_state(root):
-    skip = {".venv", ".git", ".pytest_cache", ".ruff_cache", ".snakemake", "results", "tests"}
+    skip = {".snakemake", "results"}
     files = (path for path in root.rglob("*") if path.is_file())
-    kept = (path for path in files if not skip & set(path.relative_to(root).parts))
-    return sorted((path.as_posix(), path.stat().st_mtime_ns) for path in kept)
+    return {
+        path: path.stat().st_mtime_ns
+        for path in files
+        if not skip & set(path.relative_to(root).parts)
+    }
 
 
 @pytest.fixture(scope="module")
 def clone(root, tmp_path_factory):
     """A copy of the project's files alone, in a folder whose name has a space."""
     clone = tmp_path_factory.mktemp("a clone") / "snap map"
-    ignore = shutil.ignore_patterns(
-        ".venv", ".git", "results", "__pycache__", ".snakemake", ".*_cache", ".hypothesis"
+    shutil.copytree(
+        root,
+        clone,
+        ignore=shutil.ignore_patterns(".*", "results", "build", "__pycache__", "tests"),
     )
-    shutil.copytree(root, clone, ignore=ignore)
     return clone
+
+
+def make(folder, names):
+    for path in (folder / name for name in names):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("an old line")
 
 
 @pytest.fixture(scope="module")
 def finished(clone, tmp_path_factory):
-    """A finished run: its folder, its config and what it printed."""
+    """A study's folder and config, and what two runs printed: of the cube alone, and of all."""
     folder = tmp_path_factory.mktemp("a study")
     config = folder / "mine.yaml"
     config.write_text(TINY)
+    make(folder, [*OLD, *USERS, "results/logs/find_window.log"])
+    (folder / "results" / LIST).write_text("\n".join([HEAD, *OLD, ""]))
     before = tracked_state(clone)
-    _, output = snakemake(clone, folder, config)
+    cube = snakemake(clone, folder, config, "results/cube.nc")[1]
+    assert all((folder / name).exists() for name in OLD)
+    rest = snakemake(clone, folder, config)[1]
     assert tracked_state(clone) == before, "the run wrote into the clone"
-    return folder, config, output
+    return folder, config, (cube, rest)
 
 
-def test_the_cube_is_what_python_gives(finished):
-    folder, config, output = finished
-    with xr.open_dataset(folder / "results" / "cube.nc") as cube:
-        axes = {"N": cube.N, "f0": cube.f0, "C": cube.C}
-        device = snapmap.load_device(config)
-        direct = snapmap.sweep(device, **axes, model="cosines", modes=3, horizon=200.0)
+def test_cube_and_thresholds_are_what_python_gives(finished):
+    results, device = finished[0] / "results", snapmap.load_device(finished[1])
+    options = {"model": "cosines", "modes": 3, "horizon": 200.0}
+    with xr.open_dataset(results / "threshold.nc") as edges:
+        axes = {"f0": edges.f0, "C": edges.C, "highest": 3000.0}
+        xr.testing.assert_equal(edges, snapmap.threshold(device, **axes, **options))
+    with xr.open_dataset(results / "cube.nc") as cube:
+        direct = snapmap.sweep(device, N=cube.N, f0=cube.f0, C=cube.C, **options)
         xr.testing.assert_equal(cube, direct)
         assert cube.outcome.dims == ("C", "f0", "N") and cube.outcome.shape == (2, 2, 8)
         assert cube.outcome.dtype == "int8" and cube.t_snap.dtype == "float64"
@@ -80,41 +97,29 @@ def test_the_cube_is_what_python_gives(finished):
         document = load_config(yaml.safe_load(TINY)).document()
         assert json.loads(cube.config) == json.loads(direct.config) == document
         assert snapmap.__version__ in cube.code_version and "numba" in cube.packages
-    logs = {path.stem: path.read_text() for path in (folder / "results" / "logs").iterdir()}
-    assert len(logs) >= len(RULES) and logs["simulate_all"].strip() in output
 
 
-def test_the_thresholds_are_what_python_gives(finished):
-    folder, config, _ = finished
-    with xr.open_dataset(folder / "results" / "threshold.nc") as edges:
-        axes = {"f0": edges.f0, "C": edges.C, "highest": 3000.0}
-        device = snapmap.load_device(config)
-        direct = snapmap.threshold(device, **axes, model="cosines", modes=3, horizon=200.0)
-        xr.testing.assert_equal(edges, direct)
+def test_a_run_ends_with_a_line_of_each_product_that_it_made(finished):
+    cube, rest = finished[2]
+    assert "results/cube.nc: 32 cells" in cube and "results/threshold.nc: 4 of 4" in rest
+    assert "results/threshold.nc" not in cube and "results/explore.html: open it" in rest
+    for output in (cube, rest):
+        assert "Nothing to be done" not in output and "an old line" not in output
+    assert len(list((finished[0] / "results" / "logs").iterdir())) > len(RULES)
 
 
-def test_lint_misses_nothing_but_environments_of_rules(clone):
+def test_lint_misses_nothing_but_environments_of_rules(clone, tmp_path):
     """There is one, as the Snakefile itself needs it: config/README.md. From the catalog's file."""
-    command = ["snakemake", "--snakefile", clone / "workflow" / "Snakefile", "--lint"]
-    command += ["--configfile", clone / "config" / "sensor.yaml"]  # of many products
-    done = subprocess.run(command, cwd=clone, capture_output=True, text=True, timeout=120)
-    lints = re.findall(r"^    \* (.+):$", done.stdout + done.stderr, re.M)
-    assert len(lints) > len(RULES), done.stderr
+    config = clone / "config" / "sensor.yaml"  # of many products
+    _, output = snakemake(clone / "workflow", tmp_path, config, "--lint", check=False)
+    lints = re.findall(r"^    \* (.+):$", output, re.M)
+    assert len(lints) > len(RULES), output
     assert set(lints) == {"Specify a conda environment or container for each rule."}
 
 
 def test_the_workflow_is_formatted(clone):
     files = clone / "Snakefile", clone / "workflow" / "Snakefile", clone / "workflow" / "rules"
-    command = ["snakefmt", "--check", *files]
-    assert subprocess.run(command, timeout=120).returncode == 0
-
-
-def figures_of(config):
-    """Names of the figures of a tiny study."""
-    (history,) = load_config(yaml.safe_load(config)).requests["histories"]
-    stems = ["maps", "snap_maps", "time_maps", "thresholds", "damage_boundary", "statics"]
-    stems += [f"history_{history.name}"]
-    return {f"{stem}.{kind}" for stem in stems for kind in ("pdf", "png")}
+    assert subprocess.run(["snakefmt", "--check", *files], timeout=120).returncode == 0
 
 
 def test_maps_are_panels_of_one_figure_each_and_single_on_request():
@@ -131,53 +136,45 @@ def test_maps_are_panels_of_one_figure_each_and_single_on_request():
 
 
 def test_every_figure_is_there(finished):
-    figures = {path.name for path in (finished[0] / "results" / "figures").iterdir()}
-    assert figures == figures_of(TINY)
+    (history,) = load_config(yaml.safe_load(TINY)).requests["histories"]
+    stems = ["maps", "snap_maps", "time_maps", "thresholds", "damage_boundary", "statics"]
+    stems += [f"history_{history.name}"]
+    expected = {f"results/figures/{stem}.{kind}" for stem in stems for kind in ("pdf", "png")}
+    made = {f"results/figures/{path.name}" for path in (finished[0] / "results/figures").iterdir()}
+    assert made == expected.union(USERS[:1])
 
 
-def test_all_that_is_made_is_listed(finished):
-    """But for slabs, which serve a grid that grows."""
-    folder = finished[0]
-    head, *listed = (folder / "results" / LIST).read_text().splitlines()
-    made = {path.relative_to(folder).as_posix() for path in (folder / "results").rglob("*.*")}
-    apart = ("results/slabs/", "results/logs/", f"results/{LIST}")
-    assert head == HEAD and listed == sorted(path for path in made if not path.startswith(apart))
+def test_what_is_made_is_listed_and_of_an_older_config_only_that_leaves(clone, finished):
+    """Also where there is nothing else to do."""
+    folder, _, (_, output) = finished
+    other = folder / "other.yaml"
+    text = TINY.replace("span: 500 um", "span: 5e-4 m").replace("2 kHz", "2000 Hz")
+    other.write_text(text.replace("horizon: 200 us", "horizon: 0.2 ms"))
+    listing = folder / "results" / LIST
+    for again in (False, True):
+        if again:
+            make(folder, OLD)
+            with open(listing, "a") as file:
+                file.write("".join(f"{name}\n" for name in OLD))
+            assert "Nothing to be done" in snakemake(clone, folder, other, "--dry-run")[1]
+            assert all((folder / name).exists() for name in OLD)
+            _, output = snakemake(clone, folder, other)
+            assert "Nothing to be done" in output, "in another spelling"
+        assert f"{', '.join(OLD)}: removed, as the config no longer asks for them" in output
+        head, *listed = listing.read_text().splitlines()
+        made = {path.relative_to(folder).as_posix() for path in (folder / "results").rglob("*.*")}
+        apart = ("results/logs/", f"results/{LIST}", *USERS)
+        assert head == HEAD and {*listed} == {name for name in made if not name.startswith(apart)}
+        assert made > {*USERS, "results/logs/find_window.log"}
 
 
-def test_of_an_older_config_only_what_was_made_leaves(clone, finished, tmp_path):
-    """Where there is nothing else to do, too; a run of one product leaves all, and says so little.
-
-    As if an older config had asked for a window and a data sheet.
-    """
-    folder = tmp_path / "study"
-    shutil.copytree(finished[0], folder)
-    results, config = folder / "results", finished[1]
-    before = {path for path in results.rglob("*") if path.is_file()}
-    old = [f"results/{name}" for name in ("datasheet.md", "figures/window.pdf", "window.nc")]
-    mine = [results / name for name in ("figures/window_1.pdf", "tolerance.nc", "histories/a.csv")]
-    for path in (*(folder / name for name in old), *mine, results / "logs" / "find_window.log"):
-        path.write_text("an old line")
-    with open(results / LIST, "a") as file:
-        file.write("".join(f"{name}\n" for name in old))
-    _, output = snakemake(clone, folder, config, "results/cube.nc", "--forcerun", "simulate_all")
-    assert all((folder / name).exists() for name in old)
-    assert "results/cube.nc: 32 cells" in output and "Nothing to be done" not in output
-    assert "results/threshold.nc" not in output and "explore" not in output
-    assert "an old line" not in output
-    snakemake(clone, folder, config, "--dry-run")
-    assert all((folder / name).exists() for name in old)
-    _, output = snakemake(clone, folder, config)
-    assert f"{', '.join(old)}: removed, as the config no longer asks for them" in output
-    after = {path for path in results.rglob("*") if path.is_file()}
-    assert "Nothing to be done" in output
-    assert after == before | {*mine, results / "logs" / "find_window.log"}
-
-
-@pytest.mark.parametrize("cores", ["0", pytest.param("-1", marks=pytest.mark.long)])
+@pytest.mark.parametrize("cores", ["0", "-1"])
 def test_no_core_is_refused_at_the_door(clone, tmp_path, finished, cores):
-    code, output = snakemake(clone, tmp_path, finished[1], cores=cores, check=False)
-    assert code != 0 and f"--cores {cores}: no job would ever start" in output
-    assert "Traceback" not in output and not (tmp_path / "results").exists()
+    refused = snakemake(
+        clone, tmp_path, finished[1], f"--cores={cores}", "--dry-run", cores="", check=False
+    )
+    assert refused[0] != 0 and f"--cores {cores}: no job would ever start" in refused[1]
+    assert "Traceback" not in refused[1] and not (tmp_path / "results").exists()
 
 
 @contextmanager
@@ -227,52 +224,15 @@ def test_studies_are_targets_of_their_own(clone, finished):
     assert planned_rules(output).keys() == {"accuracy", "stability"}
 
 
-@pytest.mark.parametrize(
-    "products", [[], pytest.param(["results/cube.nc"], marks=pytest.mark.long)]
-)
-def test_another_value_makes_the_cube_of_a_small_grid_anew(clone, finished, products):
-    folder, _, _ = finished
-    grown = folder / "grown.yaml"
-    grown.write_text(TINY.replace("30 uN*us/um]", "30 uN*us/um, 60 uN*us/um]"))
-    _, output = snakemake(clone, folder, grown, "--dry-run", *products)
+def test_another_grid_makes_the_cube_anew_and_a_large_one_in_slabs(clone, finished):
+    folder, changed = finished[0], finished[0] / "changed.yaml"
+    changed.write_text(TINY.replace("30 uN*us/um]", "30 uN*us/um, 60 uN*us/um]"))
+    _, output = snakemake(clone, folder, changed, "--dry-run")
     assert planned_rules(output)["simulate_all"] == 1
-
-
-def test_a_grid_too_large_for_one_job_fans_out(clone, finished):
-    folder, _, _ = finished
-    large = folder / "large.yaml"
-    large.write_text(TINY.replace("points: 8", "points: 80000"))
-    _, output = snakemake(clone, folder, large, "--dry-run")
-    planned = planned_rules(output)
+    changed.write_text(TINY.replace("points: 8", "points: 80000"))
+    planned = planned_rules(snakemake(clone, folder, changed, "--dry-run")[1])
     assert planned["simulate_slab"] >= 2 and planned["collect"] == 1
     assert "simulate_all" not in planned
-
-
-def test_a_second_run_in_another_spelling_has_nothing_to_do(clone, finished):
-    folder, _, _ = finished
-    other = folder / "other.yaml"
-    text = TINY.replace("span: 500 um", "span: 5e-4 m").replace("2 kHz", "2000 Hz")
-    other.write_text(text.replace("horizon: 200 us", "horizon: 0.2 ms"))
-    assert "Nothing to be done" in snakemake(clone, folder, other)[1]
-
-
-@pytest.mark.long
-def test_what_left_the_config_leaves_the_figures(clone, finished, tmp_path):
-    """What is left is as found before: nothing is simulated or looked for again."""
-    folder = tmp_path / "study"
-    shutil.copytree(finished[0], folder)
-    mine = folder / "results" / "figures" / "map_mine.pdf"
-    mine.write_text("A figure of the user's.")
-    smaller = folder / "mine.yaml"
-    smaller.write_text(TINY.replace("C: [0.5 uN*us/um, 30 uN*us/um]", "C: [30 uN*us/um]"))
-    snakemake(clone, folder, smaller)
-    figures = {path.name for path in mine.parent.iterdir()}
-    assert figures == figures_of(smaller.read_text()) | {mine.name}
-    for name in ("threshold.nc", "stress.nc"):
-        before, after = (
-            xr.load_dataset(study / "results" / name) for study in (finished[0], folder)
-        )
-        xr.testing.assert_equal(before.sel(C=[30]), after)
 
 
 @pytest.mark.long

@@ -6,11 +6,11 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 import tomllib
 from pathlib import Path
 
 import pytest
+from small_workflow import wait_for
 
 ROOT = Path(__file__).resolve().parents[2]
 PYTHONS = ["python3", "python3.13", "python3.12", "python3.11"]
@@ -72,13 +72,6 @@ class Clone:
 @pytest.fixture
 def clone(tmp_path):
     return Clone(tmp_path / "clone", tmp_path)
-
-
-def wait_for(path: Path) -> None:
-    end = time.monotonic() + 30
-    while not path.exists():
-        assert time.monotonic() < end, f"{path} did not appear"
-        time.sleep(0.01)
 
 
 def one_line_of_failure(done: subprocess.CompletedProcess) -> str:
@@ -163,7 +156,7 @@ def test_a_failed_install_is_reported_and_begun_again(clone, fault):
 def test_a_killed_install_is_begun_again(clone):
     clone.fault("sleep 60")
     process = clone.start("true", start_new_session=True)
-    wait_for(clone.fakes / "venvs")
+    assert wait_for((clone.fakes / "venvs").exists)
     os.killpg(process.pid, signal.SIGKILL)
     process.communicate()
     clone.fault("")

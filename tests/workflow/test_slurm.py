@@ -5,7 +5,6 @@ import os
 import shutil
 import socket
 import subprocess
-import time
 from contextlib import ExitStack, contextmanager
 from importlib.util import find_spec
 from pathlib import Path
@@ -15,6 +14,7 @@ import numpy as np
 import pytest
 import yaml
 from small_studies import TINY
+from small_workflow import wait_for
 
 from snapmap.config.study import load_config
 from snapmap.sweeps.plan import make_plan
@@ -48,14 +48,6 @@ class Cluster:
         facts = [dict(word.split("=", 1) for word in line.split() if "=" in word) for line in lines]
         mine = [job for job in facts if job.get("StdOut", "").startswith(f"{folder}/")]
         return sorted(mine, key=lambda job: int(job["JobId"]))
-
-
-def wait_for(condition, seconds):
-    """Whether the condition came true in time."""
-    end = time.monotonic() + seconds
-    while not condition() and time.monotonic() < end:
-        time.sleep(0.2)
-    return bool(condition())
 
 
 def find_programs():

@@ -1,13 +1,17 @@
 """The work of the pulse: what it is, and by how much it differs with another step."""
 
-import dataclasses
+import math
 
 import numpy as np
 import pytest
+import xarray as xr
+from small_results import ATTRIBUTES
 from varied import in_steps, varied
 
 import snapmap
+from snapmap.applications.histories import figure as histories
 from snapmap.applications.histories.history import extremes_of
+from snapmap.figures import style
 from snapmap.solver.cells import to_cells
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import OUTCOMES, REPEATED_STEP
@@ -30,7 +34,7 @@ def test_the_work_on_a_mass_alone_is_what_its_residual_swing_holds(handout, rati
     After a versed sine of `ratio` of its periods a mass on a spring swings by
     N g/omega^2 sin(pi ratio)/(1 - ratio^2), and at ratio 1 by pi/2 of N g/omega^2.
     """
-    omega, device = handout.own_frequency, dataclasses.replace(handout, gap=1e3)
+    omega, device = handout.own_frequency, varied(handout, gap=1e3)
     f0, shock = omega / (2 * np.pi * ratio), 50 * handout.gravity / omega**2
     swing = shock * (np.pi / 2 if ratio == 1 else np.sin(np.pi * ratio) / (1 - ratio**2))
     found = work_of(build_model(device, "cosines", modes=3), 50.0, f0 * 1e6, 0.0)
@@ -88,34 +92,30 @@ def test_the_work_is_the_change_of_energy_and_the_losses(handout, fix_step, mode
 @pytest.mark.parametrize(("contact", "modes"), [(40.0, 3), (40.0, 5), (np.inf, 3)])
 def test_the_work_converges_with_order_two(handout, contact, modes):
     """Cells that never snap, where the motion is smooth."""
-    device = dataclasses.replace(handout, contact=contact)
+    device = varied(handout, contact=contact)
     model = in_steps(build_model(device, "cosines", modes=modes), 0.2)
     works = [work_of(model.with_step(2.0**-k), [500.0, 700.0], 3e3, 25.0) for k in range(3)]
     first, second = abs(np.diff(works, axis=0))
     np.testing.assert_allclose(np.log2(first / second), 2, atol=0.2)
 
 
-def test_a_history_says_whether_and_when_the_handouts_shock_snaps_as_a_sweep_does(handout):
-    shot = {"N": 1000.0, "f0": 1500.0, "C": 0.025}
-    run = snapmap.simulate(handout, **shot, model="reference")
-    cube = snapmap.sweep(handout, *([value] for value in shot.values()), model="reference")
-    assert run.t_snap == cube.t_snap.item() == pytest.approx(434.8857, abs=5e-5)
-    assert run.outcome == OUTCOMES[cube.outcome.item()] == "snapped"
+REFERENCE, CHEAP = {"model": "reference"}, {"model": "cosines", "modes": 3}
+RUNS = [
+    (1000.0, 1500.0, 0.025, REFERENCE, "snapped"),  # the handout's shock
+    (700.0, 2e4, 25.0, CHEAP, "never"),
+    (6e3, 2e4, 25.0, CHEAP, "latched"),
+    (5e4, 2e4, 25.0, CHEAP | {"start": "second", "direction": "-z"}, "returned"),
+]
 
 
-def test_a_history_has_the_outcome_of_a_sweep_that_starts_where_it_does(handout):
-    device, f0, C = varied(handout, stop_away=30.0, damping=4e-3), 2e4, 25.0
-    asked = {"model": "cosines", "modes": 3}
-    words = []
-    runs = (700.0, "first", "+z"), (6e3, "first", "+z"), (5e4, "second", "-z")
-    for N, start, direction in runs:
-        asked |= {"start": start, "direction": direction}
-        cube = snapmap.sweep(device, [N], [f0], [C], **asked)
-        run = snapmap.simulate(device, N, f0, C, **asked)
-        np.testing.assert_array_equal(run.t_snap, cube.t_snap.item())
-        assert run.outcome == OUTCOMES[cube.outcome.item()]
-        words.append(run.outcome)
-    assert words == ["never", "latched", "returned"]
+@pytest.mark.parametrize(("N", "f0", "C", "asked", "outcome"), RUNS)
+def test_a_history_has_the_outcome_and_the_snap_of_a_sweep(handout, N, f0, C, asked, outcome):
+    device = varied(handout, stop_away=30.0, damping=4e-3) if asked != REFERENCE else handout
+    cube = snapmap.sweep(device, [N], [f0], [C], **asked)
+    run = snapmap.simulate(device, N, f0, C, **asked)
+    np.testing.assert_array_equal(run.t_snap, cube.t_snap.item())
+    assert run.outcome == OUTCOMES[cube.outcome.item()] == outcome
+    assert asked != REFERENCE or run.t_snap == pytest.approx(434.8857, abs=5e-5)
 
 
 @pytest.fixture(scope="module")
@@ -137,3 +137,45 @@ def test_a_cube_says_by_how_much_another_step_differs(handout, cube):
         cube.t_snap_error.values.ravel(), np.float32(abs(times[1] - times[0]))
     )
     assert (cube.t_snap_error.isnull() == cube.t_snap.isnull()).all()
+
+
+def make_history(w_mid):
+    """A history whose midpoint takes these positions, 10 us apart, 1 um below the mass."""
+    w_mid = np.array(w_mid, float)
+    values = {"w_mid": w_mid, "z_mass": w_mid + 1, "contact_force": 0 * w_mid}
+    values["acceleration"] = np.full(w_mid.size, 0.02)
+    variables = {key: ("time", column) for key, column in values.items()}
+    attributes = ATTRIBUTES | {"second_equilibrium": -9.0, "gravity": 1e-5}
+    attributes |= {"N": 1000.0, "f0": 1500.0, "C": 0.025}
+    return xr.Dataset(variables, {"time": 10.0 * np.arange(w_mid.size)}, attributes)
+
+
+def line(ax, label):
+    return next(line for line in ax.lines if line.get_label().startswith(label))
+
+
+def history_of(history):
+    figure = style.double_column(height=4.2)
+    return histories.draw_history(figure.subplots(3, sharex=True), history)
+
+
+@pytest.mark.usefixtures("paper")
+def test_a_history_is_the_data_in_ms_and_multiples_of_g_and_marks_the_snap():
+    history = make_history([10, 0, -8, -12])
+    positions, force, shock = axes = history_of(history)
+    time = [0.0, 0.01, 0.02, 0.03]
+    beam, mass = positions.lines[:2]
+    assert beam.get_xydata().tolist() == [[t, w] for t, w in zip(time, history.w_mid, strict=True)]
+    assert mass.get_ydata().tolist() == [11, 1, -7, -11]
+    assert force.lines[0].get_ydata().tolist() == [0, 0, 0, 0]
+    assert shock.lines[0].get_ydata() == pytest.approx([2000, 2000, 2000, 2000])
+    assert line(positions, "second").get_ydata() == [-9.0, -9.0]
+    assert line(positions, "snap").get_xydata().tolist() == [[0.0225, -9.0]]
+    assert all([0.0225, 0.0225] in [list(line.get_xdata()) for line in ax.lines] for ax in axes)
+    assert [len(ax.lines) for ax in history_of(make_history([10, 5, 10]))] == [3, 1, 1]
+
+
+@pytest.mark.usefixtures("paper")
+def test_snap_time_is_between_two_samples_or_not_seen():
+    assert histories.snap_time(make_history([10, 0, -8, -12, -5, -12])) == 22.5
+    assert math.isnan(histories.snap_time(make_history([10, 0, -8.9])))

@@ -107,9 +107,9 @@ def check(runs, dt, kernel, twin):
 
 
 @pytest.mark.parametrize("C", [0.025, 200.0])
-def test_two_hundred_shocks_end_as_the_cube_says_and_move_as_the_kernel_does(alone, handout, C):
+def test_shocks_end_as_the_cube_says_and_move_as_the_kernel_does(alone, handout, C):
     """As a cube of the same cosines, whose runs take other steps, does where two of them agree."""
-    axes = {"C": [C], "f0": np.geomspace(300, 2e4, 10), "N": np.linspace(700, 2400, 10)}
+    axes = {"C": [C], "f0": np.geomspace(300, 2e4, 10)[::2], "N": np.linspace(700, 2400, 10)}
     runs, dt, kernel, twin = follow_both(alone, Study(device=handout), axes)
     check(runs, dt, kernel, twin)
     cube = swept(handout, **axes, modes=5)

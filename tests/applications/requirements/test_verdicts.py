@@ -3,10 +3,14 @@
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
+from matplotlib.collections import LineCollection
+from small_results import artists, drawn
 
 import snapmap
+from snapmap.applications.requirements import figure as requirements
 from snapmap.applications.requirements.check import worst
 from snapmap.applications.requirements.corners import read_verdicts
 from snapmap.applications.requirements.required import RequiredShock
@@ -26,27 +30,7 @@ def cheap_study():
     return load_config(document).of_thresholds()
 
 
-def test_a_hint_names_the_requirement_that_then_fails(handout):
-    """What must trip just above a threshold that is to rise by a third contradicts that."""
-    study = cheap_study()
-    found = snapmap.threshold(handout, [1000.0], [25.0], study.model, horizon=300.0)
-    first = found.N_first.item()
-    handling = RequiredShock(SHOCK | {"name": "handling", "N": 1.3 * first, "snaps": False})
-    launch = RequiredShock(SHOCK | {"name": "launch", "N": 1.05 * first, "snaps": True})
-    needs = [handling, launch]
-    verdicts = [verdict for need in needs for verdict, _ in need.check(study, [25.0])]
-    assert [one.verdict for one in verdicts] == ["failed", "met"]
-    wrong, _ = worst(verdicts)
-    words = hint(study, needs, verdicts, wrong)
-    assert re.fullmatch(r".*a beam \d+% thicker.* meets it, all else unchanged", words)
-    changes = re.findall(r"a (?:mass|spring|beam) \d+% \w+", words)
-    assert len(changes) > 1 and words.count(" (then launch fails)") == len(changes)
-    alone = hint(study, [handling], verdicts[:1], wrong)
-    assert "then" not in alone and all(change in alone for change in changes)
-    assert hint(study, needs, verdicts, verdicts[1]) == ""
-
-
-def test_a_hint_counts_at_every_damper(handout):
+def test_a_hint_names_the_requirement_that_then_fails_at_any_damper(handout):
     """What the first damper needs must not make another requirement fail at the second."""
     study = cheap_study()
     found = snapmap.threshold(handout, [1000.0], [25.0, 400.0], study.model, horizon=300.0)
@@ -58,7 +42,12 @@ def test_a_hint_counts_at_every_damper(handout):
     wrong, _ = worst(verdicts)
     assert (wrong.requirement, wrong.C) == ("trips", 400.0) and light < 0.95 * damped
     words = hint(study, needs, verdicts, wrong)
-    assert words.count(" (then stays fails)") == len(re.findall(r"\d+%", words)) > 0
+    assert re.fullmatch(r".*a beam \d+% thinner.* meets it, all else unchanged", words)
+    changes = re.findall(r"a (?:mass|spring|beam) \d+% \w+", words)
+    assert len(changes) > 1 and words.count(" (then stays fails)") == len(changes)
+    alone = hint(study, [trips], verdicts[:2], wrong)
+    assert "then" not in alone and all(change in alone for change in changes)
+    assert hint(study, needs, verdicts, verdicts[0]) == ""
 
 
 @pytest.mark.parametrize(("strength", "breaks"), [("1 MPa", True), ("100 GPa", False)])
@@ -85,3 +74,28 @@ def test_names_of_verdicts_stay_text_and_numbers_are_numbers(tmp_path):
     assert first["margin"] != first["margin"] and second["margin"] == 0.5
     assert (first["must_snap"], second["must_snap"], first["verdict"]) == (True, False, "met")
     assert second["must_survive"] != second["must_survive"]
+
+
+@pytest.mark.usefixtures("paper")
+def test_margins_of_requirements_are_the_data_with_their_bars():
+    verdicts = [
+        {"requirement": "drop", "margin": 0.8, "margin_error": 0.01, "verdict": "met"},
+        {"requirement": "back", "margin": np.nan, "margin_error": np.nan, "verdict": "met"},
+        {"requirement": "shelf", "margin": 0.9, "margin_error": 0.02, "verdict": "failed"},
+    ]
+    for row, breaks, must in zip(verdicts, [0.0, 1e-4, 0.01], [True, False, False], strict=True):
+        row |= {"device": "", "C": 25.0, "must_snap": must}
+        row |= {"must_survive": 0.999, "break_probability": breaks, "start": "first"}
+        row |= {"shape": "half sine", "direction": "-z", "temperature": -40.0}
+    ax = drawn(requirements.draw_margins, verdicts)
+    points = [line.get_xydata()[0].tolist() for line in ax.lines if line.get_marker() in "oX"]
+    assert points == [[0.9, 0.0], [0.8, 1.0]]  # by slack, the failed first
+    bars = [bar.get_segments()[0][:, 0].tolist() for bar in artists(ax, LineCollection)]
+    assert bars == [pytest.approx([0.88, 0.92]), pytest.approx([0.79, 0.81])]
+    assert [text.xy[1] for text in ax.texts] == [0, 2]  # breaks; no threshold
+    any_way = verdicts[0] | {"must_snap": "any", "margin": 1.1}
+    verdicts += [verdicts[2] | {"margin": 1.2, "verdict": "met"}, any_way | {"requirement": "hit"}]
+    ax = drawn(requirements.draw_margins, verdicts)
+    dots = [line.get_xydata().tolist() for line in ax.lines if line.get_marker() == "."]
+    assert [one for one in dots if one] == [[[1.2, 0.0]]]  # the corner that fails is in front
+    assert len(ax.get_yticklabels()) == 4

@@ -4,10 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 from scipy.optimize import root
+from small_results import ATTRIBUTES, drawn
 from varied import alone, varied
 
 import snapmap
+from snapmap.applications.statics import figure as statics
 from snapmap.beam.equilibria import buckling_modes
 from snapmap.beam.limit_loads import static_threshold
 from snapmap.device.device import batch
@@ -190,3 +193,37 @@ def test_a_force_that_is_not_known_does_not_hold_nothing(handout, monkeypatch):
         "snapmap.applications.statics.statics.largest_force", lambda *_: np.array(np.nan)
     )
     assert np.isnan(snapmap.statics(replace(handout, contact_at=-5.0)).hold_force)
+
+
+def make_statics():
+    """A force that rises to 70, falls through the saddle at 12 um to -30, and rises again."""
+    w = np.array([0.0, 2.0, 12.0, 18.0, 19.0, 20.0])
+    force = np.array([[0.0, 70.0, 0.0, -30.0, 0.0, 40.0], [0.0, 70.0, 90.0, -30.0, 0.0, 40.0]])
+    energy = np.array(
+        [[0.0, 70.0, 490.0, 400.0, 385.0, 405.0], [0.0, 70.0, 800.0, 400.0, 385.0, 405.0]]
+    )
+    axes = ("branch", "point")
+    variables = {"displacement": (axes, [w, w]), "force": (axes, force), "energy": (axes, energy)}
+    attributes = {"rise": 10.0, "second_equilibrium": -9.0, "saddle": -2.0, "barrier": 490.0}
+    attributes |= {"largest_force": 70.0, "least_force": -30.0} | ATTRIBUTES
+    return xr.Dataset(variables, {"branch": ["guided", "unbranched"]}, attributes)
+
+
+def line(ax, label):
+    return next(line for line in ax.lines if line.get_label().startswith(label))
+
+
+@pytest.mark.usefixtures("paper")
+def test_statics_are_the_data_and_mark_wells_saddle_and_peaks():
+    found = make_statics()
+    force = drawn(statics.draw_force_displacement, found)
+    energy = drawn(statics.draw_energy, found)
+    for ax, values in ((force, found.force), (energy, found.energy)):
+        unbranched, followed = ax.lines[:2]
+        w = found.displacement.values[0].tolist()
+        assert followed.get_xydata().T.tolist() == [w, values[0].values.tolist()]
+        assert unbranched.get_ydata().tolist() == values[1].values.tolist()
+    assert line(force, "stable").get_xydata().tolist() == [[0.0, 0.0], [19.0, 0.0]]
+    assert line(force, "saddle").get_xydata().tolist() == [[12.0, 0.0]]
+    assert line(energy, "stable").get_ydata().tolist() == [0.0, 385.0]
+    assert line(energy, "saddle").get_ydata().tolist() == [490.0]

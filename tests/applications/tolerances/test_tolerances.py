@@ -1,14 +1,19 @@
 """Devices as made: samples, thresholds, probability, sensitivity and yield."""
 
+import itertools
 import warnings
 from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
+from matplotlib.collections import LineCollection
 from scipy import stats
+from small_results import ATTRIBUTES, F0, artists, drawn
 from varied import varied
 
 import snapmap
+from snapmap.applications.tolerances import figure as tolerances
 from snapmap.applications.tolerances.dataset import tolerances_of
 from snapmap.applications.tolerances.figure import draw_probability
 from snapmap.applications.tolerances.sensitivity import crossed, indices
@@ -30,22 +35,17 @@ from snapmap.thresholds import population as batches
 CHEAP = {"model": "cosines", "modes": 3, "horizon": 300.0}
 
 
-@pytest.mark.parametrize(
-    ("given", "mean", "std"),
-    [
-        (0.05, 2.0, 0.05),
-        ("5 %", 2.0, 0.1),
-        ({"normal": "5 %"}, 2.0, 0.1),
-        ({"uniform": 0.3}, 2.0, 0.3 / np.sqrt(3)),
-        ({"lognormal": "30 %"}, 2.0, 0.6),
-        ({"truncated": 0.1}, 2.0, 0.1 * stats.truncnorm.std(-CUT, CUT)),
-    ],
-)
-def test_samples_have_the_moments_of_their_distribution(handout, given, mean, std):
-    plan = Plan(handout, {"thickness": given})
+SCATTERS = {0.05: 0.05, "5 %": 0.1, ("normal", "5 %"): 0.1, ("uniform", 0.3): 0.3 / np.sqrt(3)}
+SCATTERS |= {("lognormal", "30 %"): 0.6, ("truncated", 0.1): 0.1 * stats.truncnorm.std(-CUT, CUT)}
+
+
+@pytest.mark.parametrize("scatter", SCATTERS)
+def test_samples_have_the_moments_of_their_distribution(handout, scatter):
+    law = dict([scatter]) if isinstance(scatter, tuple) else scatter
+    plan = Plan(handout, {"thickness": law})
     values = plan.values(plan.points(4096, seed=3)[0])["thickness"]
-    assert values.mean() == pytest.approx(mean, rel=2e-3)
-    assert values.std() == pytest.approx(std, rel=2e-2)
+    assert values.mean() == pytest.approx(2.0, rel=2e-3)
+    assert values.std() == pytest.approx(SCATTERS[scatter], rel=2e-2)
 
 
 def test_samples_are_seeded_grow_and_move_together(handout):
@@ -95,8 +95,7 @@ def test_statistics_count_what_never_snaps():
     assert count_below(N_first, np.array([0.5, 1, 2.5, 9])).tolist() == [[0, 1, 2, 3]]
     assert quantiles(N_first, [0.25, 0.5, 0.75])[:, 0].tolist() == [1, 2, 3]
     assert np.isnan(quantiles(N_first, [0.9])).all()
-    mean, std = moments(N_first)
-    assert (mean, std) == (2.0, 1.0)
+    assert [*moments(N_first)] == [2.0, 1.0]
 
 
 def test_bounds_of_a_quantile_are_order_statistics():
@@ -231,17 +230,12 @@ def test_a_requirement_is_met_under_all_its_shocks_at_all_temperatures(handout):
     ]
     axes = {"C": [25.0], "f0": [1500.0]}
     found = tolerances_of(study, axes | {"temperature": degrees}, made, needs)
-    corners = [
-        tolerances_of(
-            replace(study, device=device.at(T)),
-            axes,
-            made,
-            [required | {"shocks": shocks} for required in needs[:2]],
-        ).N_first_required.squeeze("C")
-        for T in degrees
-        for shocks in both.each()
-    ]
-    most, least = (end.reduce([one.values for one in corners]) for end in (np.maximum, np.minimum))
+    corners = []
+    for T, shocks in itertools.product(degrees, both.each()):
+        single = [required | {"shocks": shocks} for required in needs[:2]]
+        corner = tolerances_of(replace(study, device=device.at(T)), axes, made, single)
+        corners.append(corner.N_first_required.squeeze("C").values)
+    most, least = np.max(corners, axis=0), np.min(corners, axis=0)
     trips, rests, _ = found.N_first_required.squeeze("C").values
     np.testing.assert_allclose(trips, most[0], rtol=2e-3)  # steps of the search
     np.testing.assert_allclose(rests, least[1], rtol=2e-3)
@@ -251,3 +245,58 @@ def test_a_requirement_is_met_under_all_its_shocks_at_all_temperatures(handout):
     assert min(shares) > 0 and found.must_snap.values.tolist() == [1, 0, 2]
     stress = found.stress_max.squeeze("C").values
     np.testing.assert_array_equal(stress[0], stress[1])
+
+
+def make_batch(f0=F0):
+    """Thresholds of four devices under one damper, of which one never snaps."""
+    N_first = np.array([900.0, 1000.0, 1100.0, np.nan])[:, np.newaxis, np.newaxis]
+    N_first = np.tile(N_first, (1, 1, f0.size)) + np.arange(f0.size)
+    of_f0, N = ("C", "f0"), np.linspace(800, 1200, 9)
+    share = np.mean(N_first[..., np.newaxis] <= N, axis=0)
+    index = np.stack([np.full((2, 1, f0.size), 0.9), np.full((2, 1, f0.size), 0.1)], axis=1)
+    variables = {
+        "N_first": (("sample", *of_f0), N_first),
+        "N_nominal": (of_f0, N_first[1]),
+        "N_quantile": (("quantile", *of_f0), np.tile(N_first[1], (5, 1, 1))),
+        "probability": ((*of_f0, "N"), share),
+        "probability_bound": (("bound", *of_f0, "N"), np.stack([share / 2, share])),
+        "sensitivity": (("order", "value", *of_f0), index),
+        "sensitivity_bound": (("bound", "order", "value", *of_f0), np.stack([index, index + 0.2])),
+        "N_first_required": (("requirement", "sample", "C"), N_first[np.newaxis, :, :, 0]),
+        "N_required": ("requirement", [1050.0]),
+        "must_snap": ("requirement", [1]),
+        "share_meeting": (("requirement", "C"), [[0.5]]),
+        "share_meeting_bound": (("bound", "requirement", "C"), [[[0.15]], [[0.85]]]),
+    } | {"yield": ("C", [0.4]), "yield_bound": (("bound", "C"), [[0.4], [0.9]])}
+    axes = {"C": [25.0], "f0": f0, "N": N, "quantile": list(tolerances.LINES)}
+    axes |= {"order": ["first", "total"], "value": ["thickness+depth", "N"]}
+    return xr.Dataset(variables, axes | {"requirement": ["drop"]}, ATTRIBUTES)
+
+
+@pytest.mark.usefixtures("paper")
+def test_devices_as_made_are_drawn_as_they_are():
+    found = make_batch().isel(C=0)
+    ax = drawn(tolerances.draw_probability, found)
+    (field,) = ax.collections
+    np.testing.assert_allclose(field.get_array(), found.probability.transpose("N", "f0"))
+    assert len(ax.lines) == len(tolerances.LINES) + 1
+    np.testing.assert_allclose(ax.lines[-1].get_ydata(), found.N_nominal)
+    ax = drawn(tolerances.draw_sensitivity, found)
+    shown = [line.get_ydata()[0] for line in ax.lines if len(line.get_ydata()) == F0.size]
+    assert sorted(shown) == [0.1, 0.1, 0.9, 0.9]
+    bars = [bar.get_segments()[0][1, 1] for bar in artists(ax, LineCollection)]
+    assert bars == pytest.approx([1.0, 0.3])
+
+
+@pytest.mark.usefixtures("paper")
+def test_yields_and_requirements_are_drawn_as_they_are():
+    ax = drawn(tolerances.draw_yield, make_batch())
+    assert ax.lines[0].get_xydata().tolist() == [[0.5, 0.0], [0.4, 1.0]]
+    low, high = ax.get_xlim()
+    assert 0.05 < low < 0.15 and high > 1  # about the bounds, 0.15 to 0.9, and 1
+    ax = drawn(tolerances.draw_requirement, make_batch().isel(C=0, requirement=0))
+    assert sum(patch.get_height() for patch in ax.patches[1:]) == 3
+    assert ax.patches[0].get_x() == 1050.0
+    found = make_batch(np.array([1500.0])).isel(C=0)
+    ax = drawn(tolerances.draw_probability, found)
+    np.testing.assert_allclose(ax.lines[0].get_ydata(), found.probability.squeeze())
