@@ -6,6 +6,7 @@ if is_small:
         log:
             "results/logs/simulate_all.log",
         priority: 100
+        threads: 0  # beside the search, as its cells take less than the start of a job
         resources:
             mem_mb=memory(2000),
         params:
@@ -68,7 +69,7 @@ rule find_threshold:
         "results/logs/find_threshold.log",
     # Beside the first cells, not after them: of these no two then compile the same kernel at once.
     priority: 110
-    threads: half
+    threads: cores if is_small and not slow else half
     resources:
         mem_mb=memory(2000),
     params:
