@@ -133,7 +133,7 @@ def test_devices_of_a_study_have_an_electrode_or_none():
     document = yaml.safe_load(TINY)
     plain = document.pop("device")
     document["devices"] = {"plain": plain, "closing": plain | {"contact_at": "-5 um"}}
-    with pytest.raises(ConfigError, match=r"^device\.contact_at: only some devices have one"):
+    with pytest.raises(ConfigError, match=r"^device\.contact_at: only some devices have it"):
         load_config(document)
 
 

@@ -50,7 +50,7 @@ def hint(
         if broken := list(dict.fromkeys(name for name, C in failing if (name, C) not in fails)):
             words += f" (then {' and '.join(broken)} {'fails' if len(broken) == 1 else 'fail'})"
         changes.append(words)
-    return f"it does so with {' or '.join(changes)}, all else as it is" if changes else ""
+    return f"{' or '.join(changes)} meets it, all else unchanged" if changes else ""
 
 
 def write_verdicts(study: Study, requirements: Sequence[Required], path: str) -> None:

@@ -69,7 +69,7 @@ def check_points(points: Sequence[Sequence[float]]) -> np.ndarray:
     """A spectrum's points, (points, 2); a ValueError, one line, for what cannot be."""
     points = argument_of(Levels).take("srs", points)
     if points[-1][0] > MOST_SPAN * points[0][0]:
-        raise ValueError(f"srs: its frequencies span more than 1 : {MOST_SPAN}")
+        raise ValueError(f"srs: its frequencies span more than 1:{MOST_SPAN}")
     return points
 
 
