@@ -1,6 +1,5 @@
 """Models of a device or a batch, by name; and the one thing that they do: to follow cells."""
 
-import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
@@ -160,10 +159,9 @@ class Model:
         """Follow every cell, (cells,), in steps of the rule, whatever its ledger then says."""
         observed = no_observations(cells.f0.shape)
         dt = self.time_steps(cells, settings)
-        # Lanes run side by side: those of one call should take about as many steps.
+        # Lanes run side by side: all of a call should be full, and take about as many steps.
         order, loop = np.argsort(-cells.t_end / dt, kind="stable"), self.loop()
-        # Half-empty lanes take as long as full ones.
-        threads = max(1, min(settings.threads, math.ceil(order.size / loop.LANES)))
+        threads = max(1, min(settings.threads, -(-order.size // loop.LANES)))
 
         def follow_share(first):
             share = order[first::threads]
@@ -173,11 +171,8 @@ class Model:
                     column[at] = part
                 count(at.size)
 
-        if threads == 1:
-            follow_share(0)
-        else:
-            with ThreadPoolExecutor(threads) as pool:
-                list(pool.map(follow_share, range(threads)))
+        with ThreadPoolExecutor(threads) as pool:
+            list((pool.map if threads > 1 else map)(follow_share, range(threads)))
         observed.t_snap[observed.t_snap > cells.t_end] = np.nan
         observed.t_settled[observed.t_settled > cells.t_end] = np.nan
         observed.pulse_work[~(observed.energy_error <= settings.energy_tolerance)] = np.nan
