@@ -6,7 +6,8 @@ if is_small:
         log:
             "results/logs/simulate_all.log",
         priority: 100
-        threads: 0  # beside the search, as its cells take less than the start of a job
+        # None, to run beside the search, as its cells take less than its start; on a cluster 1.
+        threads: lambda wildcards: int(workflow.non_local_exec)
         resources:
             mem_mb=memory(2000),
         params:
