@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import snapmap
-from snapmap.solver.cells import to_cells
+from snapmap.solver import simd_loop
+from snapmap.solver.cells import no_observations, to_cells
 from snapmap.solver.kernel import rows as R
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.models import build_model
@@ -59,6 +60,21 @@ def test_a_cell_does_not_depend_on_order_number_or_threads(handout):
     for whole, mixed, single in zip(together, shuffled, one, strict=True):
         np.testing.assert_array_equal(whole[order], mixed)
         np.testing.assert_array_equal(whole[:1], single)
+
+
+def test_threads_share_no_cells_that_one_has_lanes_for(handout, monkeypatch):
+    model = build_model(handout, "cosines", modes=3)
+    sizes = []
+
+    def march(model, cells, dt, settings):
+        sizes.append(cells.f0.size)
+        return no_observations(cells.f0.shape)[:7]
+
+    monkeypatch.setattr(simd_loop, "march", march)
+    for size in (1, LANES, LANES + 1, 8 * LANES):
+        cells = to_cells(handout, 0, np.full(size, 900.0), 1500.0, 0.025, 300.0)
+        model.follow_once(cells, Settings(threads=4))
+    assert sorted(sizes) == sorted([1, LANES, LANES // 2 + 1, LANES // 2, *[2 * LANES] * 4])
 
 
 def test_a_hopeless_cell_is_failed_and_the_rest_goes_on(handout):

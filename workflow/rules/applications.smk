@@ -11,12 +11,13 @@ drawing_of = {
 }
 is_quick = {name: hasattr(part, "quick") for name, part in attached().items()}
 quick = {name: files for name, files in making.items() if is_quick[name]}
+slow = [name for name in making if not is_quick[name]]
 made_quickly = [
     path for files in quick.values() for paths in files.values() for path in paths
 ]
 
 
-for name in [name for name in making if not is_quick[name]]:
+for name in slow:
     application = attached()[name]
     threads_of = getattr(application, "threads", 1)
 
@@ -76,4 +77,4 @@ results += [path for name in drawing_of for path in map(str, figures_of(name))]
 for files in making.values():
     for paths in files.values():
         results += [paths] if isinstance(paths, str) else paths
-TOLD += [attached()[name].rule for name in making if not is_quick[name]]
+TOLD += [attached()[name].rule for name in slow]

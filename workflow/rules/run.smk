@@ -6,6 +6,8 @@ if is_small:
         log:
             "results/logs/simulate_all.log",
         priority: 100
+        # None, to run beside the search, as its cells take less than its start; on a cluster 1.
+        threads: lambda wildcards: int(workflow.non_local_exec)
         resources:
             mem_mb=memory(2000),
         params:
@@ -68,7 +70,7 @@ rule find_threshold:
         "results/logs/find_threshold.log",
     # Beside the first cells, not after them: of these no two then compile the same kernel at once.
     priority: 110
-    threads: half
+    threads: cores if is_small and not slow else half
     resources:
         mem_mb=memory(2000),
     params:

@@ -8,6 +8,7 @@ from contextlib import contextmanager, nullcontext
 from functools import partial
 from multiprocessing import get_context
 
+gc.set_threshold(200_000)  # imports and figures are many objects, and hardly any is garbage
 sys.modules["dask"] = None  # xarray would import it to see that no array is lazy
 # ruff: noqa: E402
 
@@ -122,5 +123,4 @@ def function_of(rule):
 
 if __name__ == "__main__":
     gc.freeze()  # what was imported stays
-    gc.set_threshold(200_000)  # a figure and its fonts are many objects, and hardly any is garbage
     run_rule(function_of(snakemake.rule), snakemake)

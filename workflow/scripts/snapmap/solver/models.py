@@ -159,22 +159,20 @@ class Model:
         """Follow every cell, (cells,), in steps of the rule, whatever its ledger then says."""
         observed = no_observations(cells.f0.shape)
         dt = self.time_steps(cells, settings)
-        # Lanes run side by side: those of one call should take about as many steps.
-        order = np.argsort(-cells.t_end / dt, kind="stable")
+        # Lanes run side by side: all of a call should be full, and take about as many steps.
+        order, loop = np.argsort(-cells.t_end / dt, kind="stable"), self.loop()
+        threads = max(1, min(settings.threads, -(-order.size // loop.LANES)))
 
         def follow_share(first):
-            share = order[first :: settings.threads]
+            share = order[first::threads]
             for at in np.split(share, range(BUNCH, share.size, BUNCH)):
-                facts = self.loop().march(self, cells.take(at), dt[at], settings)
+                facts = loop.march(self, cells.take(at), dt[at], settings)
                 for column, part in zip(observed[:7], facts, strict=True):
                     column[at] = part
                 count(at.size)
 
-        if settings.threads == 1:
-            follow_share(0)
-        else:
-            with ThreadPoolExecutor(settings.threads) as pool:
-                list(pool.map(follow_share, range(settings.threads)))
+        with ThreadPoolExecutor(threads) as pool:
+            list((pool.map if threads > 1 else map)(follow_share, range(threads)))
         observed.t_snap[observed.t_snap > cells.t_end] = np.nan
         observed.t_settled[observed.t_settled > cells.t_end] = np.nan
         observed.pulse_work[~(observed.energy_error <= settings.energy_tolerance)] = np.nan

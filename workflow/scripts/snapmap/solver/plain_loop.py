@@ -13,6 +13,7 @@ from ..numerics.kernels import compiled, fma
 from ..numerics.linalg import apply, solve_all
 from .settings import SECOND
 
+LANES = 1  # cells that are followed side by side
 PASSES = 3
 """Times that a law of damping is asked in each step, for the velocity half way through it."""
 SPARE = 1.44

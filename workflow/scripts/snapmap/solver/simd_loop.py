@@ -13,6 +13,7 @@ from .cells import no_observations
 from .kernel import rows as R
 from .kernel.lanes import Facts, Task, follow_all, load
 from .kernel.pulse import BLOCK, begin_pulse, no_pulse
+from .kernel.rows import LANES
 from .kernel.trace import follow_stress, keep_midpoints
 from .settings import FIRST, SECOND
 
@@ -78,7 +79,7 @@ def midpoints(model, cells, dt, steps, start=FIRST):
         load(*lanes, l, rows[cells.device[l]], cells.damping[l], cells.amplitude[l], dt[l])
         begin_pulse(lanes[0], l, state, pulses, cells.pulse[l], cells.f0[l] * dt[l])
     for first in range(0, steps, WINDOW):
-        w = np.empty((min(WINDOW, steps - first), R.LANES))
+        w = np.empty((min(WINDOW, steps - first), LANES))
         keep_midpoints(*lanes, state, pulses, first, w)
         yield first, w[:, : dt.size]
 
@@ -134,12 +135,12 @@ def in_lanes(follow, lengths, threads):
     # Lanes run together to the end of the longest: those of one call should be of one length.
     order = np.argsort(lengths, kind="stable")
     with ThreadPoolExecutor(threads) as pool:
-        list(pool.map(follow, np.split(order, range(R.LANES, order.size, R.LANES))))
+        list(pool.map(follow, np.split(order, range(LANES, order.size, LANES))))
 
 
 def empty_lanes(model):
     """Make the work array and the shape that the kernels of a model take, empty."""
-    padded = np.zeros((R.VECTORS + (R.S + model.modes) * model.modes) * R.LANES + 8)
+    padded = np.zeros((R.VECTORS + (R.S + model.modes) * model.modes) * LANES + 8)
     # Wide vector loads are fastest from the start of a cache line.
     X = padded[(-padded.ctypes.data // 8) % 8 :][: padded.size - 8]
     return X, (0,) * model.modes

@@ -31,7 +31,8 @@ def run_rule(function: Callable, job, study_of: Callable | None = None) -> None:
     threads.
     """
     first = Path(job.output[0])
-    values = {"path": str(first), "folder": first.parent, "threads": job.threads}
+    threads = max(1, job.threads)
+    values = {"path": str(first), "folder": first.parent, "threads": threads}
     values |= {**dict(job.wildcards.items()), **dict(job.params.items())}
     for name, files in [*job.input.items(), *job.output.items()]:
         values[f"{name}_path" if isinstance(files, str) else f"{name}_paths"] = files
@@ -39,8 +40,9 @@ def run_rule(function: Callable, job, study_of: Callable | None = None) -> None:
     end_with(int(os.environ[RUN]))
     with job_log(job.log[0]), _counted(job.log[0]):
         if "study" in wanted:
-            values["study"] = study_of(job.config, job.threads)
+            values["study"] = study_of(job.config, threads)
         function(**{name: values[name] for name in wanted if name in values})
+    os._exit(0)  # all is written; to take down what was imported would take a sixth of a job
 
 
 @contextmanager
