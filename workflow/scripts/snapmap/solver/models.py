@@ -112,6 +112,7 @@ class Model:
     def loop(self) -> ModuleType:
         """Its time loop, imported when a run begins: a plan needs no compiler."""
         loop = "plain_loop" if self.name == "reference" else "simd_loop"
+        loop = "external" if self.laws and self.laws.solver else loop
         return import_module(f".{loop}", __package__)
 
     def split(self, device: np.ndarray) -> list[tuple[np.ndarray, "Model"]]:
@@ -304,17 +305,13 @@ def check_options(device: Device, name: str, options: Mapping) -> None:
     if name == "reference" and np.isinf(device.contact).any():
         raise ValueError("device.contact: hard is not for the reference model; write elements")
     if laws := laws_of(options):
-        of_elements, alone = laws.force and "elements" in options, device.is_alone
-        require(
-            np.array(not of_elements), "model.elements: a law of the force takes none; leave it out"
-        )
-        stopped = np.any(device.has_stops) and laws.contact
-        require(
-            np.array(not stopped), "device.stops: are not for a law of the contact; leave them out"
-        )
-        closes = "device.contact_at: is not for a model with laws; leave it out"
-        require(~np.asarray(device.has_electrode), closes)
-        require(~np.asarray(alone), "model.laws: are of a mass on a beam; write a mass")
+        for line, refused in {
+            "model.elements: is not for a law of the force": laws.force and "elements" in options,
+            "device.stops: are not for a law of the contact": laws.contact and device.has_stops,
+            "device.contact_at: is not for laws": device.has_electrode,
+            "device.mass: none is not for laws": device.is_alone,
+        }.items():
+            require(np.array(not np.any(refused)), f"{line}; leave it out")
 
 
 def _modes_of_elements(device, basis, name):

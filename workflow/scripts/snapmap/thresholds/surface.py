@@ -119,7 +119,8 @@ def thresholds_of(
     searched[initial_rows(parts)] = True
     tell_cost(models, rows.take(searched), settings)
     columns = find_thresholds(models, rows, parts, settings, tolerance, highest)
-    columns["N_bound"] += np.nan if models.lawful else 0.0
+    unknown = least_amplitudes(models.decides, rows, settings.start) == 0
+    columns["N_bound"][unknown] = np.nan
     N_first, N_latched = columns["N_first"], np.full(exists.size, np.nan)
     first = N_first[exists]
     top = ISLANDS_TO * first if highest is None else highest
@@ -141,7 +142,7 @@ def thresholds_of(
         for key, values in columns.items()
     }
     data |= _limits(grid, models, settings, tolerance, highest)
-    data |= _slow(grid, rows, models.static, settings)
+    data |= _slow(grid, rows, models, settings)
     data["status"] = *data["status"], flags(STATUS)
     data["N_first"] = *data["N_first"], {"comment": COMMENT}
     gravity = float(grid.device.gravity[0])
@@ -319,10 +320,10 @@ def _limits(grid, models, settings, tolerance, highest):
     }
 
 
-def _slow(grid, rows, static, settings):
+def _slow(grid, rows, models, settings):
     """Find for how long devices withstand more than the static threshold; slow thresholds by it."""
     of_C = growth_rate(grid.device, grid.axes["C"][:, np.newaxis]).T
-    of_C = of_C if settings.start == FIRST else np.nan * of_C
+    of_C = np.nan * of_C if models.lawful or settings.start != FIRST else of_C
     rate = np.where((grid.device_of >= 0)[..., np.newaxis], of_C[grid.device_of], np.nan)
     C = np.arange(of_C.shape[1])[:, np.newaxis]
     swings = 1e6 * of_C[rows.device.reshape(grid.shape), C].ravel() / rows.f0
@@ -330,7 +331,7 @@ def _slow(grid, rows, static, settings):
     for number, pulse in enumerate(rows.pulses):
         which = (rows.pulse == number) & (rows.device >= 0) & np.isfinite(swings)
         factor[which] = slow_factor(pulse, swings[which])
-    N = factor * static[rows.device]
+    N = factor * models.static[rows.device]
     of_device = tuple(grid.axes)[: grid.device_of.ndim]
     return {
         "dwell": ((*of_device, "C"), 2 / rate),
