@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 from small_studies import THREE_COSINES
 
 import snapmap
+from snapmap.applications import gather
 from snapmap.beam.elements import hermite_elements
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError
@@ -207,6 +208,9 @@ def test_what_laws_do_not_know_is_refused(handout, laws):
     contact = snapmap.reference(contact=laws("fixed_mass").contact)
     with pytest.raises(ValueError, match=r"device\.stops: are not for a law of the contact"):
         build_model(replace(handout, stop_away=3.0), **contact)
+    for key, value in {"contact_at": -2.0, "strength": 900.0}.items():
+        with pytest.raises(ValueError, match=rf"^device\.{key}: is not for laws; leave it out"):
+            build_model(replace(handout, **{key: value}), **contact)
     force = snapmap.reference(force=laws("double_well").force) | {"elements": 5}
     with pytest.raises(ValueError, match=r"model\.elements: is not for a law of the force"):
         build_model(handout, **force)
@@ -222,6 +226,7 @@ def test_a_config_names_a_file_of_laws(root, tmp_path, monkeypatch):
         load_config(config)
     law.write_text((root / "examples" / "laws" / "cubic_damping.py").read_text())
     study = load_config(config)
+    assert gather("outputs", study)["statics"]  # of the beam, which the law leaves as it is
     law.write_text(law.read_text() + "\n")
     edited = load_config(config)
     assert study.inputs() != edited.inputs()
@@ -230,6 +235,14 @@ def test_a_config_names_a_file_of_laws(root, tmp_path, monkeypatch):
         load_config(config | {"model": {"name": "auto", "laws": "mylaws.py"}})
     with pytest.raises(ConfigError, match=r"^tolerances: is not for a model with laws"):
         load_config(config | {"tolerances": {"thickness": "1 %"}})
+    cells = {"histories": [{"N": 900, "f0": "1 kHz", "C": "25 uN*us/um"}]}
+    assert gather("outputs", load_config(config | cells))["histories"]
+    law.write_text("def solver(cell, step): return 1.0")
+    assert "statics" not in gather("outputs", load_config(config))
+    with pytest.raises(ConfigError, match=r"^histories: is not for a model with laws"):
+        load_config(config | cells)
+    law.write_text((root / "examples" / "laws" / "double_well.py").read_text())
+    assert "statics" not in gather("outputs", load_config(config | cells))
 
 
 def test_a_solver_of_ones_own_makes_a_cube(root, handout):

@@ -309,6 +309,7 @@ def check_options(device: Device, name: str, options: Mapping) -> None:
             "model.elements: is not for a law of the force": laws.force and "elements" in options,
             "device.stops: are not for a law of the contact": laws.contact and device.has_stops,
             "device.contact_at: is not for laws": device.has_electrode,
+            "device.strength: is not for laws": np.isfinite(device.strength),
             "device.mass: none is not for laws": device.is_alone,
         }.items():
             require(np.array(not np.any(refused)), f"{line}; leave it out")
