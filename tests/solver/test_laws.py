@@ -159,7 +159,7 @@ def test_of_a_double_well_nothing_is_said_that_nobody_knows(double_well):
     assert run.barrier == pytest.approx(20 * 224 / 27, rel=1e-5) and run.outcome == "snapped"
     assert run.second_equilibrium == pytest.approx(device.beam.rise - 18, abs=1e-3)
     assert np.isnan(run.stress).all() and np.isnan(run.contact_energy).all()
-    with pytest.raises(ValueError, match=r"model\.laws: are for simulate, sweep, threshold"):
+    with pytest.raises(ValueError, match=r"model\.laws: work only with simulate, sweep, threshold"):
         snapmap.tolerance(device, {"mass": 1.0}, N=[1], f0=[1], C=[1], model=model)
 
 
@@ -182,16 +182,16 @@ def test_a_law_that_is_too_stiff_for_the_step_is_followed_in_shorter_ones(handou
     ("written", "line"),
     [
         ("def damping(v): return v", "damping: takes (v); write (C, velocity, place)"),
-        ("x = 1", "none; write a function damping or contact or force or solver"),
-        ("def contact(k, s): return 'a'", "contact: gives a str; write a float"),
+        ("x = 1", "no law; write a function named damping or contact or force or solver"),
+        ("def contact(k, s): return 'a'", "contact: returns a str; return a float"),
         ("def contact(k, s): return open(s)", "contact: numba cannot compile it; "),
-        ("damping = 1", "damping: is no function"),
-        ("solver = 1", "solver: is no function"),
+        ("damping = 1", "damping: is not a function"),
+        ("solver = 1", "solver: is not a function"),
         ("def solver(x): return x", "solver: takes (x); write (cell, step)"),
         ("contact = solver = lambda a, b: 1.0", "a solver beside laws; write"),
-        ("def force(x): return x", "force: is no double well; write 0 at 0, then"),
-        ("def force(x): return abs(x)*(x-8.0)*(x-18.0)", "force: is no double well; write 0 at 0"),
-        ("def damping(C, v, y): return -C * v", "damping: drives the mass; write a drag of the"),
+        ("def force(x): return x", "force: no double well; make it 0 at 0, then"),
+        ("def force(x): return abs(x)*(x-8.0)*(x-18.0)", "force: no double well; make it 0 at 0"),
+        ("def damping(C, v, y): return -C * v", "damping: drives the mass; give it the sign of"),
         ("def force(x)", "mylaws.py: SyntaxError: expected ':' (mylaws.py, line 1)"),
     ],
 )
@@ -206,13 +206,15 @@ def test_a_file_that_has_no_laws_is_one_line(handout, tmp_path, monkeypatch, wri
 
 def test_what_laws_do_not_know_is_refused(handout, laws):
     contact = snapmap.reference(contact=laws("fixed_mass").contact)
-    with pytest.raises(ValueError, match=r"device\.stops: are not for a law of the contact"):
-        build_model(replace(handout, stop_away=3.0), **contact)
-    for key, value in {"contact_at": -2.0, "strength": 900.0}.items():
-        with pytest.raises(ValueError, match=rf"^device\.{key}: is not for laws; leave it out"):
-            build_model(replace(handout, **{key: value}), **contact)
+    refused = {"stop_away": "stops", "contact_at": "contact_at", "strength": "strength"}
+    for name, key in refused.items():
+        value = -2.0 if key == "contact_at" else 900.0
+        with pytest.raises(
+            ValueError, match=rf"device\.{key}: does not work with these laws; leave"
+        ):
+            build_model(replace(handout, **{name: value}), **contact)
     force = snapmap.reference(force=laws("double_well").force) | {"elements": 5}
-    with pytest.raises(ValueError, match=r"model\.elements: is not for a law of the force"):
+    with pytest.raises(ValueError, match=r"model\.elements: does not work with these laws"):
         build_model(handout, **force)
 
 
@@ -231,15 +233,15 @@ def test_a_config_names_a_file_of_laws(root, tmp_path, monkeypatch):
     edited = load_config(config)
     assert study.inputs() != edited.inputs()
     assert study.files()["mylaws.py"] == study.model["sha256"] != edited.model["sha256"]
-    with pytest.raises(ConfigError, match=r"^model\.laws: not an option of auto"):
+    with pytest.raises(ConfigError, match=r"^model\.laws: is not an option of auto"):
         load_config(config | {"model": {"name": "auto", "laws": "mylaws.py"}})
-    with pytest.raises(ConfigError, match=r"^tolerances: is not for a model with laws"):
+    with pytest.raises(ConfigError, match=r"^tolerances: does not work with model"):
         load_config(config | {"tolerances": {"thickness": "1 %"}})
     cells = {"histories": [{"N": 900, "f0": "1 kHz", "C": "25 uN*us/um"}]}
     assert gather("outputs", load_config(config | cells))["histories"]
     law.write_text("def solver(cell, step): return 1.0")
     assert "statics" not in gather("outputs", load_config(config))
-    with pytest.raises(ConfigError, match=r"^histories: is not for a model with laws"):
+    with pytest.raises(ConfigError, match=r"^histories: does not work with model"):
         load_config(config | cells)
     law.write_text((root / "examples" / "laws" / "double_well.py").read_text())
     assert "statics" not in gather("outputs", load_config(config | cells))
@@ -278,7 +280,7 @@ def test_a_solver_of_ones_own_has_a_threshold_whose_bar_covers_its_steps(handout
 
 
 def test_what_a_solver_of_ones_own_does_not_tell_is_refused(handout):
-    with pytest.raises(ValueError, match=r"^model\.laws: are for sweep, threshold; write another"):
+    with pytest.raises(ValueError, match=r"^model\.laws: work only with sweep, threshold; leave"):
         snapmap.simulate(handout, 900.0, F0, 0.0, model=lambda cell, step: None)
 
 

@@ -76,11 +76,11 @@ def _bound(function, parameters, of_function, positional, named):
         laws = laws_of(values["model"])
         names = OF_LAWS[1:] if laws and laws.solver else OF_LAWS
         if laws and function not in names:
-            raise ValueError(f"model.laws: are for {', '.join(names)}; write another model")
+            raise ValueError(f"model.laws: work only with {', '.join(names)}; leave them out")
     for key in options:
         if key not in of_function:
             known = [*parameters, *of_function, *(OF_MODEL if "model" in parameters else ())]
-            raise ValueError(f"{key}: is no option{_hint(function, key, known)}")
+            raise ValueError(f"{key}: is not an option{_hint(function, key, known)}")
         values[key] = of_function[key].take(key, values[key])
     return values
 

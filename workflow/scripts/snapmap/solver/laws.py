@@ -50,14 +50,12 @@ def reference(
     contact: Law | None = None,
     force: Law | None = None,
 ) -> dict[str, object]:
-    """Make a model with laws of your own from the `reference` model, for sweep, threshold and
-    simulate.
+    """Give the `reference` model your own laws, for sweep, threshold and simulate.
 
-    damping: drag on the mass (uN) of (C, velocity, place); replaces C velocity
+    damping: drag on the mass (uN) of (C, velocity, place), in place of C velocity
     contact: push between mass and midpoint (uN, positive apart) of (stiffness, overlap)
-    force: push that holds the midpoint (uN) of (displacement,); replaces the beam's
-    Laws are functions of floats that numba can compile; lengths are in um, times in us.
-    docs/own-physics.md describes them.
+    force: push that holds the midpoint (uN) of (displacement,), in place of the beam's
+    Laws are functions of floats (um, us) that numba compiles; docs/own-physics.md describes them.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> cubic = snapmap.reference(damping=lambda C, velocity, place: C * velocity**3)
@@ -71,8 +69,8 @@ def by_laws(functions: Mapping[str, object]) -> dict[str, object]:
     """Make a model of functions by the names of their laws; ValueError, one line, for no law."""
     laws = {key: _compiled(key, functions[key]) for key in PARAMETERS if functions.get(key)}
     if not laws or ("solver" in laws and len(laws) > 1):
-        many = "a solver beside laws" if laws else "none"
-        raise ValueError(f"model.laws: {many}; write a function {' or '.join(PARAMETERS)}")
+        many, needs = "a solver beside laws" if laws else "no law", " or ".join(PARAMETERS)
+        raise ValueError(f"model.laws: {many}; write a function named {needs}")
     return {"name": "reference", "laws": Laws(**laws)}
 
 
@@ -105,7 +103,7 @@ def _compiled(key, law):
     name, needs = f"model.laws: {key}", PARAMETERS[key]
     function = getattr(law, "py_func", law)
     if not (callable(law) if key == "solver" else inspect.isfunction(function)):
-        raise ValueError(f"{name}: is no function")
+        raise ValueError(f"{name}: is not a function")
     taken = inspect.signature(function).parameters
     if len(taken) != len(needs):
         raise ValueError(f"{name}: takes ({', '.join(taken)}); write ({', '.join(needs)})")
@@ -119,9 +117,9 @@ def _compiled(key, law):
             f"{name}: numba cannot compile it; {' '.join(str(error).split())}"
         ) from None
     if not isinstance(value, float):
-        raise ValueError(f"{name}: gives a {type(value).__name__}; write a float")
+        raise ValueError(f"{name}: returns a {type(value).__name__}; return a float")
     if key == "damping" and any(v * law(1.0, v, z) < 0 for v in (-1.0, 1.0) for z in (-1.0, 1.0)):
-        raise ValueError(f"{name}: drives the mass; write a drag of the sign of the velocity")
+        raise ValueError(f"{name}: drives the mass; give it the sign of the velocity")
     return law
 
 
@@ -137,8 +135,8 @@ def well_of(force: Callable, rise: Value) -> tuple[float, float, float]:
     least = 1e-9 * abs(F).max()
     if abs(F[POINTS]) > least or F[:POINTS].max() > least or not rises.size:
         needs = "0 at 0, then positive, negative from a saddle on, and positive again"
-        needs += f" below {x[-1]:g} um; and never positive below 0"
-        raise ValueError(f"model.laws: force: is no double well; write {needs}")
+        needs += f" below {x[-1]:g} um, and nowhere positive below 0"
+        raise ValueError(f"model.laws: force: no double well; make it {needs}")
     step, i, j = x[POINTS + 1], falls[0], rises[0]
     saddle, second = (float(x[k] + step * F[k] / (F[k] - F[k + 1])) for k in (i, j))
     energy = step * (F[POINTS:i].sum() + F[i] / 2) + F[i] * (saddle - x[i]) / 2

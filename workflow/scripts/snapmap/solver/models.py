@@ -15,7 +15,6 @@ from ..beam.cosines import buckling_shapes, symmetric_cosines
 from ..beam.elements import hermite_elements
 from ..beam.equilibria import Barrier, Rest, find_barrier, require_rest, second_shape
 from ..beam.modal import ModalBeam, contact_stiffness, pulse_load, reduce_to_modes
-from ..device.checks import require
 from ..device.device import Device, Value
 from ..files.counting import count
 from .cells import Cells, Observations, no_observations
@@ -88,9 +87,7 @@ class Model:
     def second(self) -> Rest:
         """The second shape of its form; ValueError if one of the beams cannot rest there."""
         if self.laws and self.laws.force:
-            raise ValueError(
-                "model.laws: force: its runs start in the first shape; leave out start"
-            )
+            raise ValueError("model.laws: force: runs start in the first shape; leave out start")
         rest = second_shape(self.device.beam, self.basis, self.modes)
         require_rest(rest)
         return rest
@@ -278,7 +275,7 @@ def _build(device, name, options, is_free):
     if modes is None:
         modes = basis.load.size if name == "cosines" else _modes_of_elements(device, basis, name)
     elif modes > most:
-        raise ValueError(f"model.modes: {modes} is too many; this beam has {most}")
+        raise ValueError(f"model.modes: {modes} is too many; write {most} or fewer")
     else:
         modes *= 1 + is_free  # as many antisymmetric ones as symmetric
     modal = reduce_to_modes(device.beam, basis, modes)
@@ -303,16 +300,17 @@ def check_options(device: Device, name: str, options: Mapping) -> None:
     """Raise ValueError, one line, for a model or an option that cannot be."""
     take_model({"name": name, **options})
     if name == "reference" and np.isinf(device.contact).any():
-        raise ValueError("device.contact: hard is not for the reference model; write elements")
+        raise ValueError("device.contact: hard excludes the reference model; write elements")
     if laws := laws_of(options):
-        for line, refused in {
-            "model.elements: is not for a law of the force": laws.force and "elements" in options,
-            "device.stops: are not for a law of the contact": laws.contact and device.has_stops,
-            "device.contact_at: is not for laws": device.has_electrode,
-            "device.strength: is not for laws": np.isfinite(device.strength),
-            "device.mass: none is not for laws": device.is_alone,
+        for key, refused in {
+            "model.elements:": laws.force and "elements" in options,
+            "device.stops:": laws.contact and device.has_stops,
+            "device.contact_at:": device.has_electrode,
+            "device.strength:": np.isfinite(device.strength),
+            "device.mass: none": device.is_alone,
         }.items():
-            require(np.array(not np.any(refused)), f"{line}; leave it out")
+            if np.any(refused):
+                raise ValueError(f"{key} does not work with these laws; leave it out")
 
 
 def _modes_of_elements(device, basis, name):
@@ -322,8 +320,8 @@ def _modes_of_elements(device, basis, name):
         return unknowns
     if not hard.all():
         raise ValueError(
-            f"device.contact: the {name} model takes hard ones and others each by themselves; "
-            "write modes, or model: cosines"
+            f"device.contact: the {name} model cannot mix hard and other contacts; write modes, or "
+            "model: cosines"
         )
     # ASSUME: hard contact acts through the static flexibility of the highest quarter of the
     # elements' modes; it moves the threshold of five elements by 0.02 %.

@@ -84,7 +84,7 @@ SingleDevice = Annotated[Device, Argument("a single Device; load_device reads on
 Model = Annotated[
     str | Mapping | Callable,
     Argument(
-        f"one of {', '.join(OPTIONS)}, nor what reference makes, nor a solver of your own",
+        f"one of {', '.join(OPTIONS)}, or what reference makes, or a solver of your own",
         _is_model,
         lambda value: by_laws({"solver": value}) if callable(value) else value,
     ),
@@ -98,7 +98,7 @@ Start = Annotated[str, _START]
 Seed = Annotated[int, integer(0, 2**32 - 1)]
 PulseSpec = Annotated[
     str | Pulse | Mapping | Sequence,
-    Argument(f"one of {', '.join(SHAPES)}, nor what sampled or read_pulse makes", _is_pulse),
+    Argument(f"one of {', '.join(SHAPES)}, or what sampled or read_pulse makes", _is_pulse),
 ]
 Directions = Annotated[
     str | Sequence[str], Argument("+z, -z, both, or a list of these", _are_directions)
