@@ -1,4 +1,4 @@
-"""Makes docs/pictures: the map of the first page beside speed against error, and some figures.
+"""Makes docs/pictures: the map of the first page beside speed against error, laws, some figures.
 
 ./run python docs/make_pictures.py build/tutorial/results/figures
 
@@ -18,6 +18,7 @@ import snapmap
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import read_document
 from snapmap.figures import maps, scales, style
+from snapmap.solver.laws import load_laws
 
 ROOT = Path(__file__).resolve().parents[1]
 PICTURES = ROOT / "docs" / "pictures"
@@ -31,6 +32,13 @@ SHOWN = {
     "SciPy DOP853, 1e-6": ("SciPy's DOP853", "0.4"),
 }
 """Rows of the table, their words and colours."""
+LAWS = {
+    "squeeze_film": (2500.0, 200.0),
+    "hertzian_contact": (1500.0, 25.0),
+    "fixed_mass": (1500.0, 25.0),
+    "double_well": (700.0, 25.0),
+}
+"""Examples of a user's own laws, with N and C (uN us/um) of a shock of 1.5 kHz."""
 
 
 def main(figures):
@@ -40,7 +48,13 @@ def main(figures):
         maps.draw_map(left.subplots(), *snaps())
         draw_speeds(right.subplots())
         figure.savefig(PICTURES / "map.png", dpi=200)
-    reduce_colours(PICTURES / "map.png", PICTURES / "map.png")
+        figure = style.double_column(height=3.2)
+        for ax, (law, cell) in zip(figure.subplots(1, 4, sharey=True), LAWS.items(), strict=True):
+            draw_law(ax, law, *cell)
+        style.legend(figure, style.labelled(figure.axes[:1]), ncols=2)
+        figure.savefig(PICTURES / "laws.png", dpi=200)
+    for name in ("map", "laws"):
+        reduce_colours(PICTURES / f"{name}.png", PICTURES / f"{name}.png")
     for name in GALLERY:
         reduce_colours(Path(figures) / f"{name}.png", PICTURES / f"{name}.png")
 
@@ -63,6 +77,18 @@ def snaps():
     fine = np.geomspace(*study.axes["f0"][[0, -1]], 121)
     found = snapmap.threshold(study.device, fine, **asked)
     return cells.squeeze("C"), found.squeeze("C")
+
+
+def draw_law(ax: Axes, law: str, N: float, C: float) -> None:
+    """Draw the midpoint over time, with an example of a law and without."""
+    device = snapmap.load_device(ROOT / "config" / "config.yaml")
+    own = {"name": "reference", "laws": load_laws(str(ROOT / "examples" / "laws" / f"{law}.py"))}
+    for model, colour, words in (("reference", "0.6", "without"), (own, "C5", "with the law")):
+        run = snapmap.simulate(device, N, 1500.0, C, model=model, horizon=0.0)
+        ax.plot(run.time, run.w_mid, color=colour, label=words)
+    ax.set(title=f"{law.replace('_', ' ')}, N = {N:g}", xlabel="time (µs)", xlim=(0, 667))
+    ax.set_ylabel("midpoint (µm)")
+    ax.label_outer()
 
 
 def draw_speeds(ax: Axes) -> None:

@@ -1,55 +1,21 @@
-"""A whole solver of your own: SciPy's solve_ivp as a model that follows cells."""
+"""A whole solver of your own: SciPy's solve_ivp drops the mass alone, on its spring."""
 
-from dataclasses import dataclass, replace
-
-import numpy as np
 from scipy.integrate import solve_ivp
 
-from snapmap.device.device import Device
-from snapmap.solver.cells import no_observations
+DEPTH = 20.0  # um from rest, where it is caught, which counts as the snap
 
 
-@dataclass(frozen=True)
-class Drop:
-    """A device whose mass alone moves, on its spring; it "snaps" where it has fallen by `depth`."""
+def solver(cell, step):
+    M, K, C = cell.device.mass, cell.device.spring, cell.damping
 
-    device: Device
-    depth: float
-    rtol: float = 1e-6
+    def rate(t, state):
+        y, v = state
+        return v, -cell.acceleration(t) - (K * y + C * v) / M
 
-    @property
-    def levels(self):
-        return (self,)
+    def falls(t, state):
+        return state[0] + DEPTH
 
-    def split(self, device):
-        return [(np.ones(device.shape, bool), self)]
-
-    def with_step(self, factor):
-        return replace(self, rtol=self.rtol * factor**4)
-
-    def pick(self, which):
-        return replace(self, device=self.device.pick(which))
-
-    def follow(self, cells, settings):
-        observed = no_observations(cells.f0.shape)
-        for at in np.ndindex(cells.f0.shape):
-            observed.t_snap[at] = self.fall(cells, at)
-            observed.energy_error[at] = 0.0  # believed as it is
-        return observed
-
-    def fall(self, cells, at):
-        _, pulse, amplitude, f0, C, t_end = (column[at] for column in cells[:-1])
-        M, K = (np.atleast_1d(v)[cells.device[at]] for v in (self.device.mass, self.device.spring))
-
-        def rate(t, state):
-            y, v = state
-            a = amplitude * cells.pulses[pulse].at(np.array([f0 * t])).item()
-            return v, -a - (K * y + C * v) / M
-
-        def falls(t, state):
-            return state[0] + self.depth
-
-        falls.terminal = True
-        step = 1 / (50 * f0)
-        run = solve_ivp(rate, (0, t_end), (0, 0), rtol=self.rtol, events=falls, max_step=step)
-        return run.t_events[0][0] if run.t_events[0].size else np.nan
+    falls.terminal = True
+    how = {"rtol": 1e-6, "max_step": 20 * step, "events": falls}
+    run = solve_ivp(rate, (0, cell.t_end), (0, 0), **how)
+    return run.t_events[0][0] if run.t_events[0].size else None

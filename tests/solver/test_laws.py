@@ -1,5 +1,6 @@
 """Laws of a user's own, the examples among them, against SciPy and closed forms."""
 
+import json
 import runpy
 from dataclasses import replace
 
@@ -10,19 +11,19 @@ from scipy.integrate import solve_ivp
 from small_studies import THREE_COSINES
 
 import snapmap
+from snapmap.applications import gather
 from snapmap.beam.elements import hermite_elements
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError
 from snapmap.device.device import batch
 from snapmap.files.named import sha256_of
+from snapmap.pulse.shocks import make_shocks
+from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_rows
 from snapmap.solver.laws import LAWS, load_laws
 from snapmap.solver.models import build_model
 from snapmap.solver.plain_loop import nodal_system
 from snapmap.solver.settings import Settings
-from snapmap.study.study import Study
-from snapmap.sweeps.cube import as_cube
-from snapmap.sweeps.grid import follow_grid
 from snapmap.thresholds.search import lowest_snap
 
 F0 = 1500.0
@@ -72,7 +73,7 @@ def scipy_snap(device, laws, N, C):
 )
 def test_an_example_moves_as_scipy_says(handout, laws, name, N, C, change):
     """And otherwise than the device does without it."""
-    model = snapmap.reference(**vars(laws(name)))
+    model = {"name": "reference", "laws": laws(name)}
     cell = {"N": [N], "f0": [F0], "C": [C], "horizon": 100.0, "until": "snap"}
     without = snapmap.sweep(handout, model="reference", **cell).t_snap.item()
     cube = snapmap.sweep(handout, model=model, repeat=True, **cell)
@@ -91,8 +92,7 @@ def double_well(handout, laws):
     return device, snapmap.reference(force=force, contact=contact), x, F
 
 
-def first_snap(device, model, f0, expected, tolerance, horizon=1500.0):
-    rows = to_rows([0], [f0], [0.0])
+def first_snap(model, rows, expected, tolerance, horizon=1500.0):
     bracket = 0.9 * expected, 1.1 * expected
     return lowest_snap(model, rows, bracket, Settings(horizon=horizon), tolerance).item()
 
@@ -109,14 +109,48 @@ def test_a_short_pulse_must_bring_the_energy_of_the_saddle(double_well):
     built = build_model(batch([device]), **model)
     N = 2 * speed * 1.0 / device.gravity
     within = inertia * (load / inertia) ** 2 / device.mass
-    assert first_snap(device, built, 1e6, N, 1e-6) == pytest.approx(N, rel=within)
+    assert first_snap(built, to_rows(0, [1e6], 0.0), N, 1e-6) == pytest.approx(N, rel=within)
 
 
 def test_a_slow_pulse_must_bring_the_largest_force(double_well):
     device, model, _, F = double_well
     N = F.max() / (device.mass + device.beam.weight / 2) / device.gravity
     built = build_model(batch([device]), **model)
-    assert first_snap(device, built, 30.0, N, 1e-5) == pytest.approx(N, rel=2e-4)
+    assert first_snap(built, to_rows(0, [30.0], 0.0), N, 1e-5) == pytest.approx(N, rel=2e-4)
+
+
+def test_a_double_well_withstands_what_its_energy_proves(double_well):
+    """From its closed form; and a short pulse needs little more."""
+    device, model, *_ = double_well
+    built = build_model(batch([device]), **model)
+    speed = np.sqrt(2 * 20 * 224 / 27 / (device.mass + device.beam.weight))
+    pulses = make_shocks(["half sine", "sawtooth"], "both").pulses
+    rows = to_rows(0, np.repeat([3e3, 1e6], 4), 0.0, np.tile(np.arange(4), 2), pulses)
+    area = np.array([pulse.gross_area for pulse in pulses])[rows.pulse]
+    bound = least_amplitudes(built, rows)
+    assert bound == pytest.approx(speed * rows.f0 / (1e6 * area * device.gravity), rel=1e-5)
+    cells = rows.cells(built.device, np.multiply.outer(bound, [0.5, 0.999]), 1500.0)
+    runs = built.follow(cells, Settings())
+    assert np.isnan(runs.t_snap).all() and (runs.energy_error < 1e-3).all()
+    short = rows.take([4])  # a half sine that presses
+    N = first_snap(built, short, bound[4], 1e-3)
+    assert bound[4] < N < 1.02 * bound[4]
+
+
+@pytest.mark.parametrize(
+    ("contact", "gap", "stores"),
+    [
+        (lambda stiffness, overlap: stiffness * overlap, 0.0, True),
+        (lambda stiffness, overlap: stiffness * overlap, 0.5, False),  # it pulls at first
+        (lambda stiffness, overlap: 60.0 * max(0.0, overlap) ** 1.5, 0.5, True),
+        (lambda stiffness, overlap: stiffness * max(0.0, overlap) - 0.1, 0.0, False),  # a magnet
+    ],
+)
+def test_a_contact_has_an_energy_that_proves_or_has_not(handout, contact, gap, stores):
+    device, rows = batch([replace(handout, gap=gap)]), to_rows(0, [F0], 0.0)
+    model = build_model(device, **snapmap.reference(contact=contact))
+    plain = least_amplitudes(build_model(device, "reference"), rows)
+    assert least_amplitudes(model, rows) == stores * plain
 
 
 def test_of_a_double_well_nothing_is_said_that_nobody_knows(double_well):
@@ -148,11 +182,16 @@ def test_a_law_that_is_too_stiff_for_the_step_is_followed_in_shorter_ones(handou
     ("written", "line"),
     [
         ("def damping(v): return v", "damping: takes (v); write (C, velocity, place)"),
-        ("x = 1", "no law; write a function named damping or contact or force"),
+        ("x = 1", "no law; write a function named damping or contact or force or solver"),
         ("def contact(k, s): return 'a'", "contact: returns a str; return a float"),
         ("def contact(k, s): return open(s)", "contact: numba cannot compile it; "),
         ("damping = 1", "damping: is not a function"),
+        ("solver = 1", "solver: is not a function"),
+        ("def solver(x): return x", "solver: takes (x); write (cell, step)"),
+        ("contact = solver = lambda a, b: 1.0", "a solver beside laws; write"),
         ("def force(x): return x", "force: no double well; make it 0 at 0, then"),
+        ("def force(x): return abs(x)*(x-8.0)*(x-18.0)", "force: no double well; make it 0 at 0"),
+        ("def damping(C, v, y): return -C * v", "damping: drives the mass; give it the sign of"),
         ("def force(x)", "mylaws.py: SyntaxError: expected ':' (mylaws.py, line 1)"),
     ],
 )
@@ -167,10 +206,15 @@ def test_a_file_that_has_no_laws_is_one_line(handout, tmp_path, monkeypatch, wri
 
 def test_what_laws_do_not_know_is_refused(handout, laws):
     contact = snapmap.reference(contact=laws("fixed_mass").contact)
-    with pytest.raises(ValueError, match=r"device\.stops: do not work with a law of the contact"):
-        build_model(replace(handout, stop_away=3.0), **contact)
+    refused = {"stop_away": "stops", "contact_at": "contact_at", "strength": "strength"}
+    for name, key in refused.items():
+        value = -2.0 if key == "contact_at" else 900.0
+        with pytest.raises(
+            ValueError, match=rf"device\.{key}: does not work with these laws; leave"
+        ):
+            build_model(replace(handout, **{name: value}), **contact)
     force = snapmap.reference(force=laws("double_well").force) | {"elements": 5}
-    with pytest.raises(ValueError, match=r"model\.elements: has no effect with a law of the force"):
+    with pytest.raises(ValueError, match=r"model\.elements: does not work with these laws"):
         build_model(handout, **force)
 
 
@@ -184,6 +228,7 @@ def test_a_config_names_a_file_of_laws(root, tmp_path, monkeypatch):
         load_config(config)
     law.write_text((root / "examples" / "laws" / "cubic_damping.py").read_text())
     study = load_config(config)
+    assert gather("outputs", study)["statics"]  # of the beam, which the law leaves as it is
     law.write_text(law.read_text() + "\n")
     edited = load_config(config)
     assert study.inputs() != edited.inputs()
@@ -192,18 +237,57 @@ def test_a_config_names_a_file_of_laws(root, tmp_path, monkeypatch):
         load_config(config | {"model": {"name": "auto", "laws": "mylaws.py"}})
     with pytest.raises(ConfigError, match=r"^tolerances: does not work with model"):
         load_config(config | {"tolerances": {"thickness": "1 %"}})
+    cells = {"histories": [{"N": 900, "f0": "1 kHz", "C": "25 uN*us/um"}]}
+    assert gather("outputs", load_config(config | cells))["histories"]
+    law.write_text("def solver(cell, step): return 1.0")
+    assert "statics" not in gather("outputs", load_config(config))
+    with pytest.raises(ConfigError, match=r"^histories: does not work with model"):
+        load_config(config | cells)
+    law.write_text((root / "examples" / "laws" / "double_well.py").read_text())
+    assert "statics" not in gather("outputs", load_config(config | cells))
 
 
-def test_a_solver_of_ones_own_makes_a_cube_and_a_threshold(root, handout):
+def test_a_solver_of_ones_own_makes_a_cube(root, handout):
     """A mass on its spring under a pulse of two of its periods: closed form, with w t = 2 x."""
-    drop = runpy.run_path(root / "examples" / "scipy_model.py")["Drop"]
-    grid = Study(device=handout).set_out({"C": [0.0], "f0": [1000.0, 3000.0], "N": [100, 2000]})
-    values = follow_grid(drop(grid.device, 20.0), grid, Settings(until="snap", repeat=True))
-    cube = as_cube(grid.axes, values, {})
-    assert cube.outcome.squeeze().values.tolist() == [[0, 2], [0, 2]]
+    drop = runpy.run_path(root / "examples" / "scipy_model.py")["solver"]
     f0 = np.sqrt(handout.spring / handout.mass) / (4e-6 * np.pi)
     x = np.linspace(0, 2 * np.pi, 100_001)
     falls = np.max((1 - np.cos(2 * x)) / 2 - 2 / 3 * (np.cos(x) - np.cos(2 * x)))
     N = 20 * handout.spring / (falls * handout.mass * handout.gravity)
-    found = first_snap(handout, drop(batch([handout]), 20.0), f0, N, 1e-4, 0.0)
-    assert found == pytest.approx(N, rel=1e-3)
+    asked = {"model": drop, "repeat": True, "horizon": 0.0}
+    cube = snapmap.sweep(handout, [1.001 * N, 0.999 * N], [f0], [0.0], **asked)
+    assert cube.outcome.squeeze().values.tolist() == [2, 0]  # open
+    assert cube.reproduced.values.all() and "label_distance" not in cube.t_snap.attrs
+    assert json.loads(cube.attrs["config"])["model"] == {
+        "name": "reference",
+        "laws": "solver: solver",
+    }
+
+
+def test_a_solver_of_ones_own_has_a_threshold_whose_bar_covers_its_steps(handout):
+    def snaps_from_900_on(cell, step):
+        error = 0.01 * (step / usual) ** 2
+        return 1.0 if cell.amplitude / cell.device.gravity > 900 * (1 + error) else None
+
+    rows, built = to_rows(0, [F0], 0.0), build_model(batch([handout]), "reference")
+    usual = built.time_steps(rows.cells(built.device, 0.0, 0.0), Settings()).item()
+
+    asked = {"model": snaps_from_900_on, "spring": [4.0, 5.5]}
+    found = snapmap.threshold(handout, [F0], [0.0], **asked).squeeze()
+    assert found.N_first.values == pytest.approx(909.0, rel=1e-4)
+    assert (found.N_first - 900 < found.N_error).all() and (found.N_error < 20).all()
+    assert all(np.isnan(found[key]).all() for key in ("N_bound", "N_static", "N_slow", "dwell"))
+
+
+def test_what_a_solver_of_ones_own_does_not_tell_is_refused(handout):
+    with pytest.raises(ValueError, match=r"^model\.laws: work only with sweep, threshold; leave"):
+        snapmap.simulate(handout, 900.0, F0, 0.0, model=lambda cell, step: None)
+
+
+def test_a_solver_says_what_it_does_not_believe_and_is_told_the_start(handout):
+    def model(cell, step):
+        return np.inf if cell.start == "first" else 9.0
+
+    for start, outcome in (("first", 5), ("second", 2)):
+        cube = snapmap.sweep(handout, [900.0], [F0], [0.0], model=model, start=start)
+        assert cube.outcome.item() == outcome

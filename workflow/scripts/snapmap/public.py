@@ -16,10 +16,11 @@ from .device.argument import Argument, argument_of
 from .device.device import VALUES, batch
 from .device.samples import Plan
 from .files.counting import counting
+from .solver.laws import laws_of
 from .solver.options import OF_MODEL, OPTIONS, take_model
 
 OF_LAWS = ("simulate", "sweep", "threshold")
-"""Functions that follow a model with a user's own laws, of which no energy is known."""
+"""Functions that follow a model with a user's own laws; a solver shows the first no motion."""
 
 
 def checked(function: Callable) -> Callable:
@@ -72,8 +73,10 @@ def _bound(function, parameters, of_function, positional, named):
         of_model = [key for key in options if key in OPTIONS[model["name"]]]
         values["model"] = take_model(model | {key: values.pop(key) for key in of_model})
         options = [key for key in options if key not in of_model]
-        if "laws" in values["model"] and function not in OF_LAWS:
-            raise ValueError(f"model.laws: work only with {', '.join(OF_LAWS)}; leave them out")
+        laws = laws_of(values["model"])
+        names = OF_LAWS[1:] if laws and laws.solver else OF_LAWS
+        if laws and function not in names:
+            raise ValueError(f"model.laws: work only with {', '.join(names)}; leave them out")
     for key in options:
         if key not in of_function:
             known = [*parameters, *of_function, *(OF_MODEL if "model" in parameters else ())]

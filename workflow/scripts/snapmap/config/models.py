@@ -26,11 +26,15 @@ from .units import show
 from .views import MOST_MAPS
 
 
-def _own_laws(file):
-    """Path and SHA-256 of a file of laws, which is run."""
-    sha256 = sha256_of(file, *LAWS)
-    load_laws(file, sha256)
-    return file, sha256
+def _read_by(read, *limits):
+    """Path and SHA-256 of a file in the study's folder that is read, or run."""
+
+    def convert(file):
+        sha256 = sha256_of(file, *limits)
+        read(file, sha256)
+        return file, sha256
+
+    return convert
 
 
 class ModelSection(Section):
@@ -53,7 +57,7 @@ class ModelSection(Section):
         "a Python file in the study's folder with laws for `reference`",
         "mylaws.py",
         "the device's own",
-        _own_laws,
+        _read_by(load_laws, *LAWS),
     )
 
     def make(self) -> dict:
@@ -147,13 +151,6 @@ class LinesSection(Section):
     at: _PLACE
 
 
-def _own_points(file):
-    """Path and SHA-256 of a table of points, all in order."""
-    sha256 = sha256_of(file, *ROWS)
-    read_points(file, sha256)
-    return file, sha256
-
-
 class _Core(Section):
     """Device (or devices), model and sweep; the others are optional."""
 
@@ -186,7 +183,7 @@ class _Core(Section):
         "optionally name, snapped (yes, no)",
         "points.csv",
         "none",
-        _own_points,
+        _read_by(read_points, *ROWS),
     )
 
     @classmethod

@@ -12,6 +12,7 @@ from ..device.device import VALUES, Device
 from ..device.quantities import QUANTITIES
 from ..files.named import hold_to_plan, sha256_of
 from ..pulse.shocks import HANDOUT_SHOCK
+from ..solver.laws import laws_of
 from ..solver.settings import SECOND, THRESHOLD_TOLERANCE
 from ..study.axes import SHOCK_AXES, TEMPERATURE, Grid, Units, make_grid
 from ..study.study import Study
@@ -164,7 +165,8 @@ def load_config(document: Mapping) -> Config:
             key = key_of(name, application)
             section = getattr(parts, key, None)
             study.requests[name] = part((key,), application.request, section, study, parts)
-            if "laws" in study.model and study.requests[name] and name not in OF_LAWS:
+            laws = study.requests[name] and laws_of(study.model)
+            if laws and (name not in OF_LAWS or laws.solver):
                 faults.append(f"{key}: does not work with model.laws; leave one of them out")
     if faults:
         raise ConfigError(*dict.fromkeys(faults))

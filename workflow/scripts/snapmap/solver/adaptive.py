@@ -117,7 +117,7 @@ class Survey(NamedTuple):
     judges: with which ragged rows are compared, too
     finer: takes rows of fast pulses, and the clean ones that this one leaves open by more than
         tolerance, relative; None for no further look
-    lawful: whether forces of the models are a user's own laws, of which no energy is known
+    lawful: whether models have a user's own laws, of which no static threshold is known
     """
 
     scans: Follows

@@ -14,13 +14,20 @@ the work is at most the largest |X| times all ups and downs of a, and so
 A snap takes H at least to the saddle, and to what bending alone asks for the displacement of the
 midpoint. From the second shape the first bound holds for H above that shape, the least in its well;
 for the second the mass holds X as said, and the beam, up to the saddle, by bending from the first.
+
+Laws of a user's own leave that as it is if damping only takes and the contact has an energy that is
+0 at first and nowhere below. A force over displacement has its integral, but no bending: the second
+bound is not for it.
 """
+
+from functools import partial
 
 import numpy as np
 
 from ..device.device import Value
 from ..numerics.linalg import dot
 from .cells import Rows
+from .laws import Laws, curve
 from .models import Follows
 from .settings import FIRST
 
@@ -32,15 +39,17 @@ def least_amplitudes(model: Follows, rows: Rows, start: str = FIRST) -> np.ndarr
     """
     bounds = np.empty((2, len(model.device)))
     for mine, part in model.split(np.arange(bounds.shape[1])):
-        if part.laws:
-            bounds[:, mine] = 0.0  # of a law of a user's no energy is known
+        if not _stores(part, start):
+            bounds[:, mine] = 0.0
             continue
         device, modal, barrier = part.device, part.modal, part.barrier
         displacement = part.snap_target(FIRST)
         soft = dot(modal.midpoint, modal.midpoint / modal.stiffness) + modal.residual
         sag = device.mass * device.mass / device.spring
         of_beam = dot(modal.load, modal.load / modal.stiffness)
-        if start == FIRST:
+        if part.laws and part.laws.force:
+            energy, swing = barrier.energy, 0.0 * barrier.energy
+        elif start == FIRST:
             energy: Value = np.maximum(barrier.energy, displacement * displacement / (2 * soft))
             swing = np.sqrt(energy / (2 * (sag + of_beam)))
         else:
@@ -56,3 +65,14 @@ def least_amplitudes(model: Follows, rows: Rows, start: str = FIRST) -> np.ndarr
     gross, ups_and_downs = facts[rows.pulse].T
     a = np.maximum(speed * rows.f0 * 1e-6 / gross, swing / ups_and_downs)
     return a / np.asarray(model.device.gravity)[rows.device]
+
+
+def _stores(model, start):
+    """Whether the contact of a model has such an energy, as far as laws are looked at."""
+    device, barrier, laws = model.device, model.barrier, model.laws or Laws()
+    apart = np.max(device.gap + (0.0 if start == FIRST else barrier.first - barrier.second))
+    for stiffness in np.unique(device.contact) if laws.contact else ():
+        s, P = curve(partial(laws.contact, stiffness), device.beam.rise)
+        if np.any(s * P < 0) or np.any(P[(s >= -apart) & (s <= 0)]):
+            return False
+    return laws.solver is None

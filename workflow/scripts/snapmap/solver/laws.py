@@ -17,26 +17,32 @@ PARAMETERS = {
     "damping": ("C", "velocity", "place"),
     "contact": ("stiffness", "overlap"),
     "force": ("displacement",),
+    "solver": ("cell", "step"),
 }
 """What each law takes, in this order, under whatever names; um, uN, us: docs/own-physics.md."""
 LAWS = 100_000, "write the laws alone"
 """Bytes that a file of laws may have, and what to do about more."""
 Law = Annotated[Callable, Argument("a function of numbers", callable)]
-REACH, POINTS = 10.0, 4001
-"""Over the rise, how far a beam's second shape is looked for along its force, and at how many."""
+REACH, POINTS = 10.0, 10_000
+"""How far a law is looked at, over the rise, and at how many places on either side of 0."""
 
 
 @dataclass(frozen=True)
 class Laws:
-    """Compiled functions, as `reference` takes them; None where the device's own force acts."""
+    """Compiled functions, as `reference` takes them; None where the device's own force acts.
+
+    solver: in place of all, as in `external.march`
+    """
 
     damping: Callable | None = None
     contact: Callable | None = None
     force: Callable | None = None
+    solver: Callable | None = None
 
     def __str__(self):
         """Name the functions, as attributes of products have them."""
-        return ", ".join(f"{key}: {law.__name__}" for key, law in vars(self).items() if law)
+        laws = ((key, law) for key, law in vars(self).items() if law)
+        return ", ".join(f"{key}: {getattr(law, '__name__', key)}" for key, law in laws)
 
 
 def reference(
@@ -56,21 +62,21 @@ def reference(
     >>> snapmap.simulate(device, 1000, 1500, 25, model=cubic, horizon=0).outcome
     'snapped'
     """
-    functions = {"damping": damping, "contact": contact, "force": force}
-    return {"name": "reference", "laws": made(functions)}
+    return by_laws({"damping": damping, "contact": contact, "force": force})
 
 
-def made(functions: Mapping[str, object]) -> Laws:
-    """Compile functions by the names of their laws; raises ValueError, one line, for no law."""
+def by_laws(functions: Mapping[str, object]) -> dict[str, object]:
+    """Make a model of functions by the names of their laws; ValueError, one line, for no law."""
     laws = {key: _compiled(key, functions[key]) for key in PARAMETERS if functions.get(key)}
-    if not laws:
-        raise ValueError(f"model.laws: no law; write a function named {' or '.join(PARAMETERS)}")
-    return Laws(**laws)
+    if not laws or ("solver" in laws and len(laws) > 1):
+        many, needs = "a solver beside laws" if laws else "no law", " or ".join(PARAMETERS)
+        raise ValueError(f"model.laws: {many}; write a function named {needs}")
+    return {"name": "reference", "laws": Laws(**laws)}
 
 
 @cache
 def load_laws(path: str, sha256: str = "") -> Laws:
-    """Read the laws of a Python file, which is run; raises ValueError, one line, as `made`.
+    """Read the laws of a Python file, which is run; raises ValueError, one line, as `by_laws`.
 
     sha256: expected hash of the file, hex digits; empty for any
     """
@@ -80,7 +86,7 @@ def load_laws(path: str, sha256: str = "") -> Laws:
             exec(compile(content, path, "exec"), names)
         except Exception as error:  # a user's code may raise any
             raise ValueError(f"{type(error).__name__}: {error}") from None
-    return made(names)
+    return by_laws(names)["laws"]
 
 
 def laws_of(options: Mapping) -> Laws | None:
@@ -96,11 +102,13 @@ def _compiled(key, law):
 
     name, needs = f"model.laws: {key}", PARAMETERS[key]
     function = getattr(law, "py_func", law)
-    if not inspect.isfunction(function):
+    if not (callable(law) if key == "solver" else inspect.isfunction(function)):
         raise ValueError(f"{name}: is not a function")
     taken = inspect.signature(function).parameters
     if len(taken) != len(needs):
         raise ValueError(f"{name}: takes ({', '.join(taken)}); write ({', '.join(needs)})")
+    if key == "solver":
+        return law
     law = law if law is not function else njit(error_model="numpy")(function)
     try:
         value = law(*np.full(len(needs), 0.25))
@@ -110,29 +118,32 @@ def _compiled(key, law):
         ) from None
     if not isinstance(value, float):
         raise ValueError(f"{name}: returns a {type(value).__name__}; return a float")
+    if key == "damping" and any(v * law(1.0, v, z) < 0 for v in (-1.0, 1.0) for z in (-1.0, 1.0)):
+        raise ValueError(f"{name}: drives the mass; give it the sign of the velocity")
     return law
 
 
 def well_of(force: Callable, rise: Value) -> tuple[float, float, float]:
     """Find saddle and second shape, um, and the energy of the saddle, pJ, of a double well.
 
-    Displacements within REACH times the rise; raises ValueError for a force that is none.
+    The energy is the integral of the force. Raises ValueError for a force that is no such.
     """
-    reach = REACH * float(np.max(rise))
-    x, F = _curve(force, 0.0, reach)
-    falls = np.flatnonzero((F[1:-1] > 0) & (F[2:] <= 0)) + 1
-    rises = np.flatnonzero((F[1:-1] < 0) & (F[2:] >= 0)) + 1
+    x, F = curve(force, rise)
+    falls, rises = (np.flatnonzero((s * F[:-1] > 0) & (s * F[1:] <= 0)) for s in (1.0, -1.0))
+    falls, rises = falls[falls > POINTS], rises[rises > POINTS]
     rises = rises[rises > falls[0]] if falls.size else falls
-    if abs(F[0]) > 1e-9 * abs(F).max() or not rises.size:
+    least = 1e-9 * abs(F).max()
+    if abs(F[POINTS]) > least or F[:POINTS].max() > least or not rises.size:
         needs = "0 at 0, then positive, negative from a saddle on, and positive again"
-        raise ValueError(f"model.laws: force: no double well; make it {needs} below {reach:g} um")
-    around = (_curve(force, *x[i : i + 2]) for i in (falls[0], rises[0]))
-    saddle, second = (float(x[np.argmax(F[1:] * F[0] <= 0) + 1]) for x, F in around)
-    x, F = _curve(force, 0.0, saddle)
-    return saddle, second, float(np.sum((F[1:] + F[:-1]) * np.diff(x)) / 2)
+        needs += f" below {x[-1]:g} um, and nowhere positive below 0"
+        raise ValueError(f"model.laws: force: no double well; make it {needs}")
+    step, i, j = x[POINTS + 1], falls[0], rises[0]
+    saddle, second = (float(x[k] + step * F[k] / (F[k] - F[k + 1])) for k in (i, j))
+    energy = step * (F[POINTS:i].sum() + F[i] / 2) + F[i] * (saddle - x[i]) / 2
+    return saddle, second, float(energy)
 
 
-def _curve(force, low, high):
-    """Displacements in an interval, and the forces there."""
-    x = np.linspace(low, high, POINTS)
-    return x, np.array([force(place) for place in x.tolist()])
+def curve(law: Callable, rise: Value) -> tuple[np.ndarray, np.ndarray]:
+    """Look at a law of one displacement: places, um, up to REACH times the rise, and forces, uN."""
+    x = REACH * float(np.max(rise)) / POINTS * np.arange(-POINTS, POINTS + 1)
+    return x, np.array([law(place) for place in x.tolist()])

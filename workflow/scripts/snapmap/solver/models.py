@@ -15,7 +15,6 @@ from ..beam.cosines import buckling_shapes, symmetric_cosines
 from ..beam.elements import hermite_elements
 from ..beam.equilibria import Barrier, Rest, find_barrier, require_rest, second_shape
 from ..beam.modal import ModalBeam, contact_stiffness, pulse_load, reduce_to_modes
-from ..device.checks import require
 from ..device.device import Device, Value
 from ..files.counting import count
 from .cells import Cells, Observations, no_observations
@@ -110,6 +109,7 @@ class Model:
     def loop(self) -> ModuleType:
         """Its time loop, imported when a run begins: a plan needs no compiler."""
         loop = "plain_loop" if self.name == "reference" else "simd_loop"
+        loop = "external" if self.laws and self.laws.solver else loop
         return import_module(f".{loop}", __package__)
 
     def split(self, device: np.ndarray) -> list[tuple[np.ndarray, "Model"]]:
@@ -300,19 +300,15 @@ def check_options(device: Device, name: str, options: Mapping) -> None:
     if name == "reference" and np.isinf(device.contact).any():
         raise ValueError("device.contact: hard excludes the reference model; write elements")
     if laws := laws_of(options):
-        of_elements, alone = laws.force and "elements" in options, device.is_alone
-        require(
-            np.array(not of_elements),
-            "model.elements: has no effect with a law of the force; leave it out",
-        )
-        stopped = np.any(device.has_stops) and laws.contact
-        require(
-            np.array(not stopped),
-            "device.stops: do not work with a law of the contact; leave them out",
-        )
-        closes = "device.contact_at: does not work with laws; leave it out"
-        require(~np.asarray(device.has_electrode), closes)
-        require(~np.asarray(alone), "model.laws: need a mass; write device.mass")
+        for key, refused in {
+            "model.elements:": laws.force and "elements" in options,
+            "device.stops:": laws.contact and device.has_stops,
+            "device.contact_at:": device.has_electrode,
+            "device.strength:": np.isfinite(device.strength),
+            "device.mass: none": device.is_alone,
+        }.items():
+            if np.any(refused):
+                raise ValueError(f"{key} does not work with these laws; leave it out")
 
 
 def _modes_of_elements(device, basis, name):

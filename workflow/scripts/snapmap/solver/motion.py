@@ -21,8 +21,6 @@ def motion_levels(device: Device, model: Mapping, settings: Settings) -> tuple[F
 
     model: as in a config
     """
-    if model.get("laws"):
-        raise ValueError("model.laws: give no stress; leave device.strength out")
     name = "elements" if model["name"] == "reference" else model["name"]
     return choose_model(device, {**model, "name": name}, settings.start).levels
 

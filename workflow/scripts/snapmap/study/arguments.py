@@ -5,7 +5,7 @@ is handed on of that, so that a number of numpy's or xarray's is one of Python's
 Values of the device, N, f0 and C take their units and ranges from `quantities.csv`.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from typing import Annotated, TypedDict
 
@@ -15,6 +15,7 @@ from ..device.argument import Argument, Flag, integer, is_flag, is_list, number,
 from ..device.device import VALUES, Device
 from ..device.quantities import QUANTITIES, Bounds, bounds_of
 from ..pulse.pulse import DIRECTIONS, SHAPES, Pulse
+from ..solver.laws import by_laws
 from ..solver.options import OPTIONS, ModelOptions
 from ..solver.settings import FIRST, STARTS, UNTIL
 from .study import ANY
@@ -33,7 +34,9 @@ def _are_devices(value):
 
 
 def _is_model(value):
-    return isinstance(value, Mapping) or (isinstance(value, str) and value in OPTIONS)
+    if isinstance(value, str):
+        return value in OPTIONS
+    return isinstance(value, Mapping) or callable(value)
 
 
 def _is_pulse(value):
@@ -79,10 +82,11 @@ Devices = Annotated[
 ]
 SingleDevice = Annotated[Device, Argument("a single Device; load_device reads one", _is_device)]
 Model = Annotated[
-    str | Mapping,
+    str | Mapping | Callable,
     Argument(
-        f"one of {', '.join(OPTIONS)}, or a mapping of name and options, as reference makes",
+        f"one of {', '.join(OPTIONS)}, or what reference makes, or a solver of your own",
         _is_model,
+        lambda value: by_laws({"solver": value}) if callable(value) else value,
     ),
 ]
 Horizon = Annotated[float, number("[0, inf)", "us", "1500")]

@@ -14,10 +14,10 @@ from ..solver.adaptive import TOLERANCE, choose_model
 from ..solver.options import AutoOptions
 from ..solver.outcome import ABSENT, OUTCOMES, count, ended_elsewhere, shares
 from ..study import arguments
-from ..study.axes import NAMES
+from ..study.axes import NAMES, rows_of
 from ..study.study import study_of
 from ..study.variables import dress, flags, variables
-from .grid import follow_grid
+from .grid import follow_rows
 
 LABEL_DISTANCE = 0.01
 """Relative, from a well-posed threshold: so far a label of three cosines, the handout's elements
@@ -81,14 +81,16 @@ def sweep(
         )
     grid = study.set_out(axes)
     built = choose_model(grid.device, study.model, study.settings.start)
-    values = follow_grid(built, grid, study.settings, observers)
+    values = follow_rows(built, rows_of(grid), grid.axes["N"], study.settings, observers)
+    values = {key: column.reshape(grid.shape) for key, column in values.items()}
     return with_summary(as_cube(grid.axes, values, study.document()))
 
 
 def as_cube(axes: Mapping[str, np.ndarray], values: Mapping, document: Mapping) -> xr.Dataset:
     """Make a cube of axes and the values of each variable, in their shape."""
     data = {key: (tuple(axes), values[key]) for key in variables("cube") if key in values}
-    data["t_snap"] = *data["t_snap"], {"label_distance": label_distance(document.get("model", {}))}
+    if distance := label_distance(document.get("model", {})):
+        data["t_snap"] = *data["t_snap"], {"label_distance": distance}
     return dress("cube", xr.Dataset(data, axes), document)
 
 
@@ -122,8 +124,13 @@ def outcome_names(codes: np.ndarray, name: str = "cube") -> np.ndarray:
     return np.array(OUTCOMES)[codes.astype(int)]
 
 
-def label_distance(model: Mapping) -> float:
-    """Tell how far from a well-posed threshold a label of a model can be wrong, relative."""
+def label_distance(model: Mapping) -> float | None:
+    """Tell how far from a well-posed threshold a label of a model can be wrong, relative.
+
+    None is known of laws of a user's own.
+    """
+    if "laws" in model:
+        return None
     if model.get("name") != "auto":
         return LABEL_DISTANCE
     return OVER_TOLERANCE * max(model.get("tolerance", TOLERANCE), TOLERANCE)
@@ -143,7 +150,8 @@ def with_summary(cube: xr.Dataset) -> xr.Dataset:
     if "well_reproduced" in cube:
         apart = ended_elsewhere(cube.well_reproduced, cube.well_share)
         named[ELSEWHERE] = sum(int(block.sum()) for block in _blocks(apart))
-    named[NEAR_CHANGE] = round(sum(map(_near_change(cube), _blocks(cube.t_snap))))
+    if "label_distance" in cube.t_snap.attrs:
+        named[NEAR_CHANGE] = round(sum(map(_near_change(cube), _blocks(cube.t_snap))))
     return cube.assign_attrs(named | shares(counts))
 
 
@@ -177,7 +185,7 @@ def summary(cube: xr.Dataset) -> str:
     facts = [f"{math.floor(1000 * cube.attrs['share_proven']) / 10:g} % proven"]
     if ELSEWHERE in cube.attrs:
         facts.append(f"{cube.attrs[ELSEWHERE]} ended elsewhere with another step")
-    if near := cube.attrs[NEAR_CHANGE]:
+    if near := cube.attrs.get(NEAR_CHANGE):
         distance = 100 * cube.t_snap.attrs["label_distance"]
         facts.append(f"about {near} labels may be wrong, within {distance:g} % of a threshold")
     facts += [f"{number} {name}" for name, number in counts.items() if number or name == "failed"]

@@ -9,7 +9,6 @@ from ..solver.cells import Rows
 from ..solver.models import Follows
 from ..solver.outcome import ABSENT, FAILED, REPEATED_STEP, label, t_snap_error, work_error
 from ..solver.settings import FIRST, Settings
-from ..study.axes import Grid, rows_of
 
 Observers = Sequence[Callable]
 """Each gives more variables of cells: floats by name, for model, cells, observations, settings."""
@@ -19,17 +18,6 @@ ABSENCE = {
     **dict.fromkeys(("agreed", "reproduced", "well_reproduced"), 1),
 }
 """What stands where there is no device; NaN for all others."""
-
-
-def follow_grid(
-    model: Follows, grid: Grid, settings: Settings, observers: Observers = ()
-) -> dict[str, np.ndarray]:
-    """Follow every cell of a grid; returns each variable of a cube in the grid's shape.
-
-    model: of the grid's batch of devices
-    """
-    variables = follow_rows(model, rows_of(grid), grid.axes["N"], settings, observers)
-    return {key: values.reshape(grid.shape) for key, values in variables.items()}
 
 
 def follow_rows(

@@ -111,7 +111,7 @@ def thresholds_of(
     grid, models, columns = _search(study, axes, tolerance, highest)
     rows = rows_of(grid)
     exists = rows.device >= 0
-    columns["N_bound"] += np.nan if models.lawful else 0.0
+    columns["N_bound"][least_amplitudes(models.decides, rows, settings.start) == 0] = np.nan
     N_first, N_latched = columns["N_first"], np.full(exists.size, np.nan)
     first = N_first[exists]
     top = ISLANDS_TO * first if highest is None else highest
@@ -128,7 +128,7 @@ def thresholds_of(
     if np.isfinite(peak).any():
         columns["scale_first"] = N_first * grid.device.gravity[rows.device] / peak[rows.pulse]
     data = _variables(grid, columns) | _limits(grid, models, settings, tolerance)
-    data |= _slow(grid, rows, models.static, settings)
+    data |= _slow(grid, rows, models, settings)
     data["status"] = *data["status"], flags(STATUS)
     data["N_first"] = *data["N_first"], {"comment": COMMENT}
     gravity = float(grid.device.gravity[0])
@@ -339,10 +339,10 @@ def _limits(grid, models, settings, tolerance):
     }
 
 
-def _slow(grid, rows, static, settings):
+def _slow(grid, rows, models, settings):
     """Find for how long devices withstand more than the static threshold; slow thresholds by it."""
     of_C = growth_rate(grid.device, grid.axes["C"][:, np.newaxis]).T
-    of_C = of_C if settings.start == FIRST else np.nan * of_C
+    of_C = np.nan * of_C if models.lawful or settings.start != FIRST else of_C
     rate = np.where((grid.device_of >= 0)[..., np.newaxis], of_C[grid.device_of], np.nan)
     C = np.arange(of_C.shape[1])[:, np.newaxis]
     swings = 1e6 * of_C[rows.device.reshape(grid.shape), C].ravel() / rows.f0
@@ -350,7 +350,7 @@ def _slow(grid, rows, static, settings):
     for number, pulse in enumerate(rows.pulses):
         which = (rows.pulse == number) & (rows.device >= 0) & np.isfinite(swings)
         factor[which] = slow_factor(pulse, swings[which])
-    N = factor * static[rows.device]
+    N = factor * models.static[rows.device]
     of_device = tuple(grid.axes)[: grid.device_of.ndim]
     return {
         "dwell": ((*of_device, "C"), 2 / rate),

@@ -6,7 +6,12 @@ part = "7 Device"
 
 
 def outputs(study):
-    """A file for each device, of several with its name."""
+    """A file for each device, of several with its name; of none that a user's own laws move."""
+    from ...solver.laws import laws_of
+
+    laws = laws_of(study.model)
+    if laws and (laws.force or laws.solver):
+        return {}
     several = len(study.devices()) > 1 or isinstance(study.device, dict)
     names = [f"_{name}" if several else "" for name in study.devices()]
     return {"statics": [f"results/statics{name}.nc" for name in names]}
@@ -30,7 +35,7 @@ def figures(study):
     """A figure for each device."""
     from pathlib import Path
 
-    return {Path(path).stem: {} for path in outputs(study)["statics"]}
+    return {Path(path).stem: {} for path in outputs(study).get("statics", ())}
 
 
 def draw(figures, folder, statics_paths):

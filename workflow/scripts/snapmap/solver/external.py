@@ -1,0 +1,40 @@
+"""Cells followed by a solver of a user's own: a function of one cell."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..device.device import Device
+from ..pulse.pulse import Pulse
+
+
+class Cell(NamedTuple):
+    """What a solver receives: a single device, other columns of `Cells`, `start` of `Settings`."""
+
+    device: Device
+    pulse: Pulse
+    amplitude: float
+    f0: float
+    damping: float
+    t_end: float
+    start: str
+
+    def acceleration(self, t: np.ndarray | float) -> np.ndarray:
+        """Of the frame along +z, um/us^2, at times, us, of any shape."""
+        return self.amplitude * self.pulse.at(np.asarray(self.f0 * t))
+
+
+def march(model, cells, dt, settings):
+    """Follow cells by the solver of `Laws`, as `plain_loop.march` does.
+
+    It takes a `Cell` and a step, us; and returns t_snap, us: None or NaN without a snap, inf where
+    it does not believe its run
+    """
+    t_snap, unknown = np.empty(dt.size), np.full(dt.size, np.nan)
+    for i in range(dt.size):
+        device, pulse, *values = (column[i].item() for column in cells[:-1])
+        alone = model.pick(device).device
+        cell = Cell(alone, cells.pulses[pulse], *values, settings.start)
+        t_snap[i] = model.laws.solver(cell, dt[i].item())
+    lost = np.where(np.isinf(t_snap), np.inf, 0.0)
+    return t_snap, unknown, np.zeros(dt.size, np.int8), lost, unknown, unknown, unknown
