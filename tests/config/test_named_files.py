@@ -156,7 +156,7 @@ def test_a_product_of_another_study_is_named():
         found.assign_attrs(config=json.dumps(other)),
         found.drop_attrs(),
     ):
-        with pytest.raises(ValueError, match=r"^threshold\.nc: is of another study; remove it"):
+        with pytest.raises(ValueError, match=r"^threshold\.nc: belongs to another study;"):
             check_alike(cube, foreign, "threshold.nc")
 
 
@@ -165,5 +165,5 @@ def test_what_never_ends_is_refused(tmp_path, read):
     os.mkfifo(tmp_path / "pipe.csv")
     (tmp_path / "device.csv").symlink_to("/dev/zero")
     for path in tmp_path.iterdir():
-        with pytest.raises(ValueError, match=rf"{path.name}: is no file"):
+        with pytest.raises(ValueError, match=rf"{path.name}: is not a file"):
             read(path)

@@ -96,6 +96,6 @@ def test_a_threshold_is_where_the_sweep_changes(handout):
 
 def test_a_tolerance_that_bars_do_not_keep_is_said(handout):
     asked = {"f0": [1500.0], "C": [25.0], "model": "cosines", "modes": 3, "horizon": 300.0}
-    with pytest.warns(UserWarning, match="tolerance: 1e-05 bounds the refinement alone; .* 1 of 1"):
+    with pytest.warns(UserWarning, match="tolerance: 1e-05 bounds only the refinement; .* 1 of 1"):
         close = snapmap.threshold(handout, **asked, tolerance=1e-5)
     assert close.N_error.item() > 2e-5 * close.N_first.item()

@@ -76,15 +76,15 @@ def threshold(
     """Find the lowest N that snaps the beam, with error bars, over C (uN us/um) and f0 (Hz).
 
     tolerance: relative refinement of N
-    highest: largest N of the search for islands, multiples of g; twice the threshold by default
+    highest: largest N searched for islands, multiples of g; None for twice the threshold
     options: horizon, energy_tolerance, threads, start, pulse, direction, skip,
         device axes, model options
-    The Dataset holds `N_first`, `N_latched` and their errors over (..., C, f0). Clean rows lie on a
-    lattice of relative step `tolerance`: only the digits that `N_error` allows count. `N_static`
-    and `velocity_change` are the limits of slow and short pulses; `N_slow` is the threshold of slow
-    pulses by their `dwell` (us) above N_static. The velocity change of a pulse is `area` N g / f0;
-    `scale_first` is the factor on a record in known units. The words of the status are
-    `numpy.array(found.status.flag_meanings.split())[found.status]`.
+    The Dataset holds `N_first`, `N_latched` and their errors over (..., C, f0). Only the digits
+    that `N_error` allows count, as sharp thresholds lie on a lattice of relative step `tolerance`.
+    `N_static` and `velocity_change` are the limits of slow and short pulses; `N_slow` is the
+    threshold of slow pulses by their `dwell` (us) above N_static. A pulse changes the velocity by
+    `area` N g / f0; `scale_first` is the factor on a record in known units. The words of `status`
+    are `numpy.array(found.status.flag_meanings.split())[found.status]`.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> found = snapmap.threshold(device, [1500], [25], model="cosines", thickness=[1.9, 2.0])
@@ -157,8 +157,8 @@ def warn_of_bars(N: np.ndarray, error: np.ndarray, tolerance: float) -> None:
     wider = bars[bars > 2 * tolerance]
     if tolerance < THRESHOLD_TOLERANCE and wider.size:
         warnings.warn(
-            f"tolerance: {tolerance:g} bounds the refinement alone; with the errors of model and "
-            f"step N_error is wider in {wider.size} of {bars.size} rows, {np.median(wider):.1g} of "
+            f"tolerance: {tolerance:g} bounds only the refinement; errors of model and step make "
+            f"N_error wider in {wider.size} of {bars.size} rows, {np.median(wider):.1g} of "
             "N in the median",
             stacklevel=2,
         )
