@@ -58,7 +58,7 @@ def scipy_snap(device, laws, N, C):
     snaps.terminal = True
     start = np.zeros(2 * n + 2)
     run = solve_ivp(rate, (0, 2000), start, "DOP853", events=snaps, rtol=1e-8, atol=1e-8)
-    return run.t_events[0][0]
+    return next(iter(run.t_events[0]), np.nan)
 
 
 @pytest.mark.parametrize(
@@ -73,7 +73,7 @@ def test_the_examples_move_as_scipy_says(handout, laws, damping, contact, C):
     t_snap = cube.t_snap.item()
     assert t_snap == pytest.approx(scipy_snap(handout, both, 2500.0, C), abs=0.01)
     for without in (replace(both, damping=None), replace(both, contact=None)):
-        assert abs(t_snap - scipy_snap(handout, without, 2500.0, C)) > 0.1
+        assert not abs(t_snap - scipy_snap(handout, without, 2500.0, C)) <= 0.1  # or none
     assert cube.outcome.item() == 2 and cube.reproduced.item() == 1  # open: nothing is proven
 
 
