@@ -75,3 +75,13 @@ def test_slow_thresholds_are_exact_to_1e_4(handout, values):
     asked = np.array([0.01, 0.028]) * own, 25.0, make_pulse(), 1e-6
     found, fine = (threshold(one, *asked) for one in (model, model.with_step(0.2)))
     np.testing.assert_allclose(found, fine, rtol=1e-4)
+
+
+def test_a_slow_pulse_presses_a_mass_on_a_stiff_spring_across_its_gap_up_to_the_static_limit(
+    handout,
+):
+    device = replace(handout, gap=1.0, spring=20.0)
+    f0 = 0.01 * device.own_frequency / (2 * np.pi) * 1e6
+    model = build_model(device, "cosines", modes=3)
+    found = threshold(model, f0, 25.0, make_pulse(), 1e-4)
+    np.testing.assert_allclose(found, static_threshold(device), rtol=1e-3)
