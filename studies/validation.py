@@ -41,7 +41,7 @@ out. Differences are relative. This command prints the part before [Other codes]
 **No measured device has been compared.** A comparison needs
 
 - dimensions as made, and the beam's first frequency before assembly;
-- mass, spring, gap and gas pressure;
+- mass, spring, gap, gas pressure;
 - the acceleration at the die, and how many shocks of each level snap the device.
 
 ## Statics of the curved beam

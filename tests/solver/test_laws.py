@@ -184,7 +184,7 @@ def test_a_config_names_a_file_of_laws(root, tmp_path, monkeypatch):
     edited = load_config(config)
     assert study.inputs() != edited.inputs()
     assert study.files()["mylaws.py"] == study.model["sha256"] != edited.model["sha256"]
-    with pytest.raises(ConfigError, match=r"^model\.laws: not an option of auto"):
+    with pytest.raises(ConfigError, match=r"^model\.laws: is not an option of auto"):
         load_config(config | {"model": {"name": "auto", "laws": "mylaws.py"}})
     with pytest.raises(ConfigError, match=r"^tolerances: does not work with model"):
         load_config(config | {"tolerances": {"thickness": "1 %"}})

@@ -9,8 +9,30 @@ import snapmap
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
-from snapmap.thresholds.search import amplitudes, asker, near, refine, walk
-from snapmap.thresholds.survey import CLOSE_STEP
+from snapmap.thresholds.search import (
+    Seen,
+    Window,
+    amplitudes,
+    around,
+    asker,
+    joined,
+    near,
+    refine,
+    scan,
+    stretches,
+    walk,
+)
+from snapmap.thresholds.survey import (
+    CLEAN_REACH,
+    CLOSE_STEP,
+    RAGGED_REACH,
+    RAGGED_STEP,
+    decide,
+    find_islands,
+    first_seen,
+    island_limits,
+    scan_ragged,
+)
 from snapmap.thresholds.survey import distance as distance_to
 
 
@@ -48,6 +70,74 @@ def test_amplitudes_reach_both_ends_in_even_steps():
     ratios = N[0, 1:-1] / N[0, :-2]
     np.testing.assert_allclose(ratios[np.isfinite(ratios)], 1.1)
     assert N[1, 0] == 2.0 and np.isnan(N[1, 1:]).all() and np.isnan(N[2]).all()
+
+
+ISLANDS = np.array([[1.0, 1.02], [1.1, 1.2], [1.5, 9.0]])
+
+
+def surveyed(coarse, fine, highest=None):
+    """N_first, N_always and islands of one row and one that never snaps, for two given levels."""
+
+    def asking(level):
+        stretches = np.array([level, np.full((3, 2), np.inf)])
+
+        def ask(N, rows=slice(None)):
+            low, high = (stretches[rows][:, np.newaxis, :, end] for end in (0, 1))
+            return told(((low <= N[..., np.newaxis]) & (N[..., np.newaxis] <= high)).any(axis=2))
+
+        return ask
+
+    wide = np.tile(np.geomspace(0.1, 8.0, 200), (2, 1))
+    rough, _ = first_seen(asking(coarse), wide, np.full(2, 0.01))
+    limits = island_limits(rough, None, highest, np.zeros(2, bool))
+    window, ragged = find_islands(asking(coarse), limits)
+
+    def closely(low, high):
+        close = Window(low / CLEAN_REACH, high * CLEAN_REACH, np.full(low.size, CLOSE_STEP))
+        return Seen(*scan(asking(fine), close.N), close.low, close.high)
+
+    seen, clean = decide(asking(fine), closely, window, ragged)
+    window = around(limits, window.low, window.high, RAGGED_REACH, RAGGED_STEP).of(~clean)
+    scanned, _ = scan_ragged(asking(fine), [asking(coarse)], window, seen.of(~clean))
+    edges, open_end = joined(seen.of(clean).edges, scanned.edges), ~clean & ~scanned.ends
+    row, *ends, rising = edges
+    low, high = refine(lambda N: asking(fine)(N, row), *ends, 1e-6, rising)
+    edges = edges._replace(low=low, high=high)
+    return stretches(edges, open_end)
+
+
+def test_islands_are_found_and_their_ends_refined():
+    N_first, N_always, (start, end) = surveyed(ISLANDS, ISLANDS)
+    np.testing.assert_allclose(N_first, [1.0, np.nan], rtol=2e-6)
+    np.testing.assert_allclose(N_always, [1.5, np.nan], rtol=2e-6)
+    np.testing.assert_allclose(start, [[1.0, 1.1], [np.nan] * 2], rtol=2e-6)
+    np.testing.assert_allclose(end, [[1.02, 1.2], [np.nan] * 2], rtol=2e-6)
+
+
+def test_the_deciding_level_looks_farther_where_the_scanning_one_was_wrong():
+    simple = np.array([[1.03, 9.0]] * 3)
+    double = np.array([[1.0, 1.02], [1.05, 9.0], [1.05, 9.0]])
+    N_first, N_always, (start, end) = surveyed(simple, double)
+    found = [N_first[0], N_always[0], start[0, 0], end[0, 0]]
+    np.testing.assert_allclose(found, [1.0, 1.05, 1.0, 1.02], rtol=2e-6)
+
+
+def test_islands_that_two_looks_see_are_told_once():
+    """The edge that is looked at closely lies at an end of the window of the cheapest level."""
+    simple = np.array([[1.0, 9.0]] * 3)
+    for ends in ([0.9965, 0.998, 1.015, 1.03, 1.032], [0.975, 0.977, 0.985, 1.001, 1.0015]):
+        fine = np.reshape([*ends, 9.0], (3, 2))
+        N_first, N_always, (start, end) = surveyed(simple, fine)
+        found = [N_first[0], N_always[0], *start[0], *end[0]]
+        exact = [ends[0], ends[4], ends[0], ends[2], ends[1], ends[3]]
+        np.testing.assert_allclose(found, exact, rtol=2e-6)
+
+
+def test_what_snaps_only_below_the_highest_amplitude_is_an_island():
+    closed = np.array([[1.0, 1.4]] * 3)
+    N_first, N_always, (start, end) = surveyed(closed, closed, highest=1.8)
+    np.testing.assert_allclose([N_first[0], start[0, 0], end[0, 0]], [1.0, 1.0, 1.4], rtol=2e-6)
+    assert np.isnan(N_always).all()
 
 
 def test_the_distance_to_another_level_is_bracketed():

@@ -34,7 +34,7 @@ def collect_slabs(
     slabs = open_slabs(paths)
     axes = {key: np.asarray(values) for key, values in axes.items()}
     faults = [
-        f"grid: no slab has {key} = {value}; run again"
+        f"grid: {key} = {value} is in no slab; run again"
         for key, values in axes.items()
         for value in values[~np.isin(values, slabs[key].values)]
     ]
@@ -78,7 +78,9 @@ def open_slabs(paths: Sequence[str | Path]) -> xr.Dataset:
     except ValueError as error:
         raise ValueError(f"hole in the grid of slabs: {' '.join(str(error).split())}") from None
     if cells != cube.outcome.size:
-        raise ValueError(f"grid: {cube.outcome.size} cells, but its slabs have {cells}")
+        raise ValueError(
+            f"grid: {cells} cells are in its slabs, not {cube.outcome.size}; remove them"
+        )
     return cube
 
 

@@ -191,7 +191,7 @@ def check_ranges(unknowns: Mapping, C: float | None, device: Device) -> None:
     device: which has a second stable shape at their ends, too
     """
     if not 1 <= len(unknowns) <= MOST:
-        raise ValueError(f"unknowns: {len(unknowns)} are not 1 to {MOST}; write so many")
+        raise ValueError(f"unknowns: has {len(unknowns)} values; write 1 to {MOST}")
     for key, ends in unknowns.items():
         pair, within = numbers(ends), QUANTITIES[key].range
         if pair is None or pair.shape != (2,):

@@ -15,7 +15,7 @@ from ...solver.outcome import FAILED, OUTCOMES, label
 from ...solver.settings import THRESHOLD_TOLERANCE
 from ...study.axes import rows_of
 from ...study.study import ANY, Study, of_requirement
-from ...thresholds.surface import thresholds_of
+from ...thresholds.surface import first_snaps
 from .corners import MET, UNCLEAR, VIOLATED, Verdict, beyond, corner_text
 
 LEVELS = {"random": " g rms", "spectrum": " times it"}
@@ -78,7 +78,7 @@ def each_device(
 def _verdicts(study, name, required, C, tolerance):
     N, f0, settings = required["N"], required["f0"], study.settings
     axes, must = {"C": C, "f0": [f0]}, required["snaps"]
-    thresholds, grid = thresholds_of(study, axes, tolerance), study.set_out(axes)
+    thresholds, grid = first_snaps(study, axes, tolerance), study.set_out(axes)
     cells = rows_of(grid).cells(grid.device, N, settings.horizon)
     model = choose_model(grid.device, study.model, settings.start)
     observed = model.follow(cells, settings)

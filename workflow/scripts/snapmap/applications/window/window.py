@@ -16,7 +16,7 @@ from ...study.axes import TEMPERATURE, Units, rows_of
 from ...study.study import ANY, SNAPS, THRESHOLD_SETTINGS, Study, of_requirement
 from ...study.variables import dress
 from ...thresholds.population import Batch, choose_levels
-from ...thresholds.surface import thresholds_of
+from ...thresholds.surface import first_snaps
 from ...thresholds.survey import NOTHING_SNAPS
 from .between import FAR, between, least_reserve, reserves_between
 
@@ -44,7 +44,7 @@ def window_of(
             single = replace(shaken, shocks=shocks)
             pulse = shocks.pulses[0].pieces.tobytes(), shaken.settings, f0
             if pulse not in thresholds:
-                surface = thresholds_of(single, {**axes, "f0": [f0]})
+                surface = first_snaps(single, {**axes, "f0": [f0]})
                 thresholds[pulse] = surface.squeeze("f0", drop=True)
             under.append(_under_shock(single, axes, required, thresholds[pulse]))
         windows.append(_worst(under))
