@@ -35,6 +35,8 @@ def devices():
     [pytest.param("all modes", marks=pytest.mark.long), "elements", "cosines", "auto"],
 )
 def test_a_batch_is_each_of_its_devices(devices, name):
+    if name in ("elements", "auto"):  # with the tilting modes of free ones kernels take a minute
+        devices = [device for device in devices if not device.beam.free]
     if name == "all modes":  # its modes depend on the contact
         devices = [device for device in devices if np.isfinite(device.contact)]
     together, settings = choose_model(batch(devices), MODELS[name]), Settings(horizon=200.0)
