@@ -182,6 +182,9 @@ ODD = (
     ({"sweep_thickness": ["2 um", "0.1 um"]}, ["span/thickness = 6000"]),
     ({"device_quality_factor": None, "sweep_C": ["0 kg/s", "0.025 kg/s"]}, ["C = 25000"]),
     ({"sweep_f0": ["1500 MHz"]}, ["f0 from 1500000000 Hz"]),
+    ({"device_stops": {"toward": "5 um"}}, ["device: stops.toward: 5 um is within the gap"]),
+    ({"device_stops": {"toward": "18 um"}}, ["device: stops.toward: 18 um stops the mass before"]),
+    ({"device_stops": {"toward": "19 um"}}, []),
 )
 
 

@@ -2,11 +2,9 @@
 
 import json
 import os
-import re
 import runpy
 import subprocess
 import sys
-import zlib
 
 import draw
 import numpy as np
@@ -129,13 +127,8 @@ def test_a_saved_figure_has_fonts_and_facts_and_repeats_byte_for_byte(tmp_path):
         files.append([(tmp_path / f"{name}.{kind}").read_bytes() for kind in ("pdf", "png")])
     assert files[0] == files[1]
     pdf = files[0][0]
-    assert all(
-        part in pdf for part in (b"/FontFile2", b"/Title (A title)", b"/Creator (0.1.0+abc)")
-    )
-    streams = re.findall(rb"(?<=stream\n)x.*?(?=\nendstream)", pdf, re.S)
-    fonts = [data for data in map(zlib.decompress, streams) if data.startswith(b"\0\1\0\0")]
-    assert fonts and all(b"glyf" in font[:400] for font in fonts)
-    assert not any(name in font[:400] for font in fonts for name in (b"GPOS", b"GSUB", b"GDEF"))
+    facts = b"/FontFile2", b"/Title (A title)", b"/Creator (0.1.0+abc)"
+    assert all(fact in pdf for fact in facts)
     assert b"1.5 ms" in pdf and b"/Type3" not in pdf and b"Date" not in pdf
     with Image.open(tmp_path / "first.png") as image:
         assert image.size[0] == 2100
@@ -155,14 +148,8 @@ def test_the_picture_of_the_first_page_has_the_numbers_of_the_table(root):
     assert len(ax.lines) == len(picture["SHOWN"]) == 4
 
 
-def test_the_pictures_of_pages_are_small_and_in_few_colours(root, tmp_path):
+def test_the_pictures_of_pages_are_few_and_small(root):
     pictures = runpy.run_path(str(root / "docs" / "make_pictures.py"))
-    figure = style.single_column(height=4)
-    figure.subplots().plot([0, 1], color="C1")
-    figure.savefig(tmp_path / "large.png", dpi=600)
-    pictures["reduce_colours"](tmp_path / "large.png", tmp_path / "small.png")
-    with Image.open(tmp_path / "small.png") as image:
-        assert image.mode == "P" and max(image.size) == pictures["WIDTH"]
     names = {path.stem for path in (root / "docs" / "pictures").glob("*.png")}
     assert names == {"map", *pictures["GALLERY"]} and len(names) <= 6
     assert all(p.stat().st_size <= 100_000 for p in (root / "docs" / "pictures").iterdir())

@@ -1,7 +1,6 @@
 """Numbers of numpy's and xarray's in calls: each is one of Python's behind the door."""
 
 import inspect
-import itertools
 import json
 
 import numpy as np
@@ -9,9 +8,10 @@ import pytest
 import xarray as xr
 
 import snapmap
-from snapmap.public import checked, options_of
+from snapmap.device.argument import argument_of
+from snapmap.public import options_of
 from snapmap.pulse.shocks import make_shocks
-from snapmap.solver.options import OPTIONS
+from snapmap.solver.options import OF_MODEL
 
 WHOLE = (np.int64, np.int32, lambda number: np.array(int(number)))
 KINDS = (*WHOLE, np.float32, np.float64, np.array, xr.DataArray)
@@ -40,29 +40,10 @@ NO_NUMBERS = {
 def arguments_of(name):
     """What a function takes, with its options and those of its models."""
     named = inspect.signature(getattr(snapmap, name)).parameters
-    of_models = itertools.chain(*OPTIONS.values()) if "model" in named else ()
-    return {*named, *options_of(getattr(snapmap, name)), *of_models} - {"options"}
-
-
-def model_of(key):
-    return next((name for name, options in OPTIONS.items() if key in options), "auto")
-
-
-def taken(name, key, value):
-    """What the function is called with in place of a value."""
-    signature = inspect.signature(getattr(snapmap, name).__wrapped__)
-    is_of_model = key not in (*signature.parameters, *options_of(getattr(snapmap, name)))
-
-    def double(**named):
-        return named["model"] if is_of_model else named
-
-    parameters = [
-        each.replace(default=None) if each.default is each.empty and key != "options" else each
-        for key, each in signature.parameters.items()
-    ]
-    double.__name__, double.__signature__ = name, signature.replace(parameters=parameters)
-    model = {"model": model_of(key)} if is_of_model else {}
-    return checked(double)(**model, **{key: value})[key]
+    taken = {key: one.annotation for key, one in named.items() if key != "options"}
+    arguments = {key: argument_of(taken[key]) for key in taken}
+    of_models = OF_MODEL if "model" in named else {}
+    return of_models | arguments | options_of(getattr(snapmap, name))
 
 
 def converted(value, kind):
@@ -97,10 +78,11 @@ FUNCTIONS = [
 
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_each_numeric_argument_of_each_function_takes_each_kind(name):
-    for key in arguments_of(name) - NO_NUMBERS:
+    arguments = arguments_of(name)
+    for key in arguments.keys() - NO_NUMBERS:
         right = RIGHT.get(key, 2.0)
         for value in kinds_of(right):
-            behind = taken(name, key, value)
+            behind = arguments[key].take(key, value)
             if isinstance(behind, np.ndarray):
                 assert behind.dtype == float and type(behind) is np.ndarray
                 behind = behind.tolist() if np.ndim(right) else behind.item()
@@ -110,7 +92,7 @@ def test_each_numeric_argument_of_each_function_takes_each_kind(name):
 
 def test_a_row_is_an_array_of_floats():
     for kind in SEVERAL:
-        behind = taken("sweep", "f0", kind([500.0, 1500.0]))
+        behind = arguments_of("sweep")["f0"].take("f0", kind([500.0, 1500.0]))
         assert behind.dtype == float and behind.tolist() == [500.0, 1500.0]
 
 

@@ -1,6 +1,5 @@
 """The functions of the package: what there is, and what a wrong call says."""
 
-import contextlib
 import doctest
 import inspect
 import itertools
@@ -193,19 +192,6 @@ def test_what_is_missing_or_there_twice_is_named(right_calls):
 
 def test_a_function_can_be_sent_to_other_processes():
     assert pickle.loads(pickle.dumps(snapmap.sweep)) is snapmap.sweep
-
-
-def test_cells_are_counted_under_the_name_of_the_function(handout, monkeypatch, root):
-    names = []
-
-    def count_of(name):
-        names.append(name)
-        return contextlib.nullcontext()
-
-    monkeypatch.setattr("snapmap.public.counting", count_of)
-    snapmap.load_device(root / "config/config.yaml")
-    snapmap.simulate(handout, **SINGLE, **CHEAP)
-    assert names == ["simulate"]
 
 
 def test_a_map_has_two_axes(right_calls):

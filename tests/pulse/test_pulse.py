@@ -9,10 +9,7 @@ from conserving_loop import assert_followed
 from scipy.interpolate import CubicSpline
 
 import snapmap
-from snapmap.pulse.pulse import SHAPES, make_pulse, sampled, table
-from snapmap.solver.kernel import rows as R
-from snapmap.solver.kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
-from snapmap.solver.kernel.rows import LANES
+from snapmap.pulse.pulse import SHAPES, make_pulse, sampled
 from snapmap.solver.models import build_model
 
 FORMS = {
@@ -34,28 +31,6 @@ def test_shapes_are_what_their_names_say(shape):
     back = pulse.reversed()
     assert back.area == -pulse.area and back.highest == 0
     assert pulse.ends == (0.0, 1.0 if shape == "sawtooth" else 0.0)
-
-
-@pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("x_step", [1e-4, 0.0031, 0.047])
-def test_the_kernel_sets_a_pulse_out_as_it_is(shape, x_step):
-    """Every step of every block; with a jump the sum over steps stays the area."""
-    X, pulse = np.zeros((R.VECTORS + 40) * LANES), make_pulse(shape)
-    shocks, state, pulses = np.zeros(BLOCK * LANES), no_pulse(), table([pulse])
-    X[R.AMPLITUDE * LANES :][:LANES] = 1.0
-    begin_pulse(X, 3, state, pulses, 0, x_step)
-    found = []
-    for block in range(int(1 / x_step / BLOCK) + 2):
-        state.steps[:] = block * BLOCK
-        set_out(X, shocks, state, pulses)
-        found.append(shocks.reshape(-1, LANES).copy())
-    found = np.concatenate(found)
-    assert not np.delete(found, 3, axis=1).any()
-    x = x_step * np.arange(len(found))
-    smooth = abs(x - 1) > x_step
-    np.testing.assert_allclose(found[smooth, 3], pulse.at(x)[smooth], atol=1e-11)
-    kinks = {"versed sine": x_step, "sawtooth": 0.3, "half sine": 0.6, "trapezoid": 3.0}
-    assert abs(found[:, 3].sum() * x_step - pulse.area) < kinks[shape] * x_step**2 + 1e-11
 
 
 def test_short_pulses_trip_by_their_velocity_change(handout):

@@ -23,9 +23,9 @@ MODELS = {
 
 @pytest.fixture(scope="module")
 def devices():
-    """Devices at random, of which some have a hard contact and some a damped beam."""
+    """Devices at random: uneven, free to tilt, with stops, a hard contact or a damped beam."""
     draw = np.random.default_rng(11)
-    drawn = [draw_widest_device(draw) for _ in range(6)]
+    drawn = [draw_widest_device(draw) for _ in range(5)]
     damped = [dataclasses.replace(one.beam, damping=4e-4 * (i % 2)) for i, one in enumerate(drawn)]
     return [dataclasses.replace(one, beam=own) for one, own in zip(drawn, damped, strict=True)]
 
@@ -35,6 +35,8 @@ def devices():
     [pytest.param("all modes", marks=pytest.mark.long), "elements", "cosines", "auto"],
 )
 def test_a_batch_is_each_of_its_devices(devices, name):
+    if name in ("elements", "auto"):  # with the tilting modes of free ones kernels take a minute
+        devices = [device for device in devices if not device.beam.free]
     if name == "all modes":  # its modes depend on the contact
         devices = [device for device in devices if np.isfinite(device.contact)]
     together, settings = choose_model(batch(devices), MODELS[name]), Settings(horizon=200.0)

@@ -25,7 +25,7 @@ ringing = replace(device, beam=damped)
 chaotic = {"N": linear(1100, 2350, 6), "f0": geometric(700, 5000, 4), "C": [0.025]}
 
 
-def sweep(model, **options):
+def sweep(model, device=device, **options):
     return snapmap.sweep(device, **chaotic, model=model, **options)
 
 
@@ -34,7 +34,7 @@ products = {
     "elements": lambda: sweep("elements", elements=2),
     "reference": lambda: sweep("reference", elements=2),
     "history": lambda: snapmap.simulate(device, 2200.0, 1000.0, 0.025, model="cosines", modes=3),
-    "quality": lambda: snapmap.simulate(ringing, 900.0, 2e4, 2.5, model="cosines", modes=3),
+    "quality": lambda: sweep("cosines", ringing, modes=3),
     "threshold": lambda: snapmap.threshold(device, [1500.0, 6000.0], [0.025], model="cosines"),
 }
 for name in names or products:

@@ -69,3 +69,9 @@ def test_the_handouts_own_question(handout):
     unloaded = system._replace(load=np.zeros(9))
     t_snap, *_ = follow(unloaded, curve, 1000 * G, 1.5e-3, 0.025, w2, dt, steps, none)
     assert np.isnan(t_snap)
+
+
+def test_the_ledger_closes_to_second_order_while_the_contact_holds_energy(handout):
+    runs = (march(handout, 800.0, 1.5e-3, 25.0, dt, 300.0)[2] for dt in (0.03, 0.015))
+    errors = [error for _, error, _ in runs]
+    assert errors[0] < 1e-7 and errors[0] / errors[1] == pytest.approx(4, rel=0.1)

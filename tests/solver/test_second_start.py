@@ -13,6 +13,7 @@ from snapmap.applications.datasheet.datasheet import reset_force
 from snapmap.applications.requirements import shocks_of
 from snapmap.applications.requirements.check import check
 from snapmap.beam.limit_loads import static_threshold
+from snapmap.beam.modal import contact_stiffness
 from snapmap.config.study import load_config
 from snapmap.device.device import batch
 from snapmap.pulse.shocks import make_shocks
@@ -21,7 +22,6 @@ from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
 from snapmap.study.study import Study
-from studies.scipy_solver import compile_rate
 
 BACK = {"start": "second", "direction": "-z"}
 CHEAP = {"model": "cosines", "modes": 3}
@@ -59,21 +59,36 @@ def test_the_reset_force_is_the_closed_form(handout):
 def test_the_models_and_scipy_agree(handout):
     """With its mass, by the beam's own inertia: -z from the second shape."""
     model = build_model(handout, "cosines", modes=3).with_step(0.25)
-    rate, w = compile_rate(handout, model.modal)
     given = {"N": 5.5e4, "f0": 2e4, "C": 25.0}
-    snap = {"atol": 1e-9, "rtol": 1e-9, "events": lambda t, x, *_: w(x)}
+    form, mass = model.modal, handout.mass
+    stiffness = contact_stiffness(handout, form.residual)
+
+    def press(x):
+        return stiffness * max(0.0, form.midpoint @ x[:3] - x[3])
+
+    def rate(t, x):
+        p, P = x[:3], press(x)
+        a = -given["N"] * handout.gravity / 2 * (1 - np.cos(2 * np.pi * 2e-2 * t))
+        slope = form.geometric @ p + form.slope_start
+        axial = -form.axial * p @ (slope + form.slope_start)
+        of_beam = axial * slope - form.stiffness * p - form.load * a - form.midpoint * P
+        of_mass = (P - handout.spring * x[3] - given["C"] * x[7]) / mass - a
+        return np.concatenate([x[4:], of_beam, [of_mass]])
+
+    snap = {"events": lambda t, x: form.midpoint @ x[:3] - form.residual * press(x)}
     start = np.append(model.second.modes, np.zeros(5))
-    load = -given["N"] * handout.gravity, 2e-2, given["C"]
-    exact = solve_ivp(rate, (0, 50), start, "DOP853", args=load, **snap).t_events[0][0]
+    run = solve_ivp(rate, (0, 50), start, "DOP853", rtol=1e-9, atol=1e-9, **snap)
+    exact = run.t_events[0][0]
     cells = to_rows(0, 2e4, 25.0).cells(handout, -given["N"], 0.0)
     found = model.follow(cells, Settings(0.0, "snap", start="second"))
     assert found.t_snap.item() == pytest.approx(exact, rel=1e-5)
     asked = {key: [value] for key, value in given.items()} | {"until": "snap"} | BACK
+    asked["elements"] = 3
     fast, slow = (snapmap.sweep(handout, **asked, model=name) for name in ("elements", "reference"))
     assert slow.t_snap.item() == pytest.approx(fast.t_snap.item(), rel=1e-3)
 
 
-@pytest.mark.parametrize("model", ["reference", "elements", "cosines"])
+@pytest.mark.parametrize("model", ["reference", "cosines"])
 def test_without_a_shock_it_stays(handout, model):
     run = snapmap.simulate(handout, 0.0, 2e4, 25.0, model=model, horizon=100.0, start="second")
     assert abs(run.w_mid - handout.beam.second_equilibrium).max() < 1e-3

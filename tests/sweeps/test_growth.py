@@ -13,7 +13,7 @@ from snapmap.config.study import load_config
 from snapmap.solver.cells import to_cells
 from snapmap.solver.cost import steps_and_seconds
 from snapmap.solver.models import build_model
-from snapmap.sweeps import plan, slabs
+from snapmap.sweeps import plan
 from snapmap.sweeps.collect import collect_slabs
 from snapmap.sweeps.cube import sweep
 from snapmap.sweeps.grid import follow_rows
@@ -149,19 +149,3 @@ def test_slabs_of_other_code_and_broken_ones_are_not_used(tmp_path, monkeypatch)
     followed.clear()
     written = write_all(new, tmp_path, "one")[1]
     assert sum(followed) == written > 0
-
-
-def test_only_slabs_that_share_cells_are_read_whole(tmp_path, monkeypatch):
-    """A study of many slabs would else read each of them for each."""
-    small, beside, grown = (study([800.0], f0) for f0 in ([500.0], [900.0], [500.0, 700.0]))
-    for whole in (small, beside):
-        (slab,) = make_plan(whole.grid, whole.model, whole.settings).slabs
-        write_slab(whole, slab, tmp_path / f"{slab_name(whole, slab)}.nc")
-    (slab,) = make_plan(grown.grid, grown.model, grown.settings).slabs
-    opened = []
-    monkeypatch.setattr(slabs, "is_whole", lambda path: opened.append(path) or True)
-    path = tmp_path / f"{slab_name(grown, slab)}.nc"
-    _, known = slabs.recall(path, slab, "", same_N=False)
-    (name,) = {read.stem for read in opened}
-    assert known.ravel().tolist() == [True, False]
-    assert name == slab_name(small, {**slab, "f0": (500.0,)})

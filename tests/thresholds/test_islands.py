@@ -6,7 +6,7 @@ import pytest
 import snapmap
 from snapmap.device.device import Beam, Device, batch
 from snapmap.pulse.pulse import make_pulse
-from snapmap.solver.adaptive import UNCOMPARED, _near_changes, build_adaptive
+from snapmap.solver.adaptive import UNCOMPARED
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
@@ -26,7 +26,10 @@ THERE = {"start": "first", "pulse": make_pulse(), "horizon": 1500.0}
     ("device", "f0", "C", "how", "N"),
     [
         (MEASURED, 5e4, 139.7, BACK, np.linspace(185e3, 285e3, 21)),
-        (TILTED, 9e3, 25.0, THERE, np.linspace(1041.0, 1131.0, 46)),
+        # Of 22 modes the kernel takes most of a minute to compile.
+        pytest.param(
+            *(TILTED, 9e3, 25.0, THERE, np.linspace(1041.0, 1131.0, 46)), marks=pytest.mark.long
+        ),
     ],
 )
 def test_maps_and_thresholds_have_the_islands_of_eleven_cosines(device, f0, C, how, N):
@@ -50,29 +53,3 @@ def test_maps_and_thresholds_have_the_islands_of_eleven_cosines(device, f0, C, h
     first = finer[np.argmax(snapped)]
     assert found.ragged and not snapped[0] and snapped.any()
     assert abs(found.N_first - first) <= found.N_error < 0.02 * first
-
-
-def test_a_device_alone_has_the_levels_that_it_has_among_others(handout):
-    """Five cosines label the device with a fourth cosine, three the other, in one batch."""
-    uneven = batch([handout]).vary({"cosine_4": np.array([0.02])}).pick(0)
-    both = build_adaptive(batch([handout, uneven]))
-    modes = [
-        [one.split(np.array([i])) for one in (both.base, both.check, both.top)] for i in (0, 1)
-    ]
-    assert [[m.modes for parts in one for mine, m in parts if mine.any()] for one in modes] == [
-        [3, 5, 11],
-        [5, 7, 11],
-    ]
-    assert both.pick(0).base.modes == 3 and both.pick(1).base.modes == 5
-
-
-def test_finer_levels_look_near_changes_and_far_around_them_in_ragged_rows():
-    N = np.linspace(1000.0, 1100.0, 101)
-    base = np.stack([N >= 1050, N >= 1050])
-    known = base.copy()
-    clean = _near_changes(np.stack([N, N]), base, known)
-    assert N[clean[0]].tolist() == [1034, 1042, 1046, 1048, 1049, 1050, 1051, 1053, 1057, 1065]
-    known[1, N == 1046] = True
-    ragged = _near_changes(np.stack([N, N]), base, known)[1]
-    assert N[ragged][0] <= 1046 / 1.029 and N[ragged][-1] >= 1050 * 1.029
-    assert (np.diff(np.flatnonzero(ragged)) == 1).all()

@@ -5,7 +5,6 @@ import math
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 import snapmap
 from snapmap.pulse.pulse import make_pulse, sampled
@@ -48,36 +47,6 @@ def test_a_versed_sine_follows_its_closed_form_and_any_smooth_pulse_its_curvatur
     assert slow_factor(make_pulse("trapezoid"), SWINGS[:2]) == pytest.approx(np.ones(2), abs=1e-12)
     for pulse in (make_pulse("sawtooth"), make_pulse().reversed()):
         assert np.isnan(slow_factor(pulse, SWINGS)).all()
-
-
-@pytest.mark.parametrize("C", [0.0, 0.4])
-def test_a_mass_before_a_sharp_corner_spends_less_time_above_it(C):
-    """M y'' + C y' + (k or -kappa) y = a: the excess is |a''|/2a (1/sigma^2 + C^2/k^2 - 2M/k)."""
-    M, kappa, k = 1.0, 1.0, 8.0
-    sigma = (-C + math.sqrt(C * C + 4 * M * kappa)) / (2 * M)
-    rate = 0.02 * sigma / math.pi
-    expected = (math.pi * rate) ** 2 * (1 / sigma**2 + C * C / k**2 - 2 * M / k)
-
-    def snaps(excess):
-        def accelerate(t, state):
-            y, v = state
-            load = (1 + excess) * (1 - math.cos(2 * math.pi * rate * t)) / 2 - 1
-            return v, (load - C * v + (kappa if y > 0 else -k) * y) / M
-
-        # Without a ring: the load and its two derivatives there.
-        phase, height = 0.7 * math.pi, (1 + excess) / 2
-        load = height * (1 - math.cos(phase)) - 1
-        first = height * 2 * math.pi * rate * math.sin(phase)
-        second = height * (2 * math.pi * rate) ** 2 * math.cos(phase)
-        state = (load - C * first / k - M * second / k) / k, (first - C * second / k) / k
-        run = solve_ivp(accelerate, (0.35 / rate, 0.65 / rate), state, rtol=1e-10, atol=1e-12)
-        return run.y[0].max() > 0.1
-
-    low, high = 0.5 * expected, 2 * expected
-    for _ in range(12):
-        middle = (low + high) / 2
-        low, high = (low, middle) if snaps(middle) else (middle, high)
-    assert high == pytest.approx(expected, rel=0.02)
 
 
 def test_thresholds_of_slow_pulses_are_those_of_the_dwell(handout):

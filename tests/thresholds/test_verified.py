@@ -11,7 +11,7 @@ from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
 from snapmap.thresholds import surface
 from snapmap.thresholds.search import nearby
-from snapmap.thresholds.verified import Expected, fill, surfaces
+from snapmap.thresholds.verified import Expected, fill
 
 AXES = [linear(1.0, 3.0, 21), linear(-1.0, 1.0, 16)]
 
@@ -49,20 +49,6 @@ def test_unclean_rows_and_those_beyond_a_jump_are_searched():
     searched, verified = filled(jump * (5 + x * y), ~unclean)
     assert set(np.flatnonzero(unclean)) <= set(searched)
     assert len(verified) > x.size / 2
-
-
-def test_surfaces_hold_each_row_once_by_ascending_values():
-    axes = {
-        "thickness": linear(2.2, 1.8, 9)[::-1],
-        "direction": np.array(["+z", "-z"]),
-        "C": np.array([25.0, 0.0]),
-        "f0": np.array([900.0, *linear(100.0, 800.0, 8)]),
-    }
-    rows = np.arange(9 * 2 * 2 * 9).reshape(9, 2, 2, 9)
-    (slow, along), (fast, over) = surfaces(axes, rows, axes["f0"] < 850)
-    assert slow.shape == (4, 9, 8) and fast.shape == (4, 9)
-    assert sorted([*slow.ravel(), *fast.ravel()]) == list(range(rows.size))
-    assert all((np.diff(values) > 0).all() for values in (*along, *over))
 
 
 def test_a_threshold_near_a_guess_does_not_depend_on_it(handout):

@@ -18,7 +18,8 @@ from snapmap.study.study import Study
 
 @pytest.fixture(scope="module")
 def brittle(handout):
-    return replace(handout, strength=1500.0)
+    """Of a Weibull strength, of which 63 % break at 1500 MPa."""
+    return replace(handout, strength=1300.0, strength_threshold=200.0, strength_modulus=8.0)
 
 
 @pytest.fixture(scope="module")
