@@ -31,7 +31,7 @@ from snapmap.config.study import load_config
 from snapmap.config.yaml_file import read_document
 from snapmap.device.device import VALUES
 from snapmap.study.study import THRESHOLD_SETTINGS
-from snapmap.sweeps.plan import SHARED_SECONDS, make_plan
+from snapmap.workflow.plan import SHARED_SECONDS, make_plan
 from snapmap.sweeps.slabs import cells_in, slab_name
 
 if not workflow.overwrite_configfiles:

@@ -16,7 +16,7 @@ from snapmap.config.study import load_config
 from snapmap.device.device import VALUES
 from snapmap.device.quantities import KINDS
 from snapmap.solver.options import OPTIONS
-from snapmap.sweeps import plan
+from snapmap.workflow import plan
 
 HERE = Path(__file__).parent
 HANDOUT = HERE.parent / "config" / "handout.yaml"

@@ -15,7 +15,7 @@ from snapmap.config.study import load_config
 from snapmap.config.units import show
 from snapmap.config.yaml_file import ConfigError
 from snapmap.device.quantities import KINDS, bounds_of
-from snapmap.sweeps.plan import make_plan
+from snapmap.workflow.plan import make_plan
 
 DEFAULT = yaml.safe_load("""
 device:

@@ -13,8 +13,8 @@ import snapmap
 from snapmap.config.study import load_config
 from snapmap.device.device import VALUES
 from snapmap.sweeps.collect import collect_slabs
-from snapmap.sweeps.plan import make_plan
 from snapmap.sweeps.slabs import slab_name, write_slab
+from snapmap.workflow.plan import make_plan
 
 SHOCK = {"N": [700.0, 900.0, 1100.0, 1300.0], "f0": [900.0, 4000.0], "C": [0.5, 30.0]}
 MODELS = {
@@ -82,7 +82,7 @@ def test_a_study_names_the_point_that_cannot_be():
 
 
 def test_slabs_of_many_axes_make_the_cube_of_one_sweep(tmp_path, monkeypatch):
-    monkeypatch.setattr("snapmap.sweeps.plan.JOB_SECONDS", 2e-4)
+    monkeypatch.setattr("snapmap.workflow.plan.JOB_SECONDS", 2e-4)
     whole = document(thickness=["1.8 um", "1.9 um", "4 um"], not_bistable="skip")
     whole |= {"model": {"name": "cosines", "modes": 3}}
     study = load_config(whole)

@@ -17,8 +17,8 @@ from snapmap.sweeps import plan
 from snapmap.sweeps.collect import collect_slabs
 from snapmap.sweeps.cube import sweep
 from snapmap.sweeps.grid import follow_rows
-from snapmap.sweeps.plan import make_plan
 from snapmap.sweeps.slabs import slab_name, write_slab
+from snapmap.workflow.plan import make_plan
 
 STUDY = THREE_COSINES + "sweep: {horizon: 200 us, until: snap}"
 
@@ -63,7 +63,7 @@ WHOLE = {"N": np.linspace(600, 2400, 16), "f0": np.geomspace(300, 10e3, 16), "C"
 def small_jobs(monkeypatch):
     """Make jobs so short that a plane of 256 cells falls into some twenty slabs."""
     plane = {"C": (25.0,), "f0": tuple(WHOLE["f0"]), "N": tuple(WHOLE["N"])}
-    monkeypatch.setattr("snapmap.sweeps.plan.JOB_SECONDS", seconds(plane) / 12)
+    monkeypatch.setattr("snapmap.workflow.plan.JOB_SECONDS", seconds(plane) / 12)
 
 
 def write_all(whole, folder, code=""):

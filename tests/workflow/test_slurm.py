@@ -17,7 +17,7 @@ from small_studies import TINY
 from small_workflow import wait_for
 
 from snapmap.config.study import load_config
-from snapmap.sweeps.plan import make_plan
+from snapmap.workflow.plan import make_plan
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sinfo", "sbatch", "srun")
 SLURM = (Path(__file__).parent / "slurm.conf").read_text()
@@ -165,7 +165,7 @@ def contents(path):
 
 
 def test_a_slab_asks_for_more_the_more_there_is_to_do(monkeypatch):
-    monkeypatch.setattr("snapmap.sweeps.plan.JOB_SECONDS", np.inf)
+    monkeypatch.setattr("snapmap.workflow.plan.JOB_SECONDS", np.inf)
     document = yaml.safe_load(TINY)
     document["sweep"]["C"] = ["1 uN*us/um"]
 

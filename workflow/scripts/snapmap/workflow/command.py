@@ -68,7 +68,7 @@ def check(config: Path) -> None:
         from ..config.study import load_config
         from ..config.yaml_file import read_document
     from ..solver.cost import spoken
-    from ..sweeps.plan import SEEN, make_plan
+    from .plan import SEEN, make_plan
 
     study = load_config(read_document(config))
     plan = make_plan(

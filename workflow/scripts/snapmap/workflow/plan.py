@@ -13,7 +13,7 @@ from ..solver.cells import to_cells
 from ..solver.cost import MOST_SECONDS, steps_and_seconds
 from ..solver.settings import Settings
 from ..study.axes import DEVICE, Grid
-from .slabs import SINGLE, Slab, cells_in
+from ..sweeps.slabs import SINGLE, Slab, cells_in
 
 JOB_SECONDS = 30
 """At most the expected time of a slab, most take over a third: long against a job's start, and
