@@ -22,7 +22,7 @@ from snapmap.solver.laws import load_laws
 
 ROOT = Path(__file__).resolve().parents[1]
 PICTURES = ROOT / "docs" / "pictures"
-GALLERY = "snap_maps", "thresholds", "requirements", "probability", "sensitivity"
+GALLERY = "snap_maps", "thresholds", "requirements", "probability"
 WIDTH = 1200
 C = 25.0
 SHOWN = {

@@ -151,7 +151,7 @@ def test_the_picture_of_the_first_page_has_the_numbers_of_the_table(root):
 def test_the_pictures_of_pages_are_few_and_small(root):
     pictures = runpy.run_path(str(root / "docs" / "make_pictures.py"))
     names = {path.stem for path in (root / "docs" / "pictures").glob("*.png")}
-    assert names == {"map", *pictures["GALLERY"]} and len(names) <= 6
+    assert names == {"map", "laws", *pictures["GALLERY"]} and len(names) <= 6
     assert all(p.stat().st_size <= 100_000 for p in (root / "docs" / "pictures").iterdir())
 
 

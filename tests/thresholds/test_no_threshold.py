@@ -100,6 +100,13 @@ def test_a_mass_with_a_run_up_snaps_far_below_the_statics(handout, change, asked
     assert found.N_bound < found.N_first < 0.25 * static_threshold(handout)
 
 
+def test_a_beam_that_leaves_a_mass_at_its_stop_snaps_far_below_the_statics(handout):
+    """20 elements snap at 10 000, and do not in steps of 50 from 9700 on."""
+    device = replace(handout, stop_toward=10.0, stop_away=6.0)
+    edge = snapmap.threshold(device, f0=[1500.0], C=[25.0])
+    assert abs(edge.N_first - 1e4) <= edge.N_error and edge.N_first < edge.N_static / 3
+
+
 def test_a_threshold_that_is_not_there_has_its_reason(handout):
     """Pulses that pull slowly, ordinary ones, and those too short for any step."""
     asked = {"C": [25.0], "horizon": 100.0, "model": "cosines", "modes": 3}

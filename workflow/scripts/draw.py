@@ -9,7 +9,6 @@ from functools import partial
 from multiprocessing import get_context
 
 gc.set_threshold(200_000)  # imports and figures are many objects, and hardly any is garbage
-sys.modules["dask"] = None  # xarray would import it to see that no array is lazy
 # ruff: noqa: E402
 
 import xarray as xr
@@ -122,5 +121,6 @@ def function_of(rule):
 
 
 if __name__ == "__main__":
+    sys.modules["dask"] = None  # xarray would import it to see that no array is lazy
     gc.freeze()  # what was imported stays
     run_rule(function_of(snakemake.rule), snakemake)

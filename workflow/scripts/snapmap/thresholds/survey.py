@@ -314,9 +314,10 @@ def scan_range(device, static, rows, bound, start=FIRST) -> tuple[np.ndarray, np
     fast = 1e-6 * np.pi * rows.f0 / (frequency * area)
     damped = np.divide(rows.C, 2 * frequency * mass, out=np.zeros(mass.shape), where=mass > 0)
     low = static / (1.5 * np.fmax(variation, 2))
-    if start != FIRST:
-        # A mass that flies from afar may strike with the energy of a far weaker shock.
-        low = np.where(device.is_alone[rows.device], low, np.minimum(low, SLACK * bound))
+    # A mass that flies from afar may strike with the energy of a far weaker shock, and a beam that
+    # leaves a mass at its stop may swing further than a lasting push moves it.
+    from_bound = np.isfinite(device.stop_toward) | (start != FIRST) & ~device.is_alone
+    low = np.where(from_bound[rows.device], np.minimum(low, SLACK * bound), low)
     return low, 5 * static / presses * (1 + fast) * (1 + damped)
 
 
