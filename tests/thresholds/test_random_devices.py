@@ -12,7 +12,7 @@ from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
 from snapmap.thresholds.search import lowest_snap
 from studies import coverage
-from studies.coverage import ask, judge, ratios
+from studies.coverage import ask, draw_rows, judge, ratios
 from studies.random_devices import draw_device, draw_shocks
 
 LIGHT, STIFF = {"mass": 0.6}, {"spring": 1e5}
@@ -58,3 +58,17 @@ def test_errors_lie_within_their_bars(monkeypatch):
         asked += truth.size
     over = np.concatenate(over)
     assert over.size > asked / 2 and np.mean(over <= 1) > 0.95
+
+
+def test_rows_too_slow_to_judge_are_counted(monkeypatch):
+    """All of versed sines are judged; of other pulses some are not, and the slowest are these."""
+
+    def left_out(of_all):
+        draw = np.random.default_rng(7)
+        return np.array([draw_rows(draw, of_all)[-1] for _ in range(20)])
+
+    assert not left_out(False).any()
+    some = left_out(True)
+    assert 0 < some.mean() < 0.4 and some[:, 0].sum() > some[:, -1].sum()
+    monkeypatch.setattr(coverage, "MOST_STEPS", np.inf)
+    assert not left_out(True).any()
